@@ -1,0 +1,33 @@
+# make        the paper's partition curve, from a full simulation
+# make test   the tests
+# Both first build .venv from requirements.lock, unless it stands already.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+INSTALLED := $(VENV)/.installed
+
+.PHONY: all test lint clean
+
+all: $(INSTALLED)
+	$(BIN)/snakemake -j2 results/figs/partition_curve.pdf
+
+test: $(INSTALLED)
+	$(BIN)/python -m pytest
+
+lint: $(INSTALLED)
+	$(BIN)/ruff check
+	$(BIN)/snakefmt --check Snakefile workflow
+	$(BIN)/snakemake --lint
+	$(BIN)/lint-imports
+
+$(INSTALLED): requirements.lock pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(None if sys.version_info >= (3, 11) else "opml needs Python 3.11 or later")'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --requirement requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	touch $@
+
+clean:
+	rm -rf results .snakemake $(VENV) .pytest_cache .ruff_cache .import_linter_cache build src/*.egg-info
+	find src tests workflow -name __pycache__ -prune -exec rm -rf {} +
