@@ -1,0 +1,232 @@
+"""Stations and RSOs: the two sheets, and the canonical texts that name station sets and varied RSOs.
+
+Sheets are read as text, so that a name stays what it is. A station set is the stations' names joined with '-'
+in the sheet's order: ``eglin-kaena``. An RSO is a row's name, or that row with another inclination in degrees
+(``iss_i50``), with kilometres added to its semi-major axis (``iss_a+50``), or both (``iss_i50_a+50``).
+"""
+
+import csv
+import math
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from opml.constants import WGS84_A
+from opml.errors import InputError
+
+# One spelling a number, as it is part of file names: 50, 51.6393, 0.1, but neither 050 nor 0.10.
+NUMBER = r"(?:0|[1-9]\d*)(?:\.\d*[1-9])?"
+_POSITIVE = r"(?:0\.\d*[1-9]|[1-9]\d*(?:\.\d*[1-9])?)"
+_NAME = re.compile(r"[a-z][a-z0-9]*")
+
+LOWEST_PERIGEE = 120e3
+"""Altitude below which the atmosphere model holds no longer [m] (DTM2000: from 120 km up)."""
+
+
+@dataclass(frozen=True)
+class Station:
+    """A radar: place on WGS84, what it sees, and its noise (standard deviations); SI units, radians."""
+
+    name: str
+    latitude: float
+    longitude: float
+    altitude: float
+    max_range: float
+    min_elevation: float
+    max_elevation: float
+    sigma_range: float
+    sigma_azimuth: float
+    sigma_elevation: float
+
+
+@dataclass(frozen=True)
+class Rso:
+    """A resident space object: osculating elements in GCRF at the epoch and its body; SI units, radians."""
+
+    name: str
+    a: float
+    e: float
+    i: float
+    argp: float
+    raan: float
+    mean_anomaly: float
+    area_to_mass: float
+    cd: float
+    cr: float
+
+
+@dataclass(frozen=True)
+class _Field:
+    """A sheet's column: the attribute it fills, its range in its own unit, and how it becomes SI."""
+
+    attribute: str
+    low: float
+    high: float
+    to_si: Callable[[float], float] = float
+    above_low: bool = False
+
+    def parse(self, text: str) -> float:
+        """Return the value in SI units; raise ValueError that says what was expected."""
+        try:
+            value = float(text)
+        except (TypeError, ValueError):
+            value = math.nan
+        inside = self.low < value if self.above_low else self.low <= value
+        if not (inside and value <= self.high and math.isfinite(value)):
+            raise ValueError(f"expected {self._range()}, got {text!r}")
+        return self.to_si(value)
+
+    def _range(self) -> str:
+        low = f"above {self.low:g}" if self.above_low else f"of at least {self.low:g}"
+        return f"a number {low}" if self.high == math.inf else f"a number {low} and at most {self.high:g}"
+
+
+def _kilo(value: float) -> float:
+    return value * 1e3
+
+
+_STATION_FIELDS = {
+    "latitude_deg": _Field("latitude", -90, 90, math.radians),
+    "longitude_deg": _Field("longitude", -180, 360, math.radians),
+    "altitude_m": _Field("altitude", -500, 10_000),
+    "max_range_km": _Field("max_range", 0, math.inf, _kilo, above_low=True),
+    "min_elevation_deg": _Field("min_elevation", 0, 90, math.radians),
+    "max_elevation_deg": _Field("max_elevation", 0, 90, math.radians),
+    "sigma_range_m": _Field("sigma_range", 0, math.inf, above_low=True),
+    "sigma_azimuth_deg": _Field("sigma_azimuth", 0, 90, math.radians, above_low=True),
+    "sigma_elevation_deg": _Field("sigma_elevation", 0, 90, math.radians, above_low=True),
+}
+_RSO_FIELDS = {
+    "a_km": _Field("a", WGS84_A / 1e3, math.inf, _kilo),
+    "e": _Field("e", 0, 0.99),
+    "i_deg": _Field("i", 0, 180, math.radians),
+    "argp_deg": _Field("argp", -360, 360, math.radians),
+    "raan_deg": _Field("raan", -360, 360, math.radians),
+    "mean_anomaly_deg": _Field("mean_anomaly", -360, 360, math.radians),
+    "area_to_mass_m2pkg": _Field("area_to_mass", 0, math.inf),
+    "cd": _Field("cd", 0, math.inf),
+    "cr": _Field("cr", 0, math.inf),
+}
+
+
+def read_stations(path: str | Path) -> dict[str, Station]:
+    """Read the stations' sheet, in its order. Raises InputError, naming file, row and column."""
+    stations = {name: Station(name=name, **row) for name, row in _rows(path, _STATION_FIELDS).items()}
+    for station in stations.values():
+        if not station.min_elevation < station.max_elevation:
+            low, high = math.degrees(station.min_elevation), math.degrees(station.max_elevation)
+            raise InputError(
+                f"{path}: {station.name}: min_elevation_deg: "
+                f"expected less than max_elevation_deg, got {low:g} and {high:g}"
+            )
+    return stations
+
+
+def read_rsos(path: str | Path) -> dict[str, Rso]:
+    """Read the RSOs' sheet. Raises InputError, naming file, row and column."""
+    rsos = {name: Rso(name=name, **row) for name, row in _rows(path, _RSO_FIELDS).items()}
+    for rso in rsos.values():
+        _check_perigee(rso, f"{path}: {rso.name}: a_km")
+    return rsos
+
+
+def parse_stations(text: str, sheet: Mapping[str, Station]) -> list[Station]:
+    """Return the stations that a set's canonical text names. Raises InputError for any other text."""
+    names = text.split("-")
+    if unknown := [name for name in names if name not in sheet]:
+        raise InputError(f"stations '{text}': expected names from {', '.join(sheet)}, got '{unknown[0]}'")
+    canonical = "-".join(name for name in sheet if name in names)
+    if text != canonical:
+        raise InputError(f"stations '{text}': expected each name once, in the sheet's order: '{canonical}'")
+    return [sheet[name] for name in names]
+
+
+def parse_rso(text: str, sheet: Mapping[str, Rso]) -> Rso:
+    """Return the RSO that a canonical text names, varied as it says. Raises InputError for any other text."""
+    match = re.fullmatch(_varied(r"(?P<base>[^_]*)"), text)
+    if match is None or match["base"] not in sheet:
+        raise InputError(
+            f"RSO '{text}': expected one of {', '.join(sheet)}, then at most _i<degrees> and _a<+ or -><km>"
+        )
+    rso = replace(sheet[match["base"]], name=text)
+    if match["i"]:
+        rso = replace(rso, i=_inclination(text, match["i"]))
+    if match["a"]:
+        rso = replace(rso, a=rso.a + _kilo(float(match["a"])))
+        _check_perigee(rso, f"RSO '{text}'")
+    return rso
+
+
+def stations_pattern(sheet: Mapping[str, Station]) -> str:
+    """Return the regular expression of every canonical station set: some stations in the sheet's order."""
+    names = list(sheet)
+    sets = [names[k] + "".join(f"(?:-{later})?" for later in names[k + 1 :]) for k in range(len(names))]
+    return f"(?:{'|'.join(sets)})"
+
+
+def rso_pattern(sheet: Mapping[str, Rso]) -> str:
+    """Return the regular expression of every canonical RSO, without named groups."""
+    return re.sub(r"\?P<\w+>", "?:", _varied(f"(?:{'|'.join(sheet)})"))
+
+
+def _varied(base: str) -> str:
+    return rf"{base}(?:_i(?P<i>{NUMBER}))?(?:_a(?P<a>[+-]{_POSITIVE}))?"
+
+
+def _inclination(text: str, degrees: str) -> float:
+    try:
+        return _RSO_FIELDS["i_deg"].parse(degrees)
+    except ValueError as error:
+        raise InputError(f"RSO '{text}': inclination: {error}") from None
+
+
+def _check_perigee(rso: Rso, where: str) -> None:
+    altitude = rso.a * (1 - rso.e) - WGS84_A
+    if altitude < LOWEST_PERIGEE:
+        lowest = f"{LOWEST_PERIGEE / 1e3:g} km"
+        raise InputError(f"{where}: expected a perigee at least {lowest} high, got {altitude / 1e3:.1f} km")
+
+
+def _rows(path: str | Path, fields: Mapping[str, _Field]) -> dict[str, dict[str, float]]:
+    """Read a tab-separated sheet with a column `name`; lines that start with # are remarks."""
+    header, *lines = _lines(path)
+    expected = ["name", *fields]
+    if sorted(header) != sorted(expected):
+        odd = sorted(set(header) ^ set(expected)) or sorted(name for name in header if header.count(name) > 1)
+        raise InputError(
+            f"{path}: header: expected the columns {', '.join(expected)}; look at {', '.join(odd)}"
+        )
+    rows: dict[str, dict[str, float]] = {}
+    for cells in lines:
+        if len(cells) != len(header):
+            raise InputError(f"{path}: {cells[0]}: expected {len(header)} cells, got {len(cells)}")
+        row = dict(zip(header, cells, strict=True))
+        name = row["name"]
+        if not _NAME.fullmatch(name) or name in rows:
+            raise InputError(
+                f"{path}: name: expected lower-case letters and digits, no name twice, got {name!r}"
+            )
+        rows[name] = {field.attribute: _cell(path, name, row, key, field) for key, field in fields.items()}
+    if not rows:
+        raise InputError(f"{path}: expected at least one row, got none")
+    return rows
+
+
+def _lines(path: str | Path) -> list[list[str]]:
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: expected a sheet in UTF-8 text ({error})") from None
+    kept = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    lines = [[cell.strip() for cell in cells] for cells in csv.reader(kept, delimiter="\t")]
+    return lines or [[]]
+
+
+def _cell(path: str | Path, name: str, row: Mapping[str, str], key: str, field: _Field) -> float:
+    try:
+        return field.parse(row[key])
+    except ValueError as error:
+        raise InputError(f"{path}: {name}: {key}: {error}") from None

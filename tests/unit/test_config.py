@@ -1,0 +1,160 @@
+"""Settings: the paper's are valid, and each wrong one is told in one line with its file and key."""
+
+import copy
+from pathlib import Path
+
+import pytest
+
+from opml import tables
+from opml.config import load, read_yaml, with_numbers
+from opml.errors import InputError
+
+ROOT = Path(__file__).parents[2]
+SCHEMA = ROOT / "workflow" / "schemas" / "config.schema.yaml"
+PAPER = read_yaml(ROOT / "config" / "config.yaml")
+
+
+@pytest.fixture(autouse=True)
+def _in_root(monkeypatch):
+    monkeypatch.chdir(ROOT)  # the sheets' paths are relative to it
+
+
+def edited(key, value):
+    values = copy.deepcopy(PAPER)
+    *parents, last = key.split(".")
+    place = values
+    for name in parents:
+        place = place[name]
+    place[last] = value
+    return values
+
+
+def message(values, files=("config/config.yaml",)):
+    with pytest.raises(InputError) as raised:
+        load(values, schema=SCHEMA, files=files)
+    assert "\n" not in str(raised.value)
+    return str(raised.value)
+
+
+def test_papers_settings_are_valid():
+    settings = load(PAPER, schema=SCHEMA)
+    assert settings.values == PAPER
+    assert (len(settings.stations), len(settings.rsos)) == (3, 7)
+
+
+def test_learning_variables_are_the_tables_columns():
+    schema = read_yaml(SCHEMA)["properties"]["learning"]["properties"]["variables"]["items"]["enum"]
+    assert set(schema) == {*tables.LEARNING_VARIABLES, "gap"}
+    assert PAPER["learning"]["variables"] == list(tables.LEARNING_VARIABLES)
+
+
+def test_third_bodies_are_the_tables_columns():
+    schema = read_yaml(SCHEMA)["$defs"]["force_model"]["properties"]["third_bodies"]["items"]["enum"]
+    assert tuple(schema) == tables.BODIES
+    assert read_yaml(SCHEMA)["properties"]["experiments"]["properties"]["partition"]["properties"][
+        "component"
+    ]["enum"] == list(tables.COMPONENTS)
+
+
+def objects(schema):
+    if isinstance(schema, dict):
+        if schema.get("type") == "object":
+            yield schema
+        for part in schema.values():
+            yield from objects(part)
+
+
+def test_no_object_of_the_schema_takes_unknown_keys():
+    assert all("additionalProperties" in found for found in objects(read_yaml(SCHEMA)))
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "expected"),
+    [
+        ("sed", 1, "sed: unknown key; did you mean seed?"),
+        ("tracking.stp_s", 20, "tracking.stp_s: unknown key; did you mean step_s?"),
+        ("tracking.step_s", "fast", "tracking.step_s: expected a number above 0, got 'fast'"),
+        ("tracking.step_s", 0, "tracking.step_s: expected a number above 0, got 0"),
+        ("tracking.step_s", True, "tracking.step_s: expected a number above 0, got True"),
+        ("tracking.step_s", float("nan"), "tracking.step_s: expected a finite number, got nan"),
+        ("tracking", 20, "tracking: expected a mapping, got 20"),
+        ("seed.noise", 1.5, "seed.noise: expected a whole number from 0, got 1.5"),
+        ("epoch", "2016-9-28", "epoch: expected UTC text in quotes"),
+        ("results", "a folder", "results: expected a folder's path without spaces or braces, got 'a folder'"),
+        ("environment.percentile", 51, "environment.percentile: expected one of 95, 50, 5, got 51"),
+        ("environment.gravity_field", 8, "environment.gravity_field: expected text, got 8"),
+        ("force_models.truth.order", 41, "force_models.truth.order: expected at most degree, got 41 and 40"),
+        (
+            "force_models.assumed.third_bodies",
+            ["vulcan"],
+            "force_models.assumed.third_bodies.0: expected one of sun,",
+        ),
+        ("integrator.min_step_s", 91, "integrator.min_step_s: expected at most max_step_s, got 91 and 90"),
+        ("cleaning.cd_min", 4, "cleaning.cd_min: expected at most cd_max, got 4 and 3.2"),
+        (
+            "learning.span_days",
+            [30, 0],
+            "learning.span_days: expected the first day before the last, got 30 and 0",
+        ),
+        (
+            "learning.span_days",
+            [30],
+            "learning.span_days: expected two numbers, first and last day, got [30]",
+        ),
+        ("learning.variables", ["a", "a"], "learning.variables: expected no item twice"),
+        (
+            "learners.svr.kernel_scale",
+            "auto",
+            "kernel_scale: expected sigest, median, cv or a number above 0",
+        ),
+        ("learners.a/b", {}, "learners: expected a name of lower-case letters and digits, got 'a/b'"),
+        (
+            "experiments.partition.ratios",
+            [0],
+            "partition.ratios.0: expected a whole percentage from 1 to 99, got 0",
+        ),
+        ("experiments.partition.learner", "forest", "partition.learner: expected one of svr, got 'forest'"),
+        (
+            "experiments.partition.stations",
+            "eglin-oz",
+            "partition.stations: stations 'eglin-oz': expected names",
+        ),
+        ("experiments.partition.rso", "mir", "partition.rso: RSO 'mir': expected one of iss,"),
+        ("sheets.rsos", "config/none.tsv", "config/none.tsv: no such file"),
+    ],
+)
+def test_wrong_setting_is_named(key, value, expected):
+    assert expected in message(edited(key, value))
+
+
+def test_missing_setting_is_named():
+    values = copy.deepcopy(PAPER)
+    del values["cleaning"]["fence"]
+    assert message(values) == "config/config.yaml: cleaning.fence: expected a value, got none"
+
+
+def test_key_that_is_no_text_is_named():
+    assert "3: expected a key that is text" in message(PAPER | {3: 4})
+
+
+def test_the_file_that_set_the_value_is_named(tmp_path):
+    file = tmp_path / "mine.yaml"
+    file.write_text("tracking: {step_s: -1}\n")
+    values = edited("tracking.step_s", -1)
+    assert message(values, ["config/config.yaml", file]).startswith(f"{file}: tracking.step_s")
+    assert message(values, ["config/config.yaml"]).startswith("--config: tracking.step_s")
+
+
+@pytest.mark.parametrize("text", ["a: [", "a: b: c", "\t- x", "!!python/object:os.system {}"])
+def test_what_is_no_yaml_is_named_and_nothing_is_run(tmp_path, text):
+    file = tmp_path / "broken.yaml"
+    file.write_text(text)
+    with pytest.raises(InputError, match=r"broken\.yaml: expected YAML"):
+        read_yaml(file)
+
+
+def test_numbers_inside_braces_on_the_command_line_become_numbers():
+    given = {"a": {"b": "20", "c": ["0.5", "x"], "d": True}, "e": 0.5}
+    assert with_numbers(given) == {"a": {"b": 20, "c": [0.5, "x"], "d": True}, "e": 0.5}
+    assert isinstance(with_numbers(given)["a"]["b"], int)
+    assert with_numbers(given)["a"]["d"] is True

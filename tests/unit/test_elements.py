@@ -1,0 +1,143 @@
+"""Elements, frames and anomalies: textbook cases, singular cases and round trips."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from opml.elements import (
+    cartesian_from_coe,
+    coe_from_cartesian,
+    rsw_rotation,
+    true_from_mean_anomaly,
+    wrap_half_turn,
+    wrap_turn,
+)
+from opml.errors import InputError
+
+GM = 3.986004418e14
+
+
+def angle(limit=2 * np.pi):
+    return st.floats(0.0, limit, exclude_max=True)
+
+
+def test_vallado_example_2_5():
+    # Vallado, Fundamentals of Astrodynamics and Applications, 4th ed., example 2-5 (printed to these digits).
+    state = 1e3 * np.array([6524.834, 6862.875, 6448.296, 4.901327, 5.533756, -1.976341])
+    a, e, inclination, argp, raan, nu = coe_from_cartesian(state, GM)
+    assert a == pytest.approx(36127.343e3, rel=1e-6)
+    assert e == pytest.approx(0.832853, abs=1e-6)
+    assert np.degrees([inclination, raan, argp, nu]) == pytest.approx(
+        [87.870, 227.898, 53.38, 92.335], abs=6e-3
+    )
+
+
+def test_vallado_example_2_1():
+    # The same book, example 2-1: M = 235.4 deg, e = 0.4 give E = 220.512074 deg.
+    nu = true_from_mean_anomaly(np.radians(235.4), 0.4)
+    eccentric = np.radians(220.512074767522)
+    cosine = (np.cos(eccentric) - 0.4) / (1 - 0.4 * np.cos(eccentric))
+    assert nu == pytest.approx(2 * np.pi - np.arccos(cosine), abs=1e-12)
+
+
+def test_circular_orbit_counts_from_the_node():
+    coe = coe_from_cartesian(cartesian_from_coe([7e6, 0.0, 1.0, 0.3, 0.5, 0.4], GM), GM)
+    assert coe[3] == 0.0
+    assert coe == pytest.approx([7e6, 0.0, 1.0, 0.0, 0.5, 0.7], rel=1e-12, abs=1e-12)
+
+
+@pytest.mark.parametrize(("inclination", "longitude"), [(0.0, 0.3 + 0.5), (np.pi, 0.3 - 0.5)])
+def test_equatorial_orbit_counts_from_the_x_axis(inclination, longitude):
+    # Perigee 0.3 after a node at 0.5: its angle from the x axis in the sense of motion, either way round.
+    coe = coe_from_cartesian(cartesian_from_coe([7e6, 0.1, inclination, 0.3, 0.5, 0.4], GM), GM)
+    assert coe[4] == 0.0
+    assert coe == pytest.approx([7e6, 0.1, inclination, longitude % (2 * np.pi), 0.0, 0.4], rel=1e-9)
+
+
+def test_circular_equatorial_orbit_counts_from_the_x_axis():
+    speed = np.sqrt(GM / 7e6)
+    coe = coe_from_cartesian(np.array([0.0, 7e6, 0.0, -speed, 0.0, 0.0]), GM)
+    assert coe == pytest.approx([7e6, 0.0, 0.0, 0.0, 0.0, np.pi / 2], rel=1e-12, abs=1e-12)
+
+
+def test_hyperbola_has_negative_semi_major_axis():
+    coe = np.array([-9e6, 1.5, 0.7, 1.1, 2.2, 0.3])
+    assert coe_from_cartesian(cartesian_from_coe(coe, GM), GM) == pytest.approx(coe, rel=1e-10)
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    a=st.floats(6.6e6, 4.3e7),
+    e=st.floats(0.0, 0.9),
+    inclination=st.floats(0.0, np.pi),
+    argp=angle(),
+    raan=angle(),
+    nu=angle(),
+)
+def test_state_survives_the_round_trip_everywhere(a, e, inclination, argp, raan, nu):
+    state = cartesian_from_coe([a, e, inclination, argp, raan, nu], GM)
+    back = cartesian_from_coe(coe_from_cartesian(state, GM), GM)
+    assert back[:3] == pytest.approx(state[:3], abs=1e-7 * a)
+    assert back[3:] == pytest.approx(state[3:], abs=1e-7 * np.linalg.norm(state[3:]))
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    a=st.floats(6.6e6, 4.3e7),
+    e=st.floats(1e-3, 0.9),
+    inclination=st.floats(0.05, 3.09),
+    argp=angle(),
+    raan=angle(),
+    nu=angle(),
+)
+def test_elements_survive_the_round_trip_off_the_singularities(a, e, inclination, argp, raan, nu):
+    coe = np.array([a, e, inclination, argp, raan, nu])
+    back = coe_from_cartesian(cartesian_from_coe(coe, GM), GM)
+    assert back[:3] == pytest.approx(coe[:3], rel=1e-10)
+    assert wrap_half_turn(back[3:] - coe[3:]) == pytest.approx(0.0, abs=1e-10)
+
+
+def test_elements_broadcast_over_leading_axes_and_pass_nan_on():
+    coe = np.array([[7e6, 0.01, 1.0, 0.1, 0.2, 0.3], [8e6, 0.02, 2.0, 1.1, 1.2, 1.3], [np.nan] * 6])
+    states = cartesian_from_coe(coe, GM)
+    together = coe_from_cartesian(states.reshape(3, 1, 6), GM)
+    assert together.shape == (3, 1, 6)
+    np.testing.assert_allclose(together[:, 0], coe, rtol=1e-10)
+
+
+def test_rsw_axes():
+    # Above the x axis and moving up: R = x, S = z, W = -y.
+    rotation = rsw_rotation(np.array([7e6, 0.0, 0.0, 10.0, 0.0, 7500.0]))
+    np.testing.assert_allclose(rotation, [[1, 0, 0], [0, 0, 1], [0, -1, 0]], atol=1e-15)
+
+
+def test_rsw_is_a_rotation():
+    states = cartesian_from_coe(
+        np.array([[7e6, 0.1, 1.0, 0.1, 0.2, 0.3], [8e6, 0.2, 2.0, 3.0, 4.0, 5.0]]), GM
+    )
+    rotation = rsw_rotation(states)
+    np.testing.assert_allclose(rotation @ np.swapaxes(rotation, 1, 2), np.stack([np.eye(3)] * 2), atol=1e-14)
+    np.testing.assert_allclose(np.linalg.det(rotation), 1.0)
+    assert np.all((rotation @ states[:, 3:, None])[:, 1] > 0.0)
+
+
+@settings(max_examples=200, deadline=None)
+@given(mean=st.floats(-10.0, 10.0), e=st.floats(0.0, 0.99))
+def test_true_anomaly_solves_keplers_equation(mean, e):
+    nu = true_from_mean_anomaly(mean, e)
+    eccentric = 2 * np.arctan2(np.sqrt(1 - e) * np.sin(nu / 2), np.sqrt(1 + e) * np.cos(nu / 2))
+    assert wrap_half_turn(eccentric - e * np.sin(eccentric) - mean) == pytest.approx(0.0, abs=1e-11)
+
+
+@pytest.mark.parametrize("e", [-0.1, 1.0, np.nan])
+def test_true_anomaly_wants_an_ellipse(e):
+    with pytest.raises(InputError, match="eccentricity"):
+        true_from_mean_anomaly(1.0, e)
+
+
+def test_wraps():
+    assert wrap_turn(np.array([-1e-20, 2 * np.pi, -0.5])) == pytest.approx([0.0, 0.0, 2 * np.pi - 0.5])
+    assert wrap_half_turn(np.array([np.pi, -np.pi, 3.5, -3.5])) == pytest.approx(
+        [np.pi, np.pi, 3.5 - 2 * np.pi, 2 * np.pi - 3.5]
+    )

@@ -1,0 +1,80 @@
+"""The frame around every job: log, metadata, and how errors end it."""
+
+import logging
+from types import SimpleNamespace
+
+import pytest
+from threadpoolctl import threadpool_info
+
+from opml import __version__
+from opml.errors import InputError
+from opml.jobs import job, progress
+from opml.provenance import settings_digest
+
+SETTINGS = {"epoch": "2016-09-28T12:09:45", "seed": 42, "step_s": 20}
+
+
+@pytest.fixture
+def snakemake(tmp_path):
+    return SimpleNamespace(
+        rule="truth", log=[str(tmp_path / "job.log")], threads=1, params=SimpleNamespace(settings=SETTINGS)
+    )
+
+
+def log(snakemake):
+    with open(snakemake.log[0]) as file:
+        return file.read()
+
+
+def test_metadata_tells_how_a_table_was_made(snakemake):
+    with job(snakemake) as metadata:
+        pass
+    assert metadata == {
+        "epoch": "2016-09-28T12:09:45",
+        "time_scale": "SI seconds since epoch",
+        "settings": settings_digest(SETTINGS),
+        "seed": 42,
+        "version": __version__,
+    }
+
+
+def test_progress_and_warnings_go_to_the_log_alone(snakemake, capfd):
+    with job(snakemake):
+        progress(0.25)
+        logging.getLogger("opml.catalog").info("fitted 3 tracks")
+        logging.getLogger("py.warnings").warning("flat kernel")  # where logging.captureWarnings sends them
+    for text in ("started", "25 % done", "fitted 3 tracks", "flat kernel", "finished"):
+        assert text in log(snakemake)
+    assert capfd.readouterr().err == ""
+
+
+def test_input_error_is_one_line_and_exit_code_1(snakemake, capfd):
+    with pytest.raises(SystemExit) as ended, job(snakemake):
+        raise InputError("truth.parquet: vy: column\n is missing")
+    assert ended.value.code == 1
+    assert capfd.readouterr().err == "opml: truth.parquet: vy: column is missing\n"
+    assert "ERROR truth.parquet: vy: column is missing" in log(snakemake)
+    assert "Traceback" not in log(snakemake)
+
+
+def test_any_other_error_keeps_its_traceback(snakemake, capfd):
+    with pytest.raises(SystemExit) as ended, job(snakemake):
+        raise ZeroDivisionError("a bug")
+    assert ended.value.code == 1
+    assert "ZeroDivisionError: a bug" in log(snakemake)
+    assert "Traceback" in capfd.readouterr().err
+
+
+def test_linear_algebra_has_one_thread(snakemake):
+    # Sums of BLAS depend on the number of threads, and results must not.
+    with job(snakemake):
+        inside = [pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"]
+    assert inside
+    assert set(inside) == {1}
+
+
+def test_handlers_are_gone_afterwards(snakemake):
+    before = list(logging.getLogger("opml").handlers)
+    with job(snakemake):
+        pass
+    assert logging.getLogger("opml").handlers == before

@@ -1,0 +1,116 @@
+"""Digests of code: whatever a script imports counts, and nothing else."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from opml import provenance
+from opml.provenance import closure, code_digest, imports, script_digest, settings_digest
+
+SCRIPTS = sorted((Path(__file__).parents[2] / "workflow" / "scripts").glob("*.py"))
+
+
+def package(tmp_path, monkeypatch, **sources):
+    """A small package in opml's place."""
+    root = tmp_path / "opml"
+    for name, source in {"__init__": "", "data/figures.csv": "1,2", "data/other.csv": "3", **sources}.items():
+        path = root / (name if "." in name else f"{name}.py")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(source)
+    monkeypatch.setattr(provenance, "_PACKAGE", root)
+    provenance._needed.cache_clear()
+    provenance._tree.cache_clear()
+    return root
+
+
+@pytest.fixture(autouse=True)
+def _fresh_caches():
+    yield
+    provenance._needed.cache_clear()
+    provenance._tree.cache_clear()
+
+
+@pytest.fixture
+def small(tmp_path, monkeypatch):
+    return package(
+        tmp_path,
+        monkeypatch,
+        top="from opml.sub import middle\nimport numpy",
+        beside="x = 1",
+        lonely="import os",
+        **{
+            "sub/__init__": "",
+            "sub/middle": "from . import low\nfrom .low import value\nfrom ..beside import x",
+            "sub/low": "def f():\n    from opml import lazy\nvalue = 'figures.csv'",
+            "sub/unused": "y = 2",
+            "lazy": "import opml.sub.circle",
+            "sub/circle": "from opml import top",
+        },
+    )
+
+
+def test_imports_are_followed_whatever_their_form(small):
+    reached = {"top", "beside", "lazy", "sub", "sub.middle", "sub.low", "sub.circle"}
+    assert closure("opml.top") == {"opml", *(f"opml.{name}" for name in reached)}
+    assert closure("opml.lonely") == {"opml", "opml.lonely"}
+
+
+@pytest.mark.parametrize(
+    ("changed", "counts"),
+    [
+        ("top.py", True),
+        ("beside.py", True),
+        ("sub/low.py", True),
+        ("sub/__init__.py", True),
+        ("__init__.py", True),
+        ("data/figures.csv", True),
+        ("data/other.csv", False),
+        ("sub/unused.py", False),
+        ("lonely.py", False),
+    ],
+)
+def test_digest_changes_with_what_is_used_only(small, changed, counts):
+    before = code_digest("opml.top")
+    with (small / changed).open("a") as file:
+        file.write("\n")
+    assert (code_digest("opml.top") != before) == counts
+
+
+def test_digest_does_not_depend_on_the_place(small, tmp_path, monkeypatch):
+    before = code_digest("opml.top")
+    shutil.copytree(small, tmp_path / "elsewhere" / "opml")
+    monkeypatch.setattr(provenance, "_PACKAGE", tmp_path / "elsewhere" / "opml")
+    assert code_digest("opml.top") == before
+
+
+def test_unknown_module_is_an_error():
+    with pytest.raises(ValueError, match=r"no module opml\.nonsense"):
+        code_digest("opml.nonsense")
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
+def test_every_script_has_a_digest_of_its_own_modules(script):
+    assert len(script_digest(script)) == 64
+    assert "opml.jobs" in imports(script)
+
+
+def test_nothing_that_python_really_loads_is_missed():
+    # The truth is in the interpreter: load what a script imports, and look at what came with it.
+    for name in ("estimation", "evaluate", "gravity_field"):
+        script = next(path for path in SCRIPTS if path.stem == name)
+        modules = sorted(imports(script))
+        code = (
+            f"import sys, {', '.join(modules)}\nprint(*(m for m in sys.modules if m.split('.')[0] == 'opml'))"
+        )
+        loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        assert set(loaded.stdout.split()) <= closure(*modules)
+
+
+def test_settings_digest_ignores_the_order_of_keys():
+    assert settings_digest({"a": 1, "b": {"c": 2, "d": 3}}) == settings_digest(
+        {"b": {"d": 3, "c": 2}, "a": 1}
+    )
+    assert settings_digest({"a": 1}) != settings_digest({"a": 1.5})

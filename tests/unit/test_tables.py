@@ -1,0 +1,158 @@
+"""Tables: what is written comes back, and what is damaged is noticed."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from opml import tables
+from opml.errors import InputError
+from opml.tables import SCHEMAS, read_metadata, read_table, write_table
+
+METADATA = {"epoch": "2016-09-28T12:09:45", "seed": 42, "gm": {"sun": 1.32712440041279419e20}}
+
+
+def example(name, rows=5):
+    """A table of any schema, each column with values of its own."""
+    values = {
+        "float64": lambda k: np.linspace(-1.0, 1.0, rows) * 10.0**k,
+        "int64": lambda k: np.arange(rows) + k,
+        "bool": lambda k: np.arange(rows) % 2 == k % 2,
+        "string": lambda k: [f"text {k} {row}" if row else "" for row in range(rows)],
+    }
+    columns = SCHEMAS[name].columns
+    return pd.DataFrame({column.name: values[column.dtype](k) for k, column in enumerate(columns)})
+
+
+@pytest.fixture
+def truth(tmp_path):
+    path = tmp_path / "truth.parquet"
+    write_table(path, example("truth"), "truth", metadata=METADATA)
+    return path
+
+
+@pytest.mark.parametrize("name", SCHEMAS)
+def test_every_table_comes_back_as_written(name, tmp_path):
+    path = tmp_path / "folder" / "table.parquet"
+    frame = example(name)
+    write_table(path, frame.sample(frac=1.0, axis=1, random_state=1), name, metadata=METADATA)
+    pd.testing.assert_frame_equal(read_table(path, name), frame)
+    assert read_metadata(path) == METADATA
+
+
+@pytest.mark.parametrize("name", SCHEMAS)
+def test_an_empty_table_keeps_its_columns(name, tmp_path):
+    write_table(tmp_path / "t", example(name, rows=0), name, metadata={})
+    assert list(read_table(tmp_path / "t", name).columns) == SCHEMAS[name].names
+
+
+def test_not_a_number_stays_one(tmp_path):
+    frame = example("truth")
+    frame.loc[2, ["x", "vz"]] = [np.nan, -np.inf]
+    write_table(tmp_path / "t", frame, "truth", metadata={})
+    pd.testing.assert_frame_equal(read_table(tmp_path / "t", "truth"), frame)
+
+
+def test_columns_carry_unit_frame_and_meaning(truth):
+    field = pq.read_schema(truth).field("vx")
+    assert {key: field.metadata[key] for key in (b"unit", b"frame", b"meaning")} == {
+        b"unit": b"m/s",
+        b"frame": b"GCRF",
+        b"meaning": b"true state, vx",
+    }
+
+
+def test_same_table_same_bytes(truth, tmp_path):
+    write_table(tmp_path / "again", example("truth"), "truth", metadata=dict(reversed(METADATA.items())))
+    assert (tmp_path / "again").read_bytes() == truth.read_bytes()
+
+
+def test_a_wrong_table_is_refused_and_leaves_nothing(tmp_path):
+    with pytest.raises(ValueError, match="vz"):
+        write_table(tmp_path / "t", example("truth").drop(columns="vz"), "truth", metadata={})
+    with pytest.raises((TypeError, ValueError)):
+        write_table(tmp_path / "t", example("truth").assign(vz="fast"), "truth", metadata={})
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_failed_write_keeps_the_old_table(truth, monkeypatch):
+    before = truth.read_bytes()
+
+    def fail(table, path, **options):
+        Path(path).write_bytes(b"PAR1 half")
+        raise OSError("disk full")
+
+    monkeypatch.setattr(tables.pq, "write_table", fail)
+    with pytest.raises(OSError, match="disk full"):
+        write_table(truth, example("truth", rows=9), "truth", metadata={})
+    assert truth.read_bytes() == before
+    assert list(truth.parent.iterdir()) == [truth]
+
+
+def test_missing_file_is_named(tmp_path):
+    with pytest.raises(InputError, match=r"nothing\.parquet: no such file"):
+        read_table(tmp_path / "nothing.parquet", "truth")
+
+
+def test_missing_column_is_named(truth):
+    pq.write_table(pq.read_table(truth).drop_columns(["vy"]), truth)
+    with pytest.raises(InputError, match=r"truth\.parquet: vy: column of table truth is missing"):
+        read_table(truth, "truth")
+
+
+def test_column_of_another_type_is_named(truth):
+    frame = pq.read_table(truth).to_pandas().astype({"vy": "float32"})
+    frame.to_parquet(truth)
+    with pytest.raises(InputError, match=r"truth\.parquet: vy: expected float64, got float"):
+        read_table(truth, "truth")
+
+
+def test_another_tools_table_is_not_taken_for_ours(truth):
+    example("truth").to_parquet(truth)
+    with pytest.raises(InputError, match="not written by opml"):
+        read_table(truth, "truth")
+
+
+@pytest.mark.parametrize("kept", [0, 3, 200, 0.5, -1])
+def test_truncated_file_is_noticed(truth, kept):
+    content = truth.read_bytes()
+    truth.write_bytes(content[: int(kept * len(content)) if isinstance(kept, float) else kept])
+    with pytest.raises(InputError, match=r"truth\.parquet: damaged"):
+        read_table(truth, "truth")
+
+
+@settings(max_examples=300, deadline=None)
+@given(place=st.floats(0, 1, exclude_max=True), bit=st.integers(0, 7))
+def test_a_flipped_bit_is_noticed_or_harmless(place, bit, tmp_path_factory):
+    frame = example("estimates")
+    path = tmp_path_factory.mktemp("flip") / "table.parquet"
+    write_table(path, frame, "estimates", metadata=METADATA)
+    content = bytearray(path.read_bytes())
+    content[int(place * len(content))] ^= 1 << bit
+    path.write_bytes(content)
+    try:
+        found, metadata = read_table(path, "estimates"), read_metadata(path)
+    except InputError as error:
+        message = str(error)
+    else:
+        pd.testing.assert_frame_equal(found, frame)
+        assert metadata == METADATA
+        return
+    assert message.startswith(str(path))
+    assert "\n" not in message
+
+
+def test_model_schema_follows_the_variables(tmp_path):
+    schema = tables.model_schema(["duration", "gap"])
+    frame = pd.DataFrame({"dual_coef": [1.0], "duration": [0.5], "gap": [-0.5]})
+    write_table(tmp_path / "t", frame, schema, metadata={"variables": ["duration", "gap"]})
+    pd.testing.assert_frame_equal(read_table(tmp_path / "t", schema), frame)
+
+
+def test_data_page_describes_the_schemas():
+    page = Path(__file__).parents[2] / "docs" / "data.md"
+    assert page.read_text() == tables.markdown() + "\n", "run: python -m opml.tables > docs/data.md"
