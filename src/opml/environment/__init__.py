@@ -1,0 +1,26 @@
+"""What Earth, Sun and Moon do, tabulated once a run."""
+
+import math
+
+import numpy as np
+
+from opml import epochs
+
+STEP_S = 3600.0
+"""Spacing of the nodes of every table of the environment [s]."""
+
+MARGIN_S = 7200.0
+"""Least length of the tables before the epoch and after the end of a run [s]."""
+
+
+def nodes(epoch: str, duration_s: float) -> np.ndarray:
+    """Times of the tables' nodes [s since `epoch`], shape (n,), uniform and on whole UTC hours.
+
+    From at least MARGIN_S before the epoch to at least MARGIN_S after `duration_s`. A leap second inside
+    the run leaves the nodes after it 1 s off the hour. Raises InputError on a malformed epoch.
+    """
+    *_, minute, second = epochs.parse(epoch)
+    past_hour = 60.0 * minute + second
+    first = -past_hour - MARGIN_S
+    count = math.ceil((duration_s + MARGIN_S - first) / STEP_S) + 1
+    return first + STEP_S * np.arange(count)

@@ -1,0 +1,133 @@
+"""Earth orientation: celestial intermediate pole and origin, Earth rotation angle, polar motion.
+
+IAU 2006/2000A precession-nutation with the IERS's observed corrections (IERS Conventions 2010, chapter 5).
+The sub-daily tidal and libration terms of its chapters 5 and 8 are not modelled (4e-9 rad on the paper's
+days, 3 cm at an ISS).
+"""
+
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+
+import astropy_iers_data
+import erfa
+import numpy as np
+import pandas as pd
+
+from opml import epochs
+from opml.constants import DAY, EARTH_RATE
+from opml.errors import InputError
+
+_MJD_ZERO = 2400000.5
+_ARCSECOND = np.pi / 648000.0
+_TURN = 2.0 * np.pi
+
+# Columns of finals2000A: the final value (Bulletin B), then the rapid or predicted one (Bulletin A).
+_VALUES = {
+    "x_pole": (slice(134, 144), slice(18, 27)),  # arcseconds
+    "y_pole": (slice(144, 154), slice(37, 46)),  # arcseconds
+    "ut1_utc": (slice(154, 165), slice(58, 68)),  # seconds
+    "dx": (slice(165, 175), slice(97, 106)),  # milliarcseconds
+    "dy": (slice(175, 185), slice(116, 125)),  # milliarcseconds
+}
+
+
+def tabulate(epoch: str, t: np.ndarray, *, bulletin: str | Path | None = None) -> pd.DataFrame:
+    """Table `earth_orientation` at times `t` [s since `epoch`], shape (n,).
+
+    Columns t [s]; x_cip, y_cip (CIP in GCRF, with the observed dX, dY) and s_cio, x_pole, y_pole [rad];
+    era_offset [rad]: the Earth rotation angle, unwrapped, minus EARTH_RATE * t.
+    `bulletin` is the path of a finals2000A file; None is that of the astropy_iers_data package.
+    Raises InputError where the bulletin does not reach.
+    """
+    t = np.asarray(t, dtype=float)
+    tai, tt = epochs.tai(epoch, t), epochs.tt(epoch, t)
+    ut1_tai, x_pole, y_pole, dx, dy = _interpolated(bulletin or astropy_iers_data.IERS_A_FILE, tai)
+
+    x_cip, y_cip, _ = erfa.xys06a(*tt)
+    x_cip, y_cip = x_cip + dx, y_cip + dy
+    era = erfa.era00(tai[0], tai[1] + ut1_tai / DAY)
+    return pd.DataFrame(
+        {
+            "t": t,
+            "x_cip": x_cip,
+            "y_cip": y_cip,
+            "s_cio": erfa.s06(*tt, x_cip, y_cip),
+            "x_pole": x_pole,
+            "y_pole": y_pole,
+            "era_offset": np.unwrap(np.mod(era - EARTH_RATE * t, _TURN)),
+        }
+    )
+
+
+def metadata() -> dict[str, str]:
+    """Where the figures come from, for the table's file metadata."""
+    return {
+        "bulletin": f"IERS finals2000A, astropy-iers-data {version('astropy-iers-data')}",
+        "precession_nutation": "IAU 2006/2000A",
+    }
+
+
+def read_finals2000a(path: str | Path) -> pd.DataFrame:
+    """Daily values of an IERS finals2000A file, for the days that have all of them.
+
+    Columns mjd (UTC midnights), x_pole, y_pole, dx, dy [rad], ut1_utc [s]; Bulletin B where given, else A.
+    Raises InputError where the file cannot be read or a figure is malformed.
+    """
+    try:
+        lines = Path(path).read_text(encoding="ascii").splitlines()
+    except (OSError, UnicodeDecodeError) as reason:
+        raise InputError(f"{path}: expected an IERS finals2000A file, got {reason}") from None
+
+    rows = []
+    for number, line in enumerate(lines, start=1):
+        texts = [line[final].strip() or line[rapid].strip() for final, rapid in _VALUES.values()]
+        if not all(texts):
+            continue
+        try:
+            rows.append([float(line[7:15]), *map(float, texts)])
+        except ValueError as reason:
+            raise InputError(f"{path}: line {number}: expected figures, got {reason}") from None
+    if not rows:
+        raise InputError(f"{path}: expected daily rows in the columns of finals2000A, got none")
+
+    bulletin = pd.DataFrame(rows, columns=["mjd", *_VALUES])
+    bulletin[["x_pole", "y_pole"]] *= _ARCSECOND
+    bulletin[["dx", "dy"]] *= 1e-3 * _ARCSECOND
+    return bulletin
+
+
+@cache
+def _bulletin(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
+    """TAI modified Julian dates of the days, (m,), and their ut1_tai, x_pole, y_pole, dx, dy, (m, 5)."""
+    daily = read_finals2000a(path)
+    tai_day, tai_fraction = erfa.utctai(_MJD_ZERO, daily["mjd"].to_numpy())
+    tai_mjd = (tai_day - _MJD_ZERO) + tai_fraction
+    # UT1 - TAI runs smoothly through leap seconds; UT1 - UTC would jump.
+    ut1_tai = daily["ut1_utc"] - np.round((tai_mjd - daily["mjd"]) * DAY, 6)
+    return tai_mjd, np.column_stack([ut1_tai, daily[["x_pole", "y_pole", "dx", "dy"]]])
+
+
+def _interpolated(path: str | Path, tai: epochs.JulianDate) -> np.ndarray:
+    """ut1_tai [s], x_pole, y_pole, dx, dy [rad] of a bulletin at TAI dates, shape (5, n)."""
+    days, values = _bulletin(path)
+    mjd = (tai[0] - _MJD_ZERO) + tai[1]
+    start = np.searchsorted(days, mjd, side="right") - 2
+    if np.any(start < 0) or np.any(start + 3 >= len(days)):
+        raise InputError(
+            f"{Path(path).name}: epoch: expected dates from "
+            f"{epochs.calendar(days[1])} to {epochs.calendar(days[-2])}, "
+            f"got {epochs.calendar(mjd.min())} to {epochs.calendar(mjd.max())}"
+        )
+    window = start[:, None] + np.arange(4)
+    return np.einsum("qk,qkc->cq", _lagrange_weights(days[window], mjd), values[window])
+
+
+def _lagrange_weights(nodes: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Weights (q, k) of Lagrange's polynomial through `nodes` (q, k), taken at `at` (q,)."""
+    weights = np.ones_like(nodes)
+    for k in range(nodes.shape[1]):
+        for other in range(nodes.shape[1]):
+            if other != k:
+                weights[:, k] *= (at - nodes[:, other]) / (nodes[:, k] - nodes[:, other])
+    return weights

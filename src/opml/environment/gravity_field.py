@@ -1,0 +1,331 @@
+"""Gravity fields of Earth from ICGEM files, their time-variable terms included.
+
+Format: Barthelmes & Förste 2011, 'The ICGEM-format' (GFZ Potsdam), and its version 2.0 with intervals.
+"""
+
+from dataclasses import dataclass, replace
+from datetime import date
+from importlib.resources import files
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import pooch
+
+from opml import epochs
+from opml.constants import DAY, JULIAN_YEAR
+from opml.errors import InputError
+
+EIGEN_6S_URL = "https://gitlab.orekit.org/orekit/orekit-data/-/raw/main/Potential/"
+_EIGEN_6S_FILE = "eigen-6s.gfc"
+_EIGEN_6S_SHA256 = "1b6e170c9df2eee0523fb24cec6cd2ef963ea6458089291ec9a80ac735cc9f24"
+
+_REQUIRED = ("product_type", "modelname", "earth_gravity_constant", "radius", "max_degree")
+_YEARS_PER_DAY = DAY / JULIAN_YEAR
+_JD_OF_ORDINAL_ZERO = 1721424.5
+
+
+class Variation(NamedTuple):
+    """One row whose contribution to C and S of degree n and order m depends on time.
+
+    `kind` is ICGEM's key: gfct (the value itself), trnd (per Julian year since `reference`), acos and asin
+    (of the angle since `reference`, `period` in years). It counts from `start` up to `end`. Dates are TT
+    Julian dates.
+    """
+
+    kind: str
+    n: int
+    m: int
+    c: float
+    s: float
+    reference: float
+    start: float = -np.inf
+    end: float = np.inf
+    period: float = np.nan
+
+    def weight(self, jd: float) -> float:
+        """What c and s are multiplied with at a TT Julian date."""
+        if not self.start <= jd < self.end:
+            return 0.0
+        years = (jd - self.reference) * _YEARS_PER_DAY
+        match self.kind:
+            case "gfct":
+                return 1.0
+            case "trnd":
+                return years
+            case "acos":
+                return np.cos(2.0 * np.pi * years / self.period)
+            case "asin":
+                return np.sin(2.0 * np.pi * years / self.period)
+
+
+@dataclass(frozen=True, eq=False)
+class GravityField:
+    """Fully normalised spherical harmonics of Earth's gravity.
+
+    gm [m3/s2], radius [m]; c, s: shape (degree + 1, order + 1), entry [n, m], zero above the diagonal,
+    read-only; they are the constant part, `variations` is the rest.
+    """
+
+    name: str
+    gm: float
+    radius: float
+    tide_system: str
+    c: np.ndarray
+    s: np.ndarray
+    variations: tuple[Variation, ...] = ()
+
+    def __post_init__(self):
+        self.c.setflags(write=False)
+        self.s.setflags(write=False)
+
+    @property
+    def max_degree(self) -> int:
+        """Highest degree n."""
+        return self.c.shape[0] - 1
+
+    @property
+    def max_order(self) -> int:
+        """Highest order m."""
+        return self.c.shape[1] - 1
+
+    def at(self, epoch: str) -> "GravityField":
+        """The same field frozen at a UTC epoch: its variations become part of c and s.
+
+        Raises InputError on a malformed epoch, or one that none of a coefficient's intervals covers.
+        """
+        if not self.variations:
+            return self
+        jd = float(sum(epochs.tt(epoch, 0.0)))
+        c, s = self.c.copy(), self.s.copy()
+        covered = np.zeros(c.shape, dtype=bool)
+        for row in self.variations:
+            weight = row.weight(jd)
+            c[row.n, row.m] += weight * row.c
+            s[row.n, row.m] += weight * row.s
+            covered[row.n, row.m] |= row.kind == "gfct" and weight == 1.0
+        for row in self.variations:
+            if not covered[row.n, row.m]:
+                where = f"{self.name}: degree {row.n}, order {row.m}"
+                raise InputError(f"{where}: expected a row gfct for {epoch}, got none")
+        return replace(self, c=c, s=s, variations=())
+
+    def truncated(self, degree: int, order: int) -> "GravityField":
+        """The same field up to `degree` and `order`. Raises InputError where it does not reach them."""
+        if not 0 <= degree <= self.max_degree:
+            raise InputError(f"{self.name}: degree: expected 0 to {self.max_degree}, got {degree}")
+        if not 0 <= order <= min(degree, self.max_order):
+            raise InputError(f"{self.name}: order: expected 0 to {min(degree, self.max_order)}, got {order}")
+        kept = tuple(row for row in self.variations if row.n <= degree and row.m <= order)
+        square = np.s_[: degree + 1, : order + 1]
+        return replace(self, c=self.c[square].copy(), s=self.s[square].copy(), variations=kept)
+
+
+def table(field: GravityField, epoch: str) -> pd.DataFrame:
+    """Table `gravity_field`: columns n, m (int64), c, s (fully normalised) of `field` at a UTC epoch."""
+    frozen = field.at(epoch)
+    n, m = np.tril_indices(frozen.max_degree + 1, m=frozen.max_order + 1)
+    return pd.DataFrame({"n": n, "m": m, "c": frozen.c[n, m], "s": frozen.s[n, m]})
+
+
+def metadata(field: GravityField) -> dict[str, str | float]:
+    """Name, gm [m3/s2], radius [m] and tide system of a field, for the table's file metadata."""
+    return {"name": field.name, "gm": field.gm, "radius": field.radius, "tide_system": field.tide_system}
+
+
+def resolve(name_or_path: str | Path) -> Path:
+    """Path of the ICGEM file that a setting names.
+
+    'EGM2008' is the packaged file (degree and order 70); 'EIGEN-6S' is fetched once from Orekit's public data
+    into the user's cache (or the folder in OPML_CACHE) and checked; anything else is a path.
+    Raises InputError where the fetch fails.
+    """
+    match str(name_or_path):
+        case "EGM2008":
+            return Path(str(files("opml") / "data" / "egm2008_70.gfc"))
+        case "EIGEN-6S":
+            return _fetched_eigen_6s()
+        case path:
+            return Path(path)
+
+
+def read_icgem(path: str | Path) -> GravityField:
+    """Gravity field of an ICGEM file, format 1.0 or 2.0.
+
+    Raises InputError, naming file and key or row, for a file that is missing or truncated, a header without a
+    required key, a field that is not fully normalised, and a row that cannot be read.
+    """
+    try:
+        # Headers hold people's names in whatever encoding; the figures are ASCII.
+        lines = Path(path).read_text(encoding="latin-1").splitlines()
+    except OSError as reason:
+        raise InputError(f"{path}: expected an ICGEM file, got {reason}") from None
+
+    header, head_length = _read_header(path, lines)
+    degree = int(_header_number(path, header, "max_degree"))
+    c, s = np.zeros((degree + 1, degree + 1)), np.zeros((degree + 1, degree + 1))
+    c[0, 0] = 1.0
+    seen = np.zeros((degree + 1, degree + 1), dtype=bool)
+    variations = []
+    references = {}
+    read_row = _row_with_interval if header.get("format", "").startswith("icgem2") else _row_with_reference
+    for number, line in enumerate(lines[head_length:], start=head_length + 1):
+        fields = line.split()
+        if not fields:
+            continue
+        try:
+            row = read_row(fields, references)
+        except (ValueError, IndexError, KeyError):
+            where, text = f"{path}: line {number}", " ".join(fields)
+            raise InputError(f"{where}: expected a row of coefficients, got {text!r}") from None
+        if not 0 <= row.m <= row.n <= degree:
+            raise InputError(
+                f"{path}: line {number}: expected 0 <= order <= degree <= {degree}, "
+                f"got degree {row.n}, order {row.m}"
+            )
+        if row.kind == "gfc":
+            c[row.n, row.m], s[row.n, row.m] = row.c, row.s
+        else:
+            variations.append(row)
+        if row.kind in ("gfc", "gfct"):
+            seen[row.n, row.m] = True
+    _check_complete(path, seen)
+    return GravityField(
+        name=header["modelname"],
+        gm=_header_number(path, header, "earth_gravity_constant"),
+        radius=_header_number(path, header, "radius"),
+        tide_system=header.get("tide_system", "unknown"),
+        c=c,
+        s=s,
+        variations=tuple(variations),
+    )
+
+
+def _read_header(path: str | Path, lines: list[str]) -> tuple[dict[str, str], int]:
+    """Key -> value of the header, and its number of lines. Text before 'begin_of_head' is comment."""
+    keys = [line.split(maxsplit=1)[0] if line.strip() else "" for line in lines]
+    if "end_of_head" not in keys:
+        raise InputError(f"{path}: header: expected a line end_of_head, got none")
+    end = keys.index("end_of_head")
+    begin = keys.index("begin_of_head") + 1 if "begin_of_head" in keys[:end] else 0
+    pairs = [line.split() for line in lines[begin:end]]
+    header = {pair[0]: pair[1] for pair in pairs if len(pair) > 1}
+
+    for key in _REQUIRED:
+        if key not in header:
+            raise InputError(f"{path}: header: expected the key {key}, got none")
+    if header["product_type"] != "gravity_field":
+        raise InputError(f"{path}: product_type: expected gravity_field, got {header['product_type']}")
+    if header.get("norm", "fully_normalized") != "fully_normalized":
+        raise InputError(f"{path}: norm: expected fully_normalized, got {header['norm']}")
+    return header, end + 1
+
+
+def _header_number(path: str | Path, header: dict[str, str], key: str) -> float:
+    try:
+        value = _number(header[key])
+    except ValueError:
+        value = np.nan
+    if not value > 0.0:
+        raise InputError(f"{path}: {key}: expected a positive number, got {header[key]!r}")
+    return value
+
+
+def _row_with_reference(fields: list[str], references: dict[tuple[int, int], float]) -> Variation:
+    """A row of format 1.0: gfct ends in the reference day that its other rows share, acos and asin a period.
+
+    The day's noon is meant, as Orekit reads it; the format leaves the hour open. Midnight would change
+    the acceleration of an ISS by up to 2e-10 m/s2.
+    """
+    kind, n, m, c, s, rest = _split_row(fields)
+    match kind:
+        case "gfc":
+            return Variation(kind, n, m, c, s, reference=np.nan)
+        case "gfct":
+            references[n, m] = _julian_date(rest[-1]) + 0.5
+            return Variation(kind, n, m, c, s, references[n, m])
+        case "trnd" | "dot":
+            return Variation("trnd", n, m, c, s, references[n, m])
+        case "acos" | "asin":
+            return Variation(kind, n, m, c, s, references[n, m], period=_period(rest[-1]))
+    raise ValueError(kind)
+
+
+def _row_with_interval(fields: list[str], _: dict) -> Variation:
+    """A row of format 2.0: all but gfc end in their interval's start and end, acos and asin a period."""
+    kind, n, m, c, s, rest = _split_row(fields)
+    match kind:
+        case "gfc":
+            return Variation(kind, n, m, c, s, reference=np.nan)
+        case "gfct" | "trnd":
+            start, end = map(_julian_date, rest[-2:])
+            return Variation(kind, n, m, c, s, start, start, end)
+        case "acos" | "asin":
+            start, end = map(_julian_date, rest[-3:-1])
+            return Variation(kind, n, m, c, s, start, start, end, _period(rest[-1]))
+    raise ValueError(kind)
+
+
+def _split_row(fields: list[str]) -> tuple[str, int, int, float, float, list[str]]:
+    kind, n, m, c, s, *rest = fields
+    return kind, int(n), int(m), _number(c), _number(s), rest
+
+
+def _number(text: str) -> float:
+    """A finite number, Fortran's exponent letter D included."""
+    value = float(text.upper().replace("D", "E"))
+    if not np.isfinite(value):
+        raise ValueError(text)
+    return value
+
+
+def _period(text: str) -> float:
+    period = _number(text)
+    if period <= 0.0:
+        raise ValueError(text)
+    return period
+
+
+def _julian_date(text: str) -> float:
+    """Julian date of 'yyyymmdd' or 'yyyymmdd.hhmm'."""
+    day, _, clock = text.partition(".")
+    clock = (clock + "0000")[:4]
+    if len(day) != 8:
+        raise ValueError(text)
+    days = date(int(day[:4]), int(day[4:6]), int(day[6:])).toordinal()
+    return days + _JD_OF_ORDINAL_ZERO + int(clock[:2]) / 24.0 + int(clock[2:]) / 1440.0
+
+
+def _check_complete(path: str | Path, seen: np.ndarray) -> None:
+    """InputError where a row is missing; degrees 0 and 1 may be, and orders above the file's highest."""
+    order = np.flatnonzero(seen.any(axis=0)).max(initial=0)
+    expected = np.tri(*seen.shape, dtype=bool)
+    expected[:2] = False
+    expected[:, order + 1 :] = False
+    missing = np.argwhere(expected & ~seen)
+    if missing.size:
+        n, m = missing[0]
+        raise InputError(
+            f"{path}: expected coefficients up to max_degree {len(seen) - 1}, "
+            f"got none of degree {n}, order {m}"
+        )
+
+
+def _fetched_eigen_6s() -> Path:
+    cache = pooch.create(
+        path=pooch.os_cache("opml"),
+        base_url=EIGEN_6S_URL,
+        registry={_EIGEN_6S_FILE: f"sha256:{_EIGEN_6S_SHA256}"},
+        env="OPML_CACHE",
+    )
+    url = EIGEN_6S_URL + _EIGEN_6S_FILE
+    try:
+        return Path(cache.fetch(_EIGEN_6S_FILE))
+    except OSError as reason:
+        raise InputError(
+            f"EIGEN-6S: expected {url} within reach, got {type(reason).__name__}; "
+            "a path to a copy of the file does as well"
+        ) from None
+    except ValueError:
+        raise InputError(f"EIGEN-6S: expected SHA-256 {_EIGEN_6S_SHA256} of {url}, got another") from None

@@ -1,0 +1,126 @@
+"""Solar and geomagnetic activity as the upper atmosphere's model reads it.
+
+MSAFE: the monthly estimates of the 13-month smoothed F10.7 and Ap by NASA's Marshall Space Flight Center.
+"""
+
+import re
+from collections.abc import Callable
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from opml import epochs
+from opml.errors import InputError
+
+MSAFE = "MSAFE"
+PERCENTILES = (95, 50, 5)
+
+_COLUMNS = [f"{index}_{percentile}" for index in ("f107", "ap") for percentile in PERCENTILES]
+_MONTHS = ("JAN", "FEB", "MAR", "APR", "MAY", "JUN", "JUL", "AUG", "SEP", "OCT", "NOV", "DEC")
+_BULLETIN_TITLE = "13-MONTH SMOOTH SOLAR ACTIVITY"
+_FIGURES = 6 * r"\s+(\d+(?:\.\d+)?)"
+_BULLETIN_YEAR = re.compile(r"\d{4}\.", re.ASCII)
+_BULLETIN_ROW = re.compile(r"(\d{4})\.\d+\s+([A-Z]{3})" + _FIGURES, re.ASCII)
+_PACKAGED_ROW = re.compile(r"(\d{4}-(?:0[1-9]|1[0-2]))" + _FIGURES, re.ASCII)
+
+
+def tabulate(source: str | Path, epoch: str, t: np.ndarray, percentile: int) -> pd.DataFrame:
+    """Table `solar_activity` at times `t` [s since `epoch`], shape (n,).
+
+    Columns t [s], f107, f107_mean [sfu], kp_3h, kp_24h. MSAFE gives one smoothed F10.7 and one Ap, which
+    stand for the daily and the mean flux, the three-hourly and the daily Kp alike. `source` is 'MSAFE' (the
+    packaged months) or the path of a file that `read` knows; `percentile` is one of PERCENTILES.
+    Raises InputError for what it cannot read and for dates outside the months.
+    """
+    if percentile not in PERCENTILES:
+        raise InputError(f"percentile: expected 95, 50 or 5, got {percentile!r}")
+    path = resolve(source)
+    months = read(path)
+    # A month's figures hold at its first day, 00:00 UTC, and change linearly until the next.
+    at = np.array([epochs.elapsed(epoch, f"{month}-01T00:00:00") for month in months.index])
+    t = np.asarray(t, dtype=float)
+    if t.min() < at[0] or t.max() > at[-1]:
+        raise InputError(
+            f"{path.name}: epoch: expected dates from {months.index[0]}-01 to {months.index[-1]}-01, "
+            f"got {t.min() / 86400.0:+.2f} to {t.max() / 86400.0:+.2f} days from {epoch}"
+        )
+    f107 = np.interp(t, at, months[f"f107_{percentile}"])
+    kp = kp_from_ap(np.interp(t, at, months[f"ap_{percentile}"]))
+    return pd.DataFrame({"t": t, "f107": f107, "f107_mean": f107, "kp_3h": kp, "kp_24h": kp})
+
+
+def kp_from_ap(ap):
+    """Kp of an Ap, a smooth fit to the conversion table (Euler & Zeng, with NASA MSFC's bulletins)."""
+    return 1.89 * np.arcsinh(0.154 * np.asarray(ap))
+
+
+def resolve(source: str | Path) -> Path:
+    """Path of the file that a setting names: 'MSAFE' (packaged) or a path."""
+    return Path(str(files("opml") / "data" / "msafe.tsv")) if source == MSAFE else Path(source)
+
+
+def read(path: str | Path) -> pd.DataFrame:
+    """Monthly activity of a file in any known format, told by its content.
+
+    Index: months 'YYYY-MM', one after the other; columns f107_95, f107_50, f107_5 [sfu], ap_95, ap_50, ap_5.
+    Raises InputError for an unknown format, a malformed line, a month that is missing or out of order.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as reason:
+        raise InputError(f"{path}: expected a table of solar activity, got {reason}") from None
+    return _reader(path, text)(path, text.splitlines())
+
+
+def _reader(path: str | Path, text: str) -> Callable[[str | Path, list[str]], pd.DataFrame]:
+    """The reader of a file's format. A new format, say CSSI's space weather, is one more case here."""
+    if _BULLETIN_TITLE in text:
+        return _read_bulletin
+    if "\t".join(["month", *_COLUMNS]) in text.splitlines():
+        return _read_packaged
+    raise InputError(f"{path}: expected an MSAFE bulletin, got an unknown format")
+
+
+def _read_bulletin(path: str | Path, lines: list[str]) -> pd.DataFrame:
+    """MSAFE bulletin as published: title lines, then 'year.fraction MONTH' and six figures a row."""
+    texts = [(number, line.strip()) for number, line in enumerate(lines, start=1) if line.strip()]
+    first = next((k for k, (_, text) in enumerate(texts) if _BULLETIN_YEAR.match(text)), len(texts))
+    rows = []
+    for number, text in texts[first:]:
+        match = _BULLETIN_ROW.fullmatch(text)
+        if match is None or match[2] not in _MONTHS:
+            raise InputError(f"{path}: line {number}: expected year, month and six figures, got {text!r}")
+        year, name, *figures = match.groups()
+        rows.append((f"{year}-{_MONTHS.index(name) + 1:02d}", *map(float, figures)))
+    return _months(path, rows)
+
+
+def _read_packaged(path: str | Path, lines: list[str]) -> pd.DataFrame:
+    """The package's own table: comments (#), a heading, then month and six figures a row, between tabs."""
+    texts = [(number, line) for number, line in enumerate(lines, start=1) if line and line[0] != "#"]
+    rows = []
+    for number, text in texts[1:]:
+        match = _PACKAGED_ROW.fullmatch(text)
+        if match is None:
+            raise InputError(f"{path}: line {number}: expected month and six figures, got {text!r}")
+        month, *figures = match.groups()
+        rows.append((month, *map(float, figures)))
+    return _months(path, rows)
+
+
+def _months(path: str | Path, rows: list[tuple]) -> pd.DataFrame:
+    if len(rows) < 2:
+        raise InputError(f"{path}: expected at least two months, got {len(rows)}")
+    months = pd.DataFrame(rows, columns=["month", *_COLUMNS]).set_index("month")
+    for month, following in zip(months.index[:-1], months.index[1:], strict=True):
+        expected = _next_month(month)
+        if following != expected:
+            raise InputError(f"{path}: expected the month {expected} after {month}, got {following}")
+    return months
+
+
+def _next_month(month: str) -> str:
+    year, number = map(int, month.split("-"))
+    return f"{year + number // 12}-{number % 12 + 1:02d}"

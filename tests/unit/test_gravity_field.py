@@ -1,0 +1,226 @@
+"""ICGEM files: figures, time-variable terms, and files that cannot be used."""
+
+import hashlib
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from threading import Thread
+
+import numpy as np
+import pytest
+
+from opml.environment import gravity_field
+from opml.errors import InputError
+
+HEAD = """Free text in front, with a key: radius 1.0
+begin_of_head
+product_type gravity_field
+modelname TOY
+earth_gravity_constant 0.3986004415D+15
+radius 6378136.46
+max_degree 2
+errors formal
+norm fully_normalized
+tide_system tide_free
+key L M C S sigma_C sigma_S
+end_of_head
+"""
+# The rows of degree 2, order 0 are EIGEN-6S's own.
+ROWS = """gfc  0 0  1.0 0.0 0.0 0.0
+gfct 2 0 -4.84165299820e-04 0.0 1.9551e-13 0.0 20050101
+trnd 2 0 -1.26059939709e-11 0.0 3.2397e-14 0.0
+acos 2 0  4.10019292536e-11 0.0 1.8982e-13 0.0 1.0
+asin 2 0  5.32367408468e-11 0.0 1.9687e-13 0.0 1.0
+gfc  2 1  1.0D-10 2.0d-10 0.0 0.0
+gfc  2 2  2.4e-06 -1.4e-06 0.0 0.0
+"""
+HEAD_2 = HEAD.replace("modelname TOY", "modelname TOY\nformat icgem2.0")
+ROWS_2 = """gfct 2 0 -4.84e-04 0.0 0.0 0.0 20000101.0000 20100101.0000
+trnd 2 0  1.0e-11 0.0 0.0 0.0 20000101.0000 20100101.0000
+gfct 2 0 -4.85e-04 0.0 0.0 0.0 20100101.0000 20200101.0000
+asin 2 0  3.0e-11 0.0 0.0 0.0 20100101.0000 20200101.0000 1.0
+gfc  2 1  0.0 0.0 0.0 0.0
+gfc  2 2  2.4e-06 -1.4e-06 0.0 0.0
+"""
+
+
+class SilentHandler(SimpleHTTPRequestHandler):
+    """Serves files without a word on stderr."""
+
+    def log_message(self, *_):
+        pass
+
+
+@pytest.fixture
+def read(tmp_path):
+    """Reads a gravity field from text."""
+
+    def from_text(text):
+        path = tmp_path / "toy.gfc"
+        path.write_text(text, encoding="latin-1")
+        return gravity_field.read_icgem(path)
+
+    return from_text
+
+
+def test_egm2008_is_the_published_field():
+    field = gravity_field.read_icgem(gravity_field.resolve("EGM2008"))
+    assert (field.name, field.tide_system) == ("EGM2008", "tide_free")
+    assert (field.max_degree, field.max_order) == (70, 70)
+    assert (field.gm, field.radius) == (3.986004415e14, 6378136.3)
+    # Pavlis et al. 2012: the tide-free model's first coefficients.
+    assert field.c[2, 0] == -0.484165143790815e-03
+    assert (field.c[2, 2], field.s[2, 2]) == (0.243938357328313e-05, -0.140027370385934e-05)
+    # Kaula's rule, 1e-5 / n^2 a coefficient: a slip in the order of rows would break it.
+    degrees = np.arange(3, 71)
+    rms = np.sqrt((field.c[3:] ** 2 + field.s[3:] ** 2).sum(axis=1) / (2 * degrees + 1))
+    assert np.all((rms * degrees**2 > 0.3e-5) & (rms * degrees**2 < 2e-5))
+
+
+def test_header_and_static_rows_are_read_with_fortran_exponents(read):
+    field = read(HEAD + ROWS)
+    assert (field.name, field.gm, field.radius, field.max_degree) == ("TOY", 0.3986004415e15, 6378136.46, 2)
+    assert (field.c[2, 1], field.s[2, 1]) == (1.0e-10, 2.0e-10)
+    assert gravity_field.metadata(field) == {
+        "name": "TOY",
+        "gm": 0.3986004415e15,
+        "radius": 6378136.46,
+        "tide_system": "tide_free",
+    }
+
+
+@pytest.mark.parametrize(
+    ("epoch", "expected"),
+    [
+        # UTC was 64.184 s behind TT in 2005. At the reference sine and trend vanish, the cosine is whole.
+        ("2005-01-01T11:58:55.816", -4.84165299820e-04 + 4.10019292536e-11),
+        # A quarter of a year of 365.25 days later (91.3125 d): the sine is whole, the cosine nought.
+        ("2005-04-02T19:28:55.816", -4.84165299820e-04 - 0.25 * 1.26059939709e-11 + 5.32367408468e-11),
+        # Ten years of 365.25 days later (3652.5 d; one more leap second in 2005, 2008, 2012 each).
+        ("2015-01-01T23:58:52.816", -4.84165299820e-04 - 10.0 * 1.26059939709e-11 + 4.10019292536e-11),
+    ],
+)
+def test_trend_and_seasons_count_from_the_reference_day(read, epoch, expected):
+    field = read(HEAD + ROWS).at(epoch)
+    assert field.c[2, 0] == pytest.approx(expected, abs=1e-18)
+    assert field.variations == ()
+
+
+def test_intervals_of_format_2_choose_the_row(read):
+    field = read(HEAD_2 + ROWS_2)
+    assert field.at("2010-01-01T12:00:00").c[2, 0] == pytest.approx(-4.85e-04, abs=1e-12)
+    later = field.at("2010-04-02T07:28:53.816").c[2, 0]
+    assert later == pytest.approx(-4.85e-04 + 3.0e-11, abs=1e-18)
+    assert field.at("2005-01-01T00:00:00").c[2, 0] == pytest.approx(-4.84e-04 + 5.0e-11, abs=1e-13)
+    with pytest.raises(InputError, match="TOY: degree 2, order 0: expected a row gfct for 2021"):
+        field.at("2021-01-01T00:00:00")
+
+
+def test_truncation_keeps_what_lies_below(read):
+    field = read(HEAD + ROWS).truncated(2, 1)
+    assert (field.max_degree, field.max_order) == (2, 1)
+    assert field.c[2, 1] == 1.0e-10
+    assert len(field.variations) == 4
+    assert field.truncated(1, 0).variations == ()
+
+
+def test_table_lists_the_triangle_at_the_epoch(read):
+    epoch = "2016-09-28T12:09:45"
+    field = read(HEAD + ROWS)
+    table = gravity_field.table(field.truncated(2, 1), epoch)
+    assert table[["n", "m"]].to_numpy().tolist() == [[0, 0], [1, 0], [1, 1], [2, 0], [2, 1]]
+    assert table["c"].iloc[3] == field.at(epoch).c[2, 0]
+    assert table.dtypes.astype(str).tolist() == ["int64", "int64", "float64", "float64"]
+
+
+def test_coefficients_are_read_only(read):
+    field = read(HEAD + ROWS)
+    for some in (field, field.at("2016-09-28T12:09:45"), field.truncated(1, 1)):
+        with pytest.raises(ValueError, match="read-only"):
+            some.c[0, 0] = 2.0
+
+
+@pytest.mark.parametrize(("degree", "order"), [(3, 3), (-1, 0), (2, 3)])
+def test_degrees_and_orders_that_the_file_does_not_have_are_refused(read, degree, order):
+    with pytest.raises(InputError, match=r"^TOY: (degree|order): expected 0 to 2, got"):
+        read(HEAD + ROWS).truncated(degree, order)
+
+
+@pytest.mark.parametrize(
+    "key", ["product_type", "modelname", "earth_gravity_constant", "radius", "max_degree"]
+)
+def test_a_missing_header_key_is_named(read, key):
+    head = "".join(line for line in HEAD.splitlines(True) if not line.startswith(key))
+    with pytest.raises(InputError, match=rf"toy\.gfc: header: expected the key {key}"):
+        read(head + ROWS)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("fully_normalized", "unnormalized", "norm: expected fully_normalized, got unnormalized"),
+        ("gravity_field", "topography", "product_type: expected gravity_field, got topography"),
+        ("6378136.46", "wide", "radius: expected a positive number, got 'wide'"),
+        ("0.3986004415D+15", "-1.0", "earth_gravity_constant: expected a positive number"),
+        ("end_of_head", "", "header: expected a line end_of_head"),
+        ("2.4e-06", "2.4e-O6", "line 19: expected a row of coefficients, got 'gfc 2 2 2.4e-O6 -1.4e-06"),
+        ("2.4e-06", "nan", "line 19: expected a row of coefficients"),
+        ("gfc  2 2", "gfx  2 2", "line 19: expected a row of coefficients"),
+        ("gfc  2 2", "gfc  3 2", "line 19: expected 0 <= order <= degree <= 2, got degree 3, order 2"),
+        ("20050101", "20051301", "line 14: expected a row of coefficients"),
+        ("20050101", "", "line 14: expected a row of coefficients"),
+        ("0.0 1.0\n", "0.0 0.0\n", "line 16: expected a row of coefficients"),
+        ("gfc  2 1", "gfc  1 1", "expected coefficients up to max_degree 2, got none of degree 2, order 1"),
+    ],
+)
+def test_what_cannot_be_used_is_named_in_one_line(read, old, new, message):
+    with pytest.raises(InputError) as caught:
+        read((HEAD + ROWS).replace(old, new))
+    assert f"toy.gfc: {message}" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("kept", [0.02, 0.3, 0.5, 0.9, 0.999])
+def test_a_truncated_file_is_refused(tmp_path, kept):
+    whole = gravity_field.resolve("EGM2008").read_bytes()
+    path = tmp_path / "cut.gfc"
+    path.write_bytes(whole[: int(kept * len(whole))])
+    with pytest.raises(InputError, match=r"cut\.gfc"):
+        gravity_field.read_icgem(path)
+
+
+def test_a_missing_file_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"absent\.gfc: expected an ICGEM file"):
+        gravity_field.read_icgem(gravity_field.resolve(tmp_path / "absent.gfc"))
+
+
+def test_eigen_6s_out_of_reach_is_said_in_one_line(tmp_path, monkeypatch):
+    monkeypatch.setenv("OPML_CACHE", str(tmp_path))
+    monkeypatch.setattr(gravity_field, "EIGEN_6S_URL", "http://127.0.0.1:9/")
+    with pytest.raises(InputError, match=r"^EIGEN-6S: expected http") as caught:
+        gravity_field.resolve("EIGEN-6S")
+    assert "\n" not in str(caught.value)
+    assert not [path for path in tmp_path.rglob("*") if path.is_file()]
+
+
+def test_another_file_under_eigen_6s_name_is_refused(tmp_path, monkeypatch):
+    served, cache = tmp_path / "served", tmp_path / "cache"
+    served.mkdir()
+    (served / "eigen-6s.gfc").write_text(HEAD + ROWS)
+    handler = partial(SilentHandler, directory=served)
+    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        Thread(target=server.serve_forever, daemon=True).start()
+        monkeypatch.setenv("OPML_CACHE", str(cache))
+        monkeypatch.setattr(gravity_field, "EIGEN_6S_URL", f"http://127.0.0.1:{server.server_port}/")
+        with pytest.raises(InputError, match=r"^EIGEN-6S: expected SHA-256 1b6e170c.* got another"):
+            gravity_field.resolve("EIGEN-6S")
+        server.shutdown()
+    assert not [path for path in cache.rglob("*") if path.is_file()]
+
+
+def test_eigen_6s_in_the_cache_is_used_without_network(tmp_path, monkeypatch):
+    content = (HEAD + ROWS).encode()
+    (tmp_path / "eigen-6s.gfc").write_bytes(content)
+    monkeypatch.setenv("OPML_CACHE", str(tmp_path))
+    monkeypatch.setattr(gravity_field, "EIGEN_6S_URL", "http://127.0.0.1:9/")
+    monkeypatch.setattr(gravity_field, "_EIGEN_6S_SHA256", hashlib.sha256(content).hexdigest())
+    assert gravity_field.read_icgem(gravity_field.resolve("EIGEN-6S")).name == "TOY"

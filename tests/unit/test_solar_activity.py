@@ -1,0 +1,120 @@
+"""Solar activity against Orekit's, and bulletins that cannot be used."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from opml import epochs
+from opml.environment import solar_activity
+from opml.errors import InputError
+
+EPOCH = "2016-09-28T12:09:45"
+REFERENCE = Path(__file__).parents[1] / "reference" / "solar_activity.csv"
+BULLETIN = """  TABLE 3 ESTIMATES OF 13-MONTH SMOOTH SOLAR ACTIVITY FOR
+  BALANCE OF CYCLE 24 WITH A MEAN CYCLE GIVEN FOR CYCLE 25
+
+    TIME         10.7 CM SOLAR FLUX   (F10.7)      GEOMAGNETIC INDEX   (Ap)
+                         PERCENTILE                    PERCENTILE
+                  95.0%       50%      5.0%     95.0%       50%      5.0%
+
+ 2016.9170   DEC    82.0      80.0      78.0      12.0      11.0      10.0
+ 2017.0003   JAN   104.0      90.5      77.0      16.0      12.0       8.0
+ 2017.0837   FEB    80.0      78.0      76.0      12.0      11.0      10.0
+
+"""
+
+
+@pytest.fixture
+def bulletin(tmp_path):
+    """Writes a bulletin's text and gives its path."""
+
+    def write(text=BULLETIN):
+        path = tmp_path / "jun2017f10.txt"
+        path.write_text(text)
+        return path
+
+    return write
+
+
+def test_packaged_months_are_orekits_to_rounding():
+    reference = pd.read_csv(REFERENCE, comment="#")
+    ours = solar_activity.tabulate("MSAFE", EPOCH, reference["t"].to_numpy(), 50)
+    pd.testing.assert_frame_equal(ours, reference, check_exact=False, rtol=1e-12)
+
+
+def test_a_bulletin_is_read_by_month_and_percentile(bulletin):
+    months = solar_activity.read(bulletin())
+    assert months.index.tolist() == ["2016-12", "2017-01", "2017-02"]
+    assert months.loc["2017-01"].tolist() == [104.0, 90.5, 77.0, 16.0, 12.0, 8.0]
+    january = np.array([epochs.elapsed(EPOCH, "2017-01-01T00:00:00")])
+    for percentile, f107, ap in [(95, 104.0, 16.0), (50, 90.5, 12.0), (5, 77.0, 8.0)]:
+        row = solar_activity.tabulate(bulletin(), EPOCH, january, percentile).iloc[0]
+        assert row["f107"] == row["f107_mean"] == f107
+        assert row["kp_3h"] == row["kp_24h"] == 1.89 * np.arcsinh(0.154 * ap)
+
+
+def test_flux_and_ap_change_linearly_between_months(bulletin):
+    middle = np.array([epochs.elapsed(EPOCH, "2017-01-16T12:00:00")])
+    row = solar_activity.tabulate(bulletin(), EPOCH, middle, 50).iloc[0]
+    assert row["f107"] == pytest.approx((90.5 + 78.0) / 2, rel=1e-12)
+    # Ap, not Kp, is what changes linearly.
+    assert row["kp_3h"] == pytest.approx(1.89 * np.arcsinh(0.154 * 11.5), rel=1e-12)
+
+
+def test_kp_follows_the_definition_of_ap():
+    # Bartels' table: ap 4, 15, 48, 132 stand for Kp 1, 3, 5, 7.
+    assert solar_activity.kp_from_ap([4.0, 15.0, 48.0, 132.0]) == pytest.approx([1.0, 3.0, 5.0, 7.0], abs=0.2)
+
+
+@pytest.mark.parametrize("days", [-60.0, 100.0])
+def test_dates_outside_the_months_are_refused_with_their_span(days):
+    with pytest.raises(InputError, match=r"^msafe\.tsv: epoch: expected dates from 2016-08-01 to 2017-01-01"):
+        solar_activity.tabulate("MSAFE", EPOCH, np.array([0.0, days * 86400.0]), 50)
+
+
+@pytest.mark.parametrize("percentile", [40, "50", None])
+def test_an_unknown_percentile_is_refused(percentile):
+    with pytest.raises(InputError, match=r"^percentile: expected 95, 50 or 5, got"):
+        solar_activity.tabulate("MSAFE", EPOCH, np.array([0.0]), percentile)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("   104.0 ", "   1o4.0 ", "line 9: expected year, month and six figures"),
+        ("JAN   104.0", "JAN", "line 9: expected year, month and six figures"),
+        ("JAN", "JNA", "line 9: expected year, month and six figures"),
+        (" 2017.0003   JAN", " 2016.9170   DEC", "expected the month 2017-01 after 2016-12, got 2016-12"),
+        (" 2017.0003   JAN", " 2017.1670   MAR", "expected the month 2017-01 after 2016-12, got 2017-03"),
+        (
+            "13-MONTH SMOOTH SOLAR ACTIVITY",
+            "THE WEATHER",
+            "expected an MSAFE bulletin, got an unknown format",
+        ),
+    ],
+)
+def test_what_cannot_be_used_is_named_in_one_line(bulletin, old, new, message):
+    with pytest.raises(InputError) as caught:
+        solar_activity.read(bulletin(BULLETIN.replace(old, new)))
+    assert f"jun2017f10.txt: {message}" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_bulletin_without_months_is_refused(bulletin):
+    with pytest.raises(InputError, match="expected at least two months, got 0"):
+        solar_activity.read(bulletin(BULLETIN[: BULLETIN.index(" 2016.9170")]))
+
+
+def test_a_malformed_row_of_the_packaged_table_is_refused(tmp_path):
+    text = solar_activity.resolve("MSAFE").read_text()
+    path = tmp_path / "own.tsv"
+    path.write_text(text.replace("2016-10\t84.7", "2016-10\t"))
+    with pytest.raises(InputError, match=r"own\.tsv: line 6: expected month and six figures"):
+        solar_activity.read(path)
+
+
+def test_a_missing_file_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"absent\.txt: expected a table of solar activity"):
+        solar_activity.read(tmp_path / "absent.txt")
