@@ -1,0 +1,23 @@
+"""Forces, the integrator and the ensemble that flies many arcs at once, as compiled kernels.
+
+The machine code is kept in the user's cache, in a folder named after the kernels' source: Numba by
+itself looks at the file of the outermost kernel alone and would miss a change in a force.
+"""
+
+import os
+from pathlib import Path
+
+import numba
+import platformdirs
+
+from opml.provenance import code_digest
+
+_KERNELS = ("opml.dynamics.ensemble", "opml.dynamics.frames")
+
+
+def _cache_folder():
+    base = Path(os.environ.get("OPML_CACHE") or platformdirs.user_cache_dir("opml"))
+    return base / f"kernels-{code_digest(*_KERNELS)[:16]}"
+
+
+numba.config.CACHE_DIR = str(_cache_folder())

@@ -1,0 +1,295 @@
+"""Density of the thermosphere by DTM2000 (Bruinsma, Thuillier & Barlier 2003, JASTP 65, 1053-1070).
+
+For each of nine quantities (exospheric temperature, temperature and its gradient at 120 km, six
+constituents) the model is a sum over spherical harmonics of latitude, longitude and local time
+whose factors depend on the date and the activity. Those factors are the same for every arc, so
+`reduce_to_date` folds the date and the activity in once, and the kernel only sums over the position.
+"""
+
+import math
+from importlib import resources
+
+import numpy as np
+
+from opml.dynamics.lanes import compiled, exp, load, log, select, splat, store
+
+QUANTITIES = ("tt", "t0", "tp", "h", "he", "o", "n2", "o2", "n")
+FLUX_COUPLED = np.array([1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0])
+"""1 where the solar flux also scales the periodic terms, quantity by quantity."""
+
+SEASONAL_TERMS = 5
+"""What depends on the day of the year alone: four cosines and the sign of the odd-latitude terms."""
+
+LATITUDE_TERMS = 9
+"""P10 to P60 with a constant before them, and P20 and P40 about the magnetic pole."""
+TESSERAL_TERMS = 30
+FACTORS = 5 + LATITUDE_TERMS + LATITUDE_TERMS + TESSERAL_TERMS
+
+LOWEST_ALTITUDE = 120e3
+"""The model's lower boundary [m]."""
+
+_POLAR_RADIUS_KM = 6356.77
+_BASE_KM = 120.0
+_GRAVITY_AT_GROUND = 980.665  # cm/s2
+_GAS_CONSTANT = 831.4  # in the model's own units
+_COSINE_POLE, _SINE_POLE = 0.19081, 0.98163  # magnetic pole, 79 N
+_POLE_LONGITUDE_COSINE, _POLE_LONGITUDE_SINE = math.cos(-1.2392), math.sin(-1.2392)  # 71 W
+_YEAR = 0.017214206  # 2 pi / 365 days, as the model rounds it
+_WEIGHT = (1.0, 4.0, 16.0, 28.0, 32.0, 14.0)
+_MASS = (1.6606e-24, 6.6423e-24, 26.569e-24, 46.4958e-24, 53.1381e-24, 23.2479e-24)  # g
+_DIFFUSION = (-0.40, -0.38, 0.0, 0.0, 0.0, 0.0)
+
+
+def coefficients() -> np.ndarray:
+    """The model's coefficients (97, 9), rows counted from 1 as in the paper, columns as QUANTITIES."""
+    text = resources.files("opml.data").joinpath("dtm2000.csv").read_text()
+    lines = [line for line in text.splitlines() if line and not line.startswith("#")]
+    names = lines[0].split(",")
+    table = np.zeros((97, len(QUANTITIES)))
+    for line in lines[1:]:
+        row = dict(zip(names, line.split(","), strict=True))
+        table[int(row["index"])] = [float(row[name]) for name in QUANTITIES]
+    return table
+
+
+def seasons(table: np.ndarray, days_of_year: np.ndarray) -> np.ndarray:
+    """What depends on the day alone, for each day and quantity: (days, 5, 9).
+
+    Annual and semi-annual cosines of the even and of the odd terms, and the sign of the terms that
+    change with the hemisphere's season, which only the temperature profile at 120 km has.
+    """
+    days = np.asarray(days_of_year, float)[:, None]
+    cosines = [
+        np.cos(_YEAR * (days - table[11])),
+        np.cos(2.0 * _YEAR * (days - table[14])),
+        np.cos(_YEAR * (days - table[18])),
+        np.cos(2.0 * _YEAR * (days - table[20])),
+    ]
+    sign = np.ones((len(days), len(QUANTITIES)))
+    sign[:, 1:3] = np.array([_season(day) for day in days_of_year])[:, None]
+    return np.stack([*cosines, sign], axis=1)
+
+
+def _season(day):
+    """1 in northern summer, -1 in winter, and a straight line of time between them."""
+    if 99 < day < 244:
+        return 1.0
+    if day < 59 or day > 284:
+        return -1.0
+    return 1.0 - 2.0 * (day - 244) / 40.0 if day >= 100 else 2.0 * (day - 59) / 40.0 - 1.0
+
+
+@compiled
+def reduce_to_date(a, season, f107, f107_mean, kp_3h, kp_24h, factors):
+    """Fold the date and the activity into the factors of the position: fills `factors` (FACTORS, 9).
+
+    a: coefficients (97, 9); season: (5, 9) of the day; f107, f107_mean [sfu]; kp_3h, kp_24h.
+    """
+    df = f107 - f107_mean
+    dm = f107_mean - 150.0
+    kp, km = kp_3h, kp_24h
+    for k in range(9):
+        even, even2, odd, odd2, sign = season[0, k], season[1, k], season[2, k], season[3, k], season[4, k]
+        # Solar flux, on the constant and P10 to P40.
+        flux = (
+            a[4, k] * df + a[5, k] * df * df + a[6, k] * dm + a[69, k] * dm * dm,
+            a[82, k] * df,
+            a[83, k] * df + a[85, k] * dm,
+            a[84, k] * df + a[86, k] * dm,
+            a[87, k] * dm,
+        )
+        for n in range(5):
+            factors[n, k] = FLUX_COUPLED[k] * flux[n]
+        # Terms without a period: latitude, flux and geomagnetic activity.
+        at = 5
+        factors[at, k] = flux[0] + (
+            (a[7, k] * kp + a[60, k] * kp**2 + a[75, k] * kp**4)
+            + a[64, k] * km
+            + a[66, k] * km**2
+            + a[76, k] * km**4
+        )
+        factors[at + 1, k] = flux[1] + sign * a[74, k]
+        factors[at + 2, k] = flux[2] + a[2, k]
+        factors[at + 3, k] = flux[3] + sign * a[77, k]
+        factors[at + 4, k] = flux[4] + a[3, k]
+        factors[at + 5, k] = sign * a[78, k]
+        factors[at + 6, k] = a[79, k]
+        factors[at + 7, k] = a[8, k] * kp + a[61, k] * kp**2 + a[65, k] * km + a[73, k] * km**2
+        factors[at + 8, k] = a[68, k] * kp + a[72, k] * km
+        # Annual and semi-annual terms.
+        at = 14
+        factors[at, k] = a[9, k] * even + a[12, k] * even2
+        factors[at + 1, k] = a[15, k] * odd + a[19, k] * odd2 + a[40, k] * odd * kp
+        factors[at + 2, k] = a[10, k] * even + a[13, k] * even2
+        factors[at + 3, k] = a[16, k] * odd + a[39, k] * odd2 + a[41, k] * odd * kp
+        factors[at + 4, k] = 0.0
+        factors[at + 5, k] = a[17, k] * odd + a[59, k] * odd2 + a[42, k] * odd * kp
+        factors[at + 6, k] = 0.0
+        factors[at + 7, k] = 0.0
+        factors[at + 8, k] = 0.0
+        # Diurnal terms: cosine, then sine of the local time, on P11, P31, P51, P21.
+        at = 23
+        factors[at, k] = a[21, k] + a[24, k] * odd + a[43, k] * kp
+        factors[at + 1, k] = a[22, k] + a[44, k] * kp
+        factors[at + 2, k] = a[23, k] + a[45, k] * kp
+        factors[at + 3, k] = a[25, k] * odd
+        factors[at + 4, k] = a[26, k] + a[29, k] * odd + a[46, k] * kp
+        factors[at + 5, k] = a[27, k] + a[47, k] * kp
+        factors[at + 6, k] = a[28, k] + a[48, k] * kp
+        factors[at + 7, k] = a[30, k] * odd
+        # Semi-diurnal terms: cosine, then sine, on P22, P42, P32, P52, P62.
+        factors[at + 8, k] = a[31, k]
+        factors[at + 9, k] = a[37, k]
+        factors[at + 10, k] = a[32, k] * odd + sign * a[88, k]
+        factors[at + 11, k] = sign * a[90, k]
+        factors[at + 12, k] = a[92, k]
+        factors[at + 13, k] = a[33, k]
+        factors[at + 14, k] = a[38, k]
+        factors[at + 15, k] = a[34, k] * odd + sign * a[89, k]
+        factors[at + 16, k] = sign * a[91, k]
+        factors[at + 17, k] = a[93, k]
+        # Ter-diurnal terms on P33, then longitude on P11, P21, P31, P41, P51.
+        factors[at + 18, k] = a[35, k]
+        factors[at + 19, k] = a[36, k]
+        for n in range(10):
+            factors[at + 20 + n, k] = a[49 + n, k]
+
+
+@compiled
+def density(altitude, sin_lat, cos_lat, sin_lon, cos_lon, sin_time, cos_time, a, factors, basis):
+    """Density [kg/m3] above 120 km; below, what it is there.
+
+    altitude: geodetic [m]; latitude: geodetic, longitude: east, and local solar time as an angle
+    (0 at midnight), each by its sine and cosine; a: coefficients; factors: from `reduce_to_date`;
+    basis: scratch rows.
+    """
+    _fill_basis(sin_lat, cos_lat, sin_lon, cos_lon, sin_time, cos_time, basis)
+    g0, g1, g2, g3, g4, g5, g6, g7, g8 = _sum_terms(factors, basis)
+    t_inf = a[1, 0] * (1.0 + g0)
+    t_120 = a[1, 1] + g1
+    slope = a[1, 2] + g2
+    z = select(altitude < LOWEST_ALTITUDE, splat(_BASE_KM), altitude * 1e-3)
+    sigma = slope / (t_inf - t_120)
+    height = sigma * ((z - _BASE_KM) * ((_POLAR_RADIUS_KM + _BASE_KM) / (_POLAR_RADIUS_KM + z)))
+    t_z = t_inf - (t_inf - t_120) * exp(-height)
+    cooling = log(t_120 / t_z)
+    at_base = _GRAVITY_AT_GROUND / (1.0 + _BASE_KM / _POLAR_RADIUS_KM) ** 2
+    gamma = (at_base / _GAS_CONSTANT) / (sigma * t_inf)
+    total = splat(0.0)
+    total = total + _constituent(0, a[1, 3], g3, gamma, cooling, height)
+    total = total + _constituent(1, a[1, 4], g4, gamma, cooling, height)
+    total = total + _constituent(2, a[1, 5], g5, gamma, cooling, height)
+    total = total + _constituent(3, a[1, 6], g6, gamma, cooling, height)
+    total = total + _constituent(4, a[1, 7], g7, gamma, cooling, height)
+    total = total + _constituent(5, a[1, 8], g8, gamma, cooling, height)
+    return total * 1e3
+
+
+@compiled
+def _constituent(k, at_base, g, gamma, cooling, height):
+    """Mass density [g/cm3] of one constituent, in diffusive equilibrium above 120 km."""
+    gamma = _WEIGHT[k] * gamma
+    return (_MASS[k] * at_base) * exp(g + (1.0 + _DIFFUSION[k] + gamma) * cooling - height * gamma)
+
+
+@compiled
+def _fill_basis(c, s, sin_lon, cos_lon, sh, ch, basis):
+    """Latitude terms, then tesseral terms, row by row. c, s: sine and cosine of the latitude."""
+    c2, s2 = c * c, s * s
+    c4 = c2 * c2
+    p40 = 4.375 * c4 - 3.75 * c2 + 0.375
+    p50 = c * (7.875 * c4 - 8.75 * c2 + 1.875)
+    to_pole = cos_lon * _POLE_LONGITUDE_COSINE + sin_lon * _POLE_LONGITUDE_SINE
+    magnetic = s * _COSINE_POLE * to_pole + c * _SINE_POLE
+    magnetic2 = magnetic * magnetic
+    store(basis, 0, splat(1.0))
+    store(basis, 1, c)
+    store(basis, 2, 1.5 * c2 - 0.5)
+    store(basis, 3, c * (2.5 * c2 - 1.5))
+    store(basis, 4, p40)
+    store(basis, 5, p50)
+    store(basis, 6, (5.5 * c * p50 - 2.5 * p40) * (1.0 / 3.0))
+    store(basis, 7, 1.5 * magnetic2 - 0.5)
+    store(basis, 8, 4.375 * magnetic2 * magnetic2 - 3.75 * magnetic2 + 0.375)
+    p21 = 3.0 * c * s
+    p31 = s * (7.5 * c2 - 1.5)
+    p41 = c * s * (17.5 * c2 - 7.5)
+    p51 = s * (39.375 * c4 - 26.25 * c2 + 1.875)
+    p22 = 3.0 * s2
+    p32 = 15.0 * c * s2
+    p42 = s2 * (52.5 * c2 - 7.5)
+    p52 = 3.0 * c * p42 - 2.0 * p32
+    p62 = 2.75 * c * p52 - 1.75 * p42
+    p33 = 15.0 * s * s2
+    c2h, s2h = ch * ch - sh * sh, 2.0 * ch * sh
+    c3h, s3h = c2h * ch - s2h * sh, s2h * ch + c2h * sh
+    at = 9
+    store(basis, at, s * ch)
+    store(basis, at + 1, p31 * ch)
+    store(basis, at + 2, p51 * ch)
+    store(basis, at + 3, p21 * ch)
+    store(basis, at + 4, s * sh)
+    store(basis, at + 5, p31 * sh)
+    store(basis, at + 6, p51 * sh)
+    store(basis, at + 7, p21 * sh)
+    store(basis, at + 8, p22 * c2h)
+    store(basis, at + 9, p42 * c2h)
+    store(basis, at + 10, p32 * c2h)
+    store(basis, at + 11, p52 * c2h)
+    store(basis, at + 12, p62 * c2h)
+    store(basis, at + 13, p22 * s2h)
+    store(basis, at + 14, p42 * s2h)
+    store(basis, at + 15, p32 * s2h)
+    store(basis, at + 16, p52 * s2h)
+    store(basis, at + 17, p62 * s2h)
+    store(basis, at + 18, p33 * c3h)
+    store(basis, at + 19, p33 * s3h)
+    store(basis, at + 20, s * cos_lon)
+    store(basis, at + 21, p21 * cos_lon)
+    store(basis, at + 22, p31 * cos_lon)
+    store(basis, at + 23, p41 * cos_lon)
+    store(basis, at + 24, p51 * cos_lon)
+    store(basis, at + 25, s * sin_lon)
+    store(basis, at + 26, p21 * sin_lon)
+    store(basis, at + 27, p31 * sin_lon)
+    store(basis, at + 28, p41 * sin_lon)
+    store(basis, at + 29, p51 * sin_lon)
+
+
+@compiled
+def _sum(factors, row, count, basis, at):
+    """Sums over `count` terms of the nine quantities at once."""
+    s0, s1, s2 = splat(0.0), splat(0.0), splat(0.0)
+    s3, s4, s5 = splat(0.0), splat(0.0), splat(0.0)
+    s6, s7, s8 = splat(0.0), splat(0.0), splat(0.0)
+    for n in range(count):
+        b = load(basis, at + n)
+        s0 = s0 + factors[row + n, 0] * b
+        s1 = s1 + factors[row + n, 1] * b
+        s2 = s2 + factors[row + n, 2] * b
+        s3 = s3 + factors[row + n, 3] * b
+        s4 = s4 + factors[row + n, 4] * b
+        s5 = s5 + factors[row + n, 5] * b
+        s6 = s6 + factors[row + n, 6] * b
+        s7 = s7 + factors[row + n, 7] * b
+        s8 = s8 + factors[row + n, 8] * b
+    return s0, s1, s2, s3, s4, s5, s6, s7, s8
+
+
+@compiled
+def _sum_terms(factors, basis):
+    """The nine quantities: constant terms plus periodic ones scaled by the flux."""
+    f = _sum(factors, 0, 5, basis, 0)
+    c = _sum(factors, 5, 9, basis, 0)
+    p = _sum(factors, 14, 39, basis, 0)
+    return (
+        c[0] + p[0] * (1.0 + f[0]),
+        c[1] + p[1] * (1.0 + f[1]),
+        c[2] + p[2] * (1.0 + f[2]),
+        c[3] + p[3] * (1.0 + f[3]),
+        c[4] + p[4] * (1.0 + f[4]),
+        c[5] + p[5] * (1.0 + f[5]),
+        c[6] + p[6] * (1.0 + f[6]),
+        c[7] + p[7] * (1.0 + f[7]),
+        c[8] + p[8] * (1.0 + f[8]),
+    )

@@ -1,0 +1,41 @@
+"""Rotation from GCRF to ITRF, and its rate, at many times."""
+
+import numba
+import numpy as np
+import pandas as pd
+
+from opml.constants import EARTH_RATE
+from opml.dynamics.surroundings import orient
+
+ORIENTATION = ["x_cip", "y_cip", "s_cio", "x_pole", "y_pole", "era_offset"]
+"""Columns of the Earth orientation table, in the order the kernels read them."""
+
+
+def gcrf_to_itrf(earth_orientation: pd.DataFrame, t: np.ndarray) -> np.ndarray:
+    """Rotation matrices (n, 3, 3) at times t (n,) [s], from the Earth orientation table."""
+    nodes = earth_orientation["t"].to_numpy()
+    table = np.ascontiguousarray(earth_orientation[ORIENTATION].to_numpy(float))
+    return _rotations(np.asarray(t, float), nodes[0], nodes[1] - nodes[0], table)
+
+
+def spin(earth_orientation: pd.DataFrame) -> np.ndarray:
+    """Rotation vector of the Earth (nodes, 3) in GCRF [rad/s], at the nodes of the Earth orientation table.
+
+    The Earth turns about the CIP at the rate of its rotation angle, while the CIP moves without turning
+    about itself: w = rate p + p x dp/dt (IERS Conventions 2010, sec. 5.2.3). The motion of the pole in the
+    Earth, below 1e-12 rad/s, is left out.
+    """
+    t, x, y = (earth_orientation[name].to_numpy() for name in ("t", "x_cip", "y_cip"))
+    pole = np.stack([x, y, np.sqrt(1.0 - x * x - y * y)], axis=-1)
+    rate = EARTH_RATE + np.gradient(earth_orientation["era_offset"].to_numpy(), t)
+    return rate[:, None] * pole + np.cross(pole, np.gradient(pole, t, axis=0))
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _rotations(t, first, step, table):
+    out = np.empty((t.shape[0], 3, 3))
+    values = np.empty(9)
+    for n in range(t.shape[0]):
+        orient(t[n], first, step, table, values)
+        out[n] = values.reshape(3, 3)
+    return out

@@ -1,0 +1,151 @@
+"""What every arc meets at one time: the Earth's rotation, Sun, Moon, planets and the thermosphere.
+
+All of it depends on time alone, so it is looked up once a stage of the integrator, in tables at
+uniform nodes, and shared by the lanes.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from opml.constants import EARTH_RATE
+from opml.dynamics.dtm2000 import reduce_to_date
+from opml.dynamics.lanes import compiled
+
+ROTATION, SPIN, SUN_ITRF, BODIES = 0, 9, 12, 15
+"""Where the parts of the looked-up values begin."""
+
+
+class Tables(NamedTuple):
+    """Arrays and numbers that the kernels read; see `forces.ForceModel`."""
+
+    first: float  # time of the first node [s since the epoch]
+    step: float  # between nodes [s]
+    orientation: np.ndarray  # (nodes, 6): CIP x and y, CIO locator, pole x and y, ERA offset [rad]
+    spin: np.ndarray  # (nodes, 3): the Earth's rotation vector in GCRF [rad/s]
+    bodies: np.ndarray  # (nodes, 3 count): geocentric GCRF positions [m], the Sun first
+    gms: np.ndarray  # (count,) [m3/s2], 0 where a body's pull is not in the model
+    activity: np.ndarray  # (nodes, 4): F10.7, its mean [sfu], Kp of 3 h and of 24 h
+    midnight: float  # start of the epoch's UTC day [s since the epoch]
+    seasons: np.ndarray  # (days, 5, 9), from dtm2000.seasons
+    thermosphere: np.ndarray  # (97, 9), from dtm2000.coefficients
+    weights: np.ndarray  # (terms, 8), from gravity.weights
+    columns: int  # orders in the weights
+    degree: int  # highest degree of a harmonic in the weights
+    gm: float  # of the Earth, as the field gives it [m3/s2]
+    radius: float  # of the field [m]
+
+
+@compiled
+def look_up(t, tables, values, factors):
+    """Fill `values` (rotation, spin, Sun in ITRF, bodies in GCRF) and DTM2000's `factors` at time t [s]."""
+    node, u = _locate(t, tables.first, tables.step, tables.orientation.shape[0])
+    w = _weights(u)
+    for k in range(tables.bodies.shape[1]):
+        values[BODIES + k] = _between(tables.bodies, node, k, w)
+    for k in range(3):
+        values[SPIN + k] = _between(tables.spin, node, k, w)
+    orient(t, tables.first, tables.step, tables.orientation, values)
+    sx, sy, sz = values[BODIES], values[BODIES + 1], values[BODIES + 2]
+    for k in range(3):
+        values[SUN_ITRF + k] = values[3 * k] * sx + values[3 * k + 1] * sy + values[3 * k + 2] * sz
+    day = min(max(math.floor((t - tables.midnight) / 86400.0), 0), tables.seasons.shape[0] - 1)
+    reduce_to_date(
+        tables.thermosphere,
+        tables.seasons[day],
+        _linear(tables.activity, node, 0, u),
+        _linear(tables.activity, node, 1, u),
+        _linear(tables.activity, node, 2, u),
+        _linear(tables.activity, node, 3, u),
+        factors,
+    )
+
+
+@compiled
+def orient(t, first, step, orientation, values):
+    """Fill the rotation in `values` at time t [s], from the nodes of the orientation."""
+    node, u = _locate(t, first, step, orientation.shape[0])
+    w = _weights(u)
+    earth_rotation(
+        _between(orientation, node, 0, w),
+        _between(orientation, node, 1, w),
+        _between(orientation, node, 2, w),
+        _between(orientation, node, 3, w),
+        _between(orientation, node, 4, w),
+        _between(orientation, node, 5, w) + EARTH_RATE * t,
+        values,
+    )
+
+
+@compiled
+def _locate(t, first, step, nodes):
+    """The node before t with two more before it and three after, and the part of a step from it to t."""
+    where = (t - first) / step
+    node = min(max(math.floor(where), 2), nodes - 4)
+    return node, where - node
+
+
+@compiled
+def _weights(u):
+    """Lagrange's polynomial through six nodes: at hourly ones 10 micrometres for the Moon."""
+    a, b, c, d, e, f = u + 2.0, u + 1.0, u, u - 1.0, u - 2.0, u - 3.0
+    return (
+        -b * c * d * e * f / 120.0,
+        a * c * d * e * f / 24.0,
+        -a * b * d * e * f / 12.0,
+        a * b * c * e * f / 12.0,
+        -a * b * c * d * f / 24.0,
+        a * b * c * d * e / 120.0,
+    )
+
+
+@compiled
+def _between(table, node, column, w):
+    return (
+        w[0] * table[node - 2, column]
+        + w[1] * table[node - 1, column]
+        + w[2] * table[node, column]
+        + w[3] * table[node + 1, column]
+        + w[4] * table[node + 2, column]
+        + w[5] * table[node + 3, column]
+    )
+
+
+@compiled
+def _linear(table, node, column, u):
+    return table[node, column] + u * (table[node + 1, column] - table[node, column])
+
+
+@compiled
+def earth_rotation(x, y, s, x_pole, y_pole, angle, values):
+    """Rotation GCRF to ITRF into values[0:9], row by row.
+
+    x, y: CIP in GCRF; s: CIO locator; x_pole, y_pole: polar motion; angle: Earth rotation angle
+    [rad] (IERS Conventions 2010, sec. 5.4.4, 5.4.1). The TIO locator s', 5e-11 rad in 2017, is left out.
+    """
+    z = math.sqrt(1.0 - x * x - y * y)
+    a = 1.0 / (1.0 + z)
+    cs, sn = math.cos(angle - s), math.sin(angle - s)
+    # Celestial motion of the pole, without the turn by s, which joins the rotation angle.
+    q00, q01, q02 = 1.0 - a * x * x, -a * x * y, -x
+    q11, q12 = 1.0 - a * y * y, -y
+    r00, r01, r02 = cs * q00 + sn * q01, cs * q01 + sn * q11, cs * q02 + sn * q12
+    r10, r11, r12 = -sn * q00 + cs * q01, -sn * q01 + cs * q11, -sn * q02 + cs * q12
+    r20, r21, r22 = x, y, z
+    # Polar motion: R1(-y_pole) after R2(-x_pole).
+    cx, sx, cy, sy = math.cos(x_pole), math.sin(x_pole), math.cos(y_pole), math.sin(y_pole)
+    w00, w02 = cx, sx
+    w10, w11, w12 = sx * sy, cy, -cx * sy
+    w20, w21, w22 = -sx * cy, sy, cx * cy
+    values[0], values[1], values[2] = w00 * r00 + w02 * r20, w00 * r01 + w02 * r21, w00 * r02 + w02 * r22
+    values[3], values[4], values[5] = (
+        w10 * r00 + w11 * r10 + w12 * r20,
+        w10 * r01 + w11 * r11 + w12 * r21,
+        w10 * r02 + w11 * r12 + w12 * r22,
+    )
+    values[6], values[7], values[8] = (
+        w20 * r00 + w21 * r10 + w22 * r20,
+        w20 * r01 + w21 * r11 + w22 * r21,
+        w20 * r02 + w21 * r12 + w22 * r22,
+    )

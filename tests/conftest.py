@@ -1,0 +1,43 @@
+"""Fixtures shared by all tests; `support.py` beside this file holds plain functions for them."""
+
+import numpy as np
+import pytest
+from support import ASSUMED_BODIES, environment, force_model, rsos, stations
+
+
+@pytest.fixture(scope="session")
+def earth_orientation():
+    """The Earth orientation table of the paper's 50 days."""
+    return environment()["earth_orientation"]
+
+
+@pytest.fixture(scope="session")
+def truth_model():
+    """A small truth model: every body, the field to degree 12."""
+    return force_model(12)
+
+
+@pytest.fixture(scope="session")
+def assumed_model():
+    """A smaller model, as the assumed one differs from the true: fewer bodies and a coarser field."""
+    return force_model(8, ASSUMED_BODIES)
+
+
+@pytest.fixture(scope="session")
+def kepler_model(assumed_model):
+    """A force model of the central term, drag and radiation pressure; without the latter two, Kepler's."""
+    return assumed_model._replace(
+        weights=np.zeros_like(assumed_model.weights), gms=np.zeros_like(assumed_model.gms)
+    )
+
+
+@pytest.fixture(scope="session")
+def iss():
+    """The paper's RSO."""
+    return rsos()["iss"]
+
+
+@pytest.fixture(scope="session")
+def three_stations():
+    """The paper's stations, in the sheet's order."""
+    return list(stations().values())
