@@ -1,0 +1,35 @@
+"""What a radar station measures of an RSO: azimuth, elevation and range.
+
+Measurements are geometric, without light time or aberration, in the simulation and in the
+estimation alike.
+"""
+
+import erfa
+import numpy as np
+
+from opml.sheets import Station
+
+_WGS84 = 1
+
+
+def site(station: Station) -> tuple[np.ndarray, np.ndarray]:
+    """(position in ITRF [m] (3,), rotation ITRF to east, north, up (3, 3)) of a station on WGS84."""
+    lon, lat = station.longitude, station.latitude
+    position = np.array(erfa.gd2gc(_WGS84, lon, lat, station.altitude))
+    east = [-np.sin(lon), np.cos(lon), 0.0]
+    north = [-np.sin(lat) * np.cos(lon), -np.sin(lat) * np.sin(lon), np.cos(lat)]
+    up = [np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)]
+    return position, np.array([east, north, up])
+
+
+def observe(positions: np.ndarray, position: np.ndarray, to_horizon: np.ndarray) -> np.ndarray:
+    """Azimuth from north eastwards [0, 2 pi), elevation [rad] and range [m]: (..., 3).
+
+    positions: (..., 3) ITRF [m]; position, to_horizon: one station's, from `site`, or arrays of
+    them that broadcast (Vallado 2013, sec. 4.4.3).
+    """
+    local = np.einsum("...ij,...j->...i", to_horizon, positions - position)
+    distance = np.linalg.norm(local, axis=-1)
+    azimuth = np.arctan2(local[..., 0], local[..., 1]) % (2.0 * np.pi)
+    elevation = np.arctan2(local[..., 2], np.hypot(local[..., 0], local[..., 1]))
+    return np.stack([azimuth, elevation, distance], axis=-1)

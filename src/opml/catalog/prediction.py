@@ -1,0 +1,67 @@
+"""Predictions from every estimate to every later track, and their true errors."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pandas as pd
+
+from opml.catalog.truth import STATE
+from opml.dynamics.ensemble import REASONS, Integrator, propagate
+from opml.dynamics.surroundings import Tables
+from opml.elements import rsw_rotation
+from opml.sheets import Rso
+
+ERRORS = [f"e_{name}" for name in STATE]
+TRUE = [f"{name}_true" for name in STATE]
+
+
+def predict_all(
+    tables: Tables,
+    truth: pd.DataFrame,
+    estimates: pd.DataFrame,
+    rso: Rso,
+    *,
+    max_days: float,
+    integrator: Integrator,
+    threads: int = 1,
+    progress: Callable[[float], None] | None = None,
+) -> pd.DataFrame:
+    """The `predictions` table: every pair of an estimate t_i and a later track start t_j.
+
+    tables: the assumed model, from `forces.build`; t_j is at most max_days after t_i. The true
+    error is the predicted state less the true one, in RSW of the true state (paper, sec. Orbit
+    Prediction and Machine Learning Model of the Prediction Error). A pair that the arc does not
+    reach has no numbers, but the reason.
+    """
+    epochs = estimates["t"].to_numpy()
+    last = np.searchsorted(epochs, epochs + max_days * 86400.0, side="right") - 1
+    first = np.arange(len(epochs))
+    states = estimates[STATE].to_numpy()
+    arcs = propagate(
+        tables,
+        epochs,
+        states,
+        first=first,
+        last=last,
+        ballistic=estimates["cd"].to_numpy() * rso.area_to_mass,
+        reflection=np.full(len(epochs), rso.cr * rso.area_to_mass),
+        integrator=integrator,
+        threads=threads,
+        progress=progress,
+    )
+    i = np.repeat(first, last - first)
+    j = np.concatenate([np.arange(a + 1, b + 1) for a, b in zip(first, last, strict=True)])
+    true = truth.set_index("t")[STATE].loc[epochs].to_numpy()[j]
+    rotation = rsw_rotation(true)
+    difference = (arcs.states - true).reshape(-1, 2, 3)
+    errors = np.einsum("nij,nkj->nki", rotation, difference).reshape(-1, 6)
+    reached = np.isfinite(arcs.states[:, 0])
+    reasons = np.array(REASONS, object)[arcs.status[i]]
+    track = estimates["track"].to_numpy()
+    return pd.DataFrame(
+        {"i": track[i], "j": track[j], "t_i": epochs[i], "t_j": epochs[j]}
+        | dict(zip(STATE, arcs.states.T, strict=True))
+        | dict(zip(TRUE, true.T, strict=True))
+        | dict(zip(ERRORS, errors.T, strict=True))
+        | {"reason": np.where(reached, "", reasons)}
+    )

@@ -1,0 +1,59 @@
+"""Radar tracks of an RSO: when stations see it, and what they measure with noise."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from opml.catalog.observing import observe, site
+from opml.dynamics.frames import gcrf_to_itrf
+from opml.errors import InputError
+from opml.seeds import derive
+from opml.sheets import Station
+
+QUANTITIES = ["azimuth", "elevation", "range"]
+
+
+def simulate(
+    truth: pd.DataFrame,
+    earth_orientation: pd.DataFrame,
+    stations: Sequence[Station],
+    *,
+    rso: str,
+    seed: int,
+) -> pd.DataFrame:
+    """The `tracking` table: every measurement of the stations, numbered by track.
+
+    truth: states on an even grid of times; stations: `sheets.Station`s; rso: its name; seed: of the
+    noise, from which each station's own follows, so that a station measures the same alone and
+    among others. A track is a run of grid epochs at which any of the stations sees the RSO
+    (paper, sec. Measurement Models). Raises InputError where no station ever sees the RSO.
+    """
+    t = truth["t"].to_numpy()
+    positions = np.einsum("nij,nj->ni", gcrf_to_itrf(earth_orientation, t), truth[["x", "y", "z"]].to_numpy())
+    parts = [_measure(k, station, t, positions, rso, seed) for k, station in enumerate(stations)]
+    if all(part.empty for part in parts):
+        names = ", ".join(station.name for station in stations)
+        raise InputError(f"{rso}: expected a pass over {names}, but it is never in sight")
+    table = pd.concat(parts).sort_values(["epoch", "order"], ignore_index=True)
+    breaks = np.diff(table["epoch"].to_numpy(), prepend=-2) > 1
+    table["track"] = np.cumsum(breaks) - 1
+    return table[["track", "t", "station", *QUANTITIES, *(f"{name}_true" for name in QUANTITIES)]]
+
+
+def _measure(order, station, t, positions, rso, seed):
+    """One station's measurements, at the epochs at which it sees the RSO."""
+    true = observe(positions, *site(station))
+    epochs = np.flatnonzero(
+        (true[:, 1] >= station.min_elevation)
+        & (true[:, 1] <= station.max_elevation)
+        & (true[:, 2] <= station.max_range)
+    )
+    true = true[epochs]
+    sigmas = [station.sigma_azimuth, station.sigma_elevation, station.sigma_range]
+    noisy = true + derive(seed, "noise", rso, station.name).normal(size=true.shape) * sigmas
+    noisy[:, 0] %= 2.0 * np.pi
+    columns = {"epoch": epochs, "order": order, "t": t[epochs], "station": station.name}
+    for k, name in enumerate(QUANTITIES):
+        columns[name], columns[f"{name}_true"] = noisy[:, k], true[:, k]
+    return pd.DataFrame(columns)

@@ -1,0 +1,57 @@
+"""The true orbit of an RSO: one arc under the truth model."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pandas as pd
+
+from opml.dynamics.ensemble import REASONS, Integrator, propagate
+from opml.dynamics.surroundings import Tables
+from opml.elements import cartesian_from_coe, true_from_mean_anomaly
+from opml.errors import InputError
+from opml.sheets import Rso
+
+STATE = ["x", "y", "z", "vx", "vy", "vz"]
+
+
+def initial_state(rso: Rso, gm: float) -> np.ndarray:
+    """GCRF state (6,) [m, m/s] at the epoch, from the RSO's osculating elements (paper, table of RSOs)."""
+    nu = true_from_mean_anomaly(rso.mean_anomaly, rso.e)
+    return cartesian_from_coe(np.array([rso.a, rso.e, rso.i, rso.argp, rso.raan, nu]), gm)
+
+
+def simulate(
+    tables: Tables,
+    rso: Rso,
+    *,
+    duration: float,
+    step: float,
+    integrator: Integrator,
+    progress: Callable[[float], None] | None = None,
+) -> pd.DataFrame:
+    """The `truth` table of an RSO: GCRF states every `step` from the epoch to `duration` [s].
+
+    tables: the truth model, from `forces.build`. Raises InputError where the RSO does not stay in
+    orbit that long (paper, sec. Truth Dynamic Models).
+    """
+    t = np.arange(0.0, duration + 0.5 * step, step)
+    start = initial_state(rso, tables.gm)
+    arcs = propagate(
+        tables,
+        t,
+        start[None],
+        first=[0],
+        last=[len(t) - 1],
+        ballistic=[rso.cd * rso.area_to_mass],
+        reflection=[rso.cr * rso.area_to_mass],
+        integrator=integrator,
+        progress=progress,
+    )
+    if arcs.status[0]:
+        flown = np.isfinite(arcs.states[:, 0]).sum() * step / 86400.0
+        raise InputError(
+            f"{rso.name}: expected an orbit that lasts {duration / 86400.0:g} days, "
+            f"but it {REASONS[arcs.status[0]]} after {flown:.2f} days"
+        )
+    states = np.vstack([start, arcs.of(0)])
+    return pd.DataFrame({"t": t, **dict(zip(STATE, states.T, strict=True))})

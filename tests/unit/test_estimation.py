@@ -1,0 +1,252 @@
+"""Batch least squares on measurements whose truth is known, and the fits that cannot succeed."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from support import DAY, rsos
+
+from opml.catalog import estimation, tracking, truth
+from opml.catalog.estimation import COVARIANCES, PARAMETERS
+from opml.dynamics.ensemble import Integrator
+
+SETTINGS = {
+    "window_hours": 12,
+    "max_iterations": 30,
+    "convergence": 1e-3,
+    "start_position_sigma_m": 1000.0,
+    "start_velocity_sigma_mps": 1.0,
+    "least_drag_m": 0.1,
+    "cd_min": 1.2,
+    "cd_max": 3.2,
+}
+TRUE = {name: f"{name}_true" for name in tracking.QUANTITIES}
+
+
+def estimates(model, orbit, rows, earth_orientation, stations, rso, *, threads=1, seed=42, **settings):
+    return estimation.estimate_all(
+        model, orbit, rows, earth_orientation, stations, rso,
+        settings=SETTINGS | settings, integrator=Integrator(), seed=seed, threads=threads,
+    )  # fmt: skip
+
+
+def without_noise(rows):
+    return rows.assign(**{name: rows[true] for name, true in TRUE.items()})
+
+
+def errors(table, orbit):
+    """Position errors [m] of the estimates."""
+    true = orbit.set_index("t").loc[table["t"], ["x", "y", "z"]].to_numpy()
+    return np.linalg.norm(table[["x", "y", "z"]].to_numpy() - true, axis=1)
+
+
+def covariances(table):
+    """Covariances (n, 7, 7) from their lower triangles."""
+    full = np.zeros((len(table), 7, 7))
+    low = np.tril_indices(7)
+    full[:, low[0], low[1]] = full[:, low[1], low[0]] = table[COVARIANCES].to_numpy()
+    return full
+
+
+@pytest.fixture(scope="module")
+def orbit(assumed_model, iss):
+    """Two days of the paper's RSO under the assumed model itself."""
+    return truth.simulate(assumed_model, iss, duration=2 * DAY, step=20.0, integrator=Integrator())
+
+
+@pytest.fixture(scope="module")
+def rows(orbit, earth_orientation, three_stations):
+    return tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1)
+
+
+@pytest.fixture(scope="module")
+def table(assumed_model, orbit, rows, earth_orientation, three_stations, iss):
+    return estimates(assumed_model, orbit, rows, earth_orientation, three_stations, iss)
+
+
+def test_perfect_measurements_give_the_truth(assumed_model, earth_orientation, three_stations, iss):
+    """Without radiation pressure: the shadow's edge inside a step makes two grids differ by a decimetre."""
+    smooth = replace(iss, cr=0.0)
+    orbit = truth.simulate(assumed_model, smooth, duration=DAY, step=20.0, integrator=Integrator())
+    rows = without_noise(tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1))
+    found = estimates(assumed_model, orbit, rows, earth_orientation, three_stations, smooth, convergence=1e-7)
+    many = found["tracks_used"] >= 3
+    assert many.sum() > 10
+    assert found["converged"].all()
+    assert errors(found[many], orbit).max() < 1e-3
+    assert np.abs(found["cd"][many] - iss.cd).max() < 1e-6
+    assert found["weighted_rms"].max() < 1e-5
+
+
+def test_one_row_a_track_with_its_window(table, rows):
+    starts = rows.groupby("track")["t"].min()
+    assert table["track"].tolist() == starts.index.tolist()
+    np.testing.assert_array_equal(table["t"], starts)
+    for row in table.itertuples():
+        within = starts[(starts >= row.t - 12 * 3600.0) & (starts <= row.t)]
+        assert row.tracks_used == len(within)
+        assert row.measurements_used == rows["track"].isin(within.index).sum()
+    assert table["tracks_used"].iloc[0] == 1
+    assert table["tracks_used"].max() > 3
+
+
+def test_noisy_fits_err_as_their_covariances_say(table, orbit, rows):
+    used = table[table["tracks_used"] >= 3]
+    assert used["converged"].all()
+    true = orbit.set_index("t").loc[used["t"], truth.STATE].to_numpy()
+    difference = used[PARAMETERS].to_numpy() - np.column_stack([true, np.full(len(used), 2.2)])
+    chi2 = np.array([d @ np.linalg.solve(p, d) for d, p in zip(difference, covariances(used), strict=True)])
+    # Seven degrees of freedom; neighbouring windows share measurements, so the mean scatters.
+    assert 3.5 < chi2.mean() < 14.0
+    # Three numbers a measurement, less seven parameters.
+    count = used["measurements_used"]
+    expected = np.sqrt(1.0 - 7.0 / (3.0 * count))
+    assert np.abs(used["weighted_rms"] - expected).max() < 5.0 / np.sqrt(6.0 * count.min())
+    # Each covariance is one: symmetric by its layout, and positive.
+    assert np.all(np.linalg.eigvalsh(covariances(used) / np.outer(*[[1e3] * 3 + [1.0] * 4] * 2)) > 0.0)
+
+
+def test_fewer_measurements_leave_more_doubt(table):
+    doubt = table["cov_cd_cd"] ** 0.5
+    single, many = table["tracks_used"] == 1, table["tracks_used"] >= 5
+    assert doubt[many].max() < 0.5 < doubt[single].min()
+
+
+def test_partial_derivatives_are_what_central_differences_give(
+    assumed_model, orbit, rows, earth_orientation, three_stations, iss
+):
+    problem = estimation._Problem(
+        assumed_model, rows, earth_orientation, three_stations, iss, Integrator(), 1
+    )
+    at = problem.epochs[problem.begins[4]]
+    nominal = np.append(orbit.set_index("t").loc[at, truth.STATE].to_numpy(), 2.2)
+    fit = problem.window(4, nominal, SETTINGS)
+    assert fit.tracks > 1
+    (_,), (jacobian,), _ = problem._linearise([fit])
+    for k, nudge in enumerate([20.0, 20.0, 20.0, 2e-2, 2e-2, 2e-2, 0.1]):
+        sides = []
+        for sign in (1.0, -1.0):
+            fit.trial = nominal + sign * nudge * np.eye(7)[k]
+            sides.append(problem._linearise([fit])[0][0])
+        # Residuals are measured less predicted.
+        central = (sides[1] - sides[0]) / (2.0 * nudge)
+        assert np.abs(jacobian[:, k] - central).max() < 2e-3 * np.abs(central).max()
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_rows_depend_neither_on_threads_nor_on_later_tracks(
+    assumed_model, orbit, rows, earth_orientation, three_stations, iss, table, threads
+):
+    first = rows[rows["track"] < 9]
+    found = estimates(assumed_model, orbit, first, earth_orientation, three_stations, iss, threads=threads)
+    pd.testing.assert_frame_equal(found, table.iloc[:9], check_exact=True)
+
+
+def test_the_seed_is_of_the_start_only(
+    assumed_model, orbit, rows, earth_orientation, three_stations, iss, table
+):
+    first = rows[rows["track"] < 6]
+    other = estimates(assumed_model, orbit, first, earth_orientation, three_stations, iss, seed=7)
+    many = other["tracks_used"] >= 3
+    assert many.any()
+    moved = np.linalg.norm((other[["x", "y", "z"]] - table[["x", "y", "z"]].iloc[:6])[many], axis=1)
+    # Both have converged to a thousandth of their own uncertainty.
+    assert 0.0 < moved.max() < 1.0
+
+
+def test_a_hopeless_window_is_a_row(assumed_model, orbit, rows, earth_orientation, three_stations, iss):
+    few = rows[rows["track"] == 0].iloc[:4]
+    found = estimates(assumed_model, orbit, few, earth_orientation, three_stations, iss).iloc[0]
+    assert (found["tracks_used"], found["measurements_used"]) == (1, 4)
+    assert np.isfinite(found[[*PARAMETERS, *COVARIANCES]].to_numpy(float)).all()
+    # A minute of measurements says nothing of drag.
+    assert found["cov_cd_cd"] ** 0.5 > 100.0
+    assert found["converged"] == (found["reason"] == "")
+
+
+def test_too_few_measurements_for_seven_parameters(
+    assumed_model, orbit, rows, earth_orientation, three_stations, iss
+):
+    found = estimates(assumed_model, orbit, rows.iloc[:2], earth_orientation, three_stations, iss).iloc[0]
+    assert not found["converged"]
+    assert found["reason"] == estimation.UNDERDETERMINED
+    assert np.isfinite(found[[*PARAMETERS, *COVARIANCES]].to_numpy(float)).all()
+
+
+def test_no_time_to_converge(assumed_model, orbit, rows, earth_orientation, three_stations, iss):
+    first = rows[rows["track"] < 2]
+    found = estimates(assumed_model, orbit, first, earth_orientation, three_stations, iss, max_iterations=2)
+    assert found["iterations"].tolist() == [2, 2]
+    assert not found["converged"].any()
+    assert set(found["reason"]) == {estimation.NOT_CONVERGED}
+
+
+def test_a_start_that_decays_is_a_row_and_spoils_no_other(
+    assumed_model, orbit, rows, earth_orientation, three_stations, iss
+):
+    first = rows[rows["track"] < 5]
+    found = estimates(
+        assumed_model, orbit, first, earth_orientation, three_stations, iss, start_velocity_sigma_mps=3000.0
+    )
+    lost = found["reason"].str.startswith("start arc decayed below 120 km")
+    assert lost.any()
+    assert not found["converged"][lost].any()
+    assert found.loc[lost, COVARIANCES].isna().all(axis=None)
+    assert np.isfinite(found.loc[lost, PARAMETERS].to_numpy(float)).all()
+    assert found["track"].tolist() == [0, 1, 2, 3, 4]
+    assert found["converged"].iloc[0]
+    alone = estimates(
+        assumed_model,
+        orbit,
+        first[first["track"] == 0],
+        earth_orientation,
+        three_stations,
+        iss,
+        start_velocity_sigma_mps=3000.0,
+    )
+    pd.testing.assert_frame_equal(found.iloc[:1], alone, check_exact=True)
+
+
+def test_high_orbits_leave_cd_at_its_a_priori_value(assumed_model, earth_orientation, three_stations):
+    lageos = rsos()["lageos1"]
+    high = truth.simulate(assumed_model, lageos, duration=0.6 * DAY, step=20.0, integrator=Integrator())
+    rows = tracking.simulate(high, earth_orientation, three_stations, rso="lageos1", seed=1)
+    found = estimates(assumed_model, high, rows, earth_orientation, three_stations, lageos)
+    assert found["converged"].all()
+    assert (found["cd"] == lageos.cd).all()
+    assert (found[[name for name in COVARIANCES if "cd" in name]] == 0.0).all(axis=None)
+    assert (found["cov_x_x"] > 0.0).all()
+    assert errors(found, high).max() < 300.0
+
+
+def test_a_batch_starts_from_the_newest_usable_estimate(
+    assumed_model, orbit, rows, earth_orientation, three_stations, iss, monkeypatch
+):
+    """Later batches start close by and are done soon; one whose Cd is out of bounds is nothing to start from."""
+    monkeypatch.setattr(estimation, "BATCH", 4)
+    given = assumed_model, orbit, rows[rows["track"] < 8], earth_orientation, three_stations, iss
+    close, afresh = estimates(*given), estimates(*given, cd_min=9.0, cd_max=9.1)
+    pd.testing.assert_frame_equal(close.iloc[:4], afresh.iloc[:4], check_exact=True)
+    assert close["iterations"].iloc[4:].max() <= 5
+    assert afresh["iterations"].iloc[4:].max() >= 8
+    # Where they started does not show in what they found.
+    moved = np.linalg.norm((close[["x", "y", "z"]] - afresh[["x", "y", "z"]]).iloc[4:], axis=1)
+    assert moved.max() < 0.1
+
+
+def test_a_station_of_other_sigmas_weighs_otherwise(
+    assumed_model, orbit, rows, earth_orientation, three_stations, iss, table
+):
+    doubled = [
+        replace(s, sigma_range=2 * s.sigma_range, sigma_azimuth=2 * s.sigma_azimuth, sigma_elevation=2 * s.sigma_elevation)
+        for s in three_stations
+    ]  # fmt: skip
+    first = rows[rows["track"] < 6]
+    found = estimates(assumed_model, orbit, first, earth_orientation, doubled, iss)
+    many = (found["tracks_used"] >= 3).to_numpy()
+    ratio = found.loc[many, "cov_x_x"] / table.iloc[:6].loc[many, "cov_x_x"]
+    np.testing.assert_allclose(ratio, 4.0, rtol=0.02)
+    np.testing.assert_allclose(
+        found.loc[many, "weighted_rms"], 0.5 * table.iloc[:6].loc[many, "weighted_rms"], rtol=0.02
+    )
