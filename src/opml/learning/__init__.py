@@ -1,0 +1,1 @@
+"""Learning the orbit prediction error: dataset, cleaning, splits, learners and the performance metric."""

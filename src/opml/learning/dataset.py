@@ -1,0 +1,148 @@
+"""The dataset that captures the orbit prediction error model: learning variables and targets of every pair.
+
+A pair (i, j) is the prediction of the estimate at t_i to a later track start t_j. All its learning variables
+but the duration belong to t_i alone, so they are computed once an estimate and spread over the pairs.
+
+Source: the paper, section 'Dataset Capturing the Orbit Prediction Error Model'.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+
+from opml.elements import coe_from_cartesian, rsw_rotation, wrap_half_turn
+from opml.errors import InputError
+from opml.learning.cleaning import drag_coefficient_inside, tukey_fences
+from opml.learning.splits import in_days
+from opml.tables import SCHEMAS, STATE
+
+COE = ["a", "e", "inc", "argp", "raan", "nu"]
+COE_DIFFERENCE = ["d_a", "d_e", "d_i", "d_argp", "d_raan", "d_nu"]
+RSW_DIFFERENCE = ["eps_x", "eps_y", "eps_z", "eps_vx", "eps_vy", "eps_vz"]
+MEASUREMENT = ["elevation_max", "azimuth_at_max", "range_at_max"]
+
+NO_PREVIOUS = -1  # in column b: no earlier estimate serves
+
+# Why a row is dropped; the first that holds, in this order. A failed prediction carries its own reason
+# behind.
+NOT_CONVERGED = "estimate not converged"
+NO_PREDICTION = "no prediction"
+CD_OUTSIDE = "drag coefficient outside bounds"
+NO_PREVIOUS_ESTIMATE = "no kept previous estimate"
+NO_RELATIVE_ERROR = "no prediction from previous estimate"
+OUTSIDE_FENCES = "outside Tukey fences"
+
+
+def build(
+    estimates: pd.DataFrame,
+    predictions: pd.DataFrame,
+    tracking: pd.DataFrame,
+    *,
+    gm: float,
+    cleaning: Mapping,
+) -> pd.DataFrame:
+    """The `dataset` table: one row a pair of `predictions`, in the order of (i, j), none removed.
+
+    Takes the tables `estimates`, `predictions` and `tracking` (SI units, radians, GCRF) and gm [m3/s2] for
+    the COE. `cleaning` holds cd_min, cd_max, fence, fence_days and previous: with `kept_estimate` t_b is the
+    last earlier estimate that converged with its Cd inside the bounds, with `track` the track just before or
+    none. Learning variables are NaN where they do not exist. Tukey's fences come from the rows that survived
+    all else with t_j in fence_days, and hold for every row. Raises InputError where the tables do not belong
+    together or a setting is unknown.
+    """
+    at_estimate = _learning_variables(estimates, predictions, tracking, gm=gm, cleaning=cleaning)
+    pairs = predictions.sort_values(["i", "j"], ignore_index=True)
+    pairs = pairs.rename(columns={"reason": "prediction_reason"}).drop(columns=list(STATE))
+    rows = pairs.join(at_estimate, on="i")
+    rows["duration"] = rows["t_j"] - rows["t_i"]
+    rows["reason"] = _reasons(rows, cleaning)
+    rows["keep"] = rows["reason"] == ""
+    return rows[SCHEMAS["dataset"].names]
+
+
+def _learning_variables(
+    estimates: pd.DataFrame,
+    predictions: pd.DataFrame,
+    tracking: pd.DataFrame,
+    *,
+    gm: float,
+    cleaning: Mapping,
+) -> pd.DataFrame:
+    """All that belongs to t_i: learning variables, b, t_b, gap and the flags of the estimate; index track."""
+    estimates = estimates.sort_values("track").set_index("track")
+    if unknown := set(predictions["i"]) - set(estimates.index):
+        raise InputError(f"predictions: i: expected tracks that have an estimate, got {min(unknown)}")
+
+    inside = drag_coefficient_inside(
+        estimates["cd"].to_numpy(), cd_min=cleaning["cd_min"], cd_max=cleaning["cd_max"]
+    )
+    converged = estimates["converged"].to_numpy(dtype=bool)
+    table = pd.DataFrame({"converged": converged, "cd_inside": inside}, index=estimates.index)
+    table["b"] = _previous(estimates.index.to_numpy(), converged & inside, cleaning["previous"])
+
+    # The state of a fit that failed may be no orbit at all: it gives no learning variables.
+    states = np.where(converged[:, None], estimates[list(STATE)].to_numpy(), np.nan)
+    previous = estimates[["t", "cd"]].reindex(table["b"])
+    table["t_b"] = previous["t"].to_numpy()
+    table["gap"] = estimates["t"] - table["t_b"]
+    table["cd_b"] = previous["cd"].to_numpy()
+    table["d_cd"] = table["cd_b"] - estimates["cd"].where(converged)
+
+    coe = coe_from_cartesian(states, gm)
+    predicted = _predicted_states(predictions, pd.MultiIndex.from_arrays([table["b"], table.index]))
+    difference = coe_from_cartesian(predicted, gm) - coe
+    difference[:, 2:] = wrap_half_turn(difference[:, 2:])
+    rotation = rsw_rotation(states)
+    relative = np.einsum("nij,nkj->nki", rotation, (predicted - states).reshape(-1, 2, 3)).reshape(-1, 6)
+    table[COE], table[COE_DIFFERENCE], table[RSW_DIFFERENCE] = coe, difference, relative
+    return table.join(_highest_measurements(tracking, table.index))
+
+
+def _previous(tracks: np.ndarray, usable: np.ndarray, setting: str) -> np.ndarray:
+    """Track of each estimate's t_b, or NO_PREVIOUS; tracks ascend, usable estimates may serve as t_b."""
+    position = np.arange(len(tracks))
+    if setting == "kept_estimate":
+        last_usable = np.maximum.accumulate(np.where(usable, position, -1))
+    elif setting == "track":
+        last_usable = np.where(usable, position, -1)
+    else:
+        raise InputError(f"cleaning: previous: expected kept_estimate or track, got {setting}")
+    before = np.concatenate([[-1], last_usable[:-1]])
+    return np.where(before >= 0, tracks[before], NO_PREVIOUS)
+
+
+def _predicted_states(predictions: pd.DataFrame, pairs: pd.MultiIndex) -> np.ndarray:
+    """Predicted states (n, 6) at t_i from t_b of the pairs (b, i); NaN where there is no such prediction."""
+    made = predictions[predictions["reason"] == ""]
+    return made.set_index(["i", "j"])[list(STATE)].reindex(pairs).to_numpy(dtype=float)
+
+
+def _highest_measurements(tracking: pd.DataFrame, tracks: pd.Index) -> pd.DataFrame:
+    """The measurement with the highest elevation of each track, of whichever station."""
+    highest = tracking.loc[tracking.groupby("track")["elevation"].idxmax()].set_index("track")
+    if missing := set(tracks) - set(highest.index):
+        raise InputError(
+            f"tracking: track: expected measurements of every estimated track, got none of {min(missing)}"
+        )
+    return highest[["elevation", "azimuth", "range"]].set_axis(MEASUREMENT, axis=1)
+
+
+def _reasons(rows: pd.DataFrame, cleaning: Mapping) -> pd.Series:
+    """Why each row is dropped, '' where it is kept."""
+    failed = rows["prediction_reason"]
+    reason = pd.Series("", index=rows.index, dtype="str")
+    # From the last of the order to the first, so that the first overwrites.
+    reason[rows["eps_y"].isna()] = NO_RELATIVE_ERROR
+    reason[rows["b"] == NO_PREVIOUS] = NO_PREVIOUS_ESTIMATE
+    reason[~rows["cd_inside"]] = CD_OUTSIDE
+    reason[failed != ""] = NO_PREDICTION + ": " + failed
+    reason[~rows["converged"]] = NOT_CONVERGED
+
+    candidates = reason == ""
+    if candidates.any():
+        e_y = rows["e_y"].to_numpy()
+        within = candidates & in_days(rows["t_j"].to_numpy(), cleaning["fence_days"])
+        lower, upper = tukey_fences(e_y[within], fence=cleaning["fence"])
+        reason[candidates & ((e_y < lower) | (e_y > upper))] = OUTSIDE_FENCES
+    return reason

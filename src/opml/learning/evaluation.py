@@ -1,0 +1,35 @@
+"""A model's correction of chosen rows of a dataset."""
+
+from typing import Protocol
+
+import numpy as np
+import pandas as pd
+
+
+class Model(Protocol):
+    """What every learner returns."""
+
+    variables: tuple[str, ...]
+
+    def predict(self, x: np.ndarray) -> np.ndarray:
+        """Predicted errors (n,) of rows x (n, variables)."""
+
+
+def evaluate(model: Model, dataset: pd.DataFrame, rows: np.ndarray, *, component: str) -> pd.DataFrame:
+    """The `evaluation` table: true, predicted and residual error of `component` on the rows (bool mask).
+
+    The residual is true minus predicted, what the ML-modified prediction is still wrong by.
+    """
+    chosen = dataset.loc[rows]
+    true = chosen[component].to_numpy()
+    predicted = model.predict(chosen[list(model.variables)].to_numpy())
+    return pd.DataFrame(
+        {
+            "i": chosen["i"].to_numpy(),
+            "j": chosen["j"].to_numpy(),
+            "duration": chosen["duration"].to_numpy(),
+            "true": true,
+            "predicted": predicted,
+            "residual": true - predicted,
+        }
+    )

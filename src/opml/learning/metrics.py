@@ -1,0 +1,65 @@
+"""How much of the prediction error a model leaves.
+
+Source: the paper, sections 'Validation of the Trained SVM Model' (P_ML) and 'Results on Simulated RSO'
+(p_ML).
+"""
+
+import numpy as np
+import pandas as pd
+
+from opml.errors import InputError
+
+
+def p_ml(true: np.ndarray, predicted: np.ndarray) -> float:
+    """Performance metric P_ML [%]: 100 sum |e - e_ML| / sum |e| over all points.
+
+    0 is a perfect correction, 100 none at all. Raises InputError where there is no error to correct.
+    """
+    total = float(np.sum(np.abs(true)))
+    if not (np.isfinite(total) and total > 0.0):
+        raise InputError(f"P_ML: expected a positive, finite sum of true errors, got {total}")
+    return 100.0 * float(np.sum(np.abs(true - predicted))) / total
+
+
+def individual_p_ml(true: np.ndarray, predicted: np.ndarray) -> np.ndarray:
+    """Individual metric p_ML [%] of each point: 100 |e - e_ML| / |e|.
+
+    Infinite where a zero error was made worse, 0 where it was left alone.
+    """
+    residual, error = np.abs(true - predicted), np.abs(true)
+    ratio = np.divide(residual, error, out=np.where(residual > 0.0, np.inf, 0.0), where=error > 0.0)
+    return 100.0 * ratio
+
+
+def fraction_reduced(true: np.ndarray, predicted: np.ndarray) -> float:
+    """Fraction of the points (0 to 1) whose error the correction makes smaller: p_ML below 100 %."""
+    return float(np.mean(np.abs(true - predicted) < np.abs(true)))
+
+
+def summary(
+    evaluation: pd.DataFrame,
+    *,
+    rso: str,
+    stations: str,
+    train: str,
+    learner: str,
+    component: str,
+    target: str,
+    test: str,
+) -> pd.DataFrame:
+    """The one-row `metrics` table of an `evaluation` table; the options name the experiment."""
+    true, predicted = evaluation["true"].to_numpy(), evaluation["predicted"].to_numpy()
+    row = {
+        "rso": rso,
+        "stations": stations,
+        "train": train,
+        "learner": learner,
+        "component": component,
+        "target": target,
+        "test": test,
+        "rows": len(evaluation),
+        "estimates": evaluation["i"].nunique(),
+        "p_ml": p_ml(true, predicted),
+        "fraction_reduced": fraction_reduced(true, predicted),
+    }
+    return pd.DataFrame([row])

@@ -1,0 +1,121 @@
+"""Which rows of a dataset a model is trained and tested on.
+
+A split is a canonical string. For training: `random-80` (80 % of the rows, drawn with the seed, as in the
+paper), `grouped-80` (all rows of 80 % of the estimates) or `days-0-30` (rows whose t_j lies in that window).
+For testing: `seen` (the training rows), `rest` (rows of the learning span that were not trained on), another
+window, `days-30-40`, or `days-30-40-unseen` (where t_i, too, lies in it, so that no estimate behind a row was
+trained on). Only kept rows are ever chosen.
+"""
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from opml.constants import DAY
+from opml.errors import InputError
+from opml.seeds import derive
+
+NUMBER = r"(?:0|[1-9][0-9]*)(?:\.[0-9]*[1-9])?"  # one spelling a number: the split is part of file names
+RANDOM = re.compile(rf"random-({NUMBER})")
+GROUPED = re.compile(rf"grouped-({NUMBER})")
+WINDOW = re.compile(rf"days-({NUMBER})-({NUMBER})")
+UNSEEN = re.compile(rf"{WINDOW.pattern}-unseen")
+TRAIN = "|".join(pattern.pattern for pattern in (RANDOM, GROUPED, WINDOW))
+TEST = "|".join(["rest", "seen", UNSEEN.pattern, WINDOW.pattern])
+
+
+def in_days(t: np.ndarray, span_days: Sequence[float]) -> np.ndarray:
+    """Which epochs t [s] lie in (first, last] days.
+
+    Half open, so that adjoining windows share no row; nothing is lost at 0, as no prediction ends there.
+    """
+    first, last = span_days
+    return (t > first * DAY) & (t <= last * DAY)
+
+
+def training_rows(dataset: pd.DataFrame, name: str, *, span_days: Sequence[float], seed: int) -> np.ndarray:
+    """Rows to train on under the split `name` (bool, one a row of the dataset).
+
+    A random split draws from kept rows with t_j in span_days. Raises InputError for an unknown name or a
+    split without rows.
+    """
+    keep, t_j = dataset["keep"].to_numpy(), dataset["t_j"].to_numpy()
+    if match := RANDOM.fullmatch(name):
+        rows = _random_share(keep & in_days(t_j, span_days), percent=_percent(name, match), seed=seed)
+    elif match := GROUPED.fullmatch(name):
+        candidates = keep & in_days(t_j, span_days)
+        rows = _grouped_share(
+            candidates, dataset["i"].to_numpy(), percent=_percent(name, match), seed=seed
+        )
+    elif match := WINDOW.fullmatch(name):
+        rows = keep & in_days(t_j, _window(name, match))
+    else:
+        raise InputError(
+            f"training split '{name}': expected random-<percent>, grouped-<percent> or days-<first>-<last>"
+        )
+    return _not_empty(rows, f"training split '{name}'")
+
+
+def test_rows(
+    dataset: pd.DataFrame, name: str, *, span_days: Sequence[float], trained: np.ndarray | None
+) -> np.ndarray:
+    """Rows to test on under the split `name` (bool, one a row of the dataset).
+
+    `trained` are the training rows in this dataset; None where the model was trained on another RSO. A window
+    leaves them out too. Raises InputError for an unknown name or a split without rows.
+    """
+    keep, t_j = dataset["keep"].to_numpy(), dataset["t_j"].to_numpy()
+    seen = np.zeros(len(dataset), dtype=bool) if trained is None else trained
+    if name == "seen":
+        rows = seen
+    elif name == "rest":
+        rows = keep & in_days(t_j, span_days) & ~seen
+    elif match := WINDOW.fullmatch(name):
+        rows = keep & in_days(t_j, _window(name, match)) & ~seen
+    elif match := UNSEEN.fullmatch(name):
+        window = _window(name, match)
+        rows = keep & in_days(t_j, window) & in_days(dataset["t_i"].to_numpy(), window) & ~seen
+    else:
+        raise InputError(
+            f"test split '{name}': expected seen, rest, days-<first>-<last> or days-<first>-<last>-unseen"
+        )
+    return _not_empty(rows, f"test split '{name}'")
+
+
+def _random_share(candidates: np.ndarray, *, percent: float, seed: int) -> np.ndarray:
+    # One permutation a seed, whatever the percentage: the 10 % rows are among the 20 % rows, and the test
+    # rows nest likewise. Neighbouring points of the partition curve then differ by what more data does, not
+    # by the luck of another draw.
+    order = derive(seed, "split", "random").permutation(np.flatnonzero(candidates))
+    rows = np.zeros(len(candidates), dtype=bool)
+    rows[order[: round(len(order) * percent / 100.0)]] = True
+    return rows
+
+
+def _grouped_share(candidates: np.ndarray, group: np.ndarray, *, percent: float, seed: int) -> np.ndarray:
+    order = derive(seed, "split", "grouped").permutation(np.unique(group[candidates]))
+    return candidates & np.isin(group, order[: round(len(order) * percent / 100.0)])
+
+
+def _percent(name: str, match: re.Match) -> float:
+    percent = float(match[1])
+    if not 0.0 < percent <= 100.0:
+        raise InputError(f"training split '{name}': expected a percentage in (0, 100], got {match[1]}")
+    return percent
+
+
+def _window(name: str, match: re.Match) -> tuple[float, float]:
+    first, last = float(match[1]), float(match[2])
+    if first >= last:
+        raise InputError(
+            f"split '{name}': expected the first day before the last, got {match[1]} and {match[2]}"
+        )
+    return first, last
+
+
+def _not_empty(rows: np.ndarray, what: str) -> np.ndarray:
+    if not rows.any():
+        raise InputError(f"{what}: expected at least one kept row of the dataset, got none")
+    return rows

@@ -1,0 +1,203 @@
+"""Support vector regression with a Gaussian kernel, set up as MATLAB's fitrsvm is by default.
+
+fitrsvm (Statistics and Machine Learning Toolbox, its reference page) standardises the variables and takes,
+for a target y, C = iqr(y)/1.349, epsilon = iqr(y)/13.49 and the KKT tolerance 1e-3. Here the target is
+divided by S = iqr(y)/1.349 instead. Dividing the primal objective by S^2 shows that C = 1 and epsilon = 0.1
+on the scaled target give the same function, while the tolerance now means the same for metres and for metres
+per second.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+import pandas as pd
+from sklearn.svm import SVR
+from threadpoolctl import threadpool_limits
+
+from opml.errors import InputError
+from opml.learning import kernel_scale as scales
+from opml.learning.cleaning import quartiles
+from opml.seeds import derive
+
+NORMAL_IQR = 1.349  # interquartile range of the standard normal distribution
+MIN_ROWS = 2  # a standard deviation needs two
+CACHE_MB = 500.0  # of kernel rows while fitting: more saves no time at 25 000 rows, and two jobs may run
+BLOCK_ENTRIES = 1 << 20  # kernel entries held at once while predicting (8 MiB, about a core's cache)
+
+
+@dataclass(frozen=True, eq=False)
+class SvrModel:
+    """A fitted model, f(x) = y_scale (sum_k dual_coef_k k(v_k, z) + offset).
+
+    v_k are the support vectors and z the variables x standardised by x_mean and x_scale.
+    """
+
+    variables: tuple[str, ...]
+    support_vectors: np.ndarray  # (vectors, variables), standardised
+    dual_coef: np.ndarray  # (vectors,), alpha - alpha*, of the scaled target
+    offset: float  # of the scaled target
+    kernel_scale: float
+    kernel_rule: str
+    x_mean: np.ndarray  # (variables,)
+    x_scale: np.ndarray  # (variables,)
+    y_scale: float
+    c: float
+    epsilon: float
+    tol: float
+    iterations: int
+    seed: int
+
+    def predict(self, x: np.ndarray) -> np.ndarray:
+        """Predicted target (n,) in its own unit for rows x (n, variables) in theirs.
+
+        Raises InputError for non-finite values or another number of variables.
+        """
+        x = _checked(x, self.variables)
+        predicted = np.empty(len(x))
+        rows = max(1, BLOCK_ENTRIES // max(1, len(self.dual_coef)))
+        # |z - v|^2 / s^2 = |z/s|^2 - 2 z/s . v/s + |v/s|^2: one matrix product in place of a loop over pairs.
+        vectors = self.support_vectors / self.kernel_scale
+        vector_norms = np.sum(vectors**2, axis=1)
+        twice = 2.0 * vectors.T
+        with threadpool_limits(limits=1, user_api="blas"):  # sums in one order, whatever the machine
+            for start in range(0, len(x), rows):
+                z = (x[start : start + rows] - self.x_mean) / (self.x_scale * self.kernel_scale)
+                exponent = z @ twice
+                exponent -= np.sum(z**2, axis=1)[:, None]
+                exponent -= vector_norms
+                np.minimum(exponent, 0.0, out=exponent)  # rounding can lift coincident points above 0
+                np.exp(exponent, out=exponent)
+                predicted[start : start + rows] = exponent @ self.dual_coef
+        return self.y_scale * (predicted + self.offset)
+
+    def to_table(self) -> tuple[pd.DataFrame, dict]:
+        """The `model` table, one row a support vector, and its metadata of JSON-able values."""
+        table = pd.DataFrame(self.support_vectors, columns=list(self.variables))
+        table.insert(0, "dual_coef", self.dual_coef)
+        metadata = {
+            "kind": "svr",
+            "variables": list(self.variables),
+            "offset": self.offset,
+            "kernel_scale": self.kernel_scale,
+            "kernel_rule": self.kernel_rule,
+            "x_mean": self.x_mean.tolist(),
+            "x_scale": self.x_scale.tolist(),
+            "y_scale": self.y_scale,
+            "c": self.c,
+            "epsilon": self.epsilon,
+            "tol": self.tol,
+            "iterations": self.iterations,
+            "seed": self.seed,
+        }
+        return table, metadata
+
+    @classmethod
+    def from_table(cls, table: pd.DataFrame, metadata: Mapping) -> Self:
+        """The model that `to_table` wrote, bit for bit."""
+        scalars = ["offset", "kernel_scale", "kernel_rule", "y_scale", "c", "epsilon", "tol", "iterations"]
+        return cls(
+            variables=tuple(metadata["variables"]),
+            support_vectors=table[list(metadata["variables"])].to_numpy(dtype=float),
+            dual_coef=table["dual_coef"].to_numpy(dtype=float),
+            x_mean=np.array(metadata["x_mean"], dtype=float),
+            x_scale=np.array(metadata["x_scale"], dtype=float),
+            **{name: metadata[name] for name in [*scalars, "seed"]},
+        )
+
+
+def fit(
+    x: np.ndarray,
+    y: np.ndarray,
+    *,
+    variables: Sequence[str],
+    settings: Mapping,
+    seed: int,
+    groups: np.ndarray | None = None,
+) -> SvrModel:
+    """Train on rows x (n, variables) and target y (n,), both in their own units.
+
+    `settings` holds kernel_scale (`sigest`, `median`, `cv` or a number), c, epsilon and tol; `groups` (n,)
+    tells which estimate a row belongs to, for `cv`. Raises InputError for too few rows, non-finite values or
+    an unknown rule.
+    """
+    x, y = _checked(x, variables), np.asarray(y, dtype=float)
+    if len(x) < MIN_ROWS:
+        raise InputError(f"training rows: expected at least {MIN_ROWS}, got {len(x)}")
+    if y.shape != (len(x),) or not np.all(np.isfinite(y)):
+        raise InputError(f"target: expected {len(x)} finite values, got {np.count_nonzero(np.isfinite(y))}")
+
+    x_mean, x_scale = x.mean(axis=0), x.std(axis=0, ddof=1)
+    # A variable that never changes tells nothing; scale 1 keeps it at zero, in later rows too if it stays
+    # there. Its computed deviation may be rounding noise instead of 0, hence the test on the range.
+    x_scale[np.ptp(x, axis=0) == 0.0] = 1.0
+    z = (x - x_mean) / x_scale
+    q1, q3 = quartiles(y)
+    y_scale = (q3 - q1) / NORMAL_IQR if q3 > q1 else 1.0  # fitrsvm falls back to C = 1, epsilon = 0.1 as well
+
+    rule = settings["kernel_scale"]
+    scale = _kernel_scale(rule, z, y / y_scale, groups, settings=settings, seed=seed)
+    machine = _machine(scale, settings).fit(z, y / y_scale)
+    return SvrModel(
+        variables=tuple(variables),
+        support_vectors=z[machine.support_],
+        dual_coef=machine.dual_coef_.ravel(),
+        offset=float(machine.intercept_[0]),
+        kernel_scale=scale,
+        kernel_rule=str(rule),
+        x_mean=x_mean,
+        x_scale=x_scale,
+        y_scale=y_scale,
+        c=float(settings["c"]),
+        epsilon=float(settings["epsilon"]),
+        tol=float(settings["tol"]),
+        iterations=int(machine.n_iter_),
+        seed=seed,
+    )
+
+
+def _kernel_scale(
+    rule: str | float,
+    z: np.ndarray,
+    y: np.ndarray,
+    groups: np.ndarray | None,
+    *,
+    settings: Mapping,
+    seed: int,
+) -> float:
+    rng = derive(seed, "svr", "kernel_scale")
+    if rule in scales.QUANTILES:
+        return scales.distance_quantile(z, scales.QUANTILES[rule], rng=rng)
+    if rule == "cv":
+        return scales.cross_validated(
+            z, y, groups, regressor=lambda scale: _machine(scale, settings), rng=rng
+        )
+    if isinstance(rule, int | float) and not isinstance(rule, bool) and 0.0 < rule < np.inf:
+        return float(rule)
+    raise InputError(f"kernel_scale: expected {', '.join(scales.RULES)} or a positive number, got {rule!r}")
+
+
+def _machine(scale: float, settings: Mapping) -> SVR:
+    return SVR(
+        kernel="rbf",
+        gamma=1.0 / scale**2,
+        C=settings["c"],
+        epsilon=settings["epsilon"],
+        tol=settings["tol"],
+        cache_size=CACHE_MB,
+    )
+
+
+def _checked(x: np.ndarray, variables: Sequence[str]) -> np.ndarray:
+    x = np.asarray(x, dtype=float)
+    if x.ndim != 2 or x.shape[1] != len(variables):
+        raise InputError(
+            f"learning variables: expected {len(variables)} columns, got an array of shape {x.shape}"
+        )
+    finite = np.isfinite(x).all(axis=0)
+    if not finite.all():
+        raise InputError(
+            f"learning variable {variables[int(np.argmin(finite))]}: expected finite values only"
+        )
+    return x

@@ -1,0 +1,35 @@
+"""The two data cleanings on values small enough to check by hand."""
+
+import numpy as np
+import pytest
+
+from opml.errors import InputError
+from opml.learning.cleaning import drag_coefficient_inside, quartiles, tukey_fences
+
+
+def test_drag_coefficient_bounds_belong_to_the_interval():
+    cd = np.array([1.19, 1.2, 2.2, 3.2, 3.21, np.nan, -5000.0, np.inf])
+    inside = drag_coefficient_inside(cd, cd_min=1.2, cd_max=3.2)
+    assert inside.tolist() == [False, True, True, True, False, False, False, False]
+
+
+def test_quartiles_as_matlab_takes_them():
+    # MATLAB: the sorted values are the (k - 1/2)/n quantiles, linear between.
+    assert quartiles(np.array([4.0, 1.0, 3.0, 2.0])) == (1.5, 3.5)
+    assert quartiles(np.array([0.0, 10.0, 1000.0])) == pytest.approx((2.5, 752.5))
+
+
+def test_fences_start_at_their_own_quartile():
+    # q1 = 1.5, q3 = 3.5: the upper fence counts from q3, not from q1 as the paper prints.
+    assert tukey_fences(np.array([1.0, 2.0, 3.0, 4.0]), fence=3.0) == (-4.5, 9.5)
+
+
+def test_fences_move_and_stretch_with_the_values():
+    values = np.random.default_rng(1).normal(size=101)
+    lower, upper = tukey_fences(values, fence=1.5)
+    assert tukey_fences(5.0 + 2.0 * values, fence=1.5) == pytest.approx((5 + 2 * lower, 5 + 2 * upper))
+
+
+def test_no_values_no_fences():
+    with pytest.raises(InputError, match="Tukey"):
+        tukey_fences(np.array([]), fence=3.0)

@@ -1,0 +1,227 @@
+"""The dataset on eight tracks in which every row's fate and values are known beforehand.
+
+| track | day | estimate                         |
+| ----- | --- | -------------------------------- |
+| 0     | 0   | fine, first                      |
+| 1     | 1   | Cd 5, outside                    |
+| 2     | 2   | fine, before it the Cd outside   |
+| 3     | 3   | not converged                    |
+| 4     | 4   | fine, before it the failed one   |
+| 5     | 5   | fine                             |
+| 6     | 13  | fine, eight days after track 5   |
+| 7     | 14  | fine, no track after             |
+"""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from opml.elements import cartesian_from_coe
+from opml.errors import InputError
+from opml.learning import dataset
+from opml.tables import LEARNING_VARIABLES, SCHEMAS, STATE, read_table, write_table
+
+GM = 3.986004418e14
+DAY = 86400.0
+EPOCHS = DAY * np.array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 13.0, 14.0])
+CD = np.array([2.2, 5.0, 2.1, 2.2, 2.3, 2.2, 2.0, 2.2])
+CLEANING = {"cd_min": 1.2, "cd_max": 3.2, "fence": 1e6, "fence_days": [0, 30], "previous": "kept_estimate"}
+E_VELOCITY = ["e_vx", "e_vy", "e_vz"]
+
+# Over the x axis moving up, so that R = x, S = z, W = -y.
+UPWARDS = np.array([7e6, 0.0, 0.0, 0.0, 0.0, 7600.0])
+# Perigee and node just before and after a full turn.
+ELEMENTS = np.array([7e6, 0.01, 0.9, 6.2, 0.1, 0.05])
+SHIFTED = np.array([7e6 + 40.0, 0.012, 0.9 - 1e-3, 0.02, 6.25, 0.01])
+
+
+@pytest.fixture
+def estimates():
+    states = np.tile(cartesian_from_coe([7.1e6, 0.02, 1.2, 1.0, 2.0, 3.0], GM), (8, 1))
+    states[2] = UPWARDS
+    states[4] = cartesian_from_coe(ELEMENTS, GM)
+    states[3] = 1e300  # no orbit: must neither warn nor spread
+    table = pd.DataFrame(states, columns=list(STATE))
+    return table.assign(track=range(8), t=EPOCHS, cd=CD, converged=[True, True, True, False, *[True] * 4])
+
+
+@pytest.fixture
+def predictions():
+    pairs = [(i, j) for i in range(8) for j in range(i + 1, 8) if EPOCHS[j] - EPOCHS[i] <= 7 * DAY]
+    i, j = np.array(pairs).T
+    table = pd.DataFrame({"i": i, "j": j, "t_i": EPOCHS[i], "t_j": EPOCHS[j]})
+    table[list(STATE)] = cartesian_from_coe([7.1e6, 0.02, 1.2, 1.0, 2.0, 3.1], GM)
+    table[[f"{name}_true" for name in STATE]] = 0.0
+    table["e_x"], table["e_y"], table["e_z"] = 1.0 * i, 10.0 * i + j, -1.0 * j
+    table[E_VELOCITY] = np.outer(i + j, [1e-3, 2e-3, 3e-3])
+    table["reason"] = np.where(i == 3, "no estimate", "")
+    table = table.set_index(["i", "j"])
+    table.loc[(0, 2), list(STATE)] = UPWARDS + np.array([100.0, 20.0, 300.0, 1.0, 2.0, 3.0])
+    table.loc[(2, 4), list(STATE)] = cartesian_from_coe(SHIFTED, GM)
+    failed = [(2, 5), *((3, j) for j in (4, 5))]
+    table.loc[failed, [*STATE, "e_x", "e_y", "e_z", *E_VELOCITY]] = np.nan
+    table.loc[(2, 5), "reason"] = "below 120 km"
+    return table.reset_index()
+
+
+@pytest.fixture
+def tracking():
+    # Three measurements a track by two stations; the second is the highest, and not the last or the first.
+    track = np.repeat(np.arange(8), 3)
+    return pd.DataFrame(
+        {
+            "track": track,
+            "t": np.repeat(EPOCHS, 3) + np.tile([0.0, 20.0, 20.0], 8),
+            "station": ["eglin", "eglin", "clear"] * 8,
+            "elevation": np.tile([0.2, 0.5, 0.3], 8) + 0.01 * track,
+            "azimuth": np.tile([1.0, 2.0, 3.0], 8) + 0.01 * track,
+            "range": np.tile([2e6, 1e6, 3e6], 8) + track,
+            "elevation_true": np.tile([0.9, 0.1, 0.1], 8),
+        }
+    )
+
+
+def build(estimates, predictions, tracking, **changes):
+    return dataset.build(estimates, predictions, tracking, gm=GM, cleaning=CLEANING | changes)
+
+
+@pytest.fixture
+def rows(estimates, predictions, tracking):
+    return build(estimates, predictions, tracking).set_index(["i", "j"])
+
+
+def test_every_pair_stays_with_its_reason(rows):
+    reasons = rows["reason"].to_dict()
+    expected = {(0, j): dataset.NO_PREVIOUS_ESTIMATE for j in range(1, 6)}
+    expected |= {(1, j): dataset.CD_OUTSIDE for j in range(2, 6)}
+    expected |= {(2, 3): "", (2, 4): "", (2, 5): "no prediction: below 120 km"}
+    expected |= {(3, j): dataset.NOT_CONVERGED for j in (4, 5)}
+    expected |= {(4, 5): "", (6, 7): dataset.NO_RELATIVE_ERROR}
+    assert reasons == expected
+    assert rows["keep"].to_dict() == {pair: reason == "" for pair, reason in expected.items()}
+
+
+def test_previous_kept_estimate_takes_the_place_of_removed_ones(rows):
+    b = rows["b"].groupby("i").first()
+    assert b.to_dict() == {0: -1, 1: 0, 2: 0, 3: 2, 4: 2, 6: 5}
+    assert rows.loc[(4, 5), ["t_b", "gap"]].tolist() == [2 * DAY, 2 * DAY]
+    assert rows.loc[(4, 5), ["cd_b", "d_cd"]].tolist() == pytest.approx([2.1, 2.1 - 2.3])
+    assert np.isnan(rows.loc[(0, 1), "t_b"])
+
+
+def test_previous_track_or_none(estimates, predictions, tracking):
+    rows = build(estimates, predictions, tracking, previous="track").set_index(["i", "j"])
+    assert rows["b"].groupby("i").first().to_dict() == {0: -1, 1: 0, 2: -1, 3: 2, 4: -1, 6: 5}
+    # Tracks 2 and 4 follow an estimate that is outside or failed.
+    assert rows["reason"].to_dict() == {
+        **{(0, j): dataset.NO_PREVIOUS_ESTIMATE for j in range(1, 6)},
+        **{(1, j): dataset.CD_OUTSIDE for j in range(2, 6)},
+        **{(2, j): dataset.NO_PREVIOUS_ESTIMATE for j in (3, 4)},
+        (2, 5): "no prediction: below 120 km",
+        **{(3, j): dataset.NOT_CONVERGED for j in (4, 5)},
+        (4, 5): dataset.NO_PREVIOUS_ESTIMATE,
+        (6, 7): dataset.NO_RELATIVE_ERROR,
+    }
+
+
+def test_previous_track_serves_when_it_is_fine(estimates, predictions, tracking):
+    estimates.loc[1, "cd"] = 2.0
+    rows = build(estimates, predictions, tracking, previous="track").set_index(["i", "j"])
+    assert rows.loc[(2, 3), ["b", "t_b", "cd_b", "keep"]].tolist() == [1, DAY, 2.0, True]
+
+
+def test_relative_error_in_rsw_of_the_estimate(rows):
+    relative = rows.loc[(2, 4), dataset.RSW_DIFFERENCE].tolist()
+    assert relative == pytest.approx([100.0, 300.0, -20.0, 1.0, 3.0, -2.0], abs=1e-8)
+
+
+def test_relative_error_in_elements_is_wrapped(rows):
+    row = rows.loc[(4, 5)]
+    turn = 2 * np.pi
+    assert row[dataset.COE].tolist() == pytest.approx(ELEMENTS.tolist(), rel=1e-9)
+    assert row[dataset.COE_DIFFERENCE].tolist() == pytest.approx(
+        [40.0, 0.002, -1e-3, 0.02 - 6.2 + turn, 6.25 - 0.1 - turn, -0.04], rel=1e-6
+    )
+
+
+def test_duration_and_targets_are_the_pairs_own(rows):
+    row = rows.loc[(2, 4)]
+    assert row[["duration", "t_i", "t_j"]].tolist() == [2 * DAY, 2 * DAY, 4 * DAY]
+    assert row[["e_x", "e_y", "e_z", *E_VELOCITY]].tolist() == pytest.approx(
+        [2.0, 24.0, -4.0, 6e-3, 12e-3, 18e-3]
+    )
+
+
+def test_highest_noisy_measurement_of_the_track(rows):
+    assert rows.loc[(2, 3), dataset.MEASUREMENT].tolist() == pytest.approx([0.52, 2.02, 1e6 + 2])
+    assert rows.loc[(6, 7), dataset.MEASUREMENT].tolist() == pytest.approx([0.56, 2.06, 1e6 + 6])
+
+
+def test_kept_rows_have_every_learning_variable(rows):
+    assert np.isfinite(rows.loc[rows["keep"], list(LEARNING_VARIABLES)].to_numpy(dtype=float)).all()
+
+
+def test_fences_drop_what_lies_outside(estimates, predictions, tracking):
+    # Surviving e_y: 0, 10 and 1000, so q1 = 2.5, q3 = 752.5 and with 1/4 of the range the upper fence is 940.
+    predictions = predictions.set_index(["i", "j"])
+    predictions.loc[[(2, 3), (2, 4), (4, 5)], "e_y"] = [0.0, 10.0, 1000.0]
+    predictions.loc[(0, 1), "e_y"] = -1e9  # dropped for another reason: neither counted nor renamed
+    predictions = predictions.reset_index()
+    rows = build(estimates, predictions, tracking, fence=0.25).set_index(["i", "j"])
+    assert rows.loc[(4, 5), "reason"] == dataset.OUTSIDE_FENCES
+    assert rows["keep"].sum() == 2
+    assert rows.loc[(0, 1), "reason"] == dataset.NO_PREVIOUS_ESTIMATE
+    # 0.34 of the range reach 1007.5.
+    assert build(estimates, predictions, tracking, fence=0.34)["keep"].sum() == 3
+
+
+def test_fences_come_from_their_days_and_hold_for_all(estimates, predictions, tracking):
+    predictions = predictions.set_index(["i", "j"])
+    predictions.loc[[(2, 3), (2, 4), (4, 5)], "e_y"] = [0.0, 10.0, 13.0]
+    predictions = predictions.reset_index()
+    # From 0 and 10 alone: q1 = 0, q3 = 10, the upper fence 12.
+    rows = build(estimates, predictions, tracking, fence=0.2, fence_days=[0, 4]).set_index(["i", "j"])
+    assert rows.loc[(4, 5), "reason"] == dataset.OUTSIDE_FENCES
+    assert rows["keep"].sum() == 2
+
+
+def test_fence_days_without_a_row(estimates, predictions, tracking):
+    with pytest.raises(InputError, match="Tukey"):
+        build(estimates, predictions, tracking, fence_days=[20, 30])
+
+
+def test_all_estimates_outside_leave_no_row_and_no_error(estimates, predictions, tracking):
+    rows = build(estimates.assign(cd=9.0), predictions, tracking)
+    assert not rows["keep"].any()
+    assert len(rows) == len(predictions)
+
+
+def test_row_order_of_the_tables_does_not_matter(estimates, predictions, tracking):
+    shuffled = (table.sample(frac=1.0, random_state=3) for table in (estimates, predictions, tracking))
+    pd.testing.assert_frame_equal(build(*shuffled), build(estimates, predictions, tracking))
+
+
+def test_inputs_are_left_alone(estimates, predictions, tracking):
+    copies = [table.copy(deep=True) for table in (estimates, predictions, tracking)]
+    build(estimates, predictions, tracking)
+    for table, copy in zip((estimates, predictions, tracking), copies, strict=True):
+        pd.testing.assert_frame_equal(table, copy)
+
+
+def test_table_fits_its_schema(tmp_path, estimates, predictions, tracking):
+    rows = build(estimates, predictions, tracking)
+    assert rows.columns.tolist() == SCHEMAS["dataset"].names
+    write_table(tmp_path / "d.parquet", rows, "dataset", metadata={})
+    pd.testing.assert_frame_equal(read_table(tmp_path / "d.parquet", "dataset"), rows, check_dtype=False)
+
+
+def test_unknown_previous(estimates, predictions, tracking):
+    with pytest.raises(InputError, match="previous: expected kept_estimate or track, got best"):
+        build(estimates, predictions, tracking, previous="best")
+
+
+def test_tables_that_do_not_belong_together(estimates, predictions, tracking):
+    with pytest.raises(InputError, match="an estimate, got 2"):
+        build(estimates[estimates["track"] != 2], predictions, tracking)
+    with pytest.raises(InputError, match="none of 6"):
+        build(estimates, predictions, tracking[tracking["track"] != 6])

@@ -1,0 +1,83 @@
+"""The performance metric on numbers that can be added in the head, and the tables around it."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from opml.errors import InputError
+from opml.learning.evaluation import evaluate
+from opml.learning.metrics import fraction_reduced, individual_p_ml, p_ml, summary
+from opml.tables import SCHEMAS, write_table
+
+TRUE = np.array([10.0, -20.0, 30.0, -40.0])
+PREDICTED = np.array([8.0, -25.0, 31.0, 10.0])  # residuals 2, 5, -1, -50
+
+
+class Constant:
+    """Stands in for a model: predicts the second variable it was given."""
+
+    variables = ("cd_b", "d_a")
+
+    def predict(self, x):
+        return x[:, 1]
+
+
+def test_p_ml_is_the_share_of_the_error_left():
+    assert p_ml(TRUE, PREDICTED) == pytest.approx(100.0 * 58.0 / 100.0)
+    assert p_ml(TRUE, TRUE) == 0.0
+    assert p_ml(TRUE, 0.0 * TRUE) == 100.0
+    assert p_ml(TRUE, -TRUE) == 200.0
+
+
+@pytest.mark.parametrize("true", [[], [0.0, 0.0], [1.0, np.nan]])
+def test_p_ml_wants_an_error_to_correct(true):
+    with pytest.raises(InputError, match="P_ML"):
+        p_ml(np.array(true), np.zeros(len(true)))
+
+
+def test_individual_p_ml():
+    assert individual_p_ml(TRUE, PREDICTED) == pytest.approx([20.0, 25.0, 100.0 / 30.0, 125.0])
+    assert individual_p_ml(np.array([0.0, 0.0]), np.array([1.0, 0.0])).tolist() == [np.inf, 0.0]
+
+
+def test_fraction_reduced_counts_strict_improvements():
+    assert fraction_reduced(TRUE, PREDICTED) == 0.75
+    assert fraction_reduced(TRUE, 0.0 * TRUE) == 0.0
+
+
+def test_evaluation_and_its_summary(tmp_path):
+    dataset = pd.DataFrame(
+        {
+            "i": [0, 0, 3, 4, 5],
+            "j": [1, 2, 4, 5, 6],
+            "duration": [1.0, 2.0, 3.0, 4.0, 5.0],
+            "cd_b": 2.2,
+            "d_a": [*PREDICTED, 0.0],
+            "e_y": [*TRUE, 1e9],
+        },
+        index=[5, 4, 3, 2, 1],
+    )
+    rows = np.array([True, True, True, True, False])
+    table = evaluate(Constant(), dataset, rows, component="e_y")
+    assert table["residual"].tolist() == [2.0, 5.0, -1.0, -50.0]
+    assert table[["i", "j", "duration"]].iloc[2].tolist() == [3, 4, 3.0]
+    write_table(tmp_path / "evaluation.parquet", table, "evaluation", metadata={})
+
+    names = {
+        "rso": "iss",
+        "stations": "eglin",
+        "train": "random-80",
+        "learner": "svr",
+        "component": "e_y",
+        "target": "iss_i50",
+        "test": "rest",
+    }
+    row = summary(table, **names)
+    assert row.columns.tolist() == SCHEMAS["metrics"].names
+    assert row.iloc[0].to_dict() == names | {
+        "rows": 4,
+        "estimates": 3,
+        "p_ml": pytest.approx(58.0),
+        "fraction_reduced": 0.75,
+    }
+    write_table(tmp_path / "metrics.parquet", row, "metrics", metadata={})

@@ -1,0 +1,240 @@
+"""The support vector regression against scikit-learn, the unscaled formulation and its own saved form."""
+
+import json
+
+import numpy as np
+import pytest
+from scipy.spatial.distance import pdist
+from sklearn.svm import SVR
+
+from opml.errors import InputError
+from opml.learning import kernel_scale, learners, svr
+from opml.tables import model_schema, read_metadata, read_table, write_table
+
+VARIABLES = ("duration", "d_a", "cd_b", "constant")
+SETTINGS = {"kind": "svr", "kernel_scale": "sigest", "c": 1.0, "epsilon": 0.1, "tol": 1e-3}
+
+
+def sample(count, seed=0):
+    """Rows of 20 estimates whose error grows with the duration squared, in metres."""
+    rng = np.random.default_rng(seed)
+    groups = rng.integers(0, 20, count)
+    drag = np.random.default_rng(99).normal(2.2, 0.05, 20)[groups]
+    duration = rng.uniform(0.0, 6e5, count)
+    x = np.column_stack([duration, rng.normal(0.0, 300.0, count), drag, np.full(count, 0.1)])
+    y = 2e4 * (drag - 2.2) / 0.05 * (duration / 6e5) ** 2 + 50.0 * rng.normal(size=count)
+    return x, y, groups
+
+
+def fit(x, y, groups=None, **changes):
+    return svr.fit(x, y, variables=VARIABLES, settings=SETTINGS | changes, seed=42, groups=groups)
+
+
+@pytest.fixture(scope="module")
+def model():
+    x, y, _ = sample(400)
+    return fit(x, y)
+
+
+def standardised(model, x):
+    return (x - model.x_mean) / model.x_scale
+
+
+def reference(model, x, y):
+    """scikit-learn's machine at the model's own settings."""
+    machine = SVR(gamma=1.0 / model.kernel_scale**2, C=model.c, epsilon=model.epsilon, tol=model.tol)
+    return machine.fit(standardised(model, x), y / model.y_scale)
+
+
+def test_predicts_as_scikit_learn_does(model):
+    x, y, _ = sample(400)
+    new, _, _ = sample(3000, seed=1)
+    expected = reference(model, x, y).predict(standardised(model, new)) * model.y_scale
+    np.testing.assert_allclose(model.predict(new), expected, rtol=0, atol=1e-9 * model.y_scale)
+    assert np.ptp(expected) > model.y_scale  # a flat prediction would prove nothing
+
+
+def test_same_function_as_the_unscaled_formulation():
+    # fitrsvm's defaults on the raw target: C = iqr/1.349, epsilon = iqr/13.49. Solved tightly, both must
+    # agree.
+    x, y, _ = sample(300)
+    model = fit(x, y, tol=1e-9)
+    q1, q3 = np.quantile(y, [0.25, 0.75], method="hazen")
+    machine = SVR(
+        gamma=1.0 / model.kernel_scale**2, C=(q3 - q1) / 1.349, epsilon=(q3 - q1) / 13.49, tol=1e-7
+    ).fit(standardised(model, x), y)
+    new, _, _ = sample(500, seed=1)
+    np.testing.assert_allclose(
+        model.predict(new), machine.predict(standardised(model, new)), rtol=0, atol=1e-6 * model.y_scale
+    )
+
+
+def test_target_in_other_units_changes_nothing_else(model):
+    # Velocity components are 1e-3 of position ones: the tolerance must not swallow them. A power of two is
+    # exact.
+    x, y, _ = sample(400)
+    small = fit(x, y * 2.0**-12)
+    assert small.iterations == model.iterations
+    np.testing.assert_array_equal(small.predict(x) * 2.0**12, model.predict(x))
+
+
+def test_learns(model):
+    x, y, _ = sample(2000)
+    new, truth, _ = sample(500, seed=1)
+    residual = np.abs(truth - fit(x, y).predict(new)).sum() / np.abs(truth).sum()
+    assert residual < 0.15
+
+
+def test_variables_are_standardised_with_the_sample_deviation(model):
+    x, _, _ = sample(400)
+    np.testing.assert_allclose(model.x_mean, x.mean(axis=0))
+    np.testing.assert_allclose(model.x_scale[:3], x[:, :3].std(axis=0, ddof=1))
+
+
+def test_constant_variable_neither_breaks_nor_counts(model):
+    x, y, _ = sample(400)
+    assert model.x_scale[3] == 1.0
+    without = svr.fit(x[:, :3], y, variables=VARIABLES[:3], settings=SETTINGS, seed=42)
+    np.testing.assert_allclose(without.predict(x[:, :3]), model.predict(x), rtol=0, atol=1e-9 * model.y_scale)
+
+
+def test_target_without_interquartile_range_keeps_its_unit():
+    x, _, _ = sample(50)
+    y = np.zeros(50)
+    y[:5] = 3.0
+    assert fit(x, y).y_scale == 1.0
+
+
+def test_flat_target_needs_no_support_vector():
+    x, _, _ = sample(50)
+    model = fit(x, np.full(50, 0.05))
+    assert len(model.dual_coef) == 0
+    np.testing.assert_allclose(model.predict(x), 0.05, atol=0.1)
+
+
+def test_saved_and_loaded_bit_for_bit(tmp_path, model):
+    table, metadata = model.to_table()
+    path = tmp_path / "model.parquet"
+    write_table(path, table, model_schema(model.variables), metadata=metadata | {"component": "e_y"})
+    loaded = learners.from_table(read_table(path, model_schema(model.variables)), read_metadata(path))
+    new, _, _ = sample(3000, seed=1)
+    np.testing.assert_array_equal(loaded.predict(new), model.predict(new))
+    again, metadata_again = loaded.to_table()
+    assert again.equals(table)
+    assert json.dumps(metadata_again) == json.dumps(metadata)
+
+
+def test_deterministic(model):
+    x, y, _ = sample(400)
+    table, metadata = fit(x, y).to_table()
+    expected, metadata_expected = model.to_table()
+    assert table.equals(expected)
+    assert metadata == metadata_expected
+
+
+def test_block_size_does_not_matter(model, monkeypatch):
+    new, _, _ = sample(500, seed=1)
+    whole = model.predict(new)
+    monkeypatch.setattr(svr, "BLOCK_ENTRIES", 7 * len(model.dual_coef))
+    np.testing.assert_allclose(model.predict(new), whole, rtol=0, atol=1e-10 * model.y_scale)
+
+
+def test_predicting_no_rows(model):
+    assert model.predict(np.empty((0, 4))).shape == (0,)
+
+
+def test_sigest_is_the_lower_end_of_kernlabs_range():
+    x, y, _ = sample(300)
+    model = fit(x, y)
+    # kernlab: sigma from 1 / quantile(|x - z|^2, 0.9) to 1 / quantile(|x - z|^2, 0.1), for exp(-sigma |x -
+    # z|^2).
+    squares = pdist(standardised(model, x)) ** 2
+    sigma = 1.0 / np.quantile(squares, 0.1)
+    assert 1.0 / model.kernel_scale**2 == pytest.approx(sigma, rel=1e-3)
+    assert model.kernel_rule == "sigest"
+
+
+def test_median_rule_and_a_number():
+    x, y, _ = sample(300)
+    model = fit(x, y, kernel_scale="median")
+    assert model.kernel_scale == pytest.approx(np.median(pdist(standardised(model, x))))
+    assert fit(x, y, kernel_scale=2).kernel_scale == 2.0
+
+
+def test_subsample_is_seeded_and_stands_for_the_whole(monkeypatch):
+    x, y, _ = sample(1500)
+    whole = fit(x, y).kernel_scale
+    monkeypatch.setattr(kernel_scale, "DISTANCE_ROWS", 500)
+    part = fit(x, y).kernel_scale
+    assert part == fit(x, y).kernel_scale
+    assert part != whole
+    assert part == pytest.approx(whole, rel=0.05)
+    other = svr.fit(x, y, variables=VARIABLES, settings=SETTINGS, seed=43)
+    assert other.kernel_scale != part
+
+
+def test_cv_chooses_from_the_grid_by_held_out_estimates():
+    x, y, groups = sample(300)
+    model = fit(x, y, groups, kernel_scale="cv")
+    base = fit(x, y).kernel_scale
+    assert model.kernel_scale / base == pytest.approx(
+        min(kernel_scale.CV_FACTORS, key=lambda f: abs(f - model.kernel_scale / base))
+    )
+
+
+def test_cv_does_not_reward_remembering_an_estimate():
+    # The target is a label of the estimate, told by a variable that is only unique to it. Rows of the same
+    # estimate would reward the smallest scale; estimates held out make the widest no worse than the
+    # narrowest.
+    rng = np.random.default_rng(5)
+    groups = np.repeat(np.arange(25), 8)
+    x = np.column_stack([rng.normal(size=25)[groups], rng.normal(size=200) * 1e-3])
+    y = rng.normal(size=25)[groups]
+    grouped = svr.fit(
+        x, y, variables=["a", "b"], settings=SETTINGS | {"kernel_scale": "cv"}, seed=1, groups=groups
+    )
+    rows = np.arange(200)
+    by_row = svr.fit(
+        x, y, variables=["a", "b"], settings=SETTINGS | {"kernel_scale": "cv"}, seed=1, groups=rows
+    )
+    assert by_row.kernel_scale < grouped.kernel_scale
+
+
+@pytest.mark.parametrize("groups", [None, np.zeros(100, dtype=int)])
+def test_cv_wants_estimates_to_hold_out(groups):
+    x, y, _ = sample(100)
+    with pytest.raises(InputError, match="kernel_scale: cv: expected at least 5 estimates"):
+        fit(x, y, groups, kernel_scale="cv")
+
+
+@pytest.mark.parametrize("rule", ["auto", 0.0, -1.0, float("nan"), float("inf"), True, None])
+def test_bad_kernel_scale(rule):
+    x, y, _ = sample(50)
+    with pytest.raises(InputError, match="kernel_scale: expected sigest, median, cv or a positive number"):
+        fit(x, y, kernel_scale=rule)
+
+
+def test_bad_rows(model):
+    x, y, _ = sample(50)
+    with pytest.raises(InputError, match="at least 2, got 1"):
+        fit(x[:1], y[:1])
+    broken = x.copy()
+    broken[7, 2] = np.nan
+    with pytest.raises(InputError, match="learning variable cd_b: expected finite"):
+        fit(broken, y)
+    with pytest.raises(InputError, match="learning variable cd_b: expected finite"):
+        model.predict(broken)
+    with pytest.raises(InputError, match="target: expected 50 finite values, got 49"):
+        fit(x, np.where(np.arange(50) == 3, np.inf, y))
+    with pytest.raises(InputError, match="expected 4 columns"):
+        model.predict(x[:, :3])
+    with pytest.raises(InputError, match="coincident rows"):
+        fit(np.ones((10, 4)), y[:10])
+
+
+def test_learners_dispatch_by_kind():
+    x, y, _ = sample(100)
+    model = learners.fit(x, y, variables=VARIABLES, settings=SETTINGS, seed=42)
+    np.testing.assert_array_equal(model.predict(x), fit(x, y).predict(x))
+    with pytest.raises(InputError, match="kind: expected svr, got oracle"):
+        learners.fit(x, y, variables=VARIABLES, settings=SETTINGS | {"kind": "oracle"}, seed=42)
