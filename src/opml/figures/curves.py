@@ -1,0 +1,209 @@
+"""Curves of P_ML against what an experiment varies.
+
+`metrics` are rows of that table. With a further column `seed`, each point is the mean over the seeds, in a
+band of one standard deviation to either side.
+"""
+
+import re
+from collections.abc import Mapping
+
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
+
+from opml.errors import InputError
+from opml.figures.labels import symbol
+from opml.figures.style import MUTED, PUBLISHED, RESIDUAL, RESIDUALS, column_figure
+
+RANDOM = "random-"
+WINDOW = re.compile(r"days-([0-9.]+)-([0-9.]+)")
+SHARE = re.compile(r"([a-z]+)-([0-9.]+)")
+PARTS = {"rest": "test part", "seen": "training part"}
+MARKERS = "osD^"
+RULE_STYLES = (":", "-.", (0, (6, 1.5)), (0, (1, 3)))
+NO_CORRECTION = 100.0
+"""P_ML [%] of doing nothing."""
+
+
+def partition_curve(
+    metrics: pd.DataFrame,
+    *,
+    component: str = "e_y",
+    published: Mapping[float, float] | None = None,
+    published_name: str = "Peng & Bai",
+) -> Figure:
+    """P_ML [%] of `component` against the share of the dataset trained on [%].
+
+    `metrics` holds rows of random splits, test `rest` and, if at hand, `seen`. `published` gives figures to
+    compare with, P_ML by share. Raises InputError without a row to draw. After the paper's figure
+    'Performance metric P_ML of the SVM model trained by different size of training data'.
+    """
+    chosen = metrics[metrics["train"].str.startswith(RANDOM) & (metrics["component"] == component)]
+    chosen = chosen.assign(share=chosen["train"].str.removeprefix(RANDOM).astype(float))
+    test, seen = chosen[chosen["test"] == "rest"], chosen[chosen["test"] == "seen"]
+    if test.empty:
+        raise InputError(f"partition curve: expected metrics of {component} on random splits, got none")
+
+    figure, axes = column_figure(height_mm=64.0)
+    _draw_curve(axes, test, "share", "o-", color=RESIDUAL, label="test part")
+    if not seen.empty:
+        _draw_curve(axes, seen, "share", "s--", color=MUTED, lw=1.0, ms=3.0, label="training part")
+    if published:
+        _draw_published(axes, published, "D", label=f"{published_name}, test part")
+    axes.set_xlabel("training data [% of the dataset]")
+    axes.set_xlim(0.0, 100.0)
+    axes.set_xticks(range(0, 101, 10))
+    return _finished(figure, axes, chosen, component)
+
+
+def inclination_curve(
+    metrics: pd.DataFrame,
+    *,
+    inclinations: Mapping[str, float],
+    component: str = "e_y",
+    published: Mapping[str, Mapping[float, float]] | None = None,
+    published_name: str = "Peng & Bai",
+) -> Figure:
+    """P_ML [%] of `component` on other RSOs against their inclination [deg], a curve each future window.
+
+    `inclinations`: by target, those to draw. `published`: by test split, P_ML by inclination. Raises
+    InputError without a row to draw. After the paper's figure 'ML-modified results on nearby new RSOs with i
+    ranging from 48 deg to 54 deg'.
+    """
+    figure = _transfer(metrics, inclinations, component, published or {}, published_name)
+    figure.axes[0].set_xlabel("inclination $i$ [deg]")
+    return figure
+
+
+def semi_major_axis_curve(
+    metrics: pd.DataFrame,
+    *,
+    offsets: Mapping[str, float],
+    component: str = "e_y",
+    published: Mapping[str, Mapping[float, float]] | None = None,
+    published_name: str = "Peng & Bai",
+) -> Figure:
+    """P_ML [%] of `component` on other RSOs against what was added to their semi-major axis [km].
+
+    `offsets`: by target, those to draw; else as `inclination_curve`. After the paper's figure 'ML-modified
+    results on nearby new RSOs with an increment of a'.
+    """
+    figure = _transfer(metrics, offsets, component, published or {}, published_name)
+    figure.axes[0].set_xlabel("increment of the semi-major axis $a$ [km]")
+    return figure
+
+
+def kernel_scale_sensitivity(
+    metrics: pd.DataFrame, rules: Mapping[str, float], *, component: str = "e_y"
+) -> Figure:
+    """P_ML [%] of `component` against the kernel scale s, a curve each split; the scales of `rules` marked.
+
+    `metrics` has a further column `kernel_scale`: the s a row was trained with. `rules`: s by the rule's
+    name. Raises InputError without a row to draw.
+    """
+    chosen = metrics[metrics["component"] == component]
+    if chosen.empty:
+        raise InputError(f"kernel scale: expected metrics of {component}, got none")
+    figure, axes = column_figure(height_mm=84.0)
+    splits = chosen.groupby(["train", "test"], sort=False)
+    for k, (split, rows) in enumerate(splits):
+        _draw_curve(axes, rows, "kernel_scale", f"{_marker(k)}-", color=_shade(k), label=_split_label(*split))
+    for k, (rule, scale) in enumerate(rules.items()):
+        style = RULE_STYLES[k % len(RULE_STYLES)]
+        axes.axvline(scale, color=MUTED, ls=style, lw=1.2, zorder=1, label=f"{rule}: $s$ = {scale:.2f}")
+    axes.set_xscale("log")
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.set_xlabel("kernel scale $s$, on standardised variables")
+    return _finished(figure, axes, chosen, component, legend_columns=2)
+
+
+def _transfer(
+    metrics: pd.DataFrame,
+    varied: Mapping[str, float],
+    component: str,
+    published: Mapping[str, Mapping[float, float]],
+    published_name: str,
+) -> Figure:
+    """P_ML against the value that `varied` gives each target, a curve each future window."""
+    chosen = metrics[
+        metrics["target"].isin(list(varied))
+        & (metrics["component"] == component)
+        & metrics["test"].str.fullmatch(WINDOW)
+    ]
+    if chosen.empty:
+        raise InputError(
+            f"curve over RSOs: expected metrics of {component} on future windows of "
+            f"{', '.join(varied) or 'some target'}, got none"
+        )
+    chosen = chosen.assign(varied=chosen["target"].map(varied))
+    figure, axes = column_figure(height_mm=72.0)
+    for k, (test, rows) in enumerate(chosen.groupby("test", sort=False)):
+        _draw_curve(axes, rows, "varied", f"{_marker(k)}-", color=_shade(k), label=_window_label(test))
+        if test in published:
+            label = f"{published_name}, {_window_label(test)}"
+            _draw_published(axes, published[test], _marker(k), label=label)
+    return _finished(figure, axes, chosen, component)
+
+
+def _draw_curve(axes: Axes, rows: pd.DataFrame, x: str, style: str, **look) -> None:
+    """P_ML against column `x`, one row a point and seed; with several seeds their mean in a band."""
+    seeds = ["seed"] if "seed" in rows else []
+    if rows.duplicated([x, *seeds]).any():
+        raise InputError(f"curve of P_ML: {look['label']}: expected one row a point and seed, got several")
+    points = rows.groupby(x)["p_ml"].agg(["mean", "std", "size"])
+    axes.plot(points.index, points["mean"], style, zorder=3, **look)
+    if (points["size"] > 1).any():
+        low, high = points["mean"] - points["std"], points["mean"] + points["std"]
+        axes.fill_between(points.index, low, high, color=look["color"], alpha=0.25, lw=0.0, zorder=2)
+
+
+def _draw_published(axes: Axes, published: Mapping[float, float], marker: str, *, label: str) -> None:
+    axes.plot(
+        list(published),
+        list(published.values()),
+        marker,
+        markerfacecolor="none",
+        markeredgecolor=PUBLISHED,
+        markeredgewidth=1.1,
+        markersize=6.0,
+        zorder=4,
+        label=label,
+    )
+
+
+def _finished(
+    figure: Figure, axes: Axes, metrics: pd.DataFrame, component: str, *, legend_columns: int = 1
+) -> Figure:
+    """The figure with what all curves of P_ML share; no correction is marked where it is in range."""
+    axes.set_ylabel(rf"$P_{{\mathrm{{ML}}}}$ of {symbol(component)} [%]")
+    axes.set_ylim(bottom=0.0)
+    if axes.get_ylim()[1] > NO_CORRECTION:
+        axes.axhline(NO_CORRECTION, color=MUTED, ls="--", lw=1.0, zorder=1)
+    seeds = metrics["seed"].nunique() if "seed" in metrics else 1
+    title = f"mean and standard deviation of {seeds} seeds" if seeds > 1 else None
+    figure.legend(loc="outside upper left", ncols=legend_columns, title=title)
+    return figure
+
+
+def _split_label(train: str, test: str) -> str:
+    if WINDOW.fullmatch(train) and WINDOW.fullmatch(test):
+        return _window_label(test)
+    if (share := SHARE.fullmatch(train)) and test in PARTS:
+        return f"{share[1]} {share[2]} %, {PARTS[test]}"
+    return f"{train}, {test}"
+
+
+def _window_label(test: str) -> str:
+    first, last = map(float, WINDOW.fullmatch(test).groups())
+    return f"future {last - first:g} days ({first:g} to {last:g})"
+
+
+def _marker(k: int) -> str:
+    return MARKERS[k % len(MARKERS)]
+
+
+def _shade(k: int) -> str:
+    return RESIDUALS[k % len(RESIDUALS)]

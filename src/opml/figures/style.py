@@ -1,0 +1,85 @@
+"""One look for every figure: a journal column's sizes, colours with one meaning each, files of stable bytes.
+
+Importing this module sets matplotlib's defaults for the process; it opens no window.
+"""
+
+import os
+from pathlib import Path
+
+import matplotlib
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+COLUMN_WIDTH_MM = 88.0  # one column of a two-column page
+PAGE_WIDTH_MM = 180.0  # both columns
+MM_PER_INCH = 25.4
+
+# Okabe & Ito's palette (Color Universal Design, 2008): told apart under every common colour blindness.
+TRUE = "#000000"
+PREDICTED = "#0072B2"
+RESIDUAL = "#D55E00"
+MUTED = "#8A8A8A"  # context behind the subject
+PUBLISHED = "#4D4D4D"  # figures from a publication, always as hollow markers
+OBSERVED = "#009E73"  # where a station saw the RSO
+ESTIMATE = "#CC79A7"
+TRACK = "#56B4E9"
+HIGHLIGHT = "#E69F00"  # what a figure points at: tracks used, days enlarged, values beyond a limit
+# Several curves of what is left of the errors: shades of its colour, told apart by lightness and marker.
+RESIDUALS = (RESIDUAL, "#7A3200", "#F2A65E", "#B98A6A")
+
+matplotlib.rcParams.update(
+    {
+        "font.family": "DejaVu Sans",  # comes with matplotlib, so the same on every machine
+        "font.size": 8.0,
+        "axes.labelsize": 8.0,
+        "xtick.labelsize": 7.5,
+        "ytick.labelsize": 7.5,
+        "legend.fontsize": 7.5,
+        "legend.frameon": False,
+        "axes.linewidth": 0.7,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.grid": True,
+        "axes.axisbelow": True,
+        "grid.color": "#E3E3E3",
+        "grid.linewidth": 0.6,
+        "lines.linewidth": 1.4,
+        "lines.markersize": 4.5,
+        "pdf.fonttype": 42,  # text stays text
+        "savefig.dpi": 300.0,
+    }
+)
+
+
+def column_figure(*, height_mm: float, projection: str | None = None) -> tuple[Figure, Axes]:
+    """Empty figure of column width with one pair of axes; its layout follows its contents."""
+    figure = _figure(COLUMN_WIDTH_MM, height_mm)
+    return figure, figure.add_subplot(projection=projection)
+
+
+def page_figure(*, height_mm: float) -> Figure:
+    """Empty figure of page width without axes; its layout follows its contents."""
+    return _figure(PAGE_WIDTH_MM, height_mm)
+
+
+def _figure(width_mm: float, height_mm: float) -> Figure:
+    figure = Figure(figsize=(width_mm / MM_PER_INCH, height_mm / MM_PER_INCH), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def save(figure: Figure, path_pdf: str | os.PathLike, path_png: str | os.PathLike) -> None:
+    """Write the figure as PDF and PNG, each whole or not at all; the same figure gives the same bytes."""
+    _write(figure, Path(path_pdf), "pdf", metadata={"CreationDate": None})
+    _write(figure, Path(path_png), "png", metadata={"Software": None})
+
+
+def _write(figure: Figure, path: Path, kind: str, *, metadata: dict) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        figure.savefig(temporary, format=kind, metadata=metadata)
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)

@@ -1,0 +1,215 @@
+"""The curves of P_ML: what they draw, and that their files are the same bytes each time."""
+
+import os
+import subprocess
+import sys
+
+import pandas as pd
+import pytest
+
+from opml.errors import InputError
+from opml.figures import curves, style
+
+PUBLISHED = {40: 14.8, 80: 9.6, 90: 9.7}
+
+
+@pytest.fixture
+def metrics():
+    rows = [
+        {
+            "train": f"random-{share}",
+            "component": component,
+            "test": test,
+            "p_ml": factor * 200.0 / (share + 5),
+        }
+        for share in (90, 10, 50)  # out of order on purpose
+        for component in ("e_y", "e_vx")
+        for test, factor in (("rest", 1.0), ("seen", 0.5))
+    ]
+    rows.append({"train": "days-0-30", "component": "e_y", "test": "days-30-40", "p_ml": 999.0})
+    return pd.DataFrame(rows)
+
+
+def lines(figure):
+    axes = figure.axes[0]
+    return {line.get_label(): (list(line.get_xdata()), list(line.get_ydata())) for line in axes.get_lines()}
+
+
+def test_draws_the_test_part_in_order(metrics):
+    drawn = lines(curves.partition_curve(metrics, published=PUBLISHED))
+    assert drawn["test part"] == ([10.0, 50.0, 90.0], pytest.approx([200 / 15, 200 / 55, 200 / 95]))
+    assert drawn["training part"][1] == pytest.approx([100 / 15, 100 / 55, 100 / 95])
+    assert drawn["Peng & Bai, test part"] == ([40, 80, 90], [14.8, 9.6, 9.7])
+
+
+def test_draws_what_is_at_hand(metrics):
+    figure = curves.partition_curve(metrics[metrics["test"] == "rest"], component="e_vx")
+    assert list(lines(figure)) == ["test part"]
+    assert "e_{vx}" in figure.axes[0].get_ylabel()
+    assert "[%" in figure.axes[0].get_xlabel()
+
+
+def test_nothing_to_draw(metrics):
+    with pytest.raises(InputError, match="partition curve: expected metrics of e_z"):
+        curves.partition_curve(metrics, component="e_z")
+
+
+INCLINATIONS = {"iss_i50": 50.0, "iss": 51.6393, "iss_i48": 48.0}
+
+
+@pytest.fixture
+def transfers():
+    """Future windows of three targets, and rows that no curve over targets may draw."""
+    rows = [
+        {"train": "days-0-30", "test": test, "target": target, "component": "e_y", "p_ml": p_ml + further}
+        for test, further in (("days-30-40", 0.0), ("days-30-50", 100.0))
+        for target, p_ml in (("iss", 35.0), ("iss_i50", 40.0), ("iss_i48", 50.0), ("lares", 999.0))
+    ]
+    rows.append({**rows[0], "component": "e_x", "p_ml": 999.0})
+    rows.append({**rows[0], "test": "rest", "p_ml": 999.0})
+    return pd.DataFrame(rows)
+
+
+def with_seeds(metrics, offsets):
+    copies = [metrics.assign(seed=seed, p_ml=metrics["p_ml"] + k) for seed, k in enumerate(offsets)]
+    return pd.concat(copies, ignore_index=True)
+
+
+def legend(figure):
+    return [text.get_text() for text in figure.legends[0].get_texts()]
+
+
+def test_a_curve_each_window(transfers):
+    figure = curves.inclination_curve(
+        transfers, inclinations=INCLINATIONS, published={"days-30-40": {50.0: 40.2}}
+    )
+    drawn = lines(figure)
+    assert drawn["future 10 days (30 to 40)"] == ([48.0, 50.0, 51.6393], [50.0, 40.0, 35.0])
+    assert drawn["future 20 days (30 to 50)"] == ([48.0, 50.0, 51.6393], [150.0, 140.0, 135.0])
+    assert drawn["Peng & Bai, future 10 days (30 to 40)"] == ([50.0], [40.2])
+    assert figure.axes[0].get_xlabel() == "inclination $i$ [deg]"
+    markers = {line.get_label(): line for line in figure.axes[0].get_lines()}
+    ours, theirs = markers["future 10 days (30 to 40)"], markers["Peng & Bai, future 10 days (30 to 40)"]
+    assert ours.get_marker() == theirs.get_marker()
+    assert theirs.get_markerfacecolor() == "none"
+
+
+def test_over_semi_major_axis(transfers):
+    figure = curves.semi_major_axis_curve(transfers, offsets={"iss": 0.0, "lares": 50.0})
+    assert lines(figure)["future 10 days (30 to 40)"] == ([0.0, 50.0], [35.0, 999.0])
+    assert figure.axes[0].get_xlabel() == "increment of the semi-major axis $a$ [km]"
+
+
+def test_no_target_to_draw(transfers):
+    with pytest.raises(InputError, match="future windows of stella, got none"):
+        curves.semi_major_axis_curve(transfers, offsets={"stella": 10.0})
+
+
+def test_no_correction_is_marked_in_range(transfers):
+    def marked(metrics):
+        figure = curves.inclination_curve(metrics, inclinations=INCLINATIONS)
+        return any(
+            list(line.get_ydata()) == [100.0, 100.0] and line.get_linestyle() == "--"
+            for line in figure.axes[0].get_lines()
+        )
+
+    assert marked(transfers)
+    assert not marked(transfers[transfers["test"] == "days-30-40"])
+
+
+def test_seeds_make_a_band(transfers):
+    figure = curves.inclination_curve(with_seeds(transfers, (0.0, 1.0, 5.0)), inclinations=INCLINATIONS)
+    assert lines(figure)["future 10 days (30 to 40)"][1] == pytest.approx([52.0, 42.0, 37.0])
+    band = figure.axes[0].collections[0].get_paths()[0].vertices
+    at_50 = sorted({round(y, 9) for x, y in band if x == 50.0})
+    assert at_50 == pytest.approx([42.0 - 7.0**0.5, 42.0 + 7.0**0.5])  # of 40, 41, 45 over n - 1
+    assert figure.legends[0].get_title().get_text() == "mean and standard deviation of 3 seeds"
+
+
+def test_seeds_of_the_partition_curve(metrics):
+    figure = curves.partition_curve(with_seeds(metrics, (0.0, 2.0)))
+    assert lines(figure)["test part"][1] == pytest.approx([200 / 15 + 1, 200 / 55 + 1, 200 / 95 + 1])
+    assert len(figure.axes[0].collections) == 2
+
+
+def test_one_seed_makes_no_band(transfers):
+    figure = curves.inclination_curve(with_seeds(transfers, (0.0,)), inclinations=INCLINATIONS)
+    assert len(figure.axes[0].collections) == 0
+    assert figure.legends[0].get_title().get_text() == ""
+
+
+def test_rows_of_different_things_are_not_averaged(transfers):
+    with pytest.raises(InputError, match="expected one row a point and seed"):
+        curves.inclination_curve(pd.concat([transfers, transfers]), inclinations=INCLINATIONS)
+
+
+@pytest.fixture
+def scales():
+    splits = (("random-80", "rest"), ("grouped-80", "rest"), ("days-0-30", "days-30-40"), ("odd", "odder"))
+    rows = [
+        {"train": train, "test": test, "component": "e_y", "kernel_scale": scale, "p_ml": 10.0 * k + scale}
+        for scale in (8.0, 1.0, 2.0)
+        for k, (train, test) in enumerate(splits)
+    ]
+    return pd.DataFrame(rows)
+
+
+def test_kernel_scale_by_split_with_the_rules(scales):
+    figure = curves.kernel_scale_sensitivity(scales, {"sigest": 3.456, "median": 5.0})
+    drawn = lines(figure)
+    assert drawn["random 80 %, test part"] == ([1.0, 2.0, 8.0], [1.0, 2.0, 8.0])
+    assert drawn["grouped 80 %, test part"][1] == [11.0, 12.0, 18.0]
+    assert drawn["future 10 days (30 to 40)"][1] == [21.0, 22.0, 28.0]
+    assert drawn["odd, odder"][1] == [31.0, 32.0, 38.0]
+    assert drawn["sigest: $s$ = 3.46"][0] == [3.456, 3.456]
+    assert drawn["median: $s$ = 5.00"][0] == [5.0, 5.0]
+    assert len(legend(figure)) == 6
+    assert figure.axes[0].get_xscale() == "log"
+
+
+def test_kernel_scale_without_rows(scales):
+    with pytest.raises(InputError, match="expected metrics of e_z"):
+        curves.kernel_scale_sensitivity(scales, {}, component="e_z")
+
+
+def test_everything_stays_inside_the_column(metrics, transfers, scales, tmp_path):
+    published = {test: {50.0: 40.2} for test in ("days-30-40", "days-30-50")}
+    for figure in (
+        curves.partition_curve(metrics, published=PUBLISHED),
+        curves.inclination_curve(
+            with_seeds(transfers, (0.0, 1.0)), inclinations=INCLINATIONS, published=published
+        ),
+        curves.kernel_scale_sensitivity(scales, {"sigest": 3.5, "median": 5.0, "cv": 5.1}),
+    ):
+        style.save(figure, tmp_path / "c.pdf", tmp_path / "c.png")
+        box = figure.get_tightbbox()  # inches
+        assert box.x0 >= 0.0
+        assert box.y0 >= 0.0
+        assert box.x1 <= figure.get_figwidth()
+        assert box.y1 <= figure.get_figheight()
+        assert figure.get_figwidth() == pytest.approx(88.0 / 25.4)
+
+
+def test_same_bytes_in_another_process(metrics, tmp_path):
+    figure = curves.partition_curve(metrics, published=PUBLISHED)
+    style.save(figure, tmp_path / "a.pdf", tmp_path / "a.png")
+    metrics.to_json(tmp_path / "metrics.json", double_precision=15)
+    program = (
+        "import sys, pandas as pd\n"
+        "from opml.figures import curves, style\n"
+        "metrics = pd.read_json(sys.argv[1] + '/metrics.json', precise_float=True)\n"
+        f"figure = curves.partition_curve(metrics, published={PUBLISHED})\n"
+        "style.save(figure, sys.argv[1] + '/b.pdf', sys.argv[1] + '/b.png')\n"
+    )
+    environment = os.environ | {"PYTHONHASHSEED": "7", "TZ": "Asia/Tokyo", "SOURCE_DATE_EPOCH": "1"}
+    subprocess.run([sys.executable, "-c", program, str(tmp_path)], check=True, env=environment)
+    for kind in ("pdf", "png"):
+        assert (tmp_path / f"a.{kind}").read_bytes() == (tmp_path / f"b.{kind}").read_bytes()
+
+
+def test_failed_save_leaves_nothing(metrics, tmp_path):
+    figure = curves.partition_curve(metrics)
+    figure.axes[0].set_xlabel(r"$\frac{$")  # text that cannot be set
+    with pytest.raises(ValueError, match="frac"):
+        style.save(figure, tmp_path / "c.pdf", tmp_path / "c.png")
+    assert list(tmp_path.iterdir()) == []
