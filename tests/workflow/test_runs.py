@@ -1,0 +1,167 @@
+"""The workflow itself, run on the trimmed case."""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import pyarrow.parquet as pq
+import pytest
+from project import ROOT, Project
+
+from opml.tables import SCHEMAS, model_schema, read_metadata, read_table
+
+pytestmark = pytest.mark.dag
+CI = "--configfile=config/ci.yaml"
+
+ENVIRONMENT = ("earth_orientation", "ephemerides", "gravity_field", "solar_activity")
+# What reads what: each rule after the first needs the one before.
+CHAIN = ("truth", "tracking", "estimation", "prediction", "dataset", "train", "evaluate", "partition_curve")
+
+
+@pytest.fixture
+def copy(finished, tmp_path):
+    """The finished folder with a workflow of its own, to be changed."""
+    shutil.copytree(finished.folder, tmp_path, dirs_exist_ok=True)
+    for name in ("workflow", "src", "profiles"):
+        shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy2(ROOT / "Snakefile", tmp_path)
+    return Project(tmp_path, source=tmp_path)
+
+
+def reruns(project, *arguments):
+    """Rules that would run."""
+    plan = project.snakemake("-n", CI, *arguments).stdout
+    if "Nothing to be done" in plan:
+        return set()
+    table = plan.split("Job stats:")[1].split("total")[0]
+    return set(re.findall(r"^(\w+) +\d+$", table, re.MULTILINE)) - {"default"}
+
+
+def from_rule(rule):
+    """A rule and all that come after it."""
+    return {rule, *(CHAIN if rule in ENVIRONMENT else CHAIN[CHAIN.index(rule) :])}
+
+
+def test_every_product_is_there(finished):
+    stem = "iss/eglin-clear-kaena"
+    split = f"{stem}/random-80/svr/e_y"
+    assert {
+        *(f"ci/environment/{name}.parquet" for name in ("earth_orientation", "ephemerides", "gravity_field")),
+        "ci/truth/iss.parquet",
+        *(f"ci/{name}/{stem}.parquet" for name in ("tracking", "estimates", "predictions", "dataset")),
+        f"ci/models/{split}.parquet",
+        f"ci/evaluation/{split}/iss/rest.parquet",
+        f"ci/metrics/{split}/iss/rest.parquet",
+        "ci/figs/partition_curve.pdf",
+        "ci/figs/partition_curve.png",
+    } <= finished.products().keys()
+
+
+def test_every_table_tells_how_it_was_made(finished):
+    for path in finished.folder.glob("results/ci/**/*.parquet"):
+        kind = path.relative_to(finished.folder / "results" / "ci").parts[0]
+        metadata = read_metadata(path)
+        assert {"epoch", "time_scale", "settings", "version"} <= metadata.keys()
+        schema = SCHEMAS.get(path.stem if kind == "environment" else kind)
+        if kind == "models":
+            schema = model_schema(metadata["variables"])
+        assert list(read_table(path, schema).columns) == schema.names
+
+
+def test_every_job_has_log_and_benchmark(finished):
+    results = finished.folder / "results" / "ci"
+    logs = {path.relative_to(results / "logs").with_suffix("") for path in results.glob("logs/**/*.log")}
+    marks = {
+        path.relative_to(results / "benchmarks").with_suffix("")
+        for path in results.glob("benchmarks/**/*.tsv")
+    }
+    assert logs == marks
+    assert len(logs) == 14
+    assert all("finished" in path.read_text() for path in results.glob("logs/**/*.log"))
+
+
+def test_nothing_is_left_to_do(copy):
+    assert reruns(copy) == set()
+
+
+def test_one_core_gives_the_same_bytes(finished, project):
+    project.snakemake("-j1", CI)
+    assert project.products() == finished.products()
+
+
+@pytest.mark.parametrize(
+    ("module", "rule"),
+    [
+        ("environment/gravity_field.py", "gravity_field"),
+        ("environment/solar_activity.py", "solar_activity"),
+        ("data/msafe.tsv", "solar_activity"),
+        ("dynamics/drag.py", "truth"),
+        ("catalog/prediction.py", "prediction"),
+        ("learning/cleaning.py", "dataset"),
+        ("learning/metrics.py", "evaluate"),
+        ("figures/curves.py", "partition_curve"),
+    ],
+)
+def test_changed_module_reruns_what_uses_it_and_what_follows(copy, module, rule):
+    path = copy.folder / "src" / "opml" / module
+    path.write_text(path.read_text() + "\n# changed\n")
+    assert reruns(copy) == from_rule(rule)
+
+
+def test_module_that_no_rule_uses_reruns_nothing(copy):
+    path = copy.folder / "src" / "opml" / "config.py"
+    path.write_text(path.read_text() + "\n# changed\n")
+    assert reruns(copy) == set()
+
+
+def test_changed_script_reruns_its_rule(copy):
+    script = copy.folder / "workflow" / "scripts" / "dataset.py"
+    script.write_text(script.read_text() + "\n# changed\n")
+    assert reruns(copy) == from_rule("dataset")
+
+
+@pytest.mark.parametrize(
+    ("setting", "rule"),
+    [
+        ("force_models={assumed: {degree: 5}}", "estimation"),
+        ("prediction={max_days: 2}", "prediction"),
+        ("cleaning={fence: 2.5}", "dataset"),
+        ("learners={svr: {c: 2}}", "train"),
+    ],
+)
+def test_changed_setting_reruns_what_depends_on_it(copy, setting, rule):
+    assert reruns(copy, "--config", setting) == from_rule(rule)
+
+
+def test_table_with_a_missing_column_is_named_and_nothing_is_half_written(copy):
+    truth, tracking = (
+        copy.folder / "results" / "ci" / name for name in ("truth/iss.parquet", "tracking/iss")
+    )
+    pq.write_table(pq.read_table(truth).drop_columns(["vy"]), truth)
+    done = copy.snakemake("-j1", CI, "results/ci/tracking/iss/eglin.parquet", check=False)
+    assert done.returncode != 0
+    assert "opml: results/ci/truth/iss.parquet: vy: column of table truth is missing\n" in done.stdout
+    assert "Traceback" not in done.stdout
+    assert [path.name for path in tracking.iterdir()] == ["eglin-clear-kaena.parquet"]
+
+
+@pytest.mark.parametrize("seconds", [4.0, 7.0])
+def test_killed_run_carries_on(finished, project, seconds):
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), "-j2", CI]
+    run = subprocess.Popen(
+        command,
+        cwd=project.folder,
+        start_new_session=True,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    time.sleep(seconds)
+    os.killpg(run.pid, signal.SIGKILL)
+    run.wait()
+    project.snakemake("-j2", CI)
+    products = {name: content for name, content in project.products().items() if not name.endswith(".tmp")}
+    assert products == finished.products()

@@ -1,0 +1,28 @@
+# The paper's 'Dataset Capturing the Orbit Prediction Error Model'.
+
+
+rule dataset:
+    input:
+        estimates=rules.estimation.output[0],
+        predictions=rules.prediction.output[0],
+        tracking=rules.tracking.output[0],
+        gravity_field=ENVIRONMENT["gravity_field"],
+    output:
+        f"{RESULTS}/dataset/{{rso}}/{{stations}}.parquet",
+    log:
+        f"{RESULTS}/logs/dataset/{{rso}}/{{stations}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/dataset/{{rso}}/{{stations}}.tsv"
+    conda:
+        "../envs/opml.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+        runtime=10,
+    params:
+        settings={"epoch": config["epoch"], "cleaning": config["cleaning"]},
+        code=code("dataset.py"),
+    message:
+        "Dataset: learning variables and true errors of {wildcards.rso} with {wildcards.stations}, and what is dropped"
+    script:
+        "../scripts/dataset.py"

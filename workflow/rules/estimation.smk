@@ -1,0 +1,36 @@
+# The paper's 'Estimation Models'.
+
+
+rule estimation:
+    input:
+        **ENVIRONMENT,
+        truth=rules.truth.output[0],
+        tracking=rules.tracking.output[0],
+    output:
+        f"{RESULTS}/estimates/{{rso}}/{{stations}}.parquet",
+    log:
+        f"{RESULTS}/logs/estimates/{{rso}}/{{stations}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/estimates/{{rso}}/{{stations}}.tsv"
+    conda:
+        "../envs/opml.yaml"
+    threads: 2
+    resources:
+        mem_mb=2000,
+        runtime=60,
+    params:
+        settings=lambda wildcards: {
+            "epoch": config["epoch"],
+            "seed": config["seed"]["noise"],
+            "force_model": config["force_models"]["assumed"],
+            "integrator": config["integrator"],
+            "estimation": config["estimation"]
+            | {key: config["cleaning"][key] for key in ("cd_min", "cd_max")},
+            "rso": rso(wildcards),
+            "stations": stations(wildcards),
+        },
+        code=code("estimation.py"),
+    message:
+        "Estimation models: state and drag coefficient of {wildcards.rso} at each track of {wildcards.stations}"
+    script:
+        "../scripts/estimation.py"

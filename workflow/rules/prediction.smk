@@ -1,0 +1,33 @@
+# The paper's 'Orbit Prediction'.
+
+
+rule prediction:
+    input:
+        **ENVIRONMENT,
+        truth=rules.truth.output[0],
+        estimates=rules.estimation.output[0],
+    output:
+        f"{RESULTS}/predictions/{{rso}}/{{stations}}.parquet",
+    log:
+        f"{RESULTS}/logs/predictions/{{rso}}/{{stations}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/predictions/{{rso}}/{{stations}}.tsv"
+    conda:
+        "../envs/opml.yaml"
+    threads: 2
+    resources:
+        mem_mb=2000,
+        runtime=60,
+    params:
+        settings=lambda wildcards: {
+            "epoch": config["epoch"],
+            "force_model": config["force_models"]["assumed"],
+            "integrator": config["integrator"],
+            "max_days": config["prediction"]["max_days"],
+            "rso": rso(wildcards),
+        },
+        code=code("prediction.py"),
+    message:
+        "Orbit prediction: each estimate of {wildcards.rso} to every later track of {wildcards.stations}"
+    script:
+        "../scripts/prediction.py"

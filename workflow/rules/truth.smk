@@ -1,0 +1,32 @@
+# The paper's 'Truth Dynamic Models'.
+
+
+rule truth:
+    input:
+        **ENVIRONMENT,
+    output:
+        f"{RESULTS}/truth/{{rso}}.parquet",
+    log:
+        f"{RESULTS}/logs/truth/{{rso}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/truth/{{rso}}.tsv"
+    conda:
+        "../envs/opml.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=20,
+    params:
+        settings=lambda wildcards: {
+            "epoch": config["epoch"],
+            "duration_days": config["duration_days"],
+            "step_s": config["tracking"]["step_s"],
+            "force_model": config["force_models"]["truth"],
+            "integrator": config["integrator"],
+            "rso": rso(wildcards),
+        },
+        code=code("truth.py"),
+    message:
+        "Truth dynamic model: the true orbit of {wildcards.rso}"
+    script:
+        "../scripts/truth.py"

@@ -1,0 +1,15 @@
+"""Build the dataset of learning variables and true errors, with each dropped row's reason."""
+
+from opml.jobs import job
+from opml.learning import dataset
+from opml.tables import read_metadata, read_table, write_table
+
+with job(snakemake) as metadata:
+    table = dataset.build(
+        read_table(snakemake.input.estimates, "estimates"),
+        read_table(snakemake.input.predictions, "predictions"),
+        read_table(snakemake.input.tracking, "tracking"),
+        gm=read_metadata(snakemake.input.gravity_field)["gm"],
+        cleaning=snakemake.params.settings["cleaning"],
+    )
+    write_table(snakemake.output[0], table, "dataset", metadata=metadata)

@@ -1,0 +1,17 @@
+"""Simulate the tracks and measurements of an RSO by a station set."""
+
+from opml.catalog import tracking
+from opml.jobs import job
+from opml.sheets import Station
+from opml.tables import read_table, write_table
+
+with job(snakemake) as metadata:
+    settings = snakemake.params.settings
+    table = tracking.simulate(
+        read_table(snakemake.input.truth, "truth"),
+        read_table(snakemake.input.earth_orientation, "earth_orientation"),
+        [Station(**station) for station in settings["stations"]],
+        rso=settings["rso"],
+        seed=settings["seed"],
+    )
+    write_table(snakemake.output[0], table, "tracking", metadata=metadata)
