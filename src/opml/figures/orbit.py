@@ -1,0 +1,246 @@
+"""The orbit, its elements, and the tracks that an estimate is made of."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator, MultipleLocator
+from mpl_toolkits.mplot3d.art3d import Line3DCollection
+
+from opml.constants import DAY, WGS84_A
+from opml.elements import coe_from_cartesian
+from opml.errors import InputError
+from opml.figures.style import (
+    ESTIMATE,
+    HIGHLIGHT,
+    OBSERVED,
+    TRACK,
+    TRUE,
+    column_figure,
+    page_figure,
+)
+from opml.tables import STATE
+
+HOUR = 3600.0
+
+REVOLUTIONS = 40
+"""Revolutions that stand for the whole orbit: more would hide each other."""
+
+ELEVATION, AZIMUTH = 25.0, -50.0
+"""Where the viewer of the orbit stands [deg]."""
+
+EARLY_TO_LATE = LinearSegmentedColormap.from_list("early to late", ["#D7191C", "#7B3294", "#2C7BB6"])
+
+_COE = ("a", "e", "i", "argp", "raan", "nu")
+_ELEMENTS = {
+    "a": (r"$a$ [km]", 1e-3),
+    "e": (r"$e$ [$10^{-3}$]", 1e3),
+    "i": (r"$i$ [deg]", np.degrees(1.0)),
+    "argp": (r"$\omega$ [deg]", np.degrees(1.0)),
+    "raan": (r"$\Omega$ [deg]", np.degrees(1.0)),
+    "nu": (r"$\nu$ [deg]", np.degrees(1.0)),
+}
+_TURNING = ("argp", "raan", "nu")
+
+
+def estimation_window(tracking: pd.DataFrame, *, track: int, window_hours: float) -> Figure:
+    """Tracks used for the estimate at the start of `track`, and their neighbours that are not.
+
+    `tracking`: that table; a lane each station. Used are the track itself and those that began within
+    `window_hours` before it. Raises InputError for a track that is not in the table. After the paper's figure
+    'Illustration of the tracks included for an estimation at t_i'.
+    """
+    tracks = tracking.groupby("track").agg(start=("t", "min"), end=("t", "max"), station=("station", "first"))
+    if track not in tracks.index:
+        raise InputError(f"estimation window: expected a track of the table, got {track}")
+    epoch = tracks.loc[track, "start"]
+    start, end = (tracks["start"] - epoch) / HOUR, (tracks["end"] - epoch) / HOUR
+    first, last = -2.0 * window_hours, window_hours
+    near = (end >= first) & (start <= last)
+    used = near & (start >= -window_hours) & (start <= 0.0)
+
+    stations = list(tracks["station"].unique())
+    lane = tracks["station"].map(stations.index)
+    figure = page_figure(height_mm=24.0 + 8.0 * len(stations))
+    axes = figure.add_subplot()
+    window = axes.axvspan(-window_hours, 0.0, color="#EBEBEB", lw=0.0)
+    colors = np.where(used, HIGHLIGHT, TRACK)[near]
+    # The edge keeps a track of a single measurement visible.
+    axes.barh(
+        lane[near],
+        (end - start)[near],
+        left=start[near],
+        height=0.5,
+        color=colors,
+        edgecolor=colors,
+        linewidth=0.5,
+        zorder=2,
+    )
+    (dots,) = axes.plot(start[near], lane[near] + 0.37, "o", color=ESTIMATE, ms=3.0, mew=0.0)
+    axes.axvline(0.0, color=TRUE, lw=0.8, zorder=1.5)
+    axes.annotate(
+        "$t_i$",
+        (0.0, 1.0),
+        xycoords=axes.get_xaxis_transform(),
+        xytext=(0.0, 1.5),
+        textcoords="offset points",
+        ha="center",
+    )
+    axes.set_xlim(first, last)
+    axes.set_ylim(len(stations) - 0.4, -0.4)
+    axes.set_yticks(range(len(stations)), stations)
+    axes.xaxis.set_major_locator(MultipleLocator(window_hours / 4.0))
+    axes.grid(visible=False, axis="y")
+    axes.set_xlabel(f"time since $t_i$ = {epoch / DAY:.3f} d [h]")
+    axes.set_ylabel("station")
+    figure.legend(
+        [window, Patch(color=HIGHLIGHT), Patch(color=TRACK), dots],
+        [f"estimation window, {window_hours:g} h", "track used", "track not used", "epoch of an estimate"],
+        loc="outside upper center",
+        ncols=4,
+    )
+    return figure
+
+
+def orbit_3d(truth: pd.DataFrame, tracking: pd.DataFrame) -> Figure:
+    """The orbit in GCRF [1000 km], red at the beginning and blue at the end, with the observed points.
+
+    `truth`, `tracking`: those tables, of epochs in common. Of a long orbit REVOLUTIONS whole revolutions are
+    drawn, evenly spread; what the Earth hides is left out. Raises InputError for less than one revolution.
+    After the paper's figure 'True orbit and observations of the RSO'.
+    """
+    days, positions = truth["t"].to_numpy() / DAY, truth[["x", "y", "z"]].to_numpy() / 1e6
+    revolution = _revolutions(positions)
+    whole = int(revolution[-1])
+    if whole < 1:
+        raise InputError(f"orbit in 3D: expected at least one revolution, got {revolution[-1]:.2f}")
+    drawn = np.unique(np.linspace(0, whole - 1, REVOLUTIONS).round())
+    sight = _in_sight(positions)
+    starts = np.flatnonzero(np.isin(np.floor(revolution[:-1]), drawn) & sight[:-1])
+    observed = positions[np.isin(truth["t"], tracking["t"]) & sight]
+
+    figure, axes = column_figure(height_mm=90.0, projection="3d")
+    axes.set_proj_type("ortho")
+    axes.view_init(elev=ELEVATION, azim=AZIMUTH)
+    axes.computed_zorder = False
+    _draw_earth(axes)
+    arcs = Line3DCollection(
+        np.stack([positions[starts], positions[starts + 1]], axis=1),
+        cmap=EARLY_TO_LATE,
+        linewidths=0.6,
+        zorder=2,
+        rasterized=True,
+    )
+    arcs.set_array(days[starts])
+    arcs.set_clim(days[0], days[-1])
+    axes.add_collection3d(arcs)
+    axes.scatter(
+        *observed.T,
+        s=0.5,
+        color=OBSERVED,
+        linewidths=0.0,
+        depthshade=False,
+        zorder=3,
+        rasterized=True,
+        label="observed",
+    )
+    reach = np.abs(positions).max()
+    axes.set(xlim=(-reach, reach), ylim=(-reach, reach), zlim=(-reach, reach))
+    axes.set_box_aspect((1, 1, 1))
+    for name in "xyz":
+        getattr(axes, f"set_{name}label")(f"${name}$ [1000 km]", labelpad=-6.0)
+        getattr(axes, f"{name}axis").set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))
+        axes.tick_params(axis=name, pad=-3.0)
+    # Automatic layout knows too little of what is drawn in 3D.
+    figure.set_layout_engine("none")
+    axes.set_position((0.0, 0.14, 0.92, 0.86))
+    bar = figure.colorbar(arcs, cax=figure.add_axes((0.2, 0.115, 0.6, 0.018)), orientation="horizontal")
+    bar.set_label("time [d]")
+    bar.outline.set_linewidth(0.5)
+    figure.legend(loc="upper right", markerscale=5.0)
+    return figure
+
+
+def orbital_elements(
+    truth: pd.DataFrame,
+    *,
+    gm: float,
+    zoom_days: Sequence[float],
+    elements: Sequence[str] = ("a", "e", "i", "raan"),
+) -> Figure:
+    """Osculating elements against time [d]: the whole orbit on the left, the days of `zoom_days` beside it.
+
+    `truth`: that table; `gm` [m3/s2]; `elements`: any of a, e, i, argp, raan, nu. Raises InputError where the
+    zoom holds no epoch. After the paper's figure 'Instantaneous classical orbital elements'.
+    """
+    days = truth["t"].to_numpy() / DAY
+    coe = dict(zip(_COE, coe_from_cartesian(truth[list(STATE)].to_numpy(), gm).T, strict=True))
+    first, last = zoom_days
+    zoomed = (days >= first) & (days <= last)
+    if not zoomed.any():
+        raise InputError(f"orbital elements: expected epochs within days {first:g} to {last:g}, got none")
+
+    figure = page_figure(height_mm=12.0 + 27.0 * len(elements))
+    panels = figure.subplots(len(elements), 2, sharex="col", squeeze=False, width_ratios=(3, 2))
+    for (left, right), name in zip(panels, elements, strict=True):
+        label, factor = _ELEMENTS[name]
+        values = _broken(coe[name]) * factor if name in _TURNING else coe[name] * factor
+        left.plot(days, values, color=TRUE, lw=0.4, rasterized=True)
+        left.axvspan(first, last, color=HIGHLIGHT, lw=0.0, zorder=3)
+        right.plot(days[zoomed], values[zoomed], color=TRUE, lw=1.0)
+        left.set_ylabel(label)
+        for axes in (left, right):
+            axes.ticklabel_format(axis="y", useOffset=False)
+        right.margins(x=0.0)
+    left.set_xlim(days[0], days[-1])
+    left.set_xlabel("time [d]")
+    right.set_xlabel("time [d]")
+    figure.align_ylabels()
+    return figure
+
+
+def _revolutions(positions: np.ndarray) -> np.ndarray:
+    """Revolutions flown at each of the positions (n, 3), from the angles between neighbours."""
+    here, there = positions[:-1], positions[1:]
+    across = np.linalg.norm(np.cross(here, there), axis=-1)
+    angle = np.arctan2(across, np.sum(here * there, axis=-1))
+    return np.concatenate([[0.0], np.cumsum(angle)]) / (2.0 * np.pi)
+
+
+def _in_sight(positions: np.ndarray) -> np.ndarray:
+    """Which of the positions (n, 3) [1000 km] the Earth does not hide from the viewer."""
+    elevation, azimuth = np.radians([ELEVATION, AZIMUTH])
+    viewer = np.array(
+        [np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)]
+    )
+    ahead = positions @ viewer
+    aside = np.linalg.norm(positions - ahead[:, None] * viewer, axis=-1)
+    return (ahead > 0.0) | (aside > WGS84_A / 1e6)
+
+
+def _draw_earth(axes: Axes) -> None:
+    longitude, latitude = np.meshgrid(
+        np.radians(np.arange(0, 361, 15)), np.radians(np.arange(-90, 91, 15)), indexing="ij"
+    )
+    radius = WGS84_A / 1e6
+    axes.plot_surface(
+        radius * np.cos(latitude) * np.cos(longitude),
+        radius * np.cos(latitude) * np.sin(longitude),
+        radius * np.sin(latitude),
+        rstride=1,
+        cstride=1,
+        color="#FAFAFA",
+        edgecolor="#D0D0D0",
+        linewidth=0.3,
+        shade=False,
+        zorder=1,
+    )
+
+
+def _broken(angle: np.ndarray) -> np.ndarray:
+    """The angles [rad] with a gap where they pass a full turn, so that no line joins its two ends."""
+    return np.where(np.abs(np.diff(angle, append=angle[-1])) > np.pi, np.nan, angle)

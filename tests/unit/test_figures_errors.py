@@ -1,0 +1,278 @@
+"""The figures of prediction errors: the values they draw, their labels, and stable bytes."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.colors import to_rgba
+
+from opml.constants import DAY
+from opml.errors import InputError
+from opml.figures import errors, style
+from opml.learning import metrics
+
+
+def table(duration_days, true, predicted):
+    true, predicted = np.array(true, dtype=float), np.array(predicted, dtype=float)
+    count = np.arange(len(true))
+    return pd.DataFrame(
+        {
+            "i": count,
+            "j": count + 1,
+            "duration": np.array(duration_days) * DAY,
+            "true": true,
+            "predicted": predicted,
+            "residual": true - predicted,
+        }
+    )
+
+
+@pytest.fixture
+def evaluation():
+    # Two clusters of five points, and one point alone that makes none.
+    duration = [0.05, 0.10, 0.15, 0.20, 0.25, 1.01, 1.02, 1.03, 1.04, 1.05, 3.0]
+    true = [1000, -2000, 3000, -4000, 5000, 10000, 10000, 10000, -10000, -10000, 7000]
+    predicted = [500, -2000, 2000, -5000, 5000, 9000, 12000, 10000, -7000, -10000, 0]
+    return table(duration, true, predicted)
+
+
+@pytest.fixture
+def pairs():
+    columns = {f"e_{axis}": np.array([1.0, -20.0, np.nan, 300.0]) * k for k, axis in enumerate("xyz", 1)}
+    columns |= {f"e_v{axis}": np.array([0.5, -1.5, np.nan, 2.5]) * k for k, axis in enumerate("xyz", 1)}
+    t_j = np.array([1.0, 2.0, 2.5, 4.0]) * DAY
+    return pd.DataFrame({"t_i": np.full(4, 0.5 * DAY), "t_j": t_j, **columns})
+
+
+def bars(axes):
+    """(durations, means, bars' ends) by label of what `errorbar` drew."""
+    return {
+        container.get_label(): (
+            np.asarray(container[0].get_xdata()),
+            np.asarray(container[0].get_ydata()),
+            np.array([segment[:, 1] for segment in container[2][0].get_segments()]),
+        )
+        for container in axes.containers
+    }
+
+
+def texts(figure):
+    return [text.get_text() for axes in figure.axes for text in axes.texts]
+
+
+def test_clusters_by_hand(evaluation):
+    found = errors.clusters(evaluation["duration"].to_numpy() / DAY, evaluation["true"].to_numpy())
+    assert found["duration"].tolist() == pytest.approx([0.15, 1.03])
+    assert found["mean"].tolist() == pytest.approx([600.0, 2000.0])
+    # Squares about 600: 0.16, 6.76, 5.76, 21.16, 19.36 in 1e6; about 2000: 3 x 64, 2 x 144; over n - 1.
+    assert found["std"].tolist() == pytest.approx([np.sqrt(53.2e6 / 4), np.sqrt(480e6 / 4)])
+
+
+def test_a_cluster_ends_with_its_last_instant():
+    duration = np.array([0.25] * 5 + [0.2500001] * 5)
+    assert errors.clusters(duration, np.arange(10.0))["mean"].tolist() == [2.0, 7.0]
+
+
+def test_all_points_on_the_left(evaluation):
+    left = errors.svr_absolute(evaluation).axes[0]
+    offsets = [np.asarray(points.get_offsets()) for points in left.collections]
+    for drawn, column in zip(offsets, ("true", "predicted", "residual"), strict=True):
+        assert drawn[:, 0] == pytest.approx(evaluation["duration"] / DAY)
+        assert drawn[:, 1] == pytest.approx(evaluation[column].abs() / 1e3)
+    assert all(points.get_rasterized() for points in left.collections)
+    signed = errors.svr_signed(evaluation).axes[0].collections[2].get_offsets()
+    assert np.asarray(signed)[:, 1] == pytest.approx(evaluation["residual"] / 1e3)
+
+
+def test_one_colour_one_meaning(evaluation):
+    left, right = errors.svr_absolute(evaluation).axes
+    colors = [style.TRUE, style.PREDICTED, style.RESIDUAL]
+    assert [container[0].get_color() for container in right.containers] == colors
+    true, predicted, residual = left.collections
+    assert len(true.get_facecolor()) == 0  # hollow
+    assert tuple(true.get_edgecolor()[0]) == to_rgba(style.TRUE)
+    assert tuple(predicted.get_facecolor()[0]) == to_rgba(style.PREDICTED)
+    assert tuple(residual.get_facecolor()[0]) == to_rgba(style.RESIDUAL)
+
+
+@pytest.mark.parametrize("draw", [errors.svr_absolute, errors.errorbar_absolute])
+def test_error_bars_by_hand(evaluation, draw):
+    drawn = bars(draw(evaluation).axes[-1])
+    assert [label.split()[0] for label in drawn] == ["true", "ML-predicted", "residual"]
+    duration, mean, ends = drawn["true $e_{y}$"]
+    assert mean == pytest.approx([3.0, 10.0])  # of 1, 2, 3, 4, 5 and of five times 10
+    assert ends[0] == pytest.approx([3.0 - np.sqrt(2.5), 3.0 + np.sqrt(2.5)])
+    assert ends[1] == pytest.approx([10.0, 10.0])
+    residual = drawn[r"residual $e_{\mathrm{res}}$"]
+    assert residual[1] == pytest.approx([0.5, 1.2])  # of 0.5, 0, 1, 1, 0 and of 1, 2, 0, 3, 0
+    # Displaced to either side of the ML-predicted curve, by less than half a cluster.
+    middle = drawn[r"ML-predicted $\hat{e}_{\mathrm{ML},y}$"][0]
+    assert middle == pytest.approx([0.15, 1.03])
+    assert duration - middle == pytest.approx(middle - residual[0])
+    assert np.all((duration < middle) & (middle - duration < errors.CLUSTER_DAYS / 2))
+
+
+def test_signed_bars(evaluation):
+    _, mean, _ = bars(errors.svr_signed(evaluation).axes[1])["true $e_{y}$"]
+    assert mean == pytest.approx([0.6, 2.0])
+
+
+def test_metrics_are_those_of_the_learning(evaluation):
+    true, predicted = evaluation["true"].to_numpy(), evaluation["predicted"].to_numpy()
+    # Residuals 500, 0, 1000, 1000, 0, 1000, 2000, 0, 3000, 0, 7000 of errors that sum to 72000.
+    assert metrics.p_ml(true, predicted) == pytest.approx(100 * 15500 / 72000)
+    for draw in (errors.svr_absolute, errors.svr_signed, errors.errorbar_absolute):
+        assert any(text.endswith("= 21.5 %") for text in texts(draw(evaluation)))
+    odd = table([1.0] * 4, [0.0, 0.0, 2.0, -4.0], [0.0, 1.0, 1.0, 4.0])
+    found = errors._individual_p_ml(odd)
+    assert found.tolist() == [0.0, np.inf, 50.0, 200.0]
+    assert (
+        found.tolist()
+        == metrics.individual_p_ml(odd["true"].to_numpy(), odd["predicted"].to_numpy()).tolist()
+    )
+
+
+def test_units_follow_the_component(evaluation):
+    left, right = errors.svr_absolute(evaluation).axes
+    for axes in (left, right):
+        assert axes.get_ylabel() == "absolute error of $e_{y}$ [km]"
+        assert axes.get_xlabel() == r"prediction duration $\Delta t$ [d]"
+    velocity = errors.svr_signed(evaluation, component="e_vx")
+    assert velocity.axes[0].get_ylabel() == "error of $e_{vx}$ [m/s]"
+    assert np.asarray(velocity.axes[0].collections[0].get_offsets())[0, 1] == 1000.0
+    assert "true $e_{vx}$" in bars(velocity.axes[1])
+
+
+def test_grid_has_a_panel_each(evaluation):
+    half = evaluation.assign(predicted=evaluation["true"] / 2, residual=evaluation["true"] / 2)
+    figure = errors.rso_grid({"SWARM-A": evaluation, "LARES": half, "LAGEOS-1": evaluation})
+    assert [axes.get_title(loc="left") for axes in figure.axes] == ["SWARM-A", "LARES", "LAGEOS-1"]
+    assert [text.split("= ")[1] for text in texts(figure)] == ["21.5 %", "50.0 %", "21.5 %"]
+    assert bars(figure.axes[1])[r"residual $e_{\mathrm{res}}$"][1] == pytest.approx([1.5, 5.0])
+    with pytest.raises(InputError, match="at least one evaluation"):
+        errors.rso_grid({})
+
+
+def test_individual_points_are_sorted_out():
+    # p_ML of 50, 100, 150, 800 %, and infinite: the one left alone is neither reduced nor increased.
+    points = table([1, 2, 3, 4, 5], [1000, 2000, -2000, 100, 0], [500, 0, 1000, 900, 300])
+    reduced, increased = errors.individual_reduced(points), errors.individual_increased(points)
+    true, residual = reduced.axes[0].collections
+    assert np.asarray(true.get_offsets()).tolist() == [[1.0, 1.0]]
+    assert np.asarray(residual.get_offsets()).tolist() == [[1.0, 0.5]]
+    assert residual.get_array().tolist() == [50.0]
+    assert residual.get_clim() == (0.0, 100.0)
+    true, residual = increased.axes[0].collections
+    assert np.asarray(true.get_offsets()).tolist() == [[3.0, 2.0], [4.0, 0.1], [5.0, 0.0]]
+    assert np.asarray(residual.get_offsets())[:, 1] == pytest.approx([3.0, 0.8, 0.3])
+    assert residual.get_array().tolist() == [150.0, 800.0, 1000.0]  # infinity would have no colour
+    beyond = residual.to_rgba(np.array([501.0, 800.0, 1000.0]))
+    assert (beyond == to_rgba(style.HIGHLIGHT)).all()
+    assert tuple(residual.to_rgba(499.0)) != to_rgba(style.HIGHLIGHT)
+    assert reduced.axes[0].get_title(loc="left") == "reduced: 1 of 5 points"
+    assert reduced.axes[1].get_ylabel() == r"$p_{\mathrm{ML}}$ [%]"
+
+
+def test_no_increased_point_is_no_failure(tmp_path):
+    perfect = table([1.0, 2.0], [5.0, 6.0], [5.0, 6.0])
+    figure = errors.individual_increased(perfect)
+    assert figure.axes[0].get_title(loc="left") == "increased: 0 of 2 points"
+    style.save(figure, tmp_path / "a.pdf", tmp_path / "a.png")
+
+
+def test_distribution_of_individual_metric():
+    points = table([1.0] * 5, [100.0] * 5, [100.0, 70.0, 5.0, 0.0, -300.0])  # 0, 30, 95, 100, 400 %
+    figure = errors.individual_distribution(points)
+    curve = figure.axes[0].get_lines()[0]
+    share = dict(zip(curve.get_xdata(), curve.get_ydata(), strict=True))
+    at = (0.0, 1.0, 30.0, 31.0, 100.0, 101.0, 400.0, 401.0)
+    assert [share[limit] for limit in at] == pytest.approx([0, 20, 20, 40, 60, 80, 80, 100])
+    assert texts(figure) == ["60.0 % of the points\nbelow 100 %"]
+
+
+def test_distribution_of_position(pairs):
+    figure = errors.distribution_position(pairs)
+    assert [axes.get_ylabel() for axes in figure.axes] == [
+        "$|e_{x}|$ [km]",
+        "$|e_{y}|$ [km]",
+        "$|e_{z}|$ [km]",
+    ]
+    for k, axes in enumerate(figure.axes, 1):
+        drawn = np.asarray(axes.collections[0].get_offsets())
+        assert drawn[:, 0] == pytest.approx([0.5, 1.5, 3.5])  # the pair without a prediction is left out
+        assert drawn[:, 1] == pytest.approx(np.array([0.001, 0.02, 0.3]) * k)
+        assert axes.get_yscale() == "log"
+
+
+def test_distribution_of_velocity(pairs):
+    figure = errors.distribution_velocity(pairs)
+    assert figure.axes[1].get_ylabel() == "$e_{vy}$ [m/s]"
+    drawn = np.asarray(figure.axes[1].collections[0].get_offsets())
+    assert drawn[:, 1] == pytest.approx([1.0, -3.0, 5.0])
+    assert figure.axes[1].get_yscale() == "linear"
+
+
+def test_nothing_to_draw(evaluation, pairs):
+    for draw in (
+        errors.svr_absolute,
+        errors.svr_signed,
+        errors.errorbar_absolute,
+        errors.individual_reduced,
+        errors.individual_increased,
+        errors.individual_distribution,
+    ):
+        with pytest.raises(InputError, match="expected at least one row"):
+            draw(evaluation.iloc[:0])
+    with pytest.raises(InputError, match="expected at least one row"):
+        errors.distribution_position(pairs.iloc[2:3])
+
+
+def test_everything_stays_inside(evaluation, pairs, tmp_path):
+    for width, figure in (
+        (180.0, errors.svr_absolute(evaluation)),
+        (180.0, errors.svr_signed(evaluation, component="e_vx")),
+        (180.0, errors.rso_grid({"SWARM-A": evaluation, "LARES": evaluation})),
+        (180.0, errors.distribution_position(pairs)),
+        (88.0, errors.errorbar_absolute(evaluation, component="e_vx")),
+        (88.0, errors.individual_increased(evaluation, component="e_vx")),
+        (88.0, errors.individual_distribution(evaluation)),
+    ):
+        style.save(figure, tmp_path / "f.pdf", tmp_path / "f.png")
+        box = figure.get_tightbbox()  # inches
+        assert figure.get_figwidth() == pytest.approx(width / 25.4)
+        assert min(box.x0, box.y0) >= 0.0
+        assert box.x1 <= figure.get_figwidth()
+        assert box.y1 <= figure.get_figheight()
+
+
+def test_same_bytes_in_another_process(evaluation, tmp_path):
+    names = ("svr_absolute", "individual_increased")
+    for name in names:
+        figure = getattr(errors, name)(evaluation)
+        style.save(figure, tmp_path / f"a_{name}.pdf", tmp_path / f"a_{name}.png")
+    evaluation.to_json(tmp_path / "evaluation.json", double_precision=15)
+    program = (
+        "import sys, pandas as pd\n"
+        "from opml.figures import errors, style\n"
+        "evaluation = pd.read_json(sys.argv[1] + '/evaluation.json', precise_float=True)\n"
+        f"for name in {names}:\n"
+        "    stem = f'{sys.argv[1]}/b_{name}'\n"
+        "    style.save(getattr(errors, name)(evaluation), stem + '.pdf', stem + '.png')\n"
+    )
+    environment = os.environ | {"PYTHONHASHSEED": "7", "TZ": "Asia/Tokyo", "SOURCE_DATE_EPOCH": "1"}
+    subprocess.run([sys.executable, "-c", program, str(tmp_path)], check=True, env=environment)
+    for name in names:
+        for kind in ("pdf", "png"):
+            ours, theirs = (tmp_path / f"{run}_{name}.{kind}" for run in "ab")
+            assert ours.read_bytes() == theirs.read_bytes()
+
+
+def test_many_points_make_a_small_file(tmp_path):
+    rng = np.random.default_rng(1)
+    true = rng.normal(size=20_000) * 1e4
+    many = table(rng.uniform(0.1, 7.0, 20_000), true, true * 0.9)
+    style.save(errors.svr_absolute(many), tmp_path / "f.pdf", tmp_path / "f.png")
+    assert (tmp_path / "f.pdf").stat().st_size < 1_000_000
