@@ -1,4 +1,4 @@
-"""What several tests share: the paper's epoch, environments, force models, lanes, and where outside tables lie."""
+"""What several tests share: the paper's epoch, environment, force models, sheets, and outside tables."""
 
 import os
 from functools import cache

@@ -24,7 +24,9 @@ def _drag(state, spin, density, ballistic, out):
 
 def acceleration(state, spin, density=DENSITY, ballistic=BALLISTIC):
     out = np.empty((3, WIDTH))
-    _drag(np.repeat(np.array(state, float)[:, None], WIDTH, 1), tuple(map(float, spin)), density, ballistic, out)
+    _drag(
+        np.repeat(np.array(state, float)[:, None], WIDTH, 1), tuple(map(float, spin)), density, ballistic, out
+    )
     assert np.all(out == out[:, :1])
     return out[:, 0]
 

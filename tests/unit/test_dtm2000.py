@@ -1,4 +1,4 @@
-"""DTM2000 against its published cases, against Orekit's at places over the paper's days, and how it behaves."""
+"""DTM2000 against its published cases, against Orekit's over the paper's days, and how it behaves."""
 
 import erfa
 import numba
@@ -18,8 +18,8 @@ COEFFICIENTS = dtm2000.coefficients()
 @numba.njit(cache=True, error_model="numpy")
 def _density(rows, a, factors, basis, out):
     rho = dtm2000.density(
-        load(rows, 0), load(rows, 1), load(rows, 2), load(rows, 3), load(rows, 4), load(rows, 5), load(rows, 6),
-        a, factors, basis,
+        load(rows, 0), load(rows, 1), load(rows, 2), load(rows, 3), load(rows, 4), load(rows, 5),
+        load(rows, 6), a, factors, basis,
     )  # fmt: skip
     store(out, 0, rho)
 
@@ -43,7 +43,7 @@ def _density_at(t, positions, tables, values, factors, scratch, out):
 def density(
     *, day=100.0, altitude=400e3, lat=0.5, lon=1.0, time=2.0, f107=83.0, mean=83.0, kp=2.4, kp_mean=2.4
 ):
-    """Density [kg/m3]; latitude, longitude and local time (0 at midnight) as angles [rad], arrays broadcast."""
+    """Density [kg/m3]; latitude, longitude and local time (0 at midnight) in radians, arrays broadcast."""
     factors = np.empty((dtm2000.FACTORS, 9))
     season = np.ascontiguousarray(dtm2000.seasons(COEFFICIENTS, [day])[0])
     _reduce(COEFFICIENTS, season, *map(float, (f107, mean, kp, kp_mean)), factors)

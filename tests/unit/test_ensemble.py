@@ -244,6 +244,16 @@ def test_a_decaying_arc_has_states_until_it_decays(assumed_model):
     assert np.all(np.isnan(found[~flown]))
 
 
+@pytest.mark.parametrize("ceiling", [90.0, 900.0], ids=["on the grid", "in smaller steps"])
+def test_an_orbit_that_dips_below_the_floor_is_lost_without_any_drag(kepler_model, ceiling):
+    states = np.array([orbit(perigee, e=0.02, i=0.1, nu=np.pi) for perigee in (110e3, 130e3)])
+    epochs = [0.0, 900.0, 1800.0, 2600.0, 5400.0]
+    arcs = fly_freely(kepler_model, epochs, states, max_step=ceiling)
+    assert [REASONS[status] for status in arcs.status] == ["decayed below 120 km", ""]
+    assert np.isfinite(arcs.of(0)[:, 0]).tolist() == [True, True, False, False]
+    assert np.all(np.isfinite(arcs.of(1)))
+
+
 def test_more_drag_comes_down_sooner_and_lower(assumed_model):
     arcs = fly(assumed_model, [0.0, DAY], np.repeat(orbit(350e3)[None], 3, axis=0), ballistic=[0.0, 0.1, 0.2])
     axes = coe_from_cartesian(arcs.states, assumed_model.gm)[:, 0]

@@ -35,7 +35,9 @@ def places(positions):
 
 
 @pytest.mark.parametrize(
-    ("lowest", "highest"), [(0.0, 1e5), (1e5, 1e6), (1e6, 1e7), (1e7, 4e8)], ids=["ground", "leo", "meo", "far"]
+    ("lowest", "highest"),
+    [(0.0, 1e5), (1e5, 1e6), (1e6, 1e7), (1e7, 4e8)],
+    ids=["ground", "leo", "meo", "far"],
 )
 def test_altitude_and_directions_everywhere(lowest, highest):
     rng = np.random.default_rng(1)

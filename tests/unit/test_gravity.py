@@ -106,10 +106,8 @@ def test_oblateness_in_closed_form():
     r = np.linalg.norm(positions, axis=1)
     # Vallado 2013, eq. 8-30 with J2 = -sqrt(5) C20.
     factor = -1.5 * (-math.sqrt(5.0) * c20) * GM * RADIUS**2 / r**5
-    expected = np.stack(
-        [factor * x * (1 - 5 * z**2 / r**2), factor * y * (1 - 5 * z**2 / r**2), factor * z * (3 - 5 * z**2 / r**2)],
-        axis=1,
-    )
+    flat = 5 * z**2 / r**2
+    expected = np.stack([factor * x * (1 - flat), factor * y * (1 - flat), factor * z * (3 - flat)], axis=1)
     np.testing.assert_allclose(acceleration(positions, c, np.zeros((3, 3))), expected, rtol=1e-13, atol=1e-17)
 
 

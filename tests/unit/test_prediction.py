@@ -1,5 +1,7 @@
 """Predictions and their true errors, where both can be written down."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -29,8 +31,6 @@ def table(t, states, **columns):
 @pytest.fixture
 def free(iss):
     """An RSO that feels neither drag (by Cd 0 of its estimates) nor radiation pressure."""
-    from dataclasses import replace
-
     return replace(iss, cr=0.0)
 
 

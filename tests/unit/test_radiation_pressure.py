@@ -56,7 +56,9 @@ def traced(position, sun, rings=60):
     side = np.linalg.svd(axis[None])[2][1:]
     radii = SUN_RADIUS * np.sqrt((np.arange(rings) + 0.5) / rings)
     angles = 2.0 * np.pi * (np.arange(4 * rings) + 0.5) / (4 * rings)
-    disc = (radii[:, None, None] * (np.cos(angles)[:, None] * side[0] + np.sin(angles)[:, None] * side[1])).reshape(-1, 3)
+    disc = (
+        radii[:, None, None] * (np.cos(angles)[:, None] * side[0] + np.sin(angles)[:, None] * side[1])
+    ).reshape(-1, 3)
     shape = np.array([1.0, 1.0, WGS84_A / POLAR])
     start, ray = position * shape, (to_sun + disc) * shape
     nearest = start - (ray @ start / np.sum(ray**2, axis=1))[:, None] * ray
@@ -69,8 +71,12 @@ def test_it_points_away_from_the_sun_and_falls_with_the_square_of_the_distance()
     away = np.array([0.6, 0.0, -0.8])
     found = pressure(position, position - SRP_DISTANCE * away)
     np.testing.assert_allclose(found, SRP_PRESSURE * 0.0625 * away, rtol=1e-14, atol=1e-22)
-    np.testing.assert_allclose(pressure(position, position - 2 * SRP_DISTANCE * away), found / 4, rtol=1e-14, atol=1e-22)
-    np.testing.assert_allclose(pressure(position, position - SRP_DISTANCE * away, 0.3, 0.125), 0.6 * found, rtol=1e-14)
+    np.testing.assert_allclose(
+        pressure(position, position - 2 * SRP_DISTANCE * away), found / 4, rtol=1e-14, atol=1e-22
+    )
+    np.testing.assert_allclose(
+        pressure(position, position - SRP_DISTANCE * away, 0.3, 0.125), 0.6 * found, rtol=1e-14
+    )
 
 
 def test_full_sun_and_umbra():
@@ -105,7 +111,9 @@ def test_half_the_sun_is_seen_along_a_tangent_of_the_ellipsoid(back):
     assert lit(equator, [AU, WGS84_A, 0.0])[0] > 0.5
     # Flattening: on the polar side it is already day where an equatorial sphere would cast its umbra.
     sun_over_pole = [-back, 0.0, 0.5 * (WGS84_A + POLAR)]
-    assert lit(sun_over_pole, [AU, 0.0, 0.0])[0] > lit([-back, 0.5 * (WGS84_A + POLAR), 0.0], [AU, 0.0, 0.0])[0]
+    assert (
+        lit(sun_over_pole, [AU, 0.0, 0.0])[0] > lit([-back, 0.5 * (WGS84_A + POLAR), 0.0], [AU, 0.0, 0.0])[0]
+    )
 
 
 @pytest.mark.parametrize("tilt", [0.0, 0.4, 1.2])

@@ -103,7 +103,8 @@ def test_windows_take_decimal_days(table):
     ["random", "random-080", "random-8.0", "random-", "random--5", "rest", "days-0", "days-0-30-40", ""],
 )
 def test_bad_training_names(table, name):
-    with pytest.raises(InputError, match=r"training split '.*': expected random-<percent>, grouped-<percent> or days"):
+    expected = r"training split .*: expected random-<percent>, grouped-<percent> or days"
+    with pytest.raises(InputError, match=expected):
         train(table, name)
 
 

@@ -67,7 +67,9 @@ def test_rotation_between_the_nodes_is_erfas_at_that_time(tables, t):
     tt = epochs.tt(EPOCH, np.array([t]))
     celestial = erfa.c2ixys(row.x_cip, row.y_cip, row.s_cio)
     tio = erfa.sp00(tt[0][0], tt[1][0])
-    expected = erfa.c2tcio(celestial, row.era_offset + EARTH_RATE * t, erfa.pom00(row.x_pole, row.y_pole, tio))
+    expected = erfa.c2tcio(
+        celestial, row.era_offset + EARTH_RATE * t, erfa.pom00(row.x_pole, row.y_pole, tio)
+    )
     # Left out is s', 4e-11 rad.
     assert np.abs(looked_up(t, tables)[0] - expected).max() < 1e-10
 
@@ -92,7 +94,9 @@ def test_bodies_between_the_nodes_are_the_ephemerides(tables, t):
     np.testing.assert_allclose(sun_itrf, rotation @ expected[0], rtol=0.0, atol=1e-2)
 
 
-@pytest.mark.parametrize("t", [*TIMES, 42614.9, 42615.1, 42615.0 + 86400.0 * 20 - 0.1, 42615.0 + 86400.0 * 20 + 0.1])
+@pytest.mark.parametrize(
+    "t", [*TIMES, 42614.9, 42615.1, 42615.0 + 86400.0 * 20 - 0.1, 42615.0 + 86400.0 * 20 + 0.1]
+)
 def test_thermosphere_is_that_of_the_day_and_its_activity(tables, t):
     # The epoch's day, the 272nd of 2016, ends 42 615 s after 12:09:45.
     day = 272 + int(np.floor((t + 86400.0 - 42615.0) / 86400.0))

@@ -48,7 +48,11 @@ def exact(position, body, gm):
 @pytest.fixture(scope="module")
 def positions():
     directions = np.random.default_rng(1).normal(size=(20, 3))
-    return directions / np.linalg.norm(directions, axis=1, keepdims=True) * np.linspace(6.6e6, 4.2e7, 20)[:, None]
+    return (
+        directions
+        / np.linalg.norm(directions, axis=1, keepdims=True)
+        * np.linspace(6.6e6, 4.2e7, 20)[:, None]
+    )
 
 
 @pytest.mark.parametrize(

@@ -12,9 +12,8 @@ from opml.catalog.observing import observe, site
 from opml.constants import WGS84_A
 from opml.dynamics.ensemble import Integrator
 from opml.dynamics.frames import gcrf_to_itrf
+from opml.elements import wrap_half_turn
 from opml.errors import InputError
-
-SIGMAS = {"azimuth": "sigma_azimuth", "elevation": "sigma_elevation", "range": "sigma_range"}
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +64,7 @@ def test_a_station_elsewhere_has_its_own_horizon(three_stations):
     np.testing.assert_allclose((lon, lat, altitude), expected, rtol=1e-9)
     np.testing.assert_allclose(to_horizon @ to_horizon.T, np.eye(3), atol=1e-15)
     higher = erfa.gd2gc(1, lon, lat, altitude + 1e5)
-    azimuth, elevation, distance = observe(higher, place, to_horizon)
+    _, elevation, distance = observe(higher, place, to_horizon)
     assert elevation == pytest.approx(np.pi / 2, abs=1e-7)
     assert distance == pytest.approx(1e5, abs=1e-6)
     north, east = erfa.gd2gc(1, lon, lat + 1e-4, altitude), erfa.gd2gc(1, lon + 1e-4, lat, altitude)
@@ -138,13 +137,9 @@ def test_a_station_measures_the_same_alone_and_among_others(table, orbit, earth_
 def test_noise_has_the_stations_sigmas(table, three_stations):
     for station in three_stations:
         rows = table[table["station"] == station.name]
-        noise = np.stack(
-            [
-                ((rows[name] - rows[f"{name}_true"] + np.pi) % (2 * np.pi) - np.pi if name == "azimuth" else rows[name] - rows[f"{name}_true"])
-                / getattr(station, sigma)
-                for name, sigma in SIGMAS.items()
-            ]
-        )  # fmt: skip
+        noise = np.stack([rows[name] - rows[f"{name}_true"] for name in tracking.QUANTITIES])
+        noise[0] = wrap_half_turn(noise[0])
+        noise /= [[getattr(station, f"sigma_{name}")] for name in tracking.QUANTITIES]
         count = noise.shape[1]
         assert count > 100
         assert np.all(np.abs(noise.mean(axis=1)) < 4.0 / np.sqrt(count))

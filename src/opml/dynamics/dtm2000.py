@@ -17,9 +17,6 @@ QUANTITIES = ("tt", "t0", "tp", "h", "he", "o", "n2", "o2", "n")
 FLUX_COUPLED = np.array([1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0])
 """1 where the solar flux also scales the periodic terms, quantity by quantity."""
 
-SEASONAL_TERMS = 5
-"""What depends on the day of the year alone: four cosines and the sign of the odd-latitude terms."""
-
 LATITUDE_TERMS = 9
 """P10 to P60 with a constant before them, and P20 and P40 about the magnetic pole."""
 TESSERAL_TERMS = 30

@@ -71,10 +71,6 @@ def _as_vector(context, builder, value, typ):
     return _splat(builder, context.cast(builder, value, typ, types.float64))
 
 
-def _constant(number):
-    return ir.Constant(_VECTOR, [float(number)] * WIDTH)
-
-
 def _is_operand(typ):
     return isinstance(typ, (Lanes, types.Float, types.Integer))
 

@@ -46,9 +46,7 @@ def training_rows(dataset: pd.DataFrame, name: str, *, span_days: Sequence[float
         rows = _random_share(keep & in_days(t_j, span_days), percent=_percent(name, match), seed=seed)
     elif match := GROUPED.fullmatch(name):
         candidates = keep & in_days(t_j, span_days)
-        rows = _grouped_share(
-            candidates, dataset["i"].to_numpy(), percent=_percent(name, match), seed=seed
-        )
+        rows = _grouped_share(candidates, dataset["i"].to_numpy(), percent=_percent(name, match), seed=seed)
     elif match := WINDOW.fullmatch(name):
         rows = keep & in_days(t_j, _window(name, match))
     else:
