@@ -211,14 +211,19 @@ class _Problem:
         if fit.damping > _MOST_DAMPING:
             fit.running, fit.reason = False, NO_FIT
             return
-        free, scales = self.free, _SCALES[self.free]
-        damped = fit.normal[np.ix_(free, free)] * np.outer(scales, scales) + fit.damping * np.eye(free.sum())
-        step = np.zeros(7)
-        step[free] = scales * np.linalg.solve(damped, scales * fit.gradient[free])
-        if np.sqrt(max(step @ fit.normal @ step, 0.0)) < convergence:
+        # What is left to go is the full step's length, as damping alone can make a step short.
+        if np.sqrt(fit.gradient @ self._solve(fit, _LEAST_DAMPING)) < convergence:
             fit.running, fit.converged, fit.reason = False, True, ""
             return
-        fit.trial = fit.best + step
+        fit.trial = fit.best + self._solve(fit, fit.damping)
+
+    def _solve(self, fit, damping):
+        """The damped step (7,) from the best parameters; a parameter that is held does not move."""
+        free, scales = self.free, _SCALES[self.free]
+        damped = fit.normal[np.ix_(free, free)] * np.outer(scales, scales) + damping * np.eye(free.sum())
+        step = np.zeros(7)
+        step[free] = scales * np.linalg.solve(damped, scales * fit.gradient[free])
+        return step
 
     def _propagate(self, epochs, parameters, first, last):
         return propagate(
@@ -263,12 +268,15 @@ class _Problem:
         """Weighted residuals (3 rows,) and their Jacobian (3 rows, 7) from the states of eight lanes."""
         epoch = self.epoch_of_row[fit.rows]
         positions = np.einsum("nij,lnj->lni", self.rotations[epoch], states[:, epoch - fit.first, :3])
-        seen = observe(positions, self.positions[fit.rows], self.to_horizon[fit.rows])
-        residual = self.measured[fit.rows] - seen[0]
+        place = self.positions[fit.rows], self.to_horizon[fit.rows]
+        residual = self.measured[fit.rows] - observe(positions[0], *place)
         residual[:, 0] = wrap_half_turn(residual[:, 0])
-        change = seen[1:] - seen[0]
+        # Each neighbour and its mirror image about the nominal arc: by then a nudge has grown to a hundred
+        # metres, over which the measurements bend, and the bend cancels.
+        shift = positions[1:] - positions[0]
+        change = observe(positions[0] + shift, *place) - observe(positions[0] - shift, *place)
         change[..., 0] = wrap_half_turn(change[..., 0])
-        weighted = change / self.sigmas[fit.rows] / _NUDGES[:, None, None]
+        weighted = 0.5 * change / self.sigmas[fit.rows] / _NUDGES[:, None, None]
         return (residual / self.sigmas[fit.rows]).ravel(), weighted.reshape(7, -1).T
 
     def _covariance(self, fit):
@@ -295,5 +303,5 @@ class _Problem:
             "reason": fit.reason,
             "tracks_used": fit.tracks,
             "measurements_used": count,
-            "weighted_rms": np.sqrt(fit.cost / (3.0 * count)),
+            "weighted_rms": np.sqrt(fit.cost / (3.0 * count)) if np.isfinite(fit.cost) else np.nan,
         }

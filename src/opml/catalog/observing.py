@@ -7,6 +7,7 @@ estimation alike.
 import erfa
 import numpy as np
 
+from opml.elements import wrap_turn
 from opml.sheets import Station
 
 _WGS84 = 1
@@ -30,6 +31,6 @@ def observe(positions: np.ndarray, position: np.ndarray, to_horizon: np.ndarray)
     """
     local = np.einsum("...ij,...j->...i", to_horizon, positions - position)
     distance = np.linalg.norm(local, axis=-1)
-    azimuth = np.arctan2(local[..., 0], local[..., 1]) % (2.0 * np.pi)
+    azimuth = wrap_turn(np.arctan2(local[..., 0], local[..., 1]))
     elevation = np.arctan2(local[..., 2], np.hypot(local[..., 0], local[..., 1]))
     return np.stack([azimuth, elevation, distance], axis=-1)

@@ -7,6 +7,7 @@ import pandas as pd
 
 from opml.catalog.observing import observe, site
 from opml.dynamics.frames import gcrf_to_itrf
+from opml.elements import wrap_turn
 from opml.errors import InputError
 from opml.seeds import derive
 from opml.sheets import Station
@@ -52,7 +53,7 @@ def _measure(order, station, t, positions, rso, seed):
     true = true[epochs]
     sigmas = [station.sigma_azimuth, station.sigma_elevation, station.sigma_range]
     noisy = true + derive(seed, "noise", rso, station.name).normal(size=true.shape) * sigmas
-    noisy[:, 0] %= 2.0 * np.pi
+    noisy[:, 0] = wrap_turn(noisy[:, 0])
     columns = {"epoch": epochs, "order": order, "t": t[epochs], "station": station.name}
     for k, name in enumerate(QUANTITIES):
         columns[name], columns[f"{name}_true"] = noisy[:, k], true[:, k]

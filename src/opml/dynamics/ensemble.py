@@ -229,7 +229,7 @@ def _repeat_in_smaller_steps(
         if not ratio < 1.0:
             trial *= factor
             if abs(trial) < min_step:
-                return _STEP_TOO_SMALL
+                return _STEP_TOO_SMALL if ratio == ratio else _NOT_FINITE
             continue
         if not high < _FARTHEST:
             return _NOT_FINITE
