@@ -1,13 +1,14 @@
 # make        the paper's partition curve, from a full simulation
 # make test   the tests
-# Both first build .venv from requirements.lock, unless it stands already.
+# make validate OREKIT_DATA=<folder>   the dynamics beside Orekit's (half an hour): docs/validation.md
+# All first build .venv from requirements.lock, unless it stands already.
 
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 
-.PHONY: all test lint clean
+.PHONY: all test lint validate clean
 
 all: $(INSTALLED)
 	$(BIN)/snakemake -j2 results/figs/partition_curve.pdf
@@ -21,6 +22,14 @@ lint: $(INSTALLED)
 	$(BIN)/snakemake --lint
 	$(BIN)/lint-imports
 
+validate: $(VENV)/.verify
+	@test -n "$(OREKIT_DATA)" || { echo "make validate: expected OREKIT_DATA=<folder with Orekit's data>, got none" >&2; exit 2; }
+	$(BIN)/python -m validation --orekit-data "$(OREKIT_DATA)"
+
+$(VENV)/.verify: $(INSTALLED) requirements-verify.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint requirements.lock --requirement requirements-verify.lock
+	touch $@
+
 $(INSTALLED): requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(None if sys.version_info >= (3, 11) else "opml needs Python 3.11 or later")'
 	$(PYTHON) -m venv $(VENV)
@@ -30,4 +39,4 @@ $(INSTALLED): requirements.lock pyproject.toml
 
 clean:
 	rm -rf results .snakemake $(VENV) .pytest_cache .ruff_cache .import_linter_cache build src/*.egg-info
-	find src tests workflow -name __pycache__ -prune -exec rm -rf {} +
+	find src tests validation workflow -name __pycache__ -prune -exec rm -rf {} +

@@ -10,4 +10,4 @@ rule default:
     input:
         rules.all.input,
     message:
-        "Every figure of the paper"
+        "Every figure and table of the paper"

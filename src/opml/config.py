@@ -4,7 +4,7 @@ import difflib
 import math
 import operator
 import reprlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import reduce
@@ -14,6 +14,7 @@ from typing import Any
 import yaml
 from jsonschema import Draft202012Validator, ValidationError
 
+from opml import experiments, naming
 from opml.errors import InputError
 from opml.sheets import Rso, Station, parse_rso, parse_stations, read_rsos, read_stations
 
@@ -49,7 +50,7 @@ def load(values: Mapping[str, Any], *, schema: str | Path, files: Sequence[str |
     _check_order(source)
     stations, rsos = read_stations(values["sheets"]["stations"]), read_rsos(values["sheets"]["rsos"])
     settings = Settings(values, stations, rsos)
-    _check_names(source, settings)
+    _check_experiments(source, settings)
     return settings
 
 
@@ -139,22 +140,89 @@ def _check_order(source: _Source) -> None:
             raise source.wrong(key, f"expected the first day before the last, got {first} and {last}")
 
 
-def _check_names(source: _Source, settings: Settings) -> None:
-    """Hold the names in the experiments against the sheets and the learners."""
+def _check_experiments(source: _Source, settings: Settings) -> None:
+    """Hold the experiments against the sheets, the learners, the days of the run and each other."""
+    values = settings.values
+    entries = values["experiments"]
+    _check_parts(source, settings, (), entries["defaults"])
+    for key, entry in _entries(entries):
+        _check_parts(source, settings, key, entry)
+    for name, experiment in experiments.evaluations(values).items():
+        if experiment.test == "seen" and experiment.target != experiment.rso:
+            key = ("experiments", "evaluations", name, "test")
+            raise source.wrong(key, "expected another split, as seen rows are the RSO's own")
+    for key, known in (
+        (("individual", "evaluation"), entries["evaluations"]),
+        (("components",), entries["evaluations"]),
+        (("partition", "shown"), entries["partition"]["ratios"]),
+        (("reproduction", "calibrated"), entries["evaluations"]),
+        (("reproduction", "fixed"), values["learners"]),
+    ):
+        named = _at(entries, key)
+        for name in named if isinstance(named, list) else [named]:
+            if name not in known:
+                expected = f"one of {', '.join(map(str, known))}"
+                raise source.wrong(("experiments", *key), f"expected {expected}, got {name!r}")
+    fixed = entries["reproduction"]["fixed"]
+    if isinstance(values["learners"][fixed]["kernel_scale"], str):
+        key = ("learners", fixed, "kernel_scale")
+        raise source.wrong(key, "expected a number, as it stands for one fixed scale")
+
+
+def _entries(entries: Mapping[str, Any]) -> Iterator[tuple[Key, Mapping[str, Any]]]:
+    """Yield every entry that names stations, RSOs, learners or splits, with its key."""
+    for kind in ("orbit", "distribution", "partition", "kernel_scale"):
+        yield (kind,), entries[kind]
+    for kind in ("evaluations", "grids", "curves"):
+        for name, entry in entries[kind].items():
+            yield (kind, name), entry
+    for name, entry in entries["reproduction"]["readings"].items():
+        yield ("reproduction", "readings", name), entry
+
+
+def _check_parts(source: _Source, settings: Settings, key: Key, entry: Mapping[str, Any]) -> None:
+    """Hold what an entry of the experiments names against what there is."""
+    where = ("experiments", *(key or ("defaults",)))
     learners = settings.values["learners"]
-    for name, experiment in settings.values["experiments"].items():
-        key = ("experiments", name)
-        for part, parse, sheet in (
-            ("stations", parse_stations, settings.stations),
-            ("rso", parse_rso, settings.rsos),
-        ):
-            try:
-                parse(experiment[part], sheet)
-            except InputError as error:
-                raise source.wrong((*key, part), str(error)) from None
-        if experiment["learner"] not in learners:
-            known = ", ".join(learners)
-            raise source.wrong((*key, "learner"), f"expected one of {known}, got {experiment['learner']!r}")
+    rso = entry.get("rso", settings.values["experiments"]["defaults"]["rso"])
+    checks: dict[str, Callable[[Any], object]] = {
+        "rso": lambda text: parse_rso(text, settings.rsos),
+        "rsos": lambda texts: [parse_rso(text, settings.rsos) for text in texts],
+        "target": lambda text: parse_rso(text, settings.rsos),
+        "inclinations": lambda degrees: [naming.with_inclination(rso, one, settings.rsos) for one in degrees],
+        "offsets": lambda kms: [
+            parse_rso(naming.with_offset(rso, km, settings.rsos), settings.rsos) for km in kms
+        ],
+        "stations": lambda text: parse_stations(text, settings.stations),
+        "station_sets": lambda texts: [parse_stations(text, settings.stations) for text in texts],
+        "learner": lambda text: naming.parse_learner(text, learners),
+        "rules": lambda texts: [naming.parse_learner(text, learners) for text in texts],
+        "train": lambda text: _check_window(text, settings),
+        "test": lambda text: _check_window(text, settings),
+        "tests": lambda texts: [_check_window(text, settings) for text in texts],
+        "splits": lambda pairs: [_check_window(text, settings) for pair in pairs for text in pair],
+        "window_day": lambda day: _check_days([0, day], settings),
+        "zoom_days": lambda days: _check_days(days, settings),
+    }
+    for part, value in entry.items():
+        try:
+            checks.get(part, bool)(value)
+        except InputError as error:
+            raise source.wrong((*where, part), str(error)) from None
+
+
+def _check_window(split: str, settings: Settings) -> None:
+    if split.startswith("days-"):
+        _check_days([float(day) for day in split.split("-")[1:3]], settings, f"split '{split}': ")
+
+
+def _check_days(days: Sequence[float], settings: Settings, what: str = "") -> None:
+    """Raise InputError unless the days ascend and lie within the run."""
+    (first, last), duration = days, settings.values["duration_days"]
+    if not first < last <= duration:
+        raise InputError(
+            f"{what}expected ascending days up to duration_days, {duration:g}, got {first:g} and {last:g}"
+        )
 
 
 def _explained(error: ValidationError) -> tuple[Key, str]:

@@ -17,7 +17,7 @@ from opml.errors import InputError
 
 # One spelling a number, as it is part of file names: 50, 51.6393, 0.1, but neither 050 nor 0.10.
 NUMBER = r"(?:0|[1-9]\d*)(?:\.\d*[1-9])?"
-_POSITIVE = r"(?:0\.\d*[1-9]|[1-9]\d*(?:\.\d*[1-9])?)"
+POSITIVE = r"(?:0\.\d*[1-9]|[1-9]\d*(?:\.\d*[1-9])?)"
 _NAME = re.compile(r"[a-z][a-z0-9]*")
 
 LOWEST_PERIGEE = 120e3
@@ -144,18 +144,27 @@ def parse_stations(text: str, sheet: Mapping[str, Station]) -> list[Station]:
 
 def parse_rso(text: str, sheet: Mapping[str, Rso]) -> Rso:
     """Return the RSO that a canonical text names, varied as it says. Raises InputError for any other text."""
+    base, inclination, offset = rso_parts(text, sheet)
+    rso = replace(sheet[base], name=text)
+    if inclination:
+        rso = replace(rso, i=_inclination(text, inclination))
+    if offset:
+        rso = replace(rso, a=rso.a + _kilo(float(offset)))
+        _check_perigee(rso, f"RSO '{text}'")
+    return rso
+
+
+def rso_parts(text: str, sheet: Mapping[str, Rso]) -> tuple[str, str, str]:
+    """Return the base, inclination and offset that an RSO's text names, '' for what it does not vary.
+
+    Raises InputError for a text that is not canonical or names no row of the sheet.
+    """
     match = re.fullmatch(_varied(r"(?P<base>[^_]*)"), text)
     if match is None or match["base"] not in sheet:
         raise InputError(
             f"RSO '{text}': expected one of {', '.join(sheet)}, then at most _i<degrees> and _a<+ or -><km>"
         )
-    rso = replace(sheet[match["base"]], name=text)
-    if match["i"]:
-        rso = replace(rso, i=_inclination(text, match["i"]))
-    if match["a"]:
-        rso = replace(rso, a=rso.a + _kilo(float(match["a"])))
-        _check_perigee(rso, f"RSO '{text}'")
-    return rso
+    return match["base"], match["i"] or "", match["a"] or ""
 
 
 def stations_pattern(sheet: Mapping[str, Station]) -> str:
@@ -171,7 +180,7 @@ def rso_pattern(sheet: Mapping[str, Rso]) -> str:
 
 
 def _varied(base: str) -> str:
-    return rf"{base}(?:_i(?P<i>{NUMBER}))?(?:_a(?P<a>[+-]{_POSITIVE}))?"
+    return rf"{base}(?:_i(?P<i>{NUMBER}))?(?:_a(?P<a>[+-]{POSITIVE}))?"
 
 
 def _inclination(text: str, degrees: str) -> float:

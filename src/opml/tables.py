@@ -8,7 +8,7 @@ footer a SHA-256 digest of its own text, so that a damaged file is noticed by it
 import hashlib
 import json
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -132,10 +132,28 @@ _PAIR = (
     _count("i", "track of the estimate the prediction starts from"),
     _count("j", "track whose start is predicted"),
 )
+_PREDICTED = "RSW of the predicted state at t_j"
+_SENSITIVITIES = (
+    _real("cd_mean", "1", "running mean of the drag coefficients estimated up to t_i"),
+    *_state(_PREDICTED, "change of the prediction per unit of Cd, state at t_i held", prefix="s_"),
+    *_state(_PREDICTED, "the same where the state moves along the fit's covariance", prefix="v_"),
+    *_state(_PREDICTED, "prediction minus the one made again with cd_mean", prefix="r_"),
+)
+_MECHANISM = (
+    _real("cd", "1", "drag coefficient estimated at t_i"),
+    *_SENSITIVITIES,
+    _real("cd_long", "1", "drag coefficient of the long arc that ends at t_i"),
+    _real("d_cd_long", "1", "cd_long minus the running mean of the long arcs'"),
+    *_state(_PREDICTED, "prediction minus that from the long arc", prefix="l_"),
+    *_state(_PREDICTED, "as v, of the prediction from the long arc", prefix="v_long_"),
+)
+MECHANISM_AXES = ("s", "v", "r", "l", "v_long")
+"""Families of columns of the mechanism, one an error component: `v` is `v_y` for e_y."""
+
 _SPLIT = (
     _text("rso", "RSO the model was trained on"),
-    _text("stations", "station set"),
-    _text("train", "training split"),
+    _text("stations", "station set, with the noise's seed and the reading of t_b where not the settings'"),
+    _text("train", "training split, with its seed where not the settings'"),
     _text("learner", "learner"),
     _text("component", "error component"),
     _text("target", "RSO the model is applied to"),
@@ -143,16 +161,78 @@ _SPLIT = (
 )
 
 
-def model_schema(variables: Sequence[str]) -> Schema:
-    """Return the schema of a trained support vector model over the chosen learning variables."""
-    return Schema(
-        "model",
-        "a support vector",
-        (
-            _real("dual_coef", "1", "dual coefficient alpha - alpha*"),
-            *(_real(name, "1", f"{name}, standardised") for name in variables),
-        ),
+def mechanism_schema(resonances: Sequence[tuple[int, int]]) -> Schema:
+    """Return the schema of the mechanism with the resonances (k, m) chosen."""
+    meaning = "along-track drift per unit of an acceleration as the {part} of {k} (w + M) + {m} (W - theta)"
+    drifts = tuple(
+        _real(f"{name}_{k}_{m}", "s2", meaning.format(part=part, k=k, m=m))
+        for k, m in resonances
+        for name, part in (("cos", "cosine"), ("sin", "sine"))
     )
+    row = "a pair of an estimate i and a later track start j"
+    return Schema("mechanism", row, (*_PAIR, *_MECHANISM, *drifts))
+
+
+def model_schema(variables: Sequence[str], kind: str = "svr") -> Schema:
+    """Return the schema of a trained model of a kind over the chosen learning variables."""
+    if kind in ("svr", "gaussian_process"):
+        row, weight = _EXPANSIONS[kind]
+        return Schema(f"model_{kind}", row, (weight, *(_standardised(name) for name in variables)))
+    return Schema(f"model_{kind}", *_MODELS[kind])
+
+
+def _standardised(variable: str) -> Column:
+    return _real(variable, "1", f"{variable}, standardised")
+
+
+_EXPANSIONS = {
+    "svr": ("a support vector", _real("dual_coef", "1", "dual coefficient alpha - alpha*")),
+    "gaussian_process": ("a row learned from", _real("weight", "1", "weight of the row's kernel")),
+}
+_MODELS: dict[str, tuple[str, tuple[Column, ...]]] = {
+    "none": ("nothing: there is no number to keep", ()),
+    "repredict": ("nothing: there is no number to keep", ()),
+    "duration_mean": (
+        "a bin of prediction durations",
+        (
+            _real("duration", "s", "mean duration of the bin's rows"),
+            _real("mean", "SI", "their mean error (m or m/s)", "RSW"),
+        ),
+    ),
+    "ridge": (
+        "a learning variable",
+        (
+            _text("variable", "learning variable"),
+            _real("x_mean", "SI", "its mean"),
+            _real("x_scale", "SI", "its standard deviation"),
+            _real("coefficient", "SI", "coefficient of the standardised variable (m or m/s)", "RSW"),
+        ),
+    ),
+    "mechanism": (
+        "a term of the linear law",
+        (_text("term", "product of learning variables"), _real("coefficient", "SI", "its coefficient")),
+    ),
+    "boosting": (
+        "a node of a regression tree",
+        (
+            _count("tree", "number of the tree"),
+            _count("feature", "number of the learning variable asked, -1 at a leaf"),
+            _real("threshold", "SI", "the branch is the left one where the variable is not above it"),
+            _count("left", "row of the left node, its own at a leaf"),
+            _count("right", "row of the right node, its own at a leaf"),
+            _real("value", "SI", "what a leaf adds to the predicted error (m or m/s)", "RSW"),
+        ),
+    ),
+    "mlp": (
+        "a weight",
+        (
+            _count("layer", "number of the layer"),
+            _count("source", "neuron of the layer before, -1 for the constant 1"),
+            _count("neuron", "neuron of the layer"),
+            _real("weight", "1", "weight"),
+        ),
+    ),
+}
 
 
 _TABLES = (
@@ -266,7 +346,14 @@ _TABLES = (
             _text("reason", "why the row was dropped, empty where it was kept"),
         ),
     ),
+    Schema(
+        "sensitivities",
+        "a pair of an estimate i and a later track start j",
+        (*_PAIR, *_SENSITIVITIES),
+    ),
+    mechanism_schema(((1, 15), (1, 16), (2, 31))),
     model_schema(LEARNING_VARIABLES),
+    *(model_schema(LEARNING_VARIABLES, kind) for kind in ("gaussian_process", *_MODELS)),
     Schema(
         "evaluation",
         "a pair of an estimate i and a later track start j",
@@ -345,6 +432,11 @@ def read_table(path: str | os.PathLike, schema: str | Schema) -> pd.DataFrame:
         if table.num_rows != file.metadata.num_rows:
             raise InputError(f"{path}: damaged, got {table.num_rows} of {file.metadata.num_rows} rows")
         return table.to_pandas()
+
+
+def read_tables(paths: Iterable[str | os.PathLike], schema: str | Schema) -> pd.DataFrame:
+    """Read tables of one schema below each other; errors as in `read_table`."""
+    return pd.concat([read_table(path, schema) for path in paths], ignore_index=True)
 
 
 def read_metadata(path: str | os.PathLike) -> dict[str, Any]:

@@ -77,7 +77,7 @@ def _total(t, rows, tables, values, factors, scratch, out):
 def evaluated(kernel, cases, tables, count):
     """Outputs (cases, count) of a kernel at each case's time and state."""
     values = np.empty(BODIES + tables.bodies.shape[1])
-    factors, scratch = np.empty((dtm2000.FACTORS, 9)), np.empty((forces.SCRATCH_ROWS, WIDTH))
+    factors, scratch = np.empty((dtm2000.FACTORS, WIDTH)), np.empty((forces.SCRATCH_ROWS, WIDTH))
     found = []
     for case in cases.to_dict("records"):
         rows = np.repeat(np.array([[case.get(name, 0.0)] for name in STATE]), WIDTH, axis=1)

@@ -8,6 +8,7 @@ import pytest
 from opml import tables
 from opml.config import load, read_yaml, with_numbers
 from opml.errors import InputError
+from opml.learning import splits
 
 ROOT = Path(__file__).parents[2]
 SCHEMA = ROOT / "workflow" / "schemas" / "config.schema.yaml"
@@ -43,7 +44,7 @@ def test_papers_settings_are_valid():
 
 
 def test_learning_variables_are_the_tables_columns():
-    schema = read_yaml(SCHEMA)["properties"]["learning"]["properties"]["variables"]["items"]["enum"]
+    schema = read_yaml(SCHEMA)["$defs"]["variable"]["enum"]
     assert set(schema) == {*tables.LEARNING_VARIABLES, "gap"}
     assert PAPER["learning"]["variables"] == list(tables.LEARNING_VARIABLES)
 
@@ -51,9 +52,13 @@ def test_learning_variables_are_the_tables_columns():
 def test_third_bodies_are_the_tables_columns():
     schema = read_yaml(SCHEMA)["$defs"]["force_model"]["properties"]["third_bodies"]["items"]["enum"]
     assert tuple(schema) == tables.BODIES
-    assert read_yaml(SCHEMA)["properties"]["experiments"]["properties"]["partition"]["properties"][
-        "component"
-    ]["enum"] == list(tables.COMPONENTS)
+    assert read_yaml(SCHEMA)["$defs"]["component"]["enum"] == list(tables.COMPONENTS)
+
+
+def test_splits_are_those_of_the_learning():
+    schema = read_yaml(SCHEMA)["$defs"]
+    assert schema["train"]["pattern"] == f"^(?:{splits.TRAIN})$"
+    assert schema["test"]["pattern"] == f"^(?:{splits.TEST})$"
 
 
 def objects(schema):
@@ -113,13 +118,95 @@ def test_no_object_of_the_schema_takes_unknown_keys():
             [0],
             "partition.ratios.0: expected a whole percentage from 1 to 99, got 0",
         ),
-        ("experiments.partition.learner", "forest", "partition.learner: expected one of svr, got 'forest'"),
         (
-            "experiments.partition.stations",
-            "eglin-oz",
-            "partition.stations: stations 'eglin-oz': expected names",
+            "experiments.defaults.learner",
+            "forest",
+            "defaults.learner: learner 'forest': expected one of svr, svrmedian",
         ),
-        ("experiments.partition.rso", "mir", "partition.rso: RSO 'mir': expected one of iss,"),
+        (
+            "experiments.defaults.stations",
+            "eglin-oz",
+            "defaults.stations: stations 'eglin-oz': expected names",
+        ),
+        ("experiments.defaults.rso", "mir", "defaults.rso: RSO 'mir': expected one of iss,"),
+        ("experiments.defaults.component", "e_r", "defaults.component: expected one of e_x, e_y"),
+        (
+            "experiments.orbit.zoom_days",
+            [25, 51],
+            "orbit.zoom_days: expected ascending days up to duration_days",
+        ),
+        (
+            "experiments.evaluations.future_5days.train",
+            "random80",
+            "evaluations.future_5days.train: expected random-<percent>, grouped-<percent> or days-<first>",
+        ),
+        (
+            "experiments.evaluations.future_5days.test",
+            "days-50-60",
+            "future_5days.test: split 'days-50-60': expected ascending days up to duration_days, 50, got 50",
+        ),
+        (
+            "experiments.evaluations.future_5days.test",
+            "days-35-30",
+            "expected ascending days up to duration_days, 50, got 35 and 30",
+        ),
+        (
+            "experiments.evaluations.future_5days.tst",
+            "rest",
+            "future_5days.tst: unknown key; did you mean test?",
+        ),
+        (
+            "experiments.evaluations.inclination_50.target",
+            "iss_i050",
+            "inclination_50.target: RSO 'iss_i050': expected one of iss,",
+        ),
+        (
+            "experiments.evaluations.inclination_50.test",
+            "seen",
+            "inclination_50.test: expected another split, as seen rows are the RSO's own",
+        ),
+        (
+            "experiments.evaluations",
+            {"A b": {}},
+            "expected a name of lower-case letters, digits and _, got 'A b'",
+        ),
+        ("experiments.partition.shown", [45], "partition.shown: expected one of 10, 20, 30"),
+        ("experiments.individual.evaluation", "past", "individual.evaluation: expected one of svr_training"),
+        ("experiments.grids.rso.rsos", ["mir"], "grids.rso.rsos: RSO 'mir': expected one of iss,"),
+        (
+            "experiments.curves.inclination.inclinations",
+            [181],
+            "inclinations.0: expected degrees from 0 to 180",
+        ),
+        (
+            "experiments.curves.semi_major_axis.offsets",
+            [-300],
+            "offsets: RSO 'iss_a-300': expected a perigee",
+        ),
+        (
+            "experiments.kernel_scale.rules",
+            ["auto"],
+            "kernel_scale.rules: learner 'auto': expected one of svr",
+        ),
+        (
+            "experiments.kernel_scale.splits",
+            [["random-80"]],
+            "kernel_scale.splits.0: expected a pair of a training and a test split",
+        ),
+        ("experiments.components", ["past"], "components: expected one of svr_training_1station"),
+        ("experiments.seeds.split", [], "seeds.split: expected a list of seeds, got []"),
+        ("experiments.reproduction.fixed", "none", "reproduction.fixed: expected one of svr, svrmedian"),
+        (
+            "experiments.reproduction.fixed",
+            "svr",
+            "learners.svr.kernel_scale: expected a number, as it stands",
+        ),
+        (
+            "experiments.reproduction.readings.cv_scale.learner",
+            "forest",
+            "readings.cv_scale.learner: learner 'forest': expected one of",
+        ),
+        ("learners.svr.without", ["speed"], "learners.svr.without.0: expected one of duration,"),
         ("sheets.rsos", "config/none.tsv", "config/none.tsv: no such file"),
     ],
 )

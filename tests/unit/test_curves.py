@@ -147,24 +147,38 @@ def test_rows_of_different_things_are_not_averaged(transfers):
 def scales():
     splits = (("random-80", "rest"), ("grouped-80", "rest"), ("days-0-30", "days-30-40"), ("odd", "odder"))
     rows = [
-        {"train": train, "test": test, "component": "e_y", "kernel_scale": scale, "p_ml": 10.0 * k + scale}
+        {
+            "stations": stations,
+            "train": train,
+            "test": test,
+            "component": "e_y",
+            "kernel_scale": scale,
+            "p_ml": 10.0 * k + scale + more,
+        }
+        for stations, more in (("eglin", 0.0), ("eglin-clear", 60.0))
         for scale in (8.0, 1.0, 2.0)
         for k, (train, test) in enumerate(splits)
     ]
     return pd.DataFrame(rows)
 
 
-def test_kernel_scale_by_split_with_the_rules(scales):
-    figure = curves.kernel_scale_sensitivity(scales, {"sigest": 3.456, "median": 5.0})
-    drawn = lines(figure)
-    assert drawn["random 80 %, test part"] == ([1.0, 2.0, 8.0], [1.0, 2.0, 8.0])
-    assert drawn["grouped 80 %, test part"][1] == [11.0, 12.0, 18.0]
-    assert drawn["future 10 days (30 to 40)"][1] == [21.0, 22.0, 28.0]
-    assert drawn["odd, odder"][1] == [31.0, 32.0, 38.0]
-    assert drawn["sigest: $s$ = 3.46"][0] == [3.456, 3.456]
-    assert drawn["median: $s$ = 5.00"][0] == [5.0, 5.0]
+def test_kernel_scale_by_station_set_and_split_with_the_rules(scales):
+    rules = {"eglin": {"sigest": 3.456}, "eglin-clear": {"sigest": 4.0, "median": 5.0}}
+    figure = curves.kernel_scale_sensitivity(scales, rules)
+    one, two = (
+        {line.get_label(): (list(line.get_xdata()), list(line.get_ydata())) for line in axes.get_lines()}
+        for axes in figure.axes
+    )
+    assert [axes.get_title(loc="left") for axes in figure.axes] == ["eglin", "eglin-clear"]
+    assert one["random 80 %, test part"] == ([1.0, 2.0, 8.0], [1.0, 2.0, 8.0])
+    assert one["grouped 80 %, test part"][1] == [11.0, 12.0, 18.0]
+    assert one["future 10 days (30 to 40)"][1] == [21.0, 22.0, 28.0]
+    assert two["odd, odder"][1] == [91.0, 92.0, 98.0]
+    assert one["$s$ by sigest"][0] == [3.456, 3.456]
+    assert two["$s$ by median"][0] == [5.0, 5.0]
+    assert "$s$ by median" not in one
     assert len(legend(figure)) == 6
-    assert figure.axes[0].get_xscale() == "log"
+    assert all(axes.get_xscale() == "log" and axes.get_ylim()[1] > 98.0 for axes in figure.axes)
 
 
 def test_kernel_scale_without_rows(scales):
@@ -174,12 +188,13 @@ def test_kernel_scale_without_rows(scales):
 
 def test_everything_stays_inside_the_column(metrics, transfers, scales, tmp_path):
     published = {test: {50.0: 40.2} for test in ("days-30-40", "days-30-50")}
+    rules = {"eglin": {"sigest": 3.5, "median": 5.0, "cv": 5.1}}
     for figure in (
         curves.partition_curve(metrics, published=PUBLISHED),
         curves.inclination_curve(
             with_seeds(transfers, (0.0, 1.0)), inclinations=INCLINATIONS, published=published
         ),
-        curves.kernel_scale_sensitivity(scales, {"sigest": 3.5, "median": 5.0, "cv": 5.1}),
+        curves.kernel_scale_sensitivity(scales, rules),
     ):
         style.save(figure, tmp_path / "c.pdf", tmp_path / "c.png")
         box = figure.get_tightbbox()  # inches
@@ -187,7 +202,7 @@ def test_everything_stays_inside_the_column(metrics, transfers, scales, tmp_path
         assert box.y0 >= 0.0
         assert box.x1 <= figure.get_figwidth()
         assert box.y1 <= figure.get_figheight()
-        assert figure.get_figwidth() == pytest.approx(88.0 / 25.4)
+        assert figure.get_figwidth() in (pytest.approx(88.0 / 25.4), pytest.approx(180.0 / 25.4))
 
 
 def test_same_bytes_in_another_process(metrics, tmp_path):

@@ -44,7 +44,7 @@ def density(
     *, day=100.0, altitude=400e3, lat=0.5, lon=1.0, time=2.0, f107=83.0, mean=83.0, kp=2.4, kp_mean=2.4
 ):
     """Density [kg/m3]; latitude, longitude and local time (0 at midnight) in radians, arrays broadcast."""
-    factors = np.empty((dtm2000.FACTORS, 9))
+    factors = np.empty((dtm2000.FACTORS, WIDTH))
     season = np.ascontiguousarray(dtm2000.seasons(COEFFICIENTS, [day])[0])
     _reduce(COEFFICIENTS, season, *map(float, (f107, mean, kp, kp_mean)), factors)
     altitude, lat, lon, time = np.broadcast_arrays(altitude, lat, lon, time)
@@ -124,7 +124,7 @@ def plain_density(*, day, altitude, lat, lon, time, f107, mean, kp, kp_mean):
         )
         coupled = name in ("tt", "o", "n2", "o2", "n")
         g[name] = constant + flux + periodic * (1.0 + coupled * flux)
-    base = dict(zip(dtm2000.QUANTITIES, COEFFICIENTS[1], strict=True))
+    base = dict(zip(dtm2000.QUANTITIES, COEFFICIENTS[1, : len(dtm2000.QUANTITIES)], strict=True))
     t_inf, t_120, slope = base["tt"] * (1.0 + g["tt"]), base["t0"] + g["t0"], base["tp"] + g["tp"]
     radius, z = 6356.77, altitude / 1e3
     sigma, xi = slope / (t_inf - t_120), (z - 120.0) * (radius + 120.0) / (radius + z)
@@ -163,7 +163,7 @@ def test_orekits_densities_between_150_and_1500_km():
     cases = pd.read_parquet(shared("reference/density.parquet"))
     tables = force_model(8)
     values = np.empty(BODIES + tables.bodies.shape[1])
-    factors, scratch = np.empty((dtm2000.FACTORS, 9)), np.empty((forces.SCRATCH_ROWS, WIDTH))
+    factors, scratch = np.empty((dtm2000.FACTORS, WIDTH)), np.empty((forces.SCRATCH_ROWS, WIDTH))
     out, errors = np.empty((2, WIDTH)), []
     for case in cases.itertuples():
         position = erfa.gd2gc(1, case.lon_rad, case.lat_rad, case.alt_m)
@@ -222,13 +222,13 @@ def test_seasons_sign_is_continuous_but_for_the_models_own_jump():
     assert (sign[244], sign[264], sign[284]) == (1.0, 0.0, -1.0)
     # Only the temperature and its gradient at 120 km know the sign.
     signs = dtm2000.seasons(table, [1])[0, 4]
-    assert signs.tolist() == [1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]
+    assert signs[: len(dtm2000.QUANTITIES)].tolist() == [1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]
 
 
 def test_local_time_is_counted_from_the_sun():
     tables = force_model(8)
     values = np.empty(BODIES + tables.bodies.shape[1])
-    factors, scratch = np.empty((dtm2000.FACTORS, 9)), np.empty((forces.SCRATCH_ROWS, WIDTH))
+    factors, scratch = np.empty((dtm2000.FACTORS, WIDTH)), np.empty((forces.SCRATCH_ROWS, WIDTH))
     out = np.empty((2, WIDTH))
     t = 3 * 86400.0
     _density_at(t, np.ones((3, WIDTH)) * 7e6, tables, values, factors, scratch, out)

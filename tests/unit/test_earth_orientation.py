@@ -99,3 +99,15 @@ def test_unreadable_bulletins_are_refused(tmp_path):
     path.write_text(line.replace(line[134:144], "   0.2x419"))
     with pytest.raises(InputError, match="line 1: expected figures"):
         earth_orientation.read_finals2000a(path)
+
+
+def test_another_bulletin_is_read_in_place_of_the_packaged_one(tmp_path):
+    t = np.array([0.0, 3600.0])
+    lines = Path(astropy_iers_data.IERS_A_FILE).read_text().splitlines()
+    shifted = [line[:134] + "  0.300000" + line[144:] for line in lines]
+    path = tmp_path / "finals2000A.all"
+    path.write_text("\n".join(shifted))
+    table = earth_orientation.tabulate(EPOCH, t, bulletin=path)
+    packaged = earth_orientation.tabulate(EPOCH, t)
+    np.testing.assert_allclose(table["x_pole"], 0.3 * np.pi / 648000.0, rtol=1e-12)
+    np.testing.assert_array_equal(table["y_pole"], packaged["y_pole"])

@@ -6,7 +6,7 @@ import pytest
 
 from opml.errors import InputError
 from opml.learning.evaluation import evaluate
-from opml.learning.metrics import fraction_reduced, individual_p_ml, p_ml, summary
+from opml.learning.metrics import by_seed, fraction_reduced, individual_p_ml, p_ml, summary
 from opml.tables import SCHEMAS, write_table
 
 TRUE = np.array([10.0, -20.0, 30.0, -40.0])
@@ -81,3 +81,18 @@ def test_evaluation_and_its_summary(tmp_path):
         "fraction_reduced": 0.75,
     }
     write_table(tmp_path / "metrics.parquet", row, "metrics", metadata={})
+
+
+def test_seeds_become_a_column_of_their_own():
+    table = pd.DataFrame(
+        {
+            "stations": ["eglin", "eglin_noise7", "eglin_noise7_track"],
+            "train": ["random-80", "random-80_split43", "days-0-30"],
+            "p_ml": [1.0, 2.0, 3.0],
+        }
+    )
+    found = by_seed(table)
+    assert found["stations"].tolist() == ["eglin", "eglin", "eglin_track"]
+    assert found["train"].tolist() == ["random-80", "random-80", "days-0-30"]
+    assert found["seed"].tolist() == ["", "_noise7_split43", "_noise7"]
+    assert table["stations"][1] == "eglin_noise7"

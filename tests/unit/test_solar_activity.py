@@ -91,7 +91,7 @@ def test_an_unknown_percentile_is_refused(percentile):
         (
             "13-MONTH SMOOTH SOLAR ACTIVITY",
             "THE WEATHER",
-            "expected an MSAFE bulletin, got an unknown format",
+            "expected an MSAFE bulletin or CSSI space weather, got an unknown format",
         ),
     ],
 )

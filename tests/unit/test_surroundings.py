@@ -10,6 +10,7 @@ from opml import epochs
 from opml.constants import BODIES as NAMES
 from opml.constants import EARTH_RATE
 from opml.dynamics import dtm2000, surroundings
+from opml.dynamics.lanes import WIDTH
 from opml.dynamics.surroundings import BODIES, ROTATION, SPIN, SUN_ITRF
 from opml.environment import earth_orientation, ephemerides, solar_activity
 
@@ -34,7 +35,7 @@ def _reduce(a, season, f107, f107_mean, kp_3h, kp_24h, factors):
 def looked_up(t, tables):
     """(rotation (3, 3), spin (3,), Sun in ITRF (3,), bodies (n, 3), DTM2000's factors) at t [s]."""
     values = np.full(BODIES + tables.bodies.shape[1], np.nan)
-    factors = np.full((dtm2000.FACTORS, 9), np.nan)
+    factors = np.full((dtm2000.FACTORS, WIDTH), np.nan)
     _look_up(t, tables, values, factors)
     rotation = values[ROTATION : ROTATION + 9].reshape(3, 3)
     return rotation, values[SPIN:SUN_ITRF], values[SUN_ITRF:BODIES], values[BODIES:].reshape(-1, 3), factors
@@ -102,7 +103,7 @@ def test_thermosphere_is_that_of_the_day_and_its_activity(tables, t):
     day = 272 + int(np.floor((t + 86400.0 - 42615.0) / 86400.0))
     row = solar_activity.tabulate("MSAFE", EPOCH, np.array([t]), 50).iloc[0]
     season = np.ascontiguousarray(dtm2000.seasons(tables.thermosphere, [day])[0])
-    expected = np.empty((dtm2000.FACTORS, 9))
+    expected = np.empty((dtm2000.FACTORS, WIDTH))
     _reduce(tables.thermosphere, season, row.f107, row.f107_mean, row.kp_3h, row.kp_24h, expected)
     factors = looked_up(t, tables)[4]
     # Kp is not quite linear in time; seasons change by more than this from one day to the next.

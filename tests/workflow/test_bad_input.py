@@ -48,9 +48,40 @@ def test_wrong_type_in_a_further_file(project):
 def test_unknown_station(project):
     edit(project, CONFIG, "stations: eglin-clear-kaena", "stations: eglin-shemya")
     assert refused(project) == (
-        f"{CONFIG}: experiments.partition.stations: stations 'eglin-shemya': "
+        f"{CONFIG}: experiments.defaults.stations: stations 'eglin-shemya': "
         "expected names from eglin, clear, kaena, got 'shemya'"
     )
+
+
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        ("{train: random-80}", "mine.test: expected a value, got none"),
+        (
+            "{train: random-80, test: rst}",
+            "mine.test: expected seen, rest, days-<first>-<last> or days-<first>-<last>-unseen, got 'rst'",
+        ),
+        (
+            "{train: days-0-30, test: days-40-60}",
+            "mine.test: split 'days-40-60': expected ascending days up to duration_days, 50, got 40 and 60",
+        ),
+        (
+            "{train: random-80, test: rest, learner: forest}",
+            "mine.learner: learner 'forest': expected one of svr, svrmedian, svrcv, svrnocd, svrfixed, "
+            "then at most _s<kernel scale>",
+        ),
+        (
+            "{train: random-80, test: rest, target: iss_i181}",
+            "mine.target: RSO 'iss_i181': inclination: expected a number of at least 0 and at most 180, "
+            "got '181'",
+        ),
+    ],
+)
+def test_bad_experiment(project, entry, message):
+    (project.folder / "mine.yaml").write_text(f"experiments: {{evaluations: {{mine: {entry}}}}}\n")
+    line = refused(project, "--configfile", "mine.yaml")
+    origin = CONFIG if "got none" in message else "mine.yaml"
+    assert line == f"{origin}: experiments.evaluations.{message}"
 
 
 def test_elevation_limits_swapped(project):

@@ -18,10 +18,72 @@ def jobs(output):
     return {name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.MULTILINE)}
 
 
-def test_default_target_is_every_figure(project):
-    plan = project.snakemake("-n").stdout
-    single = dict.fromkeys([*ONCE, *CHAIN, "partition_curve", "default"], 1)
-    assert jobs(plan) == {**single, "train": 9, "evaluate": 9}
+DRAWN_ONCE = [
+    "estimation_window",
+    "orbit",
+    "error_distribution",
+    "partition_curve",
+    "individual",
+    "rso_grid",
+    "kernel_scale_sensitivity",
+    "tables",
+    "components",
+    "reproduction",
+]
+
+
+def test_default_target_is_every_figure_and_table(project):
+    plan = jobs(project.snakemake("-n").stdout)
+    assert {name: plan[name] for name in [*ONCE, *DRAWN_ONCE, "default"]} == dict.fromkeys(
+        [*ONCE, *DRAWN_ONCE, "default"], 1
+    )
+    # ISS, six other RSOs, four inclinations, ten offsets; ISS with one station too, and both with four more
+    # noises.
+    assert plan["truth"] == 21
+    assert plan["tracking"] == plan["estimation"] == plan["prediction"] == 21 + 1 + 8
+    assert plan["dataset"] == 30 + 4  # the other reading of t_b, for two transfers too
+    assert (plan["svr"], plan["partition"], plan["rso"], plan["transfer_curve"]) == (8, 2, 6, 2)
+
+
+def test_curve_needs_nothing_else(project):
+    plan = project.snakemake("-n", "results/figs/partition_curve.pdf").stdout
+    assert jobs(plan) == {
+        **dict.fromkeys([*ONCE, *CHAIN, "partition_curve"], 1),
+        "train": 9,
+        "evaluate": 9,
+    }
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "svr_testing_1station_absolute.pdf",
+        "svr_training_1station_signed.png",
+        "future_15days_absolute.pdf",
+        "semi_major_axis_50_signed.pdf",
+        "partition_40.pdf",
+        "rso_lageos1.png",
+        "individual_distribution.pdf",
+        "orbit_3d.pdf",
+        "error_distribution_velocity.pdf",
+    ],
+)
+def test_figure_by_its_name(project, name):
+    project.snakemake("-n", f"results/figs/{name}")
+
+
+def test_an_experiment_is_one_line(project):
+    (project.folder / "mine.yaml").write_text(
+        "experiments: {evaluations: {mine: {train: days-0-30, test: days-30-33, target: lares_i50}}}\n"
+    )
+    plan = project.snakemake("-n", "results/figs/mine_signed.pdf", "--configfile", "mine.yaml").stdout
+    assert jobs(plan)["svr"] == 1
+    assert "P_ML of e_y for lares_i50, days-30-33 after days-0-30" in plan
+
+
+def test_another_component_is_one_setting(project):
+    plan = project.snakemake("-n", "--config", "experiments={defaults: {component: e_x}}").stdout
+    assert "Train svr on e_x of iss, eglin-clear-kaena, random-40" in plan
 
 
 def test_plan_speaks_the_papers_words(project):
@@ -34,6 +96,7 @@ def test_plan_speaks_the_papers_words(project):
         "Dataset: learning variables and true errors of iss",
         "Train svr on e_y of iss, eglin-clear-kaena, random-40",
         "Figure: performance metric P_ML against the size of the training data",
+        "Reproduction: the paper's numbers beside ours",
     ):
         assert text in plan
 
@@ -54,6 +117,10 @@ def test_trimmed_case_has_the_same_rules(project):
             "results/metrics/iss/eglin/days-0-30/svr/e_vz/iss_i50/days-30-40.parquet",
             {**dict.fromkeys(CHAIN, 2), "train": 1, "evaluate": 1},
         ),
+        (
+            "results/metrics/iss/clear_noise7_track/grouped-60_split3/svrnocd_s2.5/e_x/iss/rest.parquet",
+            {**dict.fromkeys(CHAIN, 1), "train": 1, "evaluate": 1},
+        ),
     ],
 )
 def test_name_of_a_target_is_enough(project, target, expected):
@@ -68,6 +135,10 @@ def test_name_of_a_target_is_enough(project, target, expected):
         "tracking/iss/kaena-eglin",
         "dataset/iss/atlantis",
         "models/iss/eglin/random-080/svr/e_y",
+        "models/iss/eglin/random-80_split42/svr/e_y",
+        "models/iss/eglin/random-80/svr_s2.0/e_y",
+        "dataset/iss/eglin_kept",
+        "tracking/iss/eglin_noise42",
     ],
 )
 def test_names_that_are_not_canonical_have_no_rule(project, target):

@@ -16,10 +16,47 @@ from opml.tables import SCHEMAS, model_schema, read_metadata, read_table
 
 pytestmark = pytest.mark.dag
 CI = "--configfile=config/ci.yaml"
+CURVE = "results/ci/figs/partition_curve.pdf"
 
 ENVIRONMENT = ("earth_orientation", "ephemerides", "gravity_field", "solar_activity")
-# What reads what: each rule after the first needs the one before.
-CHAIN = ("truth", "tracking", "estimation", "prediction", "dataset", "train", "evaluate", "partition_curve")
+# What reads what: each rule needs one before it; what is drawn and tabulated needs the last of its row.
+CHAIN = ("truth", "tracking", "estimation", "prediction", "dataset", "train", "evaluate")
+READERS = {
+    "truth": {"orbit"},
+    "tracking": {"estimation_window", "orbit"},
+    "dataset": {"error_distribution"},
+    "evaluate": {
+        "svr",
+        "partition",
+        "partition_curve",
+        "individual",
+        "rso_grid",
+        "rso",
+        "transfer_curve",
+        "kernel_scale_sensitivity",
+        "components",
+        "reproduction",
+    },
+}
+EVALUATIONS = (
+    "svr_training_1station",
+    "svr_testing_1station",
+    "svr_testing_3stations",
+    "future_5days",
+    "future_10days",
+    "future_15days",
+    "inclination_50",
+    "semi_major_axis_50",
+)
+FIGURES = (
+    *("estimation_window", "orbit_3d", "orbital_elements"),
+    *("error_distribution_position", "error_distribution_velocity"),
+    *(f"{name}_{kind}" for name in EVALUATIONS for kind in ("absolute", "signed")),
+    *("partition_50", "partition_curve"),
+    *("individual_reduced", "individual_increased", "individual_distribution"),
+    *("rso_grid", "rso_swarma", "inclination_curve", "semi_major_axis_curve", "kernel_scale_sensitivity"),
+)
+TABLES = ("models", "stations", "rso", "rsos", "components")
 
 
 @pytest.fixture
@@ -43,7 +80,11 @@ def reruns(project, *arguments):
 
 def from_rule(rule):
     """A rule and all that come after it."""
-    return {rule, *(CHAIN if rule in ENVIRONMENT else CHAIN[CHAIN.index(rule) :])}
+    if rule not in (*ENVIRONMENT, *CHAIN):
+        return {rule}
+    after = CHAIN if rule in ENVIRONMENT else CHAIN[CHAIN.index(rule) :]
+    readers = set().union(*(READERS.get(one, set()) for one in after))
+    return {rule, *after, *readers, *({"orbit"} if rule == "gravity_field" else set())}
 
 
 def test_every_product_is_there(finished):
@@ -56,9 +97,33 @@ def test_every_product_is_there(finished):
         f"ci/models/{split}.parquet",
         f"ci/evaluation/{split}/iss/rest.parquet",
         f"ci/metrics/{split}/iss/rest.parquet",
-        "ci/figs/partition_curve.pdf",
-        "ci/figs/partition_curve.png",
+        f"ci/dataset/{stem}_track.parquet",
+        "ci/estimates/iss/eglin_noise43.parquet",
+        f"ci/metrics/{stem}/random-80_split43/svr/e_y/iss/rest.parquet",
+        *(f"ci/figs/{name}.{kind}" for name in FIGURES for kind in ("pdf", "png")),
+        *(
+            f"ci/{name}.{kind}"
+            for name in ("reproduction", *(f"tables/{name}" for name in TABLES))
+            for kind in ("md", "tsv", "html")
+        ),
     } <= finished.products().keys()
+
+
+def test_reproduction_tells_every_headline(finished):
+    text = (finished.folder / "results" / "ci" / "reproduction.md").read_text()
+    for number in ("18.3", "22.6", "9.6", "35.5", "40.2", "86.0"):
+        assert f"| {number} |" in text
+    assert "nan" not in text
+
+
+def test_report_is_one_file_with_every_figure(copy):
+    copy.snakemake(CI, "--report", "report.html")
+    page = (copy.folder / "report.html").read_text()
+    for name in FIGURES:
+        assert f"results/ci/figs/{name}.png" in page
+    assert "0 The paper" in page
+    assert "<script src=" not in page
+    assert "<link" not in page
 
 
 def test_every_table_tells_how_it_was_made(finished):
@@ -80,7 +145,7 @@ def test_every_job_has_log_and_benchmark(finished):
         for path in results.glob("benchmarks/**/*.tsv")
     }
     assert logs == marks
-    assert len(logs) == 14
+    assert len(logs) > 150
     assert all("finished" in path.read_text() for path in results.glob("logs/**/*.log"))
 
 
@@ -89,8 +154,8 @@ def test_nothing_is_left_to_do(copy):
 
 
 def test_one_core_gives_the_same_bytes(finished, project):
-    project.snakemake("-j1", CI)
-    assert project.products() == finished.products()
+    project.snakemake("-j1", CI, CURVE)
+    assert project.products().items() <= finished.products().items()
 
 
 @pytest.mark.parametrize(
@@ -103,7 +168,7 @@ def test_one_core_gives_the_same_bytes(finished, project):
         ("catalog/prediction.py", "prediction"),
         ("learning/cleaning.py", "dataset"),
         ("learning/metrics.py", "evaluate"),
-        ("figures/curves.py", "partition_curve"),
+        ("report/settings.py", "tables"),
     ],
 )
 def test_changed_module_reruns_what_uses_it_and_what_follows(copy, module, rule):
@@ -127,7 +192,6 @@ def test_changed_script_reruns_its_rule(copy):
 @pytest.mark.parametrize(
     ("setting", "rule"),
     [
-        ("force_models={assumed: {degree: 5}}", "estimation"),
         ("prediction={max_days: 2}", "prediction"),
         ("cleaning={fence: 2.5}", "dataset"),
         ("learners={svr: {c: 2}}", "train"),
@@ -137,21 +201,27 @@ def test_changed_setting_reruns_what_depends_on_it(copy, setting, rule):
     assert reruns(copy, "--config", setting) == from_rule(rule)
 
 
+def test_changed_force_model_reruns_its_table_too(copy):
+    expected = from_rule("estimation") | {"tables", "reproduction"}
+    assert reruns(copy, "--config", "force_models={assumed: {degree: 5}}") == expected
+
+
 def test_table_with_a_missing_column_is_named_and_nothing_is_half_written(copy):
     truth, tracking = (
         copy.folder / "results" / "ci" / name for name in ("truth/iss.parquet", "tracking/iss")
     )
     pq.write_table(pq.read_table(truth).drop_columns(["vy"]), truth)
-    done = copy.snakemake("-j1", CI, "results/ci/tracking/iss/eglin.parquet", check=False)
+    before = sorted(path.name for path in tracking.iterdir())
+    done = copy.snakemake("-j1", CI, "results/ci/tracking/iss/clear.parquet", check=False)
     assert done.returncode != 0
     assert "opml: results/ci/truth/iss.parquet: vy: column of table truth is missing\n" in done.stdout
     assert "Traceback" not in done.stdout
-    assert [path.name for path in tracking.iterdir()] == ["eglin-clear-kaena.parquet"]
+    assert sorted(path.name for path in tracking.iterdir()) == before
 
 
 @pytest.mark.parametrize("seconds", [4.0, 7.0])
 def test_killed_run_carries_on(finished, project, seconds):
-    command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), "-j2", CI]
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), "-j2", CI, CURVE]
     run = subprocess.Popen(
         command,
         cwd=project.folder,
@@ -162,6 +232,6 @@ def test_killed_run_carries_on(finished, project, seconds):
     time.sleep(seconds)
     os.killpg(run.pid, signal.SIGKILL)
     run.wait()
-    project.snakemake("-j2", CI)
+    project.snakemake("-j2", CI, CURVE)
     products = {name: content for name, content in project.products().items() if not name.endswith(".tmp")}
-    assert products == finished.products()
+    assert products.items() <= finished.products().items()

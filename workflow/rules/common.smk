@@ -4,7 +4,7 @@ import sys
 from dataclasses import asdict
 from pathlib import Path
 
-from opml import tables
+from opml import experiments, naming, tables
 from opml.config import load, with_numbers
 from opml.environment import coverage
 from opml.errors import InputError
@@ -33,14 +33,21 @@ RESULTS = config["results"]
 ENVIRONMENT = {name: f"{RESULTS}/environment/{name}.parquet" for name in tables.ENVIRONMENT}
 
 
+SEED = config["seed"]
+NOISE = naming.seed_pattern(naming.NOISE, default=SEED["noise"])
+SPLIT = naming.seed_pattern(naming.SPLIT, default=SEED["split"])
+
+
 wildcard_constraints:
     rso=rso_pattern(SETTINGS.rsos),
     target=rso_pattern(SETTINGS.rsos),
-    stations=stations_pattern(SETTINGS.stations),
-    train=TRAIN,
+    stations=stations_pattern(SETTINGS.stations) + NOISE,
+    reading=f"(?:{naming.other_reading(config['cleaning']['previous'])})?",
+    train=f"(?:{TRAIN}){SPLIT}",
     test=TEST,
-    learner="|".join(config["learners"]),
+    learner=naming.learner_pattern(config["learners"]),
     component="|".join(tables.COMPONENTS),
+    evaluation="|".join(config["experiments"]["evaluations"]),
 
 
 def code(script):
@@ -61,4 +68,64 @@ def rso(wildcards):
 
 def stations(wildcards):
     """The stations that a file name asks for."""
-    return [asdict(station) for station in parse_stations(wildcards.stations, SETTINGS.stations)]
+    names, _ = naming.parse_seed(wildcards.stations, naming.NOISE, default=SEED["noise"])
+    return [asdict(station) for station in parse_stations(names, SETTINGS.stations)]
+
+
+def noise_seed(wildcards):
+    """The seed of the measurement noise that a file name asks for."""
+    return naming.parse_seed(wildcards.stations, naming.NOISE, default=SEED["noise"])[1]
+
+
+def split(wildcards):
+    """The training split that a file name asks for, and its seed."""
+    train, seed = naming.parse_seed(wildcards.train, naming.SPLIT, default=SEED["split"])
+    return {"train": train, "seed": seed}
+
+
+def cleaning(wildcards):
+    """The settings of the cleaning, with the reading of t_b that a file name asks for."""
+    previous = naming.parse_reading(wildcards.reading, previous=config["cleaning"]["previous"])
+    return config["cleaning"] | {"previous": previous}
+
+
+def learner(wildcards):
+    """The learner that a file name asks for, and the variables it learns from."""
+    settings = naming.parse_learner(wildcards.learner, config["learners"])
+    without = settings.pop("without", [])
+    variables = [name for name in config["learning"]["variables"] if name not in without]
+    return {"learner": settings, "variables": variables}
+
+
+def experiment(wildcards):
+    """What a file name asks for, as the metrics tell it."""
+    parts = dict(wildcards.items())
+    parts["stations"] += parts.pop("reading")
+    return parts
+
+
+def named(pattern, *found):
+    """The files of experiments, each once."""
+    return list(dict.fromkeys(pattern.format(**experiment.names()) for experiment in found))
+
+
+def figures(*names, section, caption=None):
+    """The outputs of drawing figures, each as PDF and as PNG with a place in the report.
+
+    A figure's caption has its name, unless one caption serves several.
+    """
+    shown = [shown_in_report(f"figs/{name}", ".png", section, caption) for name in names]
+    return {"pdf": [f"{RESULTS}/figs/{name}.pdf" for name in names], "png": shown}
+
+
+def documents(*names, section, caption=None):
+    """The outputs of a table: Markdown, tab-separated text, and HTML with a place in the report."""
+    outputs = {kind: [f"{RESULTS}/{name}.{kind}" for name in names] for kind in ("md", "tsv")}
+    return outputs | {"html": [shown_in_report(name, ".html", section, caption) for name in names]}
+
+
+def shown_in_report(name, suffix, section, caption=None):
+    """An output with its place in the report: under the paper's section, with a caption that says what to see."""
+    title = Path(name).name
+    caption = f"../report/{caption or title}.rst"
+    return report(f"{RESULTS}/{name}{suffix}", caption=caption, category=section, labels={"shows": title})

@@ -8,11 +8,11 @@ rule dataset:
         tracking=rules.tracking.output[0],
         gravity_field=ENVIRONMENT["gravity_field"],
     output:
-        f"{RESULTS}/dataset/{{rso}}/{{stations}}.parquet",
+        f"{RESULTS}/dataset/{{rso}}/{{stations}}{{reading}}.parquet",
     log:
-        f"{RESULTS}/logs/dataset/{{rso}}/{{stations}}.log",
+        f"{RESULTS}/logs/dataset/{{rso}}/{{stations}}{{reading}}.log",
     benchmark:
-        f"{RESULTS}/benchmarks/dataset/{{rso}}/{{stations}}.tsv"
+        f"{RESULTS}/benchmarks/dataset/{{rso}}/{{stations}}{{reading}}.tsv"
     conda:
         "../envs/opml.yaml"
     threads: 1
@@ -20,7 +20,7 @@ rule dataset:
         mem_mb=1500,
         runtime=10,
     params:
-        settings={"epoch": config["epoch"], "cleaning": config["cleaning"]},
+        settings=lambda wildcards: {"epoch": config["epoch"], "cleaning": cleaning(wildcards)},
         code=code("dataset.py"),
     message:
         "Dataset: learning variables and true errors of {wildcards.rso} with {wildcards.stations}, and what is dropped"

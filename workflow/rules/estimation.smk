@@ -21,7 +21,7 @@ rule estimation:
     params:
         settings=lambda wildcards: {
             "epoch": config["epoch"],
-            "seed": config["seed"]["noise"],
+            "seed": noise_seed(wildcards),
             "force_model": config["force_models"]["assumed"],
             "integrator": config["integrator"],
             "estimation": config["estimation"]

@@ -1,5 +1,5 @@
 # The paper's 'Support Vector Machine' and the validation of the trained models.
-EXPERIMENT = "{rso}/{stations}/{train}/{learner}/{component}"
+EXPERIMENT = "{rso}/{stations}{reading}/{train}/{learner}/{component}"
 
 
 rule train:
@@ -20,10 +20,9 @@ rule train:
     params:
         settings=lambda wildcards: {
             "epoch": config["epoch"],
-            "seed": config["seed"]["split"],
-            **config["learning"],
-            "train": wildcards.train,
-            "learner": config["learners"][wildcards.learner],
+            **split(wildcards),
+            "span_days": config["learning"]["span_days"],
+            **learner(wildcards),
             "component": wildcards.component,
         },
         code=code("train.py"),
@@ -36,8 +35,7 @@ rule train:
 rule evaluate:
     input:
         model=rules.train.output[0],
-        dataset=rules.dataset.output[0],
-        target=f"{RESULTS}/dataset/{{target}}/{{stations}}.parquet",
+        target=f"{RESULTS}/dataset/{{target}}/{{stations}}{{reading}}.parquet",
     output:
         evaluation=f"{RESULTS}/evaluation/{EXPERIMENT}/{{target}}/{{test}}.parquet",
         metrics=f"{RESULTS}/metrics/{EXPERIMENT}/{{target}}/{{test}}.parquet",
@@ -54,9 +52,9 @@ rule evaluate:
     params:
         settings=lambda wildcards: {
             "epoch": config["epoch"],
-            "seed": config["seed"]["split"],
+            **split(wildcards),
             "span_days": config["learning"]["span_days"],
-            "experiment": dict(wildcards.items()),
+            "experiment": experiment(wildcards),
         },
         code=code("evaluate.py"),
     message:

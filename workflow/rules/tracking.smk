@@ -20,7 +20,7 @@ rule tracking:
     params:
         settings=lambda wildcards: {
             "epoch": config["epoch"],
-            "seed": config["seed"]["noise"],
+            "seed": noise_seed(wildcards),
             "rso": wildcards.rso,
             "stations": stations(wildcards),
         },

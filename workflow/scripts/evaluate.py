@@ -15,9 +15,7 @@ with job(snakemake) as metadata:
     dataset = read_table(snakemake.input.target, "dataset")
     trained = None
     if experiment["target"] == experiment["rso"]:
-        trained = splits.training_rows(
-            dataset, experiment["train"], span_days=span_days, seed=settings["seed"]
-        )
+        trained = splits.training_rows(dataset, settings["train"], span_days=span_days, seed=settings["seed"])
     rows = splits.test_rows(dataset, experiment["test"], span_days=span_days, trained=trained)
     table = evaluate(model, dataset, rows, component=experiment["component"])
     write_table(snakemake.output.evaluation, table, "evaluation", metadata=metadata)

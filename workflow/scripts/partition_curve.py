@@ -1,14 +1,13 @@
 """Draw P_ML against the size of the training data."""
 
-import pandas as pd
-
 from opml.figures import curves, style
 from opml.jobs import job
-from opml.tables import read_table
+from opml.learning.metrics import by_seed
+from opml.tables import read_tables
 
 with job(snakemake):
-    metrics = pd.concat([read_table(path, "metrics") for path in snakemake.input], ignore_index=True)
-    partition = snakemake.params.settings["partition"]
-    published = {float(ratio): value for ratio, value in partition["published"].items()}
-    figure = curves.partition_curve(metrics, component=partition["component"], published=published)
-    style.save(figure, snakemake.output.pdf, snakemake.output.png)
+    settings = snakemake.params.settings
+    metrics = by_seed(read_tables(snakemake.input, "metrics"))
+    published = {float(ratio): p_ml for ratio, p_ml in settings["published"].items()}
+    figure = curves.partition_curve(metrics, component=settings["component"], published=published)
+    style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

@@ -4,6 +4,8 @@ For each of nine quantities (exospheric temperature, temperature and its gradien
 constituents) the model is a sum over spherical harmonics of latitude, longitude and local time
 whose factors depend on the date and the activity. Those factors are the same for every arc, so
 `reduce_to_date` folds the date and the activity in once, and the kernel only sums over the position.
+
+There the nine quantities lie side by side in one row of lanes, where the kernels have arcs.
 """
 
 import math
@@ -11,11 +13,12 @@ from importlib import resources
 
 import numpy as np
 
-from opml.dynamics.lanes import compiled, exp, load, log, select, splat, store
+from opml.dynamics.lanes import WIDTH, compiled, exp, load, log, rows, select, splat, store
 
 QUANTITIES = ("tt", "t0", "tp", "h", "he", "o", "n2", "o2", "n")
-FLUX_COUPLED = np.array([1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0])
-"""1 where the solar flux also scales the periodic terms, quantity by quantity."""
+FLUX_COUPLED = rows(1)
+"""A row with 1 where the solar flux also scales the periodic terms."""
+FLUX_COUPLED[0, : len(QUANTITIES)] = 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0
 
 LATITUDE_TERMS = 9
 """P10 to P60 with a constant before them, and P20 and P40 about the magnetic pole."""
@@ -38,19 +41,19 @@ _DIFFUSION = (-0.40, -0.38, 0.0, 0.0, 0.0, 0.0)
 
 
 def coefficients() -> np.ndarray:
-    """The model's coefficients (97, 9), rows counted from 1 as in the paper, columns as QUANTITIES."""
+    """The model's coefficients (97, WIDTH), rows counted from 1 as in the paper, columns as QUANTITIES."""
     text = resources.files("opml.data").joinpath("dtm2000.csv").read_text()
     lines = [line for line in text.splitlines() if line and not line.startswith("#")]
     names = lines[0].split(",")
-    table = np.zeros((97, len(QUANTITIES)))
+    table = rows(97)
     for line in lines[1:]:
         row = dict(zip(names, line.split(","), strict=True))
-        table[int(row["index"])] = [float(row[name]) for name in QUANTITIES]
+        table[int(row["index"]), : len(QUANTITIES)] = [float(row[name]) for name in QUANTITIES]
     return table
 
 
 def seasons(table: np.ndarray, days_of_year: np.ndarray) -> np.ndarray:
-    """What depends on the day alone, for each day and quantity: (days, 5, 9).
+    """What depends on the day alone, for each day and quantity: (days, SEASONAL_TERMS, WIDTH).
 
     Annual and semi-annual cosines of the even and of the odd terms, and the sign of the terms that
     change with the hemisphere's season, which only the temperature profile at 120 km has.
@@ -62,7 +65,7 @@ def seasons(table: np.ndarray, days_of_year: np.ndarray) -> np.ndarray:
         np.cos(_YEAR * (days - table[18])),
         np.cos(2.0 * _YEAR * (days - table[20])),
     ]
-    sign = np.ones((len(days), len(QUANTITIES)))
+    sign = np.ones((len(days), WIDTH))
     sign[:, 1:3] = np.array([_season(day) for day in days_of_year])[:, None]
     return np.stack([*cosines, sign], axis=1)
 
@@ -78,78 +81,79 @@ def _season(day):
 
 @compiled
 def reduce_to_date(a, season, f107, f107_mean, kp_3h, kp_24h, factors):
-    """Fold the date and the activity into the factors of the position: fills `factors` (FACTORS, 9).
+    """Fold the date and the activity into the factors of the position: fills `factors` (FACTORS, WIDTH).
 
-    a: coefficients (97, 9); season: (5, 9) of the day; f107, f107_mean [sfu]; kp_3h, kp_24h.
+    a: from `coefficients`; season: that of the day from `seasons`; f107, f107_mean [sfu]; kp_3h, kp_24h.
     """
     df = f107 - f107_mean
     dm = f107_mean - 150.0
     kp, km = kp_3h, kp_24h
-    for k in range(9):
-        even, even2, odd, odd2, sign = season[0, k], season[1, k], season[2, k], season[3, k], season[4, k]
-        # Solar flux, on the constant and P10 to P40.
-        flux = (
-            a[4, k] * df + a[5, k] * df * df + a[6, k] * dm + a[69, k] * dm * dm,
-            a[82, k] * df,
-            a[83, k] * df + a[85, k] * dm,
-            a[84, k] * df + a[86, k] * dm,
-            a[87, k] * dm,
-        )
-        for n in range(5):
-            factors[n, k] = FLUX_COUPLED[k] * flux[n]
-        # Terms without a period: latitude, flux and geomagnetic activity.
-        at = 5
-        factors[at, k] = flux[0] + (
-            (a[7, k] * kp + a[60, k] * kp**2 + a[75, k] * kp**4)
-            + a[64, k] * km
-            + a[66, k] * km**2
-            + a[76, k] * km**4
-        )
-        factors[at + 1, k] = flux[1] + sign * a[74, k]
-        factors[at + 2, k] = flux[2] + a[2, k]
-        factors[at + 3, k] = flux[3] + sign * a[77, k]
-        factors[at + 4, k] = flux[4] + a[3, k]
-        factors[at + 5, k] = sign * a[78, k]
-        factors[at + 6, k] = a[79, k]
-        factors[at + 7, k] = a[8, k] * kp + a[61, k] * kp**2 + a[65, k] * km + a[73, k] * km**2
-        factors[at + 8, k] = a[68, k] * kp + a[72, k] * km
-        # Annual and semi-annual terms.
-        at = 14
-        factors[at, k] = a[9, k] * even + a[12, k] * even2
-        factors[at + 1, k] = a[15, k] * odd + a[19, k] * odd2 + a[40, k] * odd * kp
-        factors[at + 2, k] = a[10, k] * even + a[13, k] * even2
-        factors[at + 3, k] = a[16, k] * odd + a[39, k] * odd2 + a[41, k] * odd * kp
-        factors[at + 4, k] = 0.0
-        factors[at + 5, k] = a[17, k] * odd + a[59, k] * odd2 + a[42, k] * odd * kp
-        factors[at + 6, k] = 0.0
-        factors[at + 7, k] = 0.0
-        factors[at + 8, k] = 0.0
-        # Diurnal terms: cosine, then sine of the local time, on P11, P31, P51, P21.
-        at = 23
-        factors[at, k] = a[21, k] + a[24, k] * odd + a[43, k] * kp
-        factors[at + 1, k] = a[22, k] + a[44, k] * kp
-        factors[at + 2, k] = a[23, k] + a[45, k] * kp
-        factors[at + 3, k] = a[25, k] * odd
-        factors[at + 4, k] = a[26, k] + a[29, k] * odd + a[46, k] * kp
-        factors[at + 5, k] = a[27, k] + a[47, k] * kp
-        factors[at + 6, k] = a[28, k] + a[48, k] * kp
-        factors[at + 7, k] = a[30, k] * odd
-        # Semi-diurnal terms: cosine, then sine, on P22, P42, P32, P52, P62.
-        factors[at + 8, k] = a[31, k]
-        factors[at + 9, k] = a[37, k]
-        factors[at + 10, k] = a[32, k] * odd + sign * a[88, k]
-        factors[at + 11, k] = sign * a[90, k]
-        factors[at + 12, k] = a[92, k]
-        factors[at + 13, k] = a[33, k]
-        factors[at + 14, k] = a[38, k]
-        factors[at + 15, k] = a[34, k] * odd + sign * a[89, k]
-        factors[at + 16, k] = sign * a[91, k]
-        factors[at + 17, k] = a[93, k]
-        # Ter-diurnal terms on P33, then longitude on P11, P21, P31, P41, P51.
-        factors[at + 18, k] = a[35, k]
-        factors[at + 19, k] = a[36, k]
-        for n in range(10):
-            factors[at + 20 + n, k] = a[49 + n, k]
+    even, even2, odd, odd2 = load(season, 0), load(season, 1), load(season, 2), load(season, 3)
+    sign, coupled = load(season, 4), load(FLUX_COUPLED, 0)
+    # Solar flux, on the constant and P10 to P40.
+    flux = (
+        load(a, 4) * df + load(a, 5) * df * df + load(a, 6) * dm + load(a, 69) * dm * dm,
+        load(a, 82) * df,
+        load(a, 83) * df + load(a, 85) * dm,
+        load(a, 84) * df + load(a, 86) * dm,
+        load(a, 87) * dm,
+    )
+    for n in range(5):
+        store(factors, n, coupled * flux[n])
+    # Terms without a period: latitude, flux and geomagnetic activity.
+    at = 5
+    activity = (
+        (load(a, 7) * kp + load(a, 60) * kp**2 + load(a, 75) * kp**4)
+        + load(a, 64) * km
+        + load(a, 66) * km**2
+        + load(a, 76) * km**4
+    )
+    store(factors, at, flux[0] + activity)
+    store(factors, at + 1, flux[1] + sign * load(a, 74))
+    store(factors, at + 2, flux[2] + load(a, 2))
+    store(factors, at + 3, flux[3] + sign * load(a, 77))
+    store(factors, at + 4, flux[4] + load(a, 3))
+    store(factors, at + 5, sign * load(a, 78))
+    store(factors, at + 6, load(a, 79))
+    store(factors, at + 7, load(a, 8) * kp + load(a, 61) * kp**2 + load(a, 65) * km + load(a, 73) * km**2)
+    store(factors, at + 8, load(a, 68) * kp + load(a, 72) * km)
+    # Annual and semi-annual terms.
+    at = 14
+    store(factors, at, load(a, 9) * even + load(a, 12) * even2)
+    store(factors, at + 1, load(a, 15) * odd + load(a, 19) * odd2 + load(a, 40) * odd * kp)
+    store(factors, at + 2, load(a, 10) * even + load(a, 13) * even2)
+    store(factors, at + 3, load(a, 16) * odd + load(a, 39) * odd2 + load(a, 41) * odd * kp)
+    store(factors, at + 4, splat(0.0))
+    store(factors, at + 5, load(a, 17) * odd + load(a, 59) * odd2 + load(a, 42) * odd * kp)
+    store(factors, at + 6, splat(0.0))
+    store(factors, at + 7, splat(0.0))
+    store(factors, at + 8, splat(0.0))
+    # Diurnal terms: cosine, then sine of the local time, on P11, P31, P51, P21.
+    at = 23
+    store(factors, at, load(a, 21) + load(a, 24) * odd + load(a, 43) * kp)
+    store(factors, at + 1, load(a, 22) + load(a, 44) * kp)
+    store(factors, at + 2, load(a, 23) + load(a, 45) * kp)
+    store(factors, at + 3, load(a, 25) * odd)
+    store(factors, at + 4, load(a, 26) + load(a, 29) * odd + load(a, 46) * kp)
+    store(factors, at + 5, load(a, 27) + load(a, 47) * kp)
+    store(factors, at + 6, load(a, 28) + load(a, 48) * kp)
+    store(factors, at + 7, load(a, 30) * odd)
+    # Semi-diurnal terms: cosine, then sine, on P22, P42, P32, P52, P62.
+    store(factors, at + 8, load(a, 31))
+    store(factors, at + 9, load(a, 37))
+    store(factors, at + 10, load(a, 32) * odd + sign * load(a, 88))
+    store(factors, at + 11, sign * load(a, 90))
+    store(factors, at + 12, load(a, 92))
+    store(factors, at + 13, load(a, 33))
+    store(factors, at + 14, load(a, 38))
+    store(factors, at + 15, load(a, 34) * odd + sign * load(a, 89))
+    store(factors, at + 16, sign * load(a, 91))
+    store(factors, at + 17, load(a, 93))
+    # Ter-diurnal terms on P33, then longitude on P11, P21, P31, P41, P51.
+    store(factors, at + 18, load(a, 35))
+    store(factors, at + 19, load(a, 36))
+    for n in range(10):
+        store(factors, at + 20 + n, load(a, 49 + n))
 
 
 @compiled

@@ -10,15 +10,16 @@ that decays or loses its numbers is retired with its reason. So no arc's result 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numba
 import numpy as np
 
 from opml.dynamics import dop853
-from opml.dynamics.dtm2000 import FACTORS, LOWEST_ALTITUDE
+from opml.dynamics.dtm2000 import LOWEST_ALTITUDE
 from opml.dynamics.forces import SCRATCH_ROWS
-from opml.dynamics.lanes import FLAGS, WIDTH, lanes_set, load, store
-from opml.dynamics.surroundings import BODIES, Tables, look_up
+from opml.dynamics.lanes import OPTIONS, WIDTH, compiled, lanes_set, load, rows, store
+from opml.dynamics.surroundings import Tables, blank, look_up
 
 REASONS = ("", "decayed below 120 km", "state not finite", "step below the minimum")
 """Why an arc was retired, by its status; the first says that it was not."""
@@ -104,6 +105,7 @@ def propagate(
             found,
             integrator.position_tolerance,
             integrator.min_step,
+            _workspace(tables),
         )
         status[members] = found[: len(members)]
         return len(members)
@@ -123,10 +125,46 @@ class _Block:
     def __init__(self, members, states, ballistic, reflection):
         self.lanes = np.concatenate([members, np.repeat(members[:1], WIDTH - len(members))])
         self.used = np.arange(WIDTH) < len(members)
-        self.state = np.ascontiguousarray(np.asarray(states, float)[self.lanes].T)
-        self.coefficients = np.stack(
-            [np.asarray(ballistic, float)[self.lanes], np.asarray(reflection, float)[self.lanes]]
-        )
+        self.state, self.coefficients = rows(6), rows(2)
+        self.state[:] = np.asarray(states, float)[self.lanes].T
+        self.coefficients[0] = np.asarray(ballistic, float)[self.lanes]
+        self.coefficients[1] = np.asarray(reflection, float)[self.lanes]
+
+
+class _Workspace(NamedTuple):
+    """Room for what the kernels put down while they fly a block."""
+
+    values: np.ndarray  # of the surroundings
+    factors: np.ndarray
+    scratch: np.ndarray
+    new: np.ndarray  # state at the end of a step
+    slopes: np.ndarray
+    height: np.ndarray  # altitude [m]
+    solo: np.ndarray  # the same for an arc that flies a step alone
+    solo_new: np.ndarray
+    solo_slopes: np.ndarray
+    solo_coefficients: np.ndarray
+    solo_result: np.ndarray  # altitude [m] and error ratio
+    passed: np.ndarray  # epochs that each lane has passed
+
+
+def _workspace(tables):
+    values, factors = blank(tables)
+    slopes = 6 * (dop853.STAGES + 1)
+    return _Workspace(
+        values=values,
+        factors=factors,
+        scratch=rows(SCRATCH_ROWS),
+        new=rows(6),
+        slopes=rows(slopes),
+        height=rows(1),
+        solo=rows(6),
+        solo_new=rows(6),
+        solo_slopes=rows(slopes),
+        solo_coefficients=rows(2),
+        solo_result=rows(2),
+        passed=np.zeros(WIDTH, np.int64),
+    )
 
 
 def _grid(epochs, max_step):
@@ -139,21 +177,16 @@ def _grid(epochs, max_step):
     return np.append(times, epochs[-1]), index
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy", boundscheck=False, fastmath=set(FLAGS))
+@numba.njit(cache=True, **OPTIONS)
 def _advance(
-    tables, times, wanted, state, coefficients, join, leave, offsets, out, status, tolerance, min_step
+    tables, times, wanted, state, coefficients, join, leave, offsets, out, status, tolerance, min_step, work
 ):
     """Fly one block along the grid from its first lane's joining to its last one's leaving."""
-    values = np.empty(BODIES + tables.bodies.shape[1])
-    factors = np.empty((FACTORS, 9))
-    scratch = np.empty((SCRATCH_ROWS, WIDTH))
-    slopes = np.zeros((6 * (dop853.STAGES + 1), WIDTH))
-    new = np.empty((6, WIDTH))
-    height = np.empty((2, WIDTH))
-    solo = np.empty((6, WIDTH))
-    solo_slopes = np.empty_like(slopes)
-    passed = np.zeros(WIDTH, np.int64)
-    for g in range(join.min(), leave.max()):
+    values, factors, scratch, new, slopes = work.values, work.factors, work.scratch, work.new, work.slopes
+    begin, end = join[0], leave[0]
+    for lane in range(WIDTH):
+        begin, end = min(begin, join[lane]), max(end, leave[lane])
+    for g in range(begin, end):
         t, h = times[g], times[g + 1] - times[g]
         active = 0
         joining = False
@@ -172,7 +205,7 @@ def _advance(
                     for k in range(6):
                         slopes[k, lane] = slopes[6 + k, lane]
         altitude = dop853.step(t, h, state, new, tables, coefficients, values, factors, scratch, slopes)
-        store(height, 0, altitude)
+        store(work.height, 0, altitude)
         ratio = dop853.error(h, new, slopes, tolerance, tables.gm)
         good = lanes_set(ratio < 1.0)
         for lane in range(WIDTH):
@@ -180,12 +213,11 @@ def _advance(
                 continue
             if not (good >> lane) & 1:
                 status[lane] = _repeat_in_smaller_steps(
-                    lane, t, h, state, tables, coefficients, tolerance, min_step,
-                    values, factors, scratch, solo, new, slopes, solo_slopes, height,
-                )  # fmt: skip
-            elif not height[0, lane] < _FARTHEST:
+                    lane, t, h, state, tables, coefficients, tolerance, min_step, work
+                )
+            elif not work.height[0, lane] < _FARTHEST:
                 status[lane] = _NOT_FINITE
-            elif height[0, lane] < LOWEST_ALTITUDE:
+            elif work.height[0, lane] < LOWEST_ALTITUDE:
                 status[lane] = _DECAYED
             if status[lane] != _FLYING:
                 continue
@@ -194,25 +226,22 @@ def _advance(
                 slopes[k, lane] = slopes[6 * dop853.STAGES + k, lane]
             if wanted[g + 1]:
                 for k in range(6):
-                    out[offsets[lane] + passed[lane], k] = state[k, lane]
-                passed[lane] += 1
+                    out[offsets[lane] + work.passed[lane], k] = state[k, lane]
+                work.passed[lane] += 1
 
 
-@numba.njit(nogil=True, error_model="numpy", boundscheck=False, fastmath=set(FLAGS))
-def _repeat_in_smaller_steps(
-    lane, t, h, state, tables, coefficients, tolerance, min_step,
-    values, factors, scratch, solo, new, slopes, solo_slopes, height,
-):  # fmt: skip
+@compiled
+def _repeat_in_smaller_steps(lane, t, h, state, tables, coefficients, tolerance, min_step, work):
     """Fly one arc over a grid step in steps of its own; its end replaces the lane in new and slopes.
 
     The arc fills all lanes of a block of its own. Returns the arc's status.
     """
-    own = np.empty_like(coefficients)
-    own_new = np.empty_like(solo)
+    values, factors, scratch = work.values, work.factors, work.scratch
+    solo, new, slopes, own = work.solo, work.solo_new, work.solo_slopes, work.solo_coefficients
     for other in range(WIDTH):
         for k in range(6):
             solo[k, other] = state[k, lane]
-            solo_slopes[k, other] = slopes[k, lane]
+            slopes[k, other] = work.slopes[k, lane]
         own[0, other], own[1, other] = coefficients[0, lane], coefficients[1, lane]
     end = t + h
     trial = 0.5 * h
@@ -220,16 +249,15 @@ def _repeat_in_smaller_steps(
         last = abs(end - t) <= abs(trial) * (1.0 + 1e-9)
         if last:
             trial = end - t
-        altitude = dop853.step(t, trial, solo, own_new, tables, own, values, factors, scratch, solo_slopes)
-        store(height, 1, altitude)
-        high = height[1, 0]
-        store(height, 1, dop853.error(trial, own_new, solo_slopes, tolerance, tables.gm))
-        ratio = height[1, 0]
+        altitude = dop853.step(t, trial, solo, new, tables, own, values, factors, scratch, slopes)
+        store(work.solo_result, 0, altitude)
+        store(work.solo_result, 1, dop853.error(trial, new, slopes, tolerance, tables.gm))
+        high, ratio = work.solo_result[0, 0], work.solo_result[1, 0]
         factor = min(max(0.9 * ratio ** (-1.0 / dop853.ORDER_OF_ERROR), 0.2), 5.0) if ratio == ratio else 0.2
         if not ratio < 1.0:
             trial *= factor
             if abs(trial) < min_step:
-                return _STEP_TOO_SMALL if ratio == ratio else _NOT_FINITE
+                return _STEP_TOO_SMALL
             continue
         if not high < _FARTHEST:
             return _NOT_FINITE
@@ -240,9 +268,9 @@ def _repeat_in_smaller_steps(
         t += trial
         trial = min(abs(trial) * factor, abs(h)) * (1.0 if h > 0.0 else -1.0)
         for k in range(6):
-            store(solo, k, load(own_new, k))
-            store(solo_slopes, k, load(solo_slopes, 6 * dop853.STAGES + k))
+            store(solo, k, load(new, k))
+            store(slopes, k, load(slopes, 6 * dop853.STAGES + k))
     for k in range(6):
-        new[k, lane] = own_new[k, 0]
-        slopes[6 * dop853.STAGES + k, lane] = solo_slopes[6 * dop853.STAGES + k, 0]
+        work.new[k, lane] = new[k, 0]
+        work.slopes[6 * dop853.STAGES + k, lane] = slopes[6 * dop853.STAGES + k, 0]
     return _FLYING

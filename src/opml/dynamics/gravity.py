@@ -17,27 +17,28 @@ def weights(c: np.ndarray, s: np.ndarray) -> np.ndarray:
     """Factors of the solid harmonics in the acceleration, order by order.
 
     c, s: fully normalised coefficients (degree + 1, order + 1); c[0, 0] is left out, the central term
-    being added elsewhere. Returns the rows (terms, 8): the recursion's two factors towards the next
+    being added elsewhere. Returns the rows (terms, 7): the factor of the recursion towards the next
     degree, then those of the x, y and z sums for cosine and sine harmonics, all per GM / radius^2.
+    The kernel's harmonics are free of norms, each with 1 as the factor of its highest power of z, which
+    saves multiplications; so a harmonic's norm stands in its factors.
     """
     degree, order = c.shape[0] - 1, c.shape[1] - 1
     c = c.copy()
     c[0, 0] = 0.0
     rows = []
+    sectoral = 1.0
     for m in range(order + 2):
+        norm = sectoral
         for n in range(m, degree + 2):
-            rows.append([*_recursion(n + 1, m), *_sums(c, s, n, m)])
+            rows.append([_recursion(n, m), *(norm * factor for factor in _sums(c, s, n, m))])
+            norm *= math.sqrt((2 * n + 3) * (2 * n + 1) / ((n + 1 - m) * (n + 1 + m)))
+        sectoral *= math.sqrt((2 * m + 3) / (2 * m + 2) if m > 0 else 3.0)
     return np.array(rows)
 
 
 def _recursion(n, m):
-    """Factors that lead to degree n of order m from the two degrees below (Montenbruck & Gill 3.30)."""
-    if n == m:
-        return 0.0, 0.0
-    across = (n - m) * (n + m)
-    first = math.sqrt((2 * n + 1) * (2 * n - 1) / across)
-    second = math.sqrt((2 * n + 1) * (n + m - 1) * (n - m - 1) / ((2 * n - 3) * across)) if n > m + 1 else 0.0
-    return first, second
+    """Factor of harmonic (n - 1, m) in (n + 1, m), that of (n, m) being 1 (Montenbruck & Gill 3.30)."""
+    return (n - m) * (n + m) / ((2 * n + 1) * (2 * n - 1))
 
 
 def _sums(c, s, n, m):
@@ -85,20 +86,19 @@ def gravity(x, y, z, r2, inverse_r, weights, columns, degree, gm, radius):
         xc, xs_, yc, ys_ = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
         zc, zs_ = splat(0.0), splat(0.0)
         for _ in range(m, degree + 1):
-            xc = xc + weights[k, 2] * current
-            xs_ = xs_ + weights[k, 3] * current
-            yc = yc + weights[k, 4] * current
-            ys_ = ys_ + weights[k, 5] * current
-            zc = zc + weights[k, 6] * current
-            zs_ = zs_ + weights[k, 7] * current
-            following = weights[k, 0] * zs * current - weights[k, 1] * q * previous
+            xc = xc + weights[k, 1] * current
+            xs_ = xs_ + weights[k, 2] * current
+            yc = yc + weights[k, 3] * current
+            ys_ = ys_ + weights[k, 4] * current
+            zc = zc + weights[k, 5] * current
+            zs_ = zs_ + weights[k, 6] * current
+            following = zs * current - weights[k, 0] * q * previous
             previous = current
             current = following
             k += 1
         ax = ax + cosine * xc + sine * xs_
         ay = ay + cosine * yc + sine * ys_
         az = az + cosine * zc + sine * zs_
-        turn = math.sqrt((2.0 * m + 3.0) / (2.0 * m + 2.0)) if m > 0 else math.sqrt(3.0)
-        cosine, sine = turn * (xs * cosine - ys * sine), turn * (xs * sine + ys * cosine)
+        cosine, sine = xs * cosine - ys * sine, xs * sine + ys * cosine
     factor = gm / (radius * radius)
     return factor * ax, factor * ay, factor * az

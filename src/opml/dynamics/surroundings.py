@@ -10,15 +10,15 @@ from typing import NamedTuple
 import numpy as np
 
 from opml.constants import EARTH_RATE
-from opml.dynamics.dtm2000 import reduce_to_date
-from opml.dynamics.lanes import compiled
+from opml.dynamics.dtm2000 import FACTORS, reduce_to_date
+from opml.dynamics.lanes import compiled, rows
 
 ROTATION, SPIN, SUN_ITRF, BODIES = 0, 9, 12, 15
 """Where the parts of the looked-up values begin."""
 
 
 class Tables(NamedTuple):
-    """Arrays and numbers that the kernels read; see `forces.ForceModel`."""
+    """Arrays and numbers that the kernels read; see `forces.build`."""
 
     first: float  # time of the first node [s since the epoch]
     step: float  # between nodes [s]
@@ -28,13 +28,18 @@ class Tables(NamedTuple):
     gms: np.ndarray  # (count,) [m3/s2], 0 where a body's pull is not in the model
     activity: np.ndarray  # (nodes, 4): F10.7, its mean [sfu], Kp of 3 h and of 24 h
     midnight: float  # start of the epoch's UTC day [s since the epoch]
-    seasons: np.ndarray  # (days, 5, 9), from dtm2000.seasons
-    thermosphere: np.ndarray  # (97, 9), from dtm2000.coefficients
-    weights: np.ndarray  # (terms, 8), from gravity.weights
+    seasons: np.ndarray  # (days, 5, WIDTH), from dtm2000.seasons
+    thermosphere: np.ndarray  # (97, WIDTH), from dtm2000.coefficients
+    weights: np.ndarray  # (terms, 7), from gravity.weights
     columns: int  # orders in the weights
     degree: int  # highest degree of a harmonic in the weights
     gm: float  # of the Earth, as the field gives it [m3/s2]
     radius: float  # of the field [m]
+
+
+def blank(tables: Tables) -> tuple[np.ndarray, np.ndarray]:
+    """Values and factors, for `look_up` to fill."""
+    return np.zeros(BODIES + tables.bodies.shape[1]), rows(FACTORS)
 
 
 @compiled

@@ -1,6 +1,7 @@
 """Solar and geomagnetic activity as the upper atmosphere's model reads it.
 
 MSAFE: the monthly estimates of the 13-month smoothed F10.7 and Ap by NASA's Marshall Space Flight Center.
+OBSERVED: what was measured, see `space_weather`.
 """
 
 import re
@@ -12,11 +13,14 @@ import numpy as np
 import pandas as pd
 
 from opml import epochs
+from opml.environment import space_weather
 from opml.errors import InputError
 
 MSAFE = "MSAFE"
+OBSERVED = "OBSERVED"
 PERCENTILES = (95, 50, 5)
 
+_PACKAGED = {MSAFE: "msafe.tsv", OBSERVED: "space_weather.csv"}
 _COLUMNS = [f"{index}_{percentile}" for index in ("f107", "ap") for percentile in PERCENTILES]
 _MONTHS = ("JAN", "FEB", "MAR", "APR", "MAY", "JUN", "JUL", "AUG", "SEP", "OCT", "NOV", "DEC")
 _BULLETIN_TITLE = "13-MONTH SMOOTH SOLAR ACTIVITY"
@@ -30,14 +34,18 @@ def tabulate(source: str | Path, epoch: str, t: np.ndarray, percentile: int) -> 
     """Table `solar_activity` at times `t` [s since `epoch`], shape (n,).
 
     Columns t [s], f107, f107_mean [sfu], kp_3h, kp_24h. MSAFE gives one smoothed F10.7 and one Ap, which
-    stand for the daily and the mean flux, the three-hourly and the daily Kp alike. `source` is 'MSAFE' (the
-    packaged months) or the path of a file that `read` knows; `percentile` is one of PERCENTILES.
-    Raises InputError for what it cannot read and for dates outside the months.
+    stand for the daily and the mean flux, the three-hourly and the daily Kp alike; observed weather has all
+    four. `source` is 'MSAFE' or 'OBSERVED' (packaged) or the path of an MSAFE bulletin or of CSSI's space
+    weather, told by its content; `percentile` is one of PERCENTILES and matters to MSAFE only.
+    Raises InputError for what it cannot read and for dates outside the file's.
     """
     if percentile not in PERCENTILES:
         raise InputError(f"percentile: expected 95, 50 or 5, got {percentile!r}")
     path = resolve(source)
-    months = read(path)
+    text = _text(path)
+    if space_weather.is_one(text):
+        return space_weather.tabulate(path, text, epoch, t)
+    months = _reader(path, text)(path, text.splitlines())
     # A month's figures hold at its first day, 00:00 UTC, and change linearly until the next.
     at = np.array([epochs.elapsed(epoch, f"{month}-01T00:00:00") for month in months.index])
     t = np.asarray(t, dtype=float)
@@ -57,30 +65,35 @@ def kp_from_ap(ap):
 
 
 def resolve(source: str | Path) -> Path:
-    """Path of the file that a setting names: 'MSAFE' (packaged) or a path."""
-    return Path(str(files("opml") / "data" / "msafe.tsv")) if source == MSAFE else Path(source)
+    """Path of the file that a setting names: 'MSAFE' or 'OBSERVED' (packaged) or a path."""
+    packaged = _PACKAGED.get(str(source))
+    return Path(str(files("opml") / "data" / packaged)) if packaged else Path(source)
 
 
 def read(path: str | Path) -> pd.DataFrame:
-    """Monthly activity of a file in any known format, told by its content.
+    """Monthly activity of an MSAFE file in any known format, told by its content.
 
     Index: months 'YYYY-MM', one after the other; columns f107_95, f107_50, f107_5 [sfu], ap_95, ap_50, ap_5.
     Raises InputError for an unknown format, a malformed line, a month that is missing or out of order.
     """
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as reason:
-        raise InputError(f"{path}: expected a table of solar activity, got {reason}") from None
+    text = _text(path)
     return _reader(path, text)(path, text.splitlines())
 
 
+def _text(path: str | Path) -> str:
+    try:
+        return Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as reason:
+        raise InputError(f"{path}: expected a table of solar activity, got {reason}") from None
+
+
 def _reader(path: str | Path, text: str) -> Callable[[str | Path, list[str]], pd.DataFrame]:
-    """The reader of a file's format. A new format, say CSSI's space weather, is one more case here."""
+    """The reader of a file's format."""
     if _BULLETIN_TITLE in text:
         return _read_bulletin
     if "\t".join(["month", *_COLUMNS]) in text.splitlines():
         return _read_packaged
-    raise InputError(f"{path}: expected an MSAFE bulletin, got an unknown format")
+    raise InputError(f"{path}: expected an MSAFE bulletin or CSSI space weather, got an unknown format")
 
 
 def _read_bulletin(path: str | Path, lines: list[str]) -> pd.DataFrame:

@@ -14,7 +14,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from opml.errors import InputError
 from opml.figures.labels import symbol
-from opml.figures.style import MUTED, PUBLISHED, RESIDUAL, RESIDUALS, column_figure
+from opml.figures.style import MUTED, PUBLISHED, RESIDUAL, RESIDUALS, column_figure, page_figure
 
 RANDOM = "random-"
 WINDOW = re.compile(r"days-([0-9.]+)-([0-9.]+)")
@@ -95,29 +95,40 @@ def semi_major_axis_curve(
 
 
 def kernel_scale_sensitivity(
-    metrics: pd.DataFrame, rules: Mapping[str, float], *, component: str = "e_y"
+    metrics: pd.DataFrame, rules: Mapping[str, Mapping[str, float]], *, component: str = "e_y"
 ) -> Figure:
-    """P_ML [%] of `component` against the kernel scale s, a curve each split; the scales of `rules` marked.
+    """P_ML [%] of `component` against the kernel scale s; a panel each station set, a curve each split.
 
-    `metrics` has a further column `kernel_scale`: the s a row was trained with. `rules`: s by the rule's
-    name. Raises InputError without a row to draw.
+    `metrics` has a further column `kernel_scale`: the s a row was trained with. `rules`: the scales to mark,
+    by station set and by the rule's name. Raises InputError without a row to draw.
     """
     chosen = metrics[metrics["component"] == component]
     if chosen.empty:
         raise InputError(f"kernel scale: expected metrics of {component}, got none")
-    figure, axes = column_figure(height_mm=84.0)
-    splits = chosen.groupby(["train", "test"], sort=False)
-    for k, (split, rows) in enumerate(splits):
-        _draw_curve(axes, rows, "kernel_scale", f"{_marker(k)}-", color=_shade(k), label=_split_label(*split))
-    for k, (rule, scale) in enumerate(rules.items()):
-        style = RULE_STYLES[k % len(RULE_STYLES)]
-        axes.axvline(scale, color=MUTED, ls=style, lw=1.2, zorder=1, label=f"{rule}: $s$ = {scale:.2f}")
-    axes.set_xscale("log")
-    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.xaxis.set_major_formatter("{x:g}")
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.set_xlabel("kernel scale $s$, on standardised variables")
-    return _finished(figure, axes, chosen, component, legend_columns=2)
+    figure = page_figure(height_mm=84.0)
+    sets = list(chosen.groupby("stations", sort=False))
+    panels = figure.subplots(1, len(sets), sharex=True, sharey=True, squeeze=False)[0]
+    for axes, (stations, rows) in zip(panels, sets, strict=True):
+        for k, (split, curve) in enumerate(rows.groupby(["train", "test"], sort=False)):
+            label = _split_label(*split)
+            _draw_curve(axes, curve, "kernel_scale", f"{_marker(k)}-", color=_shade(k), label=label)
+        for k, (rule, scale) in enumerate(rules.get(stations, {}).items()):
+            style = RULE_STYLES[k % len(RULE_STYLES)]
+            axes.axvline(scale, color=MUTED, ls=style, lw=1.2, zorder=1, label=f"$s$ by {rule}")
+        axes.set_title(stations, fontsize=8.0, loc="left")
+    for axes in panels:
+        axes.set_xscale("log")
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.xaxis.set_major_formatter("{x:g}")
+        axes.xaxis.set_minor_locator(NullLocator())
+        axes.set_xlabel("kernel scale $s$, on standardised variables")
+        axes.yaxis.set_tick_params(labelleft=True)
+        _label(axes, component)
+    labels = dict(
+        pair for axes in panels for pair in zip(*axes.get_legend_handles_labels()[::-1], strict=True)
+    )
+    figure.legend(labels.values(), labels.keys(), loc="outside upper left", ncols=3)
+    return figure
 
 
 def _transfer(
@@ -174,18 +185,21 @@ def _draw_published(axes: Axes, published: Mapping[float, float], marker: str, *
     )
 
 
-def _finished(
-    figure: Figure, axes: Axes, metrics: pd.DataFrame, component: str, *, legend_columns: int = 1
-) -> Figure:
-    """The figure with what all curves of P_ML share; no correction is marked where it is in range."""
+def _finished(figure: Figure, axes: Axes, metrics: pd.DataFrame, component: str) -> Figure:
+    """The figure with what all single curves of P_ML share."""
+    _label(axes, component)
+    seeds = metrics["seed"].nunique() if "seed" in metrics else 1
+    title = f"mean and standard deviation of {seeds} seeds" if seeds > 1 else None
+    figure.legend(loc="outside upper left", title=title)
+    return figure
+
+
+def _label(axes: Axes, component: str) -> None:
+    """Name the axis of P_ML; no correction is marked where it is in range."""
     axes.set_ylabel(rf"$P_{{\mathrm{{ML}}}}$ of {symbol(component)} [%]")
     axes.set_ylim(bottom=0.0)
     if axes.get_ylim()[1] > NO_CORRECTION:
         axes.axhline(NO_CORRECTION, color=MUTED, ls="--", lw=1.0, zorder=1)
-    seeds = metrics["seed"].nunique() if "seed" in metrics else 1
-    title = f"mean and standard deviation of {seeds} seeds" if seeds > 1 else None
-    figure.legend(loc="outside upper left", ncols=legend_columns, title=title)
-    return figure
 
 
 def _split_label(train: str, test: str) -> str:

@@ -47,6 +47,12 @@ _ELEMENTS = {
 _TURNING = ("argp", "raan", "nu")
 
 
+def within_days(table: pd.DataFrame, days: Sequence[float]) -> pd.DataFrame:
+    """Rows of a table with a column `t` [s] from the first to the last of the days, both included."""
+    first, last = days
+    return table[table["t"].between(first * DAY, last * DAY)]
+
+
 def estimation_window(tracking: pd.DataFrame, *, track: int, window_hours: float) -> Figure:
     """Tracks used for the estimate at the start of `track`, and their neighbours that are not.
 

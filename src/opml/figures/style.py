@@ -4,6 +4,7 @@ Importing this module sets matplotlib's defaults for the process; it opens no wi
 """
 
 import os
+from collections.abc import Iterable
 from pathlib import Path
 
 import matplotlib
@@ -73,6 +74,14 @@ def save(figure: Figure, path_pdf: str | os.PathLike, path_png: str | os.PathLik
     """Write the figure as PDF and PNG, each whole or not at all; the same figure gives the same bytes."""
     _write(figure, Path(path_pdf), "pdf", metadata={"CreationDate": None})
     _write(figure, Path(path_png), "png", metadata={"Software": None})
+
+
+def save_all(
+    figures: Iterable[Figure], paths_pdf: Iterable[str | os.PathLike], paths_png: Iterable[str | os.PathLike]
+) -> None:
+    """`save` each figure under the paths of its place. Raises ValueError for another number of paths."""
+    for figure, path_pdf, path_png in zip(figures, paths_pdf, paths_png, strict=True):
+        save(figure, path_pdf, path_png)
 
 
 def _write(figure: Figure, path: Path, kind: str, *, metadata: dict) -> None:

@@ -61,6 +61,20 @@ def build(
     return rows[SCHEMAS["dataset"].names]
 
 
+def with_mechanism(dataset: pd.DataFrame, mechanism: pd.DataFrame) -> pd.DataFrame:
+    """The dataset with the columns of the `mechanism` table beside its own, rows unchanged.
+
+    Raises InputError where a row of the dataset has none there.
+    """
+    pairs = pd.MultiIndex.from_frame(dataset[["i", "j"]])
+    known = mechanism.set_index(["i", "j"])
+    missing = ~pairs.isin(known.index)
+    if missing.any():
+        i, j = pairs[missing.argmax()]
+        raise InputError(f"mechanism: i, j: expected every pair of the dataset, got none of {i}, {j}")
+    return dataset.join(known.loc[pairs].reset_index(drop=True).set_axis(dataset.index))
+
+
 def _learning_variables(
     estimates: pd.DataFrame,
     predictions: pd.DataFrame,

@@ -10,10 +10,9 @@ quantile of the distance |x - z|, and `sigest` here is the lower end of that ran
 from collections.abc import Callable
 
 import numpy as np
-from scipy.spatial.distance import pdist
-from sklearn.model_selection import GroupKFold
 
 from opml.errors import InputError
+from opml.learning.inputs import subsample
 
 QUANTILES = {"sigest": 0.1, "median": 0.5}
 RULES = (*QUANTILES, "cv")
@@ -29,7 +28,9 @@ def distance_quantile(x: np.ndarray, quantile: float, *, rng: np.random.Generato
 
     Coincident rows are left out, as kernlab does. Raises InputError where all rows coincide.
     """
-    distances = pdist(x[_subsample(len(x), DISTANCE_ROWS, rng)])
+    from scipy.spatial.distance import pdist  # slow to import, and only training needs it
+
+    distances = pdist(x[subsample(len(x), DISTANCE_ROWS, rng)])
     distances = distances[distances > 0.0]
     if len(distances) == 0:
         raise InputError("kernel scale: expected rows that differ in some variable, got coincident rows only")
@@ -50,11 +51,13 @@ def cross_validated(
     share all learning variables but the duration, and a scale tuned on their siblings would be too small.
     Raises InputError with fewer groups than folds.
     """
+    from sklearn.model_selection import GroupKFold  # slow to import, and only this rule needs it
+
     found = 0 if groups is None else len(np.unique(groups))
     if found < CV_FOLDS:
         raise InputError(f"kernel_scale: cv: expected at least {CV_FOLDS} estimates to hold out, got {found}")
     base = distance_quantile(x, QUANTILES["sigest"], rng=rng)
-    rows = _subsample(len(x), CV_ROWS, rng)
+    rows = subsample(len(x), CV_ROWS, rng)
     x, y, groups = x[rows], y[rows], groups[rows]
     folds = list(GroupKFold(CV_FOLDS).split(x, y, groups))
 
@@ -66,10 +69,3 @@ def cross_validated(
         return float(sum(held_out))
 
     return min((base * factor for factor in CV_FACTORS), key=error)
-
-
-def _subsample(count: int, limit: int, rng: np.random.Generator) -> np.ndarray:
-    """At most `limit` of the row numbers 0 to count - 1, ascending."""
-    if count <= limit:
-        return np.arange(count)
-    return np.sort(rng.choice(count, limit, replace=False))

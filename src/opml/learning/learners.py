@@ -5,16 +5,15 @@ A learner is a module-level `fit(x, y, *, variables, settings, seed, groups)` th
 """
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 import pandas as pd
 
 from opml.errors import InputError
-from opml.learning import svr
+from opml.learning import baselines, boosting, gaussian_process, mechanism, mlp, ridge, stacked, svr
 from opml.learning.evaluation import Model
-
-FITS = {"svr": svr.fit}
-MODELS = {"svr": svr.SvrModel}
+from opml.tables import MECHANISM_AXES, Schema, model_schema
 
 
 def fit(
@@ -33,10 +32,73 @@ def fit(
 
 def from_table(table: pd.DataFrame, metadata: Mapping) -> Model:
     """The model of a saved table, whatever its kind; raises InputError for an unknown kind."""
-    return _by_kind(MODELS, metadata["kind"]).from_table(table, metadata)
+    return _by_kind(LOADS, metadata["kind"])(table, metadata)
+
+
+def schema(metadata: Mapping) -> Schema:
+    """The schema of a model's table, from the metadata beside it; raises InputError for an unknown kind."""
+    if metadata["kind"] == "stacked":
+        return schema(metadata["second"])
+    _by_kind(FITS, metadata["kind"])
+    return model_schema(metadata["variables"], metadata["kind"])
+
+
+def resolved(settings: Mapping, *, component: str, variables: Sequence[str]) -> dict:
+    """A learner's settings for one error component, with the `variables` it learns from spelled out.
+
+    `variables` are those of a learner whose settings name none; its `without` are left out. A sensitivity
+    (`v`) stands for its component's own (`v_y`), in variables and terms alike.
+    """
+    kind, axis = settings["kind"], component.removeprefix("e_")
+    found = {key: value for key, value in settings.items() if key != "without"}
+    if kind == "stacked":
+        for part in ("first", "second"):
+            found[part] = resolved(settings[part], component=component, variables=variables)
+        names = found["first"]["variables"] + found["second"]["variables"]
+    elif kind == "mechanism":
+        found["terms"] = ["*".join(_named(term.split("*"), axis)) for term in settings["terms"]]
+        names = mechanism.factors(found["terms"])
+    else:
+        chosen = FIXED.get(kind, settings.get("variables", variables))
+        names = _named([name for name in chosen if name not in settings.get("without", [])], axis)
+    return found | {"variables": list(dict.fromkeys(names))}
+
+
+def _named(names: Sequence[str], axis: str) -> list[str]:
+    return [f"{name}_{axis}" if name in MECHANISM_AXES else name for name in names]
 
 
 def _by_kind(table: Mapping, kind: str) -> object:
     if kind not in table:
         raise InputError(f"learners: kind: expected {', '.join(table)}, got {kind}")
     return table[kind]
+
+
+FIXED = {"none": [], "duration_mean": ["duration"], "repredict": ["r"]}
+"""The variables of the kinds that leave no choice."""
+
+FITS = {
+    "svr": svr.fit,
+    "none": baselines.fit_none,
+    "duration_mean": baselines.fit_duration_mean,
+    "repredict": baselines.fit_repredict,
+    "ridge": ridge.fit,
+    "mechanism": mechanism.fit,
+    "boosting": boosting.fit,
+    "gaussian_process": gaussian_process.fit,
+    "mlp": mlp.fit,
+    "stacked": partial(stacked.fit, train=fit),
+}
+
+LOADS = {
+    "svr": svr.SvrModel.from_table,
+    "none": baselines.NoCorrection.from_table,
+    "duration_mean": baselines.DurationMean.from_table,
+    "repredict": baselines.Repredicted.from_table,
+    "ridge": ridge.RidgeModel.from_table,
+    "mechanism": mechanism.MechanismModel.from_table,
+    "boosting": boosting.BoostingModel.from_table,
+    "gaussian_process": gaussian_process.GaussianProcessModel.from_table,
+    "mlp": mlp.MlpModel.from_table,
+    "stacked": partial(stacked.from_table, load=from_table),
+}

@@ -9,22 +9,24 @@ per second.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 import pandas as pd
-from sklearn.svm import SVR
-from threadpoolctl import threadpool_limits
 
 from opml.errors import InputError
 from opml.learning import kernel_scale as scales
 from opml.learning.cleaning import quartiles
+from opml.learning.gaussian_kernel import expansion
+from opml.learning.inputs import checked, checked_target, standardisation
 from opml.seeds import derive
+
+if TYPE_CHECKING:
+    from sklearn.svm import SVR
 
 NORMAL_IQR = 1.349  # interquartile range of the standard normal distribution
 MIN_ROWS = 2  # a standard deviation needs two
 CACHE_MB = 500.0  # of kernel rows while fitting: more saves no time at 25 000 rows, and two jobs may run
-BLOCK_ENTRIES = 1 << 20  # kernel entries held at once while predicting (8 MiB, about a core's cache)
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,22 +56,9 @@ class SvrModel:
 
         Raises InputError for non-finite values or another number of variables.
         """
-        x = _checked(x, self.variables)
-        predicted = np.empty(len(x))
-        rows = max(1, BLOCK_ENTRIES // max(1, len(self.dual_coef)))
-        # |z - v|^2 / s^2 = |z/s|^2 - 2 z/s . v/s + |v/s|^2: one matrix product in place of a loop over pairs.
-        vectors = self.support_vectors / self.kernel_scale
-        vector_norms = np.sum(vectors**2, axis=1)
-        twice = 2.0 * vectors.T
-        with threadpool_limits(limits=1, user_api="blas"):  # sums in one order, whatever the machine
-            for start in range(0, len(x), rows):
-                z = (x[start : start + rows] - self.x_mean) / (self.x_scale * self.kernel_scale)
-                exponent = z @ twice
-                exponent -= np.sum(z**2, axis=1)[:, None]
-                exponent -= vector_norms
-                np.minimum(exponent, 0.0, out=exponent)  # rounding can lift coincident points above 0
-                np.exp(exponent, out=exponent)
-                predicted[start : start + rows] = exponent @ self.dual_coef
+        x = checked(x, self.variables)
+        z = (x - self.x_mean) / (self.x_scale * self.kernel_scale)
+        predicted = expansion(z, self.support_vectors / self.kernel_scale, self.dual_coef)
         return self.y_scale * (predicted + self.offset)
 
     def to_table(self) -> tuple[pd.DataFrame, dict]:
@@ -122,16 +111,9 @@ def fit(
     tells which estimate a row belongs to, for `cv`. Raises InputError for too few rows, non-finite values or
     an unknown rule.
     """
-    x, y = _checked(x, variables), np.asarray(y, dtype=float)
-    if len(x) < MIN_ROWS:
-        raise InputError(f"training rows: expected at least {MIN_ROWS}, got {len(x)}")
-    if y.shape != (len(x),) or not np.all(np.isfinite(y)):
-        raise InputError(f"target: expected {len(x)} finite values, got {np.count_nonzero(np.isfinite(y))}")
-
-    x_mean, x_scale = x.mean(axis=0), x.std(axis=0, ddof=1)
-    # A variable that never changes tells nothing; scale 1 keeps it at zero, in later rows too if it stays
-    # there. Its computed deviation may be rounding noise instead of 0, hence the test on the range.
-    x_scale[np.ptp(x, axis=0) == 0.0] = 1.0
+    x = checked(x, variables)
+    y = checked_target(y, len(x), least=MIN_ROWS)
+    x_mean, x_scale = standardisation(x)
     z = (x - x_mean) / x_scale
     q1, q3 = quartiles(y)
     y_scale = (q3 - q1) / NORMAL_IQR if q3 > q1 else 1.0  # fitrsvm falls back to C = 1, epsilon = 0.1 as well
@@ -178,7 +160,10 @@ def _kernel_scale(
     raise InputError(f"kernel_scale: expected {', '.join(scales.RULES)} or a positive number, got {rule!r}")
 
 
-def _machine(scale: float, settings: Mapping) -> SVR:
+def _machine(scale: float, settings: Mapping) -> "SVR":
+    # Imported only to train: it takes a second, more than most models need to predict.
+    from sklearn.svm import SVR
+
     return SVR(
         kernel="rbf",
         gamma=1.0 / scale**2,
@@ -187,17 +172,3 @@ def _machine(scale: float, settings: Mapping) -> SVR:
         tol=settings["tol"],
         cache_size=CACHE_MB,
     )
-
-
-def _checked(x: np.ndarray, variables: Sequence[str]) -> np.ndarray:
-    x = np.asarray(x, dtype=float)
-    if x.ndim != 2 or x.shape[1] != len(variables):
-        raise InputError(
-            f"learning variables: expected {len(variables)} columns, got an array of shape {x.shape}"
-        )
-    finite = np.isfinite(x).all(axis=0)
-    if not finite.all():
-        raise InputError(
-            f"learning variable {variables[int(np.argmin(finite))]}: expected finite values only"
-        )
-    return x

@@ -1,0 +1,1 @@
+"""opml's speed: beside public propagators on the same arcs, its own scaling, and what each kernel costs."""

@@ -1,0 +1,136 @@
+"""What is flown: arcs of the paper's RSO, spread over a week as the workflow's estimates are."""
+
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Self
+
+import numpy as np
+
+from opml.catalog.truth import initial_state
+from opml.constants import DAY
+from opml.dynamics import forces
+from opml.dynamics.ensemble import Integrator, propagate
+from opml.dynamics.surroundings import Tables
+from opml.environment import earth_orientation, ephemerides, gravity_field, nodes, solar_activity
+from opml.seeds import derive
+from validation.case import Case
+
+DAYS = 7.0
+"""Length of an arc, and of the span in which arcs begin."""
+
+_SPREAD = np.repeat([100.0, 0.1], 3)
+"""Standard deviations [m, m/s] of the starts about the RSO's orbit, as of estimates from a few tracks."""
+
+
+@dataclass(frozen=True)
+class Arcs:
+    """Arcs that begin at t (n,) [s since the epoch] with states (n, 6) GCRF and last `duration` [s].
+
+    ballistic: Cd A/m, reflection: Cr A/m [m2/kg], the same for all.
+    """
+
+    t: np.ndarray
+    states: np.ndarray
+    duration: float
+    ballistic: float
+    reflection: float
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    @property
+    def arc_days(self) -> float:
+        """Days flown by all arcs together."""
+        return len(self) * self.duration / DAY
+
+    def some(self, count: int) -> Self:
+        """`count` of the arcs, evenly picked."""
+        picked = np.linspace(0, len(self) - 1, count).round().astype(int)
+        return replace(self, t=self.t[picked], states=self.states[picked])
+
+    def without_drag(self) -> Self:
+        """The same arcs in a vacuum."""
+        return replace(self, ballistic=0.0)
+
+    def without_pressure(self) -> Self:
+        """The same arcs without radiation pressure."""
+        return replace(self, reflection=0.0)
+
+
+@cache
+def paper() -> Case:
+    """The paper's case, from the settings."""
+    return Case.read()
+
+
+@cache
+def environment(days: float) -> dict:
+    """The environment's tables over `days` from the epoch, without the gravity field."""
+    epoch, settings = paper().epoch, paper().values["environment"]
+    t = nodes(epoch, days * DAY)
+    return {
+        "earth_orientation": earth_orientation.tabulate(epoch, t),
+        "ephemerides": ephemerides.tabulate(settings["ephemerides"], epoch, t),
+        "solar_activity": solar_activity.tabulate(
+            settings["solar_activity"], epoch, t, settings["percentile"]
+        ),
+    }
+
+
+@cache
+def force_model(name: str, *, days: float = 2 * DAYS, field: str = "EGM2008") -> Tables:
+    """The paper's force model 'truth' or 'assumed' over `days`, under a field given by its name or path."""
+    read, settings = gravity_field.read_icgem(gravity_field.resolve(field)), paper().force_models[name]
+    return forces.build(
+        **environment(days),
+        gravity_field=gravity_field.table(
+            read.truncated(settings["degree"], settings["order"]), paper().epoch
+        ),
+        epoch=paper().epoch,
+        degree=settings["degree"],
+        order=settings["order"],
+        bodies=settings["third_bodies"],
+        gm=read.gm,
+        radius=read.radius,
+    )
+
+
+def arcs(count: int) -> Arcs:
+    """`count` arcs of the paper's RSO, beginning one after the other in the first week."""
+    rso, tables = paper().rsos["iss"], force_model("assumed")
+    t = np.arange(count) * (DAYS * DAY / count)
+    ballistic, reflection = rso.cd * rso.area_to_mass, rso.cr * rso.area_to_mass
+    start = initial_state(rso, tables.gm)
+    flown = propagate(
+        tables,
+        t,
+        start[None],
+        first=[0],
+        last=[count - 1],
+        ballistic=[ballistic],
+        reflection=[reflection],
+        integrator=paper().integrator,
+    ).states
+    noise = derive(paper().values["seed"]["noise"], "benchmarks", "starts").normal(size=(count, 6))
+    return Arcs(t, np.vstack([start, flown]) + noise * _SPREAD, DAYS * DAY, ballistic, reflection)
+
+
+def fly(tables: Tables, arcs: Arcs, *, integrator: Integrator | None = None, threads: int = 1) -> np.ndarray:
+    """States (n, 6) at the ends of the arcs, by opml's ensemble.
+
+    As the workflow does it: every arc also stops where others begin or end.
+    """
+    ends = arcs.t + arcs.duration
+    epochs = np.unique(np.round(np.concatenate([arcs.t, ends]), 6))
+    flown = propagate(
+        tables,
+        epochs,
+        arcs.states,
+        first=np.searchsorted(epochs, np.round(arcs.t, 6)),
+        last=np.searchsorted(epochs, np.round(ends, 6)),
+        ballistic=np.full(len(arcs), arcs.ballistic),
+        reflection=np.full(len(arcs), arcs.reflection),
+        integrator=integrator or paper().integrator,
+        threads=threads,
+    )
+    return flown.states[flown.start[1:] - 1]

@@ -1,0 +1,62 @@
+"""What a catalogue knows of why a prediction errs. None of it needs the truth.
+
+Sensitivities to Cd; a longer arc of the same tracks, which has the better semi-major axis and Cd, so that the
+difference of the two predictions shows most of the short arc's error; and the drift by resonant harmonics
+that the assumed model leaves out.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from opml.catalog import resonance
+from opml.catalog.sensitivity import in_rsw_of, running_mean, usable
+from opml.catalog.truth import STATE
+
+
+def build(
+    estimates: pd.DataFrame,
+    predictions: pd.DataFrame,
+    sensitivities: pd.DataFrame,
+    *,
+    long_estimates: pd.DataFrame,
+    long_predictions: pd.DataFrame,
+    long_sensitivities: pd.DataFrame,
+    bounds: tuple[float, float],
+    resonances: Sequence[tuple[int, int]],
+    long_window_hours: float,
+    gm: float,
+) -> pd.DataFrame:
+    """The `mechanism` table: one row a pair of `predictions`, in their order.
+
+    The `long_` tables are of the same tracks, estimated with a longer window. l_* is the predicted state less
+    that from the long arc, in RSW of the predicted state [m, m/s]; d_cd_long is the long arc's Cd less the
+    running mean of all long arcs' so far. Where the long arc did not converge with its Cd within `bounds`, or
+    does not reach t_j, the short one stands for it: l_* is 0, and v_long_*, cd_long its own. The columns of
+    `resonances`, pairs (k, m), are those of `resonance.drifts` for arcs of long_window_hours; gm [m3/s2].
+    """
+    pairs = pd.MultiIndex.from_frame(predictions[["i", "j"]])
+    own = estimates.set_index("track").loc[predictions["i"]]
+    table = sensitivities.set_index(["i", "j"]).loc[pairs].assign(cd=own["cd"].to_numpy())
+    d_cd = table["cd"] - table["cd_mean"]
+
+    ends = long_estimates.assign(
+        mean=running_mean(long_estimates, bounds), usable=usable(long_estimates, bounds)
+    )
+    ends = ends.set_index("track").reindex(predictions["i"])
+    arrived = long_predictions.set_index(["i", "j"])[list(STATE)].reindex(pairs).to_numpy()
+    gap = in_rsw_of(predictions, predictions[STATE].to_numpy() - arrived)
+    answers = long_sensitivities.set_index(["i", "j"]).reindex(pairs)
+    long = (
+        ends["usable"].eq(True).to_numpy()
+        & np.isfinite(gap).all(axis=1)
+        & np.isfinite(answers["v_y"].to_numpy())
+    )
+    table["cd_long"] = np.where(long, ends["cd"], table["cd"])
+    table["d_cd_long"] = np.where(long, ends["cd"] - ends["mean"], d_cd)
+    for k, axis in enumerate(STATE):
+        table[f"l_{axis}"] = np.where(long, gap[:, k], 0.0)
+        table[f"v_long_{axis}"] = np.where(long, answers[f"v_{axis}"], table[f"v_{axis}"])
+    drifts = resonance.drifts(estimates, predictions, pairs=resonances, window_hours=long_window_hours, gm=gm)
+    return table.reset_index().join(drifts.reset_index(drop=True))

@@ -1,0 +1,98 @@
+"""How each prediction answers to the drag coefficient, from neighbours of its arc.
+
+A catalogue can compute all of this: it needs the estimates and the assumed model, not the truth.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+import pandas as pd
+
+from opml.catalog.truth import STATE
+from opml.dynamics.ensemble import Integrator, propagate
+from opml.dynamics.surroundings import Tables
+from opml.elements import rsw_rotation
+from opml.sheets import Rso
+
+_NUDGE = 0.01
+"""Change of Cd between neighbouring arcs: small against Cd, large against rounding."""
+
+
+def sensitivities(
+    tables: Tables,
+    estimates: pd.DataFrame,
+    predictions: pd.DataFrame,
+    rso: Rso,
+    *,
+    bounds: tuple[float, float],
+    integrator: Integrator,
+    threads: int = 1,
+    progress: Callable[[float], None] | None = None,
+) -> pd.DataFrame:
+    """The `sensitivities` table: for each pair of the predictions, in RSW of the predicted state.
+
+    s_*: change of the predicted state per unit of Cd, the estimated state held. v_*: the same where
+    the state moves along with Cd as the fit's own covariance has it, P_xc / P_cc. r_*: the
+    prediction less the one made again with the running mean of all Cd estimated so far within
+    `bounds`, which is in cd_mean. A pair without a prediction has no numbers.
+    tables: the assumed model, from `forces.build`; estimates, predictions: the tables; rso: whose
+    area, mass and Cr the arcs have.
+    """
+    reach = predictions.groupby("i", sort=True)["j"].max()
+    first, last = (np.searchsorted(estimates["track"], tracks) for tracks in (reach.index, reach))
+    started = estimates.iloc[first]
+    states, cd = started[STATE].to_numpy(), started["cd"].to_numpy()
+    mean = running_mean(estimates, bounds)[first]
+    neighbours = {
+        "s": (states, cd + _NUDGE),
+        "v": (states + _NUDGE * shift_with_cd(started), cd + _NUDGE),
+        "r": (states, mean),
+    }
+    change = {}
+    for turn, (name, (start, coefficient)) in enumerate(neighbours.items()):
+        arcs = propagate(
+            tables,
+            estimates["t"].to_numpy(),
+            start,
+            first=first,
+            last=last,
+            ballistic=coefficient * rso.area_to_mass,
+            reflection=np.full(len(first), rso.cr * rso.area_to_mass),
+            integrator=integrator,
+            threads=threads,
+            progress=progress and (lambda share, turn=turn: progress((turn + share) / len(neighbours))),
+        )
+        change[name] = in_rsw_of(predictions, arcs.states - predictions[STATE].to_numpy())
+    table = {"i": predictions["i"], "j": predictions["j"], "cd_mean": np.repeat(mean, last - first)}
+    for name, scale in (("s", 1.0 / _NUDGE), ("v", 1.0 / _NUDGE), ("r", -1.0)):
+        table |= {f"{name}_{axis}": scale * change[name][:, k] for k, axis in enumerate(STATE)}
+    return pd.DataFrame(table)
+
+
+def in_rsw_of(predictions: pd.DataFrame, difference: np.ndarray) -> np.ndarray:
+    """Differences (n, 6) of GCRF states [m, m/s] turned into RSW of the predicted states, (n, 6)."""
+    rotation = rsw_rotation(predictions[STATE].to_numpy())
+    return np.einsum("nij,nkj->nki", rotation, difference.reshape(-1, 2, 3)).reshape(-1, 6)
+
+
+def running_mean(estimates: pd.DataFrame, bounds: tuple[float, float]) -> np.ndarray:
+    """Mean of the Cd of all usable estimates up to and with each one; its own where there was none."""
+    cd, use = estimates["cd"].to_numpy(), usable(estimates, bounds)
+    count, total = np.cumsum(use), np.cumsum(np.where(use, cd, 0.0))
+    return np.where(count > 0, total / np.maximum(count, 1), cd)
+
+
+def usable(estimates: pd.DataFrame, bounds: tuple[float, float]) -> np.ndarray:
+    """Which estimates converged with their Cd within `bounds` (bool, one an estimate)."""
+    return (estimates["converged"] & estimates["cd"].between(*bounds)).to_numpy()
+
+
+def shift_with_cd(estimates: pd.DataFrame) -> np.ndarray:
+    """Change of the estimated state per unit of Cd along the fit's covariance, (n, 6); 0 where Cd was held.
+
+    It is what the fit would have found for the state had Cd been given: the conditional mean of
+    the state given Cd.
+    """
+    shared = estimates[[f"cov_cd_{name}" for name in STATE]].to_numpy()
+    own = estimates["cov_cd_cd"].to_numpy()[:, None]
+    return np.divide(shared, own, out=np.zeros_like(shared), where=own > 0.0)

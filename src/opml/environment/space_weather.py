@@ -1,0 +1,136 @@
+"""Observed space weather, day by day, as DTM2000 asks for it: CSSI's files, which CelesTrak keeps.
+
+Both of its forms are read: comma-separated (SW-All.csv) and fixed columns (SpaceWeather-All-v1.2.txt).
+Format: CelesTrak, Space Weather Data Documentation; inputs of DTM2000: Bruinsma, Thuillier & Barlier 2003.
+A step of Kp becomes a ramp over the hour before it, as the nodes are hourly and looked up linearly.
+"""
+
+import csv
+import re
+from collections.abc import Iterator
+from datetime import date
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from opml import epochs
+from opml.errors import InputError
+
+KP = [f"KP{k}" for k in range(1, 9)]
+_FLUX = ["F10.7_OBS", "F10.7_OBS_CENTER81"]
+_FIGURES = [*KP, *_FLUX]
+_TEXT_TITLE = "DATATYPE CssiSpaceWeather"
+_TEXT_SECTION = re.compile(r"(BEGIN|END) (\w+)")
+_TEXT_DAILY = ("OBSERVED", "DAILY_PREDICTED")
+# FORMAT(I4,I3,I3,I5,I3,8I3,I4,8I4,I4,F4.1,I2,I4,F6.1,I2,5F6.1): the flux as observed is the fourth of six.
+_TEXT_COLUMNS = [slice(18 + 3 * k, 21 + 3 * k) for k in range(8)] + [slice(112, 118), slice(118, 124)]
+
+_INTERVALS = 8  # of Kp in a day
+_DELAY = 1  # intervals by which DTM2000's Kp lags: 3 hours
+_MEASURED = 20.0 / 24.0
+"""Time of day at which the flux of a date is measured: local noon at Penticton, 20:00 UTC."""
+_ROUNDING = 1e-8
+"""Part of a day [d] that an epoch may miss a whole hour by, through rounding."""
+
+
+def is_one(text: str) -> bool:
+    """Whether a file's text is space weather in either form."""
+    return _TEXT_TITLE in text or _heading(text.splitlines()) is not None
+
+
+def read(path: str | Path, text: str) -> pd.DataFrame:
+    """Daily space weather of a file's `text`; `path` is for what is said of it.
+
+    Index: modified Julian days (UTC), one after the other; columns KP1 to KP8 (thirds), F10.7_OBS and
+    F10.7_OBS_CENTER81 [sfu], as observed: not reduced to 1 au, since the atmosphere feels what arrives.
+    Ends before the first day without Kp, where the monthly predictions begin. Raises InputError for a
+    malformed line and a day that is missing or out of order.
+    """
+    rows = _text_rows if _TEXT_TITLE in text else _csv_rows
+    days = []
+    for line, day, figures in rows(text.splitlines()):
+        if not all(figure.strip() for figure in figures[: len(KP)]):
+            break
+        days.append(_day(path, line, day, figures))
+        if len(days) > 1 and days[-1][0] != days[-2][0] + 1:
+            expected, got = (epochs.calendar(mjd) for mjd in (days[-2][0] + 1, days[-1][0]))
+            raise InputError(f"{path}: line {line}: expected the day {expected}, got {got}")
+    if len(days) < 2:
+        raise InputError(f"{path}: expected at least two days with Kp, got {len(days)}")
+    weather = pd.DataFrame(days, columns=["mjd", *_FIGURES]).set_index("mjd")
+    # Kp comes in thirds, which the files print as ten times its value rounded: 3, 7, 10.
+    weather[KP] = np.round(0.3 * weather[KP]) / 3.0
+    return weather
+
+
+def tabulate(path: str | Path, text: str, epoch: str, t: np.ndarray) -> pd.DataFrame:
+    """Table `solar_activity` at times `t` [s since `epoch`], shape (n,).
+
+    Columns t [s]; f107: flux of 24 hours before, f107_mean: its centred 81-day mean [sfu], both linear
+    between the daily measurements; kp_3h: Kp of the three-hour interval before the one at t;
+    kp_24h: mean of it and the seven before. Raises InputError for dates outside the file's.
+    """
+    weather = read(path, text)
+    t = np.asarray(t, dtype=float)
+    whole, part = epochs.utc(epoch, t)
+    day = (whole - 2400000.5) + part
+    first, last = weather.index[0], weather.index[-1]
+    if day.min() < first + 1.0 + _MEASURED or day.max() > last + _MEASURED:
+        raise InputError(
+            f"{Path(path).name}: epoch: expected dates from {epochs.calendar(first + 2)} to "
+            f"{epochs.calendar(last - 1)}, "
+            f"got {t.min() / 86400.0:+.2f} to {t.max() / 86400.0:+.2f} days from {epoch}"
+        )
+    measured = weather.index.to_numpy() + _MEASURED
+    kp = weather[KP].to_numpy().ravel()
+    sums = np.concatenate([[0.0], np.cumsum(kp)])
+    interval = np.floor(_INTERVALS * (day - first + _ROUNDING)).astype(int) - _DELAY
+    return pd.DataFrame(
+        {
+            "t": t,
+            "f107": np.interp(day - 1.0, measured, weather["F10.7_OBS"]),
+            "f107_mean": np.interp(day, measured, weather["F10.7_OBS_CENTER81"]),
+            "kp_3h": kp[interval],
+            "kp_24h": (sums[interval + 1] - sums[interval + 1 - _INTERVALS]) / _INTERVALS,
+        }
+    )
+
+
+def _heading(lines: list[str]) -> int | None:
+    """Index of the line that names the columns, if there is one."""
+    for number, line in enumerate(lines):
+        if line and not line.startswith("#"):
+            return number if {"DATE", *_FIGURES} <= set(line.split(",")) else None
+    return None
+
+
+def _csv_rows(lines: list[str]) -> Iterator[tuple[int, str, list[str]]]:
+    """Line, date and figures of each day of the comma-separated form."""
+    first = _heading(lines)
+    for number, row in enumerate(csv.DictReader(lines[first:]), start=first + 2):
+        yield number, row["DATE"], [row[name] or "" for name in _FIGURES]
+
+
+def _text_rows(lines: list[str]) -> Iterator[tuple[int, str, list[str]]]:
+    """Line, date and figures of each day of the form in fixed columns."""
+    section = ""
+    for number, line in enumerate(lines, start=1):
+        if match := _TEXT_SECTION.match(line):
+            section = match[2] if match[1] == "BEGIN" else ""
+        elif section in _TEXT_DAILY and line.strip():
+            figures = [line[columns] for columns in _TEXT_COLUMNS]
+            yield number, "-".join(line[:10].split()), figures
+
+
+def _day(path: str | Path, line: int, day: str, figures: list[str]) -> list[float]:
+    """Modified Julian day and figures of a row."""
+    try:
+        mjd = date.fromisoformat(day).toordinal() - date(1858, 11, 17).toordinal()
+        values = [float(figure) for figure in figures]
+    except ValueError:
+        values = [np.nan]
+    if not np.all(np.isfinite(values)):
+        got = " ".join([day, *map(str.strip, figures)])
+        raise InputError(f"{path}: line {line}: expected a date, eight Kp and two fluxes, got '{got}'")
+    return [mjd, *values]

@@ -1,0 +1,48 @@
+"""What a learner is given: rows of learning variables and a target, checked and standardised."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from opml.errors import InputError
+
+
+def checked(x: np.ndarray, variables: Sequence[str]) -> np.ndarray:
+    """Rows x (n, variables) as floats; raises InputError for another shape or a value that is not finite."""
+    x = np.asarray(x, dtype=float)
+    if x.ndim != 2 or x.shape[1] != len(variables):
+        raise InputError(
+            f"learning variables: expected {len(variables)} columns, got an array of shape {x.shape}"
+        )
+    finite = np.isfinite(x).all(axis=0)
+    if not finite.all():
+        raise InputError(
+            f"learning variable {variables[int(np.argmin(finite))]}: expected finite values only"
+        )
+    return x
+
+
+def checked_target(y: np.ndarray, count: int, *, least: int) -> np.ndarray:
+    """Target y (count,) as floats; raises InputError for fewer than `least` or a value that is not finite."""
+    y = np.asarray(y, dtype=float)
+    if count < least:
+        raise InputError(f"training rows: expected at least {least}, got {count}")
+    if y.shape != (count,) or not np.all(np.isfinite(y)):
+        raise InputError(f"target: expected {count} finite values, got {np.count_nonzero(np.isfinite(y))}")
+    return y
+
+
+def standardisation(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Mean and sample deviation (variables,) of rows x; 1 for a variable that never changes."""
+    mean, scale = x.mean(axis=0), x.std(axis=0, ddof=1)
+    # A variable that never changes tells nothing; scale 1 keeps it at zero, in later rows too if it stays
+    # there. Its computed deviation may be rounding noise instead of 0, hence the test on the range.
+    scale[np.ptp(x, axis=0) == 0.0] = 1.0
+    return mean, scale
+
+
+def subsample(count: int, limit: int, rng: np.random.Generator) -> np.ndarray:
+    """At most `limit` of the row numbers 0 to count - 1, ascending."""
+    if count <= limit:
+        return np.arange(count)
+    return np.sort(rng.choice(count, limit, replace=False))

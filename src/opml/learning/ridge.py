@@ -1,0 +1,68 @@
+"""Ridge regression: the linear model of the same standardised variables."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+import pandas as pd
+from threadpoolctl import threadpool_limits
+
+from opml.learning.inputs import checked, checked_target, standardisation
+
+
+@dataclass(frozen=True, eq=False)
+class RidgeModel:
+    """f(x) = offset + sum_k coefficient_k (x_k - mean_k) / scale_k."""
+
+    variables: tuple[str, ...]
+    x_mean: np.ndarray  # (variables,)
+    x_scale: np.ndarray  # (variables,)
+    coefficient: np.ndarray  # (variables,) in the target's unit
+    offset: float
+
+    def predict(self, x: np.ndarray) -> np.ndarray:
+        """Predicted target (n,) in its own unit; raises InputError as `checked` does."""
+        z = (checked(x, self.variables) - self.x_mean) / self.x_scale
+        return self.offset + np.einsum("nk,k->n", z, self.coefficient)
+
+    def to_table(self) -> tuple[pd.DataFrame, dict]:
+        """One row a variable, and metadata of JSON-able values."""
+        table = pd.DataFrame(
+            {
+                "variable": list(self.variables),
+                "x_mean": self.x_mean,
+                "x_scale": self.x_scale,
+                "coefficient": self.coefficient,
+            }
+        )
+        return table, {"kind": "ridge", "variables": list(self.variables), "offset": self.offset}
+
+    @classmethod
+    def from_table(cls, table: pd.DataFrame, metadata: Mapping) -> Self:
+        """The model that `to_table` wrote, bit for bit."""
+        columns = (table[name].to_numpy() for name in ("x_mean", "x_scale", "coefficient"))
+        return cls(tuple(metadata["variables"]), *columns, metadata["offset"])
+
+
+def fit(
+    x: np.ndarray,
+    y: np.ndarray,
+    *,
+    variables: Sequence[str],
+    settings: Mapping,
+    seed: int,
+    groups: np.ndarray | None = None,
+) -> RidgeModel:
+    """Least squares of y (n,) on standardised x (n, variables), plus alpha times the squared coefficients.
+
+    `settings` holds alpha. Raises InputError for too few rows or values that are not finite.
+    """
+    x = checked(x, variables)
+    y = checked_target(y, len(x), least=2)
+    mean, scale = standardisation(x)
+    z, offset = (x - mean) / scale, float(y.mean())
+    with threadpool_limits(limits=1, user_api="blas"):  # sums in one order, whatever the machine
+        normal = z.T @ z + settings["alpha"] * np.eye(z.shape[1])
+        coefficient = np.linalg.lstsq(normal, z.T @ (y - offset))[0]
+    return RidgeModel(tuple(variables), mean, scale, coefficient, offset)

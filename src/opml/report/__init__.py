@@ -1,0 +1,1 @@
+"""Tables to read: the settings as the paper tabulates them, and its numbers beside ours."""

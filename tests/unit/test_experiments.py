@@ -1,0 +1,131 @@
+"""Experiments: what the settings ask for, as names."""
+
+import copy
+from pathlib import Path
+
+import pytest
+
+from opml import experiments
+from opml.config import read_yaml
+from opml.experiments import Experiment
+from opml.sheets import read_rsos
+
+ROOT = Path(__file__).parents[2]
+PAPER = read_yaml(ROOT / "config" / "config.yaml")
+RSOS = read_rsos(ROOT / "config" / "rsos.tsv")
+OWN = Experiment("iss", "eglin", "random-80", "svr", "e_y", "iss", "rest")
+
+
+@pytest.fixture
+def values():
+    return copy.deepcopy(PAPER)
+
+
+def test_entry_takes_the_defaults(values):
+    values["experiments"]["evaluations"] = {"mine": {"train": "random-80", "test": "rest"}}
+    assert experiments.evaluations(values) == {
+        "mine": Experiment("iss", "eglin-clear-kaena", "random-80", "svr", "e_y", "iss", "rest")
+    }
+
+
+def test_entry_of_another_rso_is_tested_on_itself(values):
+    values["experiments"]["evaluations"] = {"mine": {"rso": "lares", "train": "random-80", "test": "rest"}}
+    assert experiments.evaluations(values)["mine"].target == "lares"
+
+
+def test_sections_are_the_papers():
+    found = {name: one.section[0] for name, one in experiments.evaluations(PAPER).items()}
+    assert found == {
+        "svr_training_1station": "4",
+        "svr_testing_1station": "4",
+        "svr_testing_3stations": "4",
+        "future_5days": "5",
+        "future_10days": "5",
+        "future_15days": "5",
+        "inclination_50": "6",
+        "semi_major_axis_50": "6",
+    }
+
+
+def test_headlines_are_the_papers_numbers_in_its_order():
+    assert {one.name: one.published for one in experiments.headlines(PAPER)} == {
+        "svr_training_1station": 18.3,
+        "svr_testing_1station": 22.6,
+        "svr_testing_3stations": 9.6,
+        "partition_40": 14.8,
+        "partition_90": 9.7,
+        "future_10days": 35.5,
+        "inclination_50": 40.2,
+        "semi_major_axis_50": 86.0,
+    }
+    assert [one.experiment.section[0] for one in experiments.headlines(PAPER)] == list("44444566")
+
+
+def test_curves_name_the_training_rso_once():
+    assert experiments.targets(PAPER, "inclination", RSOS) == {
+        "iss_i48": 48,
+        "iss_i50": 50,
+        "iss": 51.6393,
+        "iss_i52": 52,
+        "iss_i54": 54,
+    }
+    assert list(experiments.targets(PAPER, "semi_major_axis", RSOS)) == [
+        "iss",
+        *(f"iss_a+{km}" for km in range(10, 101, 10)),
+    ]
+    assert len(experiments.curve(PAPER, "inclination", RSOS)) == 10
+
+
+def test_drawn_seeds_multiply_the_curves(values):
+    assert experiments.drawn_seeds(values, OWN) == [OWN]
+    values["experiments"]["seeds"] |= {"split": [42, 43], "noise": [42, 7]}
+    assert [(one.stations, one.train) for one in experiments.drawn_seeds(values, OWN)] == [
+        ("eglin", "random-80"),
+        ("eglin", "random-80_split43"),
+        ("eglin_noise7", "random-80"),
+        ("eglin_noise7", "random-80_split43"),
+    ]
+
+
+def test_spread_over_noise_is_not_asked_of_a_transfer():
+    assert len(experiments.noise_spread(PAPER, OWN)) == 5
+    transfer = experiments.evaluations(PAPER)["inclination_50"]
+    assert experiments.noise_spread(PAPER, transfer) == []
+    assert len(experiments.split_spread(PAPER, transfer)) == 5
+
+
+@pytest.mark.parametrize(
+    ("name", "part", "random", "future"),
+    [
+        ("previous_track", "reading", "_track", "_track"),
+        ("without_cd", "learner", "svrnocd", "svrnocd"),
+        ("unseen_windows", "test", None, "days-30-40-unseen"),
+        ("grouped_split", "train", "grouped-80", None),
+        ("cv_scale", "learner", "svrcv", "svrcv"),
+    ],
+)
+def test_reading_changes_one_part_or_nothing(name, part, random, future):
+    for key, expected in (("svr_testing_1station", random), ("future_10days", future)):
+        own = experiments.evaluations(PAPER)[key]
+        read = experiments.reading(PAPER, name, own)
+        if expected is None:
+            assert read is None
+        else:
+            assert read.names() == own.names() | {part: expected}
+
+
+def test_reading_that_is_the_settings_own_is_none(values):
+    values["cleaning"]["previous"] = "track"
+    assert experiments.reading(values, "previous_track", OWN) is None
+
+
+def test_reported_are_all_and_each_once():
+    found = experiments.reported(PAPER, RSOS)
+    assert len(found) == len(set(found))
+    for one in (
+        *experiments.partitions(PAPER),
+        *experiments.kernel_scales(PAPER),
+        *experiments.grid(PAPER, "rso").values(),
+        *experiments.curve(PAPER, "semi_major_axis", RSOS),
+    ):
+        assert one in found

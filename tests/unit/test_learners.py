@@ -1,0 +1,294 @@
+"""Every learner behind the one interface: what it predicts, and that its file is the model."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+from sklearn.ensemble import HistGradientBoostingRegressor
+from sklearn.gaussian_process import GaussianProcessRegressor
+from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
+from sklearn.linear_model import QuantileRegressor, Ridge
+
+from opml.errors import InputError
+from opml.learning import boosting, gaussian_process, learners, mechanism, mlp, ridge
+from opml.tables import read_metadata, read_table, write_table
+
+VARIABLES = ["duration", "d_a", "cd", "v_y"]
+BOOSTING = {"kind": "boosting", "trees": 40, "leaves": 7, "learning_rate": 0.2, "min_rows": 5}
+MECHANISM = {"kind": "mechanism", "terms": ["v", "v*cd"]}
+SETTINGS = {
+    "none": {"kind": "none"},
+    "duration_mean": {"kind": "duration_mean", "bin_hours": 12},
+    "repredict": {"kind": "repredict"},
+    "ridge": {"kind": "ridge", "alpha": 0.5},
+    "mechanism": MECHANISM,
+    "boosting": BOOSTING,
+    "gaussian_process": {"kind": "gaussian_process", "rows": 120},
+    "mlp": {"kind": "mlp", "neurons": [12, 8], "alpha": 1e-3, "epochs": 60},
+    "svr": {"kind": "svr", "kernel_scale": "sigest", "c": 1.0, "epsilon": 0.1, "tol": 1e-3},
+    "stacked": {"kind": "stacked", "first": MECHANISM, "second": BOOSTING},
+}
+KINDS = pytest.mark.parametrize("kind", list(SETTINGS))
+
+
+def sample(count, seed=0):
+    """Rows whose error is V (Cd - 2.2) but for noise and, through d_a, something that is no mechanism."""
+    rng = np.random.default_rng(seed)
+    duration = rng.uniform(3600.0, 6e5, count)
+    cd, d_a = rng.normal(2.2, 0.02, count), rng.normal(0.0, 300.0, count)
+    v = 5e5 * (duration / 6e5) ** 2
+    error = v * (cd - 2.2)
+    y = error + 800.0 * np.sin(d_a / 200.0) + 50.0 * rng.standard_t(2, count)
+    return pd.DataFrame({"duration": duration, "d_a": d_a, "cd": cd, "v_y": v, "r_y": error}), y
+
+
+def trained(kind, rows, y, seed=42, changes=None):
+    settings = learners.resolved(SETTINGS[kind] | (changes or {}), component="e_y", variables=VARIABLES)
+    names = settings["variables"]
+    return learners.fit(rows[names].to_numpy(), y, variables=names, settings=settings, seed=seed)
+
+
+def predicted(model, rows):
+    return model.predict(rows[list(model.variables)].to_numpy())
+
+
+@pytest.fixture(scope="module")
+def models():
+    """A model of each kind."""
+    return {kind: trained(kind, *sample(400)) for kind in SETTINGS}
+
+
+@KINDS
+def test_saved_and_loaded_bit_for_bit(tmp_path, models, kind):
+    model, (new, _) = models[kind], sample(700, seed=1)
+    table, metadata = model.to_table()
+    path = tmp_path / "model.parquet"
+    write_table(path, table, learners.schema(metadata), metadata=metadata | {"component": "e_y"})
+    described = read_metadata(path)
+    loaded = learners.from_table(read_table(path, learners.schema(described)), described)
+    assert loaded.variables == model.variables
+    np.testing.assert_array_equal(predicted(loaded, new), predicted(model, new))
+    again, metadata_again = loaded.to_table()
+    pd.testing.assert_frame_equal(again, table, check_exact=True, check_dtype=False)
+    assert json.dumps(metadata_again) == json.dumps(metadata)
+
+
+@KINDS
+def test_the_same_rows_and_seed_make_the_same_model(models, kind):
+    table, metadata = trained(kind, *sample(400)).to_table()
+    expected, metadata_expected = models[kind].to_table()
+    pd.testing.assert_frame_equal(table, expected, check_exact=True)
+    assert metadata == metadata_expected
+
+
+@KINDS
+def test_predicting_no_rows(models, kind):
+    assert predicted(models[kind], sample(3)[0].iloc[:0]).shape == (0,)
+
+
+@pytest.mark.parametrize("kind", [kind for kind in SETTINGS if kind != "none"])
+def test_values_that_are_not_finite_are_refused(models, kind):
+    rows, y = sample(60)
+    variable = models[kind].variables[-1]
+    broken = rows.assign(**{variable: np.where(np.arange(60) == 7, np.nan, rows[variable])})
+    with pytest.raises(InputError, match=f"learning variable {variable}: expected finite"):
+        predicted(models[kind], broken)
+    with pytest.raises(InputError, match=f"learning variable {variable}: expected finite"):
+        trained(kind, broken, y)
+
+
+@pytest.mark.parametrize("kind", [kind for kind in SETTINGS if kind not in ("none", "repredict")])
+def test_a_target_that_is_not_finite_is_refused(kind):
+    rows, y = sample(60)
+    with pytest.raises(InputError, match="target: expected 60 finite values, got 59"):
+        trained(kind, rows, np.where(np.arange(60) == 3, np.inf, y))
+
+
+def test_what_each_kind_is_worth_on_what_it_can_learn(models):
+    new, y = sample(2000, seed=1)
+    left = {kind: np.abs(y - predicted(model, new)).sum() / np.abs(y).sum() for kind, model in models.items()}
+    assert left["none"] == 1.0
+    assert left["duration_mean"] == pytest.approx(1.0, abs=0.05)
+    mechanism_leaves = np.abs(y - new["r_y"]).sum() / np.abs(y).sum()
+    assert left["repredict"] == pytest.approx(mechanism_leaves)
+    assert left["mechanism"] == pytest.approx(mechanism_leaves, abs=0.01)
+    assert left["stacked"] < 0.5 * left["mechanism"]
+    assert left["mechanism"] < left["boosting"] < left["ridge"] < 1.0
+    assert left["gaussian_process"] < left["ridge"]
+    assert left["mlp"] < left["ridge"]
+
+
+def test_no_correction_is_zero():
+    rows, _ = sample(5)
+    assert predicted(trained("none", rows, np.ones(5)), rows).tolist() == [0.0] * 5
+
+
+def test_mean_by_duration_is_the_mean_of_a_bin():
+    hours = np.array([1.0, 3.0, 13.0, 15.0, 40.0])
+    rows, y = pd.DataFrame({"duration": hours * 3600.0}), np.array([1.0, 3.0, 10.0, 30.0, 5.0])
+    model = trained("duration_mean", rows, y)
+    at = pd.DataFrame({"duration": np.array([0.0, 2.0, 8.0, 14.0, 40.0, 99.0]) * 3600.0})
+    assert predicted(model, at).tolist() == pytest.approx([2.0, 2.0, 11.0, 20.0, 5.0, 5.0])
+
+
+def test_ridge_is_scikit_learns(models):
+    rows, y = sample(400)
+    model, x = models["ridge"], rows[VARIABLES].to_numpy()
+    expected = Ridge(alpha=0.5).fit((x - model.x_mean) / model.x_scale, y)
+    np.testing.assert_allclose(model.coefficient, expected.coef_, rtol=1e-9)
+    assert model.offset == pytest.approx(expected.intercept_)
+
+
+def test_ridge_passes_over_a_constant_variable():
+    rows, y = sample(100)
+    rows = rows.assign(d_a=0.1)
+    assert trained("ridge", rows, y).coefficient[1] == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("terms", [["v_y", "v_y*cd"], ["v_y"], ["v_y", "v_y*cd", "duration*duration"]])
+def test_the_mechanism_minimises_absolute_deviations(terms):
+    rows, y = sample(800)
+    x = mechanism.products(rows[VARIABLES].to_numpy(), VARIABLES, terms)
+    scale = np.abs(x).mean(axis=0)
+    machine = QuantileRegressor(quantile=0.5, alpha=0.0, fit_intercept=False).fit(x / scale, y)
+    least = np.abs(y - x / scale @ machine.coef_).sum()
+    ours = np.abs(y - x @ mechanism.least_absolute_deviations(x, y)).sum()
+    assert ours == pytest.approx(least, rel=1e-6)
+    assert ours >= least * (1.0 - 1e-9)
+
+
+def test_the_mechanisms_coefficients_mean_something(models):
+    model = models["mechanism"]
+    assert model.terms == ("v_y", "v_y*cd")
+    assert model.coefficient[1] == pytest.approx(1.0, abs=0.02)
+    assert -model.coefficient[0] / model.coefficient[1] == pytest.approx(2.2, abs=1e-3)
+
+
+def test_an_exact_law_is_found_and_outliers_do_not_matter():
+    rows, _ = sample(60)
+    x = mechanism.products(rows[VARIABLES].to_numpy(), VARIABLES, ["v_y", "v_y*cd"])
+    y = x @ [-2.2, 1.0]
+    np.testing.assert_allclose(mechanism.least_absolute_deviations(x, y), [-2.2, 1.0], rtol=1e-9)
+    y[::4] += 1e6
+    np.testing.assert_allclose(mechanism.least_absolute_deviations(x, y), [-2.2, 1.0], rtol=1e-3)
+
+
+def test_a_term_that_vanishes_or_repeats_does_no_harm():
+    # An orbit above the drag: Cd was held, so nothing answers to it.
+    x = np.array([[1.0, 0.0, 2.0], [2.0, 0.0, 4.0], [-1.0, 0.0, -2.0]])
+    b = mechanism.least_absolute_deviations(x, np.array([3.0, 6.0, -3.0]))
+    np.testing.assert_allclose(x @ b, [3.0, 6.0, -3.0], rtol=1e-6)
+    assert b[1] == 0.0
+    assert mechanism.least_absolute_deviations(np.zeros((4, 2)), np.ones(4)).tolist() == [0.0, 0.0]
+
+
+def test_a_factor_that_is_no_variable_is_named():
+    with pytest.raises(InputError, match="terms: expected products of a, b, got c"):
+        mechanism.fit(np.ones((9, 2)), np.ones(9), variables=["a", "b"], settings={"terms": ["a*c"]}, seed=1)
+
+
+def test_boosting_is_scikit_learns(models):
+    rows, y = sample(400)
+    new, _ = sample(3000, seed=1)
+    machine = HistGradientBoostingRegressor(
+        loss="absolute_error",
+        max_iter=40,
+        max_leaf_nodes=7,
+        learning_rate=0.2,
+        min_samples_leaf=5,
+        early_stopping=False,
+        random_state=0,
+    ).fit(rows[VARIABLES].to_numpy(), y)
+    np.testing.assert_allclose(
+        predicted(models["boosting"], new), machine.predict(new[VARIABLES].to_numpy()), rtol=1e-12, atol=1e-9
+    )
+    # On thresholds too: training rows are what the bins were made of.
+    np.testing.assert_allclose(
+        predicted(models["boosting"], rows),
+        machine.predict(rows[VARIABLES].to_numpy()),
+        rtol=1e-12,
+        atol=1e-9,
+    )
+
+
+def test_a_gaussian_process_is_the_posterior_mean_of_its_kernel():
+    rows, y = sample(100)
+    model = trained("gaussian_process", rows, y)
+    assert model.rows == 100
+    kernel = ConstantKernel(model.amplitude**2) * RBF(model.length) + WhiteKernel(model.noise**2)
+    z = (rows[VARIABLES].to_numpy() - model.x_mean) / model.x_scale
+    machine = GaussianProcessRegressor(kernel, optimizer=None).fit(z, (y - model.offset) / model.y_scale)
+    new, _ = sample(50, seed=1)
+    z = (new[VARIABLES].to_numpy() - model.x_mean) / model.x_scale
+    expected = model.offset + model.y_scale * machine.predict(z)
+    np.testing.assert_allclose(predicted(model, new), expected, rtol=1e-5, atol=1e-3 * model.y_scale)
+
+
+def test_a_gaussian_process_draws_its_rows_with_the_seed():
+    rows, y = sample(300)
+    one, other = (trained("gaussian_process", rows, y, seed=seed, changes={"rows": 60}) for seed in (1, 2))
+    assert one.rows == 60
+    assert not np.array_equal(one.vectors, other.vectors)
+
+
+def test_a_perceptron_is_scikit_learns(monkeypatch):
+    from sklearn import neural_network
+
+    made = []
+
+    class Kept(neural_network.MLPRegressor):
+        def __init__(self, **options):
+            super().__init__(**options)
+            made.append(self)
+
+    monkeypatch.setattr(neural_network, "MLPRegressor", Kept)
+    rows, y = sample(200)
+    model = trained("mlp", rows, y)
+    z = (rows[VARIABLES].to_numpy() - model.x_mean) / model.x_scale
+    expected = model.offset + model.y_scale * made[0].predict(z)
+    np.testing.assert_allclose(predicted(model, rows), expected, rtol=1e-9, atol=1e-6)
+    assert [weight.shape for weight in model.weights] == [(4, 12), (12, 8), (8, 1)]
+
+
+@pytest.mark.parametrize("module", [boosting, gaussian_process, mlp, ridge])
+def test_too_few_rows_are_refused(module):
+    with pytest.raises(InputError, match="training rows: expected at least 2, got 1"):
+        module.fit(np.ones((1, 1)), np.ones(1), variables=["a"], settings={}, seed=1)
+
+
+def test_the_second_of_a_stack_learns_what_the_first_leaves(models):
+    rows, y = sample(400)
+    first = models["mechanism"]
+    second = trained("boosting", rows, y - predicted(first, rows))
+    expected = predicted(first, rows) + predicted(second, rows)
+    np.testing.assert_array_equal(predicted(models["stacked"], rows), expected)
+
+
+def test_settings_are_resolved_for_a_component():
+    known = ["duration", "cd_b"]
+
+    def resolve(settings):
+        return learners.resolved(settings, component="e_vx", variables=known)
+
+    assert resolve({"kind": "none"})["variables"] == []
+    assert resolve({"kind": "duration_mean", "bin_hours": 1})["variables"] == ["duration"]
+    assert resolve({"kind": "repredict"})["variables"] == ["r_vx"]
+    assert resolve({"kind": "ridge", "alpha": 1}) == {"kind": "ridge", "alpha": 1, "variables": known}
+    assert resolve({"kind": "svr", "without": ["cd_b"]}) == {"kind": "svr", "variables": ["duration"]}
+    assert resolve({"kind": "mlp", "variables": ["v", "cd"]})["variables"] == ["v_vx", "cd"]
+    law = {"kind": "mechanism", "terms": ["l", "v_long", "v_long*cd_long", "cos_2_31"]}
+    found = resolve(law)
+    assert found["terms"] == ["l_vx", "v_long_vx", "v_long_vx*cd_long", "cos_2_31"]
+    assert found["variables"] == ["l_vx", "v_long_vx", "cd_long", "cos_2_31"]
+    stack = resolve({"kind": "stacked", "first": law, "second": {"kind": "ridge", "alpha": 1}})
+    assert stack["variables"] == [*found["variables"], *known]
+    assert stack["first"] == found
+    assert stack["second"]["variables"] == known
+
+
+def test_an_unknown_kind_is_named():
+    with pytest.raises(InputError, match=r"kind: expected svr, .*stacked, got oracle"):
+        learners.fit(np.ones((2, 1)), np.ones(2), variables=["a"], settings={"kind": "oracle"}, seed=1)
+    with pytest.raises(InputError, match="got oracle"):
+        learners.schema({"kind": "oracle", "variables": []})

@@ -1,0 +1,93 @@
+"""The mechanism's table: the long arc beside the short one, and what stands in where there is none."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from opml.catalog import mechanism
+from opml.catalog.truth import STATE
+from opml.elements import cartesian_from_coe, rsw_rotation
+from opml.tables import mechanism_schema, write_table
+
+GM = 3.986004415e14
+PAIRS = ((1, 15), (2, 31))
+AXES = ("x", "y", "z", "vx", "vy", "vz")
+T = np.array([0.0, 1e4, 5e4, 9e4])
+START, END = np.array([0, 0, 0, 1, 1, 2]), np.array([1, 2, 3, 2, 3, 3])
+
+
+def orbit(t):
+    coe = np.tile([6.8e6, 1e-3, 0.9, 0.3, 1.2, 0.0], (len(t), 1))
+    coe[:, 5] = np.sqrt(GM / 6.8e6**3) * t
+    return cartesian_from_coe(coe, GM)
+
+
+def estimates(cd, converged=True):
+    table = pd.DataFrame({"track": np.arange(4), "t": T, "cd": cd, "converged": converged})
+    return table.assign(**dict(zip(STATE, orbit(T).T, strict=True)))
+
+
+def predictions(offset):
+    """Predictions that are `offset` (6,) off the orbit, in RSW of the orbit."""
+    states = orbit(T[END])
+    moved = np.einsum("nji,kj->nki", rsw_rotation(states), np.reshape(offset, (2, 3))).reshape(-1, 6)
+    table = pd.DataFrame({"i": START, "j": END, "t_i": T[START], "t_j": T[END]})
+    return table.assign(**dict(zip(STATE, (states + moved).T, strict=True)))
+
+
+def sensitivities(value):
+    names = [f"{family}_{axis}" for family in "svr" for axis in AXES]
+    return pd.DataFrame({"i": START, "j": END, "cd_mean": 2.3, **dict.fromkeys(names, value)})
+
+
+def build(long_cd=(2.1, 2.2, 2.3, 2.4), converged=True, drop=()):
+    long_predictions = predictions([1.0, -200.0, 3.0, 0.1, 0.0, 0.0])
+    return mechanism.build(
+        estimates([2.0, 2.5, 2.2, 2.2]),
+        predictions(np.zeros(6)),
+        sensitivities(7.0),
+        long_estimates=estimates(list(long_cd), converged),
+        long_predictions=long_predictions.drop(index=list(drop)),
+        long_sensitivities=sensitivities(11.0).drop(index=list(drop)),
+        bounds=(1.2, 3.2),
+        resonances=PAIRS,
+        long_window_hours=12,
+        gm=GM,
+    )
+
+
+def test_the_long_arcs_difference_is_in_rsw_of_the_prediction():
+    table = build()
+    assert set(table.columns) == set(mechanism_schema(PAIRS).names)
+    expected = [-1.0, 200.0, -3.0, -0.1, 0.0, 0.0]
+    for axis, value in zip(AXES, expected, strict=True):
+        np.testing.assert_allclose(table[f"l_{axis}"], value, atol=1e-6)
+    assert (table["v_long_y"] == 11.0).all()
+    assert (table["v_y"] == 7.0).all()
+    np.testing.assert_array_equal(table["cd"], np.array([2.0, 2.5, 2.2])[START])
+    np.testing.assert_array_equal(table["cd_long"], np.array([2.1, 2.2, 2.3])[START])
+    np.testing.assert_allclose(table["d_cd_long"], np.array([0.0, 0.05, 0.1])[START], atol=1e-12)
+    assert table[["i", "j"]].to_numpy().tolist() == np.stack([START, END], axis=1).tolist()
+
+
+@pytest.mark.parametrize(
+    "without",
+    [
+        {"converged": [True, False, True, True]},
+        {"long_cd": (2.1, 5.0, 2.3, 2.4)},
+        {"drop": (3, 4)},
+    ],
+)
+def test_the_short_arc_stands_in_for_a_long_one_that_is_of_no_use(without):
+    table, whole = build(**without), build()
+    lost = table["i"] == 1
+    assert (table.loc[lost, [f"l_{axis}" for axis in AXES]] == 0.0).all(axis=None)
+    assert (table.loc[lost, "v_long_y"] == 7.0).all()
+    assert (table.loc[lost, "cd_long"] == 2.5).all()
+    np.testing.assert_allclose(table.loc[lost, "d_cd_long"], 0.2)
+    columns = [name for name in table if name != "d_cd_long"]  # a mean over fewer estimates
+    pd.testing.assert_frame_equal(table.loc[~lost, columns], whole.loc[~lost, columns])
+
+
+def test_is_written_as_its_schema_says(tmp_path):
+    write_table(tmp_path / "mechanism.parquet", build(), mechanism_schema(PAIRS), metadata={})

@@ -1,0 +1,136 @@
+"""Sensitivities to the drag coefficient, against differences made by hand."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from support import DAY
+
+from opml.catalog import prediction, sensitivity
+from opml.catalog.estimation import COVARIANCES
+from opml.catalog.truth import STATE
+from opml.dynamics.ensemble import Integrator, propagate
+from opml.elements import cartesian_from_coe, rsw_rotation
+from opml.tables import SCHEMAS
+
+TIMES = np.array([0.0, 0.3, 1.1, 2.0, 2.9]) * DAY
+CD = np.array([2.25, 2.1, 4.0, 2.3, 2.2])
+BOUNDS = (1.2, 3.2)
+ALONE = np.eye(7)  # a covariance without correlations
+AXES = ("x", "y", "z", "vx", "vy", "vz")
+
+
+def estimates(gm, covariance=ALONE, **columns):
+    """Estimates on one low orbit, each with the same covariance (7, 7) of PARAMETERS."""
+    coe = np.tile([6.77e6, 1e-3, 0.9, 0.3, 1.2, 0.0], (len(TIMES), 1))
+    coe[:, 5] = np.sqrt(gm / coe[0, 0] ** 3) * TIMES
+    lower = covariance[np.tril_indices(7)]
+    table = pd.DataFrame({"track": 10 + np.arange(len(TIMES)), "t": TIMES, "converged": True})
+    table[list(STATE)] = cartesian_from_coe(coe, gm)
+    table["cd"] = CD
+    return table.assign(**dict(zip(COVARIANCES, lower, strict=True)), **columns)
+
+
+@pytest.fixture(scope="module")
+def run(assumed_model, iss):
+    """Predictions and sensitivities of estimates with a covariance."""
+
+    def make(covariance=ALONE, keep=lambda pairs: pairs):
+        table = estimates(assumed_model.gm, covariance)
+        truth = table[["t", *STATE]]
+        pairs = keep(
+            prediction.predict_all(assumed_model, truth, table, iss, max_days=2.5, integrator=Integrator())
+        )
+        found = sensitivity.sensitivities(
+            assumed_model, table, pairs, iss, bounds=BOUNDS, integrator=Integrator()
+        )
+        return table, pairs, found
+
+    return make
+
+
+def flown(model, rso, state, cd, span):
+    """State after `span` [s] of an arc."""
+    arc = propagate(
+        model,
+        np.array([span[0], span[1]]),
+        state[None],
+        first=[0],
+        last=[1],
+        ballistic=[cd * rso.area_to_mass],
+        reflection=[rso.cr * rso.area_to_mass],
+        integrator=Integrator(),
+    )
+    return arc.of(0)[-1]
+
+
+def turned(pairs, row, difference):
+    rotation = rsw_rotation(pairs[list(STATE)].to_numpy()[row])
+    return np.concatenate([rotation @ difference[:3], rotation @ difference[3:]])
+
+
+def test_s_is_the_difference_of_two_arcs_in_rsw_of_the_prediction(run, assumed_model, iss):
+    table, pairs, found = run()
+    assert set(found.columns) == set(SCHEMAS["sensitivities"].names)
+    row = np.flatnonzero((pairs["i"] == 10) & (pairs["j"] == 13))[0]
+    start, span = table.loc[0, list(STATE)].to_numpy(float), (TIMES[0], TIMES[3])
+    up, down = (flown(assumed_model, iss, start, CD[0] + d, span) for d in (0.05, -0.05))
+    expected = turned(pairs, row, up - down) / 0.1
+    np.testing.assert_allclose(
+        found.loc[row, [f"s_{a}" for a in AXES]].to_numpy(float), expected, rtol=0.02, atol=1.0
+    )
+    assert expected[1] > 1e4  # more drag is ahead along the track
+
+
+def test_v_is_s_where_state_and_cd_are_not_correlated(run):
+    _, _, found = run(np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]))
+    for axis in AXES:
+        np.testing.assert_allclose(found[f"v_{axis}"], found[f"s_{axis}"], rtol=1e-9, atol=1e-9)
+
+
+def test_v_moves_the_state_along_the_covariance(run, assumed_model, iss):
+    covariance, shift = np.eye(7), np.array([30.0, -20.0, 10.0, 0.01, -0.03, 0.02])
+    covariance[6, :6] = covariance[:6, 6] = 0.25 * shift
+    covariance[6, 6] = 0.25
+    table, pairs, found = run(covariance)
+    np.testing.assert_allclose(sensitivity.shift_with_cd(table), np.tile(shift, (len(table), 1)))
+    start, span = table.loc[0, list(STATE)].to_numpy(float), (TIMES[0], TIMES[2])
+    up, down = (flown(assumed_model, iss, start + d * shift, CD[0] + d, span) for d in (0.05, -0.05))
+    row = np.flatnonzero((pairs["i"] == 10) & (pairs["j"] == 12))[0]
+    expected = turned(pairs, row, up - down) / 0.1
+    np.testing.assert_allclose(
+        found.loc[row, [f"v_{a}" for a in AXES]].to_numpy(float), expected, rtol=0.02, atol=1.0
+    )
+    assert abs(expected[1] - found["s_y"][row]) > 100.0
+
+
+def test_a_held_cd_has_no_shift(assumed_model):
+    assert not sensitivity.shift_with_cd(estimates(assumed_model.gm, np.zeros((7, 7)))).any()
+
+
+def test_r_leads_to_the_prediction_with_the_running_mean(run, assumed_model, iss):
+    table, pairs, found = run()
+    row = np.flatnonzero((pairs["i"] == 11) & (pairs["j"] == 13))[0]
+    mean = (2.25 + 2.1) / 2
+    assert found["cd_mean"][row] == pytest.approx(mean)
+    start = table.loc[1, list(STATE)].to_numpy(float)
+    again = flown(assumed_model, iss, start, mean, (TIMES[1], TIMES[3]))
+    expected = turned(pairs, row, pairs[list(STATE)].to_numpy()[row] - again)
+    np.testing.assert_allclose(
+        found.loc[row, [f"r_{a}" for a in AXES]].to_numpy(float), expected, rtol=1e-6, atol=1e-2
+    )
+
+
+def test_estimates_without_pairs_are_passed_over(run):
+    _, _, whole = run()
+    _, pairs, part = run(keep=lambda pairs: pairs[pairs["i"] % 2 == 0].reset_index(drop=True))
+    expected = whole[whole["i"] % 2 == 0].reset_index(drop=True)
+    assert part["i"].tolist() == pairs["i"].tolist()
+    pd.testing.assert_frame_equal(part, expected, check_exact=True)
+
+
+def test_a_running_mean_knows_only_the_past_and_only_what_is_usable():
+    table = pd.DataFrame(
+        {"cd": [9.0, 2.0, 2.4, -1.0, 2.2, 2.6], "converged": [True, True, True, True, False, True]}
+    )
+    expected = [9.0, 2.0, 2.2, 2.2, 2.2, 7.0 / 3.0]
+    np.testing.assert_allclose(sensitivity.running_mean(table, BOUNDS), expected)

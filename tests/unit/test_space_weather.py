@@ -1,0 +1,143 @@
+"""Observed space weather: both forms of CSSI's files, and what DTM2000 is given of them."""
+
+import numpy as np
+import pytest
+
+from opml import epochs
+from opml.environment import nodes, solar_activity, space_weather
+from opml.errors import InputError
+
+EPOCH = "2016-09-28T12:09:45"
+CSV = """# a comment
+DATE,ND,KP1,KP2,KP3,KP4,KP5,KP6,KP7,KP8,KP_SUM,F10.7_OBS,F10.7_ADJ,F10.7_DATA_TYPE,F10.7_OBS_CENTER81
+2016-12-28,1,0,3,7,10,13,17,20,23,93,70.0,1.0,OBS,75.0
+2016-12-29,2,27,30,33,37,40,43,47,50,307,80.0,1.0,OBS,77.0
+2016-12-30,3,0,0,0,0,0,0,0,0,0,90.0,1.0,OBS,79.0
+2016-12-31,4,10,10,10,10,10,10,10,10,80,91.0,1.0,PRD,81.0
+2017-02-01,5,,,,,,,,,,92.0,1.0,PRM,82.0
+"""
+
+
+def fixed_columns(line):
+    """A day of the comma-separated form in the fixed columns of SpaceWeather-All-v1.2.txt."""
+    day, _, *kp, total, flux, _, _, mean = line.split(",")
+    return (
+        f"{day.replace('-', ' ')} 2501 22"
+        + "".join(f"{figure:>3}" for figure in kp)
+        + f"{total:>4}{8 * '   7'}   5 0.2 0   0   1.0 0   1.0   1.0{flux:>6}{mean:>6}   1.0\n"
+    )
+
+
+DAYS = [fixed_columns(line) for line in CSV.splitlines()[2:]]
+TEXT = f"""DATATYPE CssiSpaceWeather
+VERSION 1.2
+# FORMAT(I4,I3,I3,I5,I3,8I3,I4,8I4,I4,F4.1,I2,I4,F6.1,I2,5F6.1)
+NUM_OBSERVED_POINTS 3
+BEGIN OBSERVED
+{"".join(DAYS[:3])}END OBSERVED
+
+NUM_DAILY_PREDICTED_POINTS 1
+BEGIN DAILY_PREDICTED
+{DAYS[3]}END DAILY_PREDICTED
+BEGIN MONTHLY_PREDICTED
+{DAYS[4]}END MONTHLY_PREDICTED
+"""
+FORMS = pytest.mark.parametrize("text", [CSV, TEXT], ids=["csv", "text"])
+
+
+@pytest.fixture
+def weather(tmp_path):
+    """Writes a file's text and gives its path."""
+
+    def write(text=CSV):
+        path = tmp_path / "weather.txt"
+        path.write_text(text)
+        return path
+
+    return write
+
+
+def activity(path, *utc):
+    t = np.array([epochs.elapsed(EPOCH, text) for text in utc])
+    return solar_activity.tabulate(path, EPOCH, t, 50)
+
+
+@FORMS
+def test_flux_is_of_the_day_before_and_linear_between_the_measurements(weather, text):
+    found = activity(weather(text), "2016-12-29T20:00:00", "2016-12-30T14:00:00", "2016-12-30T20:00:00")
+    assert found["f107"].tolist() == pytest.approx([70.0, 77.5, 80.0])
+    assert found["f107_mean"].tolist() == pytest.approx([77.0, 78.5, 79.0])
+
+
+@FORMS
+def test_kp_lags_by_three_hours_and_its_mean_spans_twenty_four(weather, text):
+    found = activity(weather(text), "2016-12-30T00:00:00", "2016-12-30T02:59:59", "2016-12-30T03:00:00")
+    # The last interval of the 29th has Kp 5; then the first of the 30th, 0.
+    assert found["kp_3h"].tolist() == pytest.approx([5.0, 5.0, 0.0])
+    thirds = np.arange(8, 16) / 3.0
+    assert found["kp_24h"].tolist() == pytest.approx([thirds.mean()] * 2 + [(thirds.sum() - 8 / 3) / 8])
+
+
+@FORMS
+def test_kp_comes_in_thirds(weather, text):
+    kp = space_weather.read("w", text)[space_weather.KP].to_numpy()[:2].ravel()
+    np.testing.assert_array_equal(kp, np.arange(16) / 3.0)
+
+
+@FORMS
+def test_monthly_predictions_have_no_kp_and_end_the_file(weather, text):
+    assert len(space_weather.read("w", text)) == 4
+    activity(weather(text), "2016-12-31T19:59:00")
+    with pytest.raises(
+        InputError, match=r"^weather\.txt: epoch: expected dates from 2016-12-30 to 2016-12-30"
+    ):
+        activity(weather(text), "2016-12-31T20:01:00")
+
+
+def test_before_the_first_day_of_flux_and_kp_is_refused(weather):
+    activity(weather(), "2016-12-29T20:00:01")
+    with pytest.raises(InputError, match="expected dates"):
+        activity(weather(), "2016-12-29T19:59:00")
+
+
+@pytest.mark.parametrize("epoch", [EPOCH, "2016-09-28T12:09:45.3", "2016-09-28T11:59:59.999"])
+def test_steps_fall_on_whole_hours_however_the_epoch_rounds(epoch):
+    t = nodes(epoch, 50 * 86400.0)
+    found = solar_activity.tabulate("OBSERVED", epoch, t, 50)
+    changed = np.flatnonzero(np.diff(found["kp_3h"])) + 1
+    midnight = epochs.elapsed(epoch, "2016-09-28T00:00:00")
+    intervals = (t[changed] - midnight) / 10800.0
+    np.testing.assert_allclose(intervals, np.round(intervals), rtol=0, atol=1e-6)
+    assert len(changed) > 200
+
+
+def test_the_packaged_weather_covers_the_papers_run_and_is_what_was_observed():
+    t = nodes(EPOCH, 50 * 86400.0)
+    found = solar_activity.tabulate("OBSERVED", EPOCH, t, 50)
+    assert found.notna().all(axis=None)
+    # CelesTrak's file: F10.7 84.4 and Kp 4+ 5- 3o 4+ 4o 5o 6- 4+ on 2016-09-28.
+    day = solar_activity.tabulate(
+        "OBSERVED", EPOCH, np.array([epochs.elapsed(EPOCH, "2016-09-29T20:00:00")]), 50
+    ).iloc[0]
+    assert day["f107"] == pytest.approx(84.4)
+    midnight = activity("OBSERVED", "2016-09-29T00:00:00").iloc[0]
+    assert midnight["kp_3h"] == pytest.approx(13 / 3)
+    assert midnight["kp_24h"] == pytest.approx(np.mean([13, 14, 9, 13, 12, 15, 17, 13]) / 3)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("2016-12-29,2,27", "2016-12-29,2,2x", "line 4: expected a date, eight Kp and two fluxes"),
+        ("2016-12-29", "2016-13-29", "line 4: expected a date"),
+        ("90.0,1.0,OBS", "nan,1.0,OBS", "line 5: expected a date"),
+        ("2016-12-30,3,0,0", "2016-12-31,3,0,0", "line 5: expected the day 2016-12-30, got 2016-12-31"),
+        ("2016-12-29,2,27", "2016-12-29,2,", "expected at least two days with Kp, got 1"),
+        ("F10.7_OBS,", "FLUX,", "expected an MSAFE bulletin or CSSI space weather"),
+    ],
+)
+def test_what_cannot_be_used_is_named_in_one_line(weather, old, new, message):
+    with pytest.raises(InputError) as caught:
+        activity(weather(CSV.replace(old, new)), "2016-12-30T12:00:00")
+    assert f"weather.txt: {message}" in str(caught.value)
+    assert "\n" not in str(caught.value)

@@ -1,0 +1,70 @@
+"""The paper's case as its settings give it, and where the comparison's files lie."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from opml.config import read_yaml
+from opml.constants import DAY
+from opml.dynamics.ensemble import Integrator
+from opml.sheets import Rso, Station, read_rsos, read_stations
+
+ROOT = Path(__file__).parents[1]
+REPORT = ROOT / "docs" / "validation.md"
+TABLES = ROOT / "tests" / "reference"
+
+OURS_CONVERGED = Integrator(position_tolerance=1e-7, min_step=1e-4, max_step=5.0)
+"""Ours settles like the square of the step, since it steps over the edges of the shadow."""
+
+OREKITS_CONVERGED = Integrator(position_tolerance=1e-7, min_step=1e-4, max_step=15.0)
+"""Orekit stops at the edges of the shadow, so longer steps will do."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """The settings of config/config.yaml and its sheets."""
+
+    values: dict[str, Any]
+    rsos: dict[str, Rso]
+    stations: dict[str, Station]
+
+    @classmethod
+    def read(cls) -> "Case":
+        """The paper's case. Raises InputError where a file is missing or malformed."""
+        values = read_yaml(ROOT / "config" / "config.yaml")
+        sheets = values["sheets"]
+        return cls(values, read_rsos(ROOT / sheets["rsos"]), read_stations(ROOT / sheets["stations"]))
+
+    @property
+    def epoch(self) -> str:
+        """UTC text."""
+        return self.values["epoch"]
+
+    @property
+    def duration(self) -> float:
+        """Length of a run [s]."""
+        return DAY * self.values["duration_days"]
+
+    @property
+    def force_models(self) -> dict[str, dict[str, Any]]:
+        """Degree, order and third bodies of the models 'truth' and 'assumed'."""
+        return self.values["force_models"]
+
+    @property
+    def degree(self) -> int:
+        """Highest degree of a force model."""
+        return max(model["degree"] for model in self.force_models.values())
+
+    @cached_property
+    def integrator(self) -> Integrator:
+        """The paper's integrator."""
+        settings = self.values["integrator"]
+        return Integrator(settings["position_tolerance_m"], settings["min_step_s"], settings["max_step_s"])
+
+    def random_times(self, count: int) -> np.ndarray:
+        """`count` times within the run [s], ascending."""
+        seed = self.values["seed"]["split"]
+        return np.sort(np.random.default_rng(seed).uniform(0.0, self.duration, count))

@@ -1,0 +1,112 @@
+"""The whole comparison: both sides, the report and the tables that tests read."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import pandas as pd
+
+from opml.dynamics.surroundings import Tables
+from opml.environment import nodes
+from validation import estimation, ours, report, shadow, tables, terms, trajectories
+from validation.case import OURS_CONVERGED, REPORT, Case
+from validation.orekit import Data, Orekit, version
+
+_EVERY = slice(None, None, 8)
+"""Which of the random times shadows are looked for from, and tests read."""
+
+_PENUMBRAS = 2
+"""Penumbras of each RSO that tests read."""
+
+
+def run(case: Case, data: Data, *, progress: Callable[[str], None]) -> None:
+    """Compare, then write docs/validation.md and tests/reference/validation_*.csv."""
+    progress("Same environment for both sides")
+    orekit = Orekit(case.epoch)
+    t = nodes(case.epoch, case.duration)
+    environment = ours.from_orekit(orekit, data, epoch=case.epoch, t=t, degree=case.degree)
+    models = {name: environment.model(settings) for name, settings in case.force_models.items()}
+    both = _Both(case, orekit, environment, models, progress)
+    kernel = data.path("ephemerides").name
+    source = (
+        f"Orekit {version()}; EIGEN-6S frozen at {case.epoch} UTC; {kernel}; t [s] since that epoch; SI units"
+    )
+    field = f"{source}; GM {environment.gm!r}, radius {environment.radius!r}"
+    tables.write("gravity", tables.gravity(orekit, case.degree), field)
+    tables.write("bodies", tables.bodies(environment.gms), source)
+    results = {**both.terms(source), **both.light(source), **both.orbits(source), **both.fits(source)}
+    text = report.write(case, orekit=version(), kernel=kernel, **results)
+    REPORT.write_text(text, encoding="utf-8")
+    progress(f"Wrote {REPORT}")
+
+
+@dataclass(frozen=True)
+class _Both:
+    """Both sides of the comparison, and its parts."""
+
+    case: Case
+    orekit: Orekit
+    environment: ours.Environment
+    models: Mapping[str, Tables]
+    progress: Callable[[str], None]
+
+    def terms(self, source: str) -> dict:
+        """Forces, rotation and measurements at random states."""
+        self.progress("Forces, rotation and measurements at random states")
+        case, gm = self.case, self.environment.gm
+        t = case.random_times(terms.TIMES)
+        states = terms.states(case, self.models["truth"], t)
+        theirs = terms.orekits(self.orekit, case, states, gm)
+        places = theirs[terms.ITRF].to_numpy()
+        mine = terms.opmls(self.models, case.rsos, case.stations, states, places)
+        kept = states["t"].isin(t[_EVERY])
+        tables.write("terms", pd.concat([states, theirs], axis=1)[kept], source, "GCRF; gravity in ITRF")
+        tables.write("nodes", tables.nodes(self.environment, t[_EVERY]), source, "GCRF")
+        return {"places": places, "differences": terms.differences(case, theirs, mine)}
+
+    def light(self, source: str) -> dict:
+        """Edges of the shadow and the light between them."""
+        self.progress("Edges of the shadow")
+        starts = self.case.random_times(terms.TIMES)[_EVERY]
+        edges, light = shadow.crossings(self.orekit, self.case, self.models["truth"], starts)
+        kept = light.groupby("rso", sort=False).head(_PENUMBRAS * shadow.SAMPLES)
+        kept = kept.drop(columns="lit_ours").rename(columns={"lit_orekit": "lit"})
+        tables.write(
+            "light", kept, source, "GCRF; lit 1 is full sunlight, a second outside each penumbra and within"
+        )
+        return {"edges": edges, "light": light}
+
+    def orbits(self, source: str) -> dict:
+        """Orbits, converged and at the paper's settings."""
+        self.progress("Our orbits")
+        integrators = {trajectories.CONVERGED: OURS_CONVERGED, trajectories.PAPER: self.case.integrator}
+        mine = trajectories.opmls(self.case, self.models, integrators)
+        with_de440 = self.environment.with_de440()
+        models = {name: with_de440.model(settings) for name, settings in self.case.force_models.items()}
+        converged = {trajectories.CONVERGED: OURS_CONVERGED}
+        other = trajectories.opmls(self.case, models, converged)
+        theirs = trajectories.orekits(self.orekit, self.case, self.environment.gm, progress=self.progress)
+        tables.write("orbits", theirs[theirs["integrator"] == trajectories.CONVERGED], source, "GCRF")
+        return {"our_orbits": mine, "orekit_orbits": theirs, "de440_orbits": other}
+
+    def fits(self, source: str) -> dict:
+        """Least squares on the same measurements."""
+        self.progress("Our estimates")
+        case, assumed = self.case, self.models["assumed"]
+        orientation = self.environment.tables["earth_orientation"]
+        truth, measured = estimation.simulated(case, self.models["truth"], orientation)
+        mine = estimation.opmls(case, assumed, truth, measured, orientation)
+        window = 3600.0 * case.values["estimation"]["window_hours"]
+        chosen = estimation.chosen(mine, window)
+        theirs = estimation.orekits(
+            self.orekit, case, truth, measured, chosen, self.environment.gm, progress=self.progress
+        )
+        smallest = chosen.loc[chosen["measurements_used"].idxmin(), "track"]
+        rows = estimation.window_of(case, measured, smallest)
+        rows, estimate = estimation.for_tests(rows, truth, theirs)
+        tables.write("measurements", rows, source, "opml's own, noisy and true")
+        tables.write("estimate", estimate, source, "GCRF; the true state at each track, Orekit's at the last")
+        return {
+            "fits": estimation.side_by_side(chosen, theirs, truth),
+            "fits_made": len(chosen),
+            "prediction_errors": estimation.errors_after(case, assumed, truth, mine, report.PREDICTION_DAYS),
+        }

@@ -1,0 +1,268 @@
+"""Least squares on the same noisy measurements: opml's and Orekit's."""
+
+from collections.abc import Callable
+
+import jpype
+import numpy as np
+import pandas as pd
+
+from opml.catalog import estimation, tracking
+from opml.catalog.prediction import predict_all
+from opml.catalog.truth import STATE, simulate
+from opml.constants import DAY
+from opml.dynamics.ensemble import Integrator
+from opml.dynamics.surroundings import Tables
+from opml.elements import wrap_half_turn
+from opml.seeds import derive
+from opml.sheets import Rso
+from validation import orekit as ok
+from validation.case import Case
+from validation.orekit import java
+
+RSO = "iss"
+DAYS = 30.0
+WINDOWS = 30
+
+INTEGRATOR = Integrator(position_tolerance=1e-4, min_step=1e-3, max_step=90.0)
+"""Of both sides: tight enough for half a day, over which the steps move a fit by millimetres."""
+
+_START_SIGMAS = np.repeat([100.0, 0.1], 3)
+_POSITION_SCALE = 1.0  # m, the unit of Orekit's convergence threshold
+_CONVERGENCE = 1e-3
+_MOST_ITERATIONS = 25
+
+
+def simulated(
+    case: Case, truth: Tables, earth_orientation: pd.DataFrame
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """The truth and tracking tables of RSO over DAYS, all stations."""
+    rso, settings = case.rsos[RSO], case.values
+    step = settings["tracking"]["step_s"]
+    states = simulate(truth, rso, duration=DAYS * DAY, step=step, integrator=case.integrator)
+    stations = list(case.stations.values())
+    seed = settings["seed"]["noise"]
+    return states, tracking.simulate(states, earth_orientation, stations, rso=RSO, seed=seed)
+
+
+def opmls(
+    case: Case, assumed: Tables, truth: pd.DataFrame, measured: pd.DataFrame, earth_orientation
+) -> pd.DataFrame:
+    """Our estimates at the start of every track."""
+    settings = {**case.values["estimation"], **{k: case.values["cleaning"][k] for k in ("cd_min", "cd_max")}}
+    return estimation.estimate_all(
+        assumed,
+        truth,
+        measured,
+        earth_orientation,
+        list(case.stations.values()),
+        case.rsos[RSO],
+        settings=settings,
+        integrator=INTEGRATOR,
+        seed=case.values["seed"]["noise"],
+    )
+
+
+def chosen(estimates: pd.DataFrame, window: float) -> pd.DataFrame:
+    """WINDOWS converged estimates spread evenly over the time after the first whole window [s]."""
+    usable = estimates[estimates["converged"] & (estimates["t"] > window)]
+    return usable.iloc[np.linspace(0, len(usable) - 1, WINDOWS).round().astype(int)]
+
+
+def errors_after(
+    case: Case, assumed: Tables, truth: pd.DataFrame, estimates: pd.DataFrame, days: float
+) -> np.ndarray:
+    """True along-track errors e_y [m] of our predictions over nearly `days`, at the paper's settings."""
+    rso, usable = case.rsos[RSO], estimates[estimates["converged"]]
+    pairs = predict_all(assumed, truth, usable, rso, max_days=days, integrator=case.integrator)
+    longest = pairs["t_j"] - pairs["t_i"] > (days - 0.25) * DAY
+    return pairs.loc[longest & (pairs["reason"] == ""), "e_y"].to_numpy()
+
+
+def side_by_side(mine: pd.DataFrame, theirs: pd.DataFrame, truth: pd.DataFrame) -> pd.DataFrame:
+    """Both sides' estimates where both converged (a row a track): how far apart, how far from the truth.
+
+    Columns track, position [m], velocity [m/s], cd (differences), error_opml, error_orekit [m], cd_opml,
+    cd_orekit.
+    """
+    both = mine.merge(theirs[theirs["reason"] == ""], on="track", suffixes=("", "_orekit"))
+    one, other = both[STATE].to_numpy(), both[[f"{name}_orekit" for name in STATE]].to_numpy()
+    true = truth.set_index("t")[STATE].loc[both["t"]].to_numpy()
+    return pd.DataFrame(
+        {
+            "track": both["track"],
+            "position": np.linalg.norm((one - other)[:, :3], axis=1),
+            "velocity": np.linalg.norm((one - other)[:, 3:], axis=1),
+            "cd": np.abs(both["cd"] - both["cd_orekit"]),
+            "error_opml": np.linalg.norm((one - true)[:, :3], axis=1),
+            "error_orekit": np.linalg.norm((other - true)[:, :3], axis=1),
+            "cd_opml": both["cd"],
+            "cd_orekit": both["cd_orekit"],
+        }
+    )
+
+
+def window_of(case: Case, measured: pd.DataFrame, track: int) -> pd.DataFrame:
+    """The measurements to which the estimate at the start of a track is fitted."""
+    window = 3600.0 * case.values["estimation"]["window_hours"]
+    begins = measured.groupby("track")["t"].min()
+    members = begins.index[(begins >= begins[track] - window) & (begins.index <= track)]
+    return measured[measured["track"].isin(members)]
+
+
+def for_tests(
+    rows: pd.DataFrame, truth: pd.DataFrame, estimates: pd.DataFrame
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """One window's measurements; the true state at the start of each of its tracks, with Orekit's estimate.
+
+    Tracks are numbered from 0 in both; only the last has an estimate ({name}_orekit).
+    """
+    begins = rows.groupby("track", as_index=False)["t"].min()
+    true = begins.merge(truth[["t", *STATE]], on="t", validate="one_to_one")
+    columns = [*STATE, "cd"]
+    kept = estimates[["track", *columns]].rename(columns={name: f"{name}_orekit" for name in columns})
+    both = true.merge(kept[kept["track"] == true["track"].max()], on="track", how="left")
+    first = begins["track"].min()
+    return tuple(table.assign(track=table["track"] - first) for table in (rows, both))
+
+
+def orekits(
+    orekit: ok.Orekit,
+    case: Case,
+    truth: pd.DataFrame,
+    measured: pd.DataFrame,
+    tracks: pd.DataFrame,
+    gm: float,
+    *,
+    progress: Callable[[str], None],
+) -> pd.DataFrame:
+    """Orekit's estimates at the start of `tracks` (a row a track): track, state, cd, iterations, reason."""
+    states = truth.set_index("t")[STATE]
+    problem = _Problem(orekit, case, case.rsos[RSO], gm)
+    rows = []
+    for track, t in tracks[["track", "t"]].itertuples(index=False):
+        progress(f"Orekit fits track {track}")
+        start = states.loc[t].to_numpy()
+        start = start + derive(0, "validation", str(track)).normal(size=6) * _START_SIGMAS
+        rows.append({"track": track, **problem.fit(t, start, window_of(case, measured, track))})
+    return pd.DataFrame(rows)
+
+
+class _Problem:
+    """Orekit's batch least squares of one RSO under the assumed model."""
+
+    def __init__(self, orekit: ok.Orekit, case: Case, rso: Rso, gm: float):
+        self.orekit, self.rso, self.gm = orekit, rso, gm
+        self.settings, self.stations = case.force_models["assumed"], case.stations
+        measurements = ok.org.orekit.estimation.measurements
+        self.satellite = measurements.ObservableSatellite(0)
+        self.grounds = {
+            name: measurements.GroundStation(orekit.topocentric(station))
+            for name, station in self.stations.items()
+        }
+
+    def fit(self, t: float, start: np.ndarray, measured: pd.DataFrame) -> dict:
+        """State and Cd at t [s] from rows of the tracking table, from `start` (6,)."""
+        estimation, hipparchus = ok.org.orekit.estimation, ok.org.hipparchus
+        decomposer = hipparchus.linear.QRDecomposer(1e-15)
+        optimizer = hipparchus.optim.nonlinear.vector.leastsquares.GaussNewtonOptimizer(decomposer, False)
+        estimator = estimation.leastsquares.BatchLSEstimator(optimizer, self._builder(t, start))
+        estimator.setMaxIterations(_MOST_ITERATIONS)
+        estimator.setMaxEvaluations(_MOST_ITERATIONS)
+        estimator.setParametersConvergenceThreshold(_CONVERGENCE)
+        for measurement in self._measurements(measured):
+            estimator.addMeasurement(measurement)
+        try:
+            flown = estimator.estimate()[0]
+        except jpype.JException as reason:
+            return {**dict.fromkeys([*STATE, "cd"], np.nan), "iterations": 0, "reason": str(reason)}
+        state = self.orekit.state(flown.getInitialState().getPVCoordinates(self.orekit.gcrf))
+        (cd,) = (driver.getValue() for driver in estimator.getPropagatorParametersDrivers(True).getDrivers())
+        return {
+            **dict(zip(STATE, state, strict=True)),
+            "cd": cd,
+            "iterations": estimator.getIterationsCount(),
+            "reason": "",
+        }
+
+    def _builder(self, t, start):
+        orbits, conversion = ok.org.orekit.orbits, ok.org.orekit.propagation.conversion
+        builder = conversion.NumericalPropagatorBuilder(
+            self.orekit.orbit(t, start, self.gm),
+            conversion.DormandPrince853IntegratorBuilder(
+                INTEGRATOR.min_step, INTEGRATOR.max_step, INTEGRATOR.position_tolerance
+            ),
+            orbits.PositionAngleType.TRUE,
+            _POSITION_SCALE,
+        )
+        builder.setMass(ok.MASS)
+        for force in self.orekit.forces(self.settings, self.rso):
+            builder.addForceModel(force)
+        for driver in builder.getPropagationParametersDrivers().getDrivers():
+            driver.setSelected(driver.getName() == ok.org.orekit.forces.drag.DragSensitive.DRAG_COEFFICIENT)
+        return builder
+
+    def _measurements(self, measured):
+        measurements = ok.org.orekit.estimation.measurements
+        for row in measured.itertuples(index=False):
+            station, ground, date = (
+                self.stations[row.station],
+                self.grounds[row.station],
+                self.orekit.date(row.t),
+            )
+            angles = measurements.AngularAzEl(
+                ground,
+                date,
+                [row.azimuth, row.elevation],
+                [station.sigma_azimuth, station.sigma_elevation],
+                [1.0, 1.0],
+                self.satellite,
+            )
+            distance = measurements.Range(
+                ground, False, date, row.range, station.sigma_range, 1.0, self.satellite
+            )
+            for measurement, pick in ((angles, _angles), (distance, _distance)):
+                measurement.addModifier(_WithoutLightTime(self.orekit.gcrf, ground.getBaseFrame(), pick))
+                yield measurement
+
+
+@jpype.JImplements("org.orekit.estimation.measurements.EstimationModifier", deferred=True)
+class _WithoutLightTime:
+    """Puts the geometric value in the place of Orekit's, which is that of the light's departure.
+
+    Orekit's derivatives stay: they differ by the light's 1e-5 of itself, which changes the way to the
+    minimum and moves the minimum by the same part of the fit's own error, under a millimetre.
+    """
+
+    def __init__(self, gcrf, horizon, pick):
+        self.gcrf, self.horizon, self.pick = gcrf, horizon, pick
+
+    @jpype.JOverride
+    def getParametersDrivers(self):
+        return java.util.Collections.emptyList()
+
+    @jpype.JOverride
+    def getEffectName(self):
+        return "without light time"
+
+    @jpype.JOverride
+    def modifyWithoutDerivatives(self, estimated):
+        measurement = estimated.getObservedMeasurement()
+        departed, date = estimated.getStates()[0], measurement.getDate()
+        position = departed.shiftedBy(date.durationFrom(departed.getDate())).getPosition(self.gcrf)
+        seen = self.horizon.getTrackingCoordinates(position, self.gcrf, date)
+        estimated.setEstimatedValue(self.pick(seen, measurement.getObservedValue()))
+
+    @jpype.JOverride
+    def modify(self, estimated):
+        self.modifyWithoutDerivatives(estimated)
+
+
+def _angles(seen, observed):
+    """Azimuth, in the turn of the observed one, and elevation [rad]."""
+    azimuth = observed[0] + wrap_half_turn(seen.getAzimuth() - observed[0])
+    return jpype.JArray(jpype.JDouble)([azimuth, seen.getElevation()])
+
+
+def _distance(seen, observed):
+    """Range [m]."""
+    return jpype.JArray(jpype.JDouble)([seen.getRange()])

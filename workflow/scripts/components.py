@@ -1,0 +1,13 @@
+"""Tabulate P_ML of all six components."""
+
+from opml.jobs import job
+from opml.report import document, settings
+from opml.tables import COMPONENTS, read_tables
+
+with job(snakemake):
+    names = snakemake.params.settings["evaluations"]
+    p_ml = read_tables(snakemake.input, "metrics")["p_ml"].to_numpy().reshape(len(names), len(COMPONENTS))
+    output = snakemake.output
+    document.write(
+        settings.components(dict(zip(names, p_ml, strict=True))), output.md[0], output.tsv[0], output.html[0]
+    )

@@ -1,0 +1,13 @@
+"""Draw the tracks that one estimate is made of."""
+
+from opml.constants import DAY
+from opml.figures import orbit, style
+from opml.jobs import job
+from opml.tables import read_table
+
+with job(snakemake):
+    settings = snakemake.params.settings
+    tracking = read_table(snakemake.input[0], "tracking")
+    track = tracking.loc[tracking["t"] >= DAY * settings["window_day"], "track"].min()
+    figure = orbit.estimation_window(tracking, track=int(track), window_hours=settings["window_hours"])
+    style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

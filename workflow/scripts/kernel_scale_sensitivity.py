@@ -1,0 +1,15 @@
+"""Draw P_ML against the kernel scale, with the scales of the rules marked."""
+
+from opml.figures import curves, style
+from opml.jobs import job
+from opml.tables import read_metadata, read_tables
+
+with job(snakemake):
+    settings = snakemake.params.settings
+    metrics = read_tables(snakemake.input.metrics, "metrics")
+    metrics["kernel_scale"] = metrics["learner"].str.extract(r"_s(.+)$")[0].astype(float)
+    rules = {}
+    for (stations, rule), path in zip(settings["rules"], snakemake.input.models, strict=True):
+        rules.setdefault(stations, {})[rule] = read_metadata(path)["kernel_scale"]
+    figure = curves.kernel_scale_sensitivity(metrics, rules, component=settings["component"])
+    style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

@@ -1,0 +1,18 @@
+"""Draw the orbit with its observations, and its osculating elements."""
+
+from opml.figures import orbit, style
+from opml.jobs import job
+from opml.tables import read_metadata, read_table
+
+with job(snakemake):
+    settings = snakemake.params.settings
+    truth, tracking = (
+        orbit.within_days(read_table(snakemake.input[name], name), settings["days"])
+        for name in ("truth", "tracking")
+    )
+    gm = read_metadata(snakemake.input.gravity_field)["gm"]
+    figures = [
+        orbit.orbit_3d(truth, tracking),
+        orbit.orbital_elements(truth, gm=gm, zoom_days=settings["zoom_days"]),
+    ]
+    style.save_all(figures, snakemake.output.pdf, snakemake.output.png)
