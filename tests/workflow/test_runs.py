@@ -168,7 +168,7 @@ def test_one_core_gives_the_same_bytes(finished, project):
         ("catalog/prediction.py", "prediction"),
         ("learning/cleaning.py", "dataset"),
         ("learning/metrics.py", "evaluate"),
-        ("report/settings.py", "tables"),
+        ("report/reproduction.py", "reproduction"),
     ],
 )
 def test_changed_module_reruns_what_uses_it_and_what_follows(copy, module, rule):
