@@ -1,5 +1,6 @@
 # make        the paper's partition curve, from a full simulation
 # make test   the tests
+# make faults runs that are killed and damaged at 50 random moments (a quarter of an hour)
 # make validate OREKIT_DATA=<folder>   the dynamics beside Orekit's (half an hour): docs/validation.md
 # All first build .venv from requirements.lock, unless it stands already.
 
@@ -8,13 +9,16 @@ VENV := .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 
-.PHONY: all test lint validate clean
+.PHONY: all test faults lint validate clean
 
 all: $(INSTALLED)
 	$(BIN)/snakemake -j2 results/figs/partition_curve.pdf
 
 test: $(INSTALLED)
 	$(BIN)/python -m pytest
+
+faults: $(INSTALLED)
+	$(BIN)/python -m pytest tests/faults
 
 lint: $(INSTALLED)
 	$(BIN)/ruff check

@@ -50,6 +50,8 @@ def load(values: Mapping[str, Any], *, schema: str | Path, files: Sequence[str |
     _check_order(source)
     stations, rsos = read_stations(values["sheets"]["stations"]), read_rsos(values["sheets"]["rsos"])
     settings = Settings(values, stations, rsos)
+    _check_messages(source, settings)
+    _check_pools(source, settings)
     _check_experiments(source, settings)
     return settings
 
@@ -140,6 +142,25 @@ def _check_order(source: _Source) -> None:
             raise source.wrong(key, f"expected the first day before the last, got {first} and {last}")
 
 
+def _check_messages(source: _Source, settings: Settings) -> None:
+    """Hold the names of RSOs whose truth is an ephemeris message against the sheet."""
+    for name in source.values.get("oem", {}):
+        try:
+            parse_rso(name, settings.rsos)
+        except InputError as error:
+            raise source.wrong(("oem", name), str(error)) from None
+
+
+def _check_pools(source: _Source, settings: Settings) -> None:
+    """Hold the RSOs of the pools against the sheet."""
+    for name, rsos in source.values["pools"].items():
+        try:
+            for rso in rsos:
+                parse_rso(rso, settings.rsos)
+        except InputError as error:
+            raise source.wrong(("pools", name), str(error)) from None
+
+
 def _check_experiments(source: _Source, settings: Settings) -> None:
     """Hold the experiments against the sheets, the learners, the days of the run and each other."""
     values = settings.values
@@ -155,6 +176,8 @@ def _check_experiments(source: _Source, settings: Settings) -> None:
         (("individual", "evaluation"), entries["evaluations"]),
         (("components",), entries["evaluations"]),
         (("partition", "shown"), entries["partition"]["ratios"]),
+        (("generalisation", "intervals", "learners"), entries["generalisation"]["learners"]),
+        (("generalisation", "intervals", "splits"), entries["generalisation"]["splits"]),
         (("reproduction", "calibrated"), entries["evaluations"]),
         (("reproduction", "fixed"), values["learners"]),
     ):
@@ -164,15 +187,17 @@ def _check_experiments(source: _Source, settings: Settings) -> None:
                 expected = f"one of {', '.join(map(str, known))}"
                 raise source.wrong(("experiments", *key), f"expected {expected}, got {name!r}")
     fixed = entries["reproduction"]["fixed"]
-    if isinstance(values["learners"][fixed]["kernel_scale"], str):
+    if not isinstance(values["learners"][fixed].get("kernel_scale"), int | float):
         key = ("learners", fixed, "kernel_scale")
         raise source.wrong(key, "expected a number, as it stands for one fixed scale")
 
 
 def _entries(entries: Mapping[str, Any]) -> Iterator[tuple[Key, Mapping[str, Any]]]:
     """Yield every entry that names stations, RSOs, learners or splits, with its key."""
-    for kind in ("orbit", "distribution", "partition", "kernel_scale"):
+    for kind in ("orbit", "distribution", "partition", "kernel_scale", "generalisation"):
         yield (kind,), entries[kind]
+    yield ("generalisation", "transfers"), entries["generalisation"]["transfers"]
+    yield ("generalisation", "budget"), entries["generalisation"]["budget"]
     for kind in ("evaluations", "grids", "curves"):
         for name, entry in entries[kind].items():
             yield (kind, name), entry
@@ -196,11 +221,13 @@ def _check_parts(source: _Source, settings: Settings, key: Key, entry: Mapping[s
         "stations": lambda text: parse_stations(text, settings.stations),
         "station_sets": lambda texts: [parse_stations(text, settings.stations) for text in texts],
         "learner": lambda text: naming.parse_learner(text, learners),
+        "learners": lambda texts: [naming.parse_learner(text, learners) for text in texts],
         "rules": lambda texts: [naming.parse_learner(text, learners) for text in texts],
         "train": lambda text: _check_window(text, settings),
         "test": lambda text: _check_window(text, settings),
         "tests": lambda texts: [_check_window(text, settings) for text in texts],
-        "splits": lambda pairs: [_check_window(text, settings) for pair in pairs for text in pair],
+        "splits": lambda pairs: [_check_window(text, settings) for pair in _values(pairs) for text in pair],
+        "split": lambda pair: [_check_window(text, settings) for text in _values(pair)],
         "window_day": lambda day: _check_days([0, day], settings),
         "zoom_days": lambda days: _check_days(days, settings),
     }
@@ -209,6 +236,13 @@ def _check_parts(source: _Source, settings: Settings, key: Key, entry: Mapping[s
             checks.get(part, bool)(value)
         except InputError as error:
             raise source.wrong((*where, part), str(error)) from None
+
+
+def _values(entries: Mapping[str, Any] | Sequence[Any]) -> Sequence[Any]:
+    """Return what is listed, under names or not; a text alone, which is a reading's, lists nothing."""
+    if isinstance(entries, str):
+        return []
+    return list(entries.values()) if isinstance(entries, Mapping) else entries
 
 
 def _check_window(split: str, settings: Settings) -> None:
@@ -256,6 +290,7 @@ _EXPECTED = {
     "exclusiveMaximum": "less than {}",
     "minItems": "a list of at least {}",
     "maxItems": "a list of at most {}",
+    "minLength": "text of at least {} letter",
     "uniqueItems": "no item twice",
     "pattern": "text of the form {}",
 }

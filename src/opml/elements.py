@@ -117,3 +117,15 @@ def true_from_mean_anomaly(mean: np.ndarray, e: np.ndarray) -> np.ndarray:
             break
     half = eccentric / 2.0
     return wrap_turn(2.0 * np.arctan2(np.sqrt(1.0 + e) * np.sin(half), np.sqrt(1.0 - e) * np.cos(half)))
+
+
+def mean_from_true_anomaly(nu: np.ndarray, e: np.ndarray) -> np.ndarray:
+    """Mean anomaly in [0, 2 pi) [rad] of the true anomaly [rad] at eccentricity e, elliptic orbits.
+
+    Raises InputError where e is outside [0, 1).
+    """
+    if not np.all((np.asarray(e) >= 0.0) & (np.asarray(e) < 1.0)):
+        raise InputError("eccentricity: expected a value in [0, 1), got one outside")
+    half = np.asarray(nu) / 2.0
+    eccentric = 2.0 * np.arctan2(np.sqrt(1.0 - e) * np.sin(half), np.sqrt(1.0 + e) * np.cos(half))
+    return wrap_turn(eccentric - e * np.sin(eccentric))

@@ -32,7 +32,7 @@ def parse(epoch: str) -> tuple[int, int, int, int, int, float]:
     *whole, second = match.groups()
     fields = (*map(int, whole), float(second))
     try:
-        with _strict_erfa():
+        with strict_erfa():
             erfa.dtf2d("UTC", *fields)
     except (erfa.ErfaError, erfa.ErfaWarning) as reason:
         raise InputError(f"epoch: expected an instant that exists, got {epoch!r} ({reason})") from None
@@ -42,7 +42,7 @@ def parse(epoch: str) -> tuple[int, int, int, int, int, float]:
 def tai(epoch: str, t) -> JulianDate:
     """TAI Julian date of `epoch` + `t` SI seconds. Raises InputError on a malformed epoch."""
     fields = parse(epoch)
-    with _strict_erfa():
+    with strict_erfa():
         day, fraction = erfa.utctai(*erfa.dtf2d("UTC", *fields))
     elapsed_days = np.asarray(t, dtype=float) / DAY
     return np.full_like(elapsed_days, day), fraction + elapsed_days
@@ -60,14 +60,14 @@ def tdb(epoch: str, t) -> JulianDate:
     """
     day, fraction = tt(epoch, t)
     # At the geocentre the series' site terms vanish, whatever the universal time and longitude.
-    with _strict_erfa():
+    with strict_erfa():
         difference = erfa.dtdb(day, fraction, 0.0, 0.0, 0.0, 0.0)
     return erfa.tttdb(day, fraction, difference)
 
 
 def utc(epoch: str, t) -> JulianDate:
     """UTC (quasi-)Julian date of `epoch` + `t` SI seconds. Raises InputError on a malformed epoch."""
-    with _strict_erfa():
+    with strict_erfa():
         return erfa.taiutc(*tai(epoch, t))
 
 
@@ -103,7 +103,7 @@ def calendar(mjd: float) -> str:
 
 
 @contextmanager
-def _strict_erfa():
+def strict_erfa():
     """ERFA's warnings raised as errors, but for years whose leap seconds are not announced yet."""
     with warnings.catch_warnings():
         warnings.simplefilter("error", erfa.ErfaWarning)

@@ -22,6 +22,7 @@ SECTIONS = {
     "numerical": "4 Numerical Results of Improving Orbit Prediction",
     "future": "5 Generalize the SVM Model to Future Epochs",
     "nearby": "6 Generalization to Nearby RSOs",
+    "beyond": "7 Beyond the paper",
 }
 """The paper's sections, numbered as it prints them."""
 
@@ -38,6 +39,7 @@ class Experiment:
     target: str
     test: str
     reading: str = ""
+    window: str = ""
 
     def names(self) -> dict[str, str]:
         """Return the wildcards by name."""

@@ -1,20 +1,23 @@
 """Suffixes in the names of files, each of which stands for one setting that differs from the run's own.
 
 `eglin_noise43` is what Eglin measures under another seed, `random-80_split43` another draw of the same
-split, and `svr_s2` the learner `svr` with 2 as its kernel scale. A suffix that would repeat the run's own
+split, `eglin_w24` estimates from 24 hours of tracks, and `svr_s2` the learner `svr` with 2 as its kernel
+scale. A suffix that would repeat the run's own
 seed is no name, so that two names are never the same thing.
 """
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from opml.errors import InputError
-from opml.sheets import POSITIVE, Rso, rso_parts
+from opml.sheets import POSITIVE, Rso, rso_parts, rso_pattern
 
 NOISE, SPLIT = "noise", "split"
 """What has a seed: the measurements, and the draw of rows and subsamples."""
+
+WITHOUT = "-without-"
 
 READINGS = {"kept_estimate": "_kept", "track": "_track"}
 """How a name says which earlier estimate is t_b, by the setting `cleaning.previous`."""
@@ -51,18 +54,51 @@ def parse_reading(suffix: str, *, previous: str) -> str:
     return next((setting for setting, mark in READINGS.items() if mark == suffix), previous)
 
 
-def learner_pattern(learners: Iterable[str]) -> str:
-    """Return the regular expression of a learner, its kernel scale overridden or not."""
-    return rf"(?:{'|'.join(learners)})(?:_s{POSITIVE})?"
+def windowed(hours: float, *, default: float) -> str:
+    """Return the suffix of estimates over another window [h]; none for the run's own, `default`."""
+    return "" if hours == default else f"_w{number(hours)}"
+
+
+def parse_window(suffix: str, *, default: float) -> float:
+    """Return the hours of the estimation window that a suffix, or none, stands for."""
+    return float(suffix.removeprefix("_w")) if suffix else default
+
+
+PERFECT = "_true"
+"""Suffix of estimates that are the truth itself."""
+
+
+def window_pattern(*, default: float) -> str:
+    """Return the regular expression of an estimation window's suffix, or none."""
+    return rf"(?:_w(?!{re.escape(number(default))}(?![\d.])){POSITIVE})?"
+
+
+def learner_pattern(learners: Mapping[str, Mapping[str, Any]]) -> str:
+    """Return the regular expression of a learner, its kernel scale overridden if it has one."""
+    scaled = [name for name, settings in learners.items() if "kernel_scale" in settings]
+    return rf"(?:{'|'.join(learners)}|(?:{'|'.join(scaled)})_s{POSITIVE})"
 
 
 def parse_learner(text: str, learners: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
     """Return the settings of the learner that a text names. Raises InputError for an unknown text."""
     if not re.fullmatch(learner_pattern(learners), text):
         known = ", ".join(learners)
-        raise InputError(f"learner '{text}': expected one of {known}, then at most _s<kernel scale>")
+        raise InputError(f"learner '{text}': expected one of {known}; an svr may end in _s<kernel scale>")
     name, mark, scale = text.partition("_s")
     return dict(learners[name]) | ({"kernel_scale": float(scale)} if mark else {})
+
+
+def pool_pattern(pools: Iterable[str], sheet: Mapping[str, Rso]) -> str:
+    """Return the regular expression of all RSOs of a pool but one, such as `inclinations-without-iss_i50`."""
+    return rf"(?:{'|'.join(pools)}){WITHOUT}{rso_pattern(sheet)}"
+
+
+def parse_pool(text: str, pools: Mapping[str, Sequence[str]]) -> list[str]:
+    """Return the RSOs that a pool's name stands for. Raises InputError for an unknown pool."""
+    pool, _, left_out = text.partition(WITHOUT)
+    if pool not in pools:
+        raise InputError(f"pool '{pool}': expected one of {', '.join(pools)}")
+    return [rso for rso in pools[pool] if rso != left_out]
 
 
 def with_inclination(text: str, degrees: float, sheet: Mapping[str, Rso]) -> str:

@@ -147,12 +147,19 @@ _MECHANISM = (
     *_state(_PREDICTED, "prediction minus that from the long arc", prefix="l_"),
     *_state(_PREDICTED, "as v, of the prediction from the long arc", prefix="v_long_"),
 )
-MECHANISM_AXES = ("s", "v", "r", "l", "v_long")
+MECHANISM_AXES = ("s", "v", "r", "l", "v_long", "floor")
 """Families of columns of the mechanism, one an error component: `v` is `v_y` for e_y."""
 
+_EVALUATION = (
+    *_PAIR,
+    _real("duration", "s", "prediction duration t_j - t_i"),
+    _real("true", "SI", "true prediction error of the component (m or m/s)", "RSW"),
+    _real("predicted", "SI", "error predicted by the model (m or m/s)", "RSW"),
+    _real("residual", "SI", "true minus predicted error (m or m/s)", "RSW"),
+)
 _SPLIT = (
-    _text("rso", "RSO the model was trained on"),
-    _text("stations", "station set, with the noise's seed and the reading of t_b where not the settings'"),
+    _text("rso", "RSO, or pool of RSOs, the model was trained on"),
+    _text("stations", "station set; seed of the noise, window and reading of t_b where not the settings'"),
     _text("train", "training split, with its seed where not the settings'"),
     _text("learner", "learner"),
     _text("component", "error component"),
@@ -351,18 +358,41 @@ _TABLES = (
         "a pair of an estimate i and a later track start j",
         (*_PAIR, *_SENSITIVITIES),
     ),
+    Schema(
+        "oracle",
+        "a pair of an estimate i and a later track start j",
+        (
+            *_PAIR,
+            _real("drift", "m", "along-track error by the estimate's own error of semi-major axis"),
+            *_state("RSW of the true state at t_j", "error from the true state and Cd", prefix="floor_"),
+        ),
+    ),
     mechanism_schema(((1, 15), (1, 16), (2, 31))),
     model_schema(LEARNING_VARIABLES),
     *(model_schema(LEARNING_VARIABLES, kind) for kind in ("gaussian_process", *_MODELS)),
     Schema(
         "evaluation",
         "a pair of an estimate i and a later track start j",
+        _EVALUATION,
+    ),
+    Schema(
+        "intervals",
+        "a pair of an estimate i and a later track start j",
+        (*_EVALUATION, _real("half_width", "SI", "half the prediction interval's width (m or m/s)", "RSW")),
+    ),
+    Schema(
+        "coverage",
+        "an experiment",
         (
-            *_PAIR,
-            _real("duration", "s", "prediction duration t_j - t_i"),
-            _real("true", "SI", "true prediction error of the component (m or m/s)", "RSW"),
-            _real("predicted", "SI", "error predicted by the model (m or m/s)", "RSW"),
-            _real("residual", "SI", "true minus predicted error (m or m/s)", "RSW"),
+            *_SPLIT,
+            _real(
+                "level", "1", "share of rows that the intervals promise to hold, in the mean over estimates"
+            ),
+            _real("rows_inside", "1", "share of the rows inside"),
+            _real("estimates_inside", "1", "its mean over estimates"),
+            _real("half_width", "SI", "median of half the width (m or m/s)", "RSW"),
+            _real("half_width_last_day", "SI", "the same for the longest predictions, within a day", "RSW"),
+            _real("error_last_day", "SI", "median absolute true error of those", "RSW"),
         ),
     ),
     Schema(
@@ -373,6 +403,8 @@ _TABLES = (
             _count("rows", "rows evaluated"),
             _count("estimates", "distinct estimates among them"),
             _real("p_ml", "%", "performance metric P_ML"),
+            _real("p_ml_low", "%", "5th percentile of P_ML over resampled estimates"),
+            _real("p_ml_high", "%", "95th percentile of P_ML over resampled estimates"),
             _real("fraction_reduced", "1", "fraction of rows whose error the model reduces"),
         ),
     ),

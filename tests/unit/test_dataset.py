@@ -225,3 +225,30 @@ def test_tables_that_do_not_belong_together(estimates, predictions, tracking):
         build(estimates[estimates["track"] != 2], predictions, tracking)
     with pytest.raises(InputError, match="none of 6"):
         build(estimates, predictions, tracking[tracking["track"] != 6])
+
+
+def pairs(**columns):
+    return pd.DataFrame({"i": [0, 0, 1], "j": [1, 2, 2]} | columns)
+
+
+def test_columns_of_another_table_of_the_same_pairs_come_beside():
+    own = pairs(keep=[True, True, False], reason=["", "", "why"], e_y=[1.0, 2.0, 3.0])
+    other = pairs(v_y=[10.0, np.nan, np.nan]).iloc[::-1]
+    found = dataset.beside_it(own, other)
+    assert list(found["v_y"].fillna(0.0)) == [10.0, 0.0, 0.0]
+    assert list(found["keep"]) == [True, False, False]
+    assert list(found["reason"]) == ["", dataset.NO_NUMBERS, "why"]
+
+
+def test_a_table_that_lacks_a_pair_is_told():
+    own = pairs(keep=True, reason="", e_y=0.0)
+    with pytest.raises(InputError, match="expected every pair of the dataset, got none of 1, 2"):
+        dataset.beside_it(own, pairs(v_y=0.0).iloc[:2])
+
+
+def test_pooled_rsos_keep_their_estimates_apart():
+    found = dataset.pooled([pairs(b=-1, e_y=1.0), pairs(b=0, e_y=2.0)])
+    assert list(found["i"]) == [0, 0, 1, 3, 3, 4]
+    assert list(found["j"]) == [1, 2, 2, 4, 5, 5]
+    assert list(found["b"]) == [-1, -1, -1, 3, 3, 3]
+    assert list(found["e_y"]) == [1.0, 1.0, 1.0, 2.0, 2.0, 2.0]

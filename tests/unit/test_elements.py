@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from opml.elements import (
     cartesian_from_coe,
     coe_from_cartesian,
+    mean_from_true_anomaly,
     rsw_rotation,
     true_from_mean_anomaly,
     wrap_half_turn,
@@ -130,10 +131,18 @@ def test_true_anomaly_solves_keplers_equation(mean, e):
     assert wrap_half_turn(eccentric - e * np.sin(eccentric) - mean) == pytest.approx(0.0, abs=1e-11)
 
 
+@settings(max_examples=200, deadline=None)
+@given(mean=st.floats(-10.0, 10.0), e=st.floats(0.0, 0.99))
+def test_mean_anomaly_undoes_the_true_one(mean, e):
+    back = mean_from_true_anomaly(true_from_mean_anomaly(mean, e), e)
+    assert wrap_half_turn(back - mean) == pytest.approx(0.0, abs=1e-11)
+
+
 @pytest.mark.parametrize("e", [-0.1, 1.0, np.nan])
-def test_true_anomaly_wants_an_ellipse(e):
+@pytest.mark.parametrize("convert", [true_from_mean_anomaly, mean_from_true_anomaly])
+def test_anomalies_want_an_ellipse(convert, e):
     with pytest.raises(InputError, match="eccentricity"):
-        true_from_mean_anomaly(1.0, e)
+        convert(1.0, e)
 
 
 def test_wraps():

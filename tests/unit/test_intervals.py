@@ -1,10 +1,12 @@
 """Prediction intervals: the quantile by hand, and the coverage of estimates that were not seen."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from opml.errors import InputError
 from opml.learning import intervals
+from opml.tables import SCHEMAS
 
 HOUR = 3600.0
 
@@ -80,3 +82,21 @@ def test_coverage_counts_rows_and_estimates():
 def test_a_higher_level_is_wider():
     at = np.array([24.0, 96.0]) * HOUR
     assert (calibrated(200, level=0.95).at(at) > calibrated(200, level=0.8).at(at)).all()
+
+
+def test_summary_tells_what_lies_inside():
+    table = pd.DataFrame(
+        {
+            "i": [0, 0, 0, 1],
+            "duration": [1e4, 2e5, 3e5, 3.1e5],
+            "true": [1.0, -9.0, 5.0, -7.0],
+            "residual": [0.5, -2.0, 3.0, 0.1],
+            "half_width": [1.0, 1.0, 2.0, 4.0],
+        }
+    )
+    names = dict.fromkeys(("rso", "stations", "train", "learner", "component", "target", "test"), "x")
+    row = intervals.summary(table, level=0.9, **names)
+    assert list(row.columns) == SCHEMAS["coverage"].names
+    found = row.iloc[0]
+    assert (found["rows_inside"], found["estimates_inside"]) == (0.5, pytest.approx((1 / 3 + 1) / 2))
+    assert (found["half_width"], found["half_width_last_day"], found["error_last_day"]) == (1.5, 3.0, 6.0)

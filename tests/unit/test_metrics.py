@@ -6,7 +6,15 @@ import pytest
 
 from opml.errors import InputError
 from opml.learning.evaluation import evaluate
-from opml.learning.metrics import by_seed, fraction_reduced, individual_p_ml, p_ml, summary
+from opml.learning.metrics import (
+    bootstrap_interval,
+    by_seed,
+    floor_share,
+    fraction_reduced,
+    individual_p_ml,
+    p_ml,
+    summary,
+)
 from opml.tables import SCHEMAS, write_table
 
 TRUE = np.array([10.0, -20.0, 30.0, -40.0])
@@ -72,12 +80,15 @@ def test_evaluation_and_its_summary(tmp_path):
         "target": "iss_i50",
         "test": "rest",
     }
-    row = summary(table, **names)
+    row = summary(table, seed=42, **names)
+    low, high = bootstrap_interval(table, seed=42)
     assert row.columns.tolist() == SCHEMAS["metrics"].names
     assert row.iloc[0].to_dict() == names | {
         "rows": 4,
         "estimates": 3,
         "p_ml": pytest.approx(58.0),
+        "p_ml_low": low,
+        "p_ml_high": high,
         "fraction_reduced": 0.75,
     }
     write_table(tmp_path / "metrics.parquet", row, "metrics", metadata={})
@@ -96,3 +107,8 @@ def test_seeds_become_a_column_of_their_own():
     assert found["train"].tolist() == ["random-80", "random-80", "days-0-30"]
     assert found["seed"].tolist() == ["", "_noise7_split43", "_noise7"]
     assert table["stations"][1] == "eglin_noise7"
+
+
+def test_share_of_the_floor():
+    dataset = pd.DataFrame({"e_y": [10.0, -10.0, 100.0], "floor_y": [1.0, -2.0, 50.0]})
+    assert floor_share(dataset, np.array([True, True, False]), component="e_y") == 15.0

@@ -45,6 +45,32 @@ def test_reading_is_named_where_it_is_not_the_settings():
     assert naming.parse_reading("", previous="track") == "track"
 
 
+def test_window_in_a_name_and_back():
+    assert naming.windowed(12, default=12) == ""
+    assert naming.windowed(24, default=12) == "_w24"
+    assert naming.parse_window("_w24", default=12) == 24
+    assert naming.parse_window("", default=12) == 12
+    pattern = naming.window_pattern(default=12)
+    assert [one for one in ("", "_w24", "_w12.5", "_w120", "_w1") if not re.fullmatch(pattern, one)] == []
+    assert [one for one in ("_w12", "_w0", "_w024", "_w", "_w24.0") if re.fullmatch(pattern, one)] == []
+
+
+def test_pool_without_one_of_its_rsos():
+    pools = {"near": ["iss", "iss_i50", "iss_a+50"]}
+    assert naming.parse_pool("near-without-iss_i50", pools) == ["iss", "iss_a+50"]
+    assert re.fullmatch(naming.pool_pattern(pools, RSOS), "near-without-iss_a+50")
+    assert not re.fullmatch(naming.pool_pattern(pools, RSOS), "far-without-iss")
+    with pytest.raises(InputError, match="pool 'far': expected one of near"):
+        naming.parse_pool("far-without-iss", pools)
+
+
+def test_only_a_learner_with_a_kernel_scale_has_another():
+    learners = LEARNERS | {"none": {"kind": "none"}}
+    assert re.fullmatch(naming.learner_pattern(learners), "svr_s2")
+    assert re.fullmatch(naming.learner_pattern(learners), "none")
+    assert not re.fullmatch(naming.learner_pattern(learners), "none_s2")
+
+
 def test_kernel_scale_of_a_learner():
     assert naming.parse_learner("svr", LEARNERS) == LEARNERS["svr"]
     assert naming.parse_learner("svr_s2.5", LEARNERS) == {"kernel_scale": 2.5, "c": 1.0}
@@ -55,7 +81,7 @@ def test_kernel_scale_of_a_learner():
 @pytest.mark.parametrize("text", ["forest", "svr_s", "svr_s0", "svr_s2.0", "svr_s02", "svr_2", "svr_s-1", ""])
 def test_other_texts_are_no_learner(text):
     assert not re.fullmatch(naming.learner_pattern(LEARNERS), text)
-    with pytest.raises(InputError, match=f"learner '{text}': expected one of svr, svrfixed, then"):
+    with pytest.raises(InputError, match=f"learner '{text}': expected one of svr, svrfixed;"):
         naming.parse_learner(text, LEARNERS)
 
 

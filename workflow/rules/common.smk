@@ -4,10 +4,11 @@ import sys
 from dataclasses import asdict
 from pathlib import Path
 
-from opml import experiments, naming, tables
+from opml import experiments, generalisation, naming, tables
 from opml.config import load, with_numbers
 from opml.environment import coverage
 from opml.errors import InputError
+from opml.learning import learners
 from opml.learning.splits import TEST, TRAIN
 from opml.provenance import script_digest
 from opml.sheets import parse_rso, parse_stations, rso_pattern, stations_pattern
@@ -25,16 +26,22 @@ try:
         files=["config/config.yaml", *GIVEN],
     )
     coverage.check(config)
+    learners.check(config)
 except InputError as error:
     # One line, where Snakemake would put its own frame around the message.
     sys.exit(f"opml: {error}")
 
 RESULTS = config["results"]
 ENVIRONMENT = {name: f"{RESULTS}/environment/{name}.parquet" for name in tables.ENVIRONMENT}
+# The atmosphere that the RSO flies through may see another Sun than the assumed model's.
+TRUE_ACTIVITY = "true_solar_activity" if "true_solar_activity" in config["environment"] else "solar_activity"
+TRUE_ENVIRONMENT = ENVIRONMENT | {"solar_activity": f"{RESULTS}/environment/{TRUE_ACTIVITY}.parquet"}
+TRAINED_ON = f"(?:{rso_pattern(SETTINGS.rsos)}|{naming.pool_pattern(config['pools'], SETTINGS.rsos)})"
 
 
 SEED = config["seed"]
 NOISE = naming.seed_pattern(naming.NOISE, default=SEED["noise"])
+WINDOW = naming.window_pattern(default=config["estimation"]["window_hours"])
 SPLIT = naming.seed_pattern(naming.SPLIT, default=SEED["split"])
 
 
@@ -42,6 +49,7 @@ wildcard_constraints:
     rso=rso_pattern(SETTINGS.rsos),
     target=rso_pattern(SETTINGS.rsos),
     stations=stations_pattern(SETTINGS.stations) + NOISE,
+    window=f"(?:{WINDOW}|{naming.PERFECT})",
     reading=f"(?:{naming.other_reading(config['cleaning']['previous'])})?",
     train=f"(?:{TRAIN}){SPLIT}",
     test=TEST,
@@ -77,6 +85,11 @@ def noise_seed(wildcards):
     return naming.parse_seed(wildcards.stations, naming.NOISE, default=SEED["noise"])[1]
 
 
+def window_hours(wildcards):
+    """The hours of tracks that an estimate is made of, as a file name asks for."""
+    return naming.parse_window(wildcards.window, default=config["estimation"]["window_hours"])
+
+
 def split(wildcards):
     """The training split that a file name asks for, and its seed."""
     train, seed = naming.parse_seed(wildcards.train, naming.SPLIT, default=SEED["split"])
@@ -91,22 +104,42 @@ def cleaning(wildcards):
 
 def learner(wildcards):
     """The learner that a file name asks for, and the variables it learns from."""
-    settings = naming.parse_learner(wildcards.learner, config["learners"])
-    without = settings.pop("without", [])
-    variables = [name for name in config["learning"]["variables"] if name not in without]
-    return {"learner": settings, "variables": variables}
+    return learners.resolved(
+        naming.parse_learner(wildcards.learner, config["learners"]),
+        component=wildcards.component,
+        variables=config["learning"]["variables"],
+    )
+
+
+def beside(part):
+    """Input function: tables beside the dataset of the RSO in a part of the file name, where the learner asks."""
+
+    def find(wildcards):
+        asked = set(learner(wildcards)["variables"])
+        oracle = {name for name in asked if name in tables.SCHEMAS["oracle"].names}
+        kinds = {"oracle": oracle, "mechanism": asked - oracle - {*tables.LEARNING_VARIABLES, "gap"}}
+        where = f"{wildcards[part]}/{wildcards.stations}{wildcards.window}.parquet"
+        return [f"{RESULTS}/{kind}/{where}" for kind, names in kinds.items() if names]
+
+    return find
 
 
 def experiment(wildcards):
     """What a file name asks for, as the metrics tell it."""
     parts = dict(wildcards.items())
-    parts["stations"] += parts.pop("reading")
+    parts["stations"] += parts.pop("window") + parts.pop("reading")
     return parts
 
 
 def named(pattern, *found):
     """The files of experiments, each once."""
     return list(dict.fromkeys(pattern.format(**experiment.names()) for experiment in found))
+
+
+def published(found):
+    """The paper's P_ML of experiments, where it gives one."""
+    numbers = {key: generalisation.published(config, one) for key, one in found.items()}
+    return [[*key, number] for key, number in numbers.items() if number is not None]
 
 
 def figures(*names, section, caption=None):

@@ -8,11 +8,11 @@ rule dataset:
         tracking=rules.tracking.output[0],
         gravity_field=ENVIRONMENT["gravity_field"],
     output:
-        f"{RESULTS}/dataset/{{rso}}/{{stations}}{{reading}}.parquet",
+        f"{RESULTS}/dataset/{{rso}}/{{stations}}{{window}}{{reading}}.parquet",
     log:
-        f"{RESULTS}/logs/dataset/{{rso}}/{{stations}}{{reading}}.log",
+        f"{RESULTS}/logs/dataset/{{rso}}/{{stations}}{{window}}{{reading}}.log",
     benchmark:
-        f"{RESULTS}/benchmarks/dataset/{{rso}}/{{stations}}{{reading}}.tsv"
+        f"{RESULTS}/benchmarks/dataset/{{rso}}/{{stations}}{{window}}{{reading}}.tsv"
     conda:
         "../envs/opml.yaml"
     threads: 1

@@ -50,13 +50,15 @@ rule ephemerides:
 
 rule solar_activity:
     input:
-        source("solar_activity"),
+        lambda wildcards: source(wildcards.activity),
     output:
-        ENVIRONMENT["solar_activity"],
+        f"{RESULTS}/environment/{{activity}}.parquet",
     log:
-        f"{RESULTS}/logs/environment/solar_activity.log",
+        f"{RESULTS}/logs/environment/{{activity}}.log",
     benchmark:
-        f"{RESULTS}/benchmarks/environment/solar_activity.tsv"
+        f"{RESULTS}/benchmarks/environment/{{activity}}.tsv"
+    wildcard_constraints:
+        activity="(?:true_)?solar_activity",
     conda:
         "../envs/opml.yaml"
     threads: 1
@@ -64,14 +66,14 @@ rule solar_activity:
         mem_mb=500,
         runtime=5,
     params:
-        settings={key: config[key] for key in ("epoch", "duration_days")}
+        settings=lambda wildcards: {key: config[key] for key in ("epoch", "duration_days")}
         | {
-            "source": config["environment"]["solar_activity"],
+            "source": config["environment"][wildcards.activity],
             "percentile": config["environment"]["percentile"],
         },
         code=code("solar_activity.py"),
     message:
-        "Solar activity: Marshall Solar Activity Future Estimation (MSAFE)"
+        "Solar activity: {params.settings[source]}"
     script:
         "../scripts/solar_activity.py"
 

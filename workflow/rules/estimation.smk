@@ -7,11 +7,13 @@ rule estimation:
         truth=rules.truth.output[0],
         tracking=rules.tracking.output[0],
     output:
-        f"{RESULTS}/estimates/{{rso}}/{{stations}}.parquet",
+        f"{RESULTS}/estimates/{{rso}}/{{stations}}{{window}}.parquet",
     log:
-        f"{RESULTS}/logs/estimates/{{rso}}/{{stations}}.log",
+        f"{RESULTS}/logs/estimates/{{rso}}/{{stations}}{{window}}.log",
     benchmark:
-        f"{RESULTS}/benchmarks/estimates/{{rso}}/{{stations}}.tsv"
+        f"{RESULTS}/benchmarks/estimates/{{rso}}/{{stations}}{{window}}.tsv"
+    wildcard_constraints:
+        window=WINDOW,
     conda:
         "../envs/opml.yaml"
     threads: 2
@@ -25,6 +27,7 @@ rule estimation:
             "force_model": config["force_models"]["assumed"],
             "integrator": config["integrator"],
             "estimation": config["estimation"]
+            | {"window_hours": window_hours(wildcards)}
             | {key: config["cleaning"][key] for key in ("cd_min", "cd_max")},
             "rso": rso(wildcards),
             "stations": stations(wildcards),

@@ -1,5 +1,6 @@
 # The paper's figures, in its order.
 ENTRIES = config["experiments"]
+DEFAULTS = ENTRIES["defaults"]
 SECTIONS = experiments.SECTIONS
 EVALUATIONS = experiments.evaluations(config)
 PARTITION = ENTRIES["partition"]
@@ -76,7 +77,9 @@ rule orbit:
 
 rule error_distribution:
     input:
-        rules.dataset.output[0].format(**{**ENTRIES["defaults"], **ENTRIES["distribution"], "reading": ""}),
+        rules.dataset.output[0].format(
+            **{**ENTRIES["defaults"], **ENTRIES["distribution"], "window": "", "reading": ""}
+        ),
     output:
         **figures("error_distribution_position", "error_distribution_velocity", section=SECTIONS["numerical"]),
     log:

@@ -1,16 +1,19 @@
 # The paper's 'Support Vector Machine' and the validation of the trained models.
-EXPERIMENT = "{rso}/{stations}{reading}/{train}/{learner}/{component}"
+EXPERIMENT = "{rso}/{stations}{window}{reading}/{train}/{learner}/{component}"
 
 
 rule train:
     input:
         dataset=rules.dataset.output[0],
+        beside=beside("rso"),
     output:
         f"{RESULTS}/models/{EXPERIMENT}.parquet",
     log:
         f"{RESULTS}/logs/models/{EXPERIMENT}.log",
     benchmark:
         f"{RESULTS}/benchmarks/models/{EXPERIMENT}.tsv"
+    wildcard_constraints:
+        rso=TRAINED_ON,
     conda:
         "../envs/opml.yaml"
     threads: 1
@@ -22,7 +25,7 @@ rule train:
             "epoch": config["epoch"],
             **split(wildcards),
             "span_days": config["learning"]["span_days"],
-            **learner(wildcards),
+            "learner": learner(wildcards),
             "component": wildcards.component,
         },
         code=code("train.py"),
@@ -35,7 +38,8 @@ rule train:
 rule evaluate:
     input:
         model=rules.train.output[0],
-        target=f"{RESULTS}/dataset/{{target}}/{{stations}}{{reading}}.parquet",
+        target=f"{RESULTS}/dataset/{{target}}/{{stations}}{{window}}{{reading}}.parquet",
+        beside=beside("target"),
     output:
         evaluation=f"{RESULTS}/evaluation/{EXPERIMENT}/{{target}}/{{test}}.parquet",
         metrics=f"{RESULTS}/metrics/{EXPERIMENT}/{{target}}/{{test}}.parquet",
@@ -43,6 +47,8 @@ rule evaluate:
         f"{RESULTS}/logs/evaluation/{EXPERIMENT}/{{target}}/{{test}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/evaluation/{EXPERIMENT}/{{target}}/{{test}}.tsv"
+    wildcard_constraints:
+        rso=TRAINED_ON,
     conda:
         "../envs/opml.yaml"
     threads: 1
@@ -61,3 +67,40 @@ rule evaluate:
         "Evaluate P_ML of {wildcards.component} for {wildcards.target}, {wildcards.test} after {wildcards.train}"
     script:
         "../scripts/evaluate.py"
+
+
+rule intervals:
+    input:
+        dataset=rules.dataset.output[0],
+        beside=beside("rso"),
+        target=rules.evaluate.input.target,
+        beside_target=beside("target"),
+    output:
+        intervals=f"{RESULTS}/intervals/{EXPERIMENT}/{{target}}/{{test}}.parquet",
+        coverage=f"{RESULTS}/coverage/{EXPERIMENT}/{{target}}/{{test}}.parquet",
+    log:
+        f"{RESULTS}/logs/intervals/{EXPERIMENT}/{{target}}/{{test}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/intervals/{EXPERIMENT}/{{target}}/{{test}}.tsv"
+    wildcard_constraints:
+        rso=TRAINED_ON,
+    conda:
+        "../envs/opml.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+        runtime=30,
+    params:
+        settings=lambda wildcards: {
+            "epoch": config["epoch"],
+            **split(wildcards),
+            "span_days": config["learning"]["span_days"],
+            "learner": learner(wildcards),
+            "intervals": config["intervals"],
+            "experiment": experiment(wildcards),
+        },
+        code=code("intervals.py"),
+    message:
+        "Prediction intervals of {wildcards.learner} for {wildcards.target}, {wildcards.test} after {wildcards.train}"
+    script:
+        "../scripts/intervals.py"

@@ -7,11 +7,11 @@ rule prediction:
         truth=rules.truth.output[0],
         estimates=rules.estimation.output[0],
     output:
-        f"{RESULTS}/predictions/{{rso}}/{{stations}}.parquet",
+        f"{RESULTS}/predictions/{{rso}}/{{stations}}{{window}}.parquet",
     log:
-        f"{RESULTS}/logs/predictions/{{rso}}/{{stations}}.log",
+        f"{RESULTS}/logs/predictions/{{rso}}/{{stations}}{{window}}.log",
     benchmark:
-        f"{RESULTS}/benchmarks/predictions/{{rso}}/{{stations}}.tsv"
+        f"{RESULTS}/benchmarks/predictions/{{rso}}/{{stations}}{{window}}.tsv"
     conda:
         "../envs/opml.yaml"
     threads: 2

@@ -64,11 +64,12 @@ rule reproduction:
         metrics=named(rules.evaluate.output.metrics, *REPORTED),
         models=[named(rules.train.output[0], headline.experiment)[0] for headline in HEADLINES],
         datasets=[
-            rules.dataset.output[0].format(rso=rso, stations=stations, reading="")
+            rules.dataset.output[0].format(rso=rso, stations=stations, window="", reading="")
             for rso, stations in DATASETS
         ],
         estimates=[
-            rules.estimation.output[0].format(rso=rso, stations=stations) for rso, stations in DATASETS
+            rules.estimation.output[0].format(rso=rso, stations=stations, window="")
+            for rso, stations in DATASETS
         ],
     output:
         **documents("reproduction", section="0 The paper's numbers and ours"),

@@ -3,7 +3,7 @@
 
 rule truth:
     input:
-        **ENVIRONMENT,
+        **TRUE_ENVIRONMENT,
     output:
         f"{RESULTS}/truth/{{rso}}.parquet",
     log:

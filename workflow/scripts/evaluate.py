@@ -1,22 +1,22 @@
 """Apply a trained model to a test split and measure P_ML."""
 
 from opml.jobs import job
-from opml.learning import learners, metrics, splits
+from opml.learning import dataset, learners, metrics, splits
 from opml.learning.evaluation import evaluate
-from opml.tables import model_schema, read_metadata, read_table, write_table
+from opml.tables import write_table
 
 with job(snakemake) as metadata:
-    settings = snakemake.params.settings
-    experiment, span_days = settings["experiment"], settings["span_days"]
-    described = read_metadata(snakemake.input.model)
-    model = learners.from_table(
-        read_table(snakemake.input.model, model_schema(described["variables"])), described
+    settings, files, output = snakemake.params.settings, snakemake.input, snakemake.output
+    experiment = settings["experiment"]
+    table = dataset.read(files.target, files.beside)
+    rows = splits.rows_tested(
+        table,
+        experiment["test"],
+        train=settings["train"] if experiment["target"] == experiment["rso"] else None,
+        span_days=settings["span_days"],
+        seed=settings["seed"],
     )
-    dataset = read_table(snakemake.input.target, "dataset")
-    trained = None
-    if experiment["target"] == experiment["rso"]:
-        trained = splits.training_rows(dataset, settings["train"], span_days=span_days, seed=settings["seed"])
-    rows = splits.test_rows(dataset, experiment["test"], span_days=span_days, trained=trained)
-    table = evaluate(model, dataset, rows, component=experiment["component"])
-    write_table(snakemake.output.evaluation, table, "evaluation", metadata=metadata)
-    write_table(snakemake.output.metrics, metrics.summary(table, **experiment), "metrics", metadata=metadata)
+    corrected = evaluate(learners.read(files.model), table, rows, component=experiment["component"])
+    write_table(output.evaluation, corrected, "evaluation", metadata=metadata)
+    summary = metrics.summary(corrected, seed=settings["seed"], **experiment)
+    write_table(output.metrics, summary, "metrics", metadata=metadata)

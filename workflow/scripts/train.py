@@ -1,24 +1,18 @@
 """Train a learner on one error component."""
 
 from opml.jobs import job
-from opml.learning import learners, splits
-from opml.tables import model_schema, read_table, write_table
+from opml.learning import dataset, learners, splits
+from opml.tables import write_table
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings
-    dataset = read_table(snakemake.input.dataset, "dataset")
+    table = dataset.read(snakemake.input.dataset, snakemake.input.beside)
     rows = splits.training_rows(
-        dataset, settings["train"], span_days=settings["span_days"], seed=settings["seed"]
+        table, settings["train"], span_days=settings["span_days"], seed=settings["seed"]
     )
-    training, variables = dataset[rows], settings["variables"]
-    model = learners.fit(
-        training[variables].to_numpy(),
-        training[settings["component"]].to_numpy(),
-        variables=variables,
-        settings=settings["learner"],
-        seed=settings["seed"],
-        groups=training["i"].to_numpy(),
+    model = learners.train(
+        table[rows], component=settings["component"], settings=settings["learner"], seed=settings["seed"]
     )
-    table, described = model.to_table()
+    weights, described = model.to_table()
     metadata |= described | {"component": settings["component"]}
-    write_table(snakemake.output[0], table, model_schema(variables), metadata=metadata)
+    write_table(snakemake.output[0], weights, learners.schema(described), metadata=metadata)

@@ -18,7 +18,9 @@ def check(values: Mapping[str, Any]) -> None:
     ends = nodes(epoch, 86400.0 * values["duration_days"])[[0, -1]]
     earth_orientation.tabulate(epoch, ends)
     ephemerides.tabulate(sources["ephemerides"], epoch, ends)
-    solar_activity.tabulate(sources["solar_activity"], epoch, ends, sources["percentile"])
+    for activity in ("solar_activity", "true_solar_activity"):
+        if activity in sources:
+            solar_activity.tabulate(sources[activity], epoch, ends, sources["percentile"])
     if sources["gravity_field"] != FETCHED:
         field = gravity_field.read_icgem(gravity_field.resolve(sources["gravity_field"])).at(epoch)
         for model in values["force_models"].values():

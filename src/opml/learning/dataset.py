@@ -6,7 +6,8 @@ but the duration belong to t_i alone, so they are computed once an estimate and 
 Source: the paper, section 'Dataset Capturing the Orbit Prediction Error Model'.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from os import PathLike
 
 import numpy as np
 import pandas as pd
@@ -15,7 +16,7 @@ from opml.elements import coe_from_cartesian, rsw_rotation, wrap_half_turn
 from opml.errors import InputError
 from opml.learning.cleaning import drag_coefficient_inside, tukey_fences
 from opml.learning.splits import in_days
-from opml.tables import SCHEMAS, STATE
+from opml.tables import SCHEMAS, STATE, mechanism_schema, read_metadata, read_table
 
 COE = ["a", "e", "inc", "argp", "raan", "nu"]
 COE_DIFFERENCE = ["d_a", "d_e", "d_i", "d_argp", "d_raan", "d_nu"]
@@ -32,6 +33,7 @@ CD_OUTSIDE = "drag coefficient outside bounds"
 NO_PREVIOUS_ESTIMATE = "no kept previous estimate"
 NO_RELATIVE_ERROR = "no prediction from previous estimate"
 OUTSIDE_FENCES = "outside Tukey fences"
+NO_NUMBERS = "no numbers beside it"
 
 
 def build(
@@ -61,18 +63,47 @@ def build(
     return rows[SCHEMAS["dataset"].names]
 
 
-def with_mechanism(dataset: pd.DataFrame, mechanism: pd.DataFrame) -> pd.DataFrame:
-    """The dataset with the columns of the `mechanism` table beside its own, rows unchanged.
+def read(path: str | PathLike, beside: Iterable[str | PathLike] = ()) -> pd.DataFrame:
+    """A dataset's file, with the columns of a mechanism's or an oracle's file `beside` its own.
 
-    Raises InputError where a row of the dataset has none there.
+    Raises InputError where a file is missing or damaged, or one does not belong to the other.
+    """
+    dataset = read_table(path, "dataset")
+    for other in beside:
+        resonances = read_metadata(other).get("resonances")
+        schema = SCHEMAS["oracle"] if resonances is None else mechanism_schema(resonances)
+        dataset = beside_it(dataset, read_table(other, schema))
+    return dataset
+
+
+def beside_it(dataset: pd.DataFrame, other: pd.DataFrame) -> pd.DataFrame:
+    """The dataset with the columns of a table of the same pairs beside its own.
+
+    A kept row that has no numbers there, since a neighbour of its arc decayed, is dropped with its reason.
+    Raises InputError where a row of the dataset is not in the other.
     """
     pairs = pd.MultiIndex.from_frame(dataset[["i", "j"]])
-    known = mechanism.set_index(["i", "j"])
+    known = other.set_index(["i", "j"])
     missing = ~pairs.isin(known.index)
     if missing.any():
         i, j = pairs[missing.argmax()]
-        raise InputError(f"mechanism: i, j: expected every pair of the dataset, got none of {i}, {j}")
-    return dataset.join(known.loc[pairs].reset_index(drop=True).set_axis(dataset.index))
+        raise InputError(f"pairs: i, j: expected every pair of the dataset, got none of {i}, {j}")
+    joined = dataset.join(known.loc[pairs].reset_index(drop=True).set_axis(dataset.index))
+    lost = joined["keep"] & joined[known.columns].isna().any(axis=1)
+    return joined.assign(keep=joined["keep"] & ~lost, reason=joined["reason"].mask(lost, NO_NUMBERS))
+
+
+def pooled(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
+    """Tables of pairs (i, j) of several RSOs below each other; each RSO's tracks count on from the last's.
+
+    Estimates of different RSOs so stay apart, in splits by estimate and in their bootstrap.
+    """
+    shift, found = 0, []
+    for table in tables:
+        tracks = [name for name in ("i", "j", "b") if name in table]
+        found.append(table.assign(**{name: table[name] + shift for name in tracks}))
+        shift += int(table["j"].max()) + 1
+    return pd.concat(found, ignore_index=True)
 
 
 def _learning_variables(

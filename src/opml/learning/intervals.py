@@ -9,11 +9,15 @@ J. Am. Stat. Assoc. 118 (pooling CDFs); Vovk, Gammerman & Shafer 2005, Algorithm
 for split-conformal; Lei et al. 2018, J. Am. Stat. Assoc. 113, for residuals divided by a local scale.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 
+from opml.constants import DAY
 from opml.errors import InputError
+from opml.learning.evaluation import Model, evaluate
 from opml.seeds import derive
 
 
@@ -29,6 +33,53 @@ class Widths:
     def at(self, duration: np.ndarray) -> np.ndarray:
         """Half the width (n,) at durations (n,) [s], linear between the bins and constant past the ends."""
         return self.factor * np.interp(duration, self.duration, self.scale)
+
+
+def apply(
+    train: Callable[[pd.DataFrame], Model],
+    training: pd.DataFrame,
+    test: pd.DataFrame,
+    *,
+    component: str,
+    level: float,
+    share: float,
+    bin_hours: float,
+    seed: int,
+) -> pd.DataFrame:
+    """The `intervals` table: the test rows' errors, predicted, with half the width of their intervals.
+
+    `train` makes a model of rows of the `training` dataset: it is given all but those of a share of the
+    estimates, which the widths come from. Raises InputError as `calibrate` does.
+    """
+    held = held_out(training["i"].to_numpy(), share=share, seed=seed)
+    model = train(training[~held])
+    every = np.ones(len(training), dtype=bool)
+    widths = calibrate(
+        training["duration"].to_numpy(),
+        evaluate(model, training, every, component=component)["residual"].to_numpy(),
+        training["i"].to_numpy(),
+        held,
+        level=level,
+        bin_hours=bin_hours,
+    )
+    table = evaluate(model, test, np.ones(len(test), dtype=bool), component=component)
+    return table.assign(half_width=widths.at(table["duration"].to_numpy()))
+
+
+def summary(table: pd.DataFrame, *, level: float, **experiment: str) -> pd.DataFrame:
+    """The one-row `coverage` table of an `intervals` table; the other options name the experiment."""
+    half = table["half_width"]
+    rows, estimates = coverage(table["residual"].to_numpy(), half.to_numpy(), table["i"].to_numpy())
+    last_day = table["duration"] > table["duration"].max() - DAY
+    row = experiment | {
+        "level": level,
+        "rows_inside": rows,
+        "estimates_inside": estimates,
+        "half_width": float(half.median()),
+        "half_width_last_day": float(half[last_day].median()),
+        "error_last_day": float(table.loc[last_day, "true"].abs().median()),
+    }
+    return pd.DataFrame([row])
 
 
 def held_out(groups: np.ndarray, *, share: float, seed: int) -> np.ndarray:
@@ -50,8 +101,7 @@ def calibrate(
 
     duration (n,) [s], residual (n,), groups (n,) the estimate of each row. The scale is the median residual
     of the trained rows in bins of bin_hours, so that it owes nothing to the calibration. Raises InputError
-    where
-    there are too few estimates for the level.
+    where there are too few estimates for the level.
     """
     centre, scale = duration_scale(duration[~held], residual[~held], bin_hours=bin_hours)
     scores = np.abs(residual[held]) / np.interp(duration[held], centre, scale)

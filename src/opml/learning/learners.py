@@ -6,6 +6,7 @@ A learner is a module-level `fit(x, y, *, variables, settings, seed, groups)` th
 
 from collections.abc import Mapping, Sequence
 from functools import partial
+from os import PathLike
 
 import numpy as np
 import pandas as pd
@@ -13,7 +14,17 @@ import pandas as pd
 from opml.errors import InputError
 from opml.learning import baselines, boosting, gaussian_process, mechanism, mlp, ridge, stacked, svr
 from opml.learning.evaluation import Model
-from opml.tables import MECHANISM_AXES, Schema, model_schema
+from opml.tables import (
+    COMPONENTS,
+    LEARNING_VARIABLES,
+    MECHANISM_AXES,
+    SCHEMAS,
+    Schema,
+    mechanism_schema,
+    model_schema,
+    read_metadata,
+    read_table,
+)
 
 
 def fit(
@@ -28,6 +39,25 @@ def fit(
     """Train the learner that `settings['kind']` names; raises InputError for an unknown kind."""
     train = _by_kind(FITS, settings["kind"])
     return train(x, y, variables=variables, settings=settings, seed=seed, groups=groups)
+
+
+def train(rows: pd.DataFrame, *, component: str, settings: Mapping, seed: int) -> Model:
+    """Train a learner on rows of a dataset; `settings` as `resolved` gives them. Errors as `fit`."""
+    variables = settings["variables"]
+    return fit(
+        rows[variables].to_numpy(),
+        rows[component].to_numpy(),
+        variables=variables,
+        settings=settings,
+        seed=seed,
+        groups=rows["i"].to_numpy(),
+    )
+
+
+def read(path: str | PathLike) -> Model:
+    """The model of a file. Raises InputError where it is missing, damaged or of an unknown kind."""
+    described = read_metadata(path)
+    return from_table(read_table(path, schema(described)), described)
 
 
 def from_table(table: pd.DataFrame, metadata: Mapping) -> Model:
@@ -62,6 +92,19 @@ def resolved(settings: Mapping, *, component: str, variables: Sequence[str]) -> 
         chosen = FIXED.get(kind, settings.get("variables", variables))
         names = _named([name for name in chosen if name not in settings.get("without", [])], axis)
     return found | {"variables": list(dict.fromkeys(names))}
+
+
+def check(values: Mapping) -> None:
+    """Raise InputError where a learner of the settings' `values` asks for a variable that there is not."""
+    drifts = mechanism_schema(values["mechanism"]["resonances"]).names
+    known = {*LEARNING_VARIABLES, "gap", *drifts, *SCHEMAS["oracle"].names} - {"i", "j"}
+    for name, settings in values["learners"].items():
+        own = resolved(settings, component=COMPONENTS[0], variables=values["learning"]["variables"])
+        if unknown := sorted(set(own["variables"]) - known):
+            raise InputError(
+                f"config: learners.{name}: expected learning variables and columns of the mechanism, "
+                f"got {unknown[0]}"
+            )
 
 
 def _named(names: Sequence[str], axis: str) -> list[str]:

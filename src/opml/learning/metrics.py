@@ -57,6 +57,15 @@ def bootstrap_interval(evaluation: pd.DataFrame, *, seed: int) -> tuple[float, f
     return float(low), float(high)
 
 
+def floor_share(dataset: pd.DataFrame, rows: np.ndarray, *, component: str) -> float:
+    """Size of the error from the true state and Cd, in % of the error, both summed over the rows (bool).
+
+    The dataset has the oracle's columns beside its own.
+    """
+    floor, error = (dataset.loc[rows, name] for name in (component.replace("e_", "floor_", 1), component))
+    return 100.0 * float(floor.abs().sum() / error.abs().sum())
+
+
 def by_seed(metrics: pd.DataFrame) -> pd.DataFrame:
     """Rows of the `metrics` table with the seeds of `stations` and `train` in a column `seed` of their own.
 
@@ -73,6 +82,7 @@ def by_seed(metrics: pd.DataFrame) -> pd.DataFrame:
 def summary(
     evaluation: pd.DataFrame,
     *,
+    seed: int,
     rso: str,
     stations: str,
     train: str,
@@ -81,7 +91,11 @@ def summary(
     target: str,
     test: str,
 ) -> pd.DataFrame:
-    """The one-row `metrics` table of an `evaluation` table; the options name the experiment."""
+    """The one-row `metrics` table of an `evaluation` table.
+
+    `seed` is of the bootstrap's draws; the other options name the experiment.
+    """
+    low, high = bootstrap_interval(evaluation, seed=seed)
     true, predicted = evaluation["true"].to_numpy(), evaluation["predicted"].to_numpy()
     row = {
         "rso": rso,
@@ -94,6 +108,8 @@ def summary(
         "rows": len(evaluation),
         "estimates": evaluation["i"].nunique(),
         "p_ml": p_ml(true, predicted),
+        "p_ml_low": low,
+        "p_ml_high": high,
         "fraction_reduced": fraction_reduced(true, predicted),
     }
     return pd.DataFrame([row])

@@ -82,6 +82,17 @@ def test_rows(
     return _not_empty(rows, f"test split '{name}'")
 
 
+def rows_tested(
+    dataset: pd.DataFrame, name: str, *, train: str | None, span_days: Sequence[float], seed: int
+) -> np.ndarray:
+    """Rows to test on after training under the split `train` (bool, one a row of the dataset).
+
+    `train` is None where the model was trained on another RSO. Errors as `training_rows` and `test_rows`.
+    """
+    trained = None if train is None else training_rows(dataset, train, span_days=span_days, seed=seed)
+    return test_rows(dataset, name, span_days=span_days, trained=trained)
+
+
 def _random_share(candidates: np.ndarray, *, percent: float, seed: int) -> np.ndarray:
     # One permutation a seed, whatever the percentage: the 10 % rows are among the 20 % rows, and the test
     # rows nest likewise. Neighbouring points of the partition curve then differ by what more data does, not

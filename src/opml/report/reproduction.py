@@ -32,7 +32,7 @@ class Results:
     def of(self, experiment: Experiment) -> Mapping[str, Any]:
         """Return the row of an experiment; KeyError where it did not run."""
         e = experiment
-        stations = e.stations + e.reading
+        stations = e.stations + e.window + e.reading
         return self._rows[e.rso, stations, e.train, e.learner, e.component, e.target, e.test]
 
     def p_ml(self, experiment: Experiment) -> float:
@@ -156,7 +156,7 @@ def counts(
 def path(experiment: Experiment) -> str:
     """The metrics file of an experiment, below the folder of results."""
     e = experiment
-    trained = f"{e.rso}/{e.stations}{e.reading}/{e.train}/{e.learner}/{e.component}"
+    trained = f"{e.rso}/{e.stations}{e.window}{e.reading}/{e.train}/{e.learner}/{e.component}"
     return f"metrics/{trained}/{e.target}/{e.test}.parquet"
 
 

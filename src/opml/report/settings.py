@@ -13,14 +13,18 @@ def models(settings: Mapping[str, Any]) -> list[Block]:
     """The truth and the assumed model; `settings` holds force_models, environment and estimation."""
     environment, force_models = settings["environment"], settings["force_models"]
     both = [force_models["truth"], force_models["assumed"]]
-    activity = f"{environment['solar_activity']}, percentile {environment['percentile']}"
+    assumed = environment["solar_activity"]
+    activities = [
+        f"{source}, percentile {environment['percentile']}"
+        for source in (environment.get("true_solar_activity", assumed), assumed)
+    ]
     rows = [
         ["Earth's shape", "WGS84", "WGS84"],
         ["gravity field", *(f"{environment['gravity_field']} {m['degree']}x{m['order']}" for m in both)],
         ["third bodies", *(", ".join(m["third_bodies"]) for m in both)],
         ["ephemerides", environment["ephemerides"], environment["ephemerides"]],
         ["atmosphere", "DTM2000", "DTM2000"],
-        ["solar activity", activity, activity],
+        ["solar activity", *activities],
         ["radiation pressure", *["sphere, umbra and penumbra"] * 2],
         ["drag coefficient", "the RSO's", "estimated"],
     ]

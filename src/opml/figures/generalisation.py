@@ -1,0 +1,138 @@
+"""Models against splits, one model on many RSOs, and what prediction intervals look like."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
+
+from opml.figures.labels import symbol, unit
+from opml.figures.style import MUTED, PREDICTED, PUBLISHED, RESIDUALS, TRUE, page_figure
+
+MARKERS = "osD^v"
+NO_CORRECTION = 100.0
+"""P_ML [%] of doing nothing."""
+DAY = 86400.0
+AXES = {
+    "inclination": "inclination $i$ [deg]",
+    "semi_major_axis": "increment of the semi-major axis $a$ [km]",
+}
+
+
+def splits(
+    metrics: pd.DataFrame,
+    *,
+    panels: Sequence[str],
+    learners: Sequence[str],
+    splits: Sequence[str],
+    published: Mapping[tuple[str, str], float],
+    component: str,
+) -> Figure:
+    """P_ML [%] of every model under every split, with 90 % intervals over estimates; a panel a station set.
+
+    `metrics` has a further column `split`, the split's name; `published`: the paper's, by station set and
+    split.
+    """
+    figure = page_figure(height_mm=30.0 + 6.5 * len(learners))
+    height = np.arange(len(learners))[::-1]
+    for axes, stations in zip(
+        figure.subplots(1, len(panels), sharex=True, sharey=True, squeeze=False)[0], panels, strict=True
+    ):
+        own = metrics[metrics["stations"] == stations]
+        for k, split in enumerate(splits):
+            rows = own[own["split"] == split].set_index("learner").loc[list(learners)]
+            aside = height + 0.17 * ((len(splits) - 1) / 2.0 - k)
+            look = {"color": RESIDUALS[k % len(RESIDUALS)], "marker": MARKERS[k % len(MARKERS)]}
+            axes.hlines(aside, rows["p_ml_low"], rows["p_ml_high"], color=look["color"], lw=1.2)
+            axes.plot(rows["p_ml"], aside, ls="", ms=4.0, label=split, **look)
+            if (stations, split) in published:
+                label = f"Peng & Bai, {split}"
+                style = {"marker": look["marker"], "markerfacecolor": "none", "markeredgecolor": PUBLISHED}
+                place = (
+                    len(learners) - 1 - list(learners).index("svr") if "svr" in learners else len(learners)
+                )
+                axes.plot(published[stations, split], place, ls="", ms=7.0, label=label, zorder=4, **style)
+        axes.axvline(NO_CORRECTION, color=MUTED, ls="--", lw=1.0, zorder=1)
+        axes.set_title(stations, fontsize=8.0, loc="left")
+        axes.set_xscale("log")
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.xaxis.set_major_formatter("{x:g}")
+        axes.xaxis.set_minor_formatter(NullFormatter())
+        axes.set_xlabel(rf"$P_{{\mathrm{{ML}}}}$ of {symbol(component)} [%]")
+        axes.set_yticks(height, learners)
+    _legend(figure, columns=4)
+    return figure
+
+
+def transfers(
+    metrics: pd.DataFrame,
+    curves: Mapping[str, Mapping[str, float]],
+    *,
+    published: Mapping[str, float],
+    component: str,
+) -> Figure:
+    """P_ML [%] of one model on other RSOs; a panel a curve, a line a learner.
+
+    `curves`: by curve, a key of AXES, what is varied by target; `published`: the paper's, by target.
+    """
+    figure = page_figure(height_mm=72.0)
+    panels = figure.subplots(1, len(curves), sharey=True, squeeze=False)[0]
+    for axes, (curve, varied) in zip(panels, curves.items(), strict=True):
+        for k, (learner, rows) in enumerate(metrics.groupby("learner", sort=False)):
+            own = rows[rows["target"].isin(list(varied))].set_index("target").loc[list(varied)]
+            x, color = list(varied.values()), RESIDUALS[k % len(RESIDUALS)]
+            axes.fill_between(x, own["p_ml_low"], own["p_ml_high"], color=color, alpha=0.2, lw=0.0)
+            axes.plot(x, own["p_ml"], f"{MARKERS[k % len(MARKERS)]}-", color=color, label=learner)
+        points = {value: published[target] for target, value in varied.items() if target in published}
+        style = {"markerfacecolor": "none", "markeredgecolor": PUBLISHED, "ms": 6.5}
+        axes.plot(list(points), list(points.values()), "D", label="Peng & Bai", zorder=4, **style)
+        axes.axhline(NO_CORRECTION, color=MUTED, ls="--", lw=1.0, zorder=1)
+        axes.set_yscale("log")
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.yaxis.set_major_formatter("{x:g}")
+        axes.yaxis.set_minor_formatter(NullFormatter())
+        axes.set_xlabel(AXES[curve])
+    panels[0].set_ylabel(rf"$P_{{\mathrm{{ML}}}}$ of {symbol(component)} [%]")
+    _legend(figure, columns=4)
+    return figure
+
+
+def intervals(tables: Mapping[str, pd.DataFrame], *, level: float, component: str) -> Figure:
+    """True errors and what a correction leaves of them, with the prediction interval's band; a panel a table.
+
+    `tables`: `intervals` tables by title. Every panel has its own scale.
+    """
+    name, scale = unit(component)
+    figure = page_figure(height_mm=62.0)
+    for axes, (title, table) in zip(
+        figure.subplots(1, len(tables), sharex=True, squeeze=False)[0], tables.items(), strict=True
+    ):
+        table = table.sort_values("duration", kind="stable")
+        days, half = table["duration"] / DAY, scale * table["half_width"]
+        outside = table["residual"].abs() > table["half_width"]
+        look = {"ls": "", "marker": ".", "ms": 1.6, "mew": 0.0, "rasterized": True}
+        axes.plot(days, scale * table["true"], color=TRUE, alpha=0.15, label="true error", **look)
+        axes.plot(days, scale * table["residual"], color=RESIDUALS[0], label="what is left", **look)
+        axes.fill_between(
+            days, -half, half, color=PREDICTED, alpha=0.25, lw=0.0, label=f"{100.0 * level:g} % interval"
+        )
+        reach = 1.6 * max(half.max(), np.percentile((scale * table["residual"]).abs(), 99.0))
+        axes.set_ylim(-reach, reach)
+        axes.set_title(f"{title}: {100.0 * (1.0 - outside.mean()):.0f} % inside", fontsize=8.0, loc="left")
+        axes.set_xlabel("prediction duration [d]")
+    figure.axes[0].set_ylabel(f"{symbol(component)} [{name}]")
+    _legend(figure, columns=3)
+    return figure
+
+
+def _legend(figure: Figure, *, columns: int) -> None:
+    """One legend for all panels, each label once."""
+    labels = dict(
+        pair for axes in figure.axes for pair in zip(*axes.get_legend_handles_labels()[::-1], strict=True)
+    )
+    legend = figure.legend(labels.values(), labels.keys(), loc="outside upper left", ncols=columns)
+    for handle in legend.legend_handles:
+        handle.set_alpha(None if handle.get_alpha() is None else max(handle.get_alpha(), 0.4))
+        if hasattr(handle, "set_markersize"):
+            handle.set_markersize(max(handle.get_markersize(), 4.0))

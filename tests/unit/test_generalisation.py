@@ -1,0 +1,149 @@
+"""Beyond the paper: which experiments are run, the document that tells them, and their figures."""
+
+import copy
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from opml import experiments, generalisation
+from opml.config import read_yaml
+from opml.figures import generalisation as figures
+from opml.report import document
+from opml.report import generalisation as report
+from opml.sheets import read_rsos
+
+ROOT = Path(__file__).parents[2]
+PAPER = read_yaml(ROOT / "config" / "config.yaml")
+RSOS = read_rsos(ROOT / "config" / "rsos.tsv")
+ENTRY = PAPER["experiments"]["generalisation"]
+
+
+@pytest.fixture
+def values():
+    values = copy.deepcopy(PAPER)
+    values["experiments"]["curves"]["semi_major_axis"]["offsets"] = [0, 50]
+    values["pools"] = {"altitudes": ["iss", "iss_a+50"]}
+    return values
+
+
+def metrics(found):
+    """P_ML that tells experiments apart: 10 more for each letter of the learner's name."""
+    rows = []
+    for one in found:
+        names = one.names()
+        names["stations"] += names.pop("window") + names.pop("reading")
+        p_ml = 10.0 * len(one.learner)
+        numbers = {"rows": 100, "estimates": 7, "p_ml": p_ml, "p_ml_low": p_ml - 1.0, "p_ml_high": p_ml + 2.0}
+        rows.append(names | numbers | {"fraction_reduced": 0.5})
+    return pd.DataFrame(rows)
+
+
+def test_every_model_meets_every_split():
+    found = generalisation.splits(PAPER)
+    assert len(found) == 2 * len(ENTRY["learners"]) * 4
+    one = found["eglin", "mechanism", "unseen"]
+    assert (one.train, one.test) == ("days-0-30", "days-30-40-unseen")
+    assert (one.rso, one.target, one.learner) == ("iss", "iss", "mechanism")
+
+
+def test_the_rso_left_out_is_no_part_of_what_it_is_tested_after(values):
+    one = generalisation.left_out(values)["altitudes", "svr", "iss_a+50"]
+    assert one.rso == "altitudes-without-iss_a+50"
+    assert one.target == "iss_a+50"
+
+
+@pytest.mark.parametrize(
+    ("stations", "split", "number"),
+    [
+        ("eglin", "random", 22.6),
+        ("eglin-clear-kaena", "random", 9.6),
+        ("eglin-clear-kaena", "future", 35.5),
+        ("eglin-clear-kaena", "unseen", None),
+        ("eglin", "future", None),
+    ],
+)
+def test_the_papers_number_stands_beside_every_learner(stations, split, number):
+    for learner in ("svr", "mechanism"):
+        assert (
+            generalisation.published(PAPER, generalisation.splits(PAPER)[stations, learner, split]) == number
+        )
+
+
+def test_the_papers_transfers():
+    found = generalisation.transfers(PAPER, RSOS)
+    assert generalisation.published(PAPER, found["inclination", "svr", "iss_i50"]) == 40.2
+    assert generalisation.published(PAPER, found["semi_major_axis", "svr", "iss_a+50"]) == 86.0
+    assert generalisation.published(PAPER, found["semi_major_axis", "svr", "iss_a+60"]) is None
+
+
+def test_document_tells_every_model_split_and_interval(values):
+    coverage = [
+        {name: part for name, part in one.names().items() if name not in ("window", "reading")}
+        | {
+            "level": 0.9,
+            "rows_inside": 0.91,
+            "estimates_inside": 0.905,
+            "half_width": 1200.0,
+            "half_width_last_day": 3000.0,
+            "error_last_day": 20000.0,
+        }
+        for one in generalisation.intervals(values).values()
+    ]
+    blocks = report.document(
+        values,
+        metrics(generalisation.every(values, RSOS)),
+        pd.DataFrame(coverage),
+        {"eglin": 5.0, "eglin-clear-kaena": 6.5},
+        RSOS,
+    )
+    text = document.markdown(blocks)
+    assert "| `mechanism` | 90.0 (89.0 to 92.0) | 90.0 (89.0 to 92.0)" in text
+    assert "| Peng & Bai, SVR | 9.6 | - | 35.5 | - |" in text
+    assert "random: random-80, rest (7 estimates)" in text
+    assert "| `iss_i50` | 40.2 | 30.0 (29.0 to 32.0) |" in text
+    assert "| altitudes | `iss_a+50` | 30.0" in text
+    assert "| eglin | `mechanism` | unseen | 91.0 | 90.5 | 1.20 | 3.00 | 20.00 |" in text
+    assert text.count("| eglin-clear-kaena |") >= 1
+    assert "| 6.5 |" in text
+    assert "nan" not in text
+
+
+def test_figure_of_splits_shows_every_model_and_the_paper():
+    found = generalisation.splits(PAPER)
+    table = metrics(found.values()).assign(split=[key[2] for key in found])
+    figure = figures.splits(
+        table,
+        panels=ENTRY["station_sets"],
+        learners=ENTRY["learners"],
+        splits=list(ENTRY["splits"]),
+        published={("eglin", "random"): 22.6},
+        component="e_y",
+    )
+    left, right = figure.axes
+    assert [label.get_text() for label in left.get_yticklabels()] == ENTRY["learners"]
+    assert sum("Peng & Bai" in line.get_label() for line in left.lines) == 1
+    assert sum("Peng & Bai" in line.get_label() for line in right.lines) == 0
+    assert "P_" in left.get_xlabel()
+
+
+def test_figure_of_transfers_has_a_panel_a_curve(values):
+    curves = {name: experiments.targets(values, name, RSOS) for name in values["experiments"]["curves"]}
+    table = metrics(dict.fromkeys(generalisation.transfers(values, RSOS).values()))
+    figure = figures.transfers(table, curves, published={"iss_i50": 40.2}, component="e_y")
+    assert len(figure.axes) == 2
+    assert "inclination" in figure.axes[0].get_xlabel()
+
+
+def test_figure_of_intervals_tells_what_lies_inside():
+    table = pd.DataFrame(
+        {
+            "duration": [1e4, 2e4, 3e4, 4e4],
+            "true": [5e3, 6e3, -7e3, 8e3],
+            "residual": [1e2, 2e2, 9e2, 1e2],
+            "half_width": [3e2, 3e2, 3e2, 3e2],
+        }
+    )
+    figure = figures.intervals({"svr": table}, level=0.9, component="e_y")
+    assert "75 % inside" in figure.axes[0].get_title(loc="left")
+    assert "km" in figure.axes[0].get_ylabel()

@@ -1,0 +1,79 @@
+"""Beyond the paper, on the trimmed case: models against splits, pools, intervals, a harder truth."""
+
+import re
+import shutil
+
+import pytest
+from project import ROOT, Project
+
+from opml.tables import read_metadata, read_table
+
+pytestmark = pytest.mark.dag
+CI = "--configfile=config/ci.yaml"
+FIGURES = ("generalisation", "generalisation_transfers", "generalisation_intervals")
+
+
+@pytest.fixture(scope="module")
+def beyond(finished, tmp_path_factory):
+    """The finished run, carried on beyond the paper."""
+    folder = tmp_path_factory.mktemp("beyond")
+    shutil.copytree(finished.folder, folder, dirs_exist_ok=True)
+    project = Project(folder, source=ROOT)
+    project.snakemake("-j2", CI, "beyond")
+    return project
+
+
+def results(project, name):
+    return project.folder / "results" / "ci" / name
+
+
+def test_every_model_is_in_the_table(beyond):
+    text = results(beyond, "generalisation.md").read_text()
+    for model in (
+        "none",
+        "durationmean",
+        "repredicted",
+        "ridge",
+        "svr",
+        "covariance",
+        "mechanism",
+        "stacked",
+    ):
+        assert len(re.findall(rf"^\| `{model}` \| [\d.]+ \([\d.]+ to [\d.]+\)", text, re.MULTILINE)) == 1
+    assert re.search(r"^\| `none` \| 100\.0 \(100\.0 to 100\.0\)", text, re.MULTILINE)
+    assert "nan" not in text
+
+
+def test_every_figure_is_drawn(beyond):
+    for name in FIGURES:
+        assert results(beyond, f"figs/{name}.pdf").stat().st_size > 5000
+        assert results(beyond, f"figs/{name}.png").stat().st_size > 5000
+
+
+def test_what_a_pool_is_trained_on_leaves_its_target_out(beyond):
+    pooled = read_table(
+        results(beyond, "dataset/inclinations-without-iss_i50/eglin-clear-kaena.parquet"), "dataset"
+    )
+    own = read_table(results(beyond, "dataset/iss/eglin-clear-kaena.parquet"), "dataset")
+    assert pooled.equals(own)
+
+
+def test_a_model_tells_what_it_was_made_with(beyond):
+    path = results(beyond, "models/iss/eglin-clear-kaena/days-0-2/mechanism/e_y.parquet")
+    assert read_metadata(path)["kind"] == "mechanism"
+
+
+def test_the_paper_is_not_run_again_for_it(beyond):
+    assert "Nothing to be done" in beyond.snakemake("-n", CI).stdout
+
+
+def test_a_harder_truth_changes_the_truth_and_not_the_assumed_model(project):
+    plan = project.snakemake(
+        "-n", "--configfile", "config/observed.yaml", "--", "results/observed/truth/iss.parquet"
+    )
+    assert "Solar activity: OBSERVED" in plan.stdout
+    assert "Solar activity: MSAFE" not in plan.stdout
+    plan = project.snakemake(
+        "-n", "--configfile", "config/observed.yaml", "--", "results/observed/estimates/iss/eglin.parquet"
+    )
+    assert "Solar activity: MSAFE" in plan.stdout

@@ -1,0 +1,157 @@
+# Beyond the paper: what a catalogue knows of why its predictions err, and RSOs pooled to learn from together.
+LONG = naming.windowed(config["mechanism"]["long_window_hours"], default=config["estimation"]["window_hours"])
+
+
+rule sensitivities:
+    input:
+        **ENVIRONMENT,
+        estimates=rules.estimation.output[0],
+        predictions=rules.prediction.output[0],
+    output:
+        f"{RESULTS}/sensitivities/{{rso}}/{{stations}}{{window}}.parquet",
+    log:
+        f"{RESULTS}/logs/sensitivities/{{rso}}/{{stations}}{{window}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/sensitivities/{{rso}}/{{stations}}{{window}}.tsv"
+    conda:
+        "../envs/opml.yaml"
+    threads: 2
+    resources:
+        mem_mb=2000,
+        runtime=60,
+    params:
+        settings=lambda wildcards: {
+            "epoch": config["epoch"],
+            "force_model": config["force_models"]["assumed"],
+            "integrator": config["integrator"],
+            "cd_bounds": [config["cleaning"]["cd_min"], config["cleaning"]["cd_max"]],
+            "rso": rso(wildcards),
+        },
+        code=code("sensitivities.py"),
+    message:
+        "Sensitivities: how each prediction of {wildcards.rso} by {wildcards.stations} answers to its drag coefficient"
+    script:
+        "../scripts/sensitivities.py"
+
+
+rule mechanism:
+    input:
+        estimates=rules.estimation.output[0],
+        predictions=rules.prediction.output[0],
+        sensitivities=rules.sensitivities.output[0],
+        long_estimates=rules.estimation.output[0].replace("{window}", LONG),
+        long_predictions=rules.prediction.output[0].replace("{window}", LONG),
+        long_sensitivities=rules.sensitivities.output[0].replace("{window}", LONG),
+        gravity_field=ENVIRONMENT["gravity_field"],
+    output:
+        f"{RESULTS}/mechanism/{{rso}}/{{stations}}{{window}}.parquet",
+    log:
+        f"{RESULTS}/logs/mechanism/{{rso}}/{{stations}}{{window}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/mechanism/{{rso}}/{{stations}}{{window}}.tsv"
+    conda:
+        "../envs/opml.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+        runtime=10,
+    params:
+        settings={
+            "epoch": config["epoch"],
+            "cd_bounds": [config["cleaning"]["cd_min"], config["cleaning"]["cd_max"]],
+            **config["mechanism"],
+        },
+        code=code("mechanism.py"),
+    message:
+        "Mechanism: sensitivities, long arcs and resonances of the predictions of {wildcards.rso} by {wildcards.stations}"
+    script:
+        "../scripts/mechanism.py"
+
+
+rule perfect_estimates:
+    input:
+        truth=rules.truth.output[0],
+        estimates=rules.estimation.output[0].replace("{window}", ""),
+    output:
+        f"{RESULTS}/estimates/{{rso}}/{{stations}}{naming.PERFECT}.parquet",
+    log:
+        f"{RESULTS}/logs/estimates/{{rso}}/{{stations}}{naming.PERFECT}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/estimates/{{rso}}/{{stations}}{naming.PERFECT}.tsv"
+    conda:
+        "../envs/opml.yaml"
+    threads: 1
+    resources:
+        mem_mb=500,
+        runtime=5,
+    params:
+        settings=lambda wildcards: {"epoch": config["epoch"], "cd": rso(wildcards)["cd"]},
+        code=code("perfect_estimates.py"),
+    message:
+        "Perfect estimates: the true states of {wildcards.rso} in the place of those by {wildcards.stations}"
+    script:
+        "../scripts/perfect_estimates.py"
+
+
+rule oracle:
+    input:
+        estimates=rules.estimation.output[0].replace("{window}", ""),
+        predictions=rules.prediction.output[0].replace("{window}", ""),
+        perfect=rules.perfect_estimates.output[0],
+        perfect_predictions=rules.prediction.output[0].replace("{window}", naming.PERFECT),
+        gravity_field=ENVIRONMENT["gravity_field"],
+    output:
+        f"{RESULTS}/oracle/{{rso}}/{{stations}}.parquet",
+    log:
+        f"{RESULTS}/logs/oracle/{{rso}}/{{stations}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/oracle/{{rso}}/{{stations}}.tsv"
+    conda:
+        "../envs/opml.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=5,
+    params:
+        settings={"epoch": config["epoch"]},
+        code=code("oracle.py"),
+    message:
+        "Oracle: what the prediction errors of {wildcards.rso} by {wildcards.stations} are made of"
+    script:
+        "../scripts/oracle.py"
+
+
+rule pool:
+    input:
+        lambda wildcards: [
+            f"{RESULTS}/{wildcards.table}/{rso}/{wildcards.rest}.parquet"
+            for rso in naming.parse_pool(wildcards.pool, config["pools"])
+        ],
+    output:
+        f"{RESULTS}/{{table}}/{{pool}}/{{rest}}.parquet",
+    log:
+        f"{RESULTS}/logs/{{table}}/{{pool}}/{{rest}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/{{table}}/{{pool}}/{{rest}}.tsv"
+    wildcard_constraints:
+        table="dataset|mechanism",
+        pool=naming.pool_pattern(config["pools"], SETTINGS.rsos),
+        rest="[^/]+",
+    conda:
+        "../envs/opml.yaml"
+    threads: 1
+    resources:
+        mem_mb=3000,
+        runtime=10,
+    params:
+        settings=lambda wildcards: {
+            "epoch": config["epoch"],
+            "table": wildcards.table,
+            "resonances": config["mechanism"]["resonances"],
+            "rsos": naming.parse_pool(wildcards.pool, config["pools"]),
+        },
+        code=code("pool.py"),
+    message:
+        "Pool: the {wildcards.table} of {wildcards.pool}"
+    script:
+        "../scripts/pool.py"

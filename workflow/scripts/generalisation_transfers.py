@@ -1,0 +1,15 @@
+"""Draw P_ML of models on nearby RSOs."""
+
+from opml.figures import generalisation, style
+from opml.jobs import job
+from opml.tables import read_tables
+
+with job(snakemake):
+    settings = snakemake.params.settings
+    figure = generalisation.transfers(
+        read_tables(snakemake.input, "metrics"),
+        settings["curves"],
+        published={target: p_ml for _, _, target, p_ml in settings["published"]},
+        component=settings["component"],
+    )
+    style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

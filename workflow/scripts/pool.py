@@ -1,0 +1,13 @@
+"""Put tables of several RSOs below each other."""
+
+from opml.jobs import job
+from opml.learning import dataset
+from opml.tables import SCHEMAS, mechanism_schema, read_table, write_table
+
+with job(snakemake) as metadata:
+    settings = snakemake.params.settings
+    own = {"dataset": SCHEMAS["dataset"], "mechanism": mechanism_schema(settings["resonances"])}
+    schema = own[settings["table"]]
+    table = dataset.pooled([read_table(path, schema) for path in snakemake.input])
+    metadata |= {"resonances": settings["resonances"]}
+    write_table(snakemake.output[0], table, schema, metadata=metadata)
