@@ -115,7 +115,14 @@ def intervals(tables: Mapping[str, pd.DataFrame], *, level: float, component: st
         axes.plot(days, scale * table["true"], color=TRUE, alpha=0.15, label="true error", **look)
         axes.plot(days, scale * table["residual"], color=RESIDUALS[0], label="what is left", **look)
         axes.fill_between(
-            days, -half, half, color=PREDICTED, alpha=0.25, lw=0.0, label=f"{100.0 * level:g} % interval"
+            days,
+            -half,
+            half,
+            color=PREDICTED,
+            alpha=0.25,
+            lw=0.0,
+            zorder=1,
+            label=f"{100.0 * level:g} % interval",
         )
         reach = 1.6 * max(half.max(), np.percentile((scale * table["residual"]).abs(), 99.0))
         axes.set_ylim(-reach, reach)

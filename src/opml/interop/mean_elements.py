@@ -1,0 +1,283 @@
+"""An RSO from mean elements: a TLE, or an OMM in KVN, JSON or XML, flown by SGP4.
+
+    python -m opml.interop.mean_elements iss.tle --name mine --epoch 2016-09-28T12:09:45 >> config/rsos.tsv
+
+adds one to the sheet. SGP4's states are in TEME, which turns with the mean equinox; the rotation to GCRF is
+through the Earth's rotation: Greenwich mean sidereal time of 1982 against the Earth rotation angle about the
+CIP of IAU 2006/2000A. UT1 enters both angles and cancels, so UTC does and no bulletin is needed.
+Source: Vallado, Crawford, Hujsak & Kelso 2006, Revisiting Spacetrack Report #3 (AIAA 2006-6753), appendix C;
+IERS Conventions 2010, section 5.4; CCSDS 502.0-B-2, section 4 (OMM).
+"""
+
+import argparse
+import json
+import math
+import os
+import re
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+from xml.etree.ElementTree import ParseError
+
+import erfa
+import numpy as np
+from sgp4 import omm
+from sgp4.api import SGP4_ERRORS, Satrec
+
+from opml import epochs
+from opml.elements import coe_from_cartesian, mean_from_true_anomaly
+from opml.errors import InputError
+from opml.interop import ccsds
+from opml.sheets import Rso
+
+EARTH_GM = 3.986004415e14
+"""Earth's gravitational parameter [m3/s2] of EGM2008 and EIGEN-6S, by which a sheet's elements are read."""
+
+_NUMBERS = (
+    "MEAN_MOTION",
+    "ECCENTRICITY",
+    "INCLINATION",
+    "RA_OF_ASC_NODE",
+    "ARG_OF_PERICENTER",
+    "MEAN_ANOMALY",
+    "BSTAR",
+)
+# What SGP4 does not fly by, and messages may leave out.
+_OPTIONAL = {
+    "MEAN_MOTION_DOT": "0",
+    "MEAN_MOTION_DDOT": "0",
+    "CLASSIFICATION_TYPE": "U",
+    "OBJECT_ID": "",
+    "EPHEMERIS_TYPE": "0",
+    "ELEMENT_SET_NO": "0",
+    "REV_AT_EPOCH": "0",
+    "NORAD_CAT_ID": "0",
+}
+_REQUIRED = {"MEAN_ELEMENT_THEORY": ("SGP4", "SGP/SGP4"), "REF_FRAME": ("TEME",), "TIME_SYSTEM": ("UTC",)}
+_OMM_VERSION = "CCSDS_OMM_VERS"
+
+
+def read(path: str | os.PathLike) -> Satrec:
+    """Read the one set of mean elements of a file: a TLE (with or without a name), or an OMM.
+
+    Raises InputError, naming file and line or key, for what is malformed or no single set.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except (OSError, ValueError) as reason:
+        raise InputError(f"{path}: expected a TLE or an OMM in UTF-8 text ({reason})") from None
+    match text.lstrip()[:1]:
+        case "{" | "[":
+            satellite = _of_omm(path, _json(path, text))
+        case "<":
+            satellite = _of_omm(path, _xml(path))
+        case _ if text.lstrip().startswith(_OMM_VERSION):
+            satellite = _of_omm(path, _kvn(path))
+        case _:
+            satellite = _of_tle(path, text)
+    if satellite.error:
+        raise InputError(f"{path}: expected elements that SGP4 can fly, got {SGP4_ERRORS[satellite.error]}")
+    return satellite
+
+
+def epoch_of(satellite: Satrec) -> str:
+    """UTC text of a set's own epoch, to the microsecond."""
+    fields_ = erfa.d2dtf("UTC", 6, satellite.jdsatepoch, satellite.jdsatepochF)
+    year, month, day, clock = fields_
+    h, m, s, f = (int(clock[name]) for name in "hmsf")
+    return f"{int(year):04d}-{int(month):02d}-{int(day):02d}T{h:02d}:{m:02d}:{s:02d}.{f:06d}"
+
+
+def state(satellite: Satrec, *, epoch: str) -> np.ndarray:
+    """Osculating GCRF state (6,) [m, m/s] at a UTC text, carried there by SGP4.
+
+    Raises InputError where SGP4 cannot (decayed, elements out of range).
+    """
+    day, fraction = (float(part) for part in epochs.utc(epoch, 0.0))
+    error, position, velocity = satellite.sgp4(day, fraction)
+    if error:
+        raise InputError(f"mean elements: expected an orbit at {epoch}, got {SGP4_ERRORS[error]}")
+    turn = teme_to_gcrf(epoch)
+    return 1e3 * np.concatenate([turn @ position, turn @ velocity])
+
+
+def teme_to_gcrf(epoch: str) -> np.ndarray:
+    """Rotation (3, 3) of TEME to GCRF at a UTC text; its own turning, 7e-12 rad/s, moves no velocity."""
+    utc, tt = epochs.utc(epoch, 0.0), epochs.tt(epoch, 0.0)
+    to_cirs = erfa.rz(erfa.gmst82(*utc) - erfa.era00(*utc), np.eye(3))
+    return erfa.c2ixys(*erfa.xys06a(*tt)).T @ to_cirs
+
+
+def rso(
+    satellite: Satrec,
+    *,
+    name: str,
+    epoch: str,
+    area_to_mass: float,
+    cd: float,
+    cr: float,
+    gm: float = EARTH_GM,
+) -> Rso:
+    """The RSO that SGP4 has at the UTC text `epoch`: osculating elements, and the body's A/m [m2/kg], Cd, Cr.
+
+    B* is left aside: it is fitted together with SGP4's own atmosphere. gm [m3/s2] is that of the run's field.
+    Raises InputError where SGP4 cannot reach the epoch.
+    """
+    a, e, i, argp, raan, nu = coe_from_cartesian(state(satellite, epoch=epoch), gm).tolist()
+    mean_anomaly = float(mean_from_true_anomaly(nu, e))
+    return Rso(name, a, e, i, argp, raan, mean_anomaly, area_to_mass=area_to_mass, cd=cd, cr=cr)
+
+
+def sheet_row(rso: Rso) -> str:
+    """The RSO's line of the sheet of RSOs, in its units and the order of its columns."""
+    to_sheet: Mapping[str, Callable[[float], float]] = {"a": lambda value: value / 1e3} | dict.fromkeys(
+        ("i", "argp", "raan", "mean_anomaly"), math.degrees
+    )
+    values = [(field.name, getattr(rso, field.name)) for field in fields(rso)[1:]]
+    return "\t".join([rso.name, *(repr(to_sheet.get(name, float)(value)) for name, value in values)])
+
+
+def _of_tle(path, text):
+    lines = [(n, line.rstrip()) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
+    if len(lines) == 3:
+        lines = lines[1:]
+    if len(lines) != 2:
+        raise InputError(f"{path}: expected one TLE of two lines, or an OMM, got {len(lines)} lines")
+    for k, (number, line) in enumerate(lines, start=1):
+        _check_tle_line(path, number, line, _TLE_LINES[k - 1], str(k))
+    (_, first), (number, second) = lines
+    if first[2:7] != second[2:7]:
+        raise InputError(f"{path}: line {number}: expected catalogue number {first[2:7]}, got {second[2:7]}")
+    try:
+        return Satrec.twoline2rv(first, second)
+    except ValueError as reason:
+        raise InputError(f"{path}: line {number}: expected a TLE, got {reason}") from None
+
+
+_EXPONENT = r"[ +-][ \d]{5}[+-]\d"
+_TLE_LINES = (
+    re.compile(
+        rf"1 [ \dA-Z][ \d]{{4}}[ A-Z] .{{8}} \d\d[ \d]{{3}}\.\d{{8}} [ +-]\.\d{{8}} "
+        rf"{_EXPONENT} {_EXPONENT} [ \d] [ \d]{{4}}\d",
+        re.ASCII,
+    ),
+    re.compile(
+        r"2 [ \dA-Z][ \d]{4} [ \d]{3}\.\d{4} [ \d]{3}\.\d{4} [ \d]{7} [ \d]{3}\.\d{4} [ \d]{3}\.\d{4} "
+        r"[ \d]{2}\.\d{8}[ \d]{5}\d",
+        re.ASCII,
+    ),
+)
+
+
+def _check_tle_line(path, number, line, pattern, kind):
+    if not pattern.fullmatch(line):
+        raise InputError(f"{path}: line {number}: expected line {kind} of a TLE, got {line!r}")
+    total = sum(int(c) if c.isdigit() else c == "-" for c in line[:68]) % 10
+    if total != int(line[68]):
+        raise InputError(f"{path}: line {number}: expected the checksum {total}, got {line[68]}")
+
+
+def _json(path, text):
+    try:
+        found = json.loads(text)
+    except ValueError as reason:
+        number = getattr(reason, "lineno", 1)
+        raise InputError(f"{path}: line {number}: expected an OMM in JSON, got {reason}") from None
+    sets = found if isinstance(found, list) else [found]
+    return _only(path, sets)
+
+
+def _xml(path):
+    try:
+        return _only(path, list(omm.parse_xml(path)))
+    except ParseError as reason:
+        raise InputError(f"{path}: line {reason.position[0]}: expected an OMM in XML, got {reason}") from None
+    except (AttributeError, TypeError):
+        raise InputError(
+            f"{path}: expected metadata, meanElements and tleParameters of an OMM, not all of which are there"
+        ) from None
+
+
+def _kvn(path):
+    message = ccsds.Message(path, version_key=_OMM_VERSION, versions=("1.0", "2.0", "3.0"))
+    found = {}
+    while message.peek():
+        number, key, value = message.pair()
+        if key in found:
+            raise message.wrong(f"{key} once", "it twice", number)
+        found[key] = value.split("[")[0].rstrip()
+    return found
+
+
+def _only(path, sets):
+    if len(sets) != 1 or not isinstance(sets[0], dict):
+        raise InputError(f"{path}: expected the mean elements of one RSO, got {len(sets)}")
+    return {str(key): "" if value is None else str(value).strip() for key, value in sets[0].items()}
+
+
+def _of_omm(path, found: Mapping[str, str]) -> Satrec:
+    for key, allowed in _REQUIRED.items():
+        if found.get(key, allowed[0]).upper() not in allowed:
+            raise InputError(f"{path}: {key}: expected {' or '.join(allowed)}, got {found[key]}")
+    elements: dict[str, Any] = _OPTIONAL | {key: value for key, value in found.items() if value}
+    for key in (*_NUMBERS, "MEAN_MOTION_DOT", "MEAN_MOTION_DDOT"):
+        _check(path, elements, key, float, math.isfinite, "a finite number")
+    for key in ("EPHEMERIS_TYPE", "ELEMENT_SET_NO", "REV_AT_EPOCH", "NORAD_CAT_ID"):
+        _check(path, elements, key, int, lambda value: value >= 0, "a whole number")
+    epoch = elements.get("EPOCH", "").removesuffix("Z")
+    try:
+        epochs.parse(epoch)
+    except InputError as reason:
+        raise InputError(f"{path}: EPOCH: {reason}") from None
+    elements["EPOCH"] = ccsds.utc(epoch, np.zeros(1))[0]
+    satellite = Satrec()
+    try:
+        omm.initialize(satellite, elements)
+    except ValueError as reason:
+        raise InputError(f"{path}: expected elements that SGP4 can take, got {reason}") from None
+    return satellite
+
+
+def _check(path, elements, key, convert, good, expected):
+    text = elements.get(key, "nothing")
+    try:
+        if good(convert(text)):
+            return
+    except ValueError:
+        pass
+    raise InputError(f"{path}: {key}: expected {expected}, got {text}")
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Print the line of the sheet of RSOs for a file of mean elements; returns the process's exit status."""
+    parser = argparse.ArgumentParser(prog="python -m opml.interop.mean_elements", description=main.__doc__)
+    parser.add_argument("file", help="a TLE, or an OMM in KVN, JSON or XML")
+    parser.add_argument("--name", required=True, help="in the sheet: lower-case letters and digits")
+    parser.add_argument("--epoch", help="of the run, UTC text; by default the elements' own")
+    parser.add_argument("--area-to-mass", type=float, default=0.05, help="[m2/kg]; by default %(default)s")
+    parser.add_argument("--cd", type=float, default=2.2, help="drag coefficient; by default %(default)s")
+    parser.add_argument("--cr", type=float, default=1.25, help="reflectivity; by default %(default)s")
+    given = parser.parse_args(arguments)
+    try:
+        satellite = read(given.file)
+        found = rso(
+            satellite,
+            name=given.name,
+            epoch=given.epoch or epoch_of(satellite),
+            area_to_mass=given.area_to_mass,
+            cd=given.cd,
+            cr=given.cr,
+        )
+    except InputError as error:
+        print(f"opml: {error}", file=sys.stderr)
+        return 1
+    print(sheet_row(found))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,250 @@
+"""OEM: what is written comes back bit for bit, and what is malformed is named by file and line."""
+
+import erfa
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from support import EPOCH
+
+from opml.catalog import truth
+from opml.dynamics.ensemble import Integrator
+from opml.errors import InputError
+from opml.interop import ccsds, oem
+from opml.tables import PARAMETERS, SCHEMAS, STATE
+
+DOUBLES = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e290, max_value=1e290)
+
+
+@pytest.fixture(scope="module")
+def orbit(kepler_model, iss):
+    """Ten minutes of the paper's RSO."""
+    return truth.simulate(kepler_model, iss, duration=600.0, step=20.0, integrator=Integrator())
+
+
+@pytest.fixture
+def message(orbit, tmp_path):
+    path = tmp_path / "iss.oem"
+    oem.write(path, oem.of_truth(orbit, rso="iss"), epoch=EPOCH)
+    return path
+
+
+def estimates(count=3):
+    """A table of estimates with random figures; the second did not converge."""
+    generator = np.random.default_rng(1)
+    frame = pd.DataFrame(generator.normal(size=(count, len(SCHEMAS["estimates"].names))))
+    frame.columns = SCHEMAS["estimates"].names
+    frame["track"], frame["t"] = np.arange(count), 100.0 * np.arange(count)
+    frame["converged"] = np.arange(count) != 1
+    frame["reason"] = ""
+    return frame
+
+
+def predictions():
+    """A table of predictions: from track 0 to tracks 1 and 2, from track 1 to track 2 and none to track 3."""
+    generator = np.random.default_rng(2)
+    frame = pd.DataFrame(generator.normal(size=(4, 6)) * 1e6, columns=list(STATE))
+    pairs = {"i": [0, 0, 1, 1], "j": [1, 2, 2, 3], "t_j": [100.0, 200.5, 200.5, 300.0]}
+    return frame.assign(**pairs, reason=["", "", "", "decayed below 120 km"])
+
+
+@given(DOUBLES, st.sampled_from([-6, -3, 0]))
+def test_a_number_keeps_every_bit(value, power):
+    message = object.__new__(ccsds.Message)
+    back = message.scaled(ccsds.printed(value, power), -power, 1)
+    assert np.float64(back).tobytes() == np.float64(value).tobytes()
+
+
+@settings(deadline=None)
+@given(st.lists(st.integers(-(10**13), 10**13), min_size=1, max_size=5))
+def test_times_come_back_to_the_microsecond_across_leap_seconds(microseconds):
+    t = np.array(microseconds) / 1e6
+    message = object.__new__(ccsds.Message)
+    back = message.elapsed(ccsds.utc(EPOCH, t), range(len(t)), epoch=EPOCH, scale="UTC")
+    np.testing.assert_array_equal(back, t)
+
+
+def test_the_leap_second_of_2016_has_a_name():
+    midnight = 94 * 86400.0 + (86400.0 - 43785.0)  # 2016-12-31T24:00:00 if there were none
+    assert ccsds.utc(EPOCH, [midnight]) == ["2016-12-31T23:59:60.000000"]
+
+
+def test_truth_comes_back_bit_for_bit(orbit, message):
+    back = oem.truth_table(message, epoch=EPOCH, step=20.0, duration=600.0)
+    pd.testing.assert_frame_equal(back, orbit, check_exact=True)
+
+
+def test_the_same_input_gives_the_same_bytes(orbit, message, tmp_path):
+    oem.write(tmp_path / "again.oem", oem.of_truth(orbit, rso="iss"), epoch=EPOCH)
+    assert (tmp_path / "again.oem").read_bytes() == message.read_bytes()
+
+
+def test_estimates_come_back_with_their_covariances(tmp_path):
+    table = estimates()
+    oem.write(tmp_path / "e.oem", oem.of_estimates(table, rso="iss"), epoch=EPOCH)
+    (back,) = oem.read(tmp_path / "e.oem", epoch=EPOCH)
+    usable = table[table["converged"]]
+    assert back.t.tolist() == back.covariance_t.tolist() == [0.0, 200.0]
+    np.testing.assert_array_equal(back.states, usable[list(STATE)])
+    for covariance, (_, row) in zip(back.covariances, usable.iterrows(), strict=True):
+        for k, a in enumerate(PARAMETERS[:6]):
+            for m, b in enumerate(PARAMETERS[: k + 1]):
+                assert covariance[k, m] == covariance[m, k] == row[f"cov_{a}_{b}"]
+
+
+def test_predictions_are_a_segment_an_estimate(tmp_path):
+    table = predictions()
+    oem.write(tmp_path / "p.oem", oem.of_predictions(table, rso="iss"), epoch=EPOCH)
+    first, second = oem.read(tmp_path / "p.oem", epoch=EPOCH)
+    assert (first.t.tolist(), second.t.tolist()) == ([100.0, 200.5], [200.5])
+    np.testing.assert_array_equal(np.vstack([first.states, second.states]), table[list(STATE)][:3])
+    assert "COMMENT prediction from the estimate of track 1" in (tmp_path / "p.oem").read_text()
+
+
+def test_tables_without_anything_to_tell_are_input_errors():
+    with pytest.raises(InputError, match="iss: expected an estimate that converged"):
+        oem.of_estimates(estimates().assign(converged=False), rso="iss")
+    with pytest.raises(InputError, match="iss: expected a prediction"):
+        oem.of_predictions(predictions().assign(reason="decayed below 120 km"), rso="iss")
+
+
+def edited(message, old, new):
+    """The message with one piece of its text replaced."""
+    text = message.read_text()
+    assert old in text
+    message.write_text(text.replace(old, new, 1))
+    return message
+
+
+def test_other_frames_and_time_systems_are_turned_to_ours(message, orbit):
+    edited(message, "REF_FRAME = GCRF", "REF_FRAME = EME2000")
+    (back,) = oem.read(message, epoch=EPOCH)
+    bias = np.array(erfa.bp06(2451545.0, 0.0)[0])  # GCRS to mean J2000
+    np.testing.assert_allclose(back.states[:, :3] @ bias.T, orbit[["x", "y", "z"]], rtol=0, atol=1e-8)
+    assert 0.1 < np.linalg.norm(back.states[0, :3] - orbit.loc[0, ["x", "y", "z"]].to_numpy(float)) < 1.0
+    edited(message, "TIME_SYSTEM = UTC", "TIME_SYSTEM = TAI")
+    assert oem.read(message, epoch=EPOCH)[0].t[0] == -36.0
+    edited(message, "TIME_SYSTEM = TAI", "TIME_SYSTEM = TT")
+    assert oem.read(message, epoch=EPOCH)[0].t[0] == -68.184
+    edited(message, "TIME_SYSTEM = TT", "TIME_SYSTEM = GPS")
+    assert oem.read(message, epoch=EPOCH)[0].t[0] == -17.0
+
+
+def test_days_of_the_year_zulus_and_accelerations_are_read(message, orbit):
+    text = message.read_text().replace("2016-09-28T", "2016-272T")
+    lines = [f"{line} 0 0 0" if line.startswith("2016") else line for line in text.splitlines()]
+    lines[16] = lines[16].replace(" ", "Z ", 1)
+    message.write_text("\n".join(lines))
+    (back,) = oem.read(message, epoch=EPOCH)
+    np.testing.assert_array_equal(back.t, orbit["t"])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("CCSDS_OEM_VERS = 2.0", "CCSDS_OPM_VERS = 2.0", "line 1: expected CCSDS_OEM_VERS = 1.0 or 2.0, got"),
+        ("CCSDS_OEM_VERS = 2.0", "", "line 3: expected CCSDS_OEM_VERS"),
+        ("ORIGINATOR = ", "ORIGINATOR ", "line 4: expected KEY = value, got ORIGINATOR OPML"),
+        ("META_START", "META_BEGIN", "line 6: expected KEY = value, got META_BEGIN"),
+        ("CENTER_NAME = EARTH", "CENTER_NAME = MARS", "line 10: expected CENTER_NAME = EARTH, got MARS"),
+        (
+            "REF_FRAME = GCRF",
+            "REF_FRAME = TOD",
+            "line 11: expected REF_FRAME = GCRF or ICRF or EME2000, got T",
+        ),
+        ("REF_FRAME = GCRF\n", "", "line 14: expected the key REF_FRAME before this line, got none"),
+        ("REF_FRAME = GCRF", "OBJECT_ID = twice", "line 11: expected OBJECT_ID once, got it twice"),
+        ("TIME_SYSTEM = UTC", "TIME_SYSTEM = MET", "line 12: expected TIME_SYSTEM = UTC or TAI or TT or GPS"),
+        ("META_STOP\n", "", "line 15: expected KEY = value, got 2016"),
+        ("\n2016-09-28T12:10:05.000000 ", "\n2016-09-28 12:10:05 ", "line 17: expected a time, position"),
+        ("\n2016-09-28T12:10:05.000000 ", "\n2016-09-31T12:10:05 ", "line 17: expected a time that exists"),
+        ("\n2016-09-28T12:10:05.000000 ", "\n2016-09-28T12:10:60 ", "line 17: expected a time that exists"),
+        ("\n2016-09-28T12:10:05.000000 ", "\n2016-367T12:10:05 ", "line 17: expected a time that exists"),
+        ("\n2016-09-28T12:10:05.000000 ", "\nnoon ", "line 17: expected a time like 2016-09-28T12:09:45"),
+        ("\n2016-09-28T12:10:05.000000 ", "\n2016-09-28T12:10:05 nan ", "line 17: expected a time, position"),
+    ],
+)
+def test_what_is_malformed_is_named_by_file_and_line(message, old, new, said):
+    edited(message, old, new)
+    with pytest.raises(InputError) as error:
+        oem.read(message, epoch=EPOCH)
+    assert str(error.value).startswith(f"{message}: {said}")
+
+
+@pytest.mark.parametrize("text", ["nan", "inf", "1e999", "1_000", "0x1p3", "7,5", "\u0661"])
+def test_numbers_have_to_be_finite_and_plain(message, text):
+    lines = message.read_text().splitlines()
+    lines[16] = " ".join([*lines[16].split()[:-1], text])
+    message.write_text("\n".join(lines))
+    with pytest.raises(InputError, match=r"line 17: expected a finite number, got"):
+        oem.read(message, epoch=EPOCH)
+
+
+@pytest.mark.parametrize(
+    ("cut", "said"),
+    [
+        ("COVARIANCE_STOP", "expected KEY = value, got nothing"),
+        ("EPOCH = ", "expected EPOCH = time, got TIME"),
+        ("COV_REF_FRAME = GCRF", "expected COV_REF_FRAME = GCRF or ICRF or EME2000, got RTN"),
+    ],
+)
+def test_a_malformed_covariance_is_named(tmp_path, cut, said):
+    path = tmp_path / "e.oem"
+    oem.write(path, oem.of_estimates(estimates(), rso="iss"), epoch=EPOCH)
+    edited(path, cut, {"COVARIANCE_STOP": "", "EPOCH = ": "TIME = "}.get(cut, "COV_REF_FRAME = RTN"))
+    with pytest.raises(InputError, match=said):
+        oem.read(path, epoch=EPOCH)
+
+
+def test_a_covariance_has_six_rows_that_grow(tmp_path):
+    path = tmp_path / "e.oem"
+    oem.write(path, oem.of_estimates(estimates(), rso="iss"), epoch=EPOCH)
+    lines = path.read_text().splitlines()
+    third = next(k for k, line in enumerate(lines) if line.startswith("COV_REF_FRAME")) + 3
+    path.write_text("\n".join([*lines[:third], *lines[third + 1 :]]))
+    with pytest.raises(
+        InputError, match=f"line {third + 1}: expected row 3 of a covariance's lower triangle"
+    ):
+        oem.read(path, epoch=EPOCH)
+
+
+def test_a_cut_file_is_noticed(message):
+    text = message.read_text()
+    for size in (0, 10, 200, 330):
+        message.write_text(text[:size])
+        with pytest.raises(InputError, match="expected"):
+            oem.read(message, epoch=EPOCH)
+
+
+def test_no_file_and_no_text_are_input_errors(tmp_path):
+    with pytest.raises(InputError, match="no such file"):
+        oem.read(tmp_path / "none.oem", epoch=EPOCH)
+    (tmp_path / "bytes.oem").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(InputError, match="expected a message in UTF-8 text"):
+        oem.read(tmp_path / "bytes.oem", epoch=EPOCH)
+
+
+def test_a_truth_must_lie_on_the_grid_and_fill_it(message, orbit, tmp_path):
+    with pytest.raises(InputError, match=r"line 17: expected an epoch every 30 s .* got 20\.0"):
+        oem.truth_table(message, epoch=EPOCH, step=30.0, duration=600.0)
+    with pytest.raises(InputError, match=r"up to 620 s, got none at 2016-09-28T12:20:05\.0"):
+        oem.truth_table(message, epoch=EPOCH, step=20.0, duration=620.0)
+    gap = tmp_path / "gap.oem"
+    oem.write(gap, oem.of_truth(orbit.drop(index=7), rso="iss"), epoch=EPOCH)
+    with pytest.raises(InputError, match=r"got none at 2016-09-28T12:12:05\.0"):
+        oem.truth_table(gap, epoch=EPOCH, step=20.0, duration=600.0)
+    twice = tmp_path / "twice.oem"
+    oem.write(twice, oem.of_truth(orbit, rso="iss") * 2, epoch=EPOCH)
+    with pytest.raises(InputError, match=r"line 58: expected a later epoch than before"):
+        oem.truth_table(twice, epoch=EPOCH, step=20.0, duration=600.0)
+
+
+def test_a_truth_may_reach_further_and_come_in_segments(orbit, tmp_path):
+    path = tmp_path / "long.oem"
+    parts = [orbit[:11], orbit[11:]]
+    oem.write(path, [segment for part in parts for segment in oem.of_truth(part, rso="iss")], epoch=EPOCH)
+    back = oem.truth_table(path, epoch=EPOCH, step=20.0, duration=400.0)
+    pd.testing.assert_frame_equal(back, orbit[:21], check_exact=True)
+    later = oem.truth_table(path, epoch="2016-09-28T12:11:45", step=20.0, duration=480.0)
+    np.testing.assert_array_equal(later[list(STATE)], orbit[list(STATE)][6:])

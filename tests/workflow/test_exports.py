@@ -1,0 +1,45 @@
+"""Messages out of a run, and one into the next."""
+
+import pytest
+
+from opml.tables import read_table
+
+TRIMMED = "--configfile=config/ci.yaml"
+
+
+@pytest.mark.parametrize(
+    ("target", "rule"),
+    [
+        ("truth/iss_a+50.oem", "export_truth"),
+        ("tracking/iss/eglin-kaena.tdm", "export_tracking"),
+        ("estimates/lares/clear.oem", "export_estimates"),
+        ("predictions/iss/eglin_noise43.oem", "export_predictions"),
+    ],
+)
+def test_a_message_is_named_as_its_table(project, target, rule):
+    assert f"\n{rule} " in project.snakemake("-n", f"results/exports/{target}").stdout
+
+
+@pytest.mark.dag
+def test_an_exported_truth_stands_in_for_the_simulated_one(project):
+    truth, message = "results/ci/truth/iss.parquet", "results/ci/exports/truth/iss.oem"
+    project.snakemake("-j1", TRIMMED, message)
+    simulated = read_table(project.folder / truth, "truth")
+    (project.folder / message).rename(project.folder / "iss.oem")
+    (project.folder / truth).unlink()
+
+    done = project.snakemake("-j1", TRIMMED, truth, "--config", "oem={iss: iss.oem}")
+    assert "Truth: the orbit of iss from iss.oem" in done.stdout
+    assert "Truth dynamic model" not in done.stdout
+    assert read_table(project.folder / truth, "truth").equals(simulated)
+
+
+@pytest.mark.dag
+def test_an_unfit_message_is_told_in_one_line(project):
+    (project.folder / "iss.oem").write_text("CCSDS_OEM_VERS = 2.0\nORIGINATOR\n")
+    truth = "results/ci/truth/iss.parquet"
+    done = project.snakemake("-j1", TRIMMED, truth, "--config", "oem={iss: iss.oem}", check=False)
+    assert done.returncode != 0
+    assert "opml: iss.oem: line 2: expected KEY = value, got ORIGINATOR" in done.stdout
+    assert "Traceback" not in done.stdout
+    assert not (project.folder / "results" / "ci" / "truth" / "iss.parquet").exists()

@@ -1,0 +1,11 @@
+"""Write an orbit as CCSDS's orbit ephemeris message."""
+
+from opml.interop import oem
+from opml.jobs import job
+from opml.tables import read_table
+
+with job(snakemake):
+    settings = snakemake.params.settings
+    table = read_table(snakemake.input[0], settings["table"])
+    segments = oem.SEGMENTS[settings["table"]](table, rso=settings["rso"])
+    oem.write(snakemake.output[0], segments, epoch=settings["epoch"])

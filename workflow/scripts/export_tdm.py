@@ -1,0 +1,10 @@
+"""Write tracks as CCSDS's tracking data message."""
+
+from opml.interop import tdm
+from opml.jobs import job
+from opml.tables import read_table
+
+with job(snakemake):
+    settings = snakemake.params.settings
+    tracking = read_table(snakemake.input[0], "tracking")
+    tdm.write(snakemake.output[0], tracking, epoch=settings["epoch"], rso=settings["rso"])

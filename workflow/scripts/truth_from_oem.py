@@ -1,0 +1,15 @@
+"""Take an orbit ephemeris message for the true orbit of an RSO."""
+
+from opml.interop import oem
+from opml.jobs import job
+from opml.tables import write_table
+
+with job(snakemake) as metadata:
+    settings = snakemake.params.settings
+    table = oem.truth_table(
+        snakemake.input[0],
+        epoch=settings["epoch"],
+        step=settings["step_s"],
+        duration=86400.0 * settings["duration_days"],
+    )
+    write_table(snakemake.output[0], table, "truth", metadata=metadata)
