@@ -1,3 +1,46 @@
-"""Orbit prediction improved by machine learning: a simulated catalogue, and its predictions corrected."""
+"""Orbit prediction improved by machine learning: a simulated catalogue, and its predictions corrected.
+
+The names in `__all__` are the library's face, each documented in `opml.api`, and are imported when they are
+first asked for.
+"""
+
+from importlib import import_module
+from typing import Any
 
 __version__ = "0.1.0"
+
+__all__ = [
+    "ASSUMED",
+    "CLEANING",
+    "ESTIMATION",
+    "LEARNER",
+    "TRUTH",
+    "Environment",
+    "InputError",
+    "Rso",
+    "Station",
+    "correct",
+    "dataset",
+    "estimate",
+    "force_model",
+    "learn",
+    "make_environment",
+    "p_ml",
+    "predict",
+    "propagate",
+    "read_elements",
+    "read_rsos",
+    "read_stations",
+    "track",
+]
+
+
+def __getattr__(name: str) -> Any:
+    # By name, not by an import statement: provenance would count the whole package to every rule's code.
+    if name not in __all__:
+        raise AttributeError(f"module 'opml' has no attribute '{name}'")
+    return getattr(import_module("opml.api"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,4 +1,10 @@
 # What Earth, Sun and Moon do, tabulated once a run.
+# Two seconds for all of them: on a cluster they are no jobs for the queue.
+localrules:
+    earth_orientation,
+    ephemerides,
+    solar_activity,
+    gravity_field,
 
 
 rule earth_orientation:
