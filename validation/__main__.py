@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+import time
 from pathlib import Path
 
 from opml.errors import InputError
@@ -34,7 +35,7 @@ def _run(directory):
 
 
 def _progress(text):
-    print(text, file=sys.stderr, flush=True)
+    print(f"{time.strftime('%H:%M:%S')} {text}", file=sys.stderr, flush=True)
 
 
 sys.exit(main())

@@ -1,15 +1,20 @@
 """The whole comparison: both sides, the report and the tables that tests read."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import pandas as pd
 
 from opml.dynamics.surroundings import Tables
 from opml.environment import nodes
-from validation import estimation, ours, report, shadow, tables, terms, trajectories
+from validation import estimation, ours, report, shadow, steps, tables, terms, trajectories
 from validation.case import OURS_CONVERGED, REPORT, Case
 from validation.orekit import Data, Orekit, version
+from validation.workers import Workers
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
 
 _EVERY = slice(None, None, 8)
 """Which of the random times shadows are looked for from, and tests read."""
@@ -25,7 +30,6 @@ def run(case: Case, data: Data, *, progress: Callable[[str], None]) -> None:
     t = nodes(case.epoch, case.duration)
     environment = ours.from_orekit(orekit, data, epoch=case.epoch, t=t, degree=case.degree)
     models = {name: environment.model(settings) for name, settings in case.force_models.items()}
-    both = _Both(case, orekit, environment, models, progress)
     kernel = data.path("ephemerides").name
     source = (
         f"Orekit {version()}; EIGEN-6S frozen at {case.epoch} UTC; {kernel}; t [s] since that epoch; SI units"
@@ -33,7 +37,17 @@ def run(case: Case, data: Data, *, progress: Callable[[str], None]) -> None:
     field = f"{source}; GM {environment.gm!r}, radius {environment.radius!r}"
     tables.write("gravity", tables.gravity(orekit, case.degree), field)
     tables.write("bodies", tables.bodies(environment.gms), source)
-    results = {**both.terms(source), **both.light(source), **both.orbits(source), **both.fits(source)}
+    with Workers(data, case.epoch, progress=progress) as workers:
+        flights = trajectories.orekits(workers, case, environment.gm)
+        both = _Both(case, orekit, environment, models, workers, progress)
+        results = {
+            **both.terms(source),
+            **both.light(source),
+            **both.orbits(),
+            **both.steps(),
+            **both.fits(source),
+            **both.orekits_orbits(flights, source),
+        }
     text = report.write(case, orekit=version(), kernel=kernel, **results)
     REPORT.write_text(text, encoding="utf-8")
     progress(f"Wrote {REPORT}")
@@ -47,6 +61,7 @@ class _Both:
     orekit: Orekit
     environment: ours.Environment
     models: Mapping[str, Tables]
+    workers: Workers
     progress: Callable[[str], None]
 
     def terms(self, source: str) -> dict:
@@ -75,32 +90,44 @@ class _Both:
         )
         return {"edges": edges, "light": light}
 
-    def orbits(self, source: str) -> dict:
-        """Orbits, converged and at the paper's settings."""
-        self.progress("Our orbits")
-        integrators = {trajectories.CONVERGED: OURS_CONVERGED, trajectories.PAPER: self.case.integrator}
-        mine = trajectories.opmls(self.case, self.models, integrators)
-        with_de440 = self.environment.with_de440()
-        models = {name: with_de440.model(settings) for name, settings in self.case.force_models.items()}
+    def orbits(self) -> dict:
+        """Our orbits, converged, at half the steps and at the paper's settings; and with DE440."""
+        case, with_de440 = self.case, self.environment.with_de440()
         converged = {trajectories.CONVERGED: OURS_CONVERGED}
-        other = trajectories.opmls(self.case, models, converged)
-        theirs = trajectories.orekits(self.orekit, self.case, self.environment.gm, progress=self.progress)
+        others = {
+            trajectories.HALVED: trajectories.halved(OURS_CONVERGED),
+            trajectories.PAPER: case.integrator,
+        }
+        self.progress("Our orbits")
+        mine = trajectories.opmls(case, self.models, {**converged, **others})
+        self.progress("Our orbits with DE440")
+        models = {name: with_de440.model(settings) for name, settings in case.force_models.items()}
+        return {"our_orbits": mine, "de440_orbits": trajectories.opmls(case, models, converged)}
+
+    def orekits_orbits(self, flights: Sequence["Future[list[dict]]"], source: str) -> dict:
+        """Orekit's, as they come in from the workers."""
+        theirs = trajectories.collected(flights)
         tables.write("orbits", theirs[theirs["integrator"] == trajectories.CONVERGED], source, "GCRF")
-        return {"our_orbits": mine, "orekit_orbits": theirs, "de440_orbits": other}
+        return {"orekit_orbits": theirs}
+
+    def steps(self) -> dict:
+        """The paper's steps in the errors to be learned."""
+        self.progress("Predictions at the paper's steps and at fine ones")
+        return {"effect": steps.effect(self.case, self.models, self.environment.tables["earth_orientation"])}
 
     def fits(self, source: str) -> dict:
         """Least squares on the same measurements."""
         self.progress("Our estimates")
         case, assumed = self.case, self.models["assumed"]
         orientation = self.environment.tables["earth_orientation"]
-        truth, measured = estimation.simulated(case, self.models["truth"], orientation)
+        truth, measured = estimation.simulated(case, self.models["truth"], orientation, case.integrator)
         mine = estimation.opmls(case, assumed, truth, measured, orientation)
         window = 3600.0 * case.values["estimation"]["window_hours"]
         chosen = estimation.chosen(mine, window)
-        theirs = estimation.orekits(
-            self.orekit, case, truth, measured, chosen, self.environment.gm, progress=self.progress
-        )
-        smallest = chosen.loc[chosen["measurements_used"].idxmin(), "track"]
+        asked = estimation.orekits(self.workers, case, truth, measured, chosen, self.environment.gm)
+        theirs = pd.DataFrame([fit.result() for fit in asked])
+        both = chosen[chosen["track"].isin(theirs.loc[theirs["reason"] == "", "track"])]
+        smallest = both.loc[both["measurements_used"].idxmin(), "track"]
         rows = estimation.window_of(case, measured, smallest)
         rows, estimate = estimation.for_tests(rows, truth, theirs)
         tables.write("measurements", rows, source, "opml's own, noisy and true")
@@ -108,5 +135,4 @@ class _Both:
         return {
             "fits": estimation.side_by_side(chosen, theirs, truth),
             "fits_made": len(chosen),
-            "prediction_errors": estimation.errors_after(case, assumed, truth, mine, report.PREDICTION_DAYS),
         }

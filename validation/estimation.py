@@ -1,13 +1,12 @@
 """Least squares on the same noisy measurements: opml's and Orekit's."""
 
-from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import jpype
 import numpy as np
 import pandas as pd
 
 from opml.catalog import estimation, tracking
-from opml.catalog.prediction import predict_all
 from opml.catalog.truth import STATE, simulate
 from opml.constants import DAY
 from opml.dynamics.ensemble import Integrator
@@ -19,33 +18,43 @@ from validation import orekit as ok
 from validation.case import Case
 from validation.orekit import java
 
+if TYPE_CHECKING:
+    from concurrent.futures import Future
+
+    from validation.workers import Workers
+
 RSO = "iss"
 DAYS = 30.0
-WINDOWS = 30
+WINDOWS = 32
 
 INTEGRATOR = Integrator(position_tolerance=1e-4, min_step=1e-3, max_step=90.0)
 """Of both sides: tight enough for half a day, over which the steps move a fit by millimetres."""
 
 _START_SIGMAS = np.repeat([100.0, 0.1], 3)
 _POSITION_SCALE = 1.0  # m, the unit of Orekit's convergence threshold
-_CONVERGENCE = 1e-3
+_CONVERGENCE = 1e-2
 _MOST_ITERATIONS = 25
 
 
 def simulated(
-    case: Case, truth: Tables, earth_orientation: pd.DataFrame
+    case: Case, truth: Tables, earth_orientation: pd.DataFrame, integrator: Integrator
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """The truth and tracking tables of RSO over DAYS, all stations."""
     rso, settings = case.rsos[RSO], case.values
     step = settings["tracking"]["step_s"]
-    states = simulate(truth, rso, duration=DAYS * DAY, step=step, integrator=case.integrator)
+    states = simulate(truth, rso, duration=DAYS * DAY, step=step, integrator=integrator)
     stations = list(case.stations.values())
     seed = settings["seed"]["noise"]
     return states, tracking.simulate(states, earth_orientation, stations, rso=RSO, seed=seed)
 
 
 def opmls(
-    case: Case, assumed: Tables, truth: pd.DataFrame, measured: pd.DataFrame, earth_orientation
+    case: Case,
+    assumed: Tables,
+    truth: pd.DataFrame,
+    measured: pd.DataFrame,
+    earth_orientation: pd.DataFrame,
+    integrator: Integrator = INTEGRATOR,
 ) -> pd.DataFrame:
     """Our estimates at the start of every track."""
     settings = {**case.values["estimation"], **{k: case.values["cleaning"][k] for k in ("cd_min", "cd_max")}}
@@ -57,7 +66,7 @@ def opmls(
         list(case.stations.values()),
         case.rsos[RSO],
         settings=settings,
-        integrator=INTEGRATOR,
+        integrator=integrator,
         seed=case.values["seed"]["noise"],
     )
 
@@ -66,16 +75,6 @@ def chosen(estimates: pd.DataFrame, window: float) -> pd.DataFrame:
     """WINDOWS converged estimates spread evenly over the time after the first whole window [s]."""
     usable = estimates[estimates["converged"] & (estimates["t"] > window)]
     return usable.iloc[np.linspace(0, len(usable) - 1, WINDOWS).round().astype(int)]
-
-
-def errors_after(
-    case: Case, assumed: Tables, truth: pd.DataFrame, estimates: pd.DataFrame, days: float
-) -> np.ndarray:
-    """True along-track errors e_y [m] of our predictions over nearly `days`, at the paper's settings."""
-    rso, usable = case.rsos[RSO], estimates[estimates["converged"]]
-    pairs = predict_all(assumed, truth, usable, rso, max_days=days, integrator=case.integrator)
-    longest = pairs["t_j"] - pairs["t_i"] > (days - 0.25) * DAY
-    return pairs.loc[longest & (pairs["reason"] == ""), "e_y"].to_numpy()
 
 
 def side_by_side(mine: pd.DataFrame, theirs: pd.DataFrame, truth: pd.DataFrame) -> pd.DataFrame:
@@ -126,25 +125,29 @@ def for_tests(
 
 
 def orekits(
-    orekit: ok.Orekit,
+    workers: "Workers",
     case: Case,
     truth: pd.DataFrame,
     measured: pd.DataFrame,
     tracks: pd.DataFrame,
     gm: float,
-    *,
-    progress: Callable[[str], None],
-) -> pd.DataFrame:
-    """Orekit's estimates at the start of `tracks` (a row a track): track, state, cd, iterations, reason."""
+) -> list["Future[dict]"]:
+    """Have Orekit fit the state at the start of each of `tracks` (a row a track).
+
+    A result has keys track, the state's, cd, iterations and reason, which is empty where the fit converged.
+    """
     states = truth.set_index("t")[STATE]
-    problem = _Problem(orekit, case, case.rsos[RSO], gm)
-    rows = []
+    fits = []
     for track, t in tracks[["track", "t"]].itertuples(index=False):
-        progress(f"Orekit fits track {track}")
-        start = states.loc[t].to_numpy()
-        start = start + derive(0, "validation", str(track)).normal(size=6) * _START_SIGMAS
-        rows.append({"track": track, **problem.fit(t, start, window_of(case, measured, track))})
-    return pd.DataFrame(rows)
+        off = derive(0, "validation", str(track)).normal(size=6) * _START_SIGMAS
+        rows = window_of(case, measured, track)
+        start = states.loc[t].to_numpy() + off
+        fits.append(workers.submit(f"Orekit's fit of track {track}", _fit, case, gm, track, t, start, rows))
+    return fits
+
+
+def _fit(orekit, case, gm, track, t, start, rows):
+    return {"track": track, **_Problem(orekit, case, case.rsos[RSO], gm).fit(t, start, rows)}
 
 
 class _Problem:

@@ -193,17 +193,27 @@ class Orekit:
         return org.orekit.frames.TopocentricFrame(self.earth, place, station.name)
 
     def propagate(
-        self,
-        state,
-        gm: float,
-        t: np.ndarray,
-        forces: list,
-        integrator: Integrator,
-        *,
-        begin: float = 0.0,
+        self, state: np.ndarray, gm: float, t: np.ndarray, forces: list, integrator: Integrator
     ) -> np.ndarray:
-        """GCRF states (n, 6) at ascending times t [s] of an orbit that starts from `state` at `begin` [s]."""
-        orbit = self.orbit(begin, state, gm)
+        """GCRF states (n, 6) at ascending times t [s] of an orbit that starts from `state` at the epoch."""
+        propagator = self._propagator(state, gm, forces, integrator)
+        return np.array([self._state_at(propagator, time) for time in t])
+
+    def propagate_by_edges(
+        self, state: np.ndarray, gm: float, t: np.ndarray, forces: list, integrator: Integrator
+    ) -> np.ndarray:
+        """The same, with a step's end at each edge of the shadow.
+
+        By itself Orekit steps over an edge, then goes back to it by interpolation in that step, which the
+        bend of the acceleration has spoilt. So a first flight notes the edges' times; a second stops there.
+        """
+        edges = self._edges(self._propagator(state, gm, forces, integrator), forces, t[-1])
+        propagator = self._propagator(state, gm, forces, integrator)
+        flown = {time: self._state_at(propagator, time) for time in np.union1d(edges, t)}
+        return np.array([flown[time] for time in t])
+
+    def _propagator(self, state, gm, forces, integrator):
+        orbit = self.orbit(0.0, state, gm)
         cartesian = org.orekit.orbits.OrbitType.CARTESIAN
         tolerances = org.orekit.propagation.ToleranceProvider.getDefaultToleranceProvider(
             integrator.position_tolerance
@@ -216,5 +226,15 @@ class Orekit:
         propagator.setInitialState(org.orekit.propagation.SpacecraftState(orbit).withMass(MASS))
         for force in forces:
             propagator.addForceModel(force)
-        flown = (propagator.propagate(self.date(time)).getPVCoordinates(self.gcrf) for time in t)
-        return np.array([self.state(pv) for pv in flown])
+        return propagator
+
+    def _edges(self, propagator, forces, end):
+        log = org.orekit.propagation.events.EventsLogger()
+        for force in forces:
+            for detector in force.getEventDetectors().toList():
+                propagator.addEventDetector(log.monitorDetector(detector))
+        propagator.propagate(self.date(end))
+        return [event.getDate().durationFrom(self.epoch) for event in log.getLoggedEvents()]
+
+    def _state_at(self, propagator, t):
+        return self.state(propagator.propagate(self.date(t)).getPVCoordinates(self.gcrf))

@@ -7,15 +7,12 @@ import erfa
 import numpy as np
 import pandas as pd
 
-from validation import estimation, trajectories
+from validation import estimation, steps, trajectories
 from validation.case import OREKITS_CONVERGED, OURS_CONVERGED, Case
 from validation.terms import Difference
 
 _WGS84 = 1
 _EDGE_BOUND, _LIGHT_BOUND = 1.0, 1e-7
-
-PREDICTION_DAYS = 7
-"""Length of the predictions whose errors the integrator's are held against."""
 
 
 def write(
@@ -32,16 +29,15 @@ def write(
     de440_orbits: pd.DataFrame,
     fits: pd.DataFrame,
     fits_made: int,
-    prediction_errors: np.ndarray,
+    effect: pd.DataFrame,
 ) -> str:
     """The report as Markdown."""
     own = {
-        "opml": trajectories.own_uncertainty(our_orbits),
-        "Orekit": trajectories.own_uncertainty(orekit_orbits),
+        "opml": trajectories.moved(our_orbits, trajectories.PAPER),
+        "Orekit": trajectories.moved(orekit_orbits, trajectories.PAPER),
     }
     altitudes = erfa.gc2gd(_WGS84, places)[2] / 1e3
-    step = max(side[estimation.RSO, "assumed", PREDICTION_DAYS] for side in own.values())
-    typical = np.median(np.abs(prediction_errors))
+    errors, changes = effect["paper"].abs(), (effect["fine"] - effect["paper"]).abs()
     words = Path(__file__).with_name("report.md").read_text(encoding="utf-8")
     return words.format(
         orekit=orekit,
@@ -58,11 +54,16 @@ def write(
         shadow=_shadow(edges, light),
         orbits=_orbits(our_orbits, orekit_orbits, de440_orbits),
         integrators=_integrators(own),
-        typical=typical / 1e3,
-        prediction_days=PREDICTION_DAYS,
+        converged=_converged(our_orbits, orekit_orbits),
+        checked=trajectories.CHECKED,
         rso=estimation.RSO,
-        step=step,
-        share=100.0 * step / typical,
+        pairs=len(effect),
+        prediction_days=case.values["prediction"]["max_days"],
+        fine=f"{steps.FINE.max_step:g}",
+        error=errors.median(),
+        change=changes.median(),
+        change_most=np.percentile(changes, 95),
+        share=steps.share(effect),
         fits_made=fits_made,
         fits_both=len(fits),
         fit_days=f"{estimation.DAYS:g}",
@@ -136,6 +137,18 @@ def _orbits(mine, theirs, with_de440):
     met = [_met(value, bound.metres) for value, bound in zip(worst, trajectories.BOUNDS, strict=True)]
     rows.append(["met", *met, "", "", ""])
     return _table(["RSO", *heads, *(f"DE440: {head}" for head in heads)], rows)
+
+
+def _converged(mine, theirs):
+    own = trajectories.moved(mine, trajectories.HALVED)
+    other = trajectories.moved(theirs, trajectories.HALVED)
+    spans = [(bound.model, bound.day) for bound in trajectories.BOUNDS]
+    sides = [("opml", rso, own) for rso in own.index.unique(level="rso")]
+    sides.append(("Orekit", trajectories.CHECKED, other))
+    rows = [
+        [side, rso, *(f"{moved[rso, model, day]:.4f}" for model, day in spans)] for side, rso, moved in sides
+    ]
+    return _table(["side", "RSO", *(f"{model}, {day} days" for model, day in spans)], rows)
 
 
 def _integrators(own):

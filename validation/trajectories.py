@@ -1,7 +1,7 @@
 """Orbits from the same start under the same forces: converged, and at the paper's settings."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,12 +15,19 @@ from validation import ours
 from validation.case import OREKITS_CONVERGED, Case
 
 if TYPE_CHECKING:
-    from validation.orekit import Orekit
+    from concurrent.futures import Future
+
+    from validation.workers import Workers
 
 DAYS = {"assumed": [1, 2, 7], "truth": [1, 2, 7, 20, 50]}
 """Days after the epoch at which the states are taken, by force model."""
 
-CONVERGED, PAPER = "converged", "paper"
+CONVERGED, HALVED, PAPER = "converged", "halved", "paper"
+"""Settings of the integrator; `halved` says how far the converged ones are from the limit."""
+
+CHECKED = "iss"
+"""The RSO of which Orekit flies the halved steps, too: the lowest, hence the most sensitive."""
+
 KEYS = ["rso", "model", "integrator", "day"]
 
 
@@ -36,18 +43,41 @@ class Bound:
 BOUNDS = [Bound("assumed", 7, 1.0), Bound("truth", 7, 1.0), Bound("truth", 50, 100.0)]
 
 
-def orekits(orekit: "Orekit", case: Case, gm: float, *, progress: Callable[[str], None]) -> pd.DataFrame:
-    """Orekit's states (KEYS, GCRF state) of every RSO."""
-    rows = []
-    for name, rso in case.rsos.items():
-        for model, settings in case.force_models.items():
-            for kind, integrator in {CONVERGED: OREKITS_CONVERGED, PAPER: case.integrator}.items():
-                progress(f"Orekit flies {name}, {model} model, {kind} settings")
-                t = DAY * np.array(DAYS[model])
-                forces = orekit.forces(settings, rso)
-                flown = orekit.propagate(initial_state(rso, gm), gm, t, forces, integrator)
-                rows += _rows(name, model, kind, flown)
-    return pd.DataFrame(rows)
+def orekits(workers: "Workers", case: Case, gm: float) -> list["Future[list[dict]]"]:
+    """Have Orekit fly every RSO, the longest flights first; `collected` makes a table of them."""
+    flights = [(HALVED, "truth", CHECKED), (HALVED, "assumed", CHECKED)]
+    flights += [
+        (kind, model, name)
+        for kind in (CONVERGED, PAPER)
+        for model in ("truth", "assumed")
+        for name in case.rsos
+    ]
+    integrators = {CONVERGED: OREKITS_CONVERGED, HALVED: halved(OREKITS_CONVERGED), PAPER: case.integrator}
+    return [
+        workers.submit(
+            f"Orekit's {name}, {model} model, {kind}",
+            _orekits,
+            case.rsos[name],
+            case.force_models[model],
+            gm,
+            [name, model, kind],
+            integrators[kind],
+        )
+        for kind, model, name in flights
+    ]
+
+
+def _orekits(orekit, rso, settings, gm, keys, integrator):
+    name, model, kind = keys
+    t = DAY * np.array(DAYS[model])
+    propagate = orekit.propagate if kind == PAPER else orekit.propagate_by_edges
+    flown = propagate(initial_state(rso, gm), gm, t, orekit.forces(settings, rso), integrator)
+    return _rows(name, model, kind, flown)
+
+
+def collected(flights: Sequence["Future[list[dict]]"]) -> pd.DataFrame:
+    """The states (KEYS, GCRF state) of all flights."""
+    return pd.DataFrame([row for flight in flights for row in flight.result()])
 
 
 def opmls(case: Case, models: Mapping[str, Tables], integrators: Mapping[str, Integrator]) -> pd.DataFrame:
@@ -77,7 +107,14 @@ def apart(one: pd.DataFrame, other: pd.DataFrame, keys: list[str]) -> pd.Series:
     return pd.Series(np.linalg.norm(across, axis=1), index=pd.MultiIndex.from_frame(both[keys]))
 
 
-def own_uncertainty(states: pd.DataFrame) -> pd.Series:
-    """Distance [m] of one side's states at the paper's settings from its converged ones."""
+def halved(integrator: Integrator) -> Integrator:
+    """Half the longest step, a tenth of the tolerance."""
+    return replace(
+        integrator, position_tolerance=integrator.position_tolerance / 10, max_step=integrator.max_step / 2
+    )
+
+
+def moved(states: pd.DataFrame, settings: str) -> pd.Series:
+    """Distance [m] of one side's states at other settings of the integrator from its converged ones."""
     kinds = {kind: part.drop(columns="integrator") for kind, part in states.groupby("integrator")}
-    return apart(kinds[PAPER], kinds[CONVERGED], ["rso", "model", "day"])
+    return apart(kinds[settings], kinds[CONVERGED], ["rso", "model", "day"])

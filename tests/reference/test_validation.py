@@ -1,7 +1,5 @@
 """opml's side of docs/validation.md, against the numbers that Orekit left in validation_*.csv."""
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -23,14 +21,6 @@ MODELS = {
     "truth": {"degree": 40, "order": 40, "third_bodies": BODIES},
     "assumed": {"degree": 20, "order": 20, "third_bodies": ASSUMED_BODIES},
 }
-
-
-MISSING = "needs a table that `python -m validation --tables` makes, with Orekit at hand"
-
-
-def made(name):
-    """Whether Orekit's table of that name is kept here."""
-    return (Path(__file__).parent / f"validation_{name}.csv").is_file()
 
 
 def around(t):
@@ -101,7 +91,6 @@ def test_light_in_the_penumbra_is_orekits(product):
     assert outside.sum() == 2 * len(light) // 5
 
 
-@pytest.mark.skipif(not made("orbits"), reason=MISSING)
 def test_orbits_are_orekits_after_a_week(product):
     model = {"assumed": product.model(MODELS["assumed"])}
     mine = trajectories.opmls(Case.read(), model, {trajectories.CONVERGED: OURS_CONVERGED})
@@ -111,7 +100,6 @@ def test_orbits_are_orekits_after_a_week(product):
     assert apart.max() < 1.0
 
 
-@pytest.mark.skipif(not made("measurements"), reason=MISSING)
 def test_the_estimate_from_the_same_measurements_is_orekits(product):
     case, rows, expected = Case.read(), tables.read("measurements"), tables.read("estimate")
     found = estimation.estimate_all(
