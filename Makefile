@@ -3,6 +3,7 @@
 # make faults runs that are killed and damaged at 50 random moments (a quarter of an hour)
 # make docs   the documentation as a site, in build/site
 # make validate OREKIT_DATA=<folder>   the dynamics beside Orekit's (half an hour): docs/validation.md
+# make bench [OREKIT_DATA=<folder>]    opml's speed beside its peers' (a quarter of an hour): benchmarks/results.md
 # All first build .venv from requirements.lock, unless it stands already.
 
 PYTHON ?= python3
@@ -10,7 +11,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 
-.PHONY: all test faults lint docs validate clean
+.PHONY: all test faults lint docs validate bench clean
 
 all: $(INSTALLED)
 	$(BIN)/snakemake -j2 results/figs/partition_curve.pdf
@@ -37,6 +38,13 @@ $(VENV)/.docs: $(INSTALLED) requirements-docs.lock
 validate: $(VENV)/.verify
 	@test -n "$(OREKIT_DATA)" || { echo "make validate: expected OREKIT_DATA=<folder with Orekit's data>, got none" >&2; exit 2; }
 	$(BIN)/python -m validation --orekit-data "$(OREKIT_DATA)"
+
+bench: $(VENV)/.bench
+	$(BIN)/python -m benchmarks $(if $(OREKIT_DATA),--orekit-data "$(OREKIT_DATA)")
+
+$(VENV)/.bench: $(INSTALLED) requirements-bench.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint requirements.lock --requirement requirements-bench.lock
+	touch $@
 
 $(VENV)/.verify: $(INSTALLED) requirements-verify.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint requirements.lock --requirement requirements-verify.lock

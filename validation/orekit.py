@@ -193,27 +193,34 @@ class Orekit:
         return org.orekit.frames.TopocentricFrame(self.earth, place, station.name)
 
     def propagate(
-        self, state: np.ndarray, gm: float, t: np.ndarray, forces: list, integrator: Integrator
+        self,
+        state: np.ndarray,
+        gm: float,
+        t: np.ndarray,
+        forces: list,
+        integrator: Integrator,
+        *,
+        begin: float = 0.0,
     ) -> np.ndarray:
-        """GCRF states (n, 6) at ascending times t [s] of an orbit that starts from `state` at the epoch."""
-        propagator = self._propagator(state, gm, forces, integrator)
+        """GCRF states (n, 6) at ascending times t [s] of an orbit that starts from `state` at `begin` [s]."""
+        propagator = self._propagator(begin, state, gm, forces, integrator)
         return np.array([self._state_at(propagator, time) for time in t])
 
     def propagate_by_edges(
         self, state: np.ndarray, gm: float, t: np.ndarray, forces: list, integrator: Integrator
     ) -> np.ndarray:
-        """The same, with a step's end at each edge of the shadow.
+        """The same from the epoch on, with a step's end at each edge of the shadow.
 
         By itself Orekit steps over an edge, then goes back to it by interpolation in that step, which the
         bend of the acceleration has spoilt. So a first flight notes the edges' times; a second stops there.
         """
-        edges = self._edges(self._propagator(state, gm, forces, integrator), forces, t[-1])
-        propagator = self._propagator(state, gm, forces, integrator)
+        edges = self._edges(self._propagator(0.0, state, gm, forces, integrator), forces, t[-1])
+        propagator = self._propagator(0.0, state, gm, forces, integrator)
         flown = {time: self._state_at(propagator, time) for time in np.union1d(edges, t)}
         return np.array([flown[time] for time in t])
 
-    def _propagator(self, state, gm, forces, integrator):
-        orbit = self.orbit(0.0, state, gm)
+    def _propagator(self, begin, state, gm, forces, integrator):
+        orbit = self.orbit(begin, state, gm)
         cartesian = org.orekit.orbits.OrbitType.CARTESIAN
         tolerances = org.orekit.propagation.ToleranceProvider.getDefaultToleranceProvider(
             integrator.position_tolerance
