@@ -64,8 +64,8 @@ def _scaling(arguments: argparse.Namespace) -> tuple[str, bool]:
         "Arcs": scaling.arcs(_progress),
         "RSOs": sentence
         + f"\nOn paper, {CATALOGUE} RSOs for seven days: {week / 60.0:.0f} minutes of one core, "
-        f"{week / 60.0 / 64.0:.1f} minutes of a machine with 64, {week / 1000.0:.1f} seconds of a cluster with 1000, "
-        "as arcs do not wait for each other.\n",
+        f"{week / 60.0 / 64.0:.1f} minutes of a machine with 64, {week / 1000.0:.1f} seconds of a cluster "
+        "with 1000, as arcs do not wait for each other.\n",
         "Least squares": scaling.least_squares(_progress),
         "Start of a job": scaling.start(_progress),
     }
