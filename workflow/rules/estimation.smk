@@ -16,7 +16,7 @@ rule estimation:
         window=WINDOW,
     conda:
         "../envs/opml.yaml"
-    threads: 2
+    threads: 1
     resources:
         mem_mb=2000,
         runtime=60,

@@ -15,7 +15,7 @@ rule sensitivities:
         f"{RESULTS}/benchmarks/sensitivities/{{rso}}/{{stations}}{{window}}.tsv"
     conda:
         "../envs/opml.yaml"
-    threads: 2
+    threads: 1
     resources:
         mem_mb=2000,
         runtime=60,

@@ -14,7 +14,7 @@ rule prediction:
         f"{RESULTS}/benchmarks/predictions/{{rso}}/{{stations}}{{window}}.tsv"
     conda:
         "../envs/opml.yaml"
-    threads: 2
+    threads: 1
     resources:
         mem_mb=2000,
         runtime=60,
