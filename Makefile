@@ -1,5 +1,5 @@
 # make        the paper's partition curve, from a full simulation
-# make test   the tests
+# make test   the tests, of the documentation's site too
 # make faults runs that are killed and damaged at 50 random moments (a quarter of an hour)
 # make docs   the documentation as a site, in build/site
 # make validate OREKIT_DATA=<folder>   the dynamics beside Orekit's (half an hour): docs/validation.md
@@ -16,7 +16,7 @@ INSTALLED := $(VENV)/.installed
 all: $(INSTALLED)
 	$(BIN)/snakemake -j2 results/figs/partition_curve.pdf
 
-test: $(INSTALLED)
+test: $(VENV)/.docs
 	$(BIN)/python -m pytest
 
 faults: $(INSTALLED)

@@ -226,11 +226,11 @@ def _check_parts(source: _Source, settings: Settings, key: Key, entry: Mapping[s
         "learner": lambda text: naming.parse_learner(text, learners),
         "learners": lambda texts: [naming.parse_learner(text, learners) for text in texts],
         "rules": lambda texts: [naming.parse_learner(text, learners) for text in texts],
-        "train": lambda text: _check_window(text, settings),
-        "test": lambda text: _check_window(text, settings),
-        "tests": lambda texts: [_check_window(text, settings) for text in texts],
-        "splits": lambda pairs: [_check_window(text, settings) for pair in _values(pairs) for text in pair],
-        "split": lambda pair: [_check_window(text, settings) for text in _values(pair)],
+        "train": lambda text: _check_split(text, settings),
+        "test": lambda text: _check_split(text, settings),
+        "tests": lambda texts: [_check_split(text, settings) for text in texts],
+        "splits": lambda pairs: [_check_split(text, settings) for pair in _values(pairs) for text in pair],
+        "split": lambda pair: [_check_split(text, settings) for text in _values(pair)],
         "window_day": lambda day: _check_days([0, day], settings),
         "zoom_days": lambda days: _check_days(days, settings),
     }
@@ -248,17 +248,16 @@ def _values(entries: Mapping[str, Any] | Sequence[Any]) -> Sequence[Any]:
     return list(entries.values()) if isinstance(entries, Mapping) else entries
 
 
-def _check_window(split: str, settings: Settings) -> None:
-    if split.startswith("days-"):
-        _check_days([float(day) for day in split.split("-")[1:3]], settings, f"split '{split}': ")
+def _check_split(split: str, settings: Settings) -> None:
+    naming.check_split(split, duration_days=settings.values["duration_days"])
 
 
-def _check_days(days: Sequence[float], settings: Settings, what: str = "") -> None:
+def _check_days(days: Sequence[float], settings: Settings) -> None:
     """Raise InputError unless the days ascend and lie within the run."""
     (first, last), duration = days, settings.values["duration_days"]
     if not first < last <= duration:
         raise InputError(
-            f"{what}expected ascending days up to duration_days, {duration:g}, got {first:g} and {last:g}"
+            f"expected ascending days up to duration_days, {duration:g}, got {first:g} and {last:g}"
         )
 
 

@@ -2,8 +2,8 @@
 
 `eglin_noise43` is what Eglin measures under another seed, `random-80_split43` another draw of the same
 split, `eglin_w24` estimates from 24 hours of tracks, and `svr_s2` the learner `svr` with 2 as its kernel
-scale. A suffix that would repeat the run's own
-seed is no name, so that two names are never the same thing.
+scale. A suffix that would repeat the run's own setting is no name, so that two names are never the same
+thing.
 """
 
 import math
@@ -41,7 +41,7 @@ def parse_seed(text: str, kind: str, *, default: int) -> tuple[str, int]:
 
 def seed_pattern(kind: str, *, default: int) -> str:
     """Return the regular expression of a seed's suffix, or none."""
-    return rf"(?:_{kind}(?!{default}(?!\d))(?:0|[1-9]\d*))?"
+    return rf"(?:_{kind}(?!{default}(?!\d))(?:0|[1-9]\d{{0,8}}))?"
 
 
 def other_reading(previous: str) -> str:
@@ -71,6 +71,20 @@ PERFECT = "_true"
 def window_pattern(*, default: float) -> str:
     """Return the regular expression of an estimation window's suffix, or none."""
     return rf"(?:_w(?!{re.escape(number(default))}(?![\d.])){POSITIVE})?"
+
+
+def check_split(name: str, *, duration_days: float) -> None:
+    """Raise InputError where a split's percentage or days cannot be of a run of so many days."""
+    kind, *numbers = name.removesuffix("-unseen").split("-")
+    if kind in ("random", "grouped") and not 0.0 < float(numbers[0]) <= 100.0:
+        raise InputError(f"split '{name}': expected a percentage above 0 and up to 100, got {numbers[0]}")
+    if kind == "days":
+        first, last = map(float, numbers)
+        if not first < last <= duration_days:
+            raise InputError(
+                f"split '{name}': expected ascending days up to duration_days, {duration_days:g}, "
+                f"got {first:g} and {last:g}"
+            )
 
 
 def learner_pattern(learners: Mapping[str, Mapping[str, Any]]) -> str:

@@ -1,9 +1,8 @@
 """ICGEM files: figures, time-variable terms, and files that cannot be used."""
 
 import hashlib
-from functools import partial
-from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
-from threading import Thread
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from threading import Event, Thread
 
 import numpy as np
 import pytest
@@ -41,13 +40,6 @@ asin 2 0  3.0e-11 0.0 0.0 0.0 20100101.0000 20200101.0000 1.0
 gfc  2 1  0.0 0.0 0.0 0.0
 gfc  2 2  2.4e-06 -1.4e-06 0.0 0.0
 """
-
-
-class SilentHandler(SimpleHTTPRequestHandler):
-    """Serves files without a word on stderr."""
-
-    def log_message(self, *_):
-        pass
 
 
 @pytest.fixture
@@ -202,19 +194,110 @@ def test_eigen_6s_out_of_reach_is_said_in_one_line(tmp_path, monkeypatch):
     assert not [path for path in tmp_path.rglob("*") if path.is_file()]
 
 
-def test_another_file_under_eigen_6s_name_is_refused(tmp_path, monkeypatch):
-    served, cache = tmp_path / "served", tmp_path / "cache"
-    served.mkdir()
-    (served / "eigen-6s.gfc").write_text(HEAD + ROWS)
-    handler = partial(SilentHandler, directory=served)
-    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
-        Thread(target=server.serve_forever, daemon=True).start()
-        monkeypatch.setenv("OPML_CACHE", str(cache))
-        monkeypatch.setattr(gravity_field, "EIGEN_6S_URL", f"http://127.0.0.1:{server.server_port}/")
-        with pytest.raises(InputError, match=r"^EIGEN-6S: expected SHA-256 1b6e170c.* got another"):
-            gravity_field.resolve("EIGEN-6S")
-        server.shutdown()
-    assert not [path for path in cache.rglob("*") if path.is_file()]
+CONTENT = (HEAD + ROWS).encode()
+
+
+class Answers(BaseHTTPRequestHandler):
+    """Answers as its classes do, without a word on stderr."""
+
+    def answer(self, status, length, content, **headers):
+        self.send_response(status)
+        for key, value in headers.items():
+            self.send_header(key, value)
+        self.send_header("Content-Length", str(length))
+        self.end_headers()
+        self.wfile.write(content)
+
+    def log_message(self, *_):
+        pass
+
+
+class Lies(Answers):
+    """Says all is well, and sends another file."""
+
+    def do_GET(self):
+        self.answer(200, len(CONTENT) - 1, CONTENT[1:])
+
+
+class Truncates(Answers):
+    """Promises the whole file and hangs up half-way."""
+
+    def do_GET(self):
+        self.answer(200, len(CONTENT), CONTENT[: len(CONTENT) // 2])
+
+
+class Stalls(Answers):
+    """Sends the beginning, then nothing, and keeps the line open."""
+
+    def do_GET(self):
+        self.answer(200, len(CONTENT), CONTENT[:100])
+        self.wfile.flush()
+        self.server.over.wait(10.0)
+
+
+class Circles(Answers):
+    """Sends the client round in circles."""
+
+    def do_GET(self):
+        self.answer(302, 0, b"", Location=self.path)
+
+
+class Refuses(Answers):
+    """Has no such file, and says so on a page of its own."""
+
+    def do_GET(self):
+        self.answer(404, len(CONTENT), CONTENT)
+
+
+class Redirects(Answers):
+    """Has moved the file."""
+
+    def do_GET(self):
+        if self.path == "/moved":
+            self.answer(200, len(CONTENT), CONTENT)
+        else:
+            self.answer(302, 0, b"", Location="/moved")
+
+
+@pytest.fixture
+def fetched(tmp_path, monkeypatch):
+    """Fetches EIGEN-6S, whose content is told to be CONTENT, from a server of its own into an empty cache."""
+
+    def fetch(handler):
+        with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+            server.over = Event()
+            Thread(target=server.serve_forever, daemon=True).start()
+            monkeypatch.setenv("OPML_CACHE", str(tmp_path))
+            monkeypatch.setattr(gravity_field, "EIGEN_6S_URL", f"http://127.0.0.1:{server.server_port}/")
+            monkeypatch.setattr(gravity_field, "_EIGEN_6S_SHA256", hashlib.sha256(CONTENT).hexdigest())
+            monkeypatch.setattr(gravity_field, "DOWNLOAD_TIMEOUT_S", 0.5)
+            try:
+                return gravity_field.resolve("EIGEN-6S")
+            finally:
+                server.over.set()
+                server.shutdown()
+
+    return fetch
+
+
+@pytest.mark.parametrize(
+    ("handler", "said"),
+    [
+        (Lies, "expected SHA-256 .* got another"),
+        (Truncates, "expected http.* within reach, got "),
+        (Stalls, "expected http.* within reach, got "),
+        (Circles, "expected http.* within reach, got TooManyRedirects"),
+        (Refuses, "expected http.* within reach, got HTTPError"),
+    ],
+)
+def test_a_fetch_that_goes_wrong_is_said_and_leaves_nothing(tmp_path, fetched, handler, said):
+    with pytest.raises(InputError, match=rf"^EIGEN-6S: {said}"):
+        fetched(handler)
+    assert not [path for path in tmp_path.rglob("*") if path.is_file()]
+
+
+def test_a_file_that_has_moved_is_fetched(fetched):
+    assert gravity_field.read_icgem(fetched(Redirects)).name == "TOY"
 
 
 def test_eigen_6s_in_the_cache_is_used_without_network(tmp_path, monkeypatch):

@@ -292,3 +292,55 @@ def test_an_unknown_kind_is_named():
         learners.fit(np.ones((2, 1)), np.ones(2), variables=["a"], settings={"kind": "oracle"}, seed=1)
     with pytest.raises(InputError, match="got oracle"):
         learners.schema({"kind": "oracle", "variables": []})
+
+
+def saved(path, model, changes=None):
+    """A model's file, its description changed; returns the path."""
+    table, described = model.to_table()
+    write_table(path, table, learners.schema(described), metadata=described | (changes or {}))
+    return path
+
+
+def refusal(path):
+    """What is told of a model's file that cannot be used; None of one that can."""
+    try:
+        model = learners.read(path)
+    except InputError as error:
+        return str(error)
+    with np.errstate(all="ignore"):
+        assert model.predict(np.ones((3, len(model.variables)))).shape == (3,)
+    return None
+
+
+@KINDS
+@pytest.mark.parametrize("value", [None, "x", [], {}, [1, 2], -1, 1e308, True])
+def test_a_description_of_someone_elses_is_refused_or_harmless(tmp_path, models, kind, value):
+    _, described = models[kind].to_table()
+    for key in described:
+        path = saved(tmp_path / key, models[kind], {key: value})
+        line = refusal(path)
+        assert line is None or line.startswith(f"{path}: ")
+        assert line or key != "kind"
+
+
+@pytest.mark.parametrize(
+    ("column", "value"),
+    [("left", 0), ("left", -1), ("right", 10**9), ("feature", 4)],
+)
+def test_a_tree_whose_branches_lead_nowhere_is_refused(tmp_path, models, column, value):
+    table, described = models["boosting"].to_table()
+    table.loc[0, column] = value
+    path = tmp_path / "tree.parquet"
+    write_table(path, table, learners.schema(described), metadata=described)
+    with pytest.raises(InputError, match=rf"tree\.parquet: expected a model .*{column}: expected"):
+        learners.read(path)
+
+
+@KINDS
+def test_a_model_without_its_description_is_refused(tmp_path, models, kind):
+    table, described = models[kind].to_table()
+    for key in described:
+        path = tmp_path / f"{key}.parquet"
+        left = {name: value for name, value in described.items() if name != key}
+        write_table(path, table, learners.schema(described), metadata=left)
+        assert refusal(path).startswith(f"{path}: ")

@@ -1,11 +1,8 @@
 """Every setting and every cell of the sheets made wrong, one at a time, through the real command line."""
 
-import os
-import shutil
-from concurrent.futures import ThreadPoolExecutor
-
 import yaml
 from project import ROOT, Project
+from refusals import amiss
 
 from opml.config import read_yaml
 
@@ -64,40 +61,13 @@ def cells():
                 yield sheet, column, text
 
 
-def wrong(case, told):
-    """What is amiss with a refusal, nothing if all is well."""
-    done, beginning = told
-    lines = [line for line in done.stdout.splitlines() if line.startswith("opml: ")]
-    if done.returncode == 0:
-        return f"{case}: taken"
-    if "Traceback" in done.stdout or len(lines) != 1 or not lines[0].startswith(beginning):
-        return f"{case}: {done.stdout}"
-    return None
-
-
-def all_of(cases, tell, tmp_path):
-    """Try every case in a folder of its own; returns what is amiss with some."""
-
-    def try_one(numbered):
-        number, case = numbered
-        folder = tmp_path / str(number)
-        folder.mkdir()
-        found = wrong(case, tell(folder, case))
-        left = (folder / "results").exists()
-        shutil.rmtree(folder)
-        return found or (f"{case}: left something behind" if left else None)
-
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return [found for found in pool.map(try_one, enumerate(cases)) if found]
-
-
 def test_every_wrong_setting_is_told_in_one_line(tmp_path):
     cases = list(settings())
     assert len(cases) > 130
-    assert all_of(cases, with_setting, tmp_path) == []
+    assert amiss(cases, with_setting, tmp_path) == []
 
 
 def test_every_wrong_cell_is_told_in_one_line(tmp_path):
     cases = list(cells())
     assert len(cases) > 80
-    assert all_of(cases, lambda folder, case: with_cell(folder, *case), tmp_path) == []
+    assert amiss(cases, lambda folder, case: with_cell(folder, *case), tmp_path) == []

@@ -69,6 +69,20 @@ def source(name):
     return path if Path(path).suffix else []
 
 
+def sound(*functions):
+    """Input function without files: a name that asks for what cannot be ends the plan in one line."""
+
+    def check(wildcards):
+        try:
+            for function in functions:
+                function(wildcards)
+        except InputError as error:
+            sys.exit(f"opml: {error}")
+        return []
+
+    return check
+
+
 def rso(wildcards):
     """The RSO that a file name asks for, varied as its name says."""
     return asdict(parse_rso(wildcards.rso, SETTINGS.rsos))
@@ -93,6 +107,7 @@ def window_hours(wildcards):
 def split(wildcards):
     """The training split that a file name asks for, and its seed."""
     train, seed = naming.parse_seed(wildcards.train, naming.SPLIT, default=SEED["split"])
+    naming.check_split(train, duration_days=config["duration_days"])
     return {"train": train, "seed": seed}
 
 
@@ -127,6 +142,10 @@ def beside(part):
 def experiment(wildcards):
     """What a file name asks for, as the metrics tell it."""
     parts = dict(wildcards.items())
+    naming.check_split(parts["test"], duration_days=config["duration_days"])
+    trained, target = parts["rso"], parts["target"]
+    if parts["test"] == "seen" and trained != target:
+        raise InputError(f"split 'seen': expected the RSO that was trained on, {trained}, got {target}")
     parts["stations"] += parts.pop("window") + parts.pop("reading")
     return parts
 

@@ -6,6 +6,7 @@ rule train:
     input:
         dataset=rules.dataset.output[0],
         beside=beside("rso"),
+        asked=sound(split),
     output:
         f"{RESULTS}/models/{EXPERIMENT}.parquet",
     log:
@@ -40,6 +41,7 @@ rule evaluate:
         model=rules.train.output[0],
         target=f"{RESULTS}/dataset/{{target}}/{{stations}}{{window}}{{reading}}.parquet",
         beside=beside("target"),
+        asked=sound(split, experiment),
     output:
         evaluation=f"{RESULTS}/evaluation/{EXPERIMENT}/{{target}}/{{test}}.parquet",
         metrics=f"{RESULTS}/metrics/{EXPERIMENT}/{{target}}/{{test}}.parquet",
@@ -75,6 +77,7 @@ rule intervals:
         beside=beside("rso"),
         target=rules.evaluate.input.target,
         beside_target=beside("target"),
+        asked=sound(split, experiment),
     output:
         intervals=f"{RESULTS}/intervals/{EXPERIMENT}/{{target}}/{{test}}.parquet",
         coverage=f"{RESULTS}/coverage/{EXPERIMENT}/{{target}}/{{test}}.parquet",

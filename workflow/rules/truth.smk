@@ -4,6 +4,7 @@
 rule truth:
     input:
         **TRUE_ENVIRONMENT,
+        asked=sound(rso),
     output:
         f"{RESULTS}/truth/{{rso}}.parquet",
     log:

@@ -62,7 +62,7 @@ def resolve(kernel: str | Path | None) -> Path:
 def _open(path: Path) -> SPK:
     try:
         spk = SPK.open(path)
-    except (OSError, ValueError, struct.error) as reason:
+    except (OSError, TypeError, ValueError, struct.error) as reason:
         raise InputError(f"{path}: expected an SPK ephemeris file, got {reason}") from None
     if spk.daf.locidw not in (b"DAF/SPK", b"NAIF/DAF"):
         spk.close()
@@ -108,7 +108,7 @@ def _along(segments: list, file: str, tdb: epochs.JulianDate) -> np.ndarray:
         covered = (segment.start_jd <= dates) & (dates <= segment.end_jd)
         try:
             position[:, covered] = segment.compute(tdb[0][covered], tdb[1][covered])
-        except (OSError, ValueError) as reason:
+        except (OSError, TypeError, ValueError) as reason:
             raise InputError(f"{where}: expected positions, got {reason}") from None
     if np.isnan(position).any():
         first, last = min(s.start_jd for s in segments), max(s.end_jd for s in segments)

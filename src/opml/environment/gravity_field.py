@@ -21,6 +21,12 @@ EIGEN_6S_URL = "https://gitlab.orekit.org/orekit/orekit-data/-/raw/main/Potentia
 _EIGEN_6S_FILE = "eigen-6s.gfc"
 _EIGEN_6S_SHA256 = "1b6e170c9df2eee0523fb24cec6cd2ef963ea6458089291ec9a80ac735cc9f24"
 
+DOWNLOAD_TIMEOUT_S = 30.0
+"""How long a server may stay silent."""
+
+MAX_DEGREE = 10_000
+"""Nearly twice what any published field reaches; a header that asks for more is damaged."""
+
 _REQUIRED = ("product_type", "modelname", "earth_gravity_constant", "radius", "max_degree")
 _YEARS_PER_DAY = DAY / JULIAN_YEAR
 _JD_OF_ORDINAL_ZERO = 1721424.5
@@ -163,7 +169,7 @@ def read_icgem(path: str | Path) -> GravityField:
         raise InputError(f"{path}: expected an ICGEM file, got {reason}") from None
 
     header, head_length = _read_header(path, lines)
-    degree = int(_header_number(path, header, "max_degree"))
+    degree = _header_degree(path, header)
     c, s = np.zeros((degree + 1, degree + 1)), np.zeros((degree + 1, degree + 1))
     c[0, 0] = 1.0
     seen = np.zeros((degree + 1, degree + 1), dtype=bool)
@@ -230,6 +236,13 @@ def _header_number(path: str | Path, header: dict[str, str], key: str) -> float:
     if not value > 0.0:
         raise InputError(f"{path}: {key}: expected a positive number, got {header[key]!r}")
     return value
+
+
+def _header_degree(path: str | Path, header: dict[str, str]) -> int:
+    text = header["max_degree"]
+    if not (text.isascii() and text.isdigit() and int(text) <= MAX_DEGREE):
+        raise InputError(f"{path}: max_degree: expected a whole number up to {MAX_DEGREE}, got {text!r}")
+    return int(text)
 
 
 def _row_with_reference(fields: list[str], references: dict[tuple[int, int], float]) -> Variation:
@@ -321,7 +334,7 @@ def _fetched_eigen_6s() -> Path:
     )
     url = EIGEN_6S_URL + _EIGEN_6S_FILE
     try:
-        return Path(cache.fetch(_EIGEN_6S_FILE))
+        return Path(cache.fetch(_EIGEN_6S_FILE, downloader=pooch.HTTPDownloader(timeout=DOWNLOAD_TIMEOUT_S)))
     except OSError as reason:
         raise InputError(
             f"EIGEN-6S: expected {url} within reach, got {type(reason).__name__}; "

@@ -14,7 +14,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from opml.errors import InputError
 from opml.figures.labels import symbol
-from opml.figures.style import MUTED, PUBLISHED, RESIDUAL, RESIDUALS, column_figure, page_figure
+from opml.figures.style import MUTED, PUBLISHED, RESIDUAL, RESIDUALS, column_figure, labelled, page_figure
 
 RANDOM = "random-"
 WINDOW = re.compile(r"days-([0-9.]+)-([0-9.]+)")
@@ -124,9 +124,7 @@ def kernel_scale_sensitivity(
         axes.set_xlabel("kernel scale $s$, on standardised variables")
         axes.yaxis.set_tick_params(labelleft=True)
         _label(axes, component)
-    labels = dict(
-        pair for axes in panels for pair in zip(*axes.get_legend_handles_labels()[::-1], strict=True)
-    )
+    labels = labelled(figure)
     figure.legend(labels.values(), labels.keys(), loc="outside upper left", ncols=3)
     return figure
 

@@ -7,12 +7,11 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from opml.figures.curves import NO_CORRECTION
 from opml.figures.labels import symbol, unit
-from opml.figures.style import MUTED, PREDICTED, PUBLISHED, RESIDUALS, TRUE, page_figure
+from opml.figures.style import MUTED, PREDICTED, PUBLISHED, RESIDUALS, TRUE, labelled, page_figure
 
 MARKERS = "osD^v"
-NO_CORRECTION = 100.0
-"""P_ML [%] of doing nothing."""
 DAY = 86400.0
 AXES = {
     "inclination": "inclination $i$ [deg]",
@@ -135,9 +134,7 @@ def intervals(tables: Mapping[str, pd.DataFrame], *, level: float, component: st
 
 def _legend(figure: Figure, *, columns: int) -> None:
     """One legend for all panels, each label once."""
-    labels = dict(
-        pair for axes in figure.axes for pair in zip(*axes.get_legend_handles_labels()[::-1], strict=True)
-    )
+    labels = labelled(figure)
     legend = figure.legend(labels.values(), labels.keys(), loc="outside upper left", ncols=columns)
     for handle in legend.legend_handles:
         handle.set_alpha(None if handle.get_alpha() is None else max(handle.get_alpha(), 0.4))

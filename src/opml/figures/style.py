@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import matplotlib
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -68,6 +69,13 @@ def _figure(width_mm: float, height_mm: float) -> Figure:
     figure = Figure(figsize=(width_mm / MM_PER_INCH, height_mm / MM_PER_INCH), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
+
+
+def labelled(figure: Figure) -> dict[str, Artist]:
+    """What the legend of a figure of several panels shows: by label, each once."""
+    return dict(
+        pair for axes in figure.axes for pair in zip(*axes.get_legend_handles_labels()[::-1], strict=True)
+    )
 
 
 def save(figure: Figure, path_pdf: str | os.PathLike, path_png: str | os.PathLike) -> None:

