@@ -274,6 +274,8 @@ def _explained(error: ValidationError) -> tuple[Key, str]:
         case "required":
             missing = next(name for name in limit if name not in value)
             return (*key, missing), "expected a value, got none"
+    if "propertyNames" in error.absolute_schema_path:
+        key = (*key, value)  # what is wrong is a name, which the path of an error leaves out
     if "description" in error.schema:
         expected = error.schema["description"]
     elif error.validator == "enum":

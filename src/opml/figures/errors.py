@@ -64,7 +64,8 @@ def distribution_position(pairs: pd.DataFrame) -> Figure:
 def distribution_velocity(pairs: pd.DataFrame) -> Figure:
     """Velocity errors [m/s] against the duration [d]; a panel each component.
 
-    As `distribution_position`, but signed and on a linear scale.
+    As `distribution_position`, but signed and on linear scales of their own: the radial component, which the
+    along-track position error dictates, is a hundred times the others.
     """
     return _distribution(pairs, ("e_vx", "e_vy", "e_vz"), absolute=False)
 
@@ -184,7 +185,7 @@ def _distribution(pairs: pd.DataFrame, components: tuple[str, ...], *, absolute:
     pairs = _not_empty(pairs.dropna(subset=list(components)))
     days = (pairs["t_j"] - pairs["t_i"]).to_numpy() / DAY
     figure = page_figure(height_mm=62.0)
-    for axes, component in zip(figure.subplots(1, 3, sharex=True, sharey=True), components, strict=True):
+    for axes, component in zip(figure.subplots(1, 3, sharex=True, sharey=absolute), components, strict=True):
         unit_name, factor = unit(component)
         values = pairs[component].to_numpy() * factor
         axes.scatter(
