@@ -129,7 +129,7 @@ def test_the_sound_file_is_read(files, folder, name):
 
 
 @pytest.mark.parametrize("name", READ)
-@settings(max_examples=100, deadline=None, derandomize=True)
+@settings(max_examples=300, deadline=None, derandomize=True)
 @given(damage=DAMAGES)
 def test_a_damaged_file_is_read_or_refused_in_one_line(files, folder, name, damage):
     path = folder / name
