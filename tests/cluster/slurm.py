@@ -66,6 +66,7 @@ class Slurm:
             )
         )
         self.environment = os.environ | {"SLURM_CONF": str(self._conf)}
+        self.environment["PATH"] = os.pathsep.join([str(self._own_srun()), os.environ["PATH"]])
 
     def __enter__(self):
         try:
@@ -87,6 +88,14 @@ class Slurm:
             except subprocess.TimeoutExpired:
                 daemon.kill()
                 daemon.wait()
+
+    def _own_srun(self):
+        """Folder of an srun that knows the configuration: Snakemake's job steps drop SLURM_CONF."""
+        path = self.folder / "bin" / "srun"
+        path.parent.mkdir()
+        path.write_text(f'#!/bin/sh\nSLURM_CONF="{self._conf}" exec "{_program("srun")}" "$@"\n')
+        path.chmod(0o755)
+        return path.parent
 
     def _start_munge(self):
         key, socket_ = self.folder / "munge.key", self.folder / "munge.socket"
