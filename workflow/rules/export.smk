@@ -102,7 +102,7 @@ if config.get("oem"):
 
     rule truth_from_oem:
         input:
-            lambda wildcards: config["oem"][wildcards.rso],
+            lambda wildcards: local(config["oem"][wildcards.rso]),
         output:
             f"{RESULTS}/truth/{{rso}}.parquet",
         log:

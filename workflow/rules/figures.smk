@@ -19,7 +19,7 @@ wildcard_constraints:
 
 rule estimation_window:
     input:
-        rules.tracking.output[0].format(**ENTRIES["defaults"]),
+        made(rules.tracking.output[0], **ENTRIES["defaults"]),
     output:
         **figures("estimation_window", section=SECTIONS["simulation"]),
     log:
@@ -47,8 +47,8 @@ rule estimation_window:
 
 rule orbit:
     input:
-        truth=rules.truth.output[0].format(**ENTRIES["defaults"]),
-        tracking=rules.tracking.output[0].format(**ENTRIES["defaults"]),
+        truth=made(rules.truth.output[0], **ENTRIES["defaults"]),
+        tracking=made(rules.tracking.output[0], **ENTRIES["defaults"]),
         gravity_field=ENVIRONMENT["gravity_field"],
     output:
         **figures("orbit_3d", "orbital_elements", section=SECTIONS["numerical"]),
@@ -77,8 +77,8 @@ rule orbit:
 
 rule error_distribution:
     input:
-        rules.dataset.output[0].format(
-            **{**ENTRIES["defaults"], **ENTRIES["distribution"], "window": "", "reading": ""}
+        made(
+            rules.dataset.output[0], **(ENTRIES["defaults"] | ENTRIES["distribution"]), window="", reading=""
         ),
     output:
         **figures("error_distribution_position", "error_distribution_velocity", section=SECTIONS["numerical"]),

@@ -15,12 +15,11 @@ rule generalisation:
         metrics=named(rules.evaluate.output.metrics, *generalisation.every(config, SETTINGS.rsos)),
         coverage=named(rules.intervals.output.coverage, *INTERVALS.values()),
         datasets=[
-            rules.dataset.output[0].format(rso=DEFAULTS["rso"], stations=stations, window="", reading="")
+            made(rules.dataset.output[0], rso=DEFAULTS["rso"], stations=stations, window="", reading="")
             for stations in STATION_SETS
         ],
         oracles=[
-            rules.oracle.output[0].format(rso=DEFAULTS["rso"], stations=stations)
-            for stations in STATION_SETS
+            made(rules.oracle.output[0], rso=DEFAULTS["rso"], stations=stations) for stations in STATION_SETS
         ],
     output:
         **documents("generalisation", section=BEYOND),

@@ -39,9 +39,9 @@ rule mechanism:
         estimates=rules.estimation.output[0],
         predictions=rules.prediction.output[0],
         sensitivities=rules.sensitivities.output[0],
-        long_estimates=rules.estimation.output[0].replace("{window}", LONG),
-        long_predictions=rules.prediction.output[0].replace("{window}", LONG),
-        long_sensitivities=rules.sensitivities.output[0].replace("{window}", LONG),
+        long_estimates=over(LONG, rules.estimation.output[0]),
+        long_predictions=over(LONG, rules.prediction.output[0]),
+        long_sensitivities=over(LONG, rules.sensitivities.output[0]),
         gravity_field=ENVIRONMENT["gravity_field"],
     output:
         f"{RESULTS}/mechanism/{{rso}}/{{stations}}{{window}}.parquet",
@@ -71,7 +71,7 @@ rule mechanism:
 rule perfect_estimates:
     input:
         truth=rules.truth.output[0],
-        estimates=rules.estimation.output[0].replace("{window}", ""),
+        estimates=over("", rules.estimation.output[0]),
     output:
         f"{RESULTS}/estimates/{{rso}}/{{stations}}{naming.PERFECT}.parquet",
     log:
@@ -95,10 +95,10 @@ rule perfect_estimates:
 
 rule oracle:
     input:
-        estimates=rules.estimation.output[0].replace("{window}", ""),
-        predictions=rules.prediction.output[0].replace("{window}", ""),
+        estimates=over("", rules.estimation.output[0]),
+        predictions=over("", rules.prediction.output[0]),
         perfect=rules.perfect_estimates.output[0],
-        perfect_predictions=rules.prediction.output[0].replace("{window}", naming.PERFECT),
+        perfect_predictions=over(naming.PERFECT, rules.prediction.output[0]),
         gravity_field=ENVIRONMENT["gravity_field"],
     output:
         f"{RESULTS}/oracle/{{rso}}/{{stations}}.parquet",

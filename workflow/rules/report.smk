@@ -64,11 +64,11 @@ rule reproduction:
         metrics=named(rules.evaluate.output.metrics, *REPORTED),
         models=[named(rules.train.output[0], headline.experiment)[0] for headline in HEADLINES],
         datasets=[
-            rules.dataset.output[0].format(rso=rso, stations=stations, window="", reading="")
+            made(rules.dataset.output[0], rso=rso, stations=stations, window="", reading="")
             for rso, stations in DATASETS
         ],
         estimates=[
-            rules.estimation.output[0].format(rso=rso, stations=stations, window="")
+            made(rules.estimation.output[0], rso=rso, stations=stations, window="")
             for rso, stations in DATASETS
         ],
     output:
