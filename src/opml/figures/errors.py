@@ -232,7 +232,7 @@ def _points_and_bars(evaluation: pd.DataFrame, component: str, *, absolute: bool
 
 
 def _draw_bars(axes: Axes, evaluation: pd.DataFrame, component: str, *, absolute: bool) -> None:
-    """Error bars of the three errors, slightly displaced, with P_ML."""
+    """Error bars of the three errors, slightly displaced, with P_ML and how much it is measured on."""
     drawn = _drawn(evaluation, component, absolute=absolute)
     for order, curve in enumerate(_CURVES):
         table = clusters(drawn["duration"].to_numpy(), drawn[curve.column].to_numpy())
@@ -257,6 +257,8 @@ def _draw_bars(axes: Axes, evaluation: pd.DataFrame, component: str, *, absolute
         bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.5},
         zorder=4.0,
     )
+    counted = f"{len(evaluation)} predictions of {evaluation['i'].nunique()} estimates"
+    axes.set_title(counted, fontsize=7.0, color=MUTED, loc="right")
     _label(axes, component, absolute=absolute)
 
 
