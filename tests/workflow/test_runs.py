@@ -219,6 +219,16 @@ def test_table_with_a_missing_column_is_named_and_nothing_is_half_written(copy):
     assert sorted(path.name for path in tracking.iterdir()) == before
 
 
+def test_a_clock_set_back_stops_nothing(finished, copy):
+    made = "results/ci/evaluation/iss/eglin/random-80/svr/e_y/iss/rest.parquet"
+    tomorrow = time.time() + 86400.0
+    for path in (copy.folder / "results").rglob("*.parquet"):
+        os.utime(path, (tomorrow, tomorrow))
+    (copy.folder / made).unlink()
+    copy.snakemake("-j1", CI, made)
+    assert copy.products() == finished.products()
+
+
 @pytest.mark.parametrize("seconds", [4.0, 7.0])
 def test_killed_run_carries_on(finished, project, seconds):
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), "-j2", CI, CURVE]
