@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from opml.config import read_yaml
 from opml.constants import BODIES
 from opml.dynamics import forces
 from opml.dynamics.lanes import WIDTH
@@ -61,6 +62,21 @@ def force_model(degree, bodies=BODIES, field="EGM2008"):
         gm=read.gm,
         radius=read.radius,
     )
+
+
+def setting_keys():
+    """Keys of all settings of the paper that are no mapping, as tuples; of learners one of each kind."""
+    values = read_yaml(REPOSITORY / "config" / "config.yaml")
+    kinds = {learner["kind"]: name for name, learner in values["learners"].items()}
+    return [key for key in _leaves(values) if key[0] != "learners" or key[1] in kinds.values()]
+
+
+def _leaves(values, key=()):
+    for name, value in values.items():
+        if isinstance(value, dict):
+            yield from _leaves(value, (*key, name))
+        else:
+            yield *key, name
 
 
 @cache

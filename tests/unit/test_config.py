@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 
 import pytest
+from support import setting_keys
 
 from opml import tables
 from opml.config import load, read_yaml, with_numbers
@@ -23,7 +24,7 @@ def _in_root(monkeypatch):
 
 def edited(key, value):
     values = json.loads(json.dumps(PAPER))  # apart from each other, unlike what YAML's anchors share
-    *parents, last = key.split(".")
+    *parents, last = key.split(".") if isinstance(key, str) else key
     place = values
     for name in parents:
         place = place[name]
@@ -42,6 +43,12 @@ def test_papers_settings_are_valid():
     settings = load(PAPER, schema=SCHEMA)
     assert settings.values == PAPER
     assert (len(settings.stations), len(settings.rsos)) == (3, 7)
+
+
+def test_every_setting_of_another_type_is_told_with_its_key():
+    for key in setting_keys():
+        said = message(edited(key, [[]]))
+        assert said.startswith(f"--config: {'.'.join(key)}"), said
 
 
 def test_learning_variables_are_the_tables_columns():
