@@ -61,8 +61,9 @@ class _Fit:
     cost: float = np.inf
     normal: np.ndarray | None = None
     gradient: np.ndarray | None = None
+    left: float = 0.0  # what the full step moves, in formal uncertainties
     damping: float = _FIRST_DAMPING
-    iterations: int = 0
+    iterations: int = 0  # of flying trials
     converged: bool = False
     reason: str = NOT_CONVERGED
     running: bool = True
@@ -211,11 +212,19 @@ class _Problem:
         if fit.damping > _MOST_DAMPING:
             fit.running, fit.reason = False, NO_FIT
             return
+        full, step = self._solve(fit, _LEAST_DAMPING), self._solve(fit, fit.damping)
         # What is left to go is the full step's length, as damping alone can make a step short.
-        if np.sqrt(fit.gradient @ self._solve(fit, _LEAST_DAMPING)) < convergence:
+        before, fit.left = fit.left, np.sqrt(fit.gradient @ full)
+        fit.trial = fit.best + step
+        if fit.left < convergence:
             fit.running, fit.converged, fit.reason = False, True, ""
             return
-        fit.trial = fit.best + self._solve(fit, fit.damping)
+        # Steps shrink ever faster near the end. Where this one, by the rate of the last and with what damping
+        # takes off it, ends below the limit, flying it would only confirm it.
+        short = np.sqrt(max(0.0, (full - step) @ fit.normal @ (full - step)))
+        if fit.left**2 < (convergence - short) * before:
+            fit.best, fit.cost = fit.trial, max(0.0, fit.cost - fit.left**2)
+            fit.running, fit.converged, fit.reason = False, True, ""
 
     def _solve(self, fit, damping):
         """The damped step (7,) from the best parameters; a parameter that is held does not move."""
