@@ -4,15 +4,12 @@ python -m pytest tests/cluster/test_storage.py
 """
 
 import importlib.util
-import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-from tests.cluster.test_slurm import ROOT
+from tests.workflow.project import ROOT, Project
 
 PLUGIN = "snakemake_storage_plugin_fs"
 METRICS = "results/ci/metrics/iss/eglin/random-80/svr/e_y/iss/rest.parquet"
@@ -24,20 +21,9 @@ pytestmark = [
 
 def run(folder, *options):
     """Make the metrics of the trimmed case in a folder, under the user's own gravity field."""
-    shutil.copytree(ROOT / "config", folder / "config")
     shutil.copy2(ROOT / "src" / "opml" / "data" / "egm2008_70.gfc", folder / "own.gfc")
-    command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), "-j2"]
-    command += ["--configfile=config/ci.yaml", "--config", "environment={gravity_field: own.gfc}"]
-    done = subprocess.run(
-        [*command, *options, "--", METRICS],
-        cwd=folder,
-        env=os.environ | {"PYTHONPATH": str(ROOT / "src")},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        timeout=900,
-    )
-    assert done.returncode == 0, done.stdout
+    settings = ["--configfile=config/ci.yaml", "--config", "environment={gravity_field: own.gfc}"]
+    Project(folder).snakemake("-j2", *settings, *options, "--", METRICS)
 
 
 def tables(folder: Path):

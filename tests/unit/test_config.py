@@ -97,7 +97,7 @@ def test_no_object_of_the_schema_takes_unknown_keys():
         (
             "results",
             "a folder",
-            "results: expected a folder's path without spaces, braces or a leading ~, got",
+            "results: expected a folder's path without spaces, braces or a leading ~, got 'a folder'",
         ),
         ("results", "~/runs", "results: expected a folder's path without spaces, braces or a leading ~"),
         ("environment.percentile", 51, "environment.percentile: expected one of 95, 50, 5, got 51"),

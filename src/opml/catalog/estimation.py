@@ -212,13 +212,14 @@ class _Problem:
         if fit.damping > _MOST_DAMPING:
             fit.running, fit.reason = False, NO_FIT
             return
-        full, step = self._solve(fit, _LEAST_DAMPING), self._solve(fit, fit.damping)
         # What is left to go is the full step's length, as damping alone can make a step short.
+        full = self._solve(fit, _LEAST_DAMPING)
         before, fit.left = fit.left, np.sqrt(fit.gradient @ full)
-        fit.trial = fit.best + step
         if fit.left < convergence:
             fit.running, fit.converged, fit.reason = False, True, ""
             return
+        step = self._solve(fit, fit.damping)
+        fit.trial = fit.best + step
         # Steps shrink ever faster near the end. Where this one, by the rate of the last and with what damping
         # takes off it, ends below the limit, flying it would only confirm it.
         short = np.sqrt(max(0.0, (full - step) @ fit.normal @ (full - step)))
