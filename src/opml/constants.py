@@ -2,7 +2,10 @@
 
 import math
 
-DAY = 86400.0
+HOUR = 3600.0
+"""Seconds in an hour."""
+
+DAY = 24.0 * HOUR
 """Seconds in a day."""
 
 JULIAN_YEAR = 365.25 * DAY

@@ -11,7 +11,6 @@ import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ import pyarrow.parquet as pq
 
 from opml.constants import BODIES
 from opml.errors import InputError
+from opml.files import replacing
 
 ENVIRONMENT = ("earth_orientation", "ephemerides", "solar_activity", "gravity_field")
 """The tables of the environment, which the force models are made of."""
@@ -438,14 +438,8 @@ def write_table(
     texts = {key: json.dumps(value, sort_keys=True, allow_nan=False) for key, value in sorted(values.items())}
     table = pa.table(arrays, schema=arrow.with_metadata(texts))
 
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
+    with replacing(path) as temporary:
         pq.write_table(table, temporary, compression="zstd", write_statistics=False, write_page_checksum=True)
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def read_table(path: str | os.PathLike, schema: str | Schema) -> pd.DataFrame:

@@ -5,13 +5,14 @@ Importing this module sets matplotlib's defaults for the process; it opens no wi
 
 import os
 from collections.abc import Iterable
-from pathlib import Path
 
 import matplotlib
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+
+from opml.files import replacing
 
 COLUMN_WIDTH_MM = 88.0  # one column of a two-column page
 PAGE_WIDTH_MM = 180.0  # both columns
@@ -80,8 +81,8 @@ def labelled(figure: Figure) -> dict[str, Artist]:
 
 def save(figure: Figure, path_pdf: str | os.PathLike, path_png: str | os.PathLike) -> None:
     """Write the figure as PDF and PNG, each whole or not at all; the same figure gives the same bytes."""
-    _write(figure, Path(path_pdf), "pdf", metadata={"CreationDate": None})
-    _write(figure, Path(path_png), "png", metadata={"Software": None})
+    _write(figure, path_pdf, "pdf", metadata={"CreationDate": None})
+    _write(figure, path_png, "png", metadata={"Software": None})
 
 
 def save_all(
@@ -92,11 +93,6 @@ def save_all(
         save(figure, path_pdf, path_png)
 
 
-def _write(figure: Figure, path: Path, kind: str, *, metadata: dict) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
+def _write(figure: Figure, path: str | os.PathLike[str], kind: str, *, metadata: dict[str, None]) -> None:
+    with replacing(path) as temporary:
         figure.savefig(temporary, format=kind, metadata=metadata)
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)

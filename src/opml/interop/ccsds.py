@@ -19,6 +19,7 @@ import numpy as np
 from opml import __version__, epochs
 from opml.constants import DAY
 from opml.errors import InputError
+from opml.files import replacing
 
 _TIME = re.compile(r"(\d{4})-(?:(\d\d)-(\d\d)|(\d{3}))T(\d\d):(\d\d):(\d\d(?:\.\d*)?)Z?", re.ASCII)
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[eE]([+-]?\d{1,4}))?", re.ASCII)
@@ -183,15 +184,8 @@ def header(version_key: str, epoch: str) -> list[str]:
 
 def write(path: str | os.PathLike, lines: Iterable[str]) -> None:
     """Write lines of text, all of them or none: a temporary file takes the name when it is complete."""
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        with temporary.open("w", encoding="utf-8", newline="\n") as file:
-            file.writelines(f"{line}\n" for line in lines)
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as file:
+        file.writelines(f"{line}\n" for line in lines)
 
 
 def _calendar_day(match: re.Match) -> tuple[int, int, int]:

@@ -5,7 +5,8 @@ import os
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
+
+from opml.files import replacing
 
 
 @dataclass(frozen=True)
@@ -68,14 +69,8 @@ def write(
         (path_html, page(blocks, title=title)),
         (path_tsv, tab_separated(table)),
     ):
-        path = Path(path)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-        try:
+        with replacing(path) as temporary:
             temporary.write_text(text, encoding="utf-8")
-            os.replace(temporary, path)
-        finally:
-            temporary.unlink(missing_ok=True)
 
 
 _STYLE = (
