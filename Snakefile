@@ -10,4 +10,4 @@ rule default:
     input:
         rules.all.input,
     message:
-        "Every figure and table of the paper"
+        "Every figure and table that the study asks for"

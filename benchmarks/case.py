@@ -10,7 +10,7 @@ from opml.catalog.truth import initial_state
 from opml.constants import DAY
 from opml.dynamics import forces
 from opml.dynamics.ensemble import Integrator, propagate
-from opml.dynamics.surroundings import Tables
+from opml.dynamics.surroundings import ForceModel
 from opml.environment import earth_orientation, ephemerides, gravity_field, nodes, solar_activity
 from opml.seeds import derive
 from validation.case import Case
@@ -78,7 +78,7 @@ def environment(days: float) -> dict:
 
 
 @cache
-def force_model(name: str, *, days: float = 2 * DAYS, field: str = "EGM2008") -> Tables:
+def force_model(name: str, *, days: float = 2 * DAYS, field: str = "EGM2008") -> ForceModel:
     """The paper's force model 'truth' or 'assumed' over `days`, under a field given by its name or path."""
     read, settings = gravity_field.read_icgem(gravity_field.resolve(field)), paper().force_models[name]
     return forces.build(
@@ -97,12 +97,12 @@ def force_model(name: str, *, days: float = 2 * DAYS, field: str = "EGM2008") ->
 
 def arcs(count: int) -> Arcs:
     """`count` arcs of the paper's RSO, beginning one after the other in the first week."""
-    rso, tables = paper().rsos["iss"], force_model("assumed")
+    rso, model = paper().rsos["iss"], force_model("assumed")
     t = np.arange(count) * (DAYS * DAY / count)
     ballistic, reflection = rso.cd * rso.area_to_mass, rso.cr * rso.area_to_mass
-    start = initial_state(rso, tables.gm)
+    start = initial_state(rso, model.gm)
     flown = propagate(
-        tables,
+        model,
         t,
         start[None],
         first=[0],
@@ -115,7 +115,9 @@ def arcs(count: int) -> Arcs:
     return Arcs(t, np.vstack([start, flown]) + noise * _SPREAD, DAYS * DAY, ballistic, reflection)
 
 
-def fly(tables: Tables, arcs: Arcs, *, integrator: Integrator | None = None, threads: int = 1) -> np.ndarray:
+def fly(
+    model: ForceModel, arcs: Arcs, *, integrator: Integrator | None = None, threads: int = 1
+) -> np.ndarray:
     """States (n, 6) at the ends of the arcs, by opml's ensemble.
 
     As the workflow does it: every arc also stops where others begin or end.
@@ -123,7 +125,7 @@ def fly(tables: Tables, arcs: Arcs, *, integrator: Integrator | None = None, thr
     ends = arcs.t + arcs.duration
     epochs = np.unique(np.round(np.concatenate([arcs.t, ends]), 6))
     flown = propagate(
-        tables,
+        model,
         epochs,
         arcs.states,
         first=np.searchsorted(epochs, np.round(arcs.t, 6)),

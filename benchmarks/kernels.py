@@ -8,18 +8,18 @@ loop in which every pass takes up the result of the one before.
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 
 from benchmarks import case, measure
 from opml.constants import DAY
-from opml.dynamics import dop853, dtm2000, forces, surroundings
+from opml.dynamics import dop853, dtm2000, surroundings
+from opml.dynamics.acceleration import SCRATCH_ROWS, acceleration
 from opml.dynamics.drag import drag
 from opml.dynamics.geodetic import geodetic
 from opml.dynamics.gravity import gravity
-from opml.dynamics.lanes import OPTIONS, WIDTH, load, rows, splat, sqrt, store
+from opml.dynamics.lanes import WIDTH, entry, load, rows, splat, sqrt, store
 from opml.dynamics.radiation_pressure import illumination, radiation_pressure
-from opml.dynamics.surroundings import BODIES, SPIN, SUN_ITRF, Tables, look_up
+from opml.dynamics.surroundings import BODIES, SPIN, SUN_ITRF, ForceModel, look_up
 from opml.dynamics.third_body import third_bodies
 
 REGISTER = 8
@@ -29,7 +29,6 @@ EVALUATIONS = 12
 """Of the forces in a step: eleven stages, as the first is the step before's last, and the end."""
 
 _REPEATS = 40
-_entry = numba.njit(cache=True, **OPTIONS)
 
 
 @dataclass(frozen=True)
@@ -65,15 +64,15 @@ class Machine:
         return (fused + work.divisions * self.division + work.roots * self.root) / REGISTER
 
 
-def gravity_work(tables: Tables) -> Work:
+def gravity_work(model: ForceModel) -> Work:
     """Six fused sums and a recursion of four operations a harmonic; six sums and a turn an order."""
-    terms, orders = len(tables.weights), tables.columns
+    terms, orders = len(model.weights), model.columns
     return Work(operations=16 * terms + 18 * orders + 6, instructions=9 * terms + 10 * orders + 6)
 
 
-def third_body_work(tables: Tables) -> Work:
+def third_body_work(model: ForceModel) -> Work:
     """For each body."""
-    count = len(tables.gms)
+    count = len(model.gms)
     return Work(operations=33 * count, instructions=24 * count, divisions=count, roots=count)
 
 
@@ -110,7 +109,7 @@ def machine() -> Machine:
     return Machine(*(1e9 * seconds / registers for seconds in times))
 
 
-@_entry
+@entry
 def _fused(count, data):
     a = load(data, 0)
     s, t, u, v = splat(0.1), splat(0.2), splat(0.3), splat(0.4)
@@ -121,7 +120,7 @@ def _fused(count, data):
     store(data, 1, s + t + u + v + w + x + y + z)
 
 
-@_entry
+@entry
 def _divisions(count, data):
     a = load(data, 0)
     s, t, u, v = splat(1.1), splat(1.2), splat(1.3), splat(1.4)
@@ -132,7 +131,7 @@ def _divisions(count, data):
     store(data, 1, s + t + u + v + w + x + y + z)
 
 
-@_entry
+@entry
 def _roots(count, data):
     s, t, u, v = splat(1.1), splat(1.2), splat(1.3), splat(1.4)
     w, x, y, z = splat(1.5), splat(1.6), splat(1.7), splat(1.8)
@@ -142,8 +141,8 @@ def _roots(count, data):
     store(data, 1, s + t + u + v + w + x + y + z)
 
 
-@_entry
-def _gravity(count, state, tables):
+@entry
+def _gravity(count, state, model):
     x, y, z = load(state, 0), load(state, 1), load(state, 2)
     for _ in range(count):
         r2 = x * x + y * y + z * z
@@ -153,26 +152,26 @@ def _gravity(count, state, tables):
             z,
             r2,
             1.0 / sqrt(r2),
-            tables.weights,
-            tables.columns,
-            tables.degree,
-            tables.gm,
-            tables.radius,
+            model.weights,
+            model.columns,
+            model.degree,
+            model.gm,
+            model.radius,
         )
         x, y, z = x + 1e-9 * ax, y + 1e-9 * ay, z + 1e-9 * az
     store(state, 8, x + y + z)
 
 
-@_entry
-def _third_bodies(count, state, tables, values):
+@entry
+def _third_bodies(count, state, model, values):
     x, y, z = load(state, 0), load(state, 1), load(state, 2)
     for _ in range(count):
-        ax, ay, az = third_bodies(x, y, z, values[BODIES:], tables.gms, tables.gms.shape[0])
+        ax, ay, az = third_bodies(x, y, z, values[BODIES:], model.gms, model.gms.shape[0])
         x, y, z = x + ax, y + ay, z + az
     store(state, 8, x + y + z)
 
 
-@_entry
+@entry
 def _geodetic(count, state):
     x, y, z = load(state, 0), load(state, 1), load(state, 2)
     for _ in range(count):
@@ -181,18 +180,18 @@ def _geodetic(count, state):
     store(state, 8, x + y + z)
 
 
-@_entry
-def _density(count, state, tables, factors, scratch):
+@entry
+def _density(count, state, model, factors, scratch):
     altitude, sine, cosine = splat(4e5), splat(0.6), splat(0.8)
     for _ in range(count):
         rho = dtm2000.density(
-            altitude, sine, cosine, sine, cosine, sine, cosine, tables.thermosphere, factors, scratch
+            altitude, sine, cosine, sine, cosine, sine, cosine, model.thermosphere, factors, scratch
         )
         altitude = altitude + rho
     store(state, 8, altitude)
 
 
-@_entry
+@entry
 def _drag(count, state, values):
     x, y, z = load(state, 0), load(state, 1), load(state, 2)
     vx, vy, vz = load(state, 3), load(state, 4), load(state, 5)
@@ -203,7 +202,7 @@ def _drag(count, state, values):
     store(state, 8, vx + vy + vz)
 
 
-@_entry
+@entry
 def _pressure(count, state, values, scratch):
     x, y, z = load(state, 0), load(state, 1), load(state, 2)
     for _ in range(count):
@@ -214,35 +213,35 @@ def _pressure(count, state, values, scratch):
     store(state, 8, x + y + z)
 
 
-@_entry
-def _acceleration(count, state, tables, values, factors, scratch):
+@entry
+def _acceleration(count, state, model, values, factors, scratch):
     x, y, z = load(state, 0), load(state, 1), load(state, 2)
     vx, vy, vz = load(state, 3), load(state, 4), load(state, 5)
     for _ in range(count):
-        ax, ay, az, _ = forces.acceleration(
-            x, y, z, vx, vy, vz, load(state, 6), load(state, 7), tables, values, factors, scratch
+        ax, ay, az, _ = acceleration(
+            x, y, z, vx, vy, vz, load(state, 6), load(state, 7), model, values, factors, scratch
         )
         x, y, z = x + ax, y + ay, z + az
     store(state, 8, x + y + z)
 
 
-@_entry
-def _look_up(count, t, tables, values, factors):
+@entry
+def _look_up(count, t, model, values, factors):
     for k in range(count):
-        look_up(t + 8.0 * k, tables, values, factors)
+        look_up(t + 8.0 * k, model, values, factors)
 
 
-@_entry
-def _reduce(count, tables, factors):
+@entry
+def _reduce(count, model, factors):
     for k in range(count):
-        dtm2000.reduce_to_date(tables.thermosphere, tables.seasons[0], 80.0 + k, 80.0, 2.0, 2.0, factors)
+        dtm2000.reduce_to_date(model.thermosphere, model.seasons[0], 80.0 + k, 80.0, 2.0, 2.0, factors)
 
 
-@_entry
-def _step(count, t, state, new, coefficients, tables, values, factors, scratch, slopes, error):
+@entry
+def _step(count, t, state, new, coefficients, model, values, factors, scratch, slopes, error):
     for k in range(count):
-        dop853.step(t + 90.0 * k, 90.0, state, new, tables, coefficients, values, factors, scratch, slopes)
-        store(error, 0, dop853.error(90.0, new, slopes, 0.1, tables.gm))
+        dop853.step(t + 90.0 * k, 90.0, state, new, model, coefficients, values, factors, scratch, slopes)
+        store(error, 0, dop853.error(90.0, new, slopes, 0.1, model.gm))
 
 
 @dataclass(frozen=True)
@@ -257,7 +256,7 @@ class Timing:
 def timings() -> list[Timing]:
     """Every kernel of an evaluation under the assumed model, and what differs under the true one."""
     assumed, true = case.force_model("assumed"), case.force_model("truth")
-    state, scratch, slopes = rows(9), rows(forces.SCRATCH_ROWS), rows(6 * (dop853.STAGES + 1))
+    state, scratch, slopes = rows(9), rows(SCRATCH_ROWS), rows(6 * (dop853.STAGES + 1))
     state[:6] = case.arcs(WIDTH).states.T
     state[6], state[7] = 0.11, 0.0625
     values, factors = surroundings.blank(assumed)
@@ -294,8 +293,8 @@ def timings() -> list[Timing]:
     ]
 
 
-def _sum_of_forces(tables):
-    parts = [gravity_work(tables), third_body_work(tables), GEODETIC, density_work(), DRAG, PRESSURE, REST]
+def _sum_of_forces(model):
+    parts = [gravity_work(model), third_body_work(model), GEODETIC, density_work(), DRAG, PRESSURE, REST]
     return Work(
         *(sum(getattr(part, name) for part in parts) for name in Work.__dataclass_fields__),
     )

@@ -14,12 +14,12 @@ def memory(count: int) -> dict[str, float]:
     """Time and growth of memory while `count` arcs are flown on one thread."""
     from benchmarks import case
 
-    tables, arcs = case.force_model("assumed"), case.arcs(count)
-    case.fly(tables, arcs.some(1))
+    model, arcs = case.force_model("assumed"), case.arcs(count)
+    case.fly(model, arcs.some(1))
     before = _resident("VmRSS")
     _forget_peak()
     begin = time.process_time()
-    case.fly(tables, arcs)
+    case.fly(model, arcs)
     seconds = time.process_time() - begin
     return {
         "ms_per_arc_day": measure.per_arc_day(seconds, arcs.arc_days),
@@ -38,8 +38,8 @@ def first_step(folder: str) -> dict[str, float]:
     rso = read_rsos(Path(__file__).parents[1] / "config" / "rsos.tsv")["iss"]
     paths = {name: str(Path(folder) / f"{name}.parquet") for name in ENVIRONMENT}
     settings = {"degree": 40, "order": 40, "third_bodies": ["sun", "moon"]}
-    tables = force_model.read(paths, epoch="2016-09-28T12:09:45", settings=settings)
-    truth.simulate(tables, rso, duration=90.0, step=90.0, integrator=Integrator())
+    model = force_model.read(paths, epoch="2016-09-28T12:09:45", settings=settings)
+    truth.simulate(model, rso, duration=90.0, step=90.0, integrator=Integrator())
     return {}
 
 

@@ -28,14 +28,14 @@ _BLOCKS = 20
 
 def threads(progress: Callable[[str], None]) -> str:
     """One thread and two, in turns."""
-    tables, arcs = case.force_model("assumed"), case.arcs(16 * _BLOCKS)
-    case.fly(tables, arcs.some(32), threads=2)
+    model, arcs = case.force_model("assumed"), case.arcs(16 * _BLOCKS)
+    case.fly(model, arcs.some(32), threads=2)
     seconds = {1: [], 2: []}
     for number in range(PAIRS):
         progress(f"threads: pair {number + 1} of {PAIRS}")
         for count, found in seconds.items():
             begin = time.perf_counter()
-            case.fly(tables, arcs, threads=count)
+            case.fly(model, arcs, threads=count)
             found.append(time.perf_counter() - begin)
     rows = [
         [
@@ -70,13 +70,13 @@ def arcs(progress: Callable[[str], None]) -> str:
 def rsos(progress: Callable[[str], None]) -> tuple[str, float]:
     """(a sentence on a thousand different orbits as one ensemble, its ms per arc-day)."""
     progress(f"{RSOS} RSOs")
-    tables = case.force_model("assumed")
-    states = _population(tables.gm)
+    model = case.force_model("assumed")
+    states = _population(model.gm)
     epochs = np.linspace(0.0, case.DAYS * DAY, 101)
     rso = case.paper().rsos["iss"]
     begin = time.process_time()
     flown = propagate(
-        tables,
+        model,
         epochs,
         states,
         first=np.zeros(RSOS, int),
@@ -120,7 +120,6 @@ def least_squares(progress: Callable[[str], None]) -> str:
     truth_seconds = time.perf_counter() - begin
     seed, orientation = paper.values["seed"]["noise"], case.environment(days)["earth_orientation"]
     tracks = tracking.simulate(true, orientation, stations, rso=rso.name, seed=seed)
-    cleaning = {key: paper.values["cleaning"][key] for key in ("cd_min", "cd_max")}
     progress("least squares")
     begin = time.perf_counter()
     found = estimation.estimate_all(
@@ -130,7 +129,7 @@ def least_squares(progress: Callable[[str], None]) -> str:
         orientation,
         stations,
         rso,
-        settings=paper.values["estimation"] | cleaning,
+        settings=paper.estimation,
         integrator=paper.integrator,
         seed=seed,
         threads=2,

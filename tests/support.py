@@ -1,5 +1,6 @@
 """What several tests share: the paper's epoch, environment, force models, sheets, and outside tables."""
 
+import json
 import os
 from functools import cache
 from pathlib import Path
@@ -7,15 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from opml.config import read_yaml
-from opml.constants import BODIES
+from opml.constants import BODIES, DAY
 from opml.dynamics import forces
 from opml.dynamics.lanes import WIDTH
 from opml.environment import earth_orientation, ephemerides, gravity_field, nodes, solar_activity
 from opml.sheets import read_rsos, read_stations
+from opml.study.experiments import Study
+from opml.study.overlay import Source
+from opml.study.settings import merged, with_sheets
 
 EPOCH = "2016-09-28T12:09:45"
-DAY = 86400.0
 ASSUMED_BODIES = ("sun", "moon", "jupiter")
 
 REPOSITORY = Path(__file__).parents[1]
@@ -50,7 +52,7 @@ def environment(days=50.0):
 
 @cache
 def force_model(degree, bodies=BODIES, field="EGM2008"):
-    """Tables of a force model under a field given by its name or path."""
+    """A force model under a field given by its name or path."""
     read = gravity_field.read_icgem(gravity_field.resolve(field))
     return forces.build(
         **environment(),
@@ -64,9 +66,39 @@ def force_model(degree, bodies=BODIES, field="EGM2008"):
     )
 
 
+@cache
+def _paper() -> Source:
+    """The paper's settings as a run has them, with their files, from the repository's root."""
+    before = Path.cwd()
+    try:
+        os.chdir(REPOSITORY)
+        return merged(["config/config.yaml"])
+    finally:
+        os.chdir(before)
+
+
+def paper_source():
+    """The paper's settings and the files that they come from; the settings may be changed."""
+    source = _paper()
+    # Apart from each other, unlike what YAML's anchors share.
+    return Source(json.loads(json.dumps(source.values)), source.layers)
+
+
+def paper_values():
+    """The paper's settings, to be changed; the sheets' paths hold from any folder."""
+    values = paper_source().values
+    values["sheets"] = {kind: str(REPOSITORY / path) for kind, path in values["sheets"].items()}
+    return values
+
+
+def study_of(values):
+    """The study of settings."""
+    return Study(with_sheets(values))
+
+
 def setting_keys():
     """Keys of all settings of the paper that are no mapping, as tuples; of learners one of each kind."""
-    values = read_yaml(REPOSITORY / "config" / "config.yaml")
+    values = paper_values()
     kinds = {learner["kind"]: name for name, learner in values["learners"].items()}
     return [key for key in _leaves(values) if key[0] != "learners" or key[1] in kinds.values()]
 

@@ -1,1 +1,1 @@
-"""opml's dynamics held against Orekit's: the same inputs on both sides, term by term and end to end."""
+"""opml's dynamics held against Orekit's, term by term and end to end; `folders`: results against results."""

@@ -7,10 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from opml.config import read_yaml
+from opml.catalog.estimation import Estimation
 from opml.constants import DAY
 from opml.dynamics.ensemble import Integrator
+from opml.learning.cleaning import Cleaning
 from opml.sheets import Rso, Station, read_rsos, read_stations
+from opml.study.overlay import read_yaml
 
 ROOT = Path(__file__).parents[1]
 REPORT = ROOT / "docs" / "validation.md"
@@ -25,9 +27,10 @@ OREKITS_CONVERGED = Integrator(position_tolerance=1e-6, min_step=1e-4, max_step=
 
 @dataclass(frozen=True)
 class Case:
-    """The settings of config/config.yaml and its sheets."""
+    """The settings of config/config.yaml, its sheets, and the cleaning of the paper's study."""
 
     values: dict[str, Any]
+    cleaning: Cleaning
     rsos: dict[str, Rso]
     stations: dict[str, Station]
 
@@ -35,8 +38,10 @@ class Case:
     def read(cls) -> "Case":
         """The paper's case. Raises InputError where a file is missing or malformed."""
         values = read_yaml(ROOT / "config" / "config.yaml")
-        sheets = values["sheets"]
-        return cls(values, read_rsos(ROOT / sheets["rsos"]), read_stations(ROOT / sheets["stations"]))
+        study = read_yaml(ROOT / "config" / "studies" / "paper.yaml")["study"]
+        rsos, stations = (ROOT / values["sheets"][kind] for kind in ("rsos", "stations"))
+        cleaning = Cleaning.from_settings(study["cleaning"])
+        return cls(values, cleaning, read_rsos(rsos), read_stations(stations))
 
     @property
     def epoch(self) -> str:
@@ -63,6 +68,11 @@ class Case:
         """The paper's integrator."""
         settings = self.values["integrator"]
         return Integrator(settings["position_tolerance_m"], settings["min_step_s"], settings["max_step_s"])
+
+    @cached_property
+    def estimation(self) -> Estimation:
+        """The paper's estimation."""
+        return Estimation(**self.values["estimation"], cd_bounds=self.cleaning.cd_bounds)
 
     def random_times(self, count: int) -> np.ndarray:
         """`count` times within the run [s], ascending."""

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from opml.dynamics.surroundings import Tables
+from opml.constants import HOUR
+from opml.dynamics.surroundings import ForceModel
 from opml.environment import nodes
 from validation import estimation, ours, report, shadow, steps, tables, terms, trajectories
 from validation.case import OURS_CONVERGED, REPORT, Case
@@ -60,7 +61,7 @@ class _Both:
     case: Case
     orekit: Orekit
     environment: ours.Environment
-    models: Mapping[str, Tables]
+    models: Mapping[str, ForceModel]
     workers: Workers
     progress: Callable[[str], None]
 
@@ -122,7 +123,7 @@ class _Both:
         orientation = self.environment.tables["earth_orientation"]
         truth, measured = estimation.simulated(case, self.models["truth"], orientation, case.integrator)
         mine = estimation.opmls(case, assumed, truth, measured, orientation)
-        window = 3600.0 * case.values["estimation"]["window_hours"]
+        window = HOUR * case.values["estimation"]["window_hours"]
         chosen = estimation.chosen(mine, window)
         asked = estimation.orekits(self.workers, case, truth, measured, chosen, self.environment.gm)
         theirs = pd.DataFrame([fit.result() for fit in asked])

@@ -7,13 +7,14 @@ import numpy as np
 import pandas as pd
 
 from opml.catalog import estimation, tracking
-from opml.catalog.truth import STATE, simulate
-from opml.constants import DAY
+from opml.catalog.truth import simulate
+from opml.constants import DAY, HOUR
 from opml.dynamics.ensemble import Integrator
-from opml.dynamics.surroundings import Tables
+from opml.dynamics.surroundings import ForceModel
 from opml.elements import wrap_half_turn
 from opml.seeds import derive
 from opml.sheets import Rso
+from opml.tables import PARAMETERS, STATE
 from validation import orekit as ok
 from validation.case import Case
 from validation.orekit import java
@@ -37,7 +38,7 @@ _MOST_ITERATIONS = 25
 
 
 def simulated(
-    case: Case, truth: Tables, earth_orientation: pd.DataFrame, integrator: Integrator
+    case: Case, truth: ForceModel, earth_orientation: pd.DataFrame, integrator: Integrator
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """The truth and tracking tables of RSO over DAYS, all stations."""
     rso, settings = case.rsos[RSO], case.values
@@ -50,14 +51,13 @@ def simulated(
 
 def opmls(
     case: Case,
-    assumed: Tables,
+    assumed: ForceModel,
     truth: pd.DataFrame,
     measured: pd.DataFrame,
     earth_orientation: pd.DataFrame,
     integrator: Integrator = INTEGRATOR,
 ) -> pd.DataFrame:
     """Our estimates at the start of every track."""
-    settings = {**case.values["estimation"], **{k: case.values["cleaning"][k] for k in ("cd_min", "cd_max")}}
     return estimation.estimate_all(
         assumed,
         truth,
@@ -65,7 +65,7 @@ def opmls(
         earth_orientation,
         list(case.stations.values()),
         case.rsos[RSO],
-        settings=settings,
+        settings=case.estimation,
         integrator=integrator,
         seed=case.values["seed"]["noise"],
     )
@@ -102,7 +102,7 @@ def side_by_side(mine: pd.DataFrame, theirs: pd.DataFrame, truth: pd.DataFrame) 
 
 def window_of(case: Case, measured: pd.DataFrame, track: int) -> pd.DataFrame:
     """The measurements to which the estimate at the start of a track is fitted."""
-    window = 3600.0 * case.values["estimation"]["window_hours"]
+    window = HOUR * case.values["estimation"]["window_hours"]
     begins = measured.groupby("track")["t"].min()
     members = begins.index[(begins >= begins[track] - window) & (begins.index <= track)]
     return measured[measured["track"].isin(members)]
@@ -117,8 +117,7 @@ def for_tests(
     """
     begins = rows.groupby("track", as_index=False)["t"].min()
     true = begins.merge(truth[["t", *STATE]], on="t", validate="one_to_one")
-    columns = [*STATE, "cd"]
-    kept = estimates[["track", *columns]].rename(columns={name: f"{name}_orekit" for name in columns})
+    kept = estimates[["track", *PARAMETERS]].rename(columns={name: f"{name}_orekit" for name in PARAMETERS})
     both = true.merge(kept[kept["track"] == true["track"].max()], on="track", how="left")
     first = begins["track"].min()
     return tuple(table.assign(track=table["track"] - first) for table in (rows, both))
@@ -177,7 +176,7 @@ class _Problem:
         try:
             flown = estimator.estimate()[0]
         except jpype.JException as reason:
-            return {**dict.fromkeys([*STATE, "cd"], np.nan), "iterations": 0, "reason": str(reason)}
+            return {**dict.fromkeys(PARAMETERS, np.nan), "iterations": 0, "reason": str(reason)}
         state = self.orekit.state(flown.getInitialState().getPVCoordinates(self.orekit.gcrf))
         (cd,) = (driver.getValue() for driver in estimator.getPropagatorParametersDrivers(True).getDrivers())
         return {

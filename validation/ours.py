@@ -4,18 +4,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numba
 import numpy as np
 import pandas as pd
 
 from opml.constants import BODIES, GM
 from opml.dynamics import forces, surroundings
+from opml.dynamics.acceleration import SCRATCH_ROWS, density
 from opml.dynamics.drag import drag
 from opml.dynamics.ensemble import Integrator, propagate
 from opml.dynamics.gravity import gravity
-from opml.dynamics.lanes import OPTIONS, load, rows, splat, sqrt, store
+from opml.dynamics.lanes import entry, load, rows, splat, sqrt, store
 from opml.dynamics.radiation_pressure import illumination, radiation_pressure
-from opml.dynamics.surroundings import SPIN, SUN_ITRF, Tables, look_up
+from opml.dynamics.surroundings import SPIN, SUN_ITRF, ForceModel, look_up
 from opml.dynamics.third_body import third_bodies
 from opml.environment import earth_orientation, ephemerides, gravity_field
 from opml.sheets import Rso
@@ -31,7 +31,7 @@ class Environment:
     radius: float
     gms: Mapping[str, float]
 
-    def model(self, settings: Mapping[str, Any]) -> Tables:
+    def model(self, settings: Mapping[str, Any]) -> ForceModel:
         """The force model of degree, order and third_bodies in `settings`."""
         return forces.build(
             **self.tables,
@@ -78,12 +78,12 @@ def from_orekit(orekit, data, *, epoch: str, t: np.ndarray, degree: int) -> Envi
 
 
 def fly(
-    tables: Tables, rsos: Sequence[Rso], starts: np.ndarray, t: np.ndarray, integrator: Integrator
+    model: ForceModel, rsos: Sequence[Rso], starts: np.ndarray, t: np.ndarray, integrator: Integrator
 ) -> np.ndarray:
     """GCRF states (rsos, n, 6) at ascending times t [s]; they start at the epoch from `starts` (rsos, 6)."""
     count = len(rsos)
     arcs = propagate(
-        tables,
+        model,
         np.append(0.0, t),
         starts,
         first=np.zeros(count, int),
@@ -95,15 +95,15 @@ def fly(
     return np.array([arcs.of(k) for k in range(count)])
 
 
-def terms(tables: Tables, t: float, state: np.ndarray, rso: Rso) -> dict[str, Any]:
+def terms(model: ForceModel, t: float, state: np.ndarray, rso: Rso) -> dict[str, Any]:
     """Each force's acceleration [m/s2] in GCRF, and what it is made of, at a GCRF state (6,).
 
-    Keys: rotation (3, 3), density [kg/m3], lit, drag (3,), srp (3,) and bodies (bodies of the tables, 3).
+    Keys: rotation (3, 3), density [kg/m3], lit, drag (3,), srp (3,) and bodies (bodies of the model, 3).
     """
-    values, factors = surroundings.blank(tables)
-    scratch, out = rows(forces.SCRATCH_ROWS), rows(8 + 3 * len(tables.gms))
+    values, factors = surroundings.blank(model)
+    scratch, out = rows(SCRATCH_ROWS), rows(8 + 3 * len(model.gms))
     ballistic, reflection = rso.cd * rso.area_to_mass, rso.cr * rso.area_to_mass
-    _terms(tables, t, _in_lanes(state), ballistic, reflection, values, factors, scratch, out)
+    _terms(model, t, _in_lanes(state), ballistic, reflection, values, factors, scratch, out)
     found = out[:, 0]
     return {
         "rotation": values[:9].reshape(3, 3),
@@ -115,10 +115,10 @@ def terms(tables: Tables, t: float, state: np.ndarray, rso: Rso) -> dict[str, An
     }
 
 
-def gravity_beyond_central(tables: Tables, position: np.ndarray) -> np.ndarray:
+def gravity_beyond_central(model: ForceModel, position: np.ndarray) -> np.ndarray:
     """Acceleration (3,) [m/s2] of the field without its central term, at an ITRF position (3,) [m]."""
     out = rows(3)
-    _gravity(tables, _in_lanes(position), out)
+    _gravity(model, _in_lanes(position), out)
     return out[:, 0]
 
 
@@ -128,29 +128,26 @@ def _in_lanes(values):
     return filled
 
 
-_entry = numba.njit(cache=True, **OPTIONS)
-
-
-@_entry
-def _gravity(tables, place, out):
+@entry
+def _gravity(model, place, out):
     x, y, z = load(place, 0), load(place, 1), load(place, 2)
     r2 = x * x + y * y + z * z
     acceleration = gravity(
-        x, y, z, r2, 1.0 / sqrt(r2), tables.weights, tables.columns, tables.degree, tables.gm, tables.radius
+        x, y, z, r2, 1.0 / sqrt(r2), model.weights, model.columns, model.degree, model.gm, model.radius
     )
     _store_vector(out, 0, acceleration)
 
 
-@_entry
-def _terms(tables, t, state, ballistic, reflection, values, factors, scratch, out):
-    look_up(t, tables, values, factors)
+@entry
+def _terms(model, t, state, ballistic, reflection, values, factors, scratch, out):
+    look_up(t, model, values, factors)
     x, y, z = load(state, 0), load(state, 1), load(state, 2)
     vx, vy, vz = load(state, 3), load(state, 4), load(state, 5)
     r2 = x * x + y * y + z * z
     px = values[0] * x + values[1] * y + values[2] * z
     py = values[3] * x + values[4] * y + values[5] * z
     pz = values[6] * x + values[7] * y + values[8] * z
-    _, rho = forces.density(px, py, pz, 1.0 / sqrt(r2), tables, values, factors, scratch)
+    _, rho = density(px, py, pz, 1.0 / sqrt(r2), model, values, factors, scratch)
     lit = illumination(px, py, pz, r2, values[SUN_ITRF : SUN_ITRF + 3], scratch)
     store(out, 0, rho)
     store(out, 1, lit)
@@ -158,11 +155,11 @@ def _terms(tables, t, state, ballistic, reflection, values, factors, scratch, ou
     _store_vector(out, 2, drag(x, y, z, vx, vy, vz, turning, rho, splat(ballistic)))
     bodies = values[surroundings.BODIES :]
     _store_vector(out, 5, radiation_pressure(x, y, z, bodies[:3], lit, splat(reflection)))
-    for k in range(tables.gms.shape[0]):
-        _store_vector(out, 8 + 3 * k, third_bodies(x, y, z, bodies[3 * k :], tables.gms[k : k + 1], 1))
+    for k in range(model.gms.shape[0]):
+        _store_vector(out, 8 + 3 * k, third_bodies(x, y, z, bodies[3 * k :], model.gms[k : k + 1], 1))
 
 
-@_entry
+@entry
 def _store_vector(out, row, vector):
     store(out, row, vector[0])
     store(out, row + 1, vector[1])

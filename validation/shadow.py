@@ -8,8 +8,10 @@ import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicHermiteSpline
 
-from opml.catalog.truth import STATE, initial_state
-from opml.dynamics.surroundings import Tables
+from opml.catalog.truth import initial_state
+from opml.constants import HOUR
+from opml.dynamics.surroundings import ForceModel
+from opml.tables import STATE
 from validation import ours
 from validation.case import Case
 
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
     from validation.orekit import Orekit
 
 STEP = 20.0
-LENGTH = 4.0 * 3600.0
+LENGTH = 4.0 * HOUR
 """Grid [s] on which edges are looked for, and how long after each start; a LAGEOS goes round in 3.8 h."""
 
 _PRECISION = 1e-4
@@ -29,7 +31,7 @@ SAMPLES = len(_WITHIN) + 2
 
 
 def crossings(
-    orekit: "Orekit", case: Case, truth: Tables, starts: np.ndarray
+    orekit: "Orekit", case: Case, truth: ForceModel, starts: np.ndarray
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Penumbras crossed within LENGTH after times `starts`, as each side sees them on the same path.
 

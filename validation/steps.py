@@ -6,9 +6,11 @@ import numpy as np
 import pandas as pd
 
 from opml.catalog.prediction import predict_all
+from opml.catalog.sensitivity import usable
 from opml.catalog.tracking import QUANTITIES
+from opml.constants import DAY
 from opml.dynamics.ensemble import Integrator
-from opml.dynamics.surroundings import Tables
+from opml.dynamics.surroundings import ForceModel
 from validation import estimation
 from validation.case import Case
 
@@ -16,7 +18,7 @@ FINE = Integrator(position_tolerance=1e-6, min_step=1e-4, max_step=10.0)
 """A ninth of the paper's longest step; an orbit's own error falls by some eighty times."""
 
 
-def effect(case: Case, models: Mapping[str, Tables], earth_orientation: pd.DataFrame) -> pd.DataFrame:
+def effect(case: Case, models: Mapping[str, ForceModel], earth_orientation: pd.DataFrame) -> pd.DataFrame:
     """Along-track errors [m] of the same predictions of estimation.RSO, at the paper's steps and at FINE.
 
     Truth, estimation and prediction all fly at one or the other; the noise is the same. Columns days
@@ -51,12 +53,9 @@ def _with_noise_of(noisy, measured):
 
 
 def _errors(case, assumed, truth, measured, earth_orientation, integrator):
-    cleaning, rso = case.values["cleaning"], case.rsos[estimation.RSO]
     estimates = estimation.opmls(case, assumed, truth, measured, earth_orientation, integrator)
-    usable = estimates[
-        estimates["converged"] & estimates["cd"].between(cleaning["cd_min"], cleaning["cd_max"])
-    ]
-    days = case.values["prediction"]["max_days"]
-    pairs = predict_all(assumed, truth, usable, rso, max_days=days, integrator=integrator)
+    kept = estimates[usable(estimates, case.estimation.cd_bounds)]
+    rso, days = case.rsos[estimation.RSO], case.values["prediction"]["max_days"]
+    pairs = predict_all(assumed, truth, kept, rso, max_days=days, integrator=integrator)
     reached = pairs[pairs["reason"] == ""]
-    return reached[["i", "j", "e_y"]].assign(days=(reached["t_j"] - reached["t_i"]) / 86400.0)
+    return reached[["i", "j", "e_y"]].assign(days=(reached["t_j"] - reached["t_i"]) / DAY)

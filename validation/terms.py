@@ -8,11 +8,12 @@ import numpy as np
 import pandas as pd
 
 from opml.catalog.observing import observe, site
-from opml.catalog.truth import STATE, initial_state
+from opml.catalog.truth import initial_state
 from opml.constants import BODIES
-from opml.dynamics.surroundings import Tables
+from opml.dynamics.surroundings import ForceModel
 from opml.elements import wrap_half_turn
 from opml.sheets import Rso, Station
+from opml.tables import STATE
 from validation import ours
 from validation.case import Case
 
@@ -32,7 +33,7 @@ def axes(term: str) -> list[str]:
     return [f"{term}_{axis}" for axis in "xyz"]
 
 
-def states(case: Case, truth: Tables, t: np.ndarray) -> pd.DataFrame:
+def states(case: Case, truth: ForceModel, t: np.ndarray) -> pd.DataFrame:
     """GCRF states of every RSO at times t [s], from the true orbit at the paper's settings."""
     rsos = list(case.rsos.values())
     starts = np.array([initial_state(rso, truth.gm) for rso in rsos])
@@ -75,7 +76,7 @@ def orekits(orekit: "Orekit", case: Case, states: pd.DataFrame, gm: float) -> pd
 
 
 def opmls(
-    models: Mapping[str, Tables],
+    models: Mapping[str, ForceModel],
     rsos: Mapping[str, Rso],
     stations: Mapping[str, Station],
     states: pd.DataFrame,

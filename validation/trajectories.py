@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from opml.catalog.truth import STATE, initial_state
+from opml.catalog.truth import initial_state
 from opml.constants import DAY
 from opml.dynamics.ensemble import Integrator
-from opml.dynamics.surroundings import Tables
+from opml.dynamics.surroundings import ForceModel
+from opml.tables import STATE
 from validation import ours
 from validation.case import OREKITS_CONVERGED, Case
 
@@ -80,16 +81,18 @@ def collected(flights: Sequence["Future[list[dict]]"]) -> pd.DataFrame:
     return pd.DataFrame([row for flight in flights for row in flight.result()])
 
 
-def opmls(case: Case, models: Mapping[str, Tables], integrators: Mapping[str, Integrator]) -> pd.DataFrame:
+def opmls(
+    case: Case, models: Mapping[str, ForceModel], integrators: Mapping[str, Integrator]
+) -> pd.DataFrame:
     """Our states (KEYS, GCRF state) of every RSO under force models by name, with integrators by name."""
     rsos = list(case.rsos.values())
     rows = []
-    for model, tables in models.items():
-        starts = np.array([initial_state(rso, tables.gm) for rso in rsos])
+    for name, model in models.items():
+        starts = np.array([initial_state(rso, model.gm) for rso in rsos])
         for kind, integrator in integrators.items():
-            flown = ours.fly(tables, rsos, starts, DAY * np.array(DAYS[model]), integrator)
+            flown = ours.fly(model, rsos, starts, DAY * np.array(DAYS[name]), integrator)
             for rso, states in zip(rsos, flown, strict=True):
-                rows += _rows(rso.name, model, kind, states)
+                rows += _rows(rso.name, name, kind, states)
     return pd.DataFrame(rows)
 
 

@@ -17,14 +17,14 @@ class Opml:
     share = 100
 
     def __init__(self):
-        self.tables = case.force_model("assumed")
+        self.model = case.force_model("assumed")
 
     def fly(self, arcs: Arcs) -> np.ndarray:
         """At the paper's settings."""
-        return case.fly(self.tables, arcs)
+        return case.fly(self.model, arcs)
 
     def fly_tightly(self, arcs: Arcs) -> np.ndarray:
         """In steps of at most five seconds, since shadow edges are stepped over."""
-        return case.fly(self.tables, arcs, integrator=Integrator(1e-6, 1e-4, 5.0))
+        return case.fly(self.model, arcs, integrator=Integrator(1e-6, 1e-4, 5.0))
 
     twin = fly

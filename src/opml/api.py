@@ -5,9 +5,9 @@ column as docs/data.md tells; times are seconds since the epoch. Defaults are th
 example goes on where the one before it stopped, in the order of this file.
 """
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -16,13 +16,15 @@ from opml.catalog import estimation, prediction, tracking, truth
 from opml.constants import BODIES, DAY
 from opml.dynamics import forces
 from opml.dynamics.ensemble import Integrator
-from opml.dynamics.surroundings import Tables
+from opml.dynamics.surroundings import ForceModel
 from opml.environment import earth_orientation, ephemerides, gravity_field, nodes, solar_activity
 from opml.errors import InputError
 from opml.interop import mean_elements
 from opml.learning import dataset as datasets
 from opml.learning import learners, metrics, splits
-from opml.learning.evaluation import Model, evaluate
+from opml.learning.cleaning import Cleaning
+from opml.learning.contract import Model
+from opml.learning.evaluation import evaluate
 from opml.sheets import Rso, Station
 from opml.sheets import read_rsos as _read_rsos
 from opml.sheets import read_stations as _read_stations
@@ -85,9 +87,9 @@ def make_environment(
     epoch: str,
     *,
     days: float,
-    gravity: str | os.PathLike = "EGM2008",
-    kernel: str | os.PathLike = "DE440",
-    activity: str | os.PathLike = "MSAFE",
+    gravity: str | Path = "EGM2008",
+    kernel: str | Path = "DE440",
+    activity: str | Path = "MSAFE",
     percentile: int = 50,
     degree: int = 40,
 ) -> Environment:
@@ -117,7 +119,7 @@ def make_environment(
 
 def force_model(
     environment: Environment, *, degree: int = 40, order: int = 40, third_bodies: Sequence[str] = BODIES
-) -> Tables:
+) -> ForceModel:
     """Make a force model: the field to a degree and order, bodies that pull, drag and radiation pressure.
 
     The defaults are the paper's truth model (`TRUTH`); `ASSUMED` holds those of its assumed one.
@@ -148,7 +150,7 @@ def force_model(
     )
 
 
-def read_stations(path: str | os.PathLike) -> dict[str, Station]:
+def read_stations(path: str | Path) -> dict[str, Station]:
     """Read a sheet of radar stations, by name, in its order; columns as config/README.md tells.
 
     Raises InputError, naming file, row and column.
@@ -160,7 +162,7 @@ def read_stations(path: str | os.PathLike) -> dict[str, Station]:
     return _read_stations(path)
 
 
-def read_rsos(path: str | os.PathLike) -> dict[str, Rso]:
+def read_rsos(path: str | Path) -> dict[str, Rso]:
     """Read a sheet of RSOs, by name: osculating GCRF elements at the epoch, and bodies (config/README.md).
 
     Raises InputError, naming file, row and column.
@@ -173,7 +175,7 @@ def read_rsos(path: str | os.PathLike) -> dict[str, Rso]:
 
 
 def read_elements(
-    path: str | os.PathLike, *, name: str, epoch: str, area_to_mass: float, cd: float = 2.2, cr: float = 1.25
+    path: str | Path, *, name: str, epoch: str, area_to_mass: float, cd: float = 2.2, cr: float = 1.25
 ) -> Rso:
     """Read an RSO from a TLE or an OMM (KVN, JSON, XML), flown by SGP4 to a UTC text; area_to_mass [m2/kg].
 
@@ -193,7 +195,7 @@ def read_elements(
 
 
 def propagate(
-    model: Tables, rso: Rso, *, days: float, step: float = 20.0, integrator: Integrator | None = None
+    model: ForceModel, rso: Rso, *, days: float, step: float = 20.0, integrator: Integrator | None = None
 ) -> pd.DataFrame:
     """Propagate an RSO from the epoch: the table `truth`, a GCRF state every `step` [s] for `days`.
 
@@ -223,7 +225,7 @@ def track(
 
 
 def estimate(
-    model: Tables,
+    model: ForceModel,
     truth: pd.DataFrame,
     tracks: pd.DataFrame,
     environment: Environment,
@@ -246,6 +248,7 @@ def estimate(
     True
     """
     used = _laid_over(ESTIMATION, settings, "estimate")
+    bounds = used.pop("cd_min"), used.pop("cd_max")
     return estimation.estimate_all(
         model,
         truth,
@@ -253,7 +256,7 @@ def estimate(
         environment.earth_orientation,
         stations,
         rso,
-        settings=used,
+        settings=estimation.Estimation(**used, cd_bounds=bounds),
         integrator=integrator or Integrator(),
         seed=seed,
         threads=threads,
@@ -261,7 +264,7 @@ def estimate(
 
 
 def predict(
-    model: Tables,
+    model: ForceModel,
     truth: pd.DataFrame,
     estimates: pd.DataFrame,
     *,
@@ -309,7 +312,9 @@ def dataset(
     True
     """
     settings = _laid_over(CLEANING, cleaning, "dataset")
-    return datasets.build(estimates, predictions, tracks, gm=environment.gm, cleaning=settings)
+    return datasets.build(
+        estimates, predictions, tracks, gm=environment.gm, cleaning=Cleaning.from_settings(settings)
+    )
 
 
 def learn(

@@ -76,7 +76,8 @@ def cartesian_from_coe(coe: np.ndarray, gm: float) -> np.ndarray:
     u = argp + nu
 
     def in_plane(along_node: np.ndarray, along_ahead: np.ndarray) -> np.ndarray:
-        return along_node[..., None] * node + along_ahead[..., None] * ahead
+        vectors: np.ndarray = along_node[..., None] * node + along_ahead[..., None] * ahead
+        return vectors
 
     position = in_plane(radius * np.cos(u), radius * np.sin(u))
     velocity = in_plane(

@@ -7,16 +7,21 @@ A Julian date is a pair (day, fraction) whose sum is the date, which keeps nanos
 import math
 import re
 import warnings
+from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import date, timedelta
 
 import erfa
 import numpy as np
+from numpy.typing import ArrayLike
 
 from opml.constants import DAY
 from opml.errors import InputError
 
 JulianDate = tuple[np.ndarray, np.ndarray]
+
+MJD_ZERO = 2400000.5
+"""Julian date at which the modified Julian days begin."""
 
 _UTC_TEXT = re.compile(r"(\d{4})-(\d\d)-(\d\d)T(\d\d):(\d\d):(\d\d(?:\.\d+)?)", re.ASCII)
 
@@ -30,7 +35,8 @@ def parse(epoch: str) -> tuple[int, int, int, int, int, float]:
     if match is None:
         raise InputError(f"epoch: expected UTC text like 2016-09-28T12:09:45, got {epoch!r}")
     *whole, second = match.groups()
-    fields = (*map(int, whole), float(second))
+    year, month, day, hour, minute = map(int, whole)
+    fields = (year, month, day, hour, minute, float(second))
     try:
         with strict_erfa():
             erfa.dtf2d("UTC", *fields)
@@ -39,7 +45,7 @@ def parse(epoch: str) -> tuple[int, int, int, int, int, float]:
     return fields
 
 
-def tai(epoch: str, t) -> JulianDate:
+def tai(epoch: str, t: ArrayLike) -> JulianDate:
     """TAI Julian date of `epoch` + `t` SI seconds. Raises InputError on a malformed epoch."""
     fields = parse(epoch)
     with strict_erfa():
@@ -48,12 +54,13 @@ def tai(epoch: str, t) -> JulianDate:
     return np.full_like(elapsed_days, day), fraction + elapsed_days
 
 
-def tt(epoch: str, t) -> JulianDate:
+def tt(epoch: str, t: ArrayLike) -> JulianDate:
     """TT Julian date of `epoch` + `t` SI seconds. Raises InputError on a malformed epoch."""
-    return erfa.taitt(*tai(epoch, t))
+    date_tt: JulianDate = erfa.taitt(*tai(epoch, t))
+    return date_tt
 
 
-def tdb(epoch: str, t) -> JulianDate:
+def tdb(epoch: str, t: ArrayLike) -> JulianDate:
     """TDB Julian date, at the geocentre, of `epoch` + `t` SI seconds. Raises InputError on a malformed epoch.
 
     TDB - TT is the series of Fairhead & Bretagnon 1990 as in ERFA's dtdb.
@@ -62,13 +69,15 @@ def tdb(epoch: str, t) -> JulianDate:
     # At the geocentre the series' site terms vanish, whatever the universal time and longitude.
     with strict_erfa():
         difference = erfa.dtdb(day, fraction, 0.0, 0.0, 0.0, 0.0)
-    return erfa.tttdb(day, fraction, difference)
+    date_tdb: JulianDate = erfa.tttdb(day, fraction, difference)
+    return date_tdb
 
 
-def utc(epoch: str, t) -> JulianDate:
+def utc(epoch: str, t: ArrayLike) -> JulianDate:
     """UTC (quasi-)Julian date of `epoch` + `t` SI seconds. Raises InputError on a malformed epoch."""
     with strict_erfa():
-        return erfa.taiutc(*tai(epoch, t))
+        date_utc: JulianDate = erfa.taiutc(*tai(epoch, t))
+    return date_utc
 
 
 def elapsed(epoch: str, later: str) -> float:
@@ -102,8 +111,13 @@ def calendar(mjd: float) -> str:
     return (date(1858, 11, 17) + timedelta(days=math.floor(mjd))).isoformat()
 
 
+def calendar_day(epoch: str, t: float) -> str:
+    """Calendar date (UTC) of `epoch` + `t` SI seconds. Raises InputError on a malformed epoch."""
+    return calendar(float(sum(utc(epoch, t))) - MJD_ZERO)
+
+
 @contextmanager
-def strict_erfa():
+def strict_erfa() -> Iterator[None]:
     """ERFA's warnings raised as errors, but for years whose leap seconds are not announced yet."""
     with warnings.catch_warnings():
         warnings.simplefilter("error", erfa.ErfaWarning)

@@ -5,9 +5,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+FilePath = str | os.PathLike[str]
+"""What names a file."""
+
 
 @contextmanager
-def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
+def replacing(path: FilePath) -> Iterator[Path]:
     """Yield a temporary path beside `path`, whose folder is made; it takes the name if nothing was raised."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -56,7 +56,7 @@ def _open_log(paths: Any) -> list[logging.Handler]:
     files = [logging.FileHandler(path, mode="w", encoding="utf-8") for path in paths]
     for file in files:
         file.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
-    handlers = [screen, *files]
+    handlers: list[logging.Handler] = [screen, *files]
     for handler in handlers:
         _log.addHandler(handler)
         _warnings.addHandler(handler)

@@ -1,18 +1,28 @@
-"""Suffixes in the names of files, each of which stands for one setting that differs from the run's own.
+"""The grammar of file names: every part that a product's name is made of is written and read here alone.
 
-`eglin_noise43` is what Eglin measures under another seed, `random-80_split43` another draw of the same
-split, `eglin_w24` estimates from 24 hours of tracks, and `svr_s2` the learner `svr` with 2 as its kernel
-scale. A suffix that would repeat the run's own setting is no name, so that two names are never the same
-thing.
+A station set is the stations' names joined with '-' in the sheet's order, ``eglin-kaena``. An RSO is a row's
+name, or that row with another inclination in degrees (``iss_i50``), with kilometres added to its semi-major
+axis (``iss_a+50``), or both (``iss_i50_a+50``). A split says which rows of a dataset a model is trained or
+tested on: ``random-80``, ``grouped-80``, ``days-0-30``, ``days-30-40-unseen``, ``rest``, ``seen``.
+
+A suffix stands for one setting that differs from the run's own: ``eglin_noise43`` is what Eglin measures
+under another seed, ``random-80_split43`` another draw of the same split, ``eglin_w24`` estimates from 24
+hours of tracks, ``svr_s2`` the learner ``svr`` with 2 as its kernel scale. The run's own setting has no
+suffix. So two names are never the same thing.
 """
 
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from opml.errors import InputError
-from opml.sheets import POSITIVE, Rso, rso_parts, rso_pattern
+from opml.sheets import Rso, Station, varied
+
+# One spelling per number, as it is part of file names: 50, 51.6393, 0.1, but neither 050 nor 0.10.
+NUMBER = r"(?:0|[1-9][0-9]*)(?:\.[0-9]*[1-9])?"
+POSITIVE = r"(?:0\.[0-9]*[1-9]|[1-9][0-9]*(?:\.[0-9]*[1-9])?)"
 
 NOISE, SPLIT = "noise", "split"
 """What has a seed: the measurements, and the draw of rows and subsamples."""
@@ -21,6 +31,54 @@ WITHOUT = "-without-"
 
 READINGS = {"kept_estimate": "_kept", "track": "_track"}
 """How a name says which earlier estimate is t_b, by the setting `cleaning.previous`."""
+
+
+SECTIONS = {
+    "simulation": "2 Simulation Environment",
+    "learning": "3 Prediction Accuracy Improvement through Machine Learning",
+    "numerical": "4 Numerical Results of Improving Orbit Prediction",
+    "future": "5 Generalize the SVM Model to Future Epochs",
+    "nearby": "6 Generalization to Nearby RSOs",
+    "beyond": "7 Beyond the paper",
+    "study": "8 The study",
+}
+"""The paper's sections, numbered as it prints them, and what goes beyond it."""
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """One model applied to one test: the parts of its files' names."""
+
+    rso: str
+    stations: str
+    train: str
+    learner: str
+    component: str
+    target: str
+    test: str
+    reading: str = ""
+    window: str = ""
+
+    def names(self) -> dict[str, str]:
+        """Return the wildcards by name."""
+        return asdict(self)
+
+    def columns(self) -> dict[str, str]:
+        """Return the parts as the columns of `metrics`: window and reading stand with the stations."""
+        names = self.names()
+        names["stations"] += names.pop("window") + names.pop("reading")
+        return names
+
+    def path(self, kind: str) -> str:
+        """Return the experiment's file among those of a kind, `metrics` say, below the folder of results."""
+        return f"{kind}/{'/'.join(self.columns().values())}.parquet"
+
+    @property
+    def section(self) -> str:
+        """The paper's section that such an experiment belongs to."""
+        if self.target != self.rso:
+            return SECTIONS["nearby"]
+        return SECTIONS["future" if parse_test(self.test).kind == "days" else "numerical"]
 
 
 def number(value: float) -> str:
@@ -37,6 +95,11 @@ def parse_seed(text: str, kind: str, *, default: int) -> tuple[str, int]:
     """Return what a name says without its seed, and the seed."""
     base, mark, seed = text.partition(f"_{kind}")
     return base, int(seed) if mark else default
+
+
+def without_seed(text: str, kind: str) -> str:
+    """Return what a name says without its seed."""
+    return text.partition(f"_{kind}")[0]
 
 
 def seed_pattern(kind: str, *, default: int) -> str:
@@ -73,24 +136,101 @@ def window_pattern(*, default: float) -> str:
     return rf"(?:_w(?!{re.escape(number(default))}(?![\d.])){POSITIVE})?"
 
 
-def check_split(name: str, *, duration_days: float) -> None:
-    """Raise InputError where a split's percentage or days cannot be of a run of so many days."""
-    kind, *numbers = name.removesuffix("-unseen").split("-")
-    if kind in ("random", "grouped") and not 0.0 < float(numbers[0]) <= 100.0:
-        raise InputError(f"split '{name}': expected a percentage above 0 and up to 100, got {numbers[0]}")
-    if kind == "days":
-        first, last = map(float, numbers)
-        if not first < last <= duration_days:
-            raise InputError(
-                f"split '{name}': expected ascending days up to duration_days, {duration_days:g}, "
-                f"got {first:g} and {last:g}"
-            )
+_SHARE = rf"(random|grouped)-({NUMBER})"
+_DAYS = rf"days-({NUMBER})-({NUMBER})"
+_TRAIN = re.compile(f"{_SHARE}|{_DAYS}")
+_TEST = re.compile(f"(rest|seen)|{_DAYS}(-unseen)?")
+TRAIN, TEST = (re.sub(r"\((?!\?)", "(?:", pattern.pattern) for pattern in (_TRAIN, _TEST))
+"""Regular expressions of a training and of a test split, without groups."""
+
+
+@dataclass(frozen=True)
+class Split:
+    """Which rows of a dataset are chosen: a share of rows or of estimates, a window of days, the rest."""
+
+    kind: str  # random, grouped, days, rest or seen
+    percent: float = 100.0  # of the rows (random) or of the estimates (grouped)
+    days: tuple[float, float] = (0.0, 0.0)  # of t_j, of a window
+    unseen: bool = False  # t_i, too, lies in the window
+
+    def __str__(self) -> str:
+        """Return its one name."""
+        match self.kind:
+            case "random" | "grouped":
+                return f"{self.kind}-{number(self.percent)}"
+            case "days":
+                first, last = map(number, self.days)
+                return f"days-{first}-{last}" + ("-unseen" if self.unseen else "")
+        return self.kind
+
+
+def parse_train(text: str) -> Split:
+    """Return the training split that a text names.
+
+    Raises InputError for a text that names none, a percentage outside (0, 100] and days that do not ascend.
+    """
+    match = _TRAIN.fullmatch(text)
+    if match is None:
+        raise InputError(
+            f"training split '{text}': expected random-<percent>, grouped-<percent> or days-<first>-<last>"
+        )
+    kind, percent, first, last = match.groups()
+    if kind is None:
+        return Split("days", days=_days(text, first, last))
+    if not 0.0 < float(percent) <= 100.0:
+        raise InputError(
+            f"training split '{text}': expected a percentage above 0 and up to 100, got {percent}"
+        )
+    return Split(kind, percent=float(percent))
+
+
+def parse_test(text: str) -> Split:
+    """Return the test split that a text names.
+
+    Raises InputError for a text that names none and days that do not ascend.
+    """
+    match = _TEST.fullmatch(text)
+    if match is None:
+        raise InputError(
+            f"test split '{text}': expected seen, rest, days-<first>-<last> or days-<first>-<last>-unseen"
+        )
+    kind, first, last, unseen = match.groups()
+    if kind is not None:
+        return Split(kind)
+    return Split("days", days=_days(text, first, last), unseen=unseen is not None)
+
+
+def _days(text: str, first: str, last: str) -> tuple[float, float]:
+    if float(first) >= float(last):
+        raise InputError(f"split '{text}': expected ascending days, got {first} and {last}")
+    return float(first), float(last)
+
+
+def check_split(split: Split, *, duration_days: float) -> None:
+    """Raise InputError where a window reaches beyond a run of so many days."""
+    if split.kind == "days" and split.days[1] > duration_days:
+        first, last = split.days
+        raise InputError(
+            f"split '{split}': expected ascending days up to duration_days, {duration_days:g}, "
+            f"got {first:g} and {last:g}"
+        )
+
+
+def days_split(days: Sequence[float], *, unseen: bool = False) -> str:
+    """Return the name of a window of days."""
+    return str(Split("days", days=(float(days[0]), float(days[1])), unseen=unseen))
+
+
+def as_unseen(test: str) -> str:
+    """Return the window of a test with t_i in it, too; any other test is itself."""
+    split = parse_test(test)
+    return str(replace(split, unseen=True)) if split.kind == "days" else test
 
 
 def learner_pattern(learners: Mapping[str, Mapping[str, Any]]) -> str:
     """Return the regular expression of a learner, its kernel scale overridden if it has one."""
     scaled = [name for name, settings in learners.items() if "kernel_scale" in settings]
-    return rf"(?:{'|'.join(learners)}|(?:{'|'.join(scaled)})_s{POSITIVE})"
+    return rf"(?:{any_of(learners)}|(?:{any_of(scaled)})_s{POSITIVE})"
 
 
 def parse_learner(text: str, learners: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
@@ -102,9 +242,19 @@ def parse_learner(text: str, learners: Mapping[str, Mapping[str, Any]]) -> dict[
     return dict(learners[name]) | ({"kernel_scale": float(scale)} if mark else {})
 
 
+def scaled(learner: str, scale: float) -> str:
+    """Return the name of a learner with another kernel scale."""
+    return f"{learner}_s{number(scale)}"
+
+
+def pool_without(pool: str, rso: str) -> str:
+    """Return the name of a pool's RSOs but one."""
+    return f"{pool}{WITHOUT}{rso}"
+
+
 def pool_pattern(pools: Iterable[str], sheet: Mapping[str, Rso]) -> str:
     """Return the regular expression of all RSOs of a pool but one, such as `inclinations-without-iss_i50`."""
-    return rf"(?:{'|'.join(pools)}){WITHOUT}{rso_pattern(sheet)}"
+    return rf"(?:{any_of(pools)}){WITHOUT}{rso_pattern(sheet)}"
 
 
 def parse_pool(text: str, pools: Mapping[str, Sequence[str]]) -> list[str]:
@@ -127,5 +277,55 @@ def with_offset(text: str, km: float, sheet: Mapping[str, Rso]) -> str:
     return _varied(base, inclination, f"{'-' if km < 0 else '+'}{number(abs(km))}" if km else "")
 
 
+def any_of(names: Iterable[str]) -> str:
+    """Return the regular expression of some names; of none, one that nothing matches."""
+    return "|".join(map(re.escape, names)) or "(?!)"
+
+
 def _varied(base: str, inclination: str, offset: str) -> str:
     return base + (f"_i{inclination}" if inclination else "") + (f"_a{offset}" if offset else "")
+
+
+def parse_stations(text: str, sheet: Mapping[str, Station]) -> list[Station]:
+    """Return the stations that a set's canonical text names. Raises InputError for any other text."""
+    names = text.split("-")
+    if unknown := [name for name in names if name not in sheet]:
+        raise InputError(f"stations '{text}': expected names from {', '.join(sheet)}, got '{unknown[0]}'")
+    canonical = "-".join(name for name in sheet if name in names)
+    if text != canonical:
+        raise InputError(f"stations '{text}': expected '{canonical}', each name once in the sheet's order")
+    return [sheet[name] for name in names]
+
+
+def stations_pattern(sheet: Mapping[str, Station]) -> str:
+    """Return the regular expression of stations in any order; `parse_stations` tells the right one."""
+    name = any_of(sheet)
+    return f"(?:{name})(?:-(?:{name}))*"
+
+
+def parse_rso(text: str, sheet: Mapping[str, Rso]) -> Rso:
+    """Return the RSO that a canonical text names, varied as it says. Raises InputError for any other text."""
+    base, inclination, offset = rso_parts(text, sheet)
+    return varied(sheet[base], name=text, inclination=inclination, offset=offset)
+
+
+def rso_parts(text: str, sheet: Mapping[str, Rso]) -> tuple[str, str, str]:
+    """Return the base, inclination and offset that an RSO's text names, '' for what it does not vary.
+
+    Raises InputError for a text that is not canonical or names no row of the sheet.
+    """
+    match = re.fullmatch(_rso(r"(?P<base>[^_]*)"), text)
+    if match is None or match["base"] not in sheet:
+        raise InputError(
+            f"RSO '{text}': expected one of {', '.join(sheet)}, then at most _i<degrees> and _a<+ or -><km>"
+        )
+    return match["base"], match["i"] or "", match["a"] or ""
+
+
+def rso_pattern(sheet: Mapping[str, Rso]) -> str:
+    """Return the regular expression of every canonical RSO, without named groups."""
+    return re.sub(r"\?P<\w+>", "?:", _rso(f"(?:{any_of(sheet)})"))
+
+
+def _rso(base: str) -> str:
+    return rf"{base}(?:_i(?P<i>{NUMBER}))?(?:_a(?P<a>[+-]{POSITIVE}))?"

@@ -83,7 +83,7 @@ def _needed(module: str) -> frozenset[str]:
 
 def _imports(path: Path, *, package: str) -> set[str]:
     """Return the modules of opml that a source file imports, with their parents."""
-    found: set[str] = set()
+    modules: set[str] = set()
     for node in ast.walk(_tree(path)):
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
@@ -93,8 +93,8 @@ def _imports(path: Path, *, package: str) -> set[str]:
             continue
         for name in names:
             if name.split(".")[0] == _NAME:
-                found |= {parent for parent in _with_parents(name) if _exists(parent)}
-    return found
+                modules |= {parent for parent in _with_parents(name) if _exists(parent)}
+    return modules
 
 
 def _imported_from(node: ast.ImportFrom, package: str) -> Iterator[str]:

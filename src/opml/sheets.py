@@ -1,8 +1,6 @@
-"""Stations and RSOs: the two sheets, and the canonical texts that name station sets and varied RSOs.
+"""Stations and RSOs: the two sheets, and rows like theirs that stand in the settings.
 
-Sheets are read as text, so that a name stays what it is. A station set is the stations' names joined with '-'
-in the sheet's order: ``eglin-kaena``. An RSO is a row's name, or that row with another inclination in degrees
-(``iss_i50``), with kilometres added to its semi-major axis (``iss_a+50``), or both (``iss_i50_a+50``).
+Sheets are read as text, so that a name stays what it is.
 """
 
 import csv
@@ -15,9 +13,6 @@ from pathlib import Path
 from opml.constants import WGS84_A
 from opml.errors import InputError
 
-# One spelling a number, as it is part of file names: 50, 51.6393, 0.1, but neither 050 nor 0.10.
-NUMBER = r"(?:0|[1-9]\d*)(?:\.\d*[1-9])?"
-POSITIVE = r"(?:0\.\d*[1-9]|[1-9]\d*(?:\.\d*[1-9])?)"
 _NAME = re.compile(r"[a-z][a-z0-9]*")
 
 LOWEST_PERIGEE = 120e3
@@ -114,12 +109,7 @@ def read_stations(path: str | Path) -> dict[str, Station]:
     """Read the stations' sheet, in its order. Raises InputError, naming file, row and column."""
     stations = {name: Station(name=name, **row) for name, row in _rows(path, _STATION_FIELDS).items()}
     for station in stations.values():
-        if not station.min_elevation < station.max_elevation:
-            low, high = math.degrees(station.min_elevation), math.degrees(station.max_elevation)
-            raise InputError(
-                f"{path}: {station.name}: min_elevation_deg: "
-                f"expected less than max_elevation_deg, got {low:g} and {high:g}"
-            )
+        _check_elevations(station, f"{path}: {station.name}: ")
     return stations
 
 
@@ -131,56 +121,17 @@ def read_rsos(path: str | Path) -> dict[str, Rso]:
     return rsos
 
 
-def parse_stations(text: str, sheet: Mapping[str, Station]) -> list[Station]:
-    """Return the stations that a set's canonical text names. Raises InputError for any other text."""
-    names = text.split("-")
-    if unknown := [name for name in names if name not in sheet]:
-        raise InputError(f"stations '{text}': expected names from {', '.join(sheet)}, got '{unknown[0]}'")
-    canonical = "-".join(name for name in sheet if name in names)
-    if text != canonical:
-        raise InputError(f"stations '{text}': expected each name once, in the sheet's order: '{canonical}'")
-    return [sheet[name] for name in names]
+def varied(rso: Rso, *, name: str, inclination: str = "", offset: str = "") -> Rso:
+    """Return an RSO with another name, inclination [deg] and offset of its axis [km], both as texts.
 
-
-def parse_rso(text: str, sheet: Mapping[str, Rso]) -> Rso:
-    """Return the RSO that a canonical text names, varied as it says. Raises InputError for any other text."""
-    base, inclination, offset = rso_parts(text, sheet)
-    rso = replace(sheet[base], name=text)
+    Raises InputError for an inclination that is none and for a perigee too low.
+    """
     if inclination:
-        rso = replace(rso, i=_inclination(text, inclination))
+        rso = replace(rso, i=_inclination(name, inclination))
     if offset:
         rso = replace(rso, a=rso.a + _kilo(float(offset)))
-        _check_perigee(rso, f"RSO '{text}'")
-    return rso
-
-
-def rso_parts(text: str, sheet: Mapping[str, Rso]) -> tuple[str, str, str]:
-    """Return the base, inclination and offset that an RSO's text names, '' for what it does not vary.
-
-    Raises InputError for a text that is not canonical or names no row of the sheet.
-    """
-    match = re.fullmatch(_varied(r"(?P<base>[^_]*)"), text)
-    if match is None or match["base"] not in sheet:
-        raise InputError(
-            f"RSO '{text}': expected one of {', '.join(sheet)}, then at most _i<degrees> and _a<+ or -><km>"
-        )
-    return match["base"], match["i"] or "", match["a"] or ""
-
-
-def stations_pattern(sheet: Mapping[str, Station]) -> str:
-    """Return the regular expression of every canonical station set: some stations in the sheet's order."""
-    names = list(sheet)
-    sets = [names[k] + "".join(f"(?:-{later})?" for later in names[k + 1 :]) for k in range(len(names))]
-    return f"(?:{'|'.join(sets)})"
-
-
-def rso_pattern(sheet: Mapping[str, Rso]) -> str:
-    """Return the regular expression of every canonical RSO, without named groups."""
-    return re.sub(r"\?P<\w+>", "?:", _varied(f"(?:{'|'.join(sheet)})"))
-
-
-def _varied(base: str) -> str:
-    return rf"{base}(?:_i(?P<i>{NUMBER}))?(?:_a(?P<a>[+-]{POSITIVE}))?"
+        _check_perigee(rso, f"RSO '{name}'")
+    return replace(rso, name=name)
 
 
 def _inclination(text: str, degrees: str) -> float:
@@ -188,6 +139,14 @@ def _inclination(text: str, degrees: str) -> float:
         return _RSO_FIELDS["i_deg"].parse(degrees)
     except ValueError as error:
         raise InputError(f"RSO '{text}': inclination: {error}") from None
+
+
+def _check_elevations(station: Station, where: str) -> None:
+    if not station.min_elevation < station.max_elevation:
+        low, high = math.degrees(station.min_elevation), math.degrees(station.max_elevation)
+        raise InputError(
+            f"{where}min_elevation_deg: expected less than max_elevation_deg, got {low:g} and {high:g}"
+        )
 
 
 def _check_perigee(rso: Rso, where: str) -> None:
@@ -199,7 +158,7 @@ def _check_perigee(rso: Rso, where: str) -> None:
 
 def _rows(path: str | Path, fields: Mapping[str, _Field]) -> dict[str, dict[str, float]]:
     """Read a tab-separated sheet with a column `name`; lines that start with # are remarks."""
-    header, *lines = _lines(path)
+    (_, header), *lines = _lines(path)
     expected = ["name", *fields]
     if sorted(header) != sorted(expected):
         odd = sorted(set(header) ^ set(expected)) or sorted(name for name in header if header.count(name) > 1)
@@ -207,31 +166,51 @@ def _rows(path: str | Path, fields: Mapping[str, _Field]) -> dict[str, dict[str,
             f"{path}: header: expected the columns {', '.join(expected)}; look at {', '.join(odd)}"
         )
     rows: dict[str, dict[str, float]] = {}
-    for cells in lines:
+    numbers: dict[str, int] = {}
+    for number, cells in lines:
         if len(cells) != len(header):
             raise InputError(f"{path}: {cells[0]}: expected {len(header)} cells, got {len(cells)}")
         row = dict(zip(header, cells, strict=True))
         name = row["name"]
-        if not _NAME.fullmatch(name) or name in rows:
-            raise InputError(
-                f"{path}: name: expected lower-case letters and digits, no name twice, got {name!r}"
-            )
+        _check_name(f"{path}: line {number}: name", name, numbers)
+        numbers[name] = number
         rows[name] = {field.attribute: _cell(path, name, row, key, field) for key, field in fields.items()}
     if not rows:
         raise InputError(f"{path}: expected at least one row, got none")
     return rows
 
 
-def _lines(path: str | Path) -> list[list[str]]:
+def _check_name(where: str, name: str, numbers: Mapping[str, int]) -> None:
+    """Raise InputError for a name that is misspelt or has a line already; `numbers` are the lines so far."""
+    if not _NAME.fullmatch(name):
+        raise InputError(f"{where}: expected lower-case letters and digits, a letter first, got {name!r}")
+    if name in numbers:
+        raise InputError(
+            f"{where}: expected no name twice, got {name!r}, which stands in line {numbers[name]} too"
+        )
+
+
+def _lines(path: str | Path) -> list[tuple[int, list[str]]]:
+    """The numbers and cells of a sheet's lines; at least one, empty where there is none."""
     try:
         text = Path(path).read_text(encoding="utf-8")
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
     except (OSError, ValueError) as error:
         raise InputError(f"{path}: expected a sheet in UTF-8 text ({error})") from None
-    kept = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
-    lines = [[cell.strip() for cell in cells] for cells in csv.reader(kept, delimiter="\t")]
-    return lines or [[]]
+    lines = [
+        (number, _cells(f"{path}: line {number}", line))
+        for number, line in enumerate(text.splitlines(), start=1)
+        if line.strip() and not line.startswith("#")
+    ]
+    return lines or [(1, [])]
+
+
+def _cells(where: str, line: str) -> list[str]:
+    try:
+        return [cell.strip() for cell in next(csv.reader([line], delimiter="\t"))]
+    except csv.Error as error:
+        raise InputError(f"{where}: expected cells between tabs ({error})") from None
 
 
 def _cell(path: str | Path, name: str, row: Mapping[str, str], key: str, field: _Field) -> float:
@@ -239,3 +218,37 @@ def _cell(path: str | Path, name: str, row: Mapping[str, str], key: str, field: 
         return field.parse(row[key])
     except ValueError as error:
         raise InputError(f"{path}: {name}: {key}: {error}") from None
+
+
+def stations_of(rows: Mapping[str, Mapping[str, object]]) -> dict[str, Station]:
+    """Return stations from mappings of the sheet's columns. Raises InputError, naming the column."""
+    stations = {name: Station(name=name, **row) for name, row in _given(rows, _STATION_FIELDS).items()}
+    for station in stations.values():
+        _check_elevations(station, "")
+    return stations
+
+
+def rsos_of(rows: Mapping[str, Mapping[str, object]]) -> dict[str, Rso]:
+    """Return RSOs from mappings of the sheet's columns. Raises InputError, naming the column."""
+    rsos = {name: Rso(name=name, **row) for name, row in _given(rows, _RSO_FIELDS).items()}
+    for rso in rsos.values():
+        _check_perigee(rso, "a_km")
+    return rsos
+
+
+def _given(
+    rows: Mapping[str, Mapping[str, object]], fields: Mapping[str, _Field]
+) -> dict[str, dict[str, float]]:
+    found = {}
+    for name, row in rows.items():
+        if odd := sorted(set(row) ^ set(fields)):
+            raise InputError(f"expected the keys {', '.join(fields)}; look at {', '.join(odd)}")
+        found[name] = {field.attribute: _value(row, key, field) for key, field in fields.items()}
+    return found
+
+
+def _value(row: Mapping[str, object], key: str, field: _Field) -> float:
+    try:
+        return field.parse(str(row[key]))
+    except ValueError as error:
+        raise InputError(f"{key}: {error}") from None

@@ -7,24 +7,20 @@ import importlib.util
 import os
 import shutil
 import subprocess
-import sys
-from pathlib import Path
 
 import pytest
 
 from tests.cluster.slurm import Slurm, missing
+from tests.workflow.project import ROOT, command
 
-ROOT = Path(__file__).parents[2]
 PLUGIN = "snakemake_executor_plugin_slurm"
 
 
 def run(folder, environment, *options):
     """Run the trimmed case in a folder; the bytes of its products, but for what holds times."""
     shutil.copytree(ROOT / "config", folder / "config")
-    command = [sys.executable, "-m", "snakemake", "--snakefile", ROOT / "Snakefile", *options]
-    command += ["--configfile=config/ci.yaml"]
     done = subprocess.run(
-        [str(part) for part in command],
+        command(*options, "--configfile=config/ci.yaml"),
         cwd=folder,
         env=environment,
         stdout=subprocess.PIPE,

@@ -7,9 +7,7 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import psutil
@@ -18,11 +16,10 @@ import pytest
 
 from opml.errors import InputError
 from opml.tables import read_metadata
+from tests.workflow.project import ROOT, command
 
-ROOT = Path(__file__).parents[2]
 TARGETS = ["results/ci/figs/partition_curve.pdf", "results/ci/figs/error_distribution_position.pdf"]
-COMMAND = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), "-j2"]
-COMMAND += ["--configfile=config/ci.yaml", *TARGETS]
+COMMAND = command("-j2", "--configfile=config/ci.yaml", *TARGETS)
 MOMENTS = 50
 SEED = 42
 

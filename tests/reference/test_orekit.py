@@ -4,27 +4,32 @@ import numba
 import numpy as np
 import pandas as pd
 import pytest
-from support import ASSUMED_BODIES, DAY, EPOCH, EXCERPTS, environment, force_model, shared, stations
+from support import ASSUMED_BODIES, EPOCH, EXCERPTS, environment, force_model, shared, stations
 
 from opml.catalog import tracking, truth
 from opml.catalog.observing import observe, site
-from opml.catalog.truth import STATE
-from opml.dynamics import dtm2000, forces
+from opml.constants import DAY
+from opml.dynamics import dtm2000
+from opml.dynamics.acceleration import SCRATCH_ROWS, acceleration, density
+from opml.dynamics.drag import drag
 from opml.dynamics.ensemble import Integrator, propagate
 from opml.dynamics.frames import gcrf_to_itrf
-from opml.dynamics.gravity import weights
+from opml.dynamics.gravity import gravity, weights
 from opml.dynamics.lanes import WIDTH, load, splat, sqrt, store
+from opml.dynamics.radiation_pressure import illumination, radiation_pressure
 from opml.dynamics.surroundings import BODIES, SPIN, SUN_ITRF, look_up
+from opml.dynamics.third_body import third_bodies
 from opml.environment import gravity_field
+from opml.tables import STATE
 
 EIGEN_6S = "orekit-data/Potential/eigen-6s.gfc"
 BALLISTIC, REFLECTION = 2.2 * 0.05, 1.25 * 0.05
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _terms(t, rows, tables, values, factors, scratch, out):
+def _terms(t, rows, model, values, factors, scratch, out):
     """Each force alone: gravity beyond the central term, drag, pressure, bodies; altitude, density, light."""
-    look_up(t, tables, values, factors)
+    look_up(t, model, values, factors)
     x, y, z = load(rows, 0), load(rows, 1), load(rows, 2)
     vx, vy, vz = load(rows, 3), load(rows, 4), load(rows, 5)
     r2 = x * x + y * y + z * z
@@ -35,24 +40,24 @@ def _terms(t, rows, tables, values, factors, scratch, out):
         r[3] * x + r[4] * y + r[5] * z,
         r[6] * x + r[7] * y + r[8] * z,
     )
-    gx, gy, gz = forces.gravity(
-        px, py, pz, r2, inverse, tables.weights, tables.columns, tables.degree, tables.gm, tables.radius
+    gx, gy, gz = gravity(
+        px, py, pz, r2, inverse, model.weights, model.columns, model.degree, model.gm, model.radius
     )
     store(out, 0, r[0] * gx + r[3] * gy + r[6] * gz)
     store(out, 1, r[1] * gx + r[4] * gy + r[7] * gz)
     store(out, 2, r[2] * gx + r[5] * gy + r[8] * gz)
-    altitude, rho = forces.density(px, py, pz, inverse, tables, values, factors, scratch)
+    altitude, rho = density(px, py, pz, inverse, model, values, factors, scratch)
     spin = (values[SPIN], values[SPIN + 1], values[SPIN + 2])
-    dx, dy, dz = forces.drag(x, y, z, vx, vy, vz, spin, rho, splat(BALLISTIC))
+    dx, dy, dz = drag(x, y, z, vx, vy, vz, spin, rho, splat(BALLISTIC))
     store(out, 3, dx)
     store(out, 4, dy)
     store(out, 5, dz)
-    lit = forces.illumination(px, py, pz, r2, values[SUN_ITRF : SUN_ITRF + 3], scratch)
-    sx, sy, sz = forces.radiation_pressure(x, y, z, values[BODIES : BODIES + 3], lit, splat(REFLECTION))
+    lit = illumination(px, py, pz, r2, values[SUN_ITRF : SUN_ITRF + 3], scratch)
+    sx, sy, sz = radiation_pressure(x, y, z, values[BODIES : BODIES + 3], lit, splat(REFLECTION))
     store(out, 6, sx)
     store(out, 7, sy)
     store(out, 8, sz)
-    bx, by, bz = forces.third_bodies(x, y, z, values[BODIES:], tables.gms, tables.gms.shape[0])
+    bx, by, bz = third_bodies(x, y, z, values[BODIES:], model.gms, model.gms.shape[0])
     store(out, 9, bx)
     store(out, 10, by)
     store(out, 11, bz)
@@ -62,11 +67,11 @@ def _terms(t, rows, tables, values, factors, scratch, out):
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _total(t, rows, tables, values, factors, scratch, out):
-    look_up(t, tables, values, factors)
-    ax, ay, az, altitude = forces.acceleration(
+def _total(t, rows, model, values, factors, scratch, out):
+    look_up(t, model, values, factors)
+    ax, ay, az, altitude = acceleration(
         load(rows, 0), load(rows, 1), load(rows, 2), load(rows, 3), load(rows, 4), load(rows, 5),
-        splat(BALLISTIC), splat(REFLECTION), tables, values, factors, scratch,
+        splat(BALLISTIC), splat(REFLECTION), model, values, factors, scratch,
     )  # fmt: skip
     store(out, 0, ax)
     store(out, 1, ay)
@@ -74,15 +79,15 @@ def _total(t, rows, tables, values, factors, scratch, out):
     store(out, 3, altitude)
 
 
-def evaluated(kernel, cases, tables, count):
+def evaluated(kernel, cases, model, count):
     """Outputs (cases, count) of a kernel at each case's time and state."""
-    values = np.empty(BODIES + tables.bodies.shape[1])
-    factors, scratch = np.empty((dtm2000.FACTORS, WIDTH)), np.empty((forces.SCRATCH_ROWS, WIDTH))
+    values = np.empty(BODIES + model.bodies.shape[1])
+    factors, scratch = np.empty((dtm2000.FACTORS, WIDTH)), np.empty((SCRATCH_ROWS, WIDTH))
     found = []
     for case in cases.to_dict("records"):
         rows = np.repeat(np.array([[case.get(name, 0.0)] for name in STATE]), WIDTH, axis=1)
         out = np.empty((count, WIDTH))
-        kernel(case["t"], rows, tables, values, factors, scratch, out)
+        kernel(case["t"], rows, model, values, factors, scratch, out)
         found.append(out[:, 0])
     return np.array(found)
 
@@ -158,8 +163,8 @@ def test_gravity_of_the_same_field(points, degree):
     ):
         date = np.datetime64(EPOCH) + np.timedelta64(int(found["t"]), "s")
         then = field.at(str(date))
-        tables = model._replace(weights=weights(then.c, then.s))
-        gravity = evaluated(_terms, points.iloc[k : k + 1], tables, 15)[0, 0:3]
+        dated = model._replace(weights=weights(then.c, then.s))
+        gravity = evaluated(_terms, points.iloc[k : k + 1], dated, 15)[0, 0:3]
         assert np.linalg.norm(gravity - expected) < 1e-9 * np.linalg.norm(expected)
 
 
@@ -170,10 +175,10 @@ def test_gravity_frozen_at_the_epoch(points):
 
 
 def test_forces_add_up(points, terms):
-    tables = force_model(20)
-    total = evaluated(_total, points, tables, 4)
+    model = force_model(20)
+    total = evaluated(_total, points, model, 4)
     position = points[["x", "y", "z"]].to_numpy()
-    central = -tables.gm * position / lengths(position)[:, None] ** 3
+    central = -model.gm * position / lengths(position)[:, None] ** 3
     expected = central + terms[:, 0:3] + terms[:, 3:6] + terms[:, 6:9] + terms[:, 9:12]
     assert np.all(lengths(total[:, :3] - expected) < 1e-15 * lengths(expected) + 1e-15)
     np.testing.assert_array_equal(total[:, 3], terms[:, 12])
@@ -186,11 +191,11 @@ def test_light_on_the_way_through_the_shadows_edge():
     np.testing.assert_allclose(found, cases["lit"], rtol=0.0, atol=1e-6)
 
 
-def flown(tables, orbit):
+def flown(model, orbit):
     """Distances [m] from a table of states, having started at its first."""
     states = orbit[STATE].to_numpy()
     arcs = propagate(
-        tables,
+        model,
         orbit["t"].to_numpy(),
         states[:1],
         first=np.array([0]),

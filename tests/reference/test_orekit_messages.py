@@ -56,7 +56,7 @@ def states(count):
 
 def test_orekit_reads_the_truth(org, tmp_path):
     truth = pd.DataFrame({"t": T, **dict(zip(STATE, states(4).T, strict=True))})
-    oem.write(tmp_path / "truth.oem", oem.of_truth(truth, rso="iss"), epoch=EPOCH)
+    oem.write(tmp_path / "truth.oem", oem.truth_segments(truth, rso="iss"), epoch=EPOCH)
     (segment,) = parsed(org, "Oem", tmp_path / "truth.oem").getSegments()
     assert str(segment.getFrame()) == "GCRF"
     read = list(segment.getCoordinates())
@@ -68,7 +68,7 @@ def test_orekit_reads_estimates_with_their_covariances(org, tmp_path):
     table = pd.DataFrame(np.random.default_rng(4).normal(size=(4, len(SCHEMAS["estimates"].names))))
     table.columns = SCHEMAS["estimates"].names
     table = table.assign(t=T, converged=True)
-    oem.write(tmp_path / "e.oem", segments := oem.of_estimates(table, rso="iss"), epoch=EPOCH)
+    oem.write(tmp_path / "e.oem", segments := oem.estimate_segments(table, rso="iss"), epoch=EPOCH)
     (segment,) = parsed(org, "Oem", tmp_path / "e.oem").getSegments()
     found = list(segment.getCovarianceMatrices())
     assert [seconds(org, one.getEpoch()) for one in found] == T.tolist()
@@ -80,7 +80,7 @@ def test_orekit_reads_estimates_with_their_covariances(org, tmp_path):
 
 def test_orekit_reads_a_segment_an_estimate(org, tmp_path):
     frame = pd.DataFrame(states(3), columns=list(STATE)).assign(i=[0, 0, 1], t_j=T[1:], reason="")
-    oem.write(tmp_path / "p.oem", oem.of_predictions(frame, rso="iss"), epoch=EPOCH)
+    oem.write(tmp_path / "p.oem", oem.prediction_segments(frame, rso="iss"), epoch=EPOCH)
     found = parsed(org, "Oem", tmp_path / "p.oem").getSegments()
     assert [len(segment.getCoordinates()) for segment in found] == [2, 1]
     assert [seconds(org, segment.getStop()) for segment in found] == [40.0, 60.0]
@@ -117,7 +117,7 @@ def test_a_message_that_orekit_writes_is_read(org, tmp_path):
     from validation.orekit import java
 
     truth = pd.DataFrame({"t": T, **dict(zip(STATE, states(4).T, strict=True))})
-    oem.write(tmp_path / "ours.oem", oem.of_truth(truth, rso="iss"), epoch=EPOCH)
+    oem.write(tmp_path / "ours.oem", oem.truth_segments(truth, rso="iss"), epoch=EPOCH)
     message = parsed(org, "Oem", tmp_path / "ours.oem")
     buffer = java.lang.StringBuilder()
     generator = org.orekit.files.ccsds.utils.generation.KvnGenerator(buffer, 20, "truth", 60.0, 0)

@@ -6,11 +6,11 @@ import pytest
 from support import ASSUMED_BODIES, EPOCH, environment, rsos, stations
 
 from opml.catalog import estimation
-from opml.catalog.truth import STATE
-from opml.constants import BODIES, GM
+from opml.constants import BODIES, GM, HOUR
 from opml.dynamics.ensemble import Integrator
 from opml.environment import earth_orientation
 from opml.errors import InputError
+from opml.tables import STATE
 from validation import ours, tables, terms, trajectories
 from validation.case import OURS_CONVERGED, Case
 
@@ -26,7 +26,7 @@ MODELS = {
 def around(t):
     """The environment that Orekit had at time t [s], on the six nodes about it."""
     nodes = tables.read("nodes")
-    near = nodes[np.abs(nodes["t"] - t) <= 3 * 3600.0].reset_index(drop=True)
+    near = nodes[np.abs(nodes["t"] - t) <= 3 * HOUR].reset_index(drop=True)
     activity = ["f107", "f107_mean", "kp_3h", "kp_24h"]
     return ours.Environment(
         epoch=EPOCH,
@@ -109,7 +109,7 @@ def test_the_estimate_from_the_same_measurements_is_orekits(product):
         environment()["earth_orientation"],
         list(stations().values()),
         rsos()["iss"],
-        settings={**case.values["estimation"], "cd_min": 1.2, "cd_max": 3.2},
+        settings=case.estimation,
         integrator=Integrator(position_tolerance=1e-4),
         seed=1,
     ).iloc[-1]

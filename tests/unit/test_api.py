@@ -11,14 +11,15 @@ from types import SimpleNamespace
 
 import pandas as pd
 import pytest
-import yaml
+from support import paper_values
 
 import opml
 from opml import api
 from opml.tables import LEARNING_VARIABLES
 
 ROOT = Path(__file__).parents[2]
-SETTINGS = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
+SETTINGS = paper_values()
+STUDY = SETTINGS["study"]
 FUNCTIONS = [
     node.name
     for node in ast.parse(Path(api.__file__).read_text(encoding="utf-8")).body
@@ -72,7 +73,7 @@ def test_the_import_alone_loads_nothing():
 
 
 def test_defaults_are_those_of_the_settings():
-    cleaning, learning = SETTINGS["cleaning"], SETTINGS["learning"]
+    cleaning = STUDY["cleaning"]
     limits = {key: cleaning[key] for key in ("cd_min", "cd_max")}
     for model, ours in (("truth", opml.TRUTH), ("assumed", opml.ASSUMED)):
         settings = SETTINGS["force_models"][model]
@@ -83,8 +84,8 @@ def test_defaults_are_those_of_the_settings():
     assert SETTINGS["estimation"] | limits == opml.ESTIMATION
     assert {**opml.CLEANING, "fence_days": list(opml.CLEANING["fence_days"])} == cleaning
     assert SETTINGS["learners"]["svr"] == opml.LEARNER
-    assert list(api._SPAN_DAYS) == learning["span_days"]
-    assert list(LEARNING_VARIABLES) == learning["variables"]
+    assert list(api._SPAN_DAYS) == STUDY["span_days"]
+    assert list(LEARNING_VARIABLES) == SETTINGS["learning"]["variables"]
 
 
 def _coarse(degree):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from opml.errors import InputError
-from opml.learning.cleaning import drag_coefficient_inside, quartiles, tukey_fences
+from opml.learning.cleaning import Cleaning, drag_coefficient_inside, quartiles, tukey_fences
 
 
 def test_drag_coefficient_bounds_belong_to_the_interval():
@@ -33,3 +33,23 @@ def test_fences_move_and_stretch_with_the_values():
 def test_no_values_no_fences():
     with pytest.raises(InputError, match="Tukey"):
         tukey_fences(np.array([]), fence=3.0)
+
+
+def test_no_settings_ask_for_no_cleaning():
+    nothing = dict.fromkeys(("cd_min", "cd_max", "fence", "fence_days", "previous"))
+    assert Cleaning() == Cleaning(None, None, None, "kept_estimate")
+    assert Cleaning.from_settings({}) == Cleaning.from_settings(nothing) == Cleaning()
+    assert Cleaning().keeps(np.array([-5000.0, 2.2, np.nan])).tolist() == [True, True, True]
+
+
+def test_the_papers_settings_ask_for_bounds_and_fences():
+    settings = {"cd_min": 1.2, "cd_max": 3.2, "fence": 3.0, "fence_days": [0, 30], "previous": "track"}
+    cleaning = Cleaning.from_settings(settings)
+    assert cleaning == Cleaning((1.2, 3.2), 3.0, (0, 30), "track")
+    assert cleaning.keeps(np.array([1.19, 1.2, 3.3])).tolist() == [False, True, False]
+
+
+@pytest.mark.parametrize("settings", [{"cd_min": 1.2}, {"cd_min": None, "cd_max": 1.2}])
+def test_one_bound_needs_the_other(settings):
+    with pytest.raises(InputError, match=r"cd_min, cd_max: expected both or none, got 1\.2 alone"):
+        Cleaning.from_settings(settings)

@@ -132,6 +132,13 @@ def test_seeds_of_the_partition_curve(metrics):
     assert len(figure.axes[0].collections) == 2
 
 
+def test_a_split_is_drawn_at_its_share_whatever_its_seed(metrics):
+    named = metrics.assign(
+        train=metrics["train"].where(metrics["test"] == "seen", metrics["train"] + "_split43")
+    )
+    assert lines(curves.partition_curve(named)) == lines(curves.partition_curve(metrics))
+
+
 def test_one_seed_makes_no_band(transfers):
     figure = curves.inclination_curve(with_seeds(transfers, (0.0,)), inclinations=INCLINATIONS)
     assert len(figure.axes[0].collections) == 0

@@ -19,6 +19,7 @@ import pytest
 from opml.elements import cartesian_from_coe
 from opml.errors import InputError
 from opml.learning import dataset
+from opml.learning.cleaning import Cleaning
 from opml.tables import LEARNING_VARIABLES, SCHEMAS, STATE, read_table, write_table
 
 GM = 3.986004418e14
@@ -82,7 +83,8 @@ def tracking():
 
 
 def build(estimates, predictions, tracking, **changes):
-    return dataset.build(estimates, predictions, tracking, gm=GM, cleaning=CLEANING | changes)
+    cleaning = Cleaning.from_settings(CLEANING | changes)
+    return dataset.build(estimates, predictions, tracking, gm=GM, cleaning=cleaning)
 
 
 @pytest.fixture
@@ -188,6 +190,27 @@ def test_fences_come_from_their_days_and_hold_for_all(estimates, predictions, tr
 def test_fence_days_without_a_row(estimates, predictions, tracking):
     with pytest.raises(InputError, match="Tukey"):
         build(estimates, predictions, tracking, fence_days=[20, 30])
+
+
+def test_fences_of_no_days_come_from_all_rows(estimates, predictions, tracking):
+    predictions = predictions.set_index(["i", "j"])
+    predictions.loc[[(2, 3), (2, 4), (4, 5)], "e_y"] = [0.0, 10.0, 1000.0]
+    predictions = predictions.reset_index()
+    # q1 = 2.5 and q3 = 752.5 of all three, the upper fence 1007.5; 0 and 10 alone would put it at 13.4.
+    assert build(estimates, predictions, tracking, fence=0.34, fence_days=None)["keep"].sum() == 3
+    assert build(estimates, predictions, tracking, fence=0.34, fence_days=[0, 4])["keep"].sum() == 2
+
+
+def test_no_cleaning_drops_only_what_lacks_something(estimates, predictions, tracking):
+    predictions.loc[predictions["i"] == 4, "e_y"] = 1e12
+    rows = dataset.build(estimates, predictions, tracking, gm=GM, cleaning=Cleaning()).set_index(["i", "j"])
+    assert rows["b"].groupby("i").first().to_dict() == {0: -1, 1: 0, 2: 1, 3: 2, 4: 2, 6: 5}
+    expected = {(0, j): dataset.NO_PREVIOUS_ESTIMATE for j in range(1, 6)}
+    expected |= {(1, j): "" for j in range(2, 6)}  # Cd 5 is an estimate as any other
+    expected |= {(2, 3): "", (2, 4): "", (2, 5): "no prediction: below 120 km"}
+    expected |= {(3, j): dataset.NOT_CONVERGED for j in (4, 5)}
+    expected |= {(4, 5): "", (6, 7): dataset.NO_RELATIVE_ERROR}
+    assert rows["reason"].to_dict() == expected
 
 
 def test_all_estimates_outside_leave_no_row_and_no_error(estimates, predictions, tracking):

@@ -8,7 +8,9 @@ import pytest
 from scipy.special import lpmv
 from support import EXCERPTS, force_model, in_rows, shared
 
-from opml.dynamics import dtm2000, forces
+from opml.constants import DAY
+from opml.dynamics import acceleration, dtm2000
+from opml.dynamics.acceleration import SCRATCH_ROWS
 from opml.dynamics.lanes import WIDTH, load, sqrt, store
 from opml.dynamics.surroundings import BODIES, look_up
 
@@ -30,11 +32,11 @@ def _reduce(a, season, f107, f107_mean, kp_3h, kp_24h, factors):
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _density_at(t, positions, tables, values, factors, scratch, out):
-    look_up(t, tables, values, factors)
+def _density_at(t, positions, model, values, factors, scratch, out):
+    look_up(t, model, values, factors)
     x, y, z = load(positions, 0), load(positions, 1), load(positions, 2)
-    altitude, rho = forces.density(
-        x, y, z, 1.0 / sqrt(x * x + y * y + z * z), tables, values, factors, scratch
+    altitude, rho = acceleration.density(
+        x, y, z, 1.0 / sqrt(x * x + y * y + z * z), model, values, factors, scratch
     )
     store(out, 0, altitude)
     store(out, 1, rho)
@@ -50,7 +52,7 @@ def density(
     altitude, lat, lon, time = np.broadcast_arrays(altitude, lat, lon, time)
     columns = [altitude, np.sin(lat), np.cos(lat), np.sin(lon), np.cos(lon), np.sin(time), np.cos(time)]
     blocks = np.stack([in_rows(np.ravel(column)) for column in columns], axis=1)
-    out, basis = np.empty((len(blocks), 1, WIDTH)), np.empty((forces.SCRATCH_ROWS, WIDTH))
+    out, basis = np.empty((len(blocks), 1, WIDTH)), np.empty((SCRATCH_ROWS, WIDTH))
     for rows, found in zip(blocks, out, strict=True):
         _density(rows, COEFFICIENTS, factors, basis, found)
     return out.ravel()[: altitude.size].reshape(altitude.shape)
@@ -161,14 +163,14 @@ def test_every_term_where_flux_and_geomagnetic_activity_change():
 
 def test_orekits_densities_between_150_and_1500_km():
     cases = pd.read_parquet(shared("reference/density.parquet"))
-    tables = force_model(8)
-    values = np.empty(BODIES + tables.bodies.shape[1])
-    factors, scratch = np.empty((dtm2000.FACTORS, WIDTH)), np.empty((forces.SCRATCH_ROWS, WIDTH))
+    model = force_model(8)
+    values = np.empty(BODIES + model.bodies.shape[1])
+    factors, scratch = np.empty((dtm2000.FACTORS, WIDTH)), np.empty((SCRATCH_ROWS, WIDTH))
     out, errors = np.empty((2, WIDTH)), []
     for case in cases.itertuples():
         position = erfa.gd2gc(1, case.lon_rad, case.lat_rad, case.alt_m)
         rows = np.repeat(position[:, None], WIDTH, axis=1)
-        _density_at(case.t_s, rows, tables, values, factors, scratch, out)
+        _density_at(case.t_s, rows, model, values, factors, scratch, out)
         assert out[0, 0] == pytest.approx(case.alt_m, abs=1e-6)
         errors.append(out[1, 0] / case.density_kgpm3 - 1.0)
     # The Sun's direction is that of DE430 there and of DE440 here, Kp comes from Ap by another rounding.
@@ -226,18 +228,18 @@ def test_seasons_sign_is_continuous_but_for_the_models_own_jump():
 
 
 def test_local_time_is_counted_from_the_sun():
-    tables = force_model(8)
-    values = np.empty(BODIES + tables.bodies.shape[1])
-    factors, scratch = np.empty((dtm2000.FACTORS, WIDTH)), np.empty((forces.SCRATCH_ROWS, WIDTH))
+    model = force_model(8)
+    values = np.empty(BODIES + model.bodies.shape[1])
+    factors, scratch = np.empty((dtm2000.FACTORS, WIDTH)), np.empty((SCRATCH_ROWS, WIDTH))
     out = np.empty((2, WIDTH))
-    t = 3 * 86400.0
-    _density_at(t, np.ones((3, WIDTH)) * 7e6, tables, values, factors, scratch, out)
+    t = 3 * DAY
+    _density_at(t, np.ones((3, WIDTH)) * 7e6, model, values, factors, scratch, out)
     noon = np.arctan2(values[13], values[12])
     lon = noon + np.radians(15.0) * (np.arange(WIDTH) - 4)
     rows = np.ascontiguousarray(erfa.gd2gc(1, lon, np.full(WIDTH, 0.3), np.full(WIDTH, 4e5)).T)
-    _density_at(t, rows, tables, values, factors, scratch, out)
+    _density_at(t, rows, model, values, factors, scratch, out)
     day = 272 + 4 - 1  # 28 September 2016, a leap year's 272nd day, three days later at the same hour
-    activity = tables.activity[int((t - tables.first) // tables.step)]
+    activity = model.activity[int((t - model.first) // model.step)]
     expected = density(
         day=day, altitude=4e5, lat=0.3, lon=lon, time=np.pi + lon - noon,
         f107=activity[0], mean=activity[1], kp=activity[2], kp_mean=activity[3],

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from opml import epochs
-from opml.constants import EARTH_RATE
+from opml.constants import DAY, EARTH_RATE, HOUR
 from opml.environment import earth_orientation, nodes
 from opml.errors import InputError
 
@@ -46,7 +46,7 @@ def test_daily_values_are_met_at_midnight():
     midnight = epochs.elapsed(EPOCH, "2016-10-10T00:00:00")
     row = earth_orientation.tabulate(EPOCH, np.array([midnight])).iloc[0]
     daily = earth_orientation.read_finals2000a(astropy_iers_data.IERS_A_FILE).set_index("mjd").loc[57671]
-    era = erfa.era00(2400000.5 + 57671.0, daily["ut1_utc"] / 86400.0)
+    era = erfa.era00(2400000.5 + 57671.0, daily["ut1_utc"] / DAY)
     turned = (row["era_offset"] + EARTH_RATE * midnight - era + np.pi) % (2.0 * np.pi) - np.pi
     assert [row["x_pole"], row["y_pole"]] == pytest.approx([daily["x_pole"], daily["y_pole"]], rel=1e-9)
     assert turned == pytest.approx(0.0, abs=1e-12)
@@ -64,14 +64,14 @@ def test_bulletin_b_goes_before_bulletin_a(tmp_path):
 
 
 def test_rotation_angle_is_smooth_through_a_leap_second():
-    t = nodes("2016-12-31T00:00:00", 2 * 86400.0)
+    t = nodes("2016-12-31T00:00:00", 2 * DAY)
     offset = earth_orientation.tabulate("2016-12-31T00:00:00", t)["era_offset"]
     # A day longer than 86400 s by 1.5 ms turns 1e-7 rad less; a second would be 7e-5 rad.
     assert np.abs(np.diff(offset)).max() < 2e-8
 
 
 def test_cubic_interpolation_between_hourly_nodes_is_enough():
-    t = nodes(EPOCH, 86400.0)
+    t = nodes(EPOCH, DAY)
     between = t[1:-2] + 1800.0
     table = earth_orientation.tabulate(EPOCH, t)
     exact = earth_orientation.tabulate(EPOCH, between)
@@ -85,7 +85,7 @@ def test_dates_outside_the_bulletin_are_refused_with_its_span():
     with pytest.raises(InputError, match=r"expected dates from 1973-01-0.*got 1970-01-01"):
         earth_orientation.tabulate("1970-01-01T00:00:00", np.array([0.0]))
     with pytest.raises(InputError, match="got 2016-09-28 to 2071-"):
-        earth_orientation.tabulate(EPOCH, np.array([0.0, 55 * 365.25 * 86400.0]))
+        earth_orientation.tabulate(EPOCH, np.array([0.0, 55 * 365.25 * DAY]))
 
 
 def test_unreadable_bulletins_are_refused(tmp_path):
@@ -102,7 +102,7 @@ def test_unreadable_bulletins_are_refused(tmp_path):
 
 
 def test_another_bulletin_is_read_in_place_of_the_packaged_one(tmp_path):
-    t = np.array([0.0, 3600.0])
+    t = np.array([0.0, HOUR])
     lines = Path(astropy_iers_data.IERS_A_FILE).read_text().splitlines()
     shifted = [line[:134] + "  0.300000" + line[144:] for line in lines]
     path = tmp_path / "finals2000A.all"

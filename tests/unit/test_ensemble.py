@@ -5,9 +5,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from support import DAY
 
-from opml.constants import WGS84_A
+from opml.constants import DAY, HOUR, WGS84_A
 from opml.dynamics import ensemble
 from opml.dynamics.ensemble import REASONS, Integrator, propagate
 from opml.dynamics.gravity import weights
@@ -22,7 +21,7 @@ def orbit(altitude, e=0.001, i=0.9, argp=1.0, raan=2.0, nu=0.5, gm=3.986004415e1
 
 
 def fly(
-    tables,
+    model,
     epochs,
     states,
     *,
@@ -36,7 +35,7 @@ def fly(
     """Propagate arcs that by default begin at the first epoch and end at the last."""
     count = len(states)
     return propagate(
-        tables,
+        model,
         np.asarray(epochs, float),
         np.asarray(states),
         first=np.zeros(count, int) if first is None else first,
@@ -48,9 +47,9 @@ def fly(
     )
 
 
-def fly_freely(tables, epochs, states, **settings):
+def fly_freely(model, epochs, states, **settings):
     """Without drag and radiation pressure, from the first epoch to the last."""
-    return fly(tables, epochs, states, ballistic=0.0, reflection=0.0, integrator=Integrator(**settings))
+    return fly(model, epochs, states, ballistic=0.0, reflection=0.0, integrator=Integrator(**settings))
 
 
 def test_kepler_orbits(kepler_model):
@@ -88,13 +87,13 @@ def test_small_steps_at_perigee_agree_with_scipys(assumed_model):
     c20 = -4.84165143790815e-4
     c = np.zeros((assumed_model.degree, assumed_model.columns - 1))
     c[2, 0] = c20
-    tables = assumed_model._replace(
+    model = assumed_model._replace(
         weights=weights(c, np.zeros_like(c)),
         gms=np.zeros_like(assumed_model.gms),
         orientation=np.zeros_like(assumed_model.orientation),
     )
-    assert tables.weights.shape == assumed_model.weights.shape
-    gm, factor = tables.gm, -1.5 * -np.sqrt(5.0) * c20 * tables.gm * tables.radius**2
+    assert model.weights.shape == assumed_model.weights.shape
+    gm, factor = model.gm, -1.5 * -np.sqrt(5.0) * c20 * model.gm * model.radius**2
 
     def rates(_, state):
         r = np.linalg.norm(state[:3])
@@ -112,10 +111,10 @@ def test_small_steps_at_perigee_agree_with_scipys(assumed_model):
     # Companions keep the grid's pace while this one takes its own.
     states = np.array([orbit(8e6), start, orbit(7e6)])
     for ceiling in (90.0, 600.0):
-        arcs = fly_freely(tables, epochs, states, position_tolerance=1e-4, max_step=ceiling)
+        arcs = fly_freely(model, epochs, states, position_tolerance=1e-4, max_step=ceiling)
         assert np.linalg.norm(arcs.of(1)[:, :3] - expected[:, :3], axis=1).max() < 0.05
     # Without the smaller steps it would be lost: 600 s are a seventh of a circular orbit at perigee's height.
-    blind = fly_freely(tables, epochs, states, position_tolerance=1e12, max_step=600.0)
+    blind = fly_freely(model, epochs, states, position_tolerance=1e12, max_step=600.0)
     assert np.linalg.norm(blind.of(1)[-1, :3] - expected[-1, :3]) > 1e3
 
 
@@ -231,7 +230,7 @@ def test_inputs_are_left_alone(assumed_model, crowd):
 
 
 def test_a_decaying_arc_has_states_until_it_decays(assumed_model):
-    epochs = np.arange(0.0, 5 * 3600.0, 300.0)
+    epochs = np.arange(0.0, 5 * HOUR, 300.0)
     arcs = fly(assumed_model, epochs, np.array([orbit(160e3, e=0.0005)]), ballistic=0.6)
     found = arcs.of(0)
     flown = np.isfinite(found[:, 0])
@@ -277,7 +276,8 @@ def test_a_step_below_the_minimum(assumed_model):
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_the_grid_hits_every_epoch_and_keeps_below_the_ceiling(sign):
     epochs = sign * np.array([0.0, 20.0, 110.0, 200.00001, 1234.5, 1235.0, 9999.0])
-    times, index = ensemble._grid(epochs, 90.0)
+    grid = ensemble._Grid(epochs, 90.0)
+    times, index = grid.times, grid.index
     np.testing.assert_array_equal(times[index], epochs)
     steps = sign * np.diff(times)
     assert np.all(steps > 0.0)

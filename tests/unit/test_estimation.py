@@ -5,22 +5,24 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from support import DAY, rsos
+from support import rsos
 
 from opml.catalog import estimation, tracking, truth
-from opml.catalog.estimation import COVARIANCES, PARAMETERS
+from opml.catalog.estimation import COVARIANCES, Estimation
+from opml.catalog.least_squares import NOT_CONVERGED, UNDERDETERMINED, Fit, Method
+from opml.constants import DAY, HOUR
 from opml.dynamics.ensemble import Integrator
+from opml.tables import PARAMETERS, STATE
 
-SETTINGS = {
-    "window_hours": 12,
-    "max_iterations": 30,
-    "convergence": 1e-3,
-    "start_position_sigma_m": 1000.0,
-    "start_velocity_sigma_mps": 1.0,
-    "least_drag_m": 0.1,
-    "cd_min": 1.2,
-    "cd_max": 3.2,
-}
+SETTINGS = Estimation(
+    window_hours=12,
+    max_iterations=30,
+    convergence=1e-3,
+    start_position_sigma_m=1000.0,
+    start_velocity_sigma_mps=1.0,
+    least_drag_m=0.1,
+    cd_bounds=(1.2, 3.2),
+)
 SIGMAS = [f"sigma_{name}" for name in tracking.QUANTITIES]
 TRUE = {name: f"{name}_true" for name in tracking.QUANTITIES}
 
@@ -28,7 +30,7 @@ TRUE = {name: f"{name}_true" for name in tracking.QUANTITIES}
 def estimates(model, orbit, rows, earth_orientation, stations, rso, *, threads=1, seed=42, **settings):
     return estimation.estimate_all(
         model, orbit, rows, earth_orientation, stations, rso,
-        settings=SETTINGS | settings, integrator=Integrator(), seed=seed, threads=threads,
+        settings=replace(SETTINGS, **settings), integrator=Integrator(), seed=seed, threads=threads,
     )  # fmt: skip
 
 
@@ -85,7 +87,7 @@ def test_one_row_a_track_with_its_window(table, rows):
     assert table["track"].tolist() == starts.index.tolist()
     np.testing.assert_array_equal(table["t"], starts)
     for row in table.itertuples():
-        within = starts[(starts >= row.t - 12 * 3600.0) & (starts <= row.t)]
+        within = starts[(starts >= row.t - 12 * HOUR) & (starts <= row.t)]
         assert row.tracks_used == len(within)
         assert row.measurements_used == rows["track"].isin(within.index).sum()
     assert table["tracks_used"].iloc[0] == 1
@@ -95,7 +97,7 @@ def test_one_row_a_track_with_its_window(table, rows):
 def test_noisy_fits_err_as_their_covariances_say(table, orbit, rows):
     used = table[table["tracks_used"] >= 3]
     assert used["converged"].all()
-    true = orbit.set_index("t").loc[used["t"], truth.STATE].to_numpy()
+    true = orbit.set_index("t").loc[used["t"], STATE].to_numpy()
     difference = used[PARAMETERS].to_numpy() - np.column_stack([true, np.full(len(used), 2.2)])
     chi2 = np.array([d @ np.linalg.solve(p, d) for d, p in zip(difference, covariances(used), strict=True)])
     # Seven degrees of freedom; neighbouring windows share measurements, so the mean scatters.
@@ -118,7 +120,7 @@ def test_the_last_step_is_flown_only_where_that_could_change_it(
     assert (table["iterations"] <= further["iterations"]).all()
     moved = (table[PARAMETERS] - further[PARAMETERS]).to_numpy()
     doubt = np.sqrt(np.diagonal(covariances(further), axis1=1, axis2=2))
-    assert np.abs(moved / doubt).max() < SETTINGS["convergence"]
+    assert np.abs(moved / doubt).max() < SETTINGS.convergence
     # What was not flown is told as it would have been found.
     np.testing.assert_allclose(table["weighted_rms"], further["weighted_rms"], rtol=1e-6)
     np.testing.assert_allclose(table["cov_x_x"], further["cov_x_x"], rtol=1e-3)
@@ -130,42 +132,56 @@ def test_fewer_measurements_leave_more_doubt(table):
     assert doubt[many].max() < 0.5 < doubt[single].min()
 
 
-def test_partial_derivatives_are_what_central_differences_give(
-    assumed_model, orbit, rows, earth_orientation, three_stations, iss
-):
-    problem = estimation._Problem(
-        assumed_model, rows, earth_orientation, three_stations, iss, Integrator(), 1
-    )
-    at = problem.epochs[problem.begins[4]]
-    nominal = np.append(orbit.set_index("t").loc[at, truth.STATE].to_numpy(), 2.2)
-    fit = problem.window(4, nominal, SETTINGS)
-    assert fit.tracks > 1
-    (_,), (jacobian,), _ = problem._linearise([fit])
+@pytest.fixture
+def measured(rows, earth_orientation, three_stations):
+    return estimation._Measured(rows, earth_orientation, three_stations)
+
+
+@pytest.fixture
+def evaluated(assumed_model, iss, measured):
+    """The evaluation of a window at parameters (7,)."""
+    flight = estimation._Flight(assumed_model, iss, Integrator(), 1)
+
+    def evaluate(window, parameters):
+        method = Method(np.ones(7), np.ones(7, bool), 1e-3)
+        (states,), (lost,) = flight.around(
+            measured.epochs, [estimation._Estimate(window, Fit(parameters, method))]
+        )
+        assert not lost
+        return measured.evaluation(window, states)
+
+    return evaluate
+
+
+def nominal(orbit, measured, window):
+    """The true parameters (7,) at the end of a window."""
+    return np.append(orbit.set_index("t").loc[measured.epochs[window.at], STATE].to_numpy(), 2.2)
+
+
+def test_partial_derivatives_are_what_central_differences_give(orbit, measured, evaluated):
+    window = measured.window(4, 12 * HOUR)
+    assert window.tracks > 1
+    true = nominal(orbit, measured, window)
+    jacobian = evaluated(window, true).jacobian
     for k, nudge in enumerate([20.0, 20.0, 20.0, 2e-2, 2e-2, 2e-2, 0.1]):
-        sides = []
-        for sign in (1.0, -1.0):
-            fit.trial = nominal + sign * nudge * np.eye(7)[k]
-            sides.append(problem._linearise([fit])[0][0])
+        plus, minus = (
+            evaluated(window, true + sign * nudge * np.eye(7)[k]).residuals for sign in (1.0, -1.0)
+        )
         # Residuals are measured less predicted.
-        central = (sides[1] - sides[0]) / (2.0 * nudge)
+        central = (minus - plus) / (2.0 * nudge)
         assert np.abs(jacobian[:, k] - central).max() < 2e-3 * np.abs(central).max()
 
 
-def test_partial_derivatives_are_whole_across_north(
-    assumed_model, orbit, rows, earth_orientation, three_stations, iss
-):
+def test_partial_derivatives_are_whole_across_north(orbit, rows, measured, evaluated):
     """Counting azimuth from where the RSO stands, so that neighbouring arcs lie on both sides of 0."""
-    problem = estimation._Problem(
-        assumed_model, rows, earth_orientation, three_stations, iss, Integrator(), 1
-    )
-    start = orbit.set_index("t").loc[problem.epochs[problem.begins[1]], truth.STATE].to_numpy()
-    fit = problem.window(1, np.append(start, 2.2), SETTINGS)
-    _, (expected,), _ = problem._linearise([fit])
+    window = measured.window(1, 12 * HOUR)
+    true = nominal(orbit, measured, window)
+    expected = evaluated(window, true).jacobian
     azimuth = rows["azimuth_true"].to_numpy()
     cosine, sine, zero = np.cos(azimuth), np.sin(azimuth), np.zeros(len(azimuth))
     turn = np.array([[cosine, -sine, zero], [sine, cosine, zero], [zero, zero, zero + 1.0]])
-    problem.to_horizon = np.einsum("ijn,njk->nik", turn, problem.to_horizon)
-    _, (jacobian,), _ = problem._linearise([fit])
+    measured.to_horizon = np.einsum("ijn,njk->nik", turn, measured.to_horizon)
+    jacobian = evaluated(window, true).jacobian
     np.testing.assert_allclose(jacobian, expected, rtol=1e-4, atol=1e-6 * np.abs(expected).max())
 
 
@@ -205,7 +221,7 @@ def test_too_few_measurements_for_seven_parameters(
 ):
     found = estimates(assumed_model, orbit, rows.iloc[:2], earth_orientation, three_stations, iss).iloc[0]
     assert not found["converged"]
-    assert found["reason"] == estimation.UNDERDETERMINED
+    assert found["reason"] == UNDERDETERMINED
     assert np.isfinite(found[[*PARAMETERS, *COVARIANCES]].to_numpy(float)).all()
 
 
@@ -214,7 +230,7 @@ def test_no_time_to_converge(assumed_model, orbit, rows, earth_orientation, thre
     found = estimates(assumed_model, orbit, first, earth_orientation, three_stations, iss, max_iterations=2)
     assert found["iterations"].tolist() == [2, 2]
     assert not found["converged"].any()
-    assert set(found["reason"]) == {estimation.NOT_CONVERGED}
+    assert set(found["reason"]) == {NOT_CONVERGED}
 
 
 def test_a_start_that_decays_is_a_row_and_spoils_no_other(
@@ -262,13 +278,22 @@ def test_a_batch_starts_from_the_newest_usable_estimate(
     """Later batches start close by and are done soon; a Cd out of bounds is nothing to start from."""
     monkeypatch.setattr(estimation, "BATCH", 4)
     given = assumed_model, orbit, rows[rows["track"] < 8], earth_orientation, three_stations, iss
-    close, afresh = estimates(*given), estimates(*given, cd_min=9.0, cd_max=9.1)
+    close, afresh = estimates(*given), estimates(*given, cd_bounds=(9.0, 9.1))
     pd.testing.assert_frame_equal(close.iloc[:4], afresh.iloc[:4], check_exact=True)
     assert close["iterations"].iloc[4:].max() <= 5
     assert afresh["iterations"].iloc[4:].max() >= 8
     # Where they started does not show in what they found.
     moved = np.linalg.norm((close[["x", "y", "z"]] - afresh[["x", "y", "z"]]).iloc[4:], axis=1)
     assert moved.max() < 0.1
+
+
+def test_without_bounds_every_converged_estimate_is_one_to_start_from(
+    assumed_model, orbit, rows, earth_orientation, three_stations, iss, monkeypatch
+):
+    monkeypatch.setattr(estimation, "BATCH", 4)
+    given = assumed_model, orbit, rows[rows["track"] < 8], earth_orientation, three_stations, iss
+    # The fourth is within the paper's bounds, so it is the start of the second batch in either case.
+    pd.testing.assert_frame_equal(estimates(*given, cd_bounds=None), estimates(*given), check_exact=True)
 
 
 def test_a_station_of_other_sigmas_weighs_otherwise(

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 from support import EXCERPTS
 
-from opml.constants import EARTH_RATE
+from opml.constants import DAY, EARTH_RATE
 from opml.dynamics.frames import gcrf_to_itrf
 
 
@@ -15,7 +15,7 @@ def test_rotations_are_orekits(earth_orientation):
 
 
 def test_rotations_are_orthonormal_and_do_not_depend_on_their_company(earth_orientation):
-    t = np.random.default_rng(1).uniform(0.0, 50 * 86400.0, 200)
+    t = np.random.default_rng(1).uniform(0.0, 50 * DAY, 200)
     rotations = gcrf_to_itrf(earth_orientation, t)
     assert rotations.shape == (200, 3, 3)
     identities = np.einsum("nij,nkj->nik", rotations, rotations)

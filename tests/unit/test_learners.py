@@ -1,17 +1,24 @@
 """Every learner behind the one interface: what it predicts, and that its file is the model."""
 
+import importlib.util
 import json
+import re
+import sys
 
 import numpy as np
 import pandas as pd
 import pytest
+from jsonschema import Draft202012Validator
 from sklearn.ensemble import HistGradientBoostingRegressor
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
 from sklearn.linear_model import QuantileRegressor, Ridge
+from support import REPOSITORY, paper_source
 
 from opml.errors import InputError
 from opml.learning import boosting, gaussian_process, learners, mechanism, mlp, ridge
+from opml.study import checks
+from opml.study.overlay import Source, read_yaml
 from opml.tables import read_metadata, read_table, write_table
 
 VARIABLES = ["duration", "d_a", "cd", "v_y"]
@@ -292,6 +299,29 @@ def test_an_unknown_kind_is_named():
         learners.fit(np.ones((2, 1)), np.ones(2), variables=["a"], settings={"kind": "oracle"}, seed=1)
     with pytest.raises(InputError, match="got oracle"):
         learners.schema({"kind": "oracle", "variables": []})
+    with pytest.raises(InputError, match="got oracle"):
+        learners.description("oracle")
+
+
+def test_every_kind_is_tested_and_described():
+    assert set(SETTINGS) == {*(learner.kind for learner in learners.LEARNERS), "stacked"}
+    assert len({learners.description(kind) for kind in SETTINGS}) == len(SETTINGS)
+
+
+@pytest.fixture
+def validator():
+    shared = read_yaml(REPOSITORY / "workflow" / "schemas" / "config.schema.yaml")["$defs"]
+    own = {"learner": learners.settings_schema()}
+    return Draft202012Validator({"$ref": "#/$defs/learner", "$defs": shared | own})
+
+
+@KINDS
+def test_settings_of_a_kind_are_all_needed_and_take_no_other_key(validator, kind):
+    assert validator.is_valid(SETTINGS[kind])
+    assert not validator.is_valid(SETTINGS[kind] | {"speed": 1})
+    for key in SETTINGS[kind]:
+        assert not validator.is_valid({name: SETTINGS[kind][name] for name in SETTINGS[kind] if name != key})
+        assert not validator.is_valid(SETTINGS[kind] | {key: [[]]})
 
 
 def saved(path, model, changes=None):
@@ -344,3 +374,59 @@ def test_a_model_without_its_description_is_refused(tmp_path, models, kind):
         left = {name: value for name, value in described.items() if name != key}
         write_table(path, table, learners.schema(described), metadata=left)
         assert refusal(path).startswith(f"{path}: ")
+
+
+@pytest.fixture
+def quantile(tmp_path, monkeypatch):
+    """The module that docs/howto.md writes for a new kind, named in the registry as it says."""
+    page = (REPOSITORY / "docs" / "howto.md").read_text(encoding="utf-8")
+    (source,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    path = tmp_path / "quantile.py"
+    path.write_text(source, encoding="utf-8")
+    spec = importlib.util.spec_from_file_location("opml.learning.quantile", path)
+    module = importlib.util.module_from_spec(spec)
+    monkeypatch.setitem(sys.modules, spec.name, module)
+    spec.loader.exec_module(module)
+    assert "`quantile.LEARNER,` in `LEARNERS`" in page
+    monkeypatch.setattr(learners, "LEARNERS", (*learners.LEARNERS, module.LEARNER))
+    return module
+
+
+QUANTILE = {"kind": "quantile", "share": 0.25}
+
+
+@pytest.mark.parametrize("settings", [QUANTILE, {"kind": "stacked", "first": MECHANISM, "second": QUANTILE}])
+def test_the_recipe_for_a_new_kind_gives_a_model_that_is_its_file(quantile, tmp_path, settings):
+    rows, y = sample(400)
+    rows = rows.assign(e_y=y, i=0)
+    found = learners.resolved(settings, component="e_y", variables=VARIABLES)
+    model = learners.train(rows, component="e_y", settings=found, seed=42)
+    loaded = learners.read(saved(tmp_path / "model.parquet", model))
+    np.testing.assert_array_equal(predicted(loaded, rows), predicted(model, rows))
+    assert np.mean(y < predicted(loaded, rows)) == 0.25
+    assert loaded.to_table()[1] == model.to_table()[1]
+
+
+def test_the_recipe_for_a_new_kind_makes_its_settings_known(quantile, monkeypatch):
+    monkeypatch.chdir(REPOSITORY)  # the sheets' paths are relative to it
+    schema = "workflow/schemas/config.schema.yaml"
+
+    def load(**settings):
+        source = paper_source()
+        learners_ = source.values["learners"] | {"mine": {"kind": "quantile"} | settings}
+        return checks.load(Source(source.values | {"learners": learners_}, source.layers), schema=schema)
+
+    def told(**settings):
+        with pytest.raises(InputError) as raised:
+            load(**settings)
+        return str(raised.value).partition("learners.mine.")[2]
+
+    load(**QUANTILE)
+    assert told(share=2) == "share: expected a number between 0 and 1, got 2"
+    assert told() == "share: expected a value, got none"
+    assert told(share=0.5, shares=1) == "shares: unknown key; did you mean share?"
+
+
+def test_the_recipe_for_a_new_kind_makes_its_words_and_its_table_known(quantile):
+    assert learners.description("quantile") == "one quantile of the errors"
+    assert learners.schemas()[-1].names == ["value"]

@@ -1,6 +1,8 @@
 """TLE and OMM: one set of elements in four spellings, states against Vallado's, and files that are wrong."""
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -40,7 +42,12 @@ OMM = {
     "MEAN_MOTION_DDOT": "0",
 }
 THREE_DAYS_ON = "2000-06-30T18:50:19.733571"
+TEN_DAYS_ON = "2000-07-07T18:50:19.733568"
+A_MONTH_ON = "2000-07-28T18:50:19.733568"
 BODY = {"name": "mine", "area_to_mass": 0.05, "cd": 2.2, "cr": 1.25}
+
+
+COMMAND = ["--name", "mine", "--area-to-mass", "0.05", "--cd", "2.2", "--cr", "1.25"]
 
 
 def tle():
@@ -85,7 +92,7 @@ def written(tmp_path):
 @pytest.mark.parametrize("text", SPELLINGS.values(), ids=SPELLINGS)
 def test_every_spelling_gives_vallados_states(written, text):
     satellite = mean_elements.read(written(text))
-    assert mean_elements.epoch_of(satellite) == "2000-06-27T18:50:19.733568"
+    assert mean_elements.own_epoch(satellite) == "2000-06-27T18:50:19.733568"
     error, position, velocity = satellite.sgp4_tsince(4320.0)
     assert error == 0
     # His table of results in TEME, printed to 1e-8 km; a spelling's epoch may be 4 microseconds off.
@@ -112,7 +119,7 @@ def test_an_rso_starts_where_sgp4_has_it(written):
 
 def test_the_command_adds_a_line_to_the_sheet(written, capsys, tmp_path):
     path = str(written(tle()))
-    assert mean_elements.main([path, "--name", "mine", "--epoch", THREE_DAYS_ON]) == 0
+    assert mean_elements.main([path, *COMMAND, "--epoch", THREE_DAYS_ON]) == 0
     sheet = (Path(__file__).parents[2] / "config" / "rsos.tsv").read_text()
     (tmp_path / "rsos.tsv").write_text(sheet + capsys.readouterr().out)
     found = read_rsos(tmp_path / "rsos.tsv")["mine"]
@@ -121,8 +128,45 @@ def test_the_command_adds_a_line_to_the_sheet(written, capsys, tmp_path):
 
 
 def test_the_command_says_what_is_wrong_in_one_line(written, capsys):
-    assert mean_elements.main([str(written("nothing")), "--name", "mine"]) == 1
+    assert mean_elements.main([str(written("nothing")), *COMMAND, "--epoch", THREE_DAYS_ON]) == 1
     assert capsys.readouterr().err.count("\n") == 1
+
+
+@pytest.mark.parametrize("option", ["--epoch", "--area-to-mass", "--cd", "--cr"])
+def test_the_command_asks_for_epoch_and_body(written, capsys, option):
+    given = ["--epoch", THREE_DAYS_ON, *COMMAND]
+    del given[given.index(option) : given.index(option) + 2]
+    with pytest.raises(SystemExit) as ended:
+        mean_elements.main([str(written(tle())), *given])
+    assert ended.value.code == 2
+    assert option in capsys.readouterr().err
+
+
+def test_the_command_warns_of_old_elements_in_one_line_on_stderr(written):
+    command = [sys.executable, "-m", "opml.interop.mean_elements", str(written(tle())), *COMMAND]
+    done = subprocess.run([*command, "--epoch", TEN_DAYS_ON], capture_output=True, text=True, check=True)
+    assert done.stderr == (
+        "opml: mean elements: SGP4 carries them 10.0 days, from their epoch 2000-06-27T18:50:19.733568 to "
+        "2000-07-07T18:50:19.733568; it errs by kilometres per day\n"
+    )
+    assert done.stdout.startswith("mine\t")
+
+
+@pytest.mark.parametrize("epoch", [THREE_DAYS_ON, "2000-06-21T00:00:00"])
+def test_elements_of_a_few_days_are_flown_without_a_warning(written, caplog, epoch):
+    mean_elements.rso(mean_elements.read(written(tle())), epoch=epoch, **BODY)
+    assert caplog.records == []
+
+
+@pytest.mark.parametrize("epoch", [A_MONTH_ON, "2000-05-20T00:00:00"])
+def test_elements_of_another_month_are_refused(written, capsys, epoch):
+    assert mean_elements.main([str(written(tle())), *COMMAND, "--epoch", epoch]) == 1
+    error = capsys.readouterr().err
+    assert error.startswith(
+        "opml: mean elements: expected an epoch at most 30 days from theirs, "
+        f"2000-06-27T18:50:19.733568, got {epoch}, 3"
+    )
+    assert error.count("\n") == 1
 
 
 @pytest.mark.parametrize(

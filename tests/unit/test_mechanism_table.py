@@ -5,13 +5,11 @@ import pandas as pd
 import pytest
 
 from opml.catalog import mechanism
-from opml.catalog.truth import STATE
 from opml.elements import cartesian_from_coe, rsw_rotation
-from opml.tables import mechanism_schema, write_table
+from opml.tables import STATE, mechanism_schema, write_table
 
 GM = 3.986004415e14
 PAIRS = ((1, 15), (2, 31))
-AXES = ("x", "y", "z", "vx", "vy", "vz")
 T = np.array([0.0, 1e4, 5e4, 9e4])
 START, END = np.array([0, 0, 0, 1, 1, 2]), np.array([1, 2, 3, 2, 3, 3])
 
@@ -36,11 +34,11 @@ def predictions(offset):
 
 
 def sensitivities(value):
-    names = [f"{family}_{axis}" for family in "svr" for axis in AXES]
+    names = [f"{family}_{axis}" for family in "svr" for axis in STATE]
     return pd.DataFrame({"i": START, "j": END, "cd_mean": 2.3, **dict.fromkeys(names, value)})
 
 
-def build(long_cd=(2.1, 2.2, 2.3, 2.4), converged=True, drop=()):
+def build(long_cd=(2.1, 2.2, 2.3, 2.4), converged=True, drop=(), bounds=(1.2, 3.2)):
     long_predictions = predictions([1.0, -200.0, 3.0, 0.1, 0.0, 0.0])
     return mechanism.build(
         estimates([2.0, 2.5, 2.2, 2.2]),
@@ -49,7 +47,7 @@ def build(long_cd=(2.1, 2.2, 2.3, 2.4), converged=True, drop=()):
         long_estimates=estimates(list(long_cd), converged),
         long_predictions=long_predictions.drop(index=list(drop)),
         long_sensitivities=sensitivities(11.0).drop(index=list(drop)),
-        bounds=(1.2, 3.2),
+        bounds=bounds,
         resonances=PAIRS,
         long_window_hours=12,
         gm=GM,
@@ -60,7 +58,7 @@ def test_the_long_arcs_difference_is_in_rsw_of_the_prediction():
     table = build()
     assert set(table.columns) == set(mechanism_schema(PAIRS).names)
     expected = [-1.0, 200.0, -3.0, -0.1, 0.0, 0.0]
-    for axis, value in zip(AXES, expected, strict=True):
+    for axis, value in zip(STATE, expected, strict=True):
         np.testing.assert_allclose(table[f"l_{axis}"], value, atol=1e-6)
     assert (table["v_long_y"] == 11.0).all()
     assert (table["v_y"] == 7.0).all()
@@ -81,12 +79,18 @@ def test_the_long_arcs_difference_is_in_rsw_of_the_prediction():
 def test_the_short_arc_stands_in_for_a_long_one_that_is_of_no_use(without):
     table, whole = build(**without), build()
     lost = table["i"] == 1
-    assert (table.loc[lost, [f"l_{axis}" for axis in AXES]] == 0.0).all(axis=None)
+    assert (table.loc[lost, [f"l_{axis}" for axis in STATE]] == 0.0).all(axis=None)
     assert (table.loc[lost, "v_long_y"] == 7.0).all()
     assert (table.loc[lost, "cd_long"] == 2.5).all()
     np.testing.assert_allclose(table.loc[lost, "d_cd_long"], 0.2)
     columns = [name for name in table if name != "d_cd_long"]  # a mean over fewer estimates
     pd.testing.assert_frame_equal(table.loc[~lost, columns], whole.loc[~lost, columns])
+
+
+def test_without_bounds_a_long_arc_of_any_cd_is_of_use():
+    table = build(long_cd=(2.1, 5.0, 2.3, 2.4), bounds=None)
+    np.testing.assert_array_equal(table["cd_long"], np.array([2.1, 5.0, 2.3])[START])
+    assert (table["v_long_y"] == 11.0).all()
 
 
 def test_is_written_as_its_schema_says(tmp_path):

@@ -80,10 +80,13 @@ def test_evaluation_and_its_summary(tmp_path):
         "target": "iss_i50",
         "test": "rest",
     }
-    row = summary(table, seed=42, **names)
+    row = summary(table, seed_noise=43, seed_split=42, kernel_scale=1.5, **names)
     low, high = bootstrap_interval(table, seed=42)
     assert row.columns.tolist() == SCHEMAS["metrics"].names
     assert row.iloc[0].to_dict() == names | {
+        "seed_noise": 43,
+        "seed_split": 42,
+        "kernel_scale": 1.5,
         "rows": 4,
         "estimates": 3,
         "p_ml": pytest.approx(58.0),
@@ -94,19 +97,12 @@ def test_evaluation_and_its_summary(tmp_path):
     write_table(tmp_path / "metrics.parquet", row, "metrics", metadata={})
 
 
-def test_seeds_become_a_column_of_their_own():
-    table = pd.DataFrame(
-        {
-            "stations": ["eglin", "eglin_noise7", "eglin_noise7_track"],
-            "train": ["random-80", "random-80_split43", "days-0-30"],
-            "p_ml": [1.0, 2.0, 3.0],
-        }
-    )
-    found = by_seed(table)
-    assert found["stations"].tolist() == ["eglin", "eglin", "eglin_track"]
-    assert found["train"].tolist() == ["random-80", "random-80", "days-0-30"]
-    assert found["seed"].tolist() == ["", "_noise7_split43", "_noise7"]
-    assert table["stations"][1] == "eglin_noise7"
+def test_pairs_of_seeds_have_a_number_in_a_column_of_their_own():
+    table = pd.DataFrame({"seed_noise": [42, 42, 7, 42], "seed_split": [42, 43, 42, 42], "p_ml": 1.0})
+    seed = by_seed(table)["seed"].tolist()
+    assert seed[0] == seed[3]
+    assert len(set(seed)) == 3
+    assert "seed" not in table
 
 
 def test_share_of_the_floor():

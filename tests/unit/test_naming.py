@@ -1,17 +1,19 @@
-"""Suffixes in names: seeds, readings, kernel scales, varied RSOs; one spelling each."""
+"""The grammar of names: stations, varied RSOs, splits, seeds, readings, kernel scales; one spelling each."""
 
+import math
 import re
-from pathlib import Path
+from itertools import combinations
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support import rsos, stations
 
 from opml import naming
 from opml.errors import InputError
-from opml.sheets import parse_rso, read_rsos
+from opml.naming import Split, parse_rso, parse_stations, rso_pattern, stations_pattern
 
-RSOS = read_rsos(Path(__file__).parents[2] / "config" / "rsos.tsv")
+STATIONS, RSOS = stations(), rsos()
 LEARNERS = {"svr": {"kernel_scale": "sigest", "c": 1.0}, "svrfixed": {"kernel_scale": 2.0, "c": 1.0}}
 
 
@@ -121,3 +123,159 @@ def test_inclination_of_an_rso(rso, degrees, expected):
 def test_offset_of_an_rso(rso, km, expected):
     assert naming.with_offset(rso, km, RSOS) == expected
     assert parse_rso(expected, RSOS).name == expected
+
+
+def test_every_subset_in_the_sheets_order_is_a_station_set():
+    pattern = re.compile(stations_pattern(STATIONS))
+    for size in range(1, 4):
+        for names in combinations(STATIONS, size):
+            text = "-".join(names)
+            assert pattern.fullmatch(text)
+            assert [station.name for station in parse_stations(text, STATIONS)] == list(names)
+
+
+@pytest.mark.parametrize("text", ["", "nowhere", "eglin-", "eglin_clear", "Eglin"])
+def test_other_texts_are_no_part_of_a_file_name(text):
+    assert not re.fullmatch(stations_pattern(STATIONS), text)
+
+
+@pytest.mark.parametrize(
+    "text", ["", "nowhere", "kaena-eglin", "eglin-eglin", "eglin-", "eglin_clear", "Eglin"]
+)
+def test_other_texts_are_no_station_set(text):
+    with pytest.raises(InputError, match=f"stations '{text}': expected"):
+        parse_stations(text, STATIONS)
+
+
+@pytest.mark.parametrize(
+    ("text", "spelling"), [("kaena-eglin", "eglin-kaena"), ("clear-eglin-clear", "eglin-clear")]
+)
+def test_a_station_set_in_another_order_is_told_its_spelling(text, spelling):
+    with pytest.raises(InputError) as error:
+        parse_stations(text, STATIONS)
+    assert str(error.value) == (
+        f"stations '{text}': expected '{spelling}', each name once in the sheet's order"
+    )
+
+
+def test_varied_rso():
+    varied = parse_rso("iss_i50_a+50.5", RSOS)
+    assert varied.name == "iss_i50_a+50.5"
+    assert varied.i == math.radians(50)
+    assert varied.a == pytest.approx(RSOS["iss"].a + 50.5e3, abs=1e-6)
+    assert (varied.e, varied.raan) == (RSOS["iss"].e, RSOS["iss"].raan)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "mir", "iss_", "iss_i", "iss_i050", "iss_i50.0", "iss_i50.10", "iss_i-5", "iss_a50", "iss_a+0",
+     "iss_a-0", "iss_a+050", "iss_a+5_i50", "iss_i50_i51", "ISS", "iss_i5e1"],
+)  # fmt: skip
+def test_other_texts_are_no_rso(text):
+    # One spelling an RSO: file names are compared as text.
+    assert not re.fullmatch(rso_pattern(RSOS), text, re.ASCII)
+    with pytest.raises(InputError, match="expected one of iss, swarma"):
+        parse_rso(text, RSOS)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("iss_i181", "inclination: expected a number of at least 0 and at most 180"),
+        ("iss_a-300", "at least 120 km high"),
+    ],
+)
+def test_impossible_variation_is_explained(text, message):
+    with pytest.raises(InputError, match=f"RSO '{text}': .*{message}"):
+        parse_rso(text, RSOS)
+
+
+@given(
+    base=st.sampled_from(list(RSOS)),
+    inclination=st.none() | st.decimals(0, 180, places=4),
+    offset=st.none() | st.decimals("0.001", 2000, places=3),
+)
+def test_what_the_pattern_accepts_can_be_parsed(base, inclination, offset):
+    def text(number):
+        return f"{number:f}".rstrip("0").rstrip(".") if "." in f"{number:f}" else f"{number:f}"
+
+    name = base
+    name += "" if inclination is None else f"_i{text(inclination)}"
+    name += "" if offset is None else f"_a+{text(offset)}"
+    assert re.fullmatch(rso_pattern(RSOS), name)
+    varied = parse_rso(name, RSOS)
+    assert varied.i == (RSOS[base].i if inclination is None else math.radians(float(inclination)))
+    assert varied.a - RSOS[base].a == pytest.approx(0 if offset is None else 1e3 * float(offset), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "split"),
+    [
+        ("random-80", Split("random", percent=80)),
+        ("grouped-12.5", Split("grouped", percent=12.5)),
+        ("days-0-30", Split("days", days=(0, 30))),
+    ],
+)
+def test_training_split_and_back(text, split):
+    assert naming.parse_train(text) == split
+    assert str(split) == text
+    assert re.fullmatch(naming.TRAIN, text)
+
+
+@pytest.mark.parametrize(
+    ("text", "split"),
+    [
+        ("rest", Split("rest")),
+        ("seen", Split("seen")),
+        ("days-30-40.5", Split("days", days=(30, 40.5))),
+        ("days-30-40-unseen", Split("days", days=(30, 40), unseen=True)),
+    ],
+)
+def test_test_split_and_back(text, split):
+    assert naming.parse_test(text) == split
+    assert str(split) == text
+    assert re.fullmatch(naming.TEST, text)
+
+
+@pytest.mark.parametrize(
+    "text", ["random", "random-", "random-080", "rest", "days-1", "days-30-40-unseen", ""]
+)
+def test_other_texts_are_no_training_split(text):
+    assert not re.fullmatch(naming.TRAIN, text)
+    with pytest.raises(InputError, match=f"training split '{text}': expected random-<percent>"):
+        naming.parse_train(text)
+
+
+@pytest.mark.parametrize("text", ["random-80", "all", "days-1", "days-30-40-seen", "days-01-2", ""])
+def test_other_texts_are_no_test_split(text):
+    assert not re.fullmatch(naming.TEST, text)
+    with pytest.raises(InputError, match=f"test split '{text}': expected seen, rest"):
+        naming.parse_test(text)
+
+
+@pytest.mark.parametrize("text", ["random-0", "grouped-100.5"])
+def test_a_share_that_cannot_be(text):
+    with pytest.raises(InputError, match="expected a percentage above 0 and up to 100"):
+        naming.parse_train(text)
+
+
+def test_windows_of_names():
+    assert naming.days_split([0, 8.5]) == "days-0-8.5"
+    assert naming.as_unseen("days-30-40") == "days-30-40-unseen"
+    assert naming.as_unseen("rest") == "rest"
+    with pytest.raises(InputError, match="expected ascending days, got 9 and 9"):
+        naming.parse_test("days-9-9")
+    with pytest.raises(InputError, match="up to duration_days, 12, got 8 and 13"):
+        naming.check_split(naming.parse_test("days-8-13"), duration_days=12)
+
+
+def test_an_experiment_knows_its_files():
+    one = naming.Experiment("iss", "eglin", "random-80", "svr", "e_y", "lares", "rest", "_track", "_w24")
+    assert one.path("metrics") == "metrics/iss/eglin_w24_track/random-80/svr/e_y/lares/rest.parquet"
+    assert one.columns()["stations"] == "eglin_w24_track"
+
+
+def test_nothing_is_any_of_no_names():
+    assert not re.fullmatch(naming.any_of([]), "")
+    assert re.fullmatch(naming.any_of(["a.b", "c"]), "a.b")
+    assert not re.fullmatch(naming.any_of(["a.b", "c"]), "axb")

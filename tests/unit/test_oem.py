@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from support import EPOCH
 
 from opml.catalog import truth
+from opml.constants import DAY
 from opml.dynamics.ensemble import Integrator
 from opml.errors import InputError
 from opml.interop import ccsds, oem
@@ -26,7 +27,7 @@ def orbit(kepler_model, iss):
 @pytest.fixture
 def message(orbit, tmp_path):
     path = tmp_path / "iss.oem"
-    oem.write(path, oem.of_truth(orbit, rso="iss"), epoch=EPOCH)
+    oem.write(path, oem.truth_segments(orbit, rso="iss"), epoch=EPOCH)
     return path
 
 
@@ -52,7 +53,7 @@ def predictions():
 @given(DOUBLES, st.sampled_from([-6, -3, 0]))
 def test_a_number_keeps_every_bit(value, power):
     message = object.__new__(ccsds.Message)
-    back = message.scaled(ccsds.printed(value, power), -power, 1)
+    back = message.scaled(ccsds.number_text(value, power), -power, 1)
     assert np.float64(back).tobytes() == np.float64(value).tobytes()
 
 
@@ -61,13 +62,13 @@ def test_a_number_keeps_every_bit(value, power):
 def test_times_come_back_to_the_microsecond_across_leap_seconds(microseconds):
     t = np.array(microseconds) / 1e6
     message = object.__new__(ccsds.Message)
-    back = message.elapsed(ccsds.utc(EPOCH, t), range(len(t)), epoch=EPOCH, scale="UTC")
+    back = message.elapsed(ccsds.utc_texts(EPOCH, t), range(len(t)), epoch=EPOCH, scale="UTC")
     np.testing.assert_array_equal(back, t)
 
 
 def test_the_leap_second_of_2016_has_a_name():
-    midnight = 94 * 86400.0 + (86400.0 - 43785.0)  # 2016-12-31T24:00:00 if there were none
-    assert ccsds.utc(EPOCH, [midnight]) == ["2016-12-31T23:59:60.000000"]
+    midnight = 94 * DAY + (DAY - 43785.0)  # 2016-12-31T24:00:00 if there were none
+    assert ccsds.utc_texts(EPOCH, [midnight]) == ["2016-12-31T23:59:60.000000"]
 
 
 def test_truth_comes_back_bit_for_bit(orbit, message):
@@ -76,13 +77,13 @@ def test_truth_comes_back_bit_for_bit(orbit, message):
 
 
 def test_the_same_input_gives_the_same_bytes(orbit, message, tmp_path):
-    oem.write(tmp_path / "again.oem", oem.of_truth(orbit, rso="iss"), epoch=EPOCH)
+    oem.write(tmp_path / "again.oem", oem.truth_segments(orbit, rso="iss"), epoch=EPOCH)
     assert (tmp_path / "again.oem").read_bytes() == message.read_bytes()
 
 
 def test_estimates_come_back_with_their_covariances(tmp_path):
     table = estimates()
-    oem.write(tmp_path / "e.oem", oem.of_estimates(table, rso="iss"), epoch=EPOCH)
+    oem.write(tmp_path / "e.oem", oem.estimate_segments(table, rso="iss"), epoch=EPOCH)
     (back,) = oem.read(tmp_path / "e.oem", epoch=EPOCH)
     usable = table[table["converged"]]
     assert back.t.tolist() == back.covariance_t.tolist() == [0.0, 200.0]
@@ -95,7 +96,7 @@ def test_estimates_come_back_with_their_covariances(tmp_path):
 
 def test_predictions_are_a_segment_an_estimate(tmp_path):
     table = predictions()
-    oem.write(tmp_path / "p.oem", oem.of_predictions(table, rso="iss"), epoch=EPOCH)
+    oem.write(tmp_path / "p.oem", oem.prediction_segments(table, rso="iss"), epoch=EPOCH)
     first, second = oem.read(tmp_path / "p.oem", epoch=EPOCH)
     assert (first.t.tolist(), second.t.tolist()) == ([100.0, 200.5], [200.5])
     np.testing.assert_array_equal(np.vstack([first.states, second.states]), table[list(STATE)][:3])
@@ -104,9 +105,9 @@ def test_predictions_are_a_segment_an_estimate(tmp_path):
 
 def test_tables_without_anything_to_tell_are_input_errors():
     with pytest.raises(InputError, match="iss: expected an estimate that converged"):
-        oem.of_estimates(estimates().assign(converged=False), rso="iss")
+        oem.estimate_segments(estimates().assign(converged=False), rso="iss")
     with pytest.raises(InputError, match="iss: expected a prediction"):
-        oem.of_predictions(predictions().assign(reason="decayed below 120 km"), rso="iss")
+        oem.prediction_segments(predictions().assign(reason="decayed below 120 km"), rso="iss")
 
 
 def edited(message, old, new):
@@ -191,7 +192,7 @@ def test_numbers_have_to_be_finite_and_plain(message, text):
 )
 def test_a_malformed_covariance_is_named(tmp_path, cut, said):
     path = tmp_path / "e.oem"
-    oem.write(path, oem.of_estimates(estimates(), rso="iss"), epoch=EPOCH)
+    oem.write(path, oem.estimate_segments(estimates(), rso="iss"), epoch=EPOCH)
     edited(path, cut, {"COVARIANCE_STOP": "", "EPOCH = ": "TIME = "}.get(cut, "COV_REF_FRAME = RTN"))
     with pytest.raises(InputError, match=said):
         oem.read(path, epoch=EPOCH)
@@ -199,7 +200,7 @@ def test_a_malformed_covariance_is_named(tmp_path, cut, said):
 
 def test_a_covariance_has_six_rows_that_grow(tmp_path):
     path = tmp_path / "e.oem"
-    oem.write(path, oem.of_estimates(estimates(), rso="iss"), epoch=EPOCH)
+    oem.write(path, oem.estimate_segments(estimates(), rso="iss"), epoch=EPOCH)
     lines = path.read_text().splitlines()
     third = next(k for k, line in enumerate(lines) if line.startswith("COV_REF_FRAME")) + 3
     path.write_text("\n".join([*lines[:third], *lines[third + 1 :]]))
@@ -225,25 +226,88 @@ def test_no_file_and_no_text_are_input_errors(tmp_path):
         oem.read(tmp_path / "bytes.oem", epoch=EPOCH)
 
 
-def test_a_truth_must_lie_on_the_grid_and_fill_it(message, orbit, tmp_path):
-    with pytest.raises(InputError, match=r"line 17: expected an epoch every 30 s .* got 20\.0"):
-        oem.truth_table(message, epoch=EPOCH, step=30.0, duration=600.0)
+def written(path, orbits):
+    """A message of one segment per orbit."""
+    segments = [segment for orbit in orbits for segment in oem.truth_segments(orbit, rso="iss")]
+    oem.write(path, segments, epoch=EPOCH)
+    return path
+
+
+def test_a_truth_must_fill_the_grid(message, orbit, tmp_path):
     with pytest.raises(InputError, match=r"up to 620 s, got none at 2016-09-28T12:20:05\.0"):
         oem.truth_table(message, epoch=EPOCH, step=20.0, duration=620.0)
-    gap = tmp_path / "gap.oem"
-    oem.write(gap, oem.of_truth(orbit.drop(index=7), rso="iss"), epoch=EPOCH)
-    with pytest.raises(InputError, match=r"got none at 2016-09-28T12:12:05\.0"):
+    with pytest.raises(InputError, match=r"up to 660 s, got none at 2016-09-28T12:09:15\.0"):
+        oem.truth_table(message, epoch="2016-09-28T12:09:15", step=30.0, duration=660.0)
+    gap = written(tmp_path / "gap.oem", [orbit.drop(index=range(7, 23))])
+    with pytest.raises(InputError, match=r"line 23: expected an epoch at most 300 s after .* got 340 s"):
         oem.truth_table(gap, epoch=EPOCH, step=20.0, duration=600.0)
-    twice = tmp_path / "twice.oem"
-    oem.write(twice, oem.of_truth(orbit, rso="iss") * 2, epoch=EPOCH)
+    parts = written(tmp_path / "parts.oem", [orbit[:7], orbit[8:]])
+    with pytest.raises(InputError, match=r"got none at 2016-09-28T12:12:05\.0"):
+        oem.truth_table(parts, epoch=EPOCH, step=20.0, duration=600.0)
+    twice = written(tmp_path / "twice.oem", [orbit, orbit])
     with pytest.raises(InputError, match=r"line 58: expected a later epoch than before"):
         oem.truth_table(twice, epoch=EPOCH, step=20.0, duration=600.0)
+
+
+@pytest.mark.parametrize(("cadence", "error"), [(20.0, 1e-5), (60.0, 1e-3), (300.0, 0.5)])
+def test_a_truth_is_interpolated_where_the_message_has_no_state(truth_model, iss, tmp_path, cadence, error):
+    orbit = truth.simulate(truth_model, iss, duration=7200.0, step=5.0, integrator=Integrator())
+    path = written(tmp_path / "iss.oem", [orbit[:: int(cadence / 5.0)]])
+    # Half the epochs of this grid lie between the message's.
+    back = oem.truth_table(path, epoch="2016-09-28T12:10:00", step=10.0, duration=6900.0)
+    expected = orbit[3:1384:2]
+    apart = back[["x", "y", "z"]].to_numpy() - expected[["x", "y", "z"]].to_numpy()
+    assert np.abs(apart).max() < error
+    slip = back[["vx", "vy", "vz"]].to_numpy() - expected[["vx", "vy", "vz"]].to_numpy()
+    assert np.abs(slip).max() < error / 10.0
+
+
+def test_nothing_is_interpolated_from_one_segment_to_the_next(orbit, tmp_path):
+    moved = orbit[15:].assign(x=orbit["x"] + 100.0)
+    both = written(tmp_path / "both.oem", [orbit[:16], moved])
+    back = oem.truth_table(both, epoch=EPOCH, step=10.0, duration=600.0)
+    alone = written(tmp_path / "first.oem", [orbit[:16]])
+    before = oem.truth_table(alone, epoch=EPOCH, step=10.0, duration=300.0)
+    pd.testing.assert_frame_equal(back[:30], before[:30], check_exact=True)
+    # The epoch that both segments have is the later one's.
+    assert back["x"][30] == moved["x"][15]
+
+
+@pytest.mark.parametrize(
+    ("rows", "duration"),
+    [(range(0), 620.0), (range(7, 23), 600.0), (range(1), 600.0), (range(30, 31), 600.0)],
+)
+def test_what_no_truth_can_be_made_of_is_told_before_alike(orbit, tmp_path, rows, duration):
+    path = written(tmp_path / "iss.oem", [orbit.drop(index=rows)])
+    with pytest.raises(InputError) as told:
+        oem.check(path, epoch=EPOCH, step=20.0, duration=duration)
+    with pytest.raises(InputError) as read:
+        oem.truth_table(path, epoch=EPOCH, step=20.0, duration=duration)
+    assert str(told.value) == str(read.value)
+
+
+def test_the_check_takes_what_is_sound_and_reads_no_numbers_of_states(message):
+    oem.check(message, epoch=EPOCH, step=20.0, duration=600.0)
+    oem.check(message, epoch=EPOCH, step=20.0, duration=400.0)
+    first = message.read_text().splitlines()[15]
+    edited(message, first, " ".join([first.split()[0], *("x" * 6)]))
+    oem.check(message, epoch=EPOCH, step=20.0, duration=600.0)
+    with pytest.raises(InputError, match="line 16: expected a finite number, got x"):
+        oem.truth_table(message, epoch=EPOCH, step=20.0, duration=600.0)
+
+
+def test_the_check_names_what_is_malformed(message):
+    edited(message, "\n2016-09-28T12:10:05.000000 ", "\nnoon ")
+    with pytest.raises(InputError, match="line 17: expected a time like 2016-09-28T12:09:45, got noon"):
+        oem.check(message, epoch=EPOCH, step=20.0, duration=600.0)
 
 
 def test_a_truth_may_reach_further_and_come_in_segments(orbit, tmp_path):
     path = tmp_path / "long.oem"
     parts = [orbit[:11], orbit[11:]]
-    oem.write(path, [segment for part in parts for segment in oem.of_truth(part, rso="iss")], epoch=EPOCH)
+    oem.write(
+        path, [segment for part in parts for segment in oem.truth_segments(part, rso="iss")], epoch=EPOCH
+    )
     back = oem.truth_table(path, epoch=EPOCH, step=20.0, duration=400.0)
     pd.testing.assert_frame_equal(back, orbit[:21], check_exact=True)
     later = oem.truth_table(path, epoch="2016-09-28T12:11:45", step=20.0, duration=480.0)

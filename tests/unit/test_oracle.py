@@ -29,7 +29,7 @@ def truth():
 def test_perfect_estimates_are_the_truth(truth):
     found = oracle.perfect(estimates(np.zeros(6)), truth, cd=2.2)
     assert set(found) == set(SCHEMAS["estimates"].names)
-    assert np.array_equal(found[list(STATE)], truth[list(STATE)])
+    assert np.array_equal(found[STATE], truth[STATE])
     assert found["cd"].item() == 2.2
     assert found["converged"].item() is True
     assert found["reason"].item() == ""

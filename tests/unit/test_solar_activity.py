@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from opml import epochs
+from opml.constants import DAY
 from opml.environment import solar_activity
 from opml.errors import InputError
 
@@ -71,7 +72,7 @@ def test_kp_follows_the_definition_of_ap():
 @pytest.mark.parametrize("days", [-60.0, 100.0])
 def test_dates_outside_the_months_are_refused_with_their_span(days):
     with pytest.raises(InputError, match=r"^msafe\.tsv: epoch: expected dates from 2016-08-01 to 2017-01-01"):
-        solar_activity.tabulate("MSAFE", EPOCH, np.array([0.0, days * 86400.0]), 50)
+        solar_activity.tabulate("MSAFE", EPOCH, np.array([0.0, days * DAY]), 50)
 
 
 @pytest.mark.parametrize("percentile", [40, "50", None])

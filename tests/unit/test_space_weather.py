@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from opml import epochs
+from opml.constants import DAY
 from opml.environment import nodes, solar_activity, space_weather
 from opml.errors import InputError
 
@@ -102,7 +103,7 @@ def test_before_the_first_day_of_flux_and_kp_is_refused(weather):
 
 @pytest.mark.parametrize("epoch", [EPOCH, "2016-09-28T12:09:45.3", "2016-09-28T11:59:59.999"])
 def test_steps_fall_on_whole_hours_however_the_epoch_rounds(epoch):
-    t = nodes(epoch, 50 * 86400.0)
+    t = nodes(epoch, 50 * DAY)
     found = solar_activity.tabulate("OBSERVED", epoch, t, 50)
     changed = np.flatnonzero(np.diff(found["kp_3h"])) + 1
     midnight = epochs.elapsed(epoch, "2016-09-28T00:00:00")
@@ -112,7 +113,7 @@ def test_steps_fall_on_whole_hours_however_the_epoch_rounds(epoch):
 
 
 def test_the_packaged_weather_covers_the_papers_run_and_is_what_was_observed():
-    t = nodes(EPOCH, 50 * 86400.0)
+    t = nodes(EPOCH, 50 * DAY)
     found = solar_activity.tabulate("OBSERVED", EPOCH, t, 50)
     assert found.notna().all(axis=None)
     # CelesTrak's file: F10.7 84.4 and Kp 4+ 5- 3o 4+ 4o 5o 6- 4+ on 2016-09-28.

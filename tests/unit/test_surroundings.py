@@ -1,4 +1,4 @@
-"""What depends on time alone, looked up between the nodes of the tables."""
+"""What depends on time alone, looked up between the nodes of a force model."""
 
 import erfa
 import numba
@@ -8,18 +8,18 @@ from support import EPOCH, environment, force_model
 
 from opml import epochs
 from opml.constants import BODIES as NAMES
-from opml.constants import EARTH_RATE
+from opml.constants import DAY, EARTH_RATE
 from opml.dynamics import dtm2000, surroundings
 from opml.dynamics.lanes import WIDTH
 from opml.dynamics.surroundings import BODIES, ROTATION, SPIN, SUN_ITRF
 from opml.environment import earth_orientation, ephemerides, solar_activity
 
-TIMES = [0.0, 1.0, 3599.9, 86400.0 * 3 + 1234.5, 86400.0 * 17 + 0.25, 86400.0 * 49.99]
+TIMES = [0.0, 1.0, 3599.9, DAY * 3 + 1234.5, DAY * 17 + 0.25, DAY * 49.99]
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _look_up(t, tables, values, factors):
-    surroundings.look_up(t, tables, values, factors)
+def _look_up(t, model, values, factors):
+    surroundings.look_up(t, model, values, factors)
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -32,17 +32,17 @@ def _reduce(a, season, f107, f107_mean, kp_3h, kp_24h, factors):
     dtm2000.reduce_to_date(a, season, f107, f107_mean, kp_3h, kp_24h, factors)
 
 
-def looked_up(t, tables):
+def looked_up(t, model):
     """(rotation (3, 3), spin (3,), Sun in ITRF (3,), bodies (n, 3), DTM2000's factors) at t [s]."""
-    values = np.full(BODIES + tables.bodies.shape[1], np.nan)
+    values = np.full(BODIES + model.bodies.shape[1], np.nan)
     factors = np.full((dtm2000.FACTORS, WIDTH), np.nan)
-    _look_up(t, tables, values, factors)
+    _look_up(t, model, values, factors)
     rotation = values[ROTATION : ROTATION + 9].reshape(3, 3)
     return rotation, values[SPIN:SUN_ITRF], values[SUN_ITRF:BODIES], values[BODIES:].reshape(-1, 3), factors
 
 
 @pytest.fixture(scope="module")
-def tables():
+def model():
     return force_model(8)
 
 
@@ -63,7 +63,7 @@ def test_rotation_is_erfas_from_the_same_angles(exaggerated):
 
 
 @pytest.mark.parametrize("t", TIMES)
-def test_rotation_between_the_nodes_is_erfas_at_that_time(tables, t):
+def test_rotation_between_the_nodes_is_erfas_at_that_time(model, t):
     row = earth_orientation.tabulate(EPOCH, np.array([t])).iloc[0]
     tt = epochs.tt(EPOCH, np.array([t]))
     celestial = erfa.c2ixys(row.x_cip, row.y_cip, row.s_cio)
@@ -72,52 +72,50 @@ def test_rotation_between_the_nodes_is_erfas_at_that_time(tables, t):
         celestial, row.era_offset + EARTH_RATE * t, erfa.pom00(row.x_pole, row.y_pole, tio)
     )
     # Left out is s', 4e-11 rad.
-    assert np.abs(looked_up(t, tables)[0] - expected).max() < 1e-10
+    assert np.abs(looked_up(t, model)[0] - expected).max() < 1e-10
 
 
-def test_spin_is_the_rate_of_the_rotation(tables):
-    t, h = 86400.0 * 8 + 777.0, 30.0
-    before, now, after = (looked_up(t + dt, tables)[0] for dt in (-h, 0.0, h))
+def test_spin_is_the_rate_of_the_rotation(model):
+    t, h = DAY * 8 + 777.0, 30.0
+    before, now, after = (looked_up(t + dt, model)[0] for dt in (-h, 0.0, h))
     # dR/dt = -R [w x], and the difference over a step is sin(w h) / h of it.
     product = now.T @ (before - after) / (2.0 * np.sin(EARTH_RATE * h) / EARTH_RATE)
     rate = np.array([product[2, 1], product[0, 2], product[1, 0]])
-    np.testing.assert_allclose(rate, looked_up(t, tables)[1], rtol=0.0, atol=2e-13)
+    np.testing.assert_allclose(rate, looked_up(t, model)[1], rtol=0.0, atol=2e-13)
 
 
 @pytest.mark.parametrize("t", TIMES)
-def test_bodies_between_the_nodes_are_the_ephemerides(tables, t):
+def test_bodies_between_the_nodes_are_the_ephemerides(model, t):
     row = ephemerides.tabulate("DE440", EPOCH, np.array([t])).iloc[0]
     expected = np.array([[row[f"{name}_{axis}"] for axis in "xyz"] for name in NAMES])
-    rotation, _, sun_itrf, bodies, _ = looked_up(t, tables)
+    rotation, _, sun_itrf, bodies, _ = looked_up(t, model)
     error = np.linalg.norm(bodies - expected, axis=1)
     assert error[NAMES.index("moon")] < 1e-4
     assert np.all(error < 1e-2)
     np.testing.assert_allclose(sun_itrf, rotation @ expected[0], rtol=0.0, atol=1e-2)
 
 
-@pytest.mark.parametrize(
-    "t", [*TIMES, 42614.9, 42615.1, 42615.0 + 86400.0 * 20 - 0.1, 42615.0 + 86400.0 * 20 + 0.1]
-)
-def test_thermosphere_is_that_of_the_day_and_its_activity(tables, t):
+@pytest.mark.parametrize("t", [*TIMES, 42614.9, 42615.1, 42615.0 + DAY * 20 - 0.1, 42615.0 + DAY * 20 + 0.1])
+def test_thermosphere_is_that_of_the_day_and_its_activity(model, t):
     # The epoch's day, the 272nd of 2016, ends 42 615 s after 12:09:45.
-    day = 272 + int(np.floor((t + 86400.0 - 42615.0) / 86400.0))
+    day = 272 + int(np.floor((t + DAY - 42615.0) / DAY))
     row = solar_activity.tabulate("MSAFE", EPOCH, np.array([t]), 50).iloc[0]
-    season = np.ascontiguousarray(dtm2000.seasons(tables.thermosphere, [day])[0])
+    season = np.ascontiguousarray(dtm2000.seasons(model.thermosphere, [day])[0])
     expected = np.empty((dtm2000.FACTORS, WIDTH))
-    _reduce(tables.thermosphere, season, row.f107, row.f107_mean, row.kp_3h, row.kp_24h, expected)
-    factors = looked_up(t, tables)[4]
+    _reduce(model.thermosphere, season, row.f107, row.f107_mean, row.kp_3h, row.kp_24h, expected)
+    factors = looked_up(t, model)[4]
     # Kp is not quite linear in time; seasons change by more than this from one day to the next.
     scale = np.abs(expected).max(axis=0)
     assert np.all(np.abs(factors - expected) <= 1e-8 * scale)
-    other = np.ascontiguousarray(dtm2000.seasons(tables.thermosphere, [day + 1])[0])
-    _reduce(tables.thermosphere, other, row.f107, row.f107_mean, row.kp_3h, row.kp_24h, expected)
+    other = np.ascontiguousarray(dtm2000.seasons(model.thermosphere, [day + 1])[0])
+    _reduce(model.thermosphere, other, row.f107, row.f107_mean, row.kp_3h, row.kp_24h, expected)
     assert not np.all(np.abs(factors - expected) <= 1e-8 * scale)
 
 
 def test_bodies_that_do_not_pull_have_no_gm_but_the_sun_is_always_there():
-    tables = force_model(8, ("moon", "jupiter"))
-    assert tables.gms.shape == (3,)
-    assert tables.gms[0] == 0.0
-    assert np.all(tables.gms[1:] > 0.0)
+    model = force_model(8, ("moon", "jupiter"))
+    assert model.gms.shape == (3,)
+    assert model.gms[0] == 0.0
+    assert np.all(model.gms[1:] > 0.0)
     sun = environment()["ephemerides"][["sun_x", "sun_y", "sun_z"]].to_numpy()
-    np.testing.assert_array_equal(tables.bodies[:, :3], sun)
+    np.testing.assert_array_equal(model.bodies[:, :3], sun)

@@ -9,7 +9,7 @@ from sklearn.svm import SVR
 
 from opml.errors import InputError
 from opml.learning import gaussian_kernel, kernel_scale, learners, svr
-from opml.tables import model_schema, read_metadata, read_table, write_table
+from opml.tables import read_metadata, read_table, write_table
 
 VARIABLES = ("duration", "d_a", "cd_b", "constant")
 SETTINGS = {"kind": "svr", "kernel_scale": "sigest", "c": 1.0, "epsilon": 0.1, "tol": 1e-3}
@@ -115,8 +115,8 @@ def test_flat_target_needs_no_support_vector():
 def test_saved_and_loaded_bit_for_bit(tmp_path, model):
     table, metadata = model.to_table()
     path = tmp_path / "model.parquet"
-    write_table(path, table, model_schema(model.variables), metadata=metadata | {"component": "e_y"})
-    loaded = learners.from_table(read_table(path, model_schema(model.variables)), read_metadata(path))
+    write_table(path, table, learners.schema(metadata), metadata=metadata | {"component": "e_y"})
+    loaded = learners.from_table(read_table(path, learners.schema(metadata)), read_metadata(path))
     new, _, _ = sample(3000, seed=1)
     np.testing.assert_array_equal(loaded.predict(new), model.predict(new))
     again, metadata_again = loaded.to_table()

@@ -11,8 +11,10 @@ from hypothesis import strategies as st
 
 from opml import tables
 from opml.errors import InputError
+from opml.learning import learners
 from opml.tables import SCHEMAS, read_metadata, read_table, write_table
 
+TABLES = SCHEMAS | {schema.name: schema for schema in learners.schemas()}
 METADATA = {"epoch": "2016-09-28T12:09:45", "seed": 42, "gm": {"sun": 1.32712440041279419e20}}
 
 
@@ -24,7 +26,7 @@ def example(name, rows=5):
         "bool": lambda k: np.arange(rows) % 2 == k % 2,
         "string": lambda k: [f"text {k} {row}" if row else "" for row in range(rows)],
     }
-    columns = SCHEMAS[name].columns
+    columns = TABLES[name].columns
     return pd.DataFrame({column.name: values[column.dtype](k) for k, column in enumerate(columns)})
 
 
@@ -35,19 +37,19 @@ def truth(tmp_path):
     return path
 
 
-@pytest.mark.parametrize("name", SCHEMAS)
+@pytest.mark.parametrize("name", TABLES)
 def test_every_table_comes_back_as_written(name, tmp_path):
     path = tmp_path / "folder" / "table.parquet"
     frame = example(name)
-    write_table(path, frame.sample(frac=1.0, axis=1, random_state=1), name, metadata=METADATA)
-    pd.testing.assert_frame_equal(read_table(path, name), frame, check_column_type=False)
+    write_table(path, frame.sample(frac=1.0, axis=1, random_state=1), TABLES[name], metadata=METADATA)
+    pd.testing.assert_frame_equal(read_table(path, TABLES[name]), frame, check_column_type=False)
     assert read_metadata(path) == METADATA
 
 
-@pytest.mark.parametrize("name", SCHEMAS)
+@pytest.mark.parametrize("name", TABLES)
 def test_an_empty_table_keeps_its_columns(name, tmp_path):
-    write_table(tmp_path / "t", example(name, rows=0), name, metadata={})
-    assert list(read_table(tmp_path / "t", name).columns) == SCHEMAS[name].names
+    write_table(tmp_path / "t", example(name, rows=0), TABLES[name], metadata={})
+    assert list(read_table(tmp_path / "t", TABLES[name]).columns) == TABLES[name].names
 
 
 def test_not_a_number_stays_one(tmp_path):
@@ -147,7 +149,7 @@ def test_a_flipped_bit_is_noticed_or_harmless(place, bit, tmp_path_factory):
 
 
 def test_model_schema_follows_the_variables(tmp_path):
-    schema = tables.model_schema(["duration", "gap"])
+    schema = learners.schema({"kind": "svr", "variables": ["duration", "gap"]})
     frame = pd.DataFrame({"dual_coef": [1.0], "duration": [0.5], "gap": [-0.5]})
     write_table(tmp_path / "t", frame, schema, metadata={"variables": ["duration", "gap"]})
     pd.testing.assert_frame_equal(read_table(tmp_path / "t", schema), frame, check_column_type=False)
@@ -155,4 +157,5 @@ def test_model_schema_follows_the_variables(tmp_path):
 
 def test_data_page_describes_the_schemas():
     page = Path(__file__).parents[2] / "docs" / "data.md"
-    assert page.read_text() == tables.markdown() + "\n", "run: python -m opml.tables > docs/data.md"
+    expected = tables.markdown(learners.schemas()) + "\n"
+    assert page.read_text() == expected, "run: python -m opml.learning.learners > docs/data.md"

@@ -9,7 +9,7 @@ import pytest
 
 from opml.catalog import tracking, truth
 from opml.catalog.observing import observe, site
-from opml.constants import WGS84_A
+from opml.constants import DAY, WGS84_A
 from opml.dynamics.ensemble import Integrator
 from opml.dynamics.frames import gcrf_to_itrf
 from opml.elements import wrap_half_turn
@@ -19,7 +19,7 @@ from opml.errors import InputError
 @pytest.fixture(scope="module")
 def orbit(truth_model, iss):
     """Three days of the paper's RSO."""
-    return truth.simulate(truth_model, iss, duration=3 * 86400.0, step=20.0, integrator=Integrator())
+    return truth.simulate(truth_model, iss, duration=3 * DAY, step=20.0, integrator=Integrator())
 
 
 @pytest.fixture(scope="module")

@@ -7,10 +7,11 @@ import pytest
 from support import rsos
 
 from opml.catalog import truth
-from opml.constants import WGS84_A
+from opml.constants import DAY, HOUR, WGS84_A
 from opml.dynamics.ensemble import Integrator
 from opml.elements import coe_from_cartesian
 from opml.errors import InputError
+from opml.tables import STATE
 
 GM = 3.986004415e14
 
@@ -35,12 +36,12 @@ def test_initial_state_has_the_sheets_elements(name):
 
 
 def test_states_on_the_whole_grid(truth_model, iss):
-    table = truth.simulate(truth_model, iss, duration=3600.0, step=20.0, integrator=Integrator())
-    assert list(table.columns) == ["t", *truth.STATE]
+    table = truth.simulate(truth_model, iss, duration=HOUR, step=20.0, integrator=Integrator())
+    assert list(table.columns) == ["t", *STATE]
     np.testing.assert_array_equal(table["t"], np.arange(181) * 20.0)
-    np.testing.assert_array_equal(table[truth.STATE].iloc[0], truth.initial_state(iss, truth_model.gm))
+    np.testing.assert_array_equal(table[STATE].iloc[0], truth.initial_state(iss, truth_model.gm))
     # Where the speed is the rate of the place, the columns are in order and in step with t.
-    states = table[truth.STATE].to_numpy()
+    states = table[STATE].to_numpy()
     rate = (states[2:, :3] - states[:-2, :3]) / 40.0
     assert np.abs(rate - states[1:-1, 3:]).max() < 1.0
 
@@ -48,7 +49,7 @@ def test_states_on_the_whole_grid(truth_model, iss):
 def test_drag_and_radiation_pressure_are_the_rsos_own(truth_model, iss):
     def end(rso):
         table = truth.simulate(truth_model, rso, duration=6000.0, step=3000.0, integrator=Integrator())
-        return table[truth.STATE].to_numpy()[-1]
+        return table[STATE].to_numpy()[-1]
 
     assert (
         np.linalg.norm((end(replace(iss, cd=4.4)) - end(replace(iss, area_to_mass=0.1, cr=0.625)))[:3]) == 0.0
@@ -62,5 +63,5 @@ def test_an_rso_that_comes_down_is_an_input_error(truth_model, iss):
     with pytest.raises(
         InputError, match=r"iss_a-200: .* lasts 2 days, but it decayed below 120 km after 0\.\d\d"
     ) as error:
-        truth.simulate(truth_model, low, duration=2 * 86400.0, step=20.0, integrator=Integrator())
+        truth.simulate(truth_model, low, duration=2 * DAY, step=20.0, integrator=Integrator())
     assert "\n" not in str(error.value)

@@ -9,6 +9,12 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 
 
+def command(*arguments, source: Path = ROOT) -> list[str]:
+    """The command that starts the workflow of a tree."""
+    parts = [sys.executable, "-m", "snakemake", "--snakefile", source / "Snakefile", *arguments]
+    return [str(part) for part in parts]
+
+
 class Project:
     """A folder with the project's config, run by the workflow of `source` (by default this tree)."""
 
@@ -19,12 +25,10 @@ class Project:
 
     def snakemake(self, *arguments, check=True):
         """Run snakemake here; its output, both streams together, is in `.stdout`."""
-        command = [sys.executable, "-m", "snakemake", "--snakefile", self.source / "Snakefile", *arguments]
-        environment = os.environ | {"PYTHONPATH": str(self.source / "src"), "NO_COLOR": "1"}
         done = subprocess.run(
-            [str(part) for part in command],
+            command(*arguments, source=self.source),
             cwd=self.folder,
-            env=environment,
+            env=os.environ | {"PYTHONPATH": str(self.source / "src"), "NO_COLOR": "1"},
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,

@@ -251,12 +251,11 @@ IMPOSSIBLE = (
     "metrics/iss_i200/eglin/random-80/svr/e_y/iss/rest",
     "intervals/iss/eglin/random-0/svr/e_y/iss/rest",
     "predictions/iss_i181/eglin",
+    *("tracking/iss/kaena-eglin", "dataset/iss/eglin-eglin"),
 )
 UNKNOWN = (
     *("truth/mir", "truth/iss_i-1", "truth/iss_i50_i52", "truth/iss_i050", "truth/iss ", "truth/", "truth/*"),
     *(
-        "tracking/iss/kaena-eglin",
-        "tracking/iss/eglin-eglin",
         "tracking/iss/mir",
         "tracking/iss/eglin_noise-1",
     ),

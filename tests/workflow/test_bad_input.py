@@ -46,9 +46,10 @@ def test_wrong_type_in_a_further_file(project):
 
 
 def test_unknown_station(project):
-    edit(project, CONFIG, "stations: eglin-clear-kaena", "stations: eglin-shemya")
+    study = "config/studies/paper.yaml"
+    edit(project, study, "stations: eglin-clear-kaena", "stations: eglin-shemya")
     assert refused(project) == (
-        f"{CONFIG}: experiments.defaults.stations: stations 'eglin-shemya': "
+        f"{study}: study.defaults.stations: stations 'eglin-shemya': "
         "expected names from eglin, clear, kaena, got 'shemya'"
     )
 
@@ -79,10 +80,11 @@ def test_unknown_station(project):
     ],
 )
 def test_bad_experiment(project, entry, message):
-    (project.folder / "mine.yaml").write_text(f"experiments: {{evaluations: {{mine: {entry}}}}}\n")
+    (project.folder / "mine.yaml").write_text(
+        f"study: {{extends: [paper], evaluations: {{mine: {entry}}}}}\n"
+    )
     line = refused(project, "--configfile", "mine.yaml")
-    origin = CONFIG if "got none" in message else "mine.yaml"
-    assert line == f"{origin}: experiments.evaluations.{message}"
+    assert line == f"mine.yaml: study.evaluations.{message}"
 
 
 def test_elevation_limits_swapped(project):
@@ -106,7 +108,10 @@ def test_epoch_that_does_not_exist(project):
 
 def test_epoch_outside_the_bulletin(project):
     line = refused(project, "--config", "epoch=2018-09-28T12:09:45")
-    assert line.startswith("msafe.tsv: epoch: expected dates from 2016-08-01 to 2017-01-01")
+    assert line == (
+        "environment.solar_activity: MSAFE reaches from 2016-08-01 to 2017-01-01, "
+        "this run needs 2018-09-28 to 2018-11-17; for other dates give the path of a bulletin"
+    )
 
 
 def test_epoch_outside_the_earth_orientation(project):

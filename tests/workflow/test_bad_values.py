@@ -14,6 +14,8 @@ def overlay(key):
     value = WRONG
     for name in reversed(key):
         value = {name: value}
+    if key[0] == "study":
+        value["study"]["extends"] = ["paper", "honest"]
     return value
 
 
@@ -44,7 +46,9 @@ def cells():
 
 
 def test_wrong_settings_are_told_in_one_line(tmp_path):
-    cases = setting_keys()[::2]  # tests/unit/test_config.py has them all, and tells the same in milliseconds
+    cases = setting_keys()[
+        ::2
+    ]  # tests/unit/test_settings.py has them all, and tells the same in milliseconds
     assert len(cases) > 75
     assert amiss(cases, with_setting, tmp_path) == []
 

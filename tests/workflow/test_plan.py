@@ -74,7 +74,9 @@ def test_figure_by_its_name(project, name):
 
 def test_an_experiment_is_one_line(project):
     (project.folder / "mine.yaml").write_text(
-        "experiments: {evaluations: {mine: {train: days-0-30, test: days-30-33, target: lares_i50}}}\n"
+        "study:\n"
+        "  extends: [paper]\n"
+        "  evaluations: {mine: {train: days-0-30, test: days-30-33, target: lares_i50}}\n"
     )
     plan = project.snakemake("-n", "results/figs/mine_signed.pdf", "--configfile", "mine.yaml").stdout
     assert jobs(plan)["svr"] == 1
@@ -82,7 +84,7 @@ def test_an_experiment_is_one_line(project):
 
 
 def test_another_component_is_one_setting(project):
-    plan = project.snakemake("-n", "--config", "experiments={defaults: {component: e_x}}").stdout
+    plan = project.snakemake("-n", "--config", "study={extends: paper, defaults: {component: e_x}}").stdout
     assert "Train svr on e_x of iss, eglin-clear-kaena, random-40" in plan
 
 
@@ -132,7 +134,6 @@ def test_name_of_a_target_is_enough(project, target, expected):
     [
         "truth/mir",
         "truth/iss_i050",
-        "tracking/iss/kaena-eglin",
         "dataset/iss/atlantis",
         "models/iss/eglin/random-080/svr/e_y",
         "models/iss/eglin/random-80_split42/svr/e_y",
@@ -145,6 +146,74 @@ def test_names_that_are_not_canonical_have_no_rule(project, target):
     done = project.snakemake("-n", f"results/{target}.parquet", check=False)
     assert done.returncode != 0
     assert "No rule to produce" in done.stdout
+
+
+@pytest.mark.parametrize("kind", ["tracking", "dataset"])
+def test_stations_in_another_order_are_told_the_sheets(project, kind):
+    done = project.snakemake("-n", f"results/{kind}/iss/kaena-eglin.parquet", check=False)
+    assert done.returncode != 0
+    assert (
+        "opml: stations 'kaena-eglin': expected 'eglin-kaena', each name once in the sheet's order"
+        in done.stdout
+    )
+
+
+OWN = """
+results: results/mine
+duration_days: 12
+rsos:
+  mine:
+    {a_km: 6900, e: 0.001, i_deg: 97.5, argp_deg: 0, raan_deg: 120, mean_anomaly_deg: 0,
+     area_to_mass_m2pkg: 0.02, cd: 2.2, cr: 1.25}
+study:
+  rsos: [mine]
+  station_sets: [eglin-kaena]
+  days: {train: [0, 8], test: [8, 12]}
+"""
+
+
+def test_a_study_of_ones_own_names_all_its_products(project):
+    (project.folder / "mine.yaml").write_text(OWN)
+    plan = project.snakemake("-n", "study", "--configfile", "mine.yaml").stdout
+    for name in ("study.md", "study.html", "figs/study/rows.pdf", "figs/study/mine/models.pdf"):
+        assert f"results/mine/{name}" in plan
+    assert "results/mine/figs/study/mine/eglin-kaena_errors.png" in plan
+    assert {name: jobs(plan)[name] for name in ("truth", "estimation", "dataset", "study_report")} == {
+        "truth": 1,
+        "estimation": 2,  # the mechanism's long arcs beside the study's own
+        "dataset": 1,
+        "study_report": 1,
+    }
+    assert jobs(plan).keys() & {"svr", "partition", "reproduction", "generalisation"} == set()
+
+
+def test_a_study_of_ones_own_is_what_a_plain_run_makes(project):
+    (project.folder / "mine.yaml").write_text(OWN)
+    plain = jobs(project.snakemake("-n", "--configfile", "mine.yaml").stdout)
+    named = jobs(project.snakemake("-n", "study", "--configfile", "mine.yaml").stdout)
+    assert plain.pop("default") == named.pop("study") == 1
+    assert plain == named
+
+
+@pytest.mark.parametrize("target", ["study", "beyond"])
+def test_a_target_that_the_study_does_not_ask_for_is_told_in_one_line(project, target):
+    done = project.snakemake("-n", target, "--config", "study={rsos: [iss]}", check=False)
+    assert done.returncode != 0
+    assert "opml: study: expected " in done.stdout
+    assert "Traceback" not in done.stdout
+
+
+def test_any_product_needs_no_study(project):
+    (project.folder / "none.yaml").write_text("study: {}\n")
+    plan = project.snakemake("-n", "results/truth/iss.parquet", "--configfile", "none.yaml").stdout
+    assert jobs(plan)["truth"] == 1
+
+
+def test_a_second_configfile_option_is_told(project):
+    files = ["--configfile", "config/ci.yaml", "--configfile", "config/observed.yaml"]
+    done = project.snakemake("-n", *files, check=False)
+    assert done.returncode != 0
+    assert "opml: --configfile: expected all files behind one --configfile" in done.stdout
 
 
 def test_a_new_station_needs_one_line(project):
@@ -164,6 +233,7 @@ def run(*command):
         ["-m", "snakemake", "--lint"],
         ["-m", "ruff", "check"],
         ["-m", "snakefmt", "--check", "Snakefile", "workflow"],
+        ["-m", "mypy"],
     ],
     ids=lambda command: command[1],
 )
@@ -179,12 +249,12 @@ def test_imports_run_downwards():
     assert done.returncode == 0, done.stdout
 
 
-def test_every_rule_has_log_benchmark_and_resources():
+def test_every_rule_has_log_benchmark_message_and_code():
     for path in (ROOT / "workflow" / "rules").glob("*.smk"):
-        for rule in re.split(r"^rule ", path.read_text(), flags=re.MULTILINE)[1:]:
-            parts = ("log:", "benchmark:", "threads:", "mem_mb=", "runtime=", "message:", "code=")
-            missing = [part for part in parts if part not in rule]
+        for rule in re.split(r"^ *(?:use )?rule ", path.read_text(), flags=re.MULTILINE)[1:]:
+            missing = [part for part in ("log:", "benchmark:", "message:") if part not in rule]
             assert not missing, f"{path.name}: {rule.split(':')[0]}: {missing}"
+            assert re.search(r"code=code|\*\*drawing\(", rule), f"{path.name}: {rule.split(':')[0]}"
 
 
 def test_scripts_are_short():

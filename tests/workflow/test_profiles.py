@@ -6,7 +6,11 @@ import yaml
 from project import ROOT
 
 TEXTS = [path.read_text(encoding="utf-8") for path in (ROOT / "workflow" / "rules").glob("*.smk")]
-RULES = {name for text in TEXTS for name in re.findall(r"^\s*rule (\w+):", text, re.MULTILINE)}
+RULES = {
+    name
+    for text in TEXTS
+    for name in re.findall(r"^\s*(?:rule|use rule \w+ as) (\w+)(?: with)?:", text, re.MULTILINE)
+}
 
 
 def test_every_rule_is_grouped_or_stays_here():
@@ -15,4 +19,3 @@ def test_every_rule_is_grouped_or_stays_here():
     groups = dict(entry.split("=") for entry in profile["groups"])
     assert groups.keys() | set(re.findall(r"\w+", "".join(local))) == RULES
     assert set(groups.values()) == {entry.split("=")[0] for entry in profile["group-components"]}
-    assert profile["set-resources"].keys() <= RULES

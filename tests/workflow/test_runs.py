@@ -5,14 +5,14 @@ import re
 import shutil
 import signal
 import subprocess
-import sys
 import time
 
 import pyarrow.parquet as pq
 import pytest
-from project import ROOT, Project
+from project import ROOT, Project, command
 
-from opml.tables import SCHEMAS, model_schema, read_metadata, read_table
+from opml.learning import learners
+from opml.tables import SCHEMAS, read_metadata, read_table
 
 pytestmark = pytest.mark.dag
 CI = "--configfile=config/ci.yaml"
@@ -133,7 +133,7 @@ def test_every_table_tells_how_it_was_made(finished):
         assert {"epoch", "time_scale", "settings", "version"} <= metadata.keys()
         schema = SCHEMAS.get(path.stem if kind == "environment" else kind)
         if kind == "models":
-            schema = model_schema(metadata["variables"])
+            schema = learners.schema(metadata)
         assert list(read_table(path, schema).columns) == schema.names
 
 
@@ -178,7 +178,7 @@ def test_changed_module_reruns_what_uses_it_and_what_follows(copy, module, rule)
 
 
 def test_module_that_no_rule_uses_reruns_nothing(copy):
-    path = copy.folder / "src" / "opml" / "config.py"
+    path = copy.folder / "src" / "opml" / "study" / "checks.py"
     path.write_text(path.read_text() + "\n# changed\n")
     assert reruns(copy) == set()
 
@@ -193,7 +193,7 @@ def test_changed_script_reruns_its_rule(copy):
     ("setting", "rule"),
     [
         ("prediction={max_days: 2}", "prediction"),
-        ("cleaning={fence: 2.5}", "dataset"),
+        ("study={cleaning: {fence: 2.5}}", "dataset"),
         ("learners={svr: {c: 2}}", "train"),
     ],
 )
@@ -231,9 +231,8 @@ def test_a_clock_set_back_stops_nothing(finished, copy):
 
 @pytest.mark.parametrize("seconds", [4.0, 7.0])
 def test_killed_run_carries_on(finished, project, seconds):
-    command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), "-j2", CI, CURVE]
     run = subprocess.Popen(
-        command,
+        command("-j2", CI, CURVE),
         cwd=project.folder,
         start_new_session=True,
         stdout=subprocess.DEVNULL,

@@ -5,39 +5,53 @@ import time
 from dataclasses import asdict
 from pathlib import Path
 
-from opml import experiments, generalisation, naming, tables
-from opml.config import load, with_numbers
-from opml.environment import coverage
+from opml import naming, tables
 from opml.errors import InputError
 from opml.learning import learners
-from opml.learning.splits import TEST, TRAIN
 from opml.provenance import script_digest
-from opml.sheets import parse_rso, parse_stations, rso_pattern, stations_pattern
-from snakemake.utils import update_config
+from opml.study.checks import load
+from opml.study.experiments import Study
+from opml.study.honest import Honest
+from opml.study.overlay import with_numbers
+from opml.study.own import Own
+from opml.study.paper import Paper
+from opml.study.settings import merged
 
 WORKFLOW = Path(str(workflow.current_basedir)).parent
 
-# Files given on the command line are laid over the one that the Snakefile names.
-GIVEN = [os.path.relpath(path) for path in workflow.config_settings.configfiles]
-update_config(config, with_numbers(workflow.config_settings.config))
-try:
-    SETTINGS = load(
-        config,
-        schema=WORKFLOW / "schemas" / "config.schema.yaml",
-        files=["config/config.yaml", *GIVEN],
-    )
-    coverage.check(config)
-    learners.check(config)
-except InputError as error:
-    # One line, where Snakemake would put its own frame around the message.
+
+def end(error):
+    """End the plan with one line, where Snakemake would put its own frame around the message."""
     sys.exit(f"opml: {error}")
+
+
+if sum(option in ("--configfile", "--configfiles") for option in sys.argv) > 1:
+    end(
+        "--configfile: expected all files behind one --configfile, as Snakemake forgets those of an earlier one"
+    )
+try:
+    # Files given on the command line are laid over the one that the Snakefile names.
+    GIVEN = [os.path.relpath(path) for path in workflow.config_settings.configfiles]
+    SOURCE = merged(["config/config.yaml", *GIVEN], with_numbers(workflow.config_settings.config))
+    SETTINGS = load(SOURCE, schema=WORKFLOW / "schemas" / "config.schema.yaml")
+except InputError as error:
+    end(error)
+config.clear()
+config.update(SETTINGS.values)
+
+STUDY = Study(SETTINGS)
+PAPER = Paper(STUDY)
+HONEST = Honest(PAPER)
+OWN = Own(STUDY)
 
 RESULTS = config["results"]
 ENVIRONMENT = {name: f"{RESULTS}/environment/{name}.parquet" for name in tables.ENVIRONMENT}
 # The atmosphere that the RSO flies through may see another Sun than the assumed model's.
 TRUE_ACTIVITY = "true_solar_activity" if "true_solar_activity" in config["environment"] else "solar_activity"
 TRUE_ENVIRONMENT = ENVIRONMENT | {"solar_activity": f"{RESULTS}/environment/{TRUE_ACTIVITY}.parquet"}
-TRAINED_ON = f"(?:{rso_pattern(SETTINGS.rsos)}|{naming.pool_pattern(config['pools'], SETTINGS.rsos)})"
+TRAINED_ON = (
+    f"(?:{naming.rso_pattern(SETTINGS.rsos)}|{naming.pool_pattern(STUDY.entry('pools'), SETTINGS.rsos)})"
+)
 
 
 SEED = config["seed"]
@@ -47,16 +61,16 @@ SPLIT = naming.seed_pattern(naming.SPLIT, default=SEED["split"])
 
 
 wildcard_constraints:
-    rso=rso_pattern(SETTINGS.rsos),
-    target=rso_pattern(SETTINGS.rsos),
-    stations=stations_pattern(SETTINGS.stations) + NOISE,
+    rso=naming.rso_pattern(SETTINGS.rsos),
+    target=naming.rso_pattern(SETTINGS.rsos),
+    stations=naming.stations_pattern(SETTINGS.stations) + NOISE,
     window=f"(?:{WINDOW}|{naming.PERFECT})",
-    reading=f"(?:{naming.other_reading(config['cleaning']['previous'])})?",
-    train=f"(?:{TRAIN}){SPLIT}",
-    test=TEST,
+    reading=f"(?:{naming.other_reading(STUDY.cleaning.previous)})?",
+    train=f"(?:{naming.TRAIN}){SPLIT}",
+    test=naming.TEST,
     learner=naming.learner_pattern(config["learners"]),
     component="|".join(tables.COMPONENTS),
-    evaluation="|".join(config["experiments"]["evaluations"]),
+    evaluation=naming.any_of(PAPER.evaluations),
 
 
 def code(script):
@@ -70,22 +84,25 @@ def source(name):
     return local(path) if Path(path).suffix else []
 
 
-def sound(*functions):
-    """Input function without files: a name that asks for what cannot be ends the plan in one line."""
+def checked_names(*functions):
+    """Input function without files that ends the plan in one line where a file's name asks for what cannot be."""
 
     def check(wildcards):
         try:
             for function in functions:
                 function(wildcards)
         except InputError as error:
-            sys.exit(f"opml: {error}")
+            end(error)
         return []
 
     return check
 
 
-def settle(folder):
-    """Date tables of tomorrow now: after a clock was set back, Snakemake would refuse what is made from them as older."""
+def date_back_to_now(folder):
+    """Give tables that are dated in the future the present time.
+
+    After a clock was set back, Snakemake would refuse what is made from them, as it would be older.
+    """
     now = time.time()
     for path in Path(folder).rglob("[!.]*.parquet"):
         if path.stat().st_mtime > now:
@@ -94,13 +111,13 @@ def settle(folder):
 
 def rso(wildcards):
     """The RSO that a file name asks for, varied as its name says."""
-    return asdict(parse_rso(wildcards.rso, SETTINGS.rsos))
+    return asdict(naming.parse_rso(wildcards.rso, SETTINGS.rsos))
 
 
 def stations(wildcards):
     """The stations that a file name asks for."""
     names, _ = naming.parse_seed(wildcards.stations, naming.NOISE, default=SEED["noise"])
-    return [asdict(station) for station in parse_stations(names, SETTINGS.stations)]
+    return [asdict(station) for station in naming.parse_stations(names, SETTINGS.stations)]
 
 
 def noise_seed(wildcards):
@@ -116,14 +133,20 @@ def window_hours(wildcards):
 def split(wildcards):
     """The training split that a file name asks for, and its seed."""
     train, seed = naming.parse_seed(wildcards.train, naming.SPLIT, default=SEED["split"])
-    naming.check_split(train, duration_days=config["duration_days"])
+    naming.check_split(naming.parse_train(train), duration_days=config["duration_days"])
     return {"train": train, "seed": seed}
 
 
 def cleaning(wildcards):
     """The settings of the cleaning, with the reading of t_b that a file name asks for."""
-    previous = naming.parse_reading(wildcards.reading, previous=config["cleaning"]["previous"])
-    return config["cleaning"] | {"previous": previous}
+    previous = naming.parse_reading(wildcards.reading, previous=STUDY.cleaning.previous)
+    return dict(STUDY.entry("cleaning")) | {"previous": previous}
+
+
+def cd_bounds():
+    """Bounds on Cd of the estimates that others start from or are averaged with; null where the study has none."""
+    bounds = STUDY.cleaning.cd_bounds
+    return None if bounds is None else list(bounds)
 
 
 def learner(wildcards):
@@ -151,7 +174,7 @@ def beside(part):
 def experiment(wildcards):
     """What a file name asks for, as the metrics tell it."""
     parts = dict(wildcards.items())
-    naming.check_split(parts["test"], duration_days=config["duration_days"])
+    naming.check_split(naming.parse_test(parts["test"]), duration_days=config["duration_days"])
     trained, target = parts["rso"], parts["target"]
     if parts["test"] == "seen" and trained != target:
         raise InputError(f"split 'seen': expected the RSO that was trained on, {trained}, got {target}")
@@ -159,25 +182,30 @@ def experiment(wildcards):
     return parts
 
 
-def made(pattern, **parts):
+def path_of(pattern, **parts):
     """The file of a pattern whose parts are given; not `format`, which would part it from its storage."""
     return pattern.apply_wildcards(parts)
 
 
-def named(pattern, *found):
+def paths_of(pattern, *experiments):
     """The files of experiments, each once."""
-    return list(dict.fromkeys(made(pattern, **experiment.names()) for experiment in found))
+    return list(dict.fromkeys(path_of(pattern, **experiment.names()) for experiment in experiments))
 
 
-def over(window, pattern):
+def at_window(window, pattern):
     """Input function: the file of a pattern, of estimates over that window."""
-    return lambda wildcards: made(pattern, **dict(wildcards.items()) | {"window": window})
+    return lambda wildcards: path_of(pattern, **dict(wildcards.items()) | {"window": window})
 
 
-def published(found):
-    """The paper's P_ML of experiments, where it gives one."""
-    numbers = {key: generalisation.published(config, one) for key, one in found.items()}
-    return [[*key, number] for key, number in numbers.items() if number is not None]
+def asked_for(files, part):
+    """Input function: what a target makes; ends the plan in one line where the study does not ask for it."""
+
+    def find(wildcards):
+        if not files:
+            end(f"study: expected {part} to train and to test on, got none; docs/howto.md shows a study")
+        return files
+
+    return find
 
 
 def figures(*names, section, caption=None):

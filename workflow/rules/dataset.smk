@@ -15,10 +15,6 @@ rule dataset:
         f"{RESULTS}/benchmarks/dataset/{{rso}}/{{stations}}{{window}}{{reading}}.tsv"
     conda:
         "../envs/opml.yaml"
-    threads: 1
-    resources:
-        mem_mb=1500,
-        runtime=10,
     params:
         settings=lambda wildcards: {"epoch": config["epoch"], "cleaning": cleaning(wildcards)},
         code=code("dataset.py"),

@@ -16,10 +16,6 @@ rule earth_orientation:
         f"{RESULTS}/benchmarks/environment/earth_orientation.tsv"
     conda:
         "../envs/opml.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
     params:
         settings={key: config[key] for key in ("epoch", "duration_days")},
         code=code("earth_orientation.py"),
@@ -40,10 +36,6 @@ rule ephemerides:
         f"{RESULTS}/benchmarks/environment/ephemerides.tsv"
     conda:
         "../envs/opml.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
     params:
         settings={key: config[key] for key in ("epoch", "duration_days")}
         | {"kernel": config["environment"]["ephemerides"]},
@@ -67,10 +59,6 @@ rule solar_activity:
         activity="(?:true_)?solar_activity",
     conda:
         "../envs/opml.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
     params:
         settings=lambda wildcards: {key: config[key] for key in ("epoch", "duration_days")}
         | {
@@ -95,10 +83,6 @@ rule gravity_field:
         f"{RESULTS}/benchmarks/environment/gravity_field.tsv"
     conda:
         "../envs/opml.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
     params:
         settings={
             "epoch": config["epoch"],

@@ -16,10 +16,9 @@ rule estimation:
         window=WINDOW,
     conda:
         "../envs/opml.yaml"
-    threads: 1
     resources:
-        mem_mb=2000,
-        runtime=60,
+        mem_mb=1000,
+        runtime=10,
     params:
         settings=lambda wildcards: {
             "epoch": config["epoch"],
@@ -27,8 +26,10 @@ rule estimation:
             "force_model": config["force_models"]["assumed"],
             "integrator": config["integrator"],
             "estimation": config["estimation"]
-            | {"window_hours": window_hours(wildcards)}
-            | {key: config["cleaning"][key] for key in ("cd_min", "cd_max")},
+            | {
+                "window_hours": window_hours(wildcards),
+                "cd_bounds": cd_bounds(),
+            },
             "rso": rso(wildcards),
             "stations": stations(wildcards),
         },

@@ -13,10 +13,6 @@ rule export_truth:
         f"{RESULTS}/benchmarks/exports/truth/{{rso}}.tsv"
     conda:
         "../envs/opml.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=10,
     params:
         settings=lambda wildcards: {"epoch": config["epoch"], "table": "truth", "rso": wildcards.rso},
         code=code("export_oem.py"),
@@ -24,6 +20,38 @@ rule export_truth:
         "Export: the true orbit of {wildcards.rso} as CCSDS OEM"
     script:
         "../scripts/export_oem.py"
+
+
+use rule export_truth as export_estimates with:
+    input:
+        rules.estimation.output[0],
+    output:
+        f"{RESULTS}/exports/estimates/{{rso}}/{{stations}}{{window}}.oem",
+    log:
+        f"{RESULTS}/logs/exports/estimates/{{rso}}/{{stations}}{{window}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/exports/estimates/{{rso}}/{{stations}}{{window}}.tsv"
+    params:
+        settings=lambda wildcards: {"epoch": config["epoch"], "table": "estimates", "rso": wildcards.rso},
+        code=code("export_oem.py"),
+    message:
+        "Export: estimates of {wildcards.rso} from {wildcards.stations}, with covariances, as CCSDS OEM"
+
+
+use rule export_truth as export_predictions with:
+    input:
+        rules.prediction.output[0],
+    output:
+        f"{RESULTS}/exports/predictions/{{rso}}/{{stations}}{{window}}.oem",
+    log:
+        f"{RESULTS}/logs/exports/predictions/{{rso}}/{{stations}}{{window}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/exports/predictions/{{rso}}/{{stations}}{{window}}.tsv"
+    params:
+        settings=lambda wildcards: {"epoch": config["epoch"], "table": "predictions", "rso": wildcards.rso},
+        code=code("export_oem.py"),
+    message:
+        "Export: predictions of {wildcards.rso} from {wildcards.stations}, one segment per estimate, as CCSDS OEM"
 
 
 rule export_tracking:
@@ -37,10 +65,6 @@ rule export_tracking:
         f"{RESULTS}/benchmarks/exports/tracking/{{rso}}/{{stations}}.tsv"
     conda:
         "../envs/opml.yaml"
-    threads: 1
-    resources:
-        mem_mb=700,
-        runtime=5,
     params:
         settings=lambda wildcards: {"epoch": config["epoch"], "rso": wildcards.rso},
         code=code("export_tdm.py"),
@@ -48,54 +72,6 @@ rule export_tracking:
         "Export: tracks of {wildcards.rso} by {wildcards.stations} as CCSDS TDM"
     script:
         "../scripts/export_tdm.py"
-
-
-rule export_estimates:
-    input:
-        rules.estimation.output[0],
-    output:
-        f"{RESULTS}/exports/estimates/{{rso}}/{{stations}}{{window}}.oem",
-    log:
-        f"{RESULTS}/logs/exports/estimates/{{rso}}/{{stations}}{{window}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/exports/estimates/{{rso}}/{{stations}}{{window}}.tsv"
-    conda:
-        "../envs/opml.yaml"
-    threads: 1
-    resources:
-        mem_mb=700,
-        runtime=5,
-    params:
-        settings=lambda wildcards: {"epoch": config["epoch"], "table": "estimates", "rso": wildcards.rso},
-        code=code("export_oem.py"),
-    message:
-        "Export: estimates of {wildcards.rso} from {wildcards.stations}, with covariances, as CCSDS OEM"
-    script:
-        "../scripts/export_oem.py"
-
-
-rule export_predictions:
-    input:
-        rules.prediction.output[0],
-    output:
-        f"{RESULTS}/exports/predictions/{{rso}}/{{stations}}{{window}}.oem",
-    log:
-        f"{RESULTS}/logs/exports/predictions/{{rso}}/{{stations}}{{window}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/exports/predictions/{{rso}}/{{stations}}{{window}}.tsv"
-    conda:
-        "../envs/opml.yaml"
-    threads: 1
-    resources:
-        mem_mb=700,
-        runtime=5,
-    params:
-        settings=lambda wildcards: {"epoch": config["epoch"], "table": "predictions", "rso": wildcards.rso},
-        code=code("export_oem.py"),
-    message:
-        "Export: predictions of {wildcards.rso} from {wildcards.stations}, a segment an estimate, as CCSDS OEM"
-    script:
-        "../scripts/export_oem.py"
 
 
 if config.get("oem"):
@@ -113,7 +89,6 @@ if config.get("oem"):
             rso="|".join(map(re.escape, config["oem"])),
         conda:
             "../envs/opml.yaml"
-        threads: 1
         resources:
             mem_mb=1500,
             runtime=10,

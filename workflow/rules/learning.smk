@@ -6,7 +6,7 @@ rule train:
     input:
         dataset=rules.dataset.output[0],
         beside=beside("rso"),
-        asked=sound(split),
+        asked=checked_names(split),
     output:
         f"{RESULTS}/models/{EXPERIMENT}.parquet",
     log:
@@ -17,15 +17,14 @@ rule train:
         rso=TRAINED_ON,
     conda:
         "../envs/opml.yaml"
-    threads: 1
     resources:
-        mem_mb=1500,
-        runtime=30,
+        mem_mb=1750,
+        runtime=16,
     params:
         settings=lambda wildcards: {
             "epoch": config["epoch"],
             **split(wildcards),
-            "span_days": config["learning"]["span_days"],
+            "span_days": STUDY.span_days,
             "learner": learner(wildcards),
             "component": wildcards.component,
         },
@@ -41,7 +40,7 @@ rule evaluate:
         model=rules.train.output[0],
         target=f"{RESULTS}/dataset/{{target}}/{{stations}}{{window}}{{reading}}.parquet",
         beside=beside("target"),
-        asked=sound(split, experiment),
+        asked=checked_names(split, experiment),
     output:
         evaluation=f"{RESULTS}/evaluation/{EXPERIMENT}/{{target}}/{{test}}.parquet",
         metrics=f"{RESULTS}/metrics/{EXPERIMENT}/{{target}}/{{test}}.parquet",
@@ -53,15 +52,12 @@ rule evaluate:
         rso=TRAINED_ON,
     conda:
         "../envs/opml.yaml"
-    threads: 1
-    resources:
-        mem_mb=1500,
-        runtime=10,
     params:
         settings=lambda wildcards: {
             "epoch": config["epoch"],
             **split(wildcards),
-            "span_days": config["learning"]["span_days"],
+            "noise": noise_seed(wildcards),
+            "span_days": STUDY.span_days,
             "experiment": experiment(wildcards),
         },
         code=code("evaluate.py"),
@@ -77,7 +73,7 @@ rule intervals:
         beside=beside("rso"),
         target=rules.evaluate.input.target,
         beside_target=beside("target"),
-        asked=sound(split, experiment),
+        asked=checked_names(split, experiment),
     output:
         intervals=f"{RESULTS}/intervals/{EXPERIMENT}/{{target}}/{{test}}.parquet",
         coverage=f"{RESULTS}/coverage/{EXPERIMENT}/{{target}}/{{test}}.parquet",
@@ -89,15 +85,14 @@ rule intervals:
         rso=TRAINED_ON,
     conda:
         "../envs/opml.yaml"
-    threads: 1
     resources:
-        mem_mb=1500,
-        runtime=30,
+        mem_mb=1750,
+        runtime=8,
     params:
         settings=lambda wildcards: {
             "epoch": config["epoch"],
             **split(wildcards),
-            "span_days": config["learning"]["span_days"],
+            "span_days": STUDY.span_days,
             "learner": learner(wildcards),
             "intervals": config["intervals"],
             "experiment": experiment(wildcards),

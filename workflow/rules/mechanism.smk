@@ -15,16 +15,15 @@ rule sensitivities:
         f"{RESULTS}/benchmarks/sensitivities/{{rso}}/{{stations}}{{window}}.tsv"
     conda:
         "../envs/opml.yaml"
-    threads: 1
     resources:
-        mem_mb=2000,
-        runtime=60,
+        mem_mb=1000,
+        runtime=8,
     params:
         settings=lambda wildcards: {
             "epoch": config["epoch"],
             "force_model": config["force_models"]["assumed"],
             "integrator": config["integrator"],
-            "cd_bounds": [config["cleaning"]["cd_min"], config["cleaning"]["cd_max"]],
+            "cd_bounds": cd_bounds(),
             "rso": rso(wildcards),
         },
         code=code("sensitivities.py"),
@@ -39,9 +38,9 @@ rule mechanism:
         estimates=rules.estimation.output[0],
         predictions=rules.prediction.output[0],
         sensitivities=rules.sensitivities.output[0],
-        long_estimates=over(LONG, rules.estimation.output[0]),
-        long_predictions=over(LONG, rules.prediction.output[0]),
-        long_sensitivities=over(LONG, rules.sensitivities.output[0]),
+        long_estimates=at_window(LONG, rules.estimation.output[0]),
+        long_predictions=at_window(LONG, rules.prediction.output[0]),
+        long_sensitivities=at_window(LONG, rules.sensitivities.output[0]),
         gravity_field=ENVIRONMENT["gravity_field"],
     output:
         f"{RESULTS}/mechanism/{{rso}}/{{stations}}{{window}}.parquet",
@@ -51,14 +50,13 @@ rule mechanism:
         f"{RESULTS}/benchmarks/mechanism/{{rso}}/{{stations}}{{window}}.tsv"
     conda:
         "../envs/opml.yaml"
-    threads: 1
     resources:
-        mem_mb=1500,
-        runtime=10,
+        mem_mb=1000,
+        runtime=3,
     params:
         settings={
             "epoch": config["epoch"],
-            "cd_bounds": [config["cleaning"]["cd_min"], config["cleaning"]["cd_max"]],
+            "cd_bounds": cd_bounds(),
             **config["mechanism"],
         },
         code=code("mechanism.py"),
@@ -71,7 +69,7 @@ rule mechanism:
 rule perfect_estimates:
     input:
         truth=rules.truth.output[0],
-        estimates=over("", rules.estimation.output[0]),
+        estimates=at_window("", rules.estimation.output[0]),
     output:
         f"{RESULTS}/estimates/{{rso}}/{{stations}}{naming.PERFECT}.parquet",
     log:
@@ -80,10 +78,6 @@ rule perfect_estimates:
         f"{RESULTS}/benchmarks/estimates/{{rso}}/{{stations}}{naming.PERFECT}.tsv"
     conda:
         "../envs/opml.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
     params:
         settings=lambda wildcards: {"epoch": config["epoch"], "cd": rso(wildcards)["cd"]},
         code=code("perfect_estimates.py"),
@@ -95,10 +89,10 @@ rule perfect_estimates:
 
 rule oracle:
     input:
-        estimates=over("", rules.estimation.output[0]),
-        predictions=over("", rules.prediction.output[0]),
+        estimates=at_window("", rules.estimation.output[0]),
+        predictions=at_window("", rules.prediction.output[0]),
         perfect=rules.perfect_estimates.output[0],
-        perfect_predictions=over(naming.PERFECT, rules.prediction.output[0]),
+        perfect_predictions=at_window(naming.PERFECT, rules.prediction.output[0]),
         gravity_field=ENVIRONMENT["gravity_field"],
     output:
         f"{RESULTS}/oracle/{{rso}}/{{stations}}.parquet",
@@ -108,10 +102,6 @@ rule oracle:
         f"{RESULTS}/benchmarks/oracle/{{rso}}/{{stations}}.tsv"
     conda:
         "../envs/opml.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=5,
     params:
         settings={"epoch": config["epoch"]},
         code=code("oracle.py"),
@@ -125,7 +115,7 @@ rule pool:
     input:
         lambda wildcards: [
             f"{RESULTS}/{wildcards.table}/{rso}/{wildcards.rest}.parquet"
-            for rso in naming.parse_pool(wildcards.pool, config["pools"])
+            for rso in naming.parse_pool(wildcards.pool, STUDY.entry("pools"))
         ],
     output:
         f"{RESULTS}/{{table}}/{{pool}}/{{rest}}.parquet",
@@ -135,11 +125,10 @@ rule pool:
         f"{RESULTS}/benchmarks/{{table}}/{{pool}}/{{rest}}.tsv"
     wildcard_constraints:
         table="dataset|mechanism",
-        pool=naming.pool_pattern(config["pools"], SETTINGS.rsos),
+        pool=naming.pool_pattern(STUDY.entry("pools"), SETTINGS.rsos),
         rest="[^/]+",
     conda:
         "../envs/opml.yaml"
-    threads: 1
     resources:
         mem_mb=3000,
         runtime=10,
@@ -148,7 +137,7 @@ rule pool:
             "epoch": config["epoch"],
             "table": wildcards.table,
             "resonances": config["mechanism"]["resonances"],
-            "rsos": naming.parse_pool(wildcards.pool, config["pools"]),
+            "rsos": naming.parse_pool(wildcards.pool, STUDY.entry("pools")),
         },
         code=code("pool.py"),
     message:

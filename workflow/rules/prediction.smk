@@ -14,10 +14,9 @@ rule prediction:
         f"{RESULTS}/benchmarks/predictions/{{rso}}/{{stations}}{{window}}.tsv"
     conda:
         "../envs/opml.yaml"
-    threads: 1
     resources:
-        mem_mb=2000,
-        runtime=60,
+        mem_mb=750,
+        runtime=5,
     params:
         settings=lambda wildcards: {
             "epoch": config["epoch"],

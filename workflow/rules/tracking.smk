@@ -5,6 +5,7 @@ rule tracking:
     input:
         truth=rules.truth.output[0],
         earth_orientation=ENVIRONMENT["earth_orientation"],
+        asked=checked_names(stations),
     output:
         f"{RESULTS}/tracking/{{rso}}/{{stations}}.parquet",
     log:
@@ -13,10 +14,6 @@ rule tracking:
         f"{RESULTS}/benchmarks/tracking/{{rso}}/{{stations}}.tsv"
     conda:
         "../envs/opml.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=10,
     params:
         settings=lambda wildcards: {
             "epoch": config["epoch"],

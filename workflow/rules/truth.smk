@@ -4,7 +4,7 @@
 rule truth:
     input:
         **TRUE_ENVIRONMENT,
-        asked=sound(rso),
+        asked=checked_names(rso),
     output:
         f"{RESULTS}/truth/{{rso}}.parquet",
     log:
@@ -13,10 +13,9 @@ rule truth:
         f"{RESULTS}/benchmarks/truth/{{rso}}.tsv"
     conda:
         "../envs/opml.yaml"
-    threads: 1
     resources:
         mem_mb=1000,
-        runtime=20,
+        runtime=6,
     params:
         settings=lambda wildcards: {
             "epoch": config["epoch"],

@@ -2,6 +2,7 @@
 
 from opml.jobs import job
 from opml.learning import dataset
+from opml.learning.cleaning import Cleaning
 from opml.tables import read_metadata, read_table, write_table
 
 with job(snakemake) as metadata:
@@ -10,6 +11,6 @@ with job(snakemake) as metadata:
         read_table(snakemake.input.predictions, "predictions"),
         read_table(snakemake.input.tracking, "tracking"),
         gm=read_metadata(snakemake.input.gravity_field)["gm"],
-        cleaning=snakemake.params.settings["cleaning"],
+        cleaning=Cleaning.from_settings(snakemake.params.settings["cleaning"]),
     )
     write_table(snakemake.output[0], table, "dataset", metadata=metadata)

@@ -1,12 +1,13 @@
 """Tabulate the orientation of Earth on the environment's time grid."""
 
+from opml.constants import DAY
 from opml.environment import earth_orientation, nodes
 from opml.jobs import job
 from opml.tables import write_table
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings
-    t = nodes(settings["epoch"], 86400.0 * settings["duration_days"])
+    t = nodes(settings["epoch"], DAY * settings["duration_days"])
     table = earth_orientation.tabulate(settings["epoch"], t)
     metadata |= earth_orientation.metadata()
     write_table(snakemake.output[0], table, "earth_orientation", metadata=metadata)

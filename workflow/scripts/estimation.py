@@ -14,7 +14,7 @@ with job(snakemake) as metadata:
         read_table(snakemake.input.earth_orientation, "earth_orientation"),
         [Station(**station) for station in settings["stations"]],
         Rso(**settings["rso"]),
-        settings=settings["estimation"],
+        settings=estimation.Estimation(**settings["estimation"]),
         integrator=force_model.integrator(settings["integrator"]),
         seed=settings["seed"],
         threads=snakemake.threads,

@@ -1,9 +1,11 @@
 """Apply a trained model to a test split and measure P_ML."""
 
+import math
+
 from opml.jobs import job
 from opml.learning import dataset, learners, metrics, splits
 from opml.learning.evaluation import evaluate
-from opml.tables import write_table
+from opml.tables import read_metadata, write_table
 
 with job(snakemake) as metadata:
     settings, files, output = snakemake.params.settings, snakemake.input, snakemake.output
@@ -18,5 +20,11 @@ with job(snakemake) as metadata:
     )
     corrected = evaluate(learners.read(files.model), table, rows, component=experiment["component"])
     write_table(output.evaluation, corrected, "evaluation", metadata=metadata)
-    summary = metrics.summary(corrected, seed=settings["seed"], **experiment)
+    summary = metrics.summary(
+        corrected,
+        seed_noise=settings["noise"],
+        seed_split=settings["seed"],
+        kernel_scale=read_metadata(files.model).get("kernel_scale", math.nan),
+        **experiment,
+    )
     write_table(output.metrics, summary, "metrics", metadata=metadata)

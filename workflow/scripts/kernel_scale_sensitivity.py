@@ -7,7 +7,6 @@ from opml.tables import read_metadata, read_tables
 with job(snakemake):
     settings = snakemake.params.settings
     metrics = read_tables(snakemake.input.metrics, "metrics")
-    metrics["kernel_scale"] = metrics["learner"].str.extract(r"_s(.+)$")[0].astype(float)
     rules = {}
     for (stations, rule), path in zip(settings["rules"], snakemake.input.models, strict=True):
         rules.setdefault(stations, {})[rule] = read_metadata(path)["kernel_scale"]

@@ -1,12 +1,13 @@
 """Tabulate solar and geomagnetic activity on the environment's time grid."""
 
+from opml.constants import DAY
 from opml.environment import nodes, solar_activity
 from opml.jobs import job
 from opml.tables import write_table
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings
-    t = nodes(settings["epoch"], 86400.0 * settings["duration_days"])
+    t = nodes(settings["epoch"], DAY * settings["duration_days"])
     table = solar_activity.tabulate(settings["source"], settings["epoch"], t, settings["percentile"])
     metadata |= {"source": settings["source"], "percentile": settings["percentile"]}
     write_table(snakemake.output[0], table, "solar_activity", metadata=metadata)

@@ -1,5 +1,6 @@
 """Take an orbit ephemeris message for the true orbit of an RSO."""
 
+from opml.constants import DAY
 from opml.interop import oem
 from opml.jobs import job
 from opml.tables import write_table
@@ -10,6 +11,6 @@ with job(snakemake) as metadata:
         snakemake.input[0],
         epoch=settings["epoch"],
         step=settings["step_s"],
-        duration=86400.0 * settings["duration_days"],
+        duration=DAY * settings["duration_days"],
     )
     write_table(snakemake.output[0], table, "truth", metadata=metadata)

@@ -1,317 +1,318 @@
 """Estimates of an RSO's state and drag coefficient by weighted batch least squares.
 
-At the start of each track, all measurements of that track and of those that began in the window
-before it are fitted under the assumed model (paper, sec. Estimation Models). The partial derivatives
-come from neighbouring arcs: the nominal one and seven that differ in one parameter fly as eight
-lanes of an ensemble, so no variational equations are needed.
+At the start of each track, all measurements of that track and of those that began in the window before it
+are fitted under the assumed model (paper, sec. Estimation Models). The partial derivatives come from
+neighbouring arcs: the nominal one and seven that differ in one parameter fly as eight lanes of an ensemble,
+so no variational equations are needed.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from opml.catalog.observing import observe, site
+from opml.catalog.least_squares import Evaluation, Fit, Method
+from opml.catalog.observing import observe, sigmas, site
 from opml.catalog.tracking import QUANTITIES
-from opml.catalog.truth import STATE
-from opml.dynamics.ensemble import REASONS, Integrator, propagate
+from opml.constants import HOUR
+from opml.dynamics.ensemble import REASONS, Arcs, Integrator, propagate
 from opml.dynamics.frames import gcrf_to_itrf
-from opml.dynamics.surroundings import Tables
+from opml.dynamics.surroundings import ForceModel
 from opml.elements import wrap_half_turn
 from opml.seeds import derive
 from opml.sheets import Rso, Station
+from opml.tables import PARAMETERS, STATE
 
-PARAMETERS = [*STATE, "cd"]
 COVARIANCES = [f"cov_{a}_{b}" for k, a in enumerate(PARAMETERS) for b in PARAMETERS[: k + 1]]
 
 BATCH = 16
 """Windows fitted side by side; each starts from the newest usable estimate before its batch."""
 
+_CD = PARAMETERS.index("cd")
 _NUDGES = np.array([1.0, 1.0, 1.0, 1e-3, 1e-3, 1e-3, 1e-2])
 """Differences [m, m/s, -] of the neighbouring arcs: small against the orbit, large against rounding."""
+
+_NEIGHBOURS = np.vstack([np.zeros(7), np.diag(_NUDGES)])
+"""The arcs of one evaluation, as differences from the nominal one, which is the first."""
 
 _SCALES = np.array([1e3, 1e3, 1e3, 1.0, 1.0, 1.0, 1.0])
 """A-priori uncertainty [m, m/s, -] in which the damping measures a step."""
 
-_FELT = np.array([True] * 6 + [False])
-"""The parameters that every orbit shows; the drag coefficient is the last."""
 
-_FIRST_DAMPING = 1e-3
-_LEAST_DAMPING = 1e-12
-_MOST_DAMPING = 1e12
+@dataclass(frozen=True)
+class Estimation:
+    """Settings of the estimation.
 
-NOT_CONVERGED = "not converged"
-UNDERDETERMINED = "fewer measurements than parameters"
-NO_FIT = "no step lowers the residuals"
+    window_hours: measurements before a track that its fit uses [h]; max_iterations, convergence: of the
+    least squares, the latter as in `least_squares.Method`; start_position_sigma_m, start_velocity_sigma_mps:
+    of the perturbed truth that a first fit starts from; least_drag_m: displacement of a window per unit of Cd
+    below which Cd is held at its a-priori value; cd_bounds: Cd of an estimate that others may start from,
+    None where every converged one serves.
+    """
 
-
-@dataclass
-class _Fit:
-    """One window's least squares under way."""
-
-    track: int
-    first: int  # epoch of the oldest measurement, an index into the run's epochs
-    at: int  # epoch of the estimate
-    last: int  # epoch of the newest measurement
-    rows: slice  # the window's measurements
-    tracks: int
-    best: np.ndarray  # parameters with the lowest cost so far
-    trial: np.ndarray
-    cost: float = np.inf
-    normal: np.ndarray | None = None
-    gradient: np.ndarray | None = None
-    left: float = 0.0  # what the full step moves, in formal uncertainties
-    damping: float = _FIRST_DAMPING
-    iterations: int = 0  # of flying trials
-    converged: bool = False
-    reason: str = NOT_CONVERGED
-    running: bool = True
+    window_hours: float
+    max_iterations: int
+    convergence: float
+    start_position_sigma_m: float
+    start_velocity_sigma_mps: float
+    least_drag_m: float
+    cd_bounds: tuple[float, float] | None = None
 
 
 def estimate_all(
-    tables: Tables,
+    model: ForceModel,
     truth: pd.DataFrame,
     tracking: pd.DataFrame,
     earth_orientation: pd.DataFrame,
     stations: Sequence[Station],
     rso: Rso,
     *,
-    settings: Mapping[str, float],
+    settings: Estimation,
     integrator: Integrator,
     seed: int,
     threads: int = 1,
     progress: Callable[[float], None] | None = None,
 ) -> pd.DataFrame:
-    """The `estimates` table: one row a track, converged or with the reason why not.
+    """The `estimates` table: one row per track, converged or with the reason why not.
 
-    tables: the assumed model, from `forces.build`; truth: only to start where no estimate is at
-    hand; tracking: the measurements; stations: `sheets.Station`s; rso: `sheets.Rso`; settings:
-    window_hours, max_iterations, convergence (part of the formal uncertainty that a last step may
-    still move), start_position_sigma_m and start_velocity_sigma_mps of the perturbed truth,
-    least_drag_m (displacement of a window per unit of Cd below which Cd is left at its a-priori
-    value), cd_min and cd_max of an estimate that others may start from.
+    model: the assumed one; truth: the table, only to start where no estimate is at hand; tracking: the
+    measurements; stations: those that made them; seed: of the perturbed truth.
     """
-    problem = _Problem(tables, tracking, earth_orientation, stations, rso, integrator, threads)
-    problem.hold_unfelt_drag(truth, settings)
-    rows, usable = [], None
-    for begin in range(0, problem.tracks, BATCH):
-        members = range(begin, min(begin + BATCH, problem.tracks))
-        starts = problem.starts(members, usable, truth, settings, seed)
-        fits = [problem.window(track, start, settings) for track, start in zip(members, starts, strict=True)]
-        for _ in range(settings["max_iterations"]):
-            running = [fit for fit in fits if fit.running]
-            if not running:
-                break
-            problem.iterate(running, settings["convergence"])
-        for fit in fits:
-            rows.append(problem.row(fit))
-            if fit.converged and settings["cd_min"] <= fit.best[6] <= settings["cd_max"]:
-                usable = fit
+    run = _Run(
+        _Measured(tracking, earth_orientation, stations),
+        _Flight(model, rso, integrator, threads),
+        truth.set_index("t")[STATE],
+        settings,
+        seed,
+    )
+    method = Method(_SCALES, run.free_parameters(), settings.convergence)
+    count = run.measured.tracks
+    rows: list[dict[str, Any]] = []
+    usable = None
+    for begin in range(0, count, BATCH):
+        estimates = run.begun(range(begin, min(begin + BATCH, count)), usable, method)
+        run.fit(estimates)
+        usable = next((one for one in reversed(estimates) if run.is_usable(one)), usable)
+        rows += [run.row(one) for one in estimates]
         if progress:
-            progress(members[-1] / problem.tracks)
+            progress(len(rows) / count)
     return pd.DataFrame(rows)
 
 
-class _Problem:
-    """Measurements, stations and dynamics of a run, and the steps of its least squares."""
+@dataclass(frozen=True)
+class _Window:
+    """The measurements of one fit: its track's and those of the tracks that began in the window before."""
 
-    def __init__(self, tables, tracking, earth_orientation, stations, rso, integrator, threads):
-        self.tables, self.rso, self.integrator, self.threads = tables, rso, integrator, threads
+    track: int
+    tracks: int
+    rows: slice
+    first: int  # epoch of the oldest measurement, an index into the run's epochs
+    at: int  # epoch of the estimate
+    last: int  # epoch of the newest measurement
+
+    @property
+    def measurements(self) -> int:
+        return int(self.rows.stop - self.rows.start)
+
+
+@dataclass(frozen=True)
+class _Estimate:
+    """One track's estimate under way."""
+
+    window: _Window
+    fit: Fit
+
+
+class _Measured:
+    """The measurements of a run by row, their epochs, and where each track begins and ends."""
+
+    def __init__(
+        self, tracking: pd.DataFrame, earth_orientation: pd.DataFrame, stations: Sequence[Station]
+    ) -> None:
         self.epochs, self.epoch_of_row = np.unique(tracking["t"].to_numpy(), return_inverse=True)
         self.rotations = gcrf_to_itrf(earth_orientation, self.epochs)
-        self.measured = tracking[QUANTITIES].to_numpy()
-        places = {station.name: (*site(station), station) for station in stations}
-        of_row = [places[name] for name in tracking["station"]]
-        self.positions = np.array([place[0] for place in of_row])
-        self.to_horizon = np.array([place[1] for place in of_row])
-        self.sigmas = np.array(
-            [[s.sigma_azimuth, s.sigma_elevation, s.sigma_range] for s in (place[2] for place in of_row)]
-        )
-        self.free = np.ones(7, bool)
+        self.values = tracking[QUANTITIES].to_numpy()
+        order = {station.name: k for k, station in enumerate(stations)}
+        station_of_row = np.array([order[name] for name in tracking["station"]])
+        sites = [site(station) for station in stations]
+        self.positions = np.array([position for position, _ in sites])[station_of_row]
+        self.to_horizon = np.array([rotation for _, rotation in sites])[station_of_row]
+        self.sigmas = np.array([sigmas(station) for station in stations])[station_of_row]
         track = tracking["track"].to_numpy()
         self.first_row = np.searchsorted(track, np.arange(track[-1] + 2))
         self.tracks = len(self.first_row) - 1
         self.begins = self.epoch_of_row[self.first_row[:-1]]
         self.ends = self.epoch_of_row[self.first_row[1:] - 1]
 
-    def hold_unfelt_drag(self, truth, settings):
-        """Leave Cd out of the steps where an orbit is too high for a window of drag to show it.
-
-        A short track leaves Cd as uncertain as that, but there the orbit has drag, and the fit says so.
-        """
-        begin = self.epochs[self.begins[0]]
-        state = truth.set_index("t")[STATE].loc[begin].to_numpy()
-        pair = np.stack([np.append(state, self.rso.cd), np.append(state, self.rso.cd + 1.0)])
-        epochs = np.array([begin, begin + settings["window_hours"] * 3600.0])
-        flown = self._propagate(epochs, pair, np.zeros(2, int), np.ones(2, int)).states[:, :3]
-        if np.linalg.norm(flown[1] - flown[0]) < settings["least_drag_m"]:
-            self.free = _FELT
-
-    def window(self, track, start, settings):
-        """The fit at the start of a track: its measurements and those of the tracks in the window before."""
+    def window(self, track: int, length: float) -> _Window:
+        """The window of `length` [s] before the start of a track."""
         begin = self.epochs[self.begins[track]]
-        oldest = np.searchsorted(self.epochs[self.begins], begin - settings["window_hours"] * 3600.0)
-        return _Fit(
+        oldest = int(np.searchsorted(self.epochs[self.begins], begin - length))
+        return _Window(
             track=track,
-            first=self.begins[oldest],
-            at=self.begins[track],
-            last=self.ends[track],
-            rows=slice(self.first_row[oldest], self.first_row[track + 1]),
             tracks=track + 1 - oldest,
-            best=start,
-            trial=start,
+            rows=slice(int(self.first_row[oldest]), int(self.first_row[track + 1])),
+            first=int(self.begins[oldest]),
+            at=int(self.begins[track]),
+            last=int(self.ends[track]),
         )
 
-    def starts(self, members, usable, truth, settings, seed):
-        """Parameters to start the fits from: the newest usable estimate, carried to each track's start.
+    def evaluation(self, window: _Window, states: np.ndarray) -> Evaluation:
+        """Residuals and partial derivatives of a window.
 
-        Where there is none, or it does not last, the perturbed truth stands in for an initial orbit
-        determination, with the drag coefficient at its a-priori value.
+        states: (8, epochs, 6) GCRF [m, m/s] of the nominal arc and its neighbours, at the epochs from
+        window.first to window.last.
         """
-        at = self.begins[list(members)]
-        carried = np.full((len(at), 6), np.nan)
-        if usable is not None:
-            epochs = np.concatenate([[self.epochs[usable.at]], self.epochs[at]])
-            arcs = self._propagate(epochs, usable.best[None], np.array([0]), np.array([len(at)]))
-            carried = arcs.of(0)
-        states = truth.set_index("t")[STATE]
-        sigmas = np.repeat([settings["start_position_sigma_m"], settings["start_velocity_sigma_mps"]], 3)
-        starts = []
-        for track, epoch, state in zip(members, at, carried, strict=True):
-            if np.all(np.isfinite(state)):
-                starts.append(np.append(state, usable.best[6]))
-            else:
-                noise = derive(seed, "start", self.rso.name, str(track)).normal(size=6) * sigmas
-                starts.append(np.append(states.loc[self.epochs[epoch]].to_numpy() + noise, self.rso.cd))
-        return starts
-
-    def iterate(self, fits, convergence):
-        """Try each fit's next parameters: keep them where the residuals fall, else damp the step more."""
-        residuals, jacobians, status = self._linearise(fits)
-        for k, fit in enumerate(fits):
-            fit.iterations += 1
-            cost = np.sum(residuals[k] ** 2) if residuals[k] is not None else np.inf
-            if cost <= fit.cost and np.isfinite(cost):
-                fit.best, fit.cost = fit.trial, cost
-                fit.normal = jacobians[k].T @ jacobians[k]
-                fit.gradient = jacobians[k].T @ residuals[k]
-                fit.damping = max(0.1 * fit.damping, _LEAST_DAMPING)
-            elif fit.normal is None:
-                fit.running, fit.reason = False, f"start arc {REASONS[status[k]]}"
-                continue
-            else:
-                fit.damping *= 10.0
-            self._step(fit, convergence)
-
-    def _step(self, fit, convergence):
-        """Set the fit's next trial by a damped step, or end it."""
-        if fit.rows.stop - fit.rows.start < 3:
-            fit.running, fit.reason = False, UNDERDETERMINED
-            return
-        if fit.damping > _MOST_DAMPING:
-            fit.running, fit.reason = False, NO_FIT
-            return
-        # What is left to go is the full step's length, as damping alone can make a step short.
-        full = self._solve(fit, _LEAST_DAMPING)
-        before, fit.left = fit.left, np.sqrt(fit.gradient @ full)
-        if fit.left < convergence:
-            fit.running, fit.converged, fit.reason = False, True, ""
-            return
-        step = self._solve(fit, fit.damping)
-        fit.trial = fit.best + step
-        # Steps shrink ever faster near the end. Where this one, by the rate of the last and with what damping
-        # takes off it, ends below the limit, flying it would only confirm it.
-        short = np.sqrt(max(0.0, (full - step) @ fit.normal @ (full - step)))
-        if fit.left**2 < (convergence - short) * before:
-            fit.best, fit.cost = fit.trial, max(0.0, fit.cost - fit.left**2)
-            fit.running, fit.converged, fit.reason = False, True, ""
-
-    def _solve(self, fit, damping):
-        """The damped step (7,) from the best parameters; a parameter that is held does not move."""
-        free, scales = self.free, _SCALES[self.free]
-        damped = fit.normal[np.ix_(free, free)] * np.outer(scales, scales) + damping * np.eye(free.sum())
-        step = np.zeros(7)
-        step[free] = scales * np.linalg.solve(damped, scales * fit.gradient[free])
-        return step
-
-    def _propagate(self, epochs, parameters, first, last):
-        return propagate(
-            self.tables,
-            epochs,
-            parameters[:, :6],
-            first=first,
-            last=last,
-            ballistic=parameters[:, 6] * self.rso.area_to_mass,
-            reflection=np.full(len(parameters), self.rso.cr * self.rso.area_to_mass),
-            integrator=self.integrator,
-            threads=self.threads,
-        )
-
-    def _linearise(self, fits):
-        """Weighted residuals, Jacobians and status of the fits' trials; None where an arc was lost."""
-        lanes = np.concatenate([fit.trial + np.vstack([np.zeros(7), np.diag(_NUDGES)]) for fit in fits])
-        at = np.repeat([fit.at for fit in fits], 8)
-        newest = len(self.epochs) - 1
-        forward = self._propagate(self.epochs, lanes, at, np.repeat([fit.last for fit in fits], 8))
-        backward = self._propagate(
-            self.epochs[::-1], lanes, newest - at, newest - np.repeat([fit.first for fit in fits], 8)
-        )
-        residuals, jacobians, status = [], [], []
-        for k, fit in enumerate(fits):
-            members = range(8 * k, 8 * k + 8)
-            states = np.stack(
-                [np.vstack([backward.of(m)[::-1], lanes[m : m + 1, :6], forward.of(m)]) for m in members]
-            )
-            lost = np.maximum(forward.status[list(members)], backward.status[list(members)])
-            status.append(lost.max())
-            if lost.any() or not np.all(np.isfinite(states)):
-                residuals.append(None)
-                jacobians.append(None)
-                continue
-            residual, jacobian = self._residuals(fit, states)
-            residuals.append(residual)
-            jacobians.append(jacobian)
-        return residuals, jacobians, status
-
-    def _residuals(self, fit, states):
-        """Weighted residuals (3 rows,) and their Jacobian (3 rows, 7) from the states of eight lanes."""
-        epoch = self.epoch_of_row[fit.rows]
-        positions = np.einsum("nij,lnj->lni", self.rotations[epoch], states[:, epoch - fit.first, :3])
-        place = self.positions[fit.rows], self.to_horizon[fit.rows]
-        residual = self.measured[fit.rows] - observe(positions[0], *place)
+        rows, epoch = window.rows, self.epoch_of_row[window.rows]
+        positions = np.einsum("nij,lnj->lni", self.rotations[epoch], states[:, epoch - window.first, :3])
+        place = self.positions[rows], self.to_horizon[rows]
+        residual = self.values[rows] - observe(positions[0], *place)
         residual[:, 0] = wrap_half_turn(residual[:, 0])
         # Each neighbour and its mirror image about the nominal arc: by then a nudge has grown to a hundred
         # metres, over which the measurements bend, and the bend cancels.
         shift = positions[1:] - positions[0]
         change = observe(positions[0] + shift, *place) - observe(positions[0] - shift, *place)
         change[..., 0] = wrap_half_turn(change[..., 0])
-        weighted = 0.5 * change / self.sigmas[fit.rows] / _NUDGES[:, None, None]
-        return (residual / self.sigmas[fit.rows]).ravel(), weighted.reshape(7, -1).T
+        weighted = 0.5 * change / self.sigmas[rows] / _NUDGES[:, None, None]
+        return Evaluation((residual / self.sigmas[rows]).ravel(), weighted.reshape(7, -1).T)
 
-    def _covariance(self, fit):
-        """Formal covariance (7, 7) of a fit; a parameter that was held has none."""
-        if fit.normal is None:
-            return np.full((7, 7), np.nan)
-        covariance = np.zeros((7, 7))
-        free, scales = np.ix_(self.free, self.free), np.outer(_SCALES[self.free], _SCALES[self.free])
-        covariance[free] = np.linalg.inv(fit.normal[free] * scales + _LEAST_DAMPING * np.eye(self.free.sum()))
-        covariance[free] *= scales
-        return covariance
 
-    def row(self, fit):
-        """The fit as a row of the table."""
-        count = fit.rows.stop - fit.rows.start
-        lower = self._covariance(fit)[np.tril_indices(7)]
+@dataclass(frozen=True)
+class _Flight:
+    """An RSO under the assumed model."""
+
+    model: ForceModel
+    rso: Rso
+    integrator: Integrator
+    threads: int
+
+    def fly(self, epochs: np.ndarray, parameters: np.ndarray, first: np.ndarray, last: np.ndarray) -> Arcs:
+        """Arcs from parameters (arcs, 7) at epochs[first] to epochs[last]."""
+        return propagate(
+            self.model,
+            epochs,
+            parameters[:, :6],
+            first=first,
+            last=last,
+            ballistic=parameters[:, _CD] * self.rso.area_to_mass,
+            reflection=np.full(len(parameters), self.rso.cr * self.rso.area_to_mass),
+            integrator=self.integrator,
+            threads=self.threads,
+        )
+
+    def around(
+        self, epochs: np.ndarray, estimates: Sequence[_Estimate]
+    ) -> tuple[list[np.ndarray], np.ndarray]:
+        """(states of each trial and its neighbours, their worst status).
+
+        States: (8, epochs, 6) GCRF [m, m/s] at the epochs of the window; status: an index into REASONS.
+        """
+        lanes = np.concatenate([one.fit.trial + _NEIGHBOURS for one in estimates])
+        first, at, last = (
+            np.repeat([getattr(one.window, name) for one in estimates], len(_NEIGHBOURS))
+            for name in ("first", "at", "last")
+        )
+        newest = len(epochs) - 1
+        forward = self.fly(epochs, lanes, at, last)
+        backward = self.fly(epochs[::-1], lanes, newest - at, newest - first)
+        arcs = [
+            np.vstack([backward.of(k)[::-1], lanes[k : k + 1, :6], forward.of(k)]) for k in range(len(lanes))
+        ]
+        states = [np.stack(arcs[k : k + len(_NEIGHBOURS)]) for k in range(0, len(arcs), len(_NEIGHBOURS))]
+        status = np.maximum(forward.status, backward.status)
+        return states, status.reshape(-1, len(_NEIGHBOURS)).max(axis=1)
+
+
+@dataclass(frozen=True)
+class _Run:
+    """All that the windows of a run share; truth: GCRF states by time."""
+
+    measured: _Measured
+    flight: _Flight
+    truth: pd.DataFrame
+    settings: Estimation
+    seed: int
+
+    def free_parameters(self) -> np.ndarray:
+        """Which parameters are estimated (7,): Cd is not where an orbit is too high for a window to show it.
+
+        A short track leaves Cd as uncertain as that, but there the orbit has drag, and the fit says so.
+        """
+        begin = self.measured.epochs[self.measured.begins[0]]
+        start = np.append(self.truth.loc[begin].to_numpy(), self.flight.rso.cd)
+        pair = np.stack([start, start + np.eye(7)[_CD]])
+        epochs = np.array([begin, begin + self._window])
+        flown = self.flight.fly(epochs, pair, np.zeros(2, int), np.ones(2, int)).states[:, :3]
+        free = np.ones(7, bool)
+        free[_CD] = not np.linalg.norm(flown[1] - flown[0]) < self.settings.least_drag_m
+        return free
+
+    def begun(self, tracks: Sequence[int], usable: _Estimate | None, method: Method) -> list[_Estimate]:
+        """Estimates at the start of `tracks`, before their first step.
+
+        They start from the newest usable estimate, carried to each track's start. Where there is none, or it
+        does not last, the perturbed truth stands in for an initial orbit determination.
+        """
+        windows = [self.measured.window(track, self._window) for track in tracks]
+        carried = self._carried(usable, np.array([window.at for window in windows]))
+        return [
+            _Estimate(window, Fit(start if np.all(np.isfinite(start)) else self._perturbed(window), method))
+            for window, start in zip(windows, carried, strict=True)
+        ]
+
+    def fit(self, estimates: Sequence[_Estimate]) -> None:
+        """Iterate all fits side by side until they end, or the settings' number of iterations is reached."""
+        for _ in range(self.settings.max_iterations):
+            running = [one for one in estimates if one.fit.running]
+            if not running:
+                break
+            states, status = self.flight.around(self.measured.epochs, running)
+            for one, flown, lost in zip(running, states, status, strict=True):
+                if lost:
+                    one.fit.reject(f"start arc {REASONS[lost]}")
+                else:
+                    one.fit.take(self.measured.evaluation(one.window, flown))
+
+    def is_usable(self, estimate: _Estimate) -> bool:
+        """Whether others may start from it."""
+        low, high = self.settings.cd_bounds or (-np.inf, np.inf)
+        return estimate.fit.converged and bool(low <= estimate.fit.best[_CD] <= high)
+
+    def row(self, estimate: _Estimate) -> dict[str, Any]:
+        """The estimate as a row of the table."""
+        window, fit = estimate.window, estimate.fit
+        rms = np.sqrt(fit.cost / (3.0 * window.measurements)) if np.isfinite(fit.cost) else np.nan
         return {
-            "track": fit.track,
-            "t": self.epochs[fit.at],
+            "track": window.track,
+            "t": self.measured.epochs[window.at],
             **dict(zip(PARAMETERS, fit.best, strict=True)),
-            **dict(zip(COVARIANCES, lower, strict=True)),
+            **dict(zip(COVARIANCES, fit.covariance[np.tril_indices(7)], strict=True)),
             "iterations": fit.iterations,
             "converged": fit.converged,
             "reason": fit.reason,
-            "tracks_used": fit.tracks,
-            "measurements_used": count,
-            "weighted_rms": np.sqrt(fit.cost / (3.0 * count)) if np.isfinite(fit.cost) else np.nan,
+            "tracks_used": window.tracks,
+            "measurements_used": window.measurements,
+            "weighted_rms": rms,
         }
+
+    @property
+    def _window(self) -> float:
+        return self.settings.window_hours * HOUR
+
+    def _carried(self, usable: _Estimate | None, at: np.ndarray) -> np.ndarray:
+        """Parameters (n, 7) of an estimate carried to epochs `at`, not finite where it does not reach."""
+        if usable is None:
+            return np.full((len(at), 7), np.nan)
+        epochs = self.measured.epochs[np.append(usable.window.at, at)]
+        arcs = self.flight.fly(epochs, usable.fit.best[None], np.array([0]), np.array([len(at)]))
+        return np.column_stack([arcs.of(0), np.full(len(at), usable.fit.best[_CD])])
+
+    def _perturbed(self, window: _Window) -> np.ndarray:
+        """Parameters (7,) of the perturbed truth at the start of a track, Cd at its a-priori value."""
+        settings, rso = self.settings, self.flight.rso
+        spread = np.repeat([settings.start_position_sigma_m, settings.start_velocity_sigma_mps], 3)
+        noise = derive(self.seed, "start", rso.name, str(window.track)).normal(size=6) * spread
+        true = self.truth.loc[self.measured.epochs[window.at]].to_numpy()
+        return np.append(true + noise, rso.cd)

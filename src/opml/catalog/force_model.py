@@ -5,11 +5,11 @@ from typing import Any
 
 from opml.dynamics import forces
 from opml.dynamics.ensemble import Integrator
-from opml.dynamics.surroundings import Tables
+from opml.dynamics.surroundings import ForceModel
 from opml.tables import ENVIRONMENT, read_metadata, read_table
 
 
-def read(paths: Mapping[str, str], *, epoch: str, settings: Mapping[str, Any]) -> Tables:
+def read(paths: Mapping[str, str], *, epoch: str, settings: Mapping[str, Any]) -> ForceModel:
     """Read a force model.
 
     paths: of the tables in `tables.ENVIRONMENT`, by name; epoch: UTC text; settings: degree, order and

@@ -12,7 +12,7 @@ import pandas as pd
 
 from opml.catalog import resonance
 from opml.catalog.sensitivity import in_rsw_of, running_mean, usable
-from opml.catalog.truth import STATE
+from opml.tables import STATE
 
 
 def build(
@@ -23,7 +23,7 @@ def build(
     long_estimates: pd.DataFrame,
     long_predictions: pd.DataFrame,
     long_sensitivities: pd.DataFrame,
-    bounds: tuple[float, float],
+    bounds: tuple[float, float] | None,
     resonances: Sequence[tuple[int, int]],
     long_window_hours: float,
     gm: float,
@@ -32,9 +32,10 @@ def build(
 
     The `long_` tables are of the same tracks, estimated with a longer window. l_* is the predicted state less
     that from the long arc, in RSW of the predicted state [m, m/s]; d_cd_long is the long arc's Cd less the
-    running mean of all long arcs' so far. Where the long arc did not converge with its Cd within `bounds`, or
-    does not reach t_j, the short one stands for it: l_* is 0, and v_long_*, cd_long its own. The columns of
-    `resonances`, pairs (k, m), are those of `resonance.drifts` for arcs of long_window_hours; gm [m3/s2].
+    running mean of all long arcs' so far. Where the long arc did not converge, has its Cd outside `bounds`
+    (if any are given) or does not reach t_j, the short one stands for it: l_* is 0, and v_long_*, cd_long its
+    own. The columns of `resonances`, pairs (k, m), are those of `resonance.drifts` for arcs of
+    long_window_hours; gm [m3/s2].
     """
     pairs = pd.MultiIndex.from_frame(predictions[["i", "j"]])
     own = estimates.set_index("track").loc[predictions["i"]]
@@ -45,7 +46,7 @@ def build(
         mean=running_mean(long_estimates, bounds), usable=usable(long_estimates, bounds)
     )
     ends = ends.set_index("track").reindex(predictions["i"])
-    arrived = long_predictions.set_index(["i", "j"])[list(STATE)].reindex(pairs).to_numpy()
+    arrived = long_predictions.set_index(["i", "j"])[STATE].reindex(pairs).to_numpy()
     gap = in_rsw_of(predictions, predictions[STATE].to_numpy() - arrived)
     answers = long_sensitivities.set_index(["i", "j"]).reindex(pairs)
     long = (

@@ -23,6 +23,11 @@ def site(station: Station) -> tuple[np.ndarray, np.ndarray]:
     return position, np.array([east, north, up])
 
 
+def sigmas(station: Station) -> np.ndarray:
+    """Standard deviations (3,) of what a station measures, in the order of `observe` [rad, rad, m]."""
+    return np.array([station.sigma_azimuth, station.sigma_elevation, station.sigma_range])
+
+
 def observe(positions: np.ndarray, position: np.ndarray, to_horizon: np.ndarray) -> np.ndarray:
     """Azimuth from north eastwards [0, 2 pi), elevation [rad] and range [m]: (..., 3).
 

@@ -6,13 +6,13 @@ No catalogue has these numbers, and no corrector is given them. They tell how lo
 import numpy as np
 import pandas as pd
 
-from opml.catalog.truth import STATE
 from opml.elements import coe_from_cartesian
+from opml.tables import STATE
 
 
 def perfect(estimates: pd.DataFrame, truth: pd.DataFrame, *, cd: float) -> pd.DataFrame:
     """The `estimates` table of the same tracks with the true states and drag coefficient."""
-    states = truth.set_index("t")[list(STATE)].loc[estimates["t"]].to_numpy()
+    states = truth.set_index("t")[STATE].loc[estimates["t"]].to_numpy()
     covariance = dict.fromkeys(estimates.filter(like="cov_").columns, 0.0)
     return estimates.assign(
         **dict(zip(STATE, states.T, strict=True)),
@@ -53,5 +53,5 @@ def build(
 
 def _semi_major_axis(estimates: pd.DataFrame, tracks: pd.Series, gm: float) -> np.ndarray:
     """Osculating semi-major axis [m] of the estimates at `tracks`."""
-    states = estimates.set_index("track").loc[tracks, list(STATE)].to_numpy()
+    states = estimates.set_index("track").loc[tracks, STATE].to_numpy()
     return coe_from_cartesian(states, gm)[:, 0]

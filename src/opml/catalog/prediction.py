@@ -5,18 +5,18 @@ from collections.abc import Callable
 import numpy as np
 import pandas as pd
 
-from opml.catalog.truth import STATE
+from opml.constants import DAY
 from opml.dynamics.ensemble import REASONS, Integrator, propagate
-from opml.dynamics.surroundings import Tables
+from opml.dynamics.surroundings import ForceModel
 from opml.elements import rsw_rotation
 from opml.sheets import Rso
+from opml.tables import COMPONENTS, STATE
 
-ERRORS = [f"e_{name}" for name in STATE]
 TRUE = [f"{name}_true" for name in STATE]
 
 
 def predict_all(
-    tables: Tables,
+    model: ForceModel,
     truth: pd.DataFrame,
     estimates: pd.DataFrame,
     rso: Rso,
@@ -28,17 +28,17 @@ def predict_all(
 ) -> pd.DataFrame:
     """The `predictions` table: every pair of an estimate t_i and a later track start t_j.
 
-    tables: the assumed model, from `forces.build`; t_j is at most max_days after t_i. The true
+    model: the assumed one; t_j is at most max_days after t_i. The true
     error is the predicted state less the true one, in RSW of the true state (paper, sec. Orbit
     Prediction and Machine Learning Model of the Prediction Error). A pair that the arc does not
     reach has no numbers, but the reason.
     """
     epochs = estimates["t"].to_numpy()
-    last = np.searchsorted(epochs, epochs + max_days * 86400.0, side="right") - 1
+    last = np.searchsorted(epochs, epochs + max_days * DAY, side="right") - 1
     first = np.arange(len(epochs))
     states = estimates[STATE].to_numpy()
     arcs = propagate(
-        tables,
+        model,
         epochs,
         states,
         first=first,
@@ -62,6 +62,6 @@ def predict_all(
         {"i": track[i], "j": track[j], "t_i": epochs[i], "t_j": epochs[j]}
         | dict(zip(STATE, arcs.states.T, strict=True))
         | dict(zip(TRUE, true.T, strict=True))
-        | dict(zip(ERRORS, errors.T, strict=True))
+        | dict(zip(COMPONENTS, errors.T, strict=True))
         | {"reason": np.where(reached, "", reasons)}
     )

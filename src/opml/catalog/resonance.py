@@ -14,9 +14,9 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from opml.catalog.truth import STATE
-from opml.constants import EARTH_RATE
+from opml.constants import EARTH_RATE, HOUR
 from opml.elements import coe_from_cartesian
+from opml.tables import STATE
 
 STEP = 1800.0
 """Step of the sums in place of integrals [s]: a hundred to the fastest phase's turn of two days."""
@@ -44,7 +44,7 @@ def drifts(
     itself, a parabola in time through its pairs. gm [m3/s2] is for the elements.
     """
     reach = float((predictions["t_j"] - predictions["t_i"]).max())
-    before = int(np.ceil(window_hours * 3600.0 / STEP))
+    before = int(np.ceil(window_hours * HOUR / STEP))
     grid = STEP * np.arange(-before, int(np.ceil(reach / STEP)) + 1)
     window = grid <= 0.0
     line = np.stack([np.ones(len(grid)), grid], axis=1)
@@ -54,7 +54,7 @@ def drifts(
     row = pd.Index(started.index).get_indexer(predictions["i"])
     place = (predictions["t_j"] - predictions["t_i"]).to_numpy() / STEP + before
     low = np.minimum(place.astype(int), len(grid) - 2)
-    found = {}
+    found: dict[str, np.ndarray] = {}
     for (k, m), names in zip(pairs, np.reshape(columns(pairs), (-1, 2)), strict=True):
         phase = _phases(started, predictions, row, k, m, gm) @ np.stack([np.ones(len(grid)), grid, grid**2])
         moved = _twice_integrated(np.exp(1j * phase), origin=before)
@@ -72,7 +72,8 @@ def _twice_integrated(f: np.ndarray, *, origin: int) -> np.ndarray:
     speed -= speed[:, [origin]]
     moved = np.zeros_like(f)
     moved[:, 1:] = np.cumsum(0.5 * STEP * (speed[:, 1:] + speed[:, :-1]), axis=1)
-    return moved - moved[:, [origin]]
+    moved -= moved[:, [origin]]
+    return moved
 
 
 def _phases(

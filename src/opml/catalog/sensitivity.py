@@ -8,23 +8,23 @@ from collections.abc import Callable
 import numpy as np
 import pandas as pd
 
-from opml.catalog.truth import STATE
 from opml.dynamics.ensemble import Integrator, propagate
-from opml.dynamics.surroundings import Tables
+from opml.dynamics.surroundings import ForceModel
 from opml.elements import rsw_rotation
 from opml.sheets import Rso
+from opml.tables import STATE
 
 _NUDGE = 0.01
 """Change of Cd between neighbouring arcs: small against Cd, large against rounding."""
 
 
 def sensitivities(
-    tables: Tables,
+    model: ForceModel,
     estimates: pd.DataFrame,
     predictions: pd.DataFrame,
     rso: Rso,
     *,
-    bounds: tuple[float, float],
+    bounds: tuple[float, float] | None,
     integrator: Integrator,
     threads: int = 1,
     progress: Callable[[float], None] | None = None,
@@ -34,9 +34,8 @@ def sensitivities(
     s_*: change of the predicted state per unit of Cd, the estimated state held. v_*: the same where
     the state moves along with Cd as the fit's own covariance has it, P_xc / P_cc. r_*: the
     prediction less the one made again with the running mean of all Cd estimated so far within
-    `bounds`, which is in cd_mean. A pair without a prediction has no numbers.
-    tables: the assumed model, from `forces.build`; estimates, predictions: the tables; rso: whose
-    area, mass and Cr the arcs have.
+    `bounds` (all of them where it is None), which is in cd_mean. A pair without a prediction has no numbers.
+    model: the assumed one; estimates, predictions: the tables; rso: whose area, mass and Cr the arcs have.
     """
     reach = predictions.groupby("i", sort=True)["j"].max()
     first, last = (np.searchsorted(estimates["track"], tracks) for tracks in (reach.index, reach))
@@ -51,7 +50,7 @@ def sensitivities(
     change = {}
     for turn, (name, (start, coefficient)) in enumerate(neighbours.items()):
         arcs = propagate(
-            tables,
+            model,
             estimates["t"].to_numpy(),
             start,
             first=first,
@@ -60,7 +59,7 @@ def sensitivities(
             reflection=np.full(len(first), rso.cr * rso.area_to_mass),
             integrator=integrator,
             threads=threads,
-            progress=progress and (lambda share, turn=turn: progress((turn + share) / len(neighbours))),
+            progress=_part_of(progress, turn, len(neighbours)),
         )
         change[name] = in_rsw_of(predictions, arcs.states - predictions[STATE].to_numpy())
     table = {"i": predictions["i"], "j": predictions["j"], "cd_mean": np.repeat(mean, last - first)}
@@ -69,22 +68,32 @@ def sensitivities(
     return pd.DataFrame(table)
 
 
+def _part_of(
+    progress: Callable[[float], None] | None, part: int, parts: int
+) -> Callable[[float], None] | None:
+    """Progress of one of several equal parts."""
+    return progress and (lambda share: progress((part + share) / parts))
+
+
 def in_rsw_of(predictions: pd.DataFrame, difference: np.ndarray) -> np.ndarray:
     """Differences (n, 6) of GCRF states [m, m/s] turned into RSW of the predicted states, (n, 6)."""
     rotation = rsw_rotation(predictions[STATE].to_numpy())
-    return np.einsum("nij,nkj->nki", rotation, difference.reshape(-1, 2, 3)).reshape(-1, 6)
+    turned: np.ndarray = np.einsum("nij,nkj->nki", rotation, difference.reshape(-1, 2, 3))
+    return turned.reshape(-1, 6)
 
 
-def running_mean(estimates: pd.DataFrame, bounds: tuple[float, float]) -> np.ndarray:
+def running_mean(estimates: pd.DataFrame, bounds: tuple[float, float] | None) -> np.ndarray:
     """Mean of the Cd of all usable estimates up to and with each one; its own where there was none."""
     cd, use = estimates["cd"].to_numpy(), usable(estimates, bounds)
     count, total = np.cumsum(use), np.cumsum(np.where(use, cd, 0.0))
-    return np.where(count > 0, total / np.maximum(count, 1), cd)
+    mean: np.ndarray = np.where(count > 0, total / np.maximum(count, 1), cd)
+    return mean
 
 
-def usable(estimates: pd.DataFrame, bounds: tuple[float, float]) -> np.ndarray:
-    """Which estimates converged with their Cd within `bounds` (bool, one an estimate)."""
-    return (estimates["converged"] & estimates["cd"].between(*bounds)).to_numpy()
+def usable(estimates: pd.DataFrame, bounds: tuple[float, float] | None) -> np.ndarray:
+    """Which estimates converged with their Cd within `bounds`, if any are given (bool, one per estimate)."""
+    low, high = bounds or (-np.inf, np.inf)
+    return np.asarray(estimates["converged"] & estimates["cd"].between(low, high))
 
 
 def shift_with_cd(estimates: pd.DataFrame) -> np.ndarray:
@@ -95,4 +104,5 @@ def shift_with_cd(estimates: pd.DataFrame) -> np.ndarray:
     """
     shared = estimates[[f"cov_cd_{name}" for name in STATE]].to_numpy()
     own = estimates["cov_cd_cd"].to_numpy()[:, None]
-    return np.divide(shared, own, out=np.zeros_like(shared), where=own > 0.0)
+    shift: np.ndarray = np.divide(shared, own, out=np.zeros_like(shared), where=own > 0.0)
+    return shift

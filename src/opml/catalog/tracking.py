@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from opml.catalog.observing import observe, site
+from opml.catalog.observing import observe, sigmas, site
 from opml.dynamics.frames import gcrf_to_itrf
 from opml.elements import wrap_turn
 from opml.errors import InputError
@@ -42,7 +42,9 @@ def simulate(
     return table[["track", "t", "station", *QUANTITIES, *(f"{name}_true" for name in QUANTITIES)]]
 
 
-def _measure(order, station, t, positions, rso, seed):
+def _measure(
+    order: int, station: Station, t: np.ndarray, positions: np.ndarray, rso: str, seed: int
+) -> pd.DataFrame:
     """One station's measurements, at the epochs at which it sees the RSO."""
     true = observe(positions, *site(station))
     epochs = np.flatnonzero(
@@ -51,8 +53,7 @@ def _measure(order, station, t, positions, rso, seed):
         & (true[:, 2] <= station.max_range)
     )
     true = true[epochs]
-    sigmas = [station.sigma_azimuth, station.sigma_elevation, station.sigma_range]
-    noisy = true + derive(seed, "noise", rso, station.name).normal(size=true.shape) * sigmas
+    noisy = true + derive(seed, "noise", rso, station.name).normal(size=true.shape) * sigmas(station)
     noisy[:, 0] = wrap_turn(noisy[:, 0])
     columns = {"epoch": epochs, "order": order, "t": t[epochs], "station": station.name}
     for k, name in enumerate(QUANTITIES):

@@ -5,23 +5,23 @@ from collections.abc import Callable
 import numpy as np
 import pandas as pd
 
+from opml.constants import DAY
 from opml.dynamics.ensemble import REASONS, Integrator, propagate
-from opml.dynamics.surroundings import Tables
+from opml.dynamics.surroundings import ForceModel
 from opml.elements import cartesian_from_coe, true_from_mean_anomaly
 from opml.errors import InputError
 from opml.sheets import Rso
-
-STATE = ["x", "y", "z", "vx", "vy", "vz"]
+from opml.tables import STATE
 
 
 def initial_state(rso: Rso, gm: float) -> np.ndarray:
     """GCRF state (6,) [m, m/s] at the epoch, from the RSO's osculating elements (paper, table of RSOs)."""
-    nu = true_from_mean_anomaly(rso.mean_anomaly, rso.e)
+    nu = float(true_from_mean_anomaly(np.array(rso.mean_anomaly), np.array(rso.e)))
     return cartesian_from_coe(np.array([rso.a, rso.e, rso.i, rso.argp, rso.raan, nu]), gm)
 
 
 def simulate(
-    tables: Tables,
+    model: ForceModel,
     rso: Rso,
     *,
     duration: float,
@@ -31,13 +31,13 @@ def simulate(
 ) -> pd.DataFrame:
     """The `truth` table of an RSO: GCRF states every `step` from the epoch to `duration` [s].
 
-    tables: the truth model, from `forces.build`. Raises InputError where the RSO does not stay in
+    model: the true one. Raises InputError where the RSO does not stay in
     orbit that long (paper, sec. Truth Dynamic Models).
     """
     t = np.arange(0.0, duration + 0.5 * step, step)
-    start = initial_state(rso, tables.gm)
+    start = initial_state(rso, model.gm)
     arcs = propagate(
-        tables,
+        model,
         t,
         start[None],
         first=[0],
@@ -48,9 +48,9 @@ def simulate(
         progress=progress,
     )
     if arcs.status[0]:
-        flown = np.isfinite(arcs.states[:, 0]).sum() * step / 86400.0
+        flown = np.isfinite(arcs.states[:, 0]).sum() * step / DAY
         raise InputError(
-            f"{rso.name}: expected an orbit that lasts {duration / 86400.0:g} days, "
+            f"{rso.name}: expected an orbit that lasts {duration / DAY:g} days, "
             f"but it {REASONS[arcs.status[0]]} after {flown:.2f} days"
         )
     states = np.vstack([start, arcs.of(0)])

@@ -15,9 +15,9 @@ from opml.provenance import code_digest
 _KERNELS = ("opml.dynamics.ensemble", "opml.dynamics.frames")
 
 
-def _cache_folder():
+def _cache_folder() -> Path:
     base = Path(os.environ.get("OPML_CACHE") or platformdirs.user_cache_dir("opml"))
     return base / f"kernels-{code_digest(*_KERNELS)[:16]}"
 
 
-numba.config.CACHE_DIR = str(_cache_folder())
+numba.config.CACHE_DIR = str(_cache_folder())  # type: ignore[attr-defined]  # made at run time

@@ -7,7 +7,7 @@ coefficients are SciPy's. A block's derivatives are rows of one array, six a sta
 import numpy as np
 from scipy.integrate import DOP853
 
-from opml.dynamics.forces import acceleration
+from opml.dynamics.acceleration import acceleration
 from opml.dynamics.lanes import absolute, compiled, load, splat, sqrt, store
 from opml.dynamics.surroundings import look_up
 
@@ -22,13 +22,13 @@ ORDER_OF_ERROR = 8.0
 
 
 @compiled
-def derivative(state, row, tables, coefficients, values, factors, scratch, slopes, at):
+def derivative(state, row, model, coefficients, values, factors, scratch, slopes, at):
     """Write the derivatives of state rows row..row+5 to rows at..at+5 of slopes; returns the altitude [m]."""
     x, y, z = load(state, row), load(state, row + 1), load(state, row + 2)
     vx, vy, vz = load(state, row + 3), load(state, row + 4), load(state, row + 5)
     ballistic, reflection = load(coefficients, 0), load(coefficients, 1)
     ax, ay, az, altitude = acceleration(
-        x, y, z, vx, vy, vz, ballistic, reflection, tables, values, factors, scratch
+        x, y, z, vx, vy, vz, ballistic, reflection, model, values, factors, scratch
     )
     store(slopes, at, vx)
     store(slopes, at + 1, vy)
@@ -40,7 +40,7 @@ def derivative(state, row, tables, coefficients, values, factors, scratch, slope
 
 
 @compiled
-def step(t, h, state, new, tables, coefficients, values, factors, scratch, slopes):
+def step(t, h, state, new, model, coefficients, values, factors, scratch, slopes):
     """Advance `state` (6, WIDTH) by h [s] into `new`; returns the altitude [m] at its end.
 
     slopes: (78, WIDTH), the first six rows holding the derivatives at t; the last six will hold
@@ -53,8 +53,8 @@ def step(t, h, state, new, tables, coefficients, values, factors, scratch, slope
                 if INNER[stage, j] != 0.0:
                     total = total + INNER[stage, j] * load(slopes, 6 * j + k)
             store(new, k, load(state, k) + h * total)
-        look_up(t + NODES[stage] * h, tables, values, factors)
-        derivative(new, 0, tables, coefficients, values, factors, scratch, slopes, 6 * stage)
+        look_up(t + NODES[stage] * h, model, values, factors)
+        derivative(new, 0, model, coefficients, values, factors, scratch, slopes, 6 * stage)
     for k in range(6):
         total = splat(0.0)
         for j in range(STAGES):
@@ -62,7 +62,7 @@ def step(t, h, state, new, tables, coefficients, values, factors, scratch, slope
                 total = total + OUTER[j] * load(slopes, 6 * j + k)
         store(new, k, load(state, k) + h * total)
     # The last stage stands at t + h already, so the surroundings there are at hand.
-    return derivative(new, 0, tables, coefficients, values, factors, scratch, slopes, 6 * STAGES)
+    return derivative(new, 0, model, coefficients, values, factors, scratch, slopes, 6 * STAGES)
 
 
 @compiled

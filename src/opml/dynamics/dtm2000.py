@@ -45,25 +45,26 @@ def coefficients() -> np.ndarray:
     text = resources.files("opml.data").joinpath("dtm2000.csv").read_text()
     lines = [line for line in text.splitlines() if line and not line.startswith("#")]
     names = lines[0].split(",")
-    table = rows(97)
+    a = rows(97)
     for line in lines[1:]:
         row = dict(zip(names, line.split(","), strict=True))
-        table[int(row["index"]), : len(QUANTITIES)] = [float(row[name]) for name in QUANTITIES]
-    return table
+        a[int(row["index"]), : len(QUANTITIES)] = [float(row[name]) for name in QUANTITIES]
+    return a
 
 
-def seasons(table: np.ndarray, days_of_year: np.ndarray) -> np.ndarray:
+def seasons(a: np.ndarray, days_of_year: np.ndarray) -> np.ndarray:
     """What depends on the day alone, for each day and quantity: (days, SEASONAL_TERMS, WIDTH).
 
     Annual and semi-annual cosines of the even and of the odd terms, and the sign of the terms that
     change with the hemisphere's season, which only the temperature profile at 120 km has.
+    a: from `coefficients`.
     """
     days = np.asarray(days_of_year, float)[:, None]
     cosines = [
-        np.cos(_YEAR * (days - table[11])),
-        np.cos(2.0 * _YEAR * (days - table[14])),
-        np.cos(_YEAR * (days - table[18])),
-        np.cos(2.0 * _YEAR * (days - table[20])),
+        np.cos(_YEAR * (days - a[11])),
+        np.cos(2.0 * _YEAR * (days - a[14])),
+        np.cos(_YEAR * (days - a[18])),
+        np.cos(2.0 * _YEAR * (days - a[20])),
     ]
     sign = np.ones((len(days), WIDTH))
     sign[:, 1:3] = np.array([_season(day) for day in days_of_year])[:, None]

@@ -14,8 +14,9 @@ ORIENTATION = ["x_cip", "y_cip", "s_cio", "x_pole", "y_pole", "era_offset"]
 def gcrf_to_itrf(earth_orientation: pd.DataFrame, t: np.ndarray) -> np.ndarray:
     """Rotation matrices (n, 3, 3) at times t (n,) [s], from the Earth orientation table."""
     nodes = earth_orientation["t"].to_numpy()
-    table = np.ascontiguousarray(earth_orientation[ORIENTATION].to_numpy(float))
-    return _rotations(np.asarray(t, float), nodes[0], nodes[1] - nodes[0], table)
+    orientation = np.ascontiguousarray(earth_orientation[ORIENTATION].to_numpy(float))
+    rotations: np.ndarray = _rotations(np.asarray(t, float), nodes[0], nodes[1] - nodes[0], orientation)
+    return rotations
 
 
 def spin(earth_orientation: pd.DataFrame) -> np.ndarray:
@@ -28,14 +29,15 @@ def spin(earth_orientation: pd.DataFrame) -> np.ndarray:
     t, x, y = (earth_orientation[name].to_numpy() for name in ("t", "x_cip", "y_cip"))
     pole = np.stack([x, y, np.sqrt(1.0 - x * x - y * y)], axis=-1)
     rate = EARTH_RATE + np.gradient(earth_orientation["era_offset"].to_numpy(), t)
-    return rate[:, None] * pole + np.cross(pole, np.gradient(pole, t, axis=0))
+    turning: np.ndarray = rate[:, None] * pole + np.cross(pole, np.gradient(pole, t, axis=0))
+    return turning
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
-def _rotations(t, first, step, table):
+def _rotations(t: np.ndarray, first: float, step: float, orientation: np.ndarray) -> np.ndarray:
     out = np.empty((t.shape[0], 3, 3))
     values = np.empty(9)
     for n in range(t.shape[0]):
-        orient(t[n], first, step, table, values)
+        orient(t[n], first, step, orientation, values)
         out[n] = values.reshape(3, 3)
     return out

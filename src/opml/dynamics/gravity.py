@@ -44,9 +44,9 @@ def _recursion(n, m):
 def _sums(c, s, n, m):
     """Factors of harmonic (n, m) in the six sums (Montenbruck & Gill 3.33, normalised)."""
 
-    def coefficient(table, order):
+    def coefficient(part, order):
         inside = 0 <= order < c.shape[1] and order <= n - 1 and n - 1 < c.shape[0]
-        return table[n - 1, order] if inside else 0.0
+        return part[n - 1, order] if inside else 0.0
 
     if n == 0:
         return [0.0] * 6

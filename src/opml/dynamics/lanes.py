@@ -7,6 +7,8 @@ operations, so a lane's result depends neither on its place nor on its neighbour
 """
 
 import operator
+from collections.abc import Callable
+from typing import Any
 
 import numba
 import numpy as np
@@ -22,7 +24,7 @@ WIDTH = 16
 FLAGS = ("contract", "nsz")
 """What the compiler may do to a formula: fuse multiply and add, and ignore the sign of zero."""
 
-OPTIONS = {
+OPTIONS: dict[str, Any] = {
     "error_model": "numpy",
     "boundscheck": False,
     "nogil": True,
@@ -32,8 +34,14 @@ OPTIONS = {
 """How kernels are compiled. They allocate nothing, so no reference to an array needs to be counted: the
 atomic increments of Numba's counts took a fifth of the time, and threads waited for each other's."""
 
-compiled = numba.njit(**OPTIONS)
+Decorator = Callable[[Callable[..., Any]], Any]
+"""Numba infers the types of what a kernel takes and returns, anew for each use."""
+
+compiled: Decorator = numba.njit(**OPTIONS)
 """Decorator of the kernels that are called by other kernels."""
+
+entry: Decorator = numba.njit(cache=True, **OPTIONS)
+"""Decorator of the kernels that are called from Python; their machine code is kept."""
 
 _CACHE_LINE = 64
 

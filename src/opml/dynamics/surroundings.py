@@ -1,7 +1,7 @@
 """What every arc meets at one time: the Earth's rotation, Sun, Moon, planets and the thermosphere.
 
-All of it depends on time alone, so it is looked up once a stage of the integrator, in tables at
-uniform nodes, and shared by the lanes.
+All of it depends on time alone, so it is looked up once a stage of the integrator, between the uniform
+nodes of the force model, and shared by the lanes.
 """
 
 import math
@@ -9,16 +9,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from opml.constants import EARTH_RATE
+from opml.constants import DAY, EARTH_RATE
 from opml.dynamics.dtm2000 import FACTORS, reduce_to_date
 from opml.dynamics.lanes import compiled, rows
 
 ROTATION, SPIN, SUN_ITRF, BODIES = 0, 9, 12, 15
 """Where the parts of the looked-up values begin."""
 
+_SixWeights = tuple[float, float, float, float, float, float]
 
-class Tables(NamedTuple):
-    """Arrays and numbers that the kernels read; see `forces.build`."""
+
+class ForceModel(NamedTuple):
+    """A force model as the kernels read it, arrays and numbers; `forces.build` makes it."""
 
     first: float  # time of the first node [s since the epoch]
     step: float  # between nodes [s]
@@ -37,38 +39,38 @@ class Tables(NamedTuple):
     radius: float  # of the field [m]
 
 
-def blank(tables: Tables) -> tuple[np.ndarray, np.ndarray]:
+def blank(model: ForceModel) -> tuple[np.ndarray, np.ndarray]:
     """Values and factors, for `look_up` to fill."""
-    return np.zeros(BODIES + tables.bodies.shape[1]), rows(FACTORS)
+    return np.zeros(BODIES + model.bodies.shape[1]), rows(FACTORS)
 
 
 @compiled
-def look_up(t, tables, values, factors):
+def look_up(t: float, model: ForceModel, values: np.ndarray, factors: np.ndarray) -> None:
     """Fill `values` (rotation, spin, Sun in ITRF, bodies in GCRF) and DTM2000's `factors` at time t [s]."""
-    node, u = _locate(t, tables.first, tables.step, tables.orientation.shape[0])
+    node, u = _locate(t, model.first, model.step, model.orientation.shape[0])
     w = _weights(u)
-    for k in range(tables.bodies.shape[1]):
-        values[BODIES + k] = _between(tables.bodies, node, k, w)
+    for k in range(model.bodies.shape[1]):
+        values[BODIES + k] = _between(model.bodies, node, k, w)
     for k in range(3):
-        values[SPIN + k] = _between(tables.spin, node, k, w)
-    orient(t, tables.first, tables.step, tables.orientation, values)
+        values[SPIN + k] = _between(model.spin, node, k, w)
+    orient(t, model.first, model.step, model.orientation, values)
     sx, sy, sz = values[BODIES], values[BODIES + 1], values[BODIES + 2]
     for k in range(3):
         values[SUN_ITRF + k] = values[3 * k] * sx + values[3 * k + 1] * sy + values[3 * k + 2] * sz
-    day = min(max(math.floor((t - tables.midnight) / 86400.0), 0), tables.seasons.shape[0] - 1)
+    day = min(max(math.floor((t - model.midnight) / DAY), 0), model.seasons.shape[0] - 1)
     reduce_to_date(
-        tables.thermosphere,
-        tables.seasons[day],
-        _linear(tables.activity, node, 0, u),
-        _linear(tables.activity, node, 1, u),
-        _linear(tables.activity, node, 2, u),
-        _linear(tables.activity, node, 3, u),
+        model.thermosphere,
+        model.seasons[day],
+        _linear(model.activity, node, 0, u),
+        _linear(model.activity, node, 1, u),
+        _linear(model.activity, node, 2, u),
+        _linear(model.activity, node, 3, u),
         factors,
     )
 
 
 @compiled
-def orient(t, first, step, orientation, values):
+def orient(t: float, first: float, step: float, orientation: np.ndarray, values: np.ndarray) -> None:
     """Fill the rotation in `values` at time t [s], from the nodes of the orientation."""
     node, u = _locate(t, first, step, orientation.shape[0])
     w = _weights(u)
@@ -84,7 +86,7 @@ def orient(t, first, step, orientation, values):
 
 
 @compiled
-def _locate(t, first, step, nodes):
+def _locate(t: float, first: float, step: float, nodes: int) -> tuple[int, float]:
     """The node before t with two more before it and three after, and the part of a step from it to t."""
     where = (t - first) / step
     node = min(max(math.floor(where), 2), nodes - 4)
@@ -92,7 +94,7 @@ def _locate(t, first, step, nodes):
 
 
 @compiled
-def _weights(u):
+def _weights(u: float) -> _SixWeights:
     """Lagrange's polynomial through six nodes: at hourly ones 10 micrometres for the Moon."""
     a, b, c, d, e, f = u + 2.0, u + 1.0, u, u - 1.0, u - 2.0, u - 3.0
     return (
@@ -106,24 +108,28 @@ def _weights(u):
 
 
 @compiled
-def _between(table, node, column, w):
-    return (
-        w[0] * table[node - 2, column]
-        + w[1] * table[node - 1, column]
-        + w[2] * table[node, column]
-        + w[3] * table[node + 1, column]
-        + w[4] * table[node + 2, column]
-        + w[5] * table[node + 3, column]
+def _between(nodes: np.ndarray, node: int, column: int, w: _SixWeights) -> float:
+    value: float = (
+        w[0] * nodes[node - 2, column]
+        + w[1] * nodes[node - 1, column]
+        + w[2] * nodes[node, column]
+        + w[3] * nodes[node + 1, column]
+        + w[4] * nodes[node + 2, column]
+        + w[5] * nodes[node + 3, column]
     )
+    return value
 
 
 @compiled
-def _linear(table, node, column, u):
-    return table[node, column] + u * (table[node + 1, column] - table[node, column])
+def _linear(nodes: np.ndarray, node: int, column: int, u: float) -> float:
+    value: float = nodes[node, column] + u * (nodes[node + 1, column] - nodes[node, column])
+    return value
 
 
 @compiled
-def earth_rotation(x, y, s, x_pole, y_pole, angle, values):
+def earth_rotation(
+    x: float, y: float, s: float, x_pole: float, y_pole: float, angle: float, values: np.ndarray
+) -> None:
     """Rotation GCRF to ITRF into values[0:9], row by row.
 
     x, y: CIP in GCRF; s: CIO locator; x_pole, y_pole: polar motion; angle: Earth rotation angle

@@ -1,15 +1,16 @@
-"""What Earth, Sun and Moon do, tabulated once a run."""
+"""Earth's rotation and gravity, third bodies and the Sun's activity, tabulated once per run."""
 
 import math
 
 import numpy as np
 
 from opml import epochs
+from opml.constants import HOUR
 
-STEP_S = 3600.0
+STEP_S = HOUR
 """Spacing of the nodes of every table of the environment [s]."""
 
-MARGIN_S = 7200.0
+MARGIN_S = 2.0 * HOUR
 """Least length of the tables before the epoch and after the end of a run [s]."""
 
 

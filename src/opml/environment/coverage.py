@@ -1,9 +1,14 @@
-"""Whether the data behind an environment reach as far as a run asks, known before any job starts."""
+"""Whether the data behind an environment cover a run: checked before any job starts."""
 
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
+from opml import epochs
+from opml.constants import DAY
 from opml.environment import earth_orientation, ephemerides, gravity_field, nodes, solar_activity
+from opml.errors import InputError
 
 FETCHED = "EIGEN-6S"
 """The gravity field that only its own rule may fetch; its degree is checked there."""
@@ -15,13 +20,28 @@ def check(values: Mapping[str, Any]) -> None:
     `values` are the validated settings.
     """
     epoch, sources = values["epoch"], values["environment"]
-    ends = nodes(epoch, 86400.0 * values["duration_days"])[[0, -1]]
+    ends = nodes(epoch, DAY * values["duration_days"])[[0, -1]]
     earth_orientation.tabulate(epoch, ends)
     ephemerides.tabulate(sources["ephemerides"], epoch, ends)
-    for activity in ("solar_activity", "true_solar_activity"):
-        if activity in sources:
-            solar_activity.tabulate(sources[activity], epoch, ends, sources["percentile"])
+    for setting in ("solar_activity", "true_solar_activity"):
+        if setting in sources:
+            _check_activity(setting, sources[setting], epoch, ends, sources["percentile"])
     if sources["gravity_field"] != FETCHED:
         field = gravity_field.read_icgem(gravity_field.resolve(sources["gravity_field"])).at(epoch)
         for model in values["force_models"].values():
             field.truncated(model["degree"], model["order"])
+
+
+def _check_activity(setting: str, source: str, epoch: str, ends: np.ndarray, percentile: int) -> None:
+    """Raise InputError where a source does not reach; of a packaged one, say what to give in its place."""
+    try:
+        solar_activity.tabulate(source, epoch, ends, percentile)
+    except InputError:
+        if source not in solar_activity.PACKAGED:
+            raise
+        first, last = solar_activity.reach(source)
+        begin, end = (epochs.calendar_day(epoch, t) for t in ends)
+        raise InputError(
+            f"environment.{setting}: {source} reaches from {first} to {last}, "
+            f"this run needs {begin} to {end}; for other dates give the path of a bulletin"
+        ) from None

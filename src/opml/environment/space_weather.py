@@ -34,7 +34,7 @@ _ROUNDING = 1e-8
 """Part of a day [d] that an epoch may miss a whole hour by, through rounding."""
 
 
-def is_one(text: str) -> bool:
+def is_space_weather(text: str) -> bool:
     """Whether a file's text is space weather in either form."""
     return _TEXT_TITLE in text or _heading(text.splitlines()) is not None
 
@@ -64,6 +64,11 @@ def read(path: str | Path, text: str) -> pd.DataFrame:
     return weather
 
 
+def reach(weather: pd.DataFrame) -> tuple[str, str]:
+    """First and last calendar day that the measurements `read` gives cover from midnight to midnight."""
+    return epochs.calendar(weather.index[0] + 2), epochs.calendar(weather.index[-1] - 1)
+
+
 def tabulate(path: str | Path, text: str, epoch: str, t: np.ndarray) -> pd.DataFrame:
     """Table `solar_activity` at times `t` [s since `epoch`], shape (n,).
 
@@ -74,13 +79,13 @@ def tabulate(path: str | Path, text: str, epoch: str, t: np.ndarray) -> pd.DataF
     weather = read(path, text)
     t = np.asarray(t, dtype=float)
     whole, part = epochs.utc(epoch, t)
-    day = (whole - 2400000.5) + part
+    day = (whole - epochs.MJD_ZERO) + part
     first, last = weather.index[0], weather.index[-1]
     if day.min() < first + 1.0 + _MEASURED or day.max() > last + _MEASURED:
+        begin, end = reach(weather)
         raise InputError(
-            f"{Path(path).name}: epoch: expected dates from {epochs.calendar(first + 2)} to "
-            f"{epochs.calendar(last - 1)}, "
-            f"got {t.min() / 86400.0:+.2f} to {t.max() / 86400.0:+.2f} days from {epoch}"
+            f"{Path(path).name}: epoch: expected dates from {begin} to {end}, "
+            f"got {epochs.calendar_day(epoch, t.min())} to {epochs.calendar_day(epoch, t.max())}"
         )
     measured = weather.index.to_numpy() + _MEASURED
     kp = weather[KP].to_numpy().ravel()
@@ -107,7 +112,7 @@ def _heading(lines: list[str]) -> int | None:
 
 def _csv_rows(lines: list[str]) -> Iterator[tuple[int, str, list[str]]]:
     """Line, date and figures of each day of the comma-separated form."""
-    first = _heading(lines)
+    first = _heading(lines) or 0
     for number, row in enumerate(csv.DictReader(lines[first:]), start=first + 2):
         yield number, row["DATE"], [row[name] or "" for name in _FIGURES]
 

@@ -4,21 +4,21 @@
 band of one standard deviation to either side.
 """
 
-import re
 from collections.abc import Mapping
+from operator import attrgetter
+from typing import Any
 
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
+from opml import naming
 from opml.errors import InputError
 from opml.figures.labels import symbol
 from opml.figures.style import MUTED, PUBLISHED, RESIDUAL, RESIDUALS, column_figure, labelled, page_figure
+from opml.naming import Split
 
-RANDOM = "random-"
-WINDOW = re.compile(r"days-([0-9.]+)-([0-9.]+)")
-SHARE = re.compile(r"([a-z]+)-([0-9.]+)")
 PARTS = {"rest": "test part", "seen": "training part"}
 MARKERS = "osD^"
 RULE_STYLES = (":", "-.", (0, (6, 1.5)), (0, (1, 3)))
@@ -39,8 +39,9 @@ def partition_curve(
     compare with, P_ML by share. Raises InputError without a row to draw. After the paper's figure
     'Performance metric P_ML of the SVM model trained by different size of training data'.
     """
-    chosen = metrics[metrics["train"].str.startswith(RANDOM) & (metrics["component"] == component)]
-    chosen = chosen.assign(share=chosen["train"].str.removeprefix(RANDOM).astype(float))
+    splits = metrics["train"].map(_trained)
+    chosen = metrics.assign(share=splits.map(attrgetter("percent")))
+    chosen = chosen[(splits.map(attrgetter("kind")) == "random") & (metrics["component"] == component)]
     test, seen = chosen[chosen["test"] == "rest"], chosen[chosen["test"] == "seen"]
     if test.empty:
         raise InputError(f"partition curve: expected metrics of {component} on random splits, got none")
@@ -99,8 +100,8 @@ def kernel_scale_sensitivity(
 ) -> Figure:
     """P_ML [%] of `component` against the kernel scale s; a panel each station set, a curve each split.
 
-    `metrics` has a further column `kernel_scale`: the s a row was trained with. `rules`: the scales to mark,
-    by station set and by the rule's name. Raises InputError without a row to draw.
+    `rules`: the scales to mark, by station set and by the rule's name. Raises InputError without a row to
+    draw.
     """
     chosen = metrics[metrics["component"] == component]
     if chosen.empty:
@@ -140,7 +141,7 @@ def _transfer(
     chosen = metrics[
         metrics["target"].isin(list(varied))
         & (metrics["component"] == component)
-        & metrics["test"].str.fullmatch(WINDOW)
+        & (metrics["test"].map(naming.parse_test).map(attrgetter("kind")) == "days")
     ]
     if chosen.empty:
         raise InputError(
@@ -157,11 +158,11 @@ def _transfer(
     return _finished(figure, axes, chosen, component)
 
 
-def _draw_curve(axes: Axes, rows: pd.DataFrame, x: str, style: str, **look) -> None:
-    """P_ML against column `x`, one row a point and seed; with several seeds their mean in a band."""
+def _draw_curve(axes: Axes, rows: pd.DataFrame, x: str, style: str, **look: Any) -> None:
+    """P_ML against column `x`, one row per point and seed; with several seeds their mean in a band."""
     seeds = ["seed"] if "seed" in rows else []
     if rows.duplicated([x, *seeds]).any():
-        raise InputError(f"curve of P_ML: {look['label']}: expected one row a point and seed, got several")
+        raise InputError(f"curve of P_ML: {look['label']}: expected one row per point and seed, got several")
     points = rows.groupby(x)["p_ml"].agg(["mean", "std", "size"])
     axes.plot(points.index, points["mean"], style, zorder=3, **look)
     if (points["size"] > 1).any():
@@ -200,17 +201,23 @@ def _label(axes: Axes, component: str) -> None:
         axes.axhline(NO_CORRECTION, color=MUTED, ls="--", lw=1.0, zorder=1)
 
 
+def _trained(name: str) -> Split:
+    """The training split of a name that may end in a seed."""
+    return naming.parse_train(naming.without_seed(name, naming.SPLIT))
+
+
 def _split_label(train: str, test: str) -> str:
-    if WINDOW.fullmatch(train) and WINDOW.fullmatch(test):
+    split = _trained(train)
+    if split.kind == "days":
         return _window_label(test)
-    if (share := SHARE.fullmatch(train)) and test in PARTS:
-        return f"{share[1]} {share[2]} %, {PARTS[test]}"
-    return f"{train}, {test}"
+    return f"{split.kind} {split.percent:g} %, {PARTS.get(test, test)}"
 
 
 def _window_label(test: str) -> str:
-    first, last = map(float, WINDOW.fullmatch(test).groups())
-    return f"future {last - first:g} days ({first:g} to {last:g})"
+    split = naming.parse_test(test)
+    first, last = split.days
+    seen = ", estimates unseen" if split.unseen else ""
+    return f"future {last - first:g} days ({first:g} to {last:g}{seen})"
 
 
 def _marker(k: int) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection
 from matplotlib.colors import Colormap
 from matplotlib.figure import Figure
 
@@ -18,6 +19,7 @@ from opml.constants import DAY
 from opml.errors import InputError
 from opml.figures.labels import axis, symbol, unit
 from opml.figures.style import HIGHLIGHT, MUTED, PREDICTED, RESIDUAL, TRUE, column_figure, page_figure
+from opml.learning import metrics
 
 CLUSTER_DAYS = 0.25
 """Width of a cluster of durations [d]: four a day, wide enough for one station, narrow enough for three."""
@@ -248,10 +250,11 @@ def _draw_bars(axes: Axes, evaluation: pd.DataFrame, component: str, *, absolute
             zorder=2.0 + 0.1 * order,
             label=curve.label.format(axis=axis(component)),
         )
+    p_ml = metrics.p_ml(evaluation["true"].to_numpy(), evaluation["predicted"].to_numpy())
     axes.text(
         0.03,
         0.97,
-        rf"$P_{{\mathrm{{ML}}}}$ = {_p_ml(evaluation):.1f} %",
+        rf"$P_{{\mathrm{{ML}}}}$ = {p_ml:.1f} %",
         transform=axes.transAxes,
         va="top",
         bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.5},
@@ -301,8 +304,9 @@ def _individual(
     axes.set_title(f"{verb}: {chosen.sum()} of {len(chosen)} points", fontsize=8.0, loc="left")
     _label(axes, component, absolute=True)
     legend = figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=2)
-    legend.legend_handles[1].set(array=None, facecolor=colors(0.5))
-    for handle in legend.legend_handles:
+    handles = [handle for handle in legend.legend_handles if isinstance(handle, PathCollection)]
+    handles[1].set(array=None, facecolor=colors(0.5))
+    for handle in handles:
         handle.set_sizes([12.0])
     return figure
 
@@ -331,13 +335,5 @@ def _not_empty(table: pd.DataFrame) -> pd.DataFrame:
     return table
 
 
-# The paper writes both metrics in terms of the residual, which is what is drawn. Figures may not import from
-# opml.learning; a test holds these equal to opml.learning.metrics.
-def _p_ml(evaluation: pd.DataFrame) -> float:
-    return 100.0 * evaluation["residual"].abs().sum() / evaluation["true"].abs().sum()
-
-
 def _individual_p_ml(evaluation: pd.DataFrame) -> np.ndarray:
-    residual, true = evaluation["residual"].abs().to_numpy(), evaluation["true"].abs().to_numpy()
-    ratio = np.divide(residual, true, out=np.where(residual > 0.0, np.inf, 0.0), where=true > 0.0)
-    return 100.0 * ratio
+    return metrics.individual_p_ml(evaluation["true"].to_numpy(), evaluation["predicted"].to_numpy())

@@ -5,14 +5,15 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from opml.constants import DAY
 from opml.figures.curves import NO_CORRECTION
 from opml.figures.labels import symbol, unit
 from opml.figures.style import MUTED, PREDICTED, PUBLISHED, RESIDUALS, TRUE, labelled, page_figure
 
 MARKERS = "osD^v"
-DAY = 86400.0
 AXES = {
     "inclination": "inclination $i$ [deg]",
     "semi_major_axis": "increment of the semi-major axis $a$ [km]",
@@ -136,7 +137,8 @@ def _legend(figure: Figure, *, columns: int) -> None:
     """One legend for all panels, each label once."""
     labels = labelled(figure)
     legend = figure.legend(labels.values(), labels.keys(), loc="outside upper left", ncols=columns)
-    for handle in legend.legend_handles:
-        handle.set_alpha(None if handle.get_alpha() is None else max(handle.get_alpha(), 0.4))
-        if hasattr(handle, "set_markersize"):
+    for handle in filter(None, legend.legend_handles):
+        if (alpha := handle.get_alpha()) is not None:
+            handle.set_alpha(max(float(alpha), 0.4))
+        if isinstance(handle, Line2D):
             handle.set_markersize(max(handle.get_markersize(), 4.0))

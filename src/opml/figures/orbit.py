@@ -4,14 +4,14 @@ from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator, MultipleLocator
+from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
-from opml.constants import DAY, WGS84_A
+from opml.constants import DAY, HOUR, WGS84_A
 from opml.elements import coe_from_cartesian
 from opml.errors import InputError
 from opml.figures.style import (
@@ -20,12 +20,10 @@ from opml.figures.style import (
     OBSERVED,
     TRACK,
     TRUE,
-    column_figure,
     page_figure,
+    space_figure,
 )
 from opml.tables import STATE
-
-HOUR = 3600.0
 
 REVOLUTIONS = 40
 """Revolutions that stand for the whole orbit: more would hide each other."""
@@ -129,7 +127,7 @@ def orbit_3d(truth: pd.DataFrame, tracking: pd.DataFrame) -> Figure:
     starts = np.flatnonzero(np.isin(np.floor(revolution[:-1]), drawn) & sight[:-1])
     observed = positions[np.isin(truth["t"], tracking["t"]) & sight]
 
-    figure, axes = column_figure(height_mm=90.0, projection="3d")
+    figure, axes = space_figure(height_mm=90.0)
     axes.set_proj_type("ortho")
     axes.view_init(elev=ELEVATION, azim=AZIMUTH)
     axes.computed_zorder = False
@@ -184,7 +182,7 @@ def orbital_elements(
     zoom holds no epoch. After the paper's figure 'Instantaneous classical orbital elements'.
     """
     days = truth["t"].to_numpy() / DAY
-    coe = dict(zip(_COE, coe_from_cartesian(truth[list(STATE)].to_numpy(), gm).T, strict=True))
+    coe = dict(zip(_COE, coe_from_cartesian(truth[STATE].to_numpy(), gm).T, strict=True))
     first, last = zoom_days
     zoomed = (days >= first) & (days <= last)
     if not zoomed.any():
@@ -225,10 +223,11 @@ def _in_sight(positions: np.ndarray) -> np.ndarray:
     )
     ahead = positions @ viewer
     aside = np.linalg.norm(positions - ahead[:, None] * viewer, axis=-1)
-    return (ahead > 0.0) | (aside > WGS84_A / 1e6)
+    seen: np.ndarray = (ahead > 0.0) | (aside > WGS84_A / 1e6)
+    return seen
 
 
-def _draw_earth(axes: Axes) -> None:
+def _draw_earth(axes: Axes3D) -> None:
     longitude, latitude = np.meshgrid(
         np.radians(np.arange(0, 361, 15)), np.radians(np.arange(-90, 91, 15)), indexing="ij"
     )

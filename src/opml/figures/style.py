@@ -11,6 +11,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d import Axes3D
 
 from opml.files import replacing
 
@@ -55,10 +56,16 @@ matplotlib.rcParams.update(
 )
 
 
-def column_figure(*, height_mm: float, projection: str | None = None) -> tuple[Figure, Axes]:
+def column_figure(*, height_mm: float) -> tuple[Figure, Axes]:
     """Empty figure of column width with one pair of axes; its layout follows its contents."""
     figure = _figure(COLUMN_WIDTH_MM, height_mm)
-    return figure, figure.add_subplot(projection=projection)
+    return figure, figure.add_subplot()
+
+
+def space_figure(*, height_mm: float) -> tuple[Figure, Axes3D]:
+    """Empty figure of column width with axes in three dimensions."""
+    figure = _figure(COLUMN_WIDTH_MM, height_mm)
+    return figure, figure.add_subplot(projection="3d")
 
 
 def page_figure(*, height_mm: float) -> Figure:
@@ -79,14 +86,14 @@ def labelled(figure: Figure) -> dict[str, Artist]:
     )
 
 
-def save(figure: Figure, path_pdf: str | os.PathLike, path_png: str | os.PathLike) -> None:
+def save(figure: Figure, path_pdf: str | os.PathLike[str], path_png: str | os.PathLike[str]) -> None:
     """Write the figure as PDF and PNG, each whole or not at all; the same figure gives the same bytes."""
     _write(figure, path_pdf, "pdf", metadata={"CreationDate": None})
     _write(figure, path_png, "png", metadata={"Software": None})
 
 
 def save_all(
-    figures: Iterable[Figure], paths_pdf: Iterable[str | os.PathLike], paths_png: Iterable[str | os.PathLike]
+    figures: Iterable[Figure], paths_pdf: Iterable[str | os.PathLike[str]], paths_png: Iterable[str | os.PathLike[str]]
 ) -> None:
     """`save` each figure under the paths of its place. Raises ValueError for another number of paths."""
     for figure, path_pdf, path_png in zip(figures, paths_pdf, paths_png, strict=True):

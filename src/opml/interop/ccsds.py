@@ -6,9 +6,8 @@ Source: CCSDS 502.0-B-2 (orbit data messages), 503.0-B-2 (tracking data message)
 """
 
 import math
-import os
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from datetime import date, timedelta
 from decimal import Decimal
 from pathlib import Path
@@ -19,11 +18,14 @@ import numpy as np
 from opml import __version__, epochs
 from opml.constants import DAY
 from opml.errors import InputError
-from opml.files import replacing
+from opml.files import FilePath, replacing
 
 _TIME = re.compile(r"(\d{4})-(?:(\d\d)-(\d\d)|(\d{3}))T(\d\d):(\d\d):(\d\d(?:\.\d*)?)Z?", re.ASCII)
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[eE]([+-]?\d{1,4}))?", re.ASCII)
 _PAIR = re.compile(r"([A-Z][A-Z0-9_]*)\s*=\s*(\S.*)", re.ASCII)
+
+_Day = tuple[int, int, int]  # year, month, day
+_Clock = tuple[int, int, float]  # hour, minute, second
 
 _GPS_BEHIND_TAI = 19.0  # [s]
 _NO_SUCH_TIME = (erfa.ErfaError, erfa.ErfaWarning, ValueError)
@@ -37,7 +39,7 @@ FRAMES = {"GCRF": np.eye(3), "ICRF": np.eye(3), "EME2000": np.asarray(erfa.bp06(
 class Message:
     """The lines of a message, read one after the other; empty ones and comments are passed over."""
 
-    def __init__(self, path: str | os.PathLike, *, version_key: str, versions: Collection[str]):
+    def __init__(self, path: FilePath, *, version_key: str, versions: Collection[str]) -> None:
         """Open a message. Raises InputError where it is missing, no text, or of another kind or version."""
         self.path = path
         try:
@@ -77,6 +79,11 @@ class Message:
             raise self.wrong(text, self.peek())
         self.take()
 
+    def skip_header(self) -> None:
+        """Pass the lines before the first segment. Raises InputError where one is no pair."""
+        while self.peek() not in ("", "META_START"):
+            self.pair()
+
     def pair(self) -> tuple[int, str, str]:
         """Return number, key and value of a line and pass it. Raises InputError where it is no pair."""
         match = _PAIR.fullmatch(self.peek())
@@ -86,16 +93,16 @@ class Message:
 
     def pairs(self, end: str) -> "Pairs":
         """Return the pairs before the line `end` and pass it. Raises InputError where a key stands twice."""
-        found: dict[str, tuple[int, str]] = {}
+        values: dict[str, tuple[int, str]] = {}
         while self.peek() != end:
             if not self.peek():
                 raise self.wrong(end, "")
             number, key, value = self.pair()
-            if key in found:
+            if key in values:
                 raise self.wrong(f"{key} once", "it twice", number)
-            found[key] = number, value
+            values[key] = number, value
         closing, _ = self.take()
-        return Pairs(self, found, closing)
+        return Pairs(self, values, closing)
 
     def wrong(self, expected: str, got: str, number: int | None = None) -> InputError:
         """Return the error of a line, by default the next one."""
@@ -113,23 +120,23 @@ class Message:
 
     def elapsed(self, texts: Sequence[str], numbers: Sequence[int], *, epoch: str, scale: str) -> np.ndarray:
         """Times (n,) [s since `epoch`] of texts in a time system. Raises InputError, naming the line."""
-        days, fractions = [], []
+        days, clocks = [], []
         for text, number in zip(texts, numbers, strict=True):
             match = _TIME.fullmatch(text)
             if match is None:
                 raise self.wrong("a time like 2016-09-28T12:09:45", text, number)
             days.append(_calendar_day(match))
-            fractions.append((int(match[5]), int(match[6]), float(match[7])))
+            clocks.append((int(match[5]), int(match[6]), float(match[7])))
         if not texts:
             return np.empty(0)
         try:
-            return _since(epoch, days, fractions, scale)
+            return _since(epoch, days, clocks, scale)
         except _NO_SUCH_TIME:
             for k, number in enumerate(numbers):
-                self._check_time(texts[k], number, days[k], fractions[k], scale)
+                self._check_time(texts[k], number, days[k], clocks[k], scale)
             raise
 
-    def _check_time(self, text, number, day, clock, scale):
+    def _check_time(self, text: str, number: int, day: _Day, clock: _Clock, scale: str) -> None:
         try:
             _since("2000-01-01T00:00:00", [day], [clock], scale)
         except _NO_SUCH_TIME:
@@ -139,8 +146,8 @@ class Message:
 class Pairs:
     """The keys of a header or of metadata, with their lines."""
 
-    def __init__(self, message: Message, found: dict[str, tuple[int, str]], closing: int):
-        self._message, self._found, self._closing = message, found, closing
+    def __init__(self, message: Message, values: Mapping[str, tuple[int, str]], closing: int) -> None:
+        self._message, self._values, self._closing = message, values, closing
 
     def one_of(self, key: str, allowed: Collection[str], default: str | None = None) -> str:
         """Return a value that has to be one of some. Raises InputError, naming the line."""
@@ -153,18 +160,20 @@ class Pairs:
         """Return a value. Raises InputError where there is neither one nor a default."""
         return self._value(key, default)[1]
 
-    def _value(self, key, default):
-        if key not in self._found and default is None:
+    def _value(self, key: str, default: str | None) -> tuple[int, str]:
+        if key in self._values:
+            return self._values[key]
+        if default is None:
             raise self._message.wrong(f"the key {key} before this line", "none", self._closing)
-        return self._found.get(key, (self._closing, default))
+        return self._closing, default
 
 
-def printed(value: float, power: int) -> str:
+def number_text(value: float, power: int) -> str:
     """Return the shortest text of a number times 10**power from which `Message.scaled` gets it back."""
     return str(Decimal(repr(float(value))).scaleb(power))
 
 
-def utc(epoch: str, t: np.ndarray) -> list[str]:
+def utc_texts(epoch: str, t: np.ndarray) -> list[str]:
     """UTC texts of times t (n,) [s since `epoch`], to the microsecond."""
     year, month, day, clock = erfa.d2dtf("UTC", 6, *epochs.utc(epoch, np.atleast_1d(t)))
     fields = (year, month, day, clock["h"], clock["m"], clock["s"], clock["f"])
@@ -177,18 +186,18 @@ def header(version_key: str, epoch: str) -> list[str]:
     return [
         f"{version_key} = 2.0",
         "COMMENT The creation date is the epoch of the simulation.",
-        f"CREATION_DATE = {utc(epoch, np.zeros(1))[0]}",
+        f"CREATION_DATE = {utc_texts(epoch, np.zeros(1))[0]}",
         f"ORIGINATOR = OPML {__version__}",
     ]
 
 
-def write(path: str | os.PathLike, lines: Iterable[str]) -> None:
+def write(path: FilePath, lines: Iterable[str]) -> None:
     """Write lines of text, all of them or none: a temporary file takes the name when it is complete."""
     with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as file:
         file.writelines(f"{line}\n" for line in lines)
 
 
-def _calendar_day(match: re.Match) -> tuple[int, int, int]:
+def _calendar_day(match: re.Match[str]) -> _Day:
     """Year, month and day of a calendar date or a day of the year; checked later."""
     if match[4] is None:
         return int(match[1]), int(match[2]), int(match[3])
@@ -200,20 +209,21 @@ def _calendar_day(match: re.Match) -> tuple[int, int, int]:
     return (day.year, day.month, day.day) if day.year == int(match[1]) else (int(match[1]), 0, 0)
 
 
-def _since(epoch, days, clocks, scale):
+def _since(epoch: str, days: Sequence[_Day], clocks: Sequence[_Clock], scale: str) -> np.ndarray:
     """Times (n,) [s since `epoch`] of calendar days and clock times in a time system."""
     year, month, day = np.array(days).T
     hour, minute = np.array([clock[:2] for clock in clocks]).T
     second = np.array([clock[2] for clock in clocks])
     with epochs.strict_erfa():
-        date_ = erfa.dtf2d("UTC" if scale == "UTC" else "TAI", year, month, day, hour, minute, second)
+        tai = erfa.dtf2d("UTC" if scale == "UTC" else "TAI", year, month, day, hour, minute, second)
         match scale:
             case "UTC":
-                date_ = erfa.utctai(*date_)
+                tai = erfa.utctai(*tai)
             case "TT":
-                date_ = erfa.tttai(*date_)
+                tai = erfa.tttai(*tai)
             case "GPS":
-                date_ = date_[0], date_[1] + _GPS_BEHIND_TAI / DAY
+                tai = tai[0], tai[1] + _GPS_BEHIND_TAI / DAY
     first, part = epochs.tai(epoch, 0.0)
     # Two-part dates hold about 1e-11 s; the sum over a run holds 1e-9 s, and what was printed comes back.
-    return np.round((date_[0] - first) * DAY + (date_[1] - part) * DAY, 8)
+    t: np.ndarray = np.round((tai[0] - first) * DAY + (tai[1] - part) * DAY, 8)
+    return t

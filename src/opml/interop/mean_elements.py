@@ -1,6 +1,7 @@
 """An RSO from mean elements: a TLE, or an OMM in KVN, JSON or XML, flown by SGP4.
 
-    python -m opml.interop.mean_elements iss.tle --name mine --epoch 2016-09-28T12:09:45 >> config/rsos.tsv
+    python -m opml.interop.mean_elements iss.tle --name mine --epoch 2016-09-28T12:09:45 \\
+        --area-to-mass 0.05 --cd 2.2 --cr 1.25 >> config/rsos.tsv
 
 adds one to the sheet. SGP4's states are in TEME, which turns with the mean equinox; the rotation to GCRF is
 through the Earth's rotation: Greenwich mean sidereal time of 1982 against the Earth rotation angle about the
@@ -11,11 +12,11 @@ IERS Conventions 2010, section 5.4; CCSDS 502.0-B-2, section 4 (OMM).
 
 import argparse
 import json
+import logging
 import math
-import os
 import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -27,13 +28,27 @@ from sgp4 import omm
 from sgp4.api import SGP4_ERRORS, Satrec
 
 from opml import epochs
+from opml.constants import DAY
 from opml.elements import coe_from_cartesian, mean_from_true_anomaly
 from opml.errors import InputError
+from opml.files import FilePath
 from opml.interop import ccsds
 from opml.sheets import Rso
 
 EARTH_GM = 3.986004415e14
 """Earth's gravitational parameter [m3/s2] of EGM2008 and EIGEN-6S, by which a sheet's elements are read."""
+
+WARN_DAYS = 7.0
+"""Days from their own epoch beyond which elements are flown with a warning.
+
+A satellite leaves the orbit of its TLE by 1 to 3 km per day (documentation of the package sgp4). After a week
+that is more than the median error of the paper case's predictions, 5 km.
+"""
+
+MOST_DAYS = 30.0
+"""Days from their own epoch beyond which elements are refused: drag has moved a low orbit too far by then."""
+
+_log = logging.getLogger(__name__)
 
 _NUMBERS = (
     "MEAN_MOTION",
@@ -59,7 +74,7 @@ _REQUIRED = {"MEAN_ELEMENT_THEORY": ("SGP4", "SGP/SGP4"), "REF_FRAME": ("TEME",)
 _OMM_VERSION = "CCSDS_OMM_VERS"
 
 
-def read(path: str | os.PathLike) -> Satrec:
+def read(path: FilePath) -> Satrec:
     """Read the one set of mean elements of a file: a TLE (with or without a name), or an OMM.
 
     Raises InputError, naming file and line or key, for what is malformed or no single set.
@@ -72,22 +87,21 @@ def read(path: str | os.PathLike) -> Satrec:
         raise InputError(f"{path}: expected a TLE or an OMM in UTF-8 text ({reason})") from None
     match text.lstrip()[:1]:
         case "{" | "[":
-            satellite = _of_omm(path, _json(path, text))
+            satellite = _from_omm(path, _json(path, text))
         case "<":
-            satellite = _of_omm(path, _xml(path))
+            satellite = _from_omm(path, _xml(path))
         case _ if text.lstrip().startswith(_OMM_VERSION):
-            satellite = _of_omm(path, _kvn(path))
+            satellite = _from_omm(path, _kvn(path))
         case _:
-            satellite = _of_tle(path, text)
+            satellite = _from_tle(path, text)
     if satellite.error:
         raise InputError(f"{path}: expected elements that SGP4 can fly, got {SGP4_ERRORS[satellite.error]}")
     return satellite
 
 
-def epoch_of(satellite: Satrec) -> str:
+def own_epoch(satellite: Satrec) -> str:
     """UTC text of a set's own epoch, to the microsecond."""
-    fields_ = erfa.d2dtf("UTC", 6, satellite.jdsatepoch, satellite.jdsatepochF)
-    year, month, day, clock = fields_
+    year, month, day, clock = erfa.d2dtf("UTC", 6, satellite.jdsatepoch, satellite.jdsatepochF)
     h, m, s, f = (int(clock[name]) for name in "hmsf")
     return f"{int(year):04d}-{int(month):02d}-{int(day):02d}T{h:02d}:{m:02d}:{s:02d}.{f:06d}"
 
@@ -109,7 +123,8 @@ def teme_to_gcrf(epoch: str) -> np.ndarray:
     """Rotation (3, 3) of TEME to GCRF at a UTC text; its own turning, 7e-12 rad/s, moves no velocity."""
     utc, tt = epochs.utc(epoch, 0.0), epochs.tt(epoch, 0.0)
     to_cirs = erfa.rz(erfa.gmst82(*utc) - erfa.era00(*utc), np.eye(3))
-    return erfa.c2ixys(*erfa.xys06a(*tt)).T @ to_cirs
+    to_gcrf: np.ndarray = erfa.c2ixys(*erfa.xys06a(*tt)).T @ to_cirs
+    return to_gcrf
 
 
 def rso(
@@ -125,11 +140,32 @@ def rso(
     """The RSO that SGP4 has at the UTC text `epoch`: osculating elements, and the body's A/m [m2/kg], Cd, Cr.
 
     B* is left aside: it is fitted together with SGP4's own atmosphere. gm [m3/s2] is that of the run's field.
-    Raises InputError where SGP4 cannot reach the epoch.
+    Warns through `logging` where the epoch is more than WARN_DAYS from the elements' own.
+    Raises InputError where it is more than MOST_DAYS from it, and where SGP4 cannot reach it.
     """
+    _check_age(satellite, epoch)
     a, e, i, argp, raan, nu = coe_from_cartesian(state(satellite, epoch=epoch), gm).tolist()
     mean_anomaly = float(mean_from_true_anomaly(nu, e))
     return Rso(name, a, e, i, argp, raan, mean_anomaly, area_to_mass=area_to_mass, cd=cd, cr=cr)
+
+
+def _check_age(satellite: Satrec, epoch: str) -> None:
+    """Refuse or warn where SGP4 would carry the elements too far from their own epoch."""
+    own = own_epoch(satellite)
+    days = abs(epochs.elapsed(own, epoch)) / DAY
+    if days > MOST_DAYS:
+        raise InputError(
+            f"mean elements: expected an epoch at most {MOST_DAYS:g} days from theirs, {own}, "
+            f"got {epoch}, {days:.1f} days away"
+        )
+    if days > WARN_DAYS:
+        _log.warning(
+            "mean elements: SGP4 carries them %.1f days, from their epoch %s to %s; "
+            "it errs by kilometres per day",
+            days,
+            own,
+            epoch,
+        )
 
 
 def sheet_row(rso: Rso) -> str:
@@ -141,7 +177,7 @@ def sheet_row(rso: Rso) -> str:
     return "\t".join([rso.name, *(repr(to_sheet.get(name, float)(value)) for name, value in values)])
 
 
-def _of_tle(path, text):
+def _from_tle(path: FilePath, text: str) -> Satrec:
     lines = [(n, line.rstrip()) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
     if len(lines) == 3:
         lines = lines[1:]
@@ -173,7 +209,7 @@ _TLE_LINES = (
 )
 
 
-def _check_tle_line(path, number, line, pattern, kind):
+def _check_tle_line(path: FilePath, number: int, line: str, pattern: re.Pattern[str], kind: str) -> None:
     if not pattern.fullmatch(line):
         raise InputError(f"{path}: line {number}: expected line {kind} of a TLE, got {line!r}")
     total = sum(int(c) if c.isdigit() else c == "-" for c in line[:68]) % 10
@@ -181,17 +217,16 @@ def _check_tle_line(path, number, line, pattern, kind):
         raise InputError(f"{path}: line {number}: expected the checksum {total}, got {line[68]}")
 
 
-def _json(path, text):
+def _json(path: FilePath, text: str) -> dict[str, str]:
     try:
-        found = json.loads(text)
+        values = json.loads(text)
     except ValueError as reason:
         number = getattr(reason, "lineno", 1)
         raise InputError(f"{path}: line {number}: expected an OMM in JSON, got {reason}") from None
-    sets = found if isinstance(found, list) else [found]
-    return _only(path, sets)
+    return _only(path, values if isinstance(values, list) else [values])
 
 
-def _xml(path):
+def _xml(path: FilePath) -> dict[str, str]:
     try:
         return _only(path, list(omm.parse_xml(path)))
     except ParseError as reason:
@@ -202,72 +237,83 @@ def _xml(path):
         ) from None
 
 
-def _kvn(path):
+def _kvn(path: FilePath) -> dict[str, str]:
     message = ccsds.Message(path, version_key=_OMM_VERSION, versions=("1.0", "2.0", "3.0"))
-    found = {}
+    values: dict[str, str] = {}
     while message.peek():
         number, key, value = message.pair()
-        if key in found:
+        if key in values:
             raise message.wrong(f"{key} once", "it twice", number)
-        found[key] = value.split("[")[0].rstrip()
-    return found
+        values[key] = value.split("[")[0].rstrip()
+    return values
 
 
-def _only(path, sets):
+def _only(path: FilePath, sets: Sequence[Any]) -> dict[str, str]:
     if len(sets) != 1 or not isinstance(sets[0], dict):
         raise InputError(f"{path}: expected the mean elements of one RSO, got {len(sets)}")
     return {str(key): "" if value is None else str(value).strip() for key, value in sets[0].items()}
 
 
-def _of_omm(path, found: Mapping[str, str]) -> Satrec:
+def _from_omm(path: FilePath, values: Mapping[str, str]) -> Satrec:
     for key, allowed in _REQUIRED.items():
-        if found.get(key, allowed[0]).upper() not in allowed:
-            raise InputError(f"{path}: {key}: expected {' or '.join(allowed)}, got {found[key]}")
-    elements: dict[str, Any] = _OPTIONAL | {key: value for key, value in found.items() if value}
+        if values.get(key, allowed[0]).upper() not in allowed:
+            raise InputError(f"{path}: {key}: expected {' or '.join(allowed)}, got {values[key]}")
+    elements = _OPTIONAL | {key: value for key, value in values.items() if value}
     for key in (*_NUMBERS, "MEAN_MOTION_DOT", "MEAN_MOTION_DDOT"):
-        _check(path, elements, key, float, math.isfinite, "a finite number")
+        _check_value(path, elements, key, _is_finite, "a finite number")
     for key in ("EPHEMERIS_TYPE", "ELEMENT_SET_NO", "REV_AT_EPOCH", "NORAD_CAT_ID"):
-        _check(path, elements, key, int, lambda value: value >= 0, "a whole number")
-    epoch = elements.get("EPOCH", "").removesuffix("Z")
-    try:
-        epochs.parse(epoch)
-    except InputError as reason:
-        raise InputError(f"{path}: EPOCH: {reason}") from None
-    elements["EPOCH"] = ccsds.utc(epoch, np.zeros(1))[0]
+        _check_value(path, elements, key, _is_whole, "a whole number")
+    epoch = _omm_epoch(path, elements)
     satellite = Satrec()
     try:
-        omm.initialize(satellite, elements)
+        omm.initialize(satellite, elements | {"EPOCH": epoch})
     except ValueError as reason:
         raise InputError(f"{path}: expected elements that SGP4 can take, got {reason}") from None
     return satellite
 
 
-def _check(path, elements, key, convert, good, expected):
-    text = elements.get(key, "nothing")
+def _omm_epoch(path: FilePath, elements: Mapping[str, str]) -> str:
+    """The epoch in the one spelling that sgp4 takes: with six decimals and without a Z."""
+    epoch = elements.get("EPOCH", "").removesuffix("Z")
     try:
-        if good(convert(text)):
-            return
+        epochs.parse(epoch)
+    except InputError as reason:
+        raise InputError(f"{path}: EPOCH: {reason}") from None
+    return ccsds.utc_texts(epoch, np.zeros(1))[0]
+
+
+def _check_value(
+    path: FilePath, elements: Mapping[str, str], key: str, is_valid: Callable[[str], bool], expected: str
+) -> None:
+    text = elements.get(key, "nothing")
+    if not is_valid(text):
+        raise InputError(f"{path}: {key}: expected {expected}, got {text}")
+
+
+def _is_finite(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
     except ValueError:
-        pass
-    raise InputError(f"{path}: {key}: expected {expected}, got {text}")
+        return False
+
+
+def _is_whole(text: str) -> bool:
+    try:
+        return int(text) >= 0
+    except ValueError:
+        return False
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Print the line of the sheet of RSOs for a file of mean elements; returns the process's exit status."""
-    parser = argparse.ArgumentParser(prog="python -m opml.interop.mean_elements", description=main.__doc__)
-    parser.add_argument("file", help="a TLE, or an OMM in KVN, JSON or XML")
-    parser.add_argument("--name", required=True, help="in the sheet: lower-case letters and digits")
-    parser.add_argument("--epoch", help="of the run, UTC text; by default the elements' own")
-    parser.add_argument("--area-to-mass", type=float, default=0.05, help="[m2/kg]; by default %(default)s")
-    parser.add_argument("--cd", type=float, default=2.2, help="drag coefficient; by default %(default)s")
-    parser.add_argument("--cr", type=float, default=1.25, help="reflectivity; by default %(default)s")
-    given = parser.parse_args(arguments)
+    logging.basicConfig(format="opml: %(message)s")
+    given = _parser().parse_args(arguments)
     try:
         satellite = read(given.file)
-        found = rso(
+        body = rso(
             satellite,
             name=given.name,
-            epoch=given.epoch or epoch_of(satellite),
+            epoch=given.epoch,
             area_to_mass=given.area_to_mass,
             cd=given.cd,
             cr=given.cr,
@@ -275,8 +321,19 @@ def main(arguments: list[str] | None = None) -> int:
     except InputError as error:
         print(f"opml: {error}", file=sys.stderr)
         return 1
-    print(sheet_row(found))
+    print(sheet_row(body))
     return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m opml.interop.mean_elements", description=main.__doc__)
+    parser.add_argument("file", help="a TLE, or an OMM in KVN, JSON or XML")
+    parser.add_argument("--name", required=True, help="in the sheet: lower-case letters and digits")
+    parser.add_argument("--epoch", required=True, help="of the run, UTC text")
+    parser.add_argument("--area-to-mass", type=float, required=True, help="[m2/kg]")
+    parser.add_argument("--cd", type=float, required=True, help="drag coefficient")
+    parser.add_argument("--cr", type=float, required=True, help="reflectivity")
+    return parser
 
 
 if __name__ == "__main__":

@@ -5,15 +5,16 @@ covariances, and each estimate's predictions are a segment of their own. Drag co
 OEM. Source: CCSDS 502.0-B-2, section 5.
 """
 
-import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 import pandas as pd
 
 from opml.errors import InputError
-from opml.interop import ccsds
+from opml.files import FilePath
+from opml.interop import ccsds, hermite
 from opml.tables import STATE
 
 _KEY = "CCSDS_OEM_VERS"
@@ -23,7 +24,10 @@ _LOWER = np.tril_indices(6)
 _COVARIANCES = [f"cov_{STATE[a]}_{STATE[b]}" for a, b in zip(*_LOWER, strict=True)]
 
 ON_GRID = 1e-6
-"""How far from an epoch of the grid a state may lie that stands for the truth there [s]."""
+"""How far from an epoch of the grid a state may lie that is the truth there as it stands [s]."""
+
+MOST_APART = 300.0
+"""Longest time between two states that a truth is interpolated between [s]; `hermite` tells how well."""
 
 
 @dataclass(frozen=True)
@@ -43,12 +47,28 @@ class Segment:
     lines: np.ndarray = field(default_factory=lambda: np.empty(0, int))
 
 
-def of_truth(truth: pd.DataFrame, *, rso: str) -> list[Segment]:
+@dataclass(frozen=True)
+class _Block:
+    """A segment as it stands in a message: the numbers of its states are still texts, in its own frame."""
+
+    name: str
+    frame: str
+    t: np.ndarray
+    lines: np.ndarray
+    texts: list[list[str]]
+    covariance_t: np.ndarray
+    covariances: np.ndarray
+
+
+_Timed = Segment | _Block
+
+
+def truth_segments(truth: pd.DataFrame, *, rso: str) -> list[Segment]:
     """Segments of a `truth` table: one."""
-    return [Segment(rso, truth["t"].to_numpy(), truth[list(STATE)].to_numpy(), remark="true orbit")]
+    return [Segment(rso, truth["t"].to_numpy(), truth[STATE].to_numpy(), remark="true orbit")]
 
 
-def of_estimates(estimates: pd.DataFrame, *, rso: str) -> list[Segment]:
+def estimate_segments(estimates: pd.DataFrame, *, rso: str) -> list[Segment]:
     """Segments of an `estimates` table: one, with a state and a covariance for each estimate that converged.
 
     Raises InputError where none did.
@@ -59,84 +79,136 @@ def of_estimates(estimates: pd.DataFrame, *, rso: str) -> list[Segment]:
     t, covariances = usable["t"].to_numpy(), np.empty((len(usable), 6, 6))
     covariances[:, _LOWER[0], _LOWER[1]] = covariances[:, _LOWER[1], _LOWER[0]] = usable[_COVARIANCES]
     remark = "estimates at the starts of tracks, not for interpolation"
-    return [Segment(rso, t, usable[list(STATE)].to_numpy(), t, covariances, remark)]
+    return [Segment(rso, t, usable[STATE].to_numpy(), t, covariances, remark)]
 
 
-def of_predictions(predictions: pd.DataFrame, *, rso: str) -> list[Segment]:
-    """Segments of a `predictions` table: one an estimate that has some; failed ones are left out.
+def prediction_segments(predictions: pd.DataFrame, *, rso: str) -> list[Segment]:
+    """Segments of a `predictions` table: one per estimate that has some; failed predictions are left out.
 
     Raises InputError where there is no prediction at all.
     """
-    made = predictions[predictions["reason"] == ""]
-    if made.empty:
+    usable = predictions[predictions["reason"] == ""]
+    if usable.empty:
         raise InputError(f"{rso}: expected a prediction, got none")
     return [
         Segment(
             rso,
             rows["t_j"].to_numpy(),
-            rows[list(STATE)].to_numpy(),
+            rows[STATE].to_numpy(),
             remark=f"prediction from the estimate of track {i}",
         )
-        for i, rows in made.groupby("i", sort=True)
+        for i, rows in usable.groupby("i", sort=True)
     ]
 
 
-SEGMENTS = {"truth": of_truth, "estimates": of_estimates, "predictions": of_predictions}
+SEGMENTS = {"truth": truth_segments, "estimates": estimate_segments, "predictions": prediction_segments}
 """How each table that has a message becomes its segments."""
 
 
-def write(path: str | os.PathLike, segments: Sequence[Segment], *, epoch: str) -> None:
+def write(path: FilePath, segments: Sequence[Segment], *, epoch: str) -> None:
     """Write segments as an OEM, whole or not at all; `epoch` is the UTC text that their times count from."""
     ccsds.write(path, _lines(segments, epoch))
 
 
-def read(path: str | os.PathLike, *, epoch: str) -> list[Segment]:
+def read(path: FilePath, *, epoch: str) -> list[Segment]:
     """Read the segments of an OEM, with times from the UTC text `epoch`.
 
     Time systems: `ccsds.SCALES`; frames: `ccsds.FRAMES`, turned to GCRF. Accelerations are passed over.
     Raises InputError, naming file and line, for what is malformed, not centred on Earth or in another frame.
     """
-    message = ccsds.Message(path, version_key=_KEY, versions=_VERSIONS)
-    while message.peek() and message.peek() != "META_START":
-        message.pair()
-    segments = []
-    while message.peek() or not segments:
-        segments.append(_segment(message, epoch))
-    return segments
+    message = _open(path)
+    return [_segment(message, block) for block in _blocks(message, epoch)]
 
 
-def truth_table(path: str | os.PathLike, *, epoch: str, step: float, duration: float) -> pd.DataFrame:
+def truth_table(path: FilePath, *, epoch: str, step: float, duration: float) -> pd.DataFrame:
     """The `truth` table of an OEM: GCRF states every `step` from the epoch to `duration` [s].
 
-    The message may reach further, but the states within have to lie on that grid, as nothing is interpolated.
-    Raises InputError, naming the file and the epoch that is missing or off the grid.
+    A state of the message on this grid is taken as it stands. Elsewhere the states are interpolated, within a
+    segment and between states at most MOST_APART from each other. The message may reach further.
+    Raises InputError, naming the file and the line or epoch, for what is malformed or missing.
     """
-    segments = read(path, epoch=epoch)
-    t, lines = (np.concatenate([getattr(s, name) for s in segments]) for name in ("t", "lines"))
-    back = np.flatnonzero(np.diff(t) <= 0.0)
-    if back.size:
-        raise InputError(f"{path}: line {lines[back[0] + 1]}: expected a later epoch than before, got none")
-    inside = (t >= -ON_GRID) & (t <= duration + ON_GRID)
-    index = np.rint(t[inside] / step).astype(int)
-    off = np.flatnonzero(np.abs(t[inside] - index * step) > ON_GRID)
-    if off.size:
-        at, number = t[inside][off[0]], lines[inside][off[0]]
-        raise InputError(
-            f"{path}: line {number}: expected an epoch every {step:g} s from {epoch}, got {at:.6f} s after it"
-        )
-    grid = np.arange(0.0, duration + 0.5 * step, step)
-    missing = np.setdiff1d(np.arange(len(grid)), index)
+    segments, grid = read(path, epoch=epoch), _grid(step, duration)
+    owner = _segment_of(grid, path, segments, epoch)
+    states = [_states_at(segment, grid[owner == k]) for k, segment in enumerate(segments)]
+    return pd.DataFrame({"t": grid, **dict(zip(STATE, np.concatenate(states).T, strict=True))})
+
+
+def check(path: FilePath, *, epoch: str, step: float, duration: float) -> None:
+    """Raise InputError where an OEM is malformed or `truth_table` could not be made from its epochs.
+
+    Only the times are read, not the numbers of the states: a second or two for a month of states every 10 s.
+    """
+    _segment_of(_grid(step, duration), path, _blocks(_open(path), epoch), epoch)
+
+
+def _grid(step: float, duration: float) -> np.ndarray:
+    return np.arange(0.0, duration + 0.5 * step, step)
+
+
+def _segment_of(grid: np.ndarray, path: FilePath, segments: Sequence[_Timed], epoch: str) -> np.ndarray:
+    """Number of the segment (n,) that has the truth at each epoch of the grid (n,), the later one of two.
+
+    Raises InputError where there is none, or where its states are in disorder or too far apart.
+    """
+    _check_order(path, segments)
+    owner = np.full(len(grid), -1)
+    for k, segment in enumerate(segments):
+        owner[(grid >= segment.t[0] - ON_GRID) & (grid <= segment.t[-1] + ON_GRID)] = k
+    missing = grid[owner < 0]
     if missing.size:
-        at = ccsds.utc(epoch, grid[missing[:1]])[0]
-        raise InputError(f"{path}: expected a state every {step:g} s up to {grid[-1]:g} s, got none at {at}")
-    states = np.concatenate([segment.states for segment in segments])[inside]
-    return pd.DataFrame({"t": grid, **dict(zip(STATE, states.T, strict=True))})
+        at = ccsds.utc_texts(epoch, missing[:1])[0]
+        raise InputError(f"{path}: expected states from {epoch} up to {grid[-1]:g} s, got none at {at}")
+    for k, segment in enumerate(segments):
+        _check_spacing(path, segment, grid[owner == k])
+    return owner
+
+
+def _check_order(path: FilePath, segments: Sequence[_Timed]) -> None:
+    """Raise InputError where a state is not later than the one before; two segments may share an epoch."""
+    numbers = [segment.lines[1:][np.diff(segment.t) <= 0.0] for segment in segments]
+    numbers += [after.lines[:1] for before, after in pairwise(segments) if after.t[0] < before.t[-1]]
+    back = np.concatenate(numbers)
+    if back.size:
+        raise InputError(f"{path}: line {back.min()}: expected a later epoch than before, got none")
+
+
+def _check_spacing(path: FilePath, segment: _Timed, at: np.ndarray) -> None:
+    """Raise InputError where times (n,) [s] lie between states of a segment that are too far apart."""
+    after = np.searchsorted(segment.t, at[~_is_state(segment, at)])
+    apart = segment.t[after] - segment.t[after - 1]
+    wide = np.flatnonzero(apart > MOST_APART)
+    if wide.size:
+        raise InputError(
+            f"{path}: line {segment.lines[after[wide[0]]]}: expected an epoch at most {MOST_APART:g} s after "
+            f"the one before, got {apart[wide[0]]:g} s"
+        )
+
+
+def _states_at(segment: Segment, at: np.ndarray) -> np.ndarray:
+    """States (n, 6) of a segment at times (n,) [s]: its own where it has them, else interpolated."""
+    own = _is_state(segment, at)
+    states = np.empty((len(at), 6))
+    states[own] = segment.states[_nearest(segment.t, at[own])]
+    states[~own] = hermite.interpolate(segment.t, segment.states, at[~own])
+    return states
+
+
+def _is_state(segment: _Timed, at: np.ndarray) -> np.ndarray:
+    """Whether a segment has a state at each of the times (n,) [s]."""
+    own: np.ndarray = np.abs(segment.t[_nearest(segment.t, at)] - at) <= ON_GRID
+    return own
+
+
+def _nearest(t: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Index (n,) of the one of ascending times t that is nearest to each of the times (n,)."""
+    after = np.clip(np.searchsorted(t, at), 1, len(t) - 1)
+    return np.where(at - t[after - 1] < t[after] - at, after - 1, after)
 
 
 def _lines(segments: Sequence[Segment], epoch: str) -> Iterator[str]:
     yield from ccsds.header(_KEY, epoch)
     for segment in segments:
-        times = ccsds.utc(epoch, segment.t)
+        times = ccsds.utc_texts(epoch, segment.t)
         yield ""
         yield "META_START"
         if segment.remark:
@@ -150,51 +222,85 @@ def _lines(segments: Sequence[Segment], epoch: str) -> Iterator[str]:
         yield f"STOP_TIME = {times[-1]}"
         yield "META_STOP"
         for time, state in zip(times, segment.states.tolist(), strict=True):
-            yield " ".join([time, *(ccsds.printed(value, -_KILO) for value in state)])
+            yield " ".join([time, *(ccsds.number_text(value, -_KILO) for value in state)])
         if len(segment.covariances):
             yield from _covariance_lines(segment, epoch)
 
 
 def _covariance_lines(segment: Segment, epoch: str) -> Iterator[str]:
     yield "COVARIANCE_START"
-    times = ccsds.utc(epoch, segment.covariance_t)
+    times = ccsds.utc_texts(epoch, segment.covariance_t)
     for time, covariance in zip(times, segment.covariances, strict=True):
         yield f"EPOCH = {time}"
         yield "COV_REF_FRAME = GCRF"
         for k in range(6):
-            yield " ".join(ccsds.printed(value, -2 * _KILO) for value in covariance[k, : k + 1])
+            yield " ".join(ccsds.number_text(value, -2 * _KILO) for value in covariance[k, : k + 1])
     yield "COVARIANCE_STOP"
 
 
-def _segment(message: ccsds.Message, epoch: str) -> Segment:
+def _open(path: FilePath) -> ccsds.Message:
+    return ccsds.Message(path, version_key=_KEY, versions=_VERSIONS)
+
+
+def _blocks(message: ccsds.Message, epoch: str) -> list[_Block]:
+    message.skip_header()
+    blocks: list[_Block] = []
+    while message.peek() or not blocks:
+        blocks.append(_block(message, epoch))
+    return blocks
+
+
+def _block(message: ccsds.Message, epoch: str) -> _Block:
     message.expect("META_START")
     metadata = message.pairs("META_STOP")
     metadata.one_of("CENTER_NAME", ("EARTH",))
     frame = metadata.one_of("REF_FRAME", tuple(ccsds.FRAMES))
     scale = metadata.one_of("TIME_SYSTEM", ccsds.SCALES)
-    numbers, times, states = [], [], []
+    lines, times, texts = _state_texts(message)
+    covariance_t, covariances = _covariances(message, frame, scale, epoch)
+    return _Block(
+        name=metadata.text("OBJECT_NAME"),
+        frame=frame,
+        t=message.elapsed(times, lines, epoch=epoch, scale=scale),
+        lines=np.array(lines),
+        texts=texts,
+        covariance_t=covariance_t,
+        covariances=covariances,
+    )
+
+
+def _state_texts(message: ccsds.Message) -> tuple[list[int], list[str], list[list[str]]]:
+    """Line numbers, times, and positions and velocities of the states of a segment, which has some."""
+    lines, times, texts = [], [], []
     while message.peek() not in ("", "META_START", "COVARIANCE_START"):
         number, line = message.take()
         time, *values = line.split()
         if len(values) not in (6, 9):
             raise message.wrong("a time, position and velocity", line, number)
-        states.append([message.scaled(value, _KILO, number) for value in values[:6]])
-        numbers.append(number)
+        lines.append(number)
         times.append(time)
-    if not states:
+        texts.append(values[:6])
+    if not lines:
         raise message.wrong("a state", message.peek())
-    covariance_t, covariances = _covariances(message, frame, scale, epoch)
+    return lines, times, texts
+
+
+def _segment(message: ccsds.Message, block: _Block) -> Segment:
+    states = [
+        [message.scaled(text, _KILO, number) for text in texts]
+        for number, texts in zip(block.lines.tolist(), block.texts, strict=True)
+    ]
     return Segment(
-        name=metadata.text("OBJECT_NAME"),
-        t=message.elapsed(times, numbers, epoch=epoch, scale=scale),
-        states=np.array(states) @ _of_states(frame).T,
-        covariance_t=covariance_t,
-        covariances=covariances,
-        lines=np.array(numbers),
+        name=block.name,
+        t=block.t,
+        states=np.array(states) @ _state_rotation(block.frame).T,
+        covariance_t=block.covariance_t,
+        covariances=block.covariances,
+        lines=block.lines,
     )
 
 
-def _covariances(message, frame, scale, epoch):
+def _covariances(message: ccsds.Message, frame: str, scale: str, epoch: str) -> tuple[np.ndarray, np.ndarray]:
     """Times (m,) [s] and covariances (m, 6, 6) in GCRF of the block that may follow the states."""
     numbers, times, covariances = [], [], []
     if message.peek() == "COVARIANCE_START":
@@ -209,14 +315,14 @@ def _covariances(message, frame, scale, epoch):
                 number, _, frame = message.pair()
                 if frame not in ccsds.FRAMES:
                     raise message.wrong(f"COV_REF_FRAME = {' or '.join(ccsds.FRAMES)}", frame, number)
-            turn = _of_states(frame)
+            turn = _state_rotation(frame)
             covariances.append(turn @ _covariance(message) @ turn.T)
         message.take()
     shape = (len(covariances), 6, 6)
     return message.elapsed(times, numbers, epoch=epoch, scale=scale), np.reshape(covariances, shape)
 
 
-def _covariance(message):
+def _covariance(message: ccsds.Message) -> np.ndarray:
     """A covariance (6, 6) from the lines of its lower triangle."""
     covariance = np.empty((6, 6))
     for k in range(6):
@@ -229,6 +335,6 @@ def _covariance(message):
     return covariance
 
 
-def _of_states(frame: str) -> np.ndarray:
+def _state_rotation(frame: str) -> np.ndarray:
     """Rotation (6, 6) of states in a frame to GCRF."""
     return np.kron(np.eye(2), ccsds.FRAMES[frame])

@@ -1,13 +1,16 @@
 """What any learner has to beat: no correction, the mean error by duration, re-prediction with a better Cd."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
 
+from opml.constants import HOUR
+from opml.learning.contract import POSITIVE, Learner, Metadata, Settings, fixed, table_of
 from opml.learning.inputs import checked, checked_target
+from opml.tables import real
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,12 +23,12 @@ class NoCorrection:
         """Zeros (n,)."""
         return np.zeros(len(x))
 
-    def to_table(self) -> tuple[pd.DataFrame, dict]:
+    def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
         """An empty table, and metadata of JSON-able values."""
         return pd.DataFrame(), {"kind": "none", "variables": list(self.variables)}
 
     @classmethod
-    def from_table(cls, table: pd.DataFrame, metadata: Mapping) -> Self:
+    def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
         """The model that `to_table` wrote."""
         return cls(variables=tuple(metadata["variables"]))
 
@@ -40,12 +43,12 @@ class Repredicted:
         """The one variable (n,), in the target's unit. Raises InputError as `checked` does."""
         return checked(x, self.variables)[:, 0].copy()
 
-    def to_table(self) -> tuple[pd.DataFrame, dict]:
+    def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
         """An empty table, and metadata of JSON-able values."""
         return pd.DataFrame(), {"kind": "repredict", "variables": list(self.variables)}
 
     @classmethod
-    def from_table(cls, table: pd.DataFrame, metadata: Mapping) -> Self:
+    def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
         """The model that `to_table` wrote."""
         return cls(variables=tuple(metadata["variables"]))
 
@@ -63,15 +66,16 @@ class DurationMean:
 
     def predict(self, x: np.ndarray) -> np.ndarray:
         """Mean error (n,) at durations x (n, 1) [s], linear between the bins and constant past the ends."""
-        return np.interp(checked(x, self.variables)[:, 0], self.duration, self.mean)
+        predicted: np.ndarray = np.interp(checked(x, self.variables)[:, 0], self.duration, self.mean)
+        return predicted
 
-    def to_table(self) -> tuple[pd.DataFrame, dict]:
-        """One row a bin, and metadata of JSON-able values."""
+    def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
+        """One row per bin, and metadata of JSON-able values."""
         table = pd.DataFrame({"duration": self.duration, "mean": self.mean})
         return table, {"kind": "duration_mean", "variables": list(self.variables)}
 
     @classmethod
-    def from_table(cls, table: pd.DataFrame, metadata: Mapping) -> Self:
+    def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
         """The model that `to_table` wrote, bit for bit."""
         return cls(tuple(metadata["variables"]), table["duration"].to_numpy(), table["mean"].to_numpy())
 
@@ -81,7 +85,7 @@ def fit_none(
     y: np.ndarray,
     *,
     variables: Sequence[str],
-    settings: Mapping,
+    settings: Settings,
     seed: int,
     groups: np.ndarray | None = None,
 ) -> NoCorrection:
@@ -94,7 +98,7 @@ def fit_repredict(
     y: np.ndarray,
     *,
     variables: Sequence[str],
-    settings: Mapping,
+    settings: Settings,
     seed: int,
     groups: np.ndarray | None = None,
 ) -> Repredicted:
@@ -108,7 +112,7 @@ def fit_duration_mean(
     y: np.ndarray,
     *,
     variables: Sequence[str],
-    settings: Mapping,
+    settings: Settings,
     seed: int,
     groups: np.ndarray | None = None,
 ) -> DurationMean:
@@ -118,6 +122,43 @@ def fit_duration_mean(
     """
     x = checked(x, variables)
     y = checked_target(y, len(x), least=1)
-    bins = np.unique(np.floor(x[:, 0] / (3600.0 * settings["bin_hours"])), return_inverse=True)[1]
+    bins = np.unique(np.floor(x[:, 0] / (HOUR * settings["bin_hours"])), return_inverse=True)[1]
     count = np.bincount(bins)
     return DurationMean(tuple(variables), np.bincount(bins, x[:, 0]) / count, np.bincount(bins, y) / count)
+
+
+_NOTHING = table_of("nothing: there is no number to keep")
+
+NONE = Learner(
+    kind="none",
+    description="no correction",
+    settings={},
+    table=_NOTHING,
+    fit=fit_none,
+    load=NoCorrection.from_table,
+    resolve=fixed(),
+)
+
+REPREDICT = Learner(
+    kind="repredict",
+    description="predicted again with the running mean of Cd",
+    settings={},
+    table=_NOTHING,
+    fit=fit_repredict,
+    load=Repredicted.from_table,
+    resolve=fixed("r"),
+)
+
+DURATION_MEAN = Learner(
+    kind="duration_mean",
+    description="mean error by duration (Rivera & Bai 2016)",
+    settings={"bin_hours": POSITIVE},
+    table=table_of(
+        "a bin of prediction durations",
+        real("duration", "s", "mean duration of the bin's rows"),
+        real("mean", "SI", "their mean error (m or m/s)", "RSW"),
+    ),
+    fit=fit_duration_mean,
+    load=DurationMean.from_table,
+    resolve=fixed("duration"),
+)

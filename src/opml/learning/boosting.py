@@ -5,14 +5,19 @@ The trees are kept as tables of nodes and predicted from here, so that a saved m
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
+from opml.learning.contract import CHOICE, COUNT, POSITIVE, Learner, Metadata, Settings, table_of
 from opml.learning.inputs import checked, checked_target
 from opml.seeds import derive
+from opml.tables import count, real
+
+if TYPE_CHECKING:
+    from sklearn.ensemble import HistGradientBoostingRegressor
 
 _NODE = ("feature", "threshold", "left", "right", "value")
 
@@ -46,15 +51,15 @@ class BoostingModel:
             predicted += self.value[node]
         return predicted
 
-    def to_table(self) -> tuple[pd.DataFrame, dict]:
-        """One row a node, and metadata of JSON-able values."""
+    def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
+        """One row per node, and metadata of JSON-able values."""
         table = pd.DataFrame({"tree": np.searchsorted(self.roots, np.arange(len(self.value)), "right") - 1})
         for name in _NODE:
             table[name] = getattr(self, name)
         return table, {"kind": "boosting", "variables": list(self.variables), "offset": self.offset}
 
     @classmethod
-    def from_table(cls, table: pd.DataFrame, metadata: Mapping) -> Self:
+    def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
         """The model that `to_table` wrote, bit for bit; raises ValueError for branches that lead nowhere."""
         roots = np.unique(table["tree"].to_numpy(), return_index=True)[1]
         nodes = {name: table[name].to_numpy() for name in _NODE}
@@ -78,7 +83,7 @@ def fit(
     y: np.ndarray,
     *,
     variables: Sequence[str],
-    settings: Mapping,
+    settings: Settings,
     seed: int,
     groups: np.ndarray | None = None,
 ) -> BoostingModel:
@@ -106,7 +111,7 @@ def fit(
     return _model(machine, variables)
 
 
-def _model(machine, variables: Sequence[str]) -> BoostingModel:
+def _model(machine: "HistGradientBoostingRegressor", variables: Sequence[str]) -> BoostingModel:
     """The trees of a trained machine: scikit-learn has no public way to them, a test compares with it."""
     trees = [predictor.nodes for (predictor,) in machine._predictors]
     roots = np.concatenate([[0], np.cumsum([len(tree) for tree in trees])])
@@ -122,3 +127,27 @@ def _model(machine, variables: Sequence[str]) -> BoostingModel:
         value=np.where(leaf, nodes["value"], 0.0),
         offset=float(np.ravel(machine._baseline_prediction)[0]),
     )
+
+
+LEARNER = Learner(
+    kind="boosting",
+    description="gradient boosting, absolute loss",
+    settings={
+        **CHOICE,
+        "trees": COUNT,
+        "leaves": COUNT,
+        "learning_rate": POSITIVE,
+        "min_rows": COUNT,
+    },
+    table=table_of(
+        "a node of a regression tree",
+        count("tree", "number of the tree"),
+        count("feature", "number of the learning variable asked, -1 at a leaf"),
+        real("threshold", "SI", "the branch is the left one where the variable is not above it"),
+        count("left", "row of the left node, its own at a leaf"),
+        count("right", "row of the right node, its own at a leaf"),
+        real("value", "SI", "what a leaf adds to the predicted error (m or m/s)", "RSW"),
+    ),
+    fit=fit,
+    load=BoostingModel.from_table,
+)

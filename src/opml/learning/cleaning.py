@@ -3,9 +3,53 @@
 Source: the paper, section 'Building the SVM model for the Simulated RSO'.
 """
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Self
+
 import numpy as np
 
 from opml.errors import InputError
+
+
+@dataclass(frozen=True)
+class Cleaning:
+    """What a dataset is cleaned by. By default nothing is dropped but rows that lack something.
+
+    cd_bounds : least and highest drag coefficient of an estimate, None for any.
+    fence : Tukey's fences on e_y, in interquartile ranges from the quartiles; None for none.
+    fence_days : first and last day of t_j of the rows that set the fences, None for all rows.
+    previous : t_b is that of the last `kept_estimate`, or of the `track` just before.
+    """
+
+    cd_bounds: tuple[float, float] | None = None
+    fence: float | None = None
+    fence_days: tuple[float, float] | None = None
+    previous: str = "kept_estimate"
+
+    @classmethod
+    def from_settings(cls, settings: Mapping[str, Any]) -> Self:
+        """The cleaning that settings ask for: cd_min, cd_max, fence, fence_days, previous, or some of them.
+
+        One that is None asks for nothing. Raises InputError for one of cd_min and cd_max without the other.
+        """
+        bounds = [settings[name] for name in ("cd_min", "cd_max") if settings.get(name) is not None]
+        if len(bounds) == 1:
+            raise InputError(f"cleaning: cd_min, cd_max: expected both or none, got {bounds[0]} alone")
+        days = settings.get("fence_days")
+        return cls(
+            cd_bounds=(bounds[0], bounds[1]) if bounds else None,
+            fence=settings.get("fence"),
+            fence_days=None if days is None else tuple(days),
+            previous=settings.get("previous") or cls.previous,
+        )
+
+    def keeps(self, cd: np.ndarray) -> np.ndarray:
+        """Which estimates are kept for their drag coefficients (bool, shape of cd)."""
+        if self.cd_bounds is None:
+            return np.ones(np.shape(cd), dtype=bool)
+        low, high = self.cd_bounds
+        return drag_coefficient_inside(cd, cd_min=low, cd_max=high)
 
 
 def drag_coefficient_inside(cd: np.ndarray, *, cd_min: float, cd_max: float) -> np.ndarray:

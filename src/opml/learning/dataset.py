@@ -1,12 +1,12 @@
 """The dataset that captures the orbit prediction error model: learning variables and targets of every pair.
 
 A pair (i, j) is the prediction of the estimate at t_i to a later track start t_j. All its learning variables
-but the duration belong to t_i alone, so they are computed once an estimate and spread over the pairs.
+but the duration belong to t_i alone, so they are computed once per estimate and spread over the pairs.
 
 Source: the paper, section 'Dataset Capturing the Orbit Prediction Error Model'.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from os import PathLike
 
 import numpy as np
@@ -14,7 +14,7 @@ import pandas as pd
 
 from opml.elements import coe_from_cartesian, rsw_rotation, wrap_half_turn
 from opml.errors import InputError
-from opml.learning.cleaning import drag_coefficient_inside, tukey_fences
+from opml.learning.cleaning import Cleaning, tukey_fences
 from opml.learning.splits import in_days
 from opml.tables import SCHEMAS, STATE, mechanism_schema, read_metadata, read_table
 
@@ -42,20 +42,19 @@ def build(
     tracking: pd.DataFrame,
     *,
     gm: float,
-    cleaning: Mapping,
+    cleaning: Cleaning,
 ) -> pd.DataFrame:
-    """The `dataset` table: one row a pair of `predictions`, in the order of (i, j), none removed.
+    """The `dataset` table: one row per pair of `predictions`, in the order of (i, j), none removed.
 
     Takes the tables `estimates`, `predictions` and `tracking` (SI units, radians, GCRF) and gm [m3/s2] for
-    the COE. `cleaning` holds cd_min, cd_max, fence, fence_days and previous: with `kept_estimate` t_b is the
-    last earlier estimate that converged with its Cd inside the bounds, with `track` the track just before or
-    none. Learning variables are NaN where they do not exist. Tukey's fences come from the rows that survived
-    all else with t_j in fence_days, and hold for every row. Raises InputError where the tables do not belong
-    together or a setting is unknown.
+    the COE. With `kept_estimate` as `cleaning.previous`, t_b is the last earlier estimate that converged with
+    its Cd inside the bounds, with `track` the track just before or none. Learning variables are NaN where
+    they do not exist. Tukey's fences come from the rows that survived all else with t_j in fence_days, and
+    hold for every row. Raises InputError where the tables do not belong together or `previous` is unknown.
     """
     at_estimate = _learning_variables(estimates, predictions, tracking, gm=gm, cleaning=cleaning)
     pairs = predictions.sort_values(["i", "j"], ignore_index=True)
-    pairs = pairs.rename(columns={"reason": "prediction_reason"}).drop(columns=list(STATE))
+    pairs = pairs.rename(columns={"reason": "prediction_reason"}).drop(columns=STATE)
     rows = pairs.join(at_estimate, on="i")
     rows["duration"] = rows["t_j"] - rows["t_i"]
     rows["reason"] = _reasons(rows, cleaning)
@@ -63,7 +62,7 @@ def build(
     return rows[SCHEMAS["dataset"].names]
 
 
-def read(path: str | PathLike, beside: Iterable[str | PathLike] = ()) -> pd.DataFrame:
+def read(path: str | PathLike[str], beside: Iterable[str | PathLike[str]] = ()) -> pd.DataFrame:
     """A dataset's file, with the columns of a mechanism's or an oracle's file `beside` its own.
 
     Raises InputError where a file is missing or damaged, or one does not belong to the other.
@@ -112,22 +111,20 @@ def _learning_variables(
     tracking: pd.DataFrame,
     *,
     gm: float,
-    cleaning: Mapping,
+    cleaning: Cleaning,
 ) -> pd.DataFrame:
     """All that belongs to t_i: learning variables, b, t_b, gap and the flags of the estimate; index track."""
     estimates = estimates.sort_values("track").set_index("track")
     if unknown := set(predictions["i"]) - set(estimates.index):
         raise InputError(f"predictions: i: expected tracks that have an estimate, got {min(unknown)}")
 
-    inside = drag_coefficient_inside(
-        estimates["cd"].to_numpy(), cd_min=cleaning["cd_min"], cd_max=cleaning["cd_max"]
-    )
+    inside = cleaning.keeps(estimates["cd"].to_numpy())
     converged = estimates["converged"].to_numpy(dtype=bool)
     table = pd.DataFrame({"converged": converged, "cd_inside": inside}, index=estimates.index)
-    table["b"] = _previous(estimates.index.to_numpy(), converged & inside, cleaning["previous"])
+    table["b"] = _previous(estimates.index.to_numpy(), converged & inside, cleaning.previous)
 
     # The state of a fit that failed may be no orbit at all: it gives no learning variables.
-    states = np.where(converged[:, None], estimates[list(STATE)].to_numpy(), np.nan)
+    states = np.where(converged[:, None], estimates[STATE].to_numpy(), np.nan)
     previous = estimates[["t", "cd"]].reindex(table["b"])
     table["t_b"] = previous["t"].to_numpy()
     table["gap"] = estimates["t"] - table["t_b"]
@@ -160,7 +157,8 @@ def _previous(tracks: np.ndarray, usable: np.ndarray, setting: str) -> np.ndarra
 def _predicted_states(predictions: pd.DataFrame, pairs: pd.MultiIndex) -> np.ndarray:
     """Predicted states (n, 6) at t_i from t_b of the pairs (b, i); NaN where there is no such prediction."""
     made = predictions[predictions["reason"] == ""]
-    return made.set_index(["i", "j"])[list(STATE)].reindex(pairs).to_numpy(dtype=float)
+    states: np.ndarray = made.set_index(["i", "j"])[STATE].reindex(pairs).to_numpy(dtype=float)
+    return states
 
 
 def _highest_measurements(tracking: pd.DataFrame, tracks: pd.Index) -> pd.DataFrame:
@@ -173,7 +171,7 @@ def _highest_measurements(tracking: pd.DataFrame, tracks: pd.Index) -> pd.DataFr
     return highest[["elevation", "azimuth", "range"]].set_axis(MEASUREMENT, axis=1)
 
 
-def _reasons(rows: pd.DataFrame, cleaning: Mapping) -> pd.Series:
+def _reasons(rows: pd.DataFrame, cleaning: Cleaning) -> pd.Series:
     """Why each row is dropped, '' where it is kept."""
     failed = rows["prediction_reason"]
     reason = pd.Series("", index=rows.index, dtype="str")
@@ -184,10 +182,10 @@ def _reasons(rows: pd.DataFrame, cleaning: Mapping) -> pd.Series:
     reason[failed != ""] = NO_PREDICTION + ": " + failed
     reason[~rows["converged"]] = NOT_CONVERGED
 
-    candidates = reason == ""
-    if candidates.any():
-        e_y = rows["e_y"].to_numpy()
-        within = candidates & in_days(rows["t_j"].to_numpy(), cleaning["fence_days"])
-        lower, upper = tukey_fences(e_y[within], fence=cleaning["fence"])
-        reason[candidates & ((e_y < lower) | (e_y > upper))] = OUTSIDE_FENCES
+    kept = reason == ""
+    if cleaning.fence is not None and kept.any():
+        days, e_y = cleaning.fence_days, rows["e_y"].to_numpy()
+        within = kept if days is None else kept & in_days(rows["t_j"].to_numpy(), days)
+        lower, upper = tukey_fences(e_y[within], fence=cleaning.fence)
+        reason[kept & ((e_y < lower) | (e_y > upper))] = OUTSIDE_FENCES
     return reason

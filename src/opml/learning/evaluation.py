@@ -1,18 +1,9 @@
 """A model's correction of chosen rows of a dataset."""
 
-from typing import Protocol
-
 import numpy as np
 import pandas as pd
 
-
-class Model(Protocol):
-    """What every learner returns."""
-
-    variables: tuple[str, ...]
-
-    def predict(self, x: np.ndarray) -> np.ndarray:
-        """Predicted errors (n,) of rows x (n, variables)."""
+from opml.learning.contract import Model
 
 
 def evaluate(model: Model, dataset: pd.DataFrame, rows: np.ndarray, *, component: str) -> pd.DataFrame:

@@ -3,6 +3,9 @@
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from opml.learning.contract import Metadata, Table
+from opml.tables import Column, Schema, real
+
 BLOCK_ENTRIES = 1 << 20  # kernel entries held at once (8 MiB, about a core's cache)
 
 
@@ -22,3 +25,13 @@ def expansion(z: np.ndarray, vectors: np.ndarray, weights: np.ndarray) -> np.nda
             np.exp(exponent, out=exponent)
             found[start : start + rows] = exponent @ weights
     return found
+
+
+def vector_table(row: str, weight: Column) -> Table:
+    """The table of a sum of kernels: a weight and the standardised variables of each vector."""
+
+    def table(described: Metadata) -> Schema:
+        vector = (real(name, "1", f"{name}, standardised") for name in described["variables"])
+        return Schema(f"model_{described['kind']}", row, (weight, *vector))
+
+    return table

@@ -5,17 +5,22 @@ the kernel's numbers by the marginal likelihood.
 """
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from opml.learning.gaussian_kernel import expansion
+from opml.learning.contract import CHOICE, COUNT, Learner, Metadata, Settings
+from opml.learning.gaussian_kernel import expansion, vector_table
 from opml.learning.inputs import checked, checked_target, standardisation, subsample
 from opml.seeds import derive
+from opml.tables import real
+
+if TYPE_CHECKING:
+    from sklearn.gaussian_process import GaussianProcessRegressor
 
 _SCALARS = ("length", "offset", "y_scale", "amplitude", "noise", "rows", "seed")
 
@@ -48,8 +53,8 @@ class GaussianProcessModel:
         predicted = expansion(z, self.vectors / width, self.weight)
         return self.offset + self.y_scale * predicted
 
-    def to_table(self) -> tuple[pd.DataFrame, dict]:
-        """One row a row of the subsample, and metadata of JSON-able values."""
+    def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
+        """One row per row of the subsample, and metadata of JSON-able values."""
         table = pd.DataFrame(self.vectors, columns=list(self.variables))
         table.insert(0, "weight", self.weight)
         metadata = {
@@ -61,7 +66,7 @@ class GaussianProcessModel:
         return table, metadata | {name: getattr(self, name) for name in _SCALARS}
 
     @classmethod
-    def from_table(cls, table: pd.DataFrame, metadata: Mapping) -> Self:
+    def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
         """The model that `to_table` wrote, bit for bit."""
         return cls(
             variables=tuple(metadata["variables"]),
@@ -78,7 +83,7 @@ def fit(
     y: np.ndarray,
     *,
     variables: Sequence[str],
-    settings: Mapping,
+    settings: Settings,
     seed: int,
     groups: np.ndarray | None = None,
 ) -> GaussianProcessModel:
@@ -111,10 +116,20 @@ def fit(
     )
 
 
-def _machine():
+def _machine() -> "GaussianProcessRegressor":
     # Imported only to train: it takes a second, more than most models need to predict.
     from sklearn.gaussian_process import GaussianProcessRegressor
     from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
 
     function = ConstantKernel(1.0, (1e-3, 1e5)) * RBF(3.0, (1e-1, 1e3))
     return GaussianProcessRegressor(function + WhiteKernel(0.1, (1e-6, 1e1)))
+
+
+LEARNER = Learner(
+    kind="gaussian_process",
+    description="Gaussian process",
+    settings={**CHOICE, "rows": COUNT},
+    table=vector_table("a row learned from", real("weight", "1", "weight of the row's kernel")),
+    fit=fit,
+    load=GaussianProcessModel.from_table,
+)

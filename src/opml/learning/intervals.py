@@ -15,9 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from opml.constants import DAY
+from opml.constants import DAY, HOUR
 from opml.errors import InputError
-from opml.learning.evaluation import Model, evaluate
+from opml.learning.contract import Model
+from opml.learning.evaluation import evaluate
 from opml.seeds import derive
 
 
@@ -32,7 +33,8 @@ class Widths:
 
     def at(self, duration: np.ndarray) -> np.ndarray:
         """Half the width (n,) at durations (n,) [s], linear between the bins and constant past the ends."""
-        return self.factor * np.interp(duration, self.duration, self.scale)
+        half: np.ndarray = self.factor * np.interp(duration, self.duration, self.scale)
+        return half
 
 
 def apply(
@@ -112,7 +114,7 @@ def duration_scale(
     duration: np.ndarray, residual: np.ndarray, *, bin_hours: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Mean duration [s] and median absolute residual of bins of durations, the latter never zero."""
-    bins = np.unique(np.floor(duration / (3600.0 * bin_hours)), return_inverse=True)[1]
+    bins = np.unique(np.floor(duration / (HOUR * bin_hours)), return_inverse=True)[1]
     members = [bins == k for k in range(bins.max() + 1)]
     centre = np.array([duration[member].mean() for member in members])
     scale = np.array([np.median(np.abs(residual[member])) for member in members])
@@ -132,7 +134,8 @@ def grouped_quantile(scores: np.ndarray, groups: np.ndarray, *, level: float) ->
     order = np.argsort(scores, kind="stable")
     weight = np.cumsum(1.0 / count[group[order]]) / (len(count) + 1.0)
     # Rounding of the sum must not push the quantile past the last score.
-    return float(scores[order][min(np.searchsorted(weight, level - 1e-12), len(scores) - 1)])
+    place = min(int(np.searchsorted(weight, level - 1e-12)), len(scores) - 1)
+    return float(scores[order][place])
 
 
 def coverage(residual: np.ndarray, half_width: np.ndarray, groups: np.ndarray) -> tuple[float, float]:

@@ -8,6 +8,7 @@ quantile of the distance |x - z|, and `sigest` here is the lower end of that ran
 """
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -42,7 +43,7 @@ def cross_validated(
     y: np.ndarray,
     groups: np.ndarray | None,
     *,
-    regressor: Callable,
+    regressor: Callable[[float], Any],
     rng: np.random.Generator,
 ) -> float:
     """Scale with the smallest absolute error on held-out groups (estimates), from a grid around sigest's.
@@ -54,7 +55,7 @@ def cross_validated(
     from sklearn.model_selection import GroupKFold  # slow to import, and only this rule needs it
 
     found = 0 if groups is None else len(np.unique(groups))
-    if found < CV_FOLDS:
+    if groups is None or found < CV_FOLDS:
         raise InputError(f"kernel_scale: cv: expected at least {CV_FOLDS} estimates to hold out, got {found}")
     base = distance_quantile(x, QUANTILES["sigest"], rng=rng)
     rows = subsample(len(x), CV_ROWS, rng)

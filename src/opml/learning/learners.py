@@ -1,31 +1,70 @@
-"""The learners by `kind`: the one place to add another to.
+"""The learners by `kind`, and all that is done with one whatever its kind.
 
-A learner is a module-level `fit(x, y, *, variables, settings, seed, groups)` that returns a frozen model with
-`variables`, `predict(x)`, `to_table()` and the class method `from_table(table, metadata)`.
+A kind is declared by a `Learner` in its own module and named in `LEARNERS`; docs/howto.md shows how.
+``python -m opml.learning.learners`` prints docs/data.md.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import partial
 from os import PathLike
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from opml.errors import InputError
 from opml.learning import baselines, boosting, gaussian_process, mechanism, mlp, ridge, stacked, svr
-from opml.learning.evaluation import Model
+from opml.learning.contract import Learner, Metadata, Model, Settings
 from opml.tables import (
     COMPONENTS,
     LEARNING_VARIABLES,
-    MECHANISM_AXES,
     SCHEMAS,
     Schema,
+    markdown,
     mechanism_schema,
-    model_schema,
     read_metadata,
     read_table,
 )
+
+LEARNERS: tuple[Learner, ...] = (
+    svr.LEARNER,
+    baselines.NONE,
+    baselines.DURATION_MEAN,
+    baselines.REPREDICT,
+    ridge.LEARNER,
+    mechanism.LEARNER,
+    boosting.LEARNER,
+    gaussian_process.LEARNER,
+    mlp.LEARNER,
+)
+"""The kinds that stand alone, one line each. Any two of them make a stack."""
+
+
+def by_kind(kind: str) -> Learner:
+    """The learner of a kind; raises InputError for an unknown one."""
+    known = _by_kind()
+    if kind not in known:
+        raise InputError(f"learners: kind: expected {', '.join(known)}, got {kind}")
+    return known[kind]
+
+
+def description(kind: str) -> str:
+    """What a kind of learner is, in words; raises InputError for an unknown kind."""
+    return by_kind(kind).description
+
+
+def settings_schema() -> dict[str, Any]:
+    """The JSON schema of a learner's settings, `learner` among the definitions of config.schema.yaml."""
+    known = _by_kind()
+    return {
+        "type": "object",
+        "required": ["kind"],
+        "properties": {"kind": {"enum": list(known)}},
+        "allOf": [
+            {"if": {"properties": {"kind": {"const": kind}}}, "then": learner.settings_schema()}
+            for kind, learner in known.items()
+        ],
+    }
 
 
 def fit(
@@ -33,16 +72,16 @@ def fit(
     y: np.ndarray,
     *,
     variables: Sequence[str],
-    settings: Mapping,
+    settings: Settings,
     seed: int,
     groups: np.ndarray | None = None,
 ) -> Model:
     """Train the learner that `settings['kind']` names; raises InputError for an unknown kind."""
-    train = _by_kind(FITS, settings["kind"])
-    return train(x, y, variables=variables, settings=settings, seed=seed, groups=groups)
+    learner = by_kind(settings["kind"])
+    return learner.fit(x, y, variables=variables, settings=settings, seed=seed, groups=groups)
 
 
-def train(rows: pd.DataFrame, *, component: str, settings: Mapping, seed: int) -> Model:
+def train(rows: pd.DataFrame, *, component: str, settings: Settings, seed: int) -> Model:
     """Train a learner on rows of a dataset; `settings` as `resolved` gives them. Errors as `fit`."""
     variables = settings["variables"]
     return fit(
@@ -55,7 +94,7 @@ def train(rows: pd.DataFrame, *, component: str, settings: Mapping, seed: int) -
     )
 
 
-def read(path: str | PathLike) -> Model:
+def read(path: str | PathLike[str]) -> Model:
     """The model of a file. Raises InputError where it is missing, damaged or no model that holds together."""
     described = read_metadata(path)
     with _naming(path):
@@ -72,7 +111,7 @@ def read(path: str | PathLike) -> Model:
 
 
 @contextmanager
-def _naming(path: str | PathLike) -> Iterator[None]:
+def _naming(path: str | PathLike[str]) -> Iterator[None]:
     """Turn whatever is amiss with a model's description or numbers into one line with the file's name."""
     try:
         yield
@@ -80,41 +119,32 @@ def _naming(path: str | PathLike) -> Iterator[None]:
         raise InputError(f"{path}: expected a model whose parts fit each other, got {reason!r}") from None
 
 
-def from_table(table: pd.DataFrame, metadata: Mapping) -> Model:
+def from_table(table: pd.DataFrame, metadata: Metadata) -> Model:
     """The model of a saved table, whatever its kind; raises InputError for an unknown kind."""
-    return _by_kind(LOADS, metadata["kind"])(table, metadata)
+    return by_kind(metadata["kind"]).load(table, metadata)
 
 
-def schema(metadata: Mapping) -> Schema:
+def schema(metadata: Metadata) -> Schema:
     """The schema of a model's table, from the metadata beside it; raises InputError for an unknown kind."""
-    if metadata["kind"] == "stacked":
-        return schema(metadata["second"])
-    _by_kind(FITS, metadata["kind"])
-    return model_schema(metadata["variables"], metadata["kind"])
+    return by_kind(metadata["kind"]).table(metadata)
 
 
-def resolved(settings: Mapping, *, component: str, variables: Sequence[str]) -> dict:
+def schemas() -> list[Schema]:
+    """The tables of models of all learning variables; a stack is kept in the table of its second part."""
+    return [one.table({"kind": one.kind, "variables": LEARNING_VARIABLES}) for one in LEARNERS]
+
+
+def resolved(settings: Settings, *, component: str, variables: Sequence[str]) -> dict[str, Any]:
     """A learner's settings for one error component, with the `variables` it learns from spelled out.
 
     `variables` are those of a learner whose settings name none; its `without` are left out. A sensitivity
-    (`v`) stands for its component's own (`v_y`), in variables and terms alike.
+    (`v`) stands for its component's own (`v_y`), in variables and terms alike. Raises InputError for an
+    unknown kind.
     """
-    kind, axis = settings["kind"], component.removeprefix("e_")
-    found = {key: value for key, value in settings.items() if key != "without"}
-    if kind == "stacked":
-        for part in ("first", "second"):
-            found[part] = resolved(settings[part], component=component, variables=variables)
-        names = found["first"]["variables"] + found["second"]["variables"]
-    elif kind == "mechanism":
-        found["terms"] = ["*".join(_named(term.split("*"), axis)) for term in settings["terms"]]
-        names = mechanism.factors(found["terms"])
-    else:
-        chosen = FIXED.get(kind, settings.get("variables", variables))
-        names = _named([name for name in chosen if name not in settings.get("without", [])], axis)
-    return found | {"variables": list(dict.fromkeys(names))}
+    return by_kind(settings["kind"]).resolve(settings, component=component, variables=variables)
 
 
-def check(values: Mapping) -> None:
+def check(values: Mapping[str, Any]) -> None:
     """Raise InputError where a learner of the settings' `values` asks for a variable that there is not."""
     drifts = mechanism_schema(values["mechanism"]["resonances"]).names
     known = {*LEARNING_VARIABLES, "gap", *drifts, *SCHEMAS["oracle"].names} - {"i", "j"}
@@ -127,41 +157,12 @@ def check(values: Mapping) -> None:
             )
 
 
-def _named(names: Sequence[str], axis: str) -> list[str]:
-    return [f"{name}_{axis}" if name in MECHANISM_AXES else name for name in names]
+def _by_kind() -> dict[str, Learner]:
+    return {learner.kind: learner for learner in (*LEARNERS, _STACKED)}
 
 
-def _by_kind(table: Mapping, kind: str) -> object:
-    if kind not in table:
-        raise InputError(f"learners: kind: expected {', '.join(table)}, got {kind}")
-    return table[kind]
+_STACKED = stacked.learner(by_kind)
 
 
-FIXED = {"none": [], "duration_mean": ["duration"], "repredict": ["r"]}
-"""The variables of the kinds that leave no choice."""
-
-FITS = {
-    "svr": svr.fit,
-    "none": baselines.fit_none,
-    "duration_mean": baselines.fit_duration_mean,
-    "repredict": baselines.fit_repredict,
-    "ridge": ridge.fit,
-    "mechanism": mechanism.fit,
-    "boosting": boosting.fit,
-    "gaussian_process": gaussian_process.fit,
-    "mlp": mlp.fit,
-    "stacked": partial(stacked.fit, train=fit),
-}
-
-LOADS = {
-    "svr": svr.SvrModel.from_table,
-    "none": baselines.NoCorrection.from_table,
-    "duration_mean": baselines.DurationMean.from_table,
-    "repredict": baselines.Repredicted.from_table,
-    "ridge": ridge.RidgeModel.from_table,
-    "mechanism": mechanism.MechanismModel.from_table,
-    "boosting": boosting.BoostingModel.from_table,
-    "gaussian_process": gaussian_process.GaussianProcessModel.from_table,
-    "mlp": mlp.MlpModel.from_table,
-    "stacked": partial(stacked.from_table, load=from_table),
-}
+if __name__ == "__main__":
+    print(markdown(schemas()))

@@ -5,16 +5,18 @@ prediction per unit of Cd and c the one number that an orbit prediction needs fr
 the law has no intercept and very few terms, and its coefficients can be read; docs/generalisation.md.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from opml.errors import InputError
+from opml.learning.contract import Learner, Metadata, Settings, own, table_of
 from opml.learning.inputs import checked, checked_target
+from opml.tables import real, text
 
 _ROUNDS = 9
 _STEPS = 25
@@ -33,15 +35,17 @@ class MechanismModel:
     def predict(self, x: np.ndarray) -> np.ndarray:
         """Predicted target (n,) in its own unit; raises InputError as `checked` does."""
         x = checked(x, self.variables)
-        return np.einsum("nk,k->n", products(x, self.variables, self.terms), self.coefficient)
+        terms = products(x, self.variables, self.terms)
+        predicted: np.ndarray = np.einsum("nk,k->n", terms, self.coefficient)
+        return predicted
 
-    def to_table(self) -> tuple[pd.DataFrame, dict]:
-        """One row a term, and metadata of JSON-able values."""
+    def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
+        """One row per term, and metadata of JSON-able values."""
         table = pd.DataFrame({"term": list(self.terms), "coefficient": self.coefficient})
         return table, {"kind": "mechanism", "variables": list(self.variables)}
 
     @classmethod
-    def from_table(cls, table: pd.DataFrame, metadata: Mapping) -> Self:
+    def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
         """The model that `to_table` wrote, bit for bit."""
         return cls(tuple(metadata["variables"]), tuple(table["term"]), table["coefficient"].to_numpy())
 
@@ -51,7 +55,7 @@ def fit(
     y: np.ndarray,
     *,
     variables: Sequence[str],
-    settings: Mapping,
+    settings: Settings,
     seed: int,
     groups: np.ndarray | None = None,
 ) -> MechanismModel:
@@ -64,6 +68,12 @@ def fit(
     y = checked_target(y, len(x), least=len(terms))
     coefficient = least_absolute_deviations(products(x, variables, terms), y)
     return MechanismModel(tuple(variables), terms, coefficient)
+
+
+def resolve(settings: Settings, *, component: str, variables: Sequence[str]) -> dict[str, Any]:
+    """Settings with the terms' sensitivities as the component's own, and the terms' factors as variables."""
+    terms = ["*".join(own(term.split("*"), component)) for term in settings["terms"]]
+    return {**settings, "terms": terms, "variables": factors(terms)}
 
 
 def factors(terms: Sequence[str]) -> list[str]:
@@ -97,4 +107,32 @@ def least_absolute_deviations(x: np.ndarray, y: np.ndarray) -> np.ndarray:
             for _ in range(_STEPS):
                 weighted = z / np.maximum(np.abs(y - z @ b), least)[:, None]
                 b = np.linalg.pinv(weighted.T @ z, hermitian=True) @ (weighted.T @ y)
-    return b / np.where(scale > 0.0, scale, 1.0)
+    coefficient: np.ndarray = b / np.where(scale > 0.0, scale, 1.0)
+    return coefficient
+
+
+LEARNER = Learner(
+    kind="mechanism",
+    description="robust linear law",
+    settings={
+        "terms": {
+            "description": "a list of products of variables, such as v*cd",
+            "type": "array",
+            "minItems": 1,
+            "uniqueItems": True,
+            "items": {
+                "description": "a product of variables, such as v*cd",
+                "type": "string",
+                "pattern": r"^[a-z0-9_]+(\*[a-z0-9_]+)*$",
+            },
+        },
+    },
+    table=table_of(
+        "a term of the linear law",
+        text("term", "product of learning variables"),
+        real("coefficient", "SI", "its coefficient"),
+    ),
+    fit=fit,
+    load=MechanismModel.from_table,
+    resolve=resolve,
+)

@@ -32,7 +32,8 @@ def individual_p_ml(true: np.ndarray, predicted: np.ndarray) -> np.ndarray:
     """
     residual, error = np.abs(true - predicted), np.abs(true)
     ratio = np.divide(residual, error, out=np.where(residual > 0.0, np.inf, 0.0), where=error > 0.0)
-    return 100.0 * ratio
+    p_ml: np.ndarray = 100.0 * ratio
+    return p_ml
 
 
 def fraction_reduced(true: np.ndarray, predicted: np.ndarray) -> float:
@@ -67,44 +68,24 @@ def floor_share(dataset: pd.DataFrame, rows: np.ndarray, *, component: str) -> f
 
 
 def by_seed(metrics: pd.DataFrame) -> pd.DataFrame:
-    """Rows of the `metrics` table with the seeds of `stations` and `train` in a column `seed` of their own.
-
-    A seed is a text, empty for the run's own.
-    """
-    seed = pd.Series("", index=metrics.index)
-    bare = metrics.copy()
-    for column, pattern in (("stations", r"_noise\d+"), ("train", r"_split\d+")):
-        seed += metrics[column].str.extract(f"({pattern})")[0].fillna("")
-        bare[column] = metrics[column].str.replace(pattern, "", regex=True)
-    return bare.assign(seed=seed)
+    """Rows of the `metrics` table and a further column `seed`, a number for each pair of seeds."""
+    return metrics.assign(seed=metrics.groupby(["seed_noise", "seed_split"]).ngroup())
 
 
 def summary(
-    evaluation: pd.DataFrame,
-    *,
-    seed: int,
-    rso: str,
-    stations: str,
-    train: str,
-    learner: str,
-    component: str,
-    target: str,
-    test: str,
+    evaluation: pd.DataFrame, *, seed_noise: int, seed_split: int, kernel_scale: float, **experiment: str
 ) -> pd.DataFrame:
     """The one-row `metrics` table of an `evaluation` table.
 
-    `seed` is of the bootstrap's draws; the other options name the experiment.
+    `kernel_scale` is the model's, NaN where it has none; `seed_split` is of the bootstrap's draws, too. The
+    other options name the experiment.
     """
-    low, high = bootstrap_interval(evaluation, seed=seed)
+    low, high = bootstrap_interval(evaluation, seed=seed_split)
     true, predicted = evaluation["true"].to_numpy(), evaluation["predicted"].to_numpy()
-    row = {
-        "rso": rso,
-        "stations": stations,
-        "train": train,
-        "learner": learner,
-        "component": component,
-        "target": target,
-        "test": test,
+    row = experiment | {
+        "seed_noise": seed_noise,
+        "seed_split": seed_split,
+        "kernel_scale": kernel_scale,
         "rows": len(evaluation),
         "estimates": evaluation["i"].nunique(),
         "p_ml": p_ml(true, predicted),

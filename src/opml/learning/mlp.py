@@ -1,16 +1,18 @@
 """A small multilayer perceptron (scikit-learn's, with Adam), its weights kept as a table."""
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
+from opml.learning.contract import CHOICE, COUNT, POSITIVE, Learner, Metadata, Settings, table_of
 from opml.learning.inputs import checked, checked_target, standardisation
 from opml.seeds import derive
+from opml.tables import count, real
 
 _BIAS = -1  # in column source: no neuron, the constant 1
 
@@ -30,15 +32,16 @@ class MlpModel:
 
     def predict(self, x: np.ndarray) -> np.ndarray:
         """Predicted target (n,) in its own unit; raises InputError as `checked` does."""
-        signal = (checked(x, self.variables) - self.x_mean) / self.x_scale
+        signal: np.ndarray = (checked(x, self.variables) - self.x_mean) / self.x_scale
         with threadpool_limits(limits=1, user_api="blas"):  # sums in one order, whatever the machine
             for weight, bias in zip(self.weights[:-1], self.biases[:-1], strict=True):
                 signal = np.tanh(signal @ weight + bias)
             signal = signal @ self.weights[-1] + self.biases[-1]
-        return self.offset + self.y_scale * signal[:, 0]
+        signal = self.offset + self.y_scale * signal[:, 0]
+        return signal
 
-    def to_table(self) -> tuple[pd.DataFrame, dict]:
-        """One row a weight, and metadata of JSON-able values."""
+    def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
+        """One row per weight, and metadata of JSON-able values."""
         rows = []
         for layer, (weight, bias) in enumerate(zip(self.weights, self.biases, strict=True)):
             stacked = np.vstack([bias, weight])
@@ -59,7 +62,7 @@ class MlpModel:
         return table, metadata
 
     @classmethod
-    def from_table(cls, table: pd.DataFrame, metadata: Mapping) -> Self:
+    def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
         """The model that `to_table` wrote, bit for bit."""
         weights, biases = [], []
         for _, layer in table.groupby("layer", sort=True):
@@ -81,7 +84,7 @@ def fit(
     y: np.ndarray,
     *,
     variables: Sequence[str],
-    settings: Mapping,
+    settings: Settings,
     seed: int,
     groups: np.ndarray | None = None,
 ) -> MlpModel:
@@ -117,3 +120,29 @@ def fit(
         y_scale=y_scale,
         seed=seed,
     )
+
+
+LEARNER = Learner(
+    kind="mlp",
+    description="neural network",
+    settings={
+        **CHOICE,
+        "neurons": {
+            "description": "a list of whole numbers above 0",
+            "type": "array",
+            "minItems": 1,
+            "items": COUNT,
+        },
+        "alpha": POSITIVE,
+        "epochs": COUNT,
+    },
+    table=table_of(
+        "a weight",
+        count("layer", "number of the layer"),
+        count("source", "neuron of the layer before, -1 for the constant 1"),
+        count("neuron", "neuron of the layer"),
+        real("weight", "1", "weight"),
+    ),
+    fit=fit,
+    load=MlpModel.from_table,
+)

@@ -1,14 +1,16 @@
 """Ridge regression: the linear model of the same standardised variables."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
+from opml.learning.contract import CHOICE, POSITIVE, Learner, Metadata, Settings, table_of
 from opml.learning.inputs import checked, checked_target, standardisation
+from opml.tables import real, text
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,10 +26,11 @@ class RidgeModel:
     def predict(self, x: np.ndarray) -> np.ndarray:
         """Predicted target (n,) in its own unit; raises InputError as `checked` does."""
         z = (checked(x, self.variables) - self.x_mean) / self.x_scale
-        return self.offset + np.einsum("nk,k->n", z, self.coefficient)
+        predicted: np.ndarray = self.offset + np.einsum("nk,k->n", z, self.coefficient)
+        return predicted
 
-    def to_table(self) -> tuple[pd.DataFrame, dict]:
-        """One row a variable, and metadata of JSON-able values."""
+    def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
+        """One row per variable, and metadata of JSON-able values."""
         table = pd.DataFrame(
             {
                 "variable": list(self.variables),
@@ -39,10 +42,10 @@ class RidgeModel:
         return table, {"kind": "ridge", "variables": list(self.variables), "offset": self.offset}
 
     @classmethod
-    def from_table(cls, table: pd.DataFrame, metadata: Mapping) -> Self:
+    def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
         """The model that `to_table` wrote, bit for bit."""
-        columns = (table[name].to_numpy() for name in ("x_mean", "x_scale", "coefficient"))
-        return cls(tuple(metadata["variables"]), *columns, metadata["offset"])
+        columns = {name: table[name].to_numpy() for name in ("x_mean", "x_scale", "coefficient")}
+        return cls(tuple(metadata["variables"]), **columns, offset=metadata["offset"])
 
 
 def fit(
@@ -50,7 +53,7 @@ def fit(
     y: np.ndarray,
     *,
     variables: Sequence[str],
-    settings: Mapping,
+    settings: Settings,
     seed: int,
     groups: np.ndarray | None = None,
 ) -> RidgeModel:
@@ -66,3 +69,19 @@ def fit(
         normal = z.T @ z + settings["alpha"] * np.eye(z.shape[1])
         coefficient = np.linalg.lstsq(normal, z.T @ (y - offset))[0]
     return RidgeModel(tuple(variables), mean, scale, coefficient, offset)
+
+
+LEARNER = Learner(
+    kind="ridge",
+    description="ridge regression",
+    settings={**CHOICE, "alpha": POSITIVE},
+    table=table_of(
+        "a learning variable",
+        text("variable", "learning variable"),
+        real("x_mean", "SI", "its mean"),
+        real("x_scale", "SI", "its standard deviation"),
+        real("coefficient", "SI", "coefficient of the standardised variable (m or m/s)", "RSW"),
+    ),
+    fit=fit,
+    load=RidgeModel.from_table,
+)

@@ -36,7 +36,7 @@ def in_days(t: np.ndarray, span_days: Sequence[float]) -> np.ndarray:
 
 
 def training_rows(dataset: pd.DataFrame, name: str, *, span_days: Sequence[float], seed: int) -> np.ndarray:
-    """Rows to train on under the split `name` (bool, one a row of the dataset).
+    """Rows to train on under the split `name` (bool, one per row of the dataset).
 
     A random split draws from kept rows with t_j in span_days. Raises InputError for an unknown name or a
     split without rows.
@@ -59,7 +59,7 @@ def training_rows(dataset: pd.DataFrame, name: str, *, span_days: Sequence[float
 def test_rows(
     dataset: pd.DataFrame, name: str, *, span_days: Sequence[float], trained: np.ndarray | None
 ) -> np.ndarray:
-    """Rows to test on under the split `name` (bool, one a row of the dataset).
+    """Rows to test on under the split `name` (bool, one per row of the dataset).
 
     `trained` are the training rows in this dataset; None where the model was trained on another RSO. A window
     leaves them out too. Raises InputError for an unknown name or a split without rows.
@@ -85,7 +85,7 @@ def test_rows(
 def rows_tested(
     dataset: pd.DataFrame, name: str, *, train: str | None, span_days: Sequence[float], seed: int
 ) -> np.ndarray:
-    """Rows to test on after training under the split `train` (bool, one a row of the dataset).
+    """Rows to test on after training under the split `train` (bool, one per row of the dataset).
 
     `train` is None where the model was trained on another RSO. Errors as `training_rows` and `test_rows`.
     """
@@ -108,14 +108,14 @@ def _grouped_share(candidates: np.ndarray, group: np.ndarray, *, percent: float,
     return candidates & np.isin(group, order[: round(len(order) * percent / 100.0)])
 
 
-def _percent(name: str, match: re.Match) -> float:
+def _percent(name: str, match: re.Match[str]) -> float:
     percent = float(match[1])
     if not 0.0 < percent <= 100.0:
         raise InputError(f"training split '{name}': expected a percentage in (0, 100], got {match[1]}")
     return percent
 
 
-def _window(name: str, match: re.Match) -> tuple[float, float]:
+def _window(name: str, match: re.Match[str]) -> tuple[float, float]:
     first, last = float(match[1]), float(match[2])
     if first >= last:
         raise InputError(

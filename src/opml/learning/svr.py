@@ -7,9 +7,9 @@ on the scaled target give the same function, while the tolerance now means the s
 per second.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import pandas as pd
@@ -17,9 +17,11 @@ import pandas as pd
 from opml.errors import InputError
 from opml.learning import kernel_scale as scales
 from opml.learning.cleaning import quartiles
-from opml.learning.gaussian_kernel import expansion
+from opml.learning.contract import CHOICE, POSITIVE, Learner, Metadata, Settings
+from opml.learning.gaussian_kernel import expansion, vector_table
 from opml.learning.inputs import checked, checked_target, standardisation
 from opml.seeds import derive
+from opml.tables import real
 
 if TYPE_CHECKING:
     from sklearn.svm import SVR
@@ -61,8 +63,8 @@ class SvrModel:
         predicted = expansion(z, self.support_vectors / self.kernel_scale, self.dual_coef)
         return self.y_scale * (predicted + self.offset)
 
-    def to_table(self) -> tuple[pd.DataFrame, dict]:
-        """The `model` table, one row a support vector, and its metadata of JSON-able values."""
+    def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
+        """The `model` table, one row per support vector, and its metadata of JSON-able values."""
         table = pd.DataFrame(self.support_vectors, columns=list(self.variables))
         table.insert(0, "dual_coef", self.dual_coef)
         metadata = {
@@ -83,7 +85,7 @@ class SvrModel:
         return table, metadata
 
     @classmethod
-    def from_table(cls, table: pd.DataFrame, metadata: Mapping) -> Self:
+    def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
         """The model that `to_table` wrote, bit for bit."""
         scalars = ["offset", "kernel_scale", "kernel_rule", "y_scale", "c", "epsilon", "tol", "iterations"]
         return cls(
@@ -101,7 +103,7 @@ def fit(
     y: np.ndarray,
     *,
     variables: Sequence[str],
-    settings: Mapping,
+    settings: Settings,
     seed: int,
     groups: np.ndarray | None = None,
 ) -> SvrModel:
@@ -145,7 +147,7 @@ def _kernel_scale(
     y: np.ndarray,
     groups: np.ndarray | None,
     *,
-    settings: Mapping,
+    settings: Settings,
     seed: int,
 ) -> float:
     rng = derive(seed, "svr", "kernel_scale")
@@ -160,7 +162,7 @@ def _kernel_scale(
     raise InputError(f"kernel_scale: expected {', '.join(scales.RULES)} or a positive number, got {rule!r}")
 
 
-def _machine(scale: float, settings: Mapping) -> "SVR":
+def _machine(scale: float, settings: Settings) -> "SVR":
     # Imported only to train: it takes a second, more than most models need to predict.
     from sklearn.svm import SVR
 
@@ -172,3 +174,22 @@ def _machine(scale: float, settings: Mapping) -> "SVR":
         tol=settings["tol"],
         cache_size=CACHE_MB,
     )
+
+
+LEARNER = Learner(
+    kind="svr",
+    description="SVR, as in the paper",
+    settings={
+        **CHOICE,
+        "kernel_scale": {
+            "description": "sigest, median, cv or a number above 0",
+            "anyOf": [{"enum": list(scales.RULES)}, {"type": "number", "exclusiveMinimum": 0}],
+        },
+        "c": POSITIVE,
+        "epsilon": {"description": "a number from 0", "type": "number", "minimum": 0},
+        "tol": POSITIVE,
+    },
+    table=vector_table("a support vector", real("dual_coef", "1", "dual coefficient alpha - alpha*")),
+    fit=fit,
+    load=SvrModel.from_table,
+)

@@ -57,9 +57,9 @@ def tab_separated(table: Table) -> str:
 
 def write(
     blocks: Sequence[Block],
-    path_md: str | os.PathLike,
-    path_tsv: str | os.PathLike,
-    path_html: str | os.PathLike,
+    path_md: str | os.PathLike[str],
+    path_tsv: str | os.PathLike[str],
+    path_html: str | os.PathLike[str],
 ) -> None:
     """Write a document as Markdown and HTML, its first table as tab-separated text; no file half written."""
     title = next(block.text for block in blocks if isinstance(block, Heading))

@@ -10,7 +10,16 @@ from opml.tables import COMPONENTS
 
 
 def models(settings: Mapping[str, Any]) -> list[Block]:
-    """The truth and the assumed model; `settings` holds force_models, environment and estimation."""
+    """The truth and the assumed model, as a document; `settings` as `force_models` takes them."""
+    return [
+        Heading("Truth and assumed model", 1),
+        Paragraph("The paper's table of the models, as they ran here."),
+        force_models(settings),
+    ]
+
+
+def force_models(settings: Mapping[str, Any]) -> Table:
+    """The truth and the assumed model side by side; `settings` holds force_models and environment."""
     environment, force_models = settings["environment"], settings["force_models"]
     both = [force_models["truth"], force_models["assumed"]]
     assumed = environment["solar_activity"]
@@ -28,11 +37,7 @@ def models(settings: Mapping[str, Any]) -> list[Block]:
         ["radiation pressure", *["sphere, umbra and penumbra"] * 2],
         ["drag coefficient", "the RSO's", "estimated"],
     ]
-    return [
-        Heading("Truth and assumed model", 1),
-        Paragraph("The paper's table of the models, as they ran here."),
-        Table(["parameter", "truth model", "assumed model"], rows),
-    ]
+    return Table(["parameter", "truth model", "assumed model"], rows)
 
 
 def stations(sheet: Sequence[Station]) -> list[Block]:

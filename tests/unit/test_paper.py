@@ -1,40 +1,34 @@
 """Experiments: what the settings ask for, as names."""
 
-import copy
-from pathlib import Path
-
 import pytest
+from support import paper_values, study_of
 
-from opml import experiments
-from opml.config import read_yaml
-from opml.experiments import Experiment
-from opml.sheets import read_rsos
+from opml.naming import Experiment
+from opml.study.paper import Paper
 
-ROOT = Path(__file__).parents[2]
-PAPER = read_yaml(ROOT / "config" / "config.yaml")
-RSOS = read_rsos(ROOT / "config" / "rsos.tsv")
+PAPER = Paper(study_of(paper_values()))
 OWN = Experiment("iss", "eglin", "random-80", "svr", "e_y", "iss", "rest")
 
 
 @pytest.fixture
 def values():
-    return copy.deepcopy(PAPER)
+    return paper_values()
 
 
 def test_entry_takes_the_defaults(values):
-    values["experiments"]["evaluations"] = {"mine": {"train": "random-80", "test": "rest"}}
-    assert experiments.evaluations(values) == {
+    values["study"]["evaluations"] = {"mine": {"train": "random-80", "test": "rest"}}
+    assert Paper(study_of(values)).evaluations == {
         "mine": Experiment("iss", "eglin-clear-kaena", "random-80", "svr", "e_y", "iss", "rest")
     }
 
 
 def test_entry_of_another_rso_is_tested_on_itself(values):
-    values["experiments"]["evaluations"] = {"mine": {"rso": "lares", "train": "random-80", "test": "rest"}}
-    assert experiments.evaluations(values)["mine"].target == "lares"
+    values["study"]["evaluations"] = {"mine": {"rso": "lares", "train": "random-80", "test": "rest"}}
+    assert Paper(study_of(values)).evaluations["mine"].target == "lares"
 
 
 def test_sections_are_the_papers():
-    found = {name: one.section[0] for name, one in experiments.evaluations(PAPER).items()}
+    found = {name: one.section[0] for name, one in PAPER.evaluations.items()}
     assert found == {
         "svr_training_1station": "4",
         "svr_testing_1station": "4",
@@ -48,7 +42,7 @@ def test_sections_are_the_papers():
 
 
 def test_headlines_are_the_papers_numbers_in_its_order():
-    assert {one.name: one.published for one in experiments.headlines(PAPER)} == {
+    assert {one.name: one.published for one in PAPER.headlines} == {
         "svr_training_1station": 18.3,
         "svr_testing_1station": 22.6,
         "svr_testing_3stations": 9.6,
@@ -58,28 +52,28 @@ def test_headlines_are_the_papers_numbers_in_its_order():
         "inclination_50": 40.2,
         "semi_major_axis_50": 86.0,
     }
-    assert [one.experiment.section[0] for one in experiments.headlines(PAPER)] == list("44444566")
+    assert [one.experiment.section[0] for one in PAPER.headlines] == list("44444566")
 
 
 def test_curves_name_the_training_rso_once():
-    assert experiments.targets(PAPER, "inclination", RSOS) == {
+    assert PAPER.curves["inclination"].targets == {
         "iss_i48": 48,
         "iss_i50": 50,
         "iss": 51.6393,
         "iss_i52": 52,
         "iss_i54": 54,
     }
-    assert list(experiments.targets(PAPER, "semi_major_axis", RSOS)) == [
+    assert list(PAPER.curves["semi_major_axis"].targets) == [
         "iss",
         *(f"iss_a+{km}" for km in range(10, 101, 10)),
     ]
-    assert len(experiments.curve(PAPER, "inclination", RSOS)) == 10
+    assert len(PAPER.curves["inclination"].experiments) == 10
 
 
 def test_drawn_seeds_multiply_the_curves(values):
-    assert experiments.drawn_seeds(values, OWN) == [OWN]
-    values["experiments"]["seeds"] |= {"split": [42, 43], "noise": [42, 7]}
-    assert [(one.stations, one.train) for one in experiments.drawn_seeds(values, OWN)] == [
+    assert study_of(values).drawn_seeds(OWN) == [OWN]
+    values["study"]["seeds"] |= {"split": [42, 43], "noise": [42, 7]}
+    assert [(one.stations, one.train) for one in study_of(values).drawn_seeds(OWN)] == [
         ("eglin", "random-80"),
         ("eglin", "random-80_split43"),
         ("eglin_noise7", "random-80"),
@@ -88,10 +82,10 @@ def test_drawn_seeds_multiply_the_curves(values):
 
 
 def test_spread_over_noise_is_not_asked_of_a_transfer():
-    assert len(experiments.noise_spread(PAPER, OWN)) == 5
-    transfer = experiments.evaluations(PAPER)["inclination_50"]
-    assert experiments.noise_spread(PAPER, transfer) == []
-    assert len(experiments.split_spread(PAPER, transfer)) == 5
+    assert len(PAPER.study.noise_spread(OWN)) == 5
+    transfer = PAPER.evaluations["inclination_50"]
+    assert PAPER.study.noise_spread(transfer) == []
+    assert len(PAPER.study.split_spread(transfer)) == 5
 
 
 @pytest.mark.parametrize(
@@ -106,8 +100,9 @@ def test_spread_over_noise_is_not_asked_of_a_transfer():
 )
 def test_reading_changes_one_part_or_nothing(name, part, random, future):
     for key, expected in (("svr_testing_1station", random), ("future_10days", future)):
-        own = experiments.evaluations(PAPER)[key]
-        read = experiments.reading(PAPER, name, own)
+        own = PAPER.evaluations[key]
+        text = PAPER.study.entry("reproduction")["readings"][name]["text"]
+        read = PAPER.readings[text].get(key)
         if expected is None:
             assert read is None
         else:
@@ -115,17 +110,18 @@ def test_reading_changes_one_part_or_nothing(name, part, random, future):
 
 
 def test_reading_that_is_the_settings_own_is_none(values):
-    values["cleaning"]["previous"] = "track"
-    assert experiments.reading(values, "previous_track", OWN) is None
+    values["study"]["cleaning"]["previous"] = "track"
+    paper = Paper(study_of(values))
+    assert paper.readings["t_b is the track just before, or none"] == {}
 
 
 def test_reported_are_all_and_each_once():
-    found = experiments.reported(PAPER, RSOS)
+    found = PAPER.reported
     assert len(found) == len(set(found))
     for one in (
-        *experiments.partitions(PAPER),
-        *experiments.kernel_scales(PAPER),
-        *experiments.grid(PAPER, "rso").values(),
-        *experiments.curve(PAPER, "semi_major_axis", RSOS),
+        *PAPER.partitions,
+        *PAPER.kernel_scales,
+        *PAPER.grids["rso"].values(),
+        *PAPER.curves["semi_major_axis"].experiments,
     ):
         assert one in found

@@ -1,30 +1,33 @@
 """Beyond the paper: which experiments are run, the document that tells them, and their figures."""
 
-import copy
 import re
-from pathlib import Path
+from dataclasses import replace
 
 import pandas as pd
 import pytest
+from support import paper_values, study_of
 
-from opml import experiments, generalisation
-from opml.config import read_yaml
 from opml.figures import generalisation as figures
+from opml.learning import baselines, learners
 from opml.report import document
 from opml.report import generalisation as report
-from opml.sheets import read_rsos
+from opml.study.honest import Honest
+from opml.study.paper import Paper
 
-ROOT = Path(__file__).parents[2]
-PAPER = read_yaml(ROOT / "config" / "config.yaml")
-RSOS = read_rsos(ROOT / "config" / "rsos.tsv")
-ENTRY = PAPER["experiments"]["generalisation"]
+
+def honest_of(values):
+    return Honest(Paper(study_of(values)))
+
+
+PAPER = honest_of(paper_values())
+ENTRY = PAPER.entry
 
 
 @pytest.fixture
 def values():
-    values = copy.deepcopy(PAPER)
-    values["experiments"]["curves"]["semi_major_axis"]["offsets"] = [0, 50]
-    values["pools"] = {"altitudes": ["iss", "iss_a+50"]}
+    values = paper_values()
+    values["study"]["curves"]["semi_major_axis"]["offsets"] = [0, 50]
+    values["study"]["pools"] = {"altitudes": ["iss", "iss_a+50"]}
     return values
 
 
@@ -32,8 +35,7 @@ def metrics(found):
     """P_ML that tells experiments apart: 10 more for each letter of the learner's name."""
     rows = []
     for one in found:
-        names = one.names()
-        names["stations"] += names.pop("window") + names.pop("reading")
+        names = one.columns()
         p_ml = 10.0 * len(one.learner)
         numbers = {"rows": 100, "estimates": 7, "p_ml": p_ml, "p_ml_low": p_ml - 1.0, "p_ml_high": p_ml + 2.0}
         rows.append(names | numbers | {"fraction_reduced": 0.5})
@@ -41,7 +43,7 @@ def metrics(found):
 
 
 def test_every_model_meets_every_split():
-    found = generalisation.splits(PAPER)
+    found = PAPER.splits
     assert len(found) == 2 * len(ENTRY["learners"]) * 4
     one = found["eglin", "mechanism", "unseen"]
     assert (one.train, one.test) == ("days-0-30", "days-30-40-unseen")
@@ -49,7 +51,7 @@ def test_every_model_meets_every_split():
 
 
 def test_the_rso_left_out_is_no_part_of_what_it_is_tested_after(values):
-    one = generalisation.left_out(values)["altitudes", "svr", "iss_a+50"]
+    one = honest_of(values).left_out["altitudes", "svr", "iss_a+50"]
     assert one.rso == "altitudes-without-iss_a+50"
     assert one.target == "iss_a+50"
 
@@ -66,19 +68,18 @@ def test_the_rso_left_out_is_no_part_of_what_it_is_tested_after(values):
 )
 def test_the_papers_number_stands_beside_every_learner(stations, split, number):
     for learner in ("svr", "mechanism"):
-        assert (
-            generalisation.published(PAPER, generalisation.splits(PAPER)[stations, learner, split]) == number
-        )
+        assert PAPER.paper.published(PAPER.splits[stations, learner, split]) == number
 
 
 def test_the_papers_transfers():
-    found = generalisation.transfers(PAPER, RSOS)
-    assert generalisation.published(PAPER, found["inclination", "svr", "iss_i50"]) == 40.2
-    assert generalisation.published(PAPER, found["semi_major_axis", "svr", "iss_a+50"]) == 86.0
-    assert generalisation.published(PAPER, found["semi_major_axis", "svr", "iss_a+60"]) is None
+    found = PAPER.transfers
+    assert PAPER.paper.published(found["inclination", "svr", "iss_i50"]) == 40.2
+    assert PAPER.paper.published(found["semi_major_axis", "svr", "iss_a+50"]) == 86.0
+    assert PAPER.paper.published(found["semi_major_axis", "svr", "iss_a+60"]) is None
 
 
 def test_document_tells_every_model_split_and_interval(values):
+    honest = honest_of(values)
     coverage = [
         {name: part for name, part in one.names().items() if name not in ("window", "reading")}
         | {
@@ -89,14 +90,13 @@ def test_document_tells_every_model_split_and_interval(values):
             "half_width_last_day": 3000.0,
             "error_last_day": 20000.0,
         }
-        for one in generalisation.intervals(values).values()
+        for one in honest.intervals.values()
     ]
     blocks = report.document(
-        values,
-        metrics(generalisation.every(values, RSOS)),
+        honest.generalisation,
+        metrics(honest.every),
         pd.DataFrame(coverage),
         {"eglin": 5.0, "eglin-clear-kaena": 6.5},
-        RSOS,
     )
     text = document.markdown(blocks)
     assert "| `mechanism` | 90.0 (89.0 to 92.0) | 90.0 (89.0 to 92.0)" in text
@@ -110,8 +110,19 @@ def test_document_tells_every_model_split_and_interval(values):
     assert not re.search(r"\bnan\b", text)
 
 
+def test_a_kind_of_learner_that_was_added_is_described(values, monkeypatch):
+    oracle = replace(baselines.NONE, kind="oracle", description="what the truth says")
+    monkeypatch.setattr(learners, "LEARNERS", (*learners.LEARNERS, oracle))
+    values["learners"]["seer"] = {"kind": "oracle"}
+    values["study"]["generalisation"]["learners"] = ["none", "seer"]
+    honest = honest_of(values)
+    floors = dict.fromkeys(ENTRY["station_sets"], 5.0)
+    blocks = report.document(honest.generalisation, metrics(honest.every), pd.DataFrame(), floors)
+    assert "| `seer` | what the truth says | - |" in document.markdown(blocks)
+
+
 def test_figure_of_splits_shows_every_model_and_the_paper():
-    found = generalisation.splits(PAPER)
+    found = PAPER.splits
     table = metrics(found.values()).assign(split=[key[2] for key in found])
     figure = figures.splits(
         table,
@@ -129,8 +140,9 @@ def test_figure_of_splits_shows_every_model_and_the_paper():
 
 
 def test_figure_of_transfers_has_a_panel_a_curve(values):
-    curves = {name: experiments.targets(values, name, RSOS) for name in values["experiments"]["curves"]}
-    table = metrics(dict.fromkeys(generalisation.transfers(values, RSOS).values()))
+    honest = honest_of(values)
+    curves = {name: curve.targets for name, curve in honest.paper.curves.items()}
+    table = metrics(dict.fromkeys(honest.transfers.values()))
     figure = figures.transfers(table, curves, published={"iss_i50": 40.2}, component="e_y")
     assert len(figure.axes) == 2
     assert "inclination" in figure.axes[0].get_xlabel()

@@ -1,0 +1,138 @@
+"""A study's answer: models against splits, errors in metres before and after, rows used and dropped."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import pandas as pd
+
+from opml.naming import Experiment
+from opml.report.document import Block, Heading, Paragraph, Table
+from opml.report.generalisation import model_table
+from opml.report.results import NONE, Results
+from opml.report.settings import force_models
+
+Dataset = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What the report tells."""
+
+    experiments: Mapping[tuple[str, str, str, str], Experiment]  # by RSO, station set, model and split
+    pairs: Mapping[str, tuple[str, str]]  # training and test rows, by split
+    shown: str  # the split whose errors are stated in metres
+    stated: Mapping[tuple[str, str, str], Experiment]  # its experiments by RSO, station set and model
+    datasets: Sequence[Dataset]  # RSO and station set
+    learners: Mapping[str, Mapping[str, Any]]  # settings by name
+    component: str
+    settings: Mapping[str, Any]
+
+
+def document(
+    asked: Answer,
+    metrics: pd.DataFrame,
+    growth: Mapping[tuple[str, str, str], pd.DataFrame],
+    datasets: Mapping[Dataset, pd.DataFrame],
+    estimates: Mapping[Dataset, pd.DataFrame],
+) -> list[Block]:
+    """The whole report.
+
+    `metrics`: rows of that table for every experiment. `growth`: as `learning.growth.at_days` returns, by
+    RSO, station set and model. `datasets`, `estimates`: those tables by RSO and station set.
+    """
+    return [
+        Heading("The study", 1),
+        Paragraph(
+            f"Predictions of {', '.join(dict.fromkeys(rso for rso, _ in asked.datasets))} from "
+            f"{asked.settings['epoch']} UTC over {asked.settings['duration_days']:g} days, corrected in "
+            f"`{asked.component}` by models that learned from earlier ones."
+        ),
+        *_splits(asked, Results(metrics)),
+        *_growth(asked, growth),
+        *_rows(asked, datasets, estimates),
+        *model_table(asked.learners),
+        Heading("Truth and assumed model"),
+        force_models(asked.settings),
+    ]
+
+
+def _splits(asked: Answer, results: Results) -> Iterator[Block]:
+    rows = [
+        [rso, stations, f"`{learner}`", *(results.with_interval(own[split]) for split in asked.pairs)]
+        for rso, stations, learner, own in _by_model(asked)
+    ]
+    header = [f"{split}: {', '.join(pair)}" for split, pair in asked.pairs.items()]
+    yield Heading("Models against splits")
+    yield Paragraph(
+        "P_ML [%] is what a correction leaves of the summed size of the errors: 0 is perfect, 100 no "
+        "correction. In brackets its 5th and 95th percentile over resampled estimates, as the rows of one "
+        "estimate are no independent evidence. `docs/generalisation.md` explains models and splits."
+    )
+    yield Table(["RSO", "stations", "model", *header], rows)
+
+
+def _by_model(asked: Answer) -> Iterator[tuple[str, str, str, dict[str, Experiment]]]:
+    for rso, stations, learner in dict.fromkeys(key[:3] for key in asked.experiments):
+        yield (
+            rso,
+            stations,
+            learner,
+            {split: asked.experiments[rso, stations, learner, split] for split in asked.pairs},
+        )
+
+
+def _growth(asked: Answer, growth: Mapping[tuple[str, str, str], pd.DataFrame]) -> Iterator[Block]:
+    unit = "m/s" if asked.component.startswith("e_v") else "m"
+    days = list(dict.fromkeys(day for table in growth.values() for day in table.get("day", [])))
+    rows = []
+    for dataset in asked.datasets:
+        own = {learner: growth[*dataset, learner] for *of, learner in asked.stated if tuple(of) == dataset}
+        for k, (learner, table) in enumerate(own.items()):
+            if k == 0:
+                rows.append([*dataset, "no correction", *_sizes(table, days, "before")])
+            rows.append([*dataset, f"`{learner}`", *_sizes(table, days, "after")])
+    train, test = asked.pairs[asked.shown]
+    yield Heading(f"Errors before and after, {asked.shown}")
+    yield Paragraph(
+        f"Size of `{asked.component}` [{unit}] near some prediction durations: median / 95th percentile. "
+        f"Trained on {train}, tested on {test}."
+    )
+    yield Table(["RSO", "stations", "model", *(f"{day:g} d" for day in days)], rows)
+
+
+def _sizes(table: pd.DataFrame, days: Sequence[float], when: str) -> list[str]:
+    """Cells of the errors at the days; a day without rows has none."""
+    rows = {row["day"]: row for row in table.to_dict("records")}
+    return [
+        f"{rows[day][f'{when}_50']:.4g} / {rows[day][f'{when}_95']:.4g}" if day in rows else NONE
+        for day in days
+    ]
+
+
+def _rows(
+    asked: Answer, datasets: Mapping[Dataset, pd.DataFrame], estimates: Mapping[Dataset, pd.DataFrame]
+) -> Iterator[Block]:
+    header = ["RSO", "stations", "tracks", "fits converged", "predictions", "used", "why others are not"]
+    rows = []
+    for dataset in asked.datasets:
+        table, fits = datasets[dataset], estimates[dataset]
+        shares = row_shares(table)
+        used = shares.pop(USED)
+        why = "; ".join(f"{reason} {100.0 * share:.1f} %" for reason, share in shares.items())
+        counts = [str(len(fits)), str(int(fits["converged"].sum())), str(len(table))]
+        rows.append([*dataset, *counts, f"{100.0 * used:.1f} %", why or NONE])
+    yield Heading("Rows used")
+    yield Paragraph("A row is the prediction of one estimate to one later track.")
+    yield Table(header, rows)
+
+
+USED = "used"
+
+
+def row_shares(dataset: pd.DataFrame) -> dict[str, float]:
+    """Share of a dataset's rows that are used, then of those that are not, by reason, the largest first."""
+    reasons = dataset.loc[~dataset["keep"], "reason"].str.partition(":")[0].value_counts()
+    return {USED: float(dataset["keep"].mean())} | {
+        reason: float(count) / len(dataset) for reason, count in reasons.items()
+    }

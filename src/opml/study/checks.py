@@ -1,0 +1,238 @@
+"""What a schema cannot say: settings held against each other, the sheets, the files and the study's parts."""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from opml import naming
+from opml.constants import DAY
+from opml.environment import coverage
+from opml.errors import InputError
+from opml.interop import oem
+from opml.learning import learners
+from opml.study.experiments import Study
+from opml.study.overlay import MISSING, Key, Source, leaves, mappings, value_at
+from opml.study.paper import Paper
+from opml.study.schema import check_schema, read_schema
+from opml.study.settings import Settings, with_sheets
+
+
+def load(source: Source, *, schema: str | Path) -> Settings:
+    """Check merged settings, read the sheets that they name, and look at the data that the run needs.
+
+    Raises InputError: one line with file and key, for the first thing that is wrong.
+    """
+    _check_keys(source)
+    check_schema(source, read_schema(schema))
+    _check_finite(source)
+    _check_order(source)
+    settings = with_sheets(source.values, source)
+    check_study(source, settings)
+    coverage.check(source.values)
+    learners.check(source.values)
+    _check_messages(source, settings)
+    return settings
+
+
+def check_study(source: Source, settings: Settings) -> None:
+    """Hold the parts of the study against the sheets, the learners, the days of the run and each other."""
+    checks = _Checks(settings).of
+    for key, kind, value in _parts(settings.asked):
+        try:
+            checks.get(kind, bool)(value)
+        except InputError as error:
+            raise source.wrong(("study", *key), str(error)) from None
+    _check_seen(source, settings)
+    _check_references(source, settings)
+
+
+def _check_keys(source: Source) -> None:
+    """YAML allows keys that are no text, which a JSON schema does not foresee."""
+    for key in mappings(source.values):
+        for name in value_at(source.values, key):
+            if not isinstance(name, str):
+                raise source.wrong((*key, name), "expected a key that is text")
+
+
+def _check_finite(source: Source) -> None:
+    for key, value in leaves(source.values):
+        if isinstance(value, float) and not math.isfinite(value):
+            raise source.wrong(key, f"expected a finite number, got {value}")
+
+
+def _check_order(source: Source) -> None:
+    """Hold settings against each other that only make sense together, or in one order."""
+    for lower, upper in (
+        (("integrator", "min_step_s"), ("integrator", "max_step_s")),
+        (("study", "cleaning", "cd_min"), ("study", "cleaning", "cd_max")),
+        (("force_models", "truth", "order"), ("force_models", "truth", "degree")),
+        (("force_models", "assumed", "order"), ("force_models", "assumed", "degree")),
+    ):
+        low, high = _both(source, lower, upper)
+        if low is not MISSING and low > high:
+            raise source.wrong(lower, f"expected at most {upper[-1]}, got {low} and {high}")
+    _both(source, ("study", "cleaning", "fence"), ("study", "cleaning", "fence_days"))
+    for key in (("cleaning", "fence_days"), ("span_days",), ("days", "train"), ("days", "test")):
+        days = value_at(source.values, ("study", *key))
+        if days is not MISSING and days[0] >= days[1]:
+            message = f"expected the first day before the last, got {days[0]} and {days[1]}"
+            raise source.wrong(("study", *key), message)
+
+
+def _both(source: Source, one: Key, other: Key) -> tuple[Any, Any]:
+    """Return two values of which neither makes sense alone; MISSING where there are none."""
+    found = value_at(source.values, one), value_at(source.values, other)
+    if (found[0] is MISSING) != (found[1] is MISSING):
+        missing, given = (one, other) if found[0] is MISSING else (other, one)
+        raise source.wrong(missing, f"expected a value beside {given[-1]}, got none")
+    return found
+
+
+def _check_messages(source: Source, settings: Settings) -> None:
+    """Look at the ephemeris messages that stand in for a truth: their RSO, and whether they fit the run."""
+    values = source.values
+    for name, path in values.get("oem", {}).items():
+        try:
+            naming.parse_rso(name, settings.rsos)
+            oem.check(
+                path,
+                epoch=values["epoch"],
+                step=values["tracking"]["step_s"],
+                duration=DAY * values["duration_days"],
+            )
+        except InputError as error:
+            raise source.wrong(("oem", name), str(error)) from None
+
+
+def _check_seen(source: Source, settings: Settings) -> None:
+    for name, experiment in Paper(Study(settings)).evaluations.items():
+        if experiment.test == "seen" and experiment.target != experiment.rso:
+            key = ("study", "evaluations", name, "test")
+            raise source.wrong(key, "expected another split, as seen rows are the RSO's own")
+
+
+def _check_references(source: Source, settings: Settings) -> None:
+    """Hold names of entries against the entries that there are."""
+    asked = settings.asked
+    for key, known in (
+        (("individual", "evaluation"), asked.get("evaluations", {})),
+        (("components",), asked.get("evaluations", {})),
+        (("partition", "shown"), asked.get("partition", {}).get("ratios", [])),
+        (("generalisation", "intervals", "splits"), asked.get("generalisation", {}).get("splits", {})),
+        (("reproduction", "calibrated"), asked.get("evaluations", {})),
+        (("reproduction", "fixed"), settings.values["learners"]),
+    ):
+        named = value_at(asked, key)
+        for name in [] if named is MISSING else named if isinstance(named, list) else [named]:
+            if name not in known:
+                expected = f"one of {', '.join(map(str, known))}"
+                raise source.wrong(("study", *key), f"expected {expected}, got {name!r}")
+    fixed = asked.get("reproduction", {}).get("fixed")
+    if fixed and not isinstance(settings.values["learners"][fixed].get("kernel_scale"), int | float):
+        raise source.wrong(
+            ("learners", fixed, "kernel_scale"), "expected a number, as it stands for one fixed scale"
+        )
+
+
+_ENTRIES = (
+    *((), ("defaults",), ("orbit",), ("distribution",), ("partition",), ("kernel_scale",)),
+    *(("generalisation",), ("generalisation", "transfers"), ("generalisation", "budget")),
+)
+_MAPPINGS_OF_ENTRIES = (("evaluations",), ("grids",), ("curves",), ("reproduction", "readings"))
+
+
+def _parts(asked: Mapping[str, Any]) -> Iterator[tuple[Key, str, Any]]:
+    """Yield key, kind and value of everything that names stations, RSOs, learners, splits or days."""
+    keys: list[Key] = list(_ENTRIES)
+    for group in _MAPPINGS_OF_ENTRIES:
+        keys += [(*group, name) for name in _mapping(asked, group)]
+    for key in keys:
+        entry = _mapping(asked, key)
+        for part, value in entry.items():
+            varies = part in ("inclinations", "offsets")
+            yield (*key, part), part, (entry.get("rso"), value) if varies else value
+    for name, rsos in _mapping(asked, ("pools",)).items():
+        yield ("pools", name), "rsos", rsos
+    for part, value in _mapping(asked, ("generalisation", "intervals")).items():
+        if part == "learners":
+            yield ("generalisation", "intervals", part), part, value
+
+
+def _mapping(values: Mapping[str, Any], key: Key) -> Mapping[str, Any]:
+    found = value_at(values, key)
+    return {} if found is MISSING else found
+
+
+class _Checks:
+    """How each kind of part is held against what there is; raises InputError for what is not."""
+
+    def __init__(self, settings: Settings) -> None:
+        self._settings = settings
+        self._duration = settings.values["duration_days"]
+        self.of: Mapping[str, Callable[[Any], object]] = {
+            "rso": self._rso,
+            "target": self._rso,
+            "rsos": _each(self._rso),
+            "inclinations": lambda of: self._varied(naming.with_inclination, *of),
+            "offsets": lambda of: self._varied(naming.with_offset, *of),
+            "stations": self._stations,
+            "station_sets": _each(self._stations),
+            "learner": self._learner,
+            "learners": _each(self._learner),
+            "rules": _each(self._learner),
+            "train": self._train,
+            "test": self._test,
+            "tests": _each(self._test),
+            "split": self._pair,
+            "splits": self._pairs,
+            "window_day": lambda day: self._days([0, day]),
+            "zoom_days": self._days,
+            "span_days": self._days,
+            "days": lambda days: _each(self._days)(list(days.values())),
+        }
+
+    def _rso(self, text: str) -> None:
+        naming.parse_rso(text, self._settings.rsos)
+
+    def _varied(self, name: Callable[..., str], rso: str | None, values: Sequence[float]) -> None:
+        rso = rso or Study(self._settings).defaults["rso"]
+        for value in values:
+            self._rso(name(rso, value, self._settings.rsos))
+
+    def _stations(self, text: str) -> None:
+        naming.parse_stations(text, self._settings.stations)
+
+    def _learner(self, text: str) -> None:
+        naming.parse_learner(text, self._settings.values["learners"])
+
+    def _train(self, text: str) -> None:
+        naming.check_split(naming.parse_train(text), duration_days=self._duration)
+
+    def _test(self, text: str) -> None:
+        naming.check_split(naming.parse_test(text), duration_days=self._duration)
+
+    def _pair(self, pair: Sequence[str] | str) -> None:
+        # A reading's `split` is a word, not a pair.
+        if not isinstance(pair, str):
+            self._train(pair[0])
+            self._test(pair[1])
+
+    def _pairs(self, pairs: Mapping[str, Sequence[str]] | Sequence[Sequence[str]]) -> None:
+        for pair in pairs.values() if isinstance(pairs, Mapping) else pairs:
+            self._pair(pair)
+
+    def _days(self, days: Sequence[float]) -> None:
+        first, last = days
+        if not first < last <= self._duration:
+            raise InputError(
+                f"expected ascending days up to duration_days, {self._duration:g}, got {first:g} and {last:g}"
+            )
+
+
+def _each(check: Callable[[Any], None]) -> Callable[[Sequence[Any]], None]:
+    def check_each(values: Sequence[Any]) -> None:
+        for value in values:
+            check(value)
+
+    return check_each

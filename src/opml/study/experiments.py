@@ -1,0 +1,123 @@
+"""What every part of a study shares: defaults, seeds, and entries that become experiments."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+from opml import naming
+from opml.learning.cleaning import Cleaning
+from opml.naming import Experiment
+from opml.sheets import Rso
+from opml.study.settings import Settings, with_sheets
+
+
+@dataclass(frozen=True)
+class Study:
+    """What is asked of a run, part by part; what an entry leaves out are the defaults."""
+
+    settings: Settings
+
+    def __contains__(self, part: str) -> bool:
+        return part in self.settings.asked
+
+    def entry(self, part: str) -> Any:
+        """Return a part of the study, empty where it is not asked for."""
+        return self.settings.asked.get(part, {})
+
+    @property
+    def sheet(self) -> Mapping[str, Rso]:
+        """The RSOs that names may start from."""
+        return self.settings.rsos
+
+    @property
+    def learners(self) -> Mapping[str, Mapping[str, Any]]:
+        """The learners' settings, by name."""
+        learners: Mapping[str, Mapping[str, Any]] = self.settings.values["learners"]
+        return learners
+
+    @cached_property
+    def rsos(self) -> list[str]:
+        """The RSOs that the study is about."""
+        return list(
+            self.settings.asked.get("rsos") or [self.entry("defaults").get("rso") or next(iter(self.sheet))]
+        )
+
+    @cached_property
+    def station_sets(self) -> list[str]:
+        """The station sets that the study is about."""
+        named = self.settings.asked.get("station_sets") or [self.entry("defaults").get("stations")]
+        return [one or "-".join(self.settings.stations) for one in named]
+
+    @cached_property
+    def defaults(self) -> dict[str, str]:
+        """RSO, station set, learner and component of every entry that names none."""
+        own = {"rso": self.rsos[0], "stations": self.station_sets[-1], "learner": "svr", "component": "e_y"}
+        return own | dict(self.entry("defaults"))
+
+    @cached_property
+    def cleaning(self) -> Cleaning:
+        """Which rows the study drops; none but those that no model can correct, where it says nothing."""
+        return Cleaning.from_settings(self.entry("cleaning"))
+
+    @property
+    def span_days(self) -> Sequence[float]:
+        """Window of t_j that random splits draw from [days]: by default the days to train on, or the run."""
+        days = self.entry("days").get("train") or [0, self.settings.values["duration_days"]]
+        return self.settings.asked.get("span_days") or days
+
+    @property
+    def own_seeds(self) -> Mapping[str, int]:
+        """The run's seeds of noise and splits."""
+        seeds: Mapping[str, int] = self.settings.values["seed"]
+        return seeds
+
+    def experiment(self, entry: Mapping[str, Any], **parts: str) -> Experiment:
+        """Return the experiment of an entry with `parts` over it; its own RSO is the target by default."""
+        given = {**entry, **parts}
+        named = self.defaults | {key: given[key] for key in given if key in Experiment.__dataclass_fields__}
+        return Experiment(**({"target": named["rso"]} | named))
+
+    def with_seeds(
+        self, experiment: Experiment, *, noise: int | None = None, split: int | None = None
+    ) -> Experiment:
+        """Return an experiment under other seeds; None is the run's own."""
+        own = self.own_seeds
+        noise, split = own["noise"] if noise is None else noise, own["split"] if split is None else split
+        return replace(
+            experiment,
+            stations=naming.seeded(experiment.stations, naming.NOISE, noise, default=own["noise"]),
+            train=naming.seeded(experiment.train, naming.SPLIT, split, default=own["split"]),
+        )
+
+    def drawn_seeds(self, experiment: Experiment) -> list[Experiment]:
+        """Return an experiment under all pairs of the seeds that curves are drawn with."""
+        return [
+            self.with_seeds(experiment, noise=noise, split=split)
+            for noise in self._seeds("noise")
+            for split in self._seeds("split")
+        ]
+
+    def split_spread(self, experiment: Experiment) -> list[Experiment]:
+        """Return an experiment under the split seeds that its spread is stated over."""
+        return [self.with_seeds(experiment, split=seed) for seed in self._seeds("split", "spread")]
+
+    def noise_spread(self, experiment: Experiment) -> list[Experiment]:
+        """Return an experiment under the noise seeds that its spread is stated over.
+
+        Empty for a transfer to another RSO: it would need that RSO measured anew under each seed.
+        """
+        if experiment.target != experiment.rso:
+            return []
+        return [self.with_seeds(experiment, noise=seed) for seed in self._seeds("noise", "spread")]
+
+    def _seeds(self, kind: str, *under: str) -> Sequence[int]:
+        entry = self.entry("seeds")
+        for part in under:
+            entry = entry.get(part, {})
+        return entry.get(kind) or [self.own_seeds[kind]]
+
+
+def read_study(values: Mapping[str, Any]) -> Study:
+    """Return the study of settings that were checked before, with the sheets read anew."""
+    return Study(with_sheets(values))

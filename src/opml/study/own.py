@@ -1,0 +1,107 @@
+"""A study of any RSO: models against splits, errors before and after correction, rows used and dropped."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from opml import naming
+from opml.naming import Experiment
+from opml.report.study import Answer
+from opml.study.experiments import Study
+
+MODELS = ("none", "repredicted", "svr", "covariance", "mechanism", "stacked")
+"""The models that a study compares where it names none."""
+
+MARKS = (1, 2, 4, 7)
+"""Prediction durations that the report states errors at [days]."""
+
+GROUPED, LATER, UNSEEN = "grouped", "later", "unseen"
+
+
+@dataclass(frozen=True)
+class Own:
+    """The experiments of a study that names RSOs, station sets, and days to train and test on, or splits."""
+
+    study: Study
+
+    @property
+    def is_asked(self) -> bool:
+        """Whether the study says what to train and to test on."""
+        return "days" in self.study or "splits" in self.study
+
+    @cached_property
+    def splits(self) -> dict[str, tuple[str, str]]:
+        """Training and test rows by the split's name: the study's own, else three by its days."""
+        if "splits" in self.study:
+            return {name: tuple(pair) for name, pair in self.study.entry("splits").items()}
+        train, test = (naming.days_split(self.study.entry("days")[part]) for part in ("train", "test"))
+        return {
+            GROUPED: ("grouped-80", "rest"),
+            LATER: (train, test),
+            UNSEEN: (train, naming.as_unseen(test)),
+        }
+
+    @cached_property
+    def shown(self) -> str:
+        """The split whose errors are drawn and stated in metres: the first that is tested on later days."""
+        later = [name for name, (_, test) in self.splits.items() if naming.as_unseen(test) != test]
+        return [*later, *self.splits][0]
+
+    @cached_property
+    def learners(self) -> list[str]:
+        """The models that are compared."""
+        known = [name for name in MODELS if name in self.study.learners]
+        return list(self.study.settings.asked.get("learners") or known)
+
+    @cached_property
+    def datasets(self) -> list[tuple[str, str]]:
+        """RSO and station set of every dataset."""
+        return [(rso, stations) for rso in self.study.rsos for stations in self.study.station_sets]
+
+    @cached_property
+    def experiments(self) -> dict[tuple[str, str, str, str], Experiment]:
+        """The experiments by RSO, station set, model and split."""
+        return {
+            (rso, stations, learner, split): self.study.experiment(
+                {}, rso=rso, stations=stations, learner=learner, train=train, test=test
+            )
+            for rso, stations in self.datasets
+            for learner in self.learners
+            for split, (train, test) in self.splits.items()
+        }
+
+    def drawn(self, rso: str, stations: str) -> dict[str, Experiment]:
+        """The experiments of the shown split that correct something, by model."""
+        return {
+            learner: self.experiments[rso, stations, learner, self.shown]
+            for learner in self.learners
+            if naming.parse_learner(learner, self.study.learners)["kind"] != "none"
+        }
+
+    @cached_property
+    def stated(self) -> dict[tuple[str, str, str], Experiment]:
+        """The experiments whose errors are stated in metres, by RSO, station set and model."""
+        return {
+            (rso, stations, learner): one
+            for rso, stations in self.datasets
+            for learner, one in self.drawn(rso, stations).items()
+        }
+
+    @property
+    def marks(self) -> list[float]:
+        """Prediction durations that errors are stated at [days]."""
+        longest = self.study.settings.values["prediction"]["max_days"]
+        return [day for day in MARKS if day <= longest] or [longest]
+
+    @cached_property
+    def answer(self) -> Answer:
+        """What the report tells."""
+        return Answer(
+            experiments=self.experiments,
+            pairs=self.splits,
+            shown=self.shown,
+            stated=self.stated,
+            datasets=self.datasets,
+            learners={name: naming.parse_learner(name, self.study.learners) for name in self.learners},
+            component=self.study.defaults["component"],
+            settings=self.study.settings.values,
+        )

@@ -1,0 +1,425 @@
+"""Settings: the paper's are valid, and each wrong one is told in one line with its file and key."""
+
+from pathlib import Path
+
+import pytest
+from support import paper_source, setting_keys
+
+from opml import naming, tables
+from opml.errors import InputError
+from opml.study import checks
+from opml.study.overlay import Layer, Source, laid_over, read_yaml, with_numbers
+from opml.study.schema import read_schema
+from opml.study.settings import merged
+
+ROOT = Path(__file__).parents[2]
+SCHEMA = ROOT / "workflow" / "schemas" / "config.schema.yaml"
+PAPER = paper_source().values
+
+
+@pytest.fixture(autouse=True)
+def _in_root(monkeypatch):
+    monkeypatch.chdir(ROOT)  # the sheets' paths are relative to it
+
+
+def edited(key, value):
+    values = paper_source().values
+    *parents, last = key.split(".") if isinstance(key, str) else key
+    place = values
+    for name in parents:
+        place = place.setdefault(name, {})
+    place[last] = value
+    return values
+
+
+def refused(source):
+    """The one line with which settings are refused."""
+    with pytest.raises(InputError) as raised:
+        checks.load(source, schema=SCHEMA)
+    assert "\n" not in str(raised.value)
+    return str(raised.value)
+
+
+def message(values):
+    return refused(Source(values, paper_source().layers))
+
+
+def given(tmp_path, text, **command_line):
+    """Settings of a file of one's own, laid over the paper's."""
+    path = tmp_path / "mine.yaml"
+    path.write_text(text)
+    return merged(["config/config.yaml", path], command_line)
+
+
+def test_papers_settings_are_valid():
+    settings = checks.load(paper_source(), schema=SCHEMA)
+    assert settings.values == PAPER
+    assert (len(settings.stations), len(settings.rsos)) == (3, 7)
+
+
+def test_every_setting_of_another_type_is_told_with_its_key():
+    for key in setting_keys():
+        said = message(edited(key, [[]]))
+        assert said.startswith(f"--config: {'.'.join(key)}"), said
+
+
+def test_learning_variables_are_the_tables_columns():
+    schema = read_yaml(SCHEMA)["$defs"]["variable"]["enum"]
+    assert set(schema) == {*tables.LEARNING_VARIABLES, "gap"}
+    assert PAPER["learning"]["variables"] == list(tables.LEARNING_VARIABLES)
+
+
+def test_third_bodies_are_the_tables_columns():
+    schema = read_yaml(SCHEMA)["$defs"]["force_model"]["properties"]["third_bodies"]["items"]["enum"]
+    assert tuple(schema) == tables.BODIES
+    assert read_yaml(SCHEMA)["$defs"]["component"]["enum"] == list(tables.COMPONENTS)
+
+
+def test_splits_are_those_of_the_names():
+    schema = read_schema(SCHEMA)["$defs"]
+    assert schema["train"]["pattern"] == f"^(?:{naming.TRAIN})$"
+    assert schema["test"]["pattern"] == f"^(?:{naming.TEST})$"
+
+
+def objects(schema):
+    if isinstance(schema, dict):
+        if schema.get("type") == "object":
+            yield schema
+        for part in schema.values():
+            yield from objects(part)
+
+
+def test_no_object_of_the_schema_takes_unknown_keys():
+    # A learner's keys depend on its kind: each kind's own object is closed.
+    assert all({"additionalProperties", "allOf"} & set(found) for found in objects(read_yaml(SCHEMA)))
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "expected"),
+    [
+        ("sed", 1, "sed: unknown key; did you mean seed?"),
+        ("tracking.stp_s", 20, "tracking.stp_s: unknown key; did you mean step_s?"),
+        ("tracking.step_s", "fast", "tracking.step_s: expected a number above 0, got 'fast'"),
+        ("tracking.step_s", 0, "tracking.step_s: expected a number above 0, got 0"),
+        ("tracking.step_s", True, "tracking.step_s: expected a number above 0, got True"),
+        ("tracking.step_s", float("nan"), "tracking.step_s: expected a finite number, got nan"),
+        ("tracking", 20, "tracking: expected a mapping, got 20"),
+        ("seed.noise", 1.5, "seed.noise: expected a whole number from 0, got 1.5"),
+        ("epoch", "2016-9-28", "epoch: expected UTC text in quotes"),
+        (
+            "results",
+            "a folder",
+            "results: expected a folder's path without spaces, braces or a leading ~, got 'a folder'",
+        ),
+        ("results", "~/runs", "results: expected a folder's path without spaces, braces or a leading ~"),
+        ("environment.percentile", 51, "environment.percentile: expected one of 95, 50, 5, got 51"),
+        ("environment.gravity_field", 8, "environment.gravity_field: expected text, got 8"),
+        ("force_models.truth.order", 41, "force_models.truth.order: expected at most degree, got 41 and 40"),
+        (
+            "force_models.assumed.third_bodies",
+            ["vulcan"],
+            "force_models.assumed.third_bodies.0: expected one of sun,",
+        ),
+        ("integrator.min_step_s", 91, "integrator.min_step_s: expected at most max_step_s, got 91 and 90"),
+        ("study.cleaning.cd_min", 4, "study.cleaning.cd_min: expected at most cd_max, got 4 and 3.2"),
+        (
+            "study.span_days",
+            [30, 0],
+            "study.span_days: expected the first day before the last, got 30 and 0",
+        ),
+        (
+            "study.span_days",
+            [30],
+            "study.span_days: expected two numbers, first and last day, got [30]",
+        ),
+        ("learning.variables", ["a", "a"], "learning.variables: expected no item twice"),
+        (
+            "learners.svr.kernel_scale",
+            "auto",
+            "kernel_scale: expected sigest, median, cv or a number above 0",
+        ),
+        ("learners.a/b", {}, "learners.a/b: expected a name of lower-case letters and digits, got 'a/b'"),
+        (
+            "study.partition.ratios",
+            [0],
+            "partition.ratios.0: expected a whole percentage from 1 to 99, got 0",
+        ),
+        (
+            "study.defaults.learner",
+            "forest",
+            "defaults.learner: learner 'forest': expected one of svr, svrmedian",
+        ),
+        (
+            "study.defaults.stations",
+            "eglin-oz",
+            "defaults.stations: stations 'eglin-oz': expected names",
+        ),
+        ("study.defaults.rso", "mir", "defaults.rso: RSO 'mir': expected one of iss,"),
+        ("study.defaults.component", "e_r", "defaults.component: expected one of e_x, e_y"),
+        (
+            "study.orbit.zoom_days",
+            [25, 51],
+            "orbit.zoom_days: expected ascending days up to duration_days",
+        ),
+        (
+            "study.evaluations.future_5days.train",
+            "random80",
+            "evaluations.future_5days.train: expected random-<percent>, grouped-<percent> or days-<first>",
+        ),
+        (
+            "study.evaluations.future_5days.test",
+            "days-50-60",
+            "future_5days.test: split 'days-50-60': expected ascending days up to duration_days, 50, got 50",
+        ),
+        (
+            "study.evaluations.future_5days.test",
+            "days-35-30",
+            "split 'days-35-30': expected ascending days, got 35 and 30",
+        ),
+        (
+            "study.evaluations.future_5days.tst",
+            "rest",
+            "future_5days.tst: unknown key; did you mean test?",
+        ),
+        (
+            "study.evaluations.inclination_50.target",
+            "iss_i050",
+            "inclination_50.target: RSO 'iss_i050': expected one of iss,",
+        ),
+        (
+            "study.evaluations.inclination_50.test",
+            "seen",
+            "inclination_50.test: expected another split, as seen rows are the RSO's own",
+        ),
+        (
+            "study.evaluations",
+            {"A b": {}},
+            "expected a name of lower-case letters, digits and _, got 'A b'",
+        ),
+        (
+            "study.evaluations",
+            {"../../x": {}},
+            "evaluations.../../x: expected a name of lower-case letters, digits and _, got '../../x'",
+        ),
+        ("study.partition.shown", [45], "partition.shown: expected one of 10, 20, 30"),
+        ("study.individual.evaluation", "past", "individual.evaluation: expected one of svr_training"),
+        ("study.grids.rso.rsos", ["mir"], "grids.rso.rsos: RSO 'mir': expected one of iss,"),
+        (
+            "study.curves.inclination.inclinations",
+            [181],
+            "inclinations.0: expected degrees from 0 to 180",
+        ),
+        (
+            "study.curves.semi_major_axis.offsets",
+            [-300],
+            "offsets: RSO 'iss_a-300': expected a perigee",
+        ),
+        (
+            "study.kernel_scale.rules",
+            ["auto"],
+            "kernel_scale.rules: learner 'auto': expected one of svr",
+        ),
+        (
+            "study.kernel_scale.splits",
+            [["random-80"]],
+            "kernel_scale.splits.0: expected a pair of a training and a test split",
+        ),
+        ("study.components", ["past"], "components: expected one of svr_training_1station"),
+        ("study.seeds.split", [], "seeds.split: expected a list of seeds, got []"),
+        ("study.reproduction.fixed", "nothing", "reproduction.fixed: expected one of svr, svrmedian"),
+        (
+            "study.reproduction.fixed",
+            "svr",
+            "learners.svr.kernel_scale: expected a number, as it stands",
+        ),
+        (
+            "study.reproduction.readings.cv_scale.learner",
+            "forest",
+            "readings.cv_scale.learner: learner 'forest': expected one of",
+        ),
+        ("learners.svr.without", ["speed"], "learners.svr.without.0: expected one of duration,"),
+        ("learners.none", {}, "learners.none.kind: expected a value, got none"),
+        ("learners.none", "none", "learners.none: expected a mapping, got 'none'"),
+        ("learners.none.kind", "oracle", "learners.none.kind: expected one of svr, none"),
+        ("learners.none.c", 1.0, "learners.none.c: unknown key; expected one of kind"),
+        ("learners.ridge", {"kind": "ridge"}, "learners.ridge.alpha: expected a value, got none"),
+        ("learners.stacked.first.terms", [], "learners.stacked.first.terms: expected a list of products"),
+        ("learners.covariance.terms", ["v+cd"], "terms.0: expected a product of variables, such as v*cd"),
+        ("mechanism.resonances", [[1, 0]], "resonances.0.1: expected a whole number above 0, got 0"),
+        ("intervals.level", 1, "intervals.level: expected a number between 0 and 1, got 1"),
+        (
+            "study.pools.inclinations",
+            ["iss"],
+            "study.pools.inclinations: expected a list of at least two RSOs",
+        ),
+        (
+            "study.pools.inclinations",
+            ["iss", "mir"],
+            "study.pools.inclinations: RSO 'mir': expected one of iss,",
+        ),
+        ("study.generalisation.learners", ["kriging"], "learner 'kriging': expected one of svr"),
+        ("study.generalisation.intervals.splits", ["never"], "splits: expected one of random, grouped"),
+        (
+            "study.generalisation.intervals.learners",
+            ["longarc", "kriging"],
+            "intervals.learners: learner 'kriging': expected one of svr",
+        ),
+        (
+            "study.generalisation.budget.split",
+            ["random-80", "days-90-95"],
+            "split 'days-90-95': expected",
+        ),
+        ("sheets.rsos", "config/none.tsv", "config/none.tsv: no such file"),
+        ("oem", {"mir": "mir.oem"}, "oem.mir: RSO 'mir': expected one of iss,"),
+        ("oem", {"iss": ""}, "oem.iss: expected text of at least 1 letter, got ''"),
+    ],
+)
+def test_wrong_setting_is_named(key, value, expected):
+    assert expected in message(edited(key, value))
+
+
+def test_missing_setting_is_named():
+    values = paper_source().values
+    del values["prediction"]["max_days"]
+    assert message(values) == "config/config.yaml: prediction.max_days: expected a value, got none"
+
+
+@pytest.mark.parametrize(
+    ("alone", "missing"), [("cd_min", "cd_max"), ("cd_max", "cd_min"), ("fence", "fence_days")]
+)
+def test_half_a_cleaning_is_none(alone, missing):
+    values = paper_source().values
+    values["study"]["cleaning"] = {alone: PAPER["study"]["cleaning"][alone]}
+    expected = (
+        f"config/studies/paper.yaml: study.cleaning.{missing}: expected a value beside {alone}, got none"
+    )
+    assert message(values) == expected
+
+
+def test_key_that_is_no_text_is_named():
+    assert "3: expected a key that is text" in message(PAPER | {3: 4})
+
+
+def test_the_file_that_set_the_value_is_named(tmp_path):
+    assert refused(given(tmp_path, "tracking: {step_s: -1}\n")).startswith(
+        f"{tmp_path}/mine.yaml: tracking.step_s"
+    )
+    on_top = given(tmp_path, "tracking: {step_s: 1}\n", tracking={"step_s": -1})
+    assert refused(on_top).startswith("--config: tracking.step_s")
+    study = "study: {extends: [paper], partition: {ratios: [0]}}\n"
+    assert refused(given(tmp_path, study)).startswith(f"{tmp_path}/mine.yaml: study.partition.ratios.0")
+
+
+@pytest.mark.parametrize("text", ["a: [", "a: b: c", "\t- x", "!!python/object:os.system {}"])
+def test_what_is_no_yaml_is_named_and_nothing_is_run(tmp_path, text):
+    file = tmp_path / "broken.yaml"
+    file.write_text(text)
+    with pytest.raises(InputError, match=r"broken\.yaml: expected YAML"):
+        read_yaml(file)
+
+
+def test_numbers_inside_braces_on_the_command_line_become_numbers():
+    given = {"a": {"b": "20", "c": ["0.5", "x"], "d": True}, "e": 0.5}
+    assert with_numbers(given) == {"a": {"b": 20, "c": [0.5, "x"], "d": True}, "e": 0.5}
+    assert isinstance(with_numbers(given)["a"]["b"], int)
+    assert with_numbers(given)["a"]["d"] is True
+
+
+OWN = """
+study:
+  rsos: [lares]
+  station_sets: [eglin-kaena]
+  days: {train: [0, 8], test: [8, 12]}
+"""
+
+
+def test_a_study_of_ones_own_has_nothing_of_the_papers(tmp_path):
+    source = given(tmp_path, OWN)
+    assert set(source.values["study"]) == {"rsos", "station_sets", "days"}
+    assert checks.load(source, schema=SCHEMA).asked == source.values["study"]
+
+
+def test_a_study_that_extends_others_is_laid_over_them(tmp_path):
+    study = given(tmp_path, "study: {extends: [paper], partition: {ratios: [20]}}\n").values["study"]
+    assert study["partition"] == PAPER["study"]["partition"] | {"ratios": [20]}
+    assert study["curves"] == PAPER["study"]["curves"]
+    assert "generalisation" not in study
+
+
+def test_a_study_may_be_a_file_elsewhere(tmp_path):
+    (tmp_path / "other.yaml").write_text(OWN)
+    study = given(tmp_path, f"study: [{tmp_path}/other.yaml]\n").values["study"]
+    assert study["rsos"] == ["lares"]
+
+
+@pytest.mark.parametrize("nothing", ["{}", "null"])
+def test_no_study_is_no_study(tmp_path, nothing):
+    source = given(tmp_path, f"study: {nothing}\n")
+    assert checks.load(source, schema=SCHEMA).asked == {}
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("study: nowhere", "config/studies/nowhere.yaml: no such file"),
+        ("study: [7]", "mine.yaml: study: expected a study, or names of studies, got 7"),
+        ("study: {rsos: [mir]}", "mine.yaml: study.rsos: RSO 'mir': expected one of iss,"),
+        (
+            "study: {days: {train: [0, 8], test: [8, 60]}}",
+            "mine.yaml: study.days: expected ascending days up to",
+        ),
+        (
+            "study: {days: {train: [8, 0], test: [8, 9]}}",
+            "study.days.train: expected the first day before the last",
+        ),
+        ("study: {splits: {one: [random-80, all]}}", "study.splits.one.1: expected seen, rest, days-<first>"),
+        ("study: {learners: [forest]}", "study.learners: learner 'forest': expected one of svr"),
+        ("study: {rso: [iss]}", "study.rso: unknown key; did you mean rsos?"),
+        ("rsos: {iss: {}}", "mine.yaml: rsos.iss: expected a name that config/rsos.tsv has not"),
+        ("rsos: {mine: {a_km: 7000}}", "mine.yaml: rsos.mine: expected the keys a_km, e, i_deg,"),
+        ("stations: {here: {}}", "mine.yaml: stations.here: expected the keys latitude_deg"),
+        ("rsos: {Mine: {}}", "mine.yaml: rsos.Mine: expected a name of lower-case letters and digits"),
+        ("oem: {iss: none.oem}", "mine.yaml: oem.iss: none.oem: no such file"),
+        ("- a list", "mine.yaml: expected a mapping of settings, got list"),
+    ],
+)
+def test_wrong_file_of_ones_own_is_named(tmp_path, text, expected):
+    with pytest.raises(InputError) as raised:
+        checks.load(given(tmp_path, text + "\n"), schema=SCHEMA)
+    assert expected in str(raised.value)
+    assert "\n" not in str(raised.value)
+
+
+def test_a_study_that_extends_itself_is_named(tmp_path):
+    (tmp_path / "ring.yaml").write_text(f"study: {{extends: [{tmp_path}/ring.yaml]}}\n")
+    with pytest.raises(InputError, match="expected studies that do not extend themselves"):
+        given(tmp_path, f"study: [{tmp_path}/ring.yaml]\n")
+
+
+def test_a_run_is_not_extended(tmp_path):
+    (tmp_path / "run.yaml").write_text("epoch: '2016-09-28T12:09:45'\n" + OWN)
+    with pytest.raises(InputError, match=r"run\.yaml: epoch: expected nothing but a study here"):
+        given(tmp_path, f"study: [{tmp_path}/run.yaml]\n")
+
+
+def test_rows_of_ones_own_join_the_sheets(tmp_path):
+    row = "{a_km: 6900, e: 0.001, i_deg: 97.5, argp_deg: 0, raan_deg: 120, mean_anomaly_deg: 0, "
+    text = (
+        f"rsos: {{mine: {row} area_to_mass_m2pkg: 0.02, cd: 2.2, cr: 1.25}}}}\nstudy: {{rsos: [mine_i50]}}\n"
+    )
+    settings = checks.load(given(tmp_path, text), schema=SCHEMA)
+    assert settings.rsos["mine"].a == 6900e3
+    assert list(settings.rsos)[-1] == "mine"
+
+
+def test_layers_are_laid_key_by_key():
+    base = {"a": {"b": 1, "c": [1, 2]}, "d": 3}
+    assert laid_over(base, {"a": {"c": [3]}}) == {"a": {"b": 1, "c": [3]}, "d": 3}
+    assert laid_over(base, {"a": {}}) == {"a": {}, "d": 3}
+    assert laid_over(base, {"a": None}) == {"a": None, "d": 3}
+    assert base == {"a": {"b": 1, "c": [1, 2]}, "d": 3}
+
+
+def test_a_value_of_no_file_is_the_command_lines():
+    source = Source({"a": 1}, [Layer("file.yaml", {"a": 2})])
+    assert str(source.wrong(("a",), "expected 3")) == "--config: a: expected 3"

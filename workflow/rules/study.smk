@@ -1,0 +1,87 @@
+# A study of any RSO: its report, errors before and after correction, models against splits, rows used.
+if OWN.is_asked:
+
+    use rule errors as study_report with:
+        input:
+            metrics=paths_of(rules.evaluate.output.metrics, *OWN.experiments.values()),
+            evaluations=paths_of(rules.evaluate.output.evaluation, *OWN.stated.values()),
+            datasets=[
+                path_of(rules.dataset.output[0], rso=rso, stations=stations, window="", reading="")
+                for rso, stations in OWN.datasets
+            ],
+            estimates=[
+                path_of(rules.estimation.output[0], rso=rso, stations=stations, window="")
+                for rso, stations in OWN.datasets
+            ],
+        output:
+            **documents("study", section=SECTIONS["study"]),
+        log:
+            f"{RESULTS}/logs/study.log",
+        benchmark:
+            f"{RESULTS}/benchmarks/study.tsv"
+        params:
+            draw="study",
+            settings=config,
+            code=code("study.py"),
+        message:
+            "Study: models against splits, errors before and after, rows used"
+
+    use rule errors as study_errors with:
+        input:
+            lambda wildcards: paths_of(
+                rules.evaluate.output.evaluation, *OWN.drawn(wildcards.rso, wildcards.stations).values()
+            ),
+        output:
+            **figures("study/{rso}/{stations}_errors", caption="study_errors", section=SECTIONS["study"]),
+        log:
+            f"{RESULTS}/logs/figs/study/{{rso}}/{{stations}}_errors.log",
+        benchmark:
+            f"{RESULTS}/benchmarks/figs/study/{{rso}}/{{stations}}_errors.tsv"
+        params:
+            draw="study_errors",
+            settings=lambda wildcards: {
+                "epoch": config["epoch"],
+                "learners": list(OWN.drawn(wildcards.rso, wildcards.stations)),
+                "component": STUDY.defaults["component"],
+            },
+            code=code("study_errors.py"),
+        message:
+            "Figure: errors of {wildcards.rso} by {wildcards.stations} before and after correction"
+
+    use rule errors as study_models with:
+        input:
+            lambda wildcards: paths_of(
+                rules.evaluate.output.metrics,
+                *(one for (rso, *_), one in OWN.experiments.items() if rso == wildcards.rso),
+            ),
+        output:
+            **figures("study/{rso}/models", caption="study_models", section=SECTIONS["study"]),
+        log:
+            f"{RESULTS}/logs/figs/study/{{rso}}/models.log",
+        benchmark:
+            f"{RESULTS}/benchmarks/figs/study/{{rso}}/models.tsv"
+        params:
+            **drawing(
+                "generalisation_splits",
+                component=STUDY.defaults["component"],
+                published=[],
+                station_sets=STUDY.station_sets,
+                learners=OWN.learners,
+                splits=OWN.splits,
+            ),
+        message:
+            "Figure: performance metric P_ML of models against splits, {wildcards.rso}"
+
+    use rule errors as study_rows with:
+        input:
+            rules.study_report.input.datasets,
+        output:
+            **figures("study/rows", caption="study_rows", section=SECTIONS["study"]),
+        log:
+            f"{RESULTS}/logs/figs/study/rows.log",
+        benchmark:
+            f"{RESULTS}/benchmarks/figs/study/rows.tsv"
+        params:
+            **drawing("study_rows", datasets=[f"{rso}, {stations}" for rso, stations in OWN.datasets]),
+        message:
+            "Figure: rows used, and why others are not"

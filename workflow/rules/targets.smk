@@ -1,0 +1,58 @@
+# What the targets make, part by part of the study.
+PAPER_PARTS = {
+    "reproduction": lambda: rules.reproduction.output,
+    "evaluations": lambda: [
+        *rules.tables.output,
+        *(path_of(file, evaluation=name) for name in PAPER.evaluations for file in rules.svr.output),
+    ],
+    "components": lambda: rules.components.output,
+    "orbit": lambda: [*rules.estimation_window.output, *rules.orbit.output],
+    "distribution": lambda: rules.error_distribution.output,
+    "partition": lambda: [
+        *(
+            path_of(file, ratio=ratio)
+            for ratio in STUDY.entry("partition").get("shown", [])
+            for file in rules.partition.output
+        ),
+        *rules.partition_curve.output,
+    ],
+    "individual": lambda: rules.individual.output,
+    "grids": lambda: [
+        *(path_of(file, grid=name) for name in PAPER.grids for file in rules.rso_grid.output),
+        *(
+            path_of(file, grid=name, rso=rso)
+            for name, grid in PAPER.grids.items()
+            for rso in grid
+            for file in rules.rso.output
+        ),
+    ],
+    "curves": lambda: [
+        path_of(file, curve=name) for name in PAPER.curves for file in rules.transfer_curve.output
+    ],
+    "kernel_scale": lambda: rules.kernel_scale_sensitivity.output,
+}
+PAPER_FILES = [file for part, files in PAPER_PARTS.items() if part in STUDY for file in files()]
+HONEST_FILES = (
+    [
+        *rules.generalisation.output,
+        *rules.generalisation_splits.output,
+        *rules.generalisation_transfers.output,
+        *rules.generalisation_intervals.output,
+    ]
+    if "generalisation" in STUDY
+    else []
+)
+STUDY_FILES = (
+    [
+        *rules.study_report.output,
+        *rules.study_rows.output,
+        *(path_of(file, rso=rso) for rso in STUDY.rsos for file in rules.study_models.output),
+        *(
+            path_of(file, rso=rso, stations=stations)
+            for rso, stations in OWN.datasets
+            for file in rules.study_errors.output
+        ),
+    ]
+    if OWN.is_asked
+    else []
+)

@@ -1,0 +1,21 @@
+"""Answer a study: models against splits, errors in metres, rows used."""
+
+from opml.jobs import job
+from opml.learning.growth import at_days
+from opml.report import document, study
+from opml.study.experiments import read_study
+from opml.study.own import Own
+from opml.tables import read_table, read_tables
+
+with job(snakemake):
+    files, output = snakemake.input, snakemake.output
+    own = Own(read_study(snakemake.params.settings))
+    stated = zip(own.stated, files.evaluations, strict=True)
+    blocks = study.document(
+        own.answer,
+        read_tables(files.metrics, "metrics"),
+        {key: at_days(read_table(path, "evaluation"), own.marks) for key, path in stated},
+        {key: read_table(path, "dataset") for key, path in zip(own.datasets, files.datasets, strict=True)},
+        {key: read_table(path, "estimates") for key, path in zip(own.datasets, files.estimates, strict=True)},
+    )
+    document.write(blocks, output.md[0], output.tsv[0], output.html[0])
