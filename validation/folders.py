@@ -59,7 +59,7 @@ def compare(before: Path, after: Path) -> Comparison:
 def results(folder: Path) -> set[str]:
     """Paths of the results in a folder, relative to it. Raises InputError where there are none."""
     paths = [path.relative_to(folder) for path in folder.rglob("[!.]*") if path.is_file()]
-    names = {path.as_posix() for path in paths if path.parts[0] not in LEFT_OUT}
+    names = {path.as_posix() for path in paths if not set(LEFT_OUT) & set(path.parts)}
     if not names:
         raise InputError(f"{folder}: expected a folder of results, got none")
     return names

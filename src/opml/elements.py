@@ -100,6 +100,12 @@ def rsw_rotation(states: np.ndarray) -> np.ndarray:
     return np.stack([radial, np.cross(cross_track, radial), cross_track], axis=-2)
 
 
+def in_rsw(differences: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """Differences (n, 6) from states (n, 6) [m, m/s] in RSW of those states, position and velocity alike."""
+    turned: np.ndarray = np.einsum("nij,nkj->nki", rsw_rotation(states), differences.reshape(-1, 2, 3))
+    return turned.reshape(-1, 6)
+
+
 def true_from_mean_anomaly(mean: np.ndarray, e: np.ndarray) -> np.ndarray:
     """True anomaly in [0, 2 pi) [rad] of the mean anomaly [rad] at eccentricity e, elliptic orbits.
 

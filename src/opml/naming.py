@@ -202,7 +202,7 @@ def parse_test(text: str) -> Split:
 
 def _days(text: str, first: str, last: str) -> tuple[float, float]:
     if float(first) >= float(last):
-        raise InputError(f"split '{text}': expected ascending days, got {first} and {last}")
+        raise InputError(f"split '{text}': expected the first day before the last, got {first} and {last}")
     return float(first), float(last)
 
 

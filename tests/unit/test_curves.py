@@ -146,7 +146,7 @@ def test_one_seed_makes_no_band(transfers):
 
 
 def test_rows_of_different_things_are_not_averaged(transfers):
-    with pytest.raises(InputError, match="expected one row a point and seed"):
+    with pytest.raises(InputError, match="expected one row per point and seed"):
         curves.inclination_curve(pd.concat([transfers, transfers]), inclinations=INCLINATIONS)
 
 

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from opml.elements import (
     cartesian_from_coe,
     coe_from_cartesian,
+    in_rsw,
     mean_from_true_anomaly,
     rsw_rotation,
     true_from_mean_anomaly,
@@ -111,6 +112,13 @@ def test_rsw_axes():
     # Above the x axis and moving up: R = x, S = z, W = -y.
     rotation = rsw_rotation(np.array([7e6, 0.0, 0.0, 10.0, 0.0, 7500.0]))
     np.testing.assert_allclose(rotation, [[1, 0, 0], [0, 0, 1], [0, -1, 0]], atol=1e-15)
+
+
+def test_differences_in_rsw_are_along_its_axes():
+    states = np.array([[7e6, 0.0, 0.0, 0.0, 7e3, 0.0], [0.0, 0.0, 7e6, -7e3, 0.0, 0.0]])
+    ahead_and_faster_up = np.array([[0.0, 3.0, 0.0, 0.5, 0.0, 0.0], [-3.0, 0.0, 0.0, 0.0, 0.0, 0.5]])
+    expected = np.tile([0.0, 3.0, 0.0, 0.5, 0.0, 0.0], (2, 1))
+    np.testing.assert_allclose(in_rsw(ahead_and_faster_up, states), expected, atol=1e-12)
 
 
 def test_rsw_is_a_rotation():

@@ -263,7 +263,7 @@ def test_windows_of_names():
     assert naming.days_split([0, 8.5]) == "days-0-8.5"
     assert naming.as_unseen("days-30-40") == "days-30-40-unseen"
     assert naming.as_unseen("rest") == "rest"
-    with pytest.raises(InputError, match="expected ascending days, got 9 and 9"):
+    with pytest.raises(InputError, match="expected the first day before the last, got 9 and 9"):
         naming.parse_test("days-9-9")
     with pytest.raises(InputError, match="up to duration_days, 12, got 8 and 13"):
         naming.check_split(naming.parse_test("days-8-13"), duration_days=12)

@@ -174,7 +174,7 @@ def test_no_object_of_the_schema_takes_unknown_keys():
         (
             "study.evaluations.future_5days.test",
             "days-35-30",
-            "split 'days-35-30': expected ascending days, got 35 and 30",
+            "split 'days-35-30': expected the first day before the last, got 35 and 30",
         ),
         (
             "study.evaluations.future_5days.tst",

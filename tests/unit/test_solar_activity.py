@@ -5,10 +5,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from support import shared
 
 from opml import epochs
 from opml.constants import DAY
-from opml.environment import solar_activity
+from opml.environment import nodes, solar_activity
 from opml.errors import InputError
 
 EPOCH = "2016-09-28T12:09:45"
@@ -69,10 +70,78 @@ def test_kp_follows_the_definition_of_ap():
     assert solar_activity.kp_from_ap([4.0, 15.0, 48.0, 132.0]) == pytest.approx([1.0, 3.0, 5.0, 7.0], abs=0.2)
 
 
+@pytest.fixture
+def paper_months(tmp_path):
+    """Path of the packaged table cut to the paper's months."""
+    lines = solar_activity.resolve("MSAFE").read_text().splitlines(keepends=True)
+    path = tmp_path / "own.tsv"
+    path.write_text("".join(line for line in lines if line[0] in "#m" or "2016-08" <= line[:7] <= "2017-01"))
+    return path
+
+
 @pytest.mark.parametrize("days", [-60.0, 100.0])
-def test_dates_outside_the_months_are_refused_with_their_span(days):
-    with pytest.raises(InputError, match=r"^msafe\.tsv: epoch: expected dates from 2016-08-01 to 2017-01-01"):
-        solar_activity.tabulate("MSAFE", EPOCH, np.array([0.0, days * DAY]), 50)
+def test_dates_outside_the_months_are_refused_with_their_span(paper_months, days):
+    with pytest.raises(InputError, match=r"^own\.tsv: epoch: expected dates from 2016-08-01 to 2017-01-01"):
+        solar_activity.tabulate(paper_months, EPOCH, np.array([0.0, days * DAY]), 50)
+
+
+def test_the_papers_run_is_told_by_its_months_alone(paper_months):
+    t = nodes(EPOCH, 50 * DAY)
+    ours, cut = (solar_activity.tabulate(source, EPOCH, t, 50) for source in ("MSAFE", paper_months))
+    pd.testing.assert_frame_equal(ours, cut, check_exact=True)
+    assert ours["f107"].iloc[[0, -1]].tolist() == [83.0463888888889, 81.12416666666667]
+
+
+@pytest.mark.parametrize(
+    ("month", "figures"),
+    [
+        # First rows of the bulletins of March 1999, June 2002, April 2009 and October 2014.
+        ("1998-09", [131.0, 127.7, 123.4, 14.3, 13.4, 12.4]),
+        ("2001-12", [194.9, 191.9, 188.9, 12.5, 11.7, 10.8]),
+        ("2008-10", [69.2, 68.6, 67.9, 7.7, 6.1, 5.1]),
+        ("2014-04", [142.3, 139.2, 134.8, 7.9, 7.1, 6.5]),
+        # First and last row of March 2026, the newest.
+        ("2025-09", [151.1, 146.9, 143.8, 16.2, 15.8, 15.1]),
+        ("2041-10", [74.0, 70.0, 67.0, 11.4, 8.9, 5.2]),
+    ],
+)
+def test_a_packaged_month_is_of_the_newest_bulletin_that_lists_it(month, figures):
+    assert solar_activity.read(solar_activity.resolve("MSAFE")).loc[month].tolist() == figures
+
+
+@pytest.mark.parametrize("folder", ["orekit-data/MSAFE", "real/msafe"])
+def test_the_packaged_months_are_the_first_of_the_bulletins(folder):
+    ours = solar_activity.read(solar_activity.resolve("MSAFE"))
+    firsts = pd.concat([solar_activity.read(path).iloc[:1] for path in shared(folder).glob("*.txt")])
+    assert len(firsts) >= 24
+    pd.testing.assert_frame_equal(ours.loc[firsts.index], firsts, check_exact=True)
+
+
+def test_the_packaged_months_reach_from_1998_to_2041_and_not_a_second_further():
+    assert solar_activity.reach("MSAFE") == ("1998-09-01", "2041-10-01")
+    ends = [epochs.elapsed(EPOCH, f"{day}T00:00:00") for day in solar_activity.reach("MSAFE")]
+    found = solar_activity.tabulate("MSAFE", EPOCH, np.array(ends), 50)
+    assert found["f107"].tolist() == [127.7, 70.0]
+    for beyond in (ends[0] - 1.0, ends[1] + 1.0):
+        with pytest.raises(
+            InputError, match=r"^msafe\.tsv: epoch: expected dates from 1998-09-01 to 2041-10-01"
+        ):
+            solar_activity.tabulate("MSAFE", EPOCH, np.array([0.0, beyond]), 50)
+
+
+def test_a_time_has_the_same_activity_alone_and_among_thirty_years():
+    t = DAY * np.linspace(-6000.0, 9000.0, 31)
+    together = solar_activity.tabulate("MSAFE", EPOCH, t, 50)
+    alone = pd.concat([solar_activity.tabulate("MSAFE", EPOCH, t[k : k + 1], 50) for k in range(len(t))])
+    pd.testing.assert_frame_equal(together, alone.reset_index(drop=True), check_exact=True)
+
+
+def test_a_leap_second_before_a_month_is_counted():
+    # 1999-01-01 is 43201 s after noon of the day before.
+    found = solar_activity.tabulate("MSAFE", "1998-12-31T12:00:00", np.array([43200.0, 43201.0]), 50)
+    january = solar_activity.read(solar_activity.resolve("MSAFE")).loc["1999-01", "f107_50"]
+    assert found["f107"].iloc[1] == january
+    assert found["f107"].iloc[0] != january
 
 
 @pytest.mark.parametrize("percentile", [40, "50", None])
@@ -112,7 +181,7 @@ def test_a_malformed_row_of_the_packaged_table_is_refused(tmp_path):
     text = solar_activity.resolve("MSAFE").read_text()
     path = tmp_path / "own.tsv"
     path.write_text(text.replace("2016-10\t84.7", "2016-10\t"))
-    with pytest.raises(InputError, match=r"own\.tsv: line 6: expected month and six figures"):
+    with pytest.raises(InputError, match=r"own\.tsv: line 222: expected month and six figures"):
         solar_activity.read(path)
 
 

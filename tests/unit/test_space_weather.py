@@ -1,7 +1,12 @@
 """Observed space weather: both forms of CSSI's files, and what DTM2000 is given of them."""
 
+import gzip
+import hashlib
+
 import numpy as np
+import pandas as pd
 import pytest
+from support import shared
 
 from opml import epochs
 from opml.constants import DAY
@@ -127,9 +132,79 @@ def test_the_packaged_weather_covers_the_papers_run_and_is_what_was_observed():
 
 
 @pytest.mark.parametrize(
+    ("day", "kp", "flux", "mean"),
+    [
+        ("1996-01-02", [5, 0, 2, 3, 3, 8, 7, 11], 74.8, 73.2),
+        # The storm of October 2003: Kp 9 three times.
+        ("2003-10-29", [14, 12, 27, 24, 23, 23, 26, 26], 291.7, 146.8),
+        ("2003-10-30", [26, 22, 16, 14, 15, 21, 27, 27], 271.4, 146.5),
+        ("2014-10-23", [4, 6, 6, 6, 7, 5, 10, 6], 227.1, 153.2),
+        ("2026-01-13", [10, 8, 5, 6, 1, 3, 7, 6], 116.6, 149.5),
+    ],
+)
+def test_the_packaged_weather_is_what_was_observed_since_1996(day, kp, flux, mean):
+    following = epochs.calendar(epochs.utc(f"{day}T00:00:00", 0.0)[0] - epochs.MJD_ZERO + 1.0)
+    assert activity("OBSERVED", f"{day}T20:00:00")["f107_mean"].item() == pytest.approx(mean)
+    assert activity("OBSERVED", f"{following}T20:00:00")["f107"].item() == pytest.approx(flux)
+    evening = [f"{day}T{hour:02d}:00:00" for hour in range(3, 24, 3)]
+    found = activity("OBSERVED", *evening, f"{following}T00:00:00")
+    assert found["kp_3h"].tolist() == pytest.approx([third / 3 for third in kp])
+    assert found["kp_24h"].iloc[-1] == pytest.approx(sum(kp) / 24)
+
+
+def test_the_packaged_weather_reaches_from_1996_to_2026_and_not_a_second_further():
+    assert solar_activity.reach("OBSERVED") == ("1995-12-31", "2026-01-13")
+    begin, end = (epochs.elapsed(EPOCH, text) for text in ("1995-12-30T20:00:00", "2026-01-14T20:00:00"))
+    assert solar_activity.tabulate("OBSERVED", EPOCH, np.array([begin, end]), 50).notna().all(axis=None)
+    for beyond in (begin - 1.0, end + 1.0):
+        with pytest.raises(
+            InputError, match=r"^space_weather\.csv: epoch: expected dates from 1995-12-31 to 2026-01-13"
+        ):
+            solar_activity.tabulate("OBSERVED", EPOCH, np.array([0.0, beyond]), 50)
+
+
+@pytest.mark.parametrize(
+    "epoch", ["1996-01-01T00:00:00", EPOCH, "2008-12-20T06:00:00", "2025-11-20T00:00:00"]
+)
+def test_the_packaged_weather_gives_what_the_whole_of_celestraks_file_does(weather, epoch):
+    whole = weather(gzip.decompress(shared("real/SW-All.csv.gz").read_bytes()).decode())
+    t = nodes(epoch, 50 * DAY)
+    ours, theirs = (solar_activity.tabulate(source, epoch, t, 50) for source in ("OBSERVED", whole))
+    exact = ["t", "f107", "f107_mean", "kp_3h"]
+    pd.testing.assert_frame_equal(ours[exact], theirs[exact], check_exact=True)
+    # The sums may start elsewhere where the packaged table has no 89 days before.
+    pd.testing.assert_frame_equal(ours, theirs, check_exact=epoch[:4] != "1996", rtol=1e-13)
+
+
+def test_the_papers_weather_is_unchanged_to_the_last_bit():
+    found = solar_activity.tabulate("OBSERVED", EPOCH, nodes(EPOCH, 50 * DAY), 50)
+    # Of the package's first table, which began on 2016-07-01; only the running sum of Kp can tell.
+    assert hashlib.sha256(found["kp_24h"].to_numpy().tobytes()).hexdigest() == (
+        "ffbd7fc1ad7ba207be12854127de2447861f8c5be4207d787a0b9d6013ce127c"
+    )
+
+
+def test_kp_steps_on_the_hour_of_a_day_with_a_leap_second_too():
+    # Kp of 2015-06-30, 1o 2o 1+ 0+ 1- 1o 2- 2+, in thirds.
+    kp = [3, 6, 4, 1, 2, 3, 5, 7]
+    hours = [f"2015-06-30T{hour:02d}:00:00" for hour in range(3, 24, 3)] + ["2015-07-01T00:00:00"]
+    steps = np.array([epochs.elapsed(EPOCH, hour) for hour in hours])
+    at, before = (solar_activity.tabulate("OBSERVED", EPOCH, t, 50)["kp_3h"] for t in (steps, steps - 2.0))
+    assert at.tolist() == pytest.approx([third / 3 for third in kp])
+    assert before.tolist()[1:] == pytest.approx([third / 3 for third in kp[:-1]])
+
+
+def test_flux_is_of_the_day_before_on_a_day_with_a_leap_second_too(weather):
+    # Half way in time between the measurements of the 29th and the 30th, a day later.
+    assert activity(weather(), "2016-12-31T08:00:00")["f107"].tolist() == pytest.approx([85.0], abs=1e-9)
+
+
+@pytest.mark.parametrize(
     ("old", "new", "message"),
     [
         ("2016-12-29,2,27", "2016-12-29,2,2x", "line 4: expected a date, eight Kp and two fluxes"),
+        ("2016-12-29,2,27", '2016-12-29,2,"27', "line 4: expected a date"),
+        ("2016-12-29", "\n2016-13-29", "line 5: expected a date"),
         ("2016-12-29", "2016-13-29", "line 4: expected a date"),
         ("90.0,1.0,OBS", "nan,1.0,OBS", "line 5: expected a date"),
         ("2016-12-30,3,0,0", "2016-12-31,3,0,0", "line 5: expected the day 2016-12-30, got 2016-12-31"),

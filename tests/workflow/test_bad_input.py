@@ -107,10 +107,10 @@ def test_epoch_that_does_not_exist(project):
 
 
 def test_epoch_outside_the_bulletin(project):
-    line = refused(project, "--config", "epoch=2018-09-28T12:09:45")
+    line = refused(project, "--config", "epoch=1998-08-20T12:09:45")
     assert line == (
-        "environment.solar_activity: MSAFE reaches from 2016-08-01 to 2017-01-01, "
-        "this run needs 2018-09-28 to 2018-11-17; for other dates give the path of a bulletin"
+        "environment.solar_activity: MSAFE reaches from 1998-09-01 to 2041-10-01, "
+        "this run needs 1998-08-20 to 1998-10-09; for other dates give the path of a bulletin"
     )
 
 

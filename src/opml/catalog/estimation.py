@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from opml.catalog.flying import fly
 from opml.catalog.least_squares import Evaluation, Fit, Method
 from opml.catalog.observing import observe, sigmas, site
 from opml.catalog.tracking import QUANTITIES
 from opml.constants import HOUR
-from opml.dynamics.ensemble import REASONS, Arcs, Integrator, propagate
+from opml.dynamics.ensemble import REASONS, Arcs, Integrator
 from opml.dynamics.frames import gcrf_to_itrf
 from opml.dynamics.surroundings import ForceModel
 from opml.elements import wrap_half_turn
@@ -190,14 +191,14 @@ class _Flight:
 
     def fly(self, epochs: np.ndarray, parameters: np.ndarray, first: np.ndarray, last: np.ndarray) -> Arcs:
         """Arcs from parameters (arcs, 7) at epochs[first] to epochs[last]."""
-        return propagate(
+        return fly(
             self.model,
+            self.rso,
             epochs,
             parameters[:, :6],
+            cd=parameters[:, _CD],
             first=first,
             last=last,
-            ballistic=parameters[:, _CD] * self.rso.area_to_mass,
-            reflection=np.full(len(parameters), self.rso.cr * self.rso.area_to_mass),
             integrator=self.integrator,
             threads=self.threads,
         )
@@ -246,6 +247,7 @@ class _Run:
         epochs = np.array([begin, begin + self._window])
         flown = self.flight.fly(epochs, pair, np.zeros(2, int), np.ones(2, int)).states[:, :3]
         free = np.ones(7, bool)
+        # An arc that comes down on the way has no displacement, and feels drag all the more.
         free[_CD] = not np.linalg.norm(flown[1] - flown[0]) < self.settings.least_drag_m
         return free
 

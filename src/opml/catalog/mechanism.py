@@ -11,7 +11,8 @@ import numpy as np
 import pandas as pd
 
 from opml.catalog import resonance
-from opml.catalog.sensitivity import in_rsw_of, running_mean, usable
+from opml.catalog.sensitivity import running_mean, usable
+from opml.elements import in_rsw
 from opml.tables import STATE
 
 
@@ -42,18 +43,14 @@ def build(
     table = sensitivities.set_index(["i", "j"]).loc[pairs].assign(cd=own["cd"].to_numpy())
     d_cd = table["cd"] - table["cd_mean"]
 
-    ends = long_estimates.assign(
-        mean=running_mean(long_estimates, bounds), usable=usable(long_estimates, bounds)
-    )
-    ends = ends.set_index("track").reindex(predictions["i"])
+    ends = _ends(long_estimates, bounds).reindex(predictions["i"])
+    predicted = predictions[STATE].to_numpy()
     arrived = long_predictions.set_index(["i", "j"])[STATE].reindex(pairs).to_numpy()
-    gap = in_rsw_of(predictions, predictions[STATE].to_numpy() - arrived)
+    gap = in_rsw(predicted - arrived, predicted)
     answers = long_sensitivities.set_index(["i", "j"]).reindex(pairs)
-    long = (
-        ends["usable"].eq(True).to_numpy()
-        & np.isfinite(gap).all(axis=1)
-        & np.isfinite(answers["v_y"].to_numpy())
-    )
+    reached = np.isfinite(gap).all(axis=1) & np.isfinite(answers["v_y"].to_numpy())
+    long = ends["usable"].eq(True).to_numpy() & reached
+
     table["cd_long"] = np.where(long, ends["cd"], table["cd"])
     table["d_cd_long"] = np.where(long, ends["cd"] - ends["mean"], d_cd)
     for k, axis in enumerate(STATE):
@@ -61,3 +58,9 @@ def build(
         table[f"v_long_{axis}"] = np.where(long, answers[f"v_{axis}"], table[f"v_{axis}"])
     drifts = resonance.drifts(estimates, predictions, pairs=resonances, window_hours=long_window_hours, gm=gm)
     return table.reset_index().join(drifts.reset_index(drop=True))
+
+
+def _ends(estimates: pd.DataFrame, bounds: tuple[float, float] | None) -> pd.DataFrame:
+    """The estimates by track, with the running mean of their Cd and whether they are usable."""
+    found = estimates.assign(mean=running_mean(estimates, bounds), usable=usable(estimates, bounds))
+    return found.set_index("track")

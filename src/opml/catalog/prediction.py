@@ -5,10 +5,11 @@ from collections.abc import Callable
 import numpy as np
 import pandas as pd
 
+from opml.catalog.flying import fly
 from opml.constants import DAY
-from opml.dynamics.ensemble import REASONS, Integrator, propagate
+from opml.dynamics.ensemble import REASONS, Integrator
 from opml.dynamics.surroundings import ForceModel
-from opml.elements import rsw_rotation
+from opml.elements import in_rsw
 from opml.sheets import Rso
 from opml.tables import COMPONENTS, STATE
 
@@ -34,17 +35,16 @@ def predict_all(
     reach has no numbers, but the reason.
     """
     epochs = estimates["t"].to_numpy()
-    last = np.searchsorted(epochs, epochs + max_days * DAY, side="right") - 1
     first = np.arange(len(epochs))
-    states = estimates[STATE].to_numpy()
-    arcs = propagate(
+    last = np.searchsorted(epochs, epochs + max_days * DAY, side="right") - 1
+    arcs = fly(
         model,
+        rso,
         epochs,
-        states,
+        estimates[STATE].to_numpy(),
+        cd=estimates["cd"].to_numpy(),
         first=first,
         last=last,
-        ballistic=estimates["cd"].to_numpy() * rso.area_to_mass,
-        reflection=np.full(len(epochs), rso.cr * rso.area_to_mass),
         integrator=integrator,
         threads=threads,
         progress=progress,
@@ -52,16 +52,12 @@ def predict_all(
     i = np.repeat(first, last - first)
     j = np.concatenate([np.arange(a + 1, b + 1) for a, b in zip(first, last, strict=True)])
     true = truth.set_index("t")[STATE].loc[epochs].to_numpy()[j]
-    rotation = rsw_rotation(true)
-    difference = (arcs.states - true).reshape(-1, 2, 3)
-    errors = np.einsum("nij,nkj->nki", rotation, difference).reshape(-1, 6)
-    reached = np.isfinite(arcs.states[:, 0])
-    reasons = np.array(REASONS, object)[arcs.status[i]]
+    reached, reasons = np.isfinite(arcs.states[:, 0]), np.array(REASONS, object)[arcs.status[i]]
     track = estimates["track"].to_numpy()
     return pd.DataFrame(
         {"i": track[i], "j": track[j], "t_i": epochs[i], "t_j": epochs[j]}
         | dict(zip(STATE, arcs.states.T, strict=True))
         | dict(zip(TRUE, true.T, strict=True))
-        | dict(zip(COMPONENTS, errors.T, strict=True))
+        | dict(zip(COMPONENTS, in_rsw(arcs.states - true, true).T, strict=True))
         | {"reason": np.where(reached, "", reasons)}
     )

@@ -8,9 +8,10 @@ from collections.abc import Callable
 import numpy as np
 import pandas as pd
 
-from opml.dynamics.ensemble import Integrator, propagate
+from opml.catalog.flying import fly
+from opml.dynamics.ensemble import Integrator
 from opml.dynamics.surroundings import ForceModel
-from opml.elements import rsw_rotation
+from opml.elements import in_rsw
 from opml.sheets import Rso
 from opml.tables import STATE
 
@@ -40,32 +41,36 @@ def sensitivities(
     reach = predictions.groupby("i", sort=True)["j"].max()
     first, last = (np.searchsorted(estimates["track"], tracks) for tracks in (reach.index, reach))
     started = estimates.iloc[first]
-    states, cd = started[STATE].to_numpy(), started["cd"].to_numpy()
     mean = running_mean(estimates, bounds)[first]
-    neighbours = {
-        "s": (states, cd + _NUDGE),
-        "v": (states + _NUDGE * shift_with_cd(started), cd + _NUDGE),
-        "r": (states, mean),
-    }
-    change = {}
-    for turn, (name, (start, coefficient)) in enumerate(neighbours.items()):
-        arcs = propagate(
+    predicted = predictions[STATE].to_numpy()
+    table = {"i": predictions["i"], "j": predictions["j"], "cd_mean": np.repeat(mean, last - first)}
+    neighbours = _neighbours(started, mean)
+    for turn, (name, (states, cd, scale)) in enumerate(neighbours.items()):
+        arcs = fly(
             model,
+            rso,
             estimates["t"].to_numpy(),
-            start,
+            states,
+            cd=cd,
             first=first,
             last=last,
-            ballistic=coefficient * rso.area_to_mass,
-            reflection=np.full(len(first), rso.cr * rso.area_to_mass),
             integrator=integrator,
             threads=threads,
             progress=_part_of(progress, turn, len(neighbours)),
         )
-        change[name] = in_rsw_of(predictions, arcs.states - predictions[STATE].to_numpy())
-    table = {"i": predictions["i"], "j": predictions["j"], "cd_mean": np.repeat(mean, last - first)}
-    for name, scale in (("s", 1.0 / _NUDGE), ("v", 1.0 / _NUDGE), ("r", -1.0)):
-        table |= {f"{name}_{axis}": scale * change[name][:, k] for k, axis in enumerate(STATE)}
+        change = scale * in_rsw(arcs.states - predicted, predicted)
+        table |= {f"{name}_{axis}": change[:, k] for k, axis in enumerate(STATE)}
     return pd.DataFrame(table)
+
+
+def _neighbours(started: pd.DataFrame, mean: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray, float]]:
+    """(states, Cd, scale of the change) of the arcs beside those of the estimates, by family of columns."""
+    states, cd = started[STATE].to_numpy(), started["cd"].to_numpy()
+    return {
+        "s": (states, cd + _NUDGE, 1.0 / _NUDGE),
+        "v": (states + _NUDGE * shift_with_cd(started), cd + _NUDGE, 1.0 / _NUDGE),
+        "r": (states, mean, -1.0),
+    }
 
 
 def _part_of(
@@ -73,13 +78,6 @@ def _part_of(
 ) -> Callable[[float], None] | None:
     """Progress of one of several equal parts."""
     return progress and (lambda share: progress((part + share) / parts))
-
-
-def in_rsw_of(predictions: pd.DataFrame, difference: np.ndarray) -> np.ndarray:
-    """Differences (n, 6) of GCRF states [m, m/s] turned into RSW of the predicted states, (n, 6)."""
-    rotation = rsw_rotation(predictions[STATE].to_numpy())
-    turned: np.ndarray = np.einsum("nij,nkj->nki", rotation, difference.reshape(-1, 2, 3))
-    return turned.reshape(-1, 6)
 
 
 def running_mean(estimates: pd.DataFrame, bounds: tuple[float, float] | None) -> np.ndarray:

@@ -5,8 +5,9 @@ from collections.abc import Callable
 import numpy as np
 import pandas as pd
 
+from opml.catalog.flying import fly
 from opml.constants import DAY
-from opml.dynamics.ensemble import REASONS, Integrator, propagate
+from opml.dynamics.ensemble import REASONS, Integrator
 from opml.dynamics.surroundings import ForceModel
 from opml.elements import cartesian_from_coe, true_from_mean_anomaly
 from opml.errors import InputError
@@ -36,16 +37,9 @@ def simulate(
     """
     t = np.arange(0.0, duration + 0.5 * step, step)
     start = initial_state(rso, model.gm)
-    arcs = propagate(
-        model,
-        t,
-        start[None],
-        first=[0],
-        last=[len(t) - 1],
-        ballistic=[rso.cd * rso.area_to_mass],
-        reflection=[rso.cr * rso.area_to_mass],
-        integrator=integrator,
-        progress=progress,
+    last = [len(t) - 1]
+    arcs = fly(
+        model, rso, t, start[None], cd=rso.cd, first=[0], last=last, integrator=integrator, progress=progress
     )
     if arcs.status[0]:
         flown = np.isfinite(arcs.states[:, 0]).sum() * step / DAY

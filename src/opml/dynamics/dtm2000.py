@@ -23,7 +23,13 @@ FLUX_COUPLED[0, : len(QUANTITIES)] = 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0
 LATITUDE_TERMS = 9
 """P10 to P60 with a constant before them, and P20 and P40 about the magnetic pole."""
 TESSERAL_TERMS = 30
-FACTORS = 5 + LATITUDE_TERMS + LATITUDE_TERMS + TESSERAL_TERMS
+_STEADY = 5  # after the terms of the flux
+_ANNUAL = _STEADY + LATITUDE_TERMS
+_DIURNAL = _ANNUAL + LATITUDE_TERMS
+_SEMIDIURNAL = _DIURNAL + 8
+_TERDIURNAL = _SEMIDIURNAL + 10
+FACTORS = _DIURNAL + TESSERAL_TERMS
+"""Rows of factors, and where each kind of term begins among them."""
 
 LOWEST_ALTITUDE = 120e3
 """The model's lower boundary [m]."""
@@ -86,23 +92,33 @@ def reduce_to_date(a, season, f107, f107_mean, kp_3h, kp_24h, factors):
 
     a: from `coefficients`; season: that of the day from `seasons`; f107, f107_mean [sfu]; kp_3h, kp_24h.
     """
-    df = f107 - f107_mean
-    dm = f107_mean - 150.0
-    kp, km = kp_3h, kp_24h
-    even, even2, odd, odd2 = load(season, 0), load(season, 1), load(season, 2), load(season, 3)
-    sign, coupled = load(season, 4), load(FLUX_COUPLED, 0)
-    # Solar flux, on the constant and P10 to P40.
-    flux = (
+    flux = _flux(a, f107 - f107_mean, f107_mean - 150.0)
+    coupled = load(FLUX_COUPLED, 0)
+    for n in range(_STEADY):
+        store(factors, n, coupled * flux[n])
+    odd, sign = load(season, 2), load(season, 4)
+    _fold_steady(a, flux, sign, kp_3h, kp_24h, factors, _STEADY)
+    _fold_annual(a, season, kp_3h, factors, _ANNUAL)
+    _fold_diurnal(a, odd, kp_3h, factors, _DIURNAL)
+    _fold_semidiurnal(a, odd, sign, factors, _SEMIDIURNAL)
+    _fold_terdiurnal_and_longitude(a, factors, _TERDIURNAL)
+
+
+@compiled
+def _flux(a, df, dm):
+    """Terms of the solar flux, on the constant and P10 to P40. df: of the day, dm: its mean [sfu]."""
+    return (
         load(a, 4) * df + load(a, 5) * df * df + load(a, 6) * dm + load(a, 69) * dm * dm,
         load(a, 82) * df,
         load(a, 83) * df + load(a, 85) * dm,
         load(a, 84) * df + load(a, 86) * dm,
         load(a, 87) * dm,
     )
-    for n in range(5):
-        store(factors, n, coupled * flux[n])
-    # Terms without a period: latitude, flux and geomagnetic activity.
-    at = 5
+
+
+@compiled
+def _fold_steady(a, flux, sign, kp, km, factors, at):
+    """Terms without a period: latitude, flux and geomagnetic activity."""
     activity = (
         (load(a, 7) * kp + load(a, 60) * kp**2 + load(a, 75) * kp**4)
         + load(a, 64) * km
@@ -118,8 +134,12 @@ def reduce_to_date(a, season, f107, f107_mean, kp_3h, kp_24h, factors):
     store(factors, at + 6, load(a, 79))
     store(factors, at + 7, load(a, 8) * kp + load(a, 61) * kp**2 + load(a, 65) * km + load(a, 73) * km**2)
     store(factors, at + 8, load(a, 68) * kp + load(a, 72) * km)
-    # Annual and semi-annual terms.
-    at = 14
+
+
+@compiled
+def _fold_annual(a, season, kp, factors, at):
+    """Annual and semi-annual terms."""
+    even, even2, odd, odd2 = load(season, 0), load(season, 1), load(season, 2), load(season, 3)
     store(factors, at, load(a, 9) * even + load(a, 12) * even2)
     store(factors, at + 1, load(a, 15) * odd + load(a, 19) * odd2 + load(a, 40) * odd * kp)
     store(factors, at + 2, load(a, 10) * even + load(a, 13) * even2)
@@ -129,8 +149,11 @@ def reduce_to_date(a, season, f107, f107_mean, kp_3h, kp_24h, factors):
     store(factors, at + 6, splat(0.0))
     store(factors, at + 7, splat(0.0))
     store(factors, at + 8, splat(0.0))
-    # Diurnal terms: cosine, then sine of the local time, on P11, P31, P51, P21.
-    at = 23
+
+
+@compiled
+def _fold_diurnal(a, odd, kp, factors, at):
+    """Cosine, then sine of the local time, on P11, P31, P51, P21."""
     store(factors, at, load(a, 21) + load(a, 24) * odd + load(a, 43) * kp)
     store(factors, at + 1, load(a, 22) + load(a, 44) * kp)
     store(factors, at + 2, load(a, 23) + load(a, 45) * kp)
@@ -139,22 +162,30 @@ def reduce_to_date(a, season, f107, f107_mean, kp_3h, kp_24h, factors):
     store(factors, at + 5, load(a, 27) + load(a, 47) * kp)
     store(factors, at + 6, load(a, 28) + load(a, 48) * kp)
     store(factors, at + 7, load(a, 30) * odd)
-    # Semi-diurnal terms: cosine, then sine, on P22, P42, P32, P52, P62.
-    store(factors, at + 8, load(a, 31))
-    store(factors, at + 9, load(a, 37))
-    store(factors, at + 10, load(a, 32) * odd + sign * load(a, 88))
-    store(factors, at + 11, sign * load(a, 90))
-    store(factors, at + 12, load(a, 92))
-    store(factors, at + 13, load(a, 33))
-    store(factors, at + 14, load(a, 38))
-    store(factors, at + 15, load(a, 34) * odd + sign * load(a, 89))
-    store(factors, at + 16, sign * load(a, 91))
-    store(factors, at + 17, load(a, 93))
-    # Ter-diurnal terms on P33, then longitude on P11, P21, P31, P41, P51.
-    store(factors, at + 18, load(a, 35))
-    store(factors, at + 19, load(a, 36))
+
+
+@compiled
+def _fold_semidiurnal(a, odd, sign, factors, at):
+    """Cosine, then sine of twice the local time, on P22, P42, P32, P52, P62."""
+    store(factors, at, load(a, 31))
+    store(factors, at + 1, load(a, 37))
+    store(factors, at + 2, load(a, 32) * odd + sign * load(a, 88))
+    store(factors, at + 3, sign * load(a, 90))
+    store(factors, at + 4, load(a, 92))
+    store(factors, at + 5, load(a, 33))
+    store(factors, at + 6, load(a, 38))
+    store(factors, at + 7, load(a, 34) * odd + sign * load(a, 89))
+    store(factors, at + 8, sign * load(a, 91))
+    store(factors, at + 9, load(a, 93))
+
+
+@compiled
+def _fold_terdiurnal_and_longitude(a, factors, at):
+    """Cosine and sine of three times the local time on P33, then longitude on P11, P21, P31, P41, P51."""
+    store(factors, at, load(a, 35))
+    store(factors, at + 1, load(a, 36))
     for n in range(10):
-        store(factors, at + 20 + n, load(a, 49 + n))
+        store(factors, at + 2 + n, load(a, 49 + n))
 
 
 @compiled
@@ -197,7 +228,14 @@ def _constituent(k, at_base, g, gamma, cooling, height):
 @compiled
 def _fill_basis(c, s, sin_lon, cos_lon, sh, ch, basis):
     """Latitude terms, then tesseral terms, row by row. c, s: sine and cosine of the latitude."""
-    c2, s2 = c * c, s * s
+    _fill_zonal(c, s, sin_lon, cos_lon, basis)
+    _fill_tesseral(c, s, sin_lon, cos_lon, sh, ch, basis, LATITUDE_TERMS)
+
+
+@compiled
+def _fill_zonal(c, s, sin_lon, cos_lon, basis):
+    """The constant, P10 to P60, and P20 and P40 about the magnetic pole."""
+    c2 = c * c
     c4 = c2 * c2
     p40 = 4.375 * c4 - 3.75 * c2 + 0.375
     p50 = c * (7.875 * c4 - 8.75 * c2 + 1.875)
@@ -213,6 +251,13 @@ def _fill_basis(c, s, sin_lon, cos_lon, sh, ch, basis):
     store(basis, 6, (5.5 * c * p50 - 2.5 * p40) * (1.0 / 3.0))
     store(basis, 7, 1.5 * magnetic2 - 0.5)
     store(basis, 8, 4.375 * magnetic2 * magnetic2 - 3.75 * magnetic2 + 0.375)
+
+
+@compiled
+def _fill_tesseral(c, s, sin_lon, cos_lon, sh, ch, basis, at):
+    """Terms of the local time, once, twice and three times, and of the longitude."""
+    c2, s2 = c * c, s * s
+    c4 = c2 * c2
     p21 = 3.0 * c * s
     p31 = s * (7.5 * c2 - 1.5)
     p41 = c * s * (17.5 * c2 - 7.5)
@@ -225,47 +270,38 @@ def _fill_basis(c, s, sin_lon, cos_lon, sh, ch, basis):
     p33 = 15.0 * s * s2
     c2h, s2h = ch * ch - sh * sh, 2.0 * ch * sh
     c3h, s3h = c2h * ch - s2h * sh, s2h * ch + c2h * sh
-    at = 9
-    store(basis, at, s * ch)
-    store(basis, at + 1, p31 * ch)
-    store(basis, at + 2, p51 * ch)
-    store(basis, at + 3, p21 * ch)
-    store(basis, at + 4, s * sh)
-    store(basis, at + 5, p31 * sh)
-    store(basis, at + 6, p51 * sh)
-    store(basis, at + 7, p21 * sh)
-    store(basis, at + 8, p22 * c2h)
-    store(basis, at + 9, p42 * c2h)
-    store(basis, at + 10, p32 * c2h)
-    store(basis, at + 11, p52 * c2h)
-    store(basis, at + 12, p62 * c2h)
-    store(basis, at + 13, p22 * s2h)
-    store(basis, at + 14, p42 * s2h)
-    store(basis, at + 15, p32 * s2h)
-    store(basis, at + 16, p52 * s2h)
-    store(basis, at + 17, p62 * s2h)
+    _store_four(s, p31, p51, p21, ch, basis, at)
+    _store_four(s, p31, p51, p21, sh, basis, at + 4)
+    _store_five(p22, p42, p32, p52, p62, c2h, basis, at + 8)
+    _store_five(p22, p42, p32, p52, p62, s2h, basis, at + 13)
     store(basis, at + 18, p33 * c3h)
     store(basis, at + 19, p33 * s3h)
-    store(basis, at + 20, s * cos_lon)
-    store(basis, at + 21, p21 * cos_lon)
-    store(basis, at + 22, p31 * cos_lon)
-    store(basis, at + 23, p41 * cos_lon)
-    store(basis, at + 24, p51 * cos_lon)
-    store(basis, at + 25, s * sin_lon)
-    store(basis, at + 26, p21 * sin_lon)
-    store(basis, at + 27, p31 * sin_lon)
-    store(basis, at + 28, p41 * sin_lon)
-    store(basis, at + 29, p51 * sin_lon)
+    _store_five(s, p21, p31, p41, p51, cos_lon, basis, at + 20)
+    _store_five(s, p21, p31, p41, p51, sin_lon, basis, at + 25)
 
 
 @compiled
-def _sum(factors, row, count, basis, at):
-    """Sums over `count` terms of the nine quantities at once."""
+def _store_four(p, q, r, s, factor, basis, at):
+    store(basis, at, p * factor)
+    store(basis, at + 1, q * factor)
+    store(basis, at + 2, r * factor)
+    store(basis, at + 3, s * factor)
+
+
+@compiled
+def _store_five(p, q, r, s, t, factor, basis, at):
+    _store_four(p, q, r, s, factor, basis, at)
+    store(basis, at + 4, t * factor)
+
+
+@compiled
+def _sum(factors, row, count, basis):
+    """Sums of the nine quantities at once, over the first `count` rows of the basis."""
     s0, s1, s2 = splat(0.0), splat(0.0), splat(0.0)
     s3, s4, s5 = splat(0.0), splat(0.0), splat(0.0)
     s6, s7, s8 = splat(0.0), splat(0.0), splat(0.0)
     for n in range(count):
-        b = load(basis, at + n)
+        b = load(basis, n)
         s0 = s0 + factors[row + n, 0] * b
         s1 = s1 + factors[row + n, 1] * b
         s2 = s2 + factors[row + n, 2] * b
@@ -281,9 +317,9 @@ def _sum(factors, row, count, basis, at):
 @compiled
 def _sum_terms(factors, basis):
     """The nine quantities: constant terms plus periodic ones scaled by the flux."""
-    f = _sum(factors, 0, 5, basis, 0)
-    c = _sum(factors, 5, 9, basis, 0)
-    p = _sum(factors, 14, 39, basis, 0)
+    f = _sum(factors, 0, _STEADY, basis)
+    c = _sum(factors, _STEADY, LATITUDE_TERMS, basis)
+    p = _sum(factors, _ANNUAL, LATITUDE_TERMS + TESSERAL_TERMS, basis)
     return (
         c[0] + p[0] * (1.0 + f[0]),
         c[1] + p[1] * (1.0 + f[1]),

@@ -39,10 +39,6 @@ def build(
     t = earth_orientation["t"].to_numpy()
     names = ["sun", *(name for name in BODIES if name in bodies and name != "sun")]
     columns = [f"{name}_{axis}" for name in names for axis in "xyz"]
-    c, s = np.zeros((degree + 1, order + 1)), np.zeros((degree + 1, order + 1))
-    used = gravity_field[(gravity_field["n"] <= degree) & (gravity_field["m"] <= order)]
-    c[used["n"], used["m"]] = used["c"]
-    s[used["n"], used["m"]] = used["s"]
     midnight, days = days_of_year(epoch, t[-1])
     thermosphere = dtm2000.coefficients()
     return ForceModel(
@@ -56,9 +52,18 @@ def build(
         midnight=float(midnight),
         seasons=np.ascontiguousarray(dtm2000.seasons(thermosphere, days)),
         thermosphere=thermosphere,
-        weights=weights(c, s),
+        weights=weights(*_coefficients(gravity_field, degree, order)),
         columns=order + 2,
         degree=degree + 1,
         gm=float(gm),
         radius=float(radius),
     )
+
+
+def _coefficients(gravity_field: pd.DataFrame, degree: int, order: int) -> tuple[np.ndarray, np.ndarray]:
+    """Cosine and sine coefficients (degree + 1, order + 1) of a field, 0 where the table has none."""
+    c, s = np.zeros((degree + 1, order + 1)), np.zeros((degree + 1, order + 1))
+    used = gravity_field[(gravity_field["n"] <= degree) & (gravity_field["m"] <= order)]
+    c[used["n"], used["m"]] = used["c"]
+    s[used["n"], used["m"]] = used["s"]
+    return c, s

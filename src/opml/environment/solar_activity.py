@@ -1,6 +1,7 @@
 """Solar and geomagnetic activity as the upper atmosphere's model reads it.
 
-MSAFE: the monthly estimates of the 13-month smoothed F10.7 and Ap by NASA's Marshall Space Flight Center.
+MSAFE: the monthly estimates of the 13-month smoothed F10.7 and Ap by NASA's Marshall Space Flight Center. In
+the package each month is from the newest bulletin that lists it, as in Orekit: it came out half a year later.
 OBSERVED: what was measured, see `space_weather`.
 """
 
@@ -15,6 +16,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from opml import epochs
+from opml.constants import DAY
 from opml.environment import space_weather
 from opml.errors import InputError
 
@@ -50,17 +52,33 @@ def tabulate(source: str | Path, epoch: str, t: np.ndarray, percentile: int) -> 
     if space_weather.is_space_weather(text):
         return space_weather.tabulate(path, text, epoch, t)
     months = _reader(path, text)(path, text.splitlines())
-    # A month's figures hold at its first day, 00:00 UTC, and change linearly until the next.
-    starts = np.array([epochs.elapsed(epoch, f"{month}-01T00:00:00") for month in months.index])
     t = np.asarray(t, dtype=float)
-    if t.min() < starts[0] or t.max() > starts[-1]:
+    begin, end = (_start(epoch, month) for month in months.index[[0, -1]])
+    if t.min() < begin or t.max() > end:
         raise InputError(
             f"{path.name}: epoch: expected dates from {months.index[0]}-01 to {months.index[-1]}-01, "
             f"got {epochs.calendar_day(epoch, t.min())} to {epochs.calendar_day(epoch, t.max())}"
         )
+    months = _about(months, epoch, t)
+    starts = np.array([_start(epoch, month) for month in months.index])
     f107 = np.interp(t, starts, months[f"f107_{percentile}"])
     kp = kp_from_ap(np.interp(t, starts, months[f"ap_{percentile}"]))
     return pd.DataFrame({"t": t, "f107": f107, "f107_mean": f107, "kp_3h": kp, "kp_24h": kp})
+
+
+def _start(epoch: str, month: str) -> float:
+    """Seconds from `epoch` to a month's first day, 00:00 UTC.
+
+    There its figures hold, and change linearly until the next.
+    """
+    return epochs.elapsed(epoch, f"{month}-01T00:00:00")
+
+
+def _about(months: pd.DataFrame, epoch: str, t: np.ndarray) -> pd.DataFrame:
+    """The few months that times `t` [s since `epoch`] lie between, of the decades that a file tells."""
+    # A day's margin, as calendar days are rounded.
+    first, last = (epochs.calendar_day(epoch, moment)[:7] for moment in (t.min() - DAY, t.max() + DAY))
+    return months.loc[first : _next_month(last)]
 
 
 def reach(source: str | Path) -> tuple[str, str]:

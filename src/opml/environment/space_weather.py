@@ -3,18 +3,22 @@
 Both of its forms are read: comma-separated (SW-All.csv) and fixed columns (SpaceWeather-All-v1.2.txt).
 Format: CelesTrak, Space Weather Data Documentation; inputs of DTM2000: Bruinsma, Thuillier & Barlier 2003.
 A step of Kp becomes a ramp over the hour before it, as the nodes are hourly and looked up linearly.
+The 81-day mean is centred: it looks 40 days ahead, so that it tells more than was known on the day.
 """
 
-import csv
+import math
 import re
 from collections.abc import Iterator
 from datetime import date
+from operator import itemgetter
 from pathlib import Path
 
+import erfa
 import numpy as np
 import pandas as pd
 
 from opml import epochs
+from opml.constants import DAY
 from opml.errors import InputError
 
 KP = [f"KP{k}" for k in range(1, 9)]
@@ -30,6 +34,12 @@ _INTERVALS = 8  # of Kp in a day
 _DELAY = 1  # intervals by which DTM2000's Kp lags: 3 hours
 _MEASURED = 20.0 / 24.0
 """Time of day at which the flux of a date is measured: local noon at Penticton, 20:00 UTC."""
+_RUN_UP = 89
+"""Days before the first time at which the running sum of Kp starts, if the file reaches so far back.
+
+A few would do. A fixed number makes all files that hold the same days give the same bits, and this one gives
+those of a file that starts on 2016-07-01, which the paper's case was first run with.
+"""
 _ROUNDING = 1e-8
 """Part of a day [d] that an epoch may miss a whole hour by, through rounding."""
 
@@ -50,7 +60,7 @@ def read(path: str | Path, text: str) -> pd.DataFrame:
     rows = _text_rows if _TEXT_TITLE in text else _csv_rows
     days = []
     for line, day, figures in rows(text.splitlines()):
-        if not all(figure.strip() for figure in figures[: len(KP)]):
+        if not all(map(str.strip, figures[: len(KP)])):
             break
         days.append(_day(path, line, day, figures))
         if len(days) > 1 and days[-1][0] != days[-2][0] + 1:
@@ -78,8 +88,7 @@ def tabulate(path: str | Path, text: str, epoch: str, t: np.ndarray) -> pd.DataF
     """
     weather = read(path, text)
     t = np.asarray(t, dtype=float)
-    whole, part = epochs.utc(epoch, t)
-    day = (whole - epochs.MJD_ZERO) + part
+    day = _days(epoch, t)
     first, last = weather.index[0], weather.index[-1]
     if day.min() < first + 1.0 + _MEASURED or day.max() > last + _MEASURED:
         begin, end = reach(weather)
@@ -87,10 +96,11 @@ def tabulate(path: str | Path, text: str, epoch: str, t: np.ndarray) -> pd.DataF
             f"{Path(path).name}: epoch: expected dates from {begin} to {end}, "
             f"got {epochs.calendar_day(epoch, t.min())} to {epochs.calendar_day(epoch, t.max())}"
         )
+    weather = weather.loc[math.floor(day.min()) - _RUN_UP :]
     measured = weather.index.to_numpy() + _MEASURED
     kp = weather[KP].to_numpy().ravel()
     sums = np.concatenate([[0.0], np.cumsum(kp)])
-    interval = np.floor(_INTERVALS * (day - first + _ROUNDING)).astype(int) - _DELAY
+    interval = np.floor(_INTERVALS * (day - weather.index[0] + _ROUNDING)).astype(int) - _DELAY
     return pd.DataFrame(
         {
             "t": t,
@@ -100,6 +110,26 @@ def tabulate(path: str | Path, text: str, epoch: str, t: np.ndarray) -> pd.DataF
             "kp_24h": (sums[interval + 1] - sums[interval + 1 - _INTERVALS]) / _INTERVALS,
         }
     )
+
+
+def _days(epoch: str, t: np.ndarray) -> np.ndarray:
+    """Modified Julian days (UTC) at times `t` [s since `epoch`], in parts of 86400 s on every day.
+
+    ERFA's days with a leap second are stretched by it, which would move the hours of Kp.
+    """
+    whole, part = epochs.utc(epoch, t)
+    day: np.ndarray = (whole - epochs.MJD_ZERO) + part
+    midnight = np.floor(day)
+    leap = np.round(DAY * (_tai(midnight + 1.0) - _tai(midnight) - 1.0))
+    return np.where(leap == 0.0, day, midnight + (day - midnight) * (DAY + leap) / DAY)
+
+
+def _tai(midnight: np.ndarray) -> np.ndarray:
+    """TAI modified Julian date of UTC midnights."""
+    with epochs.strict_erfa():
+        whole, part = erfa.utctai(epochs.MJD_ZERO, midnight)
+    mjd: np.ndarray = (whole - epochs.MJD_ZERO) + part
+    return mjd
 
 
 def _heading(lines: list[str]) -> int | None:
@@ -113,8 +143,13 @@ def _heading(lines: list[str]) -> int | None:
 def _csv_rows(lines: list[str]) -> Iterator[tuple[int, str, list[str]]]:
     """Line, date and figures of each day of the comma-separated form."""
     first = _heading(lines) or 0
-    for number, row in enumerate(csv.DictReader(lines[first:]), start=first + 2):
-        yield number, row["DATE"], [row[name] or "" for name in _FIGURES]
+    names = lines[first].split(",")
+    columns = itemgetter(*(names.index(name) for name in ("DATE", *_FIGURES)))
+    lacking = [""] * len(names)
+    for number, line in enumerate(lines[first + 1 :], start=first + 2):
+        if line:
+            day, *figures = columns(line.split(",") + lacking)
+            yield number, day, figures
 
 
 def _text_rows(lines: list[str]) -> Iterator[tuple[int, str, list[str]]]:
@@ -132,10 +167,10 @@ def _day(path: str | Path, line: int, day: str, figures: list[str]) -> list[floa
     """Modified Julian day and figures of a row."""
     try:
         mjd = date.fromisoformat(day).toordinal() - date(1858, 11, 17).toordinal()
-        values = [float(figure) for figure in figures]
+        values = list(map(float, figures))
     except ValueError:
-        values = [np.nan]
-    if not np.all(np.isfinite(values)):
+        values = [math.nan]
+    if not all(map(math.isfinite, values)):
         got = " ".join([day, *map(str.strip, figures)])
         raise InputError(f"{path}: line {line}: expected a date, eight Kp and two fluxes, got '{got}'")
     return [mjd, *values]

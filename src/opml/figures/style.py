@@ -3,7 +3,6 @@
 Importing this module sets matplotlib's defaults for the process; it opens no window.
 """
 
-import os
 from collections.abc import Iterable
 
 import matplotlib
@@ -13,7 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 
-from opml.files import replacing
+from opml.files import FilePath, replacing
 
 COLUMN_WIDTH_MM = 88.0  # one column of a two-column page
 PAGE_WIDTH_MM = 180.0  # both columns
@@ -86,20 +85,18 @@ def labelled(figure: Figure) -> dict[str, Artist]:
     )
 
 
-def save(figure: Figure, path_pdf: str | os.PathLike[str], path_png: str | os.PathLike[str]) -> None:
+def save(figure: Figure, path_pdf: FilePath, path_png: FilePath) -> None:
     """Write the figure as PDF and PNG, each whole or not at all; the same figure gives the same bytes."""
     _write(figure, path_pdf, "pdf", metadata={"CreationDate": None})
     _write(figure, path_png, "png", metadata={"Software": None})
 
 
-def save_all(
-    figures: Iterable[Figure], paths_pdf: Iterable[str | os.PathLike[str]], paths_png: Iterable[str | os.PathLike[str]]
-) -> None:
+def save_all(figures: Iterable[Figure], paths_pdf: Iterable[FilePath], paths_png: Iterable[FilePath]) -> None:
     """`save` each figure under the paths of its place. Raises ValueError for another number of paths."""
     for figure, path_pdf, path_png in zip(figures, paths_pdf, paths_png, strict=True):
         save(figure, path_pdf, path_png)
 
 
-def _write(figure: Figure, path: str | os.PathLike[str], kind: str, *, metadata: dict[str, None]) -> None:
+def _write(figure: Figure, path: FilePath, kind: str, *, metadata: dict[str, None]) -> None:
     with replacing(path) as temporary:
         figure.savefig(temporary, format=kind, metadata=metadata)

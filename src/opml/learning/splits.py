@@ -1,13 +1,12 @@
-"""Which rows of a dataset a model is trained and tested on.
+"""Which rows of a dataset a model is trained and tested on, by the name of a split.
 
-A split is a canonical string. For training: `random-80` (80 % of the rows, drawn with the seed, as in the
-paper), `grouped-80` (all rows of 80 % of the estimates) or `days-0-30` (rows whose t_j lies in that window).
-For testing: `seen` (the training rows), `rest` (rows of the learning span that were not trained on), another
-window, `days-30-40`, or `days-30-40-unseen` (where t_i, too, lies in it, so that no estimate behind a row was
-trained on). Only kept rows are ever chosen.
+`opml.naming` tells the names: `random-80` (80 % of the rows, drawn with the seed, as in the paper),
+`grouped-80` (all rows of 80 % of the estimates) or `days-0-30` (rows whose t_j lies in that window) for
+training; for testing `seen` (the training rows), `rest` (rows of the learning span that were not trained on),
+another window, `days-30-40`, or `days-30-40-unseen` (where t_i, too, lies in it, so that no estimate behind a
+row was trained on). Only kept rows are ever chosen.
 """
 
-import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -15,15 +14,8 @@ import pandas as pd
 
 from opml.constants import DAY
 from opml.errors import InputError
+from opml.naming import parse_test, parse_train
 from opml.seeds import derive
-
-NUMBER = r"(?:0|[1-9][0-9]*)(?:\.[0-9]*[1-9])?"  # one spelling a number: the split is part of file names
-RANDOM = re.compile(rf"random-({NUMBER})")
-GROUPED = re.compile(rf"grouped-({NUMBER})")
-WINDOW = re.compile(rf"days-({NUMBER})-({NUMBER})")
-UNSEEN = re.compile(rf"{WINDOW.pattern}-unseen")
-TRAIN = "|".join(pattern.pattern for pattern in (RANDOM, GROUPED, WINDOW))
-TEST = "|".join(["rest", "seen", UNSEEN.pattern, WINDOW.pattern])
 
 
 def in_days(t: np.ndarray, span_days: Sequence[float]) -> np.ndarray:
@@ -41,18 +33,16 @@ def training_rows(dataset: pd.DataFrame, name: str, *, span_days: Sequence[float
     A random split draws from kept rows with t_j in span_days. Raises InputError for an unknown name or a
     split without rows.
     """
+    split = parse_train(name)
     keep, t_j = dataset["keep"].to_numpy(), dataset["t_j"].to_numpy()
-    if match := RANDOM.fullmatch(name):
-        rows = _random_share(keep & in_days(t_j, span_days), percent=_percent(name, match), seed=seed)
-    elif match := GROUPED.fullmatch(name):
-        candidates = keep & in_days(t_j, span_days)
-        rows = _grouped_share(candidates, dataset["i"].to_numpy(), percent=_percent(name, match), seed=seed)
-    elif match := WINDOW.fullmatch(name):
-        rows = keep & in_days(t_j, _window(name, match))
-    else:
-        raise InputError(
-            f"training split '{name}': expected random-<percent>, grouped-<percent> or days-<first>-<last>"
-        )
+    candidates = keep & in_days(t_j, split.days if split.kind == "days" else span_days)
+    match split.kind:
+        case "random":
+            rows = _random_share(candidates, percent=split.percent, seed=seed)
+        case "grouped":
+            rows = _grouped_share(candidates, dataset["i"].to_numpy(), percent=split.percent, seed=seed)
+        case _:
+            rows = candidates
     return _not_empty(rows, f"training split '{name}'")
 
 
@@ -64,21 +54,14 @@ def test_rows(
     `trained` are the training rows in this dataset; None where the model was trained on another RSO. A window
     leaves them out too. Raises InputError for an unknown name or a split without rows.
     """
-    keep, t_j = dataset["keep"].to_numpy(), dataset["t_j"].to_numpy()
+    split = parse_test(name)
     seen = np.zeros(len(dataset), dtype=bool) if trained is None else trained
-    if name == "seen":
-        rows = seen
-    elif name == "rest":
-        rows = keep & in_days(t_j, span_days) & ~seen
-    elif match := WINDOW.fullmatch(name):
-        rows = keep & in_days(t_j, _window(name, match)) & ~seen
-    elif match := UNSEEN.fullmatch(name):
-        window = _window(name, match)
-        rows = keep & in_days(t_j, window) & in_days(dataset["t_i"].to_numpy(), window) & ~seen
-    else:
-        raise InputError(
-            f"test split '{name}': expected seen, rest, days-<first>-<last> or days-<first>-<last>-unseen"
-        )
+    if split.kind == "seen":
+        return _not_empty(seen, f"test split '{name}'")
+    window = split.days if split.kind == "days" else span_days
+    rows = dataset["keep"].to_numpy() & in_days(dataset["t_j"].to_numpy(), window) & ~seen
+    if split.unseen:
+        rows &= in_days(dataset["t_i"].to_numpy(), window)
     return _not_empty(rows, f"test split '{name}'")
 
 
@@ -94,7 +77,7 @@ def rows_tested(
 
 
 def _random_share(candidates: np.ndarray, *, percent: float, seed: int) -> np.ndarray:
-    # One permutation a seed, whatever the percentage: the 10 % rows are among the 20 % rows, and the test
+    # One permutation per seed, whatever the percentage: the 10 % rows are among the 20 % rows, and the test
     # rows nest likewise. Neighbouring points of the partition curve then differ by what more data does, not
     # by the luck of another draw.
     order = derive(seed, "split", "random").permutation(np.flatnonzero(candidates))
@@ -106,22 +89,6 @@ def _random_share(candidates: np.ndarray, *, percent: float, seed: int) -> np.nd
 def _grouped_share(candidates: np.ndarray, group: np.ndarray, *, percent: float, seed: int) -> np.ndarray:
     order = derive(seed, "split", "grouped").permutation(np.unique(group[candidates]))
     return candidates & np.isin(group, order[: round(len(order) * percent / 100.0)])
-
-
-def _percent(name: str, match: re.Match[str]) -> float:
-    percent = float(match[1])
-    if not 0.0 < percent <= 100.0:
-        raise InputError(f"training split '{name}': expected a percentage in (0, 100], got {match[1]}")
-    return percent
-
-
-def _window(name: str, match: re.Match[str]) -> tuple[float, float]:
-    first, last = float(match[1]), float(match[2])
-    if first >= last:
-        raise InputError(
-            f"split '{name}': expected the first day before the last, got {match[1]} and {match[2]}"
-        )
-    return first, last
 
 
 def _not_empty(rows: np.ndarray, what: str) -> np.ndarray:

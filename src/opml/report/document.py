@@ -1,12 +1,11 @@
 """Short documents of headings, paragraphs and tables, written as Markdown, HTML and tab-separated text."""
 
 import html
-import os
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from opml.files import replacing
+from opml.files import FilePath, replacing
 
 
 @dataclass(frozen=True)
@@ -57,9 +56,9 @@ def tab_separated(table: Table) -> str:
 
 def write(
     blocks: Sequence[Block],
-    path_md: str | os.PathLike[str],
-    path_tsv: str | os.PathLike[str],
-    path_html: str | os.PathLike[str],
+    path_md: FilePath,
+    path_tsv: FilePath,
+    path_html: FilePath,
 ) -> None:
     """Write a document as Markdown and HTML, its first table as tab-separated text; no file half written."""
     title = next(block.text for block in blocks if isinstance(block, Heading))

@@ -105,9 +105,13 @@ def _sizes(table: pd.DataFrame, days: Sequence[float], when: str) -> list[str]:
     """Cells of the errors at the days; a day without rows has none."""
     rows = {row["day"]: row for row in table.to_dict("records")}
     return [
-        f"{rows[day][f'{when}_50']:.4g} / {rows[day][f'{when}_95']:.4g}" if day in rows else NONE
+        " / ".join(_length(rows[day][f"{when}_{share}"]) for share in (50, 95)) if day in rows else NONE
         for day in days
     ]
+
+
+def _length(value: float) -> str:
+    return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"
 
 
 def _rows(

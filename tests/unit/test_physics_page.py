@@ -1,0 +1,49 @@
+"""docs/physics.md: what it says to be somewhere is there, and its numbers are those of the code."""
+
+import importlib
+import re
+from pathlib import Path
+
+import pytest
+
+from opml import constants
+from opml.config import read_yaml
+
+ROOT = Path(__file__).parents[2]
+TEXT = (ROOT / "docs" / "physics.md").read_text(encoding="utf-8")
+NAMES = sorted(set(re.findall(r"`(opml\.[\w.]+)`", TEXT)))
+SHORT = sorted(set(re.findall(r"`(\w+)`", TEXT.split("## Gravity")[0])) - {"ForceModel"})
+
+
+@pytest.mark.parametrize("name", [*NAMES, *(f"opml.dynamics.{name}" for name in SHORT)])
+def test_each_module_and_function_that_is_named_is_there(name):
+    module, _, last = name.rpartition(".")
+    try:
+        importlib.import_module(name)
+    except ModuleNotFoundError:
+        assert hasattr(importlib.import_module(module), last)
+
+
+def test_every_module_of_the_dynamics_is_named():
+    modules = {path.stem for path in (ROOT / "src/opml/dynamics").glob("*.py")} - {"__init__", "lanes"}
+    named = {name.removeprefix("opml.dynamics.") for name in NAMES} | set(SHORT)
+    assert modules <= named
+
+
+def test_its_numbers_are_those_of_the_settings_and_the_constants():
+    settings = read_yaml(ROOT / "config" / "config.yaml")
+    integrator, estimation = settings["integrator"], settings["estimation"]
+    for model in ("truth", "assumed"):
+        assert f"{settings['force_models'][model]['degree']}x" in TEXT
+    for phrase in (
+        f"tau = {integrator['position_tolerance_m']} m",
+        f"retired below {integrator['min_step_s']} s",
+        f"at most {integrator['max_step_s']} s",
+        f"every {settings['tracking']['step_s']} s",
+        f"in the {estimation['window_hours']} h before",
+        f"is below {estimation['convergence']}",
+        f"less than {estimation['least_drag_m']} m",
+        f"P0 = {constants.SRP_PRESSURE * 1e6:.2f}e-6",
+        f"R_sun = {constants.SUN_RADIUS / 1e8:.3f}e8",
+    ):
+        assert phrase in " ".join(TEXT.split()), phrase
