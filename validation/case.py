@@ -11,8 +11,8 @@ from opml.catalog.estimation import Estimation
 from opml.constants import DAY
 from opml.dynamics.ensemble import Integrator
 from opml.learning.cleaning import Cleaning
+from opml.reading import read_yaml
 from opml.sheets import Rso, Station, read_rsos, read_stations
-from opml.study.overlay import read_yaml
 
 ROOT = Path(__file__).parents[1]
 REPORT = ROOT / "docs" / "validation.md"

@@ -11,14 +11,12 @@ hours of tracks, ``svr_s2`` the learner ``svr`` with 2 as its kernel scale. The 
 suffix. So two names are never the same thing.
 """
 
-import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from opml.errors import InputError
-from opml.sheets import Rso, Station, varied
 
 # One spelling per number, as it is part of file names: 50, 51.6393, 0.1, but neither 050 nor 0.10.
 NUMBER = r"(?:0|[1-9][0-9]*)(?:\.[0-9]*[1-9])?"
@@ -126,6 +124,20 @@ def parse_window(suffix: str, *, default: float) -> float:
     """Return the hours of the estimation window that a suffix, or none, stands for."""
     return float(suffix.removeprefix("_w")) if suffix else default
 
+
+def arc(hours: float, memory_days: float) -> str:
+    """Return the suffix of what arcs over a window [h] know, with the memory of their Cd [days]."""
+    return f"_l{number(hours)}_m{number(memory_days)}"
+
+
+def parse_arc(suffix: str) -> tuple[float, float]:
+    """Return window [h] and memory [days] of a suffix of arcs."""
+    hours, days = suffix.removeprefix("_l").split("_m")
+    return float(hours), float(days)
+
+
+ARC = f"_l{POSITIVE}_m{POSITIVE}"
+"""Regular expression of the suffix of arcs."""
 
 PERFECT = "_true"
 """Suffix of estimates that are the truth itself."""
@@ -252,7 +264,7 @@ def pool_without(pool: str, rso: str) -> str:
     return f"{pool}{WITHOUT}{rso}"
 
 
-def pool_pattern(pools: Iterable[str], sheet: Mapping[str, Rso]) -> str:
+def pool_pattern(pools: Iterable[str], sheet: Iterable[str]) -> str:
     """Return the regular expression of all RSOs of a pool but one, such as `inclinations-without-iss_i50`."""
     return rf"(?:{any_of(pools)}){WITHOUT}{rso_pattern(sheet)}"
 
@@ -265,51 +277,18 @@ def parse_pool(text: str, pools: Mapping[str, Sequence[str]]) -> list[str]:
     return [rso for rso in pools[pool] if rso != left_out]
 
 
-def with_inclination(text: str, degrees: float, sheet: Mapping[str, Rso]) -> str:
-    """Return the name of an RSO at another inclination; at the sheet's own it is the RSO itself."""
-    base, _, offset = rso_parts(text, sheet)
-    return _varied(base, "" if math.radians(degrees) == sheet[base].i else number(degrees), offset)
-
-
-def with_offset(text: str, km: float, sheet: Mapping[str, Rso]) -> str:
-    """Return the name of an RSO with `km` added to its sheet's semi-major axis."""
-    base, inclination, _ = rso_parts(text, sheet)
-    return _varied(base, inclination, f"{'-' if km < 0 else '+'}{number(abs(km))}" if km else "")
-
-
 def any_of(names: Iterable[str]) -> str:
     """Return the regular expression of some names; of none, one that nothing matches."""
     return "|".join(map(re.escape, names)) or "(?!)"
 
 
-def _varied(base: str, inclination: str, offset: str) -> str:
-    return base + (f"_i{inclination}" if inclination else "") + (f"_a{offset}" if offset else "")
-
-
-def parse_stations(text: str, sheet: Mapping[str, Station]) -> list[Station]:
-    """Return the stations that a set's canonical text names. Raises InputError for any other text."""
-    names = text.split("-")
-    if unknown := [name for name in names if name not in sheet]:
-        raise InputError(f"stations '{text}': expected names from {', '.join(sheet)}, got '{unknown[0]}'")
-    canonical = "-".join(name for name in sheet if name in names)
-    if text != canonical:
-        raise InputError(f"stations '{text}': expected '{canonical}', each name once in the sheet's order")
-    return [sheet[name] for name in names]
-
-
-def stations_pattern(sheet: Mapping[str, Station]) -> str:
+def stations_pattern(sheet: Iterable[str]) -> str:
     """Return the regular expression of stations in any order; `parse_stations` tells the right one."""
     name = any_of(sheet)
     return f"(?:{name})(?:-(?:{name}))*"
 
 
-def parse_rso(text: str, sheet: Mapping[str, Rso]) -> Rso:
-    """Return the RSO that a canonical text names, varied as it says. Raises InputError for any other text."""
-    base, inclination, offset = rso_parts(text, sheet)
-    return varied(sheet[base], name=text, inclination=inclination, offset=offset)
-
-
-def rso_parts(text: str, sheet: Mapping[str, Rso]) -> tuple[str, str, str]:
+def rso_parts(text: str, sheet: Iterable[str]) -> tuple[str, str, str]:
     """Return the base, inclination and offset that an RSO's text names, '' for what it does not vary.
 
     Raises InputError for a text that is not canonical or names no row of the sheet.
@@ -322,10 +301,26 @@ def rso_parts(text: str, sheet: Mapping[str, Rso]) -> tuple[str, str, str]:
     return match["base"], match["i"] or "", match["a"] or ""
 
 
-def rso_pattern(sheet: Mapping[str, Rso]) -> str:
+def rso_pattern(sheet: Iterable[str]) -> str:
     """Return the regular expression of every canonical RSO, without named groups."""
     return re.sub(r"\?P<\w+>", "?:", _rso(f"(?:{any_of(sheet)})"))
 
 
 def _rso(base: str) -> str:
     return rf"{base}(?:_i(?P<i>{NUMBER}))?(?:_a(?P<a>[+-]{POSITIVE}))?"
+
+
+def station_names(text: str, known: Iterable[str]) -> list[str]:
+    """Return the stations that a set's canonical text names. Raises InputError for any other text."""
+    known, names = list(known), text.split("-")
+    if unknown := [name for name in names if name not in known]:
+        raise InputError(f"stations '{text}': expected names from {', '.join(known)}, got '{unknown[0]}'")
+    canonical = "-".join(name for name in known if name in names)
+    if text != canonical:
+        raise InputError(f"stations '{text}': expected '{canonical}', each name once in the sheet's order")
+    return names
+
+
+def varied_rso(base: str, inclination: str, offset: str) -> str:
+    """Return the name of an RSO with another inclination [deg] and offset of its axis [km], '' for none."""
+    return base + (f"_i{inclination}" if inclination else "") + (f"_a{offset}" if offset else "")

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from opml import naming
 from opml.constants import WGS84_A
 from opml.errors import InputError
 
@@ -121,17 +122,38 @@ def read_rsos(path: str | Path) -> dict[str, Rso]:
     return rsos
 
 
-def varied(rso: Rso, *, name: str, inclination: str = "", offset: str = "") -> Rso:
-    """Return an RSO with another name, inclination [deg] and offset of its axis [km], both as texts.
+def parse_stations(text: str, sheet: Mapping[str, Station]) -> list[Station]:
+    """Return the stations that a set's canonical text names. Raises InputError for any other text."""
+    return [sheet[name] for name in naming.station_names(text, sheet)]
 
-    Raises InputError for an inclination that is none and for a perigee too low.
+
+def parse_rso(text: str, sheet: Mapping[str, Rso]) -> Rso:
+    """Return the RSO that a canonical text names, varied as it says.
+
+    Raises InputError for any other text, an inclination that is none and a perigee too low.
     """
+    base, inclination, offset = naming.rso_parts(text, sheet)
+    rso = sheet[base]
     if inclination:
-        rso = replace(rso, i=_inclination(name, inclination))
+        rso = replace(rso, i=_inclination(text, inclination))
     if offset:
         rso = replace(rso, a=rso.a + _kilo(float(offset)))
-        _check_perigee(rso, f"RSO '{name}'")
-    return replace(rso, name=name)
+        _check_perigee(rso, f"RSO '{text}'")
+    return replace(rso, name=text)
+
+
+def with_inclination(text: str, degrees: float, sheet: Mapping[str, Rso]) -> str:
+    """Return the name of an RSO at another inclination; at the sheet's own it is the RSO itself."""
+    base, _, offset = naming.rso_parts(text, sheet)
+    own = math.radians(degrees) == sheet[base].i
+    return naming.varied_rso(base, "" if own else naming.number(degrees), offset)
+
+
+def with_offset(text: str, km: float, sheet: Mapping[str, Rso]) -> str:
+    """Return the name of an RSO with `km` added to its sheet's semi-major axis."""
+    base, inclination, _ = naming.rso_parts(text, sheet)
+    sign = "-" if km < 0 else "+"
+    return naming.varied_rso(base, inclination, f"{sign}{naming.number(abs(km))}" if km else "")
 
 
 def _inclination(text: str, degrees: str) -> float:

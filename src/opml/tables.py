@@ -155,7 +155,18 @@ _MECHANISM = (
     *_state(_PREDICTED, "prediction minus the one from the long arc", prefix="l_"),
     *_state(_PREDICTED, "as v, for the prediction from the long arc", prefix="v_long_"),
 )
-MECHANISM_AXES = ("s", "v", "r", "l", "v_long", "floor")
+_ARCS = (
+    real("cd_arc", "1", "drag coefficient of the arc that ends at t_i"),
+    real(
+        "cd_past", "1", "mean of the arcs' drag coefficients up to t_i, weighted by 1/variance, with memory"
+    ),
+    *_state(_PREDICTED, "prediction minus that of the arc", prefix="l_arc_"),
+    *_state(
+        _PREDICTED, "change of the arc's prediction per unit of Cd along its covariance", prefix="v_arc_"
+    ),
+    *_state(_PREDICTED, "prediction minus that of the arc with Cd held by its past", prefix="h_arc_"),
+)
+MECHANISM_AXES = ("s", "v", "r", "l", "v_long", "floor", "l_arc", "v_arc", "h_arc")
 """Families of columns of the mechanism, with one column per error component: of `v`, `v_y` is for e_y."""
 
 _EVALUATION = (
@@ -319,6 +330,7 @@ _TABLES = (
         ),
     ),
     mechanism_schema(((1, 15), (1, 16), (2, 31))),
+    Schema("arcs", "a pair of an estimate i and a later track start j", (*_PAIR, *_ARCS)),
     Schema(
         "evaluation",
         "a pair of an estimate i and a later track start j",
@@ -427,6 +439,12 @@ def read_metadata(path: FilePath) -> dict[str, Any]:
     with _reading(path), pq.ParquetFile(path) as file:
         values = _metadata(path, file)
     return {key: value for key, value in values.items() if key != "table"}
+
+
+def read_kind(path: FilePath) -> str:
+    """Return the name of the schema that a table was written by. Errors as in `read_metadata`."""
+    with _reading(path), pq.ParquetFile(path) as file:
+        return str(_metadata(path, file)["table"])
 
 
 _PREAMBLE = """\

@@ -5,7 +5,7 @@ from support import EPOCH, REPOSITORY
 
 from opml.environment import coverage
 from opml.errors import InputError
-from opml.study.overlay import read_yaml
+from opml.reading import read_yaml
 
 VALUES = read_yaml(REPOSITORY / "config" / "config.yaml")
 

@@ -17,8 +17,9 @@ from support import REPOSITORY, paper_source
 
 from opml.errors import InputError
 from opml.learning import boosting, gaussian_process, learners, mechanism, mlp, ridge
+from opml.reading import read_yaml
 from opml.study import checks
-from opml.study.overlay import Source, read_yaml
+from opml.study.overlay import Source
 from opml.tables import read_metadata, read_table, write_table
 
 VARIABLES = ["duration", "d_a", "cd", "v_y"]
@@ -35,7 +36,11 @@ SETTINGS = {
     "mlp": {"kind": "mlp", "neurons": [12, 8], "alpha": 1e-3, "epochs": 60},
     "svr": {"kind": "svr", "kernel_scale": "sigest", "c": 1.0, "epsilon": 0.1, "tol": 1e-3},
     "stacked": {"kind": "stacked", "first": MECHANISM, "second": BOOSTING},
+    "refitted": {"kind": "refitted", "window_hours": 48},
+    "held": {"kind": "held", "window_hours": 12, "memory_days": 30},
+    "running": {"kind": "running", "window_hours": 96, "memory_days": 30},
 }
+NOTHING_LEARNED = ("none", "repredict", "refitted", "held", "running")
 KINDS = pytest.mark.parametrize("kind", list(SETTINGS))
 
 
@@ -47,7 +52,10 @@ def sample(count, seed=0):
     v = 5e5 * (duration / 6e5) ** 2
     error = v * (cd - 2.2)
     y = error + 800.0 * np.sin(d_a / 200.0) + 50.0 * rng.standard_t(2, count)
-    return pd.DataFrame({"duration": duration, "d_a": d_a, "cd": cd, "v_y": v, "r_y": error}), y
+    rows = pd.DataFrame({"duration": duration, "d_a": d_a, "cd": cd, "v_y": v, "r_y": error})
+    # Arcs whose own Cd is the half of it off, and that know the rest.
+    arcs = {"l_arc_y": 0.5 * error, "h_arc_y": 0.8 * error, "v_arc_y": v, "cd_arc": 2.2 + 0.5 * (cd - 2.2)}
+    return rows.assign(**arcs, cd_past=2.2), y
 
 
 def trained(kind, rows, y, seed=42, changes=None):
@@ -105,7 +113,7 @@ def test_values_that_are_not_finite_are_refused(models, kind):
         trained(kind, broken, y)
 
 
-@pytest.mark.parametrize("kind", [kind for kind in SETTINGS if kind not in ("none", "repredict")])
+@pytest.mark.parametrize("kind", [kind for kind in SETTINGS if kind not in NOTHING_LEARNED])
 def test_a_target_that_is_not_finite_is_refused(kind):
     rows, y = sample(60)
     with pytest.raises(InputError, match="target: expected 60 finite values, got 59"):
@@ -120,10 +128,29 @@ def test_what_each_kind_is_worth_on_what_it_can_learn(models):
     mechanism_leaves = np.abs(y - new["r_y"]).sum() / np.abs(y).sum()
     assert left["repredict"] == pytest.approx(mechanism_leaves)
     assert left["mechanism"] == pytest.approx(mechanism_leaves, abs=0.01)
+    assert left["running"] == pytest.approx(mechanism_leaves)
+    for kind, share in (("refitted", 0.5), ("held", 0.8)):
+        assert left[kind] == pytest.approx(np.abs(y - share * new["r_y"]).sum() / np.abs(y).sum())
     assert left["stacked"] < 0.5 * left["mechanism"]
     assert left["mechanism"] < left["boosting"] < left["ridge"] < 1.0
     assert left["gaussian_process"] < left["ridge"]
     assert left["mlp"] < left["ridge"]
+
+
+def test_the_arcs_that_a_learner_asks_for():
+    def arc_of(**settings):
+        return learners.arc_of(learners.resolved(settings, component="e_y", variables=VARIABLES))
+
+    assert arc_of(**SETTINGS["running"]) == (96.0, 30.0)
+    assert arc_of(kind="refitted", window_hours=48) == (48.0, 30.0)
+    assert arc_of(**MECHANISM) is None
+    own = {"kind": "mechanism", "terms": ["l_arc", "v_arc*cd_arc"], "window_hours": 24, "memory_days": 8}
+    assert arc_of(**own) == (24.0, 8.0)
+    assert arc_of(kind="stacked", first=own, second=BOOSTING) == (24.0, 8.0)
+    with pytest.raises(InputError, match="expected one window for both parts, got 2"):
+        arc_of(kind="stacked", first=own, second=own | {"window_hours": 48})
+    with pytest.raises(InputError, match="expected window_hours beside columns of the arcs"):
+        arc_of(kind="mechanism", terms=["l_arc"])
 
 
 def test_no_correction_is_zero():

@@ -11,7 +11,8 @@ from support import rsos, stations
 
 from opml import naming
 from opml.errors import InputError
-from opml.naming import Split, parse_rso, parse_stations, rso_pattern, stations_pattern
+from opml.naming import Split, rso_pattern, stations_pattern
+from opml.sheets import parse_rso, parse_stations, with_inclination, with_offset
 
 STATIONS, RSOS = stations(), rsos()
 LEARNERS = {"svr": {"kernel_scale": "sigest", "c": 1.0}, "svrfixed": {"kernel_scale": 2.0, "c": 1.0}}
@@ -106,7 +107,7 @@ def test_number_has_one_spelling(value):
     ],
 )
 def test_inclination_of_an_rso(rso, degrees, expected):
-    assert naming.with_inclination(rso, degrees, RSOS) == expected
+    assert with_inclination(rso, degrees, RSOS) == expected
     assert parse_rso(expected, RSOS).name == expected
 
 
@@ -121,7 +122,7 @@ def test_inclination_of_an_rso(rso, degrees, expected):
     ],
 )
 def test_offset_of_an_rso(rso, km, expected):
-    assert naming.with_offset(rso, km, RSOS) == expected
+    assert with_offset(rso, km, RSOS) == expected
     assert parse_rso(expected, RSOS).name == expected
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from opml import constants
-from opml.config import read_yaml
+from opml.reading import read_yaml
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "physics.md").read_text(encoding="utf-8")

@@ -17,8 +17,8 @@ from opml.dynamics.ensemble import Integrator
 from opml.environment import earth_orientation, ephemerides, gravity_field, solar_activity
 from opml.errors import InputError
 from opml.interop import mean_elements, oem
+from opml.reading import read_yaml
 from opml.sheets import read_rsos, read_stations
-from opml.study.overlay import read_yaml
 
 CONFIG = REPOSITORY / "config"
 DAYS = np.array([0.0, 3.0]) * DAY

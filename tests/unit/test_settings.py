@@ -7,8 +7,9 @@ from support import paper_source, setting_keys
 
 from opml import naming, tables
 from opml.errors import InputError
+from opml.reading import read_yaml
 from opml.study import checks
-from opml.study.overlay import Layer, Source, laid_over, read_yaml, with_numbers
+from opml.study.overlay import Layer, Source, laid_over, with_numbers
 from opml.study.schema import read_schema
 from opml.study.settings import merged
 

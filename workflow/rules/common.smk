@@ -5,7 +5,7 @@ import time
 from dataclasses import asdict
 from pathlib import Path
 
-from opml import naming, tables
+from opml import naming, sheets, tables
 from opml.errors import InputError
 from opml.learning import learners
 from opml.provenance import script_digest
@@ -65,6 +65,7 @@ wildcard_constraints:
     target=naming.rso_pattern(SETTINGS.rsos),
     stations=naming.stations_pattern(SETTINGS.stations) + NOISE,
     window=f"(?:{WINDOW}|{naming.PERFECT})",
+    arc=naming.ARC,
     reading=f"(?:{naming.other_reading(STUDY.cleaning.previous)})?",
     train=f"(?:{naming.TRAIN}){SPLIT}",
     test=naming.TEST,
@@ -111,13 +112,13 @@ def date_back_to_now(folder):
 
 def rso(wildcards):
     """The RSO that a file name asks for, varied as its name says."""
-    return asdict(naming.parse_rso(wildcards.rso, SETTINGS.rsos))
+    return asdict(sheets.parse_rso(wildcards.rso, SETTINGS.rsos))
 
 
 def stations(wildcards):
     """The stations that a file name asks for."""
     names, _ = naming.parse_seed(wildcards.stations, naming.NOISE, default=SEED["noise"])
-    return [asdict(station) for station in naming.parse_stations(names, SETTINGS.stations)]
+    return [asdict(station) for station in sheets.parse_stations(names, SETTINGS.stations)]
 
 
 def noise_seed(wildcards):
@@ -162,11 +163,16 @@ def beside(part):
     """Input function: tables beside the dataset of the RSO in a part of the file name, where the learner asks."""
 
     def find(wildcards):
-        asked = set(learner(wildcards)["variables"])
-        oracle = {name for name in asked if name in tables.SCHEMAS["oracle"].names}
-        kinds = {"oracle": oracle, "mechanism": asked - oracle - {*tables.LEARNING_VARIABLES, "gap"}}
-        where = f"{wildcards[part]}/{wildcards.stations}{wildcards.window}.parquet"
-        return [f"{RESULTS}/{kind}/{where}" for kind, names in kinds.items() if names]
+        settings = learner(wildcards)
+        asked = set(settings["variables"]) - {*tables.LEARNING_VARIABLES, "gap"}
+        where = f"{wildcards[part]}/{wildcards.stations}{wildcards.window}"
+        files = []
+        for kind in ("oracle", "arcs"):
+            if asked & set(tables.SCHEMAS[kind].names):
+                suffix = naming.arc(*learners.arc_of(settings)) if kind == "arcs" else ""
+                files.append(f"{RESULTS}/{kind}/{where}{suffix}.parquet")
+            asked -= set(tables.SCHEMAS[kind].names)
+        return [*files, *([f"{RESULTS}/mechanism/{where}.parquet"] if asked else [])]
 
     return find
 

@@ -2,6 +2,17 @@
 LONG = naming.windowed(config["mechanism"]["long_window_hours"], default=config["estimation"]["window_hours"])
 
 
+def arc_at(pattern):
+    """Input function: the file of a pattern, of estimates over the arcs' window."""
+
+    def find(wildcards):
+        hours, _ = naming.parse_arc(wildcards.arc)
+        window = naming.windowed(hours, default=config["estimation"]["window_hours"])
+        return path_of(pattern, rso=wildcards.rso, stations=wildcards.stations, window=window)
+
+    return find
+
+
 rule sensitivities:
     input:
         **ENVIRONMENT,
@@ -64,6 +75,38 @@ rule mechanism:
         "Mechanism: sensitivities, long arcs and resonances of the predictions of {wildcards.rso} by {wildcards.stations}"
     script:
         "../scripts/mechanism.py"
+
+
+rule arcs:
+    input:
+        **ENVIRONMENT,
+        predictions=rules.prediction.output[0],
+        arc_estimates=arc_at(rules.estimation.output[0]),
+        arc_predictions=arc_at(rules.prediction.output[0]),
+    output:
+        f"{RESULTS}/arcs/{{rso}}/{{stations}}{{window}}{{arc}}.parquet",
+    log:
+        f"{RESULTS}/logs/arcs/{{rso}}/{{stations}}{{window}}{{arc}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/arcs/{{rso}}/{{stations}}{{window}}{{arc}}.tsv"
+    conda:
+        "../envs/opml.yaml"
+    resources:
+        mem_mb=1000,
+        runtime=8,
+    params:
+        settings=lambda wildcards: {
+            "epoch": config["epoch"],
+            "force_model": config["force_models"]["assumed"],
+            "integrator": config["integrator"],
+            "memory_days": naming.parse_arc(wildcards.arc)[1],
+            "rso": rso(wildcards),
+        },
+        code=code("arcs.py"),
+    message:
+        "Arcs: what fits of {wildcards.rso} by {wildcards.stations} over another window know, {wildcards.arc}"
+    script:
+        "../scripts/arcs.py"
 
 
 rule perfect_estimates:

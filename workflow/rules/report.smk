@@ -16,9 +16,9 @@ rule tables:
         settings={key: config[key] for key in ("epoch", "environment", "force_models")}
         | {
             "stations": [asdict(station) for station in SETTINGS.stations.values()],
-            "rso": asdict(naming.parse_rso(STUDY.defaults["rso"], SETTINGS.rsos)),
+            "rso": asdict(sheets.parse_rso(STUDY.defaults["rso"], SETTINGS.rsos)),
             "rsos": [
-                asdict(naming.parse_rso(rso, SETTINGS.rsos)) for grid in PAPER.grids.values() for rso in grid
+                asdict(sheets.parse_rso(rso, SETTINGS.rsos)) for grid in PAPER.grids.values() for rso in grid
             ],
         },
         code=code("tables.py"),

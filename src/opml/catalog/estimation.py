@@ -50,7 +50,7 @@ class Estimation:
     least squares, the latter as in `least_squares.Method`; start_position_sigma_m, start_velocity_sigma_mps:
     of the perturbed truth that a first fit starts from; least_drag_m: displacement of a window per unit of Cd
     below which Cd is held at its a-priori value; cd_bounds: Cd of an estimate that others may start from,
-    None where every converged one serves.
+    None where its formal uncertainty decides.
     """
 
     window_hours: float
@@ -278,9 +278,16 @@ class _Run:
                     one.fit.take(self.measured.evaluation(one.window, flown))
 
     def is_usable(self, estimate: _Estimate) -> bool:
-        """Whether others may start from it."""
-        low, high = self.settings.cd_bounds or (-np.inf, np.inf)
-        return estimate.fit.converged and bool(low <= estimate.fit.best[_CD] <= high)
+        """Whether others may start from it: converged, its Cd within the bounds, or else well determined.
+
+        A fit of one short track may converge on a Cd of thousands, from which no other would find back.
+        """
+        if not estimate.fit.converged:
+            return False
+        if self.settings.cd_bounds is None:
+            return bool(estimate.fit.covariance[_CD, _CD] < _SCALES[_CD] ** 2)
+        low, high = self.settings.cd_bounds
+        return bool(low <= estimate.fit.best[_CD] <= high)
 
     def row(self, estimate: _Estimate) -> dict[str, Any]:
         """The estimate as a row of the table."""

@@ -40,3 +40,10 @@ def fly(
         threads=threads,
         progress=progress,
     )
+
+
+def part_of(
+    progress: Callable[[float], None] | None, part: int, parts: int
+) -> Callable[[float], None] | None:
+    """Progress of one of several equal parts."""
+    return progress and (lambda share: progress((part + share) / parts))

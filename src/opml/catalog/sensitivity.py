@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pandas as pd
 
-from opml.catalog.flying import fly
+from opml.catalog.flying import fly, part_of
 from opml.dynamics.ensemble import Integrator
 from opml.dynamics.surroundings import ForceModel
 from opml.elements import in_rsw
@@ -56,7 +56,7 @@ def sensitivities(
             last=last,
             integrator=integrator,
             threads=threads,
-            progress=_part_of(progress, turn, len(neighbours)),
+            progress=part_of(progress, turn, len(neighbours)),
         )
         change = scale * in_rsw(arcs.states - predicted, predicted)
         table |= {f"{name}_{axis}": change[:, k] for k, axis in enumerate(STATE)}
@@ -73,18 +73,19 @@ def _neighbours(started: pd.DataFrame, mean: np.ndarray) -> dict[str, tuple[np.n
     }
 
 
-def _part_of(
-    progress: Callable[[float], None] | None, part: int, parts: int
-) -> Callable[[float], None] | None:
-    """Progress of one of several equal parts."""
-    return progress and (lambda share: progress((part + share) / parts))
-
-
 def running_mean(estimates: pd.DataFrame, bounds: tuple[float, float] | None) -> np.ndarray:
-    """Mean of the Cd of all usable estimates up to and with each one; its own where there was none."""
+    """Mean of the Cd of all usable estimates up to and with each one; its own where there was none.
+
+    Without bounds, wild values of fits that tell little of Cd count, too: the weights are then 1/variance.
+    """
     cd, use = estimates["cd"].to_numpy(), usable(estimates, bounds)
-    count, total = np.cumsum(use), np.cumsum(np.where(use, cd, 0.0))
-    mean: np.ndarray = np.where(count > 0, total / np.maximum(count, 1), cd)
+    if bounds is None:
+        variance = estimates["cov_cd_cd"].to_numpy()
+        weight = np.divide(1.0, variance, out=np.zeros_like(variance), where=use & (variance > 0.0))
+    else:
+        weight = use.astype(float)
+    count, total = np.cumsum(weight), np.cumsum(np.where(use, weight * cd, 0.0))
+    mean: np.ndarray = np.divide(total, count, out=cd.copy(), where=count > 0.0)
     return mean
 
 

@@ -95,6 +95,13 @@ def table_of(row: str, *columns: Column) -> Table:
     return table
 
 
+ARC_MEMORY_DAYS = 30.0
+"""Memory of the arcs' mean Cd where a learner does not ask for another [days]: a turn of the Sun or so."""
+
+ARC = {"window_hours": POSITIVE, "memory_days": POSITIVE}
+"""Keys of learners whose variables are columns of the `arcs` table, which is made for them."""
+
+
 @dataclass(frozen=True)
 class Learner:
     """A kind of learner, declared by the module of its model and named once, in `learners.LEARNERS`.
@@ -102,7 +109,7 @@ class Learner:
     kind : its name in the settings.
     description : what it is, in words, for the table of models.
     settings : JSON schema of each of its own keys, which may refer to definitions of config.schema.yaml.
-        All must be given but those of `CHOICE`.
+        All must be given but those of `CHOICE` and the `optional` ones.
     table : schema of a model's table, from the metadata beside it; `table_of` makes a plain one.
     fit : trains a model.
     load : makes the model again of its table and metadata, bit for bit.
@@ -116,11 +123,12 @@ class Learner:
     fit: Fit
     load: Load
     resolve: Resolve = chosen
+    optional: frozenset[str] = frozenset(CHOICE)
 
     def settings_schema(self) -> dict[str, Any]:
         """The JSON schema of its settings."""
         return {
             "additionalProperties": False,
-            "required": ["kind", *(key for key in self.settings if key not in CHOICE)],
+            "required": ["kind", *(key for key in self.settings if key not in self.optional)],
             "properties": {"kind": True, **self.settings},
         }

@@ -16,7 +16,7 @@ from opml.elements import coe_from_cartesian, rsw_rotation, wrap_half_turn
 from opml.errors import InputError
 from opml.learning.cleaning import Cleaning, tukey_fences
 from opml.learning.splits import in_days
-from opml.tables import SCHEMAS, STATE, mechanism_schema, read_metadata, read_table
+from opml.tables import SCHEMAS, STATE, mechanism_schema, read_kind, read_metadata, read_table
 
 COE = ["a", "e", "inc", "argp", "raan", "nu"]
 COE_DIFFERENCE = ["d_a", "d_e", "d_i", "d_argp", "d_raan", "d_nu"]
@@ -63,14 +63,17 @@ def build(
 
 
 def read(path: str | PathLike[str], beside: Iterable[str | PathLike[str]] = ()) -> pd.DataFrame:
-    """A dataset's file, with the columns of a mechanism's or an oracle's file `beside` its own.
+    """A dataset's file, with the columns of tables of the same pairs `beside` its own.
 
     Raises InputError where a file is missing or damaged, or one does not belong to the other.
     """
     dataset = read_table(path, "dataset")
     for other in beside:
-        resonances = read_metadata(other).get("resonances")
-        schema = SCHEMAS["oracle"] if resonances is None else mechanism_schema(resonances)
+        kind = read_kind(other)
+        if kind == "mechanism":
+            schema = mechanism_schema(read_metadata(other)["resonances"])
+        else:
+            schema = SCHEMAS[kind]
         dataset = beside_it(dataset, read_table(other, schema))
     return dataset
 

@@ -13,8 +13,18 @@ import numpy as np
 import pandas as pd
 
 from opml.errors import InputError
-from opml.learning import baselines, boosting, gaussian_process, mechanism, mlp, ridge, stacked, svr
-from opml.learning.contract import Learner, Metadata, Model, Settings
+from opml.learning import (
+    baselines,
+    boosting,
+    catalogue,
+    gaussian_process,
+    mechanism,
+    mlp,
+    ridge,
+    stacked,
+    svr,
+)
+from opml.learning.contract import ARC_MEMORY_DAYS, Learner, Metadata, Model, Settings
 from opml.tables import (
     COMPONENTS,
     LEARNING_VARIABLES,
@@ -36,6 +46,9 @@ LEARNERS: tuple[Learner, ...] = (
     boosting.LEARNER,
     gaussian_process.LEARNER,
     mlp.LEARNER,
+    catalogue.REFITTED,
+    catalogue.HELD,
+    catalogue.RUNNING,
 )
 """The kinds that stand alone, one line each. Any two of them make a stack."""
 
@@ -144,10 +157,31 @@ def resolved(settings: Settings, *, component: str, variables: Sequence[str]) ->
     return by_kind(settings["kind"]).resolve(settings, component=component, variables=variables)
 
 
+def arc_of(settings: Settings) -> tuple[float, float] | None:
+    """Window [h] and memory [days] of the arcs that resolved settings ask for; None where they ask for none.
+
+    Raises InputError where parts of a stack ask for different ones, or for a column without a window.
+    """
+    parts = [part for part in settings.values() if isinstance(part, Mapping) and "kind" in part]
+    arcs = {
+        (float(one["window_hours"]), float(one.get("memory_days", ARC_MEMORY_DAYS)))
+        for one in (settings, *parts)
+        if "window_hours" in one
+    }
+    if len(arcs) > 1:
+        raise InputError(f"learners: window_hours: expected one window for both parts, got {len(arcs)}")
+    if not arcs and set(settings["variables"]) & set(SCHEMAS["arcs"].names):
+        raise InputError("learners: expected window_hours beside columns of the arcs, got none")
+    return next(iter(arcs), None)
+
+
 def check(values: Mapping[str, Any]) -> None:
     """Raise InputError where a learner of the settings' `values` asks for a variable that there is not."""
     drifts = mechanism_schema(values["mechanism"]["resonances"]).names
-    known = {*LEARNING_VARIABLES, "gap", *drifts, *SCHEMAS["oracle"].names} - {"i", "j"}
+    known = {*LEARNING_VARIABLES, "gap", *drifts, *SCHEMAS["oracle"].names, *SCHEMAS["arcs"].names} - {
+        "i",
+        "j",
+    }
     for name, settings in values["learners"].items():
         own = resolved(settings, component=COMPONENTS[0], variables=values["learning"]["variables"])
         if unknown := sorted(set(own["variables"]) - known):

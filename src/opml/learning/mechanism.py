@@ -14,7 +14,7 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from opml.errors import InputError
-from opml.learning.contract import Learner, Metadata, Settings, own, table_of
+from opml.learning.contract import ARC, Learner, Metadata, Settings, own, table_of
 from opml.learning.inputs import checked, checked_target
 from opml.tables import real, text
 
@@ -114,7 +114,9 @@ def least_absolute_deviations(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 LEARNER = Learner(
     kind="mechanism",
     description="robust linear law",
+    optional=frozenset(ARC),
     settings={
+        **ARC,
         "terms": {
             "description": "a list of products of variables, such as v*cd",
             "type": "array",

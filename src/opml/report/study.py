@@ -136,7 +136,7 @@ USED = "used"
 
 def row_shares(dataset: pd.DataFrame) -> dict[str, float]:
     """Share of a dataset's rows that are used, then of those that are not, by reason, the largest first."""
-    reasons = dataset.loc[~dataset["keep"], "reason"].str.partition(":")[0].value_counts()
+    reasons = dataset.loc[~dataset["keep"], "reason"].str.split(":").str[0].value_counts()
     return {USED: float(dataset["keep"].mean())} | {
         reason: float(count) / len(dataset) for reason, count in reasons.items()
     }

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from opml import naming
+from opml import naming, sheets
 from opml.constants import DAY
 from opml.environment import coverage
 from opml.errors import InputError
@@ -94,7 +94,7 @@ def _check_messages(source: Source, settings: Settings) -> None:
     values = source.values
     for name, path in values.get("oem", {}).items():
         try:
-            naming.parse_rso(name, settings.rsos)
+            sheets.parse_rso(name, settings.rsos)
             oem.check(
                 path,
                 epoch=values["epoch"],
@@ -174,8 +174,8 @@ class _Checks:
             "rso": self._rso,
             "target": self._rso,
             "rsos": _each(self._rso),
-            "inclinations": lambda of: self._varied(naming.with_inclination, *of),
-            "offsets": lambda of: self._varied(naming.with_offset, *of),
+            "inclinations": lambda of: self._varied(sheets.with_inclination, *of),
+            "offsets": lambda of: self._varied(sheets.with_offset, *of),
             "stations": self._stations,
             "station_sets": _each(self._stations),
             "learner": self._learner,
@@ -193,7 +193,7 @@ class _Checks:
         }
 
     def _rso(self, text: str) -> None:
-        naming.parse_rso(text, self._settings.rsos)
+        sheets.parse_rso(text, self._settings.rsos)
 
     def _varied(self, name: Callable[..., str], rso: str | None, values: Sequence[float]) -> None:
         rso = rso or Study(self._settings).defaults["rso"]
@@ -201,7 +201,7 @@ class _Checks:
             self._rso(name(rso, value, self._settings.rsos))
 
     def _stations(self, text: str) -> None:
-        naming.parse_stations(text, self._settings.stations)
+        sheets.parse_stations(text, self._settings.stations)
 
     def _learner(self, text: str) -> None:
         naming.parse_learner(text, self._settings.values["learners"])

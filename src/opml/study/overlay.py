@@ -5,12 +5,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import reduce
-from pathlib import Path
 from typing import Any
 
-import yaml
-
 from opml.errors import InputError
+from opml.files import FilePath
+from opml.reading import read_yaml
 
 Key = tuple[str | int, ...]
 
@@ -51,17 +50,7 @@ class Source:
         return COMMAND_LINE
 
 
-def read_yaml(path: str | Path) -> Any:
-    """Read a YAML file, safely. Raises InputError where it is missing or not YAML."""
-    try:
-        return yaml.safe_load(Path(path).read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except (OSError, ValueError, yaml.YAMLError) as error:
-        raise InputError(f"{path}: expected YAML ({error})") from None
-
-
-def read_layer(path: str | Path) -> Layer:
+def read_layer(path: FilePath) -> Layer:
     """Read a file of settings; an empty one sets nothing. Raises InputError where it holds no mapping."""
     values = read_yaml(path)
     if values is None:

@@ -8,7 +8,10 @@ from opml.naming import Experiment
 from opml.report.study import Answer
 from opml.study.experiments import Study
 
-MODELS = ("none", "repredicted", "svr", "covariance", "mechanism", "stacked")
+BASELINES = ("none", "repredicted", "fit24", "fit48", "fit96", "held", "running")
+"""What a good engineer would do without learning."""
+
+MODELS = (*BASELINES, "svr", "covariance", "mechanism", "stacked")
 """The models that a study compares where it names none."""
 
 MARKS = (1, 2, 4, 7)

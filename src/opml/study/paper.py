@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from opml import naming
+from opml import naming, sheets
 from opml.naming import Experiment
 from opml.report.claims import Claim
 from opml.report.reproduction import Headline, Reproduction
@@ -83,8 +83,8 @@ class Paper:
         """A curve's RSOs and what is varied: the inclination [deg] or what is added to the axis [km]."""
         rso, sheet = entry.get("rso", self.study.defaults["rso"]), self.study.sheet
         if name == "inclination":
-            return {naming.with_inclination(rso, value, sheet): value for value in entry["inclinations"]}
-        return {naming.with_offset(rso, value, sheet): value for value in entry["offsets"]}
+            return {sheets.with_inclination(rso, value, sheet): value for value in entry["inclinations"]}
+        return {sheets.with_offset(rso, value, sheet): value for value in entry["offsets"]}
 
     @cached_property
     def kernel_scales(self) -> list[Experiment]:

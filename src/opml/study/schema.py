@@ -10,7 +10,8 @@ from jsonschema import Draft202012Validator, ValidationError
 
 from opml import naming
 from opml.learning import learners
-from opml.study.overlay import Key, Source, read_yaml
+from opml.reading import read_yaml
+from opml.study.overlay import Key, Source
 
 
 def read_schema(path: str | Path) -> dict[str, Any]:

@@ -1,0 +1,148 @@
+"""What a catalogue can do without a truth: fits over another window, and Cd held by its own past.
+
+All of it comes from estimates that are over at t_i and from the assumed model.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+import pandas as pd
+
+from opml.catalog.flying import fly, part_of
+from opml.catalog.sensitivity import shift_with_cd
+from opml.constants import DAY
+from opml.dynamics.ensemble import Integrator
+from opml.dynamics.surroundings import ForceModel
+from opml.elements import in_rsw
+from opml.sheets import Rso
+from opml.tables import STATE
+
+_NUDGE = 0.01
+"""Change of Cd between neighbouring arcs: small against Cd, large against rounding."""
+
+
+def build(
+    model: ForceModel,
+    predictions: pd.DataFrame,
+    rso: Rso,
+    *,
+    arc_estimates: pd.DataFrame,
+    arc_predictions: pd.DataFrame,
+    memory_days: float,
+    integrator: Integrator,
+    threads: int = 1,
+    progress: Callable[[float], None] | None = None,
+) -> pd.DataFrame:
+    """The `arcs` table: one row per pair of `predictions`, in their order.
+
+    The `arc_` tables are of the same tracks, estimated over another window, or the same. In RSW of the
+    predicted state [m, m/s]: l_arc_*: the prediction less that of the arc; v_arc_*: how the arc's prediction
+    answers to its Cd along the fit's covariance; h_arc_*: the prediction less that of the arc with its Cd
+    held by its past. cd_past is the mean of the arcs' Cd up to t_i, weighted by 1/variance and with an
+    exponential memory of memory_days. Where the arc did not converge or does not reach t_j, it says nothing:
+    l, v and h are 0.
+    """
+    own = arc_predictions.set_index(["i", "j"])
+    pairs = pd.MultiIndex.from_frame(predictions[["i", "j"]])
+    predicted = predictions[STATE].to_numpy()
+    converged = arc_estimates["converged"].to_numpy()
+    past = past_cd(arc_estimates, memory_days=memory_days)
+    flown = _flown(model, arc_estimates, arc_predictions, rso, past, integrator, threads, progress)
+    arc = own[STATE].reindex(pairs).to_numpy()
+    found = {
+        "l_arc": predicted - arc,
+        "v_arc": (flown["v"].reindex(pairs).to_numpy() - arc) / _NUDGE,
+        "h_arc": predicted - flown["h"].reindex(pairs).to_numpy(),
+    }
+    usable = pd.Series(converged, index=arc_estimates["track"]).reindex(predictions["i"]).to_numpy()
+    usable = usable & np.isfinite(np.concatenate(list(found.values()), axis=1)).all(axis=1)
+    of_arc = arc_estimates.assign(cd_past=past["mean"]).set_index("track").reindex(predictions["i"])
+    table = {
+        "i": predictions["i"].to_numpy(),
+        "j": predictions["j"].to_numpy(),
+        "cd_arc": np.where(usable, of_arc["cd"], of_arc["cd_past"]),
+        "cd_past": of_arc["cd_past"].to_numpy(),
+    }
+    for name, difference in found.items():
+        turned = np.where(usable[:, None], in_rsw(difference, predicted), 0.0)
+        table |= {f"{name}_{axis}": turned[:, k] for k, axis in enumerate(STATE)}
+    return pd.DataFrame(table)
+
+
+def _flown(
+    model: ForceModel,
+    estimates: pd.DataFrame,
+    predictions: pd.DataFrame,
+    rso: Rso,
+    past: pd.DataFrame,
+    integrator: Integrator,
+    threads: int,
+    progress: Callable[[float], None] | None,
+) -> dict[str, pd.DataFrame]:
+    """States of the neighbouring arcs at the pairs of the arcs' predictions: Cd nudged (v), Cd held (h)."""
+    reach = predictions.groupby("i", sort=True)["j"].max()
+    first, last = (np.searchsorted(estimates["track"], tracks) for tracks in (reach.index, reach))
+    started, before = estimates.iloc[first], past.iloc[first]
+    moves = {"v": np.full(len(first), _NUDGE), "h": held_cd(started, before) - started["cd"].to_numpy()}
+    found = {}
+    for turn, (name, move) in enumerate(moves.items()):
+        arcs = fly(
+            model,
+            rso,
+            estimates["t"].to_numpy(),
+            started[STATE].to_numpy() + move[:, None] * shift_with_cd(started),
+            cd=started["cd"].to_numpy() + move,
+            first=first,
+            last=last,
+            integrator=integrator,
+            threads=threads,
+            progress=part_of(progress, turn, len(moves)),
+        )
+        found[name] = pd.DataFrame(
+            arcs.states, columns=STATE, index=pd.MultiIndex.from_frame(predictions[["i", "j"]])
+        )
+    return found
+
+
+def past_cd(estimates: pd.DataFrame, *, memory_days: float) -> pd.DataFrame:
+    """What the Cd of the estimates up to each one tells: `mean` with its own, `prior` and `variance` without.
+
+    Weights are 1/variance, fading by e in memory_days; an estimate that did not converge has none. The
+    variance is that of the Cd about their mean, so what the fits scatter by counts to it. prior and variance
+    are NaN where fewer than two estimates were there before.
+    """
+    t, cd = estimates["t"].to_numpy(), estimates["cd"].to_numpy()
+    own = estimates["cov_cd_cd"].to_numpy()
+    trusted = estimates["converged"].to_numpy() & (own > 0.0)
+    age = (t[:, None] - t[None, :]) / (memory_days * DAY)
+    weight = np.where(
+        trusted & (age >= 0.0), np.exp(-np.maximum(age, 0.0)) / np.where(trusted, own, 1.0), 0.0
+    )
+    values = np.where(trusted, cd, 0.0)
+    earlier = np.tril(weight, -1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = weight @ values / weight.sum(axis=1)
+        prior = earlier @ values / earlier.sum(axis=1)
+        spread = (earlier * (values - prior[:, None]) ** 2).sum(axis=1) / earlier.sum(axis=1)
+    enough = (earlier > 0.0).sum(axis=1) >= 2
+    return pd.DataFrame(
+        {
+            "mean": np.where(np.isfinite(mean), mean, cd),
+            "prior": np.where(enough, prior, np.nan),
+            "variance": np.where(enough, spread, np.nan),
+        }
+    )
+
+
+def held_cd(estimates: pd.DataFrame, past: pd.DataFrame) -> np.ndarray:
+    """Cd (n,) of fits that know its past: the mean of their own and the prior, weighted by 1/variance.
+
+    For a linear fit it is what an a-priori value of Cd with that variance gives. Without a past it is the
+    fit's own.
+    """
+    cd, own = estimates["cd"].to_numpy(), estimates["cov_cd_cd"].to_numpy()
+    prior, spread = past["prior"].to_numpy(), past["variance"].to_numpy()
+    with np.errstate(invalid="ignore", divide="ignore"):
+        held = (cd * spread + prior * own) / (spread + own)
+    found: np.ndarray = np.where(np.isfinite(held), held, cd)
+    return found

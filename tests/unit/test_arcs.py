@@ -1,0 +1,123 @@
+"""Fits over another window and Cd held by its past: what of it is known when, and what it is worth."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from opml.catalog import arcs, prediction
+from opml.catalog.estimation import COVARIANCES
+from opml.constants import DAY
+from opml.dynamics.ensemble import Integrator
+from opml.elements import cartesian_from_coe
+from opml.tables import SCHEMAS, STATE
+
+TIMES = np.array([0.0, 0.3, 1.1, 2.0, 2.9]) * DAY
+
+
+def estimates(gm, cd, *, sigma=0.1, converged=True, shift=0.0):
+    """Estimates on one low orbit, `shift` [m] ahead of it, with a covariance that knows of no correlation."""
+    coe = np.tile([6.77e6, 1e-3, 0.9, 0.3, 1.2, 0.0], (len(TIMES), 1))
+    coe[:, 5] = np.sqrt(gm / coe[0, 0] ** 3) * TIMES + shift / 6.77e6
+    covariance = np.diag([1.0, 1.0, 1.0, 1e-6, 1e-6, 1e-6, 1.0])[np.tril_indices(7)]
+    table = pd.DataFrame({"track": 10 + np.arange(len(TIMES)), "t": TIMES, "converged": converged})
+    table[STATE] = cartesian_from_coe(coe, gm)
+    table = table.assign(cd=cd, **dict(zip(COVARIANCES, covariance, strict=True)))
+    return table.assign(cov_cd_cd=np.broadcast_to(np.square(sigma), len(TIMES)))
+
+
+def predicted(model, table, iss):
+    truth = estimates(model.gm, 2.2)[["t", *STATE]]
+    return prediction.predict_all(model, truth, table, iss, max_days=2.5, integrator=Integrator())
+
+
+def built(model, iss, short, arc, memory_days=30.0):
+    return arcs.build(
+        model,
+        predicted(model, short, iss),
+        iss,
+        arc_estimates=arc,
+        arc_predictions=predicted(model, arc, iss),
+        memory_days=memory_days,
+        integrator=Integrator(),
+    )
+
+
+@pytest.fixture(scope="module")
+def found(assumed_model, iss):
+    """Arcs that are 100 m behind the short fits, with a Cd of their own."""
+    short = estimates(assumed_model.gm, 3.0, shift=100.0)
+    arc = estimates(assumed_model.gm, [2.3, 2.1, 2.2, 2.25, 2.15])
+    return predicted(assumed_model, short, iss), built(assumed_model, iss, short, arc)
+
+
+def test_table_is_the_schemas(found):
+    assert set(found[1].columns) == set(SCHEMAS["arcs"].names)
+    pd.testing.assert_frame_equal(found[1][["i", "j"]], found[0][["i", "j"]])
+
+
+def test_correcting_by_l_is_taking_the_arcs_prediction(found, assumed_model, iss):
+    pairs, table = found
+    own = predicted(assumed_model, estimates(assumed_model.gm, [2.3, 2.1, 2.2, 2.25, 2.15]), iss)
+    left = pairs["e_y"] - table["l_arc_y"]
+    # Their axes differ, as one error is in RSW of the true state and the other of the predicted one.
+    assert left.to_numpy() == pytest.approx(own["e_y"].to_numpy(), rel=0.05, abs=0.01 * pairs["e_y"].max())
+
+
+def test_v_is_how_the_arcs_prediction_answers(found, assumed_model, iss):
+    _, table = found
+    arc = estimates(assumed_model.gm, [2.3, 2.1, 2.2, 2.25, 2.15])
+    nudged = arc.assign(cd=arc["cd"] + 0.01)
+    change = predicted(assumed_model, nudged, iss)["e_y"] - predicted(assumed_model, arc, iss)["e_y"]
+    assert table["v_arc_y"].to_numpy() == pytest.approx(change.to_numpy() / 0.01, rel=0.06)
+
+
+def test_an_arc_that_did_not_converge_says_nothing(assumed_model, iss):
+    converged = np.array([True, False, True, True, True])
+    arc = estimates(assumed_model.gm, 2.2, converged=converged)
+    table = built(assumed_model, iss, estimates(assumed_model.gm, 3.0), arc)
+    lost = table["i"] == 11
+    assert lost.any()
+    families = [f"{name}_{axis}" for name in ("l_arc", "v_arc", "h_arc") for axis in STATE]
+    assert (table.loc[lost, families] == 0.0).all(axis=None)
+    assert (table.loc[lost, "cd_arc"] == table.loc[lost, "cd_past"]).all()
+    assert (table.loc[~lost, "v_arc_y"] != 0.0).all()
+
+
+def test_the_past_is_weighted_by_its_variance_and_fades(assumed_model):
+    sigma = np.array([0.1, 0.1, 0.1, 10.0, 0.1])
+    table = estimates(assumed_model.gm, [2.0, 2.4, 2.2, 50.0, 2.2], sigma=sigma)
+    past = arcs.past_cd(table, memory_days=1e6)
+    assert past["mean"].to_numpy() == pytest.approx([2.0, 2.2, 2.2, 2.2, 2.2], abs=6e-3)
+    assert past["prior"].isna().tolist() == [True, True, False, False, False]
+    assert past["prior"][2] == pytest.approx(2.2)
+    assert past["variance"][2] == pytest.approx(0.04)
+    short = arcs.past_cd(table, memory_days=0.05)
+    assert short["mean"].to_numpy()[[0, 1, 2, 4]] == pytest.approx([2.0, 2.4, 2.2, 2.2], abs=0.02)
+
+
+def test_what_comes_after_t_i_changes_nothing_at_t_i(assumed_model, iss):
+    cd = np.array([2.3, 2.1, 2.2, 2.25, 2.15])
+    short, arc = estimates(assumed_model.gm, 3.0), estimates(assumed_model.gm, cd)
+    later = estimates(assumed_model.gm, np.where(TIMES > 1.5 * DAY, 9.0, cd))
+    before, after = (built(assumed_model, iss, short, one) for one in (arc, later))
+    known = before["i"] <= 12
+    pd.testing.assert_frame_equal(before[known], after[known], check_exact=True)
+    assert not before[~known].equals(after[~known])
+
+
+def test_cd_is_held_between_the_fit_and_its_past(assumed_model):
+    table = estimates(assumed_model.gm, [2.0, 2.4, 5.0, 2.2, 2.2], sigma=[0.1, 0.1, 0.2, 0.1, 0.1])
+    past = arcs.past_cd(table, memory_days=1e6)
+    held = arcs.held_cd(table, past)
+    assert held[:2].tolist() == [2.0, 2.4]  # no past yet
+    assert held[2] == pytest.approx((5.0 / 0.04 + 2.2 / 0.04) / (1.0 / 0.04 + 1.0 / 0.04))
+
+
+def test_held_is_a_prediction_with_that_cd(assumed_model, iss):
+    arc = estimates(assumed_model.gm, [2.3, 2.1, 2.6, 2.25, 2.15])
+    table = built(assumed_model, iss, arc, arc)
+    assert np.abs(table["l_arc_y"]).max() == 0.0
+    held = arcs.held_cd(arc, arcs.past_cd(arc, memory_days=30.0))
+    again = predicted(assumed_model, arc.assign(cd=held), iss)
+    expected = predicted(assumed_model, arc, iss)["e_y"] - again["e_y"]
+    assert table["h_arc_y"].to_numpy() == pytest.approx(expected.to_numpy(), rel=0.02, abs=1.0)

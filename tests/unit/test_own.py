@@ -1,0 +1,160 @@
+"""A study of one's own: its experiments, its report and its figures."""
+
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+from support import paper_values, study_of
+
+from opml.errors import InputError
+from opml.figures import study as figures
+from opml.learning.growth import at_days, by_duration
+from opml.report import document
+from opml.report import study as report
+from opml.study.own import MODELS, Own
+
+DAY = 86400.0
+
+
+def own_of(**parts):
+    values = paper_values()
+    values["study"] = {"rsos": ["lares"], "days": {"train": [0, 8], "test": [8, 12]}} | parts
+    return Own(study_of(values))
+
+
+def evaluation(count=400, seed=0):
+    """An evaluation of errors of 1000 m per day, of which the correction leaves a tenth."""
+    rng = np.random.default_rng(seed)
+    duration = rng.uniform(0.1, 7.0, count) * DAY
+    true = 1000.0 * duration / DAY * rng.choice([-1.0, 1.0], count)
+    return pd.DataFrame(
+        {"i": np.arange(count) // 8, "j": np.arange(count), "duration": duration}
+        | {"true": true, "predicted": 0.9 * true, "residual": 0.1 * true}
+    )
+
+
+def test_days_make_three_splits():
+    own = own_of()
+    assert own.splits == {
+        "grouped": ("grouped-80", "rest"),
+        "later": ("days-0-8", "days-8-12"),
+        "unseen": ("days-0-8", "days-8-12-unseen"),
+    }
+    assert own.shown == "later"
+    assert list(own.study.span_days) == [0, 8]
+
+
+def test_what_a_study_leaves_out():
+    own = own_of()
+    assert own.study.station_sets == ["eglin-clear-kaena"]
+    assert own.learners == list(MODELS)
+    assert own.study.cleaning.cd_bounds is None
+    assert own.study.cleaning.fence is None
+    assert own.study.defaults == {
+        "rso": "lares",
+        "stations": "eglin-clear-kaena",
+        "learner": "svr",
+        "component": "e_y",
+    }
+
+
+def test_every_model_meets_every_split_on_every_dataset():
+    own = own_of(rsos=["lares", "iss_i50"], station_sets=["eglin", "clear-kaena"], learners=["none", "svr"])
+    assert len(own.experiments) == 2 * 2 * 2 * 3
+    one = own.experiments["iss_i50", "clear-kaena", "svr", "unseen"]
+    assert (one.rso, one.target, one.stations) == ("iss_i50", "iss_i50", "clear-kaena")
+    assert {learner for *_, learner in own.stated} == {"svr"}
+
+
+def test_splits_of_ones_own():
+    own = own_of(splits={"past": ["random-50", "rest"]}, learners=["svr"])
+    assert own.splits == {"past": ("random-50", "rest")}
+    assert own.shown == "past"
+
+
+def test_a_study_without_days_or_splits_asks_for_nothing():
+    values = paper_values()
+    values["study"] = {"rsos": ["lares"]}
+    assert not Own(study_of(values)).is_asked
+
+
+def test_marks_end_with_the_longest_prediction():
+    values = paper_values()
+    values["prediction"]["max_days"] = 3
+    assert Own(study_of(values)).marks == [1, 2]
+    values["prediction"]["max_days"] = 0.5
+    assert Own(study_of(values)).marks == [0.5]
+
+
+def test_growth_states_medians_and_95th_percentiles():
+    table = evaluation()
+    found = at_days(table, [1, 2, 4, 9]).set_index("day")
+    assert found.index.tolist() == [1, 2, 4]
+    for day in (1, 2, 4):
+        near = table[(table["duration"] / DAY - day).abs() <= 0.25]
+        assert found.loc[day, "rows"] == len(near)
+        assert found.loc[day, "before_50"] == pytest.approx(near["true"].abs().median())
+        assert found.loc[day, "after_95"] == pytest.approx(np.quantile(near["residual"].abs(), 0.95))
+    binned = by_duration(table, width_days=0.5)
+    assert binned["rows"].sum() == len(table)
+    assert (binned["before_50"].diff().dropna() > 0.0).all()
+
+
+@pytest.fixture
+def told():
+    """A small study's request, with tables of everything that it asks for."""
+    own = own_of(learners=["none", "running", "svr"])
+    numbers = {"rows": 100, "estimates": 7, "p_ml": 20.0, "p_ml_low": 18.0, "p_ml_high": 23.0}
+    metrics = pd.DataFrame([one.columns() | numbers for one in own.experiments.values()])
+    dataset = pd.DataFrame(
+        {"keep": [True, True, True, False], "reason": ["", "", "", "no prediction: decayed below 120 km"]}
+    )
+    estimates = pd.DataFrame({"converged": [True, True, False]})
+    growth = {key: at_days(evaluation(), own.marks) for key in own.stated}
+    key = ("lares", "eglin-clear-kaena")
+    return document.markdown(report.document(own.answer, metrics, growth, {key: dataset}, {key: estimates}))
+
+
+def test_the_report_answers_without_the_papers_notions(told):
+    assert "| lares | eglin-clear-kaena | `running` | 20.0 (18.0 to 23.0) |" in told
+    assert re.search(r"\| lares \| eglin-clear-kaena \| no correction \| 1\d{3} / 1\d{3} \|", told)
+    assert re.search(r"\| lares \| eglin-clear-kaena \| `svr` \| \d\d\d? / 1\d\d \|", told)
+    assert "| lares | eglin-clear-kaena | 3 | 2 | 4 | 75.0 % | no prediction 25.0 % |" in told
+    assert "| `running` | law without a truth" in told
+    assert not re.search(r"\bnan\b|Peng|published|reading of|slip", told)
+
+
+def test_a_duration_that_nothing_reaches_has_no_number():
+    own = own_of(learners=["svr"])
+    short = evaluation()
+    growth = {key: at_days(short[short["duration"] < 3 * DAY], own.marks) for key in own.stated}
+    metrics = pd.DataFrame(
+        [one.columns() | {"p_ml": 1.0, "p_ml_low": 1.0, "p_ml_high": 1.0} for one in own.experiments.values()]
+    )
+    key = ("lares", "eglin-clear-kaena")
+    dataset = {key: pd.DataFrame({"keep": [True], "reason": [""]})}
+    text = document.markdown(
+        report.document(own.answer, metrics, growth, dataset, {key: pd.DataFrame({"converged": [True]})})
+    )
+    assert "| 1 d | 2 d |" in text
+    assert "| 4 d |" not in text
+
+
+def test_figure_of_errors_has_one_panel_per_model():
+    figure = figures.errors({"svr": evaluation(), "running": evaluation(seed=1)}, component="e_y")
+    assert [axes.get_title(loc="left") for axes in figure.axes] == ["svr", "running"]
+    assert all(axes.get_yscale() == "log" for axes in figure.axes)
+    before, after = figure.axes[0].lines
+    assert np.median(after.get_ydata()) == pytest.approx(0.1 * np.median(before.get_ydata()))
+    assert "[m]" in figure.get_supylabel()
+    with pytest.raises(InputError, match="at least one model"):
+        figures.errors({}, component="e_y")
+
+
+def test_figure_of_rows_adds_up_to_all():
+    shares = {"lares, eglin": {"used": 0.75, "no prediction": 0.25}, "iss, eglin": {"used": 1.0}}
+    (axes,) = figures.rows(shares).axes
+    widths = np.array([[bar.get_width() for bar in bars] for bars in axes.containers])
+    assert widths.sum(axis=0).tolist() == [1.0, 1.0]
+    assert [label.get_text() for label in axes.get_yticklabels()] == list(shares)

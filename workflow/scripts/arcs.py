@@ -1,0 +1,21 @@
+"""Gather what fits over another window, and the past of their Cd, say of each prediction."""
+
+from opml.catalog import arcs, force_model
+from opml.jobs import job, progress
+from opml.sheets import Rso
+from opml.tables import read_table, write_table
+
+with job(snakemake) as metadata:
+    settings, files = snakemake.params.settings, snakemake.input
+    table = arcs.build(
+        force_model.read(files, epoch=settings["epoch"], settings=settings["force_model"]),
+        read_table(files.predictions, "predictions"),
+        Rso(**settings["rso"]),
+        arc_estimates=read_table(files.arc_estimates, "estimates"),
+        arc_predictions=read_table(files.arc_predictions, "predictions"),
+        memory_days=settings["memory_days"],
+        integrator=force_model.integrator(settings["integrator"]),
+        threads=snakemake.threads,
+        progress=progress,
+    )
+    write_table(snakemake.output[0], table, "arcs", metadata=metadata)
