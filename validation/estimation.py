@@ -78,7 +78,7 @@ def chosen(estimates: pd.DataFrame, window: float) -> pd.DataFrame:
 
 
 def side_by_side(mine: pd.DataFrame, theirs: pd.DataFrame, truth: pd.DataFrame) -> pd.DataFrame:
-    """Both sides' estimates where both converged (a row a track): how far apart, how far from the truth.
+    """Both sides' estimates where both converged (one row per track): how far apart, how far from the truth.
 
     Columns track, position [m], velocity [m/s], cd (differences), error_opml, error_orekit [m], cd_opml,
     cd_orekit.
@@ -131,7 +131,7 @@ def orekits(
     tracks: pd.DataFrame,
     gm: float,
 ) -> list["Future[dict]"]:
-    """Have Orekit fit the state at the start of each of `tracks` (a row a track).
+    """Have Orekit fit the state at the start of each of `tracks` (one row per track).
 
     A result has keys track, the state's, cd, iterations and reason, which is empty where the fit converged.
     """

@@ -237,7 +237,7 @@ def estimate(
     seed: int = 42,
     threads: int = 1,
 ) -> pd.DataFrame:
-    """Estimate state and drag coefficient at each track's start: the table `estimates`, one row a track.
+    """Estimate state and drag coefficient at each track's start: the table `estimates`, one row per track.
 
     model: the assumed one; truth: perturbed with `seed`, where a first fit starts; settings: those that
     differ from `ESTIMATION`. A fit that fails is a row with its reason. Raises InputError for an unknown

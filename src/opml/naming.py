@@ -85,7 +85,7 @@ def number(value: float) -> str:
 
 
 def seeded(text: str, kind: str, seed: int, *, default: int) -> str:
-    """Return the name of `text` under a seed; that of the run's own seed, `default`, is the text itself."""
+    """Return the name of `text` under a seed; under the run's own seed, `default`, it is the text itself."""
     return text if seed == default else f"{text}_{kind}{seed}"
 
 

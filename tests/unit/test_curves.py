@@ -152,7 +152,12 @@ def test_rows_of_different_things_are_not_averaged(transfers):
 
 @pytest.fixture
 def scales():
-    splits = (("random-80", "rest"), ("grouped-80", "rest"), ("days-0-30", "days-30-40"), ("odd", "odder"))
+    splits = (
+        ("random-80", "rest"),
+        ("grouped-80", "rest"),
+        ("days-0-30", "days-30-40"),
+        ("random-50", "days-30-40"),
+    )
     rows = [
         {
             "stations": stations,
@@ -180,7 +185,7 @@ def test_kernel_scale_by_station_set_and_split_with_the_rules(scales):
     assert one["random 80 %, test part"] == ([1.0, 2.0, 8.0], [1.0, 2.0, 8.0])
     assert one["grouped 80 %, test part"][1] == [11.0, 12.0, 18.0]
     assert one["future 10 days (30 to 40)"][1] == [21.0, 22.0, 28.0]
-    assert two["odd, odder"][1] == [91.0, 92.0, 98.0]
+    assert two["random 50 %, days-30-40"][1] == [91.0, 92.0, 98.0]
     assert one["$s$ by sigest"][0] == [3.456, 3.456]
     assert two["$s$ by median"][0] == [5.0, 5.0]
     assert "$s$ by median" not in one

@@ -21,7 +21,7 @@ def orbit(t):
 
 
 def estimates(cd, converged=True):
-    table = pd.DataFrame({"track": np.arange(4), "t": T, "cd": cd, "converged": converged})
+    table = pd.DataFrame({"track": np.arange(4), "t": T, "cd": cd, "cov_cd_cd": 0.01, "converged": converged})
     return table.assign(**dict(zip(STATE, orbit(T).T, strict=True)))
 
 

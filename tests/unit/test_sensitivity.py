@@ -136,7 +136,13 @@ def test_a_running_mean_knows_only_the_past_and_only_what_is_usable():
 
 def test_without_bounds_every_converged_estimate_counts():
     table = pd.DataFrame({"cd": [9.0, 2.0, -1.0, 2.2, np.nan], "converged": [True, True, True, False, True]})
+    table["cov_cd_cd"] = 0.3
     assert sensitivity.usable(table, BOUNDS).tolist() == [False, True, False, False, False]
     assert sensitivity.usable(table, None).tolist() == [True, True, True, False, False]
     mean = 10.0 / 3.0
     np.testing.assert_allclose(sensitivity.running_mean(table, None), [9.0, 5.5, mean, mean, mean])
+
+
+def test_without_bounds_a_fit_that_tells_little_of_cd_weighs_little():
+    table = pd.DataFrame({"cd": [-900.0, 2.0, 2.4], "converged": True, "cov_cd_cd": [1e8, 0.01, 0.01]})
+    np.testing.assert_allclose(sensitivity.running_mean(table, None), [-900.0, 2.0, 2.2], atol=1e-6)

@@ -86,7 +86,7 @@ def source(name):
 
 
 def checked_names(*functions):
-    """Input function without files that ends the plan in one line where a file's name asks for what cannot be."""
+    """Input function without files: it ends the plan in one line where a file's name is wrong or impossible."""
 
     def check(wildcards):
         try:

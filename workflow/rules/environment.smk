@@ -1,4 +1,4 @@
-# What Earth, Sun and Moon do, tabulated once a run.
+# What Earth, Sun and Moon do, tabulated once per run.
 # Two seconds for all of them: on a cluster they are no jobs for the queue.
 localrules:
     earth_orientation,

@@ -20,6 +20,15 @@ from opml.tables import STATE
 _NUDGE = 0.01
 """Change of Cd between neighbouring arcs: small against Cd, large against rounding."""
 
+SPREAD = 0.1
+"""How much the Cd of a body varies as a model feels it, beside the fits' noise, as a part of it.
+
+Models of the thermosphere err by 10 to 15 % (Emmert 2015, Thermospheric mass density: A review, sec. 5).
+"""
+
+APRIORI_SIGMA = 0.5
+"""Uncertainty of the sheet's Cd, as a part of it."""
+
 
 def build(
     model: ForceModel,
@@ -38,15 +47,14 @@ def build(
     The `arc_` tables are of the same tracks, estimated over another window, or the same. In RSW of the
     predicted state [m, m/s]: l_arc_*: the prediction less that of the arc; v_arc_*: how the arc's prediction
     answers to its Cd along the fit's covariance; h_arc_*: the prediction less that of the arc with its Cd
-    held by its past. cd_past is the mean of the arcs' Cd up to t_i, weighted by 1/variance and with an
-    exponential memory of memory_days. Where the arc did not converge or does not reach t_j, it says nothing:
-    l, v and h are 0.
+    held by its past. cd_past is the mean of the arcs' Cd up to t_i, see `past_cd`. Where the arc did not
+    converge or does not reach t_j, it says nothing: l, v and h are 0.
     """
     own = arc_predictions.set_index(["i", "j"])
     pairs = pd.MultiIndex.from_frame(predictions[["i", "j"]])
     predicted = predictions[STATE].to_numpy()
     converged = arc_estimates["converged"].to_numpy()
-    past = past_cd(arc_estimates, memory_days=memory_days)
+    past = past_cd(arc_estimates, apriori=rso.cd, memory_days=memory_days)
     flown = _flown(model, arc_estimates, arc_predictions, rso, past, integrator, threads, progress)
     arc = own[STATE].reindex(pairs).to_numpy()
     found = {
@@ -104,45 +112,34 @@ def _flown(
     return found
 
 
-def past_cd(estimates: pd.DataFrame, *, memory_days: float) -> pd.DataFrame:
-    """What the Cd of the estimates up to each one tells: `mean` with its own, `prior` and `variance` without.
+def past_cd(estimates: pd.DataFrame, *, apriori: float, memory_days: float) -> pd.DataFrame:
+    """What is known of Cd at each estimate: `mean` with its own, `prior` and `variance` without.
 
-    Weights are 1/variance, fading by e in memory_days; an estimate that did not converge has none. The
-    variance is that of the Cd about their mean, so what the fits scatter by counts to it. prior and variance
-    are NaN where fewer than two estimates were there before.
+    Each estimate that converged counts by 1 / (its formal variance + SPREAD^2), fading by e in memory_days;
+    `apriori`, the value of the sheet, counts as one with the variance APRIORI_SIGMA^2. So a fit that tells
+    nothing of Cd moves nothing, and of many good ones none counts alone.
     """
-    t, cd = estimates["t"].to_numpy(), estimates["cd"].to_numpy()
-    own = estimates["cov_cd_cd"].to_numpy()
+    t, own = estimates["t"].to_numpy(), estimates["cov_cd_cd"].to_numpy()
     trusted = estimates["converged"].to_numpy() & (own > 0.0)
+    values = np.where(trusted, estimates["cd"].to_numpy(), 0.0)
     age = (t[:, None] - t[None, :]) / (memory_days * DAY)
-    weight = np.where(
-        trusted & (age >= 0.0), np.exp(-np.maximum(age, 0.0)) / np.where(trusted, own, 1.0), 0.0
+    fading = np.where(trusted & (age >= 0.0), np.exp(-np.maximum(age, 0.0)), 0.0)
+    weight = fading / (np.where(trusted, own, 0.0) + (SPREAD * apriori) ** 2)
+    earlier, apriori_weight = np.tril(weight, -1), (APRIORI_SIGMA * apriori) ** -2.0
+    mean, prior = (
+        (one @ values + apriori_weight * apriori) / (one.sum(axis=1) + apriori_weight)
+        for one in (weight, earlier)
     )
-    values = np.where(trusted, cd, 0.0)
-    earlier = np.tril(weight, -1)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        mean = weight @ values / weight.sum(axis=1)
-        prior = earlier @ values / earlier.sum(axis=1)
-        spread = (earlier * (values - prior[:, None]) ** 2).sum(axis=1) / earlier.sum(axis=1)
-    enough = (earlier > 0.0).sum(axis=1) >= 2
-    return pd.DataFrame(
-        {
-            "mean": np.where(np.isfinite(mean), mean, cd),
-            "prior": np.where(enough, prior, np.nan),
-            "variance": np.where(enough, spread, np.nan),
-        }
-    )
+    variance = (SPREAD * apriori) ** 2 + 1.0 / (earlier.sum(axis=1) + apriori_weight)
+    return pd.DataFrame({"mean": mean, "prior": prior, "variance": variance})
 
 
 def held_cd(estimates: pd.DataFrame, past: pd.DataFrame) -> np.ndarray:
     """Cd (n,) of fits that know its past: the mean of their own and the prior, weighted by 1/variance.
 
-    For a linear fit it is what an a-priori value of Cd with that variance gives. Without a past it is the
-    fit's own.
+    For a linear fit it is what an a-priori value of Cd with that variance gives.
     """
     cd, own = estimates["cd"].to_numpy(), estimates["cov_cd_cd"].to_numpy()
-    prior, spread = past["prior"].to_numpy(), past["variance"].to_numpy()
-    with np.errstate(invalid="ignore", divide="ignore"):
-        held = (cd * spread + prior * own) / (spread + own)
-    found: np.ndarray = np.where(np.isfinite(held), held, cd)
-    return found
+    prior, variance = past["prior"].to_numpy(), past["variance"].to_numpy()
+    held: np.ndarray = (cd * variance + prior * own) / (variance + own)
+    return held

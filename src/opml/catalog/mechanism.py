@@ -29,7 +29,7 @@ def build(
     long_window_hours: float,
     gm: float,
 ) -> pd.DataFrame:
-    """The `mechanism` table: one row a pair of `predictions`, in their order.
+    """The `mechanism` table: one row per pair of `predictions`, in their order.
 
     The `long_` tables are of the same tracks, estimated with a longer window. l_* is the predicted state less
     that from the long arc, in RSW of the predicted state [m, m/s]; d_cd_long is the long arc's Cd less the

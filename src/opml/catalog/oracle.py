@@ -33,7 +33,7 @@ def build(
     *,
     gm: float,
 ) -> pd.DataFrame:
-    """The `oracle` table: one row a pair of `predictions`, in their order.
+    """The `oracle` table: one row per pair of `predictions`, in their order.
 
     drift [m] is how far along-track the estimate's own error of semi-major axis da takes the prediction by
     t_j, -3/2 v da/a (t_j - t_i); floor_* is the error [m, m/s] of the prediction from the true state and Cd,

@@ -23,7 +23,7 @@ STEP = 1800.0
 
 
 def columns(pairs: Sequence[tuple[int, int]]) -> list[str]:
-    """Names of the columns of `drifts`, two a pair (k, m)."""
+    """Names of the columns of `drifts`, two per pair (k, m)."""
     return [f"{part}_{k}_{m}" for k, m in pairs for part in ("cos", "sin")]
 
 

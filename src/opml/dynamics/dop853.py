@@ -1,7 +1,7 @@
 """One step of the Dormand-Prince 8(5,3) method for a block of arcs.
 
 Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, 1993, sec. II.5 and II.10; the
-coefficients are SciPy's. A block's derivatives are rows of one array, six a stage.
+coefficients are SciPy's. A block's derivatives are rows of one array, six per stage.
 """
 
 import numpy as np

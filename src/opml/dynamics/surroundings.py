@@ -1,6 +1,6 @@
 """What every arc meets at one time: the Earth's rotation, Sun, Moon, planets and the thermosphere.
 
-All of it depends on time alone, so it is looked up once a stage of the integrator, between the uniform
+All of it depends on time alone, so it is looked up once per stage of the integrator, between the uniform
 nodes of the force model, and shared by the lanes.
 """
 

@@ -66,7 +66,7 @@ def inclination_curve(
     published: Mapping[str, Mapping[float, float]] | None = None,
     published_name: str = "Peng & Bai",
 ) -> Figure:
-    """P_ML [%] of `component` on other RSOs against their inclination [deg], a curve each future window.
+    """P_ML [%] of `component` on other RSOs against their inclination [deg], one curve per future window.
 
     `inclinations`: by target, those to draw. `published`: by test split, P_ML by inclination. Raises
     InputError without a row to draw. After the paper's figure 'ML-modified results on nearby new RSOs with i
@@ -98,7 +98,7 @@ def semi_major_axis_curve(
 def kernel_scale_sensitivity(
     metrics: pd.DataFrame, rules: Mapping[str, Mapping[str, float]], *, component: str = "e_y"
 ) -> Figure:
-    """P_ML [%] of `component` against the kernel scale s; a panel each station set, a curve each split.
+    """P_ML [%] of `component` against the kernel scale s; one panel per station set, one curve per split.
 
     `rules`: the scales to mark, by station set and by the rule's name. Raises InputError without a row to
     draw.
@@ -137,7 +137,7 @@ def _transfer(
     published: Mapping[str, Mapping[float, float]],
     published_name: str,
 ) -> Figure:
-    """P_ML against the value that `varied` gives each target, a curve each future window."""
+    """P_ML against the value that `varied` gives each target, one curve per future window."""
     chosen = metrics[
         metrics["target"].isin(list(varied))
         & (metrics["component"] == component)

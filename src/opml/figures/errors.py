@@ -55,7 +55,7 @@ _CURVES = (
 
 
 def distribution_position(pairs: pd.DataFrame) -> Figure:
-    """Absolute position errors [km], logarithmic, against the duration [d]; a panel each component.
+    """Absolute position errors [km], logarithmic, against the duration [d]; one panel per component.
 
     `pairs`: rows of a `predictions` or `dataset` table; those without a prediction are left out. Raises
     InputError without a row to draw. After the paper's figure 'Distribution of the true prediction error'.
@@ -64,7 +64,7 @@ def distribution_position(pairs: pd.DataFrame) -> Figure:
 
 
 def distribution_velocity(pairs: pd.DataFrame) -> Figure:
-    """Velocity errors [m/s] against the duration [d]; a panel each component.
+    """Velocity errors [m/s] against the duration [d]; one panel per component.
 
     As `distribution_position`, but signed and on linear scales of their own: the radial component, which the
     along-track position error dictates, is a hundred times the others.
@@ -96,7 +96,7 @@ def errorbar_absolute(evaluation: pd.DataFrame, *, component: str = "e_y") -> Fi
 
 
 def rso_grid(evaluations: Mapping[str, pd.DataFrame], *, component: str = "e_y") -> Figure:
-    """`errorbar_absolute` of several RSOs side by side, two a row; the keys are the panels' titles.
+    """`errorbar_absolute` of several RSOs side by side, two per row; the keys are the panels' titles.
 
     Raises InputError without an RSO, or an RSO without a row. After the paper's figure 'Results of the ML
     approach applied on RSOs with different orbit altitude'.

@@ -29,7 +29,7 @@ def splits(
     published: Mapping[tuple[str, str], float],
     component: str,
 ) -> Figure:
-    """P_ML [%] of every model under every split, with 90 % intervals over estimates; a panel a station set.
+    """P_ML [%] of every model under every split, with 90 % intervals; one panel per station set.
 
     `metrics` has a further column `split`, the split's name; `published`: the paper's, by station set and
     split.
@@ -72,7 +72,7 @@ def transfers(
     published: Mapping[str, float],
     component: str,
 ) -> Figure:
-    """P_ML [%] of one model on other RSOs; a panel a curve, a line a learner.
+    """P_ML [%] of one model on other RSOs; one panel per curve, one line per learner.
 
     `curves`: by curve, a key of AXES, what is varied by target; `published`: the paper's, by target.
     """
@@ -99,9 +99,9 @@ def transfers(
 
 
 def intervals(tables: Mapping[str, pd.DataFrame], *, level: float, component: str) -> Figure:
-    """True errors and what a correction leaves of them, with the prediction interval's band; a panel a table.
+    """True errors and what a correction leaves of them, in the band of the prediction interval.
 
-    `tables`: `intervals` tables by title. Every panel has its own scale.
+    `tables`: `intervals` tables by title, one panel each, with its own scale.
     """
     name, scale = unit(component)
     figure = page_figure(height_mm=62.0)

@@ -54,7 +54,7 @@ def within_days(table: pd.DataFrame, days: Sequence[float]) -> pd.DataFrame:
 def estimation_window(tracking: pd.DataFrame, *, track: int, window_hours: float) -> Figure:
     """Tracks used for the estimate at the start of `track`, and their neighbours that are not.
 
-    `tracking`: that table; a lane each station. Used are the track itself and those that began within
+    `tracking`: that table; one lane per station. Used are the track itself and those that began within
     `window_hours` before it. Raises InputError for a track that is not in the table. After the paper's figure
     'Illustration of the tracks included for an estimation at t_i'.
     """

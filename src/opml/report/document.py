@@ -25,7 +25,7 @@ class Paragraph:
 
 @dataclass(frozen=True)
 class Table:
-    """A table of texts without `|`, one a cell."""
+    """A table of texts without `|`, one per cell."""
 
     header: Sequence[str]
     rows: Sequence[Sequence[str]]

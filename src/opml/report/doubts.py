@@ -1,4 +1,4 @@
-"""Slips and doubts in the paper, and how each is read here; docs/reproduction.md holds the same table."""
+"""Slips and doubts in the paper, and how each is read here. results/reproduction.md ends with them."""
 
 DOUBTS = (
     (
@@ -20,7 +20,7 @@ DOUBTS = (
     ),
     (
         "A smaller semi-major axis means re-entry in less than 40 days, so only larger ones are tested.",
-        "Not any decrease does that here: it takes one of about 30 km. The experiments are the paper's.",
+        "Here only a decrease by about 30 km or more does that. The experiments are the paper's.",
     ),
     (
         "The true anomaly and the mean anomaly share a symbol in the table of RSOs.",

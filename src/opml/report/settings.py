@@ -88,7 +88,7 @@ def components(p_ml: Mapping[str, Sequence[float]]) -> list[Block]:
     return [
         Heading("P_ML of the six components [%]", 1),
         Paragraph(
-            "Six models are trained, one a component of the error in RSW (x radial, y along-track, z "
+            "Six models are trained, one per component of the error in RSW (x radial, y along-track, z "
             "cross-track); 100 % is no correction. The paper shows e_y, the largest, only."
         ),
         Table(["evaluation", *COMPONENTS], rows),

@@ -1,0 +1,109 @@
+"""docs/howto.md, followed from top to bottom in one folder: its files, and its commands but the real runs."""
+
+import os
+import re
+import shlex
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from project import ROOT, Project, command
+
+from opml.interop import oem
+
+PAGE = (ROOT / "docs" / "howto.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"^```(yaml|sh)\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+FILES = {text.split()[1]: text for kind, text in BLOCKS if kind == "yaml"}
+REAL_RUN = "snakemake -j"
+
+
+class Reader:
+    """Somebody who follows the page in a folder with the project's config."""
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+        Project(folder)
+        programs = {"snakemake": command(), "python": command()[:1]}
+        for name, words in programs.items():
+            path = folder / ".venv" / "bin" / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(f'#!/bin/sh\nexec {shlex.join(words)} "$@"\n')
+            path.chmod(0o755)
+
+    def run(self, text):
+        """Run commands as they stand; returns what they print."""
+        done = subprocess.run(
+            ["bash", "-e", "-c", text],
+            cwd=self.folder,
+            env=os.environ | {"PYTHONPATH": str(ROOT / "src"), "NO_COLOR": "1"},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            timeout=300,
+        )
+        assert done.returncode == 0, f"{text}\n{done.stdout}"
+        return done.stdout
+
+
+def write_orbit(path):
+    """The message that the page's run of 12 days would export, but of a circle."""
+    t = np.arange(0.0, 12 * 86400.0 + 1.0, 300.0)
+    a, speed = 6.9e6, 7600.0
+    turn, still = t * speed / a, 0.0 * t
+    place = [a * np.cos(turn), a * np.sin(turn), still]
+    states = np.stack([*place, -speed * np.sin(turn), speed * np.cos(turn), still], axis=1)
+    oem.write(path, [oem.Segment("mine", t, states)], epoch="2016-09-28T12:09:45")
+
+
+@pytest.fixture(scope="module")
+def told(tmp_path_factory):
+    """What each block of commands printed after all that stands above it was done; real runs left out."""
+    reader = Reader(tmp_path_factory.mktemp("howto"))
+    write_orbit(reader.folder / "mine.oem")
+    printed = {}
+    for kind, text in BLOCKS:
+        if kind == "yaml":
+            (reader.folder / text.split()[1]).write_text(text)
+        elif REAL_RUN not in text:
+            printed[text] = reader.run(text)
+    return printed
+
+
+def plans(told):
+    """The plans of the dry runs, by the command."""
+    return {text: printed for text, printed in told.items() if " -n " in text}
+
+
+def test_the_page_can_be_followed_in_its_order(told):
+    assert plans(told)
+    assert all("Job stats:" in plan for plan in plans(told).values())
+
+
+def test_every_file_is_used_by_a_dry_run(told):
+    assert FILES
+    for name in FILES:
+        assert any(name in text for text in plans(told)), name
+
+
+def test_a_study_of_ones_own_takes_twelve_lines_at_most():
+    assert len(FILES["mine.yaml"].splitlines()) <= 12
+
+
+def test_the_products_that_the_page_names_are_planned(told):
+    plan = next(plan for text, plan in plans(told).items() if "--configfile mine.yaml\n" in text)
+    for name in re.findall(r"^\| `(study\.md|figs/\S+)`", PAGE, re.MULTILINE):
+        assert f"results/mine/{name}" in plan
+
+
+@pytest.mark.parametrize(
+    ("file", "planned"),
+    [
+        ("radar.yaml", "tracks of mine as eglin-kaena-shemya measure it"),
+        ("flown.yaml", "the orbit of mine from mine.oem"),
+        ("more.yaml", "before and after the correction, future_20days"),
+        ("small.yaml", "Train svrsmall on e_y of mine"),
+    ],
+)
+def test_a_file_changes_the_plan_as_the_page_says(told, file, planned):
+    assert any(planned in plan for text, plan in plans(told).items() if file in text)
