@@ -28,7 +28,7 @@ NOISE, SPLIT = "noise", "split"
 WITHOUT = "-without-"
 
 READINGS = {"kept_estimate": "_kept", "track": "_track"}
-"""How a name says which earlier estimate is t_b, by the setting `cleaning.previous`."""
+"""How a name says which earlier estimate is t_b, by the study's `cleaning.previous`."""
 
 
 SECTIONS = {
@@ -111,7 +111,7 @@ def other_reading(previous: str) -> str:
 
 
 def parse_reading(suffix: str, *, previous: str) -> str:
-    """Return the setting `cleaning.previous` that a suffix, or none, stands for."""
+    """Return the `cleaning.previous` that a suffix, or none, stands for."""
     return next((setting for setting, mark in READINGS.items() if mark == suffix), previous)
 
 
@@ -121,7 +121,9 @@ def windowed(hours: float, *, default: float) -> str:
 
 
 def parse_window(suffix: str, *, default: float) -> float:
-    """Return the hours of the estimation window that a suffix, or none, stands for."""
+    """Return the hours of the estimation window that a suffix, or none, stands for; 0 of true states."""
+    if suffix == PERFECT:
+        return 0.0
     return float(suffix.removeprefix("_w")) if suffix else default
 
 

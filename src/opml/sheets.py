@@ -6,7 +6,7 @@ Sheets are read as text, so that a name stays what it is.
 import csv
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -104,6 +104,9 @@ _RSO_FIELDS = {
     "cd": _Field("cd", 0, math.inf),
     "cr": _Field("cr", 0, math.inf),
 }
+
+
+_ELEMENTS = ("a_km", "e", "i_deg", "argp_deg", "raan_deg", "mean_anomaly_deg")
 
 
 def read_stations(path: str | Path) -> dict[str, Station]:
@@ -250,11 +253,20 @@ def stations_of(rows: Mapping[str, Mapping[str, object]]) -> dict[str, Station]:
     return stations
 
 
-def rsos_of(rows: Mapping[str, Mapping[str, object]]) -> dict[str, Rso]:
-    """Return RSOs from mappings of the sheet's columns. Raises InputError, naming the column."""
-    rsos = {name: Rso(name=name, **row) for name, row in _given(rows, _RSO_FIELDS).items()}
-    for rso in rsos.values():
-        _check_perigee(rso, "a_km")
+def rsos_of(rows: Mapping[str, Mapping[str, object]], *, flown: Container[str] = ()) -> dict[str, Rso]:
+    """Return RSOs from mappings of the sheet's columns. Raises InputError, naming the column.
+
+    Of those that are `flown`, whose orbit is in a file, the body is enough; their elements are NaN then.
+    """
+    rsos = {}
+    for name, row in rows.items():
+        fields = _RSO_FIELDS
+        if name in flown and not set(row) & set(_ELEMENTS):
+            fields = {key: field for key, field in _RSO_FIELDS.items() if key not in _ELEMENTS}
+        elements = dict.fromkeys((field.attribute for field in _RSO_FIELDS.values()), math.nan)
+        rsos[name] = Rso(name=name, **(elements | _given({name: row}, fields)[name]))
+        if fields is _RSO_FIELDS:
+            _check_perigee(rsos[name], "a_km")
     return rsos
 
 

@@ -83,6 +83,28 @@ def test_an_arc_that_did_not_converge_says_nothing(assumed_model, iss):
     assert (table.loc[~lost, "v_arc_y"] != 0.0).all()
 
 
+def test_an_arc_across_a_manoeuvre_says_nothing(assumed_model, iss):
+    short, arc = estimates(assumed_model.gm, 3.0), estimates(assumed_model.gm, 2.2)
+    quiet, disturbed = (
+        arcs.build(
+            assumed_model,
+            predicted(assumed_model, short, iss),
+            iss,
+            arc_estimates=arc,
+            arc_predictions=predicted(assumed_model, arc, iss),
+            memory_days=30.0,
+            integrator=Integrator(),
+            manoeuvres=burns,
+            window=DAY,
+        )
+        for burns in ([], [1.0 * DAY])
+    )
+    across = quiet["i"] == 12  # a tenth of a day after it; the next is a whole day later
+    assert (disturbed.loc[across, "l_arc_y"] == 0.0).all()
+    assert (quiet.loc[across, "l_arc_y"] != 0.0).all()
+    assert (disturbed.loc[~across, "l_arc_y"] == quiet.loc[~across, "l_arc_y"]).all()
+
+
 def test_the_past_is_weighted_by_its_variance_and_fades(assumed_model):
     sigma = np.array([0.1, 0.1, 0.1, 1e4, 0.1])
     table = estimates(assumed_model.gm, [2.0, 2.4, 2.2, 5e4, 2.2], sigma=sigma)

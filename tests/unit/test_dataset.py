@@ -213,6 +213,25 @@ def test_no_cleaning_drops_only_what_lacks_something(estimates, predictions, tra
     assert rows["reason"].to_dict() == expected
 
 
+def test_rows_that_cross_a_manoeuvre_are_dropped_with_that_reason(estimates, predictions, tracking):
+    before = build(estimates, predictions, tracking)
+    t = float(before["t_i"].iloc[len(before) // 2])
+    after = dataset.build(
+        *(estimates, predictions, tracking),
+        gm=GM,
+        cleaning=Cleaning.from_settings(CLEANING),
+        manoeuvres=[t + 1.0],
+        window=100.0,
+    )
+    begin = before[["t_b", "t_i"]].min(axis=1) - 100.0
+    crossing = (begin < t + 1.0) & (t + 1.0 <= before["t_j"])
+    assert crossing.any()
+    assert not crossing.all()
+    assert (after["reason"] == dataset.CROSSES_MANOEUVRE).equals(crossing)
+    assert not after.loc[crossing, "keep"].any()
+    pd.testing.assert_frame_equal(after[~crossing], before[~crossing])
+
+
 def test_all_estimates_outside_leave_no_row_and_no_error(estimates, predictions, tracking):
     rows = build(estimates.assign(cd=9.0), predictions, tracking)
     assert not rows["keep"].any()

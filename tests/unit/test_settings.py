@@ -33,10 +33,17 @@ def edited(key, value):
     return values
 
 
+def checked(source):
+    """Settings as the plan takes them."""
+    settings = checks.load(source, schema=SCHEMA)
+    checks.check_data(source, settings)
+    return settings
+
+
 def refused(source):
     """The one line with which settings are refused."""
     with pytest.raises(InputError) as raised:
-        checks.load(source, schema=SCHEMA)
+        checked(source)
     assert "\n" not in str(raised.value)
     return str(raised.value)
 
@@ -386,7 +393,7 @@ def test_no_study_is_no_study(tmp_path, nothing):
 )
 def test_wrong_file_of_ones_own_is_named(tmp_path, text, expected):
     with pytest.raises(InputError) as raised:
-        checks.load(given(tmp_path, text + "\n"), schema=SCHEMA)
+        checked(given(tmp_path, text + "\n"))
     assert expected in str(raised.value)
     assert "\n" not in str(raised.value)
 
@@ -411,6 +418,23 @@ def test_rows_of_ones_own_join_the_sheets(tmp_path):
     settings = checks.load(given(tmp_path, text), schema=SCHEMA)
     assert settings.rsos["mine"].a == 6900e3
     assert list(settings.rsos)[-1] == "mine"
+
+
+def test_an_orbit_of_ones_own_needs_the_body_only(tmp_path):
+    (tmp_path / "b.sp3").write_text("")
+    (tmp_path / "a.sp3").write_text("")
+    text = f"""
+data: {tmp_path}
+orbits: {{mine: "*.sp3"}}
+rsos: {{mine: {{area_to_mass_m2pkg: 0.01, cd: 2.2, cr: 1.3}}}}
+study: {{rsos: [mine]}}
+"""
+    settings = checks.load(given(tmp_path, text), schema=SCHEMA)
+    assert settings.orbits == {"mine": [f"{tmp_path}/a.sp3", f"{tmp_path}/b.sp3"]}
+    assert settings.rsos["mine"].area_to_mass == 0.01
+    assert settings.rsos["mine"].a != settings.rsos["mine"].a  # not known, and not asked for
+    refusal = refused(given(tmp_path, text.replace("orbits: {mine", "orbits: {iss")))
+    assert "rsos.mine: expected the keys a_km, e," in refusal
 
 
 def test_layers_are_laid_key_by_key():

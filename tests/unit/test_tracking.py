@@ -100,6 +100,15 @@ def test_tracks_are_runs_of_epochs(earth_orientation, three_stations):
     assert found["t"].tolist() == [20.0, 40.0, 100.0, 140.0, 160.0, 180.0]
 
 
+def test_a_gap_of_the_orbit_parts_a_track(earth_orientation, three_stations):
+    whole = truth_at(overhead(three_stations[0], [0, 1, 1, 1, 1, 1, 1, 0]), earth_orientation)
+    for missing, tracks in (([], [0] * 6), ([3], [0, 0, 1, 1, 1]), ([1], [0] * 5), ([3, 4], [0, 0, 1, 1])):
+        table = tracking.simulate(
+            whole.drop(index=missing), earth_orientation, three_stations[:1], rso="iss", seed=42
+        )
+        assert table["track"].tolist() == tracks, missing
+
+
 def test_a_track_may_begin_at_the_epoch(earth_orientation, three_stations):
     eglin = three_stations[0]
     orbit = truth_at(overhead(eglin, [1, 1, 0, 1]), earth_orientation)

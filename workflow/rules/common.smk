@@ -9,7 +9,7 @@ from opml import naming, sheets, tables
 from opml.errors import InputError
 from opml.learning import learners
 from opml.provenance import script_digest
-from opml.study.checks import load
+from opml.study.checks import check_data, load
 from opml.study.experiments import Study
 from opml.study.honest import Honest
 from opml.study.overlay import with_numbers
@@ -34,6 +34,8 @@ try:
     GIVEN = [os.path.relpath(path) for path in workflow.config_settings.configfiles]
     SOURCE = merged(["config/config.yaml", *GIVEN], with_numbers(workflow.config_settings.config))
     SETTINGS = load(SOURCE, schema=WORKFLOW / "schemas" / "config.schema.yaml")
+    if workflow.is_main_process:  # each job parses this file anew
+        check_data(SOURCE, SETTINGS)
 except InputError as error:
     end(error)
 config.clear()
@@ -46,7 +48,7 @@ OWN = Own(STUDY)
 
 RESULTS = config["results"]
 ENVIRONMENT = {name: f"{RESULTS}/environment/{name}.parquet" for name in tables.ENVIRONMENT}
-# The atmosphere that the RSO flies through may see another Sun than the assumed model's.
+# The truth may fly under another solar activity than the assumed model.
 TRUE_ACTIVITY = "true_solar_activity" if "true_solar_activity" in config["environment"] else "solar_activity"
 TRUE_ENVIRONMENT = ENVIRONMENT | {"solar_activity": f"{RESULTS}/environment/{TRUE_ACTIVITY}.parquet"}
 TRAINED_ON = (
@@ -189,7 +191,7 @@ def experiment(wildcards):
 
 
 def path_of(pattern, **parts):
-    """The file of a pattern whose parts are given; not `format`, which would part it from its storage."""
+    """The file of a pattern whose parts are given; not by `format`, which would lose the storage it is kept in."""
     return pattern.apply_wildcards(parts)
 
 

@@ -3,6 +3,7 @@
 
 rule dataset:
     input:
+        truth=rules.truth.output[0],
         estimates=rules.estimation.output[0],
         predictions=rules.prediction.output[0],
         tracking=rules.tracking.output[0],
@@ -16,7 +17,11 @@ rule dataset:
     conda:
         "../envs/opml.yaml"
     params:
-        settings=lambda wildcards: {"epoch": config["epoch"], "cleaning": cleaning(wildcards)},
+        settings=lambda wildcards: {
+            "epoch": config["epoch"],
+            "cleaning": cleaning(wildcards),
+            "window_hours": window_hours(wildcards),
+        },
         code=code("dataset.py"),
     message:
         "Dataset: learning variables and true errors of {wildcards.rso} with {wildcards.stations}, and what is dropped"

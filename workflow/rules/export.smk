@@ -1,5 +1,4 @@
-# Into and out of the ecosystem: orbits as CCSDS OEM, tracks as CCSDS TDM, and an OEM in the place of the simulated truth.
-import re
+# Into and out of the ecosystem: orbits as CCSDS OEM, tracks as CCSDS TDM, and an orbit of one's own in the place of the simulated truth.
 
 
 rule export_truth:
@@ -74,11 +73,11 @@ rule export_tracking:
         "../scripts/export_tdm.py"
 
 
-if config.get("oem"):
+if SETTINGS.orbits:
 
-    rule truth_from_oem:
+    rule truth_from_orbit:
         input:
-            lambda wildcards: local(config["oem"][wildcards.rso]),
+            lambda wildcards: [local(path) for path in SETTINGS.orbits[wildcards.rso]],
         output:
             f"{RESULTS}/truth/{{rso}}.parquet",
         log:
@@ -86,7 +85,7 @@ if config.get("oem"):
         benchmark:
             f"{RESULTS}/benchmarks/truth/{{rso}}.tsv"
         wildcard_constraints:
-            rso="|".join(map(re.escape, config["oem"])),
+            rso=naming.any_of(SETTINGS.orbits),
         conda:
             "../envs/opml.yaml"
         resources:
@@ -98,10 +97,10 @@ if config.get("oem"):
                 "duration_days": config["duration_days"],
                 "step_s": config["tracking"]["step_s"],
             },
-            code=code("truth_from_oem.py"),
+            code=code("truth_from_orbit.py"),
         message:
-            "Truth: the orbit of {wildcards.rso} from {input}"
+            "Truth: the orbit of {wildcards.rso} from {input[0]}"
         script:
-            "../scripts/truth_from_oem.py"
+            "../scripts/truth_from_orbit.py"
 
-    ruleorder: truth_from_oem > truth
+    ruleorder: truth_from_orbit > truth

@@ -1,5 +1,5 @@
-# Figures. The first rule draws the errors of any evaluation by its name; all others are its kin: they share its
-# environment and its way to a script, which the params name. Each part of the paper's study has its own rules.
+# Figures. The first rule draws the errors of any evaluation by its name. All others inherit its environment and its
+# `script`, whose name their params give. Each part of the paper's study has its own rules.
 SECTIONS = naming.SECTIONS
 
 

@@ -1,4 +1,4 @@
-# Beyond the paper: models against splits that nothing leaks across, other RSOs, intervals, and what is left.
+# Beyond the paper: models against splits without leaks, other RSOs, intervals, and an error budget.
 if "generalisation" in STUDY:
     BEYOND = SECTIONS["beyond"]
     STATION_SETS = HONEST.entry["station_sets"]

@@ -63,7 +63,6 @@ rule mechanism:
         "../envs/opml.yaml"
     resources:
         mem_mb=1000,
-        runtime=3,
     params:
         settings={
             "epoch": config["epoch"],
@@ -80,6 +79,7 @@ rule mechanism:
 rule arcs:
     input:
         **ENVIRONMENT,
+        truth=rules.truth.output[0],
         predictions=rules.prediction.output[0],
         arc_estimates=arc_at(rules.estimation.output[0]),
         arc_predictions=arc_at(rules.prediction.output[0]),
@@ -99,7 +99,7 @@ rule arcs:
             "epoch": config["epoch"],
             "force_model": config["force_models"]["assumed"],
             "integrator": config["integrator"],
-            "memory_days": naming.parse_arc(wildcards.arc)[1],
+            **dict(zip(("window_hours", "memory_days"), naming.parse_arc(wildcards.arc), strict=True)),
             "rso": rso(wildcards),
         },
         code=code("arcs.py"),

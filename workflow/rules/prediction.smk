@@ -15,7 +15,6 @@ rule prediction:
     conda:
         "../envs/opml.yaml"
     resources:
-        mem_mb=750,
         runtime=5,
     params:
         settings=lambda wildcards: {

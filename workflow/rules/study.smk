@@ -48,6 +48,24 @@ if OWN.is_asked:
         message:
             "Figure: errors of {wildcards.rso} by {wildcards.stations} before and after correction"
 
+    use rule errors as study_drag with:
+        input:
+            estimates=lambda wildcards: [
+                path_of(rules.estimation.output[0], **dict(wildcards.items()), window=window)
+                for window in OWN.windows.values()
+            ],
+            activity=TRUE_ENVIRONMENT["solar_activity"],
+        output:
+            **figures("study/{rso}/{stations}_drag", caption="study_drag", section=SECTIONS["study"]),
+        log:
+            f"{RESULTS}/logs/figs/study/{{rso}}/{{stations}}_drag.log",
+        benchmark:
+            f"{RESULTS}/benchmarks/figs/study/{{rso}}/{{stations}}_drag.tsv"
+        params:
+            **drawing("study_drag", windows=list(OWN.windows)),
+        message:
+            "Figure: drag coefficients of {wildcards.rso} by {wildcards.stations} beside the solar activity"
+
     use rule errors as study_models with:
         input:
             lambda wildcards: paths_of(

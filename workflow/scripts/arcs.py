@@ -1,9 +1,10 @@
 """Gather what fits over another window, and the past of their Cd, say of each prediction."""
 
 from opml.catalog import arcs, force_model
+from opml.constants import HOUR
 from opml.jobs import job, progress
 from opml.sheets import Rso
-from opml.tables import read_table, write_table
+from opml.tables import read_metadata, read_table, write_table
 
 with job(snakemake) as metadata:
     settings, files = snakemake.params.settings, snakemake.input
@@ -14,6 +15,8 @@ with job(snakemake) as metadata:
         arc_estimates=read_table(files.arc_estimates, "estimates"),
         arc_predictions=read_table(files.arc_predictions, "predictions"),
         memory_days=settings["memory_days"],
+        manoeuvres=[one["t"] for one in read_metadata(files.truth).get("manoeuvres", [])],
+        window=HOUR * settings["window_hours"],
         integrator=force_model.integrator(settings["integrator"]),
         threads=snakemake.threads,
         progress=progress,

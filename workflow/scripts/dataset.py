@@ -1,16 +1,20 @@
 """Build the dataset of learning variables and true errors, with each dropped row's reason."""
 
+from opml.constants import HOUR
 from opml.jobs import job
 from opml.learning import dataset
 from opml.learning.cleaning import Cleaning
 from opml.tables import read_metadata, read_table, write_table
 
 with job(snakemake) as metadata:
+    settings = snakemake.params.settings
     table = dataset.build(
         read_table(snakemake.input.estimates, "estimates"),
         read_table(snakemake.input.predictions, "predictions"),
         read_table(snakemake.input.tracking, "tracking"),
         gm=read_metadata(snakemake.input.gravity_field)["gm"],
-        cleaning=Cleaning.from_settings(snakemake.params.settings["cleaning"]),
+        cleaning=Cleaning.from_settings(settings["cleaning"]),
+        manoeuvres=[one["t"] for one in read_metadata(snakemake.input.truth).get("manoeuvres", [])],
+        window=HOUR * settings["window_hours"],
     )
     write_table(snakemake.output[0], table, "dataset", metadata=metadata)

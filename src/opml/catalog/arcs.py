@@ -3,7 +3,7 @@
 All of it comes from estimates that are over at t_i and from the assumed model.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pandas as pd
@@ -39,6 +39,8 @@ def build(
     arc_predictions: pd.DataFrame,
     memory_days: float,
     integrator: Integrator,
+    manoeuvres: Sequence[float] = (),
+    window: float = 0.0,
     threads: int = 1,
     progress: Callable[[float], None] | None = None,
 ) -> pd.DataFrame:
@@ -48,8 +50,12 @@ def build(
     predicted state [m, m/s]: l_arc_*: the prediction less that of the arc; v_arc_*: how the arc's prediction
     answers to its Cd along the fit's covariance; h_arc_*: the prediction less that of the arc with its Cd
     held by its past. cd_past is the mean of the arcs' Cd up to t_i, see `past_cd`. Where the arc did not
-    converge or does not reach t_j, it says nothing: l, v and h are 0.
+    converge, does not reach t_j or has one of the `manoeuvres` (times [s]) within the `window` [s] before
+    t_i, it says nothing: l, v and h are 0.
     """
+    arc_estimates = arc_estimates.assign(
+        converged=arc_estimates["converged"] & ~_disturbed(arc_estimates["t"].to_numpy(), manoeuvres, window)
+    )
     own = arc_predictions.set_index(["i", "j"])
     pairs = pd.MultiIndex.from_frame(predictions[["i", "j"]])
     predicted = predictions[STATE].to_numpy()
@@ -75,6 +81,14 @@ def build(
         turned = np.where(usable[:, None], in_rsw(difference, predicted), 0.0)
         table |= {f"{name}_{axis}": turned[:, k] for k, axis in enumerate(STATE)}
     return pd.DataFrame(table)
+
+
+def _disturbed(t: np.ndarray, manoeuvres: Sequence[float], window: float) -> np.ndarray:
+    """Which of the times have a manoeuvre within a window before them (bool, shape of t)."""
+    disturbed = np.zeros(len(t), dtype=bool)
+    for at in manoeuvres:
+        disturbed |= (t - window < at) & (at <= t)
+    return disturbed
 
 
 def _flown(

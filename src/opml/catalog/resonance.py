@@ -19,7 +19,7 @@ from opml.elements import coe_from_cartesian
 from opml.tables import STATE
 
 STEP = 1800.0
-"""Step of the sums in place of integrals [s]: a hundred to the fastest phase's turn of two days."""
+"""Step of the sums that replace integrals [s]: about a hundred per turn of the fastest phase, two days."""
 
 
 def columns(pairs: Sequence[tuple[int, int]]) -> list[str]:

@@ -25,9 +25,9 @@ def simulate(
 ) -> pd.DataFrame:
     """The `tracking` table: every measurement of the stations, numbered by track.
 
-    truth: states on an even grid of times; stations: `sheets.Station`s; rso: its name; seed: of the
-    noise, from which each station's own follows, so that a station measures the same alone and
-    among others. A track is a run of grid epochs at which any of the stations sees the RSO
+    truth: states on an even grid of times, in whose gaps there is no track; stations: `sheets.Station`s;
+    rso: its name; seed: of the noise, from which each station's own follows, so that a station measures the
+    same alone and among others. A track is a run of grid epochs at which any of the stations sees the RSO
     (paper, sec. Measurement Models). Raises InputError where no station ever sees the RSO.
     """
     t = truth["t"].to_numpy()
@@ -37,7 +37,8 @@ def simulate(
         names = ", ".join(station.name for station in stations)
         raise InputError(f"{rso}: expected a pass over {names}, but it is never in sight")
     table = pd.concat(parts).sort_values(["epoch", "order"], ignore_index=True)
-    breaks = np.diff(table["epoch"].to_numpy(), prepend=-2) > 1
+    step = np.diff(t).min()  # between epochs of the grid, of which some may be missing
+    breaks = np.diff(table["t"].to_numpy(), prepend=-np.inf) > 1.5 * step
     table["track"] = np.cumsum(breaks) - 1
     return table[["track", "t", "station", *QUANTITIES, *(f"{name}_true" for name in QUANTITIES)]]
 

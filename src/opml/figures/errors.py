@@ -22,7 +22,7 @@ from opml.figures.style import HIGHLIGHT, MUTED, PREDICTED, RESIDUAL, TRUE, colu
 from opml.learning import metrics
 
 CLUSTER_DAYS = 0.25
-"""Width of a cluster of durations [d]: four a day, wide enough for one station, narrow enough for three."""
+"""Width of a cluster of durations [d]: four per day, wide enough for one station, narrow enough for three."""
 
 CLUSTER_LEAST = 5
 """Points that a cluster needs for its mean and standard deviation to say something."""

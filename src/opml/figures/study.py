@@ -68,6 +68,38 @@ def _draw_growth(axes: Axes, evaluation: pd.DataFrame) -> None:
     axes.set_yscale("log")
 
 
+def drag(estimates: Mapping[str, pd.DataFrame], activity: pd.DataFrame) -> Figure:
+    """Estimated Cd against time [d], beside F10.7 and Kp of the same days.
+
+    `estimates`: those tables, by the window of their fits; what did not converge is left out. `activity`: the
+    table `solar_activity`. The axis of Cd shows the middle 90 % of all estimates. Raises InputError without
+    one.
+    """
+    usable = {name: table[table["converged"]] for name, table in estimates.items()}
+    if all(table.empty for table in usable.values()):
+        raise InputError("Cd of a study: expected an estimate that converged, got none")
+    figure = page_figure(height_mm=104.0)
+    upper, middle, lower = figure.subplots(3, 1, sharex=True, height_ratios=(2, 1, 1))
+    for k, (name, table) in enumerate(usable.items()):
+        look = {"ls": "", "marker": "o^sD"[k % 4], "ms": 2.2, "color": SHADES[k % len(SHADES)]}
+        upper.plot(table["t"] / DAY, table["cd"], label=name, **look)
+    every = pd.concat(list(usable.values()))
+    low, high = np.quantile(every["cd"], [0.05, 0.95])
+    upper.set_ylim(low - 0.3 * (high - low), high + 0.3 * (high - low))
+    upper.set_ylabel("estimated $C_d$")
+    days = activity["t"] / DAY
+    middle.plot(days, activity["f107"], color=TRUE, label="F10.7")
+    middle.plot(days, activity["f107_mean"], color=MUTED, ls="--", label="81-day mean")
+    middle.set_ylabel("F10.7 [sfu]")
+    lower.plot(days, activity["kp_3h"], color=TRUE, lw=0.8, drawstyle="steps-post", label="$K_p$, 3 h")
+    lower.set_ylabel("$K_p$")
+    lower.set_xlim(every["t"].min() / DAY, every["t"].max() / DAY)
+    lower.set_xlabel("time [d]")
+    labels = labelled(figure)
+    figure.legend(labels.values(), labels.keys(), loc="outside upper left", ncols=5)
+    return figure
+
+
 def rows(shares: Mapping[str, Mapping[str, float]]) -> Figure:
     """Share of the rows that are used, and of those that are not by reason; one bar per dataset.
 

@@ -10,25 +10,19 @@ import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from datetime import date, timedelta
 from decimal import Decimal
-from pathlib import Path
 
 import erfa
 import numpy as np
 
 from opml import __version__, epochs
-from opml.constants import DAY
 from opml.errors import InputError
 from opml.files import FilePath, replacing
+from opml.interop import arcs
 
 _TIME = re.compile(r"(\d{4})-(?:(\d\d)-(\d\d)|(\d{3}))T(\d\d):(\d\d):(\d\d(?:\.\d*)?)Z?", re.ASCII)
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[eE]([+-]?\d{1,4}))?", re.ASCII)
 _PAIR = re.compile(r"([A-Z][A-Z0-9_]*)\s*=\s*(\S.*)", re.ASCII)
 
-_Day = tuple[int, int, int]  # year, month, day
-_Clock = tuple[int, int, float]  # hour, minute, second
-
-_GPS_BEHIND_TAI = 19.0  # [s]
-_NO_SUCH_TIME = (erfa.ErfaError, erfa.ErfaWarning, ValueError)
 SCALES = ("UTC", "TAI", "TT", "GPS")
 """Time systems that are read; messages are written in UTC."""
 
@@ -43,10 +37,8 @@ class Message:
         """Open a message. Raises InputError where it is missing, no text, or of another kind or version."""
         self.path = path
         try:
-            text = Path(path).read_text(encoding="utf-8")
-        except FileNotFoundError:
-            raise InputError(f"{path}: no such file") from None
-        except (OSError, ValueError) as reason:
+            text = arcs.contents(path).decode("utf-8")
+        except UnicodeDecodeError as reason:
             raise InputError(f"{path}: expected a message in UTF-8 text ({reason})") from None
         lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), start=1)]
         self._lines = [(n, line) for n, line in lines if line and not re.match(r"COMMENT\b", line)]
@@ -84,6 +76,12 @@ class Message:
         while self.peek() not in ("", "META_START"):
             self.pair()
 
+    def skip(self, first: str, last: str) -> None:
+        """Pass the lines from `first` to `last`, if the next one is `first`. Raises InputError at the end."""
+        if self.peek() == first:
+            while self.take()[1] != last:
+                pass
+
     def pair(self) -> tuple[int, str, str]:
         """Return number, key and value of a line and pass it. Raises InputError where it is no pair."""
         match = _PAIR.fullmatch(self.peek())
@@ -120,27 +118,18 @@ class Message:
 
     def elapsed(self, texts: Sequence[str], numbers: Sequence[int], *, epoch: str, scale: str) -> np.ndarray:
         """Times (n,) [s since `epoch`] of texts in a time system. Raises InputError, naming the line."""
-        days, clocks = [], []
+        calendar = []
         for text, number in zip(texts, numbers, strict=True):
             match = _TIME.fullmatch(text)
             if match is None:
                 raise self.wrong("a time like 2016-09-28T12:09:45", text, number)
-            days.append(_calendar_day(match))
-            clocks.append((int(match[5]), int(match[6]), float(match[7])))
+            calendar.append((*_calendar_day(match), int(match[5]), int(match[6]), float(match[7])))
         if not texts:
             return np.empty(0)
         try:
-            return _since(epoch, days, clocks, scale)
-        except _NO_SUCH_TIME:
-            for k, number in enumerate(numbers):
-                self._check_time(texts[k], number, days[k], clocks[k], scale)
-            raise
-
-    def _check_time(self, text: str, number: int, day: _Day, clock: _Clock, scale: str) -> None:
-        try:
-            _since("2000-01-01T00:00:00", [day], [clock], scale)
-        except _NO_SUCH_TIME:
-            raise self.wrong("a time that exists", text, number) from None
+            return arcs.elapsed(epoch, np.array(calendar), scale)
+        except arcs.NoSuchTime as time:
+            raise self.wrong("a time that exists", texts[time.index], numbers[time.index]) from None
 
 
 class Pairs:
@@ -159,6 +148,13 @@ class Pairs:
     def text(self, key: str, default: str | None = None) -> str:
         """Return a value. Raises InputError where there is neither one nor a default."""
         return self._value(key, default)[1]
+
+    def time(self, key: str, default: float, *, epoch: str, scale: str) -> float:
+        """Return a time [s since `epoch`], `default` where there is none. Raises InputError with the line."""
+        if key not in self._values:
+            return default
+        number, text = self._values[key]
+        return float(self._message.elapsed([text], [number], epoch=epoch, scale=scale)[0])
 
     def _value(self, key: str, default: str | None) -> tuple[int, str]:
         if key in self._values:
@@ -197,7 +193,7 @@ def write(path: FilePath, lines: Iterable[str]) -> None:
         file.writelines(f"{line}\n" for line in lines)
 
 
-def _calendar_day(match: re.Match[str]) -> _Day:
+def _calendar_day(match: re.Match[str]) -> tuple[int, int, int]:
     """Year, month and day of a calendar date or a day of the year; checked later."""
     if match[4] is None:
         return int(match[1]), int(match[2]), int(match[3])
@@ -207,23 +203,3 @@ def _calendar_day(match: re.Match[str]) -> _Day:
     except (OverflowError, ValueError):
         return int(match[1]), 0, 0
     return (day.year, day.month, day.day) if day.year == int(match[1]) else (int(match[1]), 0, 0)
-
-
-def _since(epoch: str, days: Sequence[_Day], clocks: Sequence[_Clock], scale: str) -> np.ndarray:
-    """Times (n,) [s since `epoch`] of calendar days and clock times in a time system."""
-    year, month, day = np.array(days).T
-    hour, minute = np.array([clock[:2] for clock in clocks]).T
-    second = np.array([clock[2] for clock in clocks])
-    with epochs.strict_erfa():
-        tai = erfa.dtf2d("UTC" if scale == "UTC" else "TAI", year, month, day, hour, minute, second)
-        match scale:
-            case "UTC":
-                tai = erfa.utctai(*tai)
-            case "TT":
-                tai = erfa.tttai(*tai)
-            case "GPS":
-                tai = tai[0], tai[1] + _GPS_BEHIND_TAI / DAY
-    first, part = epochs.tai(epoch, 0.0)
-    # Two-part dates hold about 1e-11 s; the sum over a run holds 1e-9 s, and what was printed comes back.
-    t: np.ndarray = np.round((tai[0] - first) * DAY + (tai[1] - part) * DAY, 8)
-    return t

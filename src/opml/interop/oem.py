@@ -5,6 +5,7 @@ covariances, and each estimate's predictions are a segment of their own. Drag co
 OEM. Source: CCSDS 502.0-B-2, section 5.
 """
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -15,6 +16,7 @@ import pandas as pd
 from opml.errors import InputError
 from opml.files import FilePath
 from opml.interop import ccsds, hermite
+from opml.interop.arcs import MOST_APART, Arc, ascending, chosen
 from opml.tables import STATE
 
 _KEY = "CCSDS_OEM_VERS"
@@ -26,8 +28,8 @@ _COVARIANCES = [f"cov_{STATE[a]}_{STATE[b]}" for a, b in zip(*_LOWER, strict=Tru
 ON_GRID = 1e-6
 """How far from an epoch of the grid a state may lie that is the truth there as it stands [s]."""
 
-MOST_APART = 300.0
-"""Longest time between two states that a truth is interpolated between [s]; `hermite` tells how well."""
+_FRAMES = (*ccsds.FRAMES, "ITRF")
+_TERRESTRIAL = re.compile(r"ITRF[-_]?\d*", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -118,6 +120,31 @@ def read(path: FilePath, *, epoch: str) -> list[Segment]:
     """
     message = _open(path)
     return [_segment(message, block) for block in _blocks(message, epoch)]
+
+
+def is_one(content: bytes) -> bool:
+    """Whether a file looks like an OEM in KVN, of any version."""
+    return re.match(rb"(?:\s|COMMENT\b.*)*CCSDS_OEM_VERS\b", content) is not None
+
+
+def arcs(path: FilePath, *, epoch: str, satellite: str | None = None) -> list[Arc]:
+    """Read one object of an OEM: an arc per segment, with times from the UTC text `epoch`, in its own frame.
+
+    satellite: its name or id, None is the only one there is. Frames: those of `ccsds.FRAMES` and realisations
+    of the ITRF. What lies outside of the useable times is left out. Raises InputError, naming the line, for
+    what is malformed, cut, not centred on Earth or in another frame.
+    """
+    message = _open(path)
+    message.skip_header()
+    found = [_named_arc(message, epoch)]
+    while message.peek():
+        found.append(_named_arc(message, epoch))
+    names = list(dict.fromkeys(names for names, _ in found))
+    wanted = names[chosen(path, names, satellite)]
+    arcs = [arc for names, arc in found if names == wanted and arc.t.size]
+    if not arcs:
+        raise InputError(f"{path}: expected states within the useable times, got none")
+    return arcs
 
 
 def truth_table(path: FilePath, *, epoch: str, step: float, duration: float) -> pd.DataFrame:
@@ -269,6 +296,38 @@ def _block(message: ccsds.Message, epoch: str) -> _Block:
     )
 
 
+def _named_arc(message: ccsds.Message, epoch: str) -> tuple[tuple[str, str], Arc]:
+    """An object's name and id, and its states in a segment; covariances are passed over."""
+    message.expect("META_START")
+    metadata = message.pairs("META_STOP")
+    metadata.one_of("CENTER_NAME", ("EARTH",))
+    realisation = metadata.text("REF_FRAME")
+    frame = "ITRF" if _TERRESTRIAL.fullmatch(realisation) else metadata.one_of("REF_FRAME", _FRAMES)
+    scale = metadata.one_of("TIME_SYSTEM", ccsds.SCALES)
+    lines, times, texts = _state_texts(message)
+    message.skip("COVARIANCE_START", "COVARIANCE_STOP")
+    t = message.elapsed(times, lines, epoch=epoch, scale=scale)
+    ascending(message.path, t, np.array(lines))
+    if t[-1] < metadata.time("STOP_TIME", t[-1], epoch=epoch, scale=scale) - MOST_APART:
+        raise message.wrong(f"states up to STOP_TIME = {metadata.text('STOP_TIME')}", times[-1], lines[-1])
+    useable = t >= metadata.time("USEABLE_START_TIME", t[0], epoch=epoch, scale=scale)
+    useable &= t <= metadata.time("USEABLE_STOP_TIME", t[-1], epoch=epoch, scale=scale)
+    states = _numbers(message, lines, texts)[useable]
+    name = metadata.text("OBJECT_NAME")
+    arc = Arc(
+        path=message.path,
+        satellite=name,
+        frame=frame,
+        realisation=realisation,
+        scale=scale,
+        t=t[useable],
+        positions=states[:, :3],
+        velocities=states[:, 3:],
+        lines=np.array(lines)[useable],
+    )
+    return (name, metadata.text("OBJECT_ID", name)), arc
+
+
 def _state_texts(message: ccsds.Message) -> tuple[list[int], list[str], list[list[str]]]:
     """Line numbers, times, and positions and velocities of the states of a segment, which has some."""
     lines, times, texts = [], [], []
@@ -286,17 +345,21 @@ def _state_texts(message: ccsds.Message) -> tuple[list[int], list[str], list[lis
 
 
 def _segment(message: ccsds.Message, block: _Block) -> Segment:
-    states = [
-        [message.scaled(text, _KILO, number) for text in texts]
-        for number, texts in zip(block.lines.tolist(), block.texts, strict=True)
-    ]
+    states = _numbers(message, block.lines.tolist(), block.texts)
     return Segment(
         name=block.name,
         t=block.t,
-        states=np.array(states) @ _state_rotation(block.frame).T,
+        states=states @ _state_rotation(block.frame).T,
         covariance_t=block.covariance_t,
         covariances=block.covariances,
         lines=block.lines,
+    )
+
+
+def _numbers(message: ccsds.Message, lines: Sequence[int], texts: Sequence[Sequence[str]]) -> np.ndarray:
+    """Positions and velocities (n, 6) [m, m/s] from their texts in km and km/s."""
+    return np.array(
+        [[message.scaled(text, _KILO, n) for text in row] for n, row in zip(lines, texts, strict=True)]
     )
 
 

@@ -27,6 +27,7 @@ NO_PREVIOUS = -1  # in column b: no earlier estimate serves
 
 # Why a row is dropped; the first that holds, in this order. A failed prediction carries its own reason
 # behind.
+CROSSES_MANOEUVRE = "crosses a manoeuvre"
 NOT_CONVERGED = "estimate not converged"
 NO_PREDICTION = "no prediction"
 CD_OUTSIDE = "drag coefficient outside bounds"
@@ -43,6 +44,8 @@ def build(
     *,
     gm: float,
     cleaning: Cleaning,
+    manoeuvres: Sequence[float] = (),
+    window: float = 0.0,
 ) -> pd.DataFrame:
     """The `dataset` table: one row per pair of `predictions`, in the order of (i, j), none removed.
 
@@ -50,7 +53,9 @@ def build(
     the COE. With `kept_estimate` as `cleaning.previous`, t_b is the last earlier estimate that converged with
     its Cd inside the bounds, with `track` the track just before or none. Learning variables are NaN where
     they do not exist. Tukey's fences come from the rows that survived all else with t_j in fence_days, and
-    hold for every row. Raises InputError where the tables do not belong together or `previous` is unknown.
+    hold for every row. A row is dropped, too, where one of the `manoeuvres` (times [s]) lies between t_j and
+    the oldest measurement of its earlier estimate, `window` [s] before it. Raises InputError where the tables
+    do not belong together or `previous` is unknown.
     """
     at_estimate = _learning_variables(estimates, predictions, tracking, gm=gm, cleaning=cleaning)
     pairs = predictions.sort_values(["i", "j"], ignore_index=True)
@@ -58,6 +63,7 @@ def build(
     rows = pairs.join(at_estimate, on="i")
     rows["duration"] = rows["t_j"] - rows["t_i"]
     rows["reason"] = _reasons(rows, cleaning)
+    rows.loc[_crossing(rows, manoeuvres, window), "reason"] = CROSSES_MANOEUVRE
     rows["keep"] = rows["reason"] == ""
     return rows[SCHEMAS["dataset"].names]
 
@@ -172,6 +178,15 @@ def _highest_measurements(tracking: pd.DataFrame, tracks: pd.Index) -> pd.DataFr
             f"tracking: track: expected measurements of every estimated track, got none of {min(missing)}"
         )
     return highest[["elevation", "azimuth", "range"]].set_axis(MEASUREMENT, axis=1)
+
+
+def _crossing(rows: pd.DataFrame, manoeuvres: Sequence[float], window: float) -> np.ndarray:
+    """Which rows a manoeuvre lies in."""
+    begin = rows[["t_b", "t_i"]].min(axis=1).to_numpy() - window
+    crossing = np.zeros(len(rows), dtype=bool)
+    for t in manoeuvres:
+        crossing |= (begin < t) & (t <= rows["t_j"].to_numpy())
+    return crossing
 
 
 def _reasons(rows: pd.DataFrame, cleaning: Cleaning) -> pd.Series:

@@ -33,7 +33,8 @@ def by_duration(evaluation: pd.DataFrame, *, width_days: float) -> pd.DataFrame:
     size = evaluation[["true", "residual"]].abs().set_axis(["before", "after"], axis=1)
     days = evaluation["duration"] / DAY
     found = []
-    for _, rows in size.groupby(np.floor(days / width_days)):
+    # A bin holds its upper end, so that the longest predictions of all make none of their own.
+    for _, rows in size.groupby(np.ceil(days / width_days)):
         found.append({"day": float(days[rows.index].mean()), "rows": len(rows)} | _quantiles(rows))
     return pd.DataFrame(found)
 

@@ -9,7 +9,7 @@ from opml import naming, sheets
 from opml.constants import DAY
 from opml.environment import coverage
 from opml.errors import InputError
-from opml.interop import oem
+from opml.interop import ephemeris
 from opml.learning import learners
 from opml.study.experiments import Study
 from opml.study.overlay import MISSING, Key, Source, leaves, mappings, value_at
@@ -19,7 +19,7 @@ from opml.study.settings import Settings, with_sheets
 
 
 def load(source: Source, *, schema: str | Path) -> Settings:
-    """Check merged settings, read the sheets that they name, and look at the data that the run needs.
+    """Check merged settings and read the sheets that they name.
 
     Raises InputError: one line with file and key, for the first thing that is wrong.
     """
@@ -29,10 +29,17 @@ def load(source: Source, *, schema: str | Path) -> Settings:
     _check_order(source)
     settings = with_sheets(source.values, source)
     check_study(source, settings)
-    coverage.check(source.values)
     learners.check(source.values)
-    _check_messages(source, settings)
     return settings
+
+
+def check_data(source: Source, settings: Settings) -> None:
+    """Look at the data that a run needs: do they reach, and are orbits of one's own what they should be?
+
+    Takes seconds where there are many files of orbits. Raises InputError for the first thing that is wrong.
+    """
+    coverage.check(source.values)
+    _check_orbits(source, settings)
 
 
 def check_study(source: Source, settings: Settings) -> None:
@@ -89,20 +96,21 @@ def _both(source: Source, one: Key, other: Key) -> tuple[Any, Any]:
     return found
 
 
-def _check_messages(source: Source, settings: Settings) -> None:
-    """Look at the ephemeris messages that stand in for a truth: their RSO, and whether they fit the run."""
+def _check_orbits(source: Source, settings: Settings) -> None:
+    """Look at the orbits that stand in for a truth: their RSO, and whether they fit the run."""
     values = source.values
-    for name, path in values.get("oem", {}).items():
+    for name, paths in settings.orbits.items():
         try:
             sheets.parse_rso(name, settings.rsos)
-            oem.check(
-                path,
+            ephemeris.check(
+                paths,
                 epoch=values["epoch"],
                 step=values["tracking"]["step_s"],
                 duration=DAY * values["duration_days"],
             )
         except InputError as error:
-            raise source.wrong(("oem", name), str(error)) from None
+            kind = "orbits" if name in values.get("orbits", {}) else "oem"
+            raise source.wrong((kind, name), str(error)) from None
 
 
 def _check_seen(source: Source, settings: Settings) -> None:

@@ -11,7 +11,7 @@ from opml.study.experiments import Study
 BASELINES = ("none", "repredicted", "fit24", "fit48", "fit96", "held", "running")
 """What a good engineer would do without learning."""
 
-MODELS = (*BASELINES, "svr", "covariance", "mechanism", "stacked")
+MODELS = (*BASELINES, "svr", "covariance", "mechanism", "twoarcs")
 """The models that a study compares where it names none."""
 
 MARKS = (1, 2, 4, 7)
@@ -87,6 +87,20 @@ class Own:
             (rso, stations, learner): one
             for rso, stations in self.datasets
             for learner, one in self.drawn(rso, stations).items()
+        }
+
+    @cached_property
+    def windows(self) -> dict[str, str]:
+        """Suffixes of the fits' windows that the models ask for, by what they say; the run's own first."""
+        own = float(self.study.settings.values["estimation"]["window_hours"])
+        asked = {
+            float(hours)
+            for name in self.learners
+            if (hours := naming.parse_learner(name, self.study.learners).get("window_hours"))
+        }
+        return {
+            f"{hours:g}-hour fits": naming.windowed(hours, default=own)
+            for hours in (own, *sorted(asked - {own}))
         }
 
     @property

@@ -1,8 +1,11 @@
 """The settings of a run and of the study that asks something of it, checked before anything is computed."""
 
+import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
+from glob import glob
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +26,12 @@ class Settings:
     values: Mapping[str, Any]
     stations: Mapping[str, Station]
     rsos: Mapping[str, Rso]
+
+    @property
+    def orbits(self) -> dict[str, list[str]]:
+        """Files of the orbits that stand in for a simulated truth, by RSO; a pattern without files stays."""
+        given = {**self.values.get("oem", {}), **self.values.get("orbits", {})}
+        return {rso: _files(named, self.values.get("data", "")) for rso, named in given.items()}
 
     @property
     def asked(self) -> Mapping[str, Any]:
@@ -51,8 +60,18 @@ def with_sheets(values: Mapping[str, Any], source: Source | None = None) -> Sett
     source = source or Source(values, [])
     stations, rsos = read_stations(values["sheets"]["stations"]), read_rsos(values["sheets"]["rsos"])
     own_stations = _inline(source, "stations", stations_of, known=stations)
-    own_rsos = _inline(source, "rsos", rsos_of, known=rsos)
+    flown = {*values.get("oem", {}), *values.get("orbits", {})}
+    own_rsos = _inline(source, "rsos", partial(rsos_of, flown=flown), known=rsos)
     return Settings(values, stations | own_stations, rsos | own_rsos)
+
+
+def _files(named: str | Sequence[str], folder: str) -> list[str]:
+    """Files of paths and patterns, those that are relative below the folder; a path that is none stays."""
+    found: list[str] = []
+    for pattern in [named] if isinstance(named, str) else named:
+        path = os.path.join(folder, pattern)
+        found += sorted(glob(path)) or [path]
+    return found
 
 
 def _inline(source: Source, kind: str, parse: Any, *, known: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,16 +1,16 @@
-"""Take an orbit ephemeris message for the true orbit of an RSO."""
+"""Take an orbit of one's own for the true orbit of an RSO."""
 
 from opml.constants import DAY
-from opml.interop import oem
+from opml.interop import ephemeris
 from opml.jobs import job
 from opml.tables import write_table
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings
-    table = oem.truth_table(
-        snakemake.input[0],
+    table, told = ephemeris.truth(
+        list(snakemake.input),
         epoch=settings["epoch"],
         step=settings["step_s"],
         duration=DAY * settings["duration_days"],
     )
-    write_table(snakemake.output[0], table, "truth", metadata=metadata)
+    write_table(snakemake.output[0], table, "truth", metadata=metadata | told)

@@ -1,0 +1,267 @@
+"""A real orbit in the place of the simulated truth: from files in SP3, CPF or OEM to the `truth` table.
+
+The nodes of all files are turned to GCRF with the package's own Earth orientation, bridged by the Earth's
+gravity from node to node (opml.interop.bridging) and looked up on the run's grid. Nothing is bridged over
+more than MOST_APART, nor over a break of the orbit (opml.interop.breaks); rows there are absent. Where two
+files or segments overlap, the one that begins later counts.
+"""
+
+import logging
+from collections.abc import Callable, Sequence
+from itertools import groupby, pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from opml.constants import DAY
+from opml.dynamics.attraction import Attraction
+from opml.environment import MARGIN_S, earth_orientation, gravity_field, nodes
+from opml.errors import InputError
+from opml.files import FilePath
+from opml.interop import breaks, ccsds, cpf, oem, sp3
+from opml.interop.arcs import MOST_APART, Arc, contents
+from opml.interop.curves import ON_NODE, Curve, through
+from opml.tables import STATE
+
+LIMIT = 3.0
+"""Largest error of the interpolation that is accepted [m], a tenth of the noise of the paper's ranges.
+
+It is the root mean square of what nodes, every second one left out, are missed by.
+"""
+
+FIELD = "EGM2008"
+"""Gravity field that bridges the nodes, to degree and order 70."""
+
+_log = logging.getLogger(__name__)
+
+_Read = Callable[..., list[Arc]]
+
+
+def truth(
+    paths: Sequence[FilePath],
+    *,
+    epoch: str,
+    step: float,
+    duration: float,
+    satellite: str | None = None,
+    limit: float = LIMIT,
+) -> tuple[pd.DataFrame, dict[str, Any]]:
+    """The `truth` table of an orbit in files: GCRF states every `step` from the epoch to `duration` [s].
+
+    paths: files of one format, in any order; satellite: its name or id there, None is the only one there is;
+    limit: of the interpolation's error [m]. Rows are absent where the orbit is not known. Returns the table,
+    and what is to be told of it as JSON values: times in s since the epoch, and gaps, seams and manoeuvres.
+    Raises InputError, naming file and line, for what `check` tells, and for an orbit that is too rough.
+    """
+    gathered = _gathered(paths, epoch=epoch, duration=duration, satellite=satellite)
+    curves = _curves(gathered, epoch, duration)
+    grid = np.arange(0.0, duration + 0.5 * step, step)
+    states, owner = _on_grid(curves, grid)
+    known = np.isfinite(states).all(axis=1)
+    if not known.any():
+        raise InputError(f"{gathered[0].path}: expected an orbit on the run's grid, got none that is smooth")
+    told = {
+        **_origin(gathered),
+        "interpolation_error_m": _error(curves),
+        **_left_out(curves),
+        "gaps": _gaps(grid, known, duration),
+        **_told_breaks(curves, grid, owner),
+    }
+    _tell(told)
+    _check_error(told, limit)
+    columns = dict(zip(STATE, states[known].T, strict=True))
+    return pd.DataFrame({"t": grid[known], **columns}), told
+
+
+def check(
+    paths: Sequence[FilePath], *, epoch: str, step: float, duration: float, satellite: str | None = None
+) -> None:
+    """Raise InputError, naming file and line, where no truth could be made of these files.
+
+    A file is missing, damaged or of another format, satellite, frame or time system than the others, or none
+    has the orbit within the run. Files are read whole: a second for a month of SP3 every 10 s.
+    """
+    _gathered(paths, epoch=epoch, duration=duration, satellite=satellite)
+
+
+def _gathered(paths: Sequence[FilePath], *, epoch: str, duration: float, satellite: str | None) -> list[Arc]:
+    """Arcs of all files that reach into the run, by their beginnings."""
+    arcs: list[Arc] = []
+    first_read: _Read | None = None
+    for path in paths:
+        content = contents(path)
+        read = _reader(path, content)
+        if read is not (first_read := first_read or read):
+            raise InputError(f"{path}: expected the format of {paths[0]}, got another")
+        arcs += read(path, content, epoch=epoch, satellite=satellite)
+    for arc in arcs:
+        _check_alike(arcs[0], arc)
+        _check_spacing(arc)
+    arcs = sorted(arcs, key=lambda arc: float(arc.t[0]))
+    for before, after in pairwise(arcs):
+        if before.t[0] == after.t[0]:
+            raise InputError(
+                f"{after.path}: expected another beginning than that of {before.path}, got the same"
+            )
+    return _within_run(arcs, epoch, duration)
+
+
+def _reader(path: FilePath, content: bytes) -> _Read:
+    """What reads a file, by its first line."""
+    if sp3.is_one(content):
+        return sp3.read
+    if cpf.is_one(content):
+        return cpf.read
+    if oem.is_one(content):
+        return _read_oem
+    raise InputError(f"{path}: expected an orbit in SP3, CPF or OEM, got neither by its first line")
+
+
+def _read_oem(path: FilePath, _: bytes, *, epoch: str, satellite: str | None) -> list[Arc]:
+    return oem.arcs(path, epoch=epoch, satellite=satellite)
+
+
+def _check_alike(first: Arc, other: Arc) -> None:
+    """Raise InputError where an arc is of another satellite, frame or time system than the first."""
+    for what in ("satellite", "frame", "scale"):
+        expected, got = getattr(first, what), getattr(other, what)
+        if expected.upper() != got.upper():
+            name = {"scale": "time system"}.get(what, what)
+            raise InputError(f"{other.path}: expected {name} {expected}, as in {first.path}, got {got}")
+
+
+def _check_spacing(arc: Arc) -> None:
+    """Raise InputError where the nodes of an arc are too far from each other, all in all."""
+    spacing = float(np.median(np.diff(arc.t))) if len(arc.t) > 1 else 0.0
+    if spacing > MOST_APART:
+        raise InputError(f"{arc.path}: expected positions at most {MOST_APART:g} s apart, got {spacing:g} s")
+
+
+def _within_run(arcs: Sequence[Arc], epoch: str, duration: float) -> list[Arc]:
+    """Arcs cut to the run and MARGIN_S around it."""
+    cut = []
+    for arc in arcs:
+        inside = (arc.t >= -MARGIN_S) & (arc.t <= duration + MARGIN_S)
+        if inside.sum() > 1 and np.any((arc.t[inside] >= 0.0) & (arc.t[inside] <= duration)):
+            cut.append(_part(arc, inside))
+    if not cut:
+        first, last = arcs[0].t[0], max(arc.t[-1] for arc in arcs)
+        reach = " to ".join(ccsds.utc_texts(epoch, np.array([first, last])))
+        run = f"{epoch} and {duration / DAY:g} days later"
+        raise InputError(f"{arcs[0].path}: expected an orbit between {run}, got one from {reach}")
+    return cut
+
+
+def _part(arc: Arc, rows: np.ndarray) -> Arc:
+    columns = {name: getattr(arc, name)[rows] for name in ("t", "positions", "velocities", "lines")}
+    return Arc(arc.path, arc.satellite, arc.frame, arc.realisation, arc.scale, **columns)
+
+
+def _curves(arcs: Sequence[Arc], epoch: str, duration: float) -> list[Curve]:
+    """Curves through the arcs, each of arcs that follow each other without overlap."""
+    field = gravity_field.read_icgem(gravity_field.resolve(FIELD)).at(epoch)
+    orientation = earth_orientation.tabulate(epoch, nodes(epoch, duration))
+    attraction = Attraction(field.c, field.s, gm=field.gm, radius=field.radius, earth_orientation=orientation)
+    ends = np.maximum.accumulate([arc.t[-1] for arc in arcs])
+    begins = [k == 0 or arc.t[0] <= ends[k - 1] for k, arc in enumerate(arcs)]
+    runs = groupby(zip(np.cumsum(begins), arcs, strict=True), key=lambda pair: pair[0])
+    return [through([arc for _, arc in run], orientation, attraction) for _, run in runs]
+
+
+def _on_grid(curves: Sequence[Curve], grid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """States (m, 6) on the grid, not finite where unknown, and the curve that each is of, -1 for none."""
+    states, owner = np.full((len(grid), 6), np.nan), np.full(len(grid), -1)
+    for k, one in enumerate(curves):
+        inside = (grid >= one.t[0] - ON_NODE) & (grid <= one.t[-1] + ON_NODE)
+        states[inside], owner[inside] = one.at(grid[inside]), k
+    return states, owner
+
+
+def _origin(arcs: Sequence[Arc]) -> dict[str, Any]:
+    """Where the orbit is from."""
+    return {
+        "files": list(dict.fromkeys(Path(arc.path).name for arc in arcs)),
+        "satellite": arcs[0].satellite,
+        "frame": ", ".join(dict.fromkeys(arc.realisation for arc in arcs)),
+        "time_scale": arcs[0].scale,
+    }
+
+
+def _error(curves: Sequence[Curve]) -> dict[str, float | None]:
+    """Root mean square and maximum of what left out nodes are missed by [m]; None where there were none."""
+    missed = np.concatenate([curve.missed for curve in curves])
+    if not missed.size:
+        return {"rms": None, "max": None}
+    return {"rms": float(np.sqrt(np.mean(missed**2))), "max": float(missed.max())}
+
+
+def _left_out(curves: Sequence[Curve]) -> dict[str, int]:
+    """How many positions and velocities of the files do not fit the others."""
+    positions, velocities = np.sum([curve.left_out for curve in curves], axis=0)
+    return {"positions_left_out": int(positions), "velocities_left_out": int(velocities)}
+
+
+def _gaps(grid: np.ndarray, known: np.ndarray, duration: float) -> list[list[float]]:
+    """Times between which the orbit is not known, from the last row before to the first one after [s]."""
+    fenced = np.concatenate([[True], known, [True]])
+    times = np.concatenate([[0.0], grid, [duration]])
+    rows = np.flatnonzero(fenced)
+    wide = np.flatnonzero(np.diff(rows) > 1)
+    return [[float(times[rows[k]]), float(times[rows[k + 1]])] for k in wide]
+
+
+def _told_breaks(curves: Sequence[Curve], grid: np.ndarray, owner: np.ndarray) -> dict[str, Any]:
+    """Seams and manoeuvres within the run, each by time [s]."""
+    seams, manoeuvres = _changeovers(curves, grid, owner), []
+    for k, curve in enumerate(curves):
+        for one in curve.found:
+            if owner[np.argmin(np.abs(grid - one.t))] != k or not grid[0] <= one.t <= grid[-1]:
+                continue
+            if one.one_way:
+                manoeuvres.append({"t": one.t, "dv_mps": one.velocity})
+            elif one.is_seam:
+                seams.append({"t": one.t, "step_m": one.step})
+    return {
+        "seams": sorted(seams, key=lambda seam: seam["t"]),
+        "manoeuvres": sorted(manoeuvres, key=lambda manoeuvre: manoeuvre["t"]),
+    }
+
+
+def _changeovers(curves: Sequence[Curve], grid: np.ndarray, owner: np.ndarray) -> list[dict[str, float]]:
+    """Seams where one curve takes over from another that reaches there as well."""
+    seams = []
+    for row in np.flatnonzero(np.diff(owner)) + 1:
+        if min(owner[row - 1], owner[row]) < 0:
+            continue
+        before, after = (curves[owner[k]].at(grid[row : row + 1])[0, :3] for k in (row - 1, row))
+        step = float(np.linalg.norm(after - before))
+        if step >= breaks.LEAST_SEAM:
+            seams.append({"t": float(grid[row]), "step_m": step})
+    return seams
+
+
+def _tell(told: dict[str, Any]) -> None:
+    """Log what is told of an orbit."""
+    error = told["interpolation_error_m"]
+    _log.info("orbit of %s in %s, %s", told["satellite"], told["frame"], told["time_scale"])
+    if error["rms"] is not None:
+        _log.info("each second node is predicted to %.2g m rms, %.2g m at most", error["rms"], error["max"])
+    if told["velocities_left_out"]:
+        _log.info("%d velocities are left out, as positions tell more", told["velocities_left_out"])
+    for start, end in told["gaps"]:
+        _log.info("no orbit is known between %.0f s and %.0f s", start, end)
+    for seam in told["seams"]:
+        _log.info("seam at %.0f s: a step of %.2f m", seam["t"], seam["step_m"])
+    for manoeuvre in told["manoeuvres"]:
+        _log.info("manoeuvre at %.0f s: %.4f m/s", manoeuvre["t"], manoeuvre["dv_mps"])
+
+
+def _check_error(told: dict[str, Any], limit: float) -> None:
+    rms = told["interpolation_error_m"]["rms"]
+    if rms is not None and rms > limit:
+        raise InputError(
+            f"{told['files'][0]}: expected nodes that predict each other to {limit:g} m, got {rms:.3g} m: "
+            "noisy, or too far apart"
+        )

@@ -1,0 +1,137 @@
+"""SP3: columns, time systems, satellites, what is absent, and what is refused."""
+
+import numpy as np
+import pytest
+from orbit_files import AHEAD_OF_UTC
+from orbit_files import sp3 as written
+from support import EPOCH
+
+from opml.errors import InputError
+from opml.interop import sp3
+from opml.interop.arcs import contents
+
+T = np.array([0.0, 60.0, 120.0, 180.0])
+STATES = np.random.default_rng(1).uniform(-7e6, 7e6, (4, 6)) * np.repeat([1.0, 1e-3], 3)
+
+
+def read(path, satellite=None):
+    (arc,) = sp3.read(path, contents(path), epoch=EPOCH, satellite=satellite)
+    return arc
+
+
+@pytest.mark.parametrize("name", ["orbit.sp3", "orbit.sp3.gz"])
+@pytest.mark.parametrize("version", ["c", "d"])
+@pytest.mark.parametrize("scale", AHEAD_OF_UTC)
+def test_what_was_written_is_read(tmp_path, name, version, scale):
+    arc = read(written(tmp_path / name, T, STATES, scale=scale, version=version))
+    np.testing.assert_array_equal(arc.t, T)
+    np.testing.assert_allclose(arc.positions, STATES[:, :3], rtol=0, atol=0.6e-3)
+    np.testing.assert_allclose(arc.velocities, STATES[:, 3:], rtol=0, atol=0.6e-7)
+    assert (arc.satellite, arc.frame, arc.realisation, arc.scale) == ("L47", "ITRF", "IGS14", scale)
+    assert arc.lines.tolist() == [24, 27, 30, 33]
+
+
+def test_a_file_without_velocities_has_none(tmp_path):
+    arc = read(written(tmp_path / "orbit.sp3", T, STATES, velocities=False))
+    np.testing.assert_allclose(arc.positions, STATES[:, :3], rtol=0, atol=0.6e-3)
+    assert np.isnan(arc.velocities).all()
+
+
+def test_one_of_several_satellites_is_chosen(tmp_path):
+    path = written(tmp_path / "two.sp3", T, STATES, satellite=None)
+    np.testing.assert_allclose(read(path, "L02").positions, STATES[:, :3] + 1e5, rtol=0, atol=0.6e-3)
+    with pytest.raises(InputError, match="expected the name of one of its satellites, L01, L02, got none"):
+        read(path)
+    with pytest.raises(InputError, match="expected satellite L03, got L01, L02"):
+        read(path, "L03")
+
+
+@pytest.mark.parametrize("absent", ["0.000000", "999999.999999"])
+def test_bad_and_absent_values_are_left_out(tmp_path, absent):
+    path = written(tmp_path / "orbit.sp3", T, STATES)
+    lines = path.read_text().splitlines()
+    for number, mark in ((26, "PL47"), (30, "VL47")):
+        assert lines[number].startswith(mark)
+        lines[number] = f"{mark}{absent:>14}{absent:>14}{absent:>14} 999999.999999"
+    path.write_text("\n".join(lines))
+    arc = read(path)
+    assert arc.t.tolist() == [0.0, 120.0, 180.0]
+    assert np.isfinite(arc.velocities).all(axis=1).tolist() == [True, False, True]
+
+
+@pytest.mark.parametrize("frame", ["IGS14", "IGb14", "IGS20", "ITRF", "ITR97", "SLR08", "WGS84", "ECF"])
+def test_realisations_of_the_itrf_are_taken_for_it(tmp_path, frame):
+    arc = read(written(tmp_path / "orbit.sp3", T, STATES, frame=frame))
+    assert (arc.frame, arc.realisation) == ("ITRF", frame)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("#cV2016", "#aV2016", "line 1: expected the first line of SP3-c or SP3-d, got #aV2016"),
+        ("      4 ORBIT", "      x ORBIT", "line 1: expected the first line of SP3-c"),
+        ("      4 ORBIT", "      5 ORBIT", "expected 5 epochs, as its first line says, got 4"),
+        ("IGS14", "GCRF ", "line 1: expected a realisation of the ITRF, such as IGS14, got GCRF"),
+        (
+            "cc GPS",
+            "cc GLO",
+            "line 13: expected a line %c with time system GPS or UTC or TAI or GAL or QZS, got",
+        ),
+        ("+    1", "+    2", "expected the ids of 2 satellites, got 1"),
+        ("/* a test\n*", "x\n*", "line 22: expected an epoch, position or velocity, got x"),
+        (
+            "*  2016  9 28 12 11  2",
+            "*  2016  9 28 12 11  x",
+            "line 26: expected a finite number, got x.00000000",
+        ),
+        (
+            "*  2016  9 28 12 11  2",
+            "*  2016  9 31 12 11  2",
+            "line 26: expected a time that exists, got * 2016 9",
+        ),
+        ("*  2016  9 28 12 11  2", "*  2016  9 28 12 09  2", "line 26: expected a later epoch than before"),
+        ("EOF", "#cV2016", "line 35: expected an epoch, position or velocity, got #cV2016"),
+    ],
+)
+def test_what_is_malformed_is_named_by_file_and_line(tmp_path, old, new, said):
+    path = written(tmp_path / "orbit.sp3", T, STATES)
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(InputError) as error:
+        read(path)
+    assert str(error.value).startswith(f"{path}: {said}")
+
+
+def test_a_position_without_an_epoch_or_twice_in_one_is_refused(tmp_path):
+    path = written(tmp_path / "orbit.sp3", T, STATES)
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join([*lines[:25], lines[23], *lines[25:]]))
+    with pytest.raises(InputError, match="line 26: expected an epoch before this line, got PL47"):
+        read(path)
+    path.write_text("\n".join([*lines[:22], lines[23], *lines[22:]]))
+    with pytest.raises(InputError, match="line 23: expected an epoch before this line, got PL47"):
+        read(path)
+
+
+def test_a_line_cut_within_a_number_is_noticed(tmp_path):
+    path = written(tmp_path / "orbit.sp3", T, STATES)
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join([*lines[:-2], lines[-2][:44]]))
+    with pytest.raises(InputError, match="line 34: expected digits up to column 46, got VL47"):
+        read(path)
+
+
+def test_a_satellite_without_positions_is_refused(tmp_path):
+    path = written(tmp_path / "orbit.sp3", T, STATES)
+    path.write_text(path.read_text().replace("PL47", "PL48"))
+    with pytest.raises(InputError, match="expected a position of L47, got none"):
+        read(path)
+
+
+def test_a_file_packed_and_damaged_is_refused(tmp_path):
+    path = written(tmp_path / "orbit.sp3.gz", T, STATES)
+    for damaged in (path.read_bytes()[:-9], path.read_bytes()[:30] + b"?" * 9 + path.read_bytes()[39:]):
+        path.write_bytes(damaged)
+        with pytest.raises(InputError, match="expected a file that is whole, got"):
+            read(path)
