@@ -7,11 +7,19 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from support import EPOCH
 
+from opml.dynamics.attraction import Attraction
 from opml.dynamics.frames import gcrf_to_itrf, spin
+from opml.environment import gravity_field
 from opml.interop import ccsds
 
 AHEAD_OF_UTC = {"UTC": 0.0, "GPS": 17.0, "TAI": 36.0}
 """Seconds by which the clocks of time systems are ahead in 2016."""
+
+
+def attraction_of(orientation, epoch=EPOCH):
+    """The attraction that bridges nodes, over the times of an Earth orientation table."""
+    field = gravity_field.read_icgem(gravity_field.resolve("EGM2008")).at(epoch)
+    return Attraction(field.c, field.s, gm=field.gm, radius=field.radius, earth_orientation=orientation)
 
 
 def flown(attraction, state, t, thrust=lambda t: np.zeros(3)):

@@ -2,11 +2,8 @@
 
 import numpy as np
 import pytest
-from orbit_files import flown
-from support import EPOCH
+from orbit_files import attraction_of, flown
 
-from opml.dynamics.attraction import Attraction
-from opml.environment import gravity_field
 from opml.interop import breaks
 from opml.interop.bridging import Bridges, bridge
 
@@ -16,8 +13,7 @@ START = np.array([6778e3, 0.0, 0.0, 0.0, 4750.0, 6025.0])
 
 @pytest.fixture(scope="module")
 def attraction(earth_orientation):
-    field = gravity_field.read_icgem(gravity_field.resolve("EGM2008")).at(EPOCH)
-    return Attraction(field, earth_orientation)
+    return attraction_of(earth_orientation)
 
 
 @pytest.fixture(scope="module")
@@ -110,6 +106,15 @@ def test_a_wrong_node_stands_alone(orbit, attraction):
     found, _, broken = breaks.find(*jumps_of(orbit, attraction, 60.0, astray))
     assert [(one.first, one.last, one.is_seam, one.one_way) for one in found] == [(99, 101, False, False)]
     assert np.flatnonzero(broken).tolist() == [99, 100]
+
+
+def test_wrong_nodes_side_by_side_stand_alone(orbit, attraction):
+    def astray(t, states):
+        states[100:105, :3] += np.random.default_rng(2).normal(0.0, 1e4, (5, 3))
+
+    found, _, broken = breaks.find(*jumps_of(orbit, attraction, 60.0, astray))
+    assert [(one.first, one.last) for one in found] == [(99, 105)]
+    assert np.flatnonzero(broken).tolist() == list(range(99, 105))
 
 
 @pytest.mark.parametrize("node", [0, 180])

@@ -1,10 +1,14 @@
 """The two data cleanings on values small enough to check by hand."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from support import REPOSITORY
 
 from opml.errors import InputError
-from opml.learning.cleaning import Cleaning, drag_coefficient_inside, quartiles, tukey_fences
+from opml.learning.cleaning import PAPER, Cleaning, drag_coefficient_inside, quartiles, tukey_fences
+from opml.reading import read_yaml
 
 
 def test_drag_coefficient_bounds_belong_to_the_interval():
@@ -53,3 +57,8 @@ def test_the_papers_settings_ask_for_bounds_and_fences():
 def test_one_bound_needs_the_other(settings):
     with pytest.raises(InputError, match=r"cd_min, cd_max: expected both or none, got 1\.2 alone"):
         Cleaning.from_settings(settings)
+
+
+def test_the_papers_cleaning_is_that_of_its_study():
+    asked = Cleaning.from_settings(read_yaml(REPOSITORY / "config/studies/paper.yaml")["study"]["cleaning"])
+    assert replace(PAPER, fence_days=(0, 30)) == asked

@@ -1,5 +1,7 @@
 """OEM: what is written comes back bit for bit, and what is malformed is named by file and line."""
 
+import gzip
+
 import erfa
 import numpy as np
 import pandas as pd
@@ -72,8 +74,9 @@ def test_the_leap_second_of_2016_has_a_name():
 
 
 def test_truth_comes_back_bit_for_bit(orbit, message):
-    back = oem.truth_table(message, epoch=EPOCH, step=20.0, duration=600.0)
-    pd.testing.assert_frame_equal(back, orbit, check_exact=True)
+    (back,) = oem.read(message, epoch=EPOCH)
+    np.testing.assert_array_equal(back.t, orbit["t"])
+    np.testing.assert_array_equal(back.states, orbit[list(STATE)])
 
 
 def test_the_same_input_gives_the_same_bytes(orbit, message, tmp_path):
@@ -226,89 +229,78 @@ def test_no_file_and_no_text_are_input_errors(tmp_path):
         oem.read(tmp_path / "bytes.oem", epoch=EPOCH)
 
 
-def written(path, orbits):
-    """A message of one segment per orbit."""
-    segments = [segment for orbit in orbits for segment in oem.truth_segments(orbit, rso="iss")]
+def as_nasa(message, frame="EME2000"):
+    """The message as NASA writes it: units in words, the useable times, another frame."""
+    text = message.read_text().replace("REF_FRAME = GCRF", f"REF_FRAME = {frame}")
+    text = text.replace("CENTER_NAME = EARTH", "CENTER_NAME          = Earth")
+    message.write_text(text.replace("META_STOP", "USEABLE_START_TIME = 2016-09-28T12:10:00\nMETA_STOP"))
+    return message
+
+
+@pytest.mark.parametrize("frame", ["ITRF", "ITRF2000", "ITRF-97", "itrf2014", "EME2000", "ICRF", "GCRF"])
+def test_arcs_keep_the_frame_of_the_message(message, orbit, frame):
+    (arc,) = oem.arcs(as_nasa(message, frame), epoch=EPOCH)
+    assert arc.frame == ("ITRF" if frame.upper().startswith("ITRF") else frame)
+    assert (arc.realisation, arc.scale, arc.satellite) == (frame, "UTC", "iss")
+    # The first state, at 12:09:45, is outside of the useable times.
+    np.testing.assert_array_equal(arc.t, orbit["t"][1:])
+    np.testing.assert_array_equal(np.hstack([arc.positions, arc.velocities]), orbit[list(STATE)][1:])
+    assert arc.lines.tolist() == list(range(18, 48))
+
+
+def test_a_packed_message_is_read(message):
+    packed = message.with_suffix(".oem.gz")
+    packed.write_bytes(gzip.compress(message.read_bytes()))
+    np.testing.assert_array_equal(
+        oem.arcs(packed, epoch=EPOCH)[0].positions, oem.arcs(message, epoch=EPOCH)[0].positions
+    )
+    assert oem.is_one(message.read_bytes())
+    assert not oem.is_one(b"CCSDS_OPM_VERS = 2.0")
+
+
+def test_an_arc_per_segment_of_the_object_that_is_wanted(tmp_path, orbit):
+    path = tmp_path / "two.oem"
+    parts = [("iss", orbit[:11]), ("mir", orbit), ("iss", orbit[11:])]
+    segments = [segment for rso, part in parts for segment in oem.truth_segments(part, rso=rso)]
     oem.write(path, segments, epoch=EPOCH)
-    return path
+    assert [len(arc.t) for arc in oem.arcs(path, epoch=EPOCH, satellite="ISS")] == [11, 20]
+    with pytest.raises(
+        InputError, match=r"two\.oem: expected the name of one of its satellites, iss, mir, got"
+    ):
+        oem.arcs(path, epoch=EPOCH)
+    with pytest.raises(InputError, match=r"two\.oem: expected satellite tiangong, got iss, mir"):
+        oem.arcs(path, epoch=EPOCH, satellite="tiangong")
 
 
-def test_a_truth_must_fill_the_grid(message, orbit, tmp_path):
-    with pytest.raises(InputError, match=r"up to 620 s, got none at 2016-09-28T12:20:05\.0"):
-        oem.truth_table(message, epoch=EPOCH, step=20.0, duration=620.0)
-    with pytest.raises(InputError, match=r"up to 660 s, got none at 2016-09-28T12:09:15\.0"):
-        oem.truth_table(message, epoch="2016-09-28T12:09:15", step=30.0, duration=660.0)
-    gap = written(tmp_path / "gap.oem", [orbit.drop(index=range(7, 23))])
-    with pytest.raises(InputError, match=r"line 23: expected an epoch at most 300 s after .* got 340 s"):
-        oem.truth_table(gap, epoch=EPOCH, step=20.0, duration=600.0)
-    parts = written(tmp_path / "parts.oem", [orbit[:7], orbit[8:]])
-    with pytest.raises(InputError, match=r"got none at 2016-09-28T12:12:05\.0"):
-        oem.truth_table(parts, epoch=EPOCH, step=20.0, duration=600.0)
-    twice = written(tmp_path / "twice.oem", [orbit, orbit])
-    with pytest.raises(InputError, match=r"line 58: expected a later epoch than before"):
-        oem.truth_table(twice, epoch=EPOCH, step=20.0, duration=600.0)
-
-
-@pytest.mark.parametrize(("cadence", "error"), [(20.0, 1e-5), (60.0, 1e-3), (300.0, 0.5)])
-def test_a_truth_is_interpolated_where_the_message_has_no_state(truth_model, iss, tmp_path, cadence, error):
-    orbit = truth.simulate(truth_model, iss, duration=7200.0, step=5.0, integrator=Integrator())
-    path = written(tmp_path / "iss.oem", [orbit[:: int(cadence / 5.0)]])
-    # Half the epochs of this grid lie between the message's.
-    back = oem.truth_table(path, epoch="2016-09-28T12:10:00", step=10.0, duration=6900.0)
-    expected = orbit[3:1384:2]
-    apart = back[["x", "y", "z"]].to_numpy() - expected[["x", "y", "z"]].to_numpy()
-    assert np.abs(apart).max() < error
-    slip = back[["vx", "vy", "vz"]].to_numpy() - expected[["vx", "vy", "vz"]].to_numpy()
-    assert np.abs(slip).max() < error / 10.0
-
-
-def test_nothing_is_interpolated_from_one_segment_to_the_next(orbit, tmp_path):
-    moved = orbit[15:].assign(x=orbit["x"] + 100.0)
-    both = written(tmp_path / "both.oem", [orbit[:16], moved])
-    back = oem.truth_table(both, epoch=EPOCH, step=10.0, duration=600.0)
-    alone = written(tmp_path / "first.oem", [orbit[:16]])
-    before = oem.truth_table(alone, epoch=EPOCH, step=10.0, duration=300.0)
-    pd.testing.assert_frame_equal(back[:30], before[:30], check_exact=True)
-    # The epoch that both segments have is the later one's.
-    assert back["x"][30] == moved["x"][15]
+def test_covariances_are_passed_over_by_arcs(tmp_path):
+    path = tmp_path / "e.oem"
+    oem.write(path, oem.estimate_segments(estimates(), rso="iss"), epoch=EPOCH)
+    edited(path, "COV_REF_FRAME = GCRF", "COV_REF_FRAME = RTN")
+    assert oem.arcs(path, epoch=EPOCH)[0].t.tolist() == [0.0, 200.0]
+    edited(path, "COVARIANCE_STOP", "")
+    with pytest.raises(InputError, match="expected more lines, got the end of the file"):
+        oem.arcs(path, epoch=EPOCH)
 
 
 @pytest.mark.parametrize(
-    ("rows", "duration"),
-    [(range(0), 620.0), (range(7, 23), 600.0), (range(1), 600.0), (range(30, 31), 600.0)],
+    ("old", "new", "said"),
+    [
+        ("REF_FRAME = GCRF", "REF_FRAME = TOD", "REF_FRAME = GCRF or ICRF or EME2000 or ITRF, got TOD"),
+        (
+            "STOP_TIME = 2016-09-28T12:19",
+            "STOP_TIME = 2016-09-28T13:19",
+            "states up to STOP_TIME = 2016-09-28T13",
+        ),
+        ("12:10:05.000000 ", "12:09:05.000000 ", "a later epoch than before"),
+        ("META_STOP", "USEABLE_STOP_TIME = 2016\nMETA_STOP", "a time like 2016-09-28T12:09:45, got 2016"),
+        (
+            "META_STOP",
+            "USEABLE_STOP_TIME = 2015-01-01T00:00:00\nMETA_STOP",
+            "states within the useable times",
+        ),
+    ],
 )
-def test_what_no_truth_can_be_made_of_is_told_before_alike(orbit, tmp_path, rows, duration):
-    path = written(tmp_path / "iss.oem", [orbit.drop(index=rows)])
-    with pytest.raises(InputError) as told:
-        oem.check(path, epoch=EPOCH, step=20.0, duration=duration)
-    with pytest.raises(InputError) as read:
-        oem.truth_table(path, epoch=EPOCH, step=20.0, duration=duration)
-    assert str(told.value) == str(read.value)
-
-
-def test_the_check_takes_what_is_sound_and_reads_no_numbers_of_states(message):
-    oem.check(message, epoch=EPOCH, step=20.0, duration=600.0)
-    oem.check(message, epoch=EPOCH, step=20.0, duration=400.0)
-    first = message.read_text().splitlines()[15]
-    edited(message, first, " ".join([first.split()[0], *("x" * 6)]))
-    oem.check(message, epoch=EPOCH, step=20.0, duration=600.0)
-    with pytest.raises(InputError, match="line 16: expected a finite number, got x"):
-        oem.truth_table(message, epoch=EPOCH, step=20.0, duration=600.0)
-
-
-def test_the_check_names_what_is_malformed(message):
-    edited(message, "\n2016-09-28T12:10:05.000000 ", "\nnoon ")
-    with pytest.raises(InputError, match="line 17: expected a time like 2016-09-28T12:09:45, got noon"):
-        oem.check(message, epoch=EPOCH, step=20.0, duration=600.0)
-
-
-def test_a_truth_may_reach_further_and_come_in_segments(orbit, tmp_path):
-    path = tmp_path / "long.oem"
-    parts = [orbit[:11], orbit[11:]]
-    oem.write(
-        path, [segment for part in parts for segment in oem.truth_segments(part, rso="iss")], epoch=EPOCH
-    )
-    back = oem.truth_table(path, epoch=EPOCH, step=20.0, duration=400.0)
-    pd.testing.assert_frame_equal(back, orbit[:21], check_exact=True)
-    later = oem.truth_table(path, epoch="2016-09-28T12:11:45", step=20.0, duration=480.0)
-    np.testing.assert_array_equal(later[list(STATE)], orbit[list(STATE)][6:])
+def test_arcs_that_are_cut_or_malformed_are_named(message, old, new, said):
+    edited(message, old, new)
+    with pytest.raises(InputError, match=f"iss.oem: .*expected {said}"):
+        oem.arcs(message, epoch=EPOCH)

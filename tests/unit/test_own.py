@@ -101,41 +101,67 @@ def test_growth_states_medians_and_95th_percentiles():
     assert (binned["before_50"].diff().dropna() > 0.0).all()
 
 
+def dataset_of(table):
+    """Its dataset, with one prediction more that failed."""
+    rows = table[["i", "j"]].assign(e_y=table["true"], keep=True, reason="")
+    failed = {"i": [0], "j": [999], "e_y": [np.nan], "keep": [False], "reason": ["no prediction: decayed"]}
+    return pd.concat([rows, pd.DataFrame(failed)], ignore_index=True)
+
+
+def estimates_of(table):
+    """Its estimates, of which those from the 25th on have a Cd that the paper drops."""
+    tracks = np.unique(table["i"])
+    return pd.DataFrame({"track": tracks, "cd": np.where(tracks < 25, 2.2, 4.0), "converged": tracks != 49})
+
+
 @pytest.fixture
 def told():
     """A small study's request, with tables of everything that it asks for."""
     own = own_of(learners=["none", "running", "svr"])
     numbers = {"rows": 100, "estimates": 7, "p_ml": 20.0, "p_ml_low": 18.0, "p_ml_high": 23.0}
     metrics = pd.DataFrame([one.columns() | numbers for one in own.experiments.values()])
-    dataset = pd.DataFrame(
-        {"keep": [True, True, True, False], "reason": ["", "", "", "no prediction: decayed below 120 km"]}
-    )
-    estimates = pd.DataFrame({"converged": [True, True, False]})
-    growth = {key: at_days(evaluation(), own.marks) for key in own.stated}
+    good, poor = evaluation(), evaluation()
+    poor["predicted"] *= poor["i"] < 25
+    poor["residual"] = poor["true"] - poor["predicted"]
+    evaluations = {one: poor if one[-1] == "svr" else good for one in own.stated}
     key = ("lares", "eglin-clear-kaena")
-    return document.markdown(report.document(own.answer, metrics, growth, {key: dataset}, {key: estimates}))
+    return document.markdown(
+        report.document(own.answer, metrics, evaluations, {key: dataset_of(good)}, {key: estimates_of(good)})
+    )
 
 
 def test_the_report_answers_without_the_papers_notions(told):
     assert "| lares | eglin-clear-kaena | `running` | 20.0 (18.0 to 23.0) |" in told
     assert re.search(r"\| lares \| eglin-clear-kaena \| no correction \| 1\d{3} / 1\d{3} \|", told)
-    assert re.search(r"\| lares \| eglin-clear-kaena \| `svr` \| \d\d\d? / 1\d\d \|", told)
-    assert "| lares | eglin-clear-kaena | 3 | 2 | 4 | 75.0 % | no prediction 25.0 % |" in told
+    assert re.search(r"\| lares \| eglin-clear-kaena \| `running` \| \d\d\d? / 1\d\d \|", told)
+    assert "| lares | eglin-clear-kaena | 50 | 49 | 401 | 99.8 % | 49.9 % | no prediction 0.2 % |" in told
     assert "| `running` | law without a truth" in told
     assert not re.search(r"\bnan\b|Peng|published|reading of|slip", told)
+
+
+def test_the_share_left_is_stated_for_all_rows_and_for_the_papers(told):
+    left = {
+        line.split(" | ")[2]: line.strip(" |").split(" | ")[-2:]
+        for line in told.splitlines()
+        if line.startswith("| lares") and " / " in line
+    }
+    assert left["no correction"] == ["100.0", "100.0"]
+    assert left["`running`"] == ["10.0", "10.0"]
+    assert 45.0 < float(left["`svr`"][0]) < 65.0
+    assert left["`svr`"][1] == "10.0"
 
 
 def test_a_duration_that_nothing_reaches_has_no_number():
     own = own_of(learners=["svr"])
     short = evaluation()
-    growth = {key: at_days(short[short["duration"] < 3 * DAY], own.marks) for key in own.stated}
+    evaluations = dict.fromkeys(own.stated, short[short["duration"] < 3 * DAY])
     metrics = pd.DataFrame(
         [one.columns() | {"p_ml": 1.0, "p_ml_low": 1.0, "p_ml_high": 1.0} for one in own.experiments.values()]
     )
     key = ("lares", "eglin-clear-kaena")
-    dataset = {key: pd.DataFrame({"keep": [True], "reason": [""]})}
+    dataset = {key: dataset_of(short)}
     text = document.markdown(
-        report.document(own.answer, metrics, growth, dataset, {key: pd.DataFrame({"converged": [True]})})
+        report.document(own.answer, metrics, evaluations, dataset, {key: estimates_of(short)})
     )
     assert "| 1 d | 2 d |" in text
     assert "| 4 d |" not in text

@@ -50,7 +50,7 @@ READ = {
     "weather.csv": lambda path: solar_activity.tabulate(path, EPOCH, DAYS, 50),
     "finals2000A.all": lambda path: earth_orientation.tabulate(EPOCH, DAYS, bulletin=path),
     "week.bsp": lambda path: ephemerides.tabulate(path, EPOCH, DAYS),
-    "iss.oem": lambda path: oem.truth_table(path, epoch=EPOCH, step=20.0, duration=600.0),
+    "iss.oem": lambda path: oem.arcs(path, epoch=EPOCH),
     "vanguard.omm": mean_elements.read,
     "stations.tsv": read_stations,
     "rsos.tsv": read_rsos,

@@ -40,6 +40,6 @@ def test_an_unfit_message_is_told_in_one_line(project):
     truth = "results/ci/truth/iss.parquet"
     done = project.snakemake("-j1", TRIMMED, truth, "--config", "oem={iss: iss.oem}", check=False)
     assert done.returncode != 0
-    assert "opml: iss.oem: line 2: expected KEY = value, got ORIGINATOR" in done.stdout
+    assert "opml: --config: oem.iss: iss.oem: line 2: expected KEY = value, got ORIGINATOR" in done.stdout
     assert "Traceback" not in done.stdout
     assert not (project.folder / "results" / "ci" / "truth" / "iss.parquet").exists()

@@ -180,7 +180,7 @@ def test_a_study_of_ones_own_names_all_its_products(project):
     assert "results/mine/figs/study/mine/eglin-kaena_errors.png" in plan
     assert {name: jobs(plan)[name] for name in ("truth", "estimation", "dataset", "study_report")} == {
         "truth": 1,
-        "estimation": 2,  # the mechanism's long arcs beside the study's own
+        "estimation": 4,  # the windows of fit24, fit48 and fit96 beside the study's own
         "dataset": 1,
         "study_report": 1,
     }

@@ -236,3 +236,19 @@ def shown_in_report(name, suffix, section, caption=None):
     title = Path(name).name
     caption = f"../report/{caption or title}.rst"
     return report(f"{RESULTS}/{name}{suffix}", caption=caption, category=section, labels={"shows": title})
+
+
+def arc_at(pattern):
+    """Input function: the file of a pattern, of estimates over the arcs' window."""
+
+    def find(wildcards):
+        hours, _ = naming.parse_arc(wildcards.arc)
+        window = naming.windowed(hours, default=config["estimation"]["window_hours"])
+        return path_of(pattern, rso=wildcards.rso, stations=wildcards.stations, window=window)
+
+    return find
+
+
+def drawing(name, **settings):
+    """Params of a figure: the script that draws it, and what it is told."""
+    return {"draw": name, "settings": {"epoch": config["epoch"], **settings}, "code": code(f"{name}.py")}

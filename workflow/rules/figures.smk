@@ -9,11 +9,6 @@ wildcard_constraints:
     curve=naming.any_of(PAPER.curves),
 
 
-def drawing(name, **settings):
-    """Params of a figure: the script that draws it, and what it is told."""
-    return {"draw": name, "settings": {"epoch": config["epoch"], **settings}, "code": code(f"{name}.py")}
-
-
 rule errors:
     input:
         rules.evaluate.output.evaluation,

@@ -2,17 +2,6 @@
 LONG = naming.windowed(config["mechanism"]["long_window_hours"], default=config["estimation"]["window_hours"])
 
 
-def arc_at(pattern):
-    """Input function: the file of a pattern, of estimates over the arcs' window."""
-
-    def find(wildcards):
-        hours, _ = naming.parse_arc(wildcards.arc)
-        window = naming.windowed(hours, default=config["estimation"]["window_hours"])
-        return path_of(pattern, rso=wildcards.rso, stations=wildcards.stations, window=window)
-
-    return find
-
-
 rule sensitivities:
     input:
         **ENVIRONMENT,

@@ -1,7 +1,6 @@
 """Answer a study: models against splits, errors in metres, rows used."""
 
 from opml.jobs import job
-from opml.learning.growth import at_days
 from opml.report import document, study
 from opml.study.experiments import read_study
 from opml.study.own import Own
@@ -14,7 +13,7 @@ with job(snakemake):
     blocks = study.document(
         own.answer,
         read_tables(files.metrics, "metrics"),
-        {key: at_days(read_table(path, "evaluation"), own.marks) for key, path in stated},
+        {key: read_table(path, "evaluation") for key, path in stated},
         {key: read_table(path, "dataset") for key, path in zip(own.datasets, files.datasets, strict=True)},
         {key: read_table(path, "estimates") for key, path in zip(own.datasets, files.estimates, strict=True)},
     )

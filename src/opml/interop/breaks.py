@@ -24,6 +24,7 @@ TIMES_USUAL = 10.0
 
 USUAL_HOURS = 12
 _MOST_NODES = 4  # of a break that is no manoeuvre: two wrong nodes jump at four
+_MOST_NOISE = 30.0  # swing of it [m]; larger ones are nodes that are wrong, side by side
 _OF_SWING = 0.2  # part of it that is a step; after wrong nodes less than a hundredth stays
 _UNLIKE = 30.0  # ratio of jumps side by side that have nothing to do with each other
 _FEWEST_HOURS = 3  # with nodes, for a side to count
@@ -49,8 +50,8 @@ class Break:
 
     @property
     def is_noise(self) -> bool:
-        """Whether there are more jumps, up and down, than two solutions or a few wrong nodes make."""
-        return not self.one_way and self.last - self.first >= _MOST_NODES
+        """Whether there are small jumps up and down, more than two solutions or a few wrong nodes make."""
+        return not self.one_way and self.last - self.first >= _MOST_NODES and self.swing < _MOST_NOISE
 
     @property
     def is_seam(self) -> bool:
@@ -109,7 +110,7 @@ def _break(t: np.ndarray, jumps: np.ndarray, nodes: np.ndarray) -> Break:
         t=float(middle),
         velocity=float(size.sum()),
         step=float(np.linalg.norm((middle - t[nodes]) @ own)),
-        swing=float((size * np.gradient(t)[nodes]).max()),
+        swing=float((size * np.minimum(t[nodes] - t[nodes - 1], t[nodes + 1] - t[nodes])).max()),
         one_way=bool(change > 0.5 * size.sum()),
     )
 

@@ -70,17 +70,21 @@ class Bridges:
         return type(self)(self.t, np.where(broken[:, None, None], np.nan, self.coefficients))
 
     def mean_velocities(self) -> np.ndarray:
-        """Velocities (n, 3) [m/s] at the nodes: between those of both sides, or of the one that is bridged.
+        """Velocities (n, 3) [m/s] at the nodes, from those on both sides or on the one that is bridged.
 
         What pulls beside gravity, if it is constant, moves the two to either side by as much as the interval
-        there is long.
+        there is long. On one side alone it is taken to be what it is at the next node.
         """
         width, none = np.diff(self.t), np.full((1, 3), np.nan)
         before, after = np.append(width[:1], width), np.append(width, width[-1:])
+        share = (before / (before + after))[:, None]
+        earlier, later = share * self.jumps, (1.0 - share) * self.jumps
         departures, arrivals = np.vstack([self.departures, none]), np.vstack([none, self.arrivals])
-        between = (before[:, None] * departures + after[:, None] * arrivals) / (before + after)[:, None]
-        one_side = np.where(np.isfinite(departures), departures, arrivals)
-        mean: np.ndarray = np.where(np.isfinite(between), between, one_side)
+        between = departures - earlier
+        from_first = departures - np.vstack([earlier[1:], none])
+        to_last = arrivals + np.vstack([none, later[:-1]])
+        one_side = np.where(np.isfinite(from_first), from_first, to_last)
+        mean: np.ndarray = np.where(np.isfinite(arrivals) & np.isfinite(departures), between, one_side)
         return mean
 
     def through(self, velocities: np.ndarray, free: np.ndarray) -> Self:

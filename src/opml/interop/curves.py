@@ -69,7 +69,7 @@ def through(arcs: Sequence[Arc], orientation: pd.DataFrame, attraction: Attracti
     found, jumping, broken = breaks.find(t, bridges.jumps)
     broken |= near & ~bridges.bridged
     bridges = bridges.without(broken)
-    strange = _strange_velocities(arcs, states[:, 3:], bridges, jumping)
+    strange = _strange_velocities(arcs, states[:, 3:], bridges)
     states[strange, 3:] = np.nan
     missed = _missed(t, states, attraction, smooth=bridges.bridged & ~jumping[:-1] & ~jumping[1:])
     given = np.isfinite(states[:, 3:])
@@ -97,9 +97,7 @@ def in_gcrf(arc: Arc, orientation: pd.DataFrame) -> np.ndarray:
     return np.concatenate([positions, velocities], axis=1)
 
 
-def _strange_velocities(
-    arcs: Sequence[Arc], velocities: np.ndarray, bridges: Bridges, jumping: np.ndarray
-) -> np.ndarray:
+def _strange_velocities(arcs: Sequence[Arc], velocities: np.ndarray, bridges: Bridges) -> np.ndarray:
     """Which velocities (n, 3) [m/s] of the files tell less than the positions do: (n,).
 
     All of them, where they usually differ from those before and after a node by more than these two do from
@@ -108,7 +106,6 @@ def _strange_velocities(
     none = np.full((1, 3), np.nan)
     sides = np.stack([np.vstack([bridges.departures, none]), np.vstack([none, bridges.arrivals])])
     apart = np.fmin(*np.linalg.norm(velocities - sides, axis=2))
-    apart[jumping] = np.nan
     given: np.ndarray = np.isfinite(velocities[:, 0])
     usual = _median(apart)
     if usual > ALIEN:

@@ -31,6 +31,9 @@ LIMIT = 3.0
 It is the root mean square of what nodes, every second one left out, are missed by.
 """
 
+LARGEST_STEP = 20e3
+"""Largest step between two solutions of one orbit [m]: three seconds along the track of a low one."""
+
 FIELD = "EGM2008"
 """Gravity field that bridges the nodes, to degree and order 70."""
 
@@ -70,7 +73,8 @@ def truth(
         **_told_breaks(curves, grid, owner),
     }
     _tell(told)
-    _check_error(told, limit)
+    _check_steps(gathered, told["seams"], epoch)
+    _check_error(gathered, told["interpolation_error_m"], limit)
     columns = dict(zip(STATE, states[known].T, strict=True))
     return pd.DataFrame({"t": grid[known], **columns}), told
 
@@ -185,7 +189,7 @@ def _origin(arcs: Sequence[Arc]) -> dict[str, Any]:
         "files": list(dict.fromkeys(Path(arc.path).name for arc in arcs)),
         "satellite": arcs[0].satellite,
         "frame": ", ".join(dict.fromkeys(arc.realisation for arc in arcs)),
-        "time_scale": arcs[0].scale,
+        "time_system": arcs[0].scale,
     }
 
 
@@ -245,7 +249,7 @@ def _changeovers(curves: Sequence[Curve], grid: np.ndarray, owner: np.ndarray) -
 def _tell(told: dict[str, Any]) -> None:
     """Log what is told of an orbit."""
     error = told["interpolation_error_m"]
-    _log.info("orbit of %s in %s, %s", told["satellite"], told["frame"], told["time_scale"])
+    _log.info("orbit of %s in %s, %s", told["satellite"], told["frame"], told["time_system"])
     if error["rms"] is not None:
         _log.info("each second node is predicted to %.2g m rms, %.2g m at most", error["rms"], error["max"])
     if told["velocities_left_out"]:
@@ -258,10 +262,20 @@ def _tell(told: dict[str, Any]) -> None:
         _log.info("manoeuvre at %.0f s: %.4f m/s", manoeuvre["t"], manoeuvre["dv_mps"])
 
 
-def _check_error(told: dict[str, Any], limit: float) -> None:
-    rms = told["interpolation_error_m"]["rms"]
-    if rms is not None and rms > limit:
+def _check_steps(arcs: Sequence[Arc], seams: Sequence[dict[str, float]], epoch: str) -> None:
+    """Raise InputError where the orbit goes on so far away that it cannot be the same."""
+    for seam in seams:
+        if seam["step_m"] > LARGEST_STEP:
+            path = [arc.path for arc in arcs if arc.t[0] <= seam["t"]][-1]
+            at = ccsds.utc_texts(epoch, np.array([seam["t"]]))[0]
+            raise InputError(
+                f"{path}: expected one orbit, got a step of {seam['step_m'] / 1e3:.0f} km at {at}"
+            )
+
+
+def _check_error(arcs: Sequence[Arc], error: dict[str, float | None], limit: float) -> None:
+    if error["rms"] is not None and error["rms"] > limit:
+        expected = f"nodes that predict each other to {limit:g} m"
         raise InputError(
-            f"{told['files'][0]}: expected nodes that predict each other to {limit:g} m, got {rms:.3g} m: "
-            "noisy, or too far apart"
+            f"{arcs[0].path}: expected {expected}, got {error['rms']:.3g} m: noisy, or too far apart"
         )

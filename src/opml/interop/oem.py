@@ -8,14 +8,13 @@ OEM. Source: CCSDS 502.0-B-2, section 5.
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 import numpy as np
 import pandas as pd
 
 from opml.errors import InputError
 from opml.files import FilePath
-from opml.interop import ccsds, hermite
+from opml.interop import ccsds
 from opml.interop.arcs import MOST_APART, Arc, ascending, chosen
 from opml.tables import STATE
 
@@ -24,9 +23,6 @@ _VERSIONS = ("1.0", "2.0")
 _KILO = 3  # kilometres in the message, metres here
 _LOWER = np.tril_indices(6)
 _COVARIANCES = [f"cov_{STATE[a]}_{STATE[b]}" for a, b in zip(*_LOWER, strict=True)]
-
-ON_GRID = 1e-6
-"""How far from an epoch of the grid a state may lie that is the truth there as it stands [s]."""
 
 _FRAMES = (*ccsds.FRAMES, "ITRF")
 _TERRESTRIAL = re.compile(r"ITRF[-_]?\d*", re.IGNORECASE)
@@ -37,7 +33,7 @@ class Segment:
     """States, and some covariances, of one object.
 
     t (n,) [s since the epoch]; states (n, 6) GCRF [m, m/s]; covariance_t (m,) [s]; covariances (m, 6, 6) GCRF
-    [m, m/s]; lines (n,): where the states stand in the file they were read from.
+    [m, m/s].
     """
 
     name: str
@@ -46,23 +42,6 @@ class Segment:
     covariance_t: np.ndarray = field(default_factory=lambda: np.empty(0))
     covariances: np.ndarray = field(default_factory=lambda: np.empty((0, 6, 6)))
     remark: str = ""
-    lines: np.ndarray = field(default_factory=lambda: np.empty(0, int))
-
-
-@dataclass(frozen=True)
-class _Block:
-    """A segment as it stands in a message: the numbers of its states are still texts, in its own frame."""
-
-    name: str
-    frame: str
-    t: np.ndarray
-    lines: np.ndarray
-    texts: list[list[str]]
-    covariance_t: np.ndarray
-    covariances: np.ndarray
-
-
-_Timed = Segment | _Block
 
 
 def truth_segments(truth: pd.DataFrame, *, rso: str) -> list[Segment]:
@@ -119,7 +98,11 @@ def read(path: FilePath, *, epoch: str) -> list[Segment]:
     Raises InputError, naming file and line, for what is malformed, not centred on Earth or in another frame.
     """
     message = _open(path)
-    return [_segment(message, block) for block in _blocks(message, epoch)]
+    message.skip_header()
+    segments = [_segment(message, epoch)]
+    while message.peek():
+        segments.append(_segment(message, epoch))
+    return segments
 
 
 def is_one(content: bytes) -> bool:
@@ -145,91 +128,6 @@ def arcs(path: FilePath, *, epoch: str, satellite: str | None = None) -> list[Ar
     if not arcs:
         raise InputError(f"{path}: expected states within the useable times, got none")
     return arcs
-
-
-def truth_table(path: FilePath, *, epoch: str, step: float, duration: float) -> pd.DataFrame:
-    """The `truth` table of an OEM: GCRF states every `step` from the epoch to `duration` [s].
-
-    A state of the message on this grid is taken as it stands. Elsewhere the states are interpolated, within a
-    segment and between states at most MOST_APART from each other. The message may reach further.
-    Raises InputError, naming the file and the line or epoch, for what is malformed or missing.
-    """
-    segments, grid = read(path, epoch=epoch), _grid(step, duration)
-    owner = _segment_of(grid, path, segments, epoch)
-    states = [_states_at(segment, grid[owner == k]) for k, segment in enumerate(segments)]
-    return pd.DataFrame({"t": grid, **dict(zip(STATE, np.concatenate(states).T, strict=True))})
-
-
-def check(path: FilePath, *, epoch: str, step: float, duration: float) -> None:
-    """Raise InputError where an OEM is malformed or `truth_table` could not be made from its epochs.
-
-    Only the times are read, not the numbers of the states: a second or two for a month of states every 10 s.
-    """
-    _segment_of(_grid(step, duration), path, _blocks(_open(path), epoch), epoch)
-
-
-def _grid(step: float, duration: float) -> np.ndarray:
-    return np.arange(0.0, duration + 0.5 * step, step)
-
-
-def _segment_of(grid: np.ndarray, path: FilePath, segments: Sequence[_Timed], epoch: str) -> np.ndarray:
-    """Number of the segment (n,) that has the truth at each epoch of the grid (n,), the later one of two.
-
-    Raises InputError where there is none, or where its states are in disorder or too far apart.
-    """
-    _check_order(path, segments)
-    owner = np.full(len(grid), -1)
-    for k, segment in enumerate(segments):
-        owner[(grid >= segment.t[0] - ON_GRID) & (grid <= segment.t[-1] + ON_GRID)] = k
-    missing = grid[owner < 0]
-    if missing.size:
-        at = ccsds.utc_texts(epoch, missing[:1])[0]
-        raise InputError(f"{path}: expected states from {epoch} up to {grid[-1]:g} s, got none at {at}")
-    for k, segment in enumerate(segments):
-        _check_spacing(path, segment, grid[owner == k])
-    return owner
-
-
-def _check_order(path: FilePath, segments: Sequence[_Timed]) -> None:
-    """Raise InputError where a state is not later than the one before; two segments may share an epoch."""
-    numbers = [segment.lines[1:][np.diff(segment.t) <= 0.0] for segment in segments]
-    numbers += [after.lines[:1] for before, after in pairwise(segments) if after.t[0] < before.t[-1]]
-    back = np.concatenate(numbers)
-    if back.size:
-        raise InputError(f"{path}: line {back.min()}: expected a later epoch than before, got none")
-
-
-def _check_spacing(path: FilePath, segment: _Timed, at: np.ndarray) -> None:
-    """Raise InputError where times (n,) [s] lie between states of a segment that are too far apart."""
-    after = np.searchsorted(segment.t, at[~_is_state(segment, at)])
-    apart = segment.t[after] - segment.t[after - 1]
-    wide = np.flatnonzero(apart > MOST_APART)
-    if wide.size:
-        raise InputError(
-            f"{path}: line {segment.lines[after[wide[0]]]}: expected an epoch at most {MOST_APART:g} s after "
-            f"the one before, got {apart[wide[0]]:g} s"
-        )
-
-
-def _states_at(segment: Segment, at: np.ndarray) -> np.ndarray:
-    """States (n, 6) of a segment at times (n,) [s]: its own where it has them, else interpolated."""
-    own = _is_state(segment, at)
-    states = np.empty((len(at), 6))
-    states[own] = segment.states[_nearest(segment.t, at[own])]
-    states[~own] = hermite.interpolate(segment.t, segment.states, at[~own])
-    return states
-
-
-def _is_state(segment: _Timed, at: np.ndarray) -> np.ndarray:
-    """Whether a segment has a state at each of the times (n,) [s]."""
-    own: np.ndarray = np.abs(segment.t[_nearest(segment.t, at)] - at) <= ON_GRID
-    return own
-
-
-def _nearest(t: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Index (n,) of the one of ascending times t that is nearest to each of the times (n,)."""
-    after = np.clip(np.searchsorted(t, at), 1, len(t) - 1)
-    return np.where(at - t[after - 1] < t[after] - at, after - 1, after)
 
 
 def _lines(segments: Sequence[Segment], epoch: str) -> Iterator[str]:
@@ -269,15 +167,7 @@ def _open(path: FilePath) -> ccsds.Message:
     return ccsds.Message(path, version_key=_KEY, versions=_VERSIONS)
 
 
-def _blocks(message: ccsds.Message, epoch: str) -> list[_Block]:
-    message.skip_header()
-    blocks: list[_Block] = []
-    while message.peek() or not blocks:
-        blocks.append(_block(message, epoch))
-    return blocks
-
-
-def _block(message: ccsds.Message, epoch: str) -> _Block:
+def _segment(message: ccsds.Message, epoch: str) -> Segment:
     message.expect("META_START")
     metadata = message.pairs("META_STOP")
     metadata.one_of("CENTER_NAME", ("EARTH",))
@@ -285,12 +175,10 @@ def _block(message: ccsds.Message, epoch: str) -> _Block:
     scale = metadata.one_of("TIME_SYSTEM", ccsds.SCALES)
     lines, times, texts = _state_texts(message)
     covariance_t, covariances = _covariances(message, frame, scale, epoch)
-    return _Block(
+    return Segment(
         name=metadata.text("OBJECT_NAME"),
-        frame=frame,
         t=message.elapsed(times, lines, epoch=epoch, scale=scale),
-        lines=np.array(lines),
-        texts=texts,
+        states=_numbers(message, lines, texts) @ _state_rotation(frame).T,
         covariance_t=covariance_t,
         covariances=covariances,
     )
@@ -342,18 +230,6 @@ def _state_texts(message: ccsds.Message) -> tuple[list[int], list[str], list[lis
     if not lines:
         raise message.wrong("a state", message.peek())
     return lines, times, texts
-
-
-def _segment(message: ccsds.Message, block: _Block) -> Segment:
-    states = _numbers(message, block.lines.tolist(), block.texts)
-    return Segment(
-        name=block.name,
-        t=block.t,
-        states=states @ _state_rotation(block.frame).T,
-        covariance_t=block.covariance_t,
-        covariances=block.covariances,
-        lines=block.lines,
-    )
 
 
 def _numbers(message: ccsds.Message, lines: Sequence[int], texts: Sequence[Sequence[str]]) -> np.ndarray:

@@ -52,6 +52,13 @@ class Cleaning:
         return drag_coefficient_inside(cd, cd_min=low, cd_max=high)
 
 
+PAPER_BOUNDS = (1.2, 3.2)
+PAPER_FENCE = 3.0
+
+PAPER = Cleaning(cd_bounds=PAPER_BOUNDS, fence=PAPER_FENCE)
+"""The paper's, with fences from all rows that survive its bounds."""
+
+
 def drag_coefficient_inside(cd: np.ndarray, *, cd_min: float, cd_max: float) -> np.ndarray:
     """Which drag coefficients lie in [cd_min, cd_max] (bool, shape of cd; NaN does not)."""
     return (cd >= cd_min) & (cd <= cd_max)

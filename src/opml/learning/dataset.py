@@ -68,6 +68,14 @@ def build(
     return rows[SCHEMAS["dataset"].names]
 
 
+def survives(dataset: pd.DataFrame, estimates: pd.DataFrame, cleaning: Cleaning) -> np.ndarray:
+    """Which kept rows (n,) of a `dataset` table another cleaning's bounds and fences would keep too."""
+    cd = estimates.set_index("track")["cd"].reindex(dataset["i"]).to_numpy()
+    kept: np.ndarray = dataset["keep"].to_numpy() & cleaning.keeps(cd)
+    kept &= ~_outside_fences(dataset, kept, cleaning)
+    return kept
+
+
 def read(path: str | PathLike[str], beside: Iterable[str | PathLike[str]] = ()) -> pd.DataFrame:
     """A dataset's file, with the columns of tables of the same pairs `beside` its own.
 
@@ -200,10 +208,16 @@ def _reasons(rows: pd.DataFrame, cleaning: Cleaning) -> pd.Series:
     reason[failed != ""] = NO_PREDICTION + ": " + failed
     reason[~rows["converged"]] = NOT_CONVERGED
 
-    kept = reason == ""
-    if cleaning.fence is not None and kept.any():
-        days, e_y = cleaning.fence_days, rows["e_y"].to_numpy()
-        within = kept if days is None else kept & in_days(rows["t_j"].to_numpy(), days)
-        lower, upper = tukey_fences(e_y[within], fence=cleaning.fence)
-        reason[kept & ((e_y < lower) | (e_y > upper))] = OUTSIDE_FENCES
+    reason[_outside_fences(rows, (reason == "").to_numpy(), cleaning)] = OUTSIDE_FENCES
     return reason
+
+
+def _outside_fences(rows: pd.DataFrame, kept: np.ndarray, cleaning: Cleaning) -> np.ndarray:
+    """Which of the rows that are kept so far (n,) lie outside Tukey's fences on e_y."""
+    if cleaning.fence is None or not kept.any():
+        return np.zeros(len(rows), dtype=bool)
+    days, e_y = cleaning.fence_days, rows["e_y"].to_numpy()
+    within = kept if days is None else kept & in_days(rows["t_j"].to_numpy(), days)
+    lower, upper = tukey_fences(e_y[within], fence=cleaning.fence)
+    outside: np.ndarray = kept & ((e_y < lower) | (e_y > upper))
+    return outside

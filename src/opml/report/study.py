@@ -6,6 +6,10 @@ from typing import Any
 
 import pandas as pd
 
+from opml.learning.cleaning import PAPER, PAPER_BOUNDS, PAPER_FENCE
+from opml.learning.dataset import survives
+from opml.learning.growth import at_days
+from opml.learning.metrics import p_ml
 from opml.naming import Experiment
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.generalisation import model_table
@@ -26,21 +30,26 @@ class Answer:
     datasets: Sequence[Dataset]  # RSO and station set
     learners: Mapping[str, Mapping[str, Any]]  # settings by name
     component: str
+    marks: Sequence[float]  # prediction durations that errors are stated at [days]
     settings: Mapping[str, Any]
 
 
 def document(
     asked: Answer,
     metrics: pd.DataFrame,
-    growth: Mapping[tuple[str, str, str], pd.DataFrame],
+    evaluations: Mapping[tuple[str, str, str], pd.DataFrame],
     datasets: Mapping[Dataset, pd.DataFrame],
     estimates: Mapping[Dataset, pd.DataFrame],
 ) -> list[Block]:
     """The whole report.
 
-    `metrics`: rows of that table for every experiment. `growth`: as `learning.growth.at_days` returns, by
-    RSO, station set and model. `datasets`, `estimates`: those tables by RSO and station set.
+    `metrics`: rows of that table for every experiment. `evaluations`: those tables of the stated experiments,
+    by RSO, station set and model. `datasets`, `estimates`: those tables by RSO and station set.
     """
+    papers = {
+        dataset: table.loc[survives(table, estimates[dataset], PAPER), ["i", "j"]]
+        for dataset, table in datasets.items()
+    }
     return [
         Heading("The study", 1),
         Paragraph(
@@ -49,8 +58,8 @@ def document(
             f"`{asked.component}` by models that learned from earlier ones."
         ),
         *_splits(asked, Results(metrics)),
-        *_growth(asked, growth),
-        *_rows(asked, datasets, estimates),
+        *_errors(asked, evaluations, papers),
+        *_rows(asked, datasets, estimates, papers),
         *model_table(asked.learners),
         Heading("Truth and assumed model"),
         force_models(asked.settings),
@@ -82,23 +91,42 @@ def _by_model(asked: Answer) -> Iterator[tuple[str, str, str, dict[str, Experime
         )
 
 
-def _growth(asked: Answer, growth: Mapping[tuple[str, str, str], pd.DataFrame]) -> Iterator[Block]:
+def _errors(
+    asked: Answer,
+    evaluations: Mapping[tuple[str, str, str], pd.DataFrame],
+    papers: Mapping[Dataset, pd.DataFrame],
+) -> Iterator[Block]:
+    """Errors in metres; `papers`: i and j of the rows that the paper's cleaning would keep."""
     unit = "m/s" if asked.component.startswith("e_v") else "m"
+    growth = {key: at_days(table, asked.marks) for key, table in evaluations.items()}
     days = list(dict.fromkeys(day for table in growth.values() for day in table.get("day", [])))
     rows = []
     for dataset in asked.datasets:
         own = {learner: growth[*dataset, learner] for *of, learner in asked.stated if tuple(of) == dataset}
         for k, (learner, table) in enumerate(own.items()):
             if k == 0:
-                rows.append([*dataset, "no correction", *_sizes(table, days, "before")])
-            rows.append([*dataset, f"`{learner}`", *_sizes(table, days, "after")])
+                rows.append([*dataset, "no correction", *_sizes(table, days, "before"), "100.0", "100.0"])
+            evaluation = evaluations[*dataset, learner]
+            left = _left(evaluation), _left(evaluation.merge(papers[dataset], on=["i", "j"]))
+            rows.append([*dataset, f"`{learner}`", *_sizes(table, days, "after"), *left])
     train, test = asked.pairs[asked.shown]
     yield Heading(f"Errors before and after, {asked.shown}")
+    low, high = PAPER_BOUNDS
     yield Paragraph(
         f"Size of `{asked.component}` [{unit}] near some prediction durations: median / 95th percentile. "
-        f"Trained on {train}, tested on {test}."
+        f"Trained on {train}, tested on {test}. P_ML [%] of all rows, and of those that the paper's cleaning "
+        f"would keep: Cd from {low:g} to {high:g}, e_y inside Tukey's fences of {PAPER_FENCE:g} "
+        "interquartile ranges."
     )
-    yield Table(["RSO", "stations", "model", *(f"{day:g} d" for day in days)], rows)
+    header = [*(f"{day:g} d" for day in days), "P_ML", "P_ML, the paper's rows"]
+    yield Table(["RSO", "stations", "model", *header], rows)
+
+
+def _left(evaluation: pd.DataFrame) -> str:
+    """P_ML of an `evaluation` table, where it has rows."""
+    if evaluation.empty:
+        return NONE
+    return f"{p_ml(evaluation['true'].to_numpy(), evaluation['predicted'].to_numpy()):.1f}"
 
 
 def _sizes(table: pd.DataFrame, days: Sequence[float], when: str) -> list[str]:
@@ -115,9 +143,21 @@ def _length(value: float) -> str:
 
 
 def _rows(
-    asked: Answer, datasets: Mapping[Dataset, pd.DataFrame], estimates: Mapping[Dataset, pd.DataFrame]
+    asked: Answer,
+    datasets: Mapping[Dataset, pd.DataFrame],
+    estimates: Mapping[Dataset, pd.DataFrame],
+    papers: Mapping[Dataset, pd.DataFrame],
 ) -> Iterator[Block]:
-    header = ["RSO", "stations", "tracks", "fits converged", "predictions", "used", "why others are not"]
+    header = [
+        "RSO",
+        "stations",
+        "tracks",
+        "fits converged",
+        "predictions",
+        "used",
+        "the paper would keep",
+        "why others are not",
+    ]
     rows = []
     for dataset in asked.datasets:
         table, fits = datasets[dataset], estimates[dataset]
@@ -125,7 +165,8 @@ def _rows(
         used = shares.pop(USED)
         why = "; ".join(f"{reason} {100.0 * share:.1f} %" for reason, share in shares.items())
         counts = [str(len(fits)), str(int(fits["converged"].sum())), str(len(table))]
-        rows.append([*dataset, *counts, f"{100.0 * used:.1f} %", why or NONE])
+        kept = [f"{100.0 * share:.1f} %" for share in (used, len(papers[dataset]) / len(table))]
+        rows.append([*dataset, *counts, *kept, why or NONE])
     yield Heading("Rows used")
     yield Paragraph("A row is the prediction of one estimate to one later track.")
     yield Table(header, rows)

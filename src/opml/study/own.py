@@ -120,5 +120,6 @@ class Own:
             datasets=self.datasets,
             learners={name: naming.parse_learner(name, self.study.learners) for name in self.learners},
             component=self.study.defaults["component"],
+            marks=self.marks,
             settings=self.study.settings.values,
         )
