@@ -7,7 +7,7 @@ A Julian date is a pair (day, fraction) whose sum is the date, which keeps nanos
 import math
 import re
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from datetime import date, timedelta
 
@@ -123,3 +123,11 @@ def strict_erfa() -> Iterator[None]:
         warnings.simplefilter("error", erfa.ErfaWarning)
         warnings.filterwarnings("ignore", r'.*yielded \d+ of "dubious year', erfa.ErfaWarning)
         yield
+
+
+def have_any(begin: np.ndarray, end: np.ndarray, times: Sequence[float]) -> np.ndarray:
+    """Which of the spans (begin, end], (n,) [s], have one of the times [s] in them."""
+    have = np.zeros(len(end), dtype=bool)
+    for t in times:
+        have |= (begin < t) & (t <= end)
+    return have

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pandas as pd
 
+from opml import epochs
 from opml.catalog.flying import fly, part_of
 from opml.catalog.sensitivity import shift_with_cd
 from opml.constants import DAY
@@ -53,9 +54,9 @@ def build(
     converge, does not reach t_j or has one of the `manoeuvres` (times [s]) within the `window` [s] before
     t_i, it says nothing: l, v and h are 0.
     """
-    arc_estimates = arc_estimates.assign(
-        converged=arc_estimates["converged"] & ~_disturbed(arc_estimates["t"].to_numpy(), manoeuvres, window)
-    )
+    t = arc_estimates["t"].to_numpy()
+    disturbed = epochs.have_any(t - window, t, manoeuvres)
+    arc_estimates = arc_estimates.assign(converged=arc_estimates["converged"] & ~disturbed)
     own = arc_predictions.set_index(["i", "j"])
     pairs = pd.MultiIndex.from_frame(predictions[["i", "j"]])
     predicted = predictions[STATE].to_numpy()
@@ -81,14 +82,6 @@ def build(
         turned = np.where(usable[:, None], in_rsw(difference, predicted), 0.0)
         table |= {f"{name}_{axis}": turned[:, k] for k, axis in enumerate(STATE)}
     return pd.DataFrame(table)
-
-
-def _disturbed(t: np.ndarray, manoeuvres: Sequence[float], window: float) -> np.ndarray:
-    """Which of the times have a manoeuvre within a window before them (bool, shape of t)."""
-    disturbed = np.zeros(len(t), dtype=bool)
-    for at in manoeuvres:
-        disturbed |= (t - window < at) & (at <= t)
-    return disturbed
 
 
 def _flown(

@@ -12,6 +12,7 @@ from os import PathLike
 import numpy as np
 import pandas as pd
 
+from opml import epochs
 from opml.elements import coe_from_cartesian, rsw_rotation, wrap_half_turn
 from opml.errors import InputError
 from opml.learning.cleaning import Cleaning, tukey_fences
@@ -191,10 +192,7 @@ def _highest_measurements(tracking: pd.DataFrame, tracks: pd.Index) -> pd.DataFr
 def _crossing(rows: pd.DataFrame, manoeuvres: Sequence[float], window: float) -> np.ndarray:
     """Which rows a manoeuvre lies in."""
     begin = rows[["t_b", "t_i"]].min(axis=1).to_numpy() - window
-    crossing = np.zeros(len(rows), dtype=bool)
-    for t in manoeuvres:
-        crossing |= (begin < t) & (t <= rows["t_j"].to_numpy())
-    return crossing
+    return epochs.have_any(begin, rows["t_j"].to_numpy(), manoeuvres)
 
 
 def _reasons(rows: pd.DataFrame, cleaning: Cleaning) -> pd.Series:
