@@ -37,7 +37,7 @@ def code_digest(*modules: str) -> str:
     digest = hashlib.sha256()
     for path in sorted({_path(module) for module in reached} | _data_files(reached)):
         digest.update(path.relative_to(_PACKAGE).as_posix().encode() + b"\0")
-        digest.update(hashlib.sha256(path.read_bytes()).digest())
+        digest.update(_content_digest(path))
     return digest.hexdigest()
 
 
@@ -52,6 +52,7 @@ def closure(*modules: str) -> set[str]:
     return reached
 
 
+@cache
 def _path(module: str) -> Path:
     """Return the source of a module or package; ValueError where there is none."""
     base = _PACKAGE.joinpath(*module.split(".")[1:])
@@ -84,7 +85,7 @@ def _needed(module: str) -> frozenset[str]:
 def _imports(path: Path, *, package: str) -> set[str]:
     """Return the modules of opml that a source file imports, with their parents."""
     modules: set[str] = set()
-    for node in ast.walk(_tree(path)):
+    for node in _nodes(path):
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
@@ -107,16 +108,35 @@ def _imported_from(node: ast.ImportFrom, package: str) -> Iterator[str]:
 
 
 def _data_files(modules: set[str]) -> set[Path]:
-    data = {path.name: path for path in (_PACKAGE / "data").rglob("*") if path.is_file()}
-    texts = {
-        node.value
-        for module in modules
-        for node in ast.walk(_tree(_path(module)))
-        if isinstance(node, ast.Constant) and isinstance(node.value, str)
-    }
-    return {path for name, path in data.items() if name in texts}
+    return {path for module in modules for path in _named_data(module)}
+
+
+# The workflow asks for the digests of some forty scripts at each start of a job; all share most modules.
+@cache
+def _named_data(module: str) -> frozenset[Path]:
+    """Return the data files that a module names."""
+    texts = {node.value for node in _nodes(_path(module)) if isinstance(node, ast.Constant)}
+    return frozenset(path for name, path in _data().items() if name in texts)
 
 
 @cache
-def _tree(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"))
+def _data() -> dict[str, Path]:
+    return {path.name: path for path in (_PACKAGE / "data").rglob("*") if path.is_file()}
+
+
+@cache
+def _content_digest(path: Path) -> bytes:
+    return hashlib.sha256(path.read_bytes()).digest()
+
+
+@cache
+def _nodes(path: Path) -> tuple[ast.AST, ...]:
+    """Return the imports and texts of a source file."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    return tuple(
+        node for node in ast.walk(tree) if isinstance(node, (ast.Import, ast.ImportFrom)) or _is_text(node)
+    )
+
+
+def _is_text(node: ast.AST) -> bool:
+    return isinstance(node, ast.Constant) and isinstance(node.value, str)

@@ -19,7 +19,7 @@ from opml.dynamics.ensemble import Integrator
 from opml.environment import earth_orientation as eop
 from opml.environment import nodes as environment_nodes
 from opml.errors import InputError
-from opml.interop import ccsds, cpf, curves, ephemeris, oem, sp3
+from opml.interop import ccsds, cpf, curves, ephemeris, gathering, oem, sp3
 from opml.interop.arcs import contents
 from opml.interop.bridging import bridge
 from opml.tables import STATE
@@ -93,7 +93,7 @@ def test_every_format_gives_the_orbit_back(tmp_path, orbit, nodes, deviations, k
     assert told["interpolation_error_m"]["rms"] < 0.1
     assert (told["seams"], told["manoeuvres"], told["positions_left_out"]) == ([], [], 0)
     assert json.loads(json.dumps(told)) == told
-    ephemeris.check([path], **RUN)
+    gathering.check([path], **RUN)
 
 
 def test_an_oem_on_the_grid_comes_through_bit_for_bit(tmp_path, orbit):
@@ -350,7 +350,7 @@ def unfit(tmp_path, orbit, nodes):
 def test_what_does_not_fit_is_told_before_alike(unfit, what):
     paths, epoch = unfit(what)
     with pytest.raises(InputError, match=REFUSED[what]) as told:
-        ephemeris.check(paths, **{**RUN, "epoch": epoch})
+        gathering.check(paths, **{**RUN, "epoch": epoch})
     with pytest.raises(InputError) as read:
         ephemeris.truth(paths, **{**RUN, "epoch": epoch})
     assert str(told.value) == str(read.value)
@@ -445,7 +445,7 @@ def real():
         pattern, epoch, days, _ = REAL[name]
         paths = sorted(shared("real").glob(pattern))
         run = {"epoch": epoch, "step": 20.0, "duration": days * DAY}
-        ephemeris.check(paths, **run)
+        gathering.check(paths, **run)
         return ephemeris.truth(paths, **run)
 
     return of

@@ -21,16 +21,19 @@ def package(tmp_path, monkeypatch, **sources):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(source)
     monkeypatch.setattr(provenance, "_PACKAGE", root)
-    provenance._needed.cache_clear()
-    provenance._tree.cache_clear()
+    forget()
     return root
+
+
+def forget():
+    for name in ("_needed", "_path", "_named_data", "_data", "_content_digest", "_nodes"):
+        getattr(provenance, name).cache_clear()
 
 
 @pytest.fixture(autouse=True)
 def _fresh_caches():
     yield
-    provenance._needed.cache_clear()
-    provenance._tree.cache_clear()
+    forget()
 
 
 @pytest.fixture
@@ -76,6 +79,7 @@ def test_digest_changes_with_what_is_used_only(small, changed, counts):
     before = code_digest("opml.top")
     with (small / changed).open("a") as file:
         file.write("\n")
+    forget()
     assert (code_digest("opml.top") != before) == counts
 
 
@@ -83,6 +87,7 @@ def test_digest_does_not_depend_on_the_place(small, tmp_path, monkeypatch):
     before = code_digest("opml.top")
     shutil.copytree(small, tmp_path / "elsewhere" / "opml")
     monkeypatch.setattr(provenance, "_PACKAGE", tmp_path / "elsewhere" / "opml")
+    forget()
     assert code_digest("opml.top") == before
 
 

@@ -9,7 +9,7 @@ from opml import naming, sheets
 from opml.constants import DAY
 from opml.environment import coverage
 from opml.errors import InputError
-from opml.interop import ephemeris
+from opml.interop import gathering
 from opml.learning import learners
 from opml.study.experiments import Study
 from opml.study.overlay import MISSING, Key, Source, leaves, mappings, value_at
@@ -102,7 +102,7 @@ def _check_orbits(source: Source, settings: Settings) -> None:
     for name, paths in settings.orbits.items():
         try:
             sheets.parse_rso(name, settings.rsos)
-            ephemeris.check(
+            gathering.check(
                 paths,
                 epoch=values["epoch"],
                 step=values["tracking"]["step_s"],
