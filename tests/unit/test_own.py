@@ -45,6 +45,29 @@ def test_days_make_three_splits():
     assert list(own.study.span_days) == [0, 8]
 
 
+def test_the_past_is_tried_within_the_days_to_train_on():
+    own = own_of(days={"train": [0, 9], "test": [9, 12]}, learners=["none", "svr"])
+    assert own.past == {"later": ("days-0-6", "days-6-9"), "unseen": ("days-0-6", "days-6-9-unseen")}
+    assert {(one.train, one.test) for one in own.trials.values()} == set(own.past.values())
+    assert own_of(days={"train": [0, 2], "test": [9, 12]}).past == {}  # too few days to choose by
+
+
+@pytest.mark.parametrize(
+    ("past", "chosen"),
+    [
+        ({"none": 100.0, "held": 10.0, "svr": 9.0}, "svr"),
+        ({"none": 100.0, "held": 10.0, "svr": 9.6}, "held"),  # too little for what it may cost on later days
+        ({"none": 100.0, "held": 130.0, "svr": 120.0}, "none"),
+    ],
+)
+def test_a_model_that_learned_must_be_worth_it(past, chosen):
+    assert report.choice(past, ["none", "held"]) == chosen
+
+
+def test_without_a_baseline_the_best_is_chosen():
+    assert report.choice({"svr": 50.0, "ridge": 60.0}, []) == "svr"
+
+
 def test_what_a_study_leaves_out():
     own = own_of()
     assert own.study.station_sets == ["eglin-clear-kaena"]
@@ -119,7 +142,8 @@ def told():
     """A small study's request, with tables of everything that it asks for."""
     own = own_of(learners=["none", "running", "svr"])
     numbers = {"rows": 100, "estimates": 7, "p_ml": 20.0, "p_ml_low": 18.0, "p_ml_high": 23.0}
-    metrics = pd.DataFrame([one.columns() | numbers for one in own.experiments.values()])
+    asked = [*own.experiments.values(), *own.trials.values()]
+    metrics = pd.DataFrame([one.columns() | numbers for one in asked])
     good, poor = evaluation(), evaluation()
     poor["predicted"] *= poor["i"] < 25
     poor["residual"] = poor["true"] - poor["predicted"]
@@ -135,6 +159,7 @@ def test_the_report_answers_without_the_papers_notions(told):
     assert re.search(r"\| lares \| eglin-clear-kaena \| no correction \| 1\d{3} / 1\d{3} \|", told)
     assert re.search(r"\| lares \| eglin-clear-kaena \| `running` \| \d\d\d? / 1\d\d \|", told)
     assert "| lares | eglin-clear-kaena | 50 | 49 | 401 | 99.8 % | 49.9 % | no prediction 0.2 % |" in told
+    assert "| lares | eglin-clear-kaena | later | `none` | 20.0 | 20.0 | 20.0 `none` | 20.0 `none` |" in told
     assert "| `running` | law without a truth" in told
     assert not re.search(r"\bnan\b|Peng|published|reading of|slip", told)
 
@@ -156,7 +181,10 @@ def test_a_duration_that_nothing_reaches_has_no_number():
     short = evaluation()
     evaluations = dict.fromkeys(own.stated, short[short["duration"] < 3 * DAY])
     metrics = pd.DataFrame(
-        [one.columns() | {"p_ml": 1.0, "p_ml_low": 1.0, "p_ml_high": 1.0} for one in own.experiments.values()]
+        [
+            one.columns() | {"p_ml": 1.0, "p_ml_low": 1.0, "p_ml_high": 1.0}
+            for one in [*own.experiments.values(), *own.trials.values()]
+        ]
     )
     key = ("lares", "eglin-clear-kaena")
     dataset = {key: dataset_of(short)}

@@ -3,7 +3,7 @@ if OWN.is_asked:
 
     use rule errors as study_report with:
         input:
-            metrics=paths_of(rules.evaluate.output.metrics, *OWN.experiments.values()),
+            metrics=paths_of(rules.evaluate.output.metrics, *OWN.experiments.values(), *OWN.trials.values()),
             evaluations=paths_of(rules.evaluate.output.evaluation, *OWN.stated.values()),
             datasets=[
                 path_of(rules.dataset.output[0], rso=rso, stations=stations, window="", reading="")

@@ -137,6 +137,7 @@ NONE = Learner(
     fit=fit_none,
     load=NoCorrection.from_table,
     resolve=fixed(),
+    learns=False,
 )
 
 REPREDICT = Learner(
@@ -147,6 +148,7 @@ REPREDICT = Learner(
     fit=fit_repredict,
     load=Repredicted.from_table,
     resolve=fixed("r"),
+    learns=False,
 )
 
 DURATION_MEAN = Learner(

@@ -67,6 +67,7 @@ def _law(kind: str, description: str, settings: Sequence[str], *variables: str) 
         fit=_fit_of(kind),
         load=CatalogueLaw.from_table,
         resolve=fixed(*variables),
+        learns=False,
     )
 
 

@@ -114,6 +114,7 @@ class Learner:
     fit : trains a model.
     load : makes the model again of its table and metadata, bit for bit.
     resolve : finds the variables to learn from.
+    learns : whether it takes anything from the errors that it is trained on.
     """
 
     kind: str
@@ -124,6 +125,7 @@ class Learner:
     load: Load
     resolve: Resolve = chosen
     optional: frozenset[str] = frozenset(CHOICE)
+    learns: bool = True
 
     def settings_schema(self) -> dict[str, Any]:
         """The JSON schema of its settings."""

@@ -66,6 +66,11 @@ def description(kind: str) -> str:
     return by_kind(kind).description
 
 
+def learns(settings: Settings) -> bool:
+    """Whether the learner of settings takes anything from errors; raises InputError for an unknown kind."""
+    return by_kind(settings["kind"]).learns
+
+
 def settings_schema() -> dict[str, Any]:
     """The JSON schema of a learner's settings, `learner` among the definitions of config.schema.yaml."""
     known = _by_kind()

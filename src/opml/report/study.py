@@ -9,6 +9,7 @@ import pandas as pd
 from opml.learning.cleaning import PAPER, PAPER_BOUNDS, PAPER_FENCE
 from opml.learning.dataset import survives
 from opml.learning.growth import at_days
+from opml.learning.learners import learns
 from opml.learning.metrics import p_ml
 from opml.naming import Experiment
 from opml.report.document import Block, Heading, Paragraph, Table
@@ -25,6 +26,8 @@ class Answer:
 
     experiments: Mapping[tuple[str, str, str, str], Experiment]  # by RSO, station set, model and split
     pairs: Mapping[str, tuple[str, str]]  # training and test rows, by split
+    trials: Mapping[tuple[str, str, str, str], Experiment]  # the same within the days to train on
+    past: Mapping[str, tuple[str, str]]  # their training and test rows, by split
     shown: str  # the split whose errors are stated in metres
     stated: Mapping[tuple[str, str, str], Experiment]  # its experiments by RSO, station set and model
     datasets: Sequence[Dataset]  # RSO and station set
@@ -58,6 +61,7 @@ def document(
             f"`{asked.component}` by models that learned from earlier ones."
         ),
         *_splits(asked, Results(metrics)),
+        *_chosen(asked, Results(metrics)),
         *_errors(asked, evaluations, papers),
         *_rows(asked, datasets, estimates, papers),
         *model_table(asked.learners),
@@ -91,6 +95,54 @@ def _by_model(asked: Answer) -> Iterator[tuple[str, str, str, dict[str, Experime
         )
 
 
+WORTH = 0.95
+"""A model that learned is chosen where it leaves less than this part of what the best other one does."""
+
+
+def _chosen(asked: Answer, results: Results) -> Iterator[Block]:
+    """What the days to train on say of the models, and how that choice does on the days to test on."""
+    if not asked.past:
+        return
+    rows = [
+        [*dataset, split, *_choice(asked, results, dataset, split)]
+        for dataset in asked.datasets
+        for split in asked.past
+    ]
+    tried = "; ".join(f"{split}: {train}, {test}" for split, (train, test) in asked.past.items())
+    yield Heading("The model that the past chooses")
+    yield Paragraph(
+        "Which model to use must be known before the days that it is tested on. So each is trained on the "
+        f"first part of the days to train on and tested on the rest of them ({tried}). A model that learned "
+        f"is chosen where it leaves less than {WORTH:g} of what the best one without learning leaves; else "
+        "that one is. The last two columns know the outcome: the least P_ML of all models without learning, "
+        "and of all models."
+    )
+    header = ["split", "chosen", "P_ML in the past", "P_ML", "best without learning", "best"]
+    yield Table(["RSO", "stations", *header], rows)
+
+
+def _choice(asked: Answer, results: Results, dataset: Dataset, split: str) -> list[str]:
+    """Cells of the model that the past chooses for a dataset and a split."""
+    past, later = (
+        {name: results.p_ml(found[*dataset, name, split]) for name in asked.learners}
+        for found in (asked.trials, asked.experiments)
+    )
+    fixed = [name for name in asked.learners if not learns(asked.learners[name])]
+    chosen = choice(past, fixed)
+    bests = [min(names, key=later.__getitem__) if names else None for names in (fixed, list(asked.learners))]
+    named = [NONE if name is None else f"{later[name]:.1f} `{name}`" for name in bests]
+    return [f"`{chosen}`", f"{past[chosen]:.1f}", f"{later[chosen]:.1f}", *named]
+
+
+def choice(past: Mapping[str, float], fixed: Sequence[str]) -> str:
+    """The model to use by P_ML on the past: one of the `fixed`, unless one that learned is worth it."""
+    best = min(past, key=past.__getitem__)
+    if not fixed:
+        return best
+    plain = min(fixed, key=past.__getitem__)
+    return best if past[best] < WORTH * past[plain] else plain
+
+
 def _errors(
     asked: Answer,
     evaluations: Mapping[tuple[str, str, str], pd.DataFrame],
@@ -104,10 +156,12 @@ def _errors(
     for dataset in asked.datasets:
         own = {learner: growth[*dataset, learner] for *of, learner in asked.stated if tuple(of) == dataset}
         for k, (learner, table) in enumerate(own.items()):
-            if k == 0:
-                rows.append([*dataset, "no correction", *_sizes(table, days, "before"), "100.0", "100.0"])
             evaluation = evaluations[*dataset, learner]
-            left = _left(evaluation), _left(evaluation.merge(papers[dataset], on=["i", "j"]))
+            kept = evaluation.merge(papers[dataset], on=["i", "j"])
+            if k == 0:
+                whole = ["100.0", NONE if kept.empty else "100.0"]
+                rows.append([*dataset, "no correction", *_sizes(table, days, "before"), *whole])
+            left = _left(evaluation), _left(kept)
             rows.append([*dataset, f"`{learner}`", *_sizes(table, days, "after"), *left])
     train, test = asked.pairs[asked.shown]
     yield Heading(f"Errors before and after, {asked.shown}")

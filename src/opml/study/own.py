@@ -1,6 +1,7 @@
 """A study of any RSO: models against splits, errors before and after correction, rows used and dropped."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from opml import naming
@@ -18,6 +19,12 @@ MARKS = (1, 2, 4, 7)
 """Prediction durations that the report states errors at [days]."""
 
 GROUPED, LATER, UNSEEN = "grouped", "later", "unseen"
+
+PAST_SHARE = 2.0 / 3.0
+"""How much of the days to train on is trained on where the rest of them chooses among the models."""
+
+LEAST_PAST = 3.0
+"""Fewest days to train on of which a part can choose [days]."""
 
 
 @dataclass(frozen=True)
@@ -63,14 +70,29 @@ class Own:
     @cached_property
     def experiments(self) -> dict[tuple[str, str, str, str], Experiment]:
         """The experiments by RSO, station set, model and split."""
+        return self._of_splits(self.splits)
+
+    def _of_splits(
+        self, splits: Mapping[str, tuple[str, str]]
+    ) -> dict[tuple[str, str, str, str], Experiment]:
         return {
             (rso, stations, learner, split): self.study.experiment(
                 {}, rso=rso, stations=stations, learner=learner, train=train, test=test
             )
             for rso, stations in self.datasets
             for learner in self.learners
-            for split, (train, test) in self.splits.items()
+            for split, (train, test) in splits.items()
         }
+
+    @cached_property
+    def past(self) -> dict[str, tuple[str, str]]:
+        """Training and test rows within the days to train on, by the split whose model they choose."""
+        return {name: _past(*pair) for name, pair in self.splits.items() if _has_past(*pair)}
+
+    @cached_property
+    def trials(self) -> dict[tuple[str, str, str, str], Experiment]:
+        """The experiments on the past by RSO, station set, model and the split that they choose for."""
+        return self._of_splits(self.past)
 
     def drawn(self, rso: str, stations: str) -> dict[str, Experiment]:
         """The experiments of the shown split that correct something, by model."""
@@ -115,6 +137,8 @@ class Own:
         return Answer(
             experiments=self.experiments,
             pairs=self.splits,
+            trials=self.trials,
+            past=self.past,
             shown=self.shown,
             stated=self.stated,
             datasets=self.datasets,
@@ -123,3 +147,18 @@ class Own:
             marks=self.marks,
             settings=self.study.settings.values,
         )
+
+
+def _has_past(train: str, test: str) -> bool:
+    split = naming.parse_train(train)
+    is_of_days = split.kind == naming.parse_test(test).kind == "days"
+    return is_of_days and split.days[1] - split.days[0] >= LEAST_PAST
+
+
+def _past(train: str, test: str) -> tuple[str, str]:
+    """The split of the days to train on that is to them what `test` is to all of them."""
+    split = naming.parse_train(train)
+    first, last = split.days
+    origin = round(first + PAST_SHARE * (last - first), 3)
+    tried = replace(naming.parse_test(test), days=(origin, last))
+    return str(replace(split, days=(first, origin))), str(tried)
