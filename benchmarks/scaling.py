@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks import case, measure
-from opml.catalog import estimation, tracking, truth
+from opml.catalog import estimation, starting, tracking, truth
 from opml.constants import DAY
 from opml.dynamics.ensemble import REASONS, propagate
 from opml.elements import TURN, cartesian_from_coe
@@ -124,14 +124,13 @@ def least_squares(progress: Callable[[str], None]) -> str:
     begin = time.perf_counter()
     found = estimation.estimate_all(
         case.force_model("assumed", days=days),
-        true,
+        starting.perturbed(true, tracks, rso=rso.name, settings=paper.estimation, seed=seed),
         tracks,
         orientation,
         stations,
         rso,
         settings=paper.estimation,
         integrator=paper.integrator,
-        seed=seed,
         threads=2,
     )
     seconds = time.perf_counter() - begin

@@ -6,7 +6,7 @@ import jpype
 import numpy as np
 import pandas as pd
 
-from opml.catalog import estimation, tracking
+from opml.catalog import estimation, starting, tracking
 from opml.catalog.truth import simulate
 from opml.constants import DAY, HOUR
 from opml.dynamics.ensemble import Integrator
@@ -58,16 +58,16 @@ def opmls(
     integrator: Integrator = INTEGRATOR,
 ) -> pd.DataFrame:
     """Our estimates at the start of every track."""
+    seed = case.values["seed"]["noise"]
     return estimation.estimate_all(
         assumed,
-        truth,
+        starting.perturbed(truth, measured, rso=RSO, settings=case.estimation, seed=seed),
         measured,
         earth_orientation,
         list(case.stations.values()),
         case.rsos[RSO],
         settings=case.estimation,
         integrator=integrator,
-        seed=case.values["seed"]["noise"],
     )
 
 

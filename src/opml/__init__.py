@@ -22,6 +22,7 @@ __all__ = [
     "correct",
     "dataset",
     "estimate",
+    "first_orbit",
     "force_model",
     "learn",
     "make_environment",
@@ -31,7 +32,9 @@ __all__ = [
     "read_elements",
     "read_rsos",
     "read_stations",
+    "read_tracks",
     "track",
+    "write_tracks",
 ]
 
 

@@ -12,14 +12,16 @@ from typing import Any
 
 import pandas as pd
 
-from opml.catalog import estimation, prediction, tracking, truth
+from opml.catalog import estimation, prediction, starting, tracking, truth
+from opml.catalog import first_orbit as first_orbits
+from opml.catalog import measured as from_measurements
 from opml.constants import BODIES, DAY
 from opml.dynamics import forces
 from opml.dynamics.ensemble import Integrator
 from opml.dynamics.surroundings import ForceModel
 from opml.environment import earth_orientation, ephemerides, gravity_field, nodes, solar_activity
 from opml.errors import InputError
-from opml.interop import mean_elements
+from opml.interop import mean_elements, tdm
 from opml.learning import dataset as datasets
 from opml.learning import learners, metrics, splits
 from opml.learning.cleaning import Cleaning
@@ -224,6 +226,61 @@ def track(
     return tracking.simulate(truth, environment.earth_orientation, stations, rso=rso.name, seed=seed)
 
 
+def write_tracks(path: str | Path, tracks: pd.DataFrame, *, epoch: str, rso: Rso) -> None:
+    """Write tracks as a CCSDS tracking data message (TDM); `epoch` is the UTC text that times count from.
+
+    >>> opml.write_tracks("iss.tdm", tracks, epoch=environment.epoch, rso=iss)
+    """
+    tdm.write(path, tracks, epoch=epoch, rso=rso.name)
+
+
+def read_tracks(*paths: str | Path, epoch: str, stations: Sequence[Station]) -> pd.DataFrame:
+    """Read what stations measured of an RSO from TDMs: the table `tracking`, where `*_true` is NaN.
+
+    epoch: UTC text that times count from. Measurements of other stations are left out. Raises InputError,
+    naming file and line, for what is malformed, or what a station cannot see and an orbit cannot be.
+
+    >>> measured = opml.read_tracks("iss.tdm", epoch=environment.epoch, stations=stations)
+    >>> list(measured["range"]) == list(tracks["range"])
+    True
+    """
+    return from_measurements.tracks(tdm.measurements(paths, epoch=epoch), stations)
+
+
+def first_orbit(
+    model: ForceModel,
+    tracks: pd.DataFrame,
+    environment: Environment,
+    stations: Sequence[Station],
+    *,
+    rso: Rso,
+    start: Rso | None = None,
+    integrator: Integrator | None = None,
+) -> pd.DataFrame:
+    """Find a first orbit without a truth: the table `starts`, a state at each track's start, for `estimate`.
+
+    model: the assumed one; start: an RSO whose elements at the epoch are carried to the tracks, such as that
+    of `read_elements`; where None, an orbit is determined from the tracks of the first day. Raises InputError
+    where none gives one, and where tracks are far from the elements.
+
+    >>> starts = opml.first_orbit(assumed_model, measured, environment, stations, rso=iss)
+    >>> len(starts)
+    29
+    """
+    used = _laid_over(ESTIMATION, None, "first_orbit")
+    bounds = used.pop("cd_min"), used.pop("cd_max")
+    return first_orbits.starts(
+        model,
+        tracks,
+        environment.earth_orientation,
+        stations,
+        rso,
+        given=first_orbits.of_sheet(start, model.gm) if start else None,
+        settings=estimation.Estimation(**used, cd_bounds=bounds),
+        integrator=integrator or Integrator(),
+    )
+
+
 def estimate(
     model: ForceModel,
     truth: pd.DataFrame,
@@ -239,9 +296,9 @@ def estimate(
 ) -> pd.DataFrame:
     """Estimate state and drag coefficient at each track's start: the table `estimates`, one row per track.
 
-    model: the assumed one; truth: perturbed with `seed`, where a first fit starts; settings: those that
-    differ from `ESTIMATION`. A fit that fails is a row with its reason. Raises InputError for an unknown
-    setting. Source: sec. Estimation Models.
+    model: the assumed one; truth: perturbed with `seed`, where a first fit starts, or the table `starts` of
+    `first_orbit`, which is taken as it is; settings: those that differ from `ESTIMATION`. A fit that fails is
+    a row with its reason. Raises InputError for an unknown setting. Source: sec. Estimation Models.
 
     >>> estimates = opml.estimate(assumed_model, truth, tracks, environment, stations, rso=iss)
     >>> bool(estimates["converged"].all())
@@ -249,23 +306,23 @@ def estimate(
     """
     used = _laid_over(ESTIMATION, settings, "estimate")
     bounds = used.pop("cd_min"), used.pop("cd_max")
+    asked = estimation.Estimation(**used, cd_bounds=bounds)
     return estimation.estimate_all(
         model,
-        truth,
+        starting.chosen(truth, tracks, rso=rso.name, settings=asked, seed=seed),
         tracks,
         environment.earth_orientation,
         stations,
         rso,
-        settings=estimation.Estimation(**used, cd_bounds=bounds),
+        settings=asked,
         integrator=integrator or Integrator(),
-        seed=seed,
         threads=threads,
     )
 
 
 def predict(
     model: ForceModel,
-    truth: pd.DataFrame,
+    truth: pd.DataFrame | None,
     estimates: pd.DataFrame,
     *,
     rso: Rso,
@@ -275,7 +332,8 @@ def predict(
 ) -> pd.DataFrame:
     """Predict from each estimate to every later track start: the table `predictions`, with the true errors.
 
-    model: the assumed one; max_days: longest prediction. A pair that the arc does not reach has its reason.
+    model: the assumed one; truth: None where there is none, the true states and errors are NaN then;
+    max_days: longest prediction. A pair that the arc does not reach has its reason.
     Source: sec. Orbit Prediction and Machine Learning Model of the Prediction Error.
 
     >>> predictions = opml.predict(assumed_model, truth, estimates, rso=iss)

@@ -31,6 +31,9 @@ DE440: Park, Folkner, Williams & Boggs 2021, AJ 161:105 (and the comment area of
 BODIES = tuple(GM)
 """Names of the third bodies, in the order of every table."""
 
+EARTH_GM = 3.986004415e14
+"""Earth's gravitational parameter [m3/s2] of EGM2008 and EIGEN-6S, by which a sheet's elements are read."""
+
 WGS84_A = 6378137.0
 """Equatorial radius of the WGS84 ellipsoid [m] (NGA.STND.0036)."""
 

@@ -202,6 +202,8 @@ def mechanism_schema(resonances: Sequence[tuple[int, int]]) -> Schema:
     return Schema("mechanism", row, (*_PAIR, *_MECHANISM, *drifts))
 
 
+_NO_TRUTH = "; NaN where there is no truth"
+
 _TABLES = (
     Schema(
         "earth_orientation",
@@ -252,7 +254,7 @@ _TABLES = (
     Schema("truth", "an epoch of the tracking grid", (_T, *_state("GCRF", "true state"))),
     Schema(
         "tracking",
-        "a measurement by one station",
+        f"a measurement by one station{_NO_TRUTH}",
         (
             count("track", "number of the track, from 0"),
             _T,
@@ -263,6 +265,15 @@ _TABLES = (
             real("azimuth_true", "rad", "azimuth without noise, from north eastwards", "topocentric"),
             real("elevation_true", "rad", "elevation without noise", "topocentric"),
             real("range_true", "m", "range without noise", "topocentric"),
+        ),
+    ),
+    Schema(
+        "starts",
+        "a track that was measured",
+        (
+            count("track", "number of the track"),
+            real("t", "s", f"start of the track, {_SINCE}"),
+            *_state("GCRF", "first orbit at the track's start, NaN where it does not last"),
         ),
     ),
     Schema(
@@ -284,7 +295,7 @@ _TABLES = (
     ),
     Schema(
         "predictions",
-        "a pair of an estimate i and a later track start j",
+        f"a pair of an estimate i and a later track start j{_NO_TRUTH}",
         (
             *_PAIR,
             real("t_i", "s", f"epoch of the estimate, {_SINCE}"),
@@ -297,7 +308,7 @@ _TABLES = (
     ),
     Schema(
         "dataset",
-        "a pair of an estimate i and a later track start j, before cleaning",
+        f"a pair of an estimate i and a later track start j, before cleaning{_NO_TRUTH}",
         (
             *_PAIR,
             count("b", "track of the earlier estimate, -1 where there is none"),

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 from support import ASSUMED_BODIES, EPOCH, environment, rsos, stations
 
-from opml.catalog import estimation
+from opml.catalog import estimation, starting
 from opml.constants import BODIES, GM, HOUR
 from opml.dynamics.ensemble import Integrator
 from opml.environment import earth_orientation
@@ -104,14 +104,13 @@ def test_the_estimate_from_the_same_measurements_is_orekits(product):
     case, rows, expected = Case.read(), tables.read("measurements"), tables.read("estimate")
     found = estimation.estimate_all(
         product.model(MODELS["assumed"]),
-        expected,
+        starting.perturbed(expected, rows, rso="iss", settings=case.estimation, seed=1),
         rows,
         environment()["earth_orientation"],
         list(stations().values()),
         rsos()["iss"],
         settings=case.estimation,
         integrator=Integrator(position_tolerance=1e-4),
-        seed=1,
     ).iloc[-1]
     last = expected.iloc[-1]
     assert found["converged"]

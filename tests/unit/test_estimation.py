@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 from support import rsos
 
-from opml.catalog import estimation, tracking, truth
+from opml.catalog import estimation, starting, tracking, truth
 from opml.catalog.estimation import COVARIANCES, Estimation
 from opml.catalog.least_squares import NOT_CONVERGED, UNDERDETERMINED, Fit, Method
 from opml.constants import DAY, HOUR
@@ -28,9 +28,11 @@ TRUE = {name: f"{name}_true" for name in tracking.QUANTITIES}
 
 
 def estimates(model, orbit, rows, earth_orientation, stations, rso, *, threads=1, seed=42, **settings):
+    settings = replace(SETTINGS, **settings)
+    starts = starting.perturbed(orbit, rows, rso=rso.name, settings=settings, seed=seed)
     return estimation.estimate_all(
-        model, orbit, rows, earth_orientation, stations, rso,
-        settings=replace(SETTINGS, **settings), integrator=Integrator(), seed=seed, threads=threads,
+        model, starts, rows, earth_orientation, stations, rso,
+        settings=settings, integrator=Integrator(), threads=threads,
     )  # fmt: skip
 
 
@@ -134,18 +136,18 @@ def test_fewer_measurements_leave_more_doubt(table):
 
 @pytest.fixture
 def measured(rows, earth_orientation, three_stations):
-    return estimation._Measured(rows, earth_orientation, three_stations)
+    return estimation.Measured(rows, earth_orientation, three_stations)
 
 
 @pytest.fixture
 def evaluated(assumed_model, iss, measured):
     """The evaluation of a window at parameters (7,)."""
-    flight = estimation._Flight(assumed_model, iss, Integrator(), 1)
+    flight = estimation.Flight(assumed_model, iss, Integrator(), 1)
 
     def evaluate(window, parameters):
         method = Method(np.ones(7), np.ones(7, bool), 1e-3)
         (states,), (lost,) = flight.around(
-            measured.epochs, [estimation._Estimate(window, Fit(parameters, method))]
+            measured.epochs, [estimation.Estimate(window, Fit(parameters, method))]
         )
         assert not lost
         return measured.evaluation(window, states)

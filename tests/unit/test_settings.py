@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from support import paper_source, setting_keys
+from support import EXCERPTS, paper_source, setting_keys
 
 from opml import naming, tables
 from opml.errors import InputError
@@ -435,6 +435,85 @@ study: {{rsos: [mine]}}
     assert settings.rsos["mine"].a != settings.rsos["mine"].a  # not known, and not asked for
     refusal = refused(given(tmp_path, text.replace("orbits: {mine", "orbits: {iss")))
     assert "rsos.mine: expected the keys a_km, e," in refusal
+
+
+TRACKS = """
+data: {folder}
+tracks: {{mine: "*.tdm"}}
+rsos: {{mine: {{area_to_mass_m2pkg: 0.01, cd: 2.2, cr: 1.3}}}}
+study: {{}}
+"""
+
+
+def with_tracks(tmp_path, *more, text=TRACKS):
+    """Settings with tracks of their own: Orekit's message, edited by pairs of texts, and further lines."""
+    message = (EXCERPTS / "orekit.tdm").read_text()
+    lines = [one for one in more if isinstance(one, str)]
+    for old, new in (pair for pair in more if isinstance(pair, tuple)):
+        assert old in message
+        message = message.replace(old, new, 1)
+    (tmp_path / "a.tdm").write_text(message)
+    return given(tmp_path, "\n".join([text.format(folder=tmp_path), *lines]))
+
+
+TLE = (
+    "1 25544U 98067A   16270.55892361  .00003421  00000-0  59245-4 0  9994",
+    "2 25544  51.6447 263.7421 0006793 345.4559  14.5438 15.54019233 20745",
+)
+
+
+def test_tracks_of_ones_own_need_the_body_only(tmp_path):
+    (tmp_path / "iss.tle").write_text("\n".join(TLE))
+    source = with_tracks(tmp_path, "starts: {mine: iss.tle}", 'manoeuvres: {mine: ["2016-09-29T01:00:00"]}')
+    settings = checked(source)
+    assert settings.tracks == {"mine": [f"{tmp_path}/a.tdm"]}
+    assert settings.starts == {"mine": f"{tmp_path}/iss.tle"}
+    assert settings.rsos["mine"].a != settings.rsos["mine"].a  # not known, and not asked for
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (("PATH                      = 2,1", "PATH = 1,3"), "a.tdm: line 10: expected PATH = 2,1 or "),
+        (("KAENA", "MAUI"), "a.tdm: line 17: expected a station of eglin, clear, kaena, got MAUI"),
+        (("= UTC", "= GPS"), "expected time system GPS, as in "),
+        (
+            ("RANGE_UNITS               = km", "RANGE_UNITS = RU"),
+            "line 13: expected RANGE_UNITS = KM, got RU",
+        ),
+        (
+            ("2145.6550938364408", "2145655.09"),
+            "line 17: expected range of 0 to 6380 km, as kaena sees, got 2",
+        ),
+        (("2145.6550938364408", "300.5"), "line 17: expected a place higher than 120 km, got "),
+        (("DATA_STOP", "DATA_END"), "expected KEY = value, got DATA_END"),
+        ("starts: {iss: a.tdm}", "starts.iss: expected an RSO that has tracks"),
+        ("starts: {mine: a.tdm}", "starts.mine: "),
+        ("starts: {mine: none.tle}", "none.tle: no such file"),
+        ("manoeuvres: {mine: [noon]}", "manoeuvres.mine: epoch: expected UTC text like"),
+        ("orbits: {mine: a.tdm}", "orbits.mine: "),
+        ("duration_days: 1", "expected a time within the run, 2016-09-28T12:09:45 and 1 days, got one +1"),
+    ],
+)
+def test_tracks_that_do_not_fit_are_told_in_one_line(tmp_path, more, said):
+    refusal = refused(with_tracks(tmp_path, more))
+    assert said in refusal
+    assert refusal.startswith(str(tmp_path))
+
+
+@pytest.mark.parametrize("content", ["", "Not found\n", "\0" * 99, "CCSDS_TDM_VERS = 2.0\n", "\udcff"])
+def test_files_that_hold_no_tracks_are_told(tmp_path, content):
+    source = with_tracks(tmp_path)
+    (tmp_path / "a.tdm").write_text(content, errors="surrogateescape")
+    refusal = refused(source)
+    assert f"tracks.mine: {tmp_path}/a.tdm: " in refusal
+    assert "expected " in refusal
+
+
+def test_tracks_and_an_orbit_of_one_rso_are_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(checks.ephemeris, "check", lambda *_, **__: None)
+    refusal = refused(with_tracks(tmp_path, "orbits: {mine: a.tdm}"))
+    assert "tracks.mine: expected tracks, or an orbit under orbits or oem, got both" in refusal
 
 
 def test_layers_are_laid_key_by_key():

@@ -1,6 +1,9 @@
 """Messages out of a run, and one into the next."""
 
+import shutil
+
 import pytest
+from project import ROOT
 
 from opml.tables import read_table
 
@@ -28,10 +31,20 @@ def test_an_exported_truth_stands_in_for_the_simulated_one(project):
     (project.folder / message).rename(project.folder / "iss.oem")
     (project.folder / truth).unlink()
 
-    done = project.snakemake("-j1", TRIMMED, truth, "--config", "oem={iss: iss.oem}")
+    # Beside it tracks that were measured, of an RSO without any truth.
+    tracked = "results/ci/predictions/mine/eglin-clear-kaena.parquet"
+    shutil.copy(ROOT / "tests" / "reference" / "orekit.tdm", project.folder)
+    body = "{mine: {area_to_mass_m2pkg: 0.05, cd: 2.2, cr: 1.25}}"
+    settings = ["oem={iss: iss.oem}", "tracks={mine: orekit.tdm}", f"rsos={body}"]
+    done = project.snakemake("-j1", TRIMMED, truth, tracked, "--config", *settings)
     assert "Truth: the orbit of iss from iss.oem" in done.stdout
     assert "Truth dynamic model" not in done.stdout
     assert read_table(project.folder / truth, "truth").equals(simulated)
+
+    predictions = read_table(project.folder / tracked, "predictions")
+    assert (predictions["reason"] == "").mean() > 0.9
+    assert predictions["e_y"].isna().all()
+    assert not (project.folder / "results" / "ci" / "truth" / "mine.parquet").exists()
 
 
 @pytest.mark.dag

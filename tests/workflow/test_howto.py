@@ -3,6 +3,7 @@
 import os
 import re
 import shlex
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -61,6 +62,7 @@ def told(tmp_path_factory):
     """What each block of commands printed after all that stands above it was done; real runs left out."""
     reader = Reader(tmp_path_factory.mktemp("howto"))
     write_orbit(reader.folder / "mine.oem")
+    shutil.copy(ROOT / "tests" / "reference" / "orekit.tdm", reader.folder / "mine.tdm")
     printed = {}
     for kind, text in BLOCKS:
         if kind == "yaml":
@@ -102,6 +104,7 @@ def test_the_products_that_the_page_names_are_planned(told):
     [
         ("radar.yaml", "tracks of mine as eglin-kaena-shemya measure it"),
         ("flown.yaml", "the orbit of mine from mine.oem"),
+        ("tracked.yaml", "what eglin-kaena measured of seen, from mine.tdm"),
         ("more.yaml", "before and after the correction, future_20days"),
         ("small.yaml", "Train svrsmall on e_y of mine"),
     ],

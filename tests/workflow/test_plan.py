@@ -1,6 +1,7 @@
 """What would run, before anything does: the plan, the names, the linters."""
 
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -193,6 +194,33 @@ def test_a_study_of_ones_own_is_what_a_plain_run_makes(project):
     named = jobs(project.snakemake("-n", "study", "--configfile", "mine.yaml").stdout)
     assert plain.pop("default") == named.pop("study") == 1
     assert plain == named
+
+
+TRACKED = """
+tracks: {mine: orekit.tdm}
+rsos: {mine: {area_to_mass_m2pkg: 0.05, cd: 2.2, cr: 1.25}}
+"""
+
+
+def test_tracks_that_were_measured_need_no_truth(project):
+    (project.folder / "mine.yaml").write_text(TRACKED)
+    shutil.copy(ROOT / "tests" / "reference" / "orekit.tdm", project.folder)
+    where = "mine/eglin-clear-kaena"
+    targets = [f"results/{kind}/{where}.parquet" for kind in ("predictions", "mechanism", "dataset")]
+    targets += [f"results/arcs/{where}_l48_m30.parquet", f"results/exports/predictions/{where}.oem"]
+    plan = jobs(project.snakemake("-n", *targets, "--configfile", "mine.yaml").stdout)
+    assert plan == {
+        **dict.fromkeys(ONCE, 1),
+        **dict.fromkeys(["tracking_from_tdm", "first_orbit", "arcs", "dataset", "mechanism"], 1),
+        **dict.fromkeys(["estimation", "prediction"], 3),  # the windows of 24 and 48 hours, too
+        "sensitivities": 2,
+        "export_predictions": 1,
+    }
+    # A truth is not simulated in its place: what needs one is refused.
+    done = project.snakemake(
+        "-n", "results/oracle/mine/eglin.parquet", "--configfile", "mine.yaml", check=False
+    )
+    assert "opml: truth of 'mine': expected an RSO without tracks of its own" in done.stdout
 
 
 @pytest.mark.parametrize("target", ["study", "beyond"])

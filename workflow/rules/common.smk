@@ -200,6 +200,32 @@ def paths_of(pattern, *experiments):
     return list(dict.fromkeys(path_of(pattern, **experiment.names()) for experiment in experiments))
 
 
+def simulated(wildcards):
+    """End the plan in one line where a file name asks for the truth of tracks that were measured."""
+    if wildcards.rso in SETTINGS.tracks:
+        known = "what was measured has no truth, and no seed of the noise"
+        raise InputError(f"truth of '{wildcards.rso}': expected an RSO without tracks of its own, as {known}")
+
+
+def true_orbit(wildcards):
+    """Input function: the truth of an RSO, none where its tracks were measured."""
+    return [] if wildcards.rso in SETTINGS.tracks else path_of(rules.truth.output[0], rso=wildcards.rso)
+
+
+def first_states(wildcards):
+    """Input function: what first fits start from, the truth or the first orbit of tracks that were measured."""
+    return true_orbit(wildcards) or path_of(
+        rules.first_orbit.output[0], rso=wildcards.rso, stations=wildcards.stations
+    )
+
+
+def known_manoeuvres(wildcards):
+    """Input function: the table whose metadata tell manoeuvres, the truth or tracks that were measured."""
+    return true_orbit(wildcards) or path_of(
+        rules.tracking.output[0], rso=wildcards.rso, stations=wildcards.stations
+    )
+
+
 def at_window(window, pattern):
     """Input function: the file of a pattern, of estimates over that window."""
     return lambda wildcards: path_of(pattern, **dict(wildcards.items()) | {"window": window})

@@ -3,7 +3,7 @@
 
 rule dataset:
     input:
-        truth=rules.truth.output[0],
+        manoeuvres=known_manoeuvres,
         estimates=rules.estimation.output[0],
         predictions=rules.prediction.output[0],
         tracking=rules.tracking.output[0],

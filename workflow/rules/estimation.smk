@@ -4,7 +4,7 @@
 rule estimation:
     input:
         **ENVIRONMENT,
-        truth=rules.truth.output[0],
+        start=first_states,
         tracking=rules.tracking.output[0],
     output:
         f"{RESULTS}/estimates/{{rso}}/{{stations}}{{window}}.parquet",

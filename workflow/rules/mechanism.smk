@@ -68,7 +68,7 @@ rule mechanism:
 rule arcs:
     input:
         **ENVIRONMENT,
-        truth=rules.truth.output[0],
+        manoeuvres=known_manoeuvres,
         predictions=rules.prediction.output[0],
         arc_estimates=arc_at(rules.estimation.output[0]),
         arc_predictions=arc_at(rules.prediction.output[0]),

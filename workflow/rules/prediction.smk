@@ -4,7 +4,7 @@
 rule prediction:
     input:
         **ENVIRONMENT,
-        truth=rules.truth.output[0],
+        truth=true_orbit,
         estimates=rules.estimation.output[0],
     output:
         f"{RESULTS}/predictions/{{rso}}/{{stations}}{{window}}.parquet",

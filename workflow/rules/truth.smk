@@ -4,7 +4,7 @@
 rule truth:
     input:
         **TRUE_ENVIRONMENT,
-        asked=checked_names(rso),
+        asked=checked_names(rso, simulated),
     output:
         f"{RESULTS}/truth/{{rso}}.parquet",
     log:

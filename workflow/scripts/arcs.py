@@ -15,7 +15,7 @@ with job(snakemake) as metadata:
         arc_estimates=read_table(files.arc_estimates, "estimates"),
         arc_predictions=read_table(files.arc_predictions, "predictions"),
         memory_days=settings["memory_days"],
-        manoeuvres=[one["t"] for one in read_metadata(files.truth).get("manoeuvres", [])],
+        manoeuvres=[one["t"] for one in read_metadata(files.manoeuvres).get("manoeuvres", [])],
         window=HOUR * settings["window_hours"],
         integrator=force_model.integrator(settings["integrator"]),
         threads=snakemake.threads,

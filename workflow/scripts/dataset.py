@@ -14,7 +14,7 @@ with job(snakemake) as metadata:
         read_table(snakemake.input.tracking, "tracking"),
         gm=read_metadata(snakemake.input.gravity_field)["gm"],
         cleaning=Cleaning.from_settings(settings["cleaning"]),
-        manoeuvres=[one["t"] for one in read_metadata(snakemake.input.truth).get("manoeuvres", [])],
+        manoeuvres=[one["t"] for one in read_metadata(snakemake.input.manoeuvres).get("manoeuvres", [])],
         window=HOUR * settings["window_hours"],
     )
     write_table(snakemake.output[0], table, "dataset", metadata=metadata)

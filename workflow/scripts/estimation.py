@@ -1,22 +1,24 @@
 """Estimate state and drag coefficient at each track's start."""
 
-from opml.catalog import estimation, force_model
+from opml.catalog import estimation, force_model, starting
 from opml.jobs import job, progress
 from opml.sheets import Rso, Station
-from opml.tables import read_table, write_table
+from opml.tables import read_kind, read_table, write_table
 
 with job(snakemake) as metadata:
-    settings = snakemake.params.settings
+    settings, files = snakemake.params.settings, snakemake.input
+    asked = estimation.Estimation(**settings["estimation"])
+    rso, tracking = Rso(**settings["rso"]), read_table(files.tracking, "tracking")
+    start = read_table(files.start, read_kind(files.start))
     table = estimation.estimate_all(
-        force_model.read(snakemake.input, epoch=settings["epoch"], settings=settings["force_model"]),
-        read_table(snakemake.input.truth, "truth"),
-        read_table(snakemake.input.tracking, "tracking"),
-        read_table(snakemake.input.earth_orientation, "earth_orientation"),
+        force_model.read(files, epoch=settings["epoch"], settings=settings["force_model"]),
+        starting.chosen(start, tracking, rso=rso.name, settings=asked, seed=settings["seed"]),
+        tracking,
+        read_table(files.earth_orientation, "earth_orientation"),
         [Station(**station) for station in settings["stations"]],
-        Rso(**settings["rso"]),
-        settings=estimation.Estimation(**settings["estimation"]),
+        rso,
+        settings=asked,
         integrator=force_model.integrator(settings["integrator"]),
-        seed=settings["seed"],
         threads=snakemake.threads,
         progress=progress,
     )

@@ -9,7 +9,7 @@ with job(snakemake) as metadata:
     settings = snakemake.params.settings
     table = prediction.predict_all(
         force_model.read(snakemake.input, epoch=settings["epoch"], settings=settings["force_model"]),
-        read_table(snakemake.input.truth, "truth"),
+        read_table(snakemake.input.truth, "truth") if snakemake.input.truth else None,
         read_table(snakemake.input.estimates, "estimates"),
         Rso(**settings["rso"]),
         max_days=settings["max_days"],

@@ -22,7 +22,6 @@ from opml.dynamics.ensemble import REASONS, Arcs, Integrator
 from opml.dynamics.frames import gcrf_to_itrf
 from opml.dynamics.surroundings import ForceModel
 from opml.elements import wrap_half_turn
-from opml.seeds import derive
 from opml.sheets import Rso, Station
 from opml.tables import PARAMETERS, STATE
 
@@ -48,9 +47,9 @@ class Estimation:
 
     window_hours: measurements before a track that its fit uses [h]; max_iterations, convergence: of the
     least squares, the latter as in `least_squares.Method`; start_position_sigma_m, start_velocity_sigma_mps:
-    of the perturbed truth that a first fit starts from; least_drag_m: displacement of a window per unit of Cd
-    below which Cd is held at its a-priori value; cd_bounds: Cd of an estimate that others may start from,
-    None where its formal uncertainty decides.
+    of the perturbed truth that a first fit of a simulated RSO starts from; least_drag_m: displacement of a
+    window per unit of Cd below which Cd is held at its a-priori value; cd_bounds: Cd of an estimate that
+    others may start from, None where its formal uncertainty decides.
     """
 
     window_hours: float
@@ -64,7 +63,7 @@ class Estimation:
 
 def estimate_all(
     model: ForceModel,
-    truth: pd.DataFrame,
+    starts: pd.DataFrame,
     tracking: pd.DataFrame,
     earth_orientation: pd.DataFrame,
     stations: Sequence[Station],
@@ -72,23 +71,21 @@ def estimate_all(
     *,
     settings: Estimation,
     integrator: Integrator,
-    seed: int,
     threads: int = 1,
     progress: Callable[[float], None] | None = None,
 ) -> pd.DataFrame:
     """The `estimates` table: one row per track, converged or with the reason why not.
 
-    model: the assumed one; truth: the table, only to start where no estimate is at hand; tracking: the
-    measurements; stations: those that made them; seed: of the perturbed truth.
+    model: the assumed one; starts: the table, a state at each track's start for fits where no estimate is at
+    hand; tracking: the measurements; stations: those that made them.
     """
-    run = _Run(
-        _Measured(tracking, earth_orientation, stations),
-        _Flight(model, rso, integrator, threads),
-        truth.set_index("t")[STATE],
+    run = Run(
+        Measured(tracking, earth_orientation, stations),
+        Flight(model, rso, integrator, threads),
+        starts[STATE].to_numpy(),
         settings,
-        seed,
     )
-    method = Method(_SCALES, run.free_parameters(), settings.convergence)
+    method = run.method(run.free_parameters())
     count = run.measured.tracks
     rows: list[dict[str, Any]] = []
     usable = None
@@ -119,14 +116,14 @@ class _Window:
 
 
 @dataclass(frozen=True)
-class _Estimate:
+class Estimate:
     """One track's estimate under way."""
 
     window: _Window
     fit: Fit
 
 
-class _Measured:
+class Measured:
     """The measurements of a run by row, their epochs, and where each track begins and ends."""
 
     def __init__(
@@ -181,7 +178,7 @@ class _Measured:
 
 
 @dataclass(frozen=True)
-class _Flight:
+class Flight:
     """An RSO under the assumed model."""
 
     model: ForceModel
@@ -204,7 +201,7 @@ class _Flight:
         )
 
     def around(
-        self, epochs: np.ndarray, estimates: Sequence[_Estimate]
+        self, epochs: np.ndarray, estimates: Sequence[Estimate]
     ) -> tuple[list[np.ndarray], np.ndarray]:
         """(states of each trial and its neighbours, their worst status).
 
@@ -227,14 +224,17 @@ class _Flight:
 
 
 @dataclass(frozen=True)
-class _Run:
-    """All that the windows of a run share; truth: GCRF states by time."""
+class Run:
+    """All that the windows of a run share; starts (tracks, 6): GCRF states at the tracks' starts."""
 
-    measured: _Measured
-    flight: _Flight
-    truth: pd.DataFrame
+    measured: Measured
+    flight: Flight
+    starts: np.ndarray
     settings: Estimation
-    seed: int
+
+    def method(self, free: np.ndarray) -> Method:
+        """How the parameters that are free (7,) are fitted."""
+        return Method(_SCALES, free, self.settings.convergence)
 
     def free_parameters(self) -> np.ndarray:
         """Which parameters are estimated (7,): Cd is not where an orbit is too high for a window to show it.
@@ -242,7 +242,7 @@ class _Run:
         A short track leaves Cd as uncertain as that, but there the orbit has drag, and the fit says so.
         """
         begin = self.measured.epochs[self.measured.begins[0]]
-        start = np.append(self.truth.loc[begin].to_numpy(), self.flight.rso.cd)
+        start = np.append(self.starts[0], self.flight.rso.cd)
         pair = np.stack([start, start + np.eye(7)[_CD]])
         epochs = np.array([begin, begin + self._window])
         flown = self.flight.fly(epochs, pair, np.zeros(2, int), np.ones(2, int)).states[:, :3]
@@ -251,20 +251,20 @@ class _Run:
         free[_CD] = not np.linalg.norm(flown[1] - flown[0]) < self.settings.least_drag_m
         return free
 
-    def begun(self, tracks: Sequence[int], usable: _Estimate | None, method: Method) -> list[_Estimate]:
+    def begun(self, tracks: Sequence[int], usable: Estimate | None, method: Method) -> list[Estimate]:
         """Estimates at the start of `tracks`, before their first step.
 
         They start from the newest usable estimate, carried to each track's start. Where there is none, or it
-        does not last, the perturbed truth stands in for an initial orbit determination.
+        does not last, they start from the given state.
         """
         windows = [self.measured.window(track, self._window) for track in tracks]
-        carried = self._carried(usable, np.array([window.at for window in windows]))
+        carried = self.carried(usable, np.array([window.at for window in windows]))
         return [
-            _Estimate(window, Fit(start if np.all(np.isfinite(start)) else self._perturbed(window), method))
+            Estimate(window, Fit(start if np.all(np.isfinite(start)) else self.given(window.track), method))
             for window, start in zip(windows, carried, strict=True)
         ]
 
-    def fit(self, estimates: Sequence[_Estimate]) -> None:
+    def fit(self, estimates: Sequence[Estimate]) -> None:
         """Iterate all fits side by side until they end, or the settings' number of iterations is reached."""
         for _ in range(self.settings.max_iterations):
             running = [one for one in estimates if one.fit.running]
@@ -277,7 +277,7 @@ class _Run:
                 else:
                     one.fit.take(self.measured.evaluation(one.window, flown))
 
-    def is_usable(self, estimate: _Estimate) -> bool:
+    def is_usable(self, estimate: Estimate) -> bool:
         """Whether others may start from it: converged, its Cd within the bounds, or else well determined.
 
         A fit of one short track may converge on a Cd of thousands, from which no other would find back.
@@ -289,7 +289,7 @@ class _Run:
         low, high = self.settings.cd_bounds
         return bool(low <= estimate.fit.best[_CD] <= high)
 
-    def row(self, estimate: _Estimate) -> dict[str, Any]:
+    def row(self, estimate: Estimate) -> dict[str, Any]:
         """The estimate as a row of the table."""
         window, fit = estimate.window, estimate.fit
         rms = np.sqrt(fit.cost / (3.0 * window.measurements)) if np.isfinite(fit.cost) else np.nan
@@ -310,7 +310,7 @@ class _Run:
     def _window(self) -> float:
         return self.settings.window_hours * HOUR
 
-    def _carried(self, usable: _Estimate | None, at: np.ndarray) -> np.ndarray:
+    def carried(self, usable: Estimate | None, at: np.ndarray) -> np.ndarray:
         """Parameters (n, 7) of an estimate carried to epochs `at`, not finite where it does not reach."""
         if usable is None:
             return np.full((len(at), 7), np.nan)
@@ -318,10 +318,6 @@ class _Run:
         arcs = self.flight.fly(epochs, usable.fit.best[None], np.array([0]), np.array([len(at)]))
         return np.column_stack([arcs.of(0), np.full(len(at), usable.fit.best[_CD])])
 
-    def _perturbed(self, window: _Window) -> np.ndarray:
-        """Parameters (7,) of the perturbed truth at the start of a track, Cd at its a-priori value."""
-        settings, rso = self.settings, self.flight.rso
-        spread = np.repeat([settings.start_position_sigma_m, settings.start_velocity_sigma_mps], 3)
-        noise = derive(self.seed, "start", rso.name, str(window.track)).normal(size=6) * spread
-        true = self.truth.loc[self.measured.epochs[window.at]].to_numpy()
-        return np.append(true + noise, rso.cd)
+    def given(self, track: int) -> np.ndarray:
+        """Parameters (7,) of the given state at the start of a track, Cd at its a-priori value."""
+        return np.append(self.starts[track], self.flight.rso.cd)

@@ -39,3 +39,12 @@ def observe(positions: np.ndarray, position: np.ndarray, to_horizon: np.ndarray)
     azimuth = wrap_turn(np.arctan2(local[..., 0], local[..., 1]))
     elevation = np.arctan2(local[..., 2], np.hypot(local[..., 0], local[..., 1]))
     return np.stack([azimuth, elevation, distance], axis=-1)
+
+
+def place(measured: np.ndarray, position: np.ndarray, to_horizon: np.ndarray) -> np.ndarray:
+    """Positions (..., 3) in ITRF [m] of what was measured, as `observe` gives it: (..., 3) [rad, rad, m]."""
+    azimuth, elevation, distance = np.moveaxis(measured, -1, 0)
+    level = distance * np.cos(elevation)
+    local = [level * np.sin(azimuth), level * np.cos(azimuth), distance * np.sin(elevation)]
+    positions: np.ndarray = position + np.einsum("...ij,...i->...j", to_horizon, np.stack(local, axis=-1))
+    return positions

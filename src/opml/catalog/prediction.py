@@ -18,7 +18,7 @@ TRUE = [f"{name}_true" for name in STATE]
 
 def predict_all(
     model: ForceModel,
-    truth: pd.DataFrame,
+    truth: pd.DataFrame | None,
     estimates: pd.DataFrame,
     rso: Rso,
     *,
@@ -29,10 +29,10 @@ def predict_all(
 ) -> pd.DataFrame:
     """The `predictions` table: every pair of an estimate t_i and a later track start t_j.
 
-    model: the assumed one; t_j is at most max_days after t_i. The true
-    error is the predicted state less the true one, in RSW of the true state (paper, sec. Orbit
-    Prediction and Machine Learning Model of the Prediction Error). A pair that the arc does not
-    reach has no numbers, but the reason.
+    model: the assumed one; t_j is at most max_days after t_i. The true error is the predicted state less the
+    true one, in RSW of the true state (paper, sec. Orbit Prediction and Machine Learning Model of the
+    Prediction Error). Where there is no truth, as of tracks that were measured, true states and errors are
+    NaN. A pair that the arc does not reach has no numbers, but the reason.
     """
     epochs = estimates["t"].to_numpy()
     first = np.arange(len(epochs))
@@ -51,7 +51,7 @@ def predict_all(
     )
     i = np.repeat(first, last - first)
     j = np.concatenate([np.arange(a + 1, b + 1) for a, b in zip(first, last, strict=True)])
-    true = truth.set_index("t")[STATE].loc[epochs].to_numpy()[j]
+    true = _true_states(truth, epochs)[j]
     reached, reasons = np.isfinite(arcs.states[:, 0]), np.array(REASONS, object)[arcs.status[i]]
     track = estimates["track"].to_numpy()
     return pd.DataFrame(
@@ -61,3 +61,11 @@ def predict_all(
         | dict(zip(COMPONENTS, in_rsw(arcs.states - true, true).T, strict=True))
         | {"reason": np.where(reached, "", reasons)}
     )
+
+
+def _true_states(truth: pd.DataFrame | None, epochs: np.ndarray) -> np.ndarray:
+    """True states (n, 6) at epochs (n,) [s], NaN where there is no truth."""
+    if truth is None:
+        return np.full((len(epochs), 6), np.nan)
+    states: np.ndarray = truth.set_index("t")[STATE].loc[epochs].to_numpy()
+    return states

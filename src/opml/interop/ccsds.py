@@ -9,7 +9,7 @@ import math
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from datetime import date, timedelta
-from decimal import Decimal
+from decimal import Context, Decimal
 
 import erfa
 import numpy as np
@@ -22,6 +22,10 @@ from opml.interop import arcs
 _TIME = re.compile(r"(\d{4})-(?:(\d\d)-(\d\d)|(\d{3}))T(\d\d):(\d\d):(\d\d(?:\.\d*)?)Z?", re.ASCII)
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[eE]([+-]?\d{1,4}))?", re.ASCII)
 _PAIR = re.compile(r"([A-Z][A-Z0-9_]*)\s*=\s*(\S.*)", re.ASCII)
+
+_FINE, _DOUBLE = Context(prec=40), Context(prec=17)
+_DEGREE = Decimal("0.01745329251994329576923690768488612713443")
+"""One degree in radians."""
 
 SCALES = ("UTC", "TAI", "TT", "GPS")
 """Time systems that are read; messages are written in UTC."""
@@ -116,6 +120,11 @@ class Message:
             raise self.wrong("a finite number", text, number)
         return value
 
+    def radians(self, text: str, number: int) -> float:
+        """Return an angle in degrees as radians, rounded once. Raises InputError for no finite number."""
+        self.scaled(text, 0, number)
+        return float(_FINE.multiply(Decimal(text), _DEGREE))
+
     def elapsed(self, texts: Sequence[str], numbers: Sequence[int], *, epoch: str, scale: str) -> np.ndarray:
         """Times (n,) [s since `epoch`] of texts in a time system. Raises InputError, naming the line."""
         calendar = []
@@ -145,6 +154,10 @@ class Pairs:
             raise self._message.wrong(f"{key} = {' or '.join(allowed)}", value, number)
         return value.upper()
 
+    def line(self, key: str) -> int:
+        """Return the line that a key stands in; without one, that of the end."""
+        return self._values[key][0] if key in self._values else self._closing
+
     def text(self, key: str, default: str | None = None) -> str:
         """Return a value. Raises InputError where there is neither one nor a default."""
         return self._value(key, default)[1]
@@ -167,6 +180,11 @@ class Pairs:
 def number_text(value: float, power: int) -> str:
     """Return the shortest text of a number times 10**power from which `Message.scaled` gets it back."""
     return str(Decimal(repr(float(value))).scaleb(power))
+
+
+def degrees_text(angle: float) -> str:
+    """Return the text in degrees of an angle [rad] from which `Message.radians` gets it back, 17 digits."""
+    return str(_DOUBLE.plus(_FINE.divide(Decimal(float(angle)), _DEGREE)))
 
 
 def utc_texts(epoch: str, t: np.ndarray) -> list[str]:

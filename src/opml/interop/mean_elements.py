@@ -28,15 +28,12 @@ from sgp4 import omm
 from sgp4.api import SGP4_ERRORS, Satrec
 
 from opml import epochs
-from opml.constants import DAY
+from opml.constants import DAY, EARTH_GM
 from opml.elements import coe_from_cartesian, mean_from_true_anomaly
 from opml.errors import InputError
 from opml.files import FilePath
 from opml.interop import ccsds
 from opml.sheets import Rso
-
-EARTH_GM = 3.986004415e14
-"""Earth's gravitational parameter [m3/s2] of EGM2008 and EIGEN-6S, by which a sheet's elements are read."""
 
 WARN_DAYS = 7.0
 """Days from their own epoch beyond which elements are flown with a warning.
@@ -143,14 +140,14 @@ def rso(
     Warns through `logging` where the epoch is more than WARN_DAYS from the elements' own.
     Raises InputError where it is more than MOST_DAYS from it, and where SGP4 cannot reach it.
     """
-    _check_age(satellite, epoch)
+    check_age(satellite, epoch)
     a, e, i, argp, raan, nu = coe_from_cartesian(state(satellite, epoch=epoch), gm).tolist()
     mean_anomaly = float(mean_from_true_anomaly(nu, e))
     return Rso(name, a, e, i, argp, raan, mean_anomaly, area_to_mass=area_to_mass, cd=cd, cr=cr)
 
 
-def _check_age(satellite: Satrec, epoch: str) -> None:
-    """Refuse or warn where SGP4 would carry the elements too far from their own epoch."""
+def check_age(satellite: Satrec, epoch: str) -> None:
+    """Raise InputError, or warn, where SGP4 would carry elements too far from their own epoch."""
     own = own_epoch(satellite)
     days = abs(epochs.elapsed(own, epoch)) / DAY
     if days > MOST_DAYS:

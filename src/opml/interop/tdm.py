@@ -1,16 +1,20 @@
-"""Tracks as CCSDS tracking data messages (TDM 2.0, KVN), out and in.
+"""Tracks as CCSDS tracking data messages (TDM 1.0 and 2.0, KVN), out and in.
 
-A segment holds what one station measured of one track: azimuth, elevation and range. Measurements are
-geometric, so the path runs from the RSO to the station and the range is the distance at the time tag.
+What is written has a segment for each station and track: azimuth, elevation and range. What is read may come
+from any software: which participant is the station follows from the path, whose last one receives.
+Measurements are taken as geometric: the range is the distance at the time tag, one way.
 Source: CCSDS 503.0-B-2.
 """
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
+from itertools import count
 
 import numpy as np
 import pandas as pd
 
 from opml.elements import wrap_turn
+from opml.errors import InputError
 from opml.files import FilePath
 from opml.interop import ccsds
 
@@ -18,6 +22,16 @@ _KEY = "CCSDS_TDM_VERS"
 _VERSIONS = ("1.0", "2.0")
 _KILO = 3  # kilometres in the message, metres here
 _TYPES = ("ANGLE_1", "ANGLE_2", "RANGE")
+_PATHS = ("2,1", "1,2", "1,2,1", "2,1,2")
+"""Paths that are read: to the receiver from the other participant, or there and back."""
+
+_PASSED_OVER = re.compile(
+    r"CARRIER_POWER|CLOCK_(BIAS|DRIFT)|DOPPLER_(INSTANTANEOUS|INTEGRATED|COUNT)|DOR|MAG|P[CR]_N0|PRESSURE|RCS"
+    r"|(RECEIVE|TRANSMIT)_(FREQ|FREQ_RATE|PHASE_CT)(_\d)?|RHUMIDITY|STEC|TEMPERATURE|TROPO_(DRY|WET)"
+    r"|VLBI_DELAY"
+)
+"""Types of data that nothing here is estimated from."""
+
 COLUMNS = ["track", "t", "station", "azimuth", "elevation", "range"]
 """Columns of the `tracking` table that a message carries; it knows nothing of noise-free values."""
 
@@ -31,17 +45,36 @@ def read(path: FilePath, *, epoch: str) -> pd.DataFrame:
     """Read the measurements of a TDM: `COLUMNS`, with times from the UTC text `epoch`, by time.
 
     Tracks are numbered from 0 by time. A track is the segments of one TRACK_ID, or a segment without one.
-    Raises InputError, naming file and line, for what is malformed, an epoch without all three measurements,
-    and other types, units or paths.
+    Raises InputError as `measurements` does.
     """
-    message = ccsds.Message(path, version_key=_KEY, versions=_VERSIONS)
-    message.skip_header()
-    parts: list[pd.DataFrame] = []
-    while message.peek() or not parts:
-        parts.append(_segment(message, epoch, default=f"segment {len(parts)}"))
-    table = pd.concat(parts).sort_values("t", kind="stable", ignore_index=True)
-    table["track"] = pd.factorize(table["track"])[0]
+    table = measurements([path], epoch=epoch).sort_values("t", kind="stable", ignore_index=True)
+    own = "segment " + table["segment"].astype(str)
+    table["track"] = pd.factorize(table["track_id"].where(table["track_id"] != "", own))[0]
     return table[COLUMNS]
+
+
+def measurements(paths: Sequence[FilePath], *, epoch: str) -> pd.DataFrame:
+    """Read the measurements of TDMs of one RSO, in the order of the files.
+
+    Columns: t [s from the UTC text `epoch`]; azimuth, elevation [rad]; range [m]; station, as it is called
+    there; rso; scale; track_id, empty where there is none; segment, its number among all; path and line.
+    Raises InputError, naming file and line, for what is malformed, an epoch without all three measurements,
+    other units and paths, and another RSO or time system than before.
+    """
+    parts: list[pd.DataFrame] = []
+    numbers = count()
+    for path in paths:
+        message = ccsds.Message(path, version_key=_KEY, versions=_VERSIONS)
+        message.skip_header()
+        found = [_segment(message, epoch, next(numbers))]
+        while message.peek():
+            found.append(_segment(message, epoch, next(numbers)))
+        parts += found
+    table = pd.concat(parts, ignore_index=True)
+    if table.empty:
+        raise InputError(f"{paths[0]}: expected azimuth, elevation and range, got none")
+    _check_alike(table)
+    return table
 
 
 def _lines(tracking: pd.DataFrame, epoch: str, rso: str) -> Iterator[str]:
@@ -64,54 +97,99 @@ def _lines(tracking: pd.DataFrame, epoch: str, rso: str) -> Iterator[str]:
         yield "ANGLE_TYPE = AZEL"
         yield "META_STOP"
         yield "DATA_START"
-        angles = np.degrees(rows[["azimuth", "elevation"]].to_numpy()).tolist()
-        for time, (azimuth, elevation), distance in zip(times, angles, rows["range"], strict=True):
-            yield f"ANGLE_1 = {time} {ccsds.number_text(azimuth, 0)}"
-            yield f"ANGLE_2 = {time} {ccsds.number_text(elevation, 0)}"
+        values = rows[["azimuth", "elevation", "range"]].to_numpy().tolist()
+        for time, (azimuth, elevation, distance) in zip(times, values, strict=True):
+            yield f"ANGLE_1 = {time} {ccsds.degrees_text(azimuth)}"
+            yield f"ANGLE_2 = {time} {ccsds.degrees_text(elevation)}"
             yield f"RANGE = {time} {ccsds.number_text(distance, -_KILO)}"
         yield "DATA_STOP"
 
 
-def _segment(message: ccsds.Message, epoch: str, *, default: str) -> pd.DataFrame:
-    """The measurements of a segment; its track is `default` where it names none."""
+def _segment(message: ccsds.Message, epoch: str, number: int) -> pd.DataFrame:
+    """The measurements of a segment; none where it holds other types of data only."""
     message.expect("META_START")
     metadata = message.pairs("META_STOP")
-    metadata.one_of("PATH", ("2,1",))
+    data = _data(message)
+    if not data:
+        return pd.DataFrame()
+    station, rso = _participants(metadata)
     metadata.one_of("ANGLE_TYPE", ("AZEL",))
     metadata.one_of("RANGE_UNITS", ("KM",), default="km")
     scale = metadata.one_of("TIME_SYSTEM", ccsds.SCALES)
-    data = _data(message)
     lines = [next(iter(measured.values()))[1] for measured in data.values()]
     values = np.array([[measured[kind][0] for kind in _TYPES] for measured in data.values()])
+    values += _corrections(message, metadata)
     return pd.DataFrame(
         {
-            "track": metadata.text("TRACK_ID", default),
             "t": message.elapsed(list(data), lines, epoch=epoch, scale=scale),
-            "station": metadata.text("PARTICIPANT_1"),
-            "azimuth": wrap_turn(np.radians(values[:, 0])),
-            "elevation": np.radians(values[:, 1]),
+            "station": station,
+            "rso": rso,
+            "scale": scale,
+            "azimuth": wrap_turn(values[:, 0]),
+            "elevation": values[:, 1],
             "range": values[:, 2],
+            "track_id": metadata.text("TRACK_ID", ""),
+            "segment": number,
+            "path": str(message.path),
+            "line": lines,
         }
     )
 
 
+def _participants(metadata: ccsds.Pairs) -> tuple[str, str]:
+    """Names of the station, which receives, and of the RSO."""
+    metadata.one_of("MODE", ("SEQUENTIAL",), default="SEQUENTIAL")
+    receiver = metadata.one_of("PATH", _PATHS)[-1]
+    other = "2" if receiver == "1" else "1"
+    return metadata.text(f"PARTICIPANT_{receiver}"), metadata.text(f"PARTICIPANT_{other}")
+
+
+def _corrections(message: ccsds.Message, metadata: ccsds.Pairs) -> np.ndarray:
+    """What is still to be added to each type of a segment (3,) [rad, rad, m]."""
+    given = [metadata.text(f"CORRECTION_{kind}", "") for kind in _TYPES]
+    if not any(given) or metadata.one_of("CORRECTIONS_APPLIED", ("YES", "NO")) == "YES":
+        return np.zeros(3)
+    numbers = [metadata.line(f"CORRECTION_{kind}") for kind in _TYPES]
+    return np.array(
+        [_value(message, k, text or "0", n) for k, text, n in zip(_TYPES, given, numbers, strict=True)]
+    )
+
+
+def _value(message: ccsds.Message, kind: str, text: str, number: int) -> float:
+    """A measurement [rad, m] from its text in degrees or kilometres."""
+    return message.scaled(text, _KILO, number) if kind == "RANGE" else message.radians(text, number)
+
+
 def _data(message: ccsds.Message) -> dict[str, dict[str, tuple[float, int]]]:
-    """Values [deg, m] and their lines of a segment's data, by time and type; every time has all types."""
+    """Values [rad, m] and their lines of a segment's data, by time and type; every time has all types."""
     message.expect("DATA_START")
+    if message.peek() == "DATA_STOP":
+        raise message.wrong("a measurement", message.peek())
     data: dict[str, dict[str, tuple[float, int]]] = {}
     while message.peek() != "DATA_STOP":
         number, kind, text = message.pair()
         time, *values = text.split()
+        if _PASSED_OVER.fullmatch(kind):
+            continue
         if kind not in _TYPES or len(values) != 1:
             raise message.wrong(f"{' or '.join(_TYPES)} = time value", f"{kind} = {text}", number)
         measured = data.setdefault(time, {})
         if kind in measured:
             raise message.wrong(f"{kind} once at a time", f"{kind} = {text}", number)
-        measured[kind] = message.scaled(values[0], _KILO if kind == "RANGE" else 0, number), number
-    if not data:
-        raise message.wrong("a measurement", message.peek())
+        measured[kind] = _value(message, kind, values[0], number), number
     message.take()
     for time, measured in data.items():
         if missing := [kind for kind in _TYPES if kind not in measured]:
             raise message.wrong(f"{missing[0]} at {time}", "none", next(iter(measured.values()))[1])
     return data
+
+
+def _check_alike(table: pd.DataFrame) -> None:
+    """Raise InputError where the RSO or the time system changes."""
+    for column, what in (("rso", "tracks of"), ("scale", "time system")):
+        values = table[column].str.upper()
+        other = (values != values.iloc[0]).to_numpy()
+        if other.any():
+            first, row = table.iloc[0], table.iloc[int(other.argmax())]
+            expected = f"{what} {first[column]}, as in {first['path']}"
+            raise InputError(f"{row['path']}: line {row['line']}: expected {expected}, got {row[column]}")

@@ -35,6 +35,7 @@ CD_OUTSIDE = "drag coefficient outside bounds"
 NO_PREVIOUS_ESTIMATE = "no kept previous estimate"
 NO_RELATIVE_ERROR = "no prediction from previous estimate"
 OUTSIDE_FENCES = "outside Tukey fences"
+NO_TRUE_STATE = "no true state"
 NO_NUMBERS = "no numbers beside it"
 
 
@@ -54,7 +55,8 @@ def build(
     the COE. With `kept_estimate` as `cleaning.previous`, t_b is the last earlier estimate that converged with
     its Cd inside the bounds, with `track` the track just before or none. Learning variables are NaN where
     they do not exist. Tukey's fences come from the rows that survived all else with t_j in fence_days, and
-    hold for every row. A row is dropped, too, where one of the `manoeuvres` (times [s]) lies between t_j and
+    hold for every row. Where predictions have no true error, rows are dropped with that reason unless there
+    is another. A row is dropped, too, where one of the `manoeuvres` (times [s]) lies between t_j and
     the oldest measurement of its earlier estimate, `window` [s] before it. Raises InputError where the tables
     do not belong together or `previous` is unknown.
     """
@@ -200,6 +202,7 @@ def _reasons(rows: pd.DataFrame, cleaning: Cleaning) -> pd.Series:
     failed = rows["prediction_reason"]
     reason = pd.Series("", index=rows.index, dtype="str")
     # From the last of the order to the first, so that the first overwrites.
+    reason[rows["e_y"].isna()] = NO_TRUE_STATE
     reason[rows["eps_y"].isna()] = NO_RELATIVE_ERROR
     reason[rows["b"] == NO_PREVIOUS] = NO_PREVIOUS_ESTIMATE
     reason[~rows["cd_inside"]] = CD_OUTSIDE

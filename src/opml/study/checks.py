@@ -5,11 +5,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from opml import naming, sheets
+from opml import epochs, naming, sheets
 from opml.constants import DAY
 from opml.environment import coverage
 from opml.errors import InputError
-from opml.interop import gathering
+from opml.interop import first_state, gathering, tdm
 from opml.learning import learners
 from opml.study.experiments import Study
 from opml.study.overlay import MISSING, Key, Source, leaves, mappings, value_at
@@ -40,6 +40,8 @@ def check_data(source: Source, settings: Settings) -> None:
     """
     coverage.check(source.values)
     _check_orbits(source, settings)
+    _check_tracks(source, settings)
+    _check_starts(source, settings)
 
 
 def check_study(source: Source, settings: Settings) -> None:
@@ -111,6 +113,43 @@ def _check_orbits(source: Source, settings: Settings) -> None:
         except InputError as error:
             kind = "orbits" if name in values.get("orbits", {}) else "oem"
             raise source.wrong((kind, name), str(error)) from None
+
+
+def _check_tracks(source: Source, settings: Settings) -> None:
+    """Look at the tracks that were measured: their RSO, whether they fit the run, and each other."""
+    if not settings.tracks:
+        return
+    # Brings the compiled kernels with it, half a second that no other plan should wait for.
+    from opml.catalog import measured
+
+    values = source.values
+    for name, paths in settings.tracks.items():
+        try:
+            sheets.parse_rso(name, settings.rsos)
+            if name in settings.orbits:
+                raise InputError("expected tracks, or an orbit under orbits or oem, got both")
+            found = tdm.measurements(paths, epoch=values["epoch"])
+            measured.check(
+                found, settings.stations, epoch=values["epoch"], duration=DAY * values["duration_days"]
+            )
+        except InputError as error:
+            raise source.wrong(("tracks", name), str(error)) from None
+
+
+def _check_starts(source: Source, settings: Settings) -> None:
+    """Look at what is told of tracks that were measured: first states, and when there were manoeuvres."""
+    for kind in ("starts", "manoeuvres"):
+        for name, given in source.values.get(kind, {}).items():
+            try:
+                if name not in settings.tracks:
+                    raise InputError("expected an RSO that has tracks")
+                if kind == "starts":
+                    first_state.check(settings.starts[name])
+                else:
+                    for time in given:
+                        epochs.parse(time)
+            except InputError as error:
+                raise source.wrong((kind, name), str(error)) from None
 
 
 def _check_seen(source: Source, settings: Settings) -> None:

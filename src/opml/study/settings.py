@@ -34,6 +34,18 @@ class Settings:
         return {rso: _files(named, self.values.get("data", "")) for rso, named in given.items()}
 
     @property
+    def tracks(self) -> dict[str, list[str]]:
+        """Files of tracks that were really measured, by RSO; a pattern without files stays."""
+        given, folder = self.values.get("tracks", {}), self.values.get("data", "")
+        return {rso: _files(named, folder) for rso, named in given.items()}
+
+    @property
+    def starts(self) -> dict[str, str]:
+        """File of the state that an RSO's first orbit starts from, by RSO."""
+        folder = self.values.get("data", "")
+        return {rso: os.path.join(folder, path) for rso, path in self.values.get("starts", {}).items()}
+
+    @property
     def asked(self) -> Mapping[str, Any]:
         """What the study asks; empty where there is none."""
         return self.values["study"] or {}
@@ -60,7 +72,7 @@ def with_sheets(values: Mapping[str, Any], source: Source | None = None) -> Sett
     source = source or Source(values, [])
     stations, rsos = read_stations(values["sheets"]["stations"]), read_rsos(values["sheets"]["rsos"])
     own_stations = _inline(source, "stations", stations_of, known=stations)
-    flown = {*values.get("oem", {}), *values.get("orbits", {})}
+    flown = {name for kind in ("oem", "orbits", "tracks") for name in values.get(kind, {})}
     own_rsos = _inline(source, "rsos", partial(rsos_of, flown=flown), known=rsos)
     return Settings(values, stations | own_stations, rsos | own_rsos)
 

@@ -1,0 +1,90 @@
+"""Tracks in a message that Orekit wrote of its own orbit: through first orbit, estimates, predictions."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from support import ASSUMED_BODIES, EPOCH, EXCERPTS, force_model
+
+from opml.catalog import estimation, first_orbit, measured, prediction
+from opml.catalog.estimation import Estimation
+from opml.constants import DAY
+from opml.dynamics.ensemble import Integrator
+from opml.interop import tdm
+from opml.tables import STATE
+
+SETTINGS = Estimation(
+    window_hours=12,
+    max_iterations=30,
+    convergence=1e-3,
+    start_position_sigma_m=1000.0,
+    start_velocity_sigma_mps=1.0,
+    least_drag_m=0.1,
+)
+
+
+@pytest.fixture(scope="module")
+def orbit():
+    """Orekit's orbit at the measured times."""
+    return pd.read_csv(EXCERPTS / "orekit_tdm_orbit.csv", comment="#").set_index("t")[STATE]
+
+
+@pytest.fixture(scope="module")
+def tracking(three_stations):
+    found = tdm.measurements([EXCERPTS / "orekit.tdm"], epoch=EPOCH)
+    known = {station.name: station for station in three_stations}
+    measured.check(found, known, epoch=EPOCH, duration=2 * DAY)
+    return measured.tracks(found, three_stations)
+
+
+@pytest.fixture(scope="module")
+def starts(tracking, earth_orientation, three_stations, iss):
+    return first_orbit.determined(
+        force_model(20, ASSUMED_BODIES), tracking, earth_orientation, three_stations, iss,
+        settings=SETTINGS, integrator=Integrator(),
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def estimates(starts, tracking, earth_orientation, three_stations, iss):
+    return estimation.estimate_all(
+        force_model(20, ASSUMED_BODIES), starts, tracking, earth_orientation, three_stations, iss,
+        settings=SETTINGS, integrator=Integrator(),
+    )  # fmt: skip
+
+
+def errors(table, orbit):
+    """Position errors [m]."""
+    states = table[STATE].to_numpy() - orbit.loc[table["t"]].to_numpy()
+    return np.linalg.norm(states[:, :3], axis=1)
+
+
+def test_every_measurement_is_read(tracking, orbit):
+    assert set(tracking["station"]) == {"eglin", "clear", "kaena"}
+    assert set(tracking["t"]) == set(orbit.index)
+    assert tracking["track"].nunique() == 26
+
+
+def test_the_first_orbit_is_good_enough_to_start_from(starts, orbit):
+    assert errors(starts, orbit).max() < 10e3
+
+
+def test_estimates_are_where_orekit_has_the_rso(estimates, orbit):
+    assert estimates["converged"].all()
+    many = estimates["tracks_used"] >= 4
+    assert many.sum() > 15
+    found = errors(estimates[many], orbit)
+    assert np.median(found) < 75.0
+    assert found.max() < 200.0
+    assert 0.8 < estimates["weighted_rms"][many].mean() < 1.2
+
+
+def test_predictions_need_no_truth(estimates, orbit, iss):
+    found = prediction.predict_all(
+        force_model(20, ASSUMED_BODIES), None, estimates, iss, max_days=1.0, integrator=Integrator()
+    )
+    assert found.filter(like="_true").isna().all(axis=None)
+    assert found.filter(regex="^e_").isna().all(axis=None)
+    assert (found["reason"] == "").mean() > 0.9
+    used = found[found["i"].isin(estimates.index[estimates["tracks_used"] >= 4])]
+    apart = errors(used.rename(columns={"t_j": "t"}), orbit)
+    assert np.median(apart) < 500.0

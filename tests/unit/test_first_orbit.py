@@ -1,0 +1,190 @@
+"""A first orbit without a truth: determined from tracks, or carried from a state; and fits from it."""
+
+import logging
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from support import EPOCH, rsos
+from test_estimation import SETTINGS
+
+from opml.catalog import estimation, first_orbit, measured, starting, tracking, truth
+from opml.catalog.estimation import Flight, Measured, Run
+from opml.constants import DAY
+from opml.dynamics.ensemble import Integrator
+from opml.errors import InputError
+from opml.interop import first_state, oem, tdm
+from opml.tables import STATE
+
+
+@pytest.fixture(scope="module")
+def orbit(truth_model, iss):
+    """Two days of the paper's RSO under another model than the assumed one."""
+    return truth.simulate(truth_model, iss, duration=2 * DAY, step=20.0, integrator=Integrator())
+
+
+@pytest.fixture(scope="module")
+def rows(orbit, earth_orientation, three_stations):
+    return tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1)
+
+
+@pytest.fixture(scope="module")
+def starts(assumed_model, rows, earth_orientation, three_stations, iss):
+    return first_orbit.determined(
+        assumed_model, rows, earth_orientation, three_stations, iss,
+        settings=SETTINGS, integrator=Integrator(),
+    )  # fmt: skip
+
+
+def carried(model, rows, earth_orientation, stations, rso, t, given):
+    return first_orbit.carried(
+        model, rows, earth_orientation, stations, rso, t=t, given=given, integrator=Integrator()
+    )
+
+
+def apart(table, orbit):
+    """Distances [m] from the true states."""
+    true = orbit.set_index("t")[STATE].loc[table["t"]].to_numpy()
+    return np.linalg.norm((table[STATE].to_numpy() - true)[:, :3], axis=1)
+
+
+@pytest.mark.parametrize("name", ["iss", "larets", "lageos1"])
+def test_almost_every_single_track_gives_an_orbit(
+    assumed_model, truth_model, earth_orientation, three_stations, name
+):
+    rso = rsos()[name]
+    orbit = truth.simulate(truth_model, rso, duration=DAY, step=20.0, integrator=Integrator())
+    rows = tracking.simulate(orbit, earth_orientation, three_stations, rso=name, seed=1)
+    run = Run(
+        Measured(rows, earth_orientation, three_stations),
+        Flight(assumed_model, rso, Integrator(), 1),
+        np.empty((0, 6)),
+        SETTINGS,
+    )
+    found = first_orbit.single_tracks(run)
+    assert len(found) >= 0.9 * rows["track"].nunique()
+    true = orbit.set_index("t")[STATE]
+    errors = np.array([one.fit.best[:6] - true.loc[run.measured.epochs[one.window.at]] for one in found])
+    # As good as the perturbed truth that simulated fits start from: 1 km and 1 m/s in each axis.
+    assert np.median(np.linalg.norm(errors[:, :3], axis=1)) < 1000.0
+    assert np.median(np.linalg.norm(errors[:, 3:], axis=1)) < 1.5
+
+
+def test_the_first_orbit_is_near_the_true_one_at_every_track(starts, rows, orbit):
+    assert starts["track"].tolist() == sorted(rows["track"].unique())
+    assert apart(starts, orbit).max() < 5e3
+
+
+def test_fits_from_it_are_those_from_the_perturbed_truth(
+    assumed_model, starts, rows, orbit, earth_orientation, three_stations, iss
+):
+    given = rows, earth_orientation, three_stations, iss
+    with_truth = starting.perturbed(orbit, rows, rso="iss", settings=SETTINGS, seed=1)
+    ours, theirs = (
+        estimation.estimate_all(assumed_model, one, *given, settings=SETTINGS, integrator=Integrator())
+        for one in (starts, with_truth)
+    )
+    assert ours["converged"].all()
+    assert theirs["converged"].all()
+    many = ours["tracks_used"] >= 3
+    assert np.abs(ours[STATE] - theirs[STATE])[many].to_numpy().max() < 0.01
+
+
+def test_what_was_exported_and_read_gives_the_same_estimates_to_the_bit(
+    assumed_model, starts, rows, earth_orientation, three_stations, iss, tmp_path
+):
+    tdm.write(tmp_path / "iss.tdm", rows, epoch=EPOCH, rso="iss")
+    back = measured.tracks(tdm.measurements([tmp_path / "iss.tdm"], epoch=EPOCH), three_stations)
+    found = [
+        estimation.estimate_all(
+            assumed_model, starts, one, earth_orientation, three_stations, iss,
+            settings=SETTINGS, integrator=Integrator(),
+        )
+        for one in (rows, back)
+    ]  # fmt: skip
+    pd.testing.assert_frame_equal(*found, check_exact=True)
+
+
+def test_elements_are_carried_to_every_track(
+    assumed_model, rows, orbit, earth_orientation, three_stations, iss
+):
+    t, state = first_orbit.of_sheet(iss, assumed_model.gm)
+    table = carried(assumed_model, rows, earth_orientation, three_stations, iss, t, state)
+    assert apart(table, orbit).max() < 50e3
+    # From a state in the middle, forward and backward.
+    middle = orbit[STATE].iloc[4320].to_numpy()
+    table = carried(assumed_model, rows, earth_orientation, three_stations, iss, DAY, middle)
+    assert apart(table, orbit).max() < 20e3
+    assert apart(table[np.abs(table["t"] - DAY) < 20e3], orbit).max() < 2e3
+
+
+def test_elements_that_are_not_known_are_none(assumed_model, iss):
+    assert first_orbit.of_sheet(replace(iss, a=np.nan), assumed_model.gm) is None
+
+
+def test_tracks_of_another_rso_are_told(assumed_model, rows, earth_orientation, three_stations, iss):
+    t, state = first_orbit.of_sheet(replace(iss, mean_anomaly=1.0), assumed_model.gm)
+    with pytest.raises(
+        InputError, match=r"iss: expected tracks near the orbit .*, got tracks that are \d+ km"
+    ):
+        carried(assumed_model, rows, earth_orientation, three_stations, iss, t, state)
+
+
+def test_tracks_that_give_no_orbit_are_told(assumed_model, rows, earth_orientation, three_stations, iss):
+    short = rows.groupby("track").head(3)
+    with pytest.raises(InputError, match="iss: expected a track of at least 5 measurements over 30 s"):
+        first_orbit.determined(
+            assumed_model, short, earth_orientation, three_stations, iss,
+            settings=SETTINGS, integrator=Integrator(),
+        )  # fmt: skip
+
+
+def test_the_log_tells_what_was_done(
+    starts, assumed_model, rows, earth_orientation, three_stations, iss, caplog
+):
+    caplog.set_level(logging.INFO)
+    t, state = first_orbit.of_sheet(iss, assumed_model.gm)
+    carried(assumed_model, rows, earth_orientation, three_stations, iss, t, state)
+    assert "km from the first day's tracks" in caplog.text
+
+
+def test_the_perturbed_truth_depends_on_seed_and_track_only(rows, orbit):
+    given = {"rso": "iss", "settings": SETTINGS, "seed": 1}
+    whole = starting.perturbed(orbit, rows, **given)
+    part = starting.perturbed(orbit, rows[rows["track"] < 4], **given)
+    pd.testing.assert_frame_equal(part, whole.iloc[:4])
+    other = starting.perturbed(orbit, rows, **given | {"seed": 2})
+    assert (other[STATE] != whole[STATE]).all(axis=None)
+    assert 300.0 < np.median(apart(whole, orbit)) < 3000.0
+
+
+LINES = (
+    "1 25544U 98067A   16270.55892361  .00003421  00000-0  59245-4 0  9994",
+    "2 25544  51.6447 263.7421 0006793 345.4559  14.5438 15.54019233 20745",
+)
+
+
+def test_a_state_is_read_from_mean_elements_at_the_time_asked_for(tmp_path):
+    (tmp_path / "iss.tle").write_text("\n".join(LINES))
+    t, state = first_state.read(tmp_path / "iss.tle", epoch=EPOCH, t=3600.0)
+    assert t == 3600.0
+    assert 6.7e6 < np.linalg.norm(state[:3]) < 6.9e6
+    with pytest.raises(InputError, match="at most 30 days"):
+        first_state.read(tmp_path / "iss.tle", epoch=EPOCH, t=40 * DAY)
+
+
+def test_the_nearest_state_of_a_message_is_taken(orbit, tmp_path):
+    part = orbit.iloc[::180]
+    oem.write(tmp_path / "iss.oem", oem.truth_segments(part, rso="iss"), epoch=EPOCH)
+    t, state = first_state.read(tmp_path / "iss.oem", epoch=EPOCH, t=4000.0)
+    assert t == 3600.0
+    assert state.tolist() == part[STATE].iloc[1].tolist()
+
+
+@pytest.mark.parametrize("name", ["none.tle", "broken.oem", "broken.tle"])
+def test_a_file_without_a_state_is_told(tmp_path, name):
+    (tmp_path / "broken.oem").write_text("CCSDS_OEM_VERS = 2.0\nORIGINATOR\n")
+    (tmp_path / "broken.tle").write_text(LINES[0][:-1] + "5\n" + LINES[1])
+    with pytest.raises(InputError, match=name):
+        first_state.check(tmp_path / name)

@@ -1,0 +1,155 @@
+"""Tracks that were measured: what is a track, what is refused, and in which line."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from support import EPOCH, stations
+
+from opml.catalog import measured, tracking, truth
+from opml.catalog.observing import observe, place, site
+from opml.constants import DAY
+from opml.dynamics.ensemble import Integrator
+from opml.errors import InputError
+from opml.interop import tdm
+
+A_DAY = DAY
+
+
+@pytest.fixture(scope="module")
+def table(kepler_model, iss, earth_orientation, three_stations):
+    """A day of the paper's RSO over the paper's stations."""
+    orbit = truth.simulate(kepler_model, iss, duration=A_DAY, step=20.0, integrator=Integrator())
+    return tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=42)
+
+
+@pytest.fixture
+def message(table, tmp_path):
+    path = tmp_path / "iss.tdm"
+    tdm.write(path, table, epoch=EPOCH, rso="iss")
+    return path
+
+
+def read(*paths):
+    return tdm.measurements(paths, epoch=EPOCH)
+
+
+def test_what_was_exported_comes_back_to_the_bit(table, message, three_stations):
+    back = measured.tracks(read(message), three_stations)
+    pd.testing.assert_frame_equal(back[tdm.COLUMNS], table[tdm.COLUMNS], check_exact=True)
+    assert back.filter(like="_true").isna().all(axis=None)
+
+
+def test_places_are_where_they_are_observed(three_stations):
+    position, to_horizon = site(three_stations[0])
+    positions = position + np.random.default_rng(2).normal(size=(5, 3)) * 1e6
+    back = place(observe(positions, position, to_horizon), position, to_horizon)
+    np.testing.assert_allclose(back, positions, rtol=1e-12)
+
+
+def test_a_station_set_is_chosen_from_the_files(table, message, three_stations):
+    one = measured.tracks(read(message), three_stations[:1])
+    assert set(one["station"]) == {"eglin"}
+    assert one["track"].tolist() == pd.factorize(one["track"])[0].tolist()
+    assert len(one) == (table["station"] == "eglin").sum()
+    with pytest.raises(InputError, match="expected measurements by other, got none"):
+        measured.tracks(read(message), [replace(three_stations[0], name="other")])
+
+
+def without(path, *keys):
+    lines = path.read_text().splitlines(keepends=True)
+    path.write_text("".join(line for line in lines if not line.startswith(keys)))
+
+
+def test_without_ids_a_track_is_a_run_without_a_long_gap(message, three_stations):
+    without(message, "TRACK_ID")
+    found = measured.tracks(read(message), three_stations)
+    begins, ends = (found.groupby("track")["t"].agg(which).to_numpy() for which in ("min", "max"))
+    assert (begins[1:] - ends[:-1] > measured.LONGEST_GAP).all()
+    inside = found.groupby("track")["t"].diff().max()
+    assert inside <= measured.LONGEST_GAP
+
+
+def test_tracks_that_overlap_are_one(table, tmp_path, three_stations):
+    """As where two files hold what was measured at one time, each with ids of its own."""
+    paths = [tmp_path / "even.tdm", tmp_path / "odd.tdm"]
+    for k, path in enumerate(paths):
+        tdm.write(path, table.iloc[k::2].assign(track=table["track"] + 5 * k), epoch=EPOCH, rso="iss")
+    found = measured.tracks(read(*paths), three_stations)
+    pd.testing.assert_frame_equal(found[tdm.COLUMNS], table[tdm.COLUMNS], check_exact=True)
+
+
+def test_an_id_for_all_of_a_day_does_not_make_one_track_of_it(message, three_stations):
+    text = message.read_text()
+    message.write_text(
+        "\n".join("TRACK_ID = x" if "TRACK_ID" in line else line for line in text.splitlines())
+    )
+    assert measured.tracks(read(message), three_stations)["track"].nunique() > 3
+
+
+def edited(path, edit, pattern):
+    """Edit the value of all data lines that begin with a regular expression."""
+    lines = path.read_text().splitlines()
+    for k, line in enumerate(lines):
+        if re.match(pattern, line):
+            head, value = line.rsplit(" ", 1)
+            lines[k] = f"{head} {float(edit(float(value)))!r}"
+    path.write_text("\n".join(lines))
+
+
+def refusal(path, known=None, duration=A_DAY):
+    with pytest.raises(InputError) as error:
+        measured.check(read(path), known or stations(), epoch=EPOCH, duration=duration)
+    return str(error.value)
+
+
+def test_angles_in_radians_are_told(message):
+    edited(message, np.radians, "ANGLE_[12]")
+    assert refusal(message).startswith(f"{message}: line 21: expected angles in degrees, got none beyond 6.2")
+
+
+def test_few_angles_in_radians_are_below_the_stations_limits(table, tmp_path):
+    path = tmp_path / "few.tdm"
+    tdm.write(path, table[table["station"] == "eglin"].iloc[:10], epoch=EPOCH, rso="iss")
+    edited(path, np.radians, "ANGLE_[12]")
+    assert "expected elevation of 1 to 90 deg, as eglin sees, got 0.0" in refusal(path)
+
+
+@pytest.mark.parametrize(
+    ("factor", "said"),
+    [
+        (1e3, "line 21: expected range of 0 to 6380 km, as kaena sees, got "),
+        (1e-3, "line 21: expected a place higher than 120 km, got "),
+        (2.0, "line 21: expected the speed of an orbit, got "),
+    ],
+)
+def test_ranges_in_other_units_are_told(message, factor, said):
+    edited(message, lambda value: factor * value, "RANGE = ")
+    assert f"{message}: " in refusal(message)
+    assert said in refusal(message)
+
+
+def test_a_station_that_no_sheet_has_is_told(message):
+    message.write_text(message.read_text().replace("= clear", "= Atlantis-1", 1))
+    text = refusal(message)
+    assert "expected a station of eglin, clear, kaena, got Atlantis-1" in text
+    line = int(text.split("line ")[1].split(":")[0])
+    assert message.read_text().splitlines()[line - 1].startswith("ANGLE_1")
+
+
+def test_stations_may_be_spelt_otherwise(table, message, three_stations):
+    message.write_text(message.read_text().replace("= clear", "= CLEAR").replace("= eglin", "= EGL-IN"))
+    assert len(measured.tracks(read(message), three_stations)) == len(table)
+
+
+def test_times_outside_of_the_run_are_told(message):
+    assert "expected a time within the run, 2016-09-28T12:09:45 and 0.1 days, got one +0" in refusal(
+        message, duration=0.1 * DAY
+    )
+
+
+def test_a_measurement_twice_is_told(message):
+    with pytest.raises(InputError, match="expected one measurement by kaena at a time, got a second one"):
+        measured.check(read(message, message), stations(), epoch=EPOCH, duration=A_DAY)
