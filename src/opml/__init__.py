@@ -24,6 +24,7 @@ __all__ = [
     "estimate",
     "first_orbit",
     "force_model",
+    "label",
     "learn",
     "make_environment",
     "p_ml",

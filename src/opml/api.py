@@ -12,10 +12,10 @@ from typing import Any
 
 import pandas as pd
 
-from opml.catalog import estimation, prediction, starting, tracking, truth
+from opml.catalog import estimation, labels, prediction, starting, tracking, truth
 from opml.catalog import first_orbit as first_orbits
 from opml.catalog import measured as from_measurements
-from opml.constants import BODIES, DAY
+from opml.constants import BODIES, DAY, HOUR
 from opml.dynamics import forces
 from opml.dynamics.ensemble import Integrator
 from opml.dynamics.surroundings import ForceModel
@@ -290,6 +290,7 @@ def estimate(
     *,
     rso: Rso,
     settings: Mapping[str, float] | None = None,
+    after_hours: float = 0.0,
     integrator: Integrator | None = None,
     seed: int = 42,
     threads: int = 1,
@@ -297,8 +298,10 @@ def estimate(
     """Estimate state and drag coefficient at each track's start: the table `estimates`, one row per track.
 
     model: the assumed one; truth: perturbed with `seed`, where a first fit starts, or the table `starts` of
-    `first_orbit`, which is taken as it is; settings: those that differ from `ESTIMATION`. A fit that fails is
-    a row with its reason. Raises InputError for an unknown setting. Source: sec. Estimation Models.
+    `first_orbit`, which is taken as it is; settings: those that differ from `ESTIMATION`; after_hours: tracks
+    that begin so long after an estimate are used, too, for labels: nothing may be predicted from it. A fit
+    that fails is a row with its reason. Raises InputError for an unknown setting. Source: sec. Estimation
+    Models.
 
     >>> estimates = opml.estimate(assumed_model, truth, tracks, environment, stations, rso=iss)
     >>> bool(estimates["converged"].all())
@@ -306,7 +309,7 @@ def estimate(
     """
     used = _laid_over(ESTIMATION, settings, "estimate")
     bounds = used.pop("cd_min"), used.pop("cd_max")
-    asked = estimation.Estimation(**used, cd_bounds=bounds)
+    asked = estimation.Estimation(**used, cd_bounds=bounds, after_hours=after_hours)
     return estimation.estimate_all(
         model,
         starting.chosen(truth, tracks, rso=rso.name, settings=asked, seed=seed),
@@ -351,6 +354,22 @@ def predict(
     )
 
 
+def label(
+    predictions: pd.DataFrame, estimates: pd.DataFrame, tracks: pd.DataFrame, *, after_hours: float = 0.0
+) -> pd.DataFrame:
+    """Hold predictions against later estimates, as without a truth: the table `labels`, one row per pair.
+
+    estimates: of the tracks predicted to; after_hours: as `estimate` had it. Errors are in RSW of the later
+    estimate [m, m/s], with its formal uncertainty and when it is known; a pair without one has the reason.
+    Source: docs/labels.md.
+
+    >>> labels = opml.label(predictions, estimates, tracks)
+    >>> bool((labels["t_known"] > predictions["t_j"]).all())
+    True
+    """
+    return labels.build(predictions, estimates, tracks, after=HOUR * after_hours)
+
+
 def dataset(
     estimates: pd.DataFrame,
     predictions: pd.DataFrame,
@@ -358,10 +377,12 @@ def dataset(
     environment: Environment,
     *,
     cleaning: Mapping[str, Any] | None = None,
+    labels: pd.DataFrame | None = None,
 ) -> pd.DataFrame:
     """Capture the error model: the table `dataset`, learning variables and true errors of every pair.
 
-    cleaning: settings that differ from `CLEANING`; a dropped row stays, with `keep` false and the reason.
+    cleaning: settings that differ from `CLEANING`; a dropped row stays, with `keep` false and the reason;
+    labels: of `label`, in the place of the true errors; the table is `labelled` then.
     Raises InputError for an unknown setting and for tables that do not belong together.
     Source: sec. Dataset Capturing the Orbit Prediction Error Model.
 
@@ -371,7 +392,12 @@ def dataset(
     """
     settings = _laid_over(CLEANING, cleaning, "dataset")
     return datasets.build(
-        estimates, predictions, tracks, gm=environment.gm, cleaning=Cleaning.from_settings(settings)
+        estimates,
+        predictions,
+        tracks,
+        gm=environment.gm,
+        cleaning=Cleaning.from_settings(settings),
+        labels=labels,
     )
 
 
@@ -410,18 +436,20 @@ def correct(
     train: str | None = "random-80",
     span_days: Sequence[float] = _SPAN_DAYS,
     seed: int = 42,
+    learned: pd.DataFrame | None = None,
 ) -> pd.DataFrame:
     """Correct predictions by a model: the table `evaluation`, true, predicted and residual error of each row.
 
     test: which rows (docs/wildcards.md); train, span_days, seed: as `learn` had them, so that its rows are
-    left out; train is None where the model learned from another RSO. Raises InputError for no rows.
+    left out; train is None where the model learned from another RSO; learned: the dataset of the same pairs
+    that the model learned from, where its errors are labels. Raises InputError for no rows.
     Source: sec. Validation of the Trained SVM Model.
 
     >>> corrected = opml.correct(model, rows)
     >>> list(corrected.columns)
     ['i', 'j', 'duration', 'true', 'predicted', 'residual']
     """
-    chosen = splits.rows_tested(dataset, test, train=train, span_days=span_days, seed=seed)
+    chosen = splits.rows_tested(dataset, test, train=train, span_days=span_days, seed=seed, learned=learned)
     return evaluate(model, dataset, chosen, component=component)
 
 

@@ -8,7 +8,8 @@ tested on: ``random-80``, ``grouped-80``, ``days-0-30``, ``days-30-40-unseen``, 
 A suffix stands for one setting that differs from the run's own: ``eglin_noise43`` is what Eglin measures
 under another seed, ``random-80_split43`` another draw of the same split, ``eglin_w24`` estimates from 24
 hours of tracks, ``svr_s2`` the learner ``svr`` with 2 as its kernel scale. The run's own setting has no
-suffix. So two names are never the same thing.
+suffix. So two names are never the same thing. What errors are held against is ``_later`` or ``_smoothed``
+estimates; no suffix is the truth.
 """
 
 import re
@@ -29,6 +30,9 @@ WITHOUT = "-without-"
 
 READINGS = {"kept_estimate": "_kept", "track": "_track"}
 """How a name says which earlier estimate is t_b, by the study's `cleaning.previous`."""
+
+LABELS = {"truth": "", "later": "_later", "smoothed": "_smoothed"}
+"""How a name says what the errors that are learned from are held against, by the study's `label`."""
 
 
 SECTIONS = {
@@ -56,15 +60,16 @@ class Experiment:
     test: str
     reading: str = ""
     window: str = ""
+    label: str = ""
 
     def names(self) -> dict[str, str]:
         """Return the wildcards by name."""
         return asdict(self)
 
     def columns(self) -> dict[str, str]:
-        """Return the parts as the columns of `metrics`: window and reading stand with the stations."""
+        """Return the parts as the columns of `metrics`: window, reading and label stand with the stations."""
         names = self.names()
-        names["stations"] += names.pop("window") + names.pop("reading")
+        names["stations"] += names.pop("window") + names.pop("reading") + names.pop("label")
         return names
 
     def path(self, kind: str) -> str:
@@ -124,7 +129,24 @@ def parse_window(suffix: str, *, default: float) -> float:
     """Return the hours of the estimation window that a suffix, or none, stands for; 0 of true states."""
     if suffix == PERFECT:
         return 0.0
+    if suffix.startswith("_b"):
+        return parse_both_sides(suffix)
     return float(suffix.removeprefix("_w")) if suffix else default
+
+
+def both_sides(hours: float) -> str:
+    """Return the suffix of estimates from tracks up to so many hours before and after each [h]."""
+    return f"_b{number(hours)}"
+
+
+def parse_both_sides(suffix: str) -> float:
+    """Return the hours on either side that a suffix stands for; 0 of one that has none after."""
+    return float(suffix.removeprefix("_b")) if suffix.startswith("_b") else 0.0
+
+
+def label_window(label: str, *, hours: float) -> str:
+    """Return the suffix of the estimates that a label is made of, in a run with a window of `hours`."""
+    return both_sides(hours) if label == LABELS["smoothed"] else ""
 
 
 def arc(hours: float, memory_days: float) -> str:
@@ -140,6 +162,9 @@ def parse_arc(suffix: str) -> tuple[float, float]:
 
 ARC = f"_l{POSITIVE}_m{POSITIVE}"
 """Regular expression of the suffix of arcs."""
+
+BOTH_SIDES = f"_b{POSITIVE}"
+"""Regular expression of the suffix of estimates from tracks on both sides; nothing is predicted from them."""
 
 PERFECT = "_true"
 """Suffix of estimates that are the truth itself."""

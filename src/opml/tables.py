@@ -136,6 +136,15 @@ _PAIR = (
     count("i", "track of the estimate the prediction starts from"),
     count("j", "track whose start is predicted"),
 )
+SIGMAS = [f"sigma_{name}" for name in COMPONENTS]
+"""Columns of a label's uncertainty, by error component."""
+
+_HELD_AGAINST = "RSW of the later estimate at t_j"
+_LABELS = _state(_HELD_AGAINST, "predicted state minus later estimate at t_j", prefix="e_")
+_LABELLED = (
+    *_state(_HELD_AGAINST, "formal standard deviation of the estimate at t_j", prefix="sigma_e_"),
+    real("t_known", "s", f"end of the last track that the later estimate is made of, {_SINCE}"),
+)
 _PREDICTED = "RSW of the predicted state at t_j"
 _SENSITIVITIES = (
     real("cd_mean", "1", "running mean of the drag coefficients estimated up to t_i"),
@@ -180,7 +189,8 @@ _SPLIT = (
     text("rso", "RSO, or pool of RSOs, the model was trained on"),
     text(
         "stations",
-        "station set, then noise seed, window and reading of t_b where they differ from the settings",
+        "station set, then noise seed, window and reading of t_b where they differ from the settings, and "
+        "what errors are held against where it is not the truth",
     ),
     text("train", "training split, then its seed where it differs from the settings"),
     text("learner", "learner"),
@@ -203,6 +213,21 @@ def mechanism_schema(resonances: Sequence[tuple[int, int]]) -> Schema:
 
 
 _NO_TRUTH = "; NaN where there is no truth"
+
+_DATASET = (
+    *_PAIR,
+    count("b", "track of the earlier estimate, -1 where there is none"),
+    real("t_i", "s", f"epoch of the estimate, {_SINCE}"),
+    real("t_j", "s", f"epoch predicted to, {_SINCE}"),
+    real("t_b", "s", f"epoch of the earlier estimate, {_SINCE}"),
+    real("gap", "s", "time between the two estimates, t_i - t_b"),
+    *LEARNING_COLUMNS,
+)
+_KEPT = (
+    flag("keep", "whether the row survived cleaning"),
+    text("reason", "why the row was dropped, empty where it was kept"),
+)
+
 
 _TABLES = (
     Schema(
@@ -307,20 +332,24 @@ _TABLES = (
         ),
     ),
     Schema(
-        "dataset",
-        f"a pair of an estimate i and a later track start j, before cleaning{_NO_TRUTH}",
+        "labels",
+        "a pair of an estimate i and a later track start j",
         (
             *_PAIR,
-            count("b", "track of the earlier estimate, -1 where there is none"),
-            real("t_i", "s", f"epoch of the estimate, {_SINCE}"),
-            real("t_j", "s", f"epoch predicted to, {_SINCE}"),
-            real("t_b", "s", f"epoch of the earlier estimate, {_SINCE}"),
-            real("gap", "s", "time between the two estimates, t_i - t_b"),
-            *LEARNING_COLUMNS,
-            *_ERRORS,
-            flag("keep", "whether the row survived cleaning"),
-            text("reason", "why the row was dropped, empty where it was kept"),
+            *_LABELS,
+            *_LABELLED,
+            text("reason", "why there is no label (its numbers are NaN then), else empty"),
         ),
+    ),
+    Schema(
+        "dataset",
+        f"a pair of an estimate i and a later track start j, before cleaning{_NO_TRUTH}",
+        (*_DATASET, *_ERRORS, *_KEPT),
+    ),
+    Schema(
+        "labelled",
+        "a pair of an estimate i and a later track start j, before cleaning, with a catalogue's errors",
+        (*_DATASET, *_LABELS, *_LABELLED, *_KEPT),
     ),
     Schema(
         "sensitivities",
@@ -346,6 +375,16 @@ _TABLES = (
         "evaluation",
         "a pair of an estimate i and a later track start j",
         _EVALUATION,
+    ),
+    Schema(
+        "rolling",
+        "a pair of an estimate i and a later track start j",
+        (
+            *_EVALUATION,
+            real("day", "d", "when the model was trained, days since the epoch"),
+            count("trained", "rows that it was trained on"),
+            real("predicted_once", "SI", "error predicted by the model of the first day (m or m/s)", "RSW"),
+        ),
     ),
     Schema(
         "intervals",
@@ -381,6 +420,7 @@ _TABLES = (
             real("p_ml_low", "%", "5th percentile of P_ML over resampled estimates"),
             real("p_ml_high", "%", "95th percentile of P_ML over resampled estimates"),
             real("fraction_reduced", "1", "fraction of rows whose error the model reduces"),
+            real("p_ml_later", "%", "P_ML of the same rows against later estimates; NaN of a truth's label"),
         ),
     ),
 )

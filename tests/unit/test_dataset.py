@@ -20,7 +20,7 @@ from opml.elements import cartesian_from_coe
 from opml.errors import InputError
 from opml.learning import dataset
 from opml.learning.cleaning import Cleaning
-from opml.tables import LEARNING_VARIABLES, SCHEMAS, STATE, read_table, write_table
+from opml.tables import LEARNING_VARIABLES, SCHEMAS, SIGMAS, STATE, read_table, write_table
 
 GM = 3.986004418e14
 DAY = 86400.0
@@ -28,6 +28,7 @@ EPOCHS = DAY * np.array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 13.0, 14.0])
 CD = np.array([2.2, 5.0, 2.1, 2.2, 2.3, 2.2, 2.0, 2.2])
 CLEANING = {"cd_min": 1.2, "cd_max": 3.2, "fence": 1e6, "fence_days": [0, 30], "previous": "kept_estimate"}
 E_VELOCITY = ["e_vx", "e_vy", "e_vz"]
+E_ALL = ["e_x", "e_y", "e_z", *E_VELOCITY]
 
 # Over the x axis moving up, so that R = x, S = z, W = -y.
 UPWARDS = np.array([7e6, 0.0, 0.0, 0.0, 0.0, 7600.0])
@@ -236,6 +237,68 @@ def test_all_estimates_outside_leave_no_row_and_no_error(estimates, predictions,
     rows = build(estimates.assign(cd=9.0), predictions, tracking)
     assert not rows["keep"].any()
     assert len(rows) == len(predictions)
+
+
+def labels_of(predictions):
+    """Labels 1 m above the true errors and known a day after t_j; that of (2, 4) is none."""
+    labels = predictions[["i", "j", "reason"]].assign(t_known=predictions["t_j"] + DAY)
+    labels[E_ALL] = predictions[E_ALL] + 1.0
+    labels[SIGMAS] = 0.5
+    lost = (labels["i"] == 2) & (labels["j"] == 4)
+    labels.loc[lost, "reason"] = "later estimate: not converged"
+    labels.loc[lost, [*E_ALL, *SIGMAS]] = np.nan
+    return labels
+
+
+def test_labels_take_the_place_of_the_true_errors(tmp_path, estimates, predictions, tracking):
+    truth = build(estimates, predictions, tracking)
+    rows = dataset.build(
+        estimates,
+        predictions.assign(**dict.fromkeys(E_ALL, np.nan)),  # what has no truth has no true errors
+        tracking,
+        gm=GM,
+        cleaning=Cleaning.from_settings(CLEANING),
+        labels=labels_of(predictions),
+    )
+    assert rows.columns.tolist() == SCHEMAS["labelled"].names
+    lost = ((rows["i"] == 2) & (rows["j"] == 4)).to_numpy()
+    assert truth.loc[lost, "keep"].all()
+    assert rows.loc[lost, "reason"].tolist() == ["no label: later estimate: not converged"]
+    assert rows.loc[~lost, "reason"].tolist() == truth.loc[~lost, "reason"].tolist()
+    kept = rows["keep"]
+    pd.testing.assert_frame_equal(rows.loc[kept, E_ALL], truth.loc[kept, E_ALL] + 1.0)
+    variables = list(LEARNING_VARIABLES)
+    pd.testing.assert_frame_equal(rows[variables], truth[variables])
+    write_table(tmp_path / "d.parquet", rows, "labelled", metadata={})
+    pd.testing.assert_frame_equal(dataset.read(tmp_path / "d.parquet"), rows, check_dtype=False)
+
+
+def test_a_manoeuvre_before_the_label_is_known_drops_the_row(estimates, predictions, tracking):
+    def dropped(labels):
+        rows = dataset.build(
+            estimates,
+            predictions,
+            tracking,
+            gm=GM,
+            cleaning=Cleaning.from_settings(CLEANING),
+            manoeuvres=[5.5 * DAY],
+            labels=labels,
+        )
+        return set(rows.loc[rows["reason"] == dataset.CROSSES_MANOEUVRE, "j"])
+
+    assert 5 not in dropped(None)
+    assert 5 in dropped(labels_of(predictions))
+
+
+def test_fences_come_from_labels_that_were_known(estimates, predictions, tracking):
+    labels = labels_of(predictions)
+    labels.loc[labels["j"] == 5, "e_y"] = 1e9
+    kept = []
+    for days in ([0, 5.5], [0, 7]):
+        cleaning = Cleaning.from_settings(CLEANING | {"fence": 3.0, "fence_days": days})
+        rows = dataset.build(estimates, predictions, tracking, gm=GM, cleaning=cleaning, labels=labels)
+        kept.append(rows.set_index(["i", "j"]).loc[(4, 5), "keep"])
+    assert kept == [False, True]
 
 
 def test_row_order_of_the_tables_does_not_matter(estimates, predictions, tracking):

@@ -7,6 +7,7 @@ import pytest
 from opml.errors import InputError
 from opml.learning.evaluation import evaluate
 from opml.learning.metrics import (
+    against_labels,
     bootstrap_interval,
     by_seed,
     floor_share,
@@ -80,7 +81,7 @@ def test_evaluation_and_its_summary(tmp_path):
         "target": "iss_i50",
         "test": "rest",
     }
-    row = summary(table, seed_noise=43, seed_split=42, kernel_scale=1.5, **names)
+    row = summary(table, seed_noise=43, seed_split=42, kernel_scale=1.5, p_ml_later=57.0, **names)
     low, high = bootstrap_interval(table, seed=42)
     assert row.columns.tolist() == SCHEMAS["metrics"].names
     assert row.iloc[0].to_dict() == names | {
@@ -93,8 +94,25 @@ def test_evaluation_and_its_summary(tmp_path):
         "p_ml_low": low,
         "p_ml_high": high,
         "fraction_reduced": 0.75,
+        "p_ml_later": 57.0,
     }
     write_table(tmp_path / "metrics.parquet", row, "metrics", metadata={})
+
+
+def test_the_same_rows_against_labels():
+    evaluation = pd.DataFrame({"i": [0, 0, 1], "j": [1, 2, 2], "predicted": [1.0, 2.0, 3.0]})
+    labelled = pd.DataFrame(
+        {
+            "i": [0, 0, 1],
+            "j": [1, 2, 2],
+            "e_y": [2.0, 2.0, np.nan],
+            "keep": [True, True, False],
+            "t_known": 0.0,
+        }
+    )
+    assert against_labels(evaluation, labelled, component="e_y") == 25.0
+    assert np.isnan(against_labels(evaluation, labelled.drop(columns="t_known"), component="e_y"))
+    assert np.isnan(against_labels(evaluation, labelled.assign(keep=False), component="e_y"))
 
 
 def test_pairs_of_seeds_have_a_number_in_a_column_of_their_own():

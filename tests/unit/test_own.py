@@ -10,6 +10,7 @@ from support import paper_values, study_of
 from opml.errors import InputError
 from opml.figures import study as figures
 from opml.learning.growth import at_days, by_duration
+from opml.learning.rolling import by_day
 from opml.report import document
 from opml.report import study as report
 from opml.study.own import MODELS, Own
@@ -150,7 +151,9 @@ def told():
     evaluations = {one: poor if one[-1] == "svr" else good for one in own.stated}
     key = ("lares", "eglin-clear-kaena")
     return document.markdown(
-        report.document(own.answer, metrics, evaluations, {key: dataset_of(good)}, {key: estimates_of(good)})
+        report.document(
+            own.answer, metrics, evaluations, {key: dataset_of(good)}, {key: estimates_of(good)}, {}
+        )
     )
 
 
@@ -162,6 +165,37 @@ def test_the_report_answers_without_the_papers_notions(told):
     assert "| lares | eglin-clear-kaena | later | `none` | 20.0 | 20.0 | 20.0 `none` | 20.0 `none` |" in told
     assert "| `running` | law without a truth" in told
     assert not re.search(r"\bnan\b|Peng|published|reading of|slip", told)
+
+
+def test_labels_and_learners_trained_anew_have_tables_of_their_own():
+    own = own_of(learners=["svr"], label="later", rolling={"learners": ["svr"], "last_days": 5})
+    assert {one.label for one in own.experiments.values()} == {"_later"}
+    assert own.panels == ["eglin-clear-kaena_later"]
+    assert own.study.rolling == {"days": [8, 12], "every_days": 1, "last_days": 5}
+    numbers = {"p_ml": 20.0, "p_ml_low": 18.0, "p_ml_high": 23.0, "p_ml_later": 21.0}
+    metrics = pd.DataFrame([one.columns() | numbers for one in own.experiments.values()])
+    table, key = evaluation(), ("lares", "eglin-clear-kaena")
+    anew = table.assign(day=8.0 + table["i"] % 2, predicted_once=0.5 * table["true"])
+    text = document.markdown(
+        report.document(
+            own.answer,
+            metrics,
+            dict.fromkeys(own.stated, table),
+            {key: dataset_of(table)},
+            {key: estimates_of(table)},
+            dict.fromkeys(own.rolling, anew),
+        )
+    )
+    assert "| lares | eglin-clear-kaena | `svr` | 21.0 | 21.0 | 21.0 |" in text
+    assert "| lares | eglin-clear-kaena | `svr` | 10.0 | 50.0 | 10.0 | 50.0 |" in text
+    assert "from day 8 to 12" in text
+    figure = figures.rolling({"svr": by_day(anew)}, every_days=1.0)
+    once, again = figure.axes[0].lines
+    assert again.get_xdata().tolist() == [8.5, 9.5]
+    assert again.get_ydata() == pytest.approx([10.0, 10.0])
+    assert once.get_ydata() == pytest.approx([50.0, 50.0])
+    with pytest.raises(InputError, match="at least one learner"):
+        figures.rolling({}, every_days=1.0)
 
 
 def test_the_share_left_is_stated_for_all_rows_and_for_the_papers(told):
@@ -189,7 +223,7 @@ def test_a_duration_that_nothing_reaches_has_no_number():
     key = ("lares", "eglin-clear-kaena")
     dataset = {key: dataset_of(short)}
     text = document.markdown(
-        report.document(own.answer, metrics, evaluations, dataset, {key: estimates_of(short)})
+        report.document(own.answer, metrics, evaluations, dataset, {key: estimates_of(short)}, {})
     )
     assert "| 1 d | 2 d |" in text
     assert "| 4 d |" not in text

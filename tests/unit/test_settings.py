@@ -11,7 +11,7 @@ from opml.reading import read_yaml
 from opml.study import checks
 from opml.study.overlay import Layer, Source, laid_over, with_numbers
 from opml.study.schema import read_schema
-from opml.study.settings import merged
+from opml.study.settings import merged, with_sheets
 
 ROOT = Path(__file__).parents[2]
 SCHEMA = ROOT / "workflow" / "schemas" / "config.schema.yaml"
@@ -232,6 +232,14 @@ def test_no_object_of_the_schema_takes_unknown_keys():
             [["random-80"]],
             "kernel_scale.splits.0: expected a pair of a training and a test split",
         ),
+        ("study.label", "estimate", "study.label: expected truth, later or smoothed, got 'estimate'"),
+        ("study.rolling", {"learners": ["kriging"]}, "rolling.learners: learner 'kriging': expected one of"),
+        ("study.rolling", {"learners": ["svr"], "days": [30, 20]}, "rolling.days: expected the first day"),
+        (
+            "study.rolling",
+            {"learners": ["svr"], "days": [30, 90]},
+            "rolling.days: expected ascending days up to duration_days, 50, got 30 and 90",
+        ),
         ("study.components", ["past"], "components: expected one of svr_training_1station"),
         ("study.seeds.split", [], "seeds.split: expected a list of seeds, got []"),
         ("study.reproduction.fixed", "nothing", "reproduction.fixed: expected one of svr, svrmedian"),
@@ -284,6 +292,16 @@ def test_no_object_of_the_schema_takes_unknown_keys():
 )
 def test_wrong_setting_is_named(key, value, expected):
     assert expected in message(edited(key, value))
+
+
+def test_what_has_tracks_and_no_truth_needs_a_label():
+    source = paper_source()
+    source.values["tracks"] = {"iss": ["a.tdm"]}
+    settings = with_sheets(source.values)
+    with pytest.raises(InputError, match=r"study\.label: expected later or smoothed, as iss has tracks"):
+        checks.check_study(source, settings)
+    source.values["study"]["label"] = "later"
+    checks.check_study(source, settings)
 
 
 def test_missing_setting_is_named():

@@ -37,6 +37,23 @@ def test_random_split_takes_its_share_of_kept_rows_in_the_span(table):
     assert not (rows & ~candidates(table)).any()
 
 
+@pytest.mark.parametrize("name", ["random-100", "grouped-100", "days-10-30"])
+def test_labels_that_are_not_known_yet_are_not_trained_on(table, name):
+    late = table.assign(t_known=table["t_j"] + 0.5 * DAY)
+    rows = train(late, name)
+    assert (rows == train(table, name) & (table["t_j"] <= 29.5 * DAY)).all()
+    assert rows.sum() == (train(table, name) & (table["t_j"] <= 29.5 * DAY)).sum() > 0
+
+
+def test_rows_learned_from_under_labels_are_not_tested_on(table):
+    late = table.assign(t_known=table["t_j"] + 0.5 * DAY, keep=table["keep"] & (table["i"] % 3 > 0))
+    options = {"train": "random-80", "span_days": SPAN, "seed": 42}
+    rest = splits.rows_tested(table, "rest", learned=late, **options)
+    assert (rest == candidates(table) & ~train(late, "random-80")).all()
+    seen = splits.rows_tested(table, "seen", learned=late, **options)
+    assert (seen == train(late, "random-80")).all()
+
+
 def test_random_split_is_random_and_repeatable(table):
     rows = train(table, "random-50")
     assert (rows == train(table, "random-50")).all()

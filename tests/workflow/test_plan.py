@@ -11,6 +11,7 @@ from project import ROOT
 
 ONCE = ["earth_orientation", "ephemerides", "gravity_field", "solar_activity"]
 CHAIN = ["truth", "tracking", "estimation", "prediction", "dataset"]
+LABELLED = ["labels", "labelled_dataset"]
 
 
 def jobs(output):
@@ -124,6 +125,14 @@ def test_trimmed_case_has_the_same_rules(project):
             "results/metrics/iss/clear_noise7_track/grouped-60_split3/svrnocd_s2.5/e_x/iss/rest.parquet",
             {**dict.fromkeys(CHAIN, 1), "train": 1, "evaluate": 1},
         ),
+        (
+            "results/metrics/iss/eglin_smoothed/days-0-30/svr/e_y/iss/days-30-40.parquet",
+            {**dict.fromkeys([*CHAIN, *LABELLED], 1), "estimation": 2, "train": 1, "evaluate": 1},
+        ),
+        (
+            "results/rolling/iss/eglin_later/svr/e_y.parquet",
+            {**dict.fromkeys([*CHAIN, *LABELLED], 1), "rolling": 1},
+        ),
     ],
 )
 def test_name_of_a_target_is_enough(project, target, expected):
@@ -140,6 +149,7 @@ def test_name_of_a_target_is_enough(project, target, expected):
         "models/iss/eglin/random-80_split42/svr/e_y",
         "models/iss/eglin/random-80/svr_s2.0/e_y",
         "dataset/iss/eglin_kept",
+        "predictions/iss/eglin_b12",
         "tracking/iss/eglin_noise42",
     ],
 )

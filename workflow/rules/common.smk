@@ -60,6 +60,7 @@ SEED = config["seed"]
 NOISE = naming.seed_pattern(naming.NOISE, default=SEED["noise"])
 WINDOW = naming.window_pattern(default=config["estimation"]["window_hours"])
 SPLIT = naming.seed_pattern(naming.SPLIT, default=SEED["split"])
+LATER = naming.any_of(filter(None, naming.LABELS.values()))
 
 
 wildcard_constraints:
@@ -69,6 +70,7 @@ wildcard_constraints:
     window=f"(?:{WINDOW}|{naming.PERFECT})",
     arc=naming.ARC,
     reading=f"(?:{naming.other_reading(STUDY.cleaning.previous)})?",
+    label=f"(?:{LATER})?",
     train=f"(?:{naming.TRAIN}){SPLIT}",
     test=naming.TEST,
     learner=naming.learner_pattern(config["learners"]),
@@ -133,6 +135,37 @@ def window_hours(wildcards):
     return naming.parse_window(wildcards.window, default=config["estimation"]["window_hours"])
 
 
+def after_hours(wildcards):
+    """The hours of tracks after an estimate, as a setting; none but where a file name asks for both sides."""
+    hours = naming.parse_both_sides(wildcards.window)
+    return {"after_hours": hours} if hours else {}
+
+
+def label_window(wildcards):
+    """The window of the later estimates that a label is made of."""
+    return naming.label_window(wildcards.label, hours=config["estimation"]["window_hours"])
+
+
+def at_label_window(pattern):
+    """Input function: the file of a pattern, of the later estimates that a label is made of."""
+    return lambda wildcards: path_of(
+        pattern, rso=wildcards.rso, stations=wildcards.stations, window=label_window(wildcards)
+    )
+
+
+def judge(pattern):
+    """Input function: the file of true errors beside labels; none where there is no truth, or no label."""
+
+    def find(wildcards):
+        target = dict(wildcards.items()).get("target", wildcards.rso)
+        base, *_ = naming.rso_parts(target, SETTINGS.rsos)
+        if not wildcards.label or base in STUDY.measured:
+            return []
+        return path_of(pattern, **dict(wildcards.items()) | {"rso": target})
+
+    return find
+
+
 def split(wildcards):
     """The training split that a file name asks for, and its seed."""
     train, seed = naming.parse_seed(wildcards.train, naming.SPLIT, default=SEED["split"])
@@ -186,7 +219,7 @@ def experiment(wildcards):
     trained, target = parts["rso"], parts["target"]
     if parts["test"] == "seen" and trained != target:
         raise InputError(f"split 'seen': expected the RSO that was trained on, {trained}, got {target}")
-    parts["stations"] += parts.pop("window") + parts.pop("reading")
+    parts["stations"] += parts.pop("window") + parts.pop("reading") + parts.pop("label")
     return parts
 
 

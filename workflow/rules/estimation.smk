@@ -13,7 +13,7 @@ rule estimation:
     benchmark:
         f"{RESULTS}/benchmarks/estimates/{{rso}}/{{stations}}{{window}}.tsv"
     wildcard_constraints:
-        window=WINDOW,
+        window=f"(?:{WINDOW}|{naming.BOTH_SIDES})",
     conda:
         "../envs/opml.yaml"
     resources:
@@ -29,7 +29,8 @@ rule estimation:
             | {
                 "window_hours": window_hours(wildcards),
                 "cd_bounds": cd_bounds(),
-            },
+            }
+            | after_hours(wildcards),
             "rso": rso(wildcards),
             "stations": stations(wildcards),
         },

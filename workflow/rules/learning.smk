@@ -1,10 +1,10 @@
 # The paper's 'Support Vector Machine' and the validation of the trained models.
-EXPERIMENT = "{rso}/{stations}{window}{reading}/{train}/{learner}/{component}"
+EXPERIMENT = "{rso}/{stations}{window}{reading}{label}/{train}/{learner}/{component}"
 
 
 rule train:
     input:
-        dataset=rules.dataset.output[0],
+        dataset=f"{RESULTS}/dataset/{{rso}}/{{stations}}{{window}}{{reading}}{{label}}.parquet",
         beside=beside("rso"),
         asked=checked_names(split),
     output:
@@ -38,7 +38,8 @@ rule train:
 rule evaluate:
     input:
         model=rules.train.output[0],
-        target=f"{RESULTS}/dataset/{{target}}/{{stations}}{{window}}{{reading}}.parquet",
+        target=f"{RESULTS}/dataset/{{target}}/{{stations}}{{window}}{{reading}}{{label}}.parquet",
+        judge=judge(rules.dataset.output[0]),
         beside=beside("target"),
         asked=checked_names(split, experiment),
     output:
@@ -67,11 +68,43 @@ rule evaluate:
         "../scripts/evaluate.py"
 
 
+rule rolling:
+    input:
+        dataset=rules.train.input.dataset,
+        beside=beside("rso"),
+        judge=judge(rules.dataset.output[0]),
+    output:
+        f"{RESULTS}/rolling/{{rso}}/{{stations}}{{window}}{{reading}}{{label}}/{{learner}}/{{component}}.parquet",
+    log:
+        f"{RESULTS}/logs/rolling/{{rso}}/{{stations}}{{window}}{{reading}}{{label}}/{{learner}}/{{component}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/rolling/{{rso}}/{{stations}}{{window}}{{reading}}{{label}}/{{learner}}/{{component}}.tsv"
+    conda:
+        "../envs/opml.yaml"
+    resources:
+        mem_mb=1750,
+        runtime=30,
+    params:
+        settings=lambda wildcards: {
+            "epoch": config["epoch"],
+            "seed": SEED["split"],
+            "learner": learner(wildcards),
+            "component": wildcards.component,
+            "rolling": STUDY.rolling,
+        },
+        code=code("rolling.py"),
+    message:
+        "Rolling: {wildcards.learner} trained anew for {wildcards.component} of {wildcards.rso}, {wildcards.stations}"
+    script:
+        "../scripts/rolling.py"
+
+
 rule intervals:
     input:
-        dataset=rules.dataset.output[0],
+        dataset=rules.train.input.dataset,
         beside=beside("rso"),
         target=rules.evaluate.input.target,
+        judge=judge(rules.dataset.output[0]),
         beside_target=beside("target"),
         asked=checked_names(split, experiment),
     output:

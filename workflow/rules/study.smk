@@ -6,13 +6,18 @@ if OWN.is_asked:
             metrics=paths_of(rules.evaluate.output.metrics, *OWN.experiments.values(), *OWN.trials.values()),
             evaluations=paths_of(rules.evaluate.output.evaluation, *OWN.stated.values()),
             datasets=[
-                path_of(rules.dataset.output[0], rso=rso, stations=stations, window="", reading="")
+                path_of(
+                    rules.labelled_dataset.output[0],
+                    **{"rso": rso, "stations": stations, "window": "", "reading": ""},
+                    label=naming.LABELS[STUDY.label],
+                )
                 for rso, stations in OWN.datasets
             ],
             estimates=[
                 path_of(rules.estimation.output[0], rso=rso, stations=stations, window="")
                 for rso, stations in OWN.datasets
             ],
+            rolling=paths_of(rules.rolling.output[0], *OWN.rolling.values()),
         output:
             **documents("study", section=SECTIONS["study"]),
         log:
@@ -83,12 +88,37 @@ if OWN.is_asked:
                 "generalisation_splits",
                 component=STUDY.defaults["component"],
                 published=[],
-                station_sets=STUDY.station_sets,
+                station_sets=OWN.panels,
                 learners=OWN.learners,
                 splits=OWN.splits,
             ),
         message:
             "Figure: performance metric P_ML of models against splits, {wildcards.rso}"
+
+    use rule errors as study_rolling with:
+        input:
+            lambda wildcards: paths_of(
+                rules.rolling.output[0],
+                *(
+                    one
+                    for (rso, stations, _), one in OWN.rolling.items()
+                    if (rso, stations) == (wildcards.rso, wildcards.stations)
+                ),
+            ),
+        output:
+            **figures("study/{rso}/{stations}_rolling", caption="study_rolling", section=SECTIONS["study"]),
+        log:
+            f"{RESULTS}/logs/figs/study/{{rso}}/{{stations}}_rolling.log",
+        benchmark:
+            f"{RESULTS}/benchmarks/figs/study/{{rso}}/{{stations}}_rolling.tsv"
+        params:
+            **drawing(
+                "study_rolling",
+                learners=list(STUDY.entry("rolling").get("learners", [])),
+                every_days=STUDY.rolling["every_days"],
+            ),
+        message:
+            "Figure: P_ML of {wildcards.rso} by {wildcards.stations} day by day, learners trained anew and once"
 
     use rule errors as study_rows with:
         input:

@@ -50,7 +50,11 @@ STUDY_FILES = (
         *(
             path_of(file, rso=rso, stations=stations)
             for rso, stations in OWN.datasets
-            for file in [*rules.study_errors.output, *rules.study_drag.output]
+            for file in [
+                *rules.study_errors.output,
+                *rules.study_drag.output,
+                *(rules.study_rolling.output if OWN.rolling else []),
+            ]
         ),
     ]
     if OWN.is_asked

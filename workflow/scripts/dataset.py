@@ -1,4 +1,4 @@
-"""Build the dataset of learning variables and true errors, with each dropped row's reason."""
+"""Build the dataset of learning variables and errors, true or labels, with each dropped row's reason."""
 
 from opml.constants import HOUR
 from opml.jobs import job
@@ -7,7 +7,7 @@ from opml.learning.cleaning import Cleaning
 from opml.tables import read_metadata, read_table, write_table
 
 with job(snakemake) as metadata:
-    settings = snakemake.params.settings
+    settings, labels = snakemake.params.settings, snakemake.input.get("labels")
     table = dataset.build(
         read_table(snakemake.input.estimates, "estimates"),
         read_table(snakemake.input.predictions, "predictions"),
@@ -16,5 +16,6 @@ with job(snakemake) as metadata:
         cleaning=Cleaning.from_settings(settings["cleaning"]),
         manoeuvres=[one["t"] for one in read_metadata(snakemake.input.manoeuvres).get("manoeuvres", [])],
         window=HOUR * settings["window_hours"],
+        labels=labels and read_table(labels, "labels"),
     )
-    write_table(snakemake.output[0], table, "dataset", metadata=metadata)
+    write_table(snakemake.output[0], table, "labelled" if labels else "dataset", metadata=metadata)

@@ -10,13 +10,15 @@ from opml.tables import read_metadata, write_table
 with job(snakemake) as metadata:
     settings, files, output = snakemake.params.settings, snakemake.input, snakemake.output
     experiment = settings["experiment"]
-    table = dataset.read(files.target, files.beside)
+    learned = dataset.read(files.target, files.beside)
+    table = dataset.read(files.judge, files.beside) if files.judge else learned
     rows = splits.rows_tested(
         table,
         experiment["test"],
         train=settings["train"] if experiment["target"] == experiment["rso"] else None,
         span_days=settings["span_days"],
         seed=settings["seed"],
+        learned=learned,
     )
     corrected = evaluate(learners.read(files.model), table, rows, component=experiment["component"])
     write_table(output.evaluation, corrected, "evaluation", metadata=metadata)
@@ -24,6 +26,7 @@ with job(snakemake) as metadata:
         corrected,
         seed_noise=settings["noise"],
         seed_split=settings["seed"],
+        p_ml_later=metrics.against_labels(corrected, learned, component=experiment["component"]),
         kernel_scale=read_metadata(files.model).get("kernel_scale", math.nan),
         **experiment,
     )

@@ -2,12 +2,12 @@
 
 from opml.jobs import job
 from opml.learning import dataset
-from opml.tables import SCHEMAS, mechanism_schema, read_table, write_table
+from opml.tables import SCHEMAS, mechanism_schema, read_kind, read_table, write_table
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings
-    own = {"dataset": SCHEMAS["dataset"], "mechanism": mechanism_schema(settings["resonances"])}
-    schema = own[settings["table"]]
+    kind = read_kind(snakemake.input[0])
+    schema = mechanism_schema(settings["resonances"]) if kind == "mechanism" else SCHEMAS[kind]
     table = dataset.pooled([read_table(path, schema) for path in snakemake.input])
     metadata |= {"resonances": settings["resonances"]}
     write_table(snakemake.output[0], table, schema, metadata=metadata)

@@ -1,7 +1,8 @@
 """Estimates of an RSO's state and drag coefficient by weighted batch least squares.
 
 At the start of each track, all measurements of that track and of those that began in the window before it
-are fitted under the assumed model (paper, sec. Estimation Models). The partial derivatives come from
+are fitted under the assumed model (paper, sec. Estimation Models). A window may reach beyond the track, too:
+such an estimate is smoothed and known later, which serves labels. The partial derivatives come from
 neighbouring arcs: the nominal one and seven that differ in one parameter fly as eight lanes of an ensemble,
 so no variational equations are needed.
 """
@@ -49,7 +50,8 @@ class Estimation:
     least squares, the latter as in `least_squares.Method`; start_position_sigma_m, start_velocity_sigma_mps:
     of the perturbed truth that a first fit of a simulated RSO starts from; least_drag_m: displacement of a
     window per unit of Cd below which Cd is held at its a-priori value; cd_bounds: Cd of an estimate that
-    others may start from, None where its formal uncertainty decides.
+    others may start from, None where its formal uncertainty decides; after_hours: tracks that begin up to so
+    long after the estimate are used, too [h].
     """
 
     window_hours: float
@@ -59,6 +61,7 @@ class Estimation:
     start_velocity_sigma_mps: float
     least_drag_m: float
     cd_bounds: tuple[float, float] | None = None
+    after_hours: float = 0.0
 
 
 def estimate_all(
@@ -101,7 +104,7 @@ def estimate_all(
 
 @dataclass(frozen=True)
 class _Window:
-    """The measurements of one fit: its track's and those of the tracks that began in the window before."""
+    """The measurements of one fit: those of its track and of the tracks that began in the window."""
 
     track: int
     tracks: int
@@ -144,17 +147,18 @@ class Measured:
         self.begins = self.epoch_of_row[self.first_row[:-1]]
         self.ends = self.epoch_of_row[self.first_row[1:] - 1]
 
-    def window(self, track: int, length: float) -> _Window:
-        """The window of `length` [s] before the start of a track."""
-        begin = self.epochs[self.begins[track]]
-        oldest = int(np.searchsorted(self.epochs[self.begins], begin - length))
+    def window(self, track: int, length: float, after: float = 0.0) -> _Window:
+        """The window of `length` [s] before the start of a track, and of `after` [s] behind it."""
+        begins = self.epochs[self.begins]
+        oldest = int(np.searchsorted(begins, begins[track] - length))
+        newest = int(np.searchsorted(begins, begins[track] + after, side="right")) - 1
         return _Window(
             track=track,
-            tracks=track + 1 - oldest,
-            rows=slice(int(self.first_row[oldest]), int(self.first_row[track + 1])),
+            tracks=newest + 1 - oldest,
+            rows=slice(int(self.first_row[oldest]), int(self.first_row[newest + 1])),
             first=int(self.begins[oldest]),
             at=int(self.begins[track]),
-            last=int(self.ends[track]),
+            last=int(self.ends[newest]),
         )
 
     def evaluation(self, window: _Window, states: np.ndarray) -> Evaluation:
@@ -257,7 +261,8 @@ class Run:
         They start from the newest usable estimate, carried to each track's start. Where there is none, or it
         does not last, they start from the given state.
         """
-        windows = [self.measured.window(track, self._window) for track in tracks]
+        after = self.settings.after_hours * HOUR
+        windows = [self.measured.window(track, self._window, after) for track in tracks]
         carried = self.carried(usable, np.array([window.at for window in windows]))
         return [
             Estimate(window, Fit(start if np.all(np.isfinite(start)) else self.given(window.track), method))

@@ -100,6 +100,29 @@ def drag(estimates: Mapping[str, pd.DataFrame], activity: pd.DataFrame) -> Figur
     return figure
 
 
+def rolling(days: Mapping[str, pd.DataFrame], *, every_days: float) -> Figure:
+    """P_ML [%] by day of learners trained anew, beside the same ones trained once; one panel per learner.
+
+    `days`: by learner, as `learning.rolling.by_day` returns; `every_days`: between two trainings. Raises
+    InputError without a learner.
+    """
+    if not days:
+        raise InputError("rolling of a study: expected at least one learner, got none")
+    figure = page_figure(height_mm=16.0 + 42.0 * len(days))
+    panels = figure.subplots(len(days), 1, squeeze=False, sharex=True).ravel()
+    for axes, (name, table) in zip(panels, days.items(), strict=True):
+        middle = table["day"] + 0.5 * every_days
+        axes.plot(middle, table["once"], "o--", color=MUTED, ms=3.0, label="trained once")
+        axes.plot(middle, table["anew"], "^-", color=RESIDUAL, ms=3.0, label="trained anew")
+        axes.set_ylim(bottom=0.0)
+        axes.set_title(name, fontsize=8.0, loc="left")
+    figure.supxlabel("start of the prediction [d]", fontsize=8.0)
+    figure.supylabel("$P_{ML}$ [%]", fontsize=8.0)
+    labels = labelled(figure)
+    figure.legend(labels.values(), labels.keys(), loc="outside upper left", ncols=2)
+    return figure
+
+
 def rows(shares: Mapping[str, Mapping[str, float]]) -> Figure:
     """Share of the rows that are used, and of those that are not by reason; one bar per dataset.
 

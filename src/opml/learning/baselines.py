@@ -9,7 +9,7 @@ import pandas as pd
 
 from opml.constants import HOUR
 from opml.learning.contract import POSITIVE, Learner, Metadata, Settings, fixed, table_of
-from opml.learning.inputs import checked, checked_target
+from opml.learning.inputs import checked, checked_target, weighing
 from opml.tables import real
 
 
@@ -88,6 +88,7 @@ def fit_none(
     settings: Settings,
     seed: int,
     groups: np.ndarray | None = None,
+    weights: np.ndarray | None = None,
 ) -> NoCorrection:
     """Nothing to train."""
     return NoCorrection(tuple(variables))
@@ -101,6 +102,7 @@ def fit_repredict(
     settings: Settings,
     seed: int,
     groups: np.ndarray | None = None,
+    weights: np.ndarray | None = None,
 ) -> Repredicted:
     """Nothing to train; x holds the one variable r_* of the component."""
     checked(x, variables)
@@ -115,6 +117,7 @@ def fit_duration_mean(
     settings: Settings,
     seed: int,
     groups: np.ndarray | None = None,
+    weights: np.ndarray | None = None,
 ) -> DurationMean:
     """Average the target in bins of x (n, 1), the duration [s]; `settings` holds bin_hours.
 
@@ -123,8 +126,10 @@ def fit_duration_mean(
     x = checked(x, variables)
     y = checked_target(y, len(x), least=1)
     bins = np.unique(np.floor(x[:, 0] / (HOUR * settings["bin_hours"])), return_inverse=True)[1]
-    count = np.bincount(bins)
-    return DurationMean(tuple(variables), np.bincount(bins, x[:, 0]) / count, np.bincount(bins, y) / count)
+    weights = weighing(weights, len(x))
+    total = np.bincount(bins, weights)
+    duration, mean = (np.bincount(bins, weights * values) / total for values in (x[:, 0], y))
+    return DurationMean(tuple(variables), duration, mean)
 
 
 _NOTHING = table_of("nothing: there is no number to keep")

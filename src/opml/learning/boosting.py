@@ -86,6 +86,7 @@ def fit(
     settings: Settings,
     seed: int,
     groups: np.ndarray | None = None,
+    weights: np.ndarray | None = None,
 ) -> BoostingModel:
     """Train on rows x (n, variables) and target y (n,), both in their own units.
 
@@ -107,7 +108,7 @@ def fit(
         random_state=int(derive(seed, "boosting").integers(2**31)),
     )
     with threadpool_limits(limits=1):  # sums in one order, whatever the machine
-        machine.fit(x, y)
+        machine.fit(x, y, None if weights is None else np.sqrt(weights))
     return _model(machine, variables)
 
 

@@ -50,6 +50,7 @@ def _fit_of(kind: str) -> Fit:
         settings: Settings,
         seed: int,
         groups: np.ndarray | None = None,
+        weights: np.ndarray | None = None,
     ) -> Model:
         """Nothing to train."""
         checked(x, variables)

@@ -48,8 +48,13 @@ class Fit(Protocol):
         settings: Settings,
         seed: int,
         groups: np.ndarray | None = None,
+        weights: np.ndarray | None = None,
     ) -> Model:
-        """The model; `groups` (n,) tells which estimate a row belongs to. Raises InputError for bad rows."""
+        """The model; `groups` (n,) tells which estimate a row belongs to. Raises InputError for bad rows.
+
+        `weights` (n,) are inverse variances of the target's own uncertainty, to a factor, 1 where none are
+        given. A squared loss takes them as they are, an absolute one their roots.
+        """
 
 
 class Resolve(Protocol):

@@ -1,7 +1,8 @@
 """The dataset that captures the orbit prediction error model: learning variables and targets of every pair.
 
 A pair (i, j) is the prediction of the estimate at t_i to a later track start t_j. All its learning variables
-but the duration belong to t_i alone, so they are computed once per estimate and spread over the pairs.
+but the duration belong to t_i alone, so they are computed once per estimate and spread over the pairs. Its
+errors are the true ones, or labels from later estimates, which count from the day that they were known.
 
 Source: the paper, section 'Dataset Capturing the Orbit Prediction Error Model'.
 """
@@ -16,8 +17,8 @@ from opml import epochs
 from opml.elements import coe_from_cartesian, rsw_rotation, wrap_half_turn
 from opml.errors import InputError
 from opml.learning.cleaning import Cleaning, tukey_fences
-from opml.learning.splits import in_days
-from opml.tables import SCHEMAS, STATE, mechanism_schema, read_kind, read_metadata, read_table
+from opml.learning.splits import in_days, known_at
+from opml.tables import COMPONENTS, SCHEMAS, STATE, mechanism_schema, read_kind, read_metadata, read_table
 
 COE = ["a", "e", "inc", "argp", "raan", "nu"]
 COE_DIFFERENCE = ["d_a", "d_e", "d_i", "d_argp", "d_raan", "d_nu"]
@@ -37,6 +38,7 @@ NO_RELATIVE_ERROR = "no prediction from previous estimate"
 OUTSIDE_FENCES = "outside Tukey fences"
 NO_TRUE_STATE = "no true state"
 NO_NUMBERS = "no numbers beside it"
+NO_LABEL = "no label"
 
 
 def build(
@@ -48,27 +50,30 @@ def build(
     cleaning: Cleaning,
     manoeuvres: Sequence[float] = (),
     window: float = 0.0,
+    labels: pd.DataFrame | None = None,
 ) -> pd.DataFrame:
     """The `dataset` table: one row per pair of `predictions`, in the order of (i, j), none removed.
+
+    With the table `labels` it is the `labelled` one, whose errors are those, not the predictions'.
 
     Takes the tables `estimates`, `predictions` and `tracking` (SI units, radians, GCRF) and gm [m3/s2] for
     the COE. With `kept_estimate` as `cleaning.previous`, t_b is the last earlier estimate that converged with
     its Cd inside the bounds, with `track` the track just before or none. Learning variables are NaN where
     they do not exist. Tukey's fences come from the rows that survived all else with t_j in fence_days, and
-    hold for every row. Where predictions have no true error, rows are dropped with that reason unless there
-    is another. A row is dropped, too, where one of the `manoeuvres` (times [s]) lies between t_j and
-    the oldest measurement of its earlier estimate, `window` [s] before it. Raises InputError where the tables
-    do not belong together or `previous` is unknown.
+    hold for every row. Where predictions have no true error, and no label, rows are dropped with that reason
+    unless there is another. A row is dropped, too, where one of the `manoeuvres` (times [s]) lies between the
+    time its error is known and the oldest measurement of its earlier estimate, `window` [s] before it. Raises
+    InputError where the tables do not belong together or `previous` is unknown.
     """
     at_estimate = _learning_variables(estimates, predictions, tracking, gm=gm, cleaning=cleaning)
     pairs = predictions.sort_values(["i", "j"], ignore_index=True)
     pairs = pairs.rename(columns={"reason": "prediction_reason"}).drop(columns=STATE)
-    rows = pairs.join(at_estimate, on="i")
+    rows = _with_labels(pairs, labels).join(at_estimate, on="i")
     rows["duration"] = rows["t_j"] - rows["t_i"]
     rows["reason"] = _reasons(rows, cleaning)
     rows.loc[_crossing(rows, manoeuvres, window), "reason"] = CROSSES_MANOEUVRE
     rows["keep"] = rows["reason"] == ""
-    return rows[SCHEMAS["dataset"].names]
+    return rows[SCHEMAS["dataset" if labels is None else "labelled"].names]
 
 
 def survives(dataset: pd.DataFrame, estimates: pd.DataFrame, cleaning: Cleaning) -> np.ndarray:
@@ -84,7 +89,7 @@ def read(path: str | PathLike[str], beside: Iterable[str | PathLike[str]] = ()) 
 
     Raises InputError where a file is missing or damaged, or one does not belong to the other.
     """
-    dataset = read_table(path, "dataset")
+    dataset = read_table(path, "labelled" if read_kind(path) == "labelled" else "dataset")
     for other in beside:
         kind = read_kind(other)
         if kind == "mechanism":
@@ -123,6 +128,14 @@ def pooled(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
         found.append(table.assign(**{name: table[name] + shift for name in tracks}))
         shift += int(table["j"].max()) + 1
     return pd.concat(found, ignore_index=True)
+
+
+def _with_labels(pairs: pd.DataFrame, labels: pd.DataFrame | None) -> pd.DataFrame:
+    """Pairs with their errors, when these are known, and why there is none; true errors are known at t_j."""
+    if labels is None:
+        return pairs.assign(t_known=pairs["t_j"], label_reason="")
+    errors = labels.rename(columns={"reason": "label_reason"})
+    return pairs.drop(columns=list(COMPONENTS)).merge(errors, on=["i", "j"], validate="one_to_one")
 
 
 def _learning_variables(
@@ -194,7 +207,7 @@ def _highest_measurements(tracking: pd.DataFrame, tracks: pd.Index) -> pd.DataFr
 def _crossing(rows: pd.DataFrame, manoeuvres: Sequence[float], window: float) -> np.ndarray:
     """Which rows a manoeuvre lies in."""
     begin = rows[["t_b", "t_i"]].min(axis=1).to_numpy() - window
-    return epochs.have_any(begin, rows["t_j"].to_numpy(), manoeuvres)
+    return epochs.have_any(begin, rows["t_known"].to_numpy(), manoeuvres)
 
 
 def _reasons(rows: pd.DataFrame, cleaning: Cleaning) -> pd.Series:
@@ -203,6 +216,7 @@ def _reasons(rows: pd.DataFrame, cleaning: Cleaning) -> pd.Series:
     reason = pd.Series("", index=rows.index, dtype="str")
     # From the last of the order to the first, so that the first overwrites.
     reason[rows["e_y"].isna()] = NO_TRUE_STATE
+    reason[rows["label_reason"] != ""] = NO_LABEL + ": " + rows["label_reason"]
     reason[rows["eps_y"].isna()] = NO_RELATIVE_ERROR
     reason[rows["b"] == NO_PREVIOUS] = NO_PREVIOUS_ESTIMATE
     reason[~rows["cd_inside"]] = CD_OUTSIDE
@@ -218,7 +232,7 @@ def _outside_fences(rows: pd.DataFrame, kept: np.ndarray, cleaning: Cleaning) ->
     if cleaning.fence is None or not kept.any():
         return np.zeros(len(rows), dtype=bool)
     days, e_y = cleaning.fence_days, rows["e_y"].to_numpy()
-    within = kept if days is None else kept & in_days(rows["t_j"].to_numpy(), days)
+    within = kept if days is None else kept & in_days(known_at(rows), days)
     lower, upper = tukey_fences(e_y[within], fence=cleaning.fence)
     outside: np.ndarray = kept & ((e_y < lower) | (e_y > upper))
     return outside

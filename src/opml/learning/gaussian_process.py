@@ -86,10 +86,12 @@ def fit(
     settings: Settings,
     seed: int,
     groups: np.ndarray | None = None,
+    weights: np.ndarray | None = None,
 ) -> GaussianProcessModel:
     """Train on at most `settings['rows']` of the rows x (n, variables), y (n,), drawn with the seed.
 
-    Raises InputError for too few rows or values that are not finite.
+    The process finds one noise for all rows, so that weights are not used. Raises InputError for too few
+    rows or values that are not finite.
     """
     x = checked(x, variables)
     y = checked_target(y, len(x), least=2)

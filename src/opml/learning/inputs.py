@@ -32,6 +32,23 @@ def checked_target(y: np.ndarray, count: int, *, least: int) -> np.ndarray:
     return y
 
 
+def inverse_variances(sigma: np.ndarray) -> np.ndarray:
+    """Weights (n,) of targets of known uncertainty: 2 m / (m + sigma^2), with m the median of sigma^2.
+
+    A target of typical uncertainty weighs 1, an exact one 2, a useless one nothing: what a model leaves is
+    more than the noise of the best labels, so that these must not outweigh all others.
+    """
+    variance = sigma**2
+    typical = float(np.median(variance))
+    weights: np.ndarray = 2.0 * typical / (typical + variance) if typical > 0.0 else np.ones(len(sigma))
+    return weights
+
+
+def weighing(weights: np.ndarray | None, count: int) -> np.ndarray:
+    """Weights (count,), ones where none are given."""
+    return np.ones(count) if weights is None else np.asarray(weights, dtype=float)
+
+
 def standardisation(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Mean and sample deviation (variables,) of rows x; 1 for a variable that never changes."""
     mean, scale = x.mean(axis=0), x.std(axis=0, ddof=1)

@@ -25,6 +25,7 @@ from opml.learning import (
     svr,
 )
 from opml.learning.contract import ARC_MEMORY_DAYS, Learner, Metadata, Model, Settings
+from opml.learning.inputs import inverse_variances
 from opml.tables import (
     COMPONENTS,
     LEARNING_VARIABLES,
@@ -93,15 +94,22 @@ def fit(
     settings: Settings,
     seed: int,
     groups: np.ndarray | None = None,
+    weights: np.ndarray | None = None,
 ) -> Model:
     """Train the learner that `settings['kind']` names; raises InputError for an unknown kind."""
     learner = by_kind(settings["kind"])
-    return learner.fit(x, y, variables=variables, settings=settings, seed=seed, groups=groups)
+    return learner.fit(
+        x, y, variables=variables, settings=settings, seed=seed, groups=groups, weights=weights
+    )
 
 
 def train(rows: pd.DataFrame, *, component: str, settings: Settings, seed: int) -> Model:
-    """Train a learner on rows of a dataset; `settings` as `resolved` gives them. Errors as `fit`."""
+    """Train a learner on rows of a dataset; `settings` as `resolved` gives them. Errors as `fit`.
+
+    Labels from later estimates are weighted by their own uncertainty.
+    """
     variables = settings["variables"]
+    sigma = rows.get(f"sigma_{component}")
     return fit(
         rows[variables].to_numpy(),
         rows[component].to_numpy(),
@@ -109,6 +117,7 @@ def train(rows: pd.DataFrame, *, component: str, settings: Settings, seed: int) 
         settings=settings,
         seed=seed,
         groups=rows["i"].to_numpy(),
+        weights=None if sigma is None else inverse_variances(sigma.to_numpy()),
     )
 
 

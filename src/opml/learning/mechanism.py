@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_limits
 
 from opml.errors import InputError
 from opml.learning.contract import ARC, Learner, Metadata, Settings, own, table_of
-from opml.learning.inputs import checked, checked_target
+from opml.learning.inputs import checked, checked_target, weighing
 from opml.tables import real, text
 
 _ROUNDS = 9
@@ -58,6 +58,7 @@ def fit(
     settings: Settings,
     seed: int,
     groups: np.ndarray | None = None,
+    weights: np.ndarray | None = None,
 ) -> MechanismModel:
     """Fit y (n,) by the terms of `settings['terms']`, products like `v_y*cd` of columns of x (n, variables).
 
@@ -66,7 +67,8 @@ def fit(
     terms = tuple(settings["terms"])
     x = checked(x, variables)
     y = checked_target(y, len(x), least=len(terms))
-    coefficient = least_absolute_deviations(products(x, variables, terms), y)
+    root = np.sqrt(weighing(weights, len(x)))
+    coefficient = least_absolute_deviations(root[:, None] * products(x, variables, terms), root * y)
     return MechanismModel(tuple(variables), terms, coefficient)
 
 

@@ -4,6 +4,8 @@ Source: the paper, sections 'Validation of the Trained SVM Model' (P_ML) and 'Re
 (p_ML).
 """
 
+import math
+
 import numpy as np
 import pandas as pd
 
@@ -41,6 +43,19 @@ def fraction_reduced(true: np.ndarray, predicted: np.ndarray) -> float:
     return float(np.mean(np.abs(true - predicted) < np.abs(true)))
 
 
+def against_labels(evaluation: pd.DataFrame, labelled: pd.DataFrame, *, component: str) -> float:
+    """P_ML [%] of an `evaluation` table, its rows held against labels from later estimates instead.
+
+    `labelled`: the dataset with the labels; rows that it dropped do not count. NaN where it holds true
+    errors, or none of the rows.
+    """
+    if "t_known" not in labelled:
+        return math.nan
+    known = labelled.loc[labelled["keep"], ["i", "j", component]]
+    rows = evaluation.merge(known, on=["i", "j"])
+    return p_ml(rows[component].to_numpy(), rows["predicted"].to_numpy()) if len(rows) else math.nan
+
+
 def bootstrap_interval(evaluation: pd.DataFrame, *, seed: int) -> tuple[float, float]:
     """5th and 95th percentile of P_ML [%] over resampled estimates, for an `evaluation` table.
 
@@ -73,12 +88,18 @@ def by_seed(metrics: pd.DataFrame) -> pd.DataFrame:
 
 
 def summary(
-    evaluation: pd.DataFrame, *, seed_noise: int, seed_split: int, kernel_scale: float, **experiment: str
+    evaluation: pd.DataFrame,
+    *,
+    seed_noise: int,
+    seed_split: int,
+    kernel_scale: float,
+    p_ml_later: float = math.nan,
+    **experiment: str,
 ) -> pd.DataFrame:
     """The one-row `metrics` table of an `evaluation` table.
 
-    `kernel_scale` is the model's, NaN where it has none; `seed_split` is of the bootstrap's draws, too. The
-    other options name the experiment.
+    `p_ml_later` is what `against_labels` returns. `kernel_scale` is the model's, NaN where it has none;
+    `seed_split` is of the bootstrap's draws, too. The other options name the experiment.
     """
     low, high = bootstrap_interval(evaluation, seed=seed_split)
     true, predicted = evaluation["true"].to_numpy(), evaluation["predicted"].to_numpy()
@@ -92,5 +113,6 @@ def summary(
         "p_ml_low": low,
         "p_ml_high": high,
         "fraction_reduced": fraction_reduced(true, predicted),
+        "p_ml_later": p_ml_later,
     }
     return pd.DataFrame([row])

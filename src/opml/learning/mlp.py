@@ -87,6 +87,7 @@ def fit(
     settings: Settings,
     seed: int,
     groups: np.ndarray | None = None,
+    weights: np.ndarray | None = None,
 ) -> MlpModel:
     """Train on rows x (n, variables) and target y (n,), both in their own units.
 
@@ -109,7 +110,7 @@ def fit(
     )
     with threadpool_limits(limits=1), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the number of epochs is a setting, not a failure
-        machine.fit((x - mean) / scale, (y - offset) / y_scale)
+        machine.fit((x - mean) / scale, (y - offset) / y_scale, weights)
     return MlpModel(
         variables=tuple(variables),
         weights=tuple(machine.coefs_),

@@ -9,7 +9,7 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from opml.learning.contract import CHOICE, POSITIVE, Learner, Metadata, Settings, table_of
-from opml.learning.inputs import checked, checked_target, standardisation
+from opml.learning.inputs import checked, checked_target, standardisation, weighing
 from opml.tables import real, text
 
 
@@ -56,6 +56,7 @@ def fit(
     settings: Settings,
     seed: int,
     groups: np.ndarray | None = None,
+    weights: np.ndarray | None = None,
 ) -> RidgeModel:
     """Least squares of y (n,) on standardised x (n, variables), plus alpha times the squared coefficients.
 
@@ -63,11 +64,13 @@ def fit(
     """
     x = checked(x, variables)
     y = checked_target(y, len(x), least=2)
-    mean, scale = standardisation(x)
-    z, offset = (x - mean) / scale, float(y.mean())
+    scale = standardisation(x)[1]
+    mean, offset = np.average(x, axis=0, weights=weights), float(np.average(y, weights=weights))
+    root = np.sqrt(weighing(weights, len(x)))
+    z = root[:, None] * ((x - mean) / scale)
     with threadpool_limits(limits=1, user_api="blas"):  # sums in one order, whatever the machine
         normal = z.T @ z + settings["alpha"] * np.eye(z.shape[1])
-        coefficient = np.linalg.lstsq(normal, z.T @ (y - offset))[0]
+        coefficient = np.linalg.lstsq(normal, z.T @ (root * (y - offset)))[0]
     return RidgeModel(tuple(variables), mean, scale, coefficient, offset)
 
 

@@ -4,7 +4,8 @@
 `grouped-80` (all rows of 80 % of the estimates) or `days-0-30` (rows whose t_j lies in that window) for
 training; for testing `seen` (the training rows), `rest` (rows of the learning span that were not trained on),
 another window, `days-30-40`, or `days-30-40-unseen` (where t_i, too, lies in it, so that no estimate behind a
-row was trained on). Only kept rows are ever chosen.
+row was trained on). Only kept rows are ever chosen. Labels from later estimates are trained on only where
+they were known by the end of the window.
 """
 
 from collections.abc import Sequence
@@ -27,15 +28,22 @@ def in_days(t: np.ndarray, span_days: Sequence[float]) -> np.ndarray:
     return (t > first * DAY) & (t <= last * DAY)
 
 
+def known_at(dataset: pd.DataFrame) -> np.ndarray:
+    """When the error of each row (n,) was known [s]: a true one at t_j."""
+    known: np.ndarray = dataset.get("t_known", dataset["t_j"]).to_numpy()
+    return known
+
+
 def training_rows(dataset: pd.DataFrame, name: str, *, span_days: Sequence[float], seed: int) -> np.ndarray:
     """Rows to train on under the split `name` (bool, one per row of the dataset).
 
-    A random split draws from kept rows with t_j in span_days. Raises InputError for an unknown name or a
-    split without rows.
+    A random split draws from kept rows with t_j in span_days. The errors of all must have been known by the
+    last day. Raises InputError for an unknown name or a split without rows.
     """
     split = parse_train(name)
-    keep, t_j = dataset["keep"].to_numpy(), dataset["t_j"].to_numpy()
-    candidates = keep & in_days(t_j, split.days if split.kind == "days" else span_days)
+    days = split.days if split.kind == "days" else span_days
+    candidates = dataset["keep"].to_numpy() & in_days(dataset["t_j"].to_numpy(), days)
+    candidates &= known_at(dataset) <= days[1] * DAY
     match split.kind:
         case "random":
             rows = _random_share(candidates, percent=split.percent, seed=seed)
@@ -57,7 +65,7 @@ def test_rows(
     split = parse_test(name)
     seen = np.zeros(len(dataset), dtype=bool) if trained is None else trained
     if split.kind == "seen":
-        return _not_empty(seen, f"test split '{name}'")
+        return _not_empty(seen & dataset["keep"].to_numpy(), f"test split '{name}'")
     window = split.days if split.kind == "days" else span_days
     rows = dataset["keep"].to_numpy() & in_days(dataset["t_j"].to_numpy(), window) & ~seen
     if split.unseen:
@@ -66,13 +74,22 @@ def test_rows(
 
 
 def rows_tested(
-    dataset: pd.DataFrame, name: str, *, train: str | None, span_days: Sequence[float], seed: int
+    dataset: pd.DataFrame,
+    name: str,
+    *,
+    train: str | None,
+    span_days: Sequence[float],
+    seed: int,
+    learned: pd.DataFrame | None = None,
 ) -> np.ndarray:
     """Rows to test on after training under the split `train` (bool, one per row of the dataset).
 
-    `train` is None where the model was trained on another RSO. Errors as `training_rows` and `test_rows`.
+    `train` is None where the model was trained on another RSO; `learned` is the dataset of the same pairs
+    that it was trained on, where its errors are held against something else. Errors as `training_rows` and
+    `test_rows`.
     """
-    trained = None if train is None else training_rows(dataset, train, span_days=span_days, seed=seed)
+    learned = dataset if learned is None else learned
+    trained = None if train is None else training_rows(learned, train, span_days=span_days, seed=seed)
     return test_rows(dataset, name, span_days=span_days, trained=trained)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -59,6 +60,7 @@ class _Stacking:
         settings: Settings,
         seed: int,
         groups: np.ndarray | None = None,
+        weights: np.ndarray | None = None,
     ) -> StackedModel:
         """Train the first on y (n,), then the second on what it leaves.
 
@@ -67,8 +69,8 @@ class _Stacking:
         models: list[Model] = []
         for part in (settings[name] for name in PARTS):
             own = _columns(x, variables, part["variables"])
-            train = self.by_kind(part["kind"]).fit
-            models.append(train(own, y, variables=part["variables"], settings=part, seed=seed, groups=groups))
+            train = partial(self.by_kind(part["kind"]).fit, seed=seed, groups=groups, weights=weights)
+            models.append(train(own, y, variables=part["variables"], settings=part))
             y = y - models[-1].predict(own)
         return StackedModel(tuple(variables), *models)
 

@@ -106,6 +106,7 @@ def fit(
     settings: Settings,
     seed: int,
     groups: np.ndarray | None = None,
+    weights: np.ndarray | None = None,
 ) -> SvrModel:
     """Train on rows x (n, variables) and target y (n,), both in their own units.
 
@@ -122,7 +123,8 @@ def fit(
 
     rule = settings["kernel_scale"]
     scale = _kernel_scale(rule, z, y / y_scale, groups, settings=settings, seed=seed)
-    machine = _machine(scale, settings).fit(z, y / y_scale)
+    root = None if weights is None else np.sqrt(weights)
+    machine = _machine(scale, settings).fit(z, y / y_scale, root)
     return SvrModel(
         variables=tuple(variables),
         support_vectors=z[machine.support_],

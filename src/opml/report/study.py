@@ -11,10 +11,11 @@ from opml.learning.dataset import survives
 from opml.learning.growth import at_days
 from opml.learning.learners import learns
 from opml.learning.metrics import p_ml
+from opml.learning.rolling import by_day
 from opml.naming import Experiment
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.generalisation import model_table
-from opml.report.results import NONE, Results
+from opml.report.results import NONE, Results, percent
 from opml.report.settings import force_models
 
 Dataset = tuple[str, str]
@@ -33,6 +34,9 @@ class Answer:
     datasets: Sequence[Dataset]  # RSO and station set
     learners: Mapping[str, Mapping[str, Any]]  # settings by name
     component: str
+    label: str  # truth, later or smoothed: what is learned from is held against it
+    rolling: Sequence[tuple[str, str, str]]  # RSO, station set and learner, of learners that are trained anew
+    trained_anew: Mapping[str, Any]  # on which days, how often, on how many days' labels [days]
     marks: Sequence[float]  # prediction durations that errors are stated at [days]
     settings: Mapping[str, Any]
 
@@ -43,11 +47,13 @@ def document(
     evaluations: Mapping[tuple[str, str, str], pd.DataFrame],
     datasets: Mapping[Dataset, pd.DataFrame],
     estimates: Mapping[Dataset, pd.DataFrame],
+    rolling: Mapping[tuple[str, str, str], pd.DataFrame],
 ) -> list[Block]:
     """The whole report.
 
     `metrics`: rows of that table for every experiment. `evaluations`: those tables of the stated experiments,
-    by RSO, station set and model. `datasets`, `estimates`: those tables by RSO and station set.
+    by RSO, station set and model. `datasets`, `estimates`: those tables by RSO and station set. `rolling`:
+    those of the learners that are trained anew, by RSO, station set and learner.
     """
     papers = {
         dataset: table.loc[survives(table, estimates[dataset], PAPER), ["i", "j"]]
@@ -63,6 +69,7 @@ def document(
         *_splits(asked, Results(metrics)),
         *_chosen(asked, Results(metrics)),
         *_errors(asked, evaluations, papers),
+        *_rolling(asked, rolling),
         *_rows(asked, datasets, estimates, papers),
         *model_table(asked.learners),
         Heading("Truth and assumed model"),
@@ -83,6 +90,28 @@ def _splits(asked: Answer, results: Results) -> Iterator[Block]:
         "estimate are no independent evidence. `docs/generalisation.md` explains models and splits."
     )
     yield Table(["RSO", "stations", "model", *header], rows)
+    if asked.label != "truth":
+        yield from _held_against_labels(asked, results, header)
+
+
+def _held_against_labels(asked: Answer, results: Results, header: Sequence[str]) -> Iterator[Block]:
+    rows = [
+        [rso, stations, f"`{learner}`", *(percent(results.of(one)["p_ml_later"]) for one in own.values())]
+        for rso, stations, learner, own in _by_model(asked)
+    ]
+    yield Paragraph(
+        f"The models learned from labels: each prediction less {LATER[asked.label]}, once that was known. "
+        "P_ML above is against the truth, where there is one; here the same rows are held against such "
+        "estimates, which is all that a catalogue has."
+    )
+    yield Table(["RSO", "stations", "model", *header], rows)
+
+
+LATER = {
+    "later": "the estimate that is made when the track predicted to is over",
+    "smoothed": "an estimate from tracks on both sides of the time predicted to",
+}
+"""What a label is held against, in words."""
 
 
 def _by_model(asked: Answer) -> Iterator[tuple[str, str, str, dict[str, Experiment]]]:
@@ -173,6 +202,28 @@ def _errors(
         "interquartile ranges."
     )
     header = [*(f"{day:g} d" for day in days), "P_ML", "P_ML, the paper's rows"]
+    yield Table(["RSO", "stations", "model", *header], rows)
+
+
+def _rolling(asked: Answer, tables: Mapping[tuple[str, str, str], pd.DataFrame]) -> Iterator[Block]:
+    """Learners trained anew beside the same ones trained once."""
+    if not tables:
+        return
+    rows = []
+    for rso, stations, learner in asked.rolling:
+        table = tables[rso, stations, learner]
+        days, once = by_day(table), table.assign(predicted=table["predicted_once"])
+        cells = [_left(table), _left(once), *(percent(days[name].max()) for name in ("anew", "once"))]
+        rows.append([rso, stations, f"`{learner}`", *cells])
+    (first, last), every, memory = (asked.trained_anew[key] for key in ("days", "every_days", "last_days"))
+    yield Heading("Trained anew")
+    yield Paragraph(
+        f"As an operator would run it: trained every {every:g} days on what is known of the last {memory:g} "
+        "days, and applied to the predictions that start until it is trained again, from day "
+        f"{first:g} to {last:g}. Beside it the model of the first day, kept. P_ML [%] of all rows, and of "
+        "the worst day."
+    )
+    header = ["anew", "once", "worst day, anew", "worst day, once"]
     yield Table(["RSO", "stations", "model", *header], rows)
 
 

@@ -54,6 +54,7 @@ def check_study(source: Source, settings: Settings) -> None:
             raise source.wrong(("study", *key), str(error)) from None
     _check_seen(source, settings)
     _check_references(source, settings)
+    _check_label(source, Study(settings))
 
 
 def _check_keys(source: Source) -> None:
@@ -82,7 +83,10 @@ def _check_order(source: Source) -> None:
         if low is not MISSING and low > high:
             raise source.wrong(lower, f"expected at most {upper[-1]}, got {low} and {high}")
     _both(source, ("study", "cleaning", "fence"), ("study", "cleaning", "fence_days"))
-    for key in (("cleaning", "fence_days"), ("span_days",), ("days", "train"), ("days", "test")):
+    for key in (
+        *(("cleaning", "fence_days"), ("span_days",), ("days", "train"), ("days", "test")),
+        ("rolling", "days"),
+    ):
         days = value_at(source.values, ("study", *key))
         if days is not MISSING and days[0] >= days[1]:
             message = f"expected the first day before the last, got {days[0]} and {days[1]}"
@@ -159,6 +163,14 @@ def _check_seen(source: Source, settings: Settings) -> None:
             raise source.wrong(key, "expected another split, as seen rows are the RSO's own")
 
 
+def _check_label(source: Source, study: Study) -> None:
+    """What was really measured has no truth to learn from."""
+    for rso in study.rsos:
+        if study.label == "truth" and naming.rso_parts(rso, study.sheet)[0] in study.measured:
+            message = f"expected later or smoothed, as {rso} has tracks and no truth, got truth"
+            raise source.wrong(("study", "label"), message)
+
+
 def _check_references(source: Source, settings: Settings) -> None:
     """Hold names of entries against the entries that there are."""
     asked = settings.asked
@@ -185,6 +197,7 @@ def _check_references(source: Source, settings: Settings) -> None:
 _ENTRIES = (
     *((), ("defaults",), ("orbit",), ("distribution",), ("partition",), ("kernel_scale",)),
     *(("generalisation",), ("generalisation", "transfers"), ("generalisation", "budget")),
+    ("rolling",),
 )
 _MAPPINGS_OF_ENTRIES = (("evaluations",), ("grids",), ("curves",), ("reproduction", "readings"))
 
@@ -236,7 +249,9 @@ class _Checks:
             "window_day": lambda day: self._days([0, day]),
             "zoom_days": self._days,
             "span_days": self._days,
-            "days": lambda days: _each(self._days)(list(days.values())),
+            "days": lambda days: _each(self._days)(
+                list(days.values()) if isinstance(days, Mapping) else [days]
+            ),
         }
 
     def _rso(self, text: str) -> None:

@@ -11,6 +11,9 @@ from opml.naming import Experiment
 from opml.sheets import Rso
 from opml.study.settings import Settings, with_sheets
 
+ROLLING = {"every_days": 1, "last_days": 30}
+"""How often learners are trained anew, and on how many days' labels, where a study does not say [days]."""
+
 
 @dataclass(frozen=True)
 class Study:
@@ -60,11 +63,30 @@ class Study:
         """Which rows the study drops; none but those that no model can correct, where it says nothing."""
         return Cleaning.from_settings(self.entry("cleaning"))
 
+    @cached_property
+    def label(self) -> str:
+        """What errors are held against where an entry does not say: truth, later or smoothed."""
+        return str(self.settings.asked.get("label", "truth"))
+
+    @property
+    def measured(self) -> Mapping[str, Any]:
+        """RSOs whose tracks were really measured, so that there is no truth, with their files."""
+        files: Mapping[str, Any] = self.settings.values.get("tracks", {})
+        return files
+
     @property
     def span_days(self) -> Sequence[float]:
         """Window of t_j that random splits draw from [days]: by default the days to train on, or the run."""
         days = self.entry("days").get("train") or [0, self.settings.values["duration_days"]]
         return self.settings.asked.get("span_days") or days
+
+    @property
+    def rolling(self) -> dict[str, Any]:
+        """When learners are trained anew: each of the days to test on, or of those that follow the span."""
+        entry = self.entry("rolling")
+        rest = [self.span_days[1], self.settings.values["duration_days"]]
+        days = entry.get("days") or self.entry("days").get("test") or rest
+        return {"days": list(days), **{key: entry.get(key, ROLLING[key]) for key in ROLLING}}
 
     @property
     def own_seeds(self) -> Mapping[str, int]:
@@ -76,7 +98,8 @@ class Study:
         """Return the experiment of an entry with `parts` over it; its own RSO is the target by default."""
         given = {**entry, **parts}
         named = self.defaults | {key: given[key] for key in given if key in Experiment.__dataclass_fields__}
-        return Experiment(**({"target": named["rso"]} | named))
+        label = naming.LABELS[given.get("label", self.label)]
+        return Experiment(**({"target": named["rso"]} | named | {"label": label}))
 
     def with_seeds(
         self, experiment: Experiment, *, noise: int | None = None, split: int | None = None

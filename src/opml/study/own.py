@@ -94,6 +94,11 @@ class Own:
         """The experiments on the past by RSO, station set, model and the split that they choose for."""
         return self._of_splits(self.past)
 
+    @property
+    def panels(self) -> list[str]:
+        """Station sets as the metrics name them, with what errors are held against."""
+        return list(dict.fromkeys(one.columns()["stations"] for one in self.experiments.values()))
+
     def drawn(self, rso: str, stations: str) -> dict[str, Experiment]:
         """The experiments of the shown split that correct something, by model."""
         return {
@@ -109,6 +114,18 @@ class Own:
             (rso, stations, learner): one
             for rso, stations in self.datasets
             for learner, one in self.drawn(rso, stations).items()
+        }
+
+    @cached_property
+    def rolling(self) -> dict[tuple[str, str, str], Experiment]:
+        """Learners that are trained anew, by RSO, station set and learner: those that the study names."""
+        train, test = self.splits[self.shown]
+        return {
+            (rso, stations, learner): self.study.experiment(
+                {}, rso=rso, stations=stations, learner=learner, train=train, test=test
+            )
+            for rso, stations in self.datasets
+            for learner in self.study.entry("rolling").get("learners", [])
         }
 
     @cached_property
@@ -144,6 +161,9 @@ class Own:
             datasets=self.datasets,
             learners={name: naming.parse_learner(name, self.study.learners) for name in self.learners},
             component=self.study.defaults["component"],
+            label=self.study.label,
+            rolling=list(self.rolling),
+            trained_anew=self.study.rolling,
             marks=self.marks,
             settings=self.study.settings.values,
         )

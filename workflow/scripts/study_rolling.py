@@ -1,0 +1,14 @@
+"""Draw P_ML by day of learners that are trained anew, beside the same ones trained once."""
+
+from opml.figures import study, style
+from opml.jobs import job
+from opml.learning.rolling import by_day
+from opml.tables import read_table
+
+with job(snakemake):
+    settings = snakemake.params.settings
+    files = zip(settings["learners"], snakemake.input, strict=True)
+    days = {learner: by_day(read_table(path, "rolling")) for learner, path in files}
+    style.save_all(
+        [study.rolling(days, every_days=settings["every_days"])], snakemake.output.pdf, snakemake.output.png
+    )
