@@ -21,6 +21,7 @@ __all__ = [
     "Station",
     "correct",
     "dataset",
+    "ephemeris",
     "estimate",
     "first_orbit",
     "force_model",
@@ -34,6 +35,7 @@ __all__ = [
     "read_rsos",
     "read_stations",
     "read_tracks",
+    "residuals",
     "track",
     "write_tracks",
 ]

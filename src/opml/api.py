@@ -7,11 +7,13 @@ example goes on where the one before it stopped, in the order of this file.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
+from opml import corrected
 from opml.catalog import estimation, labels, prediction, starting, tracking, truth
 from opml.catalog import first_orbit as first_orbits
 from opml.catalog import measured as from_measurements
@@ -19,7 +21,7 @@ from opml.constants import BODIES, DAY, HOUR
 from opml.dynamics import forces
 from opml.dynamics.ensemble import Integrator
 from opml.dynamics.surroundings import ForceModel
-from opml.environment import earth_orientation, ephemerides, gravity_field, nodes, solar_activity
+from opml.environment import MARGIN_S, earth_orientation, ephemerides, gravity_field, nodes, solar_activity
 from opml.errors import InputError
 from opml.interop import mean_elements, tdm
 from opml.learning import dataset as datasets
@@ -27,6 +29,8 @@ from opml.learning import learners, metrics, splits
 from opml.learning.cleaning import Cleaning
 from opml.learning.contract import Model
 from opml.learning.evaluation import evaluate
+from opml.learning.residuals import CORRECTED
+from opml.learning.residuals import build as left_over
 from opml.sheets import Rso, Station
 from opml.sheets import read_rsos as _read_rsos
 from opml.sheets import read_stations as _read_stations
@@ -462,6 +466,77 @@ def p_ml(evaluation: pd.DataFrame) -> float:
     29
     """
     return metrics.p_ml(evaluation["true"].to_numpy(), evaluation["predicted"].to_numpy())
+
+
+def residuals(
+    dataset: pd.DataFrame,
+    *,
+    learner: Mapping[str, Any] = LEARNER,
+    train: str = "random-80",
+    span_days: Sequence[float] = _SPAN_DAYS,
+    level: float = 0.9,
+    share: float = 0.3,
+    bin_hours: float = 6.0,
+    seed: int = 42,
+) -> pd.DataFrame:
+    """Measure what a correction of e_y leaves: the table `residuals`, standard deviations by duration.
+
+    learner, train, span_days, seed: as `learn` had them; it is trained anew without a share of the estimates,
+    of whose errors the deviations hold `level`. Raises InputError where there are too few estimates for that.
+
+    >>> left = opml.residuals(rows, level=0.8)
+    >>> bool((left["sigma_y"] > 0.0).all())
+    True
+    """
+    chosen = splits.training_rows(dataset, train, span_days=span_days, seed=seed)
+    settings = learners.resolved(learner, component=CORRECTED, variables=LEARNING_VARIABLES)
+    again = partial(learners.train, component=CORRECTED, settings=settings, seed=seed)
+    return left_over(again, dataset[chosen], level=level, share=share, bin_hours=bin_hours, seed=seed)
+
+
+def ephemeris(
+    force_model: ForceModel,
+    model: Model,
+    residuals: pd.DataFrame,
+    estimates: pd.DataFrame,
+    predictions: pd.DataFrame,
+    tracks: pd.DataFrame,
+    environment: Environment,
+    *,
+    rso: Rso,
+    until_days: float,
+    max_days: float = 7.0,
+    step: float = 60.0,
+    each: bool = False,
+    window_hours: float = 12.0,
+    cleaning: Mapping[str, Any] | None = None,
+    integrator: Integrator | None = None,
+    threads: int = 1,
+) -> pd.DataFrame:
+    """Correct the newest prediction: the table `corrected`, states and covariances every `step` [s].
+
+    force_model: the assumed one; model: of e_y, from `learn`; residuals: what it leaves; until_days: when its
+    training ended, the ephemeris starts from the newest estimate by then, or from it and `each` later one.
+    It reaches max_days ahead, as far as the environment does. Raises InputError where nothing can be made.
+
+    >>> ahead = opml.ephemeris(
+    ...     assumed_model, model, left, estimates, predictions, tracks, environment, rso=iss, until_days=1.5
+    ... )
+    >>> bool((ahead["t"].diff().dropna() == 60.0).all())
+    True
+    """
+    cleaned = Cleaning.from_settings(_laid_over(CLEANING, cleaning, "ephemeris"))
+    at = datasets.of_estimates(estimates, predictions, tracks, gm=environment.gm, cleaning=cleaned)
+    known = corrected.Known(estimates, at, window_hours, environment.gm, bounds=cleaned.cd_bounds)
+    end = float(environment.earth_orientation["t"].iloc[-1]) - MARGIN_S
+    return corrected.build(
+        corrected.Flight(force_model, rso, integrator or Integrator(), threads),
+        known,
+        model,
+        residuals,
+        corrected.departures(known, known_until=DAY * until_days, each=each),
+        corrected.Grid(step, max_days, end),
+    )
 
 
 def _laid_over(defaults: Mapping[str, Any], given: Mapping[str, Any] | None, what: str) -> dict[str, Any]:

@@ -88,13 +88,13 @@ def _state(frame: str, meaning: str, *, prefix: str = "", suffix: str = "") -> t
     return tuple(real(f"{prefix}{axis}{suffix}", _unit(axis), f"{meaning}, {axis}", frame) for axis in STATE)
 
 
-def _covariance() -> tuple[Column, ...]:
-    """Return the lower triangle, row by row, of the covariance of position, velocity and drag coefficient."""
+def _covariance(parameters: Sequence[str], frame: str) -> tuple[Column, ...]:
+    """Return the lower triangle, row by row, of the covariance of parameters."""
     columns = []
-    for row, a in enumerate(PARAMETERS):
-        for b in PARAMETERS[: row + 1]:
+    for row, a in enumerate(parameters):
+        for b in parameters[: row + 1]:
             units = [unit for unit in (_unit(a), _unit(b)) if unit != "1"]
-            columns.append(real(f"cov_{a}_{b}", " ".join(units) or "1", f"covariance of {a} and {b}", "GCRF"))
+            columns.append(real(f"cov_{a}_{b}", " ".join(units) or "1", f"covariance of {a} and {b}", frame))
     return tuple(columns)
 
 
@@ -309,7 +309,7 @@ _TABLES = (
             real("t", "s", f"start of the track, {_SINCE}"),
             *_state("GCRF", "estimated state at the track's start"),
             real("cd", "1", "estimated drag coefficient"),
-            *_covariance(),
+            *_covariance(PARAMETERS, "GCRF"),
             count("iterations", "iterations of the least squares"),
             flag("converged", "whether the least squares converged"),
             text("reason", "why there is no usable estimate, empty where there is one"),
@@ -404,6 +404,38 @@ _TABLES = (
             real("half_width", "SI", "median half width (m or m/s)", "RSW"),
             real("half_width_last_day", "SI", "median half width in the last day of durations", "RSW"),
             real("error_last_day", "SI", "median absolute true error in the last day of durations", "RSW"),
+        ),
+    ),
+    Schema(
+        "residuals",
+        "a span of durations",
+        (
+            real("duration", "s", "mean prediction duration of the span"),
+            *(
+                real(f"sigma_{axis}", "m", f"standard deviation of what a correction leaves, {axis}", "RSW")
+                for axis in "xyz"
+            ),
+        ),
+    ),
+    Schema(
+        "corrected",
+        "an epoch after an estimate",
+        (
+            count("i", "track of the estimate the ephemeris starts from"),
+            real("t_i", "s", f"epoch of the estimate, {_SINCE}"),
+            _T,
+            *_state("GCRF", "corrected state"),
+            *_state("GCRF", "predicted state, before correction", suffix="_predicted"),
+            *_covariance(STATE, "RSW of the corrected state"),
+            *(
+                real(
+                    f"sigma_fit_{axis}",
+                    "m",
+                    f"standard deviation of {axis} by the fit alone, propagated",
+                    "RSW",
+                )
+                for axis in "xyz"
+            ),
         ),
     ),
     Schema(

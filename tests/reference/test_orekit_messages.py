@@ -5,6 +5,9 @@ import pandas as pd
 import pytest
 from support import EPOCH, shared
 
+from opml.catalog.correction import corrected
+from opml.corrected import COVARIANCES
+from opml.elements import cartesian_from_coe, true_from_mean_anomaly
 from opml.errors import InputError
 from opml.interop import mean_elements, oem, tdm
 from opml.tables import SCHEMAS, STATE
@@ -84,6 +87,53 @@ def test_orekit_reads_a_segment_an_estimate(org, tmp_path):
     found = parsed(org, "Oem", tmp_path / "p.oem").getSegments()
     assert [len(segment.getCoordinates()) for segment in found] == [2, 1]
     assert [seconds(org, segment.getStop()) for segment in found] == [40.0, 60.0]
+
+
+@pytest.fixture(scope="module")
+def ephemeris():
+    """A corrected ephemeris of three hours, of a Keplerian orbit that is 2 km ahead and falls back."""
+    t, gm = 60.0 * np.arange(180), 3.986004415e14
+    coe = np.tile([6.8e6, 1e-3, 0.9, 0.3, 1.2, 0.0], (len(t), 1))
+    coe[:, 5] = true_from_mean_anomaly(np.sqrt(gm / 6.8e6**3) * t, coe[:, 1])
+    predicted = cartesian_from_coe(coe, gm)
+    spread = np.random.default_rng(6).normal(size=(len(t), 6, 6))
+    covariances = spread @ spread.transpose(0, 2, 1)
+    return pd.DataFrame(
+        {"i": 3, "t": t}
+        | dict(zip(STATE, corrected(t, predicted, 2000.0 - 0.05 * t).T, strict=True))
+        | dict(zip(COVARIANCES, covariances[:, *np.tril_indices(6)].T, strict=True))
+    )
+
+
+def test_orekit_reads_a_corrected_ephemeris_with_covariances_in_rsw(org, ephemeris, tmp_path):
+    oem.write(tmp_path / "c.oem", oem.corrected_segments(ephemeris, rso="iss"), epoch=EPOCH)
+    (segment,) = parsed(org, "Oem", tmp_path / "c.oem").getSegments()
+    read = [state(one) for one in segment.getCoordinates()]
+    np.testing.assert_allclose(read, ephemeris[list(STATE)], rtol=1e-15)
+    found = list(segment.getCovarianceMatrices())
+    assert [seconds(org, one.getEpoch()) for one in found] == ephemeris["t"].tolist()
+    assert {str(one.getReferenceFrame().asOrbitRelativeFrame()) for one in found} == {"RSW"}
+    lower = [
+        [one.getCovarianceMatrix().getEntry(k, m) for k in range(6) for m in range(k + 1)] for one in found
+    ]
+    np.testing.assert_allclose(lower, ephemeris[COVARIANCES], rtol=1e-14)
+
+
+def test_orekit_propagates_from_a_corrected_ephemeris(org, ephemeris, tmp_path):
+    """Through its states as an ephemeris, and from one of them by Kepler's laws: both lie on the path."""
+    oem.write(tmp_path / "c.oem", oem.corrected_segments(ephemeris, rso="iss"), epoch=EPOCH)
+    (segment,) = parsed(org, "Oem", tmp_path / "c.oem").getSegments()
+    gcrf = org.orekit.frames.FramesFactory.getGCRF()
+    between = segment.getPropagator()
+    middle = between.getInitialState().getDate().shiftedBy(90.0 * 60.0)
+    orbit = org.orekit.orbits.CartesianOrbit(
+        between.getPVCoordinates(middle, gcrf), gcrf, middle, 3.986004415e14
+    )
+    kepler = org.orekit.propagation.analytical.KeplerianPropagator(orbit)
+    for later in (30.0, 1230.0, 3630.0):
+        date = middle.shiftedBy(later)
+        apart = between.getPVCoordinates(date, gcrf).getPosition().subtract(kepler.getPosition(date, gcrf))
+        assert float(apart.getNorm()) < 1.0 + 1e-3 * later
 
 
 def test_orekit_reads_tracks(org, tmp_path):

@@ -190,7 +190,7 @@ def test_numbers_have_to_be_finite_and_plain(message, text):
     [
         ("COVARIANCE_STOP", "expected KEY = value, got nothing"),
         ("EPOCH = ", "expected EPOCH = time, got TIME"),
-        ("COV_REF_FRAME = GCRF", "expected COV_REF_FRAME = GCRF or ICRF or EME2000, got RTN"),
+        ("COV_REF_FRAME = GCRF", "expected COV_REF_FRAME = GCRF or ICRF or EME2000 or RSW, got RTN"),
     ],
 )
 def test_a_malformed_covariance_is_named(tmp_path, cut, said):
@@ -199,6 +199,18 @@ def test_a_malformed_covariance_is_named(tmp_path, cut, said):
     edited(path, cut, {"COVARIANCE_STOP": "", "EPOCH = ": "TIME = "}.get(cut, "COV_REF_FRAME = RTN"))
     with pytest.raises(InputError, match=said):
         oem.read(path, epoch=EPOCH)
+
+
+def test_covariances_of_a_segment_are_in_one_frame(tmp_path):
+    path = tmp_path / "e.oem"
+    oem.write(path, oem.estimate_segments(estimates(), rso="iss"), epoch=EPOCH)
+    edited(path, "COV_REF_FRAME = GCRF", "COV_REF_FRAME = RSW")
+    with pytest.raises(
+        InputError, match="expected one COV_REF_FRAME for all covariances of a segment, got G"
+    ):
+        oem.read(path, epoch=EPOCH)
+    edited(path, "COV_REF_FRAME = GCRF", "COV_REF_FRAME = RSW")
+    assert oem.read(path, epoch=EPOCH)[0].covariance_frame == "RSW"
 
 
 def test_a_covariance_has_six_rows_that_grow(tmp_path):

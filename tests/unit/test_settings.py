@@ -263,6 +263,8 @@ def test_no_object_of_the_schema_takes_unknown_keys():
         ("learners.covariance.terms", ["v+cd"], "terms.0: expected a product of variables, such as v*cd"),
         ("mechanism.resonances", [[1, 0]], "resonances.0.1: expected a whole number above 0, got 0"),
         ("intervals.level", 1, "intervals.level: expected a number between 0 and 1, got 1"),
+        ("ephemeris.from", "last", "ephemeris.from: expected one of newest, each, got 'last'"),
+        ("ephemeris.step_s", 600, "ephemeris.step_s: expected seconds from 1 to 300, got 600"),
         (
             "study.pools.inclinations",
             ["iss"],

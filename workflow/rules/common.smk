@@ -7,7 +7,7 @@ from pathlib import Path
 
 from opml import naming, sheets, tables
 from opml.errors import InputError
-from opml.learning import learners
+from opml.learning import learners, residuals
 from opml.provenance import script_digest
 from opml.study.checks import check_data, load
 from opml.study.experiments import Study
@@ -186,10 +186,10 @@ def cd_bounds():
 
 
 def learner(wildcards):
-    """The learner that a file name asks for, and the variables it learns from."""
+    """The learner that a file name asks for, and the variables it learns from; of e_y where it names none."""
     return learners.resolved(
         naming.parse_learner(wildcards.learner, config["learners"]),
-        component=wildcards.component,
+        component=wildcards.get("component", residuals.CORRECTED),
         variables=config["learning"]["variables"],
     )
 
@@ -199,15 +199,12 @@ def beside(part):
 
     def find(wildcards):
         settings = learner(wildcards)
-        asked = set(settings["variables"]) - {*tables.LEARNING_VARIABLES, "gap"}
         where = f"{wildcards[part]}/{wildcards.stations}{wildcards.window}"
-        files = []
-        for kind in ("oracle", "arcs"):
-            if asked & set(tables.SCHEMAS[kind].names):
-                suffix = naming.arc(*learners.arc_of(settings)) if kind == "arcs" else ""
-                files.append(f"{RESULTS}/{kind}/{where}{suffix}.parquet")
-            asked -= set(tables.SCHEMAS[kind].names)
-        return [*files, *([f"{RESULTS}/mechanism/{where}.parquet"] if asked else [])]
+        suffix = {"arcs": naming.arc(*arc)} if (arc := learners.arc_of(settings)) else {}
+        return [
+            f"{RESULTS}/{kind}/{where}{suffix.get(kind, '')}.parquet"
+            for kind in learners.tables_asked(settings["variables"])
+        ]
 
     return find
 

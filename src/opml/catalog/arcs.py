@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from opml import epochs
-from opml.catalog.flying import fly, part_of
+from opml.catalog.flying import fly_pairs, part_of
 from opml.catalog.sensitivity import shift_with_cd
 from opml.constants import DAY
 from opml.dynamics.ensemble import Integrator
@@ -95,26 +95,23 @@ def _flown(
     progress: Callable[[float], None] | None,
 ) -> dict[str, pd.DataFrame]:
     """States of the neighbouring arcs at the pairs of the arcs' predictions: Cd nudged (v), Cd held (h)."""
-    reach = predictions.groupby("i", sort=True)["j"].max()
-    first, last = (np.searchsorted(estimates["track"], tracks) for tracks in (reach.index, reach))
+    first = np.searchsorted(estimates["track"], np.unique(predictions["i"]))
     started, before = estimates.iloc[first], past.iloc[first]
     moves = {"v": np.full(len(first), _NUDGE), "h": held_cd(started, before) - started["cd"].to_numpy()}
     found = {}
     for turn, (name, move) in enumerate(moves.items()):
-        arcs = fly(
+        states, _ = fly_pairs(
             model,
             rso,
-            estimates["t"].to_numpy(),
+            predictions,
             started[STATE].to_numpy() + move[:, None] * shift_with_cd(started),
             cd=started["cd"].to_numpy() + move,
-            first=first,
-            last=last,
             integrator=integrator,
             threads=threads,
             progress=part_of(progress, turn, len(moves)),
         )
         found[name] = pd.DataFrame(
-            arcs.states, columns=STATE, index=pd.MultiIndex.from_frame(predictions[["i", "j"]])
+            states, columns=STATE, index=pd.MultiIndex.from_frame(predictions[["i", "j"]])
         )
     return found
 

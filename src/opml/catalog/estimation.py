@@ -32,10 +32,10 @@ BATCH = 16
 """Windows fitted side by side; each starts from the newest usable estimate before its batch."""
 
 _CD = PARAMETERS.index("cd")
-_NUDGES = np.array([1.0, 1.0, 1.0, 1e-3, 1e-3, 1e-3, 1e-2])
+NUDGES = np.array([1.0, 1.0, 1.0, 1e-3, 1e-3, 1e-3, 1e-2])
 """Differences [m, m/s, -] of the neighbouring arcs: small against the orbit, large against rounding."""
 
-_NEIGHBOURS = np.vstack([np.zeros(7), np.diag(_NUDGES)])
+_NEIGHBOURS = np.vstack([np.zeros(7), np.diag(NUDGES)])
 """The arcs of one evaluation, as differences from the nominal one, which is the first."""
 
 _SCALES = np.array([1e3, 1e3, 1e3, 1.0, 1.0, 1.0, 1.0])
@@ -177,7 +177,7 @@ class Measured:
         shift = positions[1:] - positions[0]
         change = observe(positions[0] + shift, *place) - observe(positions[0] - shift, *place)
         change[..., 0] = wrap_half_turn(change[..., 0])
-        weighted = 0.5 * change / self.sigmas[rows] / _NUDGES[:, None, None]
+        weighted = 0.5 * change / self.sigmas[rows] / NUDGES[:, None, None]
         return Evaluation((residual / self.sigmas[rows]).ravel(), weighted.reshape(7, -1).T)
 
 

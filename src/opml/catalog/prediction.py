@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pandas as pd
 
-from opml.catalog.flying import fly
+from opml.catalog.flying import fly_pairs
 from opml.constants import DAY
 from opml.dynamics.ensemble import REASONS, Integrator
 from opml.dynamics.surroundings import ForceModel
@@ -34,38 +34,68 @@ def predict_all(
     Prediction Error). Where there is no truth, as of tracks that were measured, true states and errors are
     NaN. A pair that the arc does not reach has no numbers, but the reason.
     """
-    epochs = estimates["t"].to_numpy()
-    first = np.arange(len(epochs))
-    last = np.searchsorted(epochs, epochs + max_days * DAY, side="right") - 1
-    arcs = fly(
+    pairs = predict(
         model,
+        estimates,
         rso,
-        epochs,
-        estimates[STATE].to_numpy(),
-        cd=estimates["cd"].to_numpy(),
-        first=first,
-        last=last,
+        arrivals=estimates.set_index("track")["t"],
+        max_days=max_days,
         integrator=integrator,
         threads=threads,
         progress=progress,
     )
-    i = np.repeat(first, last - first)
-    j = np.concatenate([np.arange(a + 1, b + 1) for a, b in zip(first, last, strict=True)])
-    true = _true_states(truth, epochs)[j]
-    reached, reasons = np.isfinite(arcs.states[:, 0]), np.array(REASONS, object)[arcs.status[i]]
-    track = estimates["track"].to_numpy()
-    return pd.DataFrame(
-        {"i": track[i], "j": track[j], "t_i": epochs[i], "t_j": epochs[j]}
-        | dict(zip(STATE, arcs.states.T, strict=True))
-        | dict(zip(TRUE, true.T, strict=True))
-        | dict(zip(COMPONENTS, in_rsw(arcs.states - true, true).T, strict=True))
-        | {"reason": np.where(reached, "", reasons)}
+    true = _true_states(truth, pairs["t_j"])
+    # Row by row in memory, as sums of other layouts round differently.
+    errors = in_rsw(np.ascontiguousarray(pairs[STATE]) - true, true)
+    return pairs.assign(
+        **dict(zip(TRUE, true.T, strict=True)), **dict(zip(COMPONENTS, errors.T, strict=True))
     )
 
 
-def _true_states(truth: pd.DataFrame | None, epochs: np.ndarray) -> np.ndarray:
-    """True states (n, 6) at epochs (n,) [s], NaN where there is no truth."""
+def _true_states(truth: pd.DataFrame | None, t: pd.Series) -> np.ndarray:
+    """True states (n, 6) at times t (n,) [s], NaN where there is no truth."""
     if truth is None:
-        return np.full((len(epochs), 6), np.nan)
-    states: np.ndarray = truth.set_index("t")[STATE].loc[epochs].to_numpy()
-    return states
+        return np.full((len(t), 6), np.nan)
+    return np.ascontiguousarray(truth.set_index("t")[STATE].loc[t])
+
+
+def predict(
+    model: ForceModel,
+    estimates: pd.DataFrame,
+    rso: Rso,
+    *,
+    arrivals: pd.Series,
+    max_days: float,
+    integrator: Integrator,
+    threads: int = 1,
+    progress: Callable[[float], None] | None = None,
+) -> pd.DataFrame:
+    """The columns of `predictions` that need no truth: i, j, t_i, t_j, the state at t_j and the reason.
+
+    arrivals: epochs [s] to predict to, ascending, by the number j that they have in the table; the rest is as
+    in `predict_all`.
+    """
+    pairs = _pairs(estimates, arrivals, max_days)
+    started = estimates.set_index("track").loc[np.unique(pairs["i"])]
+    states, status = fly_pairs(
+        model,
+        rso,
+        pairs,
+        started[STATE].to_numpy(),
+        cd=started["cd"].to_numpy(),
+        integrator=integrator,
+        threads=threads,
+        progress=progress,
+    )
+    reason = np.where(np.isfinite(states[:, 0]), "", np.array(REASONS, object)[status])
+    return pairs.assign(**dict(zip(STATE, states.T, strict=True)), reason=reason)
+
+
+def _pairs(estimates: pd.DataFrame, arrivals: pd.Series, max_days: float) -> pd.DataFrame:
+    """Each estimate with every arrival after it, up to max_days."""
+    t, ends = estimates["t"].to_numpy(), arrivals.to_numpy()
+    first, end = (np.searchsorted(ends, reach, side="right") for reach in (t, t + max_days * DAY))
+    i = np.repeat(np.arange(len(t)), end - first)
+    j = np.concatenate([np.arange(a, b) for a, b in zip(first, end, strict=True)])
+    track = estimates["track"].to_numpy()
+    return pd.DataFrame({"i": track[i], "j": arrivals.index.to_numpy()[j], "t_i": t[i], "t_j": ends[j]})

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pandas as pd
 
-from opml.catalog.flying import fly, part_of
+from opml.catalog.flying import fly_pairs, part_of
 from opml.dynamics.ensemble import Integrator
 from opml.dynamics.surroundings import ForceModel
 from opml.elements import in_rsw
@@ -38,27 +38,25 @@ def sensitivities(
     `bounds` (all of them where it is None), which is in cd_mean. A pair without a prediction has no numbers.
     model: the assumed one; estimates, predictions: the tables; rso: whose area, mass and Cr the arcs have.
     """
-    reach = predictions.groupby("i", sort=True)["j"].max()
-    first, last = (np.searchsorted(estimates["track"], tracks) for tracks in (reach.index, reach))
+    tracks, arc = np.unique(predictions["i"], return_inverse=True)
+    first = np.searchsorted(estimates["track"], tracks)
     started = estimates.iloc[first]
     mean = running_mean(estimates, bounds)[first]
     predicted = predictions[STATE].to_numpy()
-    table = {"i": predictions["i"], "j": predictions["j"], "cd_mean": np.repeat(mean, last - first)}
+    table = {"i": predictions["i"], "j": predictions["j"], "cd_mean": mean[arc]}
     neighbours = _neighbours(started, mean)
     for turn, (name, (states, cd, scale)) in enumerate(neighbours.items()):
-        arcs = fly(
+        flown, _ = fly_pairs(
             model,
             rso,
-            estimates["t"].to_numpy(),
+            predictions,
             states,
             cd=cd,
-            first=first,
-            last=last,
             integrator=integrator,
             threads=threads,
             progress=part_of(progress, turn, len(neighbours)),
         )
-        change = scale * in_rsw(arcs.states - predicted, predicted)
+        change = scale * in_rsw(flown - predicted, predicted)
         table |= {f"{name}_{axis}": change[:, k] for k, axis in enumerate(STATE)}
     return pd.DataFrame(table)
 

@@ -24,6 +24,8 @@ _KILO = 3  # kilometres in the message, metres here
 _LOWER = np.tril_indices(6)
 _COVARIANCES = [f"cov_{STATE[a]}_{STATE[b]}" for a, b in zip(*_LOWER, strict=True)]
 
+_RSW = "RSW"
+_DEGREE = 7  # what a state a minute needs to be interpolated to a millimetre
 _FRAMES = (*ccsds.FRAMES, "ITRF")
 _TERRESTRIAL = re.compile(r"ITRF[-_]?\d*", re.IGNORECASE)
 
@@ -32,8 +34,9 @@ _TERRESTRIAL = re.compile(r"ITRF[-_]?\d*", re.IGNORECASE)
 class Segment:
     """States, and some covariances, of one object.
 
-    t (n,) [s since the epoch]; states (n, 6) GCRF [m, m/s]; covariance_t (m,) [s]; covariances (m, 6, 6) GCRF
-    [m, m/s].
+    t (n,) [s since the epoch]; states (n, 6) GCRF [m, m/s]; covariance_t (m,) [s]; covariances (m, 6, 6)
+    [m, m/s] in covariance_frame, GCRF or RSW of the states; degree: of the Hermite interpolation that it is
+    meant for, 0 tells none.
     """
 
     name: str
@@ -41,7 +44,9 @@ class Segment:
     states: np.ndarray
     covariance_t: np.ndarray = field(default_factory=lambda: np.empty(0))
     covariances: np.ndarray = field(default_factory=lambda: np.empty((0, 6, 6)))
+    covariance_frame: str = "GCRF"
     remark: str = ""
+    degree: int = 0
 
 
 def truth_segments(truth: pd.DataFrame, *, rso: str) -> list[Segment]:
@@ -57,10 +62,8 @@ def estimate_segments(estimates: pd.DataFrame, *, rso: str) -> list[Segment]:
     usable = estimates[estimates["converged"]]
     if usable.empty:
         raise InputError(f"{rso}: expected an estimate that converged, got none")
-    t, covariances = usable["t"].to_numpy(), np.empty((len(usable), 6, 6))
-    covariances[:, _LOWER[0], _LOWER[1]] = covariances[:, _LOWER[1], _LOWER[0]] = usable[_COVARIANCES]
-    remark = "estimates at the starts of tracks, not for interpolation"
-    return [Segment(rso, t, usable[STATE].to_numpy(), t, covariances, remark)]
+    t, remark = usable["t"].to_numpy(), "estimates at the starts of tracks, not for interpolation"
+    return [Segment(rso, t, usable[STATE].to_numpy(), t, _matrices(usable), remark=remark)]
 
 
 def prediction_segments(predictions: pd.DataFrame, *, rso: str) -> list[Segment]:
@@ -82,7 +85,29 @@ def prediction_segments(predictions: pd.DataFrame, *, rso: str) -> list[Segment]
     ]
 
 
-SEGMENTS = {"truth": truth_segments, "estimates": estimate_segments, "predictions": prediction_segments}
+def corrected_segments(corrected: pd.DataFrame, *, rso: str) -> list[Segment]:
+    """Segments of a `corrected` table: one per estimate, with a covariance in RSW at every epoch."""
+    return [
+        Segment(
+            rso,
+            t := rows["t"].to_numpy(),
+            rows[STATE].to_numpy(),
+            t,
+            _matrices(rows),
+            covariance_frame=_RSW,
+            remark=f"corrected prediction from the estimate of track {i}",
+            degree=_DEGREE,
+        )
+        for i, rows in corrected.groupby("i", sort=True)
+    ]
+
+
+SEGMENTS = {
+    "truth": truth_segments,
+    "estimates": estimate_segments,
+    "predictions": prediction_segments,
+    "corrected": corrected_segments,
+}
 """How each table that has a message becomes its segments."""
 
 
@@ -130,6 +155,13 @@ def arcs(path: FilePath, *, epoch: str, satellite: str | None = None) -> list[Ar
     return arcs
 
 
+def _matrices(table: pd.DataFrame) -> np.ndarray:
+    """Covariances (n, 6, 6) of the columns of their lower triangles."""
+    covariances = np.empty((len(table), 6, 6))
+    covariances[:, _LOWER[0], _LOWER[1]] = covariances[:, _LOWER[1], _LOWER[0]] = table[_COVARIANCES]
+    return covariances
+
+
 def _lines(segments: Sequence[Segment], epoch: str) -> Iterator[str]:
     yield from ccsds.header(_KEY, epoch)
     for segment in segments:
@@ -145,6 +177,9 @@ def _lines(segments: Sequence[Segment], epoch: str) -> Iterator[str]:
         yield "TIME_SYSTEM = UTC"
         yield f"START_TIME = {times[0]}"
         yield f"STOP_TIME = {times[-1]}"
+        if segment.degree:
+            yield "INTERPOLATION = HERMITE"
+            yield f"INTERPOLATION_DEGREE = {segment.degree}"
         yield "META_STOP"
         for time, state in zip(times, segment.states.tolist(), strict=True):
             yield " ".join([time, *(ccsds.number_text(value, -_KILO) for value in state)])
@@ -157,7 +192,7 @@ def _covariance_lines(segment: Segment, epoch: str) -> Iterator[str]:
     times = ccsds.utc_texts(epoch, segment.covariance_t)
     for time, covariance in zip(times, segment.covariances, strict=True):
         yield f"EPOCH = {time}"
-        yield "COV_REF_FRAME = GCRF"
+        yield f"COV_REF_FRAME = {segment.covariance_frame}"
         for k in range(6):
             yield " ".join(ccsds.number_text(value, -2 * _KILO) for value in covariance[k, : k + 1])
     yield "COVARIANCE_STOP"
@@ -174,13 +209,14 @@ def _segment(message: ccsds.Message, epoch: str) -> Segment:
     frame = metadata.one_of("REF_FRAME", tuple(ccsds.FRAMES))
     scale = metadata.one_of("TIME_SYSTEM", ccsds.SCALES)
     lines, times, texts = _state_texts(message)
-    covariance_t, covariances = _covariances(message, frame, scale, epoch)
+    covariance_t, covariances, covariance_frame = _covariances(message, frame, scale, epoch)
     return Segment(
         name=metadata.text("OBJECT_NAME"),
         t=message.elapsed(times, lines, epoch=epoch, scale=scale),
         states=_numbers(message, lines, texts) @ _state_rotation(frame).T,
         covariance_t=covariance_t,
         covariances=covariances,
+        covariance_frame=covariance_frame,
     )
 
 
@@ -239,9 +275,11 @@ def _numbers(message: ccsds.Message, lines: Sequence[int], texts: Sequence[Seque
     )
 
 
-def _covariances(message: ccsds.Message, frame: str, scale: str, epoch: str) -> tuple[np.ndarray, np.ndarray]:
-    """Times (m,) [s] and covariances (m, 6, 6) in GCRF of the block that may follow the states."""
-    numbers, times, covariances = [], [], []
+def _covariances(
+    message: ccsds.Message, frame: str, scale: str, epoch: str
+) -> tuple[np.ndarray, np.ndarray, str]:
+    """Times (m,) [s], covariances (m, 6, 6) and their frame of the block that may follow the states."""
+    numbers, times, covariances, frames = [], [], [], set()
     if message.peek() == "COVARIANCE_START":
         message.take()
         while message.peek() != "COVARIANCE_STOP":
@@ -250,15 +288,26 @@ def _covariances(message: ccsds.Message, frame: str, scale: str, epoch: str) -> 
                 raise message.wrong("EPOCH = time", f"{key} = {value}", number)
             numbers.append(number)
             times.append(value)
-            if message.peek().startswith("COV_REF_FRAME"):
-                number, _, frame = message.pair()
-                if frame not in ccsds.FRAMES:
-                    raise message.wrong(f"COV_REF_FRAME = {' or '.join(ccsds.FRAMES)}", frame, number)
-            turn = _state_rotation(frame)
+            frame = _covariance_frame(message, frame)
+            frames.add(_RSW if frame == _RSW else "GCRF")
+            if len(frames) > 1:
+                raise message.wrong("one COV_REF_FRAME for all covariances of a segment", frame, number)
+            turn = np.eye(6) if frame == _RSW else _state_rotation(frame)
             covariances.append(turn @ _covariance(message) @ turn.T)
         message.take()
     shape = (len(covariances), 6, 6)
-    return message.elapsed(times, numbers, epoch=epoch, scale=scale), np.reshape(covariances, shape)
+    t = message.elapsed(times, numbers, epoch=epoch, scale=scale)
+    return t, np.reshape(covariances, shape), frames.pop() if frames else "GCRF"
+
+
+def _covariance_frame(message: ccsds.Message, frame: str) -> str:
+    """The frame that a line tells, if there is one, else that of before."""
+    if not message.peek().startswith("COV_REF_FRAME"):
+        return frame
+    number, _, frame = message.pair()
+    if frame not in (*ccsds.FRAMES, _RSW):
+        raise message.wrong(f"COV_REF_FRAME = {' or '.join((*ccsds.FRAMES, _RSW))}", frame, number)
+    return frame
 
 
 def _covariance(message: ccsds.Message) -> np.ndarray:

@@ -65,7 +65,7 @@ def build(
     time its error is known and the oldest measurement of its earlier estimate, `window` [s] before it. Raises
     InputError where the tables do not belong together or `previous` is unknown.
     """
-    at_estimate = _learning_variables(estimates, predictions, tracking, gm=gm, cleaning=cleaning)
+    at_estimate = of_estimates(estimates, predictions, tracking, gm=gm, cleaning=cleaning)
     pairs = predictions.sort_values(["i", "j"], ignore_index=True)
     pairs = pairs.rename(columns={"reason": "prediction_reason"}).drop(columns=STATE)
     rows = _with_labels(pairs, labels).join(at_estimate, on="i")
@@ -138,7 +138,7 @@ def _with_labels(pairs: pd.DataFrame, labels: pd.DataFrame | None) -> pd.DataFra
     return pairs.drop(columns=list(COMPONENTS)).merge(errors, on=["i", "j"], validate="one_to_one")
 
 
-def _learning_variables(
+def of_estimates(
     estimates: pd.DataFrame,
     predictions: pd.DataFrame,
     tracking: pd.DataFrame,
@@ -146,7 +146,11 @@ def _learning_variables(
     gm: float,
     cleaning: Cleaning,
 ) -> pd.DataFrame:
-    """All that belongs to t_i: learning variables, b, t_b, gap and the flags of the estimate; index track."""
+    """All that belongs to t_i: learning variables, b, t_b, gap and the flags of the estimate; index track.
+
+    Takes what `build` takes, but of `predictions` only states, and of those only the ones from t_b to t_i.
+    Raises InputError where the tables do not belong together.
+    """
     estimates = estimates.sort_values("track").set_index("track")
     if unknown := set(predictions["i"]) - set(estimates.index):
         raise InputError(f"predictions: i: expected tracks that have an estimate, got {min(unknown)}")
@@ -172,6 +176,25 @@ def _learning_variables(
     relative = np.einsum("nij,nkj->nki", rotation, (predicted - states).reshape(-1, 2, 3)).reshape(-1, 6)
     table[COE], table[COE_DIFFERENCE], table[RSW_DIFFERENCE] = coe, difference, relative
     return table.join(_highest_measurements(tracking, table.index))
+
+
+def may_depart(
+    estimates: pd.DataFrame,
+    at_estimate: pd.DataFrame,
+    *,
+    manoeuvres: Sequence[float] = (),
+    window: float = 0.0,
+) -> np.ndarray:
+    """Which estimates (n,) a model may correct the predictions of, by what `build` keeps rows for at t_i.
+
+    at_estimate: from `of_estimates`. None has a manoeuvre from `window` [s] before t_b up to t_i.
+    """
+    known = at_estimate.loc[estimates["track"]]
+    t = estimates["t"].to_numpy()
+    whole = known["converged"] & known["cd_inside"] & known["eps_y"].notna()
+    begin = np.fmin(known["t_b"].to_numpy(), t) - window
+    usable: np.ndarray = whole.to_numpy() & ~epochs.have_any(begin, t, manoeuvres)
+    return usable
 
 
 def _previous(tracks: np.ndarray, usable: np.ndarray, setting: str) -> np.ndarray:

@@ -189,6 +189,22 @@ def arc_of(settings: Settings) -> tuple[float, float] | None:
     return next(iter(arcs), None)
 
 
+def tables_asked(variables: Sequence[str]) -> list[str]:
+    """The kinds of tables beside the dataset that have the `variables`: of oracle, arcs and mechanism."""
+    asked, kinds = set(variables) - {*LEARNING_VARIABLES, "gap"}, []
+    for kind in ("oracle", "arcs"):
+        if asked & set(SCHEMAS[kind].names):
+            kinds.append(kind)
+        asked -= set(SCHEMAS[kind].names)
+    return [*kinds, "mechanism"] if asked else kinds
+
+
+def check_without_truth(name: str, settings: Settings) -> None:
+    """Raise InputError where the resolved settings of a learner ask for what only a simulation knows."""
+    if "oracle" in tables_asked(settings["variables"]):
+        raise InputError(f"learner '{name}': expected one that needs no truth to predict, got one that does")
+
+
 def check(values: Mapping[str, Any]) -> None:
     """Raise InputError where a learner of the settings' `values` asks for a variable that there is not."""
     drifts = mechanism_schema(values["mechanism"]["resonances"]).names

@@ -1,0 +1,288 @@
+"""Corrected ephemerides: a model's word on the errors of predictions, applied on a regular grid of epochs.
+
+From an estimate the assumed model predicts to every epoch of the grid. What the learned model asks for is
+computed at those epochs as it was at later tracks. The along-track error that it then tells moves the orbit
+(opml.catalog.correction). No truth is needed: all of it is known at t_i.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from opml.catalog import arcs, mechanism
+from opml.catalog.correction import LEAST_EPOCHS, corrected, through
+from opml.catalog.prediction import predict
+from opml.catalog.sensitivity import sensitivities
+from opml.catalog.uncertainty import propagated, stretched
+from opml.constants import DAY, HOUR
+from opml.dynamics.ensemble import Integrator
+from opml.dynamics.surroundings import ForceModel
+from opml.elements import in_rsw
+from opml.errors import InputError
+from opml.learning import dataset
+from opml.learning.cleaning import Cleaning
+from opml.learning.contract import Model
+from opml.learning.learners import tables_asked
+from opml.learning.residuals import sigmas
+from opml.sheets import Rso
+from opml.tables import STATE, read_metadata, read_table
+
+TOGETHER = 16
+"""Ephemerides made side by side: their arcs fill the lanes of an ensemble, their tables some hundred MB."""
+
+COVARIANCES = [f"cov_{a}_{b}" for k, a in enumerate(STATE) for b in STATE[: k + 1]]
+"""Columns of the lower triangle of a state's covariance."""
+
+
+@dataclass(frozen=True)
+class Flight:
+    """An RSO under the assumed model, and how it is integrated."""
+
+    model: ForceModel
+    rso: Rso
+    integrator: Integrator
+    threads: int = 1
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """The same, as what flies arcs in opml.catalog takes it."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+
+@dataclass(frozen=True)
+class Longer:
+    """Fits over a longer window: the table `estimates`, the window [h]."""
+
+    estimates: pd.DataFrame
+    window_hours: float
+
+
+@dataclass(frozen=True)
+class Known:
+    """What the catalogue knows of an RSO: the tables at its tracks, and how more is made of them.
+
+    estimates: that table, of fits over window_hours; at_estimates: from `dataset.of_estimates`; long, arc:
+    fits over other windows, None where the learner asks for nothing of them; bounds: on Cd, None for any;
+    resonances: pairs (k, m); memory_days: of the arcs' Cd; manoeuvres: times [s]; gm [m3/s2].
+    """
+
+    estimates: pd.DataFrame
+    at_estimates: pd.DataFrame
+    window_hours: float
+    gm: float
+    long: Longer | None = None
+    arc: Longer | None = None
+    bounds: tuple[float, float] | None = None
+    resonances: Sequence[tuple[int, int]] = ()
+    memory_days: float = 0.0
+    manoeuvres: Sequence[float] = ()
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Epochs of ephemerides: multiples of `step` [s], up to max_days after an estimate and to `end` [s]."""
+
+    step: float
+    max_days: float
+    end: float
+
+    def epochs(self, last: float) -> pd.Series:
+        """Epochs [s] by their numbers, up to where an ephemeris from an estimate at `last` [s] reaches."""
+        number = np.arange(np.floor(min(last + DAY * self.max_days, self.end) / self.step) + 1.0).astype(int)
+        return pd.Series(self.step * number, index=number)
+
+
+def read(files: Any, settings: Mapping[str, Any]) -> Known:
+    """What the tables of a job's `files` hold, read as its `settings` say.
+
+    Raises InputError where one is missing, damaged or does not belong to the others.
+    """
+    estimates = read_table(files.estimates, "estimates")
+    gm, mechanism_of = read_metadata(files.gravity_field)["gm"], settings["mechanism"]
+    at_estimates = dataset.of_estimates(
+        estimates,
+        read_table(files.predictions, "predictions"),
+        read_table(files.tracking, "tracking"),
+        gm=gm,
+        cleaning=Cleaning.from_settings(settings["cleaning"]),
+    )
+    arc_hours, memory_days = settings["arc"]
+    told = read_metadata(files.manoeuvres) if files.manoeuvres else {}
+    return Known(
+        estimates,
+        at_estimates,
+        settings["window_hours"],
+        gm,
+        long=_longer(files.long_estimates, mechanism_of["long_window_hours"]),
+        arc=_longer(files.arc_estimates, arc_hours),
+        bounds=settings["cd_bounds"],
+        resonances=mechanism_of["resonances"],
+        memory_days=memory_days,
+        manoeuvres=[one["t"] for one in told.get("manoeuvres", [])],
+    )
+
+
+def _longer(path: str, window_hours: float) -> Longer | None:
+    """Fits of a file, if there is one."""
+    return Longer(read_table(path, "estimates"), window_hours) if path else None
+
+
+def departures(known: Known, *, known_until: float, each: bool) -> pd.DataFrame:
+    """The estimates that ephemerides start from: the newest usable one up to `known_until` [s].
+
+    With `each` all usable later ones, too. Raises InputError where there is none.
+    """
+    usable = dataset.may_depart(
+        known.estimates, known.at_estimates, manoeuvres=known.manoeuvres, window=HOUR * known.window_hours
+    )
+    newest = np.flatnonzero(usable & (known.estimates["t"].to_numpy() <= known_until))
+    if not newest.size:
+        last = f"day {known_until / DAY:g}, the last to learn from"
+        raise InputError(f"ephemeris: expected a usable estimate up to {last}, got none")
+    later = known.estimates[newest[-1] :][usable[newest[-1] :]]
+    return later if each else later[:1]
+
+
+def build(
+    flight: Flight,
+    known: Known,
+    model: Model,
+    residuals: pd.DataFrame,
+    starts: pd.DataFrame,
+    grid: Grid,
+    *,
+    progress: Callable[[float], None] | None = None,
+) -> pd.DataFrame:
+    """The `corrected` table: an ephemeris from each of the `starts`, rows of the estimates.
+
+    model: of the along-track error; residuals: what it leaves, that table. An ephemeris ends where an arc
+    that it needs does. Raises InputError where none reaches anywhere, and as `correction.corrected` does.
+    """
+    found: list[pd.DataFrame] = []
+    for begin in range(0, len(starts), TOGETHER):
+        some = starts.iloc[begin : begin + TOGETHER]
+        columns = rows(flight, known, some, model.variables, grid)
+        formal = propagated(estimates=known.estimates, predictions=columns, **flight.options)
+        found += _ephemerides(columns, formal, model, residuals)
+        if progress:
+            progress((begin + len(some)) / len(starts))
+    if not found:
+        least = f"{LEAST_EPOCHS} epochs {grid.step:g} s apart"
+        raise InputError(f"ephemeris: expected {least} after an estimate and before the run ends, got fewer")
+    return pd.concat(found, ignore_index=True)
+
+
+def rows(
+    flight: Flight, known: Known, starts: pd.DataFrame, variables: Sequence[str], grid: Grid
+) -> pd.DataFrame:
+    """Predictions from the `starts` to the grid, with the learning variables that a model asks for.
+
+    j is the number of the epoch on the grid. Rows without numbers are where an arc does not reach.
+    """
+    pairs = _predicted(flight, starts, grid)
+    columns = pairs.join(known.at_estimates, on="i")
+    columns["duration"] = columns["t_j"] - columns["t_i"]
+    for kind in tables_asked(variables):
+        table = _BESIDE[kind](flight, known, pairs, grid)
+        columns = columns.join(table.drop(columns=["i", "j"]))
+    return columns
+
+
+def _predicted(flight: Flight, starts: pd.DataFrame, grid: Grid) -> pd.DataFrame:
+    """Predictions of estimates to the grid."""
+    arrivals = grid.epochs(starts["t"].iloc[-1])
+    return predict(estimates=starts, arrivals=arrivals, max_days=grid.max_days, **flight.options)
+
+
+def _mechanism(flight: Flight, known: Known, pairs: pd.DataFrame, grid: Grid) -> pd.DataFrame:
+    """The `mechanism` table of pairs."""
+    if known.long is None:
+        raise InputError("ephemeris: expected fits over a longer window, as the learner asks for, got none")
+    long, options = known.long.estimates, flight.options | {"bounds": known.bounds}
+    long_pairs = _predicted(flight, _of(long, pairs), grid)
+    return mechanism.build(
+        known.estimates,
+        pairs,
+        sensitivities(estimates=known.estimates, predictions=pairs, **options),
+        long_estimates=long,
+        long_predictions=long_pairs,
+        long_sensitivities=sensitivities(estimates=long, predictions=long_pairs, **options),
+        bounds=known.bounds,
+        resonances=known.resonances,
+        long_window_hours=known.long.window_hours,
+        gm=known.gm,
+    )
+
+
+def _arcs(flight: Flight, known: Known, pairs: pd.DataFrame, grid: Grid) -> pd.DataFrame:
+    """The `arcs` table of pairs."""
+    if known.arc is None:
+        raise InputError("ephemeris: expected fits over another window, as the learner asks for, got none")
+    return arcs.build(
+        predictions=pairs,
+        arc_estimates=known.arc.estimates,
+        arc_predictions=_predicted(flight, _of(known.arc.estimates, pairs), grid),
+        memory_days=known.memory_days,
+        manoeuvres=known.manoeuvres,
+        window=HOUR * known.arc.window_hours,
+        **flight.options,
+    )
+
+
+_BESIDE = {"mechanism": _mechanism, "arcs": _arcs}
+"""How the tables that a learner asks for are made of pairs."""
+
+
+def _of(estimates: pd.DataFrame, pairs: pd.DataFrame) -> pd.DataFrame:
+    """The estimates of the same tracks that pairs start from."""
+    return estimates[estimates["track"].isin(pairs["i"].unique())]
+
+
+def _ephemerides(
+    columns: pd.DataFrame, formal: np.ndarray, model: Model, residuals: pd.DataFrame
+) -> Iterator[pd.DataFrame]:
+    """Ephemerides of the estimates in `columns`, each up to its first row without numbers."""
+    numbers = columns[[*STATE, *model.variables]].to_numpy()
+    lost = ~(np.isfinite(numbers).all(axis=1) & np.isfinite(formal).all(axis=(1, 2)))
+    for own in columns.groupby("i", sort=True).indices.values():
+        reached = own[np.cumsum(lost[own]) == 0]
+        if len(reached) >= LEAST_EPOCHS:
+            yield _ephemeris(columns.iloc[reached], formal[reached], model, residuals)
+
+
+def _ephemeris(own: pd.DataFrame, formal: np.ndarray, model: Model, residuals: pd.DataFrame) -> pd.DataFrame:
+    """The ephemeris of one estimate."""
+    t, predicted = own["t_j"].to_numpy(), np.ascontiguousarray(own[STATE])
+    states = corrected(t, predicted, model.predict(own[list(model.variables)].to_numpy()))
+    covariance = stretched(formal, sigmas(residuals, own["duration"].to_numpy()))
+    fit = np.sqrt(formal[:, range(3), range(3)])
+    return pd.DataFrame(
+        {"i": own["i"].to_numpy(), "t_i": own["t_i"].to_numpy(), "t": t}
+        | dict(zip(STATE, states.T, strict=True))
+        | {f"{name}_predicted": column for name, column in zip(STATE, predicted.T, strict=True)}
+        | dict(zip(COVARIANCES, covariance[:, *np.tril_indices(6)].T, strict=True))
+        | {f"sigma_fit_{axis}": fit[:, k] for k, axis in enumerate("xyz")}
+    )
+
+
+def held_against(ephemeris: pd.DataFrame, estimates: pd.DataFrame) -> pd.DataFrame:
+    """What one ephemeris, rows of a `corrected` table, is off from the estimates of later tracks.
+
+    Columns: duration [s]; before_*, after_*: predicted and corrected less estimated position in RSW of the
+    estimate [m]; sigma_*: standard deviations by the ephemeris [m]. Estimates that did not converge are left
+    out.
+    """
+    t = ephemeris["t"].to_numpy()
+    later = estimates[estimates["converged"] & estimates["t"].between(t[0], t[-1])]
+    at, known = later["t"].to_numpy(), np.ascontiguousarray(later[STATE])
+    found = {"duration": at - ephemeris["t_i"].iloc[0]}
+    for when, suffix in (("before", "_predicted"), ("after", "")):
+        states = through(t, ephemeris[[f"{name}{suffix}" for name in STATE]].to_numpy())(at)
+        off = in_rsw(states - known, known)
+        found |= {f"{when}_{axis}": off[:, k] for k, axis in enumerate("xyz")}
+    for axis in "xyz":
+        found[f"sigma_{axis}"] = np.interp(at, t, np.sqrt(ephemeris[f"cov_{axis}_{axis}"].to_numpy()))
+    return pd.DataFrame(found)

@@ -1,0 +1,220 @@
+"""Corrected ephemerides: tables at any epoch, what is known when, and covariances."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from opml import corrected
+from opml.catalog import arcs, mechanism, prediction, sensitivity, uncertainty
+from opml.catalog.estimation import COVARIANCES
+from opml.constants import DAY
+from opml.dynamics.ensemble import Integrator
+from opml.elements import cartesian_from_coe, in_rsw
+from opml.errors import InputError
+from opml.interop import oem
+from opml.learning.mechanism import MechanismModel
+from opml.learning.residuals import sigmas
+from opml.tables import PARAMETERS, SCHEMAS, STATE, read_table, write_table
+
+EPOCH = "2016-09-28T12:09:45"
+TIMES = np.array([0.0, 0.3, 0.61, 1.1, 1.5]) * DAY
+CD = [2.25, 2.1, 2.4, 2.3, 2.2]
+RESIDUALS = pd.DataFrame(
+    {"duration": [0.1 * DAY, DAY], "sigma_x": [5.0, 9.0], "sigma_y": [20.0, 200.0], "sigma_z": [3.0, 4.0]}
+)
+GRID = corrected.Grid(step=60.0, max_days=0.8, end=2.0 * DAY)
+LAW = MechanismModel(("l_y", "v_y", "l_arc_y"), ("l_y", "v_y", "l_arc_y"), np.array([0.7, 0.02, 0.1]))
+
+
+def estimates(gm, cd, ahead=0.0):
+    """Estimates on one low orbit, `ahead` [m] of it, with a covariance that ties drag to the velocity."""
+    coe = np.tile([6.77e6, 1e-3, 0.9, 0.3, 1.2, 0.0], (len(TIMES), 1))
+    coe[:, 5] = np.sqrt(gm / coe[0, 0] ** 3) * TIMES + ahead / 6.77e6
+    covariance = np.diag([9.0, 9.0, 9.0, 1e-6, 1e-6, 1e-6, 0.01])
+    covariance[6, 3] = covariance[3, 6] = 5e-5
+    table = pd.DataFrame({"track": np.arange(len(TIMES)), "t": TIMES, "converged": True})
+    table[STATE] = cartesian_from_coe(coe, gm)
+    return table.assign(cd=cd, **dict(zip(COVARIANCES, covariance[np.tril_indices(7)], strict=True)))
+
+
+@pytest.fixture(scope="module")
+def flight(assumed_model, iss):
+    return corrected.Flight(assumed_model, iss, Integrator())
+
+
+@pytest.fixture(scope="module")
+def known(assumed_model):
+    gm, own = assumed_model.gm, estimates(assumed_model.gm, CD)
+    at_estimates = pd.DataFrame(
+        {
+            "converged": True,
+            "cd_inside": True,
+            "eps_y": [np.nan, 1.0, 1.0, np.nan, 1.0],
+            "t_b": TIMES - 0.3 * DAY,
+        }
+    )
+    long = corrected.Longer(estimates(gm, 2.2, ahead=40.0), 24.0)
+    return corrected.Known(
+        own, at_estimates, 12.0, gm, long=long, arc=long, resonances=[(1, 15)], memory_days=30.0
+    )
+
+
+@pytest.fixture(scope="module")
+def table(flight, known):
+    return corrected.build(flight, known, LAW, RESIDUALS, known.estimates.iloc[[1, 2]], GRID)
+
+
+def test_columns_on_the_grid_are_those_at_tracks(flight, known):
+    """What the tables say of pairs of tracks, they say of the grid's epochs, too."""
+    starts = known.estimates.iloc[1:3]
+    grid = corrected.Grid(step=0.01 * DAY, max_days=0.8, end=2.0 * DAY)
+    dense = corrected.rows(flight, known, starts, ("v_y", "h_arc_y"), grid).set_index(["i", "j"])
+    at_tracks = {"arrivals": known.estimates.set_index("track")["t"], "max_days": 0.8, **flight.options}
+    pairs, long = (
+        prediction.predict(estimates=one, **at_tracks) for one in (known.estimates, known.long.estimates)
+    )
+    of, options = {"estimates": known.estimates}, {**flight.options, "bounds": None}
+    own = mechanism.build(
+        known.estimates,
+        pairs,
+        sensitivity.sensitivities(predictions=pairs, **of, **options),
+        long_estimates=known.long.estimates,
+        long_predictions=long,
+        long_sensitivities=sensitivity.sensitivities(
+            estimates=known.long.estimates, predictions=long, **options
+        ),
+        bounds=None,
+        resonances=known.resonances,
+        long_window_hours=24.0,
+        gm=known.gm,
+    )
+    beside = arcs.build(
+        predictions=pairs,
+        arc_estimates=known.arc.estimates,
+        arc_predictions=long,
+        memory_days=30.0,
+        window=DAY,
+        **flight.options,
+    )
+    for row in np.flatnonzero(pairs["i"].isin([1, 2])):
+        there = dense.loc[(pairs["i"][row], round(pairs["t_j"][row] / grid.step))]
+        assert there["t_j"] == pytest.approx(pairs["t_j"][row], abs=1e-6)
+        for column, at_track, close in (
+            ("x", pairs, 0.05),
+            ("v_y", own, 5.0),
+            ("l_y", own, 0.1),
+            ("h_arc_y", beside, 0.5),
+        ):
+            assert there[column] == pytest.approx(at_track[column][row], abs=close, rel=1e-4)
+
+
+def test_the_table_is_the_schemas_and_comes_back(table, tmp_path):
+    write_table(tmp_path / "c.parquet", table, "corrected", metadata={})
+    pd.testing.assert_frame_equal(
+        read_table(tmp_path / "c.parquet", "corrected"), table[SCHEMAS["corrected"].names], check_exact=True
+    )
+
+
+def test_the_grid_is_regular_and_begins_after_the_estimate(table):
+    for _, own in table.groupby("i"):
+        assert (np.diff(own["t"]) == 60.0).all()
+        assert (own["t"] % 60.0 == 0.0).all()
+        assert 0.0 < own["t"].iloc[0] - own["t_i"].iloc[0] <= 60.0
+        assert own["t"].iloc[-1] - own["t_i"].iloc[-1] == pytest.approx(0.8 * DAY, abs=60.0)
+
+
+def test_the_orbit_is_moved_by_what_the_model_says(table, flight, known):
+    rows = corrected.rows(flight, known, known.estimates.iloc[[1, 2]], LAW.variables, GRID)
+    said = LAW.predict(rows[list(LAW.variables)].to_numpy())
+    states = table[STATE].to_numpy()
+    moved = in_rsw(table[[f"{name}_predicted" for name in STATE]].to_numpy() - states, states)
+    assert np.abs(said).max() > 30.0
+    np.testing.assert_allclose(moved[:, 1], said, rtol=1e-4, atol=0.02)
+
+
+def test_it_ends_with_the_run(flight, known):
+    cut = corrected.build(
+        flight, known, LAW, RESIDUALS, known.estimates.iloc[[4]], replace(GRID, end=1.6 * DAY)
+    )
+    assert cut["t"].max() <= 1.6 * DAY
+    with pytest.raises(InputError, match=r"expected 16 epochs 60 s apart .* before the run ends, got fewer"):
+        corrected.build(
+            flight, known, LAW, RESIDUALS, known.estimates.iloc[[4]], replace(GRID, end=1.5 * DAY + 600.0)
+        )
+
+
+def test_what_comes_after_t_i_changes_nothing(table, flight, known):
+    """Every later estimate is moved by 10 km, with another Cd."""
+
+    def later(one):
+        after = one["t"].to_numpy() > TIMES[2]
+        return one.assign(x=one["x"] + 1e4 * after, cd=one["cd"] + after)
+
+    moved = replace(
+        known,
+        estimates=later(known.estimates),
+        long=replace(known.long, estimates=later(known.long.estimates)),
+        arc=replace(known.arc, estimates=later(known.arc.estimates)),
+    )
+    again = corrected.build(flight, moved, LAW, RESIDUALS, moved.estimates.iloc[[1, 2]], GRID)
+    pd.testing.assert_frame_equal(again, table, check_exact=True)
+
+
+def test_it_starts_from_the_newest_usable_estimate(known):
+    newest = corrected.departures(known, known_until=1.2 * DAY, each=False)
+    assert newest["track"].tolist() == [2]  # none has a previous one to be held against at 3
+    assert corrected.departures(known, known_until=1.2 * DAY, each=True)["track"].tolist() == [2, 4]
+    burnt = replace(known, manoeuvres=[0.5 * DAY])
+    assert corrected.departures(burnt, known_until=1.2 * DAY, each=False)["track"].tolist() == [1]
+    with pytest.raises(
+        InputError, match=r"expected a usable estimate up to day 0\.2, the last to learn from"
+    ):
+        corrected.departures(known, known_until=0.2 * DAY, each=True)
+
+
+def test_a_learner_needs_the_fits_that_it_asks_for(flight, known):
+    with pytest.raises(InputError, match="expected fits over a longer window"):
+        corrected.build(flight, replace(known, long=None), LAW, RESIDUALS, known.estimates.iloc[[1]], GRID)
+
+
+def test_covariances_have_the_size_of_what_is_left_and_the_shape_of_the_fits(table):
+    covariance = np.empty((len(table), 6, 6))
+    row, column = np.tril_indices(6)
+    covariance[:, row, column] = covariance[:, column, row] = table[corrected.COVARIANCES]
+    assert (np.linalg.eigvalsh(covariance / covariance.max(axis=(1, 2), keepdims=True)) > -1e-12).all()
+    sigma = np.sqrt(covariance[:, range(3), range(3)])
+    expected = sigmas(RESIDUALS, (table["t"] - table["t_i"]).to_numpy())
+    np.testing.assert_allclose(sigma, expected, rtol=1e-9)
+    # e_vx = -w e_y: after half a day nearly all of the radial velocity's error is the along-track position's.
+    late = (table["t"] - table["t_i"]).to_numpy() > 0.5 * DAY
+    tied = covariance[late, 3, 1] / np.sqrt(covariance[late, 3, 3] * covariance[late, 1, 1])
+    assert (tied < -0.99).all()
+
+
+def test_a_formal_covariance_is_that_of_many_perturbed_arcs(flight, known):
+    starts = known.estimates.iloc[[1]]
+    grid = {"arrivals": pd.Series([TIMES[1] + 0.5 * DAY], index=[7]), "max_days": 1.0, **flight.options}
+    pairs = prediction.predict(estimates=starts, **grid)
+    (formal,) = uncertainty.propagated(estimates=known.estimates, predictions=pairs, **flight.options)
+    drawn = np.random.default_rng(1).multivariate_normal(
+        starts[PARAMETERS].to_numpy(float)[0], uncertainty.fitted(starts)[0], size=400
+    )
+    perturbed = pd.DataFrame(drawn, columns=PARAMETERS).assign(track=np.arange(400), t=TIMES[1])
+    arrived = prediction.predict(estimates=perturbed, **grid)[STATE].to_numpy()
+    predicted = np.repeat(pairs[STATE].to_numpy(), 400, axis=0)
+    sample = in_rsw(arrived - predicted, predicted).std(axis=0)
+    np.testing.assert_allclose(np.sqrt(np.diag(formal)), sample, rtol=0.15)
+
+
+def test_an_oem_holds_the_table_to_its_digits(table, tmp_path):
+    oem.write(tmp_path / "c.oem", oem.corrected_segments(table, rso="iss"), epoch=EPOCH)
+    back = oem.read(tmp_path / "c.oem", epoch=EPOCH)
+    assert [segment.covariance_frame for segment in back] == ["RSW", "RSW"]
+    for segment, (_, own) in zip(back, table.groupby("i"), strict=True):
+        np.testing.assert_array_equal(segment.t, own["t"])
+        np.testing.assert_array_equal(segment.covariance_t, own["t"])
+        np.testing.assert_array_equal(segment.states, own[STATE])
+        lower = segment.covariances[:, *np.tril_indices(6)]
+        np.testing.assert_array_equal(lower, own[corrected.COVARIANCES])

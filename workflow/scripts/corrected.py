@@ -1,0 +1,32 @@
+"""Make corrected ephemerides on a regular grid ahead of estimates."""
+
+from opml import corrected
+from opml.catalog import force_model
+from opml.constants import DAY
+from opml.jobs import job, progress
+from opml.learning import learners
+from opml.sheets import Rso
+from opml.tables import read_table, write_table
+
+with job(snakemake) as metadata:
+    settings, files = snakemake.params.settings, snakemake.input
+    flight = corrected.Flight(
+        force_model.read(files, epoch=settings["epoch"], settings=settings["force_model"]),
+        Rso(**settings["rso"]),
+        force_model.integrator(settings["integrator"]),
+        snakemake.threads,
+    )
+    known = corrected.read(files, settings)
+    step, max_days, duration_days = settings["grid"]
+    table = corrected.build(
+        flight,
+        known,
+        learners.read(files.model),
+        read_table(files.residuals, "residuals"),
+        corrected.departures(
+            known, known_until=DAY * settings["known_until_days"], each=settings["from"] == "each"
+        ),
+        corrected.Grid(step, max_days, DAY * duration_days),
+        progress=progress,
+    )
+    write_table(snakemake.output[0], table, "corrected", metadata=metadata)

@@ -1,0 +1,13 @@
+"""Draw the errors of one corrected ephemeris against the estimates of later tracks."""
+
+from opml.corrected import held_against
+from opml.figures import ephemeris, style
+from opml.jobs import job
+from opml.tables import read_table
+
+with job(snakemake):
+    table = read_table(snakemake.input.corrected, "corrected")
+    first = table[table["i"] == table["i"].min()]
+    errors = held_against(first, read_table(snakemake.input.estimates, "estimates"))
+    figure = ephemeris.later_errors(errors, level=snakemake.params.settings["level"])
+    style.save_all([figure], [snakemake.output.pdf], [snakemake.output.png])
