@@ -25,7 +25,7 @@ from opml.environment import MARGIN_S, earth_orientation, ephemerides, gravity_f
 from opml.errors import InputError
 from opml.interop import mean_elements, tdm
 from opml.learning import dataset as datasets
-from opml.learning import learners, metrics, splits
+from opml.learning import learners, metrics, splits, stated
 from opml.learning.cleaning import Cleaning
 from opml.learning.contract import Model
 from opml.learning.evaluation import evaluate
@@ -533,7 +533,7 @@ def ephemeris(
         corrected.Flight(force_model, rso, integrator or Integrator(), threads),
         known,
         model,
-        residuals,
+        stated.of_residuals(residuals),
         corrected.departures(known, known_until=DAY * until_days, each=each),
         corrected.Grid(step, max_days, end),
     )

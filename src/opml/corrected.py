@@ -14,9 +14,9 @@ import pandas as pd
 
 from opml.catalog import arcs, mechanism
 from opml.catalog.correction import LEAST_EPOCHS, corrected, through
+from opml.catalog.covariance import propagated, stretched
 from opml.catalog.prediction import predict
 from opml.catalog.sensitivity import sensitivities
-from opml.catalog.uncertainty import propagated, stretched
 from opml.constants import DAY, HOUR
 from opml.dynamics.ensemble import Integrator
 from opml.dynamics.surroundings import ForceModel
@@ -26,7 +26,7 @@ from opml.learning import dataset
 from opml.learning.cleaning import Cleaning
 from opml.learning.contract import Model
 from opml.learning.learners import tables_asked
-from opml.learning.residuals import sigmas
+from opml.learning.stated import Stated
 from opml.sheets import Rso
 from opml.tables import STATE, read_metadata, read_table
 
@@ -150,7 +150,7 @@ def build(
     flight: Flight,
     known: Known,
     model: Model,
-    residuals: pd.DataFrame,
+    stated: Stated,
     starts: pd.DataFrame,
     grid: Grid,
     *,
@@ -158,7 +158,7 @@ def build(
 ) -> pd.DataFrame:
     """The `corrected` table: an ephemeris from each of the `starts`, rows of the estimates.
 
-    model: of the along-track error; residuals: what it leaves, that table. An ephemeris ends where an arc
+    model: of the along-track error; stated: the deviations of what it leaves. An ephemeris ends where an arc
     that it needs does. Raises InputError where none reaches anywhere, and as `correction.corrected` does.
     """
     found: list[pd.DataFrame] = []
@@ -166,7 +166,7 @@ def build(
         some = starts.iloc[begin : begin + TOGETHER]
         columns = rows(flight, known, some, model.variables, grid)
         formal = propagated(estimates=known.estimates, predictions=columns, **flight.options)
-        found += _ephemerides(columns, formal, model, residuals)
+        found += _ephemerides(columns, formal, model, stated)
         if progress:
             progress((begin + len(some)) / len(starts))
     if not found:
@@ -242,7 +242,7 @@ def _of(estimates: pd.DataFrame, pairs: pd.DataFrame) -> pd.DataFrame:
 
 
 def _ephemerides(
-    columns: pd.DataFrame, formal: np.ndarray, model: Model, residuals: pd.DataFrame
+    columns: pd.DataFrame, formal: np.ndarray, model: Model, stated: Stated
 ) -> Iterator[pd.DataFrame]:
     """Ephemerides of the estimates in `columns`, each up to its first row without numbers."""
     numbers = columns[[*STATE, *model.variables]].to_numpy()
@@ -250,14 +250,14 @@ def _ephemerides(
     for own in columns.groupby("i", sort=True).indices.values():
         reached = own[np.cumsum(lost[own]) == 0]
         if len(reached) >= LEAST_EPOCHS:
-            yield _ephemeris(columns.iloc[reached], formal[reached], model, residuals)
+            yield _ephemeris(columns.iloc[reached], formal[reached], model, stated)
 
 
-def _ephemeris(own: pd.DataFrame, formal: np.ndarray, model: Model, residuals: pd.DataFrame) -> pd.DataFrame:
+def _ephemeris(own: pd.DataFrame, formal: np.ndarray, model: Model, stated: Stated) -> pd.DataFrame:
     """The ephemeris of one estimate."""
     t, predicted = own["t_j"].to_numpy(), np.ascontiguousarray(own[STATE])
     states = corrected(t, predicted, model.predict(own[list(model.variables)].to_numpy()))
-    covariance = stretched(formal, sigmas(residuals, own["duration"].to_numpy()))
+    covariance = stretched(formal, stated(own["duration"].to_numpy(), t))
     fit = np.sqrt(formal[:, range(3), range(3)])
     return pd.DataFrame(
         {"i": own["i"].to_numpy(), "t_i": own["t_i"].to_numpy(), "t": t}

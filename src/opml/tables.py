@@ -31,6 +31,21 @@ COMPONENTS = tuple(f"e_{axis}" for axis in STATE)
 PARAMETERS = [*STATE, "cd"]
 """Columns of what is estimated."""
 
+RESIDUALS, FIT = "residuals", "fit"
+"""What an uncertainty is stated by: the model's past residuals, or the fit's own covariance."""
+
+ELLIPSOID = "ellipsoid"
+"""The quantity of a calibration that is all three components of the position together."""
+
+LEVELS = (0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99)
+"""Levels that uncertainties are stated at."""
+
+FACTORS = [f"factor_{100.0 * level:.0f}" for level in LEVELS]
+"""Columns of the factors that widths have at these levels; a list, so that a DataFrame takes it as it is."""
+
+POSITION_COVARIANCES = [f"cov_{a}_{b}" for a, b in (*("xx", "yx", "yy"), *("zx", "zy", "zz"))]
+"""Columns of the lower triangle, row by row, of a position's covariance."""
+
 _ARROW = {"float64": pa.float64(), "int64": pa.int64(), "bool": pa.bool_(), "string": pa.string()}
 
 
@@ -370,6 +385,23 @@ _TABLES = (
         ),
     ),
     mechanism_schema(((1, 15), (1, 16), (2, 31))),
+    Schema(
+        "covariances",
+        "a pair of an estimate i and a later track start j",
+        (
+            *_PAIR,
+            *(
+                real(
+                    name,
+                    "m m",
+                    "covariance of the fit at t_i, carried to t_j: "
+                    + " and ".join(name.removeprefix("cov_").split("_")),
+                    _PREDICTED,
+                )
+                for name in POSITION_COVARIANCES
+            ),
+        ),
+    ),
     Schema("arcs", "a pair of an estimate i and a later track start j", (*_PAIR, *_ARCS)),
     Schema(
         "evaluation",
@@ -439,6 +471,48 @@ _TABLES = (
         ),
     ),
     Schema(
+        "uncertainty",
+        "a bin of prediction durations of one axis of the position",
+        (
+            text("axis", "x, y or z: radial, along-track, cross-track"),
+            real("duration", "s", "mean prediction duration of the bin's rows"),
+            real("scale", "m", "size that 90 % of their past residuals stay below", "RSW"),
+            real("growth", "1/d", "growth of the scale by the days since the training ended"),
+            real("inflation", "1", "factor on the variances that makes the 90 % ellipsoid hold its share"),
+            count("days", "blocks of days that the residuals lie in, counted once per origin"),
+            *(
+                real(name, "1", f"half width of the {100.0 * level:g} % interval, in scales")
+                for name, level in zip(FACTORS, LEVELS, strict=True)
+            ),
+        ),
+    ),
+    Schema(
+        "calibration",
+        "a quantity, a prediction duration and a level of an experiment",
+        (
+            *_SPLIT,
+            text("basis", "what is stated: past `residuals` of the model, or the `fit`'s own covariance"),
+            text("quantity", "e_x, e_y, e_z, or the ellipsoid of all three"),
+            real("day", "d", "prediction duration"),
+            count("rows", "rows of about that duration, six hours to either side"),
+            real("level", "1", "nominal share of the rows inside"),
+            real("inside", "1", "share of the rows inside"),
+            real(
+                "stated",
+                "SI",
+                "median half width (m); of the ellipsoid the quantile of chi-square(3) at the level",
+                "RSW",
+            ),
+            real(
+                "found",
+                "SI",
+                "size that the share `level` of the errors stay below (m); of the ellipsoid that of their "
+                "squared Mahalanobis distances",
+                "RSW",
+            ),
+        ),
+    ),
+    Schema(
         "metrics",
         "an experiment",
         (
@@ -457,6 +531,14 @@ _TABLES = (
     ),
 )
 SCHEMAS: dict[str, Schema] = {schema.name: schema for schema in _TABLES}
+
+
+def symmetric(table: pd.DataFrame, columns: Sequence[str]) -> np.ndarray:
+    """Return matrices (n, k, k) from the columns of their lower triangles, row by row."""
+    row, column = np.tril_indices(int(np.sqrt(2 * len(columns))))
+    full = np.empty((len(table), row[-1] + 1, row[-1] + 1))
+    full[:, row, column] = full[:, column, row] = table[list(columns)].to_numpy()
+    return full
 
 
 def write_table(

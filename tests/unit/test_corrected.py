@@ -7,16 +7,17 @@ import pandas as pd
 import pytest
 
 from opml import corrected
-from opml.catalog import arcs, mechanism, prediction, sensitivity, uncertainty
+from opml.catalog import arcs, covariance, mechanism, prediction, sensitivity
 from opml.catalog.estimation import COVARIANCES
 from opml.constants import DAY
 from opml.dynamics.ensemble import Integrator
 from opml.elements import cartesian_from_coe, in_rsw
 from opml.errors import InputError
+from opml.figures import ephemeris
 from opml.interop import oem
 from opml.learning.mechanism import MechanismModel
-from opml.learning.residuals import sigmas
-from opml.tables import PARAMETERS, SCHEMAS, STATE, read_table, write_table
+from opml.learning.stated import of_residuals, read
+from opml.tables import FACTORS, PARAMETERS, SCHEMAS, STATE, read_table, symmetric, write_table
 
 EPOCH = "2016-09-28T12:09:45"
 TIMES = np.array([0.0, 0.3, 0.61, 1.1, 1.5]) * DAY
@@ -24,6 +25,7 @@ CD = [2.25, 2.1, 2.4, 2.3, 2.2]
 RESIDUALS = pd.DataFrame(
     {"duration": [0.1 * DAY, DAY], "sigma_x": [5.0, 9.0], "sigma_y": [20.0, 200.0], "sigma_z": [3.0, 4.0]}
 )
+STATED = of_residuals(RESIDUALS)
 GRID = corrected.Grid(step=60.0, max_days=0.8, end=2.0 * DAY)
 LAW = MechanismModel(("l_y", "v_y", "l_arc_y"), ("l_y", "v_y", "l_arc_y"), np.array([0.7, 0.02, 0.1]))
 
@@ -63,7 +65,7 @@ def known(assumed_model):
 
 @pytest.fixture(scope="module")
 def table(flight, known):
-    return corrected.build(flight, known, LAW, RESIDUALS, known.estimates.iloc[[1, 2]], GRID)
+    return corrected.build(flight, known, LAW, STATED, known.estimates.iloc[[1, 2]], GRID)
 
 
 def test_columns_on_the_grid_are_those_at_tracks(flight, known):
@@ -135,13 +137,11 @@ def test_the_orbit_is_moved_by_what_the_model_says(table, flight, known):
 
 
 def test_it_ends_with_the_run(flight, known):
-    cut = corrected.build(
-        flight, known, LAW, RESIDUALS, known.estimates.iloc[[4]], replace(GRID, end=1.6 * DAY)
-    )
+    cut = corrected.build(flight, known, LAW, STATED, known.estimates.iloc[[4]], replace(GRID, end=1.6 * DAY))
     assert cut["t"].max() <= 1.6 * DAY
     with pytest.raises(InputError, match=r"expected 16 epochs 60 s apart .* before the run ends, got fewer"):
         corrected.build(
-            flight, known, LAW, RESIDUALS, known.estimates.iloc[[4]], replace(GRID, end=1.5 * DAY + 600.0)
+            flight, known, LAW, STATED, known.estimates.iloc[[4]], replace(GRID, end=1.5 * DAY + 600.0)
         )
 
 
@@ -158,7 +158,7 @@ def test_what_comes_after_t_i_changes_nothing(table, flight, known):
         long=replace(known.long, estimates=later(known.long.estimates)),
         arc=replace(known.arc, estimates=later(known.arc.estimates)),
     )
-    again = corrected.build(flight, moved, LAW, RESIDUALS, moved.estimates.iloc[[1, 2]], GRID)
+    again = corrected.build(flight, moved, LAW, STATED, moved.estimates.iloc[[1, 2]], GRID)
     pd.testing.assert_frame_equal(again, table, check_exact=True)
 
 
@@ -176,7 +176,7 @@ def test_it_starts_from_the_newest_usable_estimate(known):
 
 def test_a_learner_needs_the_fits_that_it_asks_for(flight, known):
     with pytest.raises(InputError, match="expected fits over a longer window"):
-        corrected.build(flight, replace(known, long=None), LAW, RESIDUALS, known.estimates.iloc[[1]], GRID)
+        corrected.build(flight, replace(known, long=None), LAW, STATED, known.estimates.iloc[[1]], GRID)
 
 
 def test_covariances_have_the_size_of_what_is_left_and_the_shape_of_the_fits(table):
@@ -185,7 +185,7 @@ def test_covariances_have_the_size_of_what_is_left_and_the_shape_of_the_fits(tab
     covariance[:, row, column] = covariance[:, column, row] = table[corrected.COVARIANCES]
     assert (np.linalg.eigvalsh(covariance / covariance.max(axis=(1, 2), keepdims=True)) > -1e-12).all()
     sigma = np.sqrt(covariance[:, range(3), range(3)])
-    expected = sigmas(RESIDUALS, (table["t"] - table["t_i"]).to_numpy())
+    expected = STATED((table["t"] - table["t_i"]).to_numpy(), table["t"].to_numpy())
     np.testing.assert_allclose(sigma, expected, rtol=1e-9)
     # e_vx = -w e_y: after half a day nearly all of the radial velocity's error is the along-track position's.
     late = (table["t"] - table["t_i"]).to_numpy() > 0.5 * DAY
@@ -197,9 +197,9 @@ def test_a_formal_covariance_is_that_of_many_perturbed_arcs(flight, known):
     starts = known.estimates.iloc[[1]]
     grid = {"arrivals": pd.Series([TIMES[1] + 0.5 * DAY], index=[7]), "max_days": 1.0, **flight.options}
     pairs = prediction.predict(estimates=starts, **grid)
-    (formal,) = uncertainty.propagated(estimates=known.estimates, predictions=pairs, **flight.options)
+    (formal,) = covariance.propagated(estimates=known.estimates, predictions=pairs, **flight.options)
     drawn = np.random.default_rng(1).multivariate_normal(
-        starts[PARAMETERS].to_numpy(float)[0], uncertainty.fitted(starts)[0], size=400
+        starts[PARAMETERS].to_numpy(float)[0], symmetric(starts, COVARIANCES)[0], size=400
     )
     perturbed = pd.DataFrame(drawn, columns=PARAMETERS).assign(track=np.arange(400), t=TIMES[1])
     arrived = prediction.predict(estimates=perturbed, **grid)[STATE].to_numpy()
@@ -218,3 +218,36 @@ def test_an_oem_holds_the_table_to_its_digits(table, tmp_path):
         np.testing.assert_array_equal(segment.states, own[STATE])
         lower = segment.covariances[:, *np.tril_indices(6)]
         np.testing.assert_array_equal(lower, own[corrected.COVARIANCES])
+
+
+def test_it_is_held_against_later_estimates(table, known):
+    own = table[table["i"] == 1]
+    states = own[[f"{name}_predicted" for name in STATE]].to_numpy()[100:600:100]
+    later = pd.DataFrame(states, columns=STATE).assign(t=own["t"].to_numpy()[100:600:100], converged=True)
+    later.loc[2, "converged"] = False
+    errors = corrected.held_against(own, later)
+    assert len(errors) == 4
+    np.testing.assert_allclose(errors[["before_x", "before_y", "before_z"]], 0.0, atol=1e-6)
+    assert (errors["after_y"].abs() > 1.0).all()
+    np.testing.assert_allclose(errors["duration"], later["t"].drop(2) - TIMES[1])
+    panels = ephemeris.later_errors(errors, level=0.9).axes
+    assert [axes.get_ylabel() for axes in panels[:2]] == ["radial [km]", "radial [m]"]
+    np.testing.assert_allclose(1e3 * panels[2].lines[-1].get_ydata(), panels[3].lines[-1].get_ydata())
+    with pytest.raises(InputError, match="expected an estimate of a later track"):
+        ephemeris.later_errors(errors[:0], level=0.9)
+
+
+def test_what_is_stated_grows_with_the_time_since_the_training_where_the_past_was_asked(tmp_path):
+    rows = [
+        {"axis": axis, "duration": DAY, "scale": scale, "growth": 0.5, "inflation": 1.0, "days": 12}
+        | dict.fromkeys(FACTORS, 1.644854)
+        for axis, scale in {"x": 5.0, "y": 200.0, "z": 3.0}.items()
+    ]
+    tables = {"uncertainty": pd.DataFrame(rows), "residuals": RESIDUALS}
+    at = np.array([DAY, DAY]), np.array([10.0, 12.0]) * DAY
+    found = {}
+    for kind, table in tables.items():
+        write_table(tmp_path / kind, table, kind, metadata={})
+        found[kind] = read(tmp_path / kind, trained_until=10.0 * DAY)(*at)
+    np.testing.assert_allclose(found["uncertainty"], np.outer([1.0, 2.0], [5.0, 200.0, 3.0]), rtol=1e-6)
+    np.testing.assert_allclose(found["residuals"], [[9.0, 200.0, 4.0]] * 2)

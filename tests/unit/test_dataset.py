@@ -104,6 +104,15 @@ def test_every_pair_stays_with_its_reason(rows):
     assert rows["keep"].to_dict() == {pair: reason == "" for pair, reason in expected.items()}
 
 
+def test_rows_without_a_true_state_are_dropped_with_that_reason(rows, estimates, predictions, tracking):
+    """As where tracks were measured; other reasons stand before it, and fences find nothing to hold."""
+    errors = [name for name in predictions if name.startswith("e_")]
+    found = build(estimates, predictions.assign(**dict.fromkeys(errors, np.nan)), tracking)
+    expected = rows["reason"].where(rows["reason"] != "", dataset.NO_TRUE_STATE)
+    assert found["reason"].tolist() == expected.tolist()
+    assert not found["keep"].any()
+
+
 def test_previous_kept_estimate_takes_the_place_of_removed_ones(rows):
     b = rows["b"].groupby("i").first()
     assert b.to_dict() == {0: -1, 1: 0, 2: 0, 3: 2, 4: 2, 6: 5}

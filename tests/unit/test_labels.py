@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 from test_estimation import SETTINGS
 
-from opml.catalog import arcs, estimation, labels, prediction, sensitivity, tracking, truth
+from opml.catalog import arcs, estimation, labels, prediction, sensitivity, starting, tracking, truth
 from opml.catalog.estimation import COVARIANCES
 from opml.constants import DAY, HOUR
 from opml.dynamics.ensemble import Integrator
@@ -45,6 +45,7 @@ def four():
     estimates = pd.DataFrame({"track": range(4), "t": t, "converged": [True, True, False, True]})
     estimates[STATE] = orbits(3.986e14)
     covariance = np.diag([9.0, 4.0, 1.0, 9e-6, 4e-6, 1e-6, 0.01])[np.tril_indices(7)]
+    estimates.loc[2, STATE] = 1e300  # no orbit: must neither warn nor spread
     estimates[COVARIANCES] = np.tile(covariance, (4, 1))
     estimates["reason"] = ["", "", "not converged", ""]
     tracks = pd.DataFrame({"track": np.repeat(range(4), 2), "t": np.repeat(t, 2) + np.tile([0.0, 60.0], 4)})
@@ -52,7 +53,7 @@ def four():
     i, j = np.array(pairs).T
     predictions = pd.DataFrame({"i": i, "j": j, "reason": ["", "", "", "decayed"]})
     moved = np.array([10.0, 20.0, 30.0, 0.1, 0.2, 0.3])  # along the axes of GCRF
-    predictions[STATE] = estimates[STATE].to_numpy()[j] + moved
+    predictions[STATE] = orbits(3.986e14)[j] + moved
     predictions.loc[3, STATE] = np.nan
     return predictions, estimates, tracks
 
@@ -123,10 +124,11 @@ def chain(assumed_model, orbit, earth_orientation, three_stations, iss):
     common = {"integrator": Integrator()}
 
     def estimated(tracks, **settings):
+        asked = replace(SETTINGS, cd_bounds=None, **settings)
+        starts = starting.perturbed(orbit, tracks, rso="iss", settings=asked, seed=42)
         return estimation.estimate_all(
-            assumed_model, orbit, tracks, earth_orientation, three_stations, iss,
-            settings=replace(SETTINGS, cd_bounds=None, **settings), seed=42, **common,
-        )  # fmt: skip
+            assumed_model, starts, tracks, earth_orientation, three_stations, iss, settings=asked, **common
+        )
 
     def predicted(estimates):
         return prediction.predict_all(assumed_model, orbit, estimates, iss, max_days=0.5, **common)

@@ -13,7 +13,7 @@ from opml.learning.growth import at_days, by_duration
 from opml.learning.rolling import by_day
 from opml.report import document
 from opml.report import study as report
-from opml.study.own import MODELS, Own
+from opml.study.own import CALIBRATED, MODELS, Own
 
 DAY = 86400.0
 
@@ -91,6 +91,28 @@ def test_every_model_meets_every_split_on_every_dataset():
     assert {learner for *_, learner in own.stated} == {"svr"}
 
 
+def test_uncertainty_is_tested_on_later_days_by_models_that_are_quick_to_train():
+    own = own_of(days={"train": [0, 18], "test": [18, 27]})
+    assert [learner for *_, learner in own.calibrated] == list(CALIBRATED)
+    one = own.calibrated["lares", "eglin-clear-kaena", "mechanism"]
+    assert (one.train, one.test, one.component) == ("days-0-18", "days-18-27", "e_y")
+    assert {key: fit.learner for key, fit in own.fits.items()} == {("lares", "eglin-clear-kaena"): "none"}
+    assert own.tested("lares", "eglin-clear-kaena")["mechanism"] == one
+    assert own.tested("lares", "eglin") == {}
+    named = own_of(
+        days={"train": [0, 18], "test": [18, 27]}, calibrated=["svr"], defaults={"component": "e_x"}
+    )
+    assert [(learner, one.component) for (*_, learner), one in named.calibrated.items()] == [("svr", "e_y")]
+
+
+def test_a_past_too_short_for_an_uncertainty_is_told():
+    own = own_of()
+    assert own.calibrated == {}
+    assert own.fits == {}
+    assert "that lie 7 days or more within 'days-0-8', got 0" in own.answer.without_past
+    assert "expected a window of days" in own_of(splits={"past": ["random-50", "rest"]}).without_past
+
+
 def test_splits_of_ones_own():
     own = own_of(splits={"past": ["random-50", "rest"]}, learners=["svr"])
     assert own.splits == {"past": ("random-50", "rest")}
@@ -164,6 +186,7 @@ def test_the_report_answers_without_the_papers_notions(told):
     assert "| lares | eglin-clear-kaena | 50 | 49 | 401 | 99.8 % | 49.9 % | no prediction 0.2 % |" in told
     assert "| lares | eglin-clear-kaena | later | `none` | 20.0 | 20.0 | 20.0 `none` | 20.0 `none` |" in told
     assert "| `running` | law without a truth" in told
+    assert "## Is the uncertainty true?" in told
     assert not re.search(r"\bnan\b|Peng|published|reading of|slip", told)
 
 
@@ -173,7 +196,8 @@ def test_labels_and_learners_trained_anew_have_tables_of_their_own():
     assert own.panels == ["eglin-clear-kaena_later"]
     assert own.study.rolling == {"days": [8, 12], "every_days": 1, "last_days": 5}
     numbers = {"p_ml": 20.0, "p_ml_low": 18.0, "p_ml_high": 23.0, "p_ml_later": 21.0}
-    metrics = pd.DataFrame([one.columns() | numbers for one in own.experiments.values()])
+    asked = [*own.experiments.values(), *own.trials.values()]
+    metrics = pd.DataFrame([one.columns() | numbers for one in asked])
     table, key = evaluation(), ("lares", "eglin-clear-kaena")
     anew = table.assign(day=8.0 + table["i"] % 2, predicted_once=0.5 * table["true"])
     text = document.markdown(

@@ -531,7 +531,7 @@ def test_files_that_hold_no_tracks_are_told(tmp_path, content):
 
 
 def test_tracks_and_an_orbit_of_one_rso_are_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(checks.ephemeris, "check", lambda *_, **__: None)
+    monkeypatch.setattr(checks.gathering, "check", lambda *_, **__: None)
     refusal = refused(with_tracks(tmp_path, "orbits: {mine: a.tdm}"))
     assert "tracks.mine: expected tracks, or an orbit under orbits or oem, got both" in refusal
 

@@ -3,6 +3,7 @@
 import re
 import shutil
 
+import numpy as np
 import pytest
 from project import ROOT, Project
 
@@ -56,6 +57,26 @@ def test_what_a_pool_is_trained_on_leaves_its_target_out(beyond):
     )
     own = read_table(results(beyond, "dataset/iss/eglin-clear-kaena.parquet"), "dataset")
     assert pooled.equals(own)
+
+
+def test_without_a_truth_labels_are_learned_from_and_the_truth_judges(beyond):
+    names = {
+        label: f"metrics/iss/eglin-clear-kaena{label}/days-0-2/ridge/e_y/iss/days-2-3.parquet"
+        for label in ("", "_later", "_smoothed")
+    }
+    rolling = "rolling/iss/eglin-clear-kaena_later/ridge/e_y.parquet"
+    beyond.snakemake("-j2", CI, *(f"results/ci/{name}" for name in (*names.values(), rolling)))
+    found = {label: read_table(results(beyond, name), "metrics").iloc[0] for label, name in names.items()}
+    assert len({one["rows"] for one in found.values()}) == 1
+    assert [label for label, one in found.items() if np.isnan(one["p_ml_later"])] == [""]
+    for label in ("_later", "_smoothed"):
+        assert found[label]["stations"] == f"eglin-clear-kaena{label}"
+        assert found[label]["p_ml_later"] == pytest.approx(found[label]["p_ml"], rel=0.1)
+    # Half a day of two is not known yet where labels are smoothed.
+    assert found["_later"]["p_ml"] == pytest.approx(found[""]["p_ml"], rel=0.3)
+    anew = read_table(results(beyond, rolling), "rolling")
+    np.testing.assert_array_equal(anew["predicted"], anew["predicted_once"])  # one day, one training
+    assert anew["day"].unique().tolist() == [2.0]
 
 
 def test_a_model_tells_what_it_was_made_with(beyond):

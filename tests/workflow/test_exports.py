@@ -56,3 +56,17 @@ def test_an_unfit_message_is_told_in_one_line(project):
     assert "opml: --config: oem.iss: iss.oem: line 2: expected KEY = value, got ORIGINATOR" in done.stdout
     assert "Traceback" not in done.stdout
     assert not (project.folder / "results" / "ci" / "truth" / "iss.parquet").exists()
+
+
+@pytest.mark.dag
+def test_unfit_tracks_are_told_in_one_line(project):
+    whole = (ROOT / "tests" / "reference" / "orekit.tdm").read_text()
+    (project.folder / "cut.tdm").write_text(whole[: len(whole) // 2])
+    body = "{mine: {area_to_mass_m2pkg: 0.05, cd: 2.2, cr: 1.25}}"
+    target = "results/ci/tracking/mine/eglin.parquet"
+    settings = ["tracks={mine: cut.tdm}", f"rsos={body}"]
+    done = project.snakemake("-j1", TRIMMED, target, "--config", *settings, check=False)
+    assert done.returncode != 0
+    assert "opml: --config: tracks.mine: cut.tdm: line " in done.stdout
+    assert "Traceback" not in done.stdout
+    assert not (project.folder / "results").exists()

@@ -133,6 +133,10 @@ def test_trimmed_case_has_the_same_rules(project):
             "results/rolling/iss/eglin_later/svr/e_y.parquet",
             {**dict.fromkeys([*CHAIN, *LABELLED], 1), "rolling": 1},
         ),
+        (
+            "results/calibration/iss/eglin/days-0-30/svr/e_y/iss/days-30-40.parquet",
+            {**dict.fromkeys(CHAIN, 1), "train": 1, "uncertainty": 1, "calibration": 1},
+        ),
     ],
 )
 def test_name_of_a_target_is_enough(project, target, expected):
@@ -245,6 +249,13 @@ def test_any_product_needs_no_study(project):
     (project.folder / "none.yaml").write_text("study: {}\n")
     plan = project.snakemake("-n", "results/truth/iss.parquet", "--configfile", "none.yaml").stdout
     assert jobs(plan)["truth"] == 1
+
+
+def test_a_past_too_short_for_an_uncertainty_is_told_in_one_line(project):
+    done = project.snakemake("-n", "results/uncertainty/iss/eglin/days-0-8/svr/e_y.parquet", check=False)
+    assert done.returncode != 0
+    assert "opml: uncertainty: expected 9 blocks of 24 hours" in done.stdout
+    assert "Traceback" not in done.stdout
 
 
 def test_a_second_configfile_option_is_told(project):

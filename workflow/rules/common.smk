@@ -8,6 +8,7 @@ from pathlib import Path
 from opml import naming, sheets, tables
 from opml.errors import InputError
 from opml.learning import learners, residuals
+from opml.learning.origins import origins
 from opml.provenance import script_digest
 from opml.study.checks import check_data, load
 from opml.study.experiments import Study
@@ -209,6 +210,54 @@ def beside(part):
     return find
 
 
+def without_truth(wildcards):
+    """Raises InputError for a learner that knows what only a simulation does."""
+    learners.check_without_truth(wildcards.learner, learner(wildcards))
+
+
+def fits_over(kind):
+    """Input function: the estimates over another window, where the learner asks for a kind of table of them."""
+
+    def find(wildcards):
+        settings = learner(wildcards)
+        if kind not in learners.tables_asked(settings["variables"]):
+            return []
+        hours = arc_hours(settings)[0] if kind == "arcs" else config["mechanism"]["long_window_hours"]
+        window = naming.windowed(hours, default=config["estimation"]["window_hours"])
+        return path_of(
+            rules.estimation.output[0], rso=wildcards.rso, stations=wildcards.stations, window=window
+        )
+
+    return find
+
+
+def arc_hours(settings):
+    """Window [h] and memory [days] of the arcs that resolved settings of a learner ask for, or none of both."""
+    return learners.arc_of(settings) or (0.0, 0.0)
+
+
+def told_manoeuvres(wildcards):
+    """The table whose metadata tell manoeuvres: of an orbit or tracks of one's own; none of a simulated RSO."""
+    base, *_ = naming.rso_parts(wildcards.rso, SETTINGS.rsos)
+    return known_manoeuvres(wildcards) if base in {*SETTINGS.orbits, *SETTINGS.tracks} else []
+
+
+def stated(wildcards):
+    """The table of what a correction leaves: behind rolling origins, else of estimates that are held out."""
+    parts = dict(wildcards.items())
+    try:
+        rolled(wildcards)
+    except InputError:
+        return path_of(rules.residuals.output[0], **parts)
+    return path_of(rules.uncertainty.output[0], **parts, component=residuals.CORRECTED)
+
+
+def known_until_days(wildcards):
+    """Day at which a training ends: the last of its window, or of the span that a share is drawn from."""
+    days = naming.parse_train(split(wildcards)["train"]).days
+    return days[1] or STUDY.span_days[1]
+
+
 def experiment(wildcards):
     """What a file name asks for, as the metrics tell it."""
     parts = dict(wildcards.items())
@@ -218,6 +267,26 @@ def experiment(wildcards):
         raise InputError(f"split 'seen': expected the RSO that was trained on, {trained}, got {target}")
     parts["stations"] += parts.pop("window") + parts.pop("reading") + parts.pop("label")
     return parts
+
+
+def rolled(wildcards):
+    """The origins [days] that roll over the training's days which a file name asks for."""
+    return origins(
+        split(wildcards)["train"],
+        longest_days=config["prediction"]["max_days"],
+        block_hours=config["uncertainty"]["block_hours"],
+    )
+
+
+def tested_settings(wildcards):
+    """What a calibration is told: the experiment, and how long predictions may last."""
+    return {
+        "epoch": config["epoch"],
+        **split(wildcards),
+        "span_days": STUDY.span_days,
+        "max_days": config["prediction"]["max_days"],
+        "experiment": experiment(wildcards),
+    }
 
 
 def path_of(pattern, **parts):

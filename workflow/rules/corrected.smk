@@ -2,44 +2,6 @@
 EPHEMERIS = "{rso}/{stations}{window}{reading}{label}/{train}/{learner}"
 
 
-def without_truth(wildcards):
-    """Raises InputError for a learner that knows what only a simulation does."""
-    learners.check_without_truth(wildcards.learner, learner(wildcards))
-
-
-def fits_over(kind):
-    """Input function: the estimates over another window, where the learner asks for a kind of table of them."""
-
-    def find(wildcards):
-        settings = learner(wildcards)
-        if kind not in learners.tables_asked(settings["variables"]):
-            return []
-        hours = arc_hours(settings)[0] if kind == "arcs" else config["mechanism"]["long_window_hours"]
-        window = naming.windowed(hours, default=config["estimation"]["window_hours"])
-        return path_of(
-            rules.estimation.output[0], rso=wildcards.rso, stations=wildcards.stations, window=window
-        )
-
-    return find
-
-
-def arc_hours(settings):
-    """Window [h] and memory [days] of the arcs that resolved settings of a learner ask for, or none of both."""
-    return learners.arc_of(settings) or (0.0, 0.0)
-
-
-def told_manoeuvres(wildcards):
-    """The table whose metadata tell manoeuvres: of an orbit or tracks of one's own; none of a simulated RSO."""
-    base, *_ = naming.rso_parts(wildcards.rso, SETTINGS.rsos)
-    return known_manoeuvres(wildcards) if base in {*SETTINGS.orbits, *SETTINGS.tracks} else []
-
-
-def known_until_days(wildcards):
-    """Day at which a training ends: the last of its window, or of the span that a share is drawn from."""
-    days = naming.parse_train(split(wildcards)["train"]).days
-    return days[1] or STUDY.span_days[1]
-
-
 rule residuals:
     input:
         dataset=rules.train.input.dataset,
@@ -81,7 +43,7 @@ rule corrected:
         arc_estimates=fits_over("arcs"),
         manoeuvres=told_manoeuvres,
         model=f"{RESULTS}/models/{EPHEMERIS}/{residuals.CORRECTED}.parquet",
-        residuals=rules.residuals.output[0],
+        stated=stated,
         asked=checked_names(split, without_truth),
     output:
         f"{RESULTS}/corrected/{EPHEMERIS}.parquet",

@@ -18,6 +18,10 @@ if OWN.is_asked:
                 for rso, stations in OWN.datasets
             ],
             rolling=paths_of(rules.rolling.output[0], *OWN.rolling.values()),
+            calibration=[
+                *paths_of(rules.fit_calibration.output[0], *OWN.fits.values()),
+                *paths_of(rules.calibration.output[0], *OWN.calibrated.values()),
+            ],
         output:
             **documents("study", section=SECTIONS["study"]),
         log:
@@ -52,6 +56,35 @@ if OWN.is_asked:
             code=code("study_errors.py"),
         message:
             "Figure: errors of {wildcards.rso} by {wildcards.stations} before and after correction"
+
+    use rule errors as study_calibration with:
+        input:
+            fit=lambda wildcards: path_of(
+                rules.fit_calibration.output[0], **OWN.fits[wildcards.rso, wildcards.stations].names()
+            ),
+            models=lambda wildcards: paths_of(
+                rules.calibration.output[0], *OWN.tested(wildcards.rso, wildcards.stations).values()
+            ),
+        output:
+            **figures(
+                "study/{rso}/{stations}_intervals",
+                "study/{rso}/{stations}_ellipsoids",
+                caption="study_calibration",
+                section=SECTIONS["study"],
+            ),
+        log:
+            f"{RESULTS}/logs/figs/study/{{rso}}/{{stations}}_calibration.log",
+        benchmark:
+            f"{RESULTS}/benchmarks/figs/study/{{rso}}/{{stations}}_calibration.tsv"
+        params:
+            draw="study_calibration",
+            settings=lambda wildcards: {
+                "epoch": config["epoch"],
+                "models": list(OWN.tested(wildcards.rso, wildcards.stations)),
+            },
+            code=code("study_calibration.py"),
+        message:
+            "Figure: nominal and achieved coverage of {wildcards.rso} by {wildcards.stations}"
 
     use rule errors as study_drag with:
         input:

@@ -56,6 +56,11 @@ STUDY_FILES = (
                 *(rules.study_rolling.output if OWN.rolling else []),
             ]
         ),
+        *(
+            path_of(file, rso=rso, stations=stations)
+            for rso, stations in dict.fromkeys((rso, stations) for rso, stations, _ in OWN.calibrated)
+            for file in rules.study_calibration.output
+        ),
     ]
     if OWN.is_asked
     else []

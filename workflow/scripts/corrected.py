@@ -4,9 +4,9 @@ from opml import corrected
 from opml.catalog import force_model
 from opml.constants import DAY
 from opml.jobs import job, progress
-from opml.learning import learners
+from opml.learning import learners, stated
 from opml.sheets import Rso
-from opml.tables import read_table, write_table
+from opml.tables import write_table
 
 with job(snakemake) as metadata:
     settings, files = snakemake.params.settings, snakemake.input
@@ -18,14 +18,13 @@ with job(snakemake) as metadata:
     )
     known = corrected.read(files, settings)
     step, max_days, duration_days = settings["grid"]
+    until = DAY * settings["known_until_days"]
     table = corrected.build(
         flight,
         known,
         learners.read(files.model),
-        read_table(files.residuals, "residuals"),
-        corrected.departures(
-            known, known_until=DAY * settings["known_until_days"], each=settings["from"] == "each"
-        ),
+        stated.read(files.stated, trained_until=until),
+        corrected.departures(known, known_until=until, each=settings["from"] == "each"),
         corrected.Grid(step, max_days, DAY * duration_days),
         progress=progress,
     )

@@ -7,8 +7,9 @@ over: that of t_j itself, or a later one where the estimate is smoothed.
 import numpy as np
 import pandas as pd
 
+from opml.catalog.estimation import COVARIANCES
 from opml.elements import in_rsw, rsw_rotation
-from opml.tables import COMPONENTS, PARAMETERS, SCHEMAS, SIGMAS, STATE
+from opml.tables import COMPONENTS, SCHEMAS, SIGMAS, STATE, symmetric
 
 NO_LATER_ESTIMATE = "later estimate"
 """What a label's reason begins with; the fit's own follows."""
@@ -24,7 +25,7 @@ def build(
     [m, m/s], with the formal uncertainty of the estimate in that frame. A pair without a prediction or
     without an estimate that converged has the reason.
     """
-    at_end = _turned(estimates).assign(t_known=known_at(estimates, tracking, after=after))
+    at_end = _turned(_states_of_fits(estimates)).assign(t_known=known_at(estimates, tracking, after=after))
     later = at_end.set_index("track").reindex(predictions["j"]).reset_index(drop=True)
     error = in_rsw(predictions[STATE].to_numpy() - later[STATE].to_numpy(), later[STATE].to_numpy())
     found = later.assign(
@@ -45,24 +46,21 @@ def known_at(estimates: pd.DataFrame, tracking: pd.DataFrame, *, after: float) -
     return known
 
 
+def _states_of_fits(estimates: pd.DataFrame) -> pd.DataFrame:
+    """The estimates without the states of fits that failed, which may be no orbits at all."""
+    failed = estimates["reason"].to_numpy() != ""
+    return estimates.assign(**{name: estimates[name].mask(failed) for name in STATE})
+
+
 def _turned(estimates: pd.DataFrame) -> pd.DataFrame:
     """The estimates with their formal standard deviations in RSW [m, m/s]."""
     rotation = rsw_rotation(estimates[STATE].to_numpy())
-    covariance = _covariances(estimates)
+    covariance = symmetric(estimates, COVARIANCES)
     deviations = [
         np.sqrt(np.einsum("nij,njk,nik->ni", rotation, covariance[:, part, part], rotation))
         for part in (slice(0, 3), slice(3, 6))
     ]
     return estimates.assign(**dict(zip(SIGMAS, np.hstack(deviations).T, strict=True)))
-
-
-def _covariances(estimates: pd.DataFrame) -> np.ndarray:
-    """Covariances (n, 7, 7) of state and Cd, GCRF [m, m/s], of their lower triangles."""
-    full = np.zeros((len(estimates), len(PARAMETERS), len(PARAMETERS)))
-    for row, a in enumerate(PARAMETERS):
-        for column, b in enumerate(PARAMETERS[: row + 1]):
-            full[:, row, column] = full[:, column, row] = estimates[f"cov_{a}_{b}"]
-    return full
 
 
 def _reasons(unpredicted: np.ndarray, later: pd.DataFrame) -> np.ndarray:

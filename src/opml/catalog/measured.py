@@ -108,19 +108,22 @@ def _check_degrees(table: pd.DataFrame) -> None:
 
 def _check_limits(table: pd.DataFrame, stations: Mapping[str, Station]) -> None:
     """Raise InputError for the first measurement of what its station cannot see."""
-    seen_by = [stations[name] for name in table["station"]]
-    for name, unit, scale, margin in (("elevation", "deg", np.degrees(1.0), "sigma_elevation"),
-                                      ("range", "km", 1e-3, "sigma_range")):  # fmt: skip
-        beyond = BEYOND_LIMITS * np.array([getattr(station, margin) for station in seen_by])
-        low = np.array([getattr(station, f"min_{name}", 0.0) for station in seen_by])
-        high = np.array([getattr(station, f"max_{name}") for station in seen_by])
-        value = table[name].to_numpy()
-        wrong = (value < low - beyond) | (value > high + beyond)
-        if wrong.any():
-            k = int(wrong.argmax())
-            limits = f"{low[k] * scale:g} to {high[k] * scale:g} {unit}"
-            what = f"{name} of {limits}, as {table['station'][k]} sees"
-            raise _wrong(table[wrong], what, f"{value[k] * scale:.6g}")
+    for name, rows in table.groupby("station", sort=False):
+        one = stations[str(name)]
+        elevation = one.min_elevation, one.max_elevation
+        _check_within(rows, "elevation", elevation, one.sigma_elevation, "deg", np.degrees(1.0))
+        _check_within(rows, "range", (0.0, one.max_range), one.sigma_range, "km", 1e-3)
+
+
+def _check_within(
+    rows: pd.DataFrame, name: str, limits: tuple[float, float], sigma: float, unit: str, scale: float
+) -> None:
+    """Raise InputError for the first row beyond limits; `scale` is from SI to the unit that is told."""
+    beyond = rows[~rows[name].between(limits[0] - BEYOND_LIMITS * sigma, limits[1] + BEYOND_LIMITS * sigma)]
+    if not beyond.empty:
+        low, high, got = (scale * value for value in (*limits, beyond[name].iloc[0]))
+        expected = f"{name} of {low:g} to {high:g} {unit}, as {rows['station'].iloc[0]} sees"
+        raise _wrong(beyond, expected, f"{got:.6g}")
 
 
 def _check_orbit(table: pd.DataFrame, stations: Mapping[str, Station]) -> None:

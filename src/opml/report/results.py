@@ -38,6 +38,11 @@ class Results:
         return f"{row['p_ml']:.1f} ({row['p_ml_low']:.1f} to {row['p_ml_high']:.1f})"
 
 
+def length(value: float) -> str:
+    """Return a length [m] as a cell: metres, below a hundred to three digits."""
+    return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"
+
+
 def percent(value: float | None) -> str:
     """Return a percentage as a cell."""
     return NONE if value is None else f"{value:.1f}"

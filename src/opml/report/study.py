@@ -13,9 +13,10 @@ from opml.learning.learners import learns
 from opml.learning.metrics import p_ml
 from opml.learning.rolling import by_day
 from opml.naming import Experiment
+from opml.report import uncertainty
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.generalisation import model_table
-from opml.report.results import NONE, Results, percent
+from opml.report.results import NONE, Results, length, percent
 from opml.report.settings import force_models
 
 Dataset = tuple[str, str]
@@ -38,6 +39,7 @@ class Answer:
     rolling: Sequence[tuple[str, str, str]]  # RSO, station set and learner, of learners that are trained anew
     trained_anew: Mapping[str, Any]  # on which days, how often, on how many days' labels [days]
     marks: Sequence[float]  # prediction durations that errors are stated at [days]
+    without_past: str  # why no uncertainty was learned from the past, empty where it was
     settings: Mapping[str, Any]
 
 
@@ -48,13 +50,16 @@ def document(
     datasets: Mapping[Dataset, pd.DataFrame],
     estimates: Mapping[Dataset, pd.DataFrame],
     rolling: Mapping[tuple[str, str, str], pd.DataFrame],
+    calibration: Sequence[pd.DataFrame] = (),
 ) -> list[Block]:
     """The whole report.
 
     `metrics`: rows of that table for every experiment. `evaluations`: those tables of the stated experiments,
     by RSO, station set and model. `datasets`, `estimates`: those tables by RSO and station set. `rolling`:
-    those of the learners that are trained anew, by RSO, station set and learner.
+    those of the learners that are trained anew, by RSO, station set and learner. `calibration`: those tables
+    of every experiment whose uncertainty is tested.
     """
+    train, test = asked.pairs[asked.shown]
     papers = {
         dataset: table.loc[survives(table, estimates[dataset], PAPER), ["i", "j"]]
         for dataset, table in datasets.items()
@@ -70,6 +75,7 @@ def document(
         *_chosen(asked, Results(metrics)),
         *_errors(asked, evaluations, papers),
         *_rolling(asked, rolling),
+        *uncertainty.section(calibration, train=train, test=test, without_past=asked.without_past),
         *_rows(asked, datasets, estimates, papers),
         *model_table(asked.learners),
         Heading("Truth and assumed model"),
@@ -238,13 +244,9 @@ def _sizes(table: pd.DataFrame, days: Sequence[float], when: str) -> list[str]:
     """Cells of the errors at the days; a day without rows has none."""
     rows = {row["day"]: row for row in table.to_dict("records")}
     return [
-        " / ".join(_length(rows[day][f"{when}_{share}"]) for share in (50, 95)) if day in rows else NONE
+        " / ".join(length(rows[day][f"{when}_{share}"]) for share in (50, 95)) if day in rows else NONE
         for day in days
     ]
-
-
-def _length(value: float) -> str:
-    return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"
 
 
 def _rows(

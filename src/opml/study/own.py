@@ -5,6 +5,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from opml import naming
+from opml.errors import InputError
+from opml.learning.origins import origins
+from opml.learning.paths import CORRECTED, UNCORRECTED
 from opml.naming import Experiment
 from opml.report.study import Answer
 from opml.study.experiments import Study
@@ -17,6 +20,9 @@ MODELS = (*BASELINES, "svr", "covariance", "mechanism", "twoarcs")
 
 MARKS = (1, 2, 4, 7)
 """Prediction durations that the report states errors at [days]."""
+
+CALIBRATED = ("none", "running", "covariance", "mechanism", "twoarcs")
+"""The models whose uncertainty is tested where a study names none: they are trained in seconds."""
 
 GROUPED, LATER, UNSEEN = "grouped", "later", "unseen"
 
@@ -129,6 +135,48 @@ class Own:
         }
 
     @cached_property
+    def calibrated(self) -> dict[tuple[str, str, str], Experiment]:
+        """The experiments whose uncertainty is tested, by RSO, station set and model."""
+        named = self.study.settings.asked.get("calibrated") or [
+            name for name in CALIBRATED if name in self.learners
+        ]
+        train, test = self.splits[self.shown]
+        return {
+            (rso, stations, learner): self.study.experiment(
+                {}, rso=rso, stations=stations, learner=learner, component=CORRECTED, train=train, test=test
+            )
+            for rso, stations in self.datasets
+            for learner in (() if self.without_past else named)
+        }
+
+    @cached_property
+    def without_past(self) -> str:
+        """Why no uncertainty can be told from the past of the shown split, empty where it can."""
+        train, _ = self.splits[self.shown]
+        values = self.study.settings.values
+        try:
+            origins(
+                naming.without_seed(train, naming.SPLIT),
+                longest_days=values["prediction"]["max_days"],
+                block_hours=values["uncertainty"]["block_hours"],
+            )
+        except InputError as reason:
+            return str(reason)
+        return ""
+
+    def tested(self, rso: str, stations: str) -> dict[str, Experiment]:
+        """The experiments of a dataset whose uncertainty is tested, by model."""
+        return {learner: one for (*of, learner), one in self.calibrated.items() if of == [rso, stations]}
+
+    @cached_property
+    def fits(self) -> dict[tuple[str, str], Experiment]:
+        """The experiments that the fits' own covariances are tested by, by RSO and station set."""
+        return {
+            (rso, stations): replace(one, learner=UNCORRECTED)
+            for (rso, stations, _), one in self.calibrated.items()
+        }
+
+    @cached_property
     def windows(self) -> dict[str, str]:
         """Suffixes of the fits' windows that the models ask for, by what they say; the run's own first."""
         own = float(self.study.settings.values["estimation"]["window_hours"])
@@ -165,6 +213,7 @@ class Own:
             rolling=list(self.rolling),
             trained_anew=self.study.rolling,
             marks=self.marks,
+            without_past=self.without_past,
             settings=self.study.settings.values,
         )
 

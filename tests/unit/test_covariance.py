@@ -1,0 +1,60 @@
+"""Covariances of fits carried to predictions, against arcs that start from draws of the fit's covariance."""
+
+import numpy as np
+import pandas as pd
+
+from opml.catalog import prediction
+from opml.catalog.covariance import covariances
+from opml.catalog.estimation import COVARIANCES
+from opml.catalog.flying import fly
+from opml.constants import DAY
+from opml.dynamics.ensemble import Integrator
+from opml.elements import cartesian_from_coe, in_rsw
+from opml.tables import POSITION_COVARIANCES, SCHEMAS, STATE, symmetric
+
+TIMES = np.array([0.0, 0.4, 1.0]) * DAY
+DRAWS = 400
+
+
+def covariance_of_a_fit():
+    """Ten metres, a centimetre per second and a tenth of Cd, the latter along with the velocity."""
+    sigma = np.array([10.0, 20.0, 15.0, 0.01, 0.02, 0.015, 0.1])
+    correlation = np.eye(7)
+    correlation[1, 3] = correlation[3, 1] = -0.8
+    correlation[4, 6] = correlation[6, 4] = 0.5
+    return correlation * np.outer(sigma, sigma)
+
+
+def test_carried_covariances_are_those_of_many_arcs(assumed_model, iss):
+    coe = np.tile([6.77e6, 1e-3, 0.9, 0.3, 1.2, 0.0], (3, 1))
+    coe[:, 5] = np.sqrt(assumed_model.gm / coe[0, 0] ** 3) * TIMES
+    fit = covariance_of_a_fit()
+    table = pd.DataFrame({"track": 10 + np.arange(3), "t": TIMES, "converged": True, "cd": 2.2})
+    table[STATE] = cartesian_from_coe(coe, assumed_model.gm)
+    table = table.assign(**dict(zip(COVARIANCES, fit[np.tril_indices(7)], strict=True)))
+    pairs = prediction.predict_all(
+        assumed_model, table[["t", *STATE]], table, iss, max_days=2.0, integrator=Integrator()
+    )
+    found = covariances(assumed_model, table, pairs, iss, integrator=Integrator())
+    assert list(found.columns) == SCHEMAS["covariances"].names
+    assert found[["i", "j"]].to_numpy().tolist() == [[10, 11], [10, 12], [11, 12]]
+
+    draws = np.random.default_rng(1).multivariate_normal(np.zeros(7), fit, DRAWS)
+    arcs = fly(
+        assumed_model,
+        iss,
+        TIMES,
+        table.loc[0, STATE].to_numpy(float) + draws[:, :6],
+        cd=2.2 + draws[:, 6],
+        first=np.zeros(DRAWS, int),
+        last=np.full(DRAWS, 2),
+        integrator=Integrator(),
+    )
+    for k in (0, 1):
+        predicted = pairs[STATE].to_numpy()[k]
+        reached = arcs.states[k::2]
+        spread = in_rsw(reached - predicted, np.broadcast_to(predicted, reached.shape))[:, :3]
+        stated = symmetric(found, POSITION_COVARIANCES)[k]
+        whitened = np.linalg.solve(np.linalg.cholesky(stated), spread.T)
+        # A sample of 400 has variances within a fifth of the true ones.
+        np.testing.assert_allclose(np.cov(whitened), np.eye(3), atol=0.25)
