@@ -3,6 +3,7 @@
 # make faults runs that are killed and damaged at 50 random moments (half an hour)
 # make docs   the documentation as a site, in build/site
 # make validate OREKIT_DATA=<folder>   the dynamics beside Orekit's (half an hour): docs/validation.md
+# make weather   the skill of forecasts of the space weather (some minutes): the table in docs/weather.md
 # make bench [OREKIT_DATA=<folder>]    opml's speed beside its peers' (a quarter of an hour): benchmarks/results.md
 # All first build .venv from requirements.lock, unless it stands already.
 
@@ -11,7 +12,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 
-.PHONY: all test faults lint docs validate bench clean
+.PHONY: all test faults lint docs validate weather bench clean
 
 all: $(INSTALLED)
 	$(BIN)/snakemake -j2 results/figs/partition_curve.pdf
@@ -39,6 +40,9 @@ $(VENV)/.docs: $(INSTALLED) requirements-docs.lock
 validate: $(VENV)/.verify
 	@test -n "$(OREKIT_DATA)" || { echo "make validate: expected OREKIT_DATA=<folder with Orekit's data>, got none" >&2; exit 2; }
 	$(BIN)/python -m validation --orekit-data "$(OREKIT_DATA)"
+
+weather: $(INSTALLED)
+	$(BIN)/python -m opml.report.weather docs/weather.md
 
 bench: $(VENV)/.bench
 	$(BIN)/python -m benchmarks $(if $(OREKIT_DATA),--orekit-data "$(OREKIT_DATA)")

@@ -160,6 +160,9 @@ def parse_arc(suffix: str) -> tuple[float, float]:
     return float(hours), float(days)
 
 
+MEMBERS = r"[2-9]|[1-9][0-9]{1,2}"
+"""Regular expression of how many futures an ensemble has."""
+
 ARC = f"_l{POSITIVE}_m{POSITIVE}"
 """Regular expression of the suffix of arcs."""
 

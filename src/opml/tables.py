@@ -24,6 +24,9 @@ from opml.files import FilePath, replacing
 ENVIRONMENT = ("earth_orientation", "ephemerides", "solar_activity", "gravity_field")
 """The tables of the environment, which the force models are made of."""
 
+OUTLOOKS = "outlooks"
+"""One more, where the assumed model forecasts the activity."""
+
 STATE = ["x", "y", "z", "vx", "vy", "vz"]
 """Columns of a state; a list, so that a DataFrame takes it as it is."""
 
@@ -116,6 +119,12 @@ def _covariance(parameters: Sequence[str], frame: str) -> tuple[Column, ...]:
 _SINCE = "elapsed SI seconds since the epoch"
 _T = real("t", "s", _SINCE)
 
+_ACTIVITY = (
+    real("f107", "sfu", "F10.7 solar radio flux of the day before"),
+    real("f107_mean", "sfu", "F10.7 solar radio flux, 81-day mean"),
+    real("kp_3h", "1", "geomagnetic index Kp, 3 hours"),
+    real("kp_24h", "1", "geomagnetic index Kp, mean of 24 hours"),
+)
 _ELEMENTS = (
     ("a", "m", "semi-major axis"),
     ("e", "1", "eccentricity"),
@@ -273,12 +282,25 @@ _TABLES = (
     Schema(
         "solar_activity",
         "a node of the environment's time grid",
+        (_T, *_ACTIVITY),
+    ),
+    Schema(
+        OUTLOOKS,
+        "a node of the environment's time grid as it was forecast at a time of issue before",
         (
+            real("issued", "s", "when the forecast was made, in elapsed SI seconds since the epoch"),
             _T,
-            real("f107", "sfu", "F10.7 solar radio flux of the day before"),
-            real("f107_mean", "sfu", "F10.7 solar radio flux, 81-day mean"),
-            real("kp_3h", "1", "geomagnetic index Kp, 3 hours"),
-            real("kp_24h", "1", "geomagnetic index Kp, mean of 24 hours"),
+            *_ACTIVITY,
+        ),
+    ),
+    Schema(
+        "futures",
+        "a node of the environment's time grid, by one of the futures told at a time of issue before",
+        (
+            count("member", "number of the future, that of the most similar day first"),
+            real("issued", "s", "when it was told, in elapsed SI seconds since the epoch"),
+            _T,
+            *_ACTIVITY,
         ),
     ),
     Schema(
@@ -422,6 +444,47 @@ _TABLES = (
         "intervals",
         "a pair of an estimate i and a later track start j",
         (*_EVALUATION, real("half_width", "SI", "half the prediction interval's width (m or m/s)", "RSW")),
+    ),
+    Schema(
+        "ensemble",
+        "a pair of the predictions, and a future",
+        (
+            *_PAIR,
+            count("member", "number of the future"),
+            *(
+                real(
+                    f"d_{axis}", "m", f"prediction under the future minus the prediction, {axis}", _PREDICTED
+                )
+                for axis in "xyz"
+            ),
+        ),
+    ),
+    Schema(
+        "fan",
+        "a pair of the predictions",
+        (
+            *_PAIR,
+            real("duration", "s", "prediction duration t_j - t_i"),
+            real("e_y", "m", "true along-track error of the prediction", "RSW of the true state at t_j"),
+            real("mean", "m", "mean of what the futures say of that error", _PREDICTED),
+            real("sigma", "m", "their standard deviation", _PREDICTED),
+            real("low", "m", "their lower quantile, at (1 - level) / 2", _PREDICTED),
+            real("median", "m", "their median", _PREDICTED),
+            real("high", "m", "their upper quantile", _PREDICTED),
+            real("crps", "m", "continuous ranked probability score of the futures"),
+        ),
+    ),
+    Schema(
+        "scores",
+        "a day of prediction durations, of the fans",
+        (
+            count("day", "prediction durations up to so many days, from the day before"),
+            count("rows", "predictions"),
+            real("inside", "1", "share of the errors from low to high"),
+            real("width", "m", "mean distance from low to high"),
+            real("crps", "m", "mean continuous ranked probability score"),
+            real("error", "m", "mean absolute along-track error of the prediction itself"),
+        ),
     ),
     Schema(
         "coverage",

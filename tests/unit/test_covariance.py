@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from opml.catalog import prediction
-from opml.catalog.covariance import covariances
+from opml.catalog.covariance import of_positions, propagated
 from opml.catalog.estimation import COVARIANCES
 from opml.catalog.flying import fly
 from opml.constants import DAY
@@ -35,7 +35,8 @@ def test_carried_covariances_are_those_of_many_arcs(assumed_model, iss):
     pairs = prediction.predict_all(
         assumed_model, table[["t", *STATE]], table, iss, max_days=2.0, integrator=Integrator()
     )
-    found = covariances(assumed_model, table, pairs, iss, integrator=Integrator())
+    carried = propagated(assumed_model, table, pairs, iss, integrator=Integrator())
+    found = of_positions(pairs, carried)
     assert list(found.columns) == SCHEMAS["covariances"].names
     assert found[["i", "j"]].to_numpy().tolist() == [[10, 11], [10, 12], [11, 12]]
 

@@ -50,3 +50,39 @@ def test_a_file_of_ones_own_is_told_by_its_name(tmp_path):
     (tmp_path / "sun.tsv").write_text(f"{head}2016-08{months}")
     line = refusal(solar_activity=str(tmp_path / "sun.tsv"))
     assert line.startswith("sun.tsv: epoch: expected dates from 2016-08-01 to 2016-10-01, got 2016-09-28 to")
+
+
+@pytest.mark.parametrize(
+    ("sources", "expected"),
+    [
+        ({"knowledge": "hindcast"}, "hindcast: MSAFE: expected weather that was measured day by day"),
+        (
+            {"knowledge": "monthly", "solar_activity": "OBSERVED"},
+            "monthly: OBSERVED: expected monthly figures, MSAFE or a bulletin",
+        ),
+    ],
+)
+def test_knowledge_that_the_source_does_not_have_is_told(sources, expected):
+    assert refusal(**sources).startswith(f"environment.knowledge: {expected}")
+
+
+def test_too_short_a_past_or_history_and_forecasts_that_begin_too_late_are_told(tmp_path):
+    asked = {"knowledge": "forecast", "solar_activity": "OBSERVED"}
+    early = {"epoch": "1996-02-10T00:00:00", **asked}
+    assert "expected dates from 1996-03-20" in refusal(**early | {"knowledge": "hindcast"})
+    assert refusal(epoch="1996-08-10T00:00:00", forecast="analogues", **asked).startswith(
+        "environment.knowledge: forecast: forecast: expected 421 days of packaged weather before the epoch"
+    )
+    settings = {"long": {"kind": "recurrence", "turn_days": 9000}}
+    with pytest.raises(InputError, match="forecast: expected 9000 measured days before the epoch, got 7579"):
+        coverage.check(
+            VALUES
+            | {"environment": VALUES["environment"] | asked | {"forecast": "long"}, "forecasts": settings}
+        )
+    path = tmp_path / "late.tsv"
+    path.write_text("issued\tvalid\tf107\tkp\n2016-10-01T00:00:00\t2016-10-01T00:00:00\t80\t2\n")
+    settings = {"late": {"kind": "archive", "files": [str(path)]}}
+    environment = VALUES["environment"] | asked | {"forecast": "late"}
+    with pytest.raises(InputError, match="expected one issued by 2016-09-28, got the first on 2016-10-01"):
+        coverage.check(VALUES | {"environment": environment, "forecasts": settings})
+    coverage.check(VALUES | {"environment": VALUES["environment"] | asked})

@@ -236,3 +236,20 @@ def test_an_experiment_that_did_not_run_is_not_found(paper):
     results = Results(metrics(paper, lambda one: None))
     with pytest.raises(KeyError):
         results.p_ml(Experiment("mir", *[""] * 6))
+
+
+@pytest.mark.parametrize(
+    ("knowledge", "told"),
+    [
+        ({}, "OBSERVED, percentile 50"),
+        ({"knowledge": "hindcast"}, "OBSERVED, percentile 50, as known at each time"),
+        (
+            {"knowledge": "forecast"},
+            "OBSERVED, percentile 50, as known at each estimate, then forecast by regression every 24 h",
+        ),
+    ],
+)
+def test_what_the_assumed_model_knows_of_the_weather_is_told(knowledge, told):
+    environment = PAPER["environment"] | {"solar_activity": "OBSERVED"} | knowledge
+    rows = settings.force_models(PAPER | {"environment": environment}).rows
+    assert next(row for row in rows if row[0] == "solar activity")[1:] == ["OBSERVED, percentile 50", told]

@@ -6,6 +6,8 @@ from dataclasses import asdict
 from pathlib import Path
 
 from opml import naming, sheets, tables
+from opml.environment import knowledge
+from opml.environment.forecasts import methods
 from opml.errors import InputError
 from opml.learning import learners, residuals
 from opml.learning.origins import origins
@@ -52,6 +54,18 @@ ENVIRONMENT = {name: f"{RESULTS}/environment/{name}.parquet" for name in tables.
 # The truth may fly under another solar activity than the assumed model.
 TRUE_ACTIVITY = "true_solar_activity" if "true_solar_activity" in config["environment"] else "solar_activity"
 TRUE_ENVIRONMENT = ENVIRONMENT | {"solar_activity": f"{RESULTS}/environment/{TRUE_ACTIVITY}.parquet"}
+# The assumed model may be held to what was known when.
+KNOWLEDGE = config["environment"].get("knowledge")
+if KNOWLEDGE in knowledge.KNOWN:
+    ENVIRONMENT["solar_activity"] = f"{RESULTS}/environment/hindcast.parquet"
+FIT_ENVIRONMENT = ENVIRONMENT
+if KNOWLEDGE == knowledge.FORECAST:
+    # Predictions of a day share an outlook, as arcs under one fly together. A fit uses all that was measured by then.
+    OUTLOOKS = f"{RESULTS}/environment/{tables.OUTLOOKS}_{{hours}}h.parquet"
+    ENVIRONMENT, FIT_ENVIRONMENT = (
+        ENVIRONMENT | {tables.OUTLOOKS: OUTLOOKS.format(hours=hours)}
+        for hours in (config["environment"]["issue_hours"], knowledge.FIT_HOURS)
+    )
 TRAINED_ON = (
     f"(?:{naming.rso_pattern(SETTINGS.rsos)}|{naming.pool_pattern(STUDY.entry('pools'), SETTINGS.rsos)})"
 )
@@ -88,6 +102,11 @@ def source(name):
     """The user's own file behind a table of the environment, if a setting gives one; no storage takes it."""
     path = config["environment"][name]
     return local(path) if Path(path).suffix else []
+
+
+def forecast_settings():
+    """The settings of the forecast that the assumed model flies under, were it to forecast."""
+    return config.get("forecasts", {}).get(config["environment"].get("forecast"), {"kind": "persistence"})
 
 
 def checked_names(*functions):

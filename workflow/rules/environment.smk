@@ -4,6 +4,9 @@ localrules:
     earth_orientation,
     ephemerides,
     solar_activity,
+    hindcast,
+    outlooks,
+    futures,
     gravity_field,
 
 
@@ -70,6 +73,84 @@ rule solar_activity:
         "Solar activity: {params.settings[source]}"
     script:
         "../scripts/solar_activity.py"
+
+
+rule hindcast:
+    input:
+        source("solar_activity"),
+    output:
+        f"{RESULTS}/environment/hindcast.parquet",
+    log:
+        f"{RESULTS}/logs/environment/hindcast.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/environment/hindcast.tsv"
+    conda:
+        "../envs/opml.yaml"
+    params:
+        settings={key: config[key] for key in ("epoch", "duration_days")}
+        | {"source": config["environment"]["solar_activity"]},
+        code=code("hindcast.py"),
+    message:
+        "Hindcast: the space weather of {params.settings[source]} as it was known at each time"
+    script:
+        "../scripts/hindcast.py"
+
+
+rule outlooks:
+    input:
+        source("solar_activity"),
+        [local(path) for path in methods.files(forecast_settings())],
+    output:
+        f"{RESULTS}/environment/{tables.OUTLOOKS}_{{hours}}h.parquet",
+    log:
+        f"{RESULTS}/logs/environment/{tables.OUTLOOKS}_{{hours}}h.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/environment/{tables.OUTLOOKS}_{{hours}}h.tsv"
+    wildcard_constraints:
+        hours="1|3|6|12|24",
+    conda:
+        "../envs/opml.yaml"
+    params:
+        settings=lambda wildcards: {key: config[key] for key in ("epoch", "duration_days")}
+        | {
+            "source": config["environment"]["solar_activity"],
+            "forecast": forecast_settings(),
+            "issue_hours": int(wildcards.hours),
+            "max_days": config["prediction"]["max_days"],
+        },
+        code=code("outlooks.py"),
+    message:
+        "Outlooks: the space weather as it was forecast every {wildcards.hours} hours"
+    script:
+        "../scripts/outlooks.py"
+
+
+rule futures:
+    input:
+        source("solar_activity"),
+    output:
+        f"{RESULTS}/environment/futures_{{members}}.parquet",
+    log:
+        f"{RESULTS}/logs/environment/futures_{{members}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/environment/futures_{{members}}.tsv"
+    wildcard_constraints:
+        members=naming.MEMBERS,
+    conda:
+        "../envs/opml.yaml"
+    params:
+        settings=lambda wildcards: {key: config[key] for key in ("epoch", "duration_days")}
+        | {
+            "source": config["environment"]["solar_activity"],
+            "members": int(wildcards.members),
+            "issue_hours": config["environment"].get("issue_hours"),
+            "max_days": config["prediction"]["max_days"],
+        },
+        code=code("futures.py"),
+    message:
+        "Futures: {wildcards.members} courses that the space weather may take from each issue"
+    script:
+        "../scripts/futures.py"
 
 
 rule gravity_field:

@@ -3,7 +3,7 @@
 
 rule estimation:
     input:
-        **ENVIRONMENT,
+        **FIT_ENVIRONMENT,
         start=first_states,
         tracking=rules.tracking.output[0],
     output:

@@ -29,7 +29,7 @@ if SETTINGS.tracks:
 
     rule first_orbit:
         input:
-            **ENVIRONMENT,
+            **FIT_ENVIRONMENT,
             tracking=rules.tracking.output[0],
             start=lambda wildcards: (
                 local(SETTINGS.starts[wildcards.rso]) if wildcards.rso in SETTINGS.starts else []

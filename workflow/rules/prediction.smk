@@ -29,3 +29,41 @@ rule prediction:
         "Orbit prediction: each estimate of {wildcards.rso} to every later track of {wildcards.stations}"
     script:
         "../scripts/prediction.py"
+
+
+if KNOWLEDGE == knowledge.FORECAST:
+
+    rule ensemble:
+        input:
+            **ENVIRONMENT,
+            futures=rules.futures.output[0],
+            estimates=rules.estimation.output[0],
+            predictions=rules.prediction.output[0],
+        output:
+            sample=f"{RESULTS}/ensembles/{{rso}}/{{stations}}{{window}}_n{{members}}.parquet",
+            fan=f"{RESULTS}/fans/{{rso}}/{{stations}}{{window}}_n{{members}}.parquet",
+            scores=f"{RESULTS}/scores/{{rso}}/{{stations}}{{window}}_n{{members}}.parquet",
+        log:
+            f"{RESULTS}/logs/ensembles/{{rso}}/{{stations}}{{window}}_n{{members}}.log",
+        benchmark:
+            f"{RESULTS}/benchmarks/ensembles/{{rso}}/{{stations}}{{window}}_n{{members}}.tsv"
+        wildcard_constraints:
+            members=naming.MEMBERS,
+        conda:
+            "../envs/opml.yaml"
+        resources:
+            mem_mb=3000,
+            runtime=20,
+        params:
+            settings=lambda wildcards: {
+                "epoch": config["epoch"],
+                "force_model": config["force_models"]["assumed"],
+                "integrator": config["integrator"],
+                "level": config["intervals"]["level"],
+                "rso": rso(wildcards),
+            },
+            code=code("ensemble.py"),
+        message:
+            "Ensemble: predictions of {wildcards.rso} by {wildcards.stations} under {wildcards.members} futures of the space weather"
+        script:
+            "../scripts/ensemble.py"

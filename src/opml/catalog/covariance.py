@@ -18,20 +18,8 @@ from opml.sheets import Rso
 from opml.tables import PARAMETERS, POSITION_COVARIANCES, STATE, symmetric
 
 
-def covariances(
-    model: ForceModel,
-    estimates: pd.DataFrame,
-    predictions: pd.DataFrame,
-    rso: Rso,
-    *,
-    integrator: Integrator,
-    threads: int = 1,
-    progress: Callable[[float], None] | None = None,
-) -> pd.DataFrame:
-    """The `covariances` table: of the position, for each pair of the predictions. All as in `propagated`."""
-    carried = propagated(
-        model, estimates, predictions, rso, integrator=integrator, threads=threads, progress=progress
-    )
+def of_positions(predictions: pd.DataFrame, carried: np.ndarray) -> pd.DataFrame:
+    """The `covariances` table: of the positions, for each pair of the predictions, from `propagated`."""
     row, column = np.tril_indices(3)
     table = {"i": predictions["i"].to_numpy(), "j": predictions["j"].to_numpy()}
     return pd.DataFrame(table | dict(zip(POSITION_COVARIANCES, carried[:, row, column].T, strict=True)))

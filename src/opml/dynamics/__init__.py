@@ -12,7 +12,7 @@ import platformdirs
 
 from opml.provenance import code_digest
 
-_KERNELS = ("opml.dynamics.ensemble", "opml.dynamics.frames")
+_KERNELS = ("opml.dynamics.ensemble", "opml.dynamics.frames", "opml.dynamics.orbit_density")
 
 
 def _cache_folder() -> Path:

@@ -5,6 +5,9 @@ them that are no longer than the integrator's ceiling. So what depends on time a
 once for all, and nothing is interpolated. An arc joins the grid at its first epoch and leaves it at
 its last. One whose own error estimate fails a step repeats that step alone in smaller ones; one
 that decays or loses its numbers is retired with its reason. So no arc's result depends on the others.
+
+Where the force model has outlooks, each arc flies under the newest at its first epoch, so that no arc knows
+what was measured later. Arcs under one outlook fly together.
 """
 
 from collections.abc import Callable, Iterator
@@ -77,14 +80,15 @@ def propagate(
     )
     start = np.concatenate([[0], np.cumsum(last - first)])
     arcs = Arcs(np.full((start[-1], 6), np.nan), start, np.zeros(len(first), np.int64))
+    outlook = model.known_at(np.asarray(epochs, float)[first])
 
     def fly(members: np.ndarray) -> int:
-        _fly(model, grid, begun, members, arcs, integrator)
+        _fly(model.under(outlook[members[0]]), grid, begun, members, arcs, integrator)
         return len(members)
 
     done = 0
     with ThreadPoolExecutor(threads) as pool:
-        for count in pool.map(fly, _blocks(first, last)):
+        for count in pool.map(fly, _blocks(first, last, outlook)):
             done += count
             if progress:
                 progress(done / len(first))
@@ -118,10 +122,11 @@ class _Begun:
     leave: np.ndarray
 
 
-def _blocks(first: np.ndarray, last: np.ndarray) -> Iterator[np.ndarray]:
-    """The arcs of each block: those that fly at the same time, so that few of its lanes stand idle."""
-    order = np.lexsort((last, first))
-    return (order[k : k + WIDTH] for k in range(0, len(order), WIDTH))
+def _blocks(first: np.ndarray, last: np.ndarray, outlook: np.ndarray) -> Iterator[np.ndarray]:
+    """The arcs of each block: of one outlook, and at the same time, so that few of its lanes stand idle."""
+    order = np.lexsort((last, first, outlook))
+    for together in np.split(order, np.flatnonzero(np.diff(outlook[order])) + 1):
+        yield from (together[k : k + WIDTH] for k in range(0, len(together), WIDTH))
 
 
 def _fly(

@@ -28,27 +28,29 @@ def build(
     gm: float,
     radius: float,
     gms: Mapping[str, float] = GM,
+    outlooks: pd.DataFrame | None = None,
 ) -> ForceModel:
     """Make a force model from the environment's tables.
 
     earth_orientation, ephemerides, solar_activity: DataFrames at the same uniform nodes;
     gravity_field: DataFrame n, m, c, s (fully normalised); epoch: UTC text; degree, order: of the
     field used; bodies: names of the third bodies that pull; gm [m3/s2], radius [m]: of the field;
-    gms: of the bodies [m3/s2].
+    gms: of the bodies [m3/s2]; outlooks: the table, where arcs fly under what was known when they start.
     """
     t = earth_orientation["t"].to_numpy()
+    activity = np.ascontiguousarray(solar_activity[_ACTIVITY].to_numpy(float))
     names = ["sun", *(name for name in BODIES if name in bodies and name != "sun")]
     columns = [f"{name}_{axis}" for name in names for axis in "xyz"]
     midnight, days = days_of_year(epoch, t[-1])
     thermosphere = dtm2000.coefficients()
-    return ForceModel(
+    model = ForceModel(
         first=float(t[0]),
         step=float(t[1] - t[0]),
         orientation=np.ascontiguousarray(earth_orientation[ORIENTATION].to_numpy(float)),
         spin=np.ascontiguousarray(spin(earth_orientation)),
         bodies=np.ascontiguousarray(ephemerides[columns].to_numpy(float)),
         gms=np.array([gms[name] if name in bodies else 0.0 for name in names]),
-        activity=np.ascontiguousarray(solar_activity[_ACTIVITY].to_numpy(float)),
+        activity=activity,
         midnight=float(midnight),
         seasons=np.ascontiguousarray(dtm2000.seasons(thermosphere, days)),
         thermosphere=thermosphere,
@@ -57,7 +59,24 @@ def build(
         degree=degree + 1,
         gm=float(gm),
         radius=float(radius),
+        issued=np.empty(0),
+        outlooks=np.empty((0, *activity.shape)),
     )
+    return model if outlooks is None else with_outlooks(model, outlooks)
+
+
+def with_outlooks(model: ForceModel, table: pd.DataFrame) -> ForceModel:
+    """The model whose arcs fly under what was known when they start, by a table `outlooks` of its nodes.
+
+    Up to an issue the activity is the model's own. Beyond the forecast it is not finite, so that no arc flies
+    there unnoticed.
+    """
+    t = model.first + model.step * np.arange(len(model.activity))
+    issued, outlook = np.unique(table["issued"].to_numpy(), return_inverse=True)
+    expected = np.where((t <= issued[:, None])[..., None], model.activity, np.nan)
+    node = np.round((table["t"].to_numpy() - model.first) / model.step).astype(int)
+    expected[outlook, node] = table[_ACTIVITY].to_numpy(float)
+    return model._replace(issued=issued, outlooks=expected)
 
 
 def _coefficients(gravity_field: pd.DataFrame, degree: int, order: int) -> tuple[np.ndarray, np.ndarray]:

@@ -37,6 +37,16 @@ class ForceModel(NamedTuple):
     degree: int  # highest degree of a harmonic in the weights
     gm: float  # of the Earth, as the field gives it [m3/s2]
     radius: float  # of the field [m]
+    issued: np.ndarray  # (outlooks,) times from which each is known, ascending [s]; none: activity is for all
+    outlooks: np.ndarray  # (outlooks, nodes, 4): activity as it was known then and is forecast from there on
+
+    def known_at(self, t: np.ndarray) -> np.ndarray:
+        """The newest outlook at times t [s], an index; -1 where there is none."""
+        return np.searchsorted(self.issued, t, side="right") - 1
+
+    def under(self, outlook: int) -> "ForceModel":
+        """The model with the activity of an outlook; with its own where that is -1."""
+        return self if outlook < 0 else self._replace(activity=self.outlooks[outlook])
 
 
 def blank(model: ForceModel) -> tuple[np.ndarray, np.ndarray]:

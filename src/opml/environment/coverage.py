@@ -7,7 +7,7 @@ import numpy as np
 
 from opml import epochs
 from opml.constants import DAY
-from opml.environment import earth_orientation, ephemerides, gravity_field, nodes, solar_activity
+from opml.environment import earth_orientation, ephemerides, gravity_field, knowledge, nodes, solar_activity
 from opml.errors import InputError
 
 FETCHED = "EIGEN-6S"
@@ -26,10 +26,27 @@ def check(values: Mapping[str, Any]) -> None:
     for setting in ("solar_activity", "true_solar_activity"):
         if setting in sources:
             _check_activity(setting, sources[setting], epoch, ends, sources["percentile"])
+    _check_knowledge(values, ends)
     if sources["gravity_field"] != FETCHED:
         field = gravity_field.read_icgem(gravity_field.resolve(sources["gravity_field"])).at(epoch)
         for model in values["force_models"].values():
             field.truncated(model["degree"], model["order"])
+
+
+def _check_knowledge(values: Mapping[str, Any], ends: np.ndarray) -> None:
+    """Raise InputError where the sources do not tell what the assumed model is to know."""
+    sources = values["environment"]
+    asked, source = sources.get("knowledge"), sources["solar_activity"]
+    try:
+        if asked == knowledge.MONTHLY:
+            knowledge.check_monthly(source)
+        if asked == knowledge.HINDCAST:
+            knowledge.hindcast(source, values["epoch"], ends)
+        if asked == knowledge.FORECAST:
+            forecast, hours = values["forecasts"][sources["forecast"]], sources["issue_hours"]
+            knowledge.check(source, values["epoch"], ends, forecast=forecast, issue_hours=hours)
+    except InputError as error:
+        raise InputError(f"environment.knowledge: {asked}: {error}") from None
 
 
 def _check_activity(setting: str, source: str, epoch: str, ends: np.ndarray, percentile: int) -> None:

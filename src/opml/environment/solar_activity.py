@@ -48,7 +48,7 @@ def tabulate(source: str | Path, epoch: str, t: np.ndarray, percentile: int) -> 
     if percentile not in PERCENTILES:
         raise InputError(f"percentile: expected 95, 50 or 5, got {percentile!r}")
     path = resolve(source)
-    text = _text(path)
+    text = text_of(path)
     if space_weather.is_space_weather(text):
         return space_weather.tabulate(path, text, epoch, t)
     months = _reader(path, text)(path, text.splitlines())
@@ -84,7 +84,7 @@ def _about(months: pd.DataFrame, epoch: str, t: np.ndarray) -> pd.DataFrame:
 def reach(source: str | Path) -> tuple[str, str]:
     """First and last calendar day that `source` reaches. Raises InputError for what it cannot read."""
     path = resolve(source)
-    text = _text(path)
+    text = text_of(path)
     if space_weather.is_space_weather(text):
         return space_weather.reach(space_weather.read(path, text))
     months = read(path).index
@@ -109,11 +109,12 @@ def read(path: str | Path) -> pd.DataFrame:
     Index: months 'YYYY-MM', one after the other; columns f107_95, f107_50, f107_5 [sfu], ap_95, ap_50, ap_5.
     Raises InputError for an unknown format, a malformed line, a month that is missing or out of order.
     """
-    text = _text(path)
+    text = text_of(path)
     return _reader(path, text)(path, text.splitlines())
 
 
-def _text(path: str | Path) -> str:
+def text_of(path: str | Path) -> str:
+    """A file's text. Raises InputError where it is none."""
     try:
         return Path(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as reason:

@@ -3,13 +3,15 @@
 Both of its forms are read: comma-separated (SW-All.csv) and fixed columns (SpaceWeather-All-v1.2.txt).
 Format: CelesTrak, Space Weather Data Documentation; inputs of DTM2000: Bruinsma, Thuillier & Barlier 2003.
 A step of Kp becomes a ramp over the hour before it, as the nodes are hourly and looked up linearly.
-The 81-day mean is centred: it looks 40 days ahead, so that it tells more than was known on the day.
+The 81-day mean is centred: it looks 40 days ahead, so that it tells more than was known on the day. What was
+known is told by `knowledge`.
 """
 
 import math
 import re
 from collections.abc import Iterator
 from datetime import date
+from itertools import takewhile
 from operator import itemgetter
 from pathlib import Path
 
@@ -24,15 +26,19 @@ from opml.errors import InputError
 KP = [f"KP{k}" for k in range(1, 9)]
 _FLUX = ["F10.7_OBS", "F10.7_OBS_CENTER81"]
 _FIGURES = [*KP, *_FLUX]
+_KIND = "F10.7_DATA_TYPE"
+_PREDICTED = ("PRD", "PRM")
 _TEXT_TITLE = "DATATYPE CssiSpaceWeather"
 _TEXT_SECTION = re.compile(r"(BEGIN|END) (\w+)")
 _TEXT_DAILY = ("OBSERVED", "DAILY_PREDICTED")
 # FORMAT(I4,I3,I3,I5,I3,8I3,I4,8I4,I4,F4.1,I2,I4,F6.1,I2,5F6.1): the flux as observed is the fourth of six.
 _TEXT_COLUMNS = [slice(18 + 3 * k, 21 + 3 * k) for k in range(8)] + [slice(112, 118), slice(118, 124)]
 
-_INTERVALS = 8  # of Kp in a day
-_DELAY = 1  # intervals by which DTM2000's Kp lags: 3 hours
-_MEASURED = 20.0 / 24.0
+INTERVALS = 8
+"""Of Kp in a day."""
+
+DELAY = 1  # intervals by which DTM2000's Kp lags: 3 hours
+MEASURED = 20.0 / 24.0
 """Time of day at which the flux of a date is measured: local noon at Penticton, 20:00 UTC."""
 _RUN_UP = 89
 """Days before the first time at which the running sum of Kp starts, if the file reaches so far back.
@@ -40,8 +46,12 @@ _RUN_UP = 89
 A few would do. A fixed number makes all files that hold the same days give the same bits, and this one gives
 those of a file that starts on 2016-07-01, which the paper's case was first run with.
 """
-_ROUNDING = 1e-8
+ROUNDING = 1e-8
 """Part of a day [d] that an epoch may miss a whole hour by, through rounding."""
+
+
+_Row = tuple[int, str, list[str], bool]
+"""Line, date and figures of a day, and whether it was measured."""
 
 
 def is_space_weather(text: str) -> bool:
@@ -58,20 +68,26 @@ def read(path: str | Path, text: str) -> pd.DataFrame:
     malformed line and a day that is missing or out of order.
     """
     rows = _text_rows if _TEXT_TITLE in text else _csv_rows
-    days = []
-    for line, day, figures in rows(text.splitlines()):
+    found = []
+    for line, day, figures, _ in rows(text.splitlines()):
         if not all(map(str.strip, figures[: len(KP)])):
             break
-        days.append(_day(path, line, day, figures))
-        if len(days) > 1 and days[-1][0] != days[-2][0] + 1:
-            expected, got = (epochs.calendar(mjd) for mjd in (days[-2][0] + 1, days[-1][0]))
+        found.append(_day(path, line, day, figures))
+        if len(found) > 1 and found[-1][0] != found[-2][0] + 1:
+            expected, got = (epochs.calendar(mjd) for mjd in (found[-2][0] + 1, found[-1][0]))
             raise InputError(f"{path}: line {line}: expected the day {expected}, got {got}")
-    if len(days) < 2:
-        raise InputError(f"{path}: expected at least two days with Kp, got {len(days)}")
-    weather = pd.DataFrame(days, columns=["mjd", *_FIGURES]).set_index("mjd")
+    if len(found) < 2:
+        raise InputError(f"{path}: expected at least two days with Kp, got {len(found)}")
+    weather = pd.DataFrame(found, columns=["mjd", *_FIGURES]).set_index("mjd")
     # Kp comes in thirds, which the files print as ten times its value rounded: 3, 7, 10.
     weather[KP] = np.round(0.3 * weather[KP]) / 3.0
     return weather
+
+
+def observed_days(text: str) -> int:
+    """How many of the days that `read` gives were measured; those after them are predicted."""
+    rows = _text_rows if _TEXT_TITLE in text else _csv_rows
+    return sum(1 for _ in takewhile(itemgetter(3), rows(text.splitlines())))
 
 
 def reach(weather: pd.DataFrame) -> tuple[str, str]:
@@ -88,31 +104,31 @@ def tabulate(path: str | Path, text: str, epoch: str, t: np.ndarray) -> pd.DataF
     """
     weather = read(path, text)
     t = np.asarray(t, dtype=float)
-    day = _days(epoch, t)
+    day = days(epoch, t)
     first, last = weather.index[0], weather.index[-1]
-    if day.min() < first + 1.0 + _MEASURED or day.max() > last + _MEASURED:
+    if day.min() < first + 1.0 + MEASURED or day.max() > last + MEASURED:
         begin, end = reach(weather)
         raise InputError(
             f"{Path(path).name}: epoch: expected dates from {begin} to {end}, "
             f"got {epochs.calendar_day(epoch, t.min())} to {epochs.calendar_day(epoch, t.max())}"
         )
     weather = weather.loc[math.floor(day.min()) - _RUN_UP :]
-    measured = weather.index.to_numpy() + _MEASURED
+    measured = weather.index.to_numpy() + MEASURED
     kp = weather[KP].to_numpy().ravel()
     sums = np.concatenate([[0.0], np.cumsum(kp)])
-    interval = np.floor(_INTERVALS * (day - weather.index[0] + _ROUNDING)).astype(int) - _DELAY
+    interval = np.floor(INTERVALS * (day - weather.index[0] + ROUNDING)).astype(int) - DELAY
     return pd.DataFrame(
         {
             "t": t,
             "f107": np.interp(day - 1.0, measured, weather["F10.7_OBS"]),
             "f107_mean": np.interp(day, measured, weather["F10.7_OBS_CENTER81"]),
             "kp_3h": kp[interval],
-            "kp_24h": (sums[interval + 1] - sums[interval + 1 - _INTERVALS]) / _INTERVALS,
+            "kp_24h": (sums[interval + 1] - sums[interval + 1 - INTERVALS]) / INTERVALS,
         }
     )
 
 
-def _days(epoch: str, t: np.ndarray) -> np.ndarray:
+def days(epoch: str, t: np.ndarray) -> np.ndarray:
     """Modified Julian days (UTC) at times `t` [s since `epoch`], in parts of 86400 s on every day.
 
     ERFA's days with a leap second are stretched by it, which would move the hours of Kp.
@@ -140,27 +156,29 @@ def _heading(lines: list[str]) -> int | None:
     return None
 
 
-def _csv_rows(lines: list[str]) -> Iterator[tuple[int, str, list[str]]]:
-    """Line, date and figures of each day of the comma-separated form."""
+def _csv_rows(lines: list[str]) -> Iterator[_Row]:
+    """The days of the comma-separated form; without a column that tells, all of them count as measured."""
     first = _heading(lines) or 0
     names = lines[first].split(",")
+    kind = names.index(_KIND) if _KIND in names else len(names)
     columns = itemgetter(*(names.index(name) for name in ("DATE", *_FIGURES)))
     lacking = [""] * len(names)
     for number, line in enumerate(lines[first + 1 :], start=first + 2):
         if line:
-            day, *figures = columns(line.split(",") + lacking)
-            yield number, day, figures
+            cells = line.split(",") + lacking
+            day, *figures = columns(cells)
+            yield number, day, figures, cells[kind] not in _PREDICTED
 
 
-def _text_rows(lines: list[str]) -> Iterator[tuple[int, str, list[str]]]:
-    """Line, date and figures of each day of the form in fixed columns."""
+def _text_rows(lines: list[str]) -> Iterator[_Row]:
+    """The days of the form in fixed columns."""
     section = ""
     for number, line in enumerate(lines, start=1):
         if match := _TEXT_SECTION.match(line):
             section = match[2] if match[1] == "BEGIN" else ""
         elif section in _TEXT_DAILY and line.strip():
             figures = [line[columns] for columns in _TEXT_COLUMNS]
-            yield number, "-".join(line[:10].split()), figures
+            yield number, "-".join(line[:10].split()), figures, section == _TEXT_DAILY[0]
 
 
 def _day(path: str | Path, line: int, day: str, figures: list[str]) -> list[float]:

@@ -27,6 +27,7 @@ def force_models(settings: Mapping[str, Any]) -> Table:
         f"{source}, percentile {environment['percentile']}"
         for source in (environment.get("true_solar_activity", assumed), assumed)
     ]
+    activities[1] += _known(environment)
     rows = [
         ["Earth's shape", "WGS84", "WGS84"],
         ["gravity field", *(f"{environment['gravity_field']} {m['degree']}x{m['order']}" for m in both)],
@@ -38,6 +39,17 @@ def force_models(settings: Mapping[str, Any]) -> Table:
         ["drag coefficient", "the RSO's", "estimated"],
     ]
     return Table(["parameter", "truth model", "assumed model"], rows)
+
+
+def _known(environment: Mapping[str, Any]) -> str:
+    """What the assumed model knows of the activity; nothing where no setting says."""
+    match environment.get("knowledge"):
+        case "hindcast":
+            return ", as known at each time"
+        case "forecast":
+            method, hours = environment["forecast"], environment["issue_hours"]
+            return f", as known at each estimate, then forecast by {method} every {hours} h"
+    return ""
 
 
 def stations(sheet: Sequence[Station]) -> list[Block]:

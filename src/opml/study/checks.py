@@ -7,7 +7,7 @@ from typing import Any
 
 from opml import epochs, naming, sheets
 from opml.constants import DAY
-from opml.environment import coverage
+from opml.environment import coverage, knowledge
 from opml.errors import InputError
 from opml.interop import first_state, gathering, tdm
 from opml.learning import learners
@@ -82,6 +82,7 @@ def _check_order(source: Source) -> None:
         low, high = _both(source, lower, upper)
         if low is not MISSING and low > high:
             raise source.wrong(lower, f"expected at most {upper[-1]}, got {low} and {high}")
+    _check_forecast(source)
     _both(source, ("study", "cleaning", "fence"), ("study", "cleaning", "fence_days"))
     for key in (
         *(("cleaning", "fence_days"), ("span_days",), ("days", "train"), ("days", "test")),
@@ -91,6 +92,16 @@ def _check_order(source: Source) -> None:
         if days is not MISSING and days[0] >= days[1]:
             message = f"expected the first day before the last, got {days[0]} and {days[1]}"
             raise source.wrong(("study", *key), message)
+
+
+def _check_forecast(source: Source) -> None:
+    """Hold the forecast that is asked for against those that there are."""
+    sources, known = source.values["environment"], source.values.get("forecasts", {})
+    asked = sources.get("forecast")
+    if (asked is not None or sources.get("knowledge") == knowledge.FORECAST) and asked not in known:
+        raise source.wrong(("environment", "forecast"), f"expected one of {', '.join(known)}, got {asked!r}")
+    if sources.get("knowledge") == knowledge.FORECAST and "issue_hours" not in sources:
+        raise source.wrong(("environment", "issue_hours"), "expected a value, got none")
 
 
 def _both(source: Source, one: Key, other: Key) -> tuple[Any, Any]:

@@ -9,16 +9,18 @@ from typing import Any
 from jsonschema import Draft202012Validator, ValidationError
 
 from opml import naming
+from opml.environment.forecasts import methods
 from opml.learning import learners
 from opml.reading import read_yaml
 from opml.study.overlay import Key, Source
 
 
 def read_schema(path: str | Path) -> dict[str, Any]:
-    """Read the schema; a learner's settings come from the learners, the grammar of splits from the names."""
+    """Read the schema; settings of learners and forecasts come from their kinds, splits from the names."""
     schema: dict[str, Any] = read_yaml(path)
     definitions = schema["$defs"]
     definitions["learner"] = learners.settings_schema()
+    definitions["forecast"] = methods.settings_schema()
     definitions["train"]["pattern"] = f"^(?:{naming.TRAIN})$"
     definitions["test"]["pattern"] = f"^(?:{naming.TEST})$"
     return schema

@@ -1,0 +1,67 @@
+"""What a method of forecasting declares and what its forecasts promise."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from opml.environment.weather import Weather
+
+Settings = Mapping[str, Any]
+
+COUNT = {"$ref": "#/$defs/count"}
+
+
+class Future(NamedTuple):
+    """What is said to follow the last measurements."""
+
+    flux: np.ndarray  # (days,) F10.7 [sfu], one a day
+    kp: np.ndarray  # (intervals,) Kp, one every three hours
+
+
+class Forecast(Protocol):
+    """What comes after the weather that is known at a time."""
+
+    def __call__(self, past: Weather, day: float) -> Future:
+        """The future at `day`, a modified Julian day; `past` is what is known then.
+
+        Raises InputError where it cannot tell.
+        """
+
+
+class Fit(Protocol):
+    """Make a forecast for so many days ahead, from the weather before the run."""
+
+    def __call__(self, history: Weather, *, days: int, settings: Settings) -> Forecast:
+        """The forecast; the history has at least the method's `least_days` and those ahead."""
+
+
+@dataclass(frozen=True)
+class Method:
+    """A kind of forecast, declared by its module and named once, in `methods.METHODS`.
+
+    kind : its name in the settings.
+    description : what it is, in words, for the table of skill.
+    settings : JSON schema of each of its own keys, all of which must be given.
+    fit : makes a forecast of the history.
+    least_days : of history that its settings ask for.
+    past_days : of weather up to the issue that a forecast starts from.
+    files : the user's own files that its settings name.
+    """
+
+    kind: str
+    description: str
+    settings: Mapping[str, Any]
+    fit: Fit
+    least_days: Callable[[Settings], int] = lambda settings: 0
+    past_days: Callable[[Settings], int] = lambda settings: 1
+    files: Callable[[Settings], list[str]] = lambda settings: []
+
+    def settings_schema(self) -> dict[str, Any]:
+        """The JSON schema of its settings."""
+        return {
+            "additionalProperties": False,
+            "required": ["kind", *self.settings],
+            "properties": {"kind": True, **self.settings},
+        }

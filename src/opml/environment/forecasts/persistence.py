@@ -1,0 +1,20 @@
+"""Tomorrow is as today: the last F10.7, and the mean Kp of the last 24 hours."""
+
+import numpy as np
+
+from opml.environment.forecasts.contract import Forecast, Future, Method, Settings
+from opml.environment.space_weather import INTERVALS
+from opml.environment.weather import Weather
+
+
+def fit(history: Weather, *, days: int, settings: Settings) -> Forecast:
+    """The forecast; it learns nothing from the history."""
+
+    def forecast(past: Weather, day: float) -> Future:
+        kp = past.kp[-INTERVALS:].mean()
+        return Future(np.full(days, past.flux[-1]), np.full(INTERVALS * days, kp))
+
+    return forecast
+
+
+METHOD = Method("persistence", "the last F10.7, and the mean Kp of the last 24 hours", {}, fit)

@@ -1,0 +1,178 @@
+"""What an assumed model knows of the weather: nothing that was measured later."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from support import EPOCH, environment
+from weather_files import other_after
+
+from opml import epochs
+from opml.catalog import estimation, prediction, starting, tracking
+from opml.catalog import truth as truths
+from opml.constants import DAY, HOUR
+from opml.dynamics import forces
+from opml.dynamics.ensemble import Integrator
+from opml.environment import gravity_field, knowledge, nodes, solar_activity, space_weather
+from opml.environment.weather import Weather
+from opml.errors import InputError
+from opml.tables import STATE
+
+T = nodes(EPOCH, 3 * DAY)
+FORECASTS = {
+    "persistence": {"kind": "persistence"},
+    "recurrence": {"kind": "recurrence", "turn_days": 27},
+    "regression": {"kind": "regression", "lags": 5, "ridge": 10},
+    "analogues": {"kind": "analogues", "members": 3},
+}
+
+
+def outlooks(source="OBSERVED", forecast="persistence", hours=3):
+    return knowledge.outlooks(source, EPOCH, T, forecast=FORECASTS[forecast], issue_hours=hours, max_days=1)
+
+
+def mjd(utc):
+    return float(sum(epochs.utc(utc, 0.0))) - epochs.MJD_ZERO
+
+
+@pytest.mark.parametrize("utc", ["2016-09-29T00:00:00", "2016-09-29T20:00:00", "2016-09-30T04:12:00"])
+@pytest.mark.parametrize("forecast", FORECASTS)
+def test_no_outlook_knows_what_was_measured_after_its_issue(tmp_path, monkeypatch, utc, forecast):
+    expected = outlooks(forecast=forecast)
+    other = other_after(tmp_path / "other.csv", mjd(utc))
+    # As the source of the run, and as the history to learn from.
+    monkeypatch.setitem(solar_activity.PACKAGED, "OBSERVED", str(other))
+    found = outlooks(forecast=forecast)
+    known = expected["issued"] <= epochs.elapsed(EPOCH, utc)
+    assert 0.2 < known.mean() < 0.8
+    pd.testing.assert_frame_equal(found[known], expected[known], check_exact=True)
+    assert not found[~known].equals(expected[~known])
+
+
+def test_no_future_knows_what_was_measured_after_its_issue(tmp_path, monkeypatch):
+    utc = "2016-09-29T20:00:00"
+    asked = {"members": 3, "issue_hours": 6, "max_days": 1}
+    expected = knowledge.futures("OBSERVED", EPOCH, T, **asked)
+    other = other_after(tmp_path / "other.csv", mjd(utc))
+    monkeypatch.setitem(solar_activity.PACKAGED, "OBSERVED", str(other))
+    found = knowledge.futures("OBSERVED", EPOCH, T, **asked)
+    known = expected["issued"] <= epochs.elapsed(EPOCH, utc)
+    pd.testing.assert_frame_equal(found[known], expected[known], check_exact=True)
+    assert not found[~known].equals(expected[~known])
+    assert expected.groupby("issued")["member"].nunique().eq(3).all()
+
+
+def test_no_hindcast_knows_what_was_measured_after_its_time(tmp_path):
+    utc = "2016-09-29T20:00:00"
+    expected = knowledge.hindcast("OBSERVED", EPOCH, T)
+    found = knowledge.hindcast(other_after(tmp_path / "other.csv", mjd(utc)), EPOCH, T)
+    known = epochs.elapsed(EPOCH, utc) >= T
+    pd.testing.assert_frame_equal(found[known], expected[known], check_exact=True)
+    assert not found[~known].equals(expected[~known])
+
+
+def model(source, **settings):
+    """A small force model that forecasts, under the weather of a source."""
+    field = gravity_field.read_icgem(gravity_field.resolve("EGM2008"))
+    tables = environment(3.0) | {"solar_activity": knowledge.hindcast(source, EPOCH, T)}
+    return forces.build(
+        **tables,
+        gravity_field=gravity_field.table(field.truncated(2, 2), EPOCH),
+        epoch=EPOCH,
+        degree=2,
+        order=2,
+        bodies=[],
+        gm=field.gm,
+        radius=field.radius,
+        outlooks=outlooks(source, **settings),
+    )
+
+
+def test_fits_and_predictions_know_nothing_measured_after_they_start(tmp_path, iss, three_stations):
+    integrator = Integrator()
+    settings = estimation.Estimation(6, 30, 0.001, 1000.0, 1.0, 0.1)
+    orientation = environment(3.0)["earth_orientation"]
+    own = model("OBSERVED")
+    truth = truths.simulate(own.under(0), iss, duration=DAY, step=20.0, integrator=integrator)
+    tracks = tracking.simulate(truth, orientation, three_stations, rso="iss", seed=1)
+    utc = "2016-09-29T03:00:00"
+    results = []
+    for one in (own, model(other_after(tmp_path / "other.csv", mjd(utc)))):
+        starts = starting.perturbed(truth, tracks, rso="iss", settings=settings, seed=1)
+        estimates = estimation.estimate_all(
+            one, starts, tracks, orientation, three_stations, iss, settings=settings, integrator=integrator
+        )
+        predictions = prediction.predict_all(one, truth, estimates, iss, max_days=1, integrator=integrator)
+        results.append((estimates, predictions))
+    (estimates, predictions), (other_estimates, other_predictions) = results
+    known = estimates["t"] <= epochs.elapsed(EPOCH, utc)
+    assert 0 < known.sum() < len(known)
+    pd.testing.assert_frame_equal(estimates[known], other_estimates[known], check_exact=True)
+    from_then = predictions["t_i"] <= epochs.elapsed(EPOCH, utc)
+    assert predictions.loc[from_then, "t_j"].max() > epochs.elapsed(EPOCH, utc) + 3 * HOUR
+    pd.testing.assert_frame_equal(predictions[from_then], other_predictions[from_then], check_exact=True)
+    assert not predictions[~from_then][STATE].equals(other_predictions[~from_then][STATE])
+
+
+def test_a_perfect_forecast_is_the_hindcast(monkeypatch):
+    weather = knowledge.read("OBSERVED")
+
+    def all_knowing(epoch, *, days, forecast):
+        def tell(past, day):
+            fluxes, kps = len(past.flux), len(past.kp)
+            return weather.flux[fluxes : fluxes + days], weather.kp[kps : kps + 8 * days]
+
+        return tell
+
+    monkeypatch.setattr(knowledge, "fitted", all_knowing)
+    hindcast = knowledge.hindcast("OBSERVED", EPOCH, T).set_index("t")
+    for hours in (3, 24):
+        found = outlooks(hours=hours).set_index("t")
+        names = ["f107", "f107_mean", "kp_3h", "kp_24h"]
+        pd.testing.assert_frame_equal(found[names], hindcast.loc[found.index, names], rtol=1e-12)
+
+
+def test_outlooks_are_issued_on_whole_hours_the_first_at_or_before_the_epoch():
+    t, day = knowledge.issues(EPOCH, T, 3)
+    assert t[0] <= 0.0 < t[1]
+    np.testing.assert_allclose(8.0 * day, np.round(8.0 * day), atol=1e-6)
+    assert knowledge.issues(EPOCH, T, 24)[0][0] == epochs.elapsed(EPOCH, "2016-09-28T00:00:00")
+    table = outlooks()
+    assert (table["t"] > table["issued"]).all()
+    assert (table["t"] - table["issued"]).max() <= DAY + 5 * HOUR
+
+
+def test_the_mean_flux_is_that_of_the_81_days_before_and_kp_that_of_the_intervals_before():
+    weather = Weather(50000, np.arange(100.0), np.arange(800.0))
+    found = weather.activity(np.array([50090.0 + 20 / 24, 50091.0]))
+    assert found["f107"].tolist() == pytest.approx([89.0, 89.0 + 4 / 24])
+    assert found["f107_mean"].tolist() == pytest.approx([49.0, 49.0 + 4 / 24])
+    assert found["kp_3h"].tolist() == [725.0, 727.0]
+    assert found["kp_24h"].tolist() == pytest.approx([721.5, 723.5])
+
+
+@pytest.mark.parametrize(
+    ("day", "fluxes", "kps"), [(50001.0, 1, 8), (50000.8, 0, 6), (50000 + 20 / 24, 1, 6), (49999.0, 0, 0)]
+)
+def test_a_flux_is_known_at_20_hours_and_a_kp_when_its_three_hours_are_over(day, fluxes, kps):
+    known = Weather(50000, np.arange(9.0), np.arange(72.0)).known_at(day)
+    assert (len(known.flux), len(known.kp)) == (fluxes, kps)
+
+
+def test_monthly_figures_were_not_measured():
+    with pytest.raises(InputError, match="MSAFE: expected weather that was measured day by day"):
+        knowledge.hindcast("MSAFE", EPOCH, T)
+
+
+def test_weather_that_does_not_reach_81_days_back_is_refused():
+    with pytest.raises(InputError, match="OBSERVED: epoch: expected dates from 1996-03-20 to 2026-01-14"):
+        knowledge.hindcast("OBSERVED", "1996-02-01T00:00:00", np.array([0.0, DAY]))
+
+
+def test_predicted_days_of_a_file_were_not_measured(tmp_path):
+    text = solar_activity.text_of(solar_activity.resolve("OBSERVED"))
+    lines = text.splitlines()
+    path = tmp_path / "weather.csv"
+    path.write_text("\n".join([*lines[:-5], *(line.replace("OBS", "PRD") for line in lines[-5:])]))
+    whole, measured = knowledge.read("OBSERVED"), knowledge.read(path)
+    assert len(measured.flux) == len(whole.flux) - 5
+    assert len(space_weather.read(path, path.read_text())) == len(whole.flux)

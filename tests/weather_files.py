@@ -1,0 +1,23 @@
+"""Space weather that was measured otherwise after a day: what must not matter before it."""
+
+from opml.environment import solar_activity, space_weather
+
+
+def other_after(path, mjd):
+    """Write the packaged weather to `path` with other figures for all that was measured after a time [MJD].
+
+    A flux is measured at 20:00 UTC, a Kp when its three hours are over; the centred mean knows all.
+    """
+    lines = solar_activity.text_of(solar_activity.resolve("OBSERVED")).splitlines()
+    begin = next(k for k, line in enumerate(lines) if line.startswith("DATE")) + 1
+    first = int(space_weather.read("packaged", "\n".join(lines)).index[0])
+    changed = [_changed(line, first + k, mjd) for k, line in enumerate(lines[begin:])]
+    path.write_text("\n".join([*lines[:begin], *changed]))
+    return path
+
+
+def _changed(line, day, mjd):
+    date, *kp, flux, kind, _ = line.split(",")
+    kp = [f"{90 - int(value)}" if day + (k + 1) / 8 > mjd + 1e-6 else value for k, value in enumerate(kp)]
+    flux = "222.2" if day + 20 / 24 > mjd + 1e-6 else flux
+    return ",".join([date, *kp, flux, kind, "199.9"])

@@ -1,0 +1,19 @@
+"""Tabulate the space weather as it may come, by the futures of the days most like that of the issue."""
+
+from opml.constants import DAY
+from opml.environment import knowledge, nodes
+from opml.jobs import job
+from opml.tables import write_table
+
+with job(snakemake) as metadata:
+    settings = snakemake.params.settings
+    table = knowledge.futures(
+        settings["source"],
+        settings["epoch"],
+        nodes(settings["epoch"], DAY * settings["duration_days"]),
+        members=settings["members"],
+        issue_hours=settings["issue_hours"],
+        max_days=settings["max_days"],
+    )
+    metadata |= {"source": settings["source"], "members": settings["members"]}
+    write_table(snakemake.output[0], table, "futures", metadata=metadata)

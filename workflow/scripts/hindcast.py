@@ -1,0 +1,13 @@
+"""Tabulate the space weather as it was known at each time of the environment's grid."""
+
+from opml.constants import DAY
+from opml.environment import knowledge, nodes
+from opml.jobs import job
+from opml.tables import write_table
+
+with job(snakemake) as metadata:
+    settings = snakemake.params.settings
+    t = nodes(settings["epoch"], DAY * settings["duration_days"])
+    table = knowledge.hindcast(settings["source"], settings["epoch"], t)
+    metadata |= {"source": settings["source"]}
+    write_table(snakemake.output[0], table, "solar_activity", metadata=metadata)
