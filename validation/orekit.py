@@ -206,6 +206,23 @@ class Orekit:
         propagator = self._propagator(begin, state, gm, forces, integrator)
         return np.array([self._state_at(propagator, time) for time in t])
 
+    def interpolate(
+        self,
+        state: np.ndarray,
+        gm: float,
+        t: np.ndarray,
+        forces: list,
+        integrator: Integrator,
+        *,
+        begin: float = 0.0,
+    ) -> np.ndarray:
+        """The same, interpolated along one flight that stops at none of the times: for many of them."""
+        propagator = self._propagator(begin, state, gm, forces, integrator)
+        generator = propagator.getEphemerisGenerator()
+        propagator.propagate(self.date(t[-1]))
+        path = generator.getGeneratedEphemeris()
+        return np.array([self.state(path.getPVCoordinates(self.date(time), self.gcrf)) for time in t])
+
     def propagate_by_edges(
         self, state: np.ndarray, gm: float, t: np.ndarray, forces: list, integrator: Integrator
     ) -> np.ndarray:

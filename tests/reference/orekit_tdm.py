@@ -76,16 +76,21 @@ def message(models, tdm, orbit, stations):
     return whole, np.unique(np.concatenate([rows[:, 0] for *_, rows in passes]))
 
 
+def save(message, path):
+    """A message of Orekit's as text."""
+    buffer = java.lang.StringBuilder()
+    generator = org.orekit.files.ccsds.utils.generation.KvnGenerator(buffer, 25, "iss", 60.0, 0)
+    org.orekit.files.ccsds.ndm.WriterBuilder().buildTdmWriter().writeMessage(generator, message)
+    path.write_text(str(buffer), encoding="utf-8")
+
+
 def main(tables, data):
     orekit.start(orekit.Data.find(data))
     models, tdm = orekit.Orekit(EPOCH), org.orekit.files.ccsds.ndm.tdm
     orbit = pd.read_parquet(tables / "iss_truth_2d_60s.parquet").rename(columns={"t_s": "t"} | STATE)
     stations = read_stations(HERE.parents[1] / "config" / "stations.tsv")
     whole, times = message(models, tdm, orbit[["t", *STATE.values()]], stations)
-    buffer = java.lang.StringBuilder()
-    generator = org.orekit.files.ccsds.utils.generation.KvnGenerator(buffer, 25, "iss", 60.0, 0)
-    org.orekit.files.ccsds.ndm.WriterBuilder().buildTdmWriter().writeMessage(generator, whole)
-    (HERE / "orekit.tdm").write_text(str(buffer), encoding="utf-8")
+    save(whole, HERE / "orekit.tdm")
     with (HERE / "orekit_tdm_orbit.csv").open("w", encoding="utf-8") as file:
         file.write("# The true orbit at the times of orekit.tdm, GCRF; written by orekit_tdm.py.\n")
         file.write(f"# Orekit 13.1.9, the paper's case. t [s] from {EPOCH} UTC, SI units.\n")

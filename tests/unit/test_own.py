@@ -18,8 +18,9 @@ from opml.study.own import CALIBRATED, MODELS, Own
 DAY = 86400.0
 
 
-def own_of(**parts):
-    values = paper_values()
+def own_of(tracks=(), **parts):
+    """A study of `lares`; `tracks`: RSOs whose tracks were really measured."""
+    values = paper_values() | {"tracks": {name: ["a.tdm"] for name in tracks}}
     values["study"] = {"rsos": ["lares"], "days": {"train": [0, 8], "test": [8, 12]}} | parts
     return Own(study_of(values))
 
@@ -190,36 +191,54 @@ def test_the_report_answers_without_the_papers_notions(told):
     assert not re.search(r"\bnan\b|Peng|published|reading of|slip", told)
 
 
-def test_labels_and_learners_trained_anew_have_tables_of_their_own():
-    own = own_of(learners=["svr"], label="later", rolling={"learners": ["svr"], "last_days": 5})
-    assert {one.label for one in own.experiments.values()} == {"_later"}
-    assert own.panels == ["eglin-clear-kaena_later"]
-    assert own.study.rolling == {"days": [8, 12], "every_days": 1, "last_days": 5}
+def trained_anew(table):
+    """An evaluation of a learner that is trained anew on two days, and leaves half where it is not."""
+    return table.assign(day=8.0 + table["i"] % 2, predicted_once=0.5 * table["true"])
+
+
+def labelled_report(own):
+    """The report of a study that learned from labels."""
     numbers = {"p_ml": 20.0, "p_ml_low": 18.0, "p_ml_high": 23.0, "p_ml_later": 21.0}
     asked = [*own.experiments.values(), *own.trials.values()]
     metrics = pd.DataFrame([one.columns() | numbers for one in asked])
     table, key = evaluation(), ("lares", "eglin-clear-kaena")
-    anew = table.assign(day=8.0 + table["i"] % 2, predicted_once=0.5 * table["true"])
-    text = document.markdown(
+    return document.markdown(
         report.document(
             own.answer,
             metrics,
             dict.fromkeys(own.stated, table),
             {key: dataset_of(table)},
             {key: estimates_of(table)},
-            dict.fromkeys(own.rolling, anew),
+            dict.fromkeys(own.rolling, trained_anew(table)),
         )
     )
+
+
+def test_labels_and_learners_trained_anew_have_tables_of_their_own():
+    own = own_of(learners=["svr"], label="later", rolling={"learners": ["svr"], "last_days": 5})
+    assert {one.label for one in own.experiments.values()} == {"_later"}
+    assert own.panels == ["eglin-clear-kaena_later"]
+    assert own.study.rolling == {"days": [8, 12], "every_days": 1, "last_days": 5}
+    text = labelled_report(own)
     assert "| lares | eglin-clear-kaena | `svr` | 21.0 | 21.0 | 21.0 |" in text
     assert "| lares | eglin-clear-kaena | `svr` | 10.0 | 50.0 | 10.0 | 50.0 |" in text
     assert "from day 8 to 12" in text
-    figure = figures.rolling({"svr": by_day(anew)}, every_days=1.0)
+    assert "| gravity field | EGM2008 40x40 | EGM2008 20x20 |" in text
+    figure = figures.rolling({"svr": by_day(trained_anew(evaluation()))}, every_days=1.0)
     once, again = figure.axes[0].lines
     assert again.get_xdata().tolist() == [8.5, 9.5]
     assert again.get_ydata() == pytest.approx([10.0, 10.0])
     assert once.get_ydata() == pytest.approx([50.0, 50.0])
     with pytest.raises(InputError, match="at least one learner"):
         figures.rolling({}, every_days=1.0)
+
+
+def test_a_study_of_measured_tracks_tells_of_no_truth():
+    text = labelled_report(own_of(tracks=["lares"], learners=["svr"]))
+    assert "No truth is known of these tracks." in text
+    assert "## Assumed model\n" in text
+    assert "| gravity field | EGM2008 20x20 |" in text
+    assert "21.0" not in text  # what later estimates say is P_ML itself
 
 
 def test_the_share_left_is_stated_for_all_rows_and_for_the_papers(told):

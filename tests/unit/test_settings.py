@@ -9,6 +9,7 @@ from opml import naming, tables
 from opml.errors import InputError
 from opml.reading import read_yaml
 from opml.study import checks
+from opml.study.experiments import Study
 from opml.study.overlay import Layer, Source, laid_over, with_numbers
 from opml.study.schema import read_schema
 from opml.study.settings import merged, with_sheets
@@ -309,14 +310,15 @@ def test_wrong_setting_is_named(key, value, expected):
     assert expected in message(edited(key, value))
 
 
-def test_what_has_tracks_and_no_truth_needs_a_label():
+def test_what_has_tracks_and_no_truth_learns_from_later_estimates():
     source = paper_source()
     source.values["tracks"] = {"iss": ["a.tdm"]}
     settings = with_sheets(source.values)
+    checks.check_study(source, settings)
+    assert Study(settings).label == "later"
+    source.values["study"]["label"] = "truth"
     with pytest.raises(InputError, match=r"study\.label: expected later or smoothed, as iss has tracks"):
         checks.check_study(source, settings)
-    source.values["study"]["label"] = "later"
-    checks.check_study(source, settings)
 
 
 def test_missing_setting_is_named():

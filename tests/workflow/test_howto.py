@@ -1,50 +1,18 @@
 """docs/howto.md, followed from top to bottom in one folder: its files, and its commands but the real runs."""
 
-import os
 import re
-import shlex
 import shutil
-import subprocess
-from pathlib import Path
 
 import numpy as np
 import pytest
-from project import ROOT, Project, command
+from following import REAL_RUN, Reader, blocks, files, page, plans
+from project import ROOT
 
 from opml.interop import oem
 
-PAGE = (ROOT / "docs" / "howto.md").read_text(encoding="utf-8")
-BLOCKS = re.findall(r"^```(yaml|sh)\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
-FILES = {text.split()[1]: text for kind, text in BLOCKS if kind == "yaml"}
-REAL_RUN = "snakemake -j"
-
-
-class Reader:
-    """Somebody who follows the page in a folder with the project's config."""
-
-    def __init__(self, folder: Path):
-        self.folder = folder
-        Project(folder)
-        programs = {"snakemake": command(), "python": command()[:1]}
-        for name, words in programs.items():
-            path = folder / ".venv" / "bin" / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(f'#!/bin/sh\nexec {shlex.join(words)} "$@"\n')
-            path.chmod(0o755)
-
-    def run(self, text):
-        """Run commands as they stand; returns what they print."""
-        done = subprocess.run(
-            ["bash", "-e", "-c", text],
-            cwd=self.folder,
-            env=os.environ | {"PYTHONPATH": str(ROOT / "src"), "NO_COLOR": "1"},
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            timeout=300,
-        )
-        assert done.returncode == 0, f"{text}\n{done.stdout}"
-        return done.stdout
+PAGE = page("howto")
+BLOCKS = blocks(PAGE)
+FILES = files(BLOCKS)
 
 
 def write_orbit(path):
@@ -66,15 +34,10 @@ def told(tmp_path_factory):
     printed = {}
     for kind, text in BLOCKS:
         if kind == "yaml":
-            (reader.folder / text.split()[1]).write_text(text)
+            reader.save(text)
         elif REAL_RUN not in text:
             printed[text] = reader.run(text)
     return printed
-
-
-def plans(told):
-    """The plans of the dry runs, by the command."""
-    return {text: printed for text, printed in told.items() if " -n " in text}
 
 
 def test_the_page_can_be_followed_in_its_order(told):

@@ -41,6 +41,12 @@ def force_models(settings: Mapping[str, Any]) -> Table:
     return Table(["parameter", "truth model", "assumed model"], rows)
 
 
+def assumed_model(settings: Mapping[str, Any]) -> Table:
+    """The assumed model alone, where no truth is simulated; `settings` as `force_models` takes them."""
+    both = force_models(settings)
+    return Table([both.header[0], both.header[2]], [[row[0], row[2]] for row in both.rows])
+
+
 def _known(environment: Mapping[str, Any]) -> str:
     """What the assumed model knows of the activity; nothing where no setting says."""
     match environment.get("knowledge"):

@@ -17,7 +17,7 @@ from opml.report import uncertainty
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.generalisation import model_table
 from opml.report.results import NONE, Results, length, percent
-from opml.report.settings import force_models
+from opml.report.settings import assumed_model, force_models
 
 Dataset = tuple[str, str]
 
@@ -36,6 +36,7 @@ class Answer:
     learners: Mapping[str, Mapping[str, Any]]  # settings by name
     component: str
     label: str  # truth, later or smoothed: what is learned from is held against it
+    truth: bool  # whether any of the RSOs has a truth, or the tracks of all were really measured
     rolling: Sequence[tuple[str, str, str]]  # RSO, station set and learner, of learners that are trained anew
     trained_anew: Mapping[str, Any]  # on which days, how often, on how many days' labels [days]
     marks: Sequence[float]  # prediction durations that errors are stated at [days]
@@ -78,9 +79,13 @@ def document(
         *uncertainty.section(calibration, train=train, test=test, without_past=asked.without_past),
         *_rows(asked, datasets, estimates, papers),
         *model_table(asked.learners),
-        Heading("Truth and assumed model"),
-        force_models(asked.settings),
+        *_forces(asked),
     ]
+
+
+def _forces(asked: Answer) -> Iterator[Block]:
+    yield Heading("Truth and assumed model" if asked.truth else "Assumed model")
+    yield (force_models if asked.truth else assumed_model)(asked.settings)
 
 
 def _splits(asked: Answer, results: Results) -> Iterator[Block]:
@@ -96,7 +101,12 @@ def _splits(asked: Answer, results: Results) -> Iterator[Block]:
         "estimate are no independent evidence. `docs/generalisation.md` explains models and splits."
     )
     yield Table(["RSO", "stations", "model", *header], rows)
-    if asked.label != "truth":
+    if not asked.truth:
+        yield Paragraph(
+            f"No truth is known of these tracks. Errors, here and below, are each prediction less "
+            f"{LATER[asked.label]}."
+        )
+    elif asked.label != "truth":
         yield from _held_against_labels(asked, results, header)
 
 

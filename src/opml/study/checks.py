@@ -177,7 +177,7 @@ def _check_seen(source: Source, settings: Settings) -> None:
 def _check_label(source: Source, study: Study) -> None:
     """What was really measured has no truth to learn from."""
     for rso in study.rsos:
-        if study.label == "truth" and naming.rso_parts(rso, study.sheet)[0] in study.measured:
+        if study.label == "truth" and study.is_measured(rso):
             message = f"expected later or smoothed, as {rso} has tracks and no truth, got truth"
             raise source.wrong(("study", "label"), message)
 

@@ -65,8 +65,16 @@ class Study:
 
     @cached_property
     def label(self) -> str:
-        """What errors are held against where an entry does not say: truth, later or smoothed."""
-        return str(self.settings.asked.get("label", "truth"))
+        """What errors are held against where an entry does not say: truth, later or smoothed.
+
+        By default the truth, or later estimates where an RSO of the study has tracks and so no truth.
+        """
+        default = "later" if any(self.is_measured(rso) for rso in self.rsos) else "truth"
+        return str(self.settings.asked.get("label", default))
+
+    def is_measured(self, rso: str) -> bool:
+        """Whether the tracks of an RSO were really measured, so that it has no truth."""
+        return naming.rso_parts(rso, self.sheet)[0] in self.measured
 
     @property
     def measured(self) -> Mapping[str, Any]:

@@ -210,6 +210,7 @@ class Own:
             learners={name: naming.parse_learner(name, self.study.learners) for name in self.learners},
             component=self.study.defaults["component"],
             label=self.study.label,
+            truth=not all(self.study.is_measured(rso) for rso in self.study.rsos),
             rolling=list(self.rolling),
             trained_anew=self.study.rolling,
             marks=self.marks,

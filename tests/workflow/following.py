@@ -1,0 +1,64 @@
+"""Follow a page of docs/: save the files that it shows, run the commands that it gives."""
+
+import os
+import re
+import shlex
+import subprocess
+from pathlib import Path
+
+from project import ROOT, Project, command
+
+REAL_RUN = "snakemake -j"
+"""What stands in commands that take minutes."""
+
+
+def page(name):
+    """The text of docs/<name>.md."""
+    return (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8")
+
+
+def blocks(text):
+    """Kind and text of the blocks that are files (yaml) or commands (sh), in their order."""
+    return re.findall(r"^```(yaml|sh)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+
+
+def files(blocks):
+    """The files of a page by the name in their first line."""
+    return {text.split()[1]: text for kind, text in blocks if kind == "yaml"}
+
+
+def plans(told):
+    """The plans of the dry runs, by the command."""
+    return {text: printed for text, printed in told.items() if " -n " in text}
+
+
+class Reader:
+    """Somebody who follows the page in a folder with the project's config."""
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+        Project(folder)
+        programs = {"snakemake": command(), "python": command()[:1]}
+        for name, words in programs.items():
+            path = folder / ".venv" / "bin" / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(f'#!/bin/sh\nexec {shlex.join(words)} "$@"\n')
+            path.chmod(0o755)
+
+    def save(self, text):
+        """Save a file of the page under the name in its first line."""
+        (self.folder / text.split()[1]).write_text(text)
+
+    def run(self, text):
+        """Run commands as they stand; returns what they print."""
+        done = subprocess.run(
+            ["bash", "-e", "-c", text],
+            cwd=self.folder,
+            env=os.environ | {"PYTHONPATH": str(ROOT / "src"), "NO_COLOR": "1"},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            timeout=300,
+        )
+        assert done.returncode == 0, f"{text}\n{done.stdout}"
+        return done.stdout
