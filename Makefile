@@ -2,6 +2,8 @@
 # make test   the tests, of the documentation's site too
 # make faults runs that are killed and damaged at 50 random moments (half an hour)
 # make docs   the documentation as a site, in build/site
+# make wheel  the package as others install it, in build/wheel
+# make crate [CONFIGFILE=mine.yaml]   a finished run as one archive that tells its making (RO-Crate)
 # make validate OREKIT_DATA=<folder>   the dynamics beside Orekit's (half an hour): docs/validation.md
 # make weather   the skill of forecasts of the space weather (some minutes): the table in docs/weather.md
 # make bench [OREKIT_DATA=<folder>]    opml's speed beside its peers' (a quarter of an hour): benchmarks/results.md
@@ -12,7 +14,17 @@ VENV := .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 
-.PHONY: all test faults lint docs validate weather bench clean
+# uv installs in a fraction of the time, where it is there; `make UV=` does without.
+UV ?= $(shell command -v uv 2>/dev/null)
+ifeq ($(UV),)
+MAKE_VENV := $(PYTHON) -m venv
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+else
+MAKE_VENV := $(UV) venv --quiet --seed --allow-existing --python $(PYTHON)
+INSTALL := $(UV) pip install --quiet --python $(BIN)/python
+endif
+
+.PHONY: all test faults lint docs wheel crate validate weather bench clean
 
 all: $(INSTALLED)
 	$(BIN)/snakemake -j2 results/figs/partition_curve.pdf
@@ -34,8 +46,14 @@ docs: $(VENV)/.docs
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --quiet
 
 $(VENV)/.docs: $(INSTALLED) requirements-docs.lock
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint requirements.lock --requirement requirements-docs.lock
+	$(INSTALL) --constraint requirements.lock --requirement requirements-docs.lock
 	touch $@
+
+wheel: $(INSTALLED)
+	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir build/wheel .
+
+crate: $(INSTALLED)
+	$(BIN)/python -m opml.crate $(if $(CONFIGFILE),--configfile $(CONFIGFILE))
 
 validate: $(VENV)/.verify
 	@test -n "$(OREKIT_DATA)" || { echo "make validate: expected OREKIT_DATA=<folder with Orekit's data>, got none" >&2; exit 2; }
@@ -48,18 +66,18 @@ bench: $(VENV)/.bench
 	$(BIN)/python -m benchmarks $(if $(OREKIT_DATA),--orekit-data "$(OREKIT_DATA)")
 
 $(VENV)/.bench: $(INSTALLED) requirements-bench.lock
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint requirements.lock --requirement requirements-bench.lock
+	$(INSTALL) --constraint requirements.lock --requirement requirements-bench.lock
 	touch $@
 
 $(VENV)/.verify: $(INSTALLED) requirements-verify.lock
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint requirements.lock --requirement requirements-verify.lock
+	$(INSTALL) --constraint requirements.lock --requirement requirements-verify.lock
 	touch $@
 
 $(INSTALLED): requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(None if sys.version_info >= (3, 11) else "opml needs Python 3.11 or later")'
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --requirement requirements.lock
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	$(MAKE_VENV) $(VENV)
+	$(INSTALL) --requirement requirements.lock
+	$(INSTALL) --no-deps --no-build-isolation --editable .
 	touch $@
 
 clean:

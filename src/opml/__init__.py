@@ -7,7 +7,7 @@ first asked for.
 from importlib import import_module
 from typing import Any
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"
 
 __all__ = [
     "ASSUMED",

@@ -8,6 +8,15 @@ from pathlib import Path
 FilePath = str | os.PathLike[str]
 """What names a file."""
 
+PROJECT = Path(__file__).parent / "project"
+"""The workflow's files, its settings among them, as they come with the package."""
+
+
+def in_project(path: FilePath) -> Path:
+    """Return the path of a project's file; where the project has none, of the one that the package brings."""
+    brought = PROJECT / path
+    return brought if brought.is_file() and not Path(path).exists() else Path(path)
+
 
 @contextmanager
 def replacing(path: FilePath) -> Iterator[Path]:

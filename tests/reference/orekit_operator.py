@@ -90,11 +90,11 @@ def open_again(path, data, folder):
     when, sigma = sigmas(models, segment)
     at = np.stack([np.interp(t, when, column) for column in sigma.T], axis=1)
     print(f"{path.name}: days {first / DAY:.3f} to {last / DAY:.3f}; against Orekit's orbit:")
-    told(t - t[0], in_rsw(states - expected, expected), at)
+    told(t - t[0], in_rsw(states - expected, expected)[:, :3], at)
     pulls, gm = forces(models, case, "assumed")
     free = models.interpolate(states[0], gm, t, pulls, case.integrator, begin=t[0])
     print("Orekit's flight from its first state, against the same orbit:")
-    told(t - t[0], in_rsw(free - expected, expected), at)
+    told(t - t[0], in_rsw(free - expected, expected)[:, :3], at)
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ from opml.errors import InputError
 from opml.reading import read_yaml
 from opml.study import checks
 from opml.study.experiments import Study
-from opml.study.overlay import Layer, Source, laid_over, with_numbers
+from opml.study.overlay import COMMAND_LINE, Layer, Source, laid_over, with_numbers
 from opml.study.schema import read_schema
 from opml.study.settings import merged, with_sheets
 
@@ -57,7 +57,7 @@ def given(tmp_path, text, **command_line):
     """Settings of a file of one's own, laid over the paper's."""
     path = tmp_path / "mine.yaml"
     path.write_text(text)
-    return merged(["config/config.yaml", path], command_line)
+    return merged(["config/config.yaml", path], Layer(COMMAND_LINE, command_line))
 
 
 def test_papers_settings_are_valid():

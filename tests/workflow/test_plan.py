@@ -331,9 +331,11 @@ def test_scripts_are_short():
 def test_one_set_of_pins():
     pins = dict(re.findall(r"^([\w.-]+)==(\S+)$", (ROOT / "requirements.lock").read_text(), re.MULTILINE))
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    wanted = [*project["dependencies"], *project["optional-dependencies"]["test"]]
+    extras = project["optional-dependencies"]
+    needed = [*project["dependencies"], *extras["workflow"]]
+    wanted = [*needed, *extras["crate"], *extras["test"]]
     assert {re.match(r"[\w-]+", text)[0] for text in wanted} <= set(pins)
     conda = (ROOT / "workflow" / "envs" / "opml.yaml").read_text()
     conda_pins = dict(re.findall(r"- ([\w-]+)==(\S+)", conda))
-    assert {re.match(r"[\w-]+", text)[0] for text in project["dependencies"]} <= set(conda_pins)
+    assert {re.match(r"[\w-]+", text)[0] for text in needed} <= set(conda_pins)
     assert conda_pins.items() <= pins.items()

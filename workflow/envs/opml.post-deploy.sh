@@ -1,4 +1,9 @@
 #!/usr/bin/env bash
-# Run once by Snakemake, in the project's root, inside the environment it has just made.
+# Run once by Snakemake, in the run's folder, inside the environment it has just made: adds opml itself, from the tree
+# where the run's folder is one, else from the index.
 set -euo pipefail
-python -m pip install --no-deps --no-build-isolation .
+if [ -f src/opml/__init__.py ]; then
+    python -m pip install --no-deps --no-build-isolation .
+else
+    python -m pip install --no-deps opml-orbits==1.0.0
+fi

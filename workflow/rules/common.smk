@@ -9,18 +9,17 @@ from opml import naming, sheets, tables
 from opml.environment import knowledge
 from opml.environment.forecasts import methods
 from opml.errors import InputError
+from opml.files import PROJECT
 from opml.learning import learners, residuals
 from opml.learning.origins import origins
 from opml.provenance import script_digest
 from opml.study.checks import check_data, load
 from opml.study.experiments import Study
 from opml.study.honest import Honest
-from opml.study.overlay import with_numbers
+from opml.study.overlay import COMMAND_LINE, Layer, with_numbers
 from opml.study.own import Own
 from opml.study.paper import Paper
 from opml.study.settings import merged
-
-WORKFLOW = Path(str(workflow.current_basedir)).parent
 
 
 def end(error):
@@ -32,17 +31,22 @@ if sum(option in ("--configfile", "--configfiles") for option in sys.argv) > 1:
     end(
         "--configfile: expected all files behind one --configfile, as Snakemake forgets those of an earlier one"
     )
+if workflow.modifier.is_main_snakefile():
+    # Files given on the command line are laid over the project's, which may be in another folder than this file.
+    FILES = ["config/config.yaml", *map(os.path.relpath, workflow.config_settings.configfiles)]
+    ON_TOP = Layer(COMMAND_LINE, with_numbers(workflow.config_settings.config))
+else:
+    # A module: what another workflow hands to it is laid over the settings that come with the package.
+    FILES, ON_TOP = [PROJECT / "config" / "config.yaml"], Layer("config", with_numbers(config))
 try:
-    # Files given on the command line are laid over the one that the Snakefile names.
-    GIVEN = [os.path.relpath(path) for path in workflow.config_settings.configfiles]
-    SOURCE = merged(["config/config.yaml", *GIVEN], with_numbers(workflow.config_settings.config))
-    SETTINGS = load(SOURCE, schema=WORKFLOW / "schemas" / "config.schema.yaml")
+    SOURCE = merged(FILES, ON_TOP)
+    SETTINGS = load(SOURCE, schema=workflow.source_path("../schemas/config.schema.yaml"))
     if workflow.is_main_process:  # each job parses this file anew
         check_data(SOURCE, SETTINGS)
 except InputError as error:
     end(error)
-config.clear()
-config.update(SETTINGS.values)
+# By another name for it, as a module's mapping may be that of the workflow around it.
+config = dict(SETTINGS.values)
 
 STUDY = Study(SETTINGS)
 PAPER = Paper(STUDY)
@@ -95,7 +99,7 @@ wildcard_constraints:
 
 def code(script):
     """Digest of the modules of opml that a script uses: as a param, it reruns the rule when one of them changes."""
-    return script_digest(WORKFLOW / "scripts" / script)
+    return script_digest(workflow.source_path(f"../scripts/{script}"))
 
 
 def source(name):

@@ -10,6 +10,7 @@ from pathlib import Path
 import numba
 import platformdirs
 
+from opml.dynamics.caching import SharedLocator
 from opml.provenance import code_digest
 
 _KERNELS = ("opml.dynamics.ensemble", "opml.dynamics.frames", "opml.dynamics.orbit_density")
@@ -21,3 +22,7 @@ def _cache_folder() -> Path:
 
 
 numba.config.CACHE_DIR = str(_cache_folder())  # type: ignore[attr-defined]  # made at run time
+# Numba's own ones follow for where that folder cannot be written.
+numba.config.CACHE_LOCATOR_CLASSES = (  # type: ignore[attr-defined]
+    f"{SharedLocator.__module__}.{SharedLocator.__name__},InTreeCacheLocator,UserWideCacheLocator"
+)

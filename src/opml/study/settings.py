@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from glob import glob
-from pathlib import Path
 from typing import Any
 
 from opml.errors import InputError
+from opml.files import FilePath, in_project
 from opml.sheets import Rso, Station, read_rsos, read_stations, rsos_of, stations_of
-from opml.study.overlay import COMMAND_LINE, MISSING, Key, Layer, Source, laid_over, read_layer
+from opml.study.overlay import MISSING, Key, Layer, Source, laid_over, read_layer
 
 STUDIES = "config/studies"
 """Folder of the studies that are called by their names."""
@@ -51,12 +51,12 @@ class Settings:
         return self.values["study"] or {}
 
 
-def merged(files: Sequence[str | Path], command_line: Mapping[str, Any] | None = None) -> Source:
-    """Return settings merged from files, later ones on top, and the command line; the study in full.
+def merged(files: Sequence[FilePath], on_top: Layer | None = None) -> Source:
+    """Return settings merged from files, later ones on top, and what was given otherwise; the study in full.
 
     Raises InputError for a file that is missing or not YAML.
     """
-    layers = [read_layer(path) for path in files] + [Layer(COMMAND_LINE, command_line or {})]
+    layers = [read_layer(path) for path in files] + ([on_top] if on_top else [])
     values: Any = {}
     for layer in layers:
         values = laid_over(values, layer.values or values)
@@ -70,7 +70,8 @@ def with_sheets(values: Mapping[str, Any], source: Source | None = None) -> Sett
     Raises InputError for what is wrong in a sheet; `source` names the file of what the settings hold.
     """
     source = source or Source(values, [])
-    stations, rsos = read_stations(values["sheets"]["stations"]), read_rsos(values["sheets"]["rsos"])
+    stations = read_stations(in_project(values["sheets"]["stations"]))
+    rsos = read_rsos(in_project(values["sheets"]["rsos"]))
     own_stations = _inline(source, "stations", stations_of, known=stations)
     flown = {name for kind in ("oem", "orbits", "tracks") for name in values.get(kind, {})}
     own_rsos = _inline(source, "rsos", partial(rsos_of, flown=flown), known=rsos)
@@ -123,7 +124,7 @@ def _study_file(name: Any, source: Source, key: Key, above: Sequence[str]) -> La
     """Read a study by its name or path. Raises InputError for what is none or extends itself."""
     if not isinstance(name, str) or not name:
         raise source.wrong(key, f"expected a study, or names of studies, got {name!r}")
-    layer = read_layer(f"{STUDIES}/{name}.yaml" if _NAME.fullmatch(name) else name)
+    layer = read_layer(in_project(f"{STUDIES}/{name}.yaml") if _NAME.fullmatch(name) else name)
     if layer.name in above:
         raise source.wrong(key, f"expected studies that do not extend themselves, got {layer.name}")
     for part in layer.values:

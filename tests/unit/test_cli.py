@@ -1,0 +1,49 @@
+"""The command `opml`: what it writes, and when it refuses to."""
+
+import re
+
+import pytest
+from support import REPOSITORY
+
+from opml import __version__, cli
+
+
+def test_a_new_project_holds_the_workflow_and_the_study_of_the_howto(tmp_path, capsys):
+    assert cli.main(["init", str(tmp_path / "new")]) == 0
+    for name in (
+        "Snakefile",
+        "workflow/rules/truth.smk",
+        "config/stations.tsv",
+        "profiles/default/config.yaml",
+    ):
+        assert (tmp_path / "new" / name).read_bytes() == (REPOSITORY / name).read_bytes()
+    assert not any(path.is_symlink() for path in (tmp_path / "new").rglob("*"))
+    page = (REPOSITORY / "docs" / "howto.md").read_text(encoding="utf-8")
+    study = (tmp_path / "new" / "mine.yaml").read_text(encoding="utf-8")
+    assert f"```yaml\n{study}```\n" in page
+    assert "snakemake -j2 study --configfile mine.yaml" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", ["config", "Snakefile", "mine.yaml"])
+def test_a_folder_with_such_files_is_refused_in_one_line(tmp_path, capsys, name):
+    (tmp_path / name).mkdir()
+    assert cli.main(["init", str(tmp_path)]) == 1
+    error = capsys.readouterr().err
+    assert error == f"opml: {tmp_path / name}: expected a folder without a project, got one that has this\n"
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
+def test_a_file_in_the_way_is_told_in_one_line(tmp_path, capsys):
+    (tmp_path / "file").write_text("")
+    assert cli.main(["init", str(tmp_path / "file")]) == 1
+    assert re.fullmatch(r"opml: .*file.*\n", capsys.readouterr().err)
+
+
+def test_one_version_everywhere():
+    script = (REPOSITORY / "workflow" / "envs" / "opml.post-deploy.sh").read_text(encoding="utf-8")
+    citation = (REPOSITORY / "CITATION.cff").read_text(encoding="utf-8")
+    assert re.findall(r"opml-orbits==(\S+)", script) == [__version__]
+    assert re.findall(r"^version: (\S+)$", citation, re.MULTILINE) == [__version__]
+    assert re.search(
+        rf"^## {re.escape(__version__)}", (REPOSITORY / "CHANGELOG.md").read_text(), re.MULTILINE
+    )

@@ -1,0 +1,69 @@
+"""The package as others install it: a wheel that holds the workflow, and a project that is begun from it."""
+
+import os
+import shutil
+import subprocess
+import sys
+
+import pytest
+from project import ROOT
+from test_plan import jobs
+
+SOURCES = ("pyproject.toml", "README.md", "LICENSE", "Snakefile", "src", "workflow", "config", "profiles")
+# What the extra `workflow` brings cannot be imported.
+LIBRARY = """
+import sys
+sys.modules |= dict.fromkeys(("jsonschema", "matplotlib", "pygments", "snakemake"))
+import opml
+assert all(hasattr(opml, name) for name in opml.__all__)
+print(opml.__file__)
+"""
+
+
+def run(*command, **options):
+    """What a command prints, and that it ends well."""
+    done = subprocess.run(
+        list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **options
+    )
+    assert done.returncode == 0, done.stdout
+    return done.stdout
+
+
+def pip(*arguments):
+    """Run pip without an index."""
+    return run(sys.executable, "-m", "pip", "--disable-pip-version-check", *arguments)
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory):
+    """A folder in which a wheel of this tree is installed, without what it depends on."""
+    folder = tmp_path_factory.mktemp("wheel")
+    for name in SOURCES:
+        if (ROOT / name).is_dir():
+            shutil.copytree(ROOT / name, folder / name, symlinks=True)
+        else:
+            shutil.copyfile(ROOT / name, folder / name)
+    pip("wheel", "--no-deps", "--no-build-isolation", "--no-index", "--wheel-dir", folder, folder)
+    (wheel,) = folder.glob("*.whl")
+    assert wheel.name.startswith("opml_orbits-")
+    pip("install", "--no-deps", "--no-index", "--target", folder / "installed", wheel)
+    return folder / "installed"
+
+
+@pytest.fixture
+def environment(installed):
+    """Variables under which Python finds the installed package before this tree's."""
+    return os.environ | {"PYTHONPATH": str(installed), "NO_COLOR": "1"}
+
+
+def test_the_library_needs_nothing_of_the_workflow(installed, environment, tmp_path):
+    found = run(sys.executable, "-c", LIBRARY, env=environment, cwd=tmp_path)
+    assert found.strip() == str(installed / "opml" / "__init__.py")
+
+
+def test_a_project_from_the_wheel_plans_its_study(installed, environment, tmp_path):
+    told = run(sys.executable, installed / "bin" / "opml", "init", "new", env=environment, cwd=tmp_path)
+    command = told.splitlines()[-1].replace("-j2", "-n").split()
+    plan = run(sys.executable, "-m", *command, env=environment, cwd=tmp_path / "new")
+    assert jobs(plan)["truth"] == jobs(plan)["study_report"] == 1
+    assert "results/mine/study.html" in plan
