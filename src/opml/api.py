@@ -28,7 +28,7 @@ from opml.learning import dataset as datasets
 from opml.learning import learners, metrics, splits, stated
 from opml.learning.cleaning import Cleaning
 from opml.learning.contract import Model
-from opml.learning.evaluation import evaluate
+from opml.learning.evaluation import as_tested, evaluate
 from opml.learning.residuals import CORRECTED
 from opml.learning.residuals import build as left_over
 from opml.sheets import Rso, Station
@@ -454,7 +454,7 @@ def correct(
     ['i', 'j', 'duration', 'true', 'predicted', 'residual']
     """
     chosen = splits.rows_tested(dataset, test, train=train, span_days=span_days, seed=seed, learned=learned)
-    return evaluate(model, dataset, chosen, component=component)
+    return evaluate(as_tested(model, test), dataset, chosen, component=component)
 
 
 def p_ml(evaluation: pd.DataFrame) -> float:

@@ -3,15 +3,18 @@
 A station set is the stations' names joined with '-' in the sheet's order, ``eglin-kaena``. An RSO is a row's
 name, or that row with another inclination in degrees (``iss_i50``), with kilometres added to its semi-major
 axis (``iss_a+50``), or both (``iss_i50_a+50``). A split says which rows of a dataset a model is trained or
-tested on: ``random-80``, ``grouped-80``, ``days-0-30``, ``days-30-40-unseen``, ``rest``, ``seen``.
+tested on: ``random-80``, ``grouped-80``, ``days-0-30``, ``days-30-40-unseen``, ``rest``, ``seen``. A test may
+end in how its rows are treated: ``days-30-40-unfenced``, ``days-30-40-fence3``, ``rest-zscore``.
 
 A suffix stands for one setting that differs from the run's own: ``eglin_noise43`` is what Eglin measures
 under another seed, ``random-80_split43`` another draw of the same split, ``eglin_w24`` estimates from 24
-hours of tracks, ``svr_s2`` the learner ``svr`` with 2 as its kernel scale. The run's own setting has no
-suffix. So two names are never the same thing. What errors are held against is ``_later`` or ``_smoothed``
-estimates; no suffix is the truth.
+hours of tracks, ``eglin_tol1`` of fits that stop earlier, ``eglin_cd0.5`` of fits that believe a drag
+coefficient beforehand, ``svr_s2`` the learner ``svr`` with 2 as its kernel scale. The run's own setting
+has no suffix. So two names are never the same thing. What errors are held against is ``_later`` or
+``_smoothed`` estimates; no suffix is the truth.
 """
 
+import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -131,7 +134,28 @@ def parse_window(suffix: str, *, default: float) -> float:
         return 0.0
     if suffix.startswith("_b"):
         return parse_both_sides(suffix)
-    return float(suffix.removeprefix("_w")) if suffix else default
+    own = re.match(rf"_w({POSITIVE})", suffix)
+    return float(own[1]) if own else default
+
+
+def fitted(*, convergence: float | None = None, cd_sigma: float | None = None) -> str:
+    """Return the suffix of fits that stop elsewhere, or believe a Cd beforehand; None is the run's own."""
+    given = {"_tol": convergence, "_cd": cd_sigma}
+    return "".join(mark + number(value) for mark, value in given.items() if value is not None)
+
+
+def parse_fitted(suffix: str) -> dict[str, float]:
+    """Return the settings of the estimation that a suffix of estimates changes, beside its window."""
+    found = {
+        "convergence": re.search(rf"_tol({POSITIVE})", suffix),
+        "cd_sigma": re.search(rf"_cd({POSITIVE})", suffix),
+    }
+    return {name: float(match[1]) for name, match in found.items() if match}
+
+
+def fitted_pattern(*, convergence: float) -> str:
+    """Return the regular expression of what `fitted` returns in a run with its own `convergence`."""
+    return rf"(?:_tol(?!{re.escape(number(convergence))}(?![\d.])){POSITIVE})?(?:_cd{POSITIVE})?"
 
 
 def both_sides(hours: float) -> str:
@@ -181,19 +205,28 @@ def window_pattern(*, default: float) -> str:
 _SHARE = rf"(random|grouped)-({NUMBER})"
 _DAYS = rf"days-({NUMBER})-({NUMBER})"
 _TRAIN = re.compile(f"{_SHARE}|{_DAYS}")
-_TEST = re.compile(f"(rest|seen)|{_DAYS}(-unseen)?")
+_FENCE = f"-(unfenced|fence{POSITIVE})"
+_TEST = re.compile(f"(?:(rest|seen)|{_DAYS}(-unseen)?(?:{_FENCE})?)(-zscore)?")
 TRAIN, TEST = (re.sub(r"\((?!\?)", "(?:", pattern.pattern) for pattern in (_TRAIN, _TEST))
 """Regular expressions of a training and of a test split, without groups."""
+
+TEST_BY_ROW = TEST.removesuffix("(?:-zscore)?")
+"""Regular expression of a test whose rows are corrected each for itself."""
 
 
 @dataclass(frozen=True)
 class Split:
-    """Which rows of a dataset are chosen: a share of rows or of estimates, a window of days, the rest."""
+    """Which rows of a dataset are chosen: a share of rows or of estimates, a window of days, the rest.
+
+    A test may have fences of its own, or none, in place of the dataset's, and standardise its rows alone.
+    """
 
     kind: str  # random, grouped, days, rest or seen
     percent: float = 100.0  # of the rows (random) or of the estimates (grouped)
     days: tuple[float, float] = (0.0, 0.0)  # of t_j, of a window
     unseen: bool = False  # t_i, too, lies in the window
+    fence: float | None = None  # Tukey's, of its own rows [IQR]; infinite for none, None for the dataset's
+    zscore: bool = False  # rows are standardised by their own mean and deviation
 
     def __str__(self) -> str:
         """Return its one name."""
@@ -202,8 +235,20 @@ class Split:
                 return f"{self.kind}-{number(self.percent)}"
             case "days":
                 first, last = map(number, self.days)
-                return f"days-{first}-{last}" + ("-unseen" if self.unseen else "")
-        return self.kind
+                unseen = "-unseen" if self.unseen else ""
+                return f"days-{first}-{last}{unseen}{fenced(self.fence)}{self._own}"
+        return self.kind + self._own
+
+    @property
+    def _own(self) -> str:
+        return "-zscore" if self.zscore else ""
+
+
+def fenced(fence: float | None) -> str:
+    """Return what a test's name says of its own fences [IQR]: none where they are infinite, None has none."""
+    if fence is None:
+        return ""
+    return "-unfenced" if math.isinf(fence) else f"-fence{number(fence)}"
 
 
 def parse_train(text: str) -> Split:
@@ -236,10 +281,22 @@ def parse_test(text: str) -> Split:
         raise InputError(
             f"test split '{text}': expected seen, rest, days-<first>-<last> or days-<first>-<last>-unseen"
         )
-    kind, first, last, unseen = match.groups()
+    kind, first, last, unseen, fence, zscore = match.groups()
     if kind is not None:
-        return Split(kind)
-    return Split("days", days=_days(text, first, last), unseen=unseen is not None)
+        return Split(kind, zscore=zscore is not None)
+    return Split(
+        "days",
+        days=_days(text, first, last),
+        unseen=unseen is not None,
+        fence=_fence(fence),
+        zscore=zscore is not None,
+    )
+
+
+def _fence(text: str | None) -> float | None:
+    if text is None:
+        return None
+    return math.inf if text == "unfenced" else float(text.removeprefix("fence"))
 
 
 def _days(text: str, first: str, last: str) -> tuple[float, float]:
@@ -267,6 +324,16 @@ def as_unseen(test: str) -> str:
     """Return the window of a test with t_i in it, too; any other test is itself."""
     split = parse_test(test)
     return str(replace(split, unseen=True)) if split.kind == "days" else test
+
+
+def treated(test: str, *, fence: float | None = None, zscore: bool = False) -> str:
+    """Return a test with its own fence [IQR], None as it is, and its rows standardised alone or as they are.
+
+    Rows of a random split keep the dataset's fences, which its training rows have, too.
+    """
+    split = parse_test(test)
+    own = split.fence if fence is None or split.kind != "days" else fence
+    return str(replace(split, fence=own, zscore=split.zscore or zscore))
 
 
 def learner_pattern(learners: Mapping[str, Mapping[str, Any]]) -> str:

@@ -590,6 +590,8 @@ _TABLES = (
             real("p_ml_high", "%", "95th percentile of P_ML over resampled estimates"),
             real("fraction_reduced", "1", "fraction of rows whose error the model reduces"),
             real("p_ml_later", "%", "P_ML of the same rows against later estimates; NaN of a truth's label"),
+            real("last_before", "SI", "mean absolute error of the longest half day of durations"),
+            real("last_after", "SI", "mean absolute residual error of the same rows"),
         ),
     ),
 )

@@ -323,3 +323,18 @@ def test_a_station_of_other_sigmas_weighs_otherwise(
     np.testing.assert_allclose(
         found.loc[many, "weighted_rms"], 0.5 * table.iloc[:6].loc[many, "weighted_rms"], rtol=0.02
     )
+
+
+def test_a_cd_that_is_believed_beforehand_stays_near_it(
+    assumed_model, rows, earth_orientation, three_stations, iss, orbit, table
+):
+    first = rows[rows["track"] < 16]
+    heavier = replace(iss, cd=2.6)  # the orbit flew with 2.2
+    held, weak = (
+        estimates(assumed_model, orbit, first, earth_orientation, three_stations, heavier, cd_sigma=sigma)
+        for sigma in (1e-4, 1e4)
+    )
+    assert np.abs(held["cd"] - 2.6).max() < 1e-2
+    used = (weak["tracks_used"] >= 3).to_numpy()
+    free = table["cd"].to_numpy()[:16][used]
+    np.testing.assert_allclose(weak["cd"][used], free, atol=0.05)

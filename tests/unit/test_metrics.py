@@ -95,6 +95,8 @@ def test_evaluation_and_its_summary(tmp_path):
         "p_ml_high": high,
         "fraction_reduced": 0.75,
         "p_ml_later": 57.0,
+        "last_before": 25.0,
+        "last_after": 14.5,
     }
     write_table(tmp_path / "metrics.parquet", row, "metrics", metadata={})
 

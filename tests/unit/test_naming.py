@@ -247,6 +247,9 @@ def test_training_split_and_back(text, split):
         ("seen", Split("seen")),
         ("days-30-40.5", Split("days", days=(30, 40.5))),
         ("days-30-40-unseen", Split("days", days=(30, 40), unseen=True)),
+        ("rest-zscore", Split("rest", zscore=True)),
+        ("days-30-40-unfenced", Split("days", days=(30, 40), fence=math.inf)),
+        ("days-3-4-unseen-fence1.5-zscore", Split("days", 100, (3, 4), True, fence=1.5, zscore=True)),
     ],
 )
 def test_test_split_and_back(text, split):
@@ -264,7 +267,10 @@ def test_other_texts_are_no_training_split(text):
         naming.parse_train(text)
 
 
-@pytest.mark.parametrize("text", ["random-80", "all", "days-1", "days-30-40-seen", "days-01-2", ""])
+@pytest.mark.parametrize(
+    "text",
+    ["random-80", "all", "days-1", "days-30-40-seen", "days-01-2", "rest-unfenced", "days-1-2-fence0", ""],
+)
 def test_other_texts_are_no_test_split(text):
     assert not re.fullmatch(naming.TEST, text)
     with pytest.raises(InputError, match=f"test split '{text}': expected seen, rest"):
@@ -285,6 +291,31 @@ def test_windows_of_names():
         naming.parse_test("days-9-9")
     with pytest.raises(InputError, match="up to duration_days, 12, got 8 and 13"):
         naming.check_split(naming.parse_test("days-8-13"), duration_days=12)
+
+
+def test_a_test_treated_otherwise():
+    assert naming.treated("days-30-40", fence=math.inf, zscore=True) == "days-30-40-unfenced-zscore"
+    assert naming.treated("days-30-40-unfenced") == "days-30-40-unfenced"
+    assert naming.treated("rest", fence=3.0) == "rest"  # its training rows have the dataset's fences
+    assert not re.fullmatch(naming.TEST_BY_ROW, "rest-zscore")
+    assert re.fullmatch(naming.TEST_BY_ROW, "days-30-40-unseen-unfenced")
+
+
+def test_fits_that_differ_and_back():
+    pattern = naming.window_pattern(default=12) + naming.fitted_pattern(convergence=0.001)
+    for text, settings in (
+        ("_tol1", {"convergence": 1}),
+        ("_cd0.5", {"cd_sigma": 0.5}),
+        ("_tol1_cd0.5", {"convergence": 1, "cd_sigma": 0.5}),
+        ("", {}),
+    ):
+        assert naming.fitted(**settings) == text
+        assert naming.parse_fitted(f"_w24{text}") == settings
+        assert naming.parse_window(f"_w24{text}", default=12) == 24
+        assert naming.parse_window(text, default=12) == 12
+        assert re.fullmatch(pattern, f"_w24{text}")
+    for text in ("_tol0.001", "_cd0.5_tol1", "_tol0", "_w12_tol1"):
+        assert not re.fullmatch(pattern, text)
 
 
 def test_an_experiment_knows_its_files():

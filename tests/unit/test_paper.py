@@ -35,6 +35,7 @@ def test_sections_are_the_papers():
         "svr_testing_3stations": "4",
         "future_5days": "5",
         "future_10days": "5",
+        "future_10days_unfenced": "5",
         "future_15days": "5",
         "inclination_50": "6",
         "semi_major_axis_50": "6",

@@ -87,7 +87,8 @@ def metrics(paper, p_ml):
     for one in paper.reported:
         number = p_ml(one)
         p_ml_or_50 = 50.0 if number is None else number
-        rows.append(one.columns() | {"rows": 10, "estimates": 5, "p_ml": p_ml_or_50, "fraction_reduced": 0.8})
+        numbers = {"rows": 10, "estimates": 5, "p_ml": p_ml_or_50, "fraction_reduced": 0.8}
+        rows.append(one.columns() | numbers | {"last_before": 48e3, "last_after": 19e3})
     return pd.DataFrame(rows)
 
 
@@ -162,12 +163,15 @@ def test_claims_follow_the_numbers(paper):
     found = {
         said: (ours, holds) for said, ours, holds in (claims.judged(one, results) for one in paper.claims)
     }
-    assert len(found) == 9
+    assert len(found) == 10
     assert all(holds for _, holds in found.values()), found
     assert found["three stations improve the metric by more than a half"][0] == (
         "50.0 (svr_testing_1station), 10.0 (svr_testing_3stations)"
     )
     assert found["about 80 % of the points have a smaller error"][0] == "80.0 (future_10days)"
+    assert found["at 7 days the mean error is reduced from around 50 km to less than 20 km"][0] == (
+        "48.0 (km before, future_10days_unfenced), 19.0 (km after, future_10days_unfenced)"
+    )
 
 
 @pytest.mark.parametrize(
@@ -185,6 +189,9 @@ def test_claims_follow_the_numbers(paper):
         ("falls_and_settles", [40, 15, 10, 9.9], {"share": 0.1}, True),
         ("falls_and_settles", [40, 30, 20, 10], {"share": 0.1}, False),
         ("falls_and_settles", [40, 10, 11, 10], {"share": 0.1}, False),
+        ("mean_of_longest_falls", [44, 19], {"start": 50, "share": 0.25, "limit": 20}, True),
+        ("mean_of_longest_falls", [44, 21], {"start": 50, "share": 0.25, "limit": 20}, False),
+        ("mean_of_longest_falls", [18, 7], {"start": 50, "share": 0.25, "limit": 20}, False),
     ],
 )
 def test_what_a_claim_may_hold_of(holds, numbers, limits, expected):

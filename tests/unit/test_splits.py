@@ -8,6 +8,7 @@ import pytest
 
 from opml.errors import InputError
 from opml.learning import splits
+from opml.learning.cleaning import OUTSIDE_FENCES
 
 DAY = 86400.0
 SPAN = [0, 30]
@@ -175,3 +176,21 @@ def test_unseen_window_leaves_out_estimates_from_before_it(table):
     assert (table["t_i"][unseen] > 30 * DAY).all()
     assert (table["t_i"][window & ~unseen] <= 30 * DAY).all()
     assert (window & ~unseen).any()
+
+
+def test_a_test_without_fences_takes_what_only_they_dropped(table):
+    fenced = np.arange(len(table)) % 7 == 3
+    reasons = np.where(
+        fenced, np.where(np.arange(len(table)) % 2, OUTSIDE_FENCES, "no prediction: decayed"), ""
+    )
+    errors = np.where(fenced, 1e5, np.arange(len(table)) % 11)
+    table = table.assign(reason=reasons, e_y=errors)
+    kept, free, own = (
+        splits.test_rows(table, f"days-30-40{fence}", span_days=SPAN, trained=None)
+        for fence in ("", "-unfenced", "-fence3")
+    )
+    assert set(table["reason"][free & ~kept]) == {OUTSIDE_FENCES}
+    assert (free | ~kept).all()
+    assert (own == kept).all()  # their errors are far outside of the others'
+    wide = splits.test_rows(table, "days-30-40-fence1000000", span_days=SPAN, trained=None)
+    assert (wide == free).all()

@@ -77,7 +77,9 @@ TRAINED_ON = (
 
 SEED = config["seed"]
 NOISE = naming.seed_pattern(naming.NOISE, default=SEED["noise"])
-WINDOW = naming.window_pattern(default=config["estimation"]["window_hours"])
+WINDOW = naming.window_pattern(default=config["estimation"]["window_hours"]) + naming.fitted_pattern(
+    convergence=config["estimation"]["convergence"]
+)
 SPLIT = naming.seed_pattern(naming.SPLIT, default=SEED["split"])
 LATER = naming.any_of(filter(None, naming.LABELS.values()))
 

@@ -30,7 +30,8 @@ rule estimation:
                 "window_hours": window_hours(wildcards),
                 "cd_bounds": cd_bounds(),
             }
-            | after_hours(wildcards),
+            | after_hours(wildcards)
+            | naming.parse_fitted(wildcards.window),
             "rso": rso(wildcards),
             "stations": stations(wildcards),
         },

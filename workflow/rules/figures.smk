@@ -13,8 +13,8 @@ rule errors:
     input:
         rules.evaluate.output.evaluation,
     output:
-        pdf=f"{RESULTS}/figs/errors/{EXPERIMENT}/{{target}}/{{test}}.pdf",
-        png=f"{RESULTS}/figs/errors/{EXPERIMENT}/{{target}}/{{test}}.png",
+        pdf=[f"{RESULTS}/figs/errors/{EXPERIMENT}/{{target}}/{{test}}.pdf"],
+        png=[f"{RESULTS}/figs/errors/{EXPERIMENT}/{{target}}/{{test}}.png"],
     log:
         f"{RESULTS}/logs/figs/errors/{EXPERIMENT}/{{target}}/{{test}}.log",
     benchmark:

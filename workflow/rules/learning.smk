@@ -116,6 +116,7 @@ rule intervals:
         f"{RESULTS}/benchmarks/intervals/{EXPERIMENT}/{{target}}/{{test}}.tsv"
     wildcard_constraints:
         rso=TRAINED_ON,
+        test=naming.TEST_BY_ROW,
     conda:
         "../envs/opml.yaml"
     resources:

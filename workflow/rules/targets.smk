@@ -42,6 +42,7 @@ HONEST_FILES = (
     if "generalisation" in STUDY
     else []
 )
+SCAN_FILES = [*rules.scan_report.output, *rules.scan_curves.output] if "scan" in STUDY else []
 STUDY_FILES = (
     [
         *rules.study_report.output,

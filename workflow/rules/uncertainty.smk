@@ -82,6 +82,7 @@ rule calibration:
     benchmark:
         f"{RESULTS}/benchmarks/calibration/{EXPERIMENT}/{{target}}/{{test}}.tsv"
     wildcard_constraints:
+        test=naming.TEST_BY_ROW,
         component="e_y",
     conda:
         "../envs/opml.yaml"
@@ -107,6 +108,7 @@ rule fit_calibration:
     benchmark:
         f"{RESULTS}/benchmarks/fit_calibration/{EXPERIMENT}/{{target}}/{{test}}.tsv"
     wildcard_constraints:
+        test=naming.TEST_BY_ROW,
         learner="none",
         component="e_y",
     conda:

@@ -4,7 +4,7 @@ import math
 
 from opml.jobs import job
 from opml.learning import dataset, learners, metrics, splits
-from opml.learning.evaluation import evaluate
+from opml.learning.evaluation import as_tested, evaluate
 from opml.tables import read_metadata, write_table
 
 with job(snakemake) as metadata:
@@ -20,7 +20,8 @@ with job(snakemake) as metadata:
         seed=settings["seed"],
         learned=learned,
     )
-    corrected = evaluate(learners.read(files.model), table, rows, component=experiment["component"])
+    model = as_tested(learners.read(files.model), experiment["test"])
+    corrected = evaluate(model, table, rows, component=experiment["component"])
     write_table(output.evaluation, corrected, "evaluation", metadata=metadata)
     summary = metrics.summary(
         corrected,

@@ -51,7 +51,8 @@ class Estimation:
     of the perturbed truth that a first fit of a simulated RSO starts from; least_drag_m: displacement of a
     window per unit of Cd below which Cd is held at its a-priori value; cd_bounds: Cd of an estimate that
     others may start from, None where its formal uncertainty decides; after_hours: tracks that begin up to so
-    long after the estimate are used, too [h].
+    long after the estimate are used, too [h]; cd_sigma: standard deviation of Cd about its a-priori value, as
+    known beforehand, None where it is not.
     """
 
     window_hours: float
@@ -62,6 +63,7 @@ class Estimation:
     least_drag_m: float
     cd_bounds: tuple[float, float] | None = None
     after_hours: float = 0.0
+    cd_sigma: float | None = None
 
 
 def estimate_all(
@@ -280,7 +282,17 @@ class Run:
                 if lost:
                     one.fit.reject(f"start arc {REASONS[lost]}")
                 else:
-                    one.fit.take(self.measured.evaluation(one.window, flown))
+                    one.fit.take(self.believed(self.measured.evaluation(one.window, flown), one.fit.trial))
+
+    def believed(self, evaluation: Evaluation, trial: np.ndarray) -> Evaluation:
+        """An evaluation at a trial (7,), and what is known of Cd beforehand as one more residual."""
+        if self.settings.cd_sigma is None:
+            return evaluation
+        weighted = np.eye(7)[_CD] / self.settings.cd_sigma
+        residual = (self.flight.rso.cd - trial[_CD]) / self.settings.cd_sigma
+        return Evaluation(
+            np.append(evaluation.residuals, residual), np.vstack([evaluation.jacobian, weighted])
+        )
 
     def is_usable(self, estimate: Estimate) -> bool:
         """Whether others may start from it: converged, its Cd within the bounds, or else well determined.

@@ -52,6 +52,9 @@ class Cleaning:
         return drag_coefficient_inside(cd, cd_min=low, cd_max=high)
 
 
+OUTSIDE_FENCES = "outside Tukey fences"
+"""Why a row is dropped that all but the fences would keep."""
+
 PAPER_BOUNDS = (1.2, 3.2)
 PAPER_FENCE = 3.0
 

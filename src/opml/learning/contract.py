@@ -22,8 +22,8 @@ CHOICE = {
 """Keys by which settings may choose variables: those to learn from, or those of the default to leave out."""
 
 
-class Model(Protocol):
-    """What every learner returns: frozen, and the same again when read from its table."""
+class Predictor(Protocol):
+    """What corrects rows of a dataset."""
 
     @property
     def variables(self) -> tuple[str, ...]:
@@ -31,6 +31,13 @@ class Model(Protocol):
 
     def predict(self, x: np.ndarray) -> np.ndarray:
         """Predicted errors (n,) of rows x (n, variables), all in their own units."""
+
+
+class Model(Predictor, Protocol):
+    """What every learner returns: frozen, and the same again when read from its table.
+
+    It predicts row by row: what it says of one does not depend on the others.
+    """
 
     def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
         """The model as a table, and metadata of JSON-able values with its `kind` and `variables`."""

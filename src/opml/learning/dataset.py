@@ -16,7 +16,7 @@ import pandas as pd
 from opml import epochs
 from opml.elements import coe_from_cartesian, rsw_rotation, wrap_half_turn
 from opml.errors import InputError
-from opml.learning.cleaning import Cleaning, tukey_fences
+from opml.learning.cleaning import OUTSIDE_FENCES, Cleaning, tukey_fences
 from opml.learning.splits import in_days, known_at
 from opml.tables import COMPONENTS, SCHEMAS, STATE, mechanism_schema, read_kind, read_metadata, read_table
 
@@ -35,7 +35,6 @@ NO_PREDICTION = "no prediction"
 CD_OUTSIDE = "drag coefficient outside bounds"
 NO_PREVIOUS_ESTIMATE = "no kept previous estimate"
 NO_RELATIVE_ERROR = "no prediction from previous estimate"
-OUTSIDE_FENCES = "outside Tukey fences"
 NO_TRUE_STATE = "no true state"
 NO_NUMBERS = "no numbers beside it"
 NO_LABEL = "no label"
@@ -103,8 +102,8 @@ def read(path: str | PathLike[str], beside: Iterable[str | PathLike[str]] = ()) 
 def beside_it(dataset: pd.DataFrame, other: pd.DataFrame) -> pd.DataFrame:
     """The dataset with the columns of a table of the same pairs beside its own.
 
-    A kept row that has no numbers there, since a neighbour of its arc decayed, is dropped with its reason.
-    Raises InputError where a row of the dataset is not in the other.
+    A row that was kept, or only fenced off, and has no numbers there, as a neighbour of its arc decayed, is
+    dropped with its reason. Raises InputError where a row of the dataset is not in the other.
     """
     pairs = pd.MultiIndex.from_frame(dataset[["i", "j"]])
     known = other.set_index(["i", "j"])
@@ -113,7 +112,7 @@ def beside_it(dataset: pd.DataFrame, other: pd.DataFrame) -> pd.DataFrame:
         i, j = pairs[missing.argmax()]
         raise InputError(f"pairs: i, j: expected every pair of the dataset, got none of {i}, {j}")
     joined = dataset.join(known.loc[pairs].reset_index(drop=True).set_axis(dataset.index))
-    lost = joined["keep"] & joined[known.columns].isna().any(axis=1)
+    lost = joined["reason"].isin(["", OUTSIDE_FENCES]) & joined[known.columns].isna().any(axis=1)
     return joined.assign(keep=joined["keep"] & ~lost, reason=joined["reason"].mask(lost, NO_NUMBERS))
 
 

@@ -3,10 +3,20 @@
 import numpy as np
 import pandas as pd
 
-from opml.learning.contract import Model
+from opml.learning.contract import Model, Predictor
+from opml.learning.zscore import Rescaled
+from opml.naming import parse_test
 
 
-def evaluate(model: Model, dataset: pd.DataFrame, rows: np.ndarray, *, component: str) -> pd.DataFrame:
+def as_tested(model: Model, test: str) -> Predictor:
+    """The model as the name of a test has it meet rows: as they are, or standardised by themselves.
+
+    Raises InputError for a name that is none, or a model that does not standardise.
+    """
+    return Rescaled.around(model) if parse_test(test).zscore else model
+
+
+def evaluate(model: Predictor, dataset: pd.DataFrame, rows: np.ndarray, *, component: str) -> pd.DataFrame:
     """The `evaluation` table: true, predicted and residual error of `component` on the rows (bool mask).
 
     The residual is true minus predicted, what the ML-modified prediction is still wrong by.

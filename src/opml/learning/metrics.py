@@ -9,11 +9,13 @@ import math
 import numpy as np
 import pandas as pd
 
+from opml.constants import DAY
 from opml.errors import InputError
 from opml.seeds import derive
 
 DRAWS = 2000
 PERCENTILES = (5.0, 95.0)
+LONGEST = 0.5 * DAY
 
 
 def p_ml(true: np.ndarray, predicted: np.ndarray) -> float:
@@ -82,6 +84,12 @@ def floor_share(dataset: pd.DataFrame, rows: np.ndarray, *, component: str) -> f
     return 100.0 * float(floor.abs().sum() / error.abs().sum())
 
 
+def of_longest(evaluation: pd.DataFrame) -> tuple[float, float]:
+    """Mean absolute error and residual [m or m/s] of the rows within LONGEST of the longest duration."""
+    longest = evaluation[evaluation["duration"] >= evaluation["duration"].max() - LONGEST]
+    return float(longest["true"].abs().mean()), float(longest["residual"].abs().mean())
+
+
 def by_seed(metrics: pd.DataFrame) -> pd.DataFrame:
     """Rows of the `metrics` table and a further column `seed`, a number for each pair of seeds."""
     return metrics.assign(seed=metrics.groupby(["seed_noise", "seed_split"]).ngroup())
@@ -103,6 +111,7 @@ def summary(
     """
     low, high = bootstrap_interval(evaluation, seed=seed_split)
     true, predicted = evaluation["true"].to_numpy(), evaluation["predicted"].to_numpy()
+    before, after = of_longest(evaluation)
     row = experiment | {
         "seed_noise": seed_noise,
         "seed_split": seed_split,
@@ -114,5 +123,7 @@ def summary(
         "p_ml_high": high,
         "fraction_reduced": fraction_reduced(true, predicted),
         "p_ml_later": p_ml_later,
+        "last_before": before,
+        "last_after": after,
     }
     return pd.DataFrame([row])

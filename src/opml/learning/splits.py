@@ -4,10 +4,12 @@
 `grouped-80` (all rows of 80 % of the estimates) or `days-0-30` (rows whose t_j lies in that window) for
 training; for testing `seen` (the training rows), `rest` (rows of the learning span that were not trained on),
 another window, `days-30-40`, or `days-30-40-unseen` (where t_i, too, lies in it, so that no estimate behind a
-row was trained on). Only kept rows are ever chosen. Labels from later estimates are trained on only where
-they were known by the end of the window.
+row was trained on). Only kept rows are ever chosen, but by a test without the dataset's fences
+(`days-30-40-unfenced`) or with fences of its own rows (`days-30-40-fence3`). Labels from later estimates are
+trained on only where they were known by the end of the window.
 """
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -15,6 +17,7 @@ import pandas as pd
 
 from opml.constants import DAY
 from opml.errors import InputError
+from opml.learning.cleaning import OUTSIDE_FENCES, tukey_fences
 from opml.naming import parse_test, parse_train
 from opml.seeds import derive
 
@@ -67,9 +70,12 @@ def test_rows(
     if split.kind == "seen":
         return _not_empty(seen & dataset["keep"].to_numpy(), f"test split '{name}'")
     window = split.days if split.kind == "days" else span_days
-    rows = dataset["keep"].to_numpy() & in_days(dataset["t_j"].to_numpy(), window) & ~seen
+    usable = dataset["keep"] if split.fence is None else dataset["reason"].isin(["", OUTSIDE_FENCES])
+    rows = usable.to_numpy() & in_days(dataset["t_j"].to_numpy(), window) & ~seen
     if split.unseen:
         rows &= in_days(dataset["t_i"].to_numpy(), window)
+    if split.fence is not None and math.isfinite(split.fence) and rows.any():
+        rows &= _within_own_fences(dataset["e_y"].to_numpy(), rows, fence=split.fence)
     return _not_empty(rows, f"test split '{name}'")
 
 
@@ -106,6 +112,12 @@ def _random_share(candidates: np.ndarray, *, percent: float, seed: int) -> np.nd
 def _grouped_share(candidates: np.ndarray, group: np.ndarray, *, percent: float, seed: int) -> np.ndarray:
     order = derive(seed, "split", "grouped").permutation(np.unique(group[candidates]))
     return candidates & np.isin(group, order[: round(len(order) * percent / 100.0)])
+
+
+def _within_own_fences(e_y: np.ndarray, rows: np.ndarray, *, fence: float) -> np.ndarray:
+    lower, upper = tukey_fences(e_y[rows], fence=fence)
+    inside: np.ndarray = (e_y >= lower) & (e_y <= upper)
+    return inside
 
 
 def _not_empty(rows: np.ndarray, what: str) -> np.ndarray:

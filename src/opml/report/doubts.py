@@ -10,6 +10,16 @@ DOUBTS = (
         "To q3 + 3 IQR, as in Tukey's test; as printed, the upper fence would lie one IQR lower.",
     ),
     (
+        "Whether the fences, which need the true error, cut the rows of a future test too is not told; 'from "
+        "around 50 km' at seven days, in words, is more than rows inside them have.",
+        "The fences of days 0-30 cut every test, as all rows are cleaned before. Tests without fences are in "
+        "the table of readings, and the sentence on kilometres is checked on one.",
+    ),
+    (
+        "The learning variables are standardised by their mean and deviation; of which rows is not told.",
+        "Of the rows trained on. A test that is standardised by itself is in the table of readings.",
+    ),
+    (
         "The prediction duration, a learning variable, is t_i - t_b.",
         "t_j - t_i. With t_i - t_b one row could not tell the target at one track from that at the next, "
         "and every figure's axis is t_j - t_i.",

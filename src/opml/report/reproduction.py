@@ -84,6 +84,7 @@ def document(
     comparisons = [compare(headline, results) for headline in asked.headlines]
     return [
         Heading("The paper's numbers and ours", 1),
+        *_summary(comparisons, results),
         *_headlines(asked, comparisons, scales),
         *_causes(comparisons, results),
         *_readings(asked, results),
@@ -139,6 +140,28 @@ def counts(
     }
 
 
+def _summary(comparisons: Sequence[Comparison], results: Results) -> list[Block]:
+    rows = [
+        [f"`{one.headline.name}`", percent(one.headline.published), percent(one.ours), _cause(one, results)]
+        for one in comparisons
+    ]
+    return [
+        Paragraph(
+            "P_ML [%] is what the correction leaves of the summed absolute error: 0 is perfect, 100 no "
+            "correction. The cause is the one reading of what the paper leaves open that comes nearest."
+        ),
+        Table(["number", "paper", "ours", "cause of the difference"], rows),
+        Heading("Beside our seeds"),
+    ]
+
+
+def _cause(one: Comparison, results: Results) -> str:
+    if one.inside:
+        return "the seeds"
+    text, run, explains = likeliest_cause(one, results)
+    return f"{'' if explains else 'none found; the nearest: '}{text} ({percent(results.p_ml(run))})"
+
+
 def _headlines(
     asked: Reproduction, comparisons: Sequence[Comparison], scales: Mapping[str, float]
 ) -> list[Block]:
@@ -150,8 +173,7 @@ def _headlines(
     header += ["paper within our seeds", "our kernel scale s", f"s = {asked.fixed_scale:g}"]
     return [
         Paragraph(
-            "P_ML [%] is what the correction leaves of the summed absolute error: 0 is perfect, 100 no "
-            "correction. 'Ours' is the run with the paper's single seed and the default reading of what "
+            "'Ours' is the run with the paper's single seed and the default reading of what "
             f"it leaves open (kernel scale rule: {asked.rule}). The ranges are smallest and largest over "
             f"{splits} seeds of the splits and subsamples and over {noises} seeds of the measurement noise; "
             "a transfer to another RSO was not measured anew under other noise."

@@ -208,7 +208,7 @@ def _check_references(source: Source, settings: Settings) -> None:
 _ENTRIES = (
     *((), ("defaults",), ("orbit",), ("distribution",), ("partition",), ("kernel_scale",)),
     *(("generalisation",), ("generalisation", "transfers"), ("generalisation", "budget")),
-    ("rolling",),
+    *(("rolling",), ("scan",)),
 )
 _MAPPINGS_OF_ENTRIES = (("evaluations",), ("grids",), ("curves",), ("reproduction", "readings"))
 

@@ -1,5 +1,6 @@
 """What every part of a study shares: defaults, seeds, and entries that become experiments."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -13,6 +14,16 @@ from opml.study.settings import Settings, with_sheets
 
 ROLLING = {"every_days": 1, "last_days": 30}
 """How often learners are trained anew, and on how many days' labels, where a study does not say [days]."""
+
+
+def fence_of(word: str | float) -> float | None:
+    """Return the fence of tested rows [IQR] that a setting asks for: the dataset's (None), none, or own."""
+    match word:
+        case "dataset":
+            return None
+        case "none":
+            return math.inf
+    return float(word)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from opml import naming, sheets
 from opml.naming import Experiment
 from opml.report.claims import Claim
 from opml.report.reproduction import Headline, Reproduction
-from opml.study.experiments import Study
+from opml.study.experiments import Study, fence_of
 from opml.tables import COMPONENTS
 
 
@@ -211,7 +211,8 @@ class Paper:
             read = replace(read, train=re.sub("^(random|grouped)-", f"{entry['split']}-", read.train))
         if entry.get("windows") == "unseen":
             read = replace(read, test=naming.as_unseen(read.test))
-        return read
+        fence, zscore = fence_of(entry.get("fence", "dataset")), entry.get("zscore", False)
+        return replace(read, test=naming.treated(read.test, fence=fence, zscore=zscore))
 
     @cached_property
     def drawn(self) -> dict[str, Experiment]:
@@ -282,5 +283,5 @@ class Paper:
         return self._claim(claim, points)
 
     def _claim(self, claim: Mapping[str, Any], points: Mapping[str, Experiment]) -> Claim:
-        limits = {key: claim[key] for key in ("limit", "share") if key in claim}
+        limits = {key: claim[key] for key in ("limit", "share", "start") if key in claim}
         return Claim(claim["says"], claim["holds"], points, **limits)

@@ -1,0 +1,98 @@
+"""The scan: combinations of readings, what they ask for, and how near they come to the paper."""
+
+import math
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from support import paper_values, study_of
+
+from opml.figures import scan as figures
+from opml.report import document, scan
+from opml.report.scan import Combination
+from opml.study.checks import load
+from opml.study.experiments import Study
+from opml.study.paper import Paper
+from opml.study.scan import scan as scanned
+from opml.study.settings import merged
+
+ROOT = Path(__file__).parents[2]
+
+AXES = {
+    "learners": ["svr", "svr_s5.6"],
+    "estimations": [{}, {"convergence": 1}],
+    "fences": ["dataset", "none"],
+    "zscore": [False, True],
+}
+
+
+@pytest.fixture(scope="module")
+def asked():
+    values = paper_values()
+    values["study"]["scan"] = AXES
+    return scanned(Paper(study_of(values)))
+
+
+def metrics(asked, p_ml):
+    rest = {"rows": 9, "estimates": 5, "fraction_reduced": 0.8, "last_before": 45e3, "last_after": 1e4}
+    return pd.DataFrame([one.columns() | rest | {"p_ml": p_ml(one)} for one in asked.experiments])
+
+
+def test_combinations_are_the_product_of_the_axes(asked):
+    assert len(asked.combinations) == len(set(map(str, asked.combinations))) == 16
+    assert str(asked.combinations[0]) == "svr"
+    assert "svr_s5.6_tol1-unfenced-zscore" in map(str, asked.combinations)
+
+
+def test_a_study_without_a_scan_has_none():
+    assert not scanned(Paper(study_of(paper_values()))).combinations
+
+
+def test_a_combination_is_a_part_of_every_name(asked):
+    one = Combination("svr_s2", window="_tol1", reading="_track", fence=math.inf, zscore=True)
+    future, _ = asked.numbers["future_10days"]
+    assert one.of(future).path("metrics") == (
+        "metrics/iss/eglin-clear-kaena_tol1_track/days-0-30/svr_s2/e_y/iss/days-30-40-unfenced-zscore.parquet"
+    )
+    rest, _ = asked.numbers["svr_testing_1station"]
+    assert one.of(rest).test == "rest-zscore"  # its training rows have the dataset's fences
+
+
+def test_the_default_combination_changes_nothing(asked):
+    for experiment, _ in asked.numbers.values():
+        assert asked.combinations[0].of(experiment) == experiment
+
+
+def test_the_nearest_comes_first(asked):
+    published = {own.path(""): number for own, number in asked.numbers.values()}
+
+    def p_ml(one):
+        """The paper's own numbers, five points off but for one combination, which is one point off."""
+        own = published.get(Combination("svr").of(one).path("").replace("-unfenced", ""), 50.0)
+        return own + (1.0 if one.learner == "svr_s5.6" and not one.window else 5.0)
+
+    found = scan.outcomes(asked, metrics(asked, p_ml))
+    assert len(found) == 16
+    assert found[0].combination.learner == "svr_s5.6"
+    assert found[0].distance == pytest.approx(1.0)
+    assert (found[0].near, found[-1].near) == (8, 0)
+    assert len(found[0].held) == 10
+    text = document.markdown(scan.document(asked, metrics(asked, p_ml)))
+    assert "| the paper |  |  |  |  | 18.3 | 22.6 |" in text
+    assert "| `svr_s5.6` | 1.0 | 8 |" in text
+
+
+def test_the_figure_has_a_line_for_each_and_the_papers_marks():
+    published = {"one": 20.0, "other": 40.0}
+    found = {"near": {"one": 21.0, "other": 44.0}, "svr": {"one": 50.0, "other": 90.0}, "far": published}
+    axes = figures.scan(found, published, default="svr").axes[0]
+    assert [line.get_ydata()[0] for line in axes.lines] == [21.0, 50.0, 20.0, 20.0]
+    labels = axes.get_legend_handles_labels()[1]
+    assert labels == ["near, the nearest", "svr, the default", "Peng & Bai"]
+
+
+def test_the_scan_that_comes_with_the_settings_is_one():
+    source = merged([f"{ROOT}/config/config.yaml", f"{ROOT}/config/scan.yaml"], {})
+    found = scanned(Paper(Study(load(source, schema=f"{ROOT}/workflow/schemas/config.schema.yaml"))))
+    assert len(found.combinations) == 24
+    assert "svrnoplane10_cd1-zscore" in map(str, found.combinations)
