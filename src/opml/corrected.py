@@ -186,6 +186,8 @@ def rows(
     columns = pairs.join(known.at_estimates, on="i")
     columns["duration"] = columns["t_j"] - columns["t_i"]
     for kind in tables_asked(variables):
+        if kind not in _BESIDE:
+            raise InputError(f"ephemeris: expected a learner that asks for one RSO alone, got the {kind}")
         table = _BESIDE[kind](flight, known, pairs, grid)
         columns = columns.join(table.drop(columns=["i", "j"]))
     return columns

@@ -187,6 +187,9 @@ def parse_arc(suffix: str) -> tuple[float, float]:
 MEMBERS = r"[2-9]|[1-9][0-9]{1,2}"
 """Regular expression of how many futures an ensemble has."""
 
+TRACK = r"0|[1-9][0-9]*"
+"""Regular expression of the number of a track."""
+
 ARC = f"_l{POSITIVE}_m{POSITIVE}"
 """Regular expression of the suffix of arcs."""
 

@@ -20,12 +20,19 @@ import pyarrow.parquet as pq
 from opml.constants import BODIES
 from opml.errors import InputError
 from opml.files import FilePath, replacing
+from opml.thermosphere import ALTITUDES, DENSITIES
 
 ENVIRONMENT = ("earth_orientation", "ephemerides", "solar_activity", "gravity_field")
 """The tables of the environment, which the force models are made of."""
 
 OUTLOOKS = "outlooks"
 """One more, where the assumed model forecasts the activity."""
+
+THERMOSPHERE = "thermosphere"
+"""One more, where the truth flies through another atmosphere than DTM2000's."""
+
+OPTIONAL = (OUTLOOKS, THERMOSPHERE)
+"""The tables of an environment that some force models do without."""
 
 STATE = ["x", "y", "z", "vx", "vy", "vz"]
 """Columns of a state; a list, so that a DataFrame takes it as it is."""
@@ -199,7 +206,13 @@ _ARCS = (
     ),
     *_state(_PREDICTED, "prediction minus that of the arc with Cd held by its past", prefix="h_arc_"),
 )
-MECHANISM_AXES = ("s", "v", "r", "l", "v_long", "floor", "l_arc", "v_arc", "h_arc")
+_THERMOMETER = (
+    real("factor", "1", "logarithm of the density over the assumed one at t_i, but for a constant"),
+    real("cd_window", "1", "drag coefficient of the arc's window, as the catalogue's fits together have it"),
+    real("cd_ahead", "1", "drag coefficient of the prediction, as they have it, where the factor decays"),
+    *_state(_PREDICTED, "prediction minus that of the arc with these", prefix="thermo_"),
+)
+MECHANISM_AXES = ("s", "v", "r", "l", "v_long", "floor", "l_arc", "v_arc", "h_arc", "thermo")
 """Families of columns of the mechanism, with one column per error component: of `v`, `v_y` is for e_y."""
 
 _EVALUATION = (
@@ -301,6 +314,19 @@ _TABLES = (
             real("issued", "s", "when it was told, in elapsed SI seconds since the epoch"),
             _T,
             *_ACTIVITY,
+        ),
+    ),
+    Schema(
+        THERMOSPHERE,
+        "a node of the environment's time grid, a local time and a latitude",
+        (
+            _T,
+            real("local_time", "rad", "mean local solar time, 0 at midnight"),
+            real("latitude", "rad", "geodetic latitude", "ITRF"),
+            *(
+                real(name, "kg/m3", f"density at {altitude / 1e3:g} km")
+                for name, altitude in zip(DENSITIES, ALTITUDES, strict=True)
+            ),
         ),
     ),
     Schema(
@@ -430,6 +456,7 @@ _TABLES = (
         "a pair of an estimate i and a later track start j",
         _EVALUATION,
     ),
+    Schema("thermometer", "a pair of an estimate i and a later track start j", (*_PAIR, *_THERMOMETER)),
     Schema(
         "rolling",
         "a pair of an estimate i and a later track start j",

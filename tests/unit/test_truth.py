@@ -65,3 +65,11 @@ def test_an_rso_that_comes_down_is_an_input_error(truth_model, iss):
     ) as error:
         truth.simulate(truth_model, low, duration=2 * DAY, step=20.0, integrator=Integrator())
     assert "\n" not in str(error.value)
+
+
+def test_orbits_that_fly_together_are_those_that_fly_alone(truth_model, iss):
+    asked = {"duration": HOUR, "step": 600.0, "integrator": Integrator()}
+    others = [rsos()[name] for name in ("swarma", "lageos1")]
+    together = truth.simulate_together(truth_model, [iss, *others], **asked)
+    for rso, table in zip([iss, *others], together, strict=True):
+        assert table.to_numpy().tobytes() == truth.simulate(truth_model, rso, **asked).to_numpy().tobytes()

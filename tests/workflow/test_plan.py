@@ -275,6 +275,17 @@ def test_a_forecast_of_the_weather_is_made_for_the_assumed_model_alone(project):
     }
 
 
+def test_a_catalogue_flies_together_and_reads_one_thermometer(project):
+    target = "results/catalogue/thermometer/sky21/eglin.parquet"
+    found = jobs(project.snakemake("-n", target, "--configfile", "config/catalogue.yaml").stdout)
+    # One job for all truths; the long fits of the twenty that make it, and both of the one left out.
+    assert found["truths"] == 1
+    assert "truth" not in found
+    assert found["thermosphere"] == 1
+    assert found["estimation"] == 22
+    assert found["prediction"] == 2
+
+
 def test_a_second_configfile_option_is_told(project):
     files = ["--configfile", "config/ci.yaml", "--configfile", "config/observed.yaml"]
     done = project.snakemake("-n", *files, check=False)

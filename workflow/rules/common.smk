@@ -6,11 +6,12 @@ from dataclasses import asdict
 from pathlib import Path
 
 from opml import naming, sheets, tables
-from opml.environment import knowledge
+from opml.environment import knowledge, nrlmsis
 from opml.environment.forecasts import methods
 from opml.errors import InputError
 from opml.files import PROJECT
 from opml.learning import learners, residuals
+from opml.learning.contract import ARC_MEMORY_DAYS
 from opml.learning.origins import origins
 from opml.provenance import script_digest
 from opml.study.checks import check_data, load
@@ -58,6 +59,13 @@ ENVIRONMENT = {name: f"{RESULTS}/environment/{name}.parquet" for name in tables.
 # The truth may fly under another solar activity than the assumed model.
 TRUE_ACTIVITY = "true_solar_activity" if "true_solar_activity" in config["environment"] else "solar_activity"
 TRUE_ENVIRONMENT = ENVIRONMENT | {"solar_activity": f"{RESULTS}/environment/{TRUE_ACTIVITY}.parquet"}
+# And through another atmosphere.
+ATMOSPHERE = config["force_models"]["truth"].get("atmosphere", "DTM2000")
+if ATMOSPHERE == nrlmsis.NAME:
+    TRUE_ENVIRONMENT[tables.THERMOSPHERE] = f"{RESULTS}/environment/{tables.THERMOSPHERE}.parquet"
+# Truths that fly together fill the lanes of the kernels.
+THERMOMETER = config.get("thermometer", {})
+CATALOGUE = [*THERMOMETER.get("rsos", []), *THERMOMETER.get("left_out", [])]
 # The assumed model may be held to what was known when.
 KNOWLEDGE = config["environment"].get("knowledge")
 if KNOWLEDGE in knowledge.KNOWN:

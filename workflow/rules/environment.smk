@@ -75,6 +75,29 @@ rule solar_activity:
         "../scripts/solar_activity.py"
 
 
+rule thermosphere:
+    input:
+        source(TRUE_ACTIVITY),
+    output:
+        f"{RESULTS}/environment/{tables.THERMOSPHERE}.parquet",
+    log:
+        f"{RESULTS}/logs/environment/{tables.THERMOSPHERE}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/environment/{tables.THERMOSPHERE}.tsv"
+    conda:
+        "../envs/opml.yaml"
+    resources:
+        mem_mb=2000,
+    params:
+        settings={key: config[key] for key in ("epoch", "duration_days")}
+        | {"source": config["environment"][TRUE_ACTIVITY]},
+        code=code("thermosphere.py"),
+    message:
+        "Thermosphere: densities of NRLMSIS 2.1 around the Earth under {params.settings[source]}"
+    script:
+        "../scripts/thermosphere.py"
+
+
 rule hindcast:
     input:
         source("solar_activity"),

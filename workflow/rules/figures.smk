@@ -282,3 +282,31 @@ if "kernel_scale" in STUDY:
             ),
         message:
             "Figure: performance metric P_ML against the kernel scale"
+
+
+if KNOWLEDGE == knowledge.FORECAST:
+
+    use rule errors as fan with:
+        input:
+            fan=rules.ensemble.output.fan,
+            sample=rules.ensemble.output.sample,
+        output:
+            pdf=f"{RESULTS}/figs/fans/{{rso}}/{{stations}}{{window}}_n{{members}}/{{track}}.pdf",
+            png=f"{RESULTS}/figs/fans/{{rso}}/{{stations}}{{window}}_n{{members}}/{{track}}.png",
+        log:
+            f"{RESULTS}/logs/figs/fans/{{rso}}/{{stations}}{{window}}_n{{members}}/{{track}}.log",
+        benchmark:
+            f"{RESULTS}/benchmarks/figs/fans/{{rso}}/{{stations}}{{window}}_n{{members}}/{{track}}.tsv"
+        wildcard_constraints:
+            members=naming.MEMBERS,
+            track=naming.TRACK,
+        params:
+            draw="fan",
+            settings=lambda wildcards: {
+                "epoch": config["epoch"],
+                "level": config["intervals"]["level"],
+                "track": int(wildcards.track),
+            },
+            code=code("fan.py"),
+        message:
+            "Figure: the prediction of {wildcards.rso} from track {wildcards.track} under {wildcards.members} futures"

@@ -98,6 +98,52 @@ rule arcs:
         "../scripts/arcs.py"
 
 
+if CATALOGUE:
+    FIT_WINDOW = naming.windowed(THERMOMETER["window_hours"], default=config["estimation"]["window_hours"])
+
+    rule thermometer:
+        input:
+            catalogue=lambda wildcards: [
+                path_of(rules.estimation.output[0], rso=name, stations=wildcards.stations, window=FIT_WINDOW)
+                for name in THERMOMETER["rsos"]
+            ],
+            estimates=at_window(FIT_WINDOW, rules.estimation.output[0]),
+            predictions=rules.prediction.output[0],
+            sensitivities=rules.sensitivities.output[0],
+            arcs=lambda wildcards: path_of(
+                rules.arcs.output[0],
+                **dict(wildcards.items()),
+                arc=naming.arc(THERMOMETER["window_hours"], ARC_MEMORY_DAYS),
+            ),
+        output:
+            f"{RESULTS}/thermometer/{{rso}}/{{stations}}{{window}}.parquet",
+        log:
+            f"{RESULTS}/logs/thermometer/{{rso}}/{{stations}}{{window}}.log",
+        benchmark:
+            f"{RESULTS}/benchmarks/thermometer/{{rso}}/{{stations}}{{window}}.tsv"
+        conda:
+            "../envs/opml.yaml"
+        resources:
+            mem_mb=1000,
+        params:
+            settings=lambda wildcards: {
+                "epoch": config["epoch"],
+                "thermometer": {
+                    key: value for key, value in THERMOMETER.items() if key not in ("rsos", "left_out")
+                },
+                "member": (
+                    THERMOMETER["rsos"].index(wildcards.rso)
+                    if wildcards.rso in THERMOMETER["rsos"]
+                    else None
+                ),
+            },
+            code=code("thermometer.py"),
+        message:
+            "Thermometer: what the drag of a catalogue says of {wildcards.rso} by {wildcards.stations}"
+        script:
+            "../scripts/thermometer.py"
+
+
 rule perfect_estimates:
     input:
         truth=rules.truth.output[0],

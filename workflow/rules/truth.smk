@@ -30,3 +30,37 @@ rule truth:
         "Truth dynamic model: the true orbit of {wildcards.rso}"
     script:
         "../scripts/truth.py"
+
+
+if CATALOGUE:
+
+    rule truths:
+        input:
+            **TRUE_ENVIRONMENT,
+        output:
+            [f"{RESULTS}/truth/{name}.parquet" for name in CATALOGUE],
+        log:
+            f"{RESULTS}/logs/truth/catalogue.log",
+        benchmark:
+            f"{RESULTS}/benchmarks/truth/catalogue.tsv"
+        conda:
+            "../envs/opml.yaml"
+        resources:
+            mem_mb=3000,
+            runtime=20,
+        params:
+            settings={
+                "epoch": config["epoch"],
+                "duration_days": config["duration_days"],
+                "step_s": config["tracking"]["step_s"],
+                "force_model": config["force_models"]["truth"],
+                "integrator": config["integrator"],
+                "rsos": [asdict(sheets.parse_rso(name, SETTINGS.rsos)) for name in CATALOGUE],
+            },
+            code=code("truths.py"),
+        message:
+            "Truth dynamic model: the true orbits of a catalogue"
+        script:
+            "../scripts/truths.py"
+
+    ruleorder: truths > truth

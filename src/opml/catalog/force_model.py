@@ -6,15 +6,15 @@ from typing import Any
 from opml.dynamics import forces
 from opml.dynamics.ensemble import Integrator
 from opml.dynamics.surroundings import ForceModel
-from opml.tables import ENVIRONMENT, OUTLOOKS, read_metadata, read_table
+from opml.tables import ENVIRONMENT, OPTIONAL, read_metadata, read_table
 
 
 def read(paths: Mapping[str, str], *, epoch: str, settings: Mapping[str, Any]) -> ForceModel:
     """Read a force model.
 
-    paths: of the tables in `tables.ENVIRONMENT`, by name, and of `outlooks` where there are any; epoch: UTC
-    text; settings: degree, order and third_bodies.
-    Raises InputError where a table is missing or damaged.
+    paths: of the tables in `tables.ENVIRONMENT`, by name, and those in `tables.OPTIONAL` where there are any;
+    epoch: UTC text; settings: degree, order and third_bodies. Raises InputError where a table is missing or
+    damaged.
     """
     field = read_metadata(paths["gravity_field"])
     return forces.build(
@@ -26,7 +26,7 @@ def read(paths: Mapping[str, str], *, epoch: str, settings: Mapping[str, Any]) -
         gm=field["gm"],
         radius=field["radius"],
         gms=read_metadata(paths["ephemerides"])["gm"],
-        outlooks=read_table(paths[OUTLOOKS], OUTLOOKS) if OUTLOOKS in dict(paths.items()) else None,
+        **{name: read_table(paths[name], name) for name in OPTIONAL if name in dict(paths.items())},
     )
 
 

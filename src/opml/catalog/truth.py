@@ -1,13 +1,12 @@
-"""The true orbit of an RSO: one arc under the truth model."""
+"""The true orbits of RSOs: one arc of each under the truth model."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pandas as pd
 
-from opml.catalog.flying import fly
 from opml.constants import DAY
-from opml.dynamics.ensemble import REASONS, Integrator
+from opml.dynamics.ensemble import REASONS, Arcs, Integrator, propagate
 from opml.dynamics.surroundings import ForceModel
 from opml.elements import cartesian_from_coe, true_from_mean_anomaly
 from opml.errors import InputError
@@ -35,17 +34,47 @@ def simulate(
     model: the true one. Raises InputError where the RSO does not stay in
     orbit that long (paper, sec. Truth Dynamic Models).
     """
-    t = np.arange(0.0, duration + 0.5 * step, step)
-    start = initial_state(rso, model.gm)
-    last = [len(t) - 1]
-    arcs = fly(
-        model, rso, t, start[None], cd=rso.cd, first=[0], last=last, integrator=integrator, progress=progress
+    [table] = simulate_together(
+        model, [rso], duration=duration, step=step, integrator=integrator, progress=progress
     )
-    if arcs.status[0]:
-        flown = np.isfinite(arcs.states[:, 0]).sum() * step / DAY
+    return table
+
+
+def simulate_together(
+    model: ForceModel,
+    rsos: Sequence[Rso],
+    *,
+    duration: float,
+    step: float,
+    integrator: Integrator,
+    threads: int = 1,
+    progress: Callable[[float], None] | None = None,
+) -> list[pd.DataFrame]:
+    """The `truth` tables of RSOs that fly side by side, each as `simulate` gives it, in less time."""
+    t = np.arange(0.0, duration + 0.5 * step, step)
+    starts = np.array([initial_state(rso, model.gm) for rso in rsos])
+    arcs = propagate(
+        model,
+        t,
+        starts,
+        first=[0] * len(rsos),
+        last=[len(t) - 1] * len(rsos),
+        ballistic=[rso.cd * rso.area_to_mass for rso in rsos],
+        reflection=[rso.cr * rso.area_to_mass for rso in rsos],
+        integrator=integrator,
+        threads=threads,
+        progress=progress,
+    )
+    return [_table(rso, t, start, arcs, k) for k, (rso, start) in enumerate(zip(rsos, starts, strict=True))]
+
+
+def _table(rso: Rso, t: np.ndarray, start: np.ndarray, arcs: Arcs, arc: int) -> pd.DataFrame:
+    """The table of one arc; raises InputError where it was retired."""
+    if arcs.status[arc]:
+        flown = np.isfinite(arcs.of(arc)[:, 0]).sum() * t[1] / DAY
         raise InputError(
-            f"{rso.name}: expected an orbit that lasts {duration / DAY:g} days, "
-            f"but it {REASONS[arcs.status[0]]} after {flown:.2f} days"
+            f"{rso.name}: expected an orbit that lasts {t[-1] / DAY:g} days, "
+            f"but it {REASONS[arcs.status[arc]]} after {flown:.2f} days"
         )
-    states = np.vstack([start, arcs.of(0)])
+    states = np.vstack([start, arcs.of(arc)])
     return pd.DataFrame({"t": t, **dict(zip(STATE, states.T, strict=True))})

@@ -1,12 +1,12 @@
 """The acceleration of arcs under a force model: the sum of all forces."""
 
-from opml.dynamics import dtm2000
+from opml.dynamics import dtm2000, tabulated
 from opml.dynamics.drag import drag
 from opml.dynamics.geodetic import geodetic
 from opml.dynamics.gravity import gravity
 from opml.dynamics.lanes import compiled, sqrt
 from opml.dynamics.radiation_pressure import illumination, radiation_pressure
-from opml.dynamics.surroundings import BODIES, ROTATION, SPIN, SUN_ITRF
+from opml.dynamics.surroundings import BODIES, CLOCK, ROTATION, SPIN, SUN_ITRF
 from opml.dynamics.third_body import third_bodies
 
 SCRATCH_ROWS = 40
@@ -48,8 +48,13 @@ def acceleration(x, y, z, vx, vy, vz, ballistic, reflection, model, values, fact
 
 @compiled
 def density(px, py, pz, inverse_r, model, values, factors, scratch):
-    """(geodetic altitude [m], DTM2000 density [kg/m3]) at ITRF positions [m]."""
+    """(geodetic altitude [m], density [kg/m3]) at ITRF positions [m], by the table or else by DTM2000."""
     altitude, sin_lat, cos_lat, sin_lon, cos_lon = geodetic(px, py, pz, inverse_r)
+    if model.tabulated.shape[0] > 0:
+        node, part, clock = int(values[CLOCK]), values[CLOCK + 1], values[CLOCK + 2]
+        return altitude, tabulated.density(
+            altitude, sin_lat, cos_lat, sin_lon, cos_lon, model.tabulated, node, part, clock, scratch
+        )
     sun_x, sun_y = values[SUN_ITRF], values[SUN_ITRF + 1]
     norm = (sun_x * sun_x + sun_y * sun_y) ** -0.5
     # Local solar time, counted from midnight: opposite the Sun's meridian.

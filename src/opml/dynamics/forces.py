@@ -11,7 +11,9 @@ from opml.dynamics.frames import ORIENTATION, spin
 from opml.dynamics.gravity import weights
 from opml.dynamics.surroundings import ForceModel
 from opml.epochs import days_of_year
+from opml.thermosphere import ALTITUDES, DENSITIES, LATITUDES, LOCAL_TIMES
 
+_EMPTY = np.empty((0, len(LOCAL_TIMES), len(LATITUDES), len(ALTITUDES)), np.float32)
 _ACTIVITY = ["f107", "f107_mean", "kp_3h", "kp_24h"]
 
 
@@ -28,6 +30,7 @@ def build(
     gm: float,
     radius: float,
     gms: Mapping[str, float] = GM,
+    thermosphere: pd.DataFrame | None = None,
     outlooks: pd.DataFrame | None = None,
 ) -> ForceModel:
     """Make a force model from the environment's tables.
@@ -35,14 +38,15 @@ def build(
     earth_orientation, ephemerides, solar_activity: DataFrames at the same uniform nodes;
     gravity_field: DataFrame n, m, c, s (fully normalised); epoch: UTC text; degree, order: of the
     field used; bodies: names of the third bodies that pull; gm [m3/s2], radius [m]: of the field;
-    gms: of the bodies [m3/s2]; outlooks: the table, where arcs fly under what was known when they start.
+    gms: of the bodies [m3/s2]; thermosphere: densities at the same nodes, DTM2000's where there are none;
+    outlooks: the table, where arcs fly under what was known when they start.
     """
     t = earth_orientation["t"].to_numpy()
     activity = np.ascontiguousarray(solar_activity[_ACTIVITY].to_numpy(float))
     names = ["sun", *(name for name in BODIES if name in bodies and name != "sun")]
     columns = [f"{name}_{axis}" for name in names for axis in "xyz"]
     midnight, days = days_of_year(epoch, t[-1])
-    thermosphere = dtm2000.coefficients()
+    coefficients = dtm2000.coefficients()
     model = ForceModel(
         first=float(t[0]),
         step=float(t[1] - t[0]),
@@ -52,8 +56,9 @@ def build(
         gms=np.array([gms[name] if name in bodies else 0.0 for name in names]),
         activity=activity,
         midnight=float(midnight),
-        seasons=np.ascontiguousarray(dtm2000.seasons(thermosphere, days)),
-        thermosphere=thermosphere,
+        seasons=np.ascontiguousarray(dtm2000.seasons(coefficients, days)),
+        thermosphere=coefficients,
+        tabulated=_EMPTY if thermosphere is None else logarithms(thermosphere),
         weights=weights(*_coefficients(gravity_field, degree, order)),
         columns=order + 2,
         degree=degree + 1,
@@ -63,6 +68,13 @@ def build(
         outlooks=np.empty((0, *activity.shape)),
     )
     return model if outlooks is None else with_outlooks(model, outlooks)
+
+
+def logarithms(thermosphere: pd.DataFrame) -> np.ndarray:
+    """A tabulated thermosphere as the kernels read it, in single precision: 2e-6 of a density."""
+    shape = (-1, len(LOCAL_TIMES), len(LATITUDES), len(ALTITUDES))
+    logarithms = np.log(thermosphere[list(DENSITIES)].to_numpy()).astype(np.float32)
+    return np.ascontiguousarray(logarithms).reshape(shape)
 
 
 def with_outlooks(model: ForceModel, table: pd.DataFrame) -> ForceModel:

@@ -13,8 +13,8 @@ from opml.constants import DAY, EARTH_RATE
 from opml.dynamics.dtm2000 import FACTORS, reduce_to_date
 from opml.dynamics.lanes import compiled, rows
 
-ROTATION, SPIN, SUN_ITRF, BODIES = 0, 9, 12, 15
-"""Where the parts of the looked-up values begin."""
+ROTATION, SPIN, SUN_ITRF, CLOCK, BODIES = 0, 9, 12, 15, 18
+"""Where the parts of the looked-up values begin; the clock: a node, the part of a step since, UTC [d]."""
 
 _SixWeights = tuple[float, float, float, float, float, float]
 
@@ -32,6 +32,7 @@ class ForceModel(NamedTuple):
     midnight: float  # start of the epoch's UTC day [s since the epoch]
     seasons: np.ndarray  # (days, 5, WIDTH), from dtm2000.seasons
     thermosphere: np.ndarray  # (97, WIDTH), from dtm2000.coefficients
+    tabulated: np.ndarray  # (nodes, local times, latitudes, altitudes): ln of density; no nodes: DTM2000
     weights: np.ndarray  # (terms, 7), from gravity.weights
     columns: int  # orders in the weights
     degree: int  # highest degree of a harmonic in the weights
@@ -56,7 +57,7 @@ def blank(model: ForceModel) -> tuple[np.ndarray, np.ndarray]:
 
 @compiled
 def look_up(t: float, model: ForceModel, values: np.ndarray, factors: np.ndarray) -> None:
-    """Fill `values` (rotation, spin, Sun in ITRF, bodies in GCRF) and DTM2000's `factors` at time t [s]."""
+    """Fill `values` (rotation, spin, Sun, clock, bodies) and DTM2000's `factors` at time t [s]."""
     node, u = _locate(t, model.first, model.step, model.orientation.shape[0])
     w = _weights(u)
     for k in range(model.bodies.shape[1]):
@@ -67,7 +68,9 @@ def look_up(t: float, model: ForceModel, values: np.ndarray, factors: np.ndarray
     sx, sy, sz = values[BODIES], values[BODIES + 1], values[BODIES + 2]
     for k in range(3):
         values[SUN_ITRF + k] = values[3 * k] * sx + values[3 * k + 1] * sy + values[3 * k + 2] * sz
-    day = min(max(math.floor((t - model.midnight) / DAY), 0), model.seasons.shape[0] - 1)
+    days = (t - model.midnight) / DAY
+    values[CLOCK], values[CLOCK + 1], values[CLOCK + 2] = node, u, days - math.floor(days)
+    day = min(max(math.floor(days), 0), model.seasons.shape[0] - 1)
     reduce_to_date(
         model.thermosphere,
         model.seasons[day],

@@ -7,7 +7,15 @@ import numpy as np
 
 from opml import epochs
 from opml.constants import DAY
-from opml.environment import earth_orientation, ephemerides, gravity_field, knowledge, nodes, solar_activity
+from opml.environment import (
+    earth_orientation,
+    ephemerides,
+    gravity_field,
+    knowledge,
+    nodes,
+    nrlmsis,
+    solar_activity,
+)
 from opml.errors import InputError
 
 FETCHED = "EIGEN-6S"
@@ -27,6 +35,7 @@ def check(values: Mapping[str, Any]) -> None:
         if setting in sources:
             _check_activity(setting, sources[setting], epoch, ends, sources["percentile"])
     _check_knowledge(values, ends)
+    _check_atmosphere(values, ends)
     if sources["gravity_field"] != FETCHED:
         field = gravity_field.read_icgem(gravity_field.resolve(sources["gravity_field"])).at(epoch)
         for model in values["force_models"].values():
@@ -47,6 +56,17 @@ def _check_knowledge(values: Mapping[str, Any], ends: np.ndarray) -> None:
             knowledge.check(source, values["epoch"], ends, forecast=forecast, issue_hours=hours)
     except InputError as error:
         raise InputError(f"environment.knowledge: {asked}: {error}") from None
+
+
+def _check_atmosphere(values: Mapping[str, Any], ends: np.ndarray) -> None:
+    """Raise InputError where the truth is to fly through NRLMSIS without weather that was measured."""
+    sources = values["environment"]
+    if values["force_models"]["truth"].get("atmosphere") != nrlmsis.NAME:
+        return
+    try:
+        nrlmsis.weather(sources.get("true_solar_activity", sources["solar_activity"]), values["epoch"], ends)
+    except InputError as error:
+        raise InputError(f"force_models.truth.atmosphere: {nrlmsis.NAME}: {error}") from None
 
 
 def _check_activity(setting: str, source: str, epoch: str, ends: np.ndarray, percentile: int) -> None:

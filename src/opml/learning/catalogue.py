@@ -87,3 +87,11 @@ RUNNING = _law(
     ["window_hours", "memory_days"],
     *("l_arc", "v_arc", "cd_arc", "cd_past"),
 )
+
+THERMOMETER = _law(
+    "thermometer",
+    "fit over another window, with Cd as the fits of many RSOs together have it",
+    [],
+    "thermo",
+)
+"""Its window and memory are those of the run's `thermometer`, as all RSOs share it."""

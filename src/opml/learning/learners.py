@@ -50,6 +50,7 @@ LEARNERS: tuple[Learner, ...] = (
     catalogue.REFITTED,
     catalogue.HELD,
     catalogue.RUNNING,
+    catalogue.THERMOMETER,
 )
 """The kinds that stand alone, one line each. Any two of them make a stack."""
 
@@ -190,9 +191,9 @@ def arc_of(settings: Settings) -> tuple[float, float] | None:
 
 
 def tables_asked(variables: Sequence[str]) -> list[str]:
-    """The kinds of tables beside the dataset that have the `variables`: of oracle, arcs and mechanism."""
+    """The kinds of tables beside the dataset that have the `variables`, such as arcs and mechanism."""
     asked, kinds = set(variables) - {*LEARNING_VARIABLES, "gap"}, []
-    for kind in ("oracle", "arcs"):
+    for kind in ("oracle", "arcs", "thermometer"):
         if asked & set(SCHEMAS[kind].names):
             kinds.append(kind)
         asked -= set(SCHEMAS[kind].names)
@@ -208,10 +209,8 @@ def check_without_truth(name: str, settings: Settings) -> None:
 def check(values: Mapping[str, Any]) -> None:
     """Raise InputError where a learner of the settings' `values` asks for a variable that there is not."""
     drifts = mechanism_schema(values["mechanism"]["resonances"]).names
-    known = {*LEARNING_VARIABLES, "gap", *drifts, *SCHEMAS["oracle"].names, *SCHEMAS["arcs"].names} - {
-        "i",
-        "j",
-    }
+    beside = [name for kind in ("oracle", "arcs", "thermometer") for name in SCHEMAS[kind].names]
+    known = {*LEARNING_VARIABLES, "gap", *drifts, *beside} - {"i", "j"}
     for name, settings in values["learners"].items():
         own = resolved(settings, component=COMPONENTS[0], variables=values["learning"]["variables"])
         if unknown := sorted(set(own["variables"]) - known):
@@ -219,6 +218,8 @@ def check(values: Mapping[str, Any]) -> None:
                 f"config: learners.{name}: expected learning variables and columns of the mechanism, "
                 f"got {unknown[0]}"
             )
+        if settings["kind"] == "thermometer" and "thermometer" not in values:
+            raise InputError(f"config: learners.{name}: expected a setting thermometer beside it, got none")
 
 
 def _by_kind() -> dict[str, Learner]:

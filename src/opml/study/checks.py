@@ -52,6 +52,7 @@ def check_study(source: Source, settings: Settings) -> None:
             checks.get(kind, bool)(value)
         except InputError as error:
             raise source.wrong(("study", *key), str(error)) from None
+    _check_catalogue(source, settings)
     _check_seen(source, settings)
     _check_references(source, settings)
     _check_label(source, Study(settings))
@@ -165,6 +166,21 @@ def _check_starts(source: Source, settings: Settings) -> None:
                         epochs.parse(time)
             except InputError as error:
                 raise source.wrong((kind, name), str(error)) from None
+
+
+def _check_catalogue(source: Source, settings: Settings) -> None:
+    """Hold the RSOs of the thermometer against the sheet; each either makes it or is left out."""
+    given = source.values.get("thermometer", {})
+    for part in ("rsos", "left_out"):
+        for name in given.get(part, []):
+            try:
+                sheets.parse_rso(name, settings.rsos)
+                if name in {*settings.orbits, *settings.tracks}:
+                    raise InputError(f"expected a simulated RSO, got {name}, whose orbit or tracks are given")
+                if part == "left_out" and name in given["rsos"]:
+                    raise InputError(f"expected an RSO that is none of rsos, got {name}")
+            except InputError as error:
+                raise source.wrong(("thermometer", part), str(error)) from None
 
 
 def _check_seen(source: Source, settings: Settings) -> None:

@@ -1,0 +1,15 @@
+"""Draw one prediction under many futures of the space weather."""
+
+from opml.figures import fan, style
+from opml.jobs import job
+from opml.tables import read_table
+
+with job(snakemake):
+    settings = snakemake.params.settings
+    figure = fan.chart(
+        read_table(snakemake.input.fan, "fan"),
+        read_table(snakemake.input.sample, "ensemble"),
+        track=settings["track"],
+        level=settings["level"],
+    )
+    style.save_all([figure], [snakemake.output.pdf], [snakemake.output.png])

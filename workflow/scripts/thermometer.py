@@ -1,0 +1,20 @@
+"""Correct the predictions of an RSO by what the drag coefficients of many say together."""
+
+from opml.catalog import thermometer
+from opml.jobs import job
+from opml.tables import read_table, write_table
+
+with job(snakemake) as metadata:
+    files, settings = snakemake.input, snakemake.params.settings
+    asked = thermometer.Thermometer(**settings["thermometer"])
+    fits = [read_table(path, "estimates") for path in files.catalogue]
+    told = thermometer.beliefs(fits, asked)
+    own = thermometer.read(read_table(files.estimates, "estimates"), told, settings["member"], asked)
+    table = thermometer.corrections(
+        read_table(files.predictions, "predictions"),
+        own,
+        read_table(files.arcs, "arcs"),
+        read_table(files.sensitivities, "sensitivities"),
+        asked,
+    )
+    write_table(snakemake.output[0], table, "thermometer", metadata=metadata)

@@ -1,0 +1,13 @@
+"""Tabulate the densities of another atmosphere than DTM2000 on the environment's time grid."""
+
+from opml.constants import DAY
+from opml.environment import nodes, nrlmsis
+from opml.jobs import job
+from opml.tables import write_table
+
+with job(snakemake) as metadata:
+    settings = snakemake.params.settings
+    t = nodes(settings["epoch"], DAY * settings["duration_days"])
+    table = nrlmsis.tabulate(settings["source"], settings["epoch"], t)
+    metadata |= {"source": settings["source"], **nrlmsis.SOURCES}
+    write_table(snakemake.output[0], table, "thermosphere", metadata=metadata)
