@@ -11,7 +11,7 @@ from opml.constants import BODIES as NAMES
 from opml.constants import DAY, EARTH_RATE
 from opml.dynamics import dtm2000, surroundings
 from opml.dynamics.lanes import WIDTH
-from opml.dynamics.surroundings import BODIES, ROTATION, SPIN, SUN_ITRF
+from opml.dynamics.surroundings import BODIES, CLOCK, ROTATION, SPIN, SUN_ITRF
 from opml.environment import earth_orientation, ephemerides, solar_activity
 
 TIMES = [0.0, 1.0, 3599.9, DAY * 3 + 1234.5, DAY * 17 + 0.25, DAY * 49.99]
@@ -38,7 +38,7 @@ def looked_up(t, model):
     factors = np.full((dtm2000.FACTORS, WIDTH), np.nan)
     _look_up(t, model, values, factors)
     rotation = values[ROTATION : ROTATION + 9].reshape(3, 3)
-    return rotation, values[SPIN:SUN_ITRF], values[SUN_ITRF:BODIES], values[BODIES:].reshape(-1, 3), factors
+    return rotation, values[SPIN:SUN_ITRF], values[SUN_ITRF:CLOCK], values[BODIES:].reshape(-1, 3), factors
 
 
 @pytest.fixture(scope="module")

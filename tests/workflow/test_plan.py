@@ -44,7 +44,7 @@ def test_default_target_is_every_figure_and_table(project):
     assert plan["truth"] == 21
     assert plan["tracking"] == plan["estimation"] == plan["prediction"] == 21 + 1 + 8
     assert plan["dataset"] == 30 + 4  # the other reading of t_b, for two transfers too
-    assert (plan["svr"], plan["partition"], plan["rso"], plan["transfer_curve"]) == (8, 2, 6, 2)
+    assert (plan["svr"], plan["partition"], plan["rso"], plan["transfer_curve"]) == (9, 2, 6, 2)
 
 
 def test_curve_needs_nothing_else(project):
