@@ -29,7 +29,7 @@ from opml.learning import learners, metrics, splits, stated
 from opml.learning.cleaning import Cleaning
 from opml.learning.contract import Model
 from opml.learning.evaluation import as_tested, evaluate
-from opml.learning.residuals import CORRECTED
+from opml.learning.paths import CORRECTED
 from opml.learning.residuals import build as left_over
 from opml.sheets import Rso, Station
 from opml.sheets import read_rsos as _read_rsos

@@ -10,7 +10,7 @@ from opml.environment import knowledge, nrlmsis
 from opml.environment.forecasts import methods
 from opml.errors import InputError
 from opml.files import PROJECT
-from opml.learning import learners, residuals
+from opml.learning import learners, paths
 from opml.learning.contract import ARC_MEMORY_DAYS
 from opml.learning.origins import origins
 from opml.provenance import script_digest
@@ -223,7 +223,7 @@ def learner(wildcards):
     """The learner that a file name asks for, and the variables it learns from; of e_y where it names none."""
     return learners.resolved(
         naming.parse_learner(wildcards.learner, config["learners"]),
-        component=wildcards.get("component", residuals.CORRECTED),
+        component=wildcards.get("component", paths.CORRECTED),
         variables=config["learning"]["variables"],
     )
 
@@ -282,7 +282,7 @@ def stated(wildcards):
         rolled(wildcards)
     except InputError:
         return path_of(rules.residuals.output[0], **parts)
-    return path_of(rules.uncertainty.output[0], **parts, component=residuals.CORRECTED)
+    return path_of(rules.uncertainty.output[0], **parts, component=paths.CORRECTED)
 
 
 def known_until_days(wildcards):

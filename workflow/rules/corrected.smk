@@ -42,7 +42,7 @@ rule corrected:
         long_estimates=fits_over("mechanism"),
         arc_estimates=fits_over("arcs"),
         manoeuvres=told_manoeuvres,
-        model=f"{RESULTS}/models/{EPHEMERIS}/{residuals.CORRECTED}.parquet",
+        model=f"{RESULTS}/models/{EPHEMERIS}/{paths.CORRECTED}.parquet",
         stated=stated,
         asked=checked_names(split, without_truth),
     output:

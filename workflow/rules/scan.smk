@@ -1,9 +1,8 @@
 # Combinations of readings of what the paper leaves open, held against its numbers and sentences.
 from opml.study.scan import scan as scanned
 
-SCAN = scanned(PAPER)
-
 if "scan" in STUDY:
+    SCAN = scanned(PAPER)
 
     use rule errors as scan_report with:
         input:

@@ -44,7 +44,7 @@ rule uncertainty:
     benchmark:
         f"{RESULTS}/benchmarks/uncertainty/{EXPERIMENT}.tsv"
     wildcard_constraints:
-        component="e_y",
+        component=paths.CORRECTED,
     conda:
         "../envs/opml.yaml"
     resources:
@@ -83,7 +83,7 @@ rule calibration:
         f"{RESULTS}/benchmarks/calibration/{EXPERIMENT}/{{target}}/{{test}}.tsv"
     wildcard_constraints:
         test=naming.TEST_BY_ROW,
-        component="e_y",
+        component=paths.CORRECTED,
     conda:
         "../envs/opml.yaml"
     params:
@@ -110,7 +110,7 @@ rule fit_calibration:
     wildcard_constraints:
         test=naming.TEST_BY_ROW,
         learner="none",
-        component="e_y",
+        component=paths.CORRECTED,
     conda:
         "../envs/opml.yaml"
     params:

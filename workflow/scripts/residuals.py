@@ -4,6 +4,7 @@ from functools import partial
 
 from opml.jobs import job
 from opml.learning import dataset, learners, residuals, splits
+from opml.learning.paths import CORRECTED
 from opml.tables import write_table
 
 with job(snakemake) as metadata:
@@ -12,7 +13,7 @@ with job(snakemake) as metadata:
     rows = splits.training_rows(
         table, settings["train"], span_days=settings["span_days"], seed=settings["seed"]
     )
-    options = {"component": residuals.CORRECTED, "settings": settings["learner"], "seed": settings["seed"]}
+    options = {"component": CORRECTED, "settings": settings["learner"], "seed": settings["seed"]}
     found = residuals.build(
         partial(learners.train, **options), table[rows], seed=settings["seed"], **settings["intervals"]
     )

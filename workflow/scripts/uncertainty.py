@@ -4,7 +4,7 @@ from functools import partial
 
 from opml.jobs import job
 from opml.learning import dataset, learners, splits, uncertainty
-from opml.learning.paths import with_paths
+from opml.learning.paths import CORRECTED, with_paths
 from opml.tables import read_table, write_table
 
 with job(snakemake) as metadata:
@@ -14,7 +14,7 @@ with job(snakemake) as metadata:
         table, settings["train"], span_days=settings["span_days"], seed=settings["seed"]
     )
     rolled = uncertainty.roll(
-        partial(learners.train, component="e_y", settings=settings["learner"], seed=settings["seed"]),
+        partial(learners.train, component=CORRECTED, settings=settings["learner"], seed=settings["seed"]),
         with_paths(table[rows], read_table(files.predictions, "predictions")),
         at=settings["origins"],
     )

@@ -14,9 +14,7 @@ import pandas as pd
 from opml.learning.contract import Model
 from opml.learning.evaluation import evaluate
 from opml.learning.intervals import calibrate, held_out
-
-CORRECTED = "e_y"
-"""The component that an ephemeris is corrected in; the others follow from it."""
+from opml.learning.paths import CORRECTED
 
 
 def build(
