@@ -43,7 +43,7 @@ lint: $(INSTALLED)
 	$(BIN)/mypy
 
 docs: $(VENV)/.docs
-	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --quiet
+	$(BIN)/python -m sphinx -W --keep-going -q -d build/doctrees docs build/site
 
 $(VENV)/.docs: $(INSTALLED) requirements-docs.lock
 	$(INSTALL) --constraint requirements.lock --requirement requirements-docs.lock

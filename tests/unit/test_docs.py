@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+import opml
 from opml.environment import solar_activity
 from opml.study.schema import read_schema
 
@@ -19,6 +20,7 @@ PAGES = [
     ROOT / "CHANGELOG.md",
     ROOT / "CONTRIBUTING.md",
     ROOT / "config" / "README.md",
+    ROOT / "src" / "opml" / "data" / "README.md",
     *(ROOT / "docs").glob("*.md"),
 ]
 
@@ -29,12 +31,45 @@ def test_links_between_files_lead_somewhere(page):
     assert [link for link in LINK.findall(text) if not (page.parent / link).exists()] == []
 
 
-@pytest.mark.skipif(importlib.util.find_spec("mkdocs") is None, reason="mkdocs is not installed: make docs")
-def test_the_site_builds_without_a_warning(tmp_path):
-    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(tmp_path)]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The site, built without a warning."""
+    if importlib.util.find_spec("sphinx") is None:
+        pytest.skip("Sphinx is not installed: make docs")
+    folder = tmp_path_factory.mktemp("site")
+    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-d", str(folder / "doctrees")]
+    done = subprocess.run([*command, "docs", str(folder / "html")], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    assert (tmp_path / "howto.html").is_file()
+    return folder / "html"
+
+
+def test_every_page_is_in_the_site(site):
+    assert {page.stem for page in site.glob("*.html")} >= {page.stem for page in (ROOT / "docs").glob("*.md")}
+
+
+def test_what_the_readme_links_to_is_a_page(site):
+    first = (site / "index.html").read_text(encoding="utf-8")
+    assert 'href="install.html"' in first
+    assert 'href="contributing.html"' in first
+    assert 'href="settings.html"' in first
+    assert "README.md" not in re.findall(r'href="([^"]+)"', first)
+
+
+def test_the_site_fetches_nothing_from_elsewhere(site):
+    fetched = r'<(?:script|img|iframe)[^>]* src="(\w*:?//[^"]*)"|<link(?! rel="canonical")[^>]* href="(\w*:?//[^"]*)"'
+    for page in site.glob("*.html"):
+        assert re.findall(fetched, page.read_text(encoding="utf-8")) == [], page.name
+
+
+def test_equations_are_typeset_in_the_page(site):
+    text = (site / "physics.html").read_text(encoding="utf-8")
+    assert text.count('<math xmlns="http://www.w3.org/1998/Math/MathML" display="block">') > 20
+    assert "merror" not in text
+
+
+def test_the_reference_tells_every_function_of_the_library(site):
+    text = (site / "reference.html").read_text(encoding="utf-8")
+    assert [name for name in opml.__all__ if not re.search(rf'id="opml\.(api\.)?{name}"', text)] == []
 
 
 SETTINGS = (ROOT / "config" / "README.md").read_text(encoding="utf-8")

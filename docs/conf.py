@@ -1,0 +1,80 @@
+"""The documentation as a site (`make docs`). A link that leads nowhere is an error, and so is a page that the
+sections in index.md leave out.
+
+README.md and its like stand where a reader of the files looks for them. A page here includes each, and a link
+between files of the project becomes one between pages.
+"""
+
+import posixpath
+import re
+
+from docutils import nodes
+from docutils.utils.math.latex2mathml import tex2mathml
+
+import opml
+
+INCLUDED = {
+    "README.md": "index.md",
+    "CONTRIBUTING.md": "contributing.md",
+    "CHANGELOG.md": "changes.md",
+    "config/README.md": "settings.md",
+    "src/opml/data/README.md": "sources.md",
+}
+LINK = re.compile(r"\]\((?!\w+:|#)([^)\s#]+)")
+
+project = "opml"
+author = "The opml developers"
+version = opml.__version__
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx_copybutton"]
+
+myst_enable_extensions = ["dollarmath"]
+myst_fence_as_directive = ["math"]  # as the hosting sites write equations
+myst_heading_anchors = 4
+
+default_role = "py:obj"  # names in docstrings
+add_module_names = False
+autodoc_typehints_format = "short"
+maximum_signature_line_length = 80
+
+html_theme = "furo"
+html_title = "opml"
+html_static_path = ["static"]
+html_css_files = ["opml.css"]
+html_math_renderer = "mathml"
+html_copy_source = False
+html_show_search_summary = False  # a page from a folder may not read another one
+
+
+def point(app, docname, source):
+    """Point the links of a page at pages."""
+    homes = {page: path for path, page in INCLUDED.items()}
+    folder = posixpath.dirname(homes.get(f"{docname}.md", "docs/"))
+
+    def pointed(link):
+        path = posixpath.normpath(posixpath.join(folder, link[1]))
+        return "](" + INCLUDED.get(path, posixpath.relpath(path, "docs"))
+
+    source[0] = LINK.sub(pointed, source[0])
+
+
+def point_included(app, path, docname, source):
+    """Point the links of a file that a page includes."""
+    point(app, docname, source)
+
+
+def typeset(block):
+    """Make the visitor of inline equations, or of those in a block: as MathML, which needs no script."""
+
+    def visit(self, node):
+        self.body.append(tex2mathml(node.astext(), as_block=block))
+        raise nodes.SkipNode
+
+    return visit, None
+
+
+def setup(app):
+    """Register what the settings above name."""
+    app.connect("source-read", point)
+    app.connect("include-read", point_included)
+    app.add_html_math_renderer("mathml", inline_renderers=typeset(False), block_renderers=typeset(True))
+    return {"parallel_read_safe": True}
