@@ -7,6 +7,7 @@ between files of the project becomes one between pages.
 
 import posixpath
 import re
+from importlib.util import find_spec
 
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
@@ -20,6 +21,7 @@ INCLUDED = {
     "config/README.md": "settings.md",
     "src/opml/data/README.md": "sources.md",
 }
+FONTS = [f"{folder}/fonts" for folder in find_spec("ziamath").submodule_search_locations]  # a wheel with STIX Two
 LINK = re.compile(r"\]\((?!\w+:|#)([^)\s#]+)")
 
 project = "opml"
@@ -33,12 +35,13 @@ myst_heading_anchors = 4
 
 default_role = "py:obj"  # names in docstrings
 add_module_names = False
+autodoc_preserve_defaults = True
 autodoc_typehints_format = "short"
 maximum_signature_line_length = 80
 
 html_theme = "furo"
 html_title = "opml"
-html_static_path = ["static"]
+html_static_path = ["static", *FONTS]
 html_css_files = ["opml.css"]
 html_math_renderer = "mathml"
 html_copy_source = False
@@ -62,19 +65,21 @@ def point_included(app, path, docname, source):
     point(app, docname, source)
 
 
-def typeset(block):
-    """Make the visitor of inline equations, or of those in a block: as MathML, which needs no script."""
+def inline_equation(self, node):
+    """Typeset an equation in a line as MathML, which needs no script."""
+    self.body.append(tex2mathml(node.astext()))
+    raise nodes.SkipNode
 
-    def visit(self, node):
-        self.body.append(tex2mathml(node.astext(), as_block=block))
-        raise nodes.SkipNode
 
-    return visit, None
+def block_equation(self, node):
+    """Typeset an equation of its own line."""
+    self.body.append(f'<div class="equation">{tex2mathml(node.astext(), as_block=True)}</div>')
+    raise nodes.SkipNode
 
 
 def setup(app):
     """Register what the settings above name."""
     app.connect("source-read", point)
     app.connect("include-read", point_included)
-    app.add_html_math_renderer("mathml", inline_renderers=typeset(False), block_renderers=typeset(True))
+    app.add_html_math_renderer("mathml", (inline_equation, None), (block_equation, None))
     return {"parallel_read_safe": True}
