@@ -1,0 +1,42 @@
+"""docs/notebook.md: it is a notebook, its code prints what the page says, and draws the figures that it shows."""
+
+import contextlib
+import io
+import re
+from pathlib import Path
+
+import jupytext
+import matplotlib
+import pytest
+
+PAGE = Path(__file__).parents[2] / "docs" / "notebook.md"
+TEXT = PAGE.read_text(encoding="utf-8")
+CELLS = re.findall(r"^```python\n(.*?)^```\n(?:\n```text\n(.*?)^```\n)?", TEXT, re.MULTILINE | re.DOTALL)
+
+
+def test_the_page_is_a_notebook_of_the_same_code():
+    cells = [cell.source for cell in jupytext.read(PAGE).cells if cell.cell_type == "code"]
+    assert cells == [code.strip() for code, _ in CELLS]
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    """What each cell prints, and the folder that the notebook ran in."""
+    folder, names, printed = tmp_path_factory.mktemp("notebook"), {}, []
+    with contextlib.chdir(folder), matplotlib.rc_context({"backend": "agg"}):
+        for code, _ in CELLS:
+            with contextlib.redirect_stdout(io.StringIO()) as output:
+                exec(code, names)
+            printed.append(output.getvalue())
+        names["plt"].close("all")
+    return printed, folder
+
+
+def test_each_cell_prints_what_the_page_says(run):
+    assert run[0] == [shown for _, shown in CELLS]
+    assert sum(map(bool, run[0])) >= 5
+
+
+def test_the_figures_that_it_draws_are_those_of_the_page(run):
+    shown = re.findall(r"\]\(images/([^)]+)\)", TEXT)
+    assert sorted(path.name for path in run[1].iterdir()) == sorted(shown)
