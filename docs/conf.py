@@ -25,7 +25,7 @@ FONTS = [f"{folder}/fonts" for folder in find_spec("ziamath").submodule_search_l
 LINK = re.compile(r"\]\((?!\w+:|#)([^)\s#]+)")
 
 project = "opml"
-author = "The opml developers"
+html_show_copyright = False
 version = opml.__version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx_copybutton"]
 
