@@ -8,6 +8,7 @@ between files of the project becomes one between pages.
 import posixpath
 import re
 from importlib.util import find_spec
+from pathlib import Path
 
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
@@ -21,7 +22,7 @@ INCLUDED = {
     "config/README.md": "settings.md",
     "src/opml/data/README.md": "sources.md",
 }
-FONTS = [f"{folder}/fonts" for folder in find_spec("ziamath").submodule_search_locations]  # a wheel with STIX Two
+FONTS = Path(find_spec("ziamath").origin).with_name("fonts")  # a wheel with STIX Two Math
 LINK = re.compile(r"\]\((?!\w+:|#)([^)\s#]+)")
 
 project = "opml"
@@ -41,7 +42,7 @@ maximum_signature_line_length = 80
 
 html_theme = "furo"
 html_title = "opml"
-html_static_path = ["static", *FONTS]
+html_static_path = ["static", str(FONTS)]
 html_css_files = ["opml.css"]
 html_math_renderer = "mathml"
 html_copy_source = False

@@ -1,4 +1,4 @@
-"""docs/notebook.md: it is a notebook, its code prints what the page says, and draws the figures that it shows."""
+"""docs/notebook.md: it is a notebook, prints what the page says, and draws the figures that it shows."""
 
 import contextlib
 import io
