@@ -37,14 +37,14 @@ def test_its_numbers_are_those_of_the_settings_and_the_constants():
     for model in ("truth", "assumed"):
         assert f"{settings['force_models'][model]['degree']}x" in TEXT
     for phrase in (
-        f"tau = {integrator['position_tolerance_m']} m",
+        f"$\\tau$ = {integrator['position_tolerance_m']} m",
         f"retired below {integrator['min_step_s']} s",
         f"at most {integrator['max_step_s']} s",
         f"every {settings['tracking']['step_s']} s",
         f"in the {estimation['window_hours']} h before",
         f"is below {estimation['convergence']}",
         f"less than {estimation['least_drag_m']} m",
-        f"P0 = {constants.SRP_PRESSURE * 1e6:.2f}e-6",
+        f"$P_0$ = {constants.SRP_PRESSURE * 1e6:.2f}e-6",
         f"R_sun = {constants.SUN_RADIUS / 1e8:.3f}e8",
     ):
         assert phrase in " ".join(TEXT.split()), phrase
