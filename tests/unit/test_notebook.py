@@ -14,9 +14,17 @@ TEXT = PAGE.read_text(encoding="utf-8")
 CELLS = re.findall(r"^```python\n(.*?)^```\n(?:\n```text\n(.*?)^```\n)?", TEXT, re.MULTILINE | re.DOTALL)
 
 
+def cells(path):
+    """Kind and text of each cell of a notebook."""
+    return [(cell.cell_type, cell.source) for cell in jupytext.read(path).cells]
+
+
 def test_the_page_is_a_notebook_of_the_same_code():
-    cells = [cell.source for cell in jupytext.read(PAGE).cells if cell.cell_type == "code"]
-    assert cells == [code.strip() for code, _ in CELLS]
+    assert [text for kind, text in cells(PAGE) if kind == "code"] == [code.strip() for code, _ in CELLS]
+
+
+def test_the_notebook_is_that_of_the_page():
+    assert cells(PAGE.with_suffix(".ipynb")) == cells(PAGE), "run jupytext as CONTRIBUTING.md tells"
 
 
 @pytest.fixture(scope="module")
