@@ -11,8 +11,9 @@ from matplotlib.colors import to_rgba
 
 from opml.constants import DAY
 from opml.errors import InputError
-from opml.figures import errors, style
+from opml.figures import context, errors, labels, style
 from opml.learning import metrics
+from opml.learning.cleaning import Cleaning
 
 
 def table(duration_days, true, predicted):
@@ -59,6 +60,11 @@ def bars(axes):
     }
 
 
+def points(figure):
+    """The points of the true, the predicted and the residual errors, a panel each, of a figure with bars."""
+    return [axes.collections[0] for axes in figure.axes[:3]]
+
+
 def texts(figure):
     return [text.get_text() for axes in figure.axes for text in axes.texts]
 
@@ -77,21 +83,22 @@ def test_a_cluster_ends_with_its_last_instant():
 
 
 def test_all_points_on_the_left(evaluation):
-    left = errors.svr_absolute(evaluation).axes[0]
-    offsets = [np.asarray(points.get_offsets()) for points in left.collections]
+    left = points(errors.svr_absolute(evaluation))
+    offsets = [np.asarray(one.get_offsets()) for one in left]
     for drawn, column in zip(offsets, ("true", "predicted", "residual"), strict=True):
         assert drawn[:, 0] == pytest.approx(evaluation["duration"] / DAY)
         assert drawn[:, 1] == pytest.approx(evaluation[column].abs() / 1e3)
-    assert all(points.get_rasterized() for points in left.collections)
-    signed = errors.svr_signed(evaluation).axes[0].collections[2].get_offsets()
+    assert all(one.get_rasterized() for one in left)
+    signed = points(errors.svr_signed(evaluation))[2].get_offsets()
     assert np.asarray(signed)[:, 1] == pytest.approx(evaluation["residual"] / 1e3)
 
 
 def test_one_colour_one_meaning(evaluation):
-    left, right = errors.svr_absolute(evaluation).axes
+    figure = errors.svr_absolute(evaluation)
+    right = figure.axes[-1]
     colors = [style.TRUE, style.PREDICTED, style.RESIDUAL]
     assert [container[0].get_color() for container in right.containers] == colors
-    true, predicted, residual = left.collections
+    true, predicted, residual = points(figure)
     assert len(true.get_facecolor()) == 0  # hollow
     assert tuple(true.get_edgecolor()[0]) == to_rgba(style.TRUE)
     assert tuple(predicted.get_facecolor()[0]) == to_rgba(style.PREDICTED)
@@ -116,7 +123,7 @@ def test_error_bars_by_hand(evaluation, draw):
 
 
 def test_signed_bars(evaluation):
-    _, mean, _ = bars(errors.svr_signed(evaluation).axes[1])["true $e_{y}$"]
+    _, mean, _ = bars(errors.svr_signed(evaluation).axes[-1])["true $e_{y}$"]
     assert mean == pytest.approx([0.6, 2.0])
 
 
@@ -136,14 +143,17 @@ def test_metrics_are_those_of_the_learning(evaluation):
 
 
 def test_units_follow_the_component(evaluation):
-    left, right = errors.svr_absolute(evaluation).axes
+    left, *others, right = errors.svr_absolute(evaluation).axes
+    for axes in others:
+        assert axes.get_xlabel() == left.get_xlabel()
+        assert axes.get_ylim() == left.get_ylim()
     for axes in (left, right):
         assert axes.get_ylabel() == "absolute error of $e_{y}$ [km]"
         assert axes.get_xlabel() == r"prediction duration $\Delta t$ [d]"
     velocity = errors.svr_signed(evaluation, component="e_vx")
     assert velocity.axes[0].get_ylabel() == "error of $e_{vx}$ [m/s]"
     assert np.asarray(velocity.axes[0].collections[0].get_offsets())[0, 1] == 1000.0
-    assert "true $e_{vx}$" in bars(velocity.axes[1])
+    assert "true $e_{vx}$" in bars(velocity.axes[-1])
 
 
 def test_grid_has_a_panel_each(evaluation):
@@ -191,6 +201,10 @@ def test_distribution_of_individual_metric():
     at = (0.0, 1.0, 30.0, 31.0, 100.0, 101.0, 400.0, 401.0)
     assert [share[limit] for limit in at] == pytest.approx([0, 20, 20, 40, 60, 80, 80, 100])
     assert texts(figure) == ["60.0 % of the points\nbelow 100 %"]
+    assert figure.axes[0].get_legend() is None
+    compared = errors.individual_distribution(points, published=80.0).axes[0]
+    assert compared.get_legend_handles_labels()[1] == ["Peng & Bai, about 80 %"]
+    assert (compared.lines[-1].get_xdata()[0], compared.lines[-1].get_ydata()[0]) == (100.0, 80.0)
 
 
 def test_distribution_of_position(pairs):
@@ -213,6 +227,90 @@ def test_distribution_of_velocity(pairs):
     drawn = np.asarray(figure.axes[1].collections[0].get_offsets())
     assert drawn[:, 1] == pytest.approx([1.0, -3.0, 5.0])
     assert figure.axes[1].get_yscale() == "linear"
+
+
+NAMES = {"rso": "iss", "stations": "eglin", "train": "days-0-30", "learner": "svr", "component": "e_y"}
+NAMES |= {"target": "lares", "test": "days-30-40-unseen"}
+
+
+@pytest.fixture
+def told():
+    """The context of an evaluation: rows from -20 to 20 km, of which the fences keep most."""
+    e_y = np.append(np.arange(-10.0, 11.0) * 1e3, [90e3, np.nan])
+    reason = np.array([""] * 21 + ["outside Tukey fences", "no prediction: decayed"])
+    dataset = pd.DataFrame({"e_y": e_y, "reason": reason, "keep": reason == "", "t_j": 31.0 * DAY})
+    metrics = pd.DataFrame({"p_ml_low": [20.1], "p_ml_high": [23.4]})
+    return context.of_experiment(NAMES, metrics, dataset, Cleaning(fence=1.0))
+
+
+def test_the_context_says_what_was_trained_and_tested_and_which_rows_there_are(told):
+    assert told.note == (
+        "iss by eglin; svr trained on days 0 to 30, tested on lares, days 30 to 40, new estimates only"
+    )
+    assert told.kept == pytest.approx(100.0 * 21 / 23)
+    earlier = pd.DataFrame({"keep": [True, False, False], "t_j": [31.0 * DAY, 35.0 * DAY, 20.0 * DAY]})
+    assert context.kept(earlier, "days-30-40") == 0.5
+    assert context.kept(earlier, "rest") == pytest.approx(1 / 3)
+    # Hazen's quartiles of -10, -9, ..., 10 and 90: the 6th and the 17th.
+    assert told.fences == pytest.approx((-5e3 - 11e3, 6e3 + 11e3))
+    unfenced = NAMES | {"test": "days-30-40-unfenced"}
+    dataset = pd.DataFrame({"e_y": [1.0], "reason": [""], "keep": [True], "t_j": [1.0]})
+    metrics = pd.DataFrame({"p_ml_low": [1.0], "p_ml_high": [2.0]})
+    assert context.of_experiment(unfenced, metrics, dataset, Cleaning(fence=1.0)).fences is None
+    assert context.of_experiment(NAMES, metrics, dataset, Cleaning()).fences is None
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("random-80_split43", "80 % of the predictions"),
+        ("grouped-80", "80 % of the estimates"),
+        ("days-0-30", "days 0 to 30"),
+    ],
+)
+def test_training_rows_in_words(name, words):
+    assert labels.trained(name) == words
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("rest", "the rest"),
+        ("seen-zscore", "the same rows, standardised alone"),
+        ("days-30-40-unfenced", "days 30 to 40, no fences"),
+        ("days-30-40-fence3", "days 30 to 40, fences of its own"),
+    ],
+)
+def test_tested_rows_in_words(name, words):
+    assert labels.tested(name) == words
+
+
+def test_the_context_stands_in_the_figure(evaluation, told):
+    figure = errors.svr_absolute(evaluation, context=told)
+    note = figure.legends[0].get_title().get_text()
+    assert "trained on days 0 to 30" in note
+    assert "Tukey's fences of the cleaning at -16.0 and 17.0 km" in note
+    for axes in figure.axes[:3]:
+        (fence,) = (line for line in axes.lines if line.get_linestyle() == "--")
+        assert fence.get_ydata()[0] == pytest.approx(17.0)
+    signed = errors.svr_signed(evaluation, context=told).axes[0]
+    drawn = {line.get_ydata()[0] for line in signed.lines if line.get_linestyle() == "--"}
+    assert sorted(drawn) == pytest.approx([-16.0, 17.0])
+    assert texts(figure)[-1].endswith("= 21.5 % (20.1 to 23.4 %)")
+    title = figure.axes[-1].get_title(loc="right")
+    assert "91.3 % of the pairs are kept" in title
+    # Of the five up to half a day: 1000 to 5000 before, 500, 0, 1000, 1000 and 0 after.
+    assert title.endswith("mean size up to 0.5 d: 3000 m, corrected 500 m")
+
+
+def test_a_legend_shows_each_thing_once_under_the_note_within_the_width(evaluation, told, tmp_path):
+    figure = errors.rso_grid({"a": evaluation, "b": evaluation}, contexts={"a": told, "b": told})
+    (legend,) = figure.legends
+    assert len(legend.get_texts()) == 3
+    assert legend.get_title().get_text().count("trained on") == 1
+    narrow = errors.errorbar_absolute(evaluation, context=told)
+    style.save(narrow, tmp_path / "f.pdf", tmp_path / "f.png")
+    assert narrow.legends[0].get_window_extent().x1 <= narrow.bbox.x1
 
 
 def test_nothing_to_draw(evaluation, pairs):

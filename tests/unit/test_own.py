@@ -283,12 +283,63 @@ def test_figure_of_errors_has_one_panel_per_model():
         figures.errors({}, component="e_y")
 
 
+def test_figure_of_residuals_has_bands_of_the_chosen_model_and_lines_of_the_others():
+    tables = {"svr": evaluation(), "running": evaluation(seed=1), "fit96": evaluation(seed=2)}
+    figure = figures.residuals(tables, chosen="running", learned=["svr"], component="e_y", note="lares")
+    (axes,) = figure.axes
+    assert axes.get_yscale() == "log"
+    assert axes.get_ylabel() == "|$e_{y}$| [m]"
+    assert {text.get_text() for text in axes.texts} == {"svr", "fit96"}
+    looks = {line.get_label(): line for line in axes.lines}
+    before, after = looks["no correction"], looks["corrected by running"]
+    assert np.median(after.get_ydata()) == pytest.approx(0.1 * np.median(before.get_ydata()))
+    assert looks["others that learned"].get_linestyle() == "--"
+    assert looks["without learning"].get_linestyle() == "-"
+    assert len(axes.collections) == 4  # the middle 50 and 90 % of both
+    assert figure.legends[0].get_title().get_text().startswith("lares\n")
+    with pytest.raises(InputError, match="expected the model 'mlp', got svr, running, fit96"):
+        figures.residuals(tables, chosen="mlp", learned=[], component="e_y")
+
+
+def test_names_of_lines_do_not_overlap():
+    tables = {name: evaluation(seed=k) for k, name in enumerate(["svr", "fit24", "fit48", "held"])}
+    (axes,) = figures.residuals(tables, chosen="svr", learned=[], component="e_y").axes
+    heights = sorted(np.log10(text.get_position()[1]) for text in axes.texts)
+    low, high = np.log10(axes.get_ylim())
+    assert (np.diff(heights) > 0.04 * (high - low)).all()
+
+
+def test_percentiles_of_sizes_by_duration():
+    found = figures.sizes(evaluation(), "true")
+    by_hand = evaluation()
+    first = by_hand[by_hand["duration"] / DAY <= figures.BIN_DAYS]
+    if len(first) >= figures.LEAST_ROWS:
+        assert found["50"].iloc[0] == pytest.approx(first["true"].abs().median())
+    assert (found["5"] <= found["25"]).all()
+    assert (found["75"] <= found["95"]).all()
+    assert found.index.is_monotonic_increasing
+
+
+def test_errors_by_the_day_that_a_prediction_starts_on():
+    rows = [(day, lasts, 100.0 * day * k) for day in (1, 2) for lasts in (0.9, 4.0) for k in (1, 2, 3)]
+    table = pd.DataFrame(rows, columns=["day", "duration", "e_y"]).assign(keep=True)
+    table["t_i"], table["duration"] = (table["day"] + 0.3) * DAY, table["duration"] * DAY
+    dropped = table.assign(keep=False, e_y=1e9)
+    found = figures.daily_errors(pd.concat([table, dropped]), component="e_y", day=1.0)
+    assert (found["t"] / DAY).tolist() == [1.5, 2.5]
+    assert found["50"].tolist() == [200.0, 400.0]
+    assert found["25"].tolist() == [150.0, 300.0]
+    assert figures.daily_errors(table, component="e_y", day=7.0).empty
+
+
 def test_figure_of_rows_adds_up_to_all():
     shares = {"lares, eglin": {"used": 0.75, "no prediction": 0.25}, "iss, eglin": {"used": 1.0}}
     (axes,) = figures.rows(shares).axes
     widths = np.array([[bar.get_width() for bar in bars] for bars in axes.containers])
     assert widths.sum(axis=0).tolist() == [1.0, 1.0]
     assert [label.get_text() for label in axes.get_yticklabels()] == list(shares)
+    told = axes.get_legend_handles_labels()[1]
+    assert told == ["used, 75.0% to 100.0%", "no prediction, 0.0% to 25.0%"]
 
 
 def test_figure_of_drag_shows_every_window_and_the_weather():
@@ -301,6 +352,11 @@ def test_figure_of_drag_shows_every_window_and_the_weather():
     assert len(cd.lines[0].get_xdata()) == len(t) - 1  # what did not converge is left out
     assert "sfu" in flux.get_ylabel()
     assert kp.get_xlabel() == "time [d]"
+    daily = pd.DataFrame({"t": [DAY, 2 * DAY], "25": 1.0, "50": [2.0, 4.0], "75": 8.0, "day": 1.0})
+    *_, last = figures.drag({"12-hour fits": table}, weather, daily, note="lares").axes
+    assert last.lines[0].get_label() == "error after 1 d"
+    assert last.lines[0].get_ydata().tolist() == [2.0, 4.0]
+    assert last.get_xlabel() == "time [d]"
     with pytest.raises(InputError, match="expected an estimate that converged"):
         figures.drag({"12-hour fits": table.assign(converged=False)}, weather)
 

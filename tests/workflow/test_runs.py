@@ -22,8 +22,8 @@ ENVIRONMENT = ("earth_orientation", "ephemerides", "gravity_field", "solar_activ
 # What reads what: each rule needs one before it; what is drawn and tabulated needs the last of its row.
 CHAIN = ("truth", "tracking", "estimation", "prediction", "dataset", "train", "evaluate")
 READERS = {
-    "truth": {"orbit"},
-    "tracking": {"estimation_window", "orbit"},
+    "truth": {"orbit", "world"},
+    "tracking": {"estimation_window", "orbit", "world"},
     "dataset": {"error_distribution"},
     "evaluate": {
         "svr",
@@ -51,7 +51,7 @@ EVALUATIONS = (
     "semi_major_axis_50",
 )
 FIGURES = (
-    *("estimation_window", "orbit_3d", "orbital_elements"),
+    *("estimation_window", "orbit_3d", "orbital_elements", "maps/iss/eglin-clear-kaena"),
     *("error_distribution_position", "error_distribution_velocity"),
     *(f"{name}_{kind}" for name in EVALUATIONS for kind in ("absolute", "signed")),
     *("partition_50", "partition_curve"),

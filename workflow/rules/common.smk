@@ -410,3 +410,28 @@ def arc_at(pattern):
 def drawing(name, **settings):
     """Params of a figure: the script that draws it, and what it is told."""
     return {"draw": name, "settings": {"epoch": config["epoch"], **settings}, "code": code(f"{name}.py")}
+
+
+def drawn_from(*experiments):
+    """What the errors of experiments are drawn from: their tables, and the datasets that they are tested on."""
+    return {
+        "evaluation": paths_of(rules.evaluate.output.evaluation, *experiments),
+        "metrics": paths_of(rules.evaluate.output.metrics, *experiments),
+        "dataset": [path_of(rules.evaluate.input.target, **one.names()) for one in experiments],
+    }
+
+
+def told_of(experiment, **further):
+    """What a figure of an experiment's errors is told of it, and how its rows were cleaned."""
+    return {
+        "epoch": config["epoch"],
+        "cleaning": dict(STUDY.entry("cleaning")),
+        **experiment.names(),
+        **further,
+    }
+
+
+def all_of(experiments, what):
+    """What a figure of several models on one test is told, their names under `what`."""
+    names = next(iter(experiments.values())).names() | {"learner": "models"}
+    return {"epoch": config["epoch"], what: list(experiments), **names}

@@ -116,6 +116,12 @@ use rule errors as corrected_figure with:
     wildcard_constraints:
         window=WINDOW,
     params:
-        **drawing("corrected_figure", level=config["intervals"]["level"]),
+        draw="corrected_figure",
+        settings=lambda wildcards: {
+            "epoch": config["epoch"],
+            "level": config["intervals"]["level"],
+            **dict(wildcards.items()),
+        },
+        code=code("corrected_figure.py"),
     message:
         "Figure: {wildcards.rso} by {wildcards.stations} as predicted, as corrected, and as measured later"

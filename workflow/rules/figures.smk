@@ -11,7 +11,9 @@ wildcard_constraints:
 
 rule errors:
     input:
-        rules.evaluate.output.evaluation,
+        evaluation=[rules.evaluate.output.evaluation],
+        metrics=[rules.evaluate.output.metrics],
+        dataset=[rules.evaluate.input.target],
     output:
         pdf=[f"{RESULTS}/figs/errors/{EXPERIMENT}/{{target}}/{{test}}.pdf"],
         png=[f"{RESULTS}/figs/errors/{EXPERIMENT}/{{target}}/{{test}}.png"],
@@ -23,7 +25,7 @@ rule errors:
         "../envs/opml.yaml"
     params:
         draw="error_bars",
-        settings=lambda wildcards: {"epoch": config["epoch"], "component": wildcards.component},
+        settings=lambda wildcards: told_of(naming.Experiment(**dict(wildcards.items()))),
         code=code("error_bars.py"),
     message:
         "Figure: errors before and after the correction of {wildcards.target} by {wildcards.learner}"
@@ -47,6 +49,7 @@ if "orbit" in STUDY:
                 "estimation_window",
                 window_hours=config["estimation"]["window_hours"],
                 window_day=STUDY.entry("orbit")["window_day"],
+                **STUDY.defaults,
             ),
         message:
             "Figure: the tracks that an estimate is made of"
@@ -63,9 +66,38 @@ if "orbit" in STUDY:
         benchmark:
             f"{RESULTS}/benchmarks/figs/orbit.tsv"
         params:
-            **drawing("orbit", days=STUDY.span_days, zoom_days=STUDY.entry("orbit")["zoom_days"]),
+            **drawing(
+                "orbit",
+                days=STUDY.span_days,
+                zoom_days=STUDY.entry("orbit")["zoom_days"],
+                **STUDY.defaults,
+            ),
         message:
             "Figures: orbit in 3D with observations, osculating elements"
+
+
+use rule errors as world with:
+    input:
+        truth=rules.truth.output[0],
+        tracking=rules.tracking.output[0],
+        earth_orientation=ENVIRONMENT["earth_orientation"],
+    output:
+        **figures("maps/{rso}/{stations}", caption="world", section=SECTIONS["simulation"]),
+    log:
+        f"{RESULTS}/logs/figs/maps/{{rso}}/{{stations}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/figs/maps/{{rso}}/{{stations}}.tsv"
+    params:
+        draw="world",
+        settings=lambda wildcards: {
+            "epoch": config["epoch"],
+            "radars": stations(wildcards),
+            "first_day": max(0, int(config["duration_days"] / 2) - 1),
+            **dict(wildcards.items()),
+        },
+        code=code("world.py"),
+    message:
+        "Figure: where {wildcards.rso} flies in a day, and where {wildcards.stations} see it"
 
 
 if "distribution" in STUDY:
@@ -87,7 +119,11 @@ if "distribution" in STUDY:
         benchmark:
             f"{RESULTS}/benchmarks/figs/error_distribution.tsv"
         params:
-            **drawing("error_distribution", days=STUDY.span_days, **STUDY.entry("distribution")),
+            **drawing(
+                "error_distribution",
+                days=STUDY.span_days,
+                **(STUDY.defaults | dict(STUDY.entry("distribution"))),
+            ),
         message:
             "Figures: true prediction error against the prediction duration"
 
@@ -96,9 +132,7 @@ if "evaluations" in STUDY:
 
     use rule errors as svr with:
         input:
-            lambda wildcards: paths_of(
-                rules.evaluate.output.evaluation, PAPER.evaluations[wildcards.evaluation]
-            ),
+            unpack(lambda wildcards: drawn_from(PAPER.evaluations[wildcards.evaluation])),
         output:
             **figures(
                 "{evaluation}_absolute",
@@ -112,11 +146,10 @@ if "evaluations" in STUDY:
             f"{RESULTS}/benchmarks/figs/{{evaluation}}.tsv"
         params:
             draw="svr",
-            settings=lambda wildcards: {
-                "epoch": config["epoch"],
-                **PAPER.evaluations[wildcards.evaluation].names(),
-                "published": STUDY.entry("evaluations")[wildcards.evaluation].get("published"),
-            },
+            settings=lambda wildcards: told_of(
+                PAPER.evaluations[wildcards.evaluation],
+                published=STUDY.entry("evaluations")[wildcards.evaluation].get("published"),
+            ),
             code=code("svr.py"),
         message:
             "Figures: errors before and after the correction, {wildcards.evaluation}"
@@ -126,7 +159,7 @@ if "partition" in STUDY:
 
     use rule errors as partition with:
         input:
-            lambda wildcards: paths_of(rules.evaluate.output.evaluation, PAPER.partition(wildcards.ratio)),
+            unpack(lambda wildcards: drawn_from(PAPER.partition(wildcards.ratio))),
         output:
             **figures("partition_{ratio}", caption="partition", section=SECTIONS["numerical"]),
         log:
@@ -135,11 +168,10 @@ if "partition" in STUDY:
             f"{RESULTS}/benchmarks/figs/partition_{{ratio}}.tsv"
         params:
             draw="error_bars",
-            settings=lambda wildcards: {
-                "epoch": config["epoch"],
-                **PAPER.partition(wildcards.ratio).names(),
-                "published": STUDY.entry("partition").get("published", {}).get(wildcards.ratio),
-            },
+            settings=lambda wildcards: told_of(
+                PAPER.partition(wildcards.ratio),
+                published=STUDY.entry("partition").get("published", {}).get(wildcards.ratio),
+            ),
             code=code("error_bars.py"),
         message:
             "Figure: errors after training on {wildcards.ratio} % of the dataset"
@@ -180,7 +212,18 @@ if "individual" in STUDY:
         benchmark:
             f"{RESULTS}/benchmarks/figs/individual.tsv"
         params:
-            **drawing("individual", **PAPER.individual.names()),
+            **drawing(
+                "individual",
+                **PAPER.individual.names(),
+                published=next(
+                    (
+                        claim["limit"]
+                        for claim in STUDY.entry("individual").get("claims", [])
+                        if claim["holds"] == "share_of_points_near"
+                    ),
+                    None,
+                ),
+            ),
         message:
             "Figures: individual performance metric p_ML"
 
@@ -189,9 +232,7 @@ if "grids" in STUDY:
 
     use rule errors as rso_grid with:
         input:
-            lambda wildcards: paths_of(
-                rules.evaluate.output.evaluation, *PAPER.grids[wildcards.grid].values()
-            ),
+            unpack(lambda wildcards: drawn_from(*PAPER.grids[wildcards.grid].values())),
         output:
             **figures("{grid}_grid", caption="rso_grid", section=SECTIONS["future"]),
         log:
@@ -202,7 +243,8 @@ if "grids" in STUDY:
             draw="rso_grid",
             settings=lambda wildcards: {
                 "epoch": config["epoch"],
-                "rsos": list(PAPER.grids[wildcards.grid]),
+                "cleaning": dict(STUDY.entry("cleaning")),
+                "experiments": [one.names() for one in PAPER.grids[wildcards.grid].values()],
                 "component": next(iter(PAPER.grids[wildcards.grid].values())).component,
             },
             code=code("rso_grid.py"),
@@ -211,9 +253,7 @@ if "grids" in STUDY:
 
     use rule errors as rso with:
         input:
-            lambda wildcards: paths_of(
-                rules.evaluate.output.evaluation, PAPER.grids[wildcards.grid][wildcards.rso]
-            ),
+            unpack(lambda wildcards: drawn_from(PAPER.grids[wildcards.grid][wildcards.rso])),
         output:
             **figures("{grid}_{rso}", caption="one_rso", section=SECTIONS["future"]),
         log:
@@ -222,10 +262,7 @@ if "grids" in STUDY:
             f"{RESULTS}/benchmarks/figs/{{grid}}_{{rso}}.tsv"
         params:
             draw="error_bars",
-            settings=lambda wildcards: {
-                "epoch": config["epoch"],
-                **PAPER.grids[wildcards.grid][wildcards.rso].names(),
-            },
+            settings=lambda wildcards: told_of(PAPER.grids[wildcards.grid][wildcards.rso]),
             code=code("error_bars.py"),
         message:
             "Figure: the correction on {wildcards.rso}"
@@ -305,7 +342,7 @@ if KNOWLEDGE == knowledge.FORECAST:
             settings=lambda wildcards: {
                 "epoch": config["epoch"],
                 "level": config["intervals"]["level"],
-                "track": int(wildcards.track),
+                **dict(wildcards.items()) | {"track": int(wildcards.track)},
             },
             code=code("fan.py"),
         message:

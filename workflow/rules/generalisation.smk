@@ -51,6 +51,9 @@ if "generalisation" in STUDY:
                 "generalisation_splits",
                 component=STUDY.defaults["component"],
                 published=[[*key, number] for key, number in HONEST.published(HONEST.splits).items()],
+                models={
+                    name: naming.parse_learner(name, config["learners"]) for name in HONEST.entry["learners"]
+                },
                 **{key: HONEST.entry[key] for key in ("station_sets", "learners", "splits")},
             ),
         message:
@@ -87,9 +90,9 @@ if "generalisation" in STUDY:
         params:
             **drawing(
                 "generalisation_intervals",
-                component=STUDY.defaults["component"],
                 level=config["intervals"]["level"],
                 learners=list(HONEST.shown_intervals),
+                **(next(iter(HONEST.shown_intervals.values())).names() | {"learner": "models"}),
             ),
         message:
             "Figure: prediction intervals"

@@ -48,14 +48,67 @@ if OWN.is_asked:
             f"{RESULTS}/benchmarks/figs/study/{{rso}}/{{stations}}_errors.tsv"
         params:
             draw="study_errors",
-            settings=lambda wildcards: {
-                "epoch": config["epoch"],
-                "learners": list(OWN.drawn(wildcards.rso, wildcards.stations)),
-                "component": STUDY.defaults["component"],
-            },
+            settings=lambda wildcards: all_of(OWN.drawn(wildcards.rso, wildcards.stations), "learners"),
             code=code("study_errors.py"),
         message:
             "Figure: errors of {wildcards.rso} by {wildcards.stations} before and after correction"
+
+    use rule errors as study_residuals with:
+        input:
+            evaluations=rules.study_errors.input[0],
+            trials=lambda wildcards: paths_of(
+                rules.evaluate.output.metrics,
+                *(
+                    OWN.trials[wildcards.rso, wildcards.stations, learner, OWN.shown]
+                    for learner in OWN.drawn(wildcards.rso, wildcards.stations)
+                    if OWN.shown in OWN.past
+                ),
+            ),
+        output:
+            **figures(
+                "study/{rso}/{stations}_residuals", caption="study_residuals", section=SECTIONS["study"]
+            ),
+        log:
+            f"{RESULTS}/logs/figs/study/{{rso}}/{{stations}}_residuals.log",
+        benchmark:
+            f"{RESULTS}/benchmarks/figs/study/{{rso}}/{{stations}}_residuals.tsv"
+        params:
+            draw="study_residuals",
+            settings=lambda wildcards: {
+                **all_of(OWN.drawn(wildcards.rso, wildcards.stations), "learners"),
+                "learned": [
+                    name
+                    for name in OWN.drawn(wildcards.rso, wildcards.stations)
+                    if learners.learns(naming.parse_learner(name, config["learners"]))
+                ],
+            },
+            code=code("study_residuals.py"),
+        message:
+            "Figure: errors of {wildcards.rso} by {wildcards.stations}, and what each model leaves of them"
+
+    use rule errors as explore with:
+        input:
+            evaluations=rules.study_errors.input[0],
+            dataset=lambda wildcards: path_of(
+                rules.dataset.output[0], **dict(wildcards.items()) | {"window": "", "reading": ""}
+            ),
+            truth=rules.truth.output[0],
+            earth_orientation=ENVIRONMENT["earth_orientation"],
+        output:
+            shown_in_report("figs/study/{rso}/{stations}_explore", ".html", SECTIONS["study"], "explore"),
+        log:
+            f"{RESULTS}/logs/figs/study/{{rso}}/{{stations}}_explore.log",
+        benchmark:
+            f"{RESULTS}/benchmarks/figs/study/{{rso}}/{{stations}}_explore.tsv"
+        params:
+            draw="explore",
+            settings=lambda wildcards: {
+                **all_of(OWN.drawn(wildcards.rso, wildcards.stations), "learners"),
+                "radars": stations(wildcards),
+            },
+            code=code("explore.py"),
+        message:
+            "Page: turn the orbit of {wildcards.rso}, pick an estimate of {wildcards.stations}"
 
     use rule errors as study_calibration with:
         input:
@@ -78,10 +131,7 @@ if OWN.is_asked:
             f"{RESULTS}/benchmarks/figs/study/{{rso}}/{{stations}}_calibration.tsv"
         params:
             draw="study_calibration",
-            settings=lambda wildcards: {
-                "epoch": config["epoch"],
-                "models": list(OWN.tested(wildcards.rso, wildcards.stations)),
-            },
+            settings=lambda wildcards: all_of(OWN.tested(wildcards.rso, wildcards.stations), "models"),
             code=code("study_calibration.py"),
         message:
             "Figure: nominal and achieved coverage of {wildcards.rso} by {wildcards.stations}"
@@ -93,6 +143,11 @@ if OWN.is_asked:
                 for window in OWN.windows.values()
             ],
             activity=TRUE_ENVIRONMENT["solar_activity"],
+            dataset=lambda wildcards: path_of(
+                rules.labelled_dataset.output[0],
+                **dict(wildcards.items()) | {"window": "", "reading": ""},
+                label=naming.LABELS[STUDY.label],
+            ),
         output:
             **figures("study/{rso}/{stations}_drag", caption="study_drag", section=SECTIONS["study"]),
         log:
@@ -100,7 +155,15 @@ if OWN.is_asked:
         benchmark:
             f"{RESULTS}/benchmarks/figs/study/{{rso}}/{{stations}}_drag.tsv"
         params:
-            **drawing("study_drag", windows=list(OWN.windows)),
+            draw="study_drag",
+            settings=lambda wildcards: {
+                "epoch": config["epoch"],
+                "windows": list(OWN.windows),
+                "component": STUDY.defaults["component"],
+                "marks": OWN.marks,
+                **dict(wildcards.items()),
+            },
+            code=code("study_drag.py"),
         message:
             "Figure: drag coefficients of {wildcards.rso} by {wildcards.stations} beside the solar activity"
 
@@ -124,6 +187,7 @@ if OWN.is_asked:
                 station_sets=OWN.panels,
                 learners=OWN.learners,
                 splits=OWN.splits,
+                models=OWN.answer.learners,
             ),
         message:
             "Figure: performance metric P_ML of models against splits, {wildcards.rso}"
@@ -145,11 +209,14 @@ if OWN.is_asked:
         benchmark:
             f"{RESULTS}/benchmarks/figs/study/{{rso}}/{{stations}}_rolling.tsv"
         params:
-            **drawing(
-                "study_rolling",
-                learners=list(STUDY.entry("rolling").get("learners", [])),
-                every_days=STUDY.rolling["every_days"],
-            ),
+            draw="study_rolling",
+            settings=lambda wildcards: {
+                "epoch": config["epoch"],
+                "learners": list(STUDY.entry("rolling").get("learners", [])),
+                **STUDY.rolling,
+                **dict(wildcards.items()),
+            },
+            code=code("study_rolling.py"),
         message:
             "Figure: P_ML of {wildcards.rso} by {wildcards.stations} day by day, learners trained anew and once"
 

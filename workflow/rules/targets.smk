@@ -6,7 +6,14 @@ PAPER_PARTS = {
         *(path_of(file, evaluation=name) for name in PAPER.evaluations for file in rules.svr.output),
     ],
     "components": lambda: rules.components.output,
-    "orbit": lambda: [*rules.estimation_window.output, *rules.orbit.output],
+    "orbit": lambda: [
+        *rules.estimation_window.output,
+        *rules.orbit.output,
+        *(
+            path_of(file, rso=STUDY.defaults["rso"], stations=STUDY.defaults["stations"])
+            for file in rules.world.output
+        ),
+    ],
     "distribution": lambda: rules.error_distribution.output,
     "partition": lambda: [
         *(
@@ -53,9 +60,16 @@ STUDY_FILES = (
             for rso, stations in OWN.datasets
             for file in [
                 *rules.study_errors.output,
+                *rules.study_residuals.output,
                 *rules.study_drag.output,
                 *(rules.study_rolling.output if OWN.rolling else []),
             ]
+        ),
+        *(
+            path_of(file, rso=rso, stations=stations)
+            for rso, stations in OWN.datasets
+            if not STUDY.is_measured(rso)
+            for file in [*rules.world.output, *rules.explore.output]
         ),
         *(
             path_of(file, rso=rso, stations=stations)

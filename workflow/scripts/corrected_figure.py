@@ -9,5 +9,7 @@ with job(snakemake):
     table = read_table(snakemake.input.corrected, "corrected")
     first = table[table["i"] == table["i"].min()]
     errors = held_against(first, read_table(snakemake.input.estimates, "estimates"))
-    figure = ephemeris.later_errors(errors, level=snakemake.params.settings["level"])
+    settings = snakemake.params.settings
+    told = "{rso} by {stations}; corrected by {learner} trained on {train}"
+    figure = ephemeris.later_errors(errors, level=settings["level"], note=told.format(**settings))
     style.save_all([figure], [snakemake.output.pdf], [snakemake.output.png])

@@ -9,5 +9,8 @@ with job(snakemake):
     settings = snakemake.params.settings
     tracking = read_table(snakemake.input[0], "tracking")
     track = tracking.loc[tracking["t"] >= DAY * settings["window_day"], "track"].min()
-    figure = orbit.estimation_window(tracking, track=int(track), window_hours=settings["window_hours"])
+    note = f"{settings['rso']} by {settings['stations']}; bars: tracks, from first to last measurement"
+    figure = orbit.estimation_window(
+        tracking, track=int(track), window_hours=settings["window_hours"], note=note
+    )
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

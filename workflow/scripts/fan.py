@@ -11,5 +11,6 @@ with job(snakemake):
         read_table(snakemake.input.sample, "ensemble"),
         track=settings["track"],
         level=settings["level"],
+        note=f"{settings['rso']} by {settings['stations']}, from track {settings['track']}",
     )
     style.save_all([figure], [snakemake.output.pdf], [snakemake.output.png])

@@ -1,6 +1,6 @@
 """Draw P_ML of models against splits."""
 
-from opml.figures import generalisation, style
+from opml.figures import generalisation, labels, models, style
 from opml.jobs import job
 from opml.tables import read_tables
 
@@ -16,5 +16,7 @@ with job(snakemake):
         splits=list(settings["splits"]),
         published={(stations, split): p_ml for stations, _, split, p_ml in settings["published"]},
         component=settings["component"],
+        models={name: models.told(one) for name, one in settings["models"].items()},
+        note=labels.splits(settings["splits"]),
     )
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

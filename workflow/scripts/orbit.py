@@ -11,8 +11,10 @@ with job(snakemake):
         for name in ("truth", "tracking")
     )
     gm = read_metadata(snakemake.input.gravity_field)["gm"]
+    seen = f"{settings['rso']}, observed by {settings['stations']}"
+    elements = f"{settings['rso']}: osculating elements in GCRF"
     figures = [
-        orbit.orbit_3d(truth, tracking),
-        orbit.orbital_elements(truth, gm=gm, zoom_days=settings["zoom_days"]),
+        orbit.orbit_3d(truth, tracking, note=seen),
+        orbit.orbital_elements(truth, gm=gm, zoom_days=settings["zoom_days"], note=elements),
     ]
     style.save_all(figures, snakemake.output.pdf, snakemake.output.png)

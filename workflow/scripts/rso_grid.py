@@ -1,13 +1,20 @@
 """Draw mean and spread of the absolute errors of several RSOs side by side."""
 
-from opml.figures import errors, style
+from opml.figures import context, errors, style
 from opml.jobs import job
+from opml.learning.cleaning import Cleaning
 from opml.tables import read_table
 
 with job(snakemake):
-    settings = snakemake.params.settings
-    tables = [read_table(path, "evaluation") for path in snakemake.input]
-    figure = errors.rso_grid(
-        dict(zip(settings["rsos"], tables, strict=True)), component=settings["component"]
-    )
+    settings, files = snakemake.params.settings, snakemake.input
+    cleaning, evaluations, contexts = Cleaning.from_settings(settings["cleaning"]), {}, {}
+    tables = zip(files.evaluation, files.metrics, files.dataset, strict=True)
+    for names, (evaluation, metrics, dataset) in zip(settings["experiments"], tables, strict=True):
+        rso = names["target"]
+        evaluations[rso] = read_table(evaluation, "evaluation")
+        all_of_them = names | {"rso": "each RSO", "target": "each RSO"}
+        contexts[rso] = context.of_experiment(
+            all_of_them, read_table(metrics, "metrics"), read_table(dataset, "dataset"), cleaning
+        )
+    figure = errors.rso_grid(evaluations, component=settings["component"], contexts=contexts)
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

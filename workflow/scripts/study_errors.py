@@ -1,6 +1,7 @@
 """Draw the size of the errors before and after correction, one panel per model."""
 
 from opml.figures import study, style
+from opml.figures.labels import experiment
 from opml.jobs import job
 from opml.tables import read_table
 
@@ -10,5 +11,5 @@ with job(snakemake):
         name: read_table(path, "evaluation")
         for name, path in zip(settings["learners"], snakemake.input, strict=True)
     }
-    figure = study.errors(tables, component=settings["component"])
+    figure = study.errors(tables, component=settings["component"], note=experiment(**settings))
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

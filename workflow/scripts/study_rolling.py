@@ -9,6 +9,8 @@ with job(snakemake):
     settings = snakemake.params.settings
     files = zip(settings["learners"], snakemake.input, strict=True)
     days = {learner: by_day(read_table(path, "rolling")) for learner, path in files}
-    style.save_all(
-        [study.rolling(days, every_days=settings["every_days"])], snakemake.output.pdf, snakemake.output.png
+    note = (
+        f"{settings['rso']} by {settings['stations']}, {settings['last_days']:g} days to learn from at most"
     )
+    figure = study.rolling(days, every_days=settings["every_days"], note=note)
+    style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

@@ -1,7 +1,7 @@
 """Curves of P_ML against what an experiment varies.
 
-`metrics` are rows of that table. With a further column `seed`, each point is the mean over the seeds, in a
-band of one standard deviation to either side.
+`metrics` are rows of that table, whose intervals are drawn as bars. With several seeds in a further column
+`seed`, each point is the mean over them instead, in a band of one standard deviation to either side.
 """
 
 from collections.abc import Mapping
@@ -15,13 +15,30 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from opml import naming
 from opml.errors import InputError
-from opml.figures.labels import symbol
-from opml.figures.style import MUTED, PUBLISHED, RESIDUAL, RESIDUALS, column_figure, labelled, page_figure
+from opml.figures.labels import symbol, trained
+from opml.figures.style import (
+    MARKERS,
+    MUTED,
+    NOTE_SIZE,
+    PUBLISHED,
+    RESIDUAL,
+    SERIES,
+    column_figure,
+    legend,
+    page_figure,
+)
 from opml.naming import Split
 
 PARTS = {"rest": "test part", "seen": "training part"}
-MARKERS = "osD^"
+INTERVAL = "bars: 5th to 95th percentile over resampled estimates"
+"""What the bars of P_ML are, as figures say it."""
+
 RULE_STYLES = (":", "-.", (0, (6, 1.5)), (0, (1, 3)))
+RULES = (
+    "scales by quantiles of the distances (sigest), their median, cross-validation on held-out estimates (cv)"
+)
+"""The public rules of the kernel scale, as the figure explains them."""
+
 NO_CORRECTION = 100.0
 """P_ML [%] of doing nothing."""
 
@@ -46,7 +63,7 @@ def partition_curve(
     if test.empty:
         raise InputError(f"partition curve: expected metrics of {component} on random splits, got none")
 
-    figure, axes = column_figure(height_mm=64.0)
+    figure, axes = column_figure(height_mm=74.0)
     _draw_curve(axes, test, "share", "o-", color=RESIDUAL, label="test part")
     if not seen.empty:
         _draw_curve(axes, seen, "share", "s--", color=MUTED, lw=1.0, ms=3.0, label="training part")
@@ -106,7 +123,7 @@ def kernel_scale_sensitivity(
     chosen = metrics[metrics["component"] == component]
     if chosen.empty:
         raise InputError(f"kernel scale: expected metrics of {component}, got none")
-    figure = page_figure(height_mm=84.0)
+    figure = page_figure(height_mm=92.0)
     sets = list(chosen.groupby("stations", sort=False))
     panels = figure.subplots(1, len(sets), sharex=True, sharey=True, squeeze=False)[0]
     for axes, (stations, rows) in zip(panels, sets, strict=True):
@@ -125,8 +142,8 @@ def kernel_scale_sensitivity(
         axes.set_xlabel("kernel scale $s$, on standardised variables")
         axes.yaxis.set_tick_params(labelleft=True)
         _label(axes, component)
-    labels = labelled(figure)
-    figure.legend(labels.values(), labels.keys(), loc="outside upper left", ncols=3)
+    lines = f"vertical lines: {RULES}" if rules else ""
+    legend(figure, columns=3, note=_note(_trained_on(chosen), _bars(chosen), lines))
     return figure
 
 
@@ -149,12 +166,15 @@ def _transfer(
             f"{', '.join(varied) or 'some target'}, got none"
         )
     chosen = chosen.assign(varied=chosen["target"].map(varied))
-    figure, axes = column_figure(height_mm=72.0)
+    figure, axes = column_figure(height_mm=80.0)
     for k, (test, rows) in enumerate(chosen.groupby("test", sort=False)):
         _draw_curve(axes, rows, "varied", f"{_marker(k)}-", color=_shade(k), label=_window_label(test))
         if test in published:
             label = f"{published_name}, {_window_label(test)}"
             _draw_published(axes, published[test], _marker(k), label=label)
+    own = chosen[chosen["target"] == chosen["rso"]] if "rso" in chosen else chosen.iloc[:0]
+    for value in own["varied"].unique():
+        axes.axvline(value, color=MUTED, ls=":", lw=1.2, zorder=1, label="RSO trained on")
     return _finished(figure, axes, chosen, component)
 
 
@@ -168,6 +188,8 @@ def _draw_curve(axes: Axes, rows: pd.DataFrame, x: str, style: str, **look: Any)
     if (points["size"] > 1).any():
         low, high = points["mean"] - points["std"], points["mean"] + points["std"]
         axes.fill_between(points.index, low, high, color=look["color"], alpha=0.25, lw=0.0, zorder=2)
+    elif "p_ml_low" in rows:
+        axes.vlines(rows[x], rows["p_ml_low"], rows["p_ml_high"], color=look["color"], lw=0.9, zorder=2)
 
 
 def _draw_published(axes: Axes, published: Mapping[float, float], marker: str, *, label: str) -> None:
@@ -187,10 +209,36 @@ def _draw_published(axes: Axes, published: Mapping[float, float], marker: str, *
 def _finished(figure: Figure, axes: Axes, metrics: pd.DataFrame, component: str) -> Figure:
     """The figure with what all single curves of P_ML share."""
     _label(axes, component)
-    seeds = metrics["seed"].nunique() if "seed" in metrics else 1
-    title = f"mean and standard deviation of {seeds} seeds" if seeds > 1 else None
-    figure.legend(loc="outside upper left", title=title)
+    legend(figure, columns=1, note=_note(_trained_on(metrics), _bars(metrics)))
     return figure
+
+
+def _note(*lines: str) -> str:
+    return "\n".join(filter(None, lines))
+
+
+def _bars(metrics: pd.DataFrame) -> str:
+    """What bars or bands of the curves are."""
+    seeds = metrics["seed"].nunique() if "seed" in metrics else 1
+    if seeds > 1:
+        return f"mean and standard deviation of {seeds} seeds"
+    return INTERVAL if "p_ml_low" in metrics else ""
+
+
+def _trained_on(metrics: pd.DataFrame) -> str:
+    """Model, RSO, stations and rows trained on, where the table names them and they are the same for all."""
+    if "rso" not in metrics:
+        return ""
+    stations = metrics["stations"].map(lambda name: naming.without_seed(name, naming.NOISE)).unique()
+    learner = metrics["learner"].iloc[0].partition("_s")[0]
+    by = f" by {stations[0]}" if len(stations) == 1 else ""
+    return f"{learner} trained on {metrics['rso'].iloc[0]}{by}{_rows(metrics)}"
+
+
+def _rows(metrics: pd.DataFrame) -> str:
+    """The rows trained on, where they are the same for all."""
+    trains = metrics["train"].unique()
+    return f", {trained(trains[0])}" if len(trains) == 1 else ""
 
 
 def _label(axes: Axes, component: str) -> None:
@@ -199,6 +247,8 @@ def _label(axes: Axes, component: str) -> None:
     axes.set_ylim(bottom=0.0)
     if axes.get_ylim()[1] > NO_CORRECTION:
         axes.axhline(NO_CORRECTION, color=MUTED, ls="--", lw=1.0, zorder=1)
+        look: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": NOTE_SIZE, "color": PUBLISHED}
+        axes.text(1.0, NO_CORRECTION, "no correction", transform=axes.get_yaxis_transform(), **look)
 
 
 def _trained(name: str) -> Split:
@@ -225,4 +275,4 @@ def _marker(k: int) -> str:
 
 
 def _shade(k: int) -> str:
-    return RESIDUALS[k % len(RESIDUALS)]
+    return SERIES[k % len(SERIES)]

@@ -8,22 +8,22 @@ from matplotlib.figure import Figure
 
 from opml.constants import DAY
 from opml.errors import InputError
-from opml.figures.style import MUTED, RESIDUAL, TRUE, labelled, page_figure
+from opml.figures.style import MUTED, RESIDUAL, TRUE, legend, page_figure
 
 _AXES = {"x": "radial", "y": "along-track", "z": "cross-track"}
 _METRES = 1e-3  # in kilometres
 
 
-def later_errors(errors: pd.DataFrame, *, level: float) -> Figure:
+def later_errors(errors: pd.DataFrame, *, level: float, note: str = "") -> Figure:
     """Errors of one ephemeris against estimates of later tracks, by duration [d]; one row per axis of RSW.
 
     errors: as `corrected.held_against` returns. On the left the prediction and its correction [km], on the
-    right the correction alone [m], with the band that its covariance gives to the `level`. Raises InputError
-    where nothing was measured later.
+    right the correction alone [m], with the band that its covariance gives to the `level`; `note`: whose
+    they are. Raises InputError where nothing was measured later.
     """
     if errors.empty:
         raise InputError("ephemeris: expected an estimate of a later track to hold it against, got none")
-    figure = page_figure(height_mm=140.0)
+    figure = page_figure(height_mm=144.0)
     panels = figure.subplots(3, 2, sharex=True)
     for (left, right), (axis, name) in zip(panels, _AXES.items(), strict=True):
         _draw(left, errors, f"before_{axis}", _METRES, color=TRUE, marker="o", label="no correction")
@@ -34,8 +34,7 @@ def later_errors(errors: pd.DataFrame, *, level: float) -> Figure:
         right.set_ylabel(f"{name} [m]")
     figure.supxlabel(r"time since the estimate $\Delta t$ [d]", fontsize=8.0)
     figure.supylabel("predicted less later estimate, in RSW of the estimate", fontsize=8.0)
-    labels = labelled(figure)
-    figure.legend(labels.values(), labels.keys(), loc="outside upper left", ncols=3)
+    legend(figure, columns=3, note=note)
     return figure
 
 

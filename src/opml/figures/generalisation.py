@@ -4,16 +4,26 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from opml.constants import DAY
-from opml.figures.curves import NO_CORRECTION
+from opml.figures.curves import INTERVAL, NO_CORRECTION
 from opml.figures.labels import symbol, unit
-from opml.figures.style import MUTED, PREDICTED, PUBLISHED, RESIDUALS, TRUE, labelled, page_figure
+from opml.figures.style import (
+    MARKERS,
+    MUTED,
+    NOTE_SIZE,
+    PREDICTED,
+    PUBLISHED,
+    RESIDUAL,
+    SERIES,
+    TRUE,
+    legend,
+    page_figure,
+)
 
-MARKERS = "osD^v"
 AXES = {
     "inclination": "inclination $i$ [deg]",
     "semi_major_axis": "increment of the semi-major axis $a$ [km]",
@@ -28,13 +38,15 @@ def splits(
     splits: Sequence[str],
     published: Mapping[tuple[str, str], float],
     component: str,
+    models: Mapping[str, str] | None = None,
+    note: str = "",
 ) -> Figure:
     """P_ML [%] of every model under every split, with 90 % intervals; one panel per station set.
 
     `metrics` has a further column `split`, the split's name; `published`: the paper's, by station set and
-    split.
+    split; `models`: by learner what it is, in a few words; `note`: what was trained and tested.
     """
-    figure = page_figure(height_mm=30.0 + 6.5 * len(learners))
+    figure = page_figure(height_mm=36.0 + 6.5 * len(learners))
     height = np.arange(len(learners))[::-1]
     for axes, stations in zip(
         figure.subplots(1, len(panels), sharex=True, sharey=True, squeeze=False)[0], panels, strict=True
@@ -43,7 +55,7 @@ def splits(
         for k, split in enumerate(splits):
             rows = own[own["split"] == split].set_index("learner").loc[list(learners)]
             aside = height + 0.17 * ((len(splits) - 1) / 2.0 - k)
-            look = {"color": RESIDUALS[k % len(RESIDUALS)], "marker": MARKERS[k % len(MARKERS)]}
+            look = {"color": SERIES[k % len(SERIES)], "marker": MARKERS[k % len(MARKERS)]}
             axes.hlines(aside, rows["p_ml_low"], rows["p_ml_high"], color=look["color"], lw=1.2)
             axes.plot(rows["p_ml"], aside, ls="", ms=4.0, label=split, **look)
             if (stations, split) in published:
@@ -61,8 +73,23 @@ def splits(
         axes.xaxis.set_minor_formatter(NullFormatter())
         axes.set_xlabel(rf"$P_{{\mathrm{{ML}}}}$ of {symbol(component)} [%]")
         axes.set_yticks(height, learners)
-    _legend(figure, columns=4)
+    _explain(figure.axes[-1], learners, models or {})
+    legend(figure, columns=4, note="; ".join(filter(None, [note, INTERVAL])))
     return figure
+
+
+def _explain(axes: Axes, learners: Sequence[str], models: Mapping[str, str]) -> None:
+    """To the right of the panel, what each of its models is."""
+    for height, name in enumerate(reversed(learners)):
+        axes.annotate(
+            models.get(name, ""),
+            (1.02, height),
+            xycoords=axes.get_yaxis_transform(),
+            fontsize=NOTE_SIZE,
+            color=PUBLISHED,
+            va="center",
+            annotation_clip=False,
+        )
 
 
 def transfers(
@@ -76,12 +103,12 @@ def transfers(
 
     `curves`: by curve, a key of AXES, what is varied by target; `published`: the paper's, by target.
     """
-    figure = page_figure(height_mm=72.0)
+    figure = page_figure(height_mm=78.0)
     panels = figure.subplots(1, len(curves), sharey=True, squeeze=False)[0]
     for axes, (curve, varied) in zip(panels, curves.items(), strict=True):
         for k, (learner, rows) in enumerate(metrics.groupby("learner", sort=False)):
             own = rows[rows["target"].isin(list(varied))].set_index("target").loc[list(varied)]
-            x, color = list(varied.values()), RESIDUALS[k % len(RESIDUALS)]
+            x, color = list(varied.values()), SERIES[k % len(SERIES)]
             axes.fill_between(x, own["p_ml_low"], own["p_ml_high"], color=color, alpha=0.2, lw=0.0)
             axes.plot(x, own["p_ml"], f"{MARKERS[k % len(MARKERS)]}-", color=color, label=learner)
         points = {value: published[target] for target, value in varied.items() if target in published}
@@ -94,17 +121,22 @@ def transfers(
         axes.yaxis.set_minor_formatter(NullFormatter())
         axes.set_xlabel(AXES[curve])
     panels[0].set_ylabel(rf"$P_{{\mathrm{{ML}}}}$ of {symbol(component)} [%]")
-    _legend(figure, columns=4)
+    own = metrics[metrics["target"] == metrics["rso"]]
+    for axes, varied in zip(panels, curves.values(), strict=True):
+        for value in {varied[target] for target in own["target"] if target in varied}:
+            axes.axvline(value, color=MUTED, ls=":", lw=1.2, zorder=1, label="RSO trained on")
+    trained_on = f"trained on {metrics['rso'].iloc[0]} alone, applied to RSOs that differ in one element"
+    legend(figure, columns=5, note=f"{trained_on}; bands: 5th to 95th percentile over resampled estimates")
     return figure
 
 
-def intervals(tables: Mapping[str, pd.DataFrame], *, level: float, component: str) -> Figure:
+def intervals(tables: Mapping[str, pd.DataFrame], *, level: float, component: str, note: str = "") -> Figure:
     """True errors and what a correction leaves of them, in the band of the prediction interval.
 
-    `tables`: `intervals` tables by title, one panel each, with its own scale.
+    `tables`: `intervals` tables by title, one panel each, with its own scale; `note`: what was tested.
     """
     name, scale = unit(component)
-    figure = page_figure(height_mm=62.0)
+    figure = page_figure(height_mm=68.0)
     for axes, (title, table) in zip(
         figure.subplots(1, len(tables), sharex=True, squeeze=False)[0], tables.items(), strict=True
     ):
@@ -112,8 +144,8 @@ def intervals(tables: Mapping[str, pd.DataFrame], *, level: float, component: st
         days, half = table["duration"] / DAY, scale * table["half_width"]
         outside = table["residual"].abs() > table["half_width"]
         look = {"ls": "", "marker": ".", "ms": 1.6, "mew": 0.0, "rasterized": True}
-        axes.plot(days, scale * table["true"], color=TRUE, alpha=0.15, label="true error", **look)
-        axes.plot(days, scale * table["residual"], color=RESIDUALS[0], label="what is left", **look)
+        axes.plot(days, scale * table["true"], color=TRUE, alpha=0.3, label="true error", **look)
+        axes.plot(days, scale * table["residual"], color=RESIDUAL, label="what is left", **look)
         axes.fill_between(
             days,
             -half,
@@ -129,16 +161,5 @@ def intervals(tables: Mapping[str, pd.DataFrame], *, level: float, component: st
         axes.set_title(f"{title}: {100.0 * (1.0 - outside.mean()):.0f} % inside", fontsize=8.0, loc="left")
         axes.set_xlabel("prediction duration [d]")
     figure.axes[0].set_ylabel(f"{symbol(component)} [{name}]")
-    _legend(figure, columns=3)
+    legend(figure, columns=3, note=note)
     return figure
-
-
-def _legend(figure: Figure, *, columns: int) -> None:
-    """One legend for all panels, each label once."""
-    labels = labelled(figure)
-    legend = figure.legend(labels.values(), labels.keys(), loc="outside upper left", ncols=columns)
-    for handle in filter(None, legend.legend_handles):
-        if (alpha := handle.get_alpha()) is not None:
-            handle.set_alpha(max(float(alpha), 0.4))
-        if isinstance(handle, Line2D):
-            handle.set_markersize(max(handle.get_markersize(), 4.0))

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
@@ -18,8 +19,11 @@ from opml.figures.style import (
     ESTIMATE,
     HIGHLIGHT,
     OBSERVED,
+    PUBLISHED,
     TRACK,
     TRUE,
+    legend,
+    noted,
     page_figure,
     space_figure,
 )
@@ -51,7 +55,7 @@ def within_days(table: pd.DataFrame, days: Sequence[float]) -> pd.DataFrame:
     return table[table["t"].between(first * DAY, last * DAY)]
 
 
-def estimation_window(tracking: pd.DataFrame, *, track: int, window_hours: float) -> Figure:
+def estimation_window(tracking: pd.DataFrame, *, track: int, window_hours: float, note: str = "") -> Figure:
     """Tracks used for the estimate at the start of `track`, and their neighbours that are not.
 
     `tracking`: that table; one lane per station. Used are the track itself and those that began within
@@ -69,7 +73,7 @@ def estimation_window(tracking: pd.DataFrame, *, track: int, window_hours: float
 
     stations = list(tracks["station"].unique())
     lane = tracks["station"].map(stations.index)
-    figure = page_figure(height_mm=24.0 + 8.0 * len(stations))
+    figure = page_figure(height_mm=30.0 + 8.0 * len(stations))
     axes = figure.add_subplot()
     window = axes.axvspan(-window_hours, 0.0, color="#EBEBEB", lw=0.0)
     colors = np.where(used, HIGHLIGHT, TRACK)[near]
@@ -101,21 +105,23 @@ def estimation_window(tracking: pd.DataFrame, *, track: int, window_hours: float
     axes.grid(visible=False, axis="y")
     axes.set_xlabel(f"time since $t_i$ = {epoch / DAY:.3f} d [h]")
     axes.set_ylabel("station")
-    figure.legend(
-        [window, Patch(color=HIGHLIGHT), Patch(color=TRACK), dots],
-        [f"estimation window, {window_hours:g} h", "track used", "track not used", "epoch of an estimate"],
-        loc="outside upper center",
-        ncols=4,
-    )
+    labels = {
+        f"estimation window, {window_hours:g} h": window,
+        "track used": Patch(color=HIGHLIGHT),
+        "track not used": Patch(color=TRACK),
+        "epoch of an estimate": dots,
+    }
+    legend(figure, columns=4, labels=labels, note=note)
     return figure
 
 
-def orbit_3d(truth: pd.DataFrame, tracking: pd.DataFrame) -> Figure:
+def orbit_3d(truth: pd.DataFrame, tracking: pd.DataFrame, *, note: str = "") -> Figure:
     """The orbit in GCRF [1000 km], red at the beginning and blue at the end, with the observed points.
 
     `truth`, `tracking`: those tables, of epochs in common. Of a long orbit REVOLUTIONS whole revolutions are
-    drawn, evenly spread; what the Earth hides is left out. Raises InputError for less than one revolution.
-    After the paper's figure 'True orbit and observations of the RSO'.
+    drawn, evenly spread, and the points observed on these; what the Earth hides is left out. Raises
+    InputError for less than one revolution. After the paper's figure 'True orbit and observations of the
+    RSO'.
     """
     days, positions = truth["t"].to_numpy() / DAY, truth[["x", "y", "z"]].to_numpy() / 1e6
     revolution = _revolutions(positions)
@@ -124,8 +130,9 @@ def orbit_3d(truth: pd.DataFrame, tracking: pd.DataFrame) -> Figure:
         raise InputError(f"orbit in 3D: expected at least one revolution, got {revolution[-1]:.2f}")
     drawn = np.unique(np.linspace(0, whole - 1, REVOLUTIONS).round())
     sight = _in_sight(positions)
-    starts = np.flatnonzero(np.isin(np.floor(revolution[:-1]), drawn) & sight[:-1])
-    observed = positions[np.isin(truth["t"], tracking["t"]) & sight]
+    shown = np.isin(np.floor(revolution), drawn) & sight
+    starts = np.flatnonzero(shown[:-1])
+    observed = positions[np.isin(truth["t"], tracking["t"]) & shown]
 
     figure, axes = space_figure(height_mm=90.0)
     axes.set_proj_type("ortho")
@@ -144,7 +151,7 @@ def orbit_3d(truth: pd.DataFrame, tracking: pd.DataFrame) -> Figure:
     axes.add_collection3d(arcs)
     axes.scatter(
         *observed.T,
-        s=0.5,
+        s=1.0,
         color=OBSERVED,
         linewidths=0.0,
         depthshade=False,
@@ -152,20 +159,16 @@ def orbit_3d(truth: pd.DataFrame, tracking: pd.DataFrame) -> Figure:
         rasterized=True,
         label="observed",
     )
-    reach = np.abs(positions).max()
-    axes.set(xlim=(-reach, reach), ylim=(-reach, reach), zlim=(-reach, reach))
-    axes.set_box_aspect((1, 1, 1))
-    for name in "xyz":
-        getattr(axes, f"set_{name}label")(f"${name}$ [1000 km]", labelpad=-6.0)
-        getattr(axes, f"{name}axis").set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))
-        axes.tick_params(axis=name, pad=-3.0)
+    _span(axes, float(np.abs(positions).max()))
     # Automatic layout knows too little of what is drawn in 3D.
     figure.set_layout_engine("none")
-    axes.set_position((0.0, 0.14, 0.92, 0.86))
+    axes.set_position((0.0, 0.15, 0.92, 0.8))
     bar = figure.colorbar(arcs, cax=figure.add_axes((0.2, 0.115, 0.6, 0.018)), orientation="horizontal")
     bar.set_label("time [d]")
     bar.outline.set_linewidth(0.5)
-    figure.legend(loc="upper right", markerscale=5.0)
+    every = f"{len(drawn)} of {whole} revolutions, GCRF"
+    noted(figure, "; ".join(filter(None, [note, every])))
+    figure.legend(loc="upper right", markerscale=4.0, bbox_to_anchor=(1.0, 0.92))
     return figure
 
 
@@ -175,6 +178,7 @@ def orbital_elements(
     gm: float,
     zoom_days: Sequence[float],
     elements: Sequence[str] = ("a", "e", "i", "raan"),
+    note: str = "",
 ) -> Figure:
     """Osculating elements against time [d]: the whole orbit on the left, the days of `zoom_days` beside it.
 
@@ -188,23 +192,51 @@ def orbital_elements(
     if not zoomed.any():
         raise InputError(f"orbital elements: expected epochs within days {first:g} to {last:g}, got none")
 
-    figure = page_figure(height_mm=12.0 + 27.0 * len(elements))
+    figure = page_figure(height_mm=20.0 + 27.0 * len(elements))
     panels = figure.subplots(len(elements), 2, sharex="col", squeeze=False, width_ratios=(3, 2))
     for (left, right), name in zip(panels, elements, strict=True):
         label, factor = _ELEMENTS[name]
         values = _broken(coe[name]) * factor if name in _TURNING else coe[name] * factor
         left.plot(days, values, color=TRUE, lw=0.4, rasterized=True)
-        left.axvspan(first, last, color=HIGHLIGHT, lw=0.0, zorder=3)
+        left.axvspan(first, last, color=HIGHLIGHT, alpha=0.6, lw=0.0, zorder=3)
         right.plot(days[zoomed], values[zoomed], color=TRUE, lw=1.0)
         left.set_ylabel(label)
         for axes in (left, right):
             axes.ticklabel_format(axis="y", useOffset=False)
         right.margins(x=0.0)
+    _name_zoom(panels[0], first, last)
+    noted(figure, note)
     left.set_xlim(days[0], days[-1])
     left.set_xlabel("time [d]")
     right.set_xlabel("time [d]")
     figure.align_ylabels()
     return figure
+
+
+def _span(axes: Axes3D, reach: float) -> None:
+    """Axes of one scale that reach as far on every side [1000 km]."""
+    axes.set(xlim=(-reach, reach), ylim=(-reach, reach), zlim=(-reach, reach))
+    axes.set_box_aspect((1, 1, 1))
+    for name in "xyz":
+        getattr(axes, f"set_{name}label")(f"${name}$ [1000 km]", labelpad=-6.0)
+        getattr(axes, f"{name}axis").set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))
+        axes.tick_params(axis=name, pad=-3.0)
+
+
+def _name_zoom(panels: Sequence[Axes], first: float, last: float) -> None:
+    """Say above the panels what the band on the left is, and that the right shows its days."""
+    left, right = panels
+    left.annotate(
+        "enlarged",
+        (0.5 * (first + last), 1.0),
+        xycoords=left.get_xaxis_transform(),
+        xytext=(0.0, 2.0),
+        textcoords="offset points",
+        ha="center",
+        fontsize=7.0,
+        color=PUBLISHED,
+    )
+    right.set_title(f"enlarged: days {first:g} to {last:g}", fontsize=8.0, loc="left")
 
 
 def _revolutions(positions: np.ndarray) -> np.ndarray:

@@ -6,7 +6,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from opml.errors import InputError
-from opml.figures.style import MUTED, PREDICTED, PUBLISHED, RESIDUAL, page_figure
+from opml.figures.style import MUTED, PREDICTED, PUBLISHED, RESIDUAL, noted, page_figure
 
 MOST = 130.0
 """Where the axis ends [%]: a correction that leaves more than there was is as bad as any other."""
@@ -46,6 +46,7 @@ def scan(
     )
     axes.set_ylim(0.0, MOST)
     axes.set_ylabel(r"$P_{\mathrm{ML}}$ [%]")
-    axes.tick_params(axis="x", rotation=20)
+    axes.set_xticks(range(len(published)), list(published), rotation=20, ha="right")
     axes.legend(loc="upper left")
+    noted(figure, f"lines: {len(found)} combinations of readings, each one setting for all numbers")
     return figure

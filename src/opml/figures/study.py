@@ -1,7 +1,8 @@
 """A study's figures: errors before and after correction by duration, and the rows that were used."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -11,9 +12,23 @@ from matplotlib.ticker import PercentFormatter
 
 from opml.constants import DAY
 from opml.errors import InputError
+from opml.figures.errors import DURATION_LABEL
 from opml.figures.labels import symbol
-from opml.figures.style import MUTED, RESIDUAL, RESIDUALS, TRACK, TRUE, labelled, page_figure
-from opml.learning.growth import by_duration
+from opml.figures.style import (
+    MARKERS,
+    MUTED,
+    NOTE_SIZE,
+    PREDICTED,
+    RAMP,
+    REASONS,
+    RESIDUAL,
+    SERIES,
+    TRACK,
+    TRUE,
+    legend,
+    page_figure,
+)
+from opml.learning.growth import REACH_DAYS, by_duration
 
 COLUMNS = 3
 """Panels side by side."""
@@ -22,20 +37,26 @@ BIN_DAYS = 0.5
 LEAST_ROWS = 5
 """Rows that a bin of durations needs for its quantiles to say something."""
 
-SHADES = (TRACK, *RESIDUALS, MUTED)
+UNCORRECTED = "errors without correction: medians and middle halves by the day that a prediction starts on"
+"""What the errors beside Cd are."""
+
+BASELINE = PREDICTED
+"""Of models beside the one that a figure shows."""
+
+SHADES = (TRACK, *REASONS)
 """Of rows that are used, then of those that are not, reason by reason."""
 
 
-def errors(evaluations: Mapping[str, pd.DataFrame], *, component: str) -> Figure:
+def errors(evaluations: Mapping[str, pd.DataFrame], *, component: str, note: str = "") -> Figure:
     """Size of the errors before and after correction [m or m/s] by duration [d]; one panel per model.
 
-    `evaluations`: those tables, by model. Lines are medians, the bands reach up to the 95th percentile.
-    Raises InputError without a model.
+    `evaluations`: those tables, by model; `note`: what was trained and tested. Lines are medians, the bands
+    reach up to the 95th percentile. Raises InputError without a model.
     """
     if not evaluations:
         raise InputError("errors of a study: expected at least one model that corrects, got none")
     rows = math.ceil(len(evaluations) / COLUMNS)
-    figure = page_figure(height_mm=14.0 + 50.0 * rows)
+    figure = page_figure(height_mm=20.0 + 50.0 * rows)
     panels = figure.subplots(rows, COLUMNS, squeeze=False, sharex=True, sharey=True).ravel()
     for axes, (name, evaluation) in zip(panels, evaluations.items(), strict=False):
         _draw_growth(axes, evaluation)
@@ -43,12 +64,89 @@ def errors(evaluations: Mapping[str, pd.DataFrame], *, component: str) -> Figure
         axes.xaxis.set_tick_params(labelbottom=True)
     for axes in panels[len(evaluations) :]:
         axes.remove()
-    unit = "m/s" if component.startswith("e_v") else "m"
-    figure.supxlabel(r"prediction duration $\Delta t$ [d]", fontsize=8.0)
-    figure.supylabel(f"|{symbol(component)}| [{unit}]", fontsize=8.0)
-    labels = labelled(figure)
-    figure.legend(labels.values(), labels.keys(), loc="outside upper left", ncols=4)
+    figure.supxlabel(DURATION_LABEL, fontsize=8.0)
+    figure.supylabel(_size_label(component), fontsize=8.0)
+    legend(figure, columns=4, note=note)
     return figure
+
+
+def residuals(
+    evaluations: Mapping[str, pd.DataFrame],
+    *,
+    chosen: str,
+    learned: Collection[str],
+    component: str,
+    note: str = "",
+) -> Figure:
+    """Size of the errors [m or m/s] by duration [d]: without correction, by the chosen model, and by others.
+
+    `evaluations`: those tables, by model; `chosen`: one of them; `learned`: those that learned. Of the errors
+    without correction and of what the chosen model leaves, bands hold 50 and 90 %; of the other models there
+    are medians. Raises InputError without the chosen model.
+    """
+    if chosen not in evaluations:
+        raise InputError(f"residuals of a study: expected the model '{chosen}', got {', '.join(evaluations)}")
+    figure = page_figure(height_mm=100.0)
+    axes = figure.add_subplot()
+    before, after = (sizes(evaluations[chosen], column) for column in ("true", "residual"))
+    _draw_bands(axes, before, TRUE, "o", "no correction")
+    _draw_bands(axes, after, RESIDUAL, "^", f"corrected by {chosen}")
+    others = {name: sizes(table, "residual") for name, table in evaluations.items() if name != chosen}
+    for name, median in others.items():
+        look: dict[str, Any] = (
+            {"ls": "--", "label": "others that learned"} if name in learned else {"label": "without learning"}
+        )
+        axes.plot(median.index, median["50"], color=BASELINE, lw=0.9, zorder=2.5, **look)
+    axes.set_yscale("log")
+    axes.set_xlim(0.0, before.index[-1])
+    axes.set_xlabel(DURATION_LABEL)
+    axes.set_ylabel(_size_label(component))
+    _name_ends(axes, {name: float(median["50"].iloc[-1]) for name, median in others.items()})
+    reading = "lines: medians; bands: the middle 50 % and 90 % of the errors"
+    legend(figure, columns=4, note="\n".join(filter(None, [note, reading])))
+    return figure
+
+
+def sizes(evaluation: pd.DataFrame, column: str) -> pd.DataFrame:
+    """Percentiles 5 to 95 of the size of an error in bins of BIN_DAYS, by their mean duration [d]."""
+    days, size = evaluation["duration"] / DAY, evaluation[column].abs()
+    width = min(BIN_DAYS, days.max() / 4.0)
+    bins = size.groupby(np.ceil(days / width))
+    found = bins.quantile([0.05, 0.25, 0.5, 0.75, 0.95]).unstack()
+    found = found.set_axis(days.groupby(np.ceil(days / width)).mean(), axis=0)
+    return found.set_axis(["5", "25", "50", "75", "95"], axis=1)[(bins.size() >= LEAST_ROWS).to_numpy()]
+
+
+def _draw_bands(axes: Axes, found: pd.DataFrame, color: str, marker: str, label: str) -> None:
+    """Median, middle half and middle 90 % of the sizes of an error."""
+    axes.fill_between(found.index, found["5"], found["95"], color=color, alpha=0.12, lw=0.0)
+    axes.fill_between(found.index, found["25"], found["75"], color=color, alpha=0.25, lw=0.0)
+    axes.plot(found.index, found["50"], f"{marker}-", color=color, ms=3.5, zorder=3.0, label=label)
+
+
+def _name_ends(axes: Axes, ends: Mapping[str, float]) -> None:
+    """The names of lines at their right ends, pushed apart on the logarithmic axis."""
+    low, high = np.log10(axes.get_ylim())
+    least, place = 0.042 * (high - low), -np.inf
+    for name, value in sorted(ends.items(), key=lambda item: item[1]):
+        place = max(float(np.log10(value)), place + least)
+        axes.annotate(
+            name,
+            (1.0, value),
+            xycoords=axes.get_yaxis_transform(),
+            xytext=(1.03, 10.0**place),
+            textcoords=axes.get_yaxis_transform(),
+            arrowprops={"arrowstyle": "-", "color": BASELINE, "lw": 0.5, "shrinkA": 1.0, "shrinkB": 1.0},
+            fontsize=NOTE_SIZE,
+            color=BASELINE,
+            va="center",
+            annotation_clip=False,
+        )
+
+
+def _size_label(component: str) -> str:
+    unit = "m/s" if component.startswith("e_v") else "m"
+    return f"|{symbol(component)}| [{unit}]"
 
 
 def _draw_growth(axes: Axes, evaluation: pd.DataFrame) -> None:
@@ -68,39 +166,89 @@ def _draw_growth(axes: Axes, evaluation: pd.DataFrame) -> None:
     axes.set_yscale("log")
 
 
-def drag(estimates: Mapping[str, pd.DataFrame], activity: pd.DataFrame) -> Figure:
-    """Estimated Cd against time [d], beside F10.7 and Kp of the same days.
+def drag(
+    estimates: Mapping[str, pd.DataFrame],
+    activity: pd.DataFrame,
+    errors: pd.DataFrame | None = None,
+    *,
+    note: str = "",
+) -> Figure:
+    """Estimated Cd against time [d], above F10.7 and Kp of the same days and the errors of predictions.
 
     `estimates`: those tables, by the window of their fits; what did not converge is left out. `activity`: the
-    table `solar_activity`. The axis of Cd shows the middle 90 % of all estimates. Raises InputError without
-    one.
+    table `solar_activity`. `errors`: as `daily_errors` returns. The axis of Cd shows the middle 90 % of all
+    estimates. Raises InputError without one.
     """
     usable = {name: table[table["converged"]] for name, table in estimates.items()}
     if all(table.empty for table in usable.values()):
         raise InputError("Cd of a study: expected an estimate that converged, got none")
-    figure = page_figure(height_mm=104.0)
-    upper, middle, lower = figure.subplots(3, 1, sharex=True, height_ratios=(2, 1, 1))
-    for k, (name, table) in enumerate(usable.items()):
-        look = {"ls": "", "marker": "o^sD"[k % 4], "ms": 2.2, "color": SHADES[k % len(SHADES)]}
-        upper.plot(table["t"] / DAY, table["cd"], label=name, **look)
+    drawn = errors is not None and not errors.empty
+    figure = page_figure(height_mm=(140.0 if drawn else 110.0))
+    panels = figure.subplots(3 + drawn, 1, sharex=True, height_ratios=(2.0, 1.0, 1.0, 1.6)[: 3 + drawn])
+    _draw_cd(panels[0], usable)
+    _draw_activity(panels[1], panels[2], activity)
+    if errors is not None and drawn:
+        _draw_daily(panels[3], errors)
     every = pd.concat(list(usable.values()))
-    low, high = np.quantile(every["cd"], [0.05, 0.95])
-    upper.set_ylim(low - 0.3 * (high - low), high + 0.3 * (high - low))
-    upper.set_ylabel("estimated $C_d$")
-    days = activity["t"] / DAY
-    middle.plot(days, activity["f107"], color=TRUE, label="F10.7")
-    middle.plot(days, activity["f107_mean"], color=MUTED, ls="--", label="81-day mean")
-    middle.set_ylabel("F10.7 [sfu]")
-    lower.plot(days, activity["kp_3h"], color=TRUE, lw=0.8, drawstyle="steps-post", label="$K_p$, 3 h")
-    lower.set_ylabel("$K_p$")
-    lower.set_xlim(every["t"].min() / DAY, every["t"].max() / DAY)
-    lower.set_xlabel("time [d]")
-    labels = labelled(figure)
-    figure.legend(labels.values(), labels.keys(), loc="outside upper left", ncols=5)
+    panels[-1].set_xlim(every["t"].min() / DAY, every["t"].max() / DAY)
+    panels[-1].set_xlabel("time [d]")
+    figure.align_ylabels()
+    legend(figure, columns=5, note=note)
     return figure
 
 
-def rolling(days: Mapping[str, pd.DataFrame], *, every_days: float) -> Figure:
+def _draw_cd(axes: Axes, usable: Mapping[str, pd.DataFrame]) -> None:
+    """Estimates of Cd, the longest window in front."""
+    for k, (name, table) in enumerate(usable.items()):
+        look: dict[str, Any] = {
+            "ls": "",
+            "marker": MARKERS[k % len(MARKERS)],
+            "ms": 2.2,
+            "color": RAMP[k % len(RAMP)],
+        }
+        axes.plot(table["t"] / DAY, table["cd"], label=name, **look)
+    low, high = np.quantile(pd.concat(list(usable.values()))["cd"], [0.05, 0.95])
+    axes.set_ylim(low - 0.3 * (high - low), high + 0.3 * (high - low))
+    axes.set_ylabel("estimated $C_d$")
+
+
+def _draw_activity(upper: Axes, lower: Axes, activity: pd.DataFrame) -> None:
+    """F10.7 with its mean above Kp."""
+    days = activity["t"] / DAY
+    upper.plot(days, activity["f107"], color=TRUE, label="F10.7")
+    upper.plot(days, activity["f107_mean"], color=MUTED, ls="--", label="81-day mean")
+    upper.set_ylabel("F10.7 [sfu]")
+    lower.plot(days, activity["kp_3h"], color=PREDICTED, lw=0.9, drawstyle="steps-post", label="$K_p$, 3 h")
+    lower.set_ylabel("$K_p$")
+
+
+def daily_errors(dataset: pd.DataFrame, *, component: str, day: float) -> pd.DataFrame:
+    """Quartiles of the size of the kept errors of predictions over `day` days, by calendar day of t_i.
+
+    Columns t (middle of the day) [s], 25, 50 and 75 in the component's unit. Durations up to a quarter of a
+    day from it count.
+    """
+    near = (dataset["duration"] / DAY - day).abs() <= REACH_DAYS
+    rows = dataset[near & dataset["keep"]]
+    calendar = np.floor(rows["t_i"] / DAY)
+    groups = rows[component].abs().groupby(calendar)
+    found = pd.DataFrame({f"{100.0 * share:.0f}": groups.quantile(share) for share in (0.25, 0.5, 0.75)})
+    middle = (found.index.to_numpy(float) + 0.5) * DAY
+    return found.assign(t=middle, day=day).reset_index(drop=True)
+
+
+def _draw_daily(axes: Axes, errors: pd.DataFrame) -> None:
+    """Medians and middle halves of errors by the day that a prediction starts on, a line per duration."""
+    for k, (day, own) in enumerate(errors.groupby("day")):
+        color = SERIES[k % len(SERIES)]
+        axes.fill_between(own["t"] / DAY, own["25"], own["75"], color=color, alpha=0.2, lw=0.0)
+        look: dict[str, Any] = {"ms": 2.5, "lw": 1.0, "color": color, "label": f"error after {day:g} d"}
+        axes.plot(own["t"] / DAY, own["50"], f"{MARKERS[k % len(MARKERS)]}-", **look)
+    axes.set_yscale("log")
+    axes.set_ylabel("size of the\nerror [m]")
+
+
+def rolling(days: Mapping[str, pd.DataFrame], *, every_days: float, note: str = "") -> Figure:
     """P_ML [%] by day of learners trained anew, beside the same ones trained once; one panel per learner.
 
     `days`: by learner, as `learning.rolling.by_day` returns; `every_days`: between two trainings. Raises
@@ -117,9 +265,8 @@ def rolling(days: Mapping[str, pd.DataFrame], *, every_days: float) -> Figure:
         axes.set_ylim(bottom=0.0)
         axes.set_title(name, fontsize=8.0, loc="left")
     figure.supxlabel("start of the prediction [d]", fontsize=8.0)
-    figure.supylabel("$P_{ML}$ [%]", fontsize=8.0)
-    labels = labelled(figure)
-    figure.legend(labels.values(), labels.keys(), loc="outside upper left", ncols=2)
+    figure.supylabel(r"$P_{\mathrm{ML}}$ [%]", fontsize=8.0)
+    legend(figure, columns=2, note=note)
     return figure
 
 
@@ -138,12 +285,20 @@ def rows(shares: Mapping[str, Mapping[str, float]]) -> Figure:
     left = np.zeros(len(shares))
     for k, reason in enumerate(reasons):
         part = np.array([own.get(reason, 0.0) for own in shares.values()])
-        axes.barh(place, part, left=left, height=0.6, color=SHADES[k % len(SHADES)], label=reason)
+        axes.barh(
+            place, part, left=left, height=0.6, color=SHADES[k % len(SHADES)], label=_reason(reason, part)
+        )
         left += part
     axes.set_yticks(place, list(shares))
     axes.set_xlim(0.0, 1.0)
     axes.xaxis.set_major_formatter(PercentFormatter(1.0))
     axes.set_xlabel("share of the predictions")
     axes.grid(visible=False, axis="y")
-    figure.legend(loc="outside upper left", ncols=COLUMNS)
+    legend(figure, columns=COLUMNS)
     return figure
+
+
+def _reason(reason: str, parts: np.ndarray) -> str:
+    """A reason with the shares that it has, as a thin bar cannot be read."""
+    low, high = f"{parts.min():.1%}", f"{parts.max():.1%}"
+    return f"{reason}, {low}" if low == high else f"{reason}, {low} to {high}"

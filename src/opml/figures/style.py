@@ -3,13 +3,16 @@
 Importing this module sets matplotlib's defaults for the process; it opens no window.
 """
 
-from collections.abc import Iterable
+import textwrap
+from collections.abc import Iterable, Mapping
 
 import matplotlib
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+from matplotlib.lines import Line2D
 from mpl_toolkits.mplot3d import Axes3D
 
 from opml.files import FilePath, replacing
@@ -28,8 +31,22 @@ OBSERVED = "#009E73"  # where a station saw the RSO
 ESTIMATE = "#CC79A7"
 TRACK = "#56B4E9"
 HIGHLIGHT = "#E69F00"  # what a figure points at: tracks used, days enlarged, values beyond a limit
-# Several curves of what is left of the errors: shades of its colour, told apart by lightness and marker.
-RESIDUALS = (RESIDUAL, "#7A3200", "#F2A65E", "#B98A6A")
+# Several curves of what is left of the errors, by colours of the palette and by marker.
+SERIES = (RESIDUAL, PREDICTED, OBSERVED, ESTIMATE)
+MARKERS = "osD^"
+# Curves in an order, such as durations, from light to dark.
+RAMP = ("#F5B887", "#E07B28", "#A84400", "#4F2000")
+# Reasons why rows are not used.
+REASONS = (RESIDUAL, HIGHLIGHT, ESTIMATE, "#7A3200", MUTED)
+
+NOTE_SIZE = 6.5
+"""Type of what a figure says of itself in a small line [pt]."""
+
+NOTE_ADVANCE = 0.52
+"""Mean width of a letter of that line, in its size; what is set so stays inside the figure."""
+
+POINTS_PER_INCH = 72.0
+LEAST_ALPHA = 0.4
 
 matplotlib.rcParams.update(
     {
@@ -83,6 +100,49 @@ def labelled(figure: Figure) -> dict[str, Artist]:
     return dict(
         pair for axes in figure.axes for pair in zip(*axes.get_legend_handles_labels()[::-1], strict=True)
     )
+
+
+def legend(
+    figure: Figure,
+    *,
+    columns: int,
+    note: str = "",
+    labels: Mapping[str, Artist] | None = None,
+) -> Legend:
+    """One legend above all panels, under a note in small type; faint and tiny marks are made stronger.
+
+    `labels`: what is shown by label, None for all that the panels have.
+    """
+    shown = labelled(figure) if labels is None else labels
+    made = figure.legend(
+        shown.values(),
+        shown.keys(),
+        loc="outside upper left",
+        ncols=columns,
+        title=_wrapped(figure, note),
+        title_fontsize=NOTE_SIZE,
+        alignment="left",
+        columnspacing=1.2,
+    )
+    made.get_title().set_color(PUBLISHED)
+    for handle in filter(None, made.legend_handles):
+        if (alpha := handle.get_alpha()) is not None:
+            handle.set_alpha(max(float(alpha), LEAST_ALPHA))
+        if isinstance(handle, Line2D):
+            handle.set_markersize(max(handle.get_markersize(), 4.0))
+    return made
+
+
+def noted(figure: Figure, note: str) -> None:
+    """Put a note in small type above the panels of a figure that has no legend."""
+    if note:
+        figure.suptitle(_wrapped(figure, note), x=0.01, ha="left", fontsize=NOTE_SIZE, color=PUBLISHED)
+
+
+def _wrapped(figure: Figure, note: str) -> str:
+    """The note in lines that fit the figure's width; its own line breaks stay."""
+    room = int(0.94 * figure.get_figwidth() * POINTS_PER_INCH / (NOTE_ADVANCE * NOTE_SIZE))
+    return "\n".join(textwrap.fill(line, room) for line in note.splitlines())
 
 
 def save(figure: Figure, path_pdf: FilePath, path_png: FilePath) -> None:

@@ -1,0 +1,135 @@
+"""A map of what stations see: a day of ground tracks, the passes that were tracked, circles of visibility."""
+
+from collections.abc import Sequence
+from importlib.resources import files
+from typing import Any
+
+import erfa
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from opml.constants import DAY, WGS84_A
+from opml.dynamics.frames import gcrf_to_itrf
+from opml.errors import InputError
+from opml.figures.style import (
+    ESTIMATE,
+    HIGHLIGHT,
+    MARKERS,
+    MUTED,
+    OBSERVED,
+    PREDICTED,
+    PUBLISHED,
+    RESIDUAL,
+    legend,
+    page_figure,
+)
+from opml.sheets import Station
+
+LAND = files("opml") / "data" / "land.csv"
+LAND_COLOR = "#EFEFEA"
+STATIONS = (RESIDUAL, PREDICTED, ESTIMATE, HIGHLIGHT)
+WGS84 = 1
+
+AZIMUTHS = np.radians(np.arange(0.0, 361.0, 2.0))
+"""Directions from a station in which its circle of visibility is drawn."""
+
+
+def world(
+    truth: pd.DataFrame,
+    tracking: pd.DataFrame,
+    earth_orientation: pd.DataFrame,
+    stations: Sequence[Station],
+    *,
+    first_day: float,
+    note: str = "",
+) -> Figure:
+    """Ground track of the day from `first_day`, where it was tracked, and what each station can see.
+
+    `truth`, `tracking`, `earth_orientation`: those tables. A station sees an RSO at the day's mean height
+    inside of its circle, which ends at its lowest elevation or its longest range. Raises InputError where the
+    truth has no epoch in that day.
+    """
+    rows = truth[truth["t"].between(first_day * DAY, (first_day + 1.0) * DAY)]
+    if rows.empty:
+        raise InputError(f"world map: expected epochs of day {first_day:g}, got none")
+    longitude, latitude, height = below(rows, earth_orientation)
+    figure = page_figure(height_mm=108.0)
+    axes = figure.add_subplot()
+    _draw_land(axes)
+    axes.plot(*_parted(longitude, latitude), color=MUTED, lw=0.7, label="ground track")
+    seen = rows["t"].isin(tracking["t"]).to_numpy()
+    tracked = np.where(seen, latitude, np.nan)
+    axes.plot(*_parted(longitude, tracked), color=OBSERVED, lw=1.8, label="tracked")
+    for k, station in enumerate(stations):
+        _draw_station(axes, station, float(height.mean()), k)
+    _frame(axes)
+    days = f"day {first_day:g} to {first_day + 1.0:g}; circles: in sight at {height.mean() / 1e3:.0f} km"
+    legend(figure, columns=5, note="; ".join(filter(None, [note, days])))
+    return figure
+
+
+def below(states: pd.DataFrame, earth_orientation: pd.DataFrame) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Geodetic longitude and latitude [deg] and height [m] on WGS84 of positions in GCRF, (n,) each."""
+    turn = gcrf_to_itrf(earth_orientation, states["t"].to_numpy())
+    positions = np.einsum("nij,nj->ni", turn, states[["x", "y", "z"]].to_numpy())
+    longitude, latitude, height = erfa.gc2gd(WGS84, positions)
+    return np.degrees(longitude), np.degrees(latitude), height
+
+
+def reach(station: Station, height: float) -> float:
+    """Angle at the Earth's centre [rad] up to which a station sees an RSO at a height [m], on a sphere.
+
+    The lesser of what its lowest elevation and its longest range leave.
+    """
+    radius = WGS84_A + height
+    low = station.min_elevation
+    by_elevation = np.arccos(min(1.0, WGS84_A / radius * np.cos(low))) - low
+    cosine = (WGS84_A**2 + radius**2 - station.max_range**2) / (2.0 * WGS84_A * radius)
+    return float(min(by_elevation, np.arccos(np.clip(cosine, -1.0, 1.0))))
+
+
+def circle(station: Station, angle: float) -> tuple[np.ndarray, np.ndarray]:
+    """Longitudes and latitudes [deg] of the points at an angle [rad] from a station, on a sphere."""
+    sine, cosine = np.sin(station.latitude), np.cos(station.latitude)
+    latitude = np.arcsin(sine * np.cos(angle) + cosine * np.sin(angle) * np.cos(AZIMUTHS))
+    longitude = station.longitude + np.arctan2(
+        np.sin(AZIMUTHS) * np.sin(angle) * cosine, np.cos(angle) - sine * np.sin(latitude)
+    )
+    return (np.degrees(longitude) + 180.0) % 360.0 - 180.0, np.degrees(latitude)
+
+
+def outlines() -> list[np.ndarray]:
+    """Outlines of land, longitude and latitude [deg] of the points (n, 2) of each."""
+    blocks = LAND.read_text().split("\n\n")
+    return [np.loadtxt(block.splitlines(), delimiter=",", comments="#") for block in blocks if block.strip()]
+
+
+def _draw_land(axes: Axes) -> None:
+    for outline in outlines():
+        axes.fill(*outline.T, facecolor=LAND_COLOR, edgecolor=MUTED, lw=0.3, zorder=0.5)
+
+
+def _draw_station(axes: Axes, station: Station, height: float, k: int) -> None:
+    color = STATIONS[k % len(STATIONS)]
+    axes.plot(*_parted(*circle(station, reach(station, height))), color=color, lw=1.0, zorder=3.0)
+    place = np.degrees([station.longitude, station.latitude])
+    look: dict[str, Any] = {"ls": "", "color": color, "mec": "white", "mew": 0.5, "ms": 6.0, "zorder": 4.0}
+    axes.plot(*place[:, None], marker=MARKERS[k % len(MARKERS)], label=station.name, **look)
+
+
+def _parted(longitude: np.ndarray, latitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A line with gaps where it leaves the map on one side and comes back on the other."""
+    jumps = np.flatnonzero(np.abs(np.diff(longitude)) > 180.0) + 1
+    return np.insert(longitude, jumps, np.nan), np.insert(latitude, jumps, np.nan)
+
+
+def _frame(axes: Axes) -> None:
+    """The whole Earth, a graticule of 30 degrees."""
+    axes.set(xlim=(-180.0, 180.0), ylim=(-90.0, 90.0), aspect="equal")
+    axes.set_xticks(np.arange(-180, 181, 30))
+    axes.set_yticks(np.arange(-90, 91, 30))
+    axes.set_xlabel("longitude [deg]")
+    axes.set_ylabel("latitude [deg]")
+    axes.tick_params(colors=PUBLISHED)

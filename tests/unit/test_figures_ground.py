@@ -1,0 +1,93 @@
+"""The world map: points below an orbit, circles of visibility, lines that leave the map."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from opml.constants import DAY, WGS84_A
+from opml.errors import InputError
+from opml.figures import ground, style
+from opml.sheets import Station
+
+EARTH = pd.DataFrame(
+    {"t": np.arange(-2, 4) * DAY}
+    | dict.fromkeys(["x_cip", "y_cip", "s_cio", "x_pole", "y_pole", "era_offset"], 0.0)
+)
+RADAR = Station(
+    name="radar",
+    latitude=0.0,
+    longitude=np.radians(170.0),
+    altitude=0.0,
+    max_range=1e9,
+    min_elevation=0.0,
+    max_elevation=np.pi / 2,
+    sigma_range=1.0,
+    sigma_azimuth=1e-3,
+    sigma_elevation=1e-3,
+)
+
+
+@pytest.fixture
+def truth():
+    t = np.arange(0.0, 2 * DAY, 60.0)
+    angle, radius = 2 * np.pi * t / 5400.0, WGS84_A + 400e3
+    return pd.DataFrame({"t": t, "x": radius * np.cos(angle), "y": 0.0, "z": radius * np.sin(angle)})
+
+
+def test_points_below_a_polar_orbit(truth):
+    _, latitude, height = ground.below(truth.iloc[:90], EARTH)
+    assert latitude.max() == pytest.approx(90.0, abs=4.0)
+    assert height.min() == pytest.approx(400e3, abs=100.0)  # above the equator
+    assert height.max() == pytest.approx(421.4e3, abs=100.0)  # above the poles, where the Earth is flatter
+
+
+def test_a_circle_ends_at_the_horizon_or_at_the_longest_range():
+    angle = ground.reach(RADAR, 400e3)
+    assert angle == pytest.approx(np.arccos(WGS84_A / (WGS84_A + 400e3)))
+    near = ground.reach(replace(RADAR, max_range=500e3), 400e3)
+    chord = WGS84_A**2 + (WGS84_A + 400e3) ** 2 - 2 * WGS84_A * (WGS84_A + 400e3) * np.cos(near)
+    assert np.sqrt(chord) == pytest.approx(500e3)
+    high = ground.reach(replace(RADAR, min_elevation=np.radians(30.0)), 400e3)
+    assert np.degrees(high) == pytest.approx(5.4, abs=0.2)
+
+
+def test_a_circle_is_as_far_from_its_station_everywhere():
+    for latitude in (0.0, 64.3, -88.0):
+        station = replace(RADAR, latitude=np.radians(latitude))
+        longitude, place = map(np.radians, ground.circle(station, 0.3))
+        cosine = np.sin(station.latitude) * np.sin(place) + np.cos(station.latitude) * np.cos(place) * np.cos(
+            longitude - station.longitude
+        )
+        np.testing.assert_allclose(np.arccos(cosine), 0.3, atol=1e-9)
+
+
+def test_a_line_breaks_where_it_leaves_the_map():
+    longitude, latitude = ground._parted(np.array([170.0, 179.0, -179.0, -170.0]), np.arange(4.0))
+    assert np.isnan(longitude).tolist() == [False, False, True, False, False]
+    assert np.isnan(latitude).tolist() == [False, False, True, False, False]
+
+
+def test_the_outlines_of_land_lie_on_the_map():
+    outlines = ground.outlines()
+    assert len(outlines) > 50
+    points = np.vstack(outlines)
+    assert np.abs(points[:, 0]).max() <= 180.0
+    assert np.abs(points[:, 1]).max() <= 90.0
+
+
+def test_the_map_shows_the_day_what_was_tracked_and_the_stations(truth, tmp_path):
+    tracking = pd.DataFrame({"t": truth["t"].iloc[1440 + 10 : 1440 + 20]})
+    figure = ground.world(truth, tracking, EARTH, [RADAR], first_day=1.0, note="iss by radar")
+    labels = {line.get_label(): line for line in figure.axes[0].lines}
+    assert {"ground track", "tracked", "radar"} <= set(labels)
+    assert np.isfinite(labels["tracked"].get_ydata()).sum() == 10
+    assert "iss by radar; day 1 to 2; circles: in sight at" in figure.legends[0].get_title().get_text()
+    again = ground.world(truth, tracking, EARTH, [RADAR], first_day=1.0, note="iss by radar")
+    style.save(figure, tmp_path / "a.pdf", tmp_path / "a.png")
+    style.save(again, tmp_path / "b.pdf", tmp_path / "b.png")
+    for kind in ("pdf", "png"):
+        assert (tmp_path / f"a.{kind}").read_bytes() == (tmp_path / f"b.{kind}").read_bytes()
+    with pytest.raises(InputError, match="expected epochs of day 5, got none"):
+        ground.world(truth, tracking, EARTH, [RADAR], first_day=5.0)
