@@ -1,6 +1,6 @@
 """opml beside its peers, and what it costs by itself: writes benchmarks/results.md.
 
-python -m benchmarks [--orekit-data DIR] [--only race scaling kernels svr]
+python -m benchmarks [--orekit-data DIR] [--only race scaling kernels svr paper] [--results DIR]
 """
 
 import argparse
@@ -12,7 +12,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from benchmarks import kernels, race, scaling, svr
+from benchmarks import kernels, paper, race, scaling, svr
+from opml.errors import InputError
 
 RESULTS = Path(__file__).with_name("results.md")
 TOOLS = ("opml", "orekit-jpype", "heyoka", "satkit", "numba", "scikit-learn", "scikit-learn-intelex")
@@ -34,6 +35,7 @@ def main() -> int:
     parser.add_argument("--orekit-data", type=Path, metavar="DIR", help="a copy of Orekit's data")
     parser.add_argument("--only", nargs="+", choices=SECTIONS, default=list(SECTIONS))
     parser.add_argument("--rounds", type=int, default=race.ROUNDS, help="turns of each tool")
+    parser.add_argument("--results", type=Path, default=Path("results"), help="a finished run of the paper")
     arguments = parser.parse_args()
     parts, agreed = [_introduction()], True
     for name in arguments.only:
@@ -84,11 +86,21 @@ def _svr(arguments: argparse.Namespace) -> tuple[str, bool]:
     return "## Support vector regression\n\n" + svr.report(), True
 
 
+def _paper(arguments: argparse.Namespace) -> tuple[str, bool]:
+    """The whole paper stage by stage, where it has been run."""
+    try:
+        text = paper.report(paper.costs(arguments.results))
+    except InputError as reason:
+        text = f"Left out: {reason}."
+    return f"## The whole paper\n\n{text}\n", True
+
+
 SECTIONS: dict[str, Callable[[argparse.Namespace], tuple[str, bool]]] = {
     "race": _race,
     "scaling": _scaling,
     "kernels": _kernels,
     "svr": _svr,
+    "paper": _paper,
 }
 
 

@@ -34,6 +34,9 @@ THERMOSPHERE = "thermosphere"
 OPTIONAL = (OUTLOOKS, THERMOSPHERE)
 """The tables of an environment that some force models do without."""
 
+FLOWN_WITH = "flown_with"
+"""Metadata of a truth: the RSOs of the job that made it, where there was more than one."""
+
 STATE = ["x", "y", "z", "vx", "vy", "vz"]
 """Columns of a state; a list, so that a DataFrame takes it as it is."""
 

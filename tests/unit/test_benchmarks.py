@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from benchmarks import measure, race
+from benchmarks import measure, paper, race
 from benchmarks.kernels import Machine, Work
 from opml.elements import cartesian_from_coe
+from opml.errors import InputError
 
 GM = 3.986004418e14
 
@@ -57,3 +58,31 @@ def test_answers_that_models_do_not_explain_are_told(off):
 )
 def test_figures_are_plain(value, text):
     assert measure.figures(value) == text
+
+
+def leave(folder, name, text="s\th:m:s\tcpu_time\n{0}\t0:00:01\t{1}\n", *, wall=2.0, processor=1.0):
+    path = folder / "benchmarks" / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text.format(wall, processor))
+
+
+def test_jobs_of_a_run_are_summed_by_stage(tmp_path):
+    leave(tmp_path, "figs/curve.tsv", processor=3.0)
+    leave(tmp_path, "truth/iss.tsv", processor=4.0)
+    leave(tmp_path, "truth/together/lares.tsv", processor=5.0)
+    leave(tmp_path, "reproduction.tsv", wall=0.3, processor=0.0)  # Snakemake did not see it
+    found = {one.stage: (one.jobs, one.processor) for one in paper.costs(tmp_path)}
+    assert found == {
+        "truth": (2, 9.0),
+        paper.REST: (2, pytest.approx(3.3)),
+        "together": (4, pytest.approx(12.3)),
+    }
+    assert "| truth | 2 | 9 | 4.50 | 0.1 |" in paper.report(paper.costs(tmp_path))
+
+
+def test_a_folder_without_benchmarks_is_told(tmp_path, capsys):
+    assert paper.main([str(tmp_path)]) == 2
+    assert "expected the benchmarks of a finished run, got none" in capsys.readouterr().err
+    leave(tmp_path, "truth/iss.tsv", "nothing\n1\n")
+    with pytest.raises(InputError, match=r"iss\.tsv: expected a benchmark with cpu_time and s"):
+        paper.costs(tmp_path)

@@ -1,5 +1,6 @@
 """Digests of code: whatever a script imports counts, and nothing else."""
 
+import ast
 import shutil
 import subprocess
 import sys
@@ -26,7 +27,7 @@ def package(tmp_path, monkeypatch, **sources):
 
 
 def forget():
-    for name in ("_needed", "_path", "_named_data", "_data", "_content_digest", "_nodes"):
+    for name in ("_needed", "_path", "_named_data", "_data", "_content_digest", "_text", "_nodes"):
         getattr(provenance, name).cache_clear()
 
 
@@ -81,6 +82,31 @@ def test_digest_changes_with_what_is_used_only(small, changed, counts):
         file.write("\n")
     forget()
     assert (code_digest("opml.top") != before) == counts
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "if True: import opml.lonely",
+        "import os; from opml import lonely",
+        "from opml import (  # why (so)\n    lonely,  # (and this)\n)",
+        "from opml \\\n    import lonely",
+        "import os, \\\n    opml.lonely",
+        "import opml.lonely as other  # why; not",
+        "x = 'import this (and) that'\nfrom opml import lonely",
+        '"""\nfrom all we know, import no doubt\n"""\nfrom opml import lonely',
+    ],
+)
+def test_an_import_is_found_however_it_is_written(tmp_path, monkeypatch, source):
+    package(tmp_path, monkeypatch, lonely="", top=source)
+    assert closure("opml.top") == {"opml", "opml.top", "opml.lonely"}
+
+
+def test_the_imports_of_every_module_are_those_of_its_syntax():
+    for path in sorted(provenance._PACKAGE.rglob("*.py")):
+        nodes = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        imports = {ast.unparse(node) for node in nodes if isinstance(node, ast.Import | ast.ImportFrom)}
+        assert imports <= {ast.unparse(node) for node in provenance._nodes(path)}, path
 
 
 def test_digest_does_not_depend_on_the_place(small, tmp_path, monkeypatch):

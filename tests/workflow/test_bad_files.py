@@ -209,7 +209,13 @@ CHANGES = (
     *(without_a_column, with_another_type, without_metadata, with_a_row_less, with_another_unit),
     *(halved, emptied, as_text, with_a_bit_flipped),
 )
-RULES = {"estimates": "estimation", "predictions": "prediction", "models": "train", "evaluation": "evaluate"}
+RULES = {
+    "truth": "truths",
+    "estimates": "estimation",
+    "predictions": "prediction",
+    "models": "train",
+    "evaluation": "evaluate",
+}
 
 
 def taken(path, name):

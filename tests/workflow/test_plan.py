@@ -5,19 +5,23 @@ import shutil
 import subprocess
 import sys
 import tomllib
+from collections import Counter
 
 import pytest
 from project import ROOT
 
 ONCE = ["earth_orientation", "ephemerides", "gravity_field", "solar_activity"]
-CHAIN = ["truth", "tracking", "estimation", "prediction", "dataset"]
+CHAIN = ["truths", "tracking", "estimation", "prediction", "dataset"]
 LABELLED = ["labels", "labelled_dataset"]
 
 
 def jobs(output):
-    """Rule -> number of jobs, from Snakemake's table."""
+    """Rule -> number of jobs, from Snakemake's table; each flight of truths is a rule, numbered."""
     table = output.split("Job stats:")[1].split("total")[0]
-    return {name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.MULTILINE)}
+    found = Counter()
+    for name, count in re.findall(r"^(\w+?)(?:_\d+)? +(\d+)$", table, re.MULTILINE):
+        found[name] += int(count)
+    return dict(found)
 
 
 DRAWN_ONCE = [
@@ -35,13 +39,17 @@ DRAWN_ONCE = [
 
 
 def test_default_target_is_every_figure_and_table(project):
-    plan = jobs(project.snakemake("-n").stdout)
+    told = project.snakemake("-n").stdout
+    plan = jobs(told)
     assert {name: plan[name] for name in [*ONCE, *DRAWN_ONCE, "default"]} == dict.fromkeys(
         [*ONCE, *DRAWN_ONCE, "default"], 1
     )
     # ISS, six other RSOs, four inclinations, ten offsets; ISS with one station too, and both with four more
     # noises.
-    assert plan["truth"] == 21
+    flights = [flight.split(", ") for flight in re.findall("the true orbits of (.+)", told)]
+    assert plan["truths"] == len(flights) == 2
+    assert len({rso for flight in flights for rso in flight}) == 21
+    assert "truth" not in plan
     assert plan["tracking"] == plan["estimation"] == plan["prediction"] == 21 + 1 + 8
     assert plan["dataset"] == 30 + 4  # the other reading of t_b, for two transfers too
     assert (plan["svr"], plan["partition"], plan["rso"], plan["transfer_curve"]) == (9, 2, 6, 2)
@@ -93,7 +101,7 @@ def test_another_component_is_one_setting(project):
 def test_plan_speaks_the_papers_words(project):
     plan = project.snakemake("-n").stdout
     for text in (
-        "Truth dynamic model: the true orbit of iss",
+        "Truth dynamic model: the true orbits of iss, ",
         "Measurement models: tracks of iss as eglin-clear-kaena measure it",
         "Estimation models: state and drag coefficient of iss",
         "Orbit prediction: each estimate of iss",
@@ -119,7 +127,7 @@ def test_trimmed_case_has_the_same_rules(project):
         ("results/dataset/lageos1/clear-kaena.parquet", dict.fromkeys(CHAIN, 1)),
         (
             "results/metrics/iss/eglin/days-0-30/svr/e_vz/iss_i50/days-30-40.parquet",
-            {**dict.fromkeys(CHAIN, 2), "train": 1, "evaluate": 1},
+            {**dict.fromkeys(CHAIN, 2), "truths": 1, "train": 1, "evaluate": 1},
         ),
         (
             "results/metrics/iss/clear_noise7_track/grouped-60_split3/svrnocd_s2.5/e_x/iss/rest.parquet",
@@ -278,8 +286,8 @@ def test_a_forecast_of_the_weather_is_made_for_the_assumed_model_alone(project):
 def test_a_catalogue_flies_together_and_reads_one_thermometer(project):
     target = "results/catalogue/thermometer/sky21/eglin.parquet"
     found = jobs(project.snakemake("-n", target, "--configfile", "config/catalogue.yaml").stdout)
-    # One job for all truths; the long fits of the twenty that make it, and both of the one left out.
-    assert found["truths"] == 1
+    # Two flights of twenty-four; the long fits of the twenty that make it, and both of the one left out.
+    assert found["truths"] == 2
     assert "truth" not in found
     assert found["thermosphere"] == 1
     assert found["estimation"] == 22

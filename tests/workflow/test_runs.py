@@ -5,6 +5,7 @@ import re
 import shutil
 import signal
 import subprocess
+import sys
 import time
 
 import pyarrow.parquet as pq
@@ -20,9 +21,9 @@ CURVE = "results/ci/figs/partition_curve.pdf"
 
 ENVIRONMENT = ("earth_orientation", "ephemerides", "gravity_field", "solar_activity")
 # What reads what: each rule needs one before it; what is drawn and tabulated needs the last of its row.
-CHAIN = ("truth", "tracking", "estimation", "prediction", "dataset", "train", "evaluate")
+CHAIN = ("truths", "tracking", "estimation", "prediction", "dataset", "train", "evaluate")
 READERS = {
-    "truth": {"orbit", "world"},
+    "truths": {"orbit", "world"},
     "tracking": {"estimation_window", "orbit", "world"},
     "dataset": {"error_distribution"},
     "evaluate": {
@@ -166,7 +167,7 @@ def test_one_core_gives_the_same_bytes(finished, project):
         ("environment/gravity_field.py", "gravity_field"),
         ("environment/solar_activity.py", "solar_activity"),
         ("data/msafe.tsv", "solar_activity"),
-        ("dynamics/drag.py", "truth"),
+        ("dynamics/drag.py", "truths"),
         ("catalog/prediction.py", "prediction"),
         ("learning/cleaning.py", "dataset"),
         ("learning/metrics.py", "evaluate"),
@@ -229,6 +230,12 @@ def test_a_clock_set_back_stops_nothing(finished, copy):
     (copy.folder / made).unlink()
     copy.snakemake("-j1", CI, made)
     assert copy.products() == finished.products()
+
+
+def test_jobs_that_run_here_start_without_a_limit(project):
+    told = project.snakemake("-j1", "--verbose", "results/environment/gravity_field.parquet").stdout
+    counts = re.findall(r"Resources after job selection: .*'_job_count': (\d+)", told)
+    assert set(map(int, counts)) == {sys.maxsize}
 
 
 @pytest.mark.parametrize("seconds", [4.0, 7.0])

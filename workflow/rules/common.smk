@@ -14,6 +14,7 @@ from opml.learning import learners, paths
 from opml.learning.contract import ARC_MEMORY_DAYS
 from opml.learning.origins import origins
 from opml.provenance import script_digest
+from opml.study import flights
 from opml.study.checks import check_data, load
 from opml.study.experiments import Study
 from opml.study.honest import Honest
@@ -63,7 +64,6 @@ TRUE_ENVIRONMENT = ENVIRONMENT | {"solar_activity": f"{RESULTS}/environment/{TRU
 ATMOSPHERE = config["force_models"]["truth"].get("atmosphere", "DTM2000")
 if ATMOSPHERE == nrlmsis.NAME:
     TRUE_ENVIRONMENT[tables.THERMOSPHERE] = f"{RESULTS}/environment/{tables.THERMOSPHERE}.parquet"
-# Truths that fly together fill the lanes of the kernels.
 THERMOMETER = config.get("thermometer", {})
 CATALOGUE = [*THERMOMETER.get("rsos", []), *THERMOMETER.get("left_out", [])]
 # The assumed model may be held to what was known when.
@@ -146,6 +146,16 @@ def date_back_to_now(folder):
     for path in Path(folder).rglob("[!.]*.parquet"):
         if path.stat().st_mtime > now:
             os.utime(path, (now, now))
+
+
+def start_without_limit():
+    """Lift Snakemake's limit of a hundred jobs a second, which is meant for queues, where jobs run here.
+
+    For it each look at the jobs that are ready brings on another, a second later, and each job that ends one more
+    a second, for good: behind five hundred jobs these take half a core (Snakemake 9.27).
+    """
+    if not workflow.non_local_exec:
+        workflow.scheduler.job_rate_limiter = None
 
 
 def rso(wildcards):

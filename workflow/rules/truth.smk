@@ -1,4 +1,6 @@
-# The paper's 'Truth Dynamic Models'.
+# The paper's 'Truth Dynamic Models'. RSOs that the study names fly together, any other one alone.
+NAMED = [*CATALOGUE, *flights.named(PAPER, HONEST, OWN)]
+FLIGHTS = flights.flights(STUDY, dict.fromkeys(NAMED), folder=Path(RESULTS) / "truth")
 
 
 rule truth:
@@ -32,17 +34,20 @@ rule truth:
         "../scripts/truth.py"
 
 
-if CATALOGUE:
+for number, together in enumerate(FLIGHTS, start=1):
 
-    rule truths:
+    # A rule for each flight, as no wildcard tells what flies together. Its files are preferred to those of `truth`.
+    rule:
+        name:
+            "truths" if number == 1 else f"truths_{number}"
         input:
             **TRUE_ENVIRONMENT,
         output:
-            [f"{RESULTS}/truth/{name}.parquet" for name in CATALOGUE],
+            [f"{RESULTS}/truth/{name}.parquet" for name in together],
         log:
-            f"{RESULTS}/logs/truth/catalogue.log",
+            f"{RESULTS}/logs/truth/together/{together[0]}.log",
         benchmark:
-            f"{RESULTS}/benchmarks/truth/catalogue.tsv"
+            f"{RESULTS}/benchmarks/truth/together/{together[0]}.tsv"
         conda:
             "../envs/opml.yaml"
         resources:
@@ -55,12 +60,10 @@ if CATALOGUE:
                 "step_s": config["tracking"]["step_s"],
                 "force_model": config["force_models"]["truth"],
                 "integrator": config["integrator"],
-                "rsos": [asdict(sheets.parse_rso(name, SETTINGS.rsos)) for name in CATALOGUE],
+                "rsos": [asdict(sheets.parse_rso(name, SETTINGS.rsos)) for name in together],
             },
             code=code("truths.py"),
         message:
-            "Truth dynamic model: the true orbits of a catalogue"
+            f"Truth dynamic model: the true orbits of {', '.join(together)}"
         script:
             "../scripts/truths.py"
-
-    ruleorder: truths > truth

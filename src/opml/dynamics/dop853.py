@@ -1,22 +1,14 @@
 """One step of the Dormand-Prince 8(5,3) method for a block of arcs.
 
-Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, 1993, sec. II.5 and II.10; the
-coefficients are SciPy's. A block's derivatives are rows of one array, six per stage.
+Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, 1993, sec. II.5 and II.10. A block's
+derivatives are rows of one array, six per stage.
 """
 
-import numpy as np
-from scipy.integrate import DOP853
-
 from opml.dynamics.acceleration import acceleration
+from opml.dynamics.coefficients import ERROR_3, ERROR_5, INNER, NODES, OUTER, STAGES
 from opml.dynamics.lanes import absolute, compiled, load, splat, sqrt, store
 from opml.dynamics.surroundings import look_up
 
-STAGES = 12
-NODES = np.ascontiguousarray(DOP853.C)
-INNER = np.ascontiguousarray(DOP853.A[:STAGES, :STAGES])
-OUTER = np.ascontiguousarray(DOP853.B)
-ERROR_3 = np.ascontiguousarray(DOP853.E3)
-ERROR_5 = np.ascontiguousarray(DOP853.E5)
 ORDER_OF_ERROR = 8.0
 """A step h errs in proportion to h**8, by the method's own estimate."""
 
