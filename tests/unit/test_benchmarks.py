@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks import measure, paper, race
+from benchmarks import measure, paper, race, svr
 from benchmarks.kernels import Machine, Work
 from opml.elements import cartesian_from_coe
 from opml.errors import InputError
@@ -86,3 +86,10 @@ def test_a_folder_without_benchmarks_is_told(tmp_path, capsys):
     leave(tmp_path, "truth/iss.tsv", "nothing\n1\n")
     with pytest.raises(InputError, match=r"iss\.tsv: expected a benchmark with cpu_time and s"):
         paper.costs(tmp_path)
+
+
+def test_the_solver_stands_beside_libsvm():
+    settings = {"kernel_scale": "sigest", "c": 1.0, "epsilon": 0.1, "tol": 1e-5}
+    text = svr.compare(svr._made_up(rows=200, count=4), settings)
+    lines = {line.split(" | ")[0]: line.split(" | ")[5:] for line in text.splitlines() if " | " in line}
+    assert lines["| opml"] == lines["| scikit-learn (libsvm)"]  # support vectors and P_ML

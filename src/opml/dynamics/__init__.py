@@ -13,7 +13,13 @@ import platformdirs
 from opml.dynamics.caching import SharedLocator
 from opml.provenance import code_digest
 
-_KERNELS = ("opml.dynamics.ensemble", "opml.dynamics.frames", "opml.dynamics.orbit_density")
+# The solver of opml.learning keeps its machine code here, too.
+_KERNELS = (
+    "opml.dynamics.ensemble",
+    "opml.dynamics.frames",
+    "opml.dynamics.orbit_density",
+    "opml.learning.smo_kernels",
+)
 
 
 def _cache_folder() -> Path:

@@ -8,7 +8,6 @@ quantile of the distance |x - z|, and `sigest` here is the lower end of that ran
 """
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -43,13 +42,14 @@ def cross_validated(
     y: np.ndarray,
     groups: np.ndarray | None,
     *,
-    regressor: Callable[[float], Any],
+    predicted: Callable[[float, np.ndarray, np.ndarray, np.ndarray], np.ndarray],
     rng: np.random.Generator,
 ) -> float:
     """Scale with the smallest absolute error on held-out groups (estimates), from a grid around sigest's.
 
-    `regressor(scale)` makes an unfitted scikit-learn regressor. Rows of one estimate stay in one fold: they
-    share all learning variables but the duration, and a scale tuned on their siblings would be too small.
+    `predicted(scale, x, y, new)` trains on rows x with target y and predicts new rows. Rows of one estimate
+    stay in one fold: they share all learning variables but the duration, and a scale tuned on their siblings
+    would be too small.
     Raises InputError with fewer groups than folds.
     """
     from sklearn.model_selection import GroupKFold  # slow to import, and only this rule needs it
@@ -64,8 +64,7 @@ def cross_validated(
 
     def error(scale: float) -> float:
         held_out = (
-            np.sum(np.abs(y[test] - regressor(scale).fit(x[train], y[train]).predict(x[test])))
-            for train, test in folds
+            np.sum(np.abs(y[test] - predicted(scale, x[train], y[train], x[test]))) for train, test in folds
         )
         return float(sum(held_out))
 

@@ -19,16 +19,15 @@ from opml.learning import kernel_scale as scales
 from opml.learning.cleaning import quartiles
 from opml.learning.contract import CHOICE, POSITIVE, Learner, Metadata, Settings
 from opml.learning.gaussian_kernel import expansion, vector_table
-from opml.learning.inputs import checked, checked_target, standardisation
+from opml.learning.inputs import checked, checked_target, standardisation, weighing
 from opml.seeds import derive
 from opml.tables import real
 
 if TYPE_CHECKING:
-    from sklearn.svm import SVR
+    from opml.learning.smo import Solution
 
 NORMAL_IQR = 1.349  # interquartile range of the standard normal distribution
 MIN_ROWS = 2  # a standard deviation needs two
-CACHE_MB = 500.0  # of kernel rows while fitting: more saves no time at 25 000 rows, and two jobs may run
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,13 +122,13 @@ def fit(
 
     rule = settings["kernel_scale"]
     scale = _kernel_scale(rule, z, y / y_scale, groups, settings=settings, seed=seed)
-    root = None if weights is None else np.sqrt(weights)
-    machine = _machine(scale, settings).fit(z, y / y_scale, root)
+    solution = _solve(z, y / y_scale, scale, settings, weights)
+    support = solution.beta != 0.0
     return SvrModel(
         variables=tuple(variables),
-        support_vectors=z[machine.support_],
-        dual_coef=machine.dual_coef_.ravel(),
-        offset=float(machine.intercept_[0]),
+        support_vectors=z[support],
+        dual_coef=solution.beta[support],
+        offset=solution.offset,
         kernel_scale=scale,
         kernel_rule=str(rule),
         x_mean=x_mean,
@@ -138,7 +137,7 @@ def fit(
         c=float(settings["c"]),
         epsilon=float(settings["epsilon"]),
         tol=float(settings["tol"]),
-        iterations=int(machine.n_iter_),
+        iterations=solution.steps,
         seed=seed,
     )
 
@@ -157,25 +156,31 @@ def _kernel_scale(
         return scales.distance_quantile(z, scales.QUANTILES[rule], rng=rng)
     if rule == "cv":
         return scales.cross_validated(
-            z, y, groups, regressor=lambda scale: _machine(scale, settings), rng=rng
+            z, y, groups, predicted=lambda *rows: _predicted(*rows, settings=settings), rng=rng
         )
     if isinstance(rule, int | float) and not isinstance(rule, bool) and 0.0 < rule < np.inf:
         return float(rule)
     raise InputError(f"kernel_scale: expected {', '.join(scales.RULES)} or a positive number, got {rule!r}")
 
 
-def _machine(scale: float, settings: Settings) -> "SVR":
-    # Imported only to train: it takes a second, more than most models need to predict.
-    from sklearn.svm import SVR
+def _solve(
+    z: np.ndarray, y: np.ndarray, scale: float, settings: Settings, weights: np.ndarray | None = None
+) -> "Solution":
+    """Solve for standardised rows and the scaled target; the root of a weight scales its row's limit."""
+    # Imported only to train: it brings Numba, which takes longer to start than most models to predict.
+    from opml.learning import smo
 
-    return SVR(
-        kernel="rbf",
-        gamma=1.0 / scale**2,
-        C=settings["c"],
-        epsilon=settings["epsilon"],
-        tol=settings["tol"],
-        cache_size=CACHE_MB,
-    )
+    limits = float(settings["c"]) * np.sqrt(weighing(weights, len(y)))
+    return smo.solve(z / scale, y, limits, epsilon=float(settings["epsilon"]), tol=float(settings["tol"]))
+
+
+def _predicted(
+    scale: float, z: np.ndarray, y: np.ndarray, new: np.ndarray, *, settings: Settings
+) -> np.ndarray:
+    """What a machine trained on z and y at this kernel scale says of new rows."""
+    solution = _solve(z, y, scale, settings)
+    support = solution.beta != 0.0
+    return expansion(new / scale, z[support] / scale, solution.beta[support]) + solution.offset
 
 
 LEARNER = Learner(
