@@ -6,6 +6,7 @@ import pytest
 from support import EPOCH, environment, force_model
 
 from opml.catalog import ensembles, prediction
+from opml.catalog.estimation import COVARIANCES
 from opml.catalog.truth import initial_state
 from opml.constants import DAY, HOUR
 from opml.dynamics.ensemble import Integrator
@@ -73,14 +74,40 @@ def test_the_future_that_was_forecast_has_no_difference_and_a_calmer_one_leads(i
     start = initial_state(iss, model.gm)
     times = np.array([0.0, 6.0, 20.0]) * HOUR
     states = dict(zip(STATE, np.tile(start, (3, 1)).T, strict=True))
-    estimates = pd.DataFrame({"track": range(3), "t": times, **states, "cd": 2.2})
+    known = dict.fromkeys(COVARIANCES, 0.0)
+    estimates = pd.DataFrame({"track": range(3), "t": times, **states, "cd": 2.2, "converged": True, **known})
     truth = estimates[["t", *STATE]]
     predictions = prediction.predict_all(
         with_outlooks(model, outlook), truth, estimates, iss, max_days=1, integrator=Integrator()
     )
-    found = ensembles.sample(model, futures, estimates, predictions, iss, integrator=Integrator())
+    found = ensembles.sample(
+        model, futures, estimates, predictions, iss, window=DAY, seed=1, integrator=Integrator()
+    )
     assert list(found.columns) == SCHEMAS["ensemble"].names
     forecast, calmer = (found[found["member"] == k] for k in (0, 1))
     assert (forecast[["d_x", "d_y", "d_z"]] == 0.0).all(axis=None)
     # Less drag leaves the orbit higher and so behind.
     assert calmer["d_y"].iloc[1] < calmer["d_y"].iloc[0] < 0.0
+    # Where the fit is uncertain, members lie apart under one future.
+    uncertain = estimates.assign(cov_cd_cd=0.1**2)
+    same = pd.concat([outlook.assign(member=k) for k in range(2)], ignore_index=True)
+    draws = [
+        ensembles.sample(
+            model, same, uncertain, predictions, iss, window=DAY, seed=seed, integrator=Integrator()
+        )
+        for seed in (1, 1, 2)
+    ]
+    pd.testing.assert_frame_equal(draws[0], draws[1], check_exact=True)
+    assert not draws[0].equals(draws[2])
+    # More Cd is ahead, as far as more density is.
+    one, other = (draws[0].loc[draws[0]["member"] == k, "d_y"].to_numpy() for k in (0, 1))
+    assert np.all(np.abs(one[:2] - other[:2]) > 1.0)
+
+
+def test_draws_have_the_covariance_and_none_where_there_is_none():
+    columns = RNG.normal(size=(7, 9)) * np.array([1e2, 1e2, 1e2, 0.1, 0.1, 0.1, 1e-2])[:, None]
+    covariance = np.stack([columns @ columns.T, np.full((7, 7), np.nan)])
+    covariance[0, 6], covariance[0, :, 6] = 0.0, 0.0
+    root = ensembles.square_root(covariance)
+    np.testing.assert_allclose(root[0] @ root[0].T, covariance[0], rtol=1e-9)
+    assert not root[1].any()

@@ -46,6 +46,35 @@ def test_persistence_is_the_last_flux_and_the_mean_kp_of_a_day():
     assert len(found.kp) == 8 * AHEAD
 
 
+def test_futures_are_the_forecast_moved_by_its_errors_on_such_days():
+    history, known = regular(), regular().known_at(FIRST + 1200.0)
+    flux, kp = history.flux.copy(), history.kp.copy()
+    flux[1::2] *= 1.5
+    kp[8::16] = 9.0
+    settings = {"kind": "persistence"}
+    rough = Weather(FIRST, flux, kp).known_at(FIRST + 1100.0)
+    found = methods.futures(rough, days=2, settings=settings, members=20)(known, FIRST + 1200.0)
+    said = told("persistence", history, known, 2)
+    assert len(found) == 20
+    assert min(future.kp.min() for future in found) >= 0.0
+    assert max(future.kp.max() for future in found) == 9.0
+    # Tomorrow has half as much again, or as much less, as persistence says.
+    ratios = np.array([future.flux[0] / said.flux[0] for future in found])
+    np.testing.assert_allclose(np.minimum(abs(ratios - 1.5), abs(ratios - 1 / 1.5)), 0.0, atol=0.15)
+
+
+def test_futures_of_a_forecast_whose_errors_cannot_be_told_are_what_followed():
+    weather = regular()
+    known = weather.known_at(FIRST + 1200.0)
+    find = methods.futures(
+        weather.known_at(FIRST + 1100.0), days=2, settings=FORECASTS["analogues"], members=5
+    )
+    futures = find(known, FIRST + 1200.0)
+    assert len(futures) == 5
+    for future in futures:
+        np.testing.assert_allclose(future.kp, weather.kp[9600:9616], atol=1e-9)
+
+
 def test_a_burst_of_one_day_is_left_out():
     flux = np.array([100.0, 101.0, 102.0, 938.0, 103.0, 104.0])
     assert without_bursts(flux).tolist() == [100.0, 101.0, 102.0, 101.0, 103.0, 104.0]
@@ -131,8 +160,20 @@ def test_skill_grows_worse_with_the_lead_and_the_page_holds_its_table(tmp_path):
         assert found[name][0, 0] < found[name][-1, 0]
     path = tmp_path / "page.md"
     path.write_text("before\n\n<!-- skill -->\nold\n<!-- end of skill -->\n\nafter\n")
-    report.write(path, found)
+    report.write(path, "skill", report.table(found))
     text = path.read_text()
     assert text.startswith("before\n\n<!-- skill -->\n\n| RMS of")
     assert text.endswith("\n\n<!-- end of skill -->\n\nafter\n")
     assert "old" not in text
+
+
+def test_the_spread_of_futures_is_scored_by_kind_and_span(monkeypatch):
+    monkeypatch.setattr(report, "_YEAR", 5)
+    found = report.spread("2017-01-01T00:00:00", "2017-03-01T00:00:00")
+    assert list(found) == ["regression", "analogues", "errors of a year"]
+    for scores in found.values():
+        assert scores.shape == (4, 2)
+        assert (scores[:, 0] > 0.0).all()
+        assert ((scores[:, 1] >= 0.0) & (scores[:, 1] <= 100.0)).all()
+    text = report.table_of_spread(found)
+    assert text.splitlines()[2].startswith(f"| `regression` | {found['regression'][0, 0]:.2f}; ")

@@ -48,9 +48,10 @@ def test_no_outlook_knows_what_was_measured_after_its_issue(tmp_path, monkeypatc
     assert not found[~known].equals(expected[~known])
 
 
-def test_no_future_knows_what_was_measured_after_its_issue(tmp_path, monkeypatch):
+@pytest.mark.parametrize("forecast", FORECASTS)
+def test_no_future_knows_what_was_measured_after_its_issue(tmp_path, monkeypatch, forecast):
     utc = "2016-09-29T20:00:00"
-    asked = {"members": 3, "issue_hours": 6, "max_days": 1}
+    asked = {"forecast": FORECASTS[forecast], "members": 3, "issue_hours": 6, "max_days": 1}
     expected = knowledge.futures("OBSERVED", EPOCH, T, **asked)
     other = other_after(tmp_path / "other.csv", mjd(utc))
     monkeypatch.setitem(solar_activity.PACKAGED, "OBSERVED", str(other))

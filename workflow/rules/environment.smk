@@ -151,6 +151,7 @@ rule outlooks:
 rule futures:
     input:
         source("solar_activity"),
+        [local(path) for path in methods.files(forecast_settings())],
     output:
         f"{RESULTS}/environment/futures_{{members}}.parquet",
     log:
@@ -165,6 +166,7 @@ rule futures:
         settings=lambda wildcards: {key: config[key] for key in ("epoch", "duration_days")}
         | {
             "source": config["environment"]["solar_activity"],
+            "forecast": forecast_settings(),
             "members": int(wildcards.members),
             "issue_hours": config["environment"].get("issue_hours"),
             "max_days": config["prediction"]["max_days"],

@@ -60,6 +60,8 @@ if KNOWLEDGE == knowledge.FORECAST:
                 "force_model": config["force_models"]["assumed"],
                 "integrator": config["integrator"],
                 "level": config["intervals"]["level"],
+                "window_hours": window_hours(wildcards),
+                "seed": noise_seed(wildcards),
                 "rso": rso(wildcards),
             },
             code=code("ensemble.py"),

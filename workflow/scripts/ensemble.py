@@ -1,6 +1,7 @@
 """Predict under each of the futures of the space weather, and tell their spread."""
 
 from opml.catalog import ensembles, force_model
+from opml.constants import HOUR
 from opml.jobs import job, progress
 from opml.sheets import Rso
 from opml.tables import read_table, write_table
@@ -14,6 +15,8 @@ with job(snakemake) as metadata:
         read_table(files.estimates, "estimates"),
         predictions,
         Rso(**settings["rso"]),
+        window=HOUR * settings["window_hours"],
+        seed=settings["seed"],
         integrator=force_model.integrator(settings["integrator"]),
         threads=snakemake.threads,
         progress=progress,

@@ -1,4 +1,4 @@
-"""Tabulate the space weather as it may come, by the futures of the days most like that of the issue."""
+"""Tabulate the space weather as it may come, by so many futures about the forecast."""
 
 from opml.constants import DAY
 from opml.environment import knowledge, nodes
@@ -11,9 +11,10 @@ with job(snakemake) as metadata:
         settings["source"],
         settings["epoch"],
         nodes(settings["epoch"], DAY * settings["duration_days"]),
+        forecast=settings["forecast"],
         members=settings["members"],
         issue_hours=settings["issue_hours"],
         max_days=settings["max_days"],
     )
-    metadata |= {"source": settings["source"], "members": settings["members"]}
+    metadata |= {name: settings[name] for name in ("source", "forecast", "members")}
     write_table(snakemake.output[0], table, "futures", metadata=metadata)

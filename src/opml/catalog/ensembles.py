@@ -1,7 +1,8 @@
 """Predictions under many futures of the space weather: a distribution where no single forecast is good.
 
-Each future is flown from the same estimate, so that the sample has the uncertainty of the weather and not
-that of the fit.
+Each future is flown from an estimate of its own, drawn from the fit's covariance, as far as fits scatter. So
+the sample has the uncertainty of the weather, which lasts, and that of the fit, which counts in the first
+hours, or where measurements are poor.
 """
 
 from collections.abc import Callable
@@ -9,14 +10,17 @@ from collections.abc import Callable
 import numpy as np
 import pandas as pd
 
+from opml.catalog.estimation import COVARIANCES
 from opml.catalog.flying import fly_pairs, part_of
+from opml.catalog.scatter import excess
 from opml.constants import DAY
 from opml.dynamics.ensemble import Integrator
 from opml.dynamics.forces import with_outlooks
 from opml.dynamics.surroundings import ForceModel
 from opml.elements import in_rsw
+from opml.seeds import derive
 from opml.sheets import Rso
-from opml.tables import STATE
+from opml.tables import PARAMETERS, STATE, symmetric
 
 
 def sample(
@@ -26,6 +30,8 @@ def sample(
     predictions: pd.DataFrame,
     rso: Rso,
     *,
+    window: float,
+    seed: int,
     integrator: Integrator,
     threads: int = 1,
     progress: Callable[[float], None] | None = None,
@@ -33,19 +39,25 @@ def sample(
     """The `ensemble` table: each pair of `predictions` under each of the `futures`.
 
     model: the assumed one; futures: the table, whose newest issue at t_i holds for an arc; estimates: those
-    that the predictions start from. Where a prediction or a member has no numbers, the difference has none.
+    that the predictions start from, over a `window` [s]; seed: of the estimates' draws. Where a prediction or
+    a member has no numbers, the difference has none.
     """
-    started = estimates.set_index("track").loc[np.unique(predictions["i"])]
+    known = estimates.assign(excess=excess(estimates, window=window))
+    started = known.set_index("track").loc[np.unique(predictions["i"])]
+    covariance = symmetric(started, COVARIANCES) * started["excess"].to_numpy()[:, None, None]
+    mean, root = started[PARAMETERS].to_numpy(), square_root(covariance)
     predicted = predictions[STATE].to_numpy()
     parts = []
     members = futures.groupby("member")
     for turn, (member, future) in enumerate(members):
+        random = derive(seed, "ensembles", rso.name, str(member))
+        drawn = mean + np.einsum("nij,nj->ni", root, random.normal(size=mean.shape))
         states, _ = fly_pairs(
             with_outlooks(model, future),
             rso,
             predictions,
-            started[STATE].to_numpy(),
-            cd=started["cd"].to_numpy(),
+            drawn[:, :6],
+            cd=drawn[:, 6],
             integrator=integrator,
             threads=threads,
             progress=part_of(progress, turn, len(members)),
@@ -57,6 +69,22 @@ def sample(
     return pd.concat(parts, ignore_index=True)
 
 
+def square_root(covariance: np.ndarray) -> np.ndarray:
+    """Roots R (n, k, k) with R R' the covariances (n, k, k); 0 where these are not finite.
+
+    R is the deviations times the symmetric root of the correlations, which is the only one; of the latter's
+    eigenvalues rounding may have left one below 0.
+    """
+    known = np.isfinite(covariance).all(axis=(1, 2))
+    sigma = np.sqrt(np.where(known[:, None], np.diagonal(covariance, axis1=1, axis2=2), 0.0))
+    both = sigma[:, :, None] * sigma[:, None, :]
+    correlation = np.divide(covariance, both, out=np.zeros_like(both), where=both > 0.0)
+    values, vectors = np.linalg.eigh(correlation)
+    stretched = vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]
+    root: np.ndarray = sigma[:, :, None] * (stretched @ vectors.transpose(0, 2, 1))
+    return root
+
+
 def fan(ensemble: pd.DataFrame, predictions: pd.DataFrame, *, level: float) -> pd.DataFrame:
     """The `fan` table: what the futures say of the along-track error of each prediction, beside what it was.
 
@@ -65,9 +93,7 @@ def fan(ensemble: pd.DataFrame, predictions: pd.DataFrame, *, level: float) -> p
     count = ensemble["member"].nunique()
     said = -ensemble["d_y"].to_numpy().reshape(count, -1)
     error = predictions["e_y"].to_numpy()
-    # The truth is one more draw: of m members, the k-th lies above it with the probability k / (m + 1).
-    shares = [0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level]
-    low, median, high = np.quantile(said, shares, axis=0, method="weibull")
+    low, median, high = band(said, level)
     return pd.DataFrame(
         {
             "i": predictions["i"].to_numpy(),
@@ -82,6 +108,16 @@ def fan(ensemble: pd.DataFrame, predictions: pd.DataFrame, *, level: float) -> p
             "crps": crps(said, error),
         }
     )
+
+
+def band(members: np.ndarray, level: float) -> np.ndarray:
+    """Lower end, median and upper end, (3, n), of the share `level` of samples (members, n).
+
+    The truth is one more draw: of m members, the k-th lies above it with the probability k / (m + 1).
+    """
+    shares = [0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level]
+    found: np.ndarray = np.quantile(members, shares, axis=0, method="weibull")
+    return found
 
 
 def scores(fans: pd.DataFrame) -> pd.DataFrame:

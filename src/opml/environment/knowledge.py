@@ -5,7 +5,7 @@ forecast: t_i is today. An outlook has what was known when it was issued, and th
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +15,8 @@ import pandas as pd
 from opml import epochs
 from opml.constants import DAY, HOUR
 from opml.environment import solar_activity, space_weather
-from opml.environment.forecasts import analogues, methods
-from opml.environment.forecasts.contract import Forecast, Future
+from opml.environment.forecasts import methods
+from opml.environment.forecasts.contract import Forecast, Future, Tell
 from opml.environment.weather import RUN_UP, Weather
 from opml.errors import InputError
 
@@ -94,15 +94,15 @@ def futures(
     epoch: str,
     t: np.ndarray,
     *,
+    forecast: Mapping[str, Any],
     members: int,
     issue_hours: int,
     max_days: float,
 ) -> pd.DataFrame:
-    """Table `futures`: as `outlooks`, of so many members: what followed the days most like today."""
+    """Table `futures`: as `outlooks`, of so many members about the forecast (`methods.futures`)."""
     horizon = max_days * DAY + issue_hours * HOUR + _AHEAD
     days = math.ceil(horizon / DAY) + 1
-    methods.check_history(_history(epoch), days=days, settings={"kind": "analogues", "members": members})
-    find = analogues.members_of(_history(epoch), days=days, members=members)
+    find = methods.futures(_history(epoch), days=days, settings=forecast, members=members)
     return _issued(source, epoch, t, find, hours=issue_hours, horizon=horizon)
 
 
@@ -110,7 +110,7 @@ def _issued(
     source: str | Path,
     epoch: str,
     t: np.ndarray,
-    tell: Callable[[Weather, float], list[Future]],
+    tell: Tell,
     *,
     hours: int,
     horizon: float,

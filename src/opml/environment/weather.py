@@ -17,6 +17,8 @@ MEAN_DAYS = 81
 RUN_UP = MEAN_DAYS + 1
 """Days of measurements that have to come before the first time that `Weather.activity` is asked for."""
 
+HIGHEST_KP = 9.0
+
 
 @dataclass(frozen=True, eq=False)
 class Weather:

@@ -1,4 +1,4 @@
-"""How well the space weather can be forecast: the table of skill in docs/weather.md.
+"""How well the space weather can be forecast: the tables of skill and of spread in docs/weather.md.
 
     python -m opml.report.weather docs/weather.md
 
@@ -6,17 +6,19 @@ Each day of ten years is a day of issue, at midnight UTC; methods have learned f
 """
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from opml import epochs
+from opml.catalog import ensembles
 from opml.constants import DAY
 from opml.dynamics.orbit_density import OrbitDensity
 from opml.environment import knowledge, solar_activity
 from opml.environment.forecasts import methods
+from opml.environment.forecasts.contract import Future
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import RUN_UP, Weather
 from opml.files import FilePath, replacing
@@ -31,7 +33,10 @@ FORECASTS: Mapping[str, Mapping[str, Any]] = {
 
 _FIRST, _LAST = "2016-01-01T00:00:00", "2025-12-31T00:00:00"
 _LEADS = 8
-_BEGIN, _END = "<!-- skill -->\n", "<!-- end of skill -->\n"
+_MEMBERS, _LEVEL = 30, 0.9
+_EVERY, _YEAR = 5, 73
+"""Days between the issues that futures are told at, and how many of these are in a year."""
+_SPANS = (1, 3, 5, 7)
 
 
 def skill(first: str = _FIRST, last: str = _LAST) -> dict[str, np.ndarray]:
@@ -47,13 +52,7 @@ def skill(first: str = _FIRST, last: str = _LAST) -> dict[str, np.ndarray]:
     true = _figures(weather, days)
     found = {"monthly": _rms(_monthly(days), true)}
     for name, settings in FORECASTS.items():
-        method = methods.fit(weather.known_at(begin), days=_LEADS + 1, settings=settings)
-        expected = []
-        for day in map(int, days):
-            known = weather.known_at(day)
-            ahead = known.since(day - RUN_UP - 1).followed_by(*method(known, float(day)))
-            expected.append(_figures(ahead, np.array([day])))
-        found[name] = _rms(np.concatenate(expected), true)
+        found[name] = _rms(_said(weather, days, settings), true)
     return found
 
 
@@ -80,6 +79,65 @@ def _figures(weather: Weather, days: np.ndarray) -> np.ndarray:
     return np.concatenate([flux[..., None], kp, density[..., None]], axis=-1)
 
 
+def spread(first: str = _FIRST, last: str = _LAST) -> dict[str, np.ndarray]:
+    """Scores (spans, 2) of futures: CRPS [%] and part inside their 90 % [%], of the drag of so many days.
+
+    Every fifth day from `first` to `last` (UTC text) is a day of issue, scored after a year. Drag is what
+    moves a prediction along its track: each day's density times the days that are left. `errors of a year`
+    are those of the regression in the year before, which know nothing of the day.
+    """
+    weather = knowledge.read(solar_activity.OBSERVED)
+    begin, end = (int(sum(epochs.utc(text, 0.0)) - epochs.MJD_ZERO) for text in (first, last))
+    days = np.arange(begin, end - _LEADS + 1, _EVERY)
+    true = _drag(_figures(weather, days))
+    said = {name: _told(weather, days, FORECASTS[name]) for name in ("regression", "analogues")}
+    point = _drag(_said(weather, days, FORECASTS["regression"])) / true - 1.0
+    # An error of five days before is not known yet.
+    scored = _YEAR + 1
+    before = np.lib.stride_tricks.sliding_window_view(point, _YEAR, axis=0)[: len(days) - scored]
+    futures = {name: drag[:, scored:] / true[scored:] - 1.0 for name, drag in said.items()}
+    futures["errors of a year"] = point[scored:] - np.moveaxis(before, -1, 0)
+    return {
+        name: np.array([_score(one[..., k]) for k in range(len(_SPANS))]) for name, one in futures.items()
+    }
+
+
+def _told(weather: Weather, days: np.ndarray, settings: Mapping[str, Any]) -> np.ndarray:
+    """The drag (members, days, spans) of the futures about a forecast, told at days of issue."""
+    tell = methods.futures(weather.known_at(days[0]), days=_LEADS + 1, settings=settings, members=_MEMBERS)
+    parts = [_ahead(weather, day, tell(weather.known_at(day), float(day))) for day in map(int, days)]
+    return _drag(np.stack(parts, axis=1))
+
+
+def _said(weather: Weather, days: np.ndarray, settings: Mapping[str, Any]) -> np.ndarray:
+    """The figures (days, leads, 10) of a forecast at days of issue."""
+    method = methods.fit(weather.known_at(days[0]), days=_LEADS + 1, settings=settings)
+    parts = [_ahead(weather, day, [method(weather.known_at(day), float(day))]) for day in map(int, days)]
+    return np.concatenate(parts)
+
+
+def _ahead(weather: Weather, day: int, futures: Sequence[Future]) -> np.ndarray:
+    """The figures (futures, leads, 10) of futures from a day of issue on."""
+    past = weather.known_at(day).since(day - RUN_UP - 1)
+    today = np.array([day])
+    return np.concatenate([_figures(past.followed_by(*future), today) for future in futures])
+
+
+def _drag(figures: np.ndarray) -> np.ndarray:
+    """Each day's density times the days that are left, up to the end of each span: (..., spans)."""
+    left = np.array(_SPANS)[:, None] - np.arange(_LEADS) - 0.5
+    drag: np.ndarray = figures[..., -1] @ np.maximum(left, 0.0).T
+    return drag
+
+
+def _score(futures: np.ndarray) -> tuple[float, float]:
+    """CRPS and part inside [%] of what futures (members, days) say of a truth that is 0."""
+    low, _, high = ensembles.band(futures, _LEVEL)
+    inside = (low <= 0.0) & (high >= 0.0)
+    score = ensembles.crps(futures, np.zeros(futures.shape[1]))
+    return 100.0 * float(score.mean()), 100.0 * float(inside.mean())
+
+
 def _rms(expected: np.ndarray, true: np.ndarray) -> np.ndarray:
     error = expected - true
     parts = error[..., :1], error[..., 1:-1], 100.0 * error[..., -1:] / true[..., -1:]
@@ -98,13 +156,25 @@ def table(found: Mapping[str, np.ndarray]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def write(path: FilePath, found: Mapping[str, np.ndarray]) -> None:
-    """Put the table between its marks in a page."""
-    before, _, rest = Path(path).read_text(encoding="utf-8").partition(_BEGIN)
-    after = rest.partition(_END)[2]
+def table_of_spread(found: Mapping[str, np.ndarray]) -> str:
+    """The spread as a Markdown table, one row per kind of futures."""
+    lines = [f"| CRPS, %; part inside, % | {' | '.join(f'{span} d' for span in _SPANS)} |"]
+    lines.append("| --- |" + len(_SPANS) * " --- |")
+    for name, scores in found.items():
+        cells = " | ".join(f"{score:.2f}; {inside:.0f}" for score, inside in scores)
+        lines.append(f"| `{name}` | {cells} |")
+    return "\n".join(lines) + "\n"
+
+
+def write(path: FilePath, name: str, text: str) -> None:
+    """Put a table between the marks of its name in a page."""
+    begin, end = f"<!-- {name} -->\n", f"<!-- end of {name} -->\n"
+    before, _, rest = Path(path).read_text(encoding="utf-8").partition(begin)
+    after = rest.partition(end)[2]
     with replacing(path) as unfinished:
-        Path(unfinished).write_text(f"{before}{_BEGIN}\n{table(found)}\n{_END}{after}", encoding="utf-8")
+        Path(unfinished).write_text(f"{before}{begin}\n{text}\n{end}{after}", encoding="utf-8")
 
 
 if __name__ == "__main__":
-    write(sys.argv[1], skill())
+    write(sys.argv[1], "skill", table(skill()))
+    write(sys.argv[1], "spread", table_of_spread(spread()))

@@ -4,12 +4,10 @@ Days are alike where F10.7 and Kp have had the same course: of the last days, an
 the days to come. F10.7 then changes by the factor that it changed by then, Kp is what it was.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 from opml.environment.forecasts.bursts import without_bursts
-from opml.environment.forecasts.contract import COUNT, Forecast, Future, Method, Settings
+from opml.environment.forecasts.contract import COUNT, Forecast, Future, Method, Settings, Tell
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import Weather, trailing_mean
 
@@ -27,9 +25,9 @@ _LEVEL = 2.0
 """Weight of how high F10.7 stands against that of each of its changes."""
 
 
-def members_of(history: Weather, *, days: int, members: int) -> Callable[[Weather, float], list[Future]]:
+def members_of(history: Weather, *, days: int, members: int) -> Tell:
     """The futures of the nearest days, nearest first."""
-    like = _Likeness(history, days)
+    like = Likeness(history, days)
 
     def find(past: Weather, day: float) -> list[Future]:
         return [like.future(past, k) for k in like.nearest(past, members)]
@@ -50,13 +48,14 @@ def fit(history: Weather, *, days: int, settings: Settings) -> Forecast:
     return forecast
 
 
-class _Likeness:
+class Likeness:
     """The days of a history that have a past to compare and a future to take."""
 
-    def __init__(self, history: Weather, days: int) -> None:
+    def __init__(self, history: Weather, days: int, past_days: int = 0) -> None:
+        """days: of the future; past_days: that each has to have before, beside those that are compared."""
         self._ahead = days
         self._flux, self._kp = without_bursts(history.flux), history.kp
-        before = max(*FLUX_LAGS, *KP_LAGS) + 1
+        before = max(*FLUX_LAGS, *KP_LAGS, past_days) + 1
         last = min(len(self._flux), len(self._kp) // INTERVALS) - days - 1
         self.days = np.arange(before, max(before, last))
         self._scale = np.ones(1)
@@ -82,8 +81,13 @@ class _Likeness:
     def future(self, past: Weather, day: int) -> Future:
         """What followed a day of the history, as it would follow `past`."""
         now = without_bursts(past.flux[-PAST:])[-1]
-        flux = now * self._flux[day + 1 : day + 1 + self._ahead] / self._flux[day]
+        after = self.after(day)
+        return Future(now * after.flux / self._flux[day], after.kp)
+
+    def after(self, day: int) -> Future:
+        """What followed a day of the history, without the bursts of flares."""
         begin = INTERVALS * (day + 1)
+        flux = self._flux[day + 1 : day + 1 + self._ahead]
         return Future(flux, self._kp[begin : begin + INTERVALS * self._ahead])
 
     def _courses(self, days: np.ndarray) -> np.ndarray:
@@ -106,4 +110,5 @@ METHOD = Method(
     fit,
     least_days=lambda settings: PAST + 4 * APART * int(settings["members"]),
     past_days=lambda settings: PAST,
+    repeatable=False,
 )

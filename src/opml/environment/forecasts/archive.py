@@ -139,4 +139,5 @@ METHOD = Method(
     {"files": {"type": "array", "minItems": 1, "items": {"$ref": "#/$defs/source"}}},
     fit,
     files=files,
+    repeatable=False,
 )

@@ -30,6 +30,10 @@ class Forecast(Protocol):
         """
 
 
+Tell = Callable[[Weather, float], list[Future]]
+"""Several futures at a time, as `Forecast` tells one."""
+
+
 class Fit(Protocol):
     """Make a forecast for so many days ahead, from the weather before the run."""
 
@@ -48,6 +52,7 @@ class Method:
     least_days : of history that its settings ask for.
     past_days : of weather up to the issue that a forecast starts from.
     files : the user's own files that its settings name.
+    repeatable : whether it can be made again on the days of the history, to see how it errs.
     """
 
     kind: str
@@ -57,6 +62,7 @@ class Method:
     least_days: Callable[[Settings], int] = lambda settings: 0
     past_days: Callable[[Settings], int] = lambda settings: 1
     files: Callable[[Settings], list[str]] = lambda settings: []
+    repeatable: bool = True
 
     def settings_schema(self) -> dict[str, Any]:
         """The JSON schema of its settings."""

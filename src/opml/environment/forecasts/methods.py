@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
-from opml.environment.forecasts import analogues, archive, persistence, recurrence, regression
-from opml.environment.forecasts.contract import Forecast, Method, Settings
+from opml.environment.forecasts import analogues, archive, errors, persistence, recurrence, regression
+from opml.environment.forecasts.contract import Forecast, Method, Settings, Tell
 from opml.environment.weather import Weather
 from opml.errors import InputError
 
@@ -30,6 +30,20 @@ def fit(history: Weather, *, days: int, settings: Settings) -> Forecast:
     """Make the forecast that `settings['kind']` names. Raises InputError where it cannot be made."""
     check_history(history, days=days, settings=settings)
     return _BY_KIND[settings["kind"]].fit(history, days=days, settings=settings)
+
+
+def futures(history: Weather, *, days: int, settings: Settings, members: int) -> Tell:
+    """Make the futures of an ensemble about the forecast that `settings['kind']` names.
+
+    The forecast with its errors on days like today; what followed those days where its errors of the past
+    cannot be told. Raises InputError where they cannot be made.
+    """
+    check_history(history, days=days, settings={"kind": "analogues", "members": members})
+    method = _BY_KIND[settings["kind"]]
+    if not method.repeatable:
+        return analogues.members_of(history, days=days, members=members)
+    forecast, past_days = fit(history, days=days, settings=settings), method.past_days(settings)
+    return errors.members_of(history, forecast, days=days, past_days=past_days, members=members)
 
 
 def check_history(history: Weather, *, days: int, settings: Settings) -> None:

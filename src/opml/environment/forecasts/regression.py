@@ -11,9 +11,7 @@ import numpy as np
 from opml.environment.forecasts.bursts import without_bursts
 from opml.environment.forecasts.contract import COUNT, Forecast, Future, Method, Settings
 from opml.environment.space_weather import INTERVALS
-from opml.environment.weather import Weather, trailing_mean
-
-_HIGHEST_KP = 9.0
+from opml.environment.weather import HIGHEST_KP, Weather, trailing_mean
 
 
 def fit(history: Weather, *, days: int, settings: Settings) -> Forecast:
@@ -28,7 +26,7 @@ def fit(history: Weather, *, days: int, settings: Settings) -> Forecast:
     def forecast(past: Weather, day: float) -> Future:
         daily = _last(without_bursts(past.flux[-2 * lags :]), lags)[-1]
         three_hourly = _last_kp(past.kp[-INTERVALS * lags :], INTERVALS * lags)[-1]
-        return Future(flux.predict(daily), np.clip(kp.predict(three_hourly), 0.0, _HIGHEST_KP))
+        return Future(flux.predict(daily), np.clip(kp.predict(three_hourly), 0.0, HIGHEST_KP))
 
     return forecast
 
