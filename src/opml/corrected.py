@@ -7,12 +7,12 @@ computed at those epochs as it was at later tracks. The along-track error that i
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
 
-from opml.catalog import arcs, mechanism
+from opml.catalog import arcs, force_model, mechanism
 from opml.catalog.correction import LEAST_EPOCHS, corrected, through
 from opml.catalog.covariance import propagated, stretched
 from opml.catalog.prediction import predict
@@ -50,6 +50,16 @@ class Flight:
     def options(self) -> dict[str, Any]:
         """The same, as what flies arcs in opml.catalog takes it."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    @classmethod
+    def read(cls, files: Any, settings: Mapping[str, Any], *, threads: int) -> Self:
+        """What a job's `files` and settings say; raises InputError where one is missing or damaged."""
+        return cls(
+            force_model.read(files, epoch=settings["epoch"], settings=settings["force_model"]),
+            Rso(**settings["rso"]),
+            force_model.integrator(settings["integrator"]),
+            threads,
+        )
 
 
 @dataclass(frozen=True)
@@ -161,14 +171,32 @@ def build(
     model: of the along-track error; stated: the deviations of what it leaves. An ephemeris ends where an arc
     that it needs does. Raises InputError where none reaches anywhere, and as `correction.corrected` does.
     """
+
+    def some(chosen: pd.DataFrame) -> Iterator[pd.DataFrame]:
+        columns = rows(flight, known, chosen, model.variables, grid)
+        formal = propagated(estimates=known.estimates, predictions=columns, **flight.options)
+        return ephemerides(columns, formal, model, stated)
+
+    return by_parts(some, starts, grid, progress=progress)
+
+
+def by_parts(
+    some: Callable[[pd.DataFrame], Iterator[pd.DataFrame]],
+    starts: pd.DataFrame,
+    grid: Grid,
+    *,
+    progress: Callable[[float], None] | None = None,
+) -> pd.DataFrame:
+    """The `corrected` table of all `starts`, of which `some` makes the ephemerides of a few.
+
+    Raises InputError where none reaches anywhere.
+    """
     found: list[pd.DataFrame] = []
     for begin in range(0, len(starts), TOGETHER):
-        some = starts.iloc[begin : begin + TOGETHER]
-        columns = rows(flight, known, some, model.variables, grid)
-        formal = propagated(estimates=known.estimates, predictions=columns, **flight.options)
-        found += _ephemerides(columns, formal, model, stated)
+        chosen = starts.iloc[begin : begin + TOGETHER]
+        found += some(chosen)
         if progress:
-            progress((begin + len(some)) / len(starts))
+            progress((begin + len(chosen)) / len(starts))
     if not found:
         least = f"{LEAST_EPOCHS} epochs {grid.step:g} s apart"
         raise InputError(f"ephemeris: expected {least} after an estimate and before the run ends, got fewer")
@@ -243,10 +271,13 @@ def _of(estimates: pd.DataFrame, pairs: pd.DataFrame) -> pd.DataFrame:
     return estimates[estimates["track"].isin(pairs["i"].unique())]
 
 
-def _ephemerides(
+def ephemerides(
     columns: pd.DataFrame, formal: np.ndarray, model: Model, stated: Stated
 ) -> Iterator[pd.DataFrame]:
-    """Ephemerides of the estimates in `columns`, each up to its first row without numbers."""
+    """Ephemerides of the estimates in `columns`, each up to its first row without numbers.
+
+    columns: `rows` of the model's variables; formal: (n, 6, 6) covariances that the fits alone give them.
+    """
     numbers = columns[[*STATE, *model.variables]].to_numpy()
     lost = ~(np.isfinite(numbers).all(axis=1) & np.isfinite(formal).all(axis=(1, 2)))
     for own in columns.groupby("i", sort=True).indices.values():

@@ -128,6 +128,10 @@ def _covariance(parameters: Sequence[str], frame: str) -> tuple[Column, ...]:
 
 _SINCE = "elapsed SI seconds since the epoch"
 _T = real("t", "s", _SINCE)
+_SIGMA_FIT = tuple(
+    real(f"sigma_fit_{axis}", "m", f"standard deviation of {axis} by the fit alone, propagated", "RSW")
+    for axis in "xyz"
+)
 
 _ACTIVITY = (
     real("f107", "sfu", "F10.7 solar radio flux of the day before"),
@@ -552,15 +556,19 @@ _TABLES = (
             *_state("GCRF", "corrected state"),
             *_state("GCRF", "predicted state, before correction", suffix="_predicted"),
             *_covariance(STATE, "RSW of the corrected state"),
-            *(
-                real(
-                    f"sigma_fit_{axis}",
-                    "m",
-                    f"standard deviation of {axis} by the fit alone, propagated",
-                    "RSW",
-                )
-                for axis in "xyz"
-            ),
+            *_SIGMA_FIT,
+        ),
+    ),
+    Schema(
+        "forecast",
+        "an epoch after an estimate",
+        (
+            count("i", "track of the estimate the ephemeris starts from"),
+            real("t_i", "s", f"epoch of the estimate, {_SINCE}"),
+            _T,
+            *_state("GCRF", "predicted state"),
+            *_covariance(STATE, "RSW of the predicted state"),
+            *_SIGMA_FIT,
         ),
     ),
     Schema(

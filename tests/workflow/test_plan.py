@@ -268,18 +268,20 @@ def test_a_past_too_short_for_an_uncertainty_is_told_in_one_line(project):
 
 def test_a_forecast_of_the_weather_is_made_for_the_assumed_model_alone(project):
     sources = "environment={solar_activity: OBSERVED, knowledge: forecast, forecast: analogues}"
-    target = "results/scores/iss/eglin_w24_n30.parquet"
-    plan = project.snakemake("-n", target, "--config", sources).stdout
+    targets = "results/scores/iss/eglin_w24_n30.parquet", "results/forecasts/iss/eglin_w24_n30/days-0-30.oem"
+    plan = project.snakemake("-n", *targets, "--config", sources).stdout
     # Outlooks of every three hours for the fit, of every day for the prediction; the truth has neither.
     found = jobs(plan)
     assert {
-        name: found[name] for name in ("solar_activity", "hindcast", "outlooks", "futures", "ensemble")
+        name: found[name]
+        for name in ("solar_activity", "hindcast", "outlooks", "futures", "ensemble", "forecast")
     } == {
         "solar_activity": 1,
         "hindcast": 1,
         "outlooks": 2,
         "futures": 1,
         "ensemble": 1,
+        "forecast": 1,
     }
 
 

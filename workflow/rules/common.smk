@@ -301,6 +301,27 @@ def known_until_days(wildcards):
     return days[1] or STUDY.span_days[1]
 
 
+def ephemeris_settings(wildcards):
+    """What every ephemeris from an estimate is made with."""
+    return {
+        "epoch": config["epoch"],
+        "force_model": config["force_models"]["assumed"],
+        "integrator": config["integrator"],
+        "rso": rso(wildcards),
+        "cleaning": cleaning(wildcards),
+        "window_hours": window_hours(wildcards),
+        "cd_bounds": cd_bounds(),
+        "mechanism": config["mechanism"],
+        "known_until_days": known_until_days(wildcards),
+        "from": config["ephemeris"]["from"],
+        "grid": [
+            config["ephemeris"]["step_s"],
+            config["prediction"]["max_days"],
+            config["duration_days"],
+        ],
+    }
+
+
 def experiment(wildcards):
     """What a file name asks for, as the metrics tell it."""
     parts = dict(wildcards.items())

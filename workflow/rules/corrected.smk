@@ -59,24 +59,7 @@ rule corrected:
         mem_mb=1750,
         runtime=8,
     params:
-        settings=lambda wildcards: {
-            "epoch": config["epoch"],
-            "force_model": config["force_models"]["assumed"],
-            "integrator": config["integrator"],
-            "rso": rso(wildcards),
-            "cleaning": cleaning(wildcards),
-            "window_hours": window_hours(wildcards),
-            "cd_bounds": cd_bounds(),
-            "mechanism": config["mechanism"],
-            "arc": arc_hours(learner(wildcards)),
-            "known_until_days": known_until_days(wildcards),
-            "from": config["ephemeris"]["from"],
-            "grid": [
-                config["ephemeris"]["step_s"],
-                config["prediction"]["max_days"],
-                config["duration_days"],
-            ],
-        },
+        settings=lambda wildcards: ephemeris_settings(wildcards) | {"arc": arc_hours(learner(wildcards))},
         code=code("corrected.py"),
     message:
         "Corrected ephemeris: {wildcards.rso} by {wildcards.stations}, corrected by {wildcards.learner}"
@@ -125,3 +108,58 @@ use rule errors as corrected_figure with:
         code=code("corrected_figure.py"),
     message:
         "Figure: {wildcards.rso} by {wildcards.stations} as predicted, as corrected, and as measured later"
+
+
+if KNOWLEDGE == knowledge.FORECAST:
+    # Without anything learned: {train} says up to when the catalogue has estimates.
+    FORECAST = "{rso}/{stations}{window}{reading}_n{members}/{train}"
+
+    rule forecast:
+        input:
+            **ENVIRONMENT,
+            futures=rules.futures.output[0],
+            estimates=rules.estimation.output[0],
+            predictions=rules.prediction.output[0],
+            tracking=rules.tracking.output[0],
+            long_estimates=[],
+            arc_estimates=[],
+            manoeuvres=told_manoeuvres,
+            asked=checked_names(split),
+        output:
+            f"{RESULTS}/forecasts/{FORECAST}.parquet",
+        log:
+            f"{RESULTS}/logs/forecasts/{FORECAST}.log",
+        benchmark:
+            f"{RESULTS}/benchmarks/forecasts/{FORECAST}.tsv"
+        wildcard_constraints:
+            members=naming.MEMBERS,
+        conda:
+            "../envs/opml.yaml"
+        resources:
+            mem_mb=1750,
+            runtime=8,
+        params:
+            settings=lambda wildcards: ephemeris_settings(wildcards)
+            | {"arc": [0, 0], "seed": noise_seed(wildcards)},
+            code=code("forecast.py"),
+        message:
+            "Forecast ephemeris: {wildcards.rso} by {wildcards.stations} under {wildcards.members} futures of the space weather"
+        script:
+            "../scripts/forecast.py"
+
+    use rule export_truth as export_forecast with:
+        input:
+            rules.forecast.output[0],
+        output:
+            f"{RESULTS}/forecasts/{FORECAST}.oem",
+        log:
+            f"{RESULTS}/logs/forecasts/{FORECAST}_oem.log",
+        benchmark:
+            f"{RESULTS}/benchmarks/forecasts/{FORECAST}_oem.tsv"
+        wildcard_constraints:
+            members=naming.MEMBERS,
+        params:
+            settings=lambda wildcards: {"epoch": config["epoch"], "table": "forecast", "rso": wildcards.rso},
+            code=code("export_oem.py"),
+        message:
+            "Export: forecast ephemeris of {wildcards.rso} by {wildcards.stations}, with covariances, as CCSDS OEM"

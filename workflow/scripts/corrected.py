@@ -1,26 +1,18 @@
 """Make corrected ephemerides on a regular grid ahead of estimates."""
 
 from opml import corrected
-from opml.catalog import force_model
 from opml.constants import DAY
 from opml.jobs import job, progress
 from opml.learning import learners, stated
-from opml.sheets import Rso
 from opml.tables import write_table
 
 with job(snakemake) as metadata:
     settings, files = snakemake.params.settings, snakemake.input
-    flight = corrected.Flight(
-        force_model.read(files, epoch=settings["epoch"], settings=settings["force_model"]),
-        Rso(**settings["rso"]),
-        force_model.integrator(settings["integrator"]),
-        snakemake.threads,
-    )
     known = corrected.read(files, settings)
     step, max_days, duration_days = settings["grid"]
     until = DAY * settings["known_until_days"]
     table = corrected.build(
-        flight,
+        corrected.Flight.read(files, settings, threads=snakemake.threads),
         known,
         learners.read(files.model),
         stated.read(files.stated, trained_until=until),

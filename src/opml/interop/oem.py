@@ -87,6 +87,15 @@ def prediction_segments(predictions: pd.DataFrame, *, rso: str) -> list[Segment]
 
 def corrected_segments(corrected: pd.DataFrame, *, rso: str) -> list[Segment]:
     """Segments of a `corrected` table: one per estimate, with a covariance in RSW at every epoch."""
+    return _with_covariances(corrected, rso, "corrected prediction")
+
+
+def forecast_segments(forecast: pd.DataFrame, *, rso: str) -> list[Segment]:
+    """The same of a `forecast` table."""
+    return _with_covariances(forecast, rso, "prediction, with the weather's covariances,")
+
+
+def _with_covariances(table: pd.DataFrame, rso: str, what: str) -> list[Segment]:
     return [
         Segment(
             rso,
@@ -95,10 +104,10 @@ def corrected_segments(corrected: pd.DataFrame, *, rso: str) -> list[Segment]:
             t,
             _matrices(rows),
             covariance_frame=_RSW,
-            remark=f"corrected prediction from the estimate of track {i}",
+            remark=f"{what} from the estimate of track {i}",
             degree=_DEGREE,
         )
-        for i, rows in corrected.groupby("i", sort=True)
+        for i, rows in table.groupby("i", sort=True)
     ]
 
 
@@ -107,6 +116,7 @@ SEGMENTS = {
     "estimates": estimate_segments,
     "predictions": prediction_segments,
     "corrected": corrected_segments,
+    "forecast": forecast_segments,
 }
 """How each table that has a message becomes its segments."""
 

@@ -1,0 +1,63 @@
+"""Forecast ephemerides: nothing is learned; a prediction, and how far the weather ahead may take it off.
+
+From an estimate the assumed model predicts to every epoch of a regular grid under the forecast of t_i, and
+under many futures about it (opml.catalog.ensembles). Positions are known as far as these lie from the
+prediction. All of it is known at t_i.
+"""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import pandas as pd
+
+from opml.catalog import ensembles
+from opml.catalog.covariance import propagated
+from opml.corrected import Flight, Grid, Known, by_parts, ephemerides, rows
+from opml.learning.baselines import NoCorrection
+from opml.learning.stated import of_residuals
+from opml.tables import SCHEMAS
+
+SHIFTS = ["d_x", "d_y", "d_z"]
+
+
+def build(
+    flight: Flight,
+    known: Known,
+    futures: pd.DataFrame,
+    starts: pd.DataFrame,
+    grid: Grid,
+    *,
+    seed: int,
+    progress: Callable[[float], None] | None = None,
+) -> pd.DataFrame:
+    """The `forecast` table: an ephemeris from each of the `starts`.
+
+    starts: rows of the estimates; futures: the table; seed: of the estimates that the futures are flown from,
+    drawn from the fit's covariance. Raises InputError where no ephemeris reaches anywhere.
+    """
+
+    def some(chosen: pd.DataFrame) -> Iterator[pd.DataFrame]:
+        pairs, of = rows(flight, known, chosen, (), grid), known.estimates
+        formal = propagated(estimates=of, predictions=pairs, **flight.options)
+        sample = ensembles.sample(
+            futures=futures, estimates=of, predictions=pairs, seed=seed, **flight.options
+        )
+        off = distances(sample, len(pairs))
+        formal[~np.isfinite(off).all(axis=1)] = np.nan  # an ephemeris ends where the first future does
+        for own in pairs.groupby("i", sort=True).indices.values():
+            sigma = dict(zip(["sigma_x", "sigma_y", "sigma_z"], off[own].T, strict=True))
+            table = pd.DataFrame({"duration": pairs["duration"].to_numpy()[own]} | sigma)
+            yield from ephemerides(pairs.iloc[own], formal[own], NoCorrection(()), of_residuals(table))
+
+    return by_parts(some, starts, grid, progress=progress)[SCHEMAS["forecast"].names]
+
+
+def distances(ensemble: pd.DataFrame, count: int) -> np.ndarray:
+    """Root mean square distances (n, 3) [m], RSW, of futures from `count` predictions.
+
+    Of an `ensemble` table; about the prediction and not about the futures' mean, as it is the prediction that
+    the ephemeris states.
+    """
+    shifts = ensemble[SHIFTS].to_numpy().reshape(-1, count, 3)
+    found: np.ndarray = np.sqrt(np.mean(shifts**2, axis=0))
+    return found

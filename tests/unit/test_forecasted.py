@@ -1,0 +1,93 @@
+"""Forecast ephemerides: predictions as they are, known as far as the futures about them lie."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from support import EPOCH, environment, force_model
+
+from opml import corrected, forecasted
+from opml.catalog.estimation import COVARIANCES
+from opml.catalog.truth import initial_state
+from opml.constants import DAY, HOUR
+from opml.dynamics.ensemble import Integrator
+from opml.dynamics.forces import with_outlooks
+from opml.environment import knowledge
+from opml.interop import oem
+from opml.tables import PARAMETERS, SCHEMAS, STATE, read_table, symmetric, write_table
+
+TIMES = np.array([0.0, 6.0]) * HOUR
+GRID = corrected.Grid(step=600.0, max_days=0.5, end=2.0 * DAY)
+
+
+@pytest.fixture(scope="module")
+def outlook():
+    t = environment()["solar_activity"]["t"].to_numpy()[:60]
+    return knowledge.outlooks(
+        "OBSERVED", EPOCH, t, forecast={"kind": "persistence"}, issue_hours=24, max_days=1
+    )
+
+
+@pytest.fixture(scope="module")
+def flight(iss, outlook):
+    return corrected.Flight(with_outlooks(force_model(2), outlook), iss, Integrator())
+
+
+@pytest.fixture(scope="module")
+def known(iss):
+    """Estimates 10 m from the truth in each component, that know their velocity and Cd well."""
+    model = force_model(2)
+    sigma = dict(zip(PARAMETERS, [10.0] * 3 + [1e-4] * 3 + [1e-3], strict=True))
+    at = dict(zip(STATE, np.tile(initial_state(iss, model.gm), (2, 1)).T, strict=True))
+    lower = [(a, b) for k, a in enumerate(PARAMETERS) for b in list(PARAMETERS)[: k + 1]]
+    fit = {name: sigma[a] ** 2 if a == b else 0.0 for name, (a, b) in zip(COVARIANCES, lower, strict=True)}
+    estimates = pd.DataFrame({"track": range(2), "t": TIMES, "converged": True, **at, "cd": 2.2, **fit})
+    return corrected.Known(estimates, pd.DataFrame({"cd_inside": [True, True]}), 12.0, model.gm)
+
+
+def built(flight, known, outlook, storms):
+    """Ephemerides from both estimates; Kp of each of the futures is that of the outlook and so much more."""
+    members = [
+        outlook.assign(kp_3h=outlook["kp_3h"] + more, kp_24h=outlook["kp_24h"] + more, member=k)
+        for k, more in enumerate(storms)
+    ]
+    futures = pd.concat(members, ignore_index=True)
+    return forecasted.build(flight, known, futures, known.estimates, GRID, seed=1)
+
+
+@pytest.fixture(scope="module")
+def table(flight, known, outlook):
+    return built(flight, known, outlook, [0.0, 3.0] * 8)
+
+
+def test_states_are_the_predictions(flight, known, table, tmp_path):
+    pairs = corrected.rows(flight, known, known.estimates, (), GRID)
+    np.testing.assert_allclose(table[STATE], pairs[STATE], rtol=0.0, atol=1e-6)
+    write_table(tmp_path / "f.parquet", table, "forecast", metadata={})
+    assert list(read_table(tmp_path / "f.parquet", "forecast").columns) == SCHEMAS["forecast"].names
+
+
+def test_positions_are_known_by_the_fit_at_first_and_by_the_weather_in_the_end(flight, known, outlook, table):
+    calm = built(flight, known, outlook, [0.0] * 16)
+    for one in (table, calm):
+        first = one.groupby("i").first()
+        # Sixteen draws tell a deviation of 10 m to a fifth.
+        assert np.sqrt(first["cov_y_y"]).tolist() == pytest.approx([10.0, 10.0], rel=0.5)
+        assert (np.linalg.eigvalsh(symmetric(one, corrected.COVARIANCES)) > 0.0).all()
+    stormy, quiet = (np.sqrt(one.groupby("i")["cov_y_y"].last()) for one in (table, calm))
+    assert (stormy > 2.0 * quiet).all()
+    pd.testing.assert_frame_equal(table[["sigma_fit_y"]], calm[["sigma_fit_y"]], check_exact=True)
+
+
+def test_distances_are_from_the_prediction_and_not_from_the_futures_mean():
+    ensemble = pd.DataFrame({"d_x": 0.0, "d_y": [3.0, 1.0, 4.0, 1.0], "d_z": [0.0, 2.0, 0.0, -2.0]})
+    np.testing.assert_allclose(
+        forecasted.distances(ensemble, 2), [[0.0, np.sqrt(12.5), 0.0], [0.0, 1.0, 2.0]]
+    )
+
+
+def test_its_message_says_what_it_is(table, tmp_path):
+    oem.write(tmp_path / "f.oem", oem.SEGMENTS["forecast"](table, rso="iss"), epoch=EPOCH)
+    assert "prediction, with the weather's covariances, from the estimate of track 1" in (
+        tmp_path / "f.oem"
+    ).read_text(encoding="utf-8")
+    assert [segment.covariance_frame for segment in oem.read(tmp_path / "f.oem", epoch=EPOCH)] == ["RSW"] * 2
