@@ -3,23 +3,14 @@
 import math
 
 from opml.jobs import job
-from opml.learning import dataset, learners, metrics, splits
+from opml.learning import learners, metrics, tested
 from opml.learning.evaluation import as_tested, evaluate
 from opml.tables import read_metadata, write_table
 
 with job(snakemake) as metadata:
     settings, files, output = snakemake.params.settings, snakemake.input, snakemake.output
     experiment = settings["experiment"]
-    learned = dataset.read(files.target, files.beside)
-    table = dataset.read(files.judge, files.beside) if files.judge else learned
-    rows = splits.rows_tested(
-        table,
-        experiment["test"],
-        train=settings["train"] if experiment["target"] == experiment["rso"] else None,
-        span_days=settings["span_days"],
-        seed=settings["seed"],
-        learned=learned,
-    )
+    table, rows, learned = tested.read(files, settings, beside=files.beside)
     model = as_tested(learners.read(files.model), experiment["test"])
     corrected = evaluate(model, table, rows, component=experiment["component"])
     write_table(output.evaluation, corrected, "evaluation", metadata=metadata)

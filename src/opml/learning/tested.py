@@ -1,0 +1,33 @@
+"""The rows that a job tests on, and the errors that they are judged by."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from opml.files import FilePath
+from opml.learning import dataset, splits
+
+
+def read(
+    files: Any, settings: Mapping[str, Any], *, beside: Iterable[FilePath]
+) -> tuple[pd.DataFrame, np.ndarray, pd.DataFrame]:
+    """The dataset that judges a test, its rows to test on, and the dataset that a model of it learns from.
+
+    files: a job's, with `target`, the latter, and `judge`, the former where it is another one; beside: files
+    of the columns beside both. settings: `experiment`, `train`, `span_days` and `seed`. Both have the same
+    pairs. Raises InputError where a file is missing or damaged, or nothing is left to test on.
+    """
+    of, beside = settings["experiment"], list(beside)
+    learned = dataset.read(files.target, beside)
+    judged = dataset.read(files.judge, beside) if files.judge else learned
+    rows = splits.rows_tested(
+        judged,
+        of["test"],
+        train=settings["train"] if of["target"] == of["rso"] else None,
+        span_days=settings["span_days"],
+        seed=settings["seed"],
+        learned=learned,
+    )
+    return judged, rows, learned
