@@ -463,6 +463,8 @@ def told_of(experiment, **further):
 
 
 def all_of(experiments, what):
-    """What a figure of several models on one test is told, their names under `what`."""
+    """What a figure of several models on one test is told, their names under `what`; ends the plan without one."""
+    if not experiments:
+        end("study: learners: expected at least one model that corrects, got none")
     names = next(iter(experiments.values())).names() | {"learner": "models"}
     return {"epoch": config["epoch"], what: list(experiments), **names}

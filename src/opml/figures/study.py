@@ -1,7 +1,7 @@
 """A study's figures: errors before and after correction by duration, and the rows that were used."""
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -127,14 +127,13 @@ def _draw_bands(axes: Axes, found: pd.DataFrame, color: str, marker: str, label:
 def _name_ends(axes: Axes, ends: Mapping[str, float]) -> None:
     """The names of lines at their right ends, pushed apart on the logarithmic axis."""
     low, high = np.log10(axes.get_ylim())
-    least, place = 0.042 * (high - low), -np.inf
-    for name, value in sorted(ends.items(), key=lambda item: item[1]):
-        place = max(float(np.log10(value)), place + least)
+    names = sorted(ends, key=ends.__getitem__)
+    for name, place in zip(names, _apart([ends[name] for name in names], 0.042 * (high - low)), strict=True):
         axes.annotate(
             name,
-            (1.0, value),
+            (1.0, ends[name]),
             xycoords=axes.get_yaxis_transform(),
-            xytext=(1.03, 10.0**place),
+            xytext=(1.03, place),
             textcoords=axes.get_yaxis_transform(),
             arrowprops={"arrowstyle": "-", "color": BASELINE, "lw": 0.5, "shrinkA": 1.0, "shrinkB": 1.0},
             fontsize=NOTE_SIZE,
@@ -142,6 +141,15 @@ def _name_ends(axes: Axes, ends: Mapping[str, float]) -> None:
             va="center",
             annotation_clip=False,
         )
+
+
+def _apart(values: Sequence[float], least: float) -> np.ndarray:
+    """Ascending values moved as far apart as `least` [powers of ten], as many up as down."""
+    wanted = np.log10(np.asarray(values, float))
+    steps = least * np.arange(len(wanted))
+    apart = np.maximum.accumulate(wanted - steps) + steps
+    places: np.ndarray = 10.0 ** (apart - np.mean(apart - wanted) if len(wanted) else apart)
+    return places
 
 
 def _size_label(component: str) -> str:
