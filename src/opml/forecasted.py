@@ -12,6 +12,7 @@ import pandas as pd
 
 from opml.catalog import ensembles
 from opml.catalog.covariance import propagated
+from opml.constants import HOUR
 from opml.corrected import Flight, Grid, Known, by_parts, ephemerides, rows
 from opml.learning.baselines import NoCorrection
 from opml.learning.stated import of_residuals
@@ -40,7 +41,12 @@ def build(
         pairs, of = rows(flight, known, chosen, (), grid), known.estimates
         formal = propagated(estimates=of, predictions=pairs, **flight.options)
         sample = ensembles.sample(
-            futures=futures, estimates=of, predictions=pairs, seed=seed, **flight.options
+            futures=futures,
+            estimates=of,
+            predictions=pairs,
+            window=HOUR * known.window_hours,
+            seed=seed,
+            **flight.options,
         )
         off = distances(sample, len(pairs))
         formal[~np.isfinite(off).all(axis=1)] = np.nan  # an ephemeris ends where the first future does

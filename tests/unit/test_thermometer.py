@@ -60,6 +60,19 @@ def test_the_factor_of_a_catalogue_is_found():
     assert np.std(found - true) < 0.5 * np.std(true)
 
 
+def test_an_error_that_lasts_is_the_level_and_not_the_factor():
+    lasting = replace(SETTINGS, level_sigma=0.5)
+    high = [table.assign(cd=1.5 * table["cd"]) for table in CATALOGUE]
+    body = [
+        thermometer.read(high[0], thermometer.beliefs(high, s), 0, s)["body"] for s in (SETTINGS, lasting)
+    ]
+    true = np.log(high[0]["cd"]).mean() - FACTORS.mean()
+    assert abs(body[1][20:60].mean() - true) < 0.6 * abs(body[0][20:60].mean() - true)
+    level = thermometer.beliefs(high, lasting)[-1].mean[SETTINGS.lags]
+    assert 0.1 < level < 0.6
+    assert thermometer.beliefs(high, SETTINGS)[-1].mean[SETTINGS.lags] == 0.0
+
+
 def test_stated_uncertainty_is_that_of_the_factor():
     told = thermometer.beliefs(CATALOGUE, SETTINGS)[10:]
     error = [belief.mean[1] - FACTORS[k + 9] for k, belief in enumerate(told)]

@@ -1,10 +1,10 @@
 """The catalogue as a thermometer: what the drag coefficients of many RSOs say of the density together.
 
 Where the assumed density is wrong by a factor, the fits of all RSOs take it up in their Cd at the same time.
-So ln Cd of RSO k over a window is c_k, of its body, plus the mean over the window of x, of the density, which
-all share: one value per step, with a memory (Ornstein-Uhlenbeck). A Kalman filter finds both, from what was
-estimated up to each step (Doornbos, Klinkrad & Visser 2008, Adv. Space Res. 41, 1115-1125, for TLEs; Storz et
-al. 2005, HASDM).
+So ln Cd of RSO k over a window is c_k, of its body, plus what all share of the density: a level, which lasts,
+and the mean over the window of x, one value per step, with a memory (Ornstein-Uhlenbeck). A Kalman filter
+finds all of them, from what was estimated up to each step (Doornbos, Klinkrad & Visser 2008, Adv. Space Res.
+41, 1115-1125, for TLEs; Storz et al. 2005, HASDM).
 """
 
 import math
@@ -30,7 +30,7 @@ class Thermometer:
 
     window_hours: of the fits; step_hours: of one value of the factor; decay_days: its memory; factor_sigma:
     how far it goes; body_sigma: of a body's Cd before any fit; drift_sigma: its change in a day; noise_sigma:
-    of a fit, beside its formal error.
+    of a fit, beside its formal error; level_sigma: how far the level may be from nothing, 0 for none.
     """
 
     window_hours: float
@@ -40,6 +40,7 @@ class Thermometer:
     body_sigma: float
     drift_sigma: float
     noise_sigma: float
+    level_sigma: float = 0.0
 
     @property
     def step(self) -> float:
@@ -78,7 +79,7 @@ class Thermometer:
 
 @dataclass(frozen=True)
 class Belief:
-    """Mean (n,) and covariance (n, n) of the factor at a step and those before, then of bodies."""
+    """Mean (n,) and covariance (n, n) of the factor at a step and those before, the level, then bodies."""
 
     mean: np.ndarray
     covariance: np.ndarray
@@ -96,27 +97,29 @@ class Belief:
         move[:lags, :lags] = np.eye(lags, k=-1)
         move[0, 0] = memory
         noise = np.full(count, settings.drift_sigma**2 * settings.step_hours / 24.0)
-        noise[:lags] = 0.0
+        noise[: lags + 1] = 0.0
         noise[0] = settings.factor_sigma**2 * (1.0 - memory**2)
         return Belief(move @ self.mean, move @ self.covariance @ move.T + np.diag(noise))
 
     def of(self, body: int | None, settings: Thermometer) -> "Belief":
         """The belief of the factor and one body alone; None is a body of which nothing is known."""
+        shared = settings.lags + 1
         if body is not None:
-            chosen = [*range(settings.lags), settings.lags + body]
+            chosen = [*range(shared), shared + body]
             return Belief(self.mean[chosen], self.covariance[np.ix_(chosen, chosen)])
-        lags = settings.lags
-        covariance = np.diag([*np.zeros(lags), settings.body_sigma**2])
-        covariance[:lags, :lags] = self.covariance[:lags, :lags]
-        return Belief(np.append(self.mean[:lags], math.log(COMMON_CD)), covariance)
+        covariance = np.diag([*np.zeros(shared), settings.body_sigma**2])
+        covariance[:shared, :shared] = self.covariance[:shared, :shared]
+        return Belief(np.append(self.mean[:shared], math.log(COMMON_CD)), covariance)
 
 
 def at_first(bodies: int, settings: Thermometer) -> Belief:
     """The belief before any fit: a factor as it may be at any time, bodies as any."""
-    apart = np.abs(np.subtract.outer(np.arange(settings.lags), np.arange(settings.lags)))
-    covariance = np.diag(np.full(settings.lags + bodies, settings.body_sigma**2))
-    covariance[: settings.lags, : settings.lags] = settings.factor_sigma**2 * settings.memory**apart
-    return Belief(np.repeat([0.0, math.log(COMMON_CD)], [settings.lags, bodies]), covariance)
+    lags = settings.lags
+    apart = np.abs(np.subtract.outer(np.arange(lags), np.arange(lags)))
+    covariance = np.diag(np.full(lags + 1 + bodies, settings.body_sigma**2))
+    covariance[:lags, :lags] = settings.factor_sigma**2 * settings.memory**apart
+    covariance[lags, lags] = settings.level_sigma**2
+    return Belief(np.repeat([0.0, math.log(COMMON_CD)], [lags + 1, bodies]), covariance)
 
 
 def beliefs(estimates: Sequence[pd.DataFrame], settings: Thermometer) -> list[Belief]:
@@ -132,7 +135,8 @@ def beliefs(estimates: Sequence[pd.DataFrame], settings: Thermometer) -> list[Be
         found.append(belief)
         for fit in by_step.get(step, fits[:0]).groupby("body").tail(1).itertuples():
             row = np.zeros(len(belief.mean))
-            row[: settings.lags], row[settings.lags + fit.body] = fit.shares, 1.0
+            row[: settings.lags], row[settings.lags] = fit.shares, 1.0
+            row[settings.lags + 1 + fit.body] = 1.0
             belief = belief.updated(row, fit.value, fit.variance)
         belief = belief.later(settings)
     return found
@@ -157,7 +161,7 @@ def _fits(estimates: pd.DataFrame, settings: Thermometer) -> pd.DataFrame:
 def read(
     estimates: pd.DataFrame, told: list[Belief], body: int | None, settings: Thermometer
 ) -> pd.DataFrame:
-    """What the thermometer says of an RSO at each of its estimates, a row of it.
+    """What the thermometer says of an RSO at each of its estimates, a row of it; `body` is with the level.
 
     told: from `beliefs`; body: its number there, None for one left out, of which only the fit at t_i is used.
     Of the other RSOs nothing counts that was estimated in the step of t_i or later.
@@ -167,10 +171,11 @@ def read(
     for track, t in zip(estimates["track"], estimates["t"], strict=True):
         belief = told[min(int(t // settings.step), len(told) - 1)].of(body, settings)
         shares = settings.shares(np.array([t]))[0]
-        row = np.append(shares, 1.0)
+        row = np.append(shares, [1.0, 1.0])
         if track in fits.index:
             belief = belief.updated(row, fits.at[track, "value"], fits.at[track, "variance"])
-        rows.append((track, t, belief.mean[-1], belief.mean[0], math.exp(row @ belief.mean)))
+        lasts = belief.mean[-2] + belief.mean[-1]
+        rows.append((track, t, lasts, belief.mean[0], math.exp(row @ belief.mean)))
     return pd.DataFrame(rows, columns=["track", "t", "body", "factor", "cd_window"])
 
 
