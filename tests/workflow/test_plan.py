@@ -288,8 +288,8 @@ def test_a_forecast_of_the_weather_is_made_for_the_assumed_model_alone(project):
 def test_a_catalogue_flies_together_and_reads_one_thermometer(project):
     target = "results/catalogue/thermometer/sky21/eglin.parquet"
     found = jobs(project.snakemake("-n", target, "--configfile", "config/catalogue.yaml").stdout)
-    # Two flights of twenty-four, and one job for all tracks; the long fits of the twenty that make it, and both of
-    # the one left out.
+    # Two flights of twenty-four, and one job for all tracks; the long fits of the twenty that make it, and
+    # both of the one left out.
     assert found["truths"] == 2
     assert found["trackings"] == 1
     assert "truth" not in found
