@@ -17,6 +17,7 @@ from support import REPOSITORY, paper_source
 
 from opml.errors import InputError
 from opml.learning import boosting, gaussian_process, learners, mechanism, mlp, ridge
+from opml.learning.evaluation import evaluate
 from opml.reading import read_yaml
 from opml.study import checks
 from opml.study.overlay import Source
@@ -119,6 +120,16 @@ def test_a_target_that_is_not_finite_is_refused(kind):
     rows, y = sample(60)
     with pytest.raises(InputError, match="target: expected 60 finite values, got 59"):
         trained(kind, rows, np.where(np.arange(60) == 3, np.inf, y))
+
+
+def test_a_variable_that_the_dataset_does_not_have_is_told():
+    rows = pd.DataFrame({"i": [0, 1], "e_y": [1.0, 2.0], "cd": [2.1, 2.2]})
+    settings = learners.resolved({"kind": "mechanism", "terms": ["v*cd"]}, component="e_y", variables=["cd"])
+    with pytest.raises(InputError, match="learning variable v_y: expected a dataset with it"):
+        learners.train(rows, component="e_y", settings=settings, seed=1)
+    model = learners.train(rows.assign(v_y=1.0), component="e_y", settings=settings, seed=1)
+    with pytest.raises(InputError, match="learning variable v_y: expected a dataset with it"):
+        evaluate(model, rows, np.ones(2, dtype=bool), component="e_y")
 
 
 def test_what_each_kind_is_worth_on_what_it_can_learn(models):

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 
 from opml.learning.contract import Model, Predictor
+from opml.learning.inputs import columns_of
 from opml.learning.zscore import Rescaled
 from opml.naming import parse_test
 
@@ -19,11 +20,12 @@ def as_tested(model: Model, test: str) -> Predictor:
 def evaluate(model: Predictor, dataset: pd.DataFrame, rows: np.ndarray, *, component: str) -> pd.DataFrame:
     """The `evaluation` table: true, predicted and residual error of `component` on the rows (bool mask).
 
-    The residual is true minus predicted, what the ML-modified prediction is still wrong by.
+    The residual is true minus predicted, what the ML-modified prediction is still wrong by. Raises InputError
+    for a dataset without a variable of the model.
     """
     chosen = dataset.loc[rows]
     true = chosen[component].to_numpy()
-    predicted = model.predict(chosen[list(model.variables)].to_numpy())
+    predicted = model.predict(columns_of(chosen, model.variables))
     return pd.DataFrame(
         {
             "i": chosen["i"].to_numpy(),

@@ -3,8 +3,20 @@
 from collections.abc import Sequence
 
 import numpy as np
+import pandas as pd
 
 from opml.errors import InputError
+
+
+def columns_of(rows: pd.DataFrame, variables: Sequence[str]) -> np.ndarray:
+    """Learning variables (n, variables) of rows; raises InputError for one that they do not have."""
+    for name in variables:
+        if name not in rows:
+            raise InputError(
+                f"learning variable {name}: expected a dataset with it, or a table beside it, got none"
+            )
+    found: np.ndarray = rows[list(variables)].to_numpy()
+    return found
 
 
 def checked(x: np.ndarray, variables: Sequence[str]) -> np.ndarray:

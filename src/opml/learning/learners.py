@@ -25,7 +25,7 @@ from opml.learning import (
     svr,
 )
 from opml.learning.contract import ARC_MEMORY_DAYS, Learner, Metadata, Model, Settings
-from opml.learning.inputs import inverse_variances
+from opml.learning.inputs import columns_of, inverse_variances
 from opml.tables import (
     COMPONENTS,
     LEARNING_VARIABLES,
@@ -112,7 +112,7 @@ def train(rows: pd.DataFrame, *, component: str, settings: Settings, seed: int) 
     variables = settings["variables"]
     sigma = rows.get(f"sigma_{component}")
     return fit(
-        rows[variables].to_numpy(),
+        columns_of(rows, variables),
         rows[component].to_numpy(),
         variables=variables,
         settings=settings,
