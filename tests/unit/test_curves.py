@@ -189,7 +189,8 @@ def test_kernel_scale_by_station_set_and_split_with_the_rules(scales):
     assert one["$s$ by sigest"][0] == [3.456, 3.456]
     assert two["$s$ by median"][0] == [5.0, 5.0]
     assert "$s$ by median" not in one
-    assert len(legend(figure)) == 6
+    assert len(legend(figure)) == 7
+    assert "no correction" in legend(figure)
     assert all(axes.get_xscale() == "log" and axes.get_ylim()[1] > 98.0 for axes in figure.axes)
 
 

@@ -19,7 +19,6 @@ from opml.figures.labels import symbol, trained
 from opml.figures.style import (
     MARKERS,
     MUTED,
-    NOTE_SIZE,
     PUBLISHED,
     RESIDUAL,
     SERIES,
@@ -246,11 +245,7 @@ def _label(axes: Axes, component: str) -> None:
     axes.set_ylabel(rf"$P_{{\mathrm{{ML}}}}$ of {symbol(component)} [%]")
     axes.set_ylim(bottom=0.0)
     if axes.get_ylim()[1] > NO_CORRECTION:
-        axes.axhline(NO_CORRECTION, color=MUTED, ls="--", lw=1.0, zorder=1)
-        look: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": NOTE_SIZE, "color": PUBLISHED}
-        box = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
-        where = axes.get_yaxis_transform()
-        axes.text(0.5, NO_CORRECTION, "no correction", transform=where, bbox=box, zorder=1.5, **look)
+        axes.axhline(NO_CORRECTION, color=MUTED, ls="--", lw=1.0, zorder=1, label="no correction")
 
 
 def _trained(name: str) -> Split:
