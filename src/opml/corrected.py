@@ -175,7 +175,8 @@ def build(
     def some(chosen: pd.DataFrame) -> Iterator[pd.DataFrame]:
         columns = rows(flight, known, chosen, model.variables, grid)
         formal = propagated(estimates=known.estimates, predictions=columns, **flight.options)
-        return ephemerides(columns, formal, model, stated)
+        sigma = stated(columns["duration"].to_numpy(), columns["t_j"].to_numpy())
+        return ephemerides(columns, formal, stretched(formal, sigma), model)
 
     return by_parts(some, starts, grid, progress=progress)
 
@@ -272,25 +273,25 @@ def _of(estimates: pd.DataFrame, pairs: pd.DataFrame) -> pd.DataFrame:
 
 
 def ephemerides(
-    columns: pd.DataFrame, formal: np.ndarray, model: Model, stated: Stated
+    columns: pd.DataFrame, formal: np.ndarray, covariance: np.ndarray, model: Model
 ) -> Iterator[pd.DataFrame]:
     """Ephemerides of the estimates in `columns`, each up to its first row without numbers.
 
-    columns: `rows` of the model's variables; formal: (n, 6, 6) covariances that the fits alone give them.
+    columns: `rows` of the model's variables; formal, covariance: (n, 6, 6) that the fits alone give them, and
+    that are stated, in RSW [m, m/s].
     """
     numbers = columns[[*STATE, *model.variables]].to_numpy()
-    lost = ~(np.isfinite(numbers).all(axis=1) & np.isfinite(formal).all(axis=(1, 2)))
+    lost = ~(np.isfinite(numbers).all(axis=1) & np.isfinite(covariance).all(axis=(1, 2)))
     for own in columns.groupby("i", sort=True).indices.values():
         reached = own[np.cumsum(lost[own]) == 0]
         if len(reached) >= LEAST_EPOCHS:
-            yield _ephemeris(columns.iloc[reached], formal[reached], model, stated)
+            yield _ephemeris(columns.iloc[reached], formal[reached], covariance[reached], model)
 
 
-def _ephemeris(own: pd.DataFrame, formal: np.ndarray, model: Model, stated: Stated) -> pd.DataFrame:
+def _ephemeris(own: pd.DataFrame, formal: np.ndarray, covariance: np.ndarray, model: Model) -> pd.DataFrame:
     """The ephemeris of one estimate."""
     t, predicted = own["t_j"].to_numpy(), np.ascontiguousarray(own[STATE])
     states = corrected(t, predicted, model.predict(own[list(model.variables)].to_numpy()))
-    covariance = stretched(formal, stated(own["duration"].to_numpy(), t))
     fit = np.sqrt(formal[:, range(3), range(3)])
     return pd.DataFrame(
         {"i": own["i"].to_numpy(), "t_i": own["t_i"].to_numpy(), "t": t}

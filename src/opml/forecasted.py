@@ -11,11 +11,10 @@ import numpy as np
 import pandas as pd
 
 from opml.catalog import ensembles
-from opml.catalog.covariance import propagated
+from opml.catalog.covariance import paired, propagated, stretched
 from opml.constants import HOUR
 from opml.corrected import Flight, Grid, Known, by_parts, ephemerides, rows
 from opml.learning.baselines import NoCorrection
-from opml.learning.stated import of_residuals
 from opml.tables import SCHEMAS
 
 SHIFTS = ["d_x", "d_y", "d_z"]
@@ -48,12 +47,8 @@ def build(
             seed=seed,
             **flight.options,
         )
-        off = distances(sample, len(pairs))
-        formal[~np.isfinite(off).all(axis=1)] = np.nan  # an ephemeris ends where the first future does
-        for own in pairs.groupby("i", sort=True).indices.values():
-            sigma = dict(zip(["sigma_x", "sigma_y", "sigma_z"], off[own].T, strict=True))
-            table = pd.DataFrame({"duration": pairs["duration"].to_numpy()[own]} | sigma)
-            yield from ephemerides(pairs.iloc[own], formal[own], NoCorrection(()), of_residuals(table))
+        covariance = stretched(paired(formal), distances(sample, len(pairs)))
+        return ephemerides(pairs, formal, covariance, NoCorrection(()))
 
     return by_parts(some, starts, grid, progress=progress)[SCHEMAS["forecast"].names]
 
@@ -62,7 +57,8 @@ def distances(ensemble: pd.DataFrame, count: int) -> np.ndarray:
     """Root mean square distances (n, 3) [m], RSW, of futures from `count` predictions.
 
     Of an `ensemble` table; about the prediction and not about the futures' mean, as it is the prediction that
-    the ephemeris states.
+    the ephemeris states. Not finite where a future does not reach. Products of two axes are left out: along a
+    bent path the futures lie on a curve, and an ellipsoid about it is too thin for the truth.
     """
     shifts = ensemble[SHIFTS].to_numpy().reshape(-1, count, 3)
     found: np.ndarray = np.sqrt(np.mean(shifts**2, axis=0))
