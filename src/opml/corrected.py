@@ -105,6 +105,24 @@ class Grid:
         return pd.Series(self.step * number, index=number)
 
 
+def task(
+    files: Any, settings: Mapping[str, Any], *, threads: int
+) -> tuple[Flight, Known, pd.DataFrame, Grid]:
+    """What a job makes ephemerides with: how arcs fly, what is known, the estimates to start from, the grid.
+
+    Raises InputError as `read` and `departures` do.
+    """
+    known = read(files, settings)
+    until, each = DAY * settings["known_until_days"], settings["from"] == "each"
+    step, max_days, duration_days = settings["grid"]
+    return (
+        Flight.read(files, settings, threads=threads),
+        known,
+        departures(known, known_until=until, each=each),
+        Grid(step, max_days, DAY * duration_days),
+    )
+
+
 def read(files: Any, settings: Mapping[str, Any]) -> Known:
     """What the tables of a job's `files` hold, read as its `settings` say.
 
