@@ -19,6 +19,7 @@ from opml.dynamics.geodetic import geodetic
 from opml.dynamics.gravity import gravity
 from opml.dynamics.lanes import WIDTH, entry, load, rows, splat, sqrt, store
 from opml.dynamics.radiation_pressure import illumination, radiation_pressure
+from opml.dynamics.shadow_edges import RATES
 from opml.dynamics.surroundings import BODIES, SPIN, SUN_ITRF, ForceModel, look_up
 from opml.dynamics.third_body import third_bodies
 
@@ -218,7 +219,7 @@ def _acceleration(count, state, model, values, factors, scratch):
     x, y, z = load(state, 0), load(state, 1), load(state, 2)
     vx, vy, vz = load(state, 3), load(state, 4), load(state, 5)
     for _ in range(count):
-        ax, ay, az, _ = acceleration(
+        ax, ay, az, _, _ = acceleration(
             x, y, z, vx, vy, vz, load(state, 6), load(state, 7), model, values, factors, scratch
         )
         x, y, z = x + ax, y + ay, z + az
@@ -256,7 +257,7 @@ class Timing:
 def timings() -> list[Timing]:
     """Every kernel of an evaluation under the assumed model, and what differs under the true one."""
     assumed, true = case.force_model("assumed"), case.force_model("truth")
-    state, scratch, slopes = rows(9), rows(SCRATCH_ROWS), rows(6 * (dop853.STAGES + 1))
+    state, scratch, slopes = rows(9), rows(SCRATCH_ROWS), rows(RATES * (dop853.STAGES + 1))
     state[:6] = case.arcs(WIDTH).states.T
     state[6], state[7] = 0.11, 0.0625
     values, factors = surroundings.blank(assumed)

@@ -28,6 +28,11 @@ def _earth_rotation(x, y, s, x_pole, y_pole, angle, values):
 
 
 @numba.njit(cache=True, error_model="numpy")
+def _sun(t, model):
+    return surroundings.sun(t, model)
+
+
+@numba.njit(cache=True, error_model="numpy")
 def _reduce(a, season, f107, f107_mean, kp_3h, kp_24h, factors):
     dtm2000.reduce_to_date(a, season, f107, f107_mean, kp_3h, kp_24h, factors)
 
@@ -119,3 +124,22 @@ def test_bodies_that_do_not_pull_have_no_gm_but_the_sun_is_always_there():
     assert np.all(model.gms[1:] > 0.0)
     sun = environment()["ephemerides"][["sun_x", "sun_y", "sun_z"]].to_numpy()
     np.testing.assert_array_equal(model.bodies[:, :3], sun)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_jumps_are_on_both_sides_of_each_midnight_between(model, way):
+    midnight = model.midnight + DAY
+    begin, end = (midnight - 1.0, midnight + 2.0 * DAY + 1.0)[::way]
+    around = model.jumps(begin, end)
+    days = (around - model.midnight) / DAY
+    assert np.floor(days).tolist() == [0, 1, 1, 2, 2, 3]
+    assert np.abs(days - np.round(days)).max() < 1e-8
+    assert model.jumps(midnight + 1.0, midnight + DAY - 1.0).size == 0
+    # A span that begins or ends at midnight itself has the side that lies in it.
+    assert np.floor((model.jumps(midnight, midnight + 60.0) - model.midnight) / DAY).tolist() == [1]
+    assert model.jumps(midnight, midnight).size == 0
+
+
+def test_the_sun_alone_is_the_first_of_the_bodies(model):
+    for t in TIMES:
+        np.testing.assert_array_equal(_sun(t, model), looked_up(t, model)[3][0])

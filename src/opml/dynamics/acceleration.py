@@ -15,7 +15,7 @@ SCRATCH_ROWS = 40
 
 @compiled
 def acceleration(x, y, z, vx, vy, vz, ballistic, reflection, model, values, factors, scratch):
-    """(ax, ay, az [m/s2], geodetic altitude [m]) of arcs in GCRF.
+    """(ax, ay, az [m/s2], geodetic altitude [m], part of the Sun in sight) of arcs in GCRF.
 
     x to vz: position [m] and velocity [m/s]; ballistic: Cd A/m, reflection: Cr A/m [m2/kg];
     values, factors: from `surroundings.look_up` at the same time; scratch: (SCRATCH_ROWS, WIDTH).
@@ -43,7 +43,7 @@ def acceleration(x, y, z, vx, vy, vz, ballistic, reflection, model, values, fact
     lit = illumination(px, py, pz, r2, values[SUN_ITRF : SUN_ITRF + 3], scratch)
     sun = values[BODIES : BODIES + 3]
     sx, sy, sz = radiation_pressure(x, y, z, sun, lit, reflection)
-    return ax + (bx + (dx + sx)), ay + (by + (dy + sy)), az + (bz + (dz + sz)), altitude
+    return ax + (bx + (dx + sx)), ay + (by + (dy + sy)), az + (bz + (dz + sz)), altitude, lit
 
 
 @compiled

@@ -1,12 +1,13 @@
 """One step of the Dormand-Prince 8(5,3) method for a block of arcs.
 
 Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, 1993, sec. II.5 and II.10. A block's
-derivatives are rows of one array, six per stage.
+rates are rows of one array, seven per stage.
 """
 
 from opml.dynamics.acceleration import acceleration
 from opml.dynamics.coefficients import ERROR_3, ERROR_5, INNER, NODES, OUTER, STAGES
 from opml.dynamics.lanes import absolute, compiled, load, splat, sqrt, store
+from opml.dynamics.shadow_edges import LIT, RATES, count_light
 from opml.dynamics.surroundings import look_up
 
 ORDER_OF_ERROR = 8.0
@@ -15,11 +16,11 @@ ORDER_OF_ERROR = 8.0
 
 @compiled
 def derivative(state, row, model, coefficients, values, factors, scratch, slopes, at):
-    """Write the derivatives of state rows row..row+5 to rows at..at+5 of slopes; returns the altitude [m]."""
+    """Write the rates of state rows row..row+5 to rows at..at+6 of slopes; returns the altitude [m]."""
     x, y, z = load(state, row), load(state, row + 1), load(state, row + 2)
     vx, vy, vz = load(state, row + 3), load(state, row + 4), load(state, row + 5)
     ballistic, reflection = load(coefficients, 0), load(coefficients, 1)
-    ax, ay, az, altitude = acceleration(
+    ax, ay, az, altitude, lit = acceleration(
         x, y, z, vx, vy, vz, ballistic, reflection, model, values, factors, scratch
     )
     store(slopes, at, vx)
@@ -28,6 +29,7 @@ def derivative(state, row, model, coefficients, values, factors, scratch, slopes
     store(slopes, at + 3, ax)
     store(slopes, at + 4, ay)
     store(slopes, at + 5, az)
+    store(slopes, at + LIT, lit)
     return altitude
 
 
@@ -35,26 +37,27 @@ def derivative(state, row, model, coefficients, values, factors, scratch, slopes
 def step(t, h, state, new, model, coefficients, values, factors, scratch, slopes):
     """Advance `state` (6, WIDTH) by h [s] into `new`; returns the altitude [m] at its end.
 
-    slopes: (78, WIDTH), the first six rows holding the derivatives at t; the last six will hold
-    those at t + h, and `values` and `factors` the surroundings there.
+    slopes: (91, WIDTH), the first seven rows holding the rates at t; the last seven will hold those at
+    t + h, and `values` and `factors` the surroundings there.
     """
     for stage in range(1, STAGES):
         for k in range(6):
             total = splat(0.0)
             for j in range(stage):
                 if INNER[stage, j] != 0.0:
-                    total = total + INNER[stage, j] * load(slopes, 6 * j + k)
+                    total = total + INNER[stage, j] * load(slopes, RATES * j + k)
             store(new, k, load(state, k) + h * total)
         look_up(t + NODES[stage] * h, model, values, factors)
-        derivative(new, 0, model, coefficients, values, factors, scratch, slopes, 6 * stage)
+        derivative(new, 0, model, coefficients, values, factors, scratch, slopes, RATES * stage)
     for k in range(6):
         total = splat(0.0)
         for j in range(STAGES):
             if OUTER[j] != 0.0:
-                total = total + OUTER[j] * load(slopes, 6 * j + k)
+                total = total + OUTER[j] * load(slopes, RATES * j + k)
         store(new, k, load(state, k) + h * total)
+    count_light(t, h, state, new, model, coefficients, values, slopes, scratch)
     # The last stage stands at t + h already, so the surroundings there are at hand.
-    return derivative(new, 0, model, coefficients, values, factors, scratch, slopes, 6 * STAGES)
+    return derivative(new, 0, model, coefficients, values, factors, scratch, slopes, RATES * STAGES)
 
 
 @compiled
@@ -72,7 +75,7 @@ def error(h, new, slopes, tolerance, gm):
     for k in range(6):
         e5, e3 = splat(0.0), splat(0.0)
         for j in range(STAGES + 1):
-            slope = load(slopes, 6 * j + k)
+            slope = load(slopes, RATES * j + k)
             e5 = e5 + ERROR_5[j] * slope
             e3 = e3 + ERROR_3[j] * slope
         if k < 3:

@@ -1,10 +1,11 @@
 """Many arcs of orbits advanced together on one clock.
 
-All arcs share a grid of times: the epochs at which any state is wanted, and even steps between
-them that are no longer than the integrator's ceiling. So what depends on time alone is looked up
-once for all, and nothing is interpolated. An arc joins the grid at its first epoch and leaves it at
-its last. One whose own error estimate fails a step repeats that step alone in smaller ones; one
-that decays or loses its numbers is retired with its reason. So no arc's result depends on the others.
+All arcs share a grid of times: the epochs at which any state is wanted, the jumps of the force
+model, and even steps between them that are no longer than the integrator's ceiling. So what depends
+on time alone is looked up once for all, and nothing is interpolated. An arc joins the grid at its
+first epoch and leaves it at its last. One whose own error estimate fails a step repeats that step
+alone in smaller ones; one that decays or loses its numbers is retired with its reason. So no arc's
+result depends on the others.
 
 Where the force model has outlooks, each arc flies under the newest at its first epoch, so that no arc knows
 what was measured later. Arcs under one outlook fly together.
@@ -71,7 +72,8 @@ def propagate(
     last of each arc.
     """
     first, last = np.asarray(first, np.int64), np.asarray(last, np.int64)
-    grid = _Grid(np.asarray(epochs, float), integrator.max_step)
+    epochs = np.asarray(epochs, float)
+    grid = _Grid(epochs, model.jumps(epochs[0], epochs[-1]), integrator.max_step)
     begun = _Begun(
         states=np.asarray(states, float),
         coefficients=np.array([ballistic, reflection], float),
@@ -80,7 +82,7 @@ def propagate(
     )
     start = np.concatenate([[0], np.cumsum(last - first)])
     arcs = Arcs(np.full((start[-1], 6), np.nan), start, np.zeros(len(first), np.int64))
-    outlook = model.known_at(np.asarray(epochs, float)[first])
+    outlook = model.known_at(epochs[first])
 
     def fly(members: np.ndarray) -> int:
         _fly(model.under(outlook[members[0]]), grid, begun, members, arcs, integrator)
@@ -96,15 +98,21 @@ def propagate(
 
 
 class _Grid:
-    """Times from the first epoch to the last, in even steps of at most max_step between epochs [s]."""
+    """Times from the first epoch to the last, in even steps of at most max_step between nodes [s].
 
-    def __init__(self, epochs: np.ndarray, max_step: float) -> None:
-        gaps = np.diff(epochs)
+    Nodes are the epochs, and the times about the force model's jumps, so that no step has one in it.
+    """
+
+    def __init__(self, epochs: np.ndarray, jumps: np.ndarray, max_step: float) -> None:
+        nodes = np.concatenate([epochs, np.setdiff1d(jumps, epochs)])
+        order = np.argsort(nodes if epochs[0] <= epochs[-1] else -nodes, kind="stable")
+        gaps = np.diff(nodes[order])
         counts = np.maximum(np.ceil(np.abs(gaps) / max_step - 1e-9), 1).astype(np.int64)
-        self.index = np.concatenate([[0], np.cumsum(counts)])  # of each epoch
-        within = np.arange(self.index[-1]) - np.repeat(self.index[:-1], counts)
-        times = np.repeat(epochs[:-1], counts) + within * np.repeat(gaps / counts, counts)
+        at = np.concatenate([[0], np.cumsum(counts)])
+        within = np.arange(at[-1]) - np.repeat(at[:-1], counts)
+        times = np.repeat(nodes[order[:-1]], counts) + within * np.repeat(gaps / counts, counts)
         self.times = np.append(times, epochs[-1])
+        self.index = at[np.argsort(order)[: len(epochs)]]  # of each epoch
         self.wanted = np.zeros(len(self.times), np.bool_)
         self.wanted[self.index] = True
 

@@ -8,6 +8,7 @@ from opml.dynamics import dop853
 from opml.dynamics.acceleration import SCRATCH_ROWS
 from opml.dynamics.dtm2000 import LOWEST_ALTITUDE
 from opml.dynamics.lanes import WIDTH, compiled, entry, lanes_set, load, rows, store
+from opml.dynamics.shadow_edges import RATES
 from opml.dynamics.surroundings import ForceModel, blank, look_up
 
 REASONS = ("", "decayed below 120 km", "state not finite", "step below the minimum")
@@ -38,7 +39,7 @@ class Workspace(NamedTuple):
 def workspace(model: ForceModel) -> Workspace:
     """Room for one block under a force model."""
     values, factors = blank(model)
-    slopes = 6 * (dop853.STAGES + 1)
+    slopes = RATES * (dop853.STAGES + 1)
     return Workspace(
         values=values,
         factors=factors,
@@ -77,11 +78,11 @@ def advance(
         if joining:
             look_up(t, model, values, factors)
             # Through rows that the step will overwrite: the lanes in flight keep the slopes they have.
-            dop853.derivative(state, 0, model, coefficients, values, factors, scratch, slopes, 6)
+            dop853.derivative(state, 0, model, coefficients, values, factors, scratch, slopes, RATES)
             for lane in range(WIDTH):
                 if join[lane] == g:
-                    for k in range(6):
-                        slopes[k, lane] = slopes[6 + k, lane]
+                    for k in range(RATES):
+                        slopes[k, lane] = slopes[RATES + k, lane]
         altitude = dop853.step(t, h, state, new, model, coefficients, values, factors, scratch, slopes)
         store(work.height, 0, altitude)
         ratio = dop853.error(h, new, slopes, tolerance, model.gm)
@@ -101,7 +102,8 @@ def advance(
                 continue
             for k in range(6):
                 state[k, lane] = new[k, lane]
-                slopes[k, lane] = slopes[6 * dop853.STAGES + k, lane]
+            for k in range(RATES):
+                slopes[k, lane] = slopes[RATES * dop853.STAGES + k, lane]
             if wanted[g + 1]:
                 for k in range(6):
                     out[offsets[lane] + work.passed[lane], k] = state[k, lane]
@@ -119,6 +121,7 @@ def _repeat_in_smaller_steps(lane, t, h, state, model, coefficients, tolerance, 
     for other in range(WIDTH):
         for k in range(6):
             solo[k, other] = state[k, lane]
+        for k in range(RATES):
             slopes[k, other] = work.slopes[k, lane]
         own[0, other], own[1, other] = coefficients[0, lane], coefficients[1, lane]
     end = t + h
@@ -147,8 +150,10 @@ def _repeat_in_smaller_steps(lane, t, h, state, model, coefficients, tolerance, 
         trial = min(abs(trial) * factor, abs(h)) * (1.0 if h > 0.0 else -1.0)
         for k in range(6):
             store(solo, k, load(new, k))
-            store(slopes, k, load(slopes, 6 * dop853.STAGES + k))
+        for k in range(RATES):
+            store(slopes, k, load(slopes, RATES * dop853.STAGES + k))
     for k in range(6):
         work.new[k, lane] = new[k, 0]
-        work.slopes[6 * dop853.STAGES + k, lane] = slopes[6 * dop853.STAGES + k, 0]
+    for k in range(RATES):
+        work.slopes[RATES * dop853.STAGES + k, lane] = slopes[RATES * dop853.STAGES + k, 0]
     return _FLYING

@@ -55,18 +55,32 @@ def illumination(x, y, z, r2, sun, scratch):
 
 @compiled
 def lit_part(x, y, z, sun):
-    """Part of the Sun's disc in sight of one point, 0 to 1 (ITRF, m).
+    """Part of the Sun's disc in sight of one point, 0 to 1 (ITRF, m)."""
+    separation, earth, disc = limb(x, y, z, sun)
+    return part_in_sight(separation, earth, disc)
 
-    The Sun's disc and the Earth's limb are circles on the sky, the limb's radius being that of the
-    ellipsoid in the plane of the point, the Earth's centre and the Sun (Montenbruck & Gill 2000,
-    sec. 3.4.2, with the limb of the ellipsoid in place of the sphere's).
+
+@compiled
+def limb(x, y, z, sun):
+    """(angle between Sun and Earth, angular radius of the Earth, of the Sun [rad]) at one point (ITRF, m).
+
+    The Earth's is that of the ellipsoid's limb in the plane of the point, the Earth's centre and the Sun.
     """
     tx, ty, tz = sun[0] - x, sun[1] - y, sun[2] - z
     to_sun = math.sqrt(tx * tx + ty * ty + tz * tz)
     lx, ly, lz = _limb_point(x, y, z, sun)
     separation = _angle(tx, ty, tz, -x, -y, -z)
     earth = _angle(lx - x, ly - y, lz - z, -x, -y, -z)
-    disc = math.asin(SUN_RADIUS / to_sun)
+    return separation, earth, math.asin(SUN_RADIUS / to_sun)
+
+
+@compiled
+def part_in_sight(separation, earth, disc):
+    """Part of the Sun's disc that the Earth leaves in sight, 0 to 1, from angles as `limb` gives them [rad].
+
+    The Sun's disc and the Earth's limb are circles on the sky (Montenbruck & Gill 2000, sec. 3.4.2, with
+    the limb of the ellipsoid in place of the sphere's).
+    """
     if separation >= earth + disc:
         return 1.0
     if separation <= earth - disc:

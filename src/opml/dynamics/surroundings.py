@@ -16,6 +16,9 @@ from opml.dynamics.lanes import compiled, rows
 ROTATION, SPIN, SUN_ITRF, CLOCK, BODIES = 0, 9, 12, 15, 18
 """Where the parts of the looked-up values begin; the clock: a node, the part of a step since, UTC [d]."""
 
+_ASIDE = 5e-4
+"""How far [s] from a jump steps end: far enough for both sides to be told apart."""
+
 _SixWeights = tuple[float, float, float, float, float, float]
 
 
@@ -40,6 +43,13 @@ class ForceModel(NamedTuple):
     radius: float  # of the field [m]
     issued: np.ndarray  # (outlooks,) times from which each is known, ascending [s]; none: activity is for all
     outlooks: np.ndarray  # (outlooks, nodes, 4): activity as it was known then and is forecast from there on
+
+    def jumps(self, begin: float, end: float) -> np.ndarray:
+        """Times between two [s] on both sides of each midnight, where DTM2000's day and its density jump."""
+        low, high = min(begin, end), max(begin, end)
+        days = np.arange(np.ceil((low - self.midnight) / DAY), np.floor((high - self.midnight) / DAY) + 1.0)
+        around = self.midnight + np.add.outer(days * DAY, [-_ASIDE, _ASIDE]).ravel()
+        return around[(around > low) & (around < high)]
 
     def known_at(self, t: np.ndarray) -> np.ndarray:
         """The newest outlook at times t [s], an index; -1 where there is none."""
@@ -95,6 +105,18 @@ def orient(t: float, first: float, step: float, orientation: np.ndarray, values:
         _between(orientation, node, 4, w),
         _between(orientation, node, 5, w) + EARTH_RATE * t,
         values,
+    )
+
+
+@compiled
+def sun(t: float, model: ForceModel) -> tuple[float, float, float]:
+    """The Sun's geocentric position in GCRF [m] at time t [s]."""
+    node, u = _locate(t, model.first, model.step, model.bodies.shape[0])
+    w = _weights(u)
+    return (
+        _between(model.bodies, node, 0, w),
+        _between(model.bodies, node, 1, w),
+        _between(model.bodies, node, 2, w),
     )
 
 
