@@ -15,7 +15,7 @@ from validation import estimation
 from validation.case import Case
 
 FINE = Integrator(position_tolerance=1e-6, min_step=1e-4, max_step=10.0)
-"""A ninth of the paper's longest step; an orbit's own error falls by some eighty times."""
+"""A ninth of the paper's longest step."""
 
 
 def effect(case: Case, models: Mapping[str, ForceModel], earth_orientation: pd.DataFrame) -> pd.DataFrame:
