@@ -2,7 +2,7 @@
 
 import logging
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
@@ -28,7 +28,7 @@ def job(snakemake: Any) -> Iterator[dict[str, Any]]:
     try:
         with threadpool_limits(limits=1, user_api="blas"):
             _log.info("%s: started", snakemake.rule)
-            yield _metadata(snakemake.params)
+            yield _metadata(snakemake.params.settings)
             _log.info("%s: finished", snakemake.rule)
     except InputError as error:
         _log.error("%s", error)
@@ -41,6 +41,15 @@ def job(snakemake: Any) -> Iterator[dict[str, Any]]:
             _log.removeHandler(handler)
             _warnings.removeHandler(handler)
             handler.close()
+
+
+def metadata_of_each(settings: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return the metadata of the tables of a job for several RSOs, in the order of the settings' `rsos`.
+
+    Each is that of a job for this `rso` alone, so that a table's bytes do not tell what was made with it.
+    """
+    common = {name: value for name, value in settings.items() if name != "rsos"}
+    return [_metadata(common | {"rso": rso}) for rso in settings["rsos"]]
 
 
 def progress(share: float) -> None:
@@ -65,9 +74,8 @@ def _open_log(paths: Any) -> list[logging.Handler]:
     return handlers
 
 
-def _metadata(params: Any) -> dict[str, Any]:
+def _metadata(settings: Mapping[str, Any]) -> dict[str, Any]:
     """Return what every table says of its making, from the settings in the rule's params."""
-    settings = dict(params.settings)
     metadata = {
         "epoch": settings["epoch"],
         "time_scale": "SI seconds since epoch",

@@ -34,8 +34,8 @@ THERMOSPHERE = "thermosphere"
 OPTIONAL = (OUTLOOKS, THERMOSPHERE)
 """The tables of an environment that some force models do without."""
 
-FLOWN_WITH = "flown_with"
-"""Metadata of a truth: the RSOs of the job that made it, where there was more than one."""
+FLIGHTS = "flights"
+"""The tables of which truths one job made."""
 
 STATE = ["x", "y", "z", "vx", "vy", "vz"]
 """Columns of a state; a list, so that a DataFrame takes it as it is."""
@@ -347,6 +347,7 @@ _TABLES = (
         ),
     ),
     Schema("truth", "an epoch of the tracking grid", (_T, *_state("GCRF", "true state"))),
+    Schema(FLIGHTS, "an RSO of those whose truths one job made", (text("rso", "name"),)),
     Schema(
         "tracking",
         f"a measurement by one station{_NO_TRUTH}",

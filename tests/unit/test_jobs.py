@@ -8,7 +8,7 @@ from threadpoolctl import threadpool_info
 
 from opml import __version__
 from opml.errors import InputError
-from opml.jobs import job, progress
+from opml.jobs import job, metadata_of_each, progress
 from opml.provenance import settings_digest
 
 SETTINGS = {"epoch": "2016-09-28T12:09:45", "seed": 42, "step_s": 20}
@@ -36,6 +36,14 @@ def test_metadata_tells_how_a_table_was_made(snakemake):
         "seed": 42,
         "version": __version__,
     }
+
+
+def test_a_table_does_not_tell_what_was_made_with_it(snakemake):
+    each = metadata_of_each(SETTINGS | {"rsos": ["iss", "lares"]})
+    for rso, told in zip(["iss", "lares"], each, strict=True):
+        snakemake.params.settings = SETTINGS | {"rso": rso}
+        with job(snakemake) as alone:
+            assert told == alone
 
 
 def test_progress_and_warnings_go_to_the_log_alone(snakemake, capfd):

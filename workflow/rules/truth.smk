@@ -1,6 +1,13 @@
 # The paper's 'Truth Dynamic Models'. RSOs that the study names fly together, any other one alone.
 NAMED = [*CATALOGUE, *flights.named(PAPER, HONEST, OWN)]
-FLIGHTS = flights.flights(STUDY, dict.fromkeys(NAMED), folder=Path(RESULTS) / "truth")
+FLIGHTS = flights.flights(STUDY, dict.fromkeys(NAMED), results=Path(RESULTS))
+FLOWN_BY = {
+    "epoch": config["epoch"],
+    "duration_days": config["duration_days"],
+    "step_s": config["tracking"]["step_s"],
+    "force_model": config["force_models"]["truth"],
+    "integrator": config["integrator"],
+}
 
 
 rule truth:
@@ -19,14 +26,7 @@ rule truth:
         mem_mb=1000,
         runtime=6,
     params:
-        settings=lambda wildcards: {
-            "epoch": config["epoch"],
-            "duration_days": config["duration_days"],
-            "step_s": config["tracking"]["step_s"],
-            "force_model": config["force_models"]["truth"],
-            "integrator": config["integrator"],
-            "rso": rso(wildcards),
-        },
+        settings=lambda wildcards: FLOWN_BY | {"rso": rso(wildcards)},
         code=code("truth.py"),
     message:
         "Truth dynamic model: the true orbit of {wildcards.rso}"
@@ -43,7 +43,8 @@ for number, together in enumerate(FLIGHTS, start=1):
         input:
             **TRUE_ENVIRONMENT,
         output:
-            [f"{RESULTS}/truth/{name}.parquet" for name in together],
+            truth=[f"{RESULTS}/truth/{name}.parquet" for name in together],
+            flight=f"{RESULTS}/{tables.FLIGHTS}/{together[0]}.parquet",
         log:
             f"{RESULTS}/logs/truth/together/{together[0]}.log",
         benchmark:
@@ -54,14 +55,7 @@ for number, together in enumerate(FLIGHTS, start=1):
             mem_mb=3000,
             runtime=20,
         params:
-            settings={
-                "epoch": config["epoch"],
-                "duration_days": config["duration_days"],
-                "step_s": config["tracking"]["step_s"],
-                "force_model": config["force_models"]["truth"],
-                "integrator": config["integrator"],
-                "rsos": [asdict(sheets.parse_rso(name, SETTINGS.rsos)) for name in together],
-            },
+            settings=FLOWN_BY | {"rsos": [asdict(sheets.parse_rso(name, SETTINGS.rsos)) for name in together]},
             code=code("truths.py"),
         message:
             f"Truth dynamic model: the true orbits of {', '.join(together)}"

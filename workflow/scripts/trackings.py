@@ -1,19 +1,20 @@
 """Simulate the tracks and measurements of a catalogue by a station set."""
 
 from opml.catalog import tracking
-from opml.jobs import job, progress
+from opml.jobs import job, metadata_of_each, progress
 from opml.sheets import Station
 from opml.tables import read_table, write_table
 
-with job(snakemake) as metadata:
+with job(snakemake):
     settings, files = snakemake.params.settings, snakemake.input
     stations = [Station(**station) for station in settings["stations"]]
     earth_orientation = read_table(files.earth_orientation, "earth_orientation")
-    for count, (rso, truth, path) in enumerate(
-        zip(settings["rsos"], files.truth, snakemake.output, strict=True), start=1
+    metadata = metadata_of_each(settings)
+    for count, (rso, truth, path, alone) in enumerate(
+        zip(settings["rsos"], files.truth, snakemake.output, metadata, strict=True), start=1
     ):
         table = tracking.simulate(
             read_table(truth, "truth"), earth_orientation, stations, rso=rso, seed=settings["seed"]
         )
-        write_table(path, table, "tracking", metadata=metadata)
+        write_table(path, table, "tracking", metadata=alone)
         progress(count / len(files.truth))

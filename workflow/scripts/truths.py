@@ -1,10 +1,12 @@
 """Propagate the true orbits of RSOs that fly together."""
 
+import pandas as pd
+
 from opml.catalog import force_model, truth
 from opml.constants import DAY
-from opml.jobs import job, progress
+from opml.jobs import job, metadata_of_each, progress
 from opml.sheets import Rso
-from opml.tables import FLOWN_WITH, write_table
+from opml.tables import FLIGHTS, write_table
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings
@@ -18,6 +20,8 @@ with job(snakemake) as metadata:
         threads=snakemake.threads,
         progress=progress,
     )
-    metadata[FLOWN_WITH] = [rso.name for rso in rsos]
-    for path, table in zip(snakemake.output, tables, strict=True):
-        write_table(path, table, "truth", metadata=metadata)
+    # First, as a truth that was there without it would count as one that flew alone.
+    flight = pd.DataFrame({"rso": [rso.name for rso in rsos]})
+    write_table(snakemake.output.flight, flight, FLIGHTS, metadata=metadata)
+    for path, table, alone in zip(snakemake.output.truth, tables, metadata_of_each(settings), strict=True):
+        write_table(path, table, "truth", metadata=alone)

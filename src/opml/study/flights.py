@@ -10,7 +10,7 @@ from opml.study.experiments import Study
 from opml.study.honest import Honest
 from opml.study.own import Own
 from opml.study.paper import Paper
-from opml.tables import FLOWN_WITH, read_metadata
+from opml.tables import FLIGHTS, read_table
 
 LANES = 16
 """Most truths of one job: they take the time of one, as a kernel has that many lanes."""
@@ -32,36 +32,43 @@ def _trained_on(experiment: Experiment, pools: Mapping[str, Sequence[str]]) -> S
     return naming.parse_pool(rso, pools) if naming.WITHOUT in rso else [rso]
 
 
-def flights(study: Study, rsos: Iterable[str], *, folder: Path) -> list[tuple[str, ...]]:
-    """The simulated RSOs of each flight of two or more; `folder` holds the truths that are there.
+def flights(study: Study, rsos: Iterable[str], *, results: Path) -> list[tuple[str, ...]]:
+    """The simulated RSOs of each flight of two or more.
+
+    results: folder of the truths that are there, in `truth`, and of who flew together, in `flights`.
 
     A job's truths are made anew together, with all that follows from them. So those that are there stay
     with the RSOs they flew with, and one that is new to the study flies with others that are new. The order
     is the RSOs' own, whichever flight is over first: a job on another machine finds its rule by its number.
     """
     rsos = _simulated(study, rsos)
-    over = list(_over(study, rsos, folder))
+    over = list(_over(study, rsos, results))
     placed = {rso for flight in over for rso in flight}
-    waiting = [rso for rso in rsos if rso not in placed and not _truth(folder, rso).exists()]
+    waiting = [rso for rso in rsos if rso not in placed and not _is_there(results, rso)]
     new = [tuple(waiting[k : k + LANES]) for k in range(0, len(waiting), LANES)]
     place = {rso: k for k, rso in enumerate(rsos)}
     together = [flight for flight in (*over, *new) if len(flight) > 1]
     return sorted(together, key=lambda flight: min(place[rso] for rso in flight if rso in place))
 
 
-def _over(study: Study, rsos: Sequence[str], folder: Path) -> Iterator[tuple[str, ...]]:
-    """The flights that are over, each once; one that could not be flown again as it was is none."""
+def _over(study: Study, rsos: Sequence[str], results: Path) -> Iterator[tuple[str, ...]]:
+    """The flights of some RSOs that are over, a truth of each there; no RSO is in two.
+
+    One that could not be flown again as it was is none.
+    """
     placed: set[str] = set()
-    for flight in dict.fromkeys(_flown_with(_truth(folder, rso)) for rso in rsos):
-        if flight and placed.isdisjoint(flight) and len(_simulated(study, flight)) == len(flight):
+    for flight in map(_flown, sorted((results / FLIGHTS).glob("*.parquet"))):
+        asked = not set(rsos).isdisjoint(flight) and placed.isdisjoint(flight)
+        there = any(_is_there(results, rso) for rso in flight)
+        if asked and there and len(_simulated(study, flight)) == len(flight):
             placed.update(flight)
             yield flight
 
 
-def _flown_with(path: Path) -> tuple[str, ...]:
-    """The flight that a truth tells of; none where it flew alone, is not there or cannot be read."""
+def _flown(path: Path) -> tuple[str, ...]:
+    """The RSOs of the flight that a table tells of; none where it is damaged."""
     try:
-        return tuple(read_metadata(path).get(FLOWN_WITH, ())) if path.exists() else ()
+        return tuple(read_table(path, FLIGHTS)["rso"])
     except InputError:
         return ()
 
@@ -81,5 +88,6 @@ def _base(study: Study, rso: str) -> str | None:
         return None
 
 
-def _truth(folder: Path, rso: str) -> Path:
-    return folder / f"{rso}.parquet"
+def _is_there(results: Path, rso: str) -> bool:
+    """Whether there is a truth of an RSO."""
+    return (results / "truth" / f"{rso}.parquet").exists()
