@@ -105,8 +105,9 @@ def ephemeris():
     )
 
 
-def test_orekit_reads_a_corrected_ephemeris_with_covariances_in_rsw(org, ephemeris, tmp_path):
-    oem.write(tmp_path / "c.oem", oem.corrected_segments(ephemeris, rso="iss"), epoch=EPOCH)
+@pytest.mark.parametrize("segments", [oem.corrected_segments, oem.forecast_segments])
+def test_orekit_reads_an_ephemeris_with_covariances_in_rsw(org, ephemeris, tmp_path, segments):
+    oem.write(tmp_path / "c.oem", segments(ephemeris, rso="iss"), epoch=EPOCH)
     (segment,) = parsed(org, "Oem", tmp_path / "c.oem").getSegments()
     read = [state(one) for one in segment.getCoordinates()]
     np.testing.assert_allclose(read, ephemeris[list(STATE)], rtol=1e-15)
