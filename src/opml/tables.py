@@ -214,9 +214,11 @@ _ARCS = (
     *_state(_PREDICTED, "prediction minus that of the arc with Cd held by its past", prefix="h_arc_"),
 )
 _THERMOMETER = (
-    real("factor", "1", "logarithm of the density over the assumed one at t_i, but for a constant"),
+    real(
+        "factor", "1", "logarithm of the density over the assumed one in the step of t_i, but for a constant"
+    ),
     real("cd_window", "1", "drag coefficient of the arc's window, as the catalogue's fits together have it"),
-    real("cd_ahead", "1", "drag coefficient of the prediction, as they have it, where the factor decays"),
+    real("cd_ahead", "1", "drag coefficient from t_i on that makes up for what the factor did and will do"),
     *_state(_PREDICTED, "prediction minus that of the arc with these", prefix="thermo_"),
 )
 MECHANISM_AXES = ("s", "v", "r", "l", "v_long", "floor", "l_arc", "v_arc", "h_arc", "thermo")

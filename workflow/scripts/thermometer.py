@@ -8,8 +8,7 @@ with job(snakemake) as metadata:
     files, settings = snakemake.input, snakemake.params.settings
     asked = thermometer.Thermometer(**settings["thermometer"])
     fits = [read_table(path, "estimates") for path in files.catalogue]
-    told = thermometer.beliefs(fits, asked)
-    own = thermometer.read(read_table(files.estimates, "estimates"), told, settings["member"], asked)
+    own = thermometer.read(read_table(files.estimates, "estimates"), fits, settings["member"], asked)
     table = thermometer.corrections(
         read_table(files.predictions, "predictions"),
         own,

@@ -2,13 +2,18 @@
 
 Where the assumed density is wrong by a factor, the fits of all RSOs take it up in their Cd at the same time.
 So ln Cd of RSO k over a window is c_k, of its body, plus what all share of the density: a level, which lasts,
-and the mean over the window of x, one value per step, with a memory (Ornstein-Uhlenbeck). A Kalman filter
-finds all of them, from what was estimated up to each step (Doornbos, Klinkrad & Visser 2008, Adv. Space Res.
+and a mean over the window of x, one value per step, with a memory (Ornstein-Uhlenbeck). A Kalman filter
+finds all of them, from what was estimated before each time (Doornbos, Klinkrad & Visser 2008, Adv. Space Res.
 41, 1115-1125, for TLEs; Storz et al. 2005, HASDM).
+
+That mean is not an even one. Drag moves an RSO along its track by its double integral, and a fit lays a
+parabola through what its tracks see of that: Cd is the parabola's curvature. It weighs the middle of the
+window most and the last hours hardly, whose drag is in the error of the state instead.
 """
 
 import math
-from collections.abc import Sequence
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,7 +35,8 @@ class Thermometer:
 
     window_hours: of the fits; step_hours: of one value of the factor; decay_days: its memory; factor_sigma:
     how far it goes; body_sigma: of a body's Cd before any fit; drift_sigma: its change in a day; noise_sigma:
-    of a fit, beside its formal error; level_sigma: how far the level may be from nothing, 0 for none.
+    of a fit, beside its formal error; excess: by how much the assumed forces make a fit err more than its
+    formal error says; level_sigma: how far the level may be from nothing, 0 for none.
     """
 
     window_hours: float
@@ -40,6 +46,7 @@ class Thermometer:
     body_sigma: float
     drift_sigma: float
     noise_sigma: float
+    excess: float = 1.0
     level_sigma: float = 0.0
 
     @property
@@ -62,12 +69,9 @@ class Thermometer:
         """Part of the factor that outlives a step."""
         return math.exp(-self.step_hours / (24.0 * self.decay_days))
 
-    def shares(self, t: np.ndarray) -> np.ndarray:
-        """Parts of the windows before times t (n,) [s] in their own step and in each before: (n, lags)."""
-        begins = self.step * (np.floor(t / self.step)[:, None] - np.arange(self.lags))
-        ends = np.minimum(begins + self.step, t[:, None])
-        inside = ends - np.maximum(begins, t[:, None] - self.window)
-        found: np.ndarray = np.maximum(inside, 0.0) / self.window
+    def step_of(self, t: np.ndarray) -> np.ndarray:
+        """Numbers of the steps of times t (n,) [s]."""
+        found: np.ndarray = np.floor(t / self.step).astype(int)
         return found
 
     def ahead(self, duration: np.ndarray) -> np.ndarray:
@@ -75,6 +79,55 @@ class Thermometer:
         z = np.maximum(duration / (DAY * self.decay_days), 1e-4)
         found: np.ndarray = 2.0 * (z - 1.0 + np.exp(-z)) / z**2
         return found
+
+
+@dataclass(frozen=True)
+class Seen:
+    """How a fit saw the drag of each step that its window touches, the newest first; times in windows.
+
+    begins, ends: (lags,) of the steps, from t_i, within the window; parabola: (3, lags) what the tracks made
+    of a unit of drag in each: place, rate and curvature at t_i. A unit in all of them has the curvature 1.
+    """
+
+    begins: np.ndarray
+    ends: np.ndarray
+    parabola: np.ndarray
+
+    @property
+    def shares(self) -> np.ndarray:
+        """Parts (lags,) of the steps in Cd; they add up to 1."""
+        found: np.ndarray = self.parabola[2]
+        return found
+
+    def within(self, reach: np.ndarray) -> np.ndarray:
+        """Error of predictions over `reach` (n,) windows by drag in each step, as by one of Cd: (n, lags)."""
+        half = 0.5 * reach[:, None] ** 2
+        predicted = _powers(reach) @ self.parabola
+        found: np.ndarray = (predicted - _moved(reach, self.begins, self.ends)) / half
+        return found
+
+
+def seen(t: float, tracks: np.ndarray, settings: Thermometer) -> Seen:
+    """How a fit at t [s] saw the drag by the tracks that began at `tracks` (n,) [s], those of its window."""
+    at = (tracks[(tracks > t - settings.window) & (tracks <= t)] - t) / settings.window
+    length = settings.step_hours / settings.window_hours
+    newest = t // settings.step * length - t / settings.window
+    begins = newest - length * np.arange(settings.lags)
+    ends = np.clip(begins + length, at[0], 0.0)
+    begins = np.clip(begins, at[0], 0.0)
+    return Seen(begins, ends, np.linalg.pinv(_powers(at)) @ _moved(at, begins, ends))
+
+
+def _powers(t: np.ndarray) -> np.ndarray:
+    """Displacement at times t (n,) by place, rate and curvature at 0: (n, 3)."""
+    return np.column_stack([np.ones(len(t)), t, 0.5 * t**2])
+
+
+def _moved(t: np.ndarray, begins: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """Displacement at times t (n,) by a unit of drag from `begins` to `ends` (m,): (n, m)."""
+    since = np.maximum(t[:, None] - begins, 0.0), np.maximum(t[:, None] - ends, 0.0)
+    found: np.ndarray = 0.5 * (since[0] ** 2 - since[1] ** 2)
+    return found
 
 
 @dataclass(frozen=True)
@@ -122,66 +175,106 @@ def at_first(bodies: int, settings: Thermometer) -> Belief:
     return Belief(np.repeat([0.0, math.log(COMMON_CD)], [lags + 1, bodies]), covariance)
 
 
-def beliefs(estimates: Sequence[pd.DataFrame], settings: Thermometer) -> list[Belief]:
-    """What is believed at the start of each step, from the fits of all RSOs before it.
+def beliefs(
+    catalogue: Sequence[pd.DataFrame], times: np.ndarray, body: int | None, settings: Thermometer
+) -> Iterator[Belief]:
+    """What is believed of the factor and one body at each of `times` (n,) [s], from the fits before it.
 
-    estimates: the tables over the settings' window. Of each RSO the last fit of a step counts, as the windows
-    of one after the other share their tracks.
+    catalogue: the tables of estimates over the settings' window, a row per track; times: ascending; body: as
+    in `Belief.of`. Of each RSO one fit counts in half a window.
     """
-    fits = pd.concat([_fits(table, settings).assign(body=k) for k, table in enumerate(estimates)])
-    by_step = dict(iter(fits.groupby("step")))
-    belief, found = at_first(len(estimates), settings), []
-    for step in range(int(fits["step"].max()) + 1):
-        found.append(belief)
-        for fit in by_step.get(step, fits[:0]).groupby("body").tail(1).itertuples():
+    tracks = [table["t"].to_numpy() for table in catalogue]
+    fits = pd.concat(
+        [_counted(_fits(table, settings), settings).assign(body=k) for k, table in enumerate(catalogue)]
+    )
+    waiting = deque(fits.sort_values(["t", "body"]).itertuples())
+    belief, step = at_first(len(catalogue), settings), 0
+    for t in times:
+        while waiting and waiting[0].t < t:
+            fit = waiting.popleft()
+            belief, step = _until(belief, step, fit.step, settings), fit.step
             row = np.zeros(len(belief.mean))
-            row[: settings.lags], row[settings.lags] = fit.shares, 1.0
+            row[: settings.lags], row[settings.lags] = seen(fit.t, tracks[fit.body], settings).shares, 1.0
             row[settings.lags + 1 + fit.body] = 1.0
             belief = belief.updated(row, fit.value, fit.variance)
+        now = int(t // settings.step)
+        belief, step = _until(belief, step, now, settings), now
+        yield belief.of(body, settings)
+
+
+def _until(belief: Belief, step: int, end: int, settings: Thermometer) -> Belief:
+    """The belief of a step at a later one."""
+    for _ in range(step, end):
         belief = belief.later(settings)
-    return found
+    return belief
+
+
+def _counted(fits: pd.DataFrame, settings: Thermometer) -> pd.DataFrame:
+    """The first fit of each half window: more of them would share most of their tracks, and their errors."""
+    return fits.groupby(np.floor(fits["t"] / (0.5 * settings.window))).head(1)
 
 
 def _fits(estimates: pd.DataFrame, settings: Thermometer) -> pd.DataFrame:
-    """What fits say of ln Cd: step, shares of the steps, value and variance; the useless left out."""
+    """What fits say of ln Cd: track, t, step, value and variance; the useless left out."""
     t, cd = estimates["t"].to_numpy(), estimates["cd"].to_numpy()
     relative = np.divide(estimates["cov_cd_cd"], cd**2, out=np.zeros(len(cd)), where=cd > 0.0)
     use = estimates["converged"].to_numpy() & (relative > 0.0) & (relative < WORST**2)
     return pd.DataFrame(
         {
-            "track": estimates["track"],
-            "step": np.floor(t / settings.step).astype(int),
-            "shares": list(settings.shares(t)),
-            "value": np.log(np.where(use, cd, 1.0)),
-            "variance": relative + settings.noise_sigma**2,
+            "track": estimates["track"].to_numpy()[use],
+            "t": t[use],
+            "step": settings.step_of(t[use]),
+            "value": np.log(cd[use]),
+            "variance": settings.excess**2 * relative[use] + settings.noise_sigma**2,
         }
-    )[use]
+    )
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What the thermometer says at an estimate: the factor of each step of its window, and Cd over it."""
+
+    factors: np.ndarray
+    cd_window: float
+    seen: Seen
+
+    def cd_ahead(self, duration: np.ndarray, settings: Thermometer) -> np.ndarray:
+        """Cd (n,) that makes up for what the factor does to predictions over `duration` (n,) [s].
+
+        They err by the drag that is to come, of which the decaying factor is known, and by the drag in the
+        window, as far as the state at t_i took it up. That is no Cd, and over a short time as good as a large
+        change of it.
+        """
+        within = self.seen.within(duration / settings.window) @ self.factors
+        found: np.ndarray = self.cd_window * (1.0 + self.factors[0] * settings.ahead(duration) - within)
+        return found
 
 
 def read(
-    estimates: pd.DataFrame, told: list[Belief], body: int | None, settings: Thermometer
-) -> pd.DataFrame:
-    """What the thermometer says of an RSO at each of its estimates, a row of it; `body` is with the level.
+    estimates: pd.DataFrame, catalogue: Sequence[pd.DataFrame], body: int | None, settings: Thermometer
+) -> dict[int, Reading]:
+    """What the thermometer says of an RSO at each of its estimates, by their tracks.
 
-    told: from `beliefs`; body: its number there, None for one left out, of which only the fit at t_i is used.
-    Of the other RSOs nothing counts that was estimated in the step of t_i or later.
+    catalogue: as in `beliefs`; body: its number there, None for one left out, of which only the fit at t_i is
+    used. Of the other RSOs nothing counts that was estimated at t_i or later.
     """
     fits = _fits(estimates, settings).set_index("track")
-    rows = []
-    for track, t in zip(estimates["track"], estimates["t"], strict=True):
-        belief = told[min(int(t // settings.step), len(told) - 1)].of(body, settings)
-        shares = settings.shares(np.array([t]))[0]
-        row = np.append(shares, [1.0, 1.0])
+    t = estimates["t"].to_numpy()
+    found = {}
+    told = beliefs(catalogue, t, body, settings)
+    for track, when, belief in zip(estimates["track"], t, told, strict=True):
+        saw = seen(when, t, settings)
+        row = np.append(saw.shares, [1.0, 1.0])
         if track in fits.index:
             belief = belief.updated(row, fits.at[track, "value"], fits.at[track, "variance"])
-        lasts = belief.mean[-2] + belief.mean[-1]
-        rows.append((track, t, lasts, belief.mean[0], math.exp(row @ belief.mean)))
-    return pd.DataFrame(rows, columns=["track", "t", "body", "factor", "cd_window"])
+        factors = belief.mean[: settings.lags]
+        found[track] = Reading(factors, math.exp(row @ belief.mean), saw)
+    return found
 
 
 def corrections(
     predictions: pd.DataFrame,
-    told: pd.DataFrame,
+    told: Mapping[int, Reading],
     arcs: pd.DataFrame,
     sensitivities: pd.DataFrame,
     settings: Thermometer,
@@ -189,15 +282,17 @@ def corrections(
     """The `thermometer` table: one row per pair of `predictions`, in their order.
 
     told: from `read`; arcs: over the settings' window; sensitivities: of the predictions. The arc's Cd is
-    moved to what the thermometer makes of it, with the state along the fit's covariance; from t_i on the
-    factor decays, which moves nothing but the drag to come.
+    moved to what the thermometer makes of it, with the state along the fit's covariance; from t_i on it is
+    that which makes up for the factor.
     """
-    of_arc = told.set_index("track").loc[predictions["i"]]
     duration = (predictions["t_j"] - predictions["t_i"]).to_numpy()
-    within = of_arc["cd_window"].to_numpy()
-    ahead = np.exp(of_arc["body"].to_numpy() + of_arc["factor"].to_numpy() * settings.ahead(duration))
+    factor, within, ahead = (np.zeros(len(predictions)) for _ in range(3))
+    for track, rows in predictions.groupby("i").indices.items():
+        reading = told[track]
+        factor[rows], within[rows] = reading.factors[0], reading.cd_window
+        ahead[rows] = reading.cd_ahead(duration[rows], settings)
     table = {"i": predictions["i"].to_numpy(), "j": predictions["j"].to_numpy()}
-    table |= {"factor": of_arc["factor"].to_numpy(), "cd_window": within, "cd_ahead": ahead}
+    table |= {"factor": factor, "cd_window": within, "cd_ahead": ahead}
     for axis in STATE:
         moved = arcs[f"l_arc_{axis}"] + arcs[f"v_arc_{axis}"] * (arcs["cd_arc"] - within)
         table[f"thermo_{axis}"] = (moved + sensitivities[f"s_{axis}"] * (within - ahead)).to_numpy()
