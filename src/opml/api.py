@@ -31,6 +31,7 @@ from opml.learning.contract import Model
 from opml.learning.evaluation import as_tested, evaluate
 from opml.learning.paths import CORRECTED
 from opml.learning.residuals import build as left_over
+from opml.naming import parse_test
 from opml.sheets import Rso, Station
 from opml.sheets import read_rsos as _read_rsos
 from opml.sheets import read_stations as _read_stations
@@ -446,13 +447,15 @@ def correct(
 
     test: which rows (docs/wildcards.md); train, span_days, seed: as `learn` had them, so that its rows are
     left out; train is None where the model learned from another RSO; learned: the dataset of the same pairs
-    that the model learned from, where its errors are labels. Raises InputError for no rows.
-    Source: sec. Validation of the Trained SVM Model.
+    that the model learned from, where its errors are labels. Raises InputError for no rows, and for a test
+    that takes a model of its own (`-together`). Source: sec. Validation of the Trained SVM Model.
 
     >>> corrected = opml.correct(model, rows)
     >>> list(corrected.columns)
     ['i', 'j', 'duration', 'true', 'predicted', 'residual']
     """
+    if parse_test(test).standardisation == "together":
+        raise InputError(f"correct: test: expected one that asks no model of its own, got {test}")
     chosen = splits.rows_tested(dataset, test, train=train, span_days=span_days, seed=seed, learned=learned)
     return evaluate(as_tested(model, test), dataset, chosen, component=component)
 

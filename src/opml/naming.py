@@ -4,14 +4,15 @@ A station set is the stations' names joined with '-' in the sheet's order, ``egl
 name, or that row with another inclination in degrees (``iss_i50``), with kilometres added to its semi-major
 axis (``iss_a+50``), or both (``iss_i50_a+50``). A split says which rows of a dataset a model is trained or
 tested on: ``random-80``, ``grouped-80``, ``days-0-30``, ``days-30-40-unseen``, ``rest``, ``seen``. A test may
-end in how its rows are treated: ``days-30-40-unfenced``, ``days-30-40-fence3``, ``rest-zscore``.
+end in how its rows are treated: ``days-30-40-unfenced``, ``days-30-40-fence3``, ``rest-zscore``,
+``rest-together``.
 
 A suffix stands for one setting that differs from the run's own: ``eglin_noise43`` is what Eglin measures
 under another seed, ``random-80_split43`` another draw of the same split, ``eglin_w24`` estimates from 24
 hours of tracks, ``eglin_tol1`` of fits that stop earlier, ``eglin_cd0.5`` of fits that believe a drag
-coefficient beforehand, ``svr_s2`` the learner ``svr`` with 2 as its kernel scale. The run's own setting
-has no suffix. So two names are never the same thing. What errors are held against is ``_later`` or
-``_smoothed`` estimates; no suffix is the truth.
+coefficient beforehand, ``eglin_light`` of fits that reckon with light time, ``svr_s2`` the learner ``svr``
+with 2 as its kernel scale. The run's own setting has no suffix. So two names are never the same thing. What
+errors are held against is ``_later`` or ``_smoothed`` estimates; no suffix is the truth.
 """
 
 import math
@@ -31,12 +32,17 @@ NOISE, SPLIT = "noise", "split"
 
 WITHOUT = "-without-"
 
+LIGHT = "_light"
+"""Suffix of estimates whose fits read measurements as received after the light's travel."""
+
 READINGS = {"kept_estimate": "_kept", "track": "_track"}
 """How a name says which earlier estimate is t_b, by the study's `cleaning.previous`."""
 
 LABELS = {"truth": "", "later": "_later", "smoothed": "_smoothed"}
 """How a name says what the errors that are learned from are held against, by the study's `label`."""
 
+STANDARDISATIONS = {"training": "", "own": "-zscore", "together": "-together"}
+"""How a test's name says which rows' mean and deviation standardise its variables."""
 
 SECTIONS = {
     "simulation": "2 Simulation Environment",
@@ -138,24 +144,29 @@ def parse_window(suffix: str, *, default: float) -> float:
     return float(own[1]) if own else default
 
 
-def fitted(*, convergence: float | None = None, cd_sigma: float | None = None) -> str:
-    """Return the suffix of fits that stop elsewhere, or believe a Cd beforehand; None is the run's own."""
+def fitted(
+    *, convergence: float | None = None, cd_sigma: float | None = None, light_time: bool = False
+) -> str:
+    """Return the suffix of fits that differ from the run's own in these settings."""
     given = {"_tol": convergence, "_cd": cd_sigma}
-    return "".join(mark + number(value) for mark, value in given.items() if value is not None)
+    marks = [mark + number(value) for mark, value in given.items() if value is not None]
+    return "".join(marks) + LIGHT * light_time
 
 
-def parse_fitted(suffix: str) -> dict[str, float]:
+def parse_fitted(suffix: str) -> dict[str, float | bool]:
     """Return the settings of the estimation that a suffix of estimates changes, beside its window."""
     found = {
         "convergence": re.search(rf"_tol({POSITIVE})", suffix),
         "cd_sigma": re.search(rf"_cd({POSITIVE})", suffix),
     }
-    return {name: float(match[1]) for name, match in found.items() if match}
+    given = {name: float(match[1]) for name, match in found.items() if match}
+    return given | ({"light_time": True} if LIGHT in suffix else {})
 
 
-def fitted_pattern(*, convergence: float) -> str:
-    """Return the regular expression of what `fitted` returns in a run with its own `convergence`."""
-    return rf"(?:_tol(?!{re.escape(number(convergence))}(?![\d.])){POSITIVE})?(?:_cd{POSITIVE})?"
+def fitted_pattern(*, convergence: float, light_time: bool = False) -> str:
+    """Return the regular expression of what `fitted` returns in a run with these settings of its own."""
+    stopping = rf"(?:_tol(?!{re.escape(number(convergence))}(?![\d.])){POSITIVE})?"
+    return rf"{stopping}(?:_cd{POSITIVE})?" + ("" if light_time else f"(?:{LIGHT})?")
 
 
 def both_sides(hours: float) -> str:
@@ -209,19 +220,22 @@ _SHARE = rf"(random|grouped)-({NUMBER})"
 _DAYS = rf"days-({NUMBER})-({NUMBER})"
 _TRAIN = re.compile(f"{_SHARE}|{_DAYS}")
 _FENCE = f"-(unfenced|fence{POSITIVE})"
-_TEST = re.compile(f"(?:(rest|seen)|{_DAYS}(-unseen)?(?:{_FENCE})?)(-zscore)?")
-TRAIN, TEST = (re.sub(r"\((?!\?)", "(?:", pattern.pattern) for pattern in (_TRAIN, _TEST))
-"""Regular expressions of a training and of a test split, without groups."""
+_ROWS = f"(?:(rest|seen)|{_DAYS}(-unseen)?(?:{_FENCE})?)"
+_TEST = re.compile(f"{_ROWS}({'|'.join(STANDARDISATIONS.values())})")
+TRAIN, TEST, TEST_BY_ROW = (
+    re.sub(r"\((?!\?)", "(?:", text) for text in (_TRAIN.pattern, _TEST.pattern, _ROWS)
+)
+"""Regular expressions of a training split, a test, and a test whose rows are corrected each for itself."""
 
-TEST_BY_ROW = TEST.removesuffix("(?:-zscore)?")
-"""Regular expression of a test whose rows are corrected each for itself."""
+TEST_TOGETHER = TEST_BY_ROW + STANDARDISATIONS["together"]
+"""Regular expression of a test with a model of its own, which its rows standardise, too."""
 
 
 @dataclass(frozen=True)
 class Split:
     """Which rows of a dataset are chosen: a share of rows or of estimates, a window of days, the rest.
 
-    A test may have fences of its own, or none, in place of the dataset's, and standardise its rows alone.
+    A test may have fences of its own, or none, in place of the dataset's, and standardise by its own rows.
     """
 
     kind: str  # random, grouped, days, rest or seen
@@ -229,7 +243,7 @@ class Split:
     days: tuple[float, float] = (0.0, 0.0)  # of t_j, of a window
     unseen: bool = False  # t_i, too, lies in the window
     fence: float | None = None  # Tukey's, of its own rows [IQR]; infinite for none, None for the dataset's
-    zscore: bool = False  # rows are standardised by their own mean and deviation
+    standardisation: str = "training"  # rows that standardise the variables: training, own or together
 
     def __str__(self) -> str:
         """Return its one name."""
@@ -239,12 +253,12 @@ class Split:
             case "days":
                 first, last = map(number, self.days)
                 unseen = "-unseen" if self.unseen else ""
-                return f"days-{first}-{last}{unseen}{fenced(self.fence)}{self._own}"
-        return self.kind + self._own
+                return f"days-{first}-{last}{unseen}{fenced(self.fence)}{self._standardised}"
+        return self.kind + self._standardised
 
     @property
-    def _own(self) -> str:
-        return "-zscore" if self.zscore else ""
+    def _standardised(self) -> str:
+        return STANDARDISATIONS[self.standardisation]
 
 
 def fenced(fence: float | None) -> str:
@@ -284,15 +298,16 @@ def parse_test(text: str) -> Split:
         raise InputError(
             f"test split '{text}': expected seen, rest, days-<first>-<last> or days-<first>-<last>-unseen"
         )
-    kind, first, last, unseen, fence, zscore = match.groups()
+    kind, first, last, unseen, fence, mark = match.groups()
+    standardisation = next(name for name, own in STANDARDISATIONS.items() if own == mark)
     if kind is not None:
-        return Split(kind, zscore=zscore is not None)
+        return Split(kind, standardisation=standardisation)
     return Split(
         "days",
         days=_days(text, first, last),
         unseen=unseen is not None,
         fence=_fence(fence),
-        zscore=zscore is not None,
+        standardisation=standardisation,
     )
 
 
@@ -329,14 +344,15 @@ def as_unseen(test: str) -> str:
     return str(replace(split, unseen=True)) if split.kind == "days" else test
 
 
-def treated(test: str, *, fence: float | None = None, zscore: bool = False) -> str:
-    """Return a test with its own fence [IQR], None as it is, and its rows standardised alone or as they are.
+def treated(test: str, *, fence: float | None = None, standardisation: str = "training") -> str:
+    """Return a test with a fence [IQR] and a standardisation of its own; None and `training` leave it as is.
 
     Rows of a random split keep the dataset's fences, which its training rows have, too.
     """
     split = parse_test(test)
     own = split.fence if fence is None or split.kind != "days" else fence
-    return str(replace(split, fence=own, zscore=split.zscore or zscore))
+    standardised = split.standardisation if standardisation == "training" else standardisation
+    return str(replace(split, fence=own, standardisation=standardised))
 
 
 def learner_pattern(learners: Mapping[str, Mapping[str, Any]]) -> str:

@@ -247,9 +247,13 @@ def test_training_split_and_back(text, split):
         ("seen", Split("seen")),
         ("days-30-40.5", Split("days", days=(30, 40.5))),
         ("days-30-40-unseen", Split("days", days=(30, 40), unseen=True)),
-        ("rest-zscore", Split("rest", zscore=True)),
+        ("rest-zscore", Split("rest", standardisation="own")),
+        ("seen-together", Split("seen", standardisation="together")),
         ("days-30-40-unfenced", Split("days", days=(30, 40), fence=math.inf)),
-        ("days-3-4-unseen-fence1.5-zscore", Split("days", 100, (3, 4), True, fence=1.5, zscore=True)),
+        (
+            "days-3-4-unseen-fence1.5-zscore",
+            Split("days", 100, (3, 4), True, fence=1.5, standardisation="own"),
+        ),
     ],
 )
 def test_test_split_and_back(text, split):
@@ -269,7 +273,10 @@ def test_other_texts_are_no_training_split(text):
 
 @pytest.mark.parametrize(
     "text",
-    ["random-80", "all", "days-1", "days-30-40-seen", "days-01-2", "rest-unfenced", "days-1-2-fence0", ""],
+    [
+        *("random-80", "all", "days-1", "days-30-40-seen", "days-01-2", "rest-unfenced", "days-1-2-fence0"),
+        *("rest-zscore-together", "rest-together-zscore", ""),
+    ],
 )
 def test_other_texts_are_no_test_split(text):
     assert not re.fullmatch(naming.TEST, text)
@@ -294,10 +301,16 @@ def test_windows_of_names():
 
 
 def test_a_test_treated_otherwise():
-    assert naming.treated("days-30-40", fence=math.inf, zscore=True) == "days-30-40-unfenced-zscore"
+    unfenced = naming.treated("days-30-40", fence=math.inf, standardisation="own")
+    assert unfenced == "days-30-40-unfenced-zscore"
+    assert naming.treated(unfenced) == unfenced
+    assert naming.treated("seen", standardisation="together") == "seen-together"
     assert naming.treated("days-30-40-unfenced") == "days-30-40-unfenced"
     assert naming.treated("rest", fence=3.0) == "rest"  # its training rows have the dataset's fences
-    assert not re.fullmatch(naming.TEST_BY_ROW, "rest-zscore")
+    for test in ("rest-zscore", "rest-together"):
+        assert not re.fullmatch(naming.TEST_BY_ROW, test)
+    assert re.fullmatch(naming.TEST_TOGETHER, "days-30-40-unfenced-together")
+    assert not re.fullmatch(naming.TEST_TOGETHER, "days-30-40-unfenced")
     assert re.fullmatch(naming.TEST_BY_ROW, "days-30-40-unseen-unfenced")
 
 
@@ -307,6 +320,7 @@ def test_fits_that_differ_and_back():
         ("_tol1", {"convergence": 1}),
         ("_cd0.5", {"cd_sigma": 0.5}),
         ("_tol1_cd0.5", {"convergence": 1, "cd_sigma": 0.5}),
+        ("_cd0.5_light", {"cd_sigma": 0.5, "light_time": True}),
         ("", {}),
     ):
         assert naming.fitted(**settings) == text
@@ -314,8 +328,9 @@ def test_fits_that_differ_and_back():
         assert naming.parse_window(f"_w24{text}", default=12) == 24
         assert naming.parse_window(text, default=12) == 12
         assert re.fullmatch(pattern, f"_w24{text}")
-    for text in ("_tol0.001", "_cd0.5_tol1", "_tol0", "_w12_tol1"):
+    for text in ("_tol0.001", "_cd0.5_tol1", "_tol0", "_w12_tol1", "_light_cd1"):
         assert not re.fullmatch(pattern, text)
+    assert not re.fullmatch(naming.fitted_pattern(convergence=1, light_time=True), "_light")
 
 
 def test_an_experiment_knows_its_files():

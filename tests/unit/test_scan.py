@@ -22,14 +22,14 @@ AXES = {
     "learners": ["svr", "svr_s5.6"],
     "estimations": [{}, {"convergence": 1}],
     "fences": ["dataset", "none"],
-    "zscore": [False, True],
+    "standardisations": ["training", "own"],
 }
 
 
 @pytest.fixture(scope="module")
 def asked():
     values = paper_values()
-    values["study"]["scan"] = AXES
+    values["study"]["scan"] = {"all": AXES, "again": {"learners": ["svr"]}}
     return scanned(Paper(study_of(values)))
 
 
@@ -44,12 +44,22 @@ def test_combinations_are_the_product_of_the_axes(asked):
     assert "svr_s5.6_tol1-unfenced-zscore" in map(str, asked.combinations)
 
 
+def test_products_of_axes_stand_one_after_the_other():
+    values = paper_values()
+    values["study"]["scan"] = {
+        "together": {"learners": ["svr_s2"], "standardisations": ["together"]},
+        "light": {"learners": ["svr"], "estimations": [{"cd_sigma": 1, "light_time": True}]},
+    }
+    found = scanned(Paper(study_of(values)))
+    assert list(map(str, found.combinations)) == ["svr", "svr_s2-together", "svr_cd1_light"]
+
+
 def test_a_study_without_a_scan_has_none():
     assert not scanned(Paper(study_of(paper_values()))).combinations
 
 
 def test_a_combination_is_a_part_of_every_name(asked):
-    one = Combination("svr_s2", window="_tol1", reading="_track", fence=math.inf, zscore=True)
+    one = Combination("svr_s2", window="_tol1", reading="_track", fence=math.inf, standardisation="own")
     future, _ = asked.numbers["future_10days"]
     assert one.of(future).path("metrics") == (
         "metrics/iss/eglin-clear-kaena_tol1_track/days-0-30/svr_s2/e_y/iss/days-30-40-unfenced-zscore.parquet"
@@ -94,5 +104,7 @@ def test_the_figure_has_a_line_for_each_and_the_papers_marks():
 def test_the_scan_that_comes_with_the_settings_is_one():
     source = merged([f"{ROOT}/config/config.yaml", f"{ROOT}/config/scan.yaml"], {})
     found = scanned(Paper(Study(load(source, schema=f"{ROOT}/workflow/schemas/config.schema.yaml"))))
-    assert len(found.combinations) == 24
-    assert "svrnoplane10_cd1-zscore" in map(str, found.combinations)
+    names = [*map(str, found.combinations)]
+    assert len(names) == 27
+    assert "svrnoplane10_cd1-zscore" in names
+    assert names[-3:] == ["svr-together", "svrnoplane50_cd1-together", "svr_light"]

@@ -145,6 +145,10 @@ def test_trimmed_case_has_the_same_rules(project):
             "results/calibration/iss/eglin/days-0-30/svr/e_y/iss/days-30-40.parquet",
             {**dict.fromkeys(CHAIN, 1), "train": 1, "uncertainty": 1, "calibration": 1},
         ),
+        (
+            "results/metrics/iss/eglin_cd1_light/days-0-30/svr/e_y/iss_i50/days-30-40-together.parquet",
+            {**dict.fromkeys(CHAIN, 2), "truths": 1, "train_together": 1, "evaluate": 1},
+        ),
     ],
 )
 def test_name_of_a_target_is_enough(project, target, expected):
@@ -162,6 +166,9 @@ def test_name_of_a_target_is_enough(project, target, expected):
         "models/iss/eglin/random-80/svr_s2.0/e_y",
         "dataset/iss/eglin_kept",
         "predictions/iss/eglin_b12",
+        "estimates/iss/eglin_light_cd1",
+        "models/iss/eglin/random-80/svr/e_y/iss/rest-zscore",
+        "intervals/iss/eglin/random-80/svr/e_y/iss/rest-together",
         "tracking/iss/eglin_noise42",
     ],
 )

@@ -86,7 +86,8 @@ TRAINED_ON = (
 SEED = config["seed"]
 NOISE = naming.seed_pattern(naming.NOISE, default=SEED["noise"])
 WINDOW = naming.window_pattern(default=config["estimation"]["window_hours"]) + naming.fitted_pattern(
-    convergence=config["estimation"]["convergence"]
+    convergence=config["estimation"]["convergence"],
+    light_time=config["estimation"].get("light_time", False),
 )
 SPLIT = naming.seed_pattern(naming.SPLIT, default=SEED["split"])
 LATER = naming.any_of(filter(None, naming.LABELS.values()))
@@ -251,6 +252,12 @@ def beside(part):
         ]
 
     return find
+
+
+def trained(wildcards):
+    """Input function: the model that a test is asked of, one of its own where its rows standardise it, too."""
+    own = wildcards.test.endswith(naming.STANDARDISATIONS["together"])
+    return path_of((rules.train_together if own else rules.train).output[0], **dict(wildcards.items()))
 
 
 def without_truth(wildcards):

@@ -35,9 +35,46 @@ rule train:
         "../scripts/train.py"
 
 
+rule train_together:
+    input:
+        dataset=rules.train.input.dataset,
+        beside=beside("rso"),
+        target=f"{RESULTS}/dataset/{{target}}/{{stations}}{{window}}{{reading}}{{label}}.parquet",
+        judge=judge(rules.dataset.output[0]),
+        beside_target=beside("target"),
+        asked=checked_names(split, experiment),
+    output:
+        f"{RESULTS}/models/{EXPERIMENT}/{{target}}/{{test}}.parquet",
+    log:
+        f"{RESULTS}/logs/models/{EXPERIMENT}/{{target}}/{{test}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/models/{EXPERIMENT}/{{target}}/{{test}}.tsv"
+    wildcard_constraints:
+        rso=TRAINED_ON,
+        test=naming.TEST_TOGETHER,
+    conda:
+        "../envs/opml.yaml"
+    resources:
+        mem_mb=1750,
+        runtime=16,
+    params:
+        settings=lambda wildcards: {
+            "epoch": config["epoch"],
+            **split(wildcards),
+            "span_days": STUDY.span_days,
+            "learner": learner(wildcards),
+            "experiment": experiment(wildcards),
+        },
+        code=code("train_together.py"),
+    message:
+        "Train {wildcards.learner} on {wildcards.component} of {wildcards.rso}, {wildcards.stations}, {wildcards.train}, for {wildcards.target}, {wildcards.test}"
+    script:
+        "../scripts/train_together.py"
+
+
 rule evaluate:
     input:
-        model=rules.train.output[0],
+        model=trained,
         target=f"{RESULTS}/dataset/{{target}}/{{stations}}{{window}}{{reading}}{{label}}.parquet",
         judge=judge(rules.dataset.output[0]),
         beside=beside("target"),

@@ -16,7 +16,7 @@ import pandas as pd
 
 from opml.catalog.flying import fly
 from opml.catalog.least_squares import Evaluation, Fit, Method
-from opml.catalog.observing import observe, sigmas, site
+from opml.catalog.observing import observe, retarded, sigmas, site
 from opml.catalog.tracking import QUANTITIES
 from opml.constants import HOUR
 from opml.dynamics.ensemble import REASONS, Arcs, Integrator
@@ -52,7 +52,8 @@ class Estimation:
     window per unit of Cd below which Cd is held at its a-priori value; cd_bounds: Cd of an estimate that
     others may start from, None where its formal uncertainty decides; after_hours: tracks that begin up to so
     long after the estimate are used, too [h]; cd_sigma: standard deviation of Cd about its a-priori value, as
-    known beforehand, None where it is not.
+    known beforehand, None where it is not; light_time: measurements are read as received at their time, after
+    the light's way down, not as geometric.
     """
 
     window_hours: float
@@ -64,6 +65,7 @@ class Estimation:
     cd_bounds: tuple[float, float] | None = None
     after_hours: float = 0.0
     cd_sigma: float | None = None
+    light_time: bool = False
 
 
 def estimate_all(
@@ -85,7 +87,7 @@ def estimate_all(
     hand; tracking: the measurements; stations: those that made them.
     """
     run = Run(
-        Measured(tracking, earth_orientation, stations),
+        Measured(tracking, earth_orientation, stations, light_time=settings.light_time),
         Flight(model, rso, integrator, threads),
         starts[STATE].to_numpy(),
         settings,
@@ -132,8 +134,14 @@ class Measured:
     """The measurements of a run by row, their epochs, and where each track begins and ends."""
 
     def __init__(
-        self, tracking: pd.DataFrame, earth_orientation: pd.DataFrame, stations: Sequence[Station]
+        self,
+        tracking: pd.DataFrame,
+        earth_orientation: pd.DataFrame,
+        stations: Sequence[Station],
+        *,
+        light_time: bool = False,
     ) -> None:
+        self.light_time = light_time
         self.epochs, self.epoch_of_row = np.unique(tracking["t"].to_numpy(), return_inverse=True)
         self.rotations = gcrf_to_itrf(earth_orientation, self.epochs)
         self.values = tracking[QUANTITIES].to_numpy()
@@ -169,8 +177,8 @@ class Measured:
         states: (8, epochs, 6) GCRF [m, m/s] of the nominal arc and its neighbours, at the epochs from
         window.first to window.last.
         """
-        rows, epoch = window.rows, self.epoch_of_row[window.rows]
-        positions = np.einsum("nij,lnj->lni", self.rotations[epoch], states[:, epoch - window.first, :3])
+        rows = window.rows
+        positions = self._seen(rows, states[:, self.epoch_of_row[rows] - window.first])
         place = self.positions[rows], self.to_horizon[rows]
         residual = self.values[rows] - observe(positions[0], *place)
         residual[:, 0] = wrap_half_turn(residual[:, 0])
@@ -181,6 +189,15 @@ class Measured:
         change[..., 0] = wrap_half_turn(change[..., 0])
         weighted = 0.5 * change / self.sigmas[rows] / NUDGES[:, None, None]
         return Evaluation((residual / self.sigmas[rows]).ravel(), weighted.reshape(7, -1).T)
+
+    def _seen(self, rows: slice, states: np.ndarray) -> np.ndarray:
+        """Positions (arcs, rows, 3) in ITRF that are measured of an RSO in GCRF states (arcs, rows, 6)."""
+        to_itrf = self.rotations[self.epoch_of_row[rows]]
+        positions: np.ndarray = np.einsum("nij,lnj->lni", to_itrf, states[..., :3])
+        if not self.light_time:
+            return positions
+        velocities = np.einsum("nij,lnj->lni", to_itrf, states[..., 3:])
+        return retarded(positions, velocities, self.positions[rows])
 
 
 @dataclass(frozen=True)

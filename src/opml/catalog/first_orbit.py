@@ -111,7 +111,7 @@ def determined(
     """
     begins = tracking.groupby("track")["t"].min()
     run = Run(
-        Measured(tracking, earth_orientation, stations),
+        Measured(tracking, earth_orientation, stations, light_time=settings.light_time),
         Flight(model, rso, integrator, threads),
         np.full((len(begins), 6), np.nan),
         settings,

@@ -1,12 +1,13 @@
 """What a radar station measures of an RSO: azimuth, elevation and range.
 
-Measurements are geometric, without light time or aberration, in the simulation and in the
-estimation alike.
+Measurements are geometric, without light time or aberration. Only a fit may be asked to read them as
+received at their time, after the light's way down (`retarded`).
 """
 
 import erfa
 import numpy as np
 
+from opml.constants import SPEED_OF_LIGHT
 from opml.elements import wrap_turn
 from opml.sheets import Station
 
@@ -39,6 +40,18 @@ def observe(positions: np.ndarray, position: np.ndarray, to_horizon: np.ndarray)
     azimuth = wrap_turn(np.arctan2(local[..., 0], local[..., 1]))
     elevation = np.arctan2(local[..., 2], np.hypot(local[..., 0], local[..., 1]))
     return np.stack([azimuth, elevation, distance], axis=-1)
+
+
+def retarded(positions: np.ndarray, velocities: np.ndarray, position: np.ndarray) -> np.ndarray:
+    """Positions (..., 3) in ITRF [m] that the light left which a station receives now.
+
+    positions, velocities: (..., 3) now [m, m/s], the latter inertial ones in the axes of ITRF; position: as
+    for `observe`. To the first order in the light's travel time, within millimetres of a low orbit
+    (Montenbruck & Gill 2000, sec. 6.2).
+    """
+    travel = np.linalg.norm(positions - position, axis=-1, keepdims=True) / SPEED_OF_LIGHT
+    left: np.ndarray = positions - travel * velocities
+    return left
 
 
 def place(measured: np.ndarray, position: np.ndarray, to_horizon: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ from opml import naming
 from opml.naming import Split
 
 ASIDE = {"rest": "the rest", "seen": "the same rows"}
+STANDARDISED = {"own": "standardised alone", "together": "standardised with the training"}
 
 
 def axis(component: str) -> str:
@@ -40,8 +41,8 @@ def tested(name: str) -> str:
         words.append("new estimates only")
     if split.fence is not None:
         words.append("no fences" if math.isinf(split.fence) else "fences of its own")
-    if split.zscore:
-        words.append("standardised alone")
+    if split.standardisation != "training":
+        words.append(STANDARDISED[split.standardisation])
     return ", ".join(words)
 
 

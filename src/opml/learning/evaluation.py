@@ -12,9 +12,10 @@ from opml.naming import parse_test
 def as_tested(model: Model, test: str) -> Predictor:
     """The model as the name of a test has it meet rows: as they are, or standardised by themselves.
 
-    Raises InputError for a name that is none, or a model that does not standardise.
+    A test that is standardised together with the training has a model of its own, which meets rows as they
+    are. Raises InputError for a name that is none, or a model that does not standardise.
     """
-    return Rescaled.around(model) if parse_test(test).zscore else model
+    return Rescaled.around(model) if parse_test(test).standardisation == "own" else model
 
 
 def evaluate(model: Predictor, dataset: pd.DataFrame, rows: np.ndarray, *, component: str) -> pd.DataFrame:

@@ -96,7 +96,7 @@ def fit(
     x = checked(x, variables)
     y = checked_target(y, len(x), least=2)
     drawn = subsample(len(x), settings["rows"], derive(seed, "gaussian_process", "rows"))
-    mean, scale = standardisation(x)
+    mean, scale = standardisation(x, settings)
     z, offset, y_scale = (x[drawn] - mean) / scale, float(y.mean()), float(y.std()) or 1.0
     with threadpool_limits(limits=1), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # a number at its bound is an answer too

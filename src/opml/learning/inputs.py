@@ -6,6 +6,10 @@ import numpy as np
 import pandas as pd
 
 from opml.errors import InputError
+from opml.learning.contract import Settings
+
+STANDARDISED_WITH = "standardised_with"
+"""Key of a learner's settings: rows (m, variables) over which its variables are standardised, too."""
 
 
 def columns_of(rows: pd.DataFrame, variables: Sequence[str]) -> np.ndarray:
@@ -61,8 +65,13 @@ def weighing(weights: np.ndarray | None, count: int) -> np.ndarray:
     return np.ones(count) if weights is None else np.asarray(weights, dtype=float)
 
 
-def standardisation(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Mean and sample deviation (variables,) of rows x; 1 for a variable that never changes."""
+def standardisation(x: np.ndarray, settings: Settings | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Mean and sample deviation (variables,) of rows x; 1 for a variable that never changes.
+
+    Rows that a learner's `settings` have under `STANDARDISED_WITH` count, too.
+    """
+    if settings and STANDARDISED_WITH in settings:
+        x = np.vstack([x, settings[STANDARDISED_WITH]])
     mean, scale = x.mean(axis=0), x.std(axis=0, ddof=1)
     # A variable that never changes tells nothing; scale 1 keeps it at zero, in later rows too if it stays
     # there. Its computed deviation may be rounding noise instead of 0, hence the test on the range.

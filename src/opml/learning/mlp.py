@@ -99,7 +99,7 @@ def fit(
 
     x = checked(x, variables)
     y = checked_target(y, len(x), least=2)
-    mean, scale = standardisation(x)
+    mean, scale = standardisation(x, settings)
     offset, y_scale = float(y.mean()), float(y.std()) or 1.0
     machine = MLPRegressor(
         hidden_layer_sizes=tuple(settings["neurons"]),

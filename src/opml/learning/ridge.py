@@ -64,7 +64,7 @@ def fit(
     """
     x = checked(x, variables)
     y = checked_target(y, len(x), least=2)
-    scale = standardisation(x)[1]
+    scale = standardisation(x, settings)[1]
     mean, offset = np.average(x, axis=0, weights=weights), float(np.average(y, weights=weights))
     root = np.sqrt(weighing(weights, len(x)))
     z = root[:, None] * ((x - mean) / scale)

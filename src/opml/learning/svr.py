@@ -115,7 +115,7 @@ def fit(
     """
     x = checked(x, variables)
     y = checked_target(y, len(x), least=MIN_ROWS)
-    x_mean, x_scale = standardisation(x)
+    x_mean, x_scale = standardisation(x, settings)
     z = (x - x_mean) / x_scale
     q1, q3 = quartiles(y)
     y_scale = (q3 - q1) / NORMAL_IQR if q3 > q1 else 1.0  # fitrsvm falls back to C = 1, epsilon = 0.1 as well

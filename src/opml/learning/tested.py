@@ -1,4 +1,4 @@
-"""The rows that a job tests on, and the errors that they are judged by."""
+"""The rows that a job tests on, and the errors that they are judged by; beside them those it trains on."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -31,3 +31,17 @@ def read(
         learned=learned,
     )
     return judged, rows, learned
+
+
+def read_with_training(files: Any, settings: Mapping[str, Any]) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """The rows that a job trains on, and those of the dataset that judges its test.
+
+    files: as for `read`, and `dataset` of the former, with what is `beside` it and `beside_target`. Errors as
+    `read`, and InputError where nothing is left to train on.
+    """
+    table = dataset.read(files.dataset, files.beside)
+    training = splits.training_rows(
+        table, settings["train"], span_days=settings["span_days"], seed=settings["seed"]
+    )
+    judged, rows, _ = read(files, settings, beside=files.beside_target)
+    return table[training], judged[rows]

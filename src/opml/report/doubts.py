@@ -17,7 +17,8 @@ DOUBTS = (
     ),
     (
         "The learning variables are standardised by their mean and deviation; of which rows is not told.",
-        "Of the rows trained on. A test that is standardised by itself is in the table of readings.",
+        "Of the rows trained on. A test that is standardised by itself is in the table of readings, one that "
+        "is standardised together with the training in the scan.",
     ),
     (
         "The prediction duration, a learning variable, is t_i - t_b.",
@@ -73,6 +74,7 @@ DOUBTS = (
     ),
     (
         "Orekit's measurements include the signal's travel time.",
-        "Geometric, in the simulated measurements and in the estimation alike.",
+        "Geometric, in the simulated measurements and in the estimation alike. Fits that reckon with light "
+        "time are in the scan.",
     ),
 )

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import pandas as pd
 
-from opml.naming import Experiment, fenced, treated
+from opml.naming import STANDARDISATIONS, Experiment, fenced, treated
 from opml.report.claims import Claim, judged
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.results import Results, percent
@@ -25,11 +25,12 @@ class Combination:
     window: str = ""  # suffix of the estimates
     reading: str = ""  # suffix of the dataset: which earlier estimate is t_b
     fence: float | None = None  # Tukey's, of the tested rows [IQR]; infinite for none, None for the dataset's
-    zscore: bool = False  # tested rows are standardised by themselves
+    standardisation: str = "training"  # rows that standardise the variables: training, own or together
 
     def __str__(self) -> str:
         """Return its name, unlike any other's."""
-        return f"{self.learner}{self.window}{self.reading}{fenced(self.fence)}" + "-zscore" * self.zscore
+        treatment = fenced(self.fence) + STANDARDISATIONS[self.standardisation]
+        return f"{self.learner}{self.window}{self.reading}{treatment}"
 
     def of(self, experiment: Experiment) -> Experiment:
         """Return an experiment under this combination."""
@@ -38,7 +39,7 @@ class Combination:
             learner=self.learner,
             window=self.window,
             reading=self.reading,
-            test=treated(experiment.test, fence=self.fence, zscore=self.zscore),
+            test=treated(experiment.test, fence=self.fence, standardisation=self.standardisation),
         )
 
 
@@ -110,7 +111,8 @@ def document(scan: Scan, metrics: pd.DataFrame) -> list[Block]:
             "P_ML [%] of each number of the paper under combinations of readings of what it leaves open, "
             "the nearest first. A combination is one setting for all numbers. The distance is the mean of "
             "|ours - paper's|. Its name is that of the learner, of the estimates, then of how tests treat "
-            "their rows: `-unfenced` without Tukey's fences, `-zscore` standardised by themselves."
+            "their rows: `-unfenced` without Tukey's fences, `-zscore` standardised by themselves, "
+            "`-together` standardised with the rows trained on."
         ),
         Table([*header, *(f"`{name}`" for name in scan.numbers)], rows),
         Heading("The sentences"),

@@ -224,9 +224,9 @@ def _check_references(source: Source, settings: Settings) -> None:
 _ENTRIES = (
     *((), ("defaults",), ("orbit",), ("distribution",), ("partition",), ("kernel_scale",)),
     *(("generalisation",), ("generalisation", "transfers"), ("generalisation", "budget")),
-    *(("rolling",), ("scan",)),
+    ("rolling",),
 )
-_MAPPINGS_OF_ENTRIES = (("evaluations",), ("grids",), ("curves",), ("reproduction", "readings"))
+_MAPPINGS_OF_ENTRIES = (("evaluations",), ("grids",), ("curves",), ("reproduction", "readings"), ("scan",))
 
 
 def _parts(asked: Mapping[str, Any]) -> Iterator[tuple[Key, str, Any]]:

@@ -211,8 +211,9 @@ class Paper:
             read = replace(read, train=re.sub("^(random|grouped)-", f"{entry['split']}-", read.train))
         if entry.get("windows") == "unseen":
             read = replace(read, test=naming.as_unseen(read.test))
-        fence, zscore = fence_of(entry.get("fence", "dataset")), entry.get("zscore", False)
-        return replace(read, test=naming.treated(read.test, fence=fence, zscore=zscore))
+        fence = fence_of(entry.get("fence", "dataset"))
+        standardisation = entry.get("standardisation", "training")
+        return replace(read, test=naming.treated(read.test, fence=fence, standardisation=standardisation))
 
     @cached_property
     def drawn(self) -> dict[str, Experiment]:
