@@ -26,8 +26,8 @@ RATES = 7
 LIT = 6
 """The illumination's place among them."""
 
-_SAMPLES = 5
-"""Places along the step, evenly spaced, at which Sun and limb are worked out; a quartic joins them."""
+_SAMPLES = 4
+"""Places along the step, evenly spaced, at which Sun and limb are worked out; a cubic joins them."""
 
 _CELLS = 64
 """Parts of a step over which light is added up: of 90 s each 1.4 s, where a penumbra takes 8 s or more."""
@@ -50,9 +50,8 @@ def _through_both_ends(places):
 # A stage's light enters the end of the step as often as the rule has it: b, b A, 2 b A^2, 6 b A^3.
 _COUNTED = np.array([factorial(k) * OUTER @ np.linalg.matrix_power(INNER, k) for k in range(_MOMENTS)])
 _PLACES = np.linspace(0.0, 1.0, _SAMPLES)
-_MIDDLES = (np.arange(_CELLS) + 0.5) / _CELLS
 _PATH = _through_both_ends(_PLACES)
-_QUARTIC = np.power.outer(_MIDDLES, np.arange(_SAMPLES)) @ np.linalg.inv(np.vander(_PLACES, increasing=True))
+_CUBIC = np.linalg.inv(np.vander(_PLACES, increasing=True))
 
 
 @compiled
@@ -60,7 +59,7 @@ def count_light(t, h, state, new, model, coefficients, values, slopes, scratch):
     """Put right in `new` what edges of the shadow within a step did to it.
 
     t, h: where the step begins and its length [s]; state, new: (6, WIDTH) before and after it, GCRF; values:
-    the surroundings at t + h; slopes: of the step's stages, RATES rows each; scratch: nine rows.
+    the surroundings at t + h; slopes: of the step's stages, RATES rows each; scratch: eight rows.
     """
     total = splat(0.0)
     for stage in range(STAGES):
@@ -107,14 +106,19 @@ def _add_up(lane, h, state, new, before, after, values, slopes, scratch):
         )
         separation, earth, disc = limb(x, y, z, towards)
         scratch[place, lane] = separation - earth
+    c0 = c1 = c2 = c3 = 0.0
+    for place in range(_SAMPLES):
+        above = scratch[place, lane]
+        c0, c1 = c0 + _CUBIC[0, place] * above, c1 + _CUBIC[1, place] * above
+        c2, c3 = c2 + _CUBIC[2, place] * above, c3 + _CUBIC[3, place] * above
+    m0 = m1 = m2 = m3 = 0.0
     for cell in range(_CELLS):
-        above = 0.0
-        for place in range(_SAMPLES):
-            above += _QUARTIC[cell, place] * scratch[place, lane]
-        light = part_in_sight(earth + above, earth, disc) / _CELLS
-        for k in range(_MOMENTS):
-            scratch[_SAMPLES + k, lane] += light
-            light *= 1.0 - _MIDDLES[cell]
+        u = (cell + 0.5) / _CELLS
+        above = c0 + u * (c1 + u * (c2 + u * c3))
+        lit, w = part_in_sight(earth + above, earth, disc), 1.0 - u
+        m0, m1, m2, m3 = m0 + lit, m1 + w * lit, m2 + w * w * lit, m3 + w * w * w * lit
+    scratch[_SAMPLES, lane], scratch[_SAMPLES + 1, lane] = m0 / _CELLS, m1 / _CELLS
+    scratch[_SAMPLES + 2, lane], scratch[_SAMPLES + 3, lane] = m2 / _CELLS, m3 / _CELLS
 
 
 @compiled
