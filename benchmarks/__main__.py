@@ -1,6 +1,6 @@
 """opml beside its peers, and what it costs by itself: writes benchmarks/results.md.
 
-python -m benchmarks [--orekit-data DIR] [--only race scaling kernels svr paper] [--results DIR]
+python -m benchmarks [--orekit-data DIR] [--only race precision scaling kernels svr paper] [--results DIR]
 """
 
 import argparse
@@ -12,20 +12,25 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from benchmarks import kernels, paper, race, scaling, svr
+from benchmarks import diagram, kernels, paper, precision, race, scaling, sections, svr
+from opml import __version__
 from opml.errors import InputError
 
 RESULTS = Path(__file__).with_name("results.md")
-TOOLS = ("opml", "orekit-jpype", "heyoka", "satkit", "numba", "scikit-learn", "scikit-learn-intelex")
+FIGURE = Path(__file__).parents[1] / "docs" / "images" / "work_precision.png"
+TOOLS = ("orekit-jpype", "heyoka", "satkit", "numba", "scikit-learn", "scikit-learn-intelex")
 CATALOGUE = 30_000
 """RSOs of a whole catalogue."""
+
+Made = tuple[dict[str, str], bool]
+"""Texts of the report by their titles, and whether all tools' answers agree with opml's."""
 
 INTRODUCTION = """# Benchmarks
 
 Written by `make bench`. Only ratios mean much: every tool flew the same arcs in the same run, in turns, each
 on one core unless said otherwise. Times are the processor's, not the clock's, where both are possible.
 
-Machine: {machine}. Python {python}; {tools}.
+Machine of the last run: {machine}. Python {python}; {tools}.
 """
 
 
@@ -37,31 +42,41 @@ def main() -> int:
     parser.add_argument("--rounds", type=int, default=race.ROUNDS, help="turns of each tool")
     parser.add_argument("--results", type=Path, default=Path("results"), help="a finished run of the paper")
     arguments = parser.parse_args()
-    parts, agreed = [_introduction()], True
+    made, agreed = {}, True
     for name in arguments.only:
-        text, agrees = SECTIONS[name](arguments)
-        parts.append(text)
+        texts, agrees = SECTIONS[name](arguments)
+        made |= texts
         agreed = agreed and agrees
-    RESULTS.write_text("\n".join(parts), encoding="utf-8")
+    page = RESULTS.read_text(encoding="utf-8") if RESULTS.exists() else ""
+    RESULTS.write_text(sections.replaced(page, _introduction(), made), encoding="utf-8")
     _progress(f"wrote {RESULTS.name}")
     return 0 if agreed else 1
 
 
-def _race(arguments: argparse.Namespace) -> tuple[str, bool]:
+def _race(arguments: argparse.Namespace) -> Made:
     """The same arcs by every tool."""
     results, absent = race.run(arguments.orekit_data, rounds=arguments.rounds, progress=_progress)
     text = (
-        f"## Beside the peers\n\n{race.ARCS} arcs of the paper's RSO, 7 days, 20x20 gravity, drag, third "
-        "bodies: each tool's closest force model, stated below.\n\n"
+        f"{race.ARCS} arcs of the paper's RSO, 7 days, 20x20 gravity, drag, third bodies: each tool's "
+        "closest force model, stated below.\n\n"
     )
-    return text + race.report(results, absent), not race.disagreements(results)
+    text += race.report(results, absent)
+    return {"Beside the peers": text}, not race.disagreements(results)
 
 
-def _scaling(arguments: argparse.Namespace) -> tuple[str, bool]:
+def _precision(arguments: argparse.Namespace) -> Made:
+    """Work against own error, each tool at five settings; also draws the figure."""
+    panels, absent = precision.run(arguments.orekit_data, progress=_progress)
+    diagram.save(diagram.work_precision(panels), FIGURE)
+    _progress(f"wrote {FIGURE.name}")
+    return {"Work and precision": precision.report(panels, absent)}, True
+
+
+def _scaling(arguments: argparse.Namespace) -> Made:
     """Threads, arcs, RSOs, least squares, the start of a job."""
     sentence, cost = scaling.rsos(_progress)
     week = CATALOGUE * 7.0 * cost / 1000.0
-    parts = {
+    texts = {
         "Threads": scaling.threads(_progress),
         "Arcs": scaling.arcs(_progress),
         "RSOs": sentence
@@ -71,32 +86,33 @@ def _scaling(arguments: argparse.Namespace) -> tuple[str, bool]:
         "Least squares": scaling.least_squares(_progress),
         "Start of a job": scaling.start(_progress),
     }
-    return "\n".join(f"## {title}\n\n{text}" for title, text in parts.items()), True
+    return texts, True
 
 
-def _kernels(arguments: argparse.Namespace) -> tuple[str, bool]:
+def _kernels(arguments: argparse.Namespace) -> Made:
     """Each kernel beside what its arithmetic must cost."""
     _progress("kernels")
-    return "## Kernels\n\n" + kernels.report(), True
+    return {"Kernels": kernels.report()}, True
 
 
-def _svr(arguments: argparse.Namespace) -> tuple[str, bool]:
+def _svr(arguments: argparse.Namespace) -> Made:
     """Support vector regression by two libraries."""
     _progress("support vector regression")
-    return "## Support vector regression\n\n" + svr.report(), True
+    return {"Support vector regression": svr.report()}, True
 
 
-def _paper(arguments: argparse.Namespace) -> tuple[str, bool]:
+def _paper(arguments: argparse.Namespace) -> Made:
     """The whole paper stage by stage, where it has been run."""
     try:
         text = paper.report(paper.costs(arguments.results))
     except InputError as reason:
         text = f"Left out: {reason}."
-    return f"## The whole paper\n\n{text}\n", True
+    return {"The whole paper": text}, True
 
 
-SECTIONS: dict[str, Callable[[argparse.Namespace], tuple[str, bool]]] = {
+SECTIONS: dict[str, Callable[[argparse.Namespace], Made]] = {
     "race": _race,
+    "precision": _precision,
     "scaling": _scaling,
     "kernels": _kernels,
     "svr": _svr,
@@ -105,7 +121,8 @@ SECTIONS: dict[str, Callable[[argparse.Namespace], tuple[str, bool]]] = {
 
 
 def _introduction() -> str:
-    tools = ", ".join(f"{name} {version}" for name in TOOLS if (version := _version(name)))
+    versions = {"opml": __version__} | {name: _version(name) for name in TOOLS}
+    tools = ", ".join(f"{name} {version}" for name, version in versions.items() if version)
     machine = f"{_processor()}, {os.cpu_count()} cores"
     return INTRODUCTION.format(machine=machine, python=platform.python_version(), tools=tools)
 

@@ -12,14 +12,23 @@ from opml.dynamics import forces
 from opml.dynamics.ensemble import Integrator, propagate
 from opml.dynamics.surroundings import ForceModel
 from opml.environment import earth_orientation, ephemerides, gravity_field, nodes, solar_activity
+from opml.epochs import elapsed
 from opml.seeds import derive
 from validation.case import Case
 
 DAYS = 7.0
 """Length of an arc, and of the span in which arcs begin."""
 
+_BEFORE = 0.01
+"""How long before midnight [s] a step ends: what the jump does in this time is nothing."""
+
 _SPREAD = np.repeat([100.0, 0.1], 3)
 """Standard deviations [m, m/s] of the starts about the RSO's orbit, as of estimates from a few tracks."""
+
+
+def spread(total: int, count: int) -> np.ndarray:
+    """Indices of `count` of `total` things, evenly spread."""
+    return np.linspace(0, total - 1, count).round().astype(int)
 
 
 @dataclass(frozen=True)
@@ -43,10 +52,23 @@ class Arcs:
         """Days flown by all arcs together."""
         return len(self) * self.duration / DAY
 
+    def stops(self, begin: float) -> np.ndarray:
+        """Times [s] at which to stop on the arc that begins at a time: about midnights (UTC), and its end.
+
+        Models of the atmosphere jump at midnight, so a step ends just before it: it sees the old day only.
+        """
+        midnights = elapsed(paper().epoch, f"{paper().epoch[:10]}T00:00:00") + DAY * np.arange(3 * DAYS)
+        stops, end = np.ravel([midnights - _BEFORE, midnights], order="F"), begin + self.duration
+        return np.append(stops[(stops > begin) & (stops < end)], end)
+
     def some(self, count: int) -> Self:
-        """`count` of the arcs, evenly picked."""
-        picked = np.linspace(0, len(self) - 1, count).round().astype(int)
+        """`count` of the arcs, evenly spread."""
+        picked = spread(len(self), count)
         return replace(self, t=self.t[picked], states=self.states[picked])
+
+    def lasting(self, duration: float) -> Self:
+        """The same arcs of another length [s]."""
+        return replace(self, duration=duration)
 
     def without_drag(self) -> Self:
         """The same arcs in a vacuum."""

@@ -33,6 +33,11 @@ def distances(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.linalg.norm(a[:, :3] - b[:, :3], axis=1)
 
 
+def apart(a: np.ndarray, b: np.ndarray) -> float:
+    """Median of these distances [m]."""
+    return float(np.median(distances(a, b)))
+
+
 def along_track(states: np.ndarray, reference: np.ndarray) -> np.ndarray:
     """Angle [rad] by which states (n, 6) are ahead of reference states, about the latter's orbit normal."""
     radial, ahead, _ = np.moveaxis(rsw_rotation(reference), 1, 0)

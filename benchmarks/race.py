@@ -6,9 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks import case, measure
-from benchmarks.peers import PEERS
-from benchmarks.worker import Absent, Worker
+from benchmarks import case, measure, turns
+from benchmarks.turns import Flight
 
 ARCS = 100
 ROUNDS = 5
@@ -60,34 +59,18 @@ def run(
 ) -> tuple[dict[str, Result], dict[str, str]]:
     """(results by peer, reasons of the peers that did not take part)."""
     arcs = case.arcs(ARCS)
-    workers, absent = {}, {}
-    for name in PEERS:
-        try:
-            workers[name] = _start(name, orekit_data)
-        except Absent as reason:
-            absent[name] = str(reason)
-    results = {}
-    for name, worker in workers.items():
-        progress(f"{worker.about['title']}: answers")
-        results[name] = _answers(worker, arcs)
-    for number in range(rounds):
-        progress(f"round {number + 1} of {rounds}")
+    with turns.started(orekit_data) as (workers, absent):
+        results = {}
         for name, worker in workers.items():
-            flown = arcs.some(results[name].arcs)
-            timed = worker.call("fly", flown)
-            results[name].cpu.append(measure.per_arc_day(timed.cpu, flown.arc_days))
-            results[name].wall.append(measure.per_arc_day(timed.wall, flown.arc_days))
-    for worker in workers.values():
-        worker.close()
+            progress(f"{worker.about['title']}: answers")
+            results[name] = _answers(worker, arcs)
+        flights = {
+            name: Flight(worker, arcs.some(results[name].arcs), worker.about["raced"])
+            for name, worker in workers.items()
+        }
+        for name, flown in turns.fly(flights, rounds=rounds, progress=progress).items():
+            results[name].cpu, results[name].wall = flown.cpu, flown.wall
     return results, absent
-
-
-def _start(name, orekit_data):
-    if name != "orekit":
-        return Worker(name)
-    if orekit_data is None:
-        raise Absent("needs a folder of Orekit's data: make bench OREKIT_DATA=<folder>")
-    return Worker(name, orekit_data)
 
 
 def _answers(worker, arcs):
@@ -95,17 +78,23 @@ def _answers(worker, arcs):
     count = min(worker.about["share"], ARCS)
     some = arcs.some(min(CHECKED, count))
     vacuum = some.without_drag()
-    found, found_vacuum = worker.call("fly", some).result, worker.call("fly", vacuum).result
+    found, found_vacuum, tight = (
+        Flight(worker, flown, setting).fly().result
+        for flown, setting in [
+            (some, worker.about["raced"]),
+            (vacuum, worker.about["raced"]),
+            (some, worker.about["tight"][-1]),
+        ]
+    )
     twin, twin_vacuum = worker.call("twin", some).result, worker.call("twin", vacuum).result
-    tight = worker.call("fly_tightly", some).result
     effect, twin_effect = measure.along_track(found, found_vacuum), measure.along_track(twin, twin_vacuum)
     return Result(
         about=worker.about,
         arcs=count,
-        own_error=float(np.median(measure.distances(found, tight))),
-        vacuum=float(np.median(measure.distances(found_vacuum, twin_vacuum))),
+        own_error=measure.apart(found, tight),
+        vacuum=measure.apart(found_vacuum, twin_vacuum),
         drag=float(np.median(effect / twin_effect)),
-        apart=float(np.median(measure.distances(found, twin))),
+        apart=measure.apart(found, twin),
     )
 
 
@@ -119,7 +108,7 @@ def report(results: dict[str, Result], absent: dict[str, str]) -> str:
     ours = results[OURS].cpu
     speed = [
         [
-            f"{result.about['title']}: {result.about['integrator']}",
+            "{title}: {method}, {raced}; {way}".format_map(result.about),
             str(result.arcs),
             measure.figures(float(np.median(result.cpu))),
             measure.figures(float(np.median(result.wall))),

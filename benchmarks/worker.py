@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import time
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -45,8 +46,9 @@ class Worker:
         return self._answer()
 
     def close(self) -> None:
-        """End the process."""
-        self.connection.send(None)
+        """End the process, if it has not ended by itself."""
+        with suppress(OSError):
+            self.connection.send(None)
         self.process.join()
 
     def _answer(self):
@@ -65,8 +67,7 @@ def _serve(connection, name, arguments):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
     try:
         peer = peers.load(name)(*arguments)
-        about = {word: getattr(peer, word) for word in ("title", "model", "integrator", "share")}
-        connection.send(about)
+        connection.send(peers.about(peer))
         while (request := connection.recv()) is not None:
             method, values = request
             wall, cpu = time.perf_counter(), time.process_time()

@@ -166,12 +166,12 @@ class Orekit:
         )
 
     def forces(self, settings: Mapping[str, Any], rso: Rso) -> list:
-        """The force models of degree, order and third_bodies in `settings`, with drag and pressure."""
+        """The force models of degree, order and third_bodies in `settings`, drag and pressure unless zero."""
+        surface = [(rso.cd, self.drag), (rso.cr, self.radiation_pressure)]
         return [
             self.gravity(settings["degree"], settings["order"]),
             *(self.third_body(name) for name in settings["third_bodies"]),
-            self.drag(rso),
-            self.radiation_pressure(rso),
+            *(force(rso) for coefficient, force in surface if coefficient),
         ]
 
     def orbit(self, t: float, state: np.ndarray, gm: float):
@@ -224,15 +224,22 @@ class Orekit:
         return np.array([self.state(path.getPVCoordinates(self.date(time), self.gcrf)) for time in t])
 
     def propagate_by_edges(
-        self, state: np.ndarray, gm: float, t: np.ndarray, forces: list, integrator: Integrator
+        self,
+        state: np.ndarray,
+        gm: float,
+        t: np.ndarray,
+        forces: list,
+        integrator: Integrator,
+        *,
+        begin: float = 0.0,
     ) -> np.ndarray:
-        """The same from the epoch on, with a step's end at each edge of the shadow.
+        """The same as `propagate`, with a step's end at each edge of the shadow.
 
         By itself Orekit steps over an edge, then goes back to it by interpolation in that step, which the
         bend of the acceleration has spoilt. So a first flight notes the edges' times; a second stops there.
         """
-        edges = self._edges(self._propagator(0.0, state, gm, forces, integrator), forces, t[-1])
-        propagator = self._propagator(0.0, state, gm, forces, integrator)
+        edges = self._edges(self._propagator(begin, state, gm, forces, integrator), forces, t[-1])
+        propagator = self._propagator(begin, state, gm, forces, integrator)
         flown = {time: self._state_at(propagator, time) for time in np.union1d(edges, t)}
         return np.array([flown[time] for time in t])
 
@@ -253,10 +260,12 @@ class Orekit:
         return propagator
 
     def _edges(self, propagator, forces, end):
+        detectors = [detector for force in forces for detector in force.getEventDetectors().toList()]
+        if not detectors:
+            return []
         log = org.orekit.propagation.events.EventsLogger()
-        for force in forces:
-            for detector in force.getEventDetectors().toList():
-                propagator.addEventDetector(log.monitorDetector(detector))
+        for detector in detectors:
+            propagator.addEventDetector(log.monitorDetector(detector))
         propagator.propagate(self.date(end))
         return [event.getDate().durationFrom(self.epoch) for event in log.getLoggedEvents()]
 

@@ -1,13 +1,22 @@
 """The tools that fly the same arcs, each behind the same face.
 
-A peer is a class with `title`, `model` and `integrator` (what it flew with, for the report), `share` (how
-many of a hundred arcs it flies, fewer for a slow one), `fly(arcs)` and `fly_tightly(arcs)`, which return the
-states (n, 6) at the ends of the arcs, GCRF [m, m/s]; `fly_tightly` with settings that leave no error of the
-integration to speak of. `twin(arcs)` gives the same states by opml under what the two models share. It loads
-its tool when it is made, so that a tool that is absent costs its own row only.
+A peer is a class with
+
+* `title`, `model`, `method` and `way`: what it flew with, for the report;
+* `settings`: five ways to fly from coarse to fine, by what the report calls them; `raced`: which of them
+  stands for the tool in the race; `tight`: two ways with next to no error of the integration, the second
+  the tighter;
+* `pressure`: whether it has radiation pressure;
+* `share`: how many of a hundred arcs it flies in the race, fewer for a slow one; `sample`: how many at each
+  of its settings;
+* `fly(arcs, setting)`: the states (n, 6) at the ends of the arcs, GCRF [m, m/s], `setting` being one of
+  `settings` or `tight`; `twin(arcs)`: the same by opml under what the two models share.
+
+It loads its tool when it is made, so that a tool that is absent costs its own row only.
 """
 
 from importlib import import_module
+from typing import Any
 
 PEERS = {
     "opml": "benchmarks.peers.ours:Opml",
@@ -23,3 +32,11 @@ def load(name: str) -> type:
     """The class of a peer. Raises ImportError where its tool is not installed."""
     module, cls = PEERS[name].split(":")
     return getattr(import_module(module), cls)
+
+
+def about(peer: Any) -> dict[str, Any]:
+    """What a report needs to know of a peer; of its settings, what they are called."""
+    words = ("title", "model", "method", "way", "raced", "pressure", "share", "sample")
+    return {word: getattr(peer, word) for word in words} | {
+        kind: list(getattr(peer, kind)) for kind in ("settings", "tight")
+    }

@@ -1,5 +1,7 @@
 """heyoka: Taylor's method, compiled for the equations (https://github.com/bluescarni/heyoka.py, MPL-2.0)."""
 
+from functools import cache
+
 import erfa
 import heyoka
 import numpy as np
@@ -7,6 +9,7 @@ import numpy as np
 from benchmarks import case
 from benchmarks.case import Arcs
 from benchmarks.peers import activity
+from benchmarks.peers.settings import tolerances
 
 _BATCH = 8
 """Arcs in a batch: one AVX-512 register of doubles."""
@@ -19,42 +22,21 @@ class Heyoka:
 
     title = f"heyoka {heyoka.__version__}"
     model = "EGM2008 20x20, Sun, Moon (VSOP2013, ELP2000 to 1e-4), NRLMSISE-00 as a network, same activity"
-    integrator = "Taylor, tolerance 1e-9, batches of 8 arcs, fast_math"
+    method = "Taylor"
+    way = f"batches of {_BATCH} arcs, fast_math"
+    settings = tolerances(8, 9, 10, 11, 12)
+    raced = "tolerance 1e-9"
+    tight = tolerances(14, 15)
+    pressure = False
     share = 100
+    sample = _BATCH
 
     def __init__(self):
         self.epoch = _tt(case.paper().epoch)
-        self.taylor = self._taylor(1e-9)
 
-    def _taylor(self, tolerance):
-        dynamics = heyoka.model.eo_dynamics(
-            max_geo_degree=20,
-            max_geo_order=20,
-            Cb=heyoka.par[0],
-            elp2000_thresh=1e-4,
-            vsop2013_thresh=1e-4,
-            sw_data=_activity(),
-        )
-        start = np.repeat([[7000.0], [0.0], [0.0], [0.0], [7.5], [0.0]], _BATCH, axis=1)
-        return heyoka.taylor_adaptive_batch(
-            dynamics,
-            start,
-            time=np.full(_BATCH, self.epoch),
-            pars=np.zeros((1, _BATCH)),
-            tol=tolerance,
-            compact_mode=True,
-            fast_math=True,
-        )
-
-    def fly(self, arcs: Arcs) -> np.ndarray:
-        """At the settings of the race."""
-        return self._fly(arcs, self.taylor)
-
-    def fly_tightly(self, arcs: Arcs) -> np.ndarray:
-        """At the rounding of doubles."""
-        return self._fly(arcs, self._taylor(1e-15))
-
-    def _fly(self, arcs, taylor):
+    def fly(self, arcs: Arcs, setting: str) -> np.ndarray:
+        """At one of the settings; its first flight compiles the equations."""
+        taylor = _taylor((self.settings | self.tight)[setting], self.epoch)
         ends = np.empty((len(arcs), 6))
         for begin in range(0, len(arcs), _BATCH):
             members = np.arange(begin, min(begin + _BATCH, len(arcs)))
@@ -69,6 +51,29 @@ class Heyoka:
     def twin(self, arcs: Arcs) -> np.ndarray:
         """Ours without radiation pressure."""
         return case.fly(case.force_model("assumed"), arcs.without_pressure())
+
+
+@cache
+def _taylor(tolerance, epoch):
+    """The equations, compiled for a tolerance."""
+    dynamics = heyoka.model.eo_dynamics(
+        max_geo_degree=20,
+        max_geo_order=20,
+        Cb=heyoka.par[0],
+        elp2000_thresh=1e-4,
+        vsop2013_thresh=1e-4,
+        sw_data=_activity(),
+    )
+    start = np.repeat([[7000.0], [0.0], [0.0], [0.0], [7.5], [0.0]], _BATCH, axis=1)
+    return heyoka.taylor_adaptive_batch(
+        dynamics,
+        start,
+        time=np.full(_BATCH, epoch),
+        pars=np.zeros((1, _BATCH)),
+        tol=tolerance,
+        compact_mode=True,
+        fast_math=True,
+    )
 
 
 def _tt(epoch):

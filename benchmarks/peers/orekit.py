@@ -7,8 +7,13 @@ import numpy as np
 
 from benchmarks import case
 from benchmarks.case import Arcs
-from opml.dynamics.ensemble import Integrator
+from benchmarks.peers.settings import step_limits
 from validation import orekit
+
+
+def _to_edges(*limits):
+    """Settings whose steps also end at the edges of the shadow, by what a report calls them."""
+    return {f"{name}, edges": integrator for name, integrator in step_limits(*limits).items()}
 
 
 class Orekit:
@@ -16,8 +21,13 @@ class Orekit:
 
     title = f"Orekit {'.'.join(orekit.version().split('.')[:3])}"
     model = "EIGEN-6S 20x20, Sun, Moon, Jupiter (DE430), DTM2000 with MSAFE, radiation pressure with shadow"
-    integrator = "Dormand-Prince 8(5,3), 0.1 m, at most 90 s (the paper's settings)"
-    share = 2
+    method = "Dormand-Prince 8(5,3)"
+    way = "tolerance 0.1 m (the paper's settings), stops at midnights"
+    settings = step_limits(300.0, 180.0, 120.0, 90.0, 30.0)
+    raced = "≤ 90 s"
+    tight = _to_edges(90.0, 60.0)
+    pressure = True
+    share = sample = 2
 
     def __init__(self, data: Path):
         self.data = orekit.Data.find(data)
@@ -25,25 +35,22 @@ class Orekit:
         self.models = orekit.Orekit(case.paper().epoch)
         self.field = str(self.data.path("gravity field"))
 
-    def fly(self, arcs: Arcs) -> np.ndarray:
-        """At the paper's settings."""
-        return self._fly(arcs, case.paper().integrator)
-
-    def fly_tightly(self, arcs: Arcs) -> np.ndarray:
-        """In steps of at most fifteen seconds; Orekit stops at the edges of the shadow."""
-        return self._fly(arcs, Integrator(1e-6, 1e-4, 15.0))
-
-    def _fly(self, arcs, integrator):
-        rso = case.paper().rsos["iss"]
-        rso = replace(rso, cd=arcs.ballistic / rso.area_to_mass, cr=arcs.reflection / rso.area_to_mass)
-        forces = self.models.forces(case.paper().force_models["assumed"], rso)
-        gm = self.models.field(0, 0).getMu()
+    def fly(self, arcs: Arcs, setting: str) -> np.ndarray:
+        """At one of the settings."""
+        propagate = self.models.propagate_by_edges if setting in self.tight else self.models.propagate
+        integrator = (self.settings | self.tight)[setting]
+        forces, gm = self._forces(arcs), self.models.field(0, 0).getMu()
         return np.array(
             [
-                self.models.propagate(state, gm, [t + arcs.duration], forces, integrator, begin=t)[-1]
+                propagate(state, gm, arcs.stops(t), forces, integrator, begin=t)[-1]
                 for t, state in zip(arcs.t, arcs.states, strict=True)
             ]
         )
+
+    def _forces(self, arcs):
+        rso = case.paper().rsos["iss"]
+        rso = replace(rso, cd=arcs.ballistic / rso.area_to_mass, cr=arcs.reflection / rso.area_to_mass)
+        return self.models.forces(case.paper().force_models["assumed"], rso)
 
     def twin(self, arcs: Arcs) -> np.ndarray:
         """Ours on the same gravity field."""

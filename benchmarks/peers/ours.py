@@ -4,8 +4,8 @@ import numpy as np
 
 from benchmarks import case
 from benchmarks.case import Arcs
+from benchmarks.peers.settings import step_limits
 from opml import __version__
-from opml.dynamics.ensemble import Integrator
 
 
 class Opml:
@@ -13,18 +13,21 @@ class Opml:
 
     title = f"opml {__version__}"
     model = "EGM2008 20x20, Sun, Moon, Jupiter (DE440), DTM2000 with MSAFE, radiation pressure with shadow"
-    integrator = "Dormand-Prince 8(5,3), 0.1 m, at most 90 s; 16 arcs in lock step"
-    share = 100
+    method = "Dormand-Prince 8(5,3)"
+    way = "tolerance 0.1 m, 16 arcs in lock step"
+    settings = step_limits(300.0, 240.0, 180.0, 120.0, 90.0)
+    raced = "≤ 90 s"
+    tight = step_limits(20.0, 10.0)
+    pressure = True
+    share = sample = 100
 
     def __init__(self):
-        self.model = case.force_model("assumed")
+        self.forces = case.force_model("assumed")
 
-    def fly(self, arcs: Arcs) -> np.ndarray:
+    def fly(self, arcs: Arcs, setting: str) -> np.ndarray:
+        """At one of the settings."""
+        return case.fly(self.forces, arcs, integrator=(self.settings | self.tight)[setting])
+
+    def twin(self, arcs: Arcs) -> np.ndarray:
         """At the paper's settings."""
-        return case.fly(self.model, arcs)
-
-    def fly_tightly(self, arcs: Arcs) -> np.ndarray:
-        """In steps of at most five seconds, since shadow edges are stepped over."""
-        return case.fly(self.model, arcs, integrator=Integrator(1e-6, 1e-4, 5.0))
-
-    twin = fly
+        return self.fly(arcs, self.raced)

@@ -3,6 +3,7 @@
 import datetime
 import os
 import tempfile
+from itertools import pairwise
 from pathlib import Path
 
 import astropy_iers_data
@@ -13,6 +14,7 @@ import satkit_data
 from benchmarks import case
 from benchmarks.case import Arcs
 from benchmarks.peers import activity
+from benchmarks.peers.settings import steps, tolerances
 
 _DATA = {
     "linux_p1550p2650.440": Path(satkit_data.__file__).parent / "data" / "linux_p1550p2650.440",
@@ -21,12 +23,31 @@ _DATA = {
 _ACTIVITY = "Kp_ap_Ap_SN_F107_since_1932.txt"
 
 
+def _verner(*digits):
+    """Options of Verner's method by what a report calls them."""
+    return {
+        name: {"integrator": satkit.integrator.rkv98, "abs_error": tolerance, "rel_error": tolerance}
+        for name, tolerance in tolerances(*digits).items()
+    }
+
+
+def _gauss_jackson(*lengths):
+    """Options of the multistep method."""
+    return {
+        name: {"integrator": satkit.integrator.gauss_jackson8, "gj_step_seconds": length}
+        for name, length in steps(*lengths).items()
+    }
+
+
 class _Satkit:
     """What both integrators share: 20x20 gravity, Sun, Moon, drag, pressure; no tides, no relativity."""
 
     title = f"satkit {satkit.__version__}"
     model = "EGM2008 20x20, Sun, Moon (DE440), NRLMSISE-00 with the same activity, radiation pressure"
+    pressure = True
     share = 100
+    sample = 8
+    tight = _verner(13, 14)
 
     def __init__(self):
         self.folder = tempfile.TemporaryDirectory()
@@ -36,10 +57,10 @@ class _Satkit:
         satkit.utils.set_offline(True)
         satkit.utils.set_datadir(self.folder.name)
         self.epoch = satkit.time.from_string(case.paper().epoch)
-        self.settings = self._settings(**self.options)
-        self.tight = self._settings(integrator=satkit.integrator.rkv98, abs_error=1e-12, rel_error=1e-12)
+        self.made = {name: self._with(options) for name, options in (self.settings | self.tight).items()}
 
-    def _settings(self, **options):
+    def _with(self, options):
+        """The force model, with the options of an integrator."""
         settings = satkit.propsettings(
             gravity_model=satkit.gravmodel.egm2008,
             gravity_degree=20,
@@ -53,28 +74,27 @@ class _Satkit:
         settings.precompute_terms(self.epoch, self.epoch + satkit.duration(days=2.0 * case.DAYS + 0.01))
         return settings
 
-    def fly(self, arcs: Arcs) -> np.ndarray:
-        """At the settings of the race."""
-        return self._fly(arcs, self.settings)
-
-    def fly_tightly(self, arcs: Arcs) -> np.ndarray:
-        """By the Runge-Kutta method at 1e-12, for either method."""
-        return self._fly(arcs, self.tight)
-
-    def _fly(self, arcs, settings):
+    def fly(self, arcs: Arcs, setting: str) -> np.ndarray:
+        """At one of the settings; the tight ones are Verner's, for either method."""
+        settings = self.made[setting]
         body = satkit.satproperties(cdaoverm=arcs.ballistic, craoverm=arcs.reflection)
         return np.array(
             [
-                satkit.propagate(
-                    state,
-                    self.epoch + satkit.duration(seconds=float(t)),
-                    duration_secs=arcs.duration,
-                    propsettings=settings,
-                    satproperties=body,
-                ).state
+                self._arc(t, state, _stops(arcs, t, settings), settings, body)
                 for t, state in zip(arcs.t, arcs.states, strict=True)
             ]
         )
+
+    def _arc(self, t, state, stops, settings, body):
+        for begin, end in pairwise([t, *stops]):
+            state = satkit.propagate(
+                state,
+                self.epoch + satkit.duration(seconds=float(begin)),
+                duration_secs=float(end - begin),
+                propsettings=settings,
+                satproperties=body,
+            ).state
+        return state
 
     def twin(self, arcs: Arcs) -> np.ndarray:
         """Ours, whose Jupiter and limb of the shadow satkit lacks: both are below a metre."""
@@ -82,23 +102,28 @@ class _Satkit:
 
 
 class RungeKutta(_Satkit):
-    """Verner's method, at satkit's own default tolerances."""
+    """Verner's method; 1e-8 is satkit's own default."""
 
-    integrator = "Verner 9(8), tolerances 1e-8 (its defaults); Sun and Moon tabulated for all arcs"
-
-    def __init__(self):
-        self.options = {"integrator": satkit.integrator.rkv98, "abs_error": 1e-8, "rel_error": 1e-8}
-        super().__init__()
+    method = "Verner 9(8)"
+    way = "Sun and Moon tabulated for all arcs, stops at midnights"
+    settings = _verner(7, 8, 9, 11, 12)
+    raced = "tolerance 1e-8"
 
 
 class GaussJackson(_Satkit):
-    """The multistep method, which needs the fewest evaluations, at our longest step."""
+    """The multistep method, which needs the fewest evaluations; in the race at our longest step."""
 
-    integrator = "Gauss-Jackson 8, steps of 90 s; Sun and Moon tabulated for all arcs"
+    method = "Gauss-Jackson 8"
+    way = "Sun and Moon tabulated for all arcs"
+    settings = _gauss_jackson(120.0, 90.0, 60.0, 30.0, 10.0)
+    raced = "90 s"
 
-    def __init__(self):
-        self.options = {"integrator": satkit.integrator.gauss_jackson8, "gj_step_seconds": 90.0}
-        super().__init__()
+
+def _stops(arcs, t, settings):
+    """The ends of an arc's legs: midnights too, but where the method would have to begin anew at each."""
+    if settings.integrator == satkit.integrator.gauss_jackson8:
+        return [t + arcs.duration]
+    return arcs.stops(t)
 
 
 def _activity_file():

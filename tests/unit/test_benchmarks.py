@@ -1,10 +1,13 @@
-"""The benchmarks' arithmetic and tables, on made-up numbers; the peers are not needed."""
+"""The benchmarks' arithmetic, tables and figure, on made-up numbers; the peers are not needed."""
 
 import numpy as np
 import pytest
 
-from benchmarks import measure, paper, race, svr
+from benchmarks import case, diagram, measure, paper, precision, race, sections, svr, turns
 from benchmarks.kernels import Machine, Work
+from benchmarks.peers import PEERS
+from benchmarks.precision import Line, Point
+from benchmarks.worker import Timed
 from opml.elements import cartesian_from_coe
 from opml.errors import InputError
 
@@ -12,7 +15,7 @@ GM = 3.986004418e14
 
 
 def result(title, cpu, *, vacuum=10.0, drag=1.0):
-    about = {"title": title, "integrator": "steps", "model": "forces"}
+    about = {"title": title, "method": "Taylor", "raced": "90 s", "way": "in lanes", "model": "forces"}
     return race.Result(
         about, arcs=100, cpu=cpu, wall=cpu, own_error=1.0, vacuum=vacuum, drag=drag, apart=20.0
     )
@@ -41,7 +44,7 @@ def test_least_time_counts_each_unit_for_a_whole_register():
 def test_report_tells_ratios_and_who_did_not_run():
     results = {race.OURS: result("opml", [2.0, 2.0]), "heyoka": result("heyoka", [50.0, 54.0])}
     text = race.report(results, {"orekit": "no data"})
-    assert "| heyoka: steps | 100 | 52 | 52 | 26 | 1.0 |" in text
+    assert "| heyoka: Taylor, 90 s; in lanes | 100 | 52 | 52 | 26 | 1.0 |" in text
     assert "Not run: orekit (no data)." in text
     assert "disagrees" not in text
 
@@ -51,6 +54,103 @@ def test_answers_that_models_do_not_explain_are_told(off):
     results = {race.OURS: result("opml", [2.0]), "heyoka": result("heyoka", [50.0], **off)}
     assert race.disagreements(results) == ["heyoka"]
     assert "**heyoka disagrees" in race.report(results, {})
+
+
+class Fake:
+    """A worker whose flights take the seconds given, and end at ones."""
+
+    def __init__(self, *seconds):
+        self.seconds = list(seconds)
+
+    def call(self, method, arcs, setting):
+        seconds = self.seconds.pop(0)
+        return Timed(np.ones((len(arcs), 6)), wall=seconds, cpu=seconds)
+
+
+def arcs(count, *, t=0.0, days=1.0):
+    return case.Arcs(np.full(count, t), np.zeros((count, 6)), days * 86400.0, 0.01, 0.01)
+
+
+def test_tools_fly_in_turns_and_slow_ones_once():
+    flights = {
+        "quick": turns.Flight(Fake(1.0, 2.0, 3.0), arcs(10), "90 s"),
+        "slow": turns.Flight(Fake(50.0), arcs(1), "90 s"),
+    }
+    flown = turns.fly(flights, rounds=3, progress=str, longest=10.0)
+    assert flown["quick"].cpu == flown["quick"].wall == [100.0, 200.0, 300.0]
+    assert flown["slow"].cpu == [50_000.0]
+    assert flown["slow"].states.shape == (1, 6)
+
+
+def test_arcs_stop_about_midnights_and_at_their_end():
+    first = 11 * 3600 + 50 * 60 + 15.0  # the paper's epoch is 12:09:45
+    second, end = first + 86400.0, 100.0 + 2 * 86400.0
+    expected = [first - 0.01, first, second - 0.01, second, end]
+    np.testing.assert_allclose(arcs(1, t=100.0, days=2.0).stops(100.0), expected, rtol=0.0, atol=1e-6)
+
+
+def line(name, points, *, unsettled=0.001):
+    about = {"title": name, "method": "Taylor", "tight": ["1e-14", "1e-15"]}
+    return Line(about, 8, [Point(*point) for point in points], unsettled)
+
+
+def panels(*points, **options):
+    ours = line("opml", [("180 s", 1.0, 1.0), ("90 s", 2.0, 0.02)])
+    return {
+        "without radiation pressure": {race.OURS: ours, "heyoka": line("heyoka", points, **options)},
+        "with radiation pressure": {race.OURS: ours},
+    }
+
+
+def test_a_peer_stands_beside_the_cheapest_of_ours_that_is_as_precise():
+    found = panels(("1e-8", 30.0, 5.0), ("1e-9", 40.0, 0.5))
+    text = precision.report(found, {"orekit": "no data"})
+    assert "| heyoka, Taylor | 1e-8 | 8 | 30 | 5.0 | 30 | 180 s |" in text
+    assert "| heyoka, Taylor | 1e-9 | 8 | 40 | 0.50 | 20 | 90 s |" in text
+    assert "takes 20 to 30 times less" in text
+    assert "| heyoka, Taylor | 1e-14 and 1e-15 | 0.0010 | - |" in text
+    assert "Not run: orekit (no data)." in text
+
+
+def test_a_peer_that_is_faster_or_more_precise_is_told():
+    text = precision.report(panels(("1e-8", 0.9, 5.0), ("1e-12", 90.0, 0.001)), {})
+    told = "heyoka, Taylor, {}, without radiation pressure ({})"
+    faster, finer = (
+        told.format("1e-8", "0.90 times opml"),
+        told.format("1e-12", "more precise than any of opml's"),
+    )
+    assert f"**opml is not ahead of** {faster}; {finer}." in text
+
+
+def test_below_a_centimetre_all_are_equally_precise():
+    ours = line("opml", [("120 s", 2.0, 0.009), ("90 s", 3.0, 0.001)])
+    assert ours.cheapest(0.005).setting == "120 s"
+    assert line("opml", [("120 s", 2.0, 0.02)]).cheapest(0.005) is None
+
+
+def test_truths_that_are_not_settled_are_told():
+    assert "| **0.30** | - |" in precision.report(panels(("1e-8", 9.0, 5.0), unsettled=0.3), {})
+
+
+def test_the_diagram_has_a_line_for_every_tool(tmp_path):
+    figure = diagram.work_precision(panels(("1e-8", 30.0, 5.0), ("1e-9", 40.0, 0.5)))
+    drawn = [[tuple(one.get_xdata()) for one in axes.get_lines()] for axes in figure.axes]
+    assert drawn == [[(1.0, 0.02), (5.0, 0.5)], [(1.0, 0.02)]]
+    diagram.save(figure, tmp_path / "a.png")
+    diagram.save(figure, tmp_path / "b.png")
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+
+
+def test_every_peer_has_a_look():
+    assert set(diagram.LOOKS) == set(PEERS)
+
+
+def test_a_section_is_replaced_in_place():
+    page = "# Old\n\nold\n\n## Beside the peers\n\na\n\n## Kernels\n\nb\n"
+    made = {"Work and precision": "new\n", "Kernels": "c"}
+    expected = "# New\n\n## Beside the peers\n\na\n\n## Work and precision\n\nnew\n\n## Kernels\n\nc\n"
+    assert sections.replaced(page, "# New\n", made) == expected
+    assert sections.replaced("", "# New\n", {"Arcs": "d"}) == "# New\n\n## Arcs\n\nd\n"
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,79 @@
+"""The diagram of work and precision."""
+
+from pathlib import Path
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
+
+from benchmarks.precision import Line, Panels
+from benchmarks.race import OURS
+from opml.figures.style import ESTIMATE, NOTE_SIZE, OBSERVED, PREDICTED, RESIDUAL, TRACK, legend, page_figure
+from opml.files import replacing
+
+LOOKS = {
+    OURS: {"color": RESIDUAL, "marker": "o", "lw": 2.0, "zorder": 3},
+    "satkit_gauss_jackson": {"color": PREDICTED, "marker": "s"},
+    "satkit": {"color": TRACK, "marker": "D"},
+    "heyoka": {"color": OBSERVED, "marker": "^"},
+    "orekit": {"color": ESTIMATE, "marker": "v"},
+}
+"""Of each peer's line."""
+
+
+def work_precision(panels: Panels) -> Figure:
+    """Milliseconds per arc-day against own error [m]; a panel for what is flown, a line for each tool."""
+    figure = page_figure(height_mm=96.0)
+    for axes, (title, lines) in zip(
+        figure.subplots(1, len(panels), sharex=True, sharey=True, squeeze=False)[0],
+        panels.items(),
+        strict=True,
+    ):
+        for name, line in lines.items():
+            _draw(axes, name, line)
+        _name(axes, lines[OURS])
+        axes.set(xscale="log", yscale="log", xlabel="own error after seven days [m]")
+        axes.margins(x=0.08, y=0.11)
+        axes.set_title(title, fontsize=8.0, loc="left")
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_locator(LogLocator(numticks=12))
+            axis.set_major_formatter("{x:g}")
+            axis.set_minor_formatter(NullFormatter())
+    figure.axes[0].set_ylabel("processor time [ms per arc-day]")
+    legend(
+        figure,
+        columns=3,
+        note="arcs of the paper's RSO on one core, each tool at five settings, for opml the longest step; "
+        "further down is faster, further left is more precise",
+    )
+    return figure
+
+
+def _draw(axes: Axes, name: str, line: Line) -> None:
+    axes.plot(
+        [point.own_error for point in line.points],
+        [point.cost for point in line.points],
+        label=line.name,
+        **LOOKS[name],
+    )
+
+
+def _name(axes: Axes, line: Line) -> None:
+    """Below each point of a line, its setting."""
+    for point in line.points:
+        axes.annotate(
+            point.setting,
+            (point.own_error, point.cost),
+            xytext=(0.0, -5.0),
+            textcoords="offset points",
+            ha="center",
+            va="top",
+            fontsize=NOTE_SIZE,
+            color=LOOKS[OURS]["color"],
+        )
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write the figure as PNG, whole or not at all."""
+    with replacing(path) as temporary:
+        figure.savefig(temporary, format="png", metadata={"Software": None})
