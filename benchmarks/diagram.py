@@ -1,5 +1,6 @@
 """The diagram of work and precision."""
 
+from itertools import cycle
 from pathlib import Path
 
 from matplotlib.axes import Axes
@@ -43,8 +44,8 @@ def work_precision(panels: Panels) -> Figure:
     legend(
         figure,
         columns=3,
-        note="arcs of the paper's RSO on one core, each tool at five settings, for opml the longest step; "
-        "further down is faster, further left is more precise",
+        note="arcs of the paper's RSO on one core, five settings a tool (opml's: the longest step); "
+        "down is faster, left is more precise",
     )
     return figure
 
@@ -59,15 +60,15 @@ def _draw(axes: Axes, name: str, line: Line) -> None:
 
 
 def _name(axes: Axes, line: Line) -> None:
-    """Below each point of a line, its setting."""
-    for point in line.points:
+    """The settings of a line's points, in turns below and above it, as neighbours may be near."""
+    for point, (ha, va, aside) in zip(line.points, cycle([("right", "top", -4.0), ("left", "bottom", 4.0)])):
         axes.annotate(
             point.setting,
             (point.own_error, point.cost),
-            xytext=(0.0, -5.0),
+            xytext=(0.0, aside),
             textcoords="offset points",
-            ha="center",
-            va="top",
+            ha=ha,
+            va=va,
             fontsize=NOTE_SIZE,
             color=LOOKS[OURS]["color"],
         )

@@ -153,7 +153,7 @@ def _table(title, lines):
 
 
 def _row(line, point, ours):
-    rival = ours.cheapest(point.own_error)
+    rival = ours.cheapest(point.own_error) if line is not ours else None
     return [
         line.name,
         point.setting,
