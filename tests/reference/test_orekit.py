@@ -69,7 +69,7 @@ def _terms(t, rows, model, values, factors, scratch, out):
 @numba.njit(cache=True, error_model="numpy")
 def _total(t, rows, model, values, factors, scratch, out):
     look_up(t, model, values, factors)
-    ax, ay, az, altitude = acceleration(
+    ax, ay, az, altitude, _ = acceleration(
         load(rows, 0), load(rows, 1), load(rows, 2), load(rows, 3), load(rows, 4), load(rows, 5),
         splat(BALLISTIC), splat(REFLECTION), model, values, factors, scratch,
     )  # fmt: skip
