@@ -21,3 +21,12 @@ def _changed(line, day, mjd):
     kp = [f"{90 - int(value)}" if day + (k + 1) / 8 > mjd + 1e-6 else value for k, value in enumerate(kp)]
     flux = "222.2" if day + 20 / 24 > mjd + 1e-6 else flux
     return ",".join([date, *kp, flux, kind, "199.9"])
+
+
+def up_to(path, mjd):
+    """Write the packaged weather to `path` up to a day [MJD], that day included."""
+    lines = solar_activity.text_of(solar_activity.resolve("OBSERVED")).splitlines()
+    begin = next(k for k, line in enumerate(lines) if line.startswith("DATE")) + 1
+    first = int(space_weather.read("packaged", "\n".join(lines)).index[0])
+    path.write_text("\n".join(lines[: begin + mjd - first + 1]))
+    return path

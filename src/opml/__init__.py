@@ -27,6 +27,7 @@ __all__ = [
     "force_model",
     "label",
     "learn",
+    "lessons",
     "make_environment",
     "p_ml",
     "predict",
@@ -35,7 +36,7 @@ __all__ = [
     "read_rsos",
     "read_stations",
     "read_tracks",
-    "residuals",
+    "replay",
     "track",
     "write_tracks",
 ]

@@ -7,14 +7,13 @@ example goes on where the one before it stopped, in the order of this file.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from opml import corrected
-from opml.catalog import estimation, labels, prediction, starting, tracking, truth
+from opml import corrected, replays
+from opml.catalog import estimation, labels, prediction, spread, starting, tracking, truth
 from opml.catalog import first_orbit as first_orbits
 from opml.catalog import measured as from_measurements
 from opml.constants import BODIES, DAY, HOUR
@@ -25,12 +24,12 @@ from opml.environment import MARGIN_S, earth_orientation, ephemerides, gravity_f
 from opml.errors import InputError
 from opml.interop import mean_elements, tdm
 from opml.learning import dataset as datasets
-from opml.learning import learners, metrics, splits, stated
+from opml.learning import learners, metrics, splits
 from opml.learning.cleaning import Cleaning
 from opml.learning.contract import Model
 from opml.learning.evaluation import as_tested, evaluate
+from opml.learning.lessons import Lessons
 from opml.learning.paths import CORRECTED
-from opml.learning.residuals import build as left_over
 from opml.naming import parse_test
 from opml.sheets import Rso, Station
 from opml.sheets import read_rsos as _read_rsos
@@ -471,36 +470,72 @@ def p_ml(evaluation: pd.DataFrame) -> float:
     return metrics.p_ml(evaluation["true"].to_numpy(), evaluation["predicted"].to_numpy())
 
 
-def residuals(
-    dataset: pd.DataFrame,
+def lessons(
+    dataset: pd.DataFrame, *, learner: Mapping[str, Any] = LEARNER, first_day: float = 0.0, seed: int = 42
+) -> Lessons:
+    """A learner of e_y that is trained anew each morning, on the errors of the dataset known by then.
+
+    learner: as under `learners` in the settings; first_day: of the rows that it is trained on; seed: of its
+    draws.
+
+    >>> daily = opml.lessons(rows, learner={"kind": "none"})  # two days are too short for a law
+    >>> bool(daily.learns)
+    False
+    """
+    settings = learners.resolved(learner, component=CORRECTED, variables=LEARNING_VARIABLES)
+    return Lessons(dataset, settings, seed, first_day)
+
+
+def replay(
+    force_model: ForceModel,
+    lessons: Lessons,
+    estimates: pd.DataFrame,
+    predictions: pd.DataFrame,
+    tracks: pd.DataFrame,
+    environment: Environment,
     *,
-    learner: Mapping[str, Any] = LEARNER,
-    train: str = "random-80",
-    span_days: Sequence[float] = _SPAN_DAYS,
-    level: float = 0.9,
-    share: float = 0.3,
-    bin_hours: float = 6.0,
-    seed: int = 42,
+    rso: Rso,
+    train_days: Sequence[float],
+    max_days: float = 7.0,
+    every_hours: float = 6.0,
+    cleaning: Mapping[str, Any] | None = None,
+    window_hours: float = 12.0,
+    integrator: Integrator | None = None,
+    threads: int = 1,
 ) -> pd.DataFrame:
-    """Measure what a correction of e_y leaves: the table `residuals`, standard deviations by duration.
+    """Run the mornings that are over again: the table `replay`, what each ephemeris was off by.
 
-    learner, train, span_days, seed: as `learn` had them; it is trained anew without a share of the estimates,
-    of whose errors the deviations hold `level`. Raises InputError where there are too few estimates for that.
+    force_model: the assumed one; train_days: first and last day to train on, of which a learner sees half
+    before its first morning; every_hours: between the estimates that ephemerides start from. Raises
+    InputError where nothing can be held against.
 
-    >>> left = opml.residuals(rows, level=0.8)
-    >>> bool((left["sigma_y"] > 0.0).all())
+    >>> mornings = opml.replay(
+    ...     assumed_model, daily, estimates, predictions, tracks, environment,
+    ...     rso=iss, train_days=(0, 1.5), every_hours=1,
+    ... )
+    >>> bool((mornings["t_i"] >= mornings["morning"]).all())
     True
     """
-    chosen = splits.training_rows(dataset, train, span_days=span_days, seed=seed)
-    settings = learners.resolved(learner, component=CORRECTED, variables=LEARNING_VARIABLES)
-    again = partial(learners.train, component=CORRECTED, settings=settings, seed=seed)
-    return left_over(again, dataset[chosen], level=level, share=share, bin_hours=bin_hours, seed=seed)
+    flight = corrected.Flight(force_model, rso, integrator or Integrator(), threads)
+    known = _known(estimates, predictions, tracks, environment, cleaning, window_hours)
+    first_day = replays.first_day(lessons, known, train_days=train_days)
+    starts = replays.departures(known, every_hours=every_hours, first_day=first_day)
+    pairs = predictions[predictions["i"].isin(starts["track"])]
+    return replays.build(
+        flight,
+        known,
+        lessons,
+        starts,
+        replays.judge(lessons.dataset, predictions, None),
+        _spreading(flight, known, environment)(pairs),
+        max_days=max_days,
+    )
 
 
 def ephemeris(
     force_model: ForceModel,
-    model: Model,
-    residuals: pd.DataFrame,
+    lessons: Lessons,
+    replay: pd.DataFrame,
     estimates: pd.DataFrame,
     predictions: pd.DataFrame,
     tracks: pd.DataFrame,
@@ -518,28 +553,52 @@ def ephemeris(
 ) -> pd.DataFrame:
     """Correct the newest prediction: the table `corrected`, states and covariances every `step` [s].
 
-    force_model: the assumed one; model: of e_y, from `learn`; residuals: what it leaves; until_days: when its
-    training ended, the ephemeris starts from the newest estimate by then, or from it and `each` later one.
-    It reaches max_days ahead, as far as the environment does. Raises InputError where nothing can be made.
+    force_model: the assumed one; replay: of the same lessons, from which the covariances come; until_days: up
+    to when errors are known, the ephemeris starts from the newest estimate by then, or from it and `each`
+    later one, trained anew each morning. It reaches max_days ahead, as far as the environment does. Raises
+    InputError where nothing can be made.
 
     >>> ahead = opml.ephemeris(
-    ...     assumed_model, model, left, estimates, predictions, tracks, environment, rso=iss, until_days=1.5
+    ...     assumed_model, daily, mornings, estimates, predictions, tracks, environment,
+    ...     rso=iss, until_days=1.5,
     ... )
     >>> bool((ahead["t"].diff().dropna() == 60.0).all())
     True
     """
-    cleaned = Cleaning.from_settings(_laid_over(CLEANING, cleaning, "ephemeris"))
-    at = datasets.of_estimates(estimates, predictions, tracks, gm=environment.gm, cleaning=cleaned)
-    known = corrected.Known(estimates, at, window_hours, environment.gm, bounds=cleaned.cd_bounds)
+    flight = corrected.Flight(force_model, rso, integrator or Integrator(), threads)
+    known = _known(estimates, predictions, tracks, environment, cleaning, window_hours)
     end = float(environment.earth_orientation["t"].iloc[-1]) - MARGIN_S
     return corrected.build(
-        corrected.Flight(force_model, rso, integrator or Integrator(), threads),
+        flight,
         known,
-        model,
-        stated.of_residuals(residuals),
+        lessons,
+        replay,
         corrected.departures(known, known_until=DAY * until_days, each=each),
         corrected.Grid(step, max_days, end),
+        spreads=_spreading(flight, known, environment),
+        first_morning=DAY * until_days,
     )
+
+
+def _known(
+    estimates: pd.DataFrame,
+    predictions: pd.DataFrame,
+    tracks: pd.DataFrame,
+    environment: Environment,
+    cleaning: Mapping[str, Any] | None,
+    window_hours: float,
+) -> corrected.Known:
+    cleaned = Cleaning.from_settings(_laid_over(CLEANING, cleaning, "ephemeris"))
+    at = datasets.of_estimates(estimates, predictions, tracks, gm=environment.gm, cleaning=cleaned)
+    return corrected.Known(estimates, at, window_hours, environment.gm, bounds=cleaned.cd_bounds)
+
+
+def _spreading(
+    flight: corrected.Flight, known: corrected.Known, environment: Environment
+) -> corrected.Spread:
+    flat = force_model(environment, **spread.FLATTENED)
+    options = flight.options | {"model": flat}
+    return lambda pairs: spread.build(estimates=known.estimates, pairs=pairs, futures=None, **options)
 
 
 def _laid_over(defaults: Mapping[str, Any], given: Mapping[str, Any] | None, what: str) -> dict[str, Any]:

@@ -12,9 +12,8 @@ from typing import Any, Self
 import numpy as np
 import pandas as pd
 
-from opml.catalog import arcs, force_model, mechanism
+from opml.catalog import arcs, force_model, mechanism, spread
 from opml.catalog.correction import LEAST_EPOCHS, corrected, through
-from opml.catalog.covariance import propagated, stretched
 from opml.catalog.prediction import predict
 from opml.catalog.sensitivity import sensitivities
 from opml.constants import DAY, HOUR
@@ -26,9 +25,14 @@ from opml.learning import dataset
 from opml.learning.cleaning import Cleaning
 from opml.learning.contract import Model
 from opml.learning.learners import tables_asked
-from opml.learning.stated import Stated
+from opml.learning.lessons import Lessons
+from opml.learning.sizes import Sizes
+from opml.rsw_covariance import rates, stated
 from opml.sheets import Rso
-from opml.tables import STATE, read_metadata, read_table
+from opml.tables import SPREAD, STATE, read_metadata, read_table
+
+Spread = Callable[[pd.DataFrame], pd.DataFrame]
+"""The `spread` table of pairs."""
 
 TOGETHER = 16
 """Ephemerides made side by side: their arcs fill the lanes of an ensemble, their tables some hundred MB."""
@@ -123,6 +127,15 @@ def task(
     )
 
 
+def spreading(files: Any, settings: Mapping[str, Any], known: Known, *, threads: int) -> Spread:
+    """How a job's `files` and settings tell the `spread` of pairs; futures of the weather are optional."""
+    flight = Flight.read(files, {**settings, "force_model": spread.FLATTENED}, threads=threads)
+    futures = read_table(files.futures, "futures") if files.futures else None
+    return lambda pairs: spread.build(
+        estimates=known.estimates, pairs=pairs, futures=futures, **flight.options
+    )
+
+
 def read(files: Any, settings: Mapping[str, Any]) -> Known:
     """What the tables of a job's `files` hold, read as its `settings` say.
 
@@ -144,8 +157,8 @@ def read(files: Any, settings: Mapping[str, Any]) -> Known:
         at_estimates,
         settings["window_hours"],
         gm,
-        long=_longer(files.long_estimates, mechanism_of["long_window_hours"]),
-        arc=_longer(files.arc_estimates, arc_hours),
+        long=_longer(files.get("long_estimates"), mechanism_of["long_window_hours"]),
+        arc=_longer(files.get("arc_estimates"), arc_hours),
         bounds=settings["cd_bounds"],
         resonances=mechanism_of["resonances"],
         memory_days=memory_days,
@@ -153,7 +166,7 @@ def read(files: Any, settings: Mapping[str, Any]) -> Known:
     )
 
 
-def _longer(path: str, window_hours: float) -> Longer | None:
+def _longer(path: str | None, window_hours: float) -> Longer | None:
     """Fits of a file, if there is one."""
     return Longer(read_table(path, "estimates"), window_hours) if path else None
 
@@ -177,26 +190,58 @@ def departures(known: Known, *, known_until: float, each: bool) -> pd.DataFrame:
 def build(
     flight: Flight,
     known: Known,
-    model: Model,
-    stated: Stated,
+    lessons: Lessons,
+    replay: pd.DataFrame,
     starts: pd.DataFrame,
     grid: Grid,
     *,
+    spreads: Spread,
+    first_morning: float,
     progress: Callable[[float], None] | None = None,
 ) -> pd.DataFrame:
     """The `corrected` table: an ephemeris from each of the `starts`, rows of the estimates.
 
-    model: of the along-track error; stated: the deviations of what it leaves. An ephemeris ends where an arc
-    that it needs does. Raises InputError where none reaches anywhere, and as `correction.corrected` does.
+    lessons: the learner as of a morning; replay: that table of it, which sizes are learned from; spreads: how
+    far drag and weather may take pairs; first_morning: when the first ephemeris is made [s], later ones with
+    what is known at the day's beginning. An ephemeris ends where an arc that it needs does. Raises InputError
+    where none reaches anywhere, where a size has no past, and as `correction.corrected` does.
     """
 
     def some(chosen: pd.DataFrame) -> Iterator[pd.DataFrame]:
-        columns = rows(flight, known, chosen, model.variables, grid)
-        formal = propagated(estimates=known.estimates, predictions=columns, **flight.options)
-        sigma = stated(columns["duration"].to_numpy(), columns["t_j"].to_numpy())
-        return ephemerides(columns, formal, stretched(formal, sigma), model)
+        columns = rows(flight, known, chosen, lessons.variables, grid)
+        sparse = columns[columns.groupby("i").cumcount() % _sparse(grid.step) == 0]
+        told = sparse[["i", "t_j"]].join(spreads(sparse)[SPREAD])
+        for own in reached(columns, (*STATE, *lessons.variables)):
+            now = morning(own["t_i"].iloc[0], first=first_morning)
+            states = moved(own, lessons(now))
+            turning = _between(own, told[told["i"] == own["i"].iloc[0]]).assign(rate=rates(states))
+            covariances = stated(Sizes.learned(replay, now=now).sigmas(turning), turning["rate"].to_numpy())
+            yield table(own, states, covariances)
 
     return by_parts(some, starts, grid, progress=progress)
+
+
+SPREAD_STEP = 600.0
+"""Time between the epochs of an ephemeris that arcs fly to for its spread [s], linear between them."""
+
+
+def _sparse(step: float) -> int:
+    """How many steps [s] of a grid are one of the spread's."""
+    return max(1, round(SPREAD_STEP / step))
+
+
+def _between(own: pd.DataFrame, told: pd.DataFrame) -> pd.DataFrame:
+    """Rows of one estimate with the columns of a spread `told` at some of their epochs."""
+    reached = told[np.isfinite(told[SPREAD].to_numpy()).all(axis=1)]
+    return own.assign(**{name: np.interp(own["t_j"], reached["t_j"], reached[name]) for name in SPREAD})
+
+
+def morning(t: float, *, first: float = 0.0) -> float:
+    """When what an ephemeris from an estimate at `t` [s] is made with is known: its day's beginning.
+
+    Never before `first`, when the first of a series is made.
+    """
+    return max(first, DAY * float(np.floor(t / DAY)))
 
 
 def by_parts(
@@ -290,33 +335,34 @@ def _of(estimates: pd.DataFrame, pairs: pd.DataFrame) -> pd.DataFrame:
     return estimates[estimates["track"].isin(pairs["i"].unique())]
 
 
-def ephemerides(
-    columns: pd.DataFrame, formal: np.ndarray, covariance: np.ndarray, model: Model
-) -> Iterator[pd.DataFrame]:
-    """Ephemerides of the estimates in `columns`, each up to its first row without numbers.
-
-    columns: `rows` of the model's variables; formal, covariance: (n, 6, 6) that the fits alone give them, and
-    that are stated, in RSW [m, m/s].
-    """
-    numbers = columns[[*STATE, *model.variables]].to_numpy()
-    lost = ~(np.isfinite(numbers).all(axis=1) & np.isfinite(covariance).all(axis=(1, 2)))
+def reached(columns: pd.DataFrame, names: Sequence[str]) -> Iterator[pd.DataFrame]:
+    """The rows of each estimate up to its first one without numbers in the columns `names`."""
+    lost = ~np.isfinite(columns[list(names)].to_numpy()).all(axis=1)
     for own in columns.groupby("i", sort=True).indices.values():
-        reached = own[np.cumsum(lost[own]) == 0]
-        if len(reached) >= LEAST_EPOCHS:
-            yield _ephemeris(columns.iloc[reached], formal[reached], covariance[reached], model)
+        found = own[np.cumsum(lost[own]) == 0]
+        if len(found) >= LEAST_EPOCHS:
+            yield columns.iloc[found]
 
 
-def _ephemeris(own: pd.DataFrame, formal: np.ndarray, covariance: np.ndarray, model: Model) -> pd.DataFrame:
-    """The ephemeris of one estimate."""
-    t, predicted = own["t_j"].to_numpy(), np.ascontiguousarray(own[STATE])
-    states = corrected(t, predicted, model.predict(own[list(model.variables)].to_numpy()))
-    fit = np.sqrt(formal[:, range(3), range(3)])
+def moved(own: pd.DataFrame, model: Model) -> np.ndarray:
+    """States (n, 6) GCRF [m, m/s] of one ephemeris, as a model of e_y corrects them.
+
+    own: `rows` of one estimate with the model's variables. Raises InputError as `correction.corrected` does.
+    """
+    along = model.predict(own[list(model.variables)].to_numpy())
+    return corrected(own["t_j"].to_numpy(), np.ascontiguousarray(own[STATE]), along)
+
+
+def table(own: pd.DataFrame, states: np.ndarray, covariances: np.ndarray) -> pd.DataFrame:
+    """Rows of the `corrected` table: `rows` of one estimate, its states (n, 6) and covariances (n, 6, 6)."""
+    columns = {"i": own["i"].to_numpy(), "t_i": own["t_i"].to_numpy(), "t": own["t_j"].to_numpy()}
+    predicted = {f"{name}_predicted": own[name].to_numpy() for name in STATE}
+    triangle = covariances[:, *np.tril_indices(6)].T
     return pd.DataFrame(
-        {"i": own["i"].to_numpy(), "t_i": own["t_i"].to_numpy(), "t": t}
+        columns
         | dict(zip(STATE, states.T, strict=True))
-        | {f"{name}_predicted": column for name, column in zip(STATE, predicted.T, strict=True)}
-        | dict(zip(COVARIANCES, covariance[:, *np.tril_indices(6)].T, strict=True))
-        | {f"sigma_fit_{axis}": fit[:, k] for k, axis in enumerate("xyz")}
+        | predicted
+        | dict(zip(COVARIANCES, triangle, strict=True))
     )
 
 

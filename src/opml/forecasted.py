@@ -11,11 +11,10 @@ import numpy as np
 import pandas as pd
 
 from opml.catalog import ensembles
-from opml.catalog.covariance import paired, propagated, stretched
 from opml.constants import HOUR
-from opml.corrected import Flight, Grid, Known, by_parts, ephemerides, rows
-from opml.learning.baselines import NoCorrection
-from opml.tables import SCHEMAS
+from opml.corrected import Flight, Grid, Known, by_parts, reached, rows, table
+from opml.rsw_covariance import AXES, rates, stated
+from opml.tables import SCHEMAS, STATE
 
 SHIFTS = ["d_x", "d_y", "d_z"]
 
@@ -37,18 +36,24 @@ def build(
     """
 
     def some(chosen: pd.DataFrame) -> Iterator[pd.DataFrame]:
-        pairs, of = rows(flight, known, chosen, (), grid), known.estimates
-        formal = propagated(estimates=of, predictions=pairs, **flight.options)
+        pairs = rows(flight, known, chosen, (), grid)
         sample = ensembles.sample(
             futures=futures,
-            estimates=of,
+            estimates=known.estimates,
             predictions=pairs,
             window=HOUR * known.window_hours,
             seed=seed,
             **flight.options,
         )
-        covariance = stretched(paired(formal), distances(sample, len(pairs)))
-        return ephemerides(pairs, formal, covariance, NoCorrection(()))
+        sigmas = dict(zip(AXES, distances(sample, len(pairs)).T, strict=True))
+        columns = pairs.assign(**{f"sigma_{axis}": column for axis, column in sigmas.items()})
+        for own in reached(columns, (*STATE, *(f"sigma_{axis}" for axis in AXES))):
+            states = np.ascontiguousarray(own[STATE])
+            position = own[[f"sigma_{axis}" for axis in AXES]].to_numpy()
+            rate = rates(states)
+            # Beside what follows from its position a velocity errs by the motion of radius and plane.
+            velocity = rate[:, None] * position[:, [0, 0, 2]]
+            yield table(own, states, stated(np.hstack([position, velocity]), rate))
 
     return by_parts(some, starts, grid, progress=progress)[SCHEMAS["forecast"].names]
 

@@ -44,17 +44,17 @@ COMPONENTS = tuple(f"e_{axis}" for axis in STATE)
 PARAMETERS = [*STATE, "cd"]
 """Columns of what is estimated."""
 
-RESIDUALS, FIT = "residuals", "fit"
-"""What an uncertainty is stated by: the model's past residuals, or the fit's own covariance."""
-
-ELLIPSOID = "ellipsoid"
-"""The quantity of a calibration that is all three components of the position together."""
+PLANE, ELLIPSOID, WHOLE = "plane", "ellipsoid", "state"
+"""Quantities of a calibration that are several components together: e_x and e_y, the position, all six."""
 
 LEVELS = (0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99)
 """Levels that uncertainties are stated at."""
 
-FACTORS = [f"factor_{100.0 * level:.0f}" for level in LEVELS]
-"""Columns of the factors that widths have at these levels; a list, so that a DataFrame takes it as it is."""
+DOUBT = [f"doubt_{axis}" for axis in "xyz"]
+"""Columns of how far a state may be off that an ephemeris is held against."""
+
+SPREAD = [f"{cause}_{axis}" for cause in ("drag", "weather") for axis in "xyz"]
+"""Columns of how far drag and the weather ahead may take a prediction."""
 
 POSITION_COVARIANCES = [f"cov_{a}_{b}" for a, b in (*("xx", "yx", "yy"), *("zx", "zy", "zz"))]
 """Columns of the lower triangle, row by row, of a position's covariance."""
@@ -128,9 +128,14 @@ def _covariance(parameters: Sequence[str], frame: str) -> tuple[Column, ...]:
 
 _SINCE = "elapsed SI seconds since the epoch"
 _T = real("t", "s", _SINCE)
-_SIGMA_FIT = tuple(
-    real(f"sigma_fit_{axis}", "m", f"standard deviation of {axis} by the fit alone, propagated", "RSW")
-    for axis in "xyz"
+
+_KNOWN_STATE = "RSW of the state that it is held against"
+_SPREAD = (
+    *(real(f"drag_{axis}", "m", f"how far a tenth more drag takes it, {axis}", "RSW") for axis in "xyz"),
+    *(
+        real(f"weather_{axis}", "m", f"root mean square distance of the weather's futures, {axis}", "RSW")
+        for axis in "xyz"
+    ),
 )
 
 _ACTIVITY = (
@@ -174,6 +179,9 @@ _PAIR = (
     count("i", "track of the estimate the prediction starts from"),
     count("j", "track whose start is predicted"),
 )
+SIGMA_STATE = [f"sigma_{name}" for name in STATE]
+"""Columns of the standard deviations that a covariance is made of (`rsw_covariance.stated`)."""
+
 SIGMAS = [f"sigma_{name}" for name in COMPONENTS]
 """Columns of a label's uncertainty, by error component."""
 
@@ -372,6 +380,7 @@ _TABLES = (
             count("track", "number of the track"),
             real("t", "s", f"start of the track, {_SINCE}"),
             *_state("GCRF", "first orbit at the track's start, NaN where it does not last"),
+            real("age", "s", "time between the track's start and the one that the orbit was known at"),
         ),
     ),
     Schema(
@@ -538,14 +547,29 @@ _TABLES = (
             real("error_last_day", "SI", "median absolute true error in the last day of durations", "RSW"),
         ),
     ),
+    Schema("spread", "a pair of an estimate i and a later track start j", (*_PAIR, *_SPREAD)),
     Schema(
-        "residuals",
-        "a span of durations",
+        "replay",
+        "a pair of an estimate i and a later track start j",
         (
-            real("duration", "s", "mean prediction duration of the span"),
+            *_PAIR,
+            real("t_i", "s", f"epoch of the estimate, {_SINCE}"),
+            real("t_j", "s", f"epoch of the later track's start, {_SINCE}"),
+            real("t_known", "s", f"when the error was known, {_SINCE}"),
+            real("morning", "s", f"when what the ephemeris was made with was known, {_SINCE}"),
+            real("duration", "s", "prediction duration t_j - t_i"),
+            real("rate", "rad/s", "rate at which the position turns"),
+            real("before", "m", "along-track error of the prediction before correction", _KNOWN_STATE),
+            *_state(_KNOWN_STATE, "error of the ephemeris at t_j", prefix="e_"),
             *(
-                real(f"sigma_{axis}", "m", f"standard deviation of what a correction leaves, {axis}", "RSW")
-                for axis in "xyz"
+                real(name, "m", "standard deviation of that state, 0 of a truth", _KNOWN_STATE)
+                for name in DOUBT
+            ),
+            *_SPREAD,
+            *_state(
+                "RSW of the ephemeris",
+                "standard deviation stated that morning, of velocities beside positions; NaN without a past",
+                prefix="sigma_",
             ),
         ),
     ),
@@ -559,7 +583,6 @@ _TABLES = (
             *_state("GCRF", "corrected state"),
             *_state("GCRF", "predicted state, before correction", suffix="_predicted"),
             *_covariance(STATE, "RSW of the corrected state"),
-            *_SIGMA_FIT,
         ),
     ),
     Schema(
@@ -571,23 +594,6 @@ _TABLES = (
             _T,
             *_state("GCRF", "predicted state"),
             *_covariance(STATE, "RSW of the predicted state"),
-            *_SIGMA_FIT,
-        ),
-    ),
-    Schema(
-        "uncertainty",
-        "a bin of prediction durations of one axis of the position",
-        (
-            text("axis", "x, y or z: radial, along-track, cross-track"),
-            real("duration", "s", "mean prediction duration of the bin's rows"),
-            real("scale", "m", "size that 90 % of their past residuals stay below", "RSW"),
-            real("growth", "1/d", "growth of the scale by the days since the training ended"),
-            real("inflation", "1", "factor on the variances that makes the 90 % ellipsoid hold its share"),
-            count("days", "blocks of days that the residuals lie in, counted once per origin"),
-            *(
-                real(name, "1", f"half width of the {100.0 * level:g} % interval, in scales")
-                for name, level in zip(FACTORS, LEVELS, strict=True)
-            ),
         ),
     ),
     Schema(
@@ -595,8 +601,7 @@ _TABLES = (
         "a quantity, a prediction duration and a level of an experiment",
         (
             *_SPLIT,
-            text("basis", "what is stated: past `residuals` of the model, or the `fit`'s own covariance"),
-            text("quantity", "e_x, e_y, e_z, or the ellipsoid of all three"),
+            text("quantity", "e_x, e_y, e_z, the plane of the first two, the ellipsoid of all three"),
             real("day", "d", "prediction duration"),
             count("rows", "rows of about that duration, six hours to either side"),
             real("level", "1", "nominal share of the rows inside"),
@@ -604,14 +609,14 @@ _TABLES = (
             real(
                 "stated",
                 "SI",
-                "median half width (m); of the ellipsoid the quantile of chi-square(3) at the level",
+                "median half width (m); of several components the quantile of chi-square at the level",
                 "RSW",
             ),
             real(
                 "found",
                 "SI",
-                "size that the share `level` of the errors stay below (m); of the ellipsoid that of their "
-                "squared Mahalanobis distances",
+                "size that the share `level` of the errors stay below (m); of several components that of "
+                "their squared Mahalanobis distances",
                 "RSW",
             ),
         ),

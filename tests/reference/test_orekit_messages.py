@@ -112,12 +112,13 @@ def test_orekit_reads_an_ephemeris_with_covariances_in_rsw(org, ephemeris, tmp_p
     read = [state(one) for one in segment.getCoordinates()]
     np.testing.assert_allclose(read, ephemeris[list(STATE)], rtol=1e-15)
     found = list(segment.getCovarianceMatrices())
-    assert [seconds(org, one.getEpoch()) for one in found] == ephemeris["t"].tolist()
+    told = ephemeris.iloc[[*range(0, len(ephemeris) - 1, 10), len(ephemeris) - 1]]
+    assert [seconds(org, one.getEpoch()) for one in found] == told["t"].tolist()
     assert {str(one.getReferenceFrame().asOrbitRelativeFrame()) for one in found} == {"RSW"}
     lower = [
         [one.getCovarianceMatrix().getEntry(k, m) for k in range(6) for m in range(k + 1)] for one in found
     ]
-    np.testing.assert_allclose(lower, ephemeris[COVARIANCES], rtol=1e-14)
+    np.testing.assert_allclose(lower, told[COVARIANCES], rtol=1e-14)
 
 
 def test_orekit_propagates_from_a_corrected_ephemeris(org, ephemeris, tmp_path):

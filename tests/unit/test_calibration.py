@@ -8,9 +8,6 @@ from opml.constants import DAY
 from opml.errors import InputError
 from opml.figures import calibration as figures
 from opml.learning import calibration
-from opml.learning.paths import AXES
-from opml.learning.uncertainty import Spread, Uncertainty
-from opml.report import document, uncertainty
 from opml.tables import LEVELS, POSITION_COVARIANCES, SCHEMAS, symmetric
 
 NAMES = dict.fromkeys(("rso", "stations", "train", "learner", "component", "target", "test"), "x")
@@ -23,42 +20,40 @@ def errors(count=8000, seed=0):
     return SIGMA * rng.normal(size=(count, 3)), rng.choice([1.0, 3.0], count) * DAY
 
 
-def of_fits(scale=1.0):
+def of_normal(scale=1.0):
     found, duration = errors()
     covariance = np.broadcast_to(scale**2 * np.diag(SIGMA**2), (len(found), 3, 3))
-    return calibration.of_fits(covariance, found, duration, days=[1.0, 3.0, 7.0]).assign(**NAMES)
+    return calibration.of_covariances(covariance, found, duration, days=[1.0, 3.0, 7.0]).assign(**NAMES)
 
 
 def test_a_true_covariance_holds_its_shares():
-    table = of_fits()
+    table = of_normal()
     assert set(table.columns) == set(SCHEMAS["calibration"].names)
     assert sorted(set(table["day"])) == [1.0, 3.0]  # nothing lasts seven days
-    assert table.groupby("quantity").size().tolist() == [2 * len(LEVELS)] * 4
+    assert table.groupby("quantity").size().tolist() == [2 * len(LEVELS)] * 5
     np.testing.assert_allclose(table["inside"], table["level"], atol=0.03)
     np.testing.assert_allclose(table["stated"], table["found"], rtol=0.2)
 
 
 def test_a_covariance_half_as_wide_holds_less():
-    table = of_fits(0.5).query("level == 0.9").groupby("quantity")["inside"].mean()
+    table = of_normal(0.5).query("level == 0.9").groupby("quantity")["inside"].mean()
     assert table["e_y"] == pytest.approx(0.589, abs=0.02)  # 0.82 standard deviations to either side
     assert table["ellipsoid"] == pytest.approx(0.33, abs=0.02)  # chi-square(3) up to 6.25 / 4
 
 
 def test_shares_by_hand():
-    spread = Spread(np.array([DAY]), np.array([10.0]), 0.5, {level: 10.0 * level for level in LEVELS})
-    stated = Uncertainty(dict.fromkeys(AXES, spread), 1.0, 9)
-    found = np.array([[0.0, 89.0, 0.0], [0.0, 91.0, 0.0], [0.0, -134.0, 0.0], [0.0, 136.0, 0.0]])
-    age = np.array([-1.0, 0.0, 1.0, 1.0]) * DAY
-    table = calibration.of_residuals(stated, found, np.full(4, DAY), age, days=[1.0])
+    found = np.array([[0.0, 16.0, 0.0], [0.0, 17.0, 0.0], [0.0, -16.4, 0.0], [0.0, 33.0, 0.0]])
+    covariance = np.array([np.diag([1.0, sigma, 1.0]) ** 2 for sigma in (10.0, 10.0, 10.0, 20.0)])
+    table = calibration.of_covariances(covariance, found, np.full(4, DAY), days=[1.0])
     (row,) = table[(table["quantity"] == "e_y") & (table["level"] == 0.9)].to_dict("records")
-    assert (row["inside"], row["rows"], row["basis"]) == (0.5, 4, "residuals")
-    assert row["stated"] == pytest.approx((90.0 + 135.0) / 2)
+    assert (row["inside"], row["rows"]) == (0.5, 4)
+    assert row["stated"] == pytest.approx(16.449, abs=1e-3)
 
 
 def test_durations_that_nothing_lasts_are_told():
     found, duration = errors(10)
     with pytest.raises(InputError, match="calibration: expected predictions over 5, 7 days, got none"):
-        calibration.of_fits(np.broadcast_to(np.eye(3), (10, 3, 3)), found, duration, days=[5.0, 7.0])
+        calibration.of_covariances(np.broadcast_to(np.eye(3), (10, 3, 3)), found, duration, days=[5.0, 7.0])
 
 
 def test_durations_end_with_the_longest_prediction():
@@ -67,22 +62,8 @@ def test_durations_end_with_the_longest_prediction():
     assert calibration.marks(0.5) == [0.5]
 
 
-def test_the_section_states_shares_and_widths():
-    told = uncertainty.section([of_fits()], train="days-0-2", test="days-2-3", without_past="")
-    text = document.markdown(told)
-    assert "| x | x | fit | `e_y` | 5" in text.replace("| 49 /", "| 5").replace("| 50 /", "| 5")
-    assert "6.25 if the covariance is true" in text
-    assert "nan" not in text
-
-
-def test_the_section_says_why_there_is_none():
-    told = uncertainty.section([], train="days-0-2", test="days-2-3", without_past="uncertainty: too few")
-    assert "uncertainty: too few." in document.markdown(told)
-    assert not list(uncertainty.section([], train="days-0-2", test="days-2-3", without_past=""))
-
-
 def test_figure_has_a_panel_per_model_and_a_line_per_duration():
-    figure = figures.coverage({"fit": of_fits(), "wide": of_fits(2.0)}, quantity="e_y")
+    figure = figures.coverage({"fit": of_normal(), "wide": of_normal(2.0)}, quantity="e_y")
     assert [axes.get_title(loc="left") for axes in figure.axes] == ["fit", "wide"]
     true, one, three = figure.axes[0].lines
     np.testing.assert_allclose(one.get_ydata(), one.get_xdata(), atol=3.0)

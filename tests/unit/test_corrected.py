@@ -16,18 +16,60 @@ from opml.errors import InputError
 from opml.figures import ephemeris
 from opml.interop import oem
 from opml.learning.mechanism import MechanismModel
-from opml.learning.stated import of_residuals, read
-from opml.tables import FACTORS, PARAMETERS, SCHEMAS, STATE, read_table, symmetric, write_table
+from opml.learning.sizes import Sizes
+from opml.rsw_covariance import rates
+from opml.tables import (
+    COMPONENTS,
+    DOUBT,
+    PARAMETERS,
+    SCHEMAS,
+    SPREAD,
+    STATE,
+    read_table,
+    symmetric,
+    write_table,
+)
 
 EPOCH = "2016-09-28T12:09:45"
 TIMES = np.array([0.0, 0.3, 0.61, 1.1, 1.5]) * DAY
 CD = [2.25, 2.1, 2.4, 2.3, 2.2]
-RESIDUALS = pd.DataFrame(
-    {"duration": [0.1 * DAY, DAY], "sigma_x": [5.0, 9.0], "sigma_y": [20.0, 200.0], "sigma_z": [3.0, 4.0]}
-)
-STATED = of_residuals(RESIDUALS)
 GRID = corrected.Grid(step=60.0, max_days=0.8, end=2.0 * DAY)
 LAW = MechanismModel(("l_y", "v_y", "l_arc_y"), ("l_y", "v_y", "l_arc_y"), np.array([0.7, 0.02, 0.1]))
+
+
+class Taught:
+    """Lessons that always teach the same law."""
+
+    variables = LAW.variables
+
+    def __call__(self, now):
+        return LAW
+
+
+def replay():
+    """Replayed mornings of the day before the run: errors of about 20 m and 200 m a day, none known later."""
+    rng = np.random.default_rng(3)
+    count = 400
+    duration = rng.uniform(0.05, 0.9, count) * DAY
+    size = {"e_x": 9.0, "e_y": 20.0 + 200.0 * duration / DAY, "e_z": 4.0}
+    errors = {name: size[name] * rng.normal(size=count) for name in size}
+    rate = 1.13e-3
+    velocities = {"e_vx": -rate * errors["e_y"], "e_vy": -rate * errors["e_x"], "e_vz": 0.0}
+    free = {name: value + 9e-3 * rng.normal(size=count) for name, value in velocities.items()}
+    times = {"t_i": -duration, "t_j": 0.0, "t_known": 0.0, "morning": -DAY, "duration": duration}
+    return pd.DataFrame(times | errors | free | {"rate": rate} | dict.fromkeys([*DOUBT, *SPREAD], 0.0))
+
+
+REPLAY = replay()
+
+
+def spreads(pairs):
+    """A tenth more drag takes predictions 100 m a day, the weather nowhere."""
+    days = (pairs["t_j"] - pairs["t_i"]) / DAY
+    return pairs[["i", "j"]].assign(**dict.fromkeys(SPREAD, 0.0)).assign(drag_y=100.0 * days**2)
+
+
+OPTIONS = {"spreads": spreads, "first_morning": 0.0}
 
 
 def estimates(gm, cd, ahead=0.0):
@@ -65,7 +107,7 @@ def known(assumed_model):
 
 @pytest.fixture(scope="module")
 def table(flight, known):
-    return corrected.build(flight, known, LAW, STATED, known.estimates.iloc[[1, 2]], GRID)
+    return corrected.build(flight, known, Taught(), REPLAY, known.estimates.iloc[[1, 2]], GRID, **OPTIONS)
 
 
 def test_columns_on_the_grid_are_those_at_tracks(flight, known):
@@ -137,11 +179,12 @@ def test_the_orbit_is_moved_by_what_the_model_says(table, flight, known):
 
 
 def test_it_ends_with_the_run(flight, known):
-    cut = corrected.build(flight, known, LAW, STATED, known.estimates.iloc[[4]], replace(GRID, end=1.6 * DAY))
+    last, options = known.estimates.iloc[[4]], OPTIONS
+    cut = corrected.build(flight, known, Taught(), REPLAY, last, replace(GRID, end=1.6 * DAY), **options)
     assert cut["t"].max() <= 1.6 * DAY
     with pytest.raises(InputError, match=r"expected 16 epochs 60 s apart .* before the run ends, got fewer"):
         corrected.build(
-            flight, known, LAW, STATED, known.estimates.iloc[[4]], replace(GRID, end=1.5 * DAY + 600.0)
+            flight, known, Taught(), REPLAY, last, replace(GRID, end=1.5 * DAY + 600.0), **options
         )
 
 
@@ -158,7 +201,10 @@ def test_what_comes_after_t_i_changes_nothing(table, flight, known):
         long=replace(known.long, estimates=later(known.long.estimates)),
         arc=replace(known.arc, estimates=later(known.arc.estimates)),
     )
-    again = corrected.build(flight, moved, LAW, STATED, moved.estimates.iloc[[1, 2]], GRID)
+    # Mornings that were over after t_i were off by ten times as much.
+    unknown = REPLAY.assign(t_known=2.0 * DAY, **{name: 10.0 * REPLAY[name] for name in COMPONENTS})
+    told = pd.concat([REPLAY, unknown], ignore_index=True)
+    again = corrected.build(flight, moved, Taught(), told, moved.estimates.iloc[[1, 2]], GRID, **OPTIONS)
     pd.testing.assert_frame_equal(again, table, check_exact=True)
 
 
@@ -176,21 +222,25 @@ def test_it_starts_from_the_newest_usable_estimate(known):
 
 def test_a_learner_needs_the_fits_that_it_asks_for(flight, known):
     with pytest.raises(InputError, match="expected fits over a longer window"):
-        corrected.build(flight, replace(known, long=None), LAW, STATED, known.estimates.iloc[[1]], GRID)
+        corrected.build(
+            flight, replace(known, long=None), Taught(), REPLAY, known.estimates.iloc[[1]], GRID, **OPTIONS
+        )
 
 
-def test_covariances_have_the_size_of_what_is_left_and_the_shape_of_the_fits(table):
-    covariance = np.empty((len(table), 6, 6))
-    row, column = np.tril_indices(6)
-    covariance[:, row, column] = covariance[:, column, row] = table[corrected.COVARIANCES]
+def test_covariances_have_the_sizes_of_the_past_and_no_shape_of_the_fits(table):
+    """Axes know nothing of each other; a velocity follows its position."""
+    covariance = symmetric(table, corrected.COVARIANCES)
     assert (np.linalg.eigvalsh(covariance / covariance.max(axis=(1, 2), keepdims=True)) > -1e-12).all()
-    sigma = np.sqrt(covariance[:, range(3), range(3)])
-    expected = STATED((table["t"] - table["t_i"]).to_numpy(), table["t"].to_numpy())
-    np.testing.assert_allclose(sigma, expected, rtol=1e-9)
-    # e_vx = -w e_y: after half a day nearly all of the radial velocity's error is the along-track position's.
-    late = (table["t"] - table["t_i"]).to_numpy() > 0.5 * DAY
-    tied = covariance[late, 3, 1] / np.sqrt(covariance[late, 3, 3] * covariance[late, 1, 1])
-    assert (tied < -0.99).all()
+    states = table[STATE].to_numpy()
+    rows = table.assign(duration=table["t"] - table["t_i"], rate=rates(states), t_j=table["t"])
+    rows = rows.join(spreads(rows.assign(j=0))[SPREAD])
+    expected = Sizes.learned(REPLAY, now=0.0).sigmas(rows)
+    # Between the epochs that arcs fly to, ten minutes apart, the spread is linear.
+    np.testing.assert_allclose(np.sqrt(covariance[:, range(3), range(3)]), expected[:, :3], rtol=2e-3)
+    for a, b in ((0, 1), (0, 2), (1, 2)):
+        assert (covariance[:, a, b] == 0.0).all()
+    tied = covariance[:, 3, 1] / np.sqrt(covariance[:, 3, 3] * covariance[:, 1, 1])
+    assert (tied < -0.9).all()
 
 
 def test_a_formal_covariance_is_that_of_many_perturbed_arcs(flight, known):
@@ -214,10 +264,14 @@ def test_an_oem_holds_the_table_to_its_digits(table, tmp_path):
     assert [segment.covariance_frame for segment in back] == ["RSW", "RSW"]
     for segment, (_, own) in zip(back, table.groupby("i"), strict=True):
         np.testing.assert_array_equal(segment.t, own["t"])
-        np.testing.assert_array_equal(segment.covariance_t, own["t"])
+        told = own.iloc[[*range(0, len(own), 10), len(own) - 1]].drop_duplicates()
+        np.testing.assert_array_equal(segment.covariance_t, told["t"])
         np.testing.assert_array_equal(segment.states, own[STATE])
         lower = segment.covariances[:, *np.tril_indices(6)]
-        np.testing.assert_array_equal(lower, own[corrected.COVARIANCES])
+        np.testing.assert_array_equal(lower, told[corrected.COVARIANCES])
+    assert "COMMENT covariances in RSW: axes of the states only" in (tmp_path / "c.oem").read_text(
+        encoding="utf-8"
+    )
 
 
 def test_it_is_held_against_later_estimates(table, known):
@@ -235,19 +289,3 @@ def test_it_is_held_against_later_estimates(table, known):
     np.testing.assert_allclose(1e3 * panels[2].lines[-1].get_ydata(), panels[3].lines[-1].get_ydata())
     with pytest.raises(InputError, match="expected an estimate of a later track"):
         ephemeris.later_errors(errors[:0], level=0.9)
-
-
-def test_what_is_stated_grows_with_the_time_since_the_training_where_the_past_was_asked(tmp_path):
-    rows = [
-        {"axis": axis, "duration": DAY, "scale": scale, "growth": 0.5, "inflation": 1.0, "days": 12}
-        | dict.fromkeys(FACTORS, 1.644854)
-        for axis, scale in {"x": 5.0, "y": 200.0, "z": 3.0}.items()
-    ]
-    tables = {"uncertainty": pd.DataFrame(rows), "residuals": RESIDUALS}
-    at = np.array([DAY, DAY]), np.array([10.0, 12.0]) * DAY
-    found = {}
-    for kind, table in tables.items():
-        write_table(tmp_path / kind, table, kind, metadata={})
-        found[kind] = read(tmp_path / kind, trained_until=10.0 * DAY)(*at)
-    np.testing.assert_allclose(found["uncertainty"], np.outer([1.0, 2.0], [5.0, 200.0, 3.0]), rtol=1e-6)
-    np.testing.assert_allclose(found["residuals"], [[9.0, 200.0, 4.0]] * 2)

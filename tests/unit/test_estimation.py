@@ -1,6 +1,7 @@
 """Batch least squares on measurements whose truth is known, and the fits that cannot succeed."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -306,6 +307,47 @@ def test_without_bounds_every_converged_estimate_is_one_to_start_from(
     given = assumed_model, orbit, rows[rows["track"] < 8], earth_orientation, three_stations, iss
     # The fourth is within the paper's bounds, so it is the start of the second batch in either case.
     pd.testing.assert_frame_equal(estimates(*given, cd_bounds=None), estimates(*given), check_exact=True)
+
+
+def test_a_fit_without_a_start_takes_the_newest_estimate_whatever_it_says_of_cd(
+    assumed_model, orbit, rows, earth_orientation, three_stations, iss, monkeypatch
+):
+    """No orbit is given from the second batch on, and no Cd is within the bounds of the others' starts."""
+    monkeypatch.setattr(estimation, "BATCH", 4)
+    first = rows[rows["track"] < 12]
+    starts = starting.perturbed(orbit, first, rso="iss", settings=SETTINGS, seed=1)
+    lost = starts.assign(**{name: starts[name].where(starts["track"] < 4) for name in STATE})
+    found, known, none = (
+        estimation.estimate_all(
+            assumed_model, table, first, earth_orientation, three_stations, iss,
+            settings=replace(SETTINGS, cd_bounds=(9.0, 9.1)), integrator=Integrator(),
+        )
+        for table in (lost, starts, lost.assign(x=np.nan))
+    )  # fmt: skip
+    assert found["converged"].all()
+    moved = np.linalg.norm((found[["x", "y", "z"]] - known[["x", "y", "z"]]), axis=1)
+    assert moved.max() < 0.1
+    assert (none["reason"] == estimation.NO_START).all()
+
+
+def test_an_absurd_estimate_is_nobodys_start(assumed_model, iss):
+    run = estimation.Run(None, estimation.Flight(assumed_model, iss, Integrator(), 1), None, SETTINGS)
+    normal = np.linalg.inv(np.diag([1e4] * 3 + [1e-2] * 3 + [1.0]) + 0.9 * (_tied() + _tied().T))
+    for cd, kept in ((4.2, True), (-424469.0, False)):
+        fit = Fit(np.append(np.full(6, 7e6), cd), run.method(np.ones(7, bool)))
+        fit.normal, fit.cost, fit.running, fit.reason = normal, 1.0, False, ""
+        known = run.with_known_cd(estimation.Estimate(SimpleNamespace(at=3), fit))
+        assert (known is not None) is kept
+        if known:
+            assert known[1][6] == pytest.approx(2.2)
+            assert known[1][0] - 7e6 == pytest.approx(-2.0 * 90.0)  # along the covariance of x and Cd
+
+
+def _tied():
+    """Half of a covariance of 100 m of x by one of Cd."""
+    half = np.zeros((7, 7))
+    half[0, 6] = 100.0
+    return half
 
 
 def test_a_station_of_other_sigmas_weighs_otherwise(

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from support import EPOCH, environment
-from weather_files import other_after
+from weather_files import other_after, up_to
 
 from opml import epochs
 from opml.catalog import estimation, prediction, starting, tracking
@@ -69,6 +69,28 @@ def test_no_hindcast_knows_what_was_measured_after_its_time(tmp_path):
     known = epochs.elapsed(EPOCH, utc) >= T
     pd.testing.assert_frame_equal(found[known], expected[known], check_exact=True)
     assert not found[~known].equals(expected[~known])
+
+
+def test_a_forecast_starts_from_what_is_measured_and_reaches_beyond(tmp_path):
+    """The operator's file ends yesterday, the run a week from now."""
+    t = nodes(EPOCH, 12 * DAY)
+    whole = knowledge.measured("OBSERVED", EPOCH, t)
+    pd.testing.assert_frame_equal(whole, knowledge.hindcast("OBSERVED", EPOCH, t), check_exact=True)
+    cut = up_to(tmp_path / "cut.csv", 57664)  # ends 2016-10-03
+    found = knowledge.measured(cut, EPOCH, t)
+    known = np.isfinite(found["f107"])
+    assert t[known].max() == pytest.approx(5.327 * DAY, abs=0.01 * DAY)  # 20:00 UTC, by its last F10.7
+    pd.testing.assert_frame_equal(found[known], whole[known], check_exact=True)
+    options = {"forecast": FORECASTS["persistence"], "issue_hours": 24, "max_days": 7}
+    ahead, all_of_it = (knowledge.outlooks(source, EPOCH, t, **options) for source in (cut, "OBSERVED"))
+    assert ahead["issued"].max() < all_of_it["issued"].max()
+    shared = all_of_it["issued"] <= ahead["issued"].max()
+    pd.testing.assert_frame_equal(ahead, all_of_it[shared].reset_index(drop=True), check_exact=True)
+    assert ahead["t"].max() > t[known].max() + 6 * DAY
+    with pytest.raises(InputError, match=r"expected dates from .* to 2016-10-0"):
+        knowledge.hindcast(cut, EPOCH, t)
+    with pytest.raises(InputError, match="expected dates from"):
+        knowledge.measured(up_to(tmp_path / "old.csv", 57600), EPOCH, t)
 
 
 def model(source, **settings):

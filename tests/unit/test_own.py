@@ -5,15 +5,19 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
+from mornings import replays
 from support import paper_values, study_of
 
 from opml.errors import InputError
 from opml.figures import study as figures
+from opml.learning.choice import Mornings
 from opml.learning.growth import at_days, by_duration
 from opml.learning.rolling import by_day
 from opml.report import document
 from opml.report import study as report
-from opml.study.own import CALIBRATED, MODELS, Own
+from opml.report.settings import weather
+from opml.study.own import MODELS, REPLAYED, Own
+from opml.tables import SIGMA_STATE
 
 DAY = 86400.0
 
@@ -43,31 +47,8 @@ def test_days_make_three_splits():
         "later": ("days-0-8", "days-8-12"),
         "unseen": ("days-0-8", "days-8-12-unseen"),
     }
-    assert own.shown == "later"
+    assert own.shown == "unseen"
     assert list(own.study.span_days) == [0, 8]
-
-
-def test_the_past_is_tried_within_the_days_to_train_on():
-    own = own_of(days={"train": [0, 9], "test": [9, 12]}, learners=["none", "svr"])
-    assert own.past == {"later": ("days-0-6", "days-6-9"), "unseen": ("days-0-6", "days-6-9-unseen")}
-    assert {(one.train, one.test) for one in own.trials.values()} == set(own.past.values())
-    assert own_of(days={"train": [0, 2], "test": [9, 12]}).past == {}  # too few days to choose by
-
-
-@pytest.mark.parametrize(
-    ("past", "chosen"),
-    [
-        ({"none": 100.0, "held": 10.0, "svr": 9.0}, "svr"),
-        ({"none": 100.0, "held": 10.0, "svr": 9.6}, "held"),  # too little for what it may cost on later days
-        ({"none": 100.0, "held": 130.0, "svr": 120.0}, "none"),
-    ],
-)
-def test_a_model_that_learned_must_be_worth_it(past, chosen):
-    assert report.choice(past, ["none", "held"]) == chosen
-
-
-def test_without_a_baseline_the_best_is_chosen():
-    assert report.choice({"svr": 50.0, "ridge": 60.0}, []) == "svr"
 
 
 def test_what_a_study_leaves_out():
@@ -92,26 +73,56 @@ def test_every_model_meets_every_split_on_every_dataset():
     assert {learner for *_, learner in own.stated} == {"svr"}
 
 
-def test_uncertainty_is_tested_on_later_days_by_models_that_are_quick_to_train():
+def test_mornings_are_replayed_of_models_that_are_quick_to_train():
     own = own_of(days={"train": [0, 18], "test": [18, 27]})
-    assert [learner for *_, learner in own.calibrated] == list(CALIBRATED)
-    one = own.calibrated["lares", "eglin-clear-kaena", "mechanism"]
-    assert (one.train, one.test, one.component) == ("days-0-18", "days-18-27", "e_y")
-    assert {key: fit.learner for key, fit in own.fits.items()} == {("lares", "eglin-clear-kaena"): "none"}
-    assert own.tested("lares", "eglin-clear-kaena")["mechanism"] == one
-    assert own.tested("lares", "eglin") == {}
-    named = own_of(
-        days={"train": [0, 18], "test": [18, 27]}, calibrated=["svr"], defaults={"component": "e_x"}
-    )
-    assert [(learner, one.component) for (*_, learner), one in named.calibrated.items()] == [("svr", "e_y")]
+    assert [learner for *_, learner in own.replayed] == list(REPLAYED)
+    assert own.laws == ["covariance", "mechanism", "twoarcs"]
+    parts = own.mornings("lares", "eglin-clear-kaena")["mechanism"]
+    assert parts == own.replayed["lares", "eglin-clear-kaena", "mechanism"]
+    assert (parts["train"], parts["label"]) == ("days-0-18", "")
+    assert own.mornings("lares", "eglin") == {}
+    fit = own.fits["lares", "eglin-clear-kaena"]
+    assert (fit.learner, fit.component, fit.test) == ("none", "e_y", "days-18-27-unseen")
+    named = own_of(days={"train": [0, 18], "test": [18, 27]}, replayed=["running"], label="later")
+    assert [parts["label"] for parts in named.replayed.values()] == ["_later"]
 
 
-def test_a_past_too_short_for_an_uncertainty_is_told():
-    own = own_of()
-    assert own.calibrated == {}
+def test_without_days_to_train_on_no_morning_is_replayed():
+    own = own_of(splits={"past": ["random-50", "rest"]})
+    assert own.replayed == {}
     assert own.fits == {}
-    assert "that lie 7 days or more within 'days-0-8', got 0" in own.answer.without_past
-    assert "expected a window of days" in own_of(splits={"past": ["random-50", "rest"]}).without_past
+    assert own.laws == []
+
+
+@pytest.mark.parametrize(
+    ("given", "told", "untold"),
+    [
+        ({}, "## Truth and assumed model", "No truth is known"),
+        ({"orbits": {"lares": ["a.sp3"]}}, "The true orbit is the one of the files", "truth model"),
+        ({"tracks": {"lares": ["a.tdm"]}}, "No truth is known of these tracks.", "truth model"),
+    ],
+)
+def test_the_report_says_what_flew(given, told, untold):
+    values = paper_values() | given
+    values["study"] = {"rsos": ["lares"], "days": {"train": [0, 8], "test": [8, 12]}, "learners": ["svr"]}
+    text = labelled_report(Own(study_of(values)))
+    assert told in text
+    assert untold not in text
+
+
+def test_the_report_says_what_was_known_of_the_weather():
+    assert weather(paper_values()).startswith("Space weather: MSAFE's monthly figures")
+    told = {
+        "forecast": "then the forecast `regression` issued every 24 h",
+        "hindcast": "up to the time predicted to: a hindcast",
+        None: "measured values of the days predicted to included",
+    }
+    for knowledge, words in told.items():
+        values = paper_values()
+        values["environment"] |= {"solar_activity": "OBSERVED"} | (
+            {"knowledge": knowledge} if knowledge else {}
+        )
+        assert words in weather(values)
 
 
 def test_splits_of_ones_own():
@@ -166,8 +177,7 @@ def told():
     """A small study's request, with tables of everything that it asks for."""
     own = own_of(learners=["none", "running", "svr"])
     numbers = {"rows": 100, "estimates": 7, "p_ml": 20.0, "p_ml_low": 18.0, "p_ml_high": 23.0}
-    asked = [*own.experiments.values(), *own.trials.values()]
-    metrics = pd.DataFrame([one.columns() | numbers for one in asked])
+    metrics = pd.DataFrame([one.columns() | numbers for one in own.experiments.values()])
     good, poor = evaluation(), evaluation()
     poor["predicted"] *= poor["i"] < 25
     poor["residual"] = poor["true"] - poor["predicted"]
@@ -175,7 +185,7 @@ def told():
     key = ("lares", "eglin-clear-kaena")
     return document.markdown(
         report.document(
-            own.answer, metrics, evaluations, {key: dataset_of(good)}, {key: estimates_of(good)}, {}
+            own.answer, metrics, evaluations, {key: dataset_of(good)}, {key: estimates_of(good)}, {}, {}, {}
         )
     )
 
@@ -185,10 +195,8 @@ def test_the_report_answers_without_the_papers_notions(told):
     assert re.search(r"\| lares \| eglin-clear-kaena \| no correction \| 1\d{3} / 1\d{3} \|", told)
     assert re.search(r"\| lares \| eglin-clear-kaena \| `running` \| \d\d\d? / 1\d\d \|", told)
     assert "| lares | eglin-clear-kaena | 50 | 49 | 401 | 99.8 % | 49.9 % | no prediction 0.2 % |" in told
-    assert "| lares | eglin-clear-kaena | later | `none` | 20.0 | 20.0 | 20.0 `none` | 20.0 `none` |" in told
     assert "| `running` | law without a truth" in told
-    assert "## Is the uncertainty true?" in told
-    assert not re.search(r"\bnan\b|Peng|published|reading of|slip", told)
+    assert not re.search(r"\bnan\b|Peng|reading of|slip", told)
 
 
 def trained_anew(table):
@@ -199,8 +207,7 @@ def trained_anew(table):
 def labelled_report(own):
     """The report of a study that learned from labels."""
     numbers = {"p_ml": 20.0, "p_ml_low": 18.0, "p_ml_high": 23.0, "p_ml_later": 21.0}
-    asked = [*own.experiments.values(), *own.trials.values()]
-    metrics = pd.DataFrame([one.columns() | numbers for one in asked])
+    metrics = pd.DataFrame([one.columns() | numbers for one in own.experiments.values()])
     table, key = evaluation(), ("lares", "eglin-clear-kaena")
     return document.markdown(
         report.document(
@@ -210,6 +217,8 @@ def labelled_report(own):
             {key: dataset_of(table)},
             {key: estimates_of(table)},
             dict.fromkeys(own.rolling, trained_anew(table)),
+            {},
+            {},
         )
     )
 
@@ -258,15 +267,12 @@ def test_a_duration_that_nothing_reaches_has_no_number():
     short = evaluation()
     evaluations = dict.fromkeys(own.stated, short[short["duration"] < 3 * DAY])
     metrics = pd.DataFrame(
-        [
-            one.columns() | {"p_ml": 1.0, "p_ml_low": 1.0, "p_ml_high": 1.0}
-            for one in [*own.experiments.values(), *own.trials.values()]
-        ]
+        [one.columns() | {"p_ml": 1.0, "p_ml_low": 1.0, "p_ml_high": 1.0} for one in own.experiments.values()]
     )
     key = ("lares", "eglin-clear-kaena")
     dataset = {key: dataset_of(short)}
     text = document.markdown(
-        report.document(own.answer, metrics, evaluations, dataset, {key: estimates_of(short)}, {})
+        report.document(own.answer, metrics, evaluations, dataset, {key: estimates_of(short)}, {}, {}, {})
     )
     assert "| 1 d | 2 d |" in text
     assert "| 4 d |" not in text
@@ -283,27 +289,33 @@ def test_figure_of_errors_has_one_panel_per_model():
         figures.errors({}, component="e_y")
 
 
-def test_figure_of_residuals_has_bands_of_the_chosen_model_and_lines_of_the_others():
-    tables = {"svr": evaluation(), "running": evaluation(seed=1), "fit96": evaluation(seed=2)}
-    figure = figures.residuals(tables, chosen="running", learned=["svr"], component="e_y", note="lares")
+def mornings_of(*names):
+    """Replayed mornings of models that leave a tenth, two tenths, ... of 50 times 100 m a day."""
+    table = replays(days=25)
+    scaled = {
+        name: table.assign(e_y=table["e_y"] * (k + 1), **dict.fromkeys(SIGMA_STATE, 1.0))
+        for k, name in enumerate(names)
+    }
+    return Mornings.of(scaled, [], seed=1)
+
+
+def test_figure_of_residuals_has_bands_of_what_was_flown_and_lines_of_the_models():
+    figure = figures.residuals(mornings_of("running", "fit96"), laws=["fit96"], note="lares")
     (axes,) = figure.axes
     assert axes.get_yscale() == "log"
     assert axes.get_ylabel() == "|$e_{y}$| [m]"
-    assert {text.get_text() for text in axes.texts} == {"svr", "fit96"}
+    assert {text.get_text() for text in axes.texts} == {"running", "fit96"}
     looks = {line.get_label(): line for line in axes.lines}
-    before, after = looks["no correction"], looks["corrected by running"]
-    assert np.median(after.get_ydata()) == pytest.approx(0.1 * np.median(before.get_ydata()))
-    assert looks["others that learned"].get_linestyle() == "--"
-    assert looks["without learning"].get_linestyle() == "-"
+    before, after = looks["no correction"], looks["corrected by what the past chose"]
+    assert np.median(after.get_ydata()) == pytest.approx(0.02 * np.median(before.get_ydata()))
+    assert looks["learned"].get_linestyle() == "--"
+    assert looks["nothing learned"].get_linestyle() == "-"
     assert len(axes.collections) == 4  # the middle 50 and 90 % of both
     assert figure.legends[0].get_title().get_text().startswith("lares\n")
-    with pytest.raises(InputError, match="expected the model 'mlp', got svr, running, fit96"):
-        figures.residuals(tables, chosen="mlp", learned=[], component="e_y")
 
 
 def test_names_of_lines_do_not_overlap():
-    tables = {name: evaluation(seed=k) for k, name in enumerate(["svr", "fit24", "fit48", "held"])}
-    (axes,) = figures.residuals(tables, chosen="svr", learned=[], component="e_y").axes
+    (axes,) = figures.residuals(mornings_of("running", "fit24", "fit48", "held"), laws=[]).axes
     heights = sorted(np.log10(text.get_position()[1]) for text in axes.texts)
     low, high = np.log10(axes.get_ylim())
     assert (np.diff(heights) > 0.04 * (high - low)).all()

@@ -142,8 +142,8 @@ def test_trimmed_case_has_the_same_rules(project):
             {**dict.fromkeys([*CHAIN, *LABELLED], 1), "rolling": 1},
         ),
         (
-            "results/calibration/iss/eglin/days-0-30/svr/e_y/iss/days-30-40.parquet",
-            {**dict.fromkeys(CHAIN, 1), "train": 1, "uncertainty": 1, "calibration": 1},
+            "results/replays/iss/eglin/days-0-30/svr.parquet",
+            {**dict.fromkeys(CHAIN, 1), "spread": 1, "replay": 1},
         ),
         (
             "results/metrics/iss/eglin_cd1_light/days-0-30/svr/e_y/iss_i50/days-30-40-together.parquet",
@@ -266,10 +266,10 @@ def test_any_product_needs_no_study(project):
     assert jobs(plan)["truth"] == 1
 
 
-def test_a_past_too_short_for_an_uncertainty_is_told_in_one_line(project):
-    done = project.snakemake("-n", "results/uncertainty/iss/eglin/days-0-8/svr/e_y.parquet", check=False)
+def test_mornings_need_days_to_train_on(project):
+    done = project.snakemake("-n", "results/replays/iss/eglin/random-80/svr.parquet", check=False)
     assert done.returncode != 0
-    assert "opml: uncertainty: expected 9 blocks of 24 hours" in done.stdout
+    assert "opml: training split 'random-80': expected a window of days, such as days-0-20" in done.stdout
     assert "Traceback" not in done.stdout
 
 

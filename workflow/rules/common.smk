@@ -12,8 +12,8 @@ from opml.errors import InputError
 from opml.files import PROJECT
 from opml.learning import learners, paths
 from opml.learning.contract import ARC_MEMORY_DAYS
-from opml.learning.origins import origins
 from opml.provenance import script_digest
+from opml.report.settings import weather
 from opml.study import flights
 from opml.study.checks import check_data, load
 from opml.study.experiments import Study
@@ -292,24 +292,31 @@ def told_manoeuvres(wildcards):
     return known_manoeuvres(wildcards) if base in {*SETTINGS.orbits, *SETTINGS.tracks} else []
 
 
-def stated(wildcards):
-    """The table of what a correction leaves: behind rolling origins, else of estimates that are held out."""
-    parts = dict(wildcards.items())
-    try:
-        rolled(wildcards)
-    except InputError:
-        return path_of(rules.residuals.output[0], **parts)
-    return path_of(rules.uncertainty.output[0], **parts, component=paths.CORRECTED)
+def train_days(wildcards):
+    """First and last day of the training that a file name asks for; raises InputError where it is no window."""
+    train = split(wildcards)["train"]
+    parsed = naming.parse_train(train)
+    if parsed.kind != "days":
+        raise InputError(f"training split '{train}': expected a window of days, such as days-0-20")
+    return list(parsed.days)
 
 
-def known_until_days(wildcards):
-    """Day at which a training ends: the last of its window, or of the span that a share is drawn from."""
-    days = naming.parse_train(split(wildcards)["train"]).days
-    return days[1] or STUDY.span_days[1]
+def futures(wildcards):
+    """Input function: the courses that the weather may take, none where it is taken for known."""
+    if KNOWLEDGE != knowledge.FORECAST:
+        return []
+    return path_of(rules.futures.output[0], members=str(config["uncertainty"]["futures"]))
 
 
-def ephemeris_settings(wildcards):
-    """What every ephemeris from an estimate is made with."""
+def later_states(wildcards):
+    """Input function: the later estimates that labels are made of, none where the truth is known."""
+    if not wildcards.label:
+        return []
+    return at_label_window(rules.estimation.output[0])(wildcards)
+
+
+def departure_settings(wildcards):
+    """What tells which estimates ephemerides may start from, and what flies them."""
     return {
         "epoch": config["epoch"],
         "force_model": config["force_models"]["assumed"],
@@ -319,13 +326,43 @@ def ephemeris_settings(wildcards):
         "window_hours": window_hours(wildcards),
         "cd_bounds": cd_bounds(),
         "mechanism": config["mechanism"],
-        "known_until_days": known_until_days(wildcards),
+        "arc": [0, 0],
+        "max_days": config["prediction"]["max_days"],
+    }
+
+
+def lesson_settings(wildcards):
+    """The same, and what a learner is trained anew with each morning."""
+    return departure_settings(wildcards) | {
+        "arc": arc_hours(learner(wildcards)),
+        "learner": learner(wildcards),
+        "seed": split(wildcards)["seed"],
+        "train_days": train_days(wildcards),
+    }
+
+
+def ephemeris_settings(wildcards):
+    """Where ephemerides start, and their grid."""
+    return {
+        "known_until_days": train_days(wildcards)[1],
         "from": config["ephemeris"]["from"],
         "grid": [
             config["ephemeris"]["step_s"],
             config["prediction"]["max_days"],
             config["duration_days"],
         ],
+    }
+
+
+def mornings_settings(wildcards):
+    """What a figure of a study's replayed mornings is told."""
+    return {
+        "epoch": config["epoch"],
+        "learners": list(OWN.mornings(wildcards.rso, wildcards.stations)),
+        "laws": OWN.laws,
+        "seed": SEED["split"],
+        "days": OWN.answer.durations,
+        "note": f"{wildcards.rso} by {wildcards.stations}. {weather(config)}",
     }
 
 
@@ -338,15 +375,6 @@ def experiment(wildcards):
         raise InputError(f"split 'seen': expected the RSO that was trained on, {trained}, got {target}")
     parts["stations"] += parts.pop("window") + parts.pop("reading") + parts.pop("label")
     return parts
-
-
-def rolled(wildcards):
-    """The origins [days] that roll over the training's days which a file name asks for."""
-    return origins(
-        split(wildcards)["train"],
-        longest_days=config["prediction"]["max_days"],
-        block_hours=config["uncertainty"]["block_hours"],
-    )
 
 
 def tested_settings(wildcards):

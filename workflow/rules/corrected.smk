@@ -1,36 +1,4 @@
 # What leaves the house: ephemerides corrected by what was learned, each epoch with a covariance. None needs a truth.
-EPHEMERIS = "{rso}/{stations}{window}{reading}{label}/{train}/{learner}"
-
-
-rule residuals:
-    input:
-        dataset=rules.train.input.dataset,
-        beside=beside("rso"),
-        asked=checked_names(split, without_truth),
-    output:
-        f"{RESULTS}/residuals/{EPHEMERIS}.parquet",
-    log:
-        f"{RESULTS}/logs/residuals/{EPHEMERIS}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/residuals/{EPHEMERIS}.tsv"
-    conda:
-        "../envs/opml.yaml"
-    resources:
-        mem_mb=1750,
-        runtime=16,
-    params:
-        settings=lambda wildcards: {
-            "epoch": config["epoch"],
-            **split(wildcards),
-            "span_days": STUDY.span_days,
-            "learner": learner(wildcards),
-            "intervals": config["intervals"],
-        },
-        code=code("residuals.py"),
-    message:
-        "Residuals: what {wildcards.learner} leaves of the errors of {wildcards.rso} by {wildcards.stations}, held out"
-    script:
-        "../scripts/residuals.py"
 
 
 rule corrected:
@@ -42,9 +10,11 @@ rule corrected:
         long_estimates=fits_over("mechanism"),
         arc_estimates=fits_over("arcs"),
         manoeuvres=told_manoeuvres,
-        model=f"{RESULTS}/models/{EPHEMERIS}/{paths.CORRECTED}.parquet",
-        stated=stated,
-        asked=checked_names(split, without_truth),
+        dataset=rules.train.input.dataset,
+        beside=beside("rso"),
+        replay=rules.replay.output[0],
+        futures=futures,
+        asked=checked_names(split, train_days, without_truth),
     output:
         f"{RESULTS}/corrected/{EPHEMERIS}.parquet",
     log:
@@ -59,7 +29,7 @@ rule corrected:
         mem_mb=1750,
         runtime=8,
     params:
-        settings=lambda wildcards: ephemeris_settings(wildcards) | {"arc": arc_hours(learner(wildcards))},
+        settings=lambda wildcards: lesson_settings(wildcards) | ephemeris_settings(wildcards),
         code=code("corrected.py"),
     message:
         "Corrected ephemeris: {wildcards.rso} by {wildcards.stations}, corrected by {wildcards.learner}"
@@ -139,8 +109,9 @@ if KNOWLEDGE == knowledge.FORECAST:
             mem_mb=1750,
             runtime=8,
         params:
-            settings=lambda wildcards: ephemeris_settings(wildcards)
-            | {"arc": [0, 0], "seed": noise_seed(wildcards)},
+            settings=lambda wildcards: departure_settings(wildcards)
+            | ephemeris_settings(wildcards)
+            | {"seed": noise_seed(wildcards)},
             code=code("forecast.py"),
         message:
             "Forecast ephemeris: {wildcards.rso} by {wildcards.stations} under {wildcards.members} futures of the space weather"

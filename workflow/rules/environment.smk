@@ -111,7 +111,7 @@ rule hindcast:
         "../envs/opml.yaml"
     params:
         settings={key: config[key] for key in ("epoch", "duration_days")}
-        | {"source": config["environment"]["solar_activity"]},
+        | {"source": config["environment"]["solar_activity"], "knowledge": KNOWLEDGE},
         code=code("hindcast.py"),
     message:
         "Hindcast: the space weather of {params.settings[source]} as it was known at each time"

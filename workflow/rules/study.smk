@@ -3,7 +3,7 @@ if OWN.is_asked:
 
     use rule errors as study_report with:
         input:
-            metrics=paths_of(rules.evaluate.output.metrics, *OWN.experiments.values(), *OWN.trials.values()),
+            metrics=paths_of(rules.evaluate.output.metrics, *OWN.experiments.values()),
             evaluations=paths_of(rules.evaluate.output.evaluation, *OWN.stated.values()),
             datasets=[
                 path_of(
@@ -18,10 +18,8 @@ if OWN.is_asked:
                 for rso, stations in OWN.datasets
             ],
             rolling=paths_of(rules.rolling.output[0], *OWN.rolling.values()),
-            calibration=[
-                *paths_of(rules.fit_calibration.output[0], *OWN.fits.values()),
-                *paths_of(rules.calibration.output[0], *OWN.calibrated.values()),
-            ],
+            replays=[path_of(rules.replay.output[0], **parts) for parts in OWN.replayed.values()],
+            fits=paths_of(rules.fit_calibration.output[0], *OWN.fits.values()),
         output:
             **documents("study", section=SECTIONS["study"]),
         log:
@@ -55,15 +53,10 @@ if OWN.is_asked:
 
     use rule errors as study_residuals with:
         input:
-            evaluations=rules.study_errors.input[0],
-            trials=lambda wildcards: paths_of(
-                rules.evaluate.output.metrics,
-                *(
-                    OWN.trials[wildcards.rso, wildcards.stations, learner, OWN.shown]
-                    for learner in OWN.drawn(wildcards.rso, wildcards.stations)
-                    if OWN.shown in OWN.past
-                ),
-            ),
+            lambda wildcards: [
+                path_of(rules.replay.output[0], **parts)
+                for parts in OWN.mornings(wildcards.rso, wildcards.stations).values()
+            ],
         output:
             **figures(
                 "study/{rso}/{stations}_residuals", caption="study_residuals", section=SECTIONS["study"]
@@ -74,14 +67,7 @@ if OWN.is_asked:
             f"{RESULTS}/benchmarks/figs/study/{{rso}}/{{stations}}_residuals.tsv"
         params:
             draw="study_residuals",
-            settings=lambda wildcards: {
-                **all_of(OWN.drawn(wildcards.rso, wildcards.stations), "learners"),
-                "learned": [
-                    name
-                    for name in OWN.drawn(wildcards.rso, wildcards.stations)
-                    if learners.learns(naming.parse_learner(name, config["learners"]))
-                ],
-            },
+            settings=mornings_settings,
             code=code("study_residuals.py"),
         message:
             "Figure: errors of {wildcards.rso} by {wildcards.stations}, and what each model leaves of them"
@@ -115,9 +101,7 @@ if OWN.is_asked:
             fit=lambda wildcards: path_of(
                 rules.fit_calibration.output[0], **OWN.fits[wildcards.rso, wildcards.stations].names()
             ),
-            models=lambda wildcards: paths_of(
-                rules.calibration.output[0], *OWN.tested(wildcards.rso, wildcards.stations).values()
-            ),
+            replays=rules.study_residuals.input[0],
         output:
             **figures(
                 "study/{rso}/{stations}_intervals",
@@ -131,7 +115,7 @@ if OWN.is_asked:
             f"{RESULTS}/benchmarks/figs/study/{{rso}}/{{stations}}_calibration.tsv"
         params:
             draw="study_calibration",
-            settings=lambda wildcards: all_of(OWN.tested(wildcards.rso, wildcards.stations), "models"),
+            settings=mornings_settings,
             code=code("study_calibration.py"),
         message:
             "Figure: nominal and achieved coverage of {wildcards.rso} by {wildcards.stations}"
@@ -142,7 +126,9 @@ if OWN.is_asked:
                 path_of(rules.estimation.output[0], **dict(wildcards.items()), window=window)
                 for window in OWN.windows.values()
             ],
-            activity=TRUE_ENVIRONMENT["solar_activity"],
+            activity=lambda wildcards: (
+                ENVIRONMENT if wildcards.rso in SETTINGS.tracks else TRUE_ENVIRONMENT
+            )["solar_activity"],
             dataset=lambda wildcards: path_of(
                 rules.labelled_dataset.output[0],
                 **dict(wildcards.items()) | {"window": "", "reading": ""},

@@ -60,7 +60,6 @@ STUDY_FILES = (
             for rso, stations in OWN.datasets
             for file in [
                 *rules.study_errors.output,
-                *rules.study_residuals.output,
                 *rules.study_drag.output,
                 *(rules.study_rolling.output if OWN.rolling else []),
             ]
@@ -73,8 +72,8 @@ STUDY_FILES = (
         ),
         *(
             path_of(file, rso=rso, stations=stations)
-            for rso, stations in dict.fromkeys((rso, stations) for rso, stations, _ in OWN.calibrated)
-            for file in rules.study_calibration.output
+            for rso, stations in OWN.fits
+            for file in [*rules.study_residuals.output, *rules.study_calibration.output]
         ),
     ]
     if OWN.is_asked

@@ -1,4 +1,4 @@
-# How far corrected positions may be off, and whether that is true.
+# The fits' own covariances, and whether they are true.
 
 
 rule covariances:
@@ -29,70 +29,6 @@ rule covariances:
         "Covariances: each fit's own, of {wildcards.rso} by {wildcards.stations}, carried to its predictions"
     script:
         "../scripts/covariances.py"
-
-
-rule uncertainty:
-    input:
-        dataset=rules.train.input.dataset,
-        beside=beside("rso"),
-        predictions=rules.prediction.output[0],
-        asked=checked_names(rolled),
-    output:
-        f"{RESULTS}/uncertainty/{EXPERIMENT}.parquet",
-    log:
-        f"{RESULTS}/logs/uncertainty/{EXPERIMENT}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/uncertainty/{EXPERIMENT}.tsv"
-    wildcard_constraints:
-        component=paths.CORRECTED,
-    conda:
-        "../envs/opml.yaml"
-    resources:
-        mem_mb=1750,
-        runtime=30,
-    params:
-        settings=lambda wildcards: {
-            "epoch": config["epoch"],
-            **split(wildcards),
-            "span_days": STUDY.span_days,
-            "origins": rolled(wildcards),
-            "learner": learner(wildcards),
-            "uncertainty": config["uncertainty"],
-        },
-        code=code("uncertainty.py"),
-    message:
-        "Uncertainty of {wildcards.learner} for {wildcards.rso}, {wildcards.stations}, behind the days of {wildcards.train}"
-    script:
-        "../scripts/uncertainty.py"
-
-
-rule calibration:
-    input:
-        model=rules.train.output[0],
-        uncertainty=rules.uncertainty.output[0],
-        target=rules.evaluate.input.target,
-        judge=judge(rules.dataset.output[0]),
-        beside=beside("target"),
-        predictions=f"{RESULTS}/predictions/{{target}}/{{stations}}{{window}}.parquet",
-        asked=checked_names(split, experiment),
-    output:
-        f"{RESULTS}/calibration/{EXPERIMENT}/{{target}}/{{test}}.parquet",
-    log:
-        f"{RESULTS}/logs/calibration/{EXPERIMENT}/{{target}}/{{test}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/calibration/{EXPERIMENT}/{{target}}/{{test}}.tsv"
-    wildcard_constraints:
-        test=naming.TEST_BY_ROW,
-        component=paths.CORRECTED,
-    conda:
-        "../envs/opml.yaml"
-    params:
-        settings=tested_settings,
-        code=code("calibration.py"),
-    message:
-        "Calibration of {wildcards.learner} for {wildcards.target}, {wildcards.test} after {wildcards.train}"
-    script:
-        "../scripts/calibration.py"
 
 
 rule fit_calibration:

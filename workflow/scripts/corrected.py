@@ -3,8 +3,9 @@
 from opml import corrected
 from opml.constants import DAY
 from opml.jobs import job, progress
-from opml.learning import learners, stated
-from opml.tables import write_table
+from opml.learning import dataset
+from opml.learning.lessons import Lessons
+from opml.tables import read_table, write_table
 
 with job(snakemake) as metadata:
     settings, files = snakemake.params.settings, snakemake.input
@@ -12,10 +13,17 @@ with job(snakemake) as metadata:
     table = corrected.build(
         flight,
         known,
-        learners.read(files.model),
-        stated.read(files.stated, trained_until=DAY * settings["known_until_days"]),
+        Lessons(
+            dataset.read(files.dataset, files.beside),
+            settings["learner"],
+            settings["seed"],
+            settings["train_days"][0],
+        ),
+        read_table(files.replay, "replay"),
         starts,
         grid,
+        spreads=corrected.spreading(files, settings, known, threads=snakemake.threads),
+        first_morning=DAY * settings["known_until_days"],
         progress=progress,
     )
     write_table(snakemake.output[0], table, "corrected", metadata=metadata)

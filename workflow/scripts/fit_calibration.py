@@ -8,7 +8,7 @@ from opml.tables import POSITION_COVARIANCES, symmetric, write_table
 with job(snakemake) as metadata:
     settings, files = snakemake.params.settings, snakemake.input
     table, rows, _ = tested.read(files, settings, beside=[files.covariances])
-    found = calibration.of_fits(
+    found = calibration.of_covariances(
         symmetric(table[rows], POSITION_COVARIANCES),
         table.loc[rows, POSITION].to_numpy(),
         table.loc[rows, "duration"].to_numpy(),

@@ -8,6 +8,6 @@ from opml.tables import write_table
 with job(snakemake) as metadata:
     settings = snakemake.params.settings
     t = nodes(settings["epoch"], DAY * settings["duration_days"])
-    table = knowledge.hindcast(settings["source"], settings["epoch"], t)
+    table = knowledge.TABLES[settings["knowledge"]](settings["source"], settings["epoch"], t)
     metadata |= {"source": settings["source"]}
     write_table(snakemake.output[0], table, "solar_activity", metadata=metadata)

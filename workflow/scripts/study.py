@@ -17,6 +17,7 @@ with job(snakemake):
         {key: read_table(path, "dataset") for key, path in zip(own.datasets, files.datasets, strict=True)},
         {key: read_table(path, "estimates") for key, path in zip(own.datasets, files.estimates, strict=True)},
         {key: read_table(path, "rolling") for key, path in zip(own.rolling, files.rolling, strict=True)},
-        [read_table(path, "calibration") for path in files.calibration],
+        {key: read_table(path, "replay") for key, path in zip(own.replayed, files.replays, strict=True)},
+        {key: read_table(path, "calibration") for key, path in zip(own.fits, files.fits, strict=True)},
     )
     document.write(blocks, output.md[0], output.tsv[0], output.html[0])

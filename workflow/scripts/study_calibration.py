@@ -1,20 +1,25 @@
 """Draw nominal against achieved coverage of intervals and of ellipsoids, one panel per model."""
 
-from opml.figures import calibration, style
-from opml.figures.labels import experiment
+from opml.figures import calibration as figures
+from opml.figures import style
 from opml.jobs import job
-from opml.learning.calibration import ELLIPSOID
+from opml.learning import calibration
+from opml.learning.choice import Mornings
 from opml.learning.paths import CORRECTED
-from opml.tables import read_table
+from opml.tables import ELLIPSOID, read_table
 
 with job(snakemake):
-    settings = snakemake.params.settings
-    names = ["the fit's own covariance", *settings["models"]]
-    tables = {
-        name: read_table(path, "calibration") for name, path in zip(names, snakemake.input, strict=True)
+    settings, files = snakemake.params.settings, snakemake.input
+    replays = {
+        name: read_table(path, "replay")
+        for name, path in zip(settings["learners"], files.replays, strict=True)
     }
-    figures = [
-        calibration.coverage(tables, quantity=quantity, note=experiment(**settings))
+    mornings = Mornings.of(replays, settings["laws"], seed=settings["seed"])
+    told = {"chosen by the past": mornings.flown, **mornings.tables}
+    tables = {name: calibration.of_replay(table, days=settings["days"]) for name, table in told.items()}
+    tables["the fit's own covariance"] = read_table(files.fit, "calibration")
+    drawn = [
+        figures.coverage(tables, quantity=quantity, note=settings["note"])
         for quantity in (CORRECTED, ELLIPSOID)
     ]
-    style.save_all(figures, snakemake.output.pdf, snakemake.output.png)
+    style.save_all(drawn, snakemake.output.pdf, snakemake.output.png)

@@ -60,26 +60,3 @@ def propagated(
     formal: np.ndarray = change @ symmetric(started, COVARIANCES)[arc] @ change.transpose(0, 2, 1)
     even: np.ndarray = 0.5 * (formal + formal.transpose(0, 2, 1))
     return even
-
-
-def paired(covariance: np.ndarray) -> np.ndarray:
-    """Covariances (n, 6, 6), RSW, with those correlations only that tie a velocity to a position.
-
-    On a nearly circular orbit radial velocity goes with along-track position (e_vx = -w e_y), along-track
-    with radial, and cross-track with cross-track.
-    """
-    kept = np.eye(6)
-    kept[range(6), [4, 3, 5, 1, 0, 2]] = 1.0
-    return covariance * kept
-
-
-def stretched(formal: np.ndarray, sigma: np.ndarray) -> np.ndarray:
-    """Covariances (n, 6, 6) of the shape of `formal` ones (n, 6, 6) with positions known to `sigma` (n, 3).
-
-    All in RSW [m, m/s]. Correlations stay. A velocity is stretched as the position that it goes with, as in
-    `paired`.
-    """
-    stretch = sigma / np.sqrt(formal[:, range(3), range(3)])
-    both = np.concatenate([stretch, stretch[:, [1, 0, 2]]], axis=1)
-    covariance: np.ndarray = both[:, :, None] * formal * both[:, None, :]
-    return covariance

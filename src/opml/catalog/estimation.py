@@ -7,8 +7,8 @@ neighbouring arcs: the nominal one and seven that differ in one parameter fly as
 so no variational equations are needed.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -40,6 +40,12 @@ _NEIGHBOURS = np.vstack([np.zeros(7), np.diag(NUDGES)])
 
 _SCALES = np.array([1e3, 1e3, 1e3, 1.0, 1.0, 1.0, 1.0])
 """A-priori uncertainty [m, m/s, -] in which the damping measures a step."""
+
+NO_START = "no orbit to start from"
+"""Why a fit did not begin."""
+
+_LINEAR = 10e3
+"""How far a state may be moved along its covariance [m], to where it would be had Cd been known."""
 
 
 @dataclass(frozen=True)
@@ -91,15 +97,17 @@ def estimate_all(
         Flight(model, rso, integrator, threads),
         starts[STATE].to_numpy(),
         settings,
+        starts["age"].to_numpy(),
     )
     method = run.method(run.free_parameters())
     count = run.measured.tracks
     rows: list[dict[str, Any]] = []
-    usable = None
+    usable: Known | None = None
+    spare: Known | None = None
     for begin in range(0, count, BATCH):
-        estimates = run.begun(range(begin, min(begin + BATCH, count)), usable, method)
-        run.fit(estimates)
-        usable = next((one for one in reversed(estimates) if run.is_usable(one)), usable)
+        estimates = run.fitted(range(begin, min(begin + BATCH, count)), usable, spare, method)
+        usable = next((run.known(one) for one in reversed(estimates) if run.is_usable(one)), usable)
+        spare = next((one for one in map(run.with_known_cd, reversed(estimates)) if one), spare)
         rows += [run.row(one) for one in estimates]
         if progress:
             progress(len(rows) / count)
@@ -128,6 +136,10 @@ class Estimate:
 
     window: _Window
     fit: Fit
+
+
+Known = tuple[int, np.ndarray]
+"""An epoch of a run's measurements, by its number, and the parameters (7,) of an orbit there."""
 
 
 class Measured:
@@ -248,12 +260,17 @@ class Flight:
 
 @dataclass(frozen=True)
 class Run:
-    """All that the windows of a run share; starts (tracks, 6): GCRF states at the tracks' starts."""
+    """All that the windows of a run share.
+
+    starts (tracks, 6): GCRF states at the tracks' starts; ages (tracks,): how long before each its orbit was
+    known [s].
+    """
 
     measured: Measured
     flight: Flight
     starts: np.ndarray
     settings: Estimation
+    ages: np.ndarray = field(default_factory=lambda: np.empty(0))
 
     def method(self, free: np.ndarray) -> Method:
         """How the parameters that are free (7,) are fitted."""
@@ -274,19 +291,54 @@ class Run:
         free[_CD] = not np.linalg.norm(flown[1] - flown[0]) < self.settings.least_drag_m
         return free
 
-    def begun(self, tracks: Sequence[int], usable: Estimate | None, method: Method) -> list[Estimate]:
-        """Estimates at the start of `tracks`, before their first step.
+    def fitted(
+        self,
+        tracks: Sequence[int],
+        usable: Known | None,
+        spare: Known | None,
+        method: Method,
+    ) -> list[Estimate]:
+        """Estimates at the start of `tracks`, each from the best start that its arc can be flown from.
 
-        They start from the newest usable estimate, carried to each track's start. Where there is none, or it
-        does not last, they start from the given state.
+        usable: of the newest estimate whose Cd is known, spare: of the newest that has a state at least.
         """
         after = self.settings.after_hours * HOUR
         windows = [self.measured.window(track, self._window, after) for track in tracks]
-        carried = self.carried(usable, np.array([window.at for window in windows]))
-        return [
-            Estimate(window, Fit(start if np.all(np.isfinite(start)) else self.given(window.track), method))
-            for window, start in zip(windows, carried, strict=True)
-        ]
+        found = [Estimate(window, Fit(np.full(7, np.nan), method)) for window in windows]
+        for starts in self._starts_in_turn(windows, usable, spare):
+            tried = [
+                k for k, one in enumerate(found) if not one.fit.started and np.all(np.isfinite(starts[k]))
+            ]
+            for k in tried:
+                found[k] = Estimate(windows[k], Fit(starts[k], method))
+            self.fit([found[k] for k in tried])
+            if all(one.fit.started for one in found):
+                break
+        for one in found:
+            if one.fit.running and not one.fit.started:
+                one.fit.reject(NO_START)
+        return found
+
+    def _starts_in_turn(
+        self, windows: Sequence[_Window], usable: Known | None, spare: Known | None
+    ) -> Iterator[np.ndarray]:
+        """Parameters (windows, 7) to start from, the best first; not finite where there are none.
+
+        The newest usable estimate, carried to each track's start; then the newer of the given state and of
+        the spare estimate; then the other one.
+        """
+        at = np.array([window.at for window in windows])
+        if usable is not None:
+            yield self.carried(*usable, at)
+        tracks = [window.track for window in windows]
+        given = np.column_stack([self.starts[tracks], np.full(len(tracks), self.flight.rso.cd)])
+        if spare is None:
+            yield given
+            return
+        kept, epochs = self.carried(*spare, at), self.measured.epochs
+        is_newer = (epochs[at] - epochs[spare[0]] < self.ages[tracks])[:, None]
+        yield np.where(is_newer, kept, given)
+        yield np.where(is_newer, given, kept)
 
     def fit(self, estimates: Sequence[Estimate]) -> None:
         """Iterate all fits side by side until they end, or the settings' number of iterations is reached."""
@@ -344,14 +396,28 @@ class Run:
     def _window(self) -> float:
         return self.settings.window_hours * HOUR
 
-    def carried(self, usable: Estimate | None, at: np.ndarray) -> np.ndarray:
-        """Parameters (n, 7) of an estimate carried to epochs `at`, not finite where it does not reach."""
-        if usable is None:
-            return np.full((len(at), 7), np.nan)
-        epochs = self.measured.epochs[np.append(usable.window.at, at)]
-        arcs = self.flight.fly(epochs, usable.fit.best[None], np.array([0]), np.array([len(at)]))
-        return np.column_stack([arcs.of(0), np.full(len(at), usable.fit.best[_CD])])
+    def carried(self, begin: int, parameters: np.ndarray, at: np.ndarray) -> np.ndarray:
+        """Parameters (n, 7) at epochs `at` of those (7,) at an epoch `begin`, not finite beyond its reach."""
+        epochs = self.measured.epochs[np.append(begin, at)]
+        arcs = self.flight.fly(epochs, parameters[None], np.array([0]), np.array([len(at)]))
+        return np.column_stack([arcs.of(0), np.full(len(at), parameters[_CD])])
 
-    def given(self, track: int) -> np.ndarray:
-        """Parameters (7,) of the given state at the start of a track, Cd at its a-priori value."""
-        return np.append(self.starts[track], self.flight.rso.cd)
+    def known(self, estimate: Estimate) -> Known:
+        """What others may start from of an estimate."""
+        return estimate.window.at, estimate.fit.best
+
+    def with_known_cd(self, estimate: Estimate) -> Known | None:
+        """The same had Cd been known beforehand, at its a-priori value.
+
+        A short fit may say nothing of Cd, and all of it of the state. None where it did not converge, or its
+        Cd is so far off that the state would not move in a straight line.
+        """
+        if not estimate.fit.converged:
+            return None
+        covariance, best = estimate.fit.covariance, estimate.fit.best
+        missing = self.flight.rso.cd - best[_CD]
+        if covariance[_CD, _CD] > 0.0:
+            moved: np.ndarray = best + missing * covariance[:, _CD] / covariance[_CD, _CD]
+        else:
+            moved = best + missing * np.eye(7)[_CD]
+        return (estimate.window.at, moved) if np.linalg.norm((moved - best)[:3]) < _LINEAR else None

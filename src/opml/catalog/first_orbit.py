@@ -91,7 +91,7 @@ def carried(
             f"{rso.name}: expected tracks near the orbit of the given elements or state, "
             f"got tracks that are {miss / 1e3:.0f} km from it: another RSO, or another epoch"
         )
-    return starting.table(begins, states)
+    return starting.table(begins, states, known=t)
 
 
 def determined(
@@ -128,7 +128,8 @@ def determined(
     best = _grown(run, best)
     _log.info("first orbit: %d tracks fitted together", best.window.tracks)
     t = run.measured.epochs[best.window.at]
-    return starting.table(begins, _everywhere(run.flight, begins.to_numpy(), t, best.fit.best))
+    states = _everywhere(run.flight, begins.to_numpy(), t, best.fit.best)
+    return starting.table(begins, states, known=t)
 
 
 def single_tracks(run: Run) -> list[Estimate]:
@@ -164,7 +165,7 @@ def _grown(run: Run, best: Estimate) -> Estimate:
     first, length = best.window.track, run.settings.window_hours * HOUR
     for track in np.flatnonzero((begins > begins[first]) & (begins <= begins[first] + length)):
         window = run.measured.window(int(track), begins[track] - begins[first])
-        start = run.carried(best, np.array([window.at]))[0]
+        start = run.carried(best.window.at, best.fit.best, np.array([window.at]))[0]
         following = Estimate(window, Fit(start, run.method(_without_cd())))
         run.fit([following])
         best = following if following.fit.converged else best

@@ -114,7 +114,7 @@ class Fit:
     @property
     def covariance(self) -> np.ndarray:
         """Formal covariance (n, n) of the best parameters; not finite where nothing was evaluated."""
-        return self.method.covariance(self.normal) if self._started else np.full(self.normal.shape, np.nan)
+        return self.method.covariance(self.normal) if self.started else np.full(self.normal.shape, np.nan)
 
     def take(self, evaluation: Evaluation) -> None:
         """Go on from the trial where it is no worse than the best, or damp the step to the next one more."""
@@ -132,14 +132,15 @@ class Fit:
     def reject(self, why: str) -> None:
         """Damp the step more, as the trial cannot be evaluated; at the start, end with the reason why."""
         self.iterations += 1
-        if self._started:
+        if self.started:
             self._damping *= _MORE
             self._try_next()
         else:
             self._end(why)
 
     @property
-    def _started(self) -> bool:
+    def started(self) -> bool:
+        """Whether the model could be evaluated at the start, or at a later trial."""
         return bool(np.isfinite(self.cost))
 
     def _accept(self, evaluation: Evaluation) -> None:

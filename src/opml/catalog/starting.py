@@ -32,10 +32,14 @@ def perturbed(
     spread = np.repeat([settings.start_position_sigma_m, settings.start_velocity_sigma_mps], 3)
     noise = [derive(seed, "start", rso, str(track)).normal(size=6) * spread for track in begins.index]
     states = truth.set_index("t")[STATE].loc[begins].to_numpy() + np.array(noise)
-    return table(begins, states)
+    return table(begins, states, known=begins.to_numpy())
 
 
-def table(begins: pd.Series, states: np.ndarray) -> pd.DataFrame:
-    """The `starts` table of the tracks' beginnings [s] by number, and states (tracks, 6) there."""
+def table(begins: pd.Series, states: np.ndarray, *, known: np.ndarray | float) -> pd.DataFrame:
+    """The `starts` table of the tracks' beginnings [s] by number, and states (tracks, 6) there.
+
+    known: when the orbits were [s]; a state before it is as old as one that long after it.
+    """
     columns = dict(zip(STATE, states.T, strict=True))
-    return pd.DataFrame({"track": begins.index, "t": begins.to_numpy(), **columns})
+    age = np.abs(begins.to_numpy() - known)
+    return pd.DataFrame({"track": begins.index, "t": begins.to_numpy(), **columns, "age": age})

@@ -10,11 +10,11 @@ from opml.dynamics import dtm2000
 from opml.dynamics.frames import ORIENTATION, spin
 from opml.dynamics.gravity import weights
 from opml.dynamics.surroundings import ForceModel
+from opml.environment.weather import ACTIVITY
 from opml.epochs import days_of_year
 from opml.thermosphere import ALTITUDES, DENSITIES, LATITUDES, LOCAL_TIMES
 
 _EMPTY = np.empty((0, len(LOCAL_TIMES), len(LATITUDES), len(ALTITUDES)), np.float32)
-_ACTIVITY = ["f107", "f107_mean", "kp_3h", "kp_24h"]
 
 
 def build(
@@ -42,7 +42,7 @@ def build(
     outlooks: the table, where arcs fly under what was known when they start.
     """
     t = earth_orientation["t"].to_numpy()
-    activity = np.ascontiguousarray(solar_activity[_ACTIVITY].to_numpy(float))
+    activity = np.ascontiguousarray(solar_activity[ACTIVITY].to_numpy(float))
     names = ["sun", *(name for name in BODIES if name in bodies and name != "sun")]
     columns = [f"{name}_{axis}" for name in names for axis in "xyz"]
     midnight, days = days_of_year(epoch, t[-1])
@@ -87,7 +87,7 @@ def with_outlooks(model: ForceModel, table: pd.DataFrame) -> ForceModel:
     issued, outlook = np.unique(table["issued"].to_numpy(), return_inverse=True)
     expected = np.where((t <= issued[:, None])[..., None], model.activity, np.nan)
     node = np.round((table["t"].to_numpy() - model.first) / model.step).astype(int)
-    expected[outlook, node] = table[_ACTIVITY].to_numpy(float)
+    expected[outlook, node] = table[ACTIVITY].to_numpy(float)
     return model._replace(issued=issued, outlooks=expected)
 
 

@@ -31,7 +31,10 @@ def check(values: Mapping[str, Any]) -> None:
     ends = nodes(epoch, DAY * values["duration_days"])[[0, -1]]
     earth_orientation.tabulate(epoch, ends)
     ephemerides.tabulate(sources["ephemerides"], epoch, ends)
-    for setting in ("solar_activity", "true_solar_activity"):
+    flown = ["solar_activity", "true_solar_activity"]
+    if sources.get("knowledge") == knowledge.FORECAST and ("tracks" in values or flown[1] in sources):
+        flown.remove("solar_activity")  # what a forecast starts from need not reach into the days ahead
+    for setting in flown:
         if setting in sources:
             _check_activity(setting, sources[setting], epoch, ends, sources["percentile"])
     _check_knowledge(values, ends)

@@ -17,7 +17,7 @@ from opml.constants import DAY, HOUR
 from opml.environment import solar_activity, space_weather
 from opml.environment.forecasts import methods
 from opml.environment.forecasts.contract import Forecast, Future, Tell
-from opml.environment.weather import RUN_UP, Weather
+from opml.environment.weather import ACTIVITY, RUN_UP, Weather
 from opml.errors import InputError
 
 MONTHLY, HINDCAST, FORECAST = "monthly", "hindcast", "forecast"
@@ -60,8 +60,27 @@ def hindcast(source: str | Path, epoch: str, t: np.ndarray) -> pd.DataFrame:
     Raises InputError where the source cannot be read or does not reach.
     """
     weather, day = read(source), space_weather.days(epoch, t)
-    _check_reach(weather, day, source)
+    _check_begin(weather, day, source)
+    _check_end(weather, day, source)
     return pd.DataFrame({"t": t, **weather.activity(day)})
+
+
+def measured(source: str | Path, epoch: str, t: np.ndarray) -> pd.DataFrame:
+    """The same up to the last measurement, not finite after it: what a forecast starts from.
+
+    So a run may reach into days that nobody has measured yet. Raises InputError where the source cannot be
+    read or begins too late.
+    """
+    weather, day = read(source), space_weather.days(epoch, t)
+    _check_begin(weather, day, source)
+    known = day <= _last(weather)
+    table = pd.DataFrame({"t": t, **dict.fromkeys(ACTIVITY, np.nan)})
+    table.loc[known, ACTIVITY] = pd.DataFrame(weather.activity(day[known])).to_numpy()
+    return table
+
+
+TABLES = {HINDCAST: hindcast, FORECAST: measured}
+"""What stands in for the weather of the run, by the kind of knowledge."""
 
 
 def outlooks(
@@ -117,9 +136,11 @@ def _issued(
 ) -> pd.DataFrame:
     """The activity at times `t` [s] up to `horizon` [s] after each issue, by each future told then."""
     weather, day = read(source), space_weather.days(epoch, t)
-    _check_reach(weather, day, source)
+    _check_begin(weather, day, source)
     parts = []
     for issued, today in zip(*issues(epoch, t, hours), strict=True):
+        if today > _last(weather):
+            break
         known = weather.known_at(today)
         recent = known.since(math.floor(today) - RUN_UP - 1)
         ahead = (t > issued) & (t <= issued + horizon)
@@ -144,7 +165,7 @@ def check(
 
     ends: first and last time of the run's tables [s since `epoch`]; the rest is as in `outlooks`.
     """
-    hindcast(source, epoch, ends)
+    _check_begin(read(source), space_weather.days(epoch, ends), source)
     today = float(issues(epoch, ends, max(issue_hours, FIT_HOURS))[1][0])
     methods.check(_history(epoch), read(source).known_at(today), today, settings=forecast)
 
@@ -166,11 +187,24 @@ def issues(epoch: str, t: np.ndarray, hours: int) -> tuple[np.ndarray, np.ndarra
     return times, space_weather.days(epoch, times)
 
 
-def _check_reach(weather: Weather, day: np.ndarray, source: str | Path) -> None:
-    """Raise InputError where the mean of the 81 days before does not reach, or the weather ends before."""
-    first = weather.first + RUN_UP
-    last = weather.first + min(len(weather.flux) - 1 + space_weather.MEASURED, len(weather.kp) / 8)
-    if day.min() < first or day.max() > last:
-        wanted = f"{epochs.calendar(day.min())} to {epochs.calendar(day.max())}"
-        reach = f"{epochs.calendar(first)} to {epochs.calendar(last)}"
-        raise InputError(f"{source}: epoch: expected dates from {reach}, got {wanted}")
+def _last(weather: Weather) -> float:
+    """Modified Julian day up to which the weather was measured."""
+    return weather.first + min(len(weather.flux) - 1 + space_weather.MEASURED, len(weather.kp) / 8)
+
+
+def _check_begin(weather: Weather, day: np.ndarray, source: str | Path) -> None:
+    """Raise InputError where the mean of the 81 days before does not reach, or nothing is measured yet."""
+    if day.min() < weather.first + RUN_UP or day.min() > _last(weather):
+        raise _out_of_reach(weather, day, source)
+
+
+def _check_end(weather: Weather, day: np.ndarray, source: str | Path) -> None:
+    """Raise InputError where the weather ends before."""
+    if day.max() > _last(weather):
+        raise _out_of_reach(weather, day, source)
+
+
+def _out_of_reach(weather: Weather, day: np.ndarray, source: str | Path) -> InputError:
+    wanted = f"{epochs.calendar(day.min())} to {epochs.calendar(day.max())}"
+    reach = f"{epochs.calendar(weather.first + RUN_UP)} to {epochs.calendar(_last(weather))}"
+    return InputError(f"{source}: epoch: expected dates from {reach}, got {wanted}")

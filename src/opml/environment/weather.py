@@ -19,6 +19,9 @@ RUN_UP = MEAN_DAYS + 1
 
 HIGHEST_KP = 9.0
 
+ACTIVITY = ["f107", "f107_mean", "kp_3h", "kp_24h"]
+"""Columns of what DTM2000 asks for; a list, so that a DataFrame takes it as it is."""
+
 
 @dataclass(frozen=True, eq=False)
 class Weather:

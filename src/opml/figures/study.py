@@ -28,6 +28,7 @@ from opml.figures.style import (
     legend,
     page_figure,
 )
+from opml.learning.choice import Mornings
 from opml.learning.growth import REACH_DAYS, by_duration
 
 COLUMNS = 3
@@ -70,46 +71,36 @@ def errors(evaluations: Mapping[str, pd.DataFrame], *, component: str, note: str
     return figure
 
 
-def residuals(
-    evaluations: Mapping[str, pd.DataFrame],
-    *,
-    chosen: str,
-    learned: Collection[str],
-    component: str,
-    note: str = "",
-) -> Figure:
-    """Size of the errors [m or m/s] by duration [d]: without correction, by the chosen model, and by others.
+def residuals(mornings: Mornings, *, laws: Collection[str], note: str = "") -> Figure:
+    """Size of e_y [m] by duration [d]: without correction, as flown, and as each model would have left it.
 
-    `evaluations`: those tables, by model; `chosen`: one of them; `learned`: those that learned. Of the errors
-    without correction and of what the chosen model leaves, bands hold 50 and 90 %; of the other models there
-    are medians. Raises InputError without the chosen model.
+    `mornings`: of one dataset; `laws`: the models that learned. Of the errors without correction and of what
+    was flown, bands hold 50 and 90 %; of the models there are medians.
     """
-    if chosen not in evaluations:
-        raise InputError(f"residuals of a study: expected the model '{chosen}', got {', '.join(evaluations)}")
     figure = page_figure(height_mm=100.0)
     axes = figure.add_subplot()
-    before, after = (sizes(evaluations[chosen], column) for column in ("true", "residual"))
+    before, after = (sizes(mornings.flown, column) for column in ("before", "e_y"))
     _draw_bands(axes, before, TRUE, "o", "no correction")
-    _draw_bands(axes, after, RESIDUAL, "^", f"corrected by {chosen}")
-    others = {name: sizes(table, "residual") for name, table in evaluations.items() if name != chosen}
+    _draw_bands(axes, after, RESIDUAL, "^", "corrected by what the past chose")
+    others = {name: sizes(table, "e_y") for name, table in mornings.tables.items() if name != "none"}
     for name, median in others.items():
         look: dict[str, Any] = (
-            {"ls": "--", "label": "others that learned"} if name in learned else {"label": "without learning"}
+            {"ls": "--", "label": "learned"} if name in laws else {"label": "nothing learned"}
         )
         axes.plot(median.index, median["50"], color=BASELINE, lw=0.9, zorder=2.5, **look)
     axes.set_yscale("log")
     axes.set_xlim(0.0, before.index[-1])
     axes.set_xlabel(DURATION_LABEL)
-    axes.set_ylabel(_size_label(component))
+    axes.set_ylabel(_size_label("e_y"))
     _name_ends(axes, {name: float(median["50"].iloc[-1]) for name, median in others.items()})
     reading = "lines: medians; bands: the middle 50 % and 90 % of the errors"
     legend(figure, columns=4, note="\n".join(filter(None, [note, reading])))
     return figure
 
 
-def sizes(evaluation: pd.DataFrame, column: str) -> pd.DataFrame:
+def sizes(table: pd.DataFrame, column: str) -> pd.DataFrame:
     """Percentiles 5 to 95 of the size of an error in bins of BIN_DAYS, by their mean duration [d]."""
-    days, size = evaluation["duration"] / DAY, evaluation[column].abs()
+    days, size = table["duration"] / DAY, table[column].abs()
     width = min(BIN_DAYS, days.max() / 4.0)
     bins = size.groupby(np.ceil(days / width))
     found = bins.quantile([0.05, 0.25, 0.5, 0.75, 0.95]).unstack()

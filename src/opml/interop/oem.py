@@ -25,6 +25,10 @@ _LOWER = np.tril_indices(6)
 _COVARIANCES = [f"cov_{STATE[a]}_{STATE[b]}" for a, b in zip(*_LOWER, strict=True)]
 
 _RSW = "RSW"
+_AXES_ONLY = "covariances in RSW: axes of the states only, velocities are inertial, not in a turning frame"
+_COVARIANCE_STEP = 600.0
+"""Time between the covariances of an ephemeris [s]: they change by the hour, and take most of the file."""
+
 _DEGREE = 7  # what a state a minute needs to be interpolated to a millimetre
 _FRAMES = (*ccsds.FRAMES, "ITRF")
 _TERRESTRIAL = re.compile(r"ITRF[-_]?\d*", re.IGNORECASE)
@@ -86,7 +90,7 @@ def prediction_segments(predictions: pd.DataFrame, *, rso: str) -> list[Segment]
 
 
 def corrected_segments(corrected: pd.DataFrame, *, rso: str) -> list[Segment]:
-    """Segments of a `corrected` table: one per estimate, with a covariance in RSW at every epoch."""
+    """Segments of a `corrected` table: one per estimate, with a covariance in RSW every ten minutes."""
     return _with_covariances(corrected, rso, "corrected prediction")
 
 
@@ -101,14 +105,20 @@ def _with_covariances(table: pd.DataFrame, rso: str, what: str) -> list[Segment]
             rso,
             t := rows["t"].to_numpy(),
             rows[STATE].to_numpy(),
-            t,
-            _matrices(rows),
+            t[told := _sparse(t)],
+            _matrices(rows.iloc[told]),
             covariance_frame=_RSW,
             remark=f"{what} from the estimate of track {i}",
             degree=_DEGREE,
         )
         for i, rows in table.groupby("i", sort=True)
     ]
+
+
+def _sparse(t: np.ndarray) -> np.ndarray:
+    """Which of ascending times (n,) [s] have a covariance: one in _COVARIANCE_STEP, and the last."""
+    step = max(1, round(_COVARIANCE_STEP / float(np.median(np.diff(t)))))
+    return np.unique(np.append(np.arange(0, len(t), step), len(t) - 1))
 
 
 SEGMENTS = {
@@ -199,6 +209,8 @@ def _lines(segments: Sequence[Segment], epoch: str) -> Iterator[str]:
 
 def _covariance_lines(segment: Segment, epoch: str) -> Iterator[str]:
     yield "COVARIANCE_START"
+    if segment.covariance_frame == _RSW:
+        yield f"COMMENT {_AXES_ONLY}"
     times = ccsds.utc_texts(epoch, segment.covariance_t)
     for time, covariance in zip(times, segment.covariances, strict=True):
         yield f"EPOCH = {time}"

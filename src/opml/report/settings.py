@@ -47,6 +47,26 @@ def assumed_model(settings: Mapping[str, Any]) -> Table:
     return Table([both.header[0], both.header[2]], [[row[0], row[2]] for row in both.rows])
 
 
+def weather(settings: Mapping[str, Any]) -> str:
+    """What fits and predictions know of the space weather, as a sentence."""
+    environment = settings["environment"]
+    source = environment["solar_activity"]
+    match environment.get("knowledge"):
+        case "forecast":
+            method, hours = environment["forecast"], environment["issue_hours"]
+            return (
+                f"Space weather ({source}) as known at each estimate: measured up to it, then the forecast "
+                f"`{method}` issued every {hours} h."
+            )
+        case "hindcast":
+            return f"Space weather ({source}) as measured up to the time predicted to: a hindcast."
+        case "monthly":
+            return f"Space weather: monthly figures ({source})."
+    if source == "MSAFE":
+        return "Space weather: MSAFE's monthly figures, which were published half a year later."
+    return f"Space weather: {source} as it stands, measured values of the days predicted to included."
+
+
 def _known(environment: Mapping[str, Any]) -> str:
     """What the assumed model knows of the activity; nothing where no setting says."""
     match environment.get("knowledge"):

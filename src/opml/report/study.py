@@ -6,18 +6,18 @@ from typing import Any
 
 import pandas as pd
 
+from opml.learning.choice import Mornings
 from opml.learning.cleaning import PAPER, PAPER_BOUNDS, PAPER_FENCE
 from opml.learning.dataset import survives
 from opml.learning.growth import at_days
-from opml.learning.learners import learns
 from opml.learning.metrics import p_ml
 from opml.learning.rolling import by_day
 from opml.naming import Experiment
-from opml.report import uncertainty
+from opml.report import mornings, uncertainty
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.generalisation import model_table
 from opml.report.results import NONE, Results, length, percent
-from opml.report.settings import assumed_model, force_models
+from opml.report.settings import assumed_model, force_models, weather
 
 Dataset = tuple[str, str]
 
@@ -28,19 +28,19 @@ class Answer:
 
     experiments: Mapping[tuple[str, str, str, str], Experiment]  # by RSO, station set, model and split
     pairs: Mapping[str, tuple[str, str]]  # training and test rows, by split
-    trials: Mapping[tuple[str, str, str, str], Experiment]  # the same within the days to train on
-    past: Mapping[str, tuple[str, str]]  # their training and test rows, by split
     shown: str  # the split whose errors are stated in metres
     stated: Mapping[tuple[str, str, str], Experiment]  # its experiments by RSO, station set and model
     datasets: Sequence[Dataset]  # RSO and station set
     learners: Mapping[str, Mapping[str, Any]]  # settings by name
     component: str
     label: str  # truth, later or smoothed: what is learned from is held against it
-    truth: bool  # whether any of the RSOs has a truth, or the tracks of all were really measured
+    truths: Sequence[str]  # of each RSO: simulated, from files, or none where its tracks were measured
+    laws: Sequence[str]  # the models that learn among those whose mornings are run again
+    seed: int  # of the resampled days by which a law has to be worth it
     rolling: Sequence[tuple[str, str, str]]  # RSO, station set and learner, of learners that are trained anew
     trained_anew: Mapping[str, Any]  # on which days, how often, on how many days' labels [days]
     marks: Sequence[float]  # prediction durations that errors are stated at [days]
-    without_past: str  # why no uncertainty was learned from the past, empty where it was
+    durations: Sequence[float]  # those that coverage is stated at [days]
     settings: Mapping[str, Any]
 
 
@@ -51,16 +51,21 @@ def document(
     datasets: Mapping[Dataset, pd.DataFrame],
     estimates: Mapping[Dataset, pd.DataFrame],
     rolling: Mapping[tuple[str, str, str], pd.DataFrame],
-    calibration: Sequence[pd.DataFrame] = (),
+    replays: Mapping[tuple[str, str, str], pd.DataFrame],
+    calibration: Mapping[Dataset, pd.DataFrame],
 ) -> list[Block]:
     """The whole report.
 
     `metrics`: rows of that table for every experiment. `evaluations`: those tables of the stated experiments,
     by RSO, station set and model. `datasets`, `estimates`: those tables by RSO and station set. `rolling`:
-    those of the learners that are trained anew, by RSO, station set and learner. `calibration`: those tables
-    of every experiment whose uncertainty is tested.
+    those of the learners that are trained anew, by RSO, station set and learner. `replays`: those tables, by
+    RSO, station set and model. `calibration`: those tables of the fits' own covariances.
     """
-    train, test = asked.pairs[asked.shown]
+    told = {
+        dataset: Mornings.of(own, asked.laws, seed=asked.seed)
+        for dataset in asked.datasets
+        if (own := {learner: table for (*of, learner), table in replays.items() if tuple(of) == dataset})
+    }
     papers = {
         dataset: table.loc[survives(table, estimates[dataset], PAPER), ["i", "j"]]
         for dataset, table in datasets.items()
@@ -70,13 +75,13 @@ def document(
         Paragraph(
             f"Predictions of {', '.join(dict.fromkeys(rso for rso, _ in asked.datasets))} from "
             f"{asked.settings['epoch']} UTC over {asked.settings['duration_days']:g} days, corrected in "
-            f"`{asked.component}` by models that learned from earlier ones."
+            f"`{asked.component}` by models that learned from earlier ones. {weather(asked.settings)}"
         ),
+        *mornings.section(told, asked.marks, asked.laws),
+        *uncertainty.section(told, calibration, asked.durations),
         *_splits(asked, Results(metrics)),
-        *_chosen(asked, Results(metrics)),
         *_errors(asked, evaluations, papers),
         *_rolling(asked, rolling),
-        *uncertainty.section(calibration, train=train, test=test, without_past=asked.without_past),
         *_rows(asked, datasets, estimates, papers),
         *model_table(asked.learners),
         *_forces(asked),
@@ -84,8 +89,14 @@ def document(
 
 
 def _forces(asked: Answer) -> Iterator[Block]:
-    yield Heading("Truth and assumed model" if asked.truth else "Assumed model")
-    yield (force_models if asked.truth else assumed_model)(asked.settings)
+    if "simulated" in asked.truths:
+        yield Heading("Truth and assumed model")
+        yield force_models(asked.settings)
+        return
+    yield Heading("Assumed model")
+    if "files" in asked.truths:
+        yield Paragraph("The true orbit is the one of the files; no force model flew it.")
+    yield assumed_model(asked.settings)
 
 
 def _splits(asked: Answer, results: Results) -> Iterator[Block]:
@@ -101,7 +112,7 @@ def _splits(asked: Answer, results: Results) -> Iterator[Block]:
         "estimate are no independent evidence. `docs/generalisation.md` explains models and splits."
     )
     yield Table(["RSO", "stations", "model", *header], rows)
-    if not asked.truth:
+    if set(asked.truths) == {"measured"}:
         yield Paragraph(
             f"No truth is known of these tracks. Errors, here and below, are each prediction less "
             f"{LATER[asked.label]}."
@@ -140,54 +151,6 @@ def _by_model(asked: Answer) -> Iterator[tuple[str, str, str, dict[str, Experime
         )
 
 
-WORTH = 0.95
-"""A model that learned is chosen where it leaves less than this part of what the best other one does."""
-
-
-def _chosen(asked: Answer, results: Results) -> Iterator[Block]:
-    """What the days to train on say of the models, and how that choice does on the days to test on."""
-    if not asked.past:
-        return
-    rows = [
-        [*dataset, split, *_choice(asked, results, dataset, split)]
-        for dataset in asked.datasets
-        for split in asked.past
-    ]
-    tried = "; ".join(f"{split}: {train}, {test}" for split, (train, test) in asked.past.items())
-    yield Heading("The model that the past chooses")
-    yield Paragraph(
-        "Which model to use must be known before the days that it is tested on. So each is trained on the "
-        f"first part of the days to train on and tested on the rest of them ({tried}). A model that learned "
-        f"is chosen where it leaves less than {WORTH:g} of what the best one without learning leaves; else "
-        "that one is. The last two columns know the outcome: the least P_ML of all models without learning, "
-        "and of all models."
-    )
-    header = ["split", "chosen", "P_ML in the past", "P_ML", "best without learning", "best"]
-    yield Table(["RSO", "stations", *header], rows)
-
-
-def _choice(asked: Answer, results: Results, dataset: Dataset, split: str) -> list[str]:
-    """Cells of the model that the past chooses for a dataset and a split."""
-    past, later = (
-        {name: results.p_ml(found[*dataset, name, split]) for name in asked.learners}
-        for found in (asked.trials, asked.experiments)
-    )
-    fixed = [name for name in asked.learners if not learns(asked.learners[name])]
-    chosen = choice(past, fixed)
-    bests = [min(names, key=later.__getitem__) if names else None for names in (fixed, list(asked.learners))]
-    named = [NONE if name is None else f"{later[name]:.1f} `{name}`" for name in bests]
-    return [f"`{chosen}`", f"{past[chosen]:.1f}", f"{later[chosen]:.1f}", *named]
-
-
-def choice(past: Mapping[str, float], fixed: Sequence[str]) -> str:
-    """The model to use by P_ML on the past: one of the `fixed`, unless one that learned is worth it."""
-    best = min(past, key=past.__getitem__)
-    if not fixed:
-        return best
-    plain = min(fixed, key=past.__getitem__)
-    return best if past[best] < WORTH * past[plain] else plain
-
-
 def _errors(
     asked: Answer,
     evaluations: Mapping[tuple[str, str, str], pd.DataFrame],
@@ -209,7 +172,7 @@ def _errors(
             left = _left(evaluation), _left(kept)
             rows.append([*dataset, f"`{learner}`", *_sizes(table, days, "after"), *left])
     train, test = asked.pairs[asked.shown]
-    yield Heading(f"Errors before and after, {asked.shown}")
+    yield Heading(f"Trained once: errors before and after, {asked.shown}")
     low, high = PAPER_BOUNDS
     yield Paragraph(
         f"Size of `{asked.component}` [{unit}] near some prediction durations: median / 95th percentile. "

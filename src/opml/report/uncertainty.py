@@ -1,58 +1,93 @@
-"""Is the uncertainty true? Shares of later errors inside stated intervals and ellipsoids, as a section."""
+"""Is the uncertainty true? Shares of errors inside what was stated, by the prediction's duration."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
 
 import pandas as pd
 
+from opml.learning import calibration
+from opml.learning.choice import Mornings
 from opml.report.document import Block, Heading, Paragraph, Table
+from opml.report.mornings import CHOSEN, Dataset
 from opml.report.results import NONE, length
-from opml.tables import ELLIPSOID, FIT
+from opml.tables import ELLIPSOID, PLANE, WHOLE
 
 TITLE = "Is the uncertainty true?"
 
-SHOWN = (0.5, 0.9, 0.99)
-"""Levels whose shares are printed."""
-
 MAIN = 0.9
-"""The level whose widths are printed."""
+"""The level whose shares are printed."""
+
+QUANTITIES = ("e_x", "e_y", "e_z", PLANE, ELLIPSOID, WHOLE)
+
+HOLDS = (0.85, 0.95)
+"""Shares at which an ellipsoid of 90 % counts as true."""
 
 
-def section(tables: Sequence[pd.DataFrame], *, train: str, test: str, without_past: str) -> Iterator[Block]:
-    """The section on `calibration` tables, or the reason why there are none; empty if none was asked for."""
-    if without_past:
-        yield Heading(TITLE)
-        yield Paragraph(f"Nothing was learned of it from the past. {without_past}.")
-    if not tables:
+def section(
+    told: Mapping[Dataset, Mornings], fits: Mapping[Dataset, pd.DataFrame], days: Sequence[float]
+) -> Iterator[Block]:
+    """The section; empty where no morning was replayed.
+
+    fits: `calibration` tables of the fits' own covariances, by dataset.
+    """
+    if not told:
         return
     yield Heading(TITLE)
     yield Paragraph(
-        f"Shares [%] of the errors of {test} inside intervals and ellipsoids of 50, 90 and 99 %, as stated "
-        f"after {train}. They come from what the same model, trained up to earlier days, left on the days "
-        "behind them, and grow with the time since the training ended. Beside an interval stands half its "
-        "width at 90 %, in brackets as a multiple of the size that 90 % of the errors stay below; beside the "
-        "ellipsoid the squared Mahalanobis distance that 90 % stay below, 6.25 if the covariance is true. "
-        "Positions are moved along their path by the correction of `e_y`. `fit` is the fits' own covariance, "
-        "carried to the prediction as it is. `docs/uncertainty.md` explains."
+        "Shares [%] of the errors inside 90 %: radial, along-track and cross-track intervals, the plane of "
+        "the first two, the ellipsoid of the position, and that of all six components. The covariances are "
+        "those that a message of that morning would have had, from errors that were over by then; `fit` is "
+        "the fits' own, carried to the prediction as it is. sigma: median standard deviation along-track. p: "
+        "goodness of fit of the squared Mahalanobis distances to chi-square(3), one a morning (Cramer and "
+        f"von Mises); below {calibration.PASSES:g} the covariance is not true. score: mean of -ln of the "
+        "stated density at the error of the position; less is better. `docs/uncertainty.md` explains."
     )
-    calibration = pd.concat(tables, ignore_index=True)
-    days = sorted(set(calibration["day"]))
-    header = ["RSO", "stations", "model", "of", *(f"{day:g} d" for day in days)]
-    yield Table(header, list(_rows(calibration, days)))
+    header = [
+        "model",
+        "d",
+        "radial",
+        "along",
+        "cross",
+        "plane",
+        "ellipsoid",
+        "state",
+        "sigma [m]",
+        "p",
+        "score",
+    ]
+    for (rso, stations), mornings in told.items():
+        tables = {CHOSEN: mornings.flown} | {f"`{name}`": table for name, table in mornings.tables.items()}
+        rows = [row for name, table in tables.items() for row in _rows(name, table, days)]
+        if (rso, stations) in fits:
+            rows += [_cells("fit", day, own) for day, own in fits[rso, stations].groupby("day")]
+        yield Paragraph(f"**{rso}, {stations}.** {verdict(mornings.flown, days)}")
+        yield Table(header, rows)
 
 
-def _rows(calibration: pd.DataFrame, days: list[float]) -> Iterator[list[str]]:
-    parts = ["target", "stations", "learner", "basis", "quantity"]
-    for (rso, stations, learner, basis, quantity), rows in calibration.groupby(parts, sort=False):
-        cells = {day: _cell(own.set_index("level").to_dict("index")) for day, own in rows.groupby("day")}
-        model = "fit" if basis == FIT else f"`{learner}`"
-        of = quantity if quantity == ELLIPSOID else f"`{quantity}`"
-        yield [rso, stations, model, of, *(cells.get(day, NONE) for day in days)]
+def verdict(flown: pd.DataFrame, days: Sequence[float]) -> str:
+    """Whether the covariances of what was flown are true, in a line."""
+    shares = calibration.of_replay(flown, days=days)
+    ellipsoids = shares[(shares["quantity"] == ELLIPSOID) & (shares["level"] == MAIN)]
+    held = {row["day"]: row["inside"] for row in ellipsoids.to_dict("records")}
+    good = [day for day, share in held.items() if HOLDS[0] <= share <= HOLDS[1]]
+    tested = calibration.goodness(flown, days=days).dropna(subset=["p"])
+    passed = int((tested["p"] >= calibration.PASSES).sum())
+    words = ", ".join(f"{100.0 * share:.0f} % at {day:g} d" for day, share in held.items())
+    return (
+        f"Of what was flown the 90 % ellipsoid holds {words}: between 85 and 95 % at {len(good)} of "
+        f"{len(held)} durations. Goodness of fit passes at {passed} of {len(tested)} that have "
+        f"{calibration.LEAST} mornings."
+    )
 
 
-def _cell(by_level: Mapping[float, Mapping[str, Any]]) -> str:
-    shares = " / ".join(f"{100.0 * by_level[level]['inside']:.0f}" for level in SHOWN)
-    main = by_level[MAIN]
-    if main["quantity"] == ELLIPSOID:
-        return f"{shares}, {length(main['found'])}"
-    return f"{shares}, {length(main['stated'])} m ({main['stated'] / main['found']:.2g})"
+def _rows(name: str, table: pd.DataFrame, days: Sequence[float]) -> Iterator[list[str]]:
+    shares = calibration.of_replay(table, days=days)
+    tested = calibration.goodness(table, days=days).set_index("day")
+    for day, own in shares.groupby("day"):
+        p, score = tested.loc[day, "p"], tested.loc[day, "score"]
+        yield _cells(name, day, own, NONE if pd.isna(p) else f"{p:.2f}", f"{score:.1f}")
+
+
+def _cells(name: str, day: float, own: pd.DataFrame, p: str = NONE, score: str = NONE) -> list[str]:
+    at = own[own["level"] == MAIN].set_index("quantity")
+    shares = [f"{100.0 * at.loc[one, 'inside']:.0f}" if one in at.index else NONE for one in QUANTITIES]
+    return [name, f"{day:g}", *shares, length(at.loc["e_y", "stated"] / calibration.normal(MAIN)), p, score]

@@ -267,7 +267,7 @@ class _Checks:
             "station_sets": _each(self._stations),
             "learner": self._learner,
             "learners": _each(self._learner),
-            "calibrated": _each(self._learner),
+            "replayed": _each(self._learner),
             "rules": _each(self._learner),
             "train": self._train,
             "test": self._test,

@@ -12,6 +12,9 @@ from opml.naming import Experiment
 from opml.sheets import Rso
 from opml.study.settings import Settings, with_sheets
 
+SIMULATED, FILES, MEASURED = "simulated", "files", "measured"
+"""Where an RSO's orbit comes from."""
+
 ROLLING = {"every_days": 1, "last_days": 30}
 """How often learners are trained anew, and on how many days' labels, where a study does not say [days]."""
 
@@ -86,6 +89,12 @@ class Study:
     def is_measured(self, rso: str) -> bool:
         """Whether the tracks of an RSO were really measured, so that it has no truth."""
         return naming.rso_parts(rso, self.sheet)[0] in self.measured
+
+    def truth_of(self, rso: str) -> str:
+        """What is known of an RSO's true orbit: SIMULATED, an orbit from FILES, or nothing where MEASURED."""
+        if self.is_measured(rso):
+            return MEASURED
+        return FILES if naming.rso_parts(rso, self.sheet)[0] in self.settings.orbits else SIMULATED
 
     @property
     def measured(self) -> Mapping[str, Any]:

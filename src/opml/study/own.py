@@ -1,18 +1,17 @@
 """A study of any RSO: models against splits, errors before and after correction, rows used and dropped."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 from opml import naming
-from opml.errors import InputError
-from opml.learning.origins import origins
+from opml.learning.calibration import marks
+from opml.learning.learners import learns
 from opml.learning.paths import CORRECTED, UNCORRECTED
 from opml.naming import Experiment
 from opml.report.study import Answer
 from opml.study.experiments import Study
 
-BASELINES = ("none", "repredicted", "fit24", "fit48", "fit96", "held", "running")
+BASELINES = ("none", "repredicted", "fit24", "fit48", "fit96", "held", "running", "running96")
 """What a good engineer would do without learning."""
 
 MODELS = (*BASELINES, "svr", "covariance", "mechanism", "twoarcs")
@@ -21,16 +20,13 @@ MODELS = (*BASELINES, "svr", "covariance", "mechanism", "twoarcs")
 MARKS = (1, 2, 4, 7)
 """Prediction durations that the report states errors at [days]."""
 
-CALIBRATED = ("none", "running", "covariance", "mechanism", "twoarcs")
-"""The models whose uncertainty is tested where a study names none: they are trained in seconds."""
+REPLAYED = (
+    *("none", "fit48", "fit96", "held", "running", "running96"),
+    *("covariance", "mechanism", "twoarcs"),
+)
+"""The models whose mornings are run again where a study names none: they are trained in seconds."""
 
 GROUPED, LATER, UNSEEN = "grouped", "later", "unseen"
-
-PAST_SHARE = 2.0 / 3.0
-"""How much of the days to train on is trained on where the rest of them chooses among the models."""
-
-LEAST_PAST = 3.0
-"""Fewest days to train on of which a part can choose [days]."""
 
 
 @dataclass(frozen=True)
@@ -58,9 +54,14 @@ class Own:
 
     @cached_property
     def shown(self) -> str:
-        """The split whose errors are drawn and stated in metres: the first that is tested on later days."""
-        later = [name for name, (_, test) in self.splits.items() if naming.as_unseen(test) != test]
-        return [*later, *self.splits][0]
+        """The split whose errors are drawn and stated: of predictions that start after the training.
+
+        Without one, that of later days; else the first.
+        """
+        tests = {name: naming.parse_test(test) for name, (_, test) in self.splits.items()}
+        unseen = [name for name, test in tests.items() if test.unseen]
+        later = [name for name, test in tests.items() if test.kind == "days"]
+        return [*unseen, *later, *self.splits][0]
 
     @cached_property
     def learners(self) -> list[str]:
@@ -76,29 +77,14 @@ class Own:
     @cached_property
     def experiments(self) -> dict[tuple[str, str, str, str], Experiment]:
         """The experiments by RSO, station set, model and split."""
-        return self._of_splits(self.splits)
-
-    def _of_splits(
-        self, splits: Mapping[str, tuple[str, str]]
-    ) -> dict[tuple[str, str, str, str], Experiment]:
         return {
             (rso, stations, learner, split): self.study.experiment(
                 {}, rso=rso, stations=stations, learner=learner, train=train, test=test
             )
             for rso, stations in self.datasets
             for learner in self.learners
-            for split, (train, test) in splits.items()
+            for split, (train, test) in self.splits.items()
         }
-
-    @cached_property
-    def past(self) -> dict[str, tuple[str, str]]:
-        """Training and test rows within the days to train on, by the split whose model they choose."""
-        return {name: _past(*pair) for name, pair in self.splits.items() if _has_past(*pair)}
-
-    @cached_property
-    def trials(self) -> dict[tuple[str, str, str, str], Experiment]:
-        """The experiments on the past by RSO, station set, model and the split that they choose for."""
-        return self._of_splits(self.past)
 
     @property
     def panels(self) -> list[str]:
@@ -135,45 +121,52 @@ class Own:
         }
 
     @cached_property
-    def calibrated(self) -> dict[tuple[str, str, str], Experiment]:
-        """The experiments whose uncertainty is tested, by RSO, station set and model."""
-        named = self.study.settings.asked.get("calibrated") or [
-            name for name in CALIBRATED if name in self.learners
+    def replayed(self) -> dict[tuple[str, str, str], dict[str, str]]:
+        """Parts of the names of the replays, by RSO, station set and model; none without days to train on."""
+        train, _ = self.splits[self.shown]
+        if naming.parse_train(naming.without_seed(train, naming.SPLIT)).kind != "days":
+            return {}
+        named = self.study.settings.asked.get("replayed") or [
+            name for name in REPLAYED if name in self.learners
         ]
-        train, test = self.splits[self.shown]
+        fixed = {
+            "window": "",
+            "reading": "",
+            "label": naming.LABELS[self.study.label],
+            "train": train,
+        }
         return {
-            (rso, stations, learner): self.study.experiment(
-                {}, rso=rso, stations=stations, learner=learner, component=CORRECTED, train=train, test=test
-            )
+            (rso, stations, learner): {"rso": rso, "stations": stations, "learner": learner, **fixed}
             for rso, stations in self.datasets
-            for learner in (() if self.without_past else named)
+            for learner in named
         }
 
-    @cached_property
-    def without_past(self) -> str:
-        """Why no uncertainty can be told from the past of the shown split, empty where it can."""
-        train, _ = self.splits[self.shown]
-        values = self.study.settings.values
-        try:
-            origins(
-                naming.without_seed(train, naming.SPLIT),
-                longest_days=values["prediction"]["max_days"],
-                block_hours=values["uncertainty"]["block_hours"],
-            )
-        except InputError as reason:
-            return str(reason)
-        return ""
+    def mornings(self, rso: str, stations: str) -> dict[str, dict[str, str]]:
+        """The replays of a dataset by model."""
+        return {learner: parts for (*of, learner), parts in self.replayed.items() if of == [rso, stations]}
 
-    def tested(self, rso: str, stations: str) -> dict[str, Experiment]:
-        """The experiments of a dataset whose uncertainty is tested, by model."""
-        return {learner: one for (*of, learner), one in self.calibrated.items() if of == [rso, stations]}
+    @property
+    def laws(self) -> list[str]:
+        """The models among those replayed that learn."""
+        names = dict.fromkeys(learner for *_, learner in self.replayed)
+        return [name for name in names if learns(naming.parse_learner(name, self.study.learners))]
 
     @cached_property
     def fits(self) -> dict[tuple[str, str], Experiment]:
         """The experiments that the fits' own covariances are tested by, by RSO and station set."""
+        train, test = self.splits[self.shown]
         return {
-            (rso, stations): replace(one, learner=UNCORRECTED)
-            for (rso, stations, _), one in self.calibrated.items()
+            (rso, stations): self.study.experiment(
+                {},
+                rso=rso,
+                stations=stations,
+                learner=UNCORRECTED,
+                component=CORRECTED,
+                train=train,
+                test=test,
+            )
+            for rso, stations in self.datasets
+            if self.mornings(rso, stations)
         }
 
     @cached_property
@@ -202,33 +195,18 @@ class Own:
         return Answer(
             experiments=self.experiments,
             pairs=self.splits,
-            trials=self.trials,
-            past=self.past,
             shown=self.shown,
             stated=self.stated,
             datasets=self.datasets,
             learners={name: naming.parse_learner(name, self.study.learners) for name in self.learners},
             component=self.study.defaults["component"],
             label=self.study.label,
-            truth=not all(self.study.is_measured(rso) for rso in self.study.rsos),
+            truths=[self.study.truth_of(rso) for rso in self.study.rsos],
+            laws=self.laws,
+            seed=self.study.own_seeds["split"],
             rolling=list(self.rolling),
             trained_anew=self.study.rolling,
             marks=self.marks,
-            without_past=self.without_past,
+            durations=marks(self.study.settings.values["prediction"]["max_days"]),
             settings=self.study.settings.values,
         )
-
-
-def _has_past(train: str, test: str) -> bool:
-    split = naming.parse_train(train)
-    is_of_days = split.kind == naming.parse_test(test).kind == "days"
-    return is_of_days and split.days[1] - split.days[0] >= LEAST_PAST
-
-
-def _past(train: str, test: str) -> tuple[str, str]:
-    """The split of the days to train on that is to them what `test` is to all of them."""
-    split = naming.parse_train(train)
-    first, last = split.days
-    origin = round(first + PAST_SHARE * (last - first), 3)
-    tried = replace(naming.parse_test(test), days=(origin, last))
-    return str(replace(split, days=(first, origin))), str(tried)

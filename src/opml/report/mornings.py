@@ -1,0 +1,79 @@
+"""What an operator would have got: every morning's ephemerides, and the model that the past chose."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+
+import pandas as pd
+
+from opml.constants import DAY
+from opml.learning.choice import CONFIDENCE, Mornings
+from opml.learning.growth import at_days
+from opml.report.document import Block, Heading, Paragraph, Table
+from opml.report.results import NONE, length
+
+Dataset = tuple[str, str]
+
+CHOSEN = "chosen by the past"
+
+
+def section(told: Mapping[Dataset, Mornings], marks: Sequence[float], laws: Sequence[str]) -> Iterator[Block]:
+    """The section on replayed mornings; empty where there are none."""
+    if not told:
+        return
+    yield Heading("Every morning")
+    yield Paragraph(
+        "Each morning a model is trained anew on the errors known by then, and the day's estimates are "
+        "predicted and corrected: no row rests on anything from after its t_i. Size of e_y [m] near some "
+        "prediction durations, median / 95th percentile, and its sum in % of what the best model without "
+        "learning leaves, which is known in hindsight only. Which model to fly is chosen each morning, too: "
+        "of those that learn nothing the one that left least, and one that learned only where the past shows "
+        f"with {100.0 * CONFIDENCE:g} % confidence, over blocks of days, that it leaves less."
+    )
+    for (rso, stations), mornings in told.items():
+        yield Paragraph(f"**{rso}, {stations}.** {verdict(mornings, laws)}")
+        yield Table(["model", *(f"{day:g} d" for day in marks), "sum, %"], _rows(mornings, marks, laws))
+
+
+def verdict(mornings: Mornings, laws: Sequence[str]) -> str:
+    """What was flown, and what it left beside the best model without learning."""
+    best, share = compared(mornings, laws)
+    count = Counter(one.chosen for one in mornings.choices.values())
+    flown = ", ".join(f"`{name}` {number}" for name, number in count.most_common())
+    sure = sum(one.chosen in laws for one in mornings.choices.values())
+    begin, end = (time / DAY for time in (min(mornings.choices), max(mornings.choices)))
+    return (
+        f"What the past chose left {share:.0f} % of what `{best}` left, the best without learning. Flown on "
+        f"{len(mornings.choices)} mornings, days {begin:g} to {end:g}: {flown}; on {sure} the past was sure "
+        f"that learning helps. {len(mornings.flown)} predictions; {mornings.earlier} more began before all "
+        "models could be flown, and count nowhere."
+    )
+
+
+def compared(mornings: Mornings, laws: Sequence[str]) -> tuple[str, float]:
+    """The best model without learning, in hindsight, and what was flown left of its summed |e_y| [%]."""
+    left = {name: table["e_y"].abs().sum() for name, table in mornings.tables.items() if name not in laws}
+    best = min(left, key=left.__getitem__)
+    return best, float(100.0 * mornings.flown["e_y"].abs().sum() / left[best])
+
+
+def _rows(mornings: Mornings, marks: Sequence[float], laws: Sequence[str]) -> list[list[str]]:
+    best, _ = compared(mornings, laws)
+    least = mornings.tables[best]["e_y"].abs().sum()
+    before = mornings.flown.assign(e_y=mornings.flown["before"])
+    tables = {"no correction": before} | {
+        f"`{name}`": table for name, table in mornings.tables.items() if name != "none"
+    }
+    return [_row(name, table, marks, least) for name, table in (tables | {CHOSEN: mornings.flown}).items()]
+
+
+def _row(name: str, table: pd.DataFrame, marks: Sequence[float], least: float) -> list[str]:
+    grown = at_days(
+        pd.DataFrame({"duration": table["duration"], "true": table["before"], "residual": table["e_y"]}),
+        marks,
+    )
+    sizes = {row["day"]: row for row in grown.to_dict("records")}
+    cells = [
+        f"{length(sizes[day]['after_50'])} / {length(sizes[day]['after_95'])}" if day in sizes else NONE
+        for day in marks
+    ]
+    return [name, *cells, f"{100.0 * table['e_y'].abs().sum() / least:.0f}"]

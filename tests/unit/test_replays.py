@@ -1,0 +1,177 @@
+"""Mornings run again: what they know, what they are held against, and where they start."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from support import EPOCH
+
+from opml import corrected, replays
+from opml.catalog import estimation, prediction, spread, starting, tracking, truth
+from opml.constants import DAY, HOUR
+from opml.dynamics.ensemble import Integrator
+from opml.elements import in_rsw
+from opml.errors import InputError
+from opml.interop import oem
+from opml.learning import dataset
+from opml.learning.cleaning import Cleaning
+from opml.learning.lessons import Lessons
+from opml.tables import COMPONENTS, SCHEMAS, STATE, read_table, write_table
+
+SETTINGS = estimation.Estimation(
+    window_hours=12,
+    max_iterations=30,
+    convergence=1e-3,
+    start_position_sigma_m=1000.0,
+    start_velocity_sigma_mps=1.0,
+    least_drag_m=0.1,
+)
+LAW = {"kind": "mechanism", "terms": ["duration*duration"], "variables": ["duration"]}
+TRAIN = (0.0, 2.0)
+
+
+@pytest.fixture(scope="module")
+def tables(truth_model, assumed_model, iss, earth_orientation, three_stations):
+    """Three days of the paper's RSO: estimates, predictions, tracks and labelled rows."""
+    orbit = truth.simulate(truth_model, iss, duration=3 * DAY, step=20.0, integrator=Integrator())
+    tracks = tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1)
+    estimates = estimation.estimate_all(
+        assumed_model,
+        starting.perturbed(orbit, tracks, rso="iss", settings=SETTINGS, seed=1),
+        tracks,
+        earth_orientation,
+        three_stations,
+        iss,
+        settings=SETTINGS,
+        integrator=Integrator(),
+    )
+    predictions = prediction.predict_all(
+        assumed_model, orbit, estimates, iss, max_days=1.0, integrator=Integrator()
+    )
+    options = {"gm": assumed_model.gm, "cleaning": Cleaning()}
+    rows = dataset.build(estimates, predictions, tracks, **options)
+    at = dataset.of_estimates(estimates, predictions, tracks, **options)
+    known = corrected.Known(estimates, at, 12.0, assumed_model.gm)
+    return {"known": known, "predictions": predictions, "rows": rows}
+
+
+@pytest.fixture(scope="module")
+def flight(assumed_model, iss):
+    return corrected.Flight(assumed_model, iss, Integrator())
+
+
+def replayed(flight, tables, learner=LAW, rows=None, every_hours=3.0):
+    known, predictions = tables["known"], tables["predictions"]
+    lessons = Lessons(tables["rows"] if rows is None else rows, learner, seed=1)
+    first = replays.first_day(lessons, known, train_days=TRAIN)
+    starts = replays.departures(known, every_hours=every_hours, first_day=first)
+    spreads = spread.build(
+        flight.model,
+        known.estimates,
+        predictions[predictions["i"].isin(starts["track"])],
+        flight.rso,
+        futures=None,
+        integrator=Integrator(),
+    )
+    judge = replays.judge(tables["rows"], predictions, None)
+    return replays.build(flight, known, lessons, starts, judge, spreads, max_days=1.0)
+
+
+@pytest.fixture(scope="module")
+def table(flight, tables):
+    return replayed(flight, tables)
+
+
+def test_the_table_is_the_schemas_and_comes_back(table, tmp_path):
+    write_table(tmp_path / "r.parquet", table, "replay", metadata={})
+    pd.testing.assert_frame_equal(
+        read_table(tmp_path / "r.parquet", "replay"), table[SCHEMAS["replay"].names], check_exact=True
+    )
+
+
+def test_without_a_correction_errors_are_those_of_the_predictions(flight, tables):
+    """The path through states two minutes apart is the arc itself."""
+    table = replayed(flight, tables, {"kind": "none", "variables": []})
+    assert table["t_i"].min() >= 12.0 * HOUR  # a window of tracks is full
+    at = tables["predictions"].set_index(["i", "j"]).loc[pd.MultiIndex.from_frame(table[["i", "j"]])]
+    np.testing.assert_allclose(table[list(COMPONENTS[:3])], at[list(COMPONENTS[:3])], atol=0.5)
+    np.testing.assert_allclose(table["before"], table["e_y"], atol=1e-6)
+
+
+def test_a_law_waits_until_half_of_the_training_is_over(table):
+    assert table["t_i"].min() >= 1.0 * DAY
+    assert set(table["morning"]) == {1.0 * DAY, 2.0 * DAY}
+    assert (table["morning"] <= table["t_i"]).all()
+
+
+def test_what_is_known_later_changes_no_morning(flight, tables, table):
+    """Errors that were known after the second morning are moved; only what is stated later knows of it."""
+    rows = tables["rows"]
+    later = rows["t_j"] > 1.0 * DAY
+    moved = rows.assign(e_y=rows["e_y"].where(~later, rows["e_y"] + 1e5))
+    again = replayed(flight, tables, rows=moved)
+    first = table["morning"] == 1.0 * DAY
+    pd.testing.assert_frame_equal(again[first], table[first], check_exact=True)
+    assert not np.allclose(again.loc[~first, "e_y"], table.loc[~first, "e_y"])
+
+
+def test_starts_are_the_first_usable_ones_of_their_hours(tables):
+    starts = replays.departures(tables["known"], every_hours=6.0, first_day=1.0)
+    slots = np.floor(starts["t"] / (6.0 * HOUR))
+    assert slots.is_unique
+    assert slots.min() >= 4
+    burnt = replace(tables["known"], manoeuvres=[1.5 * DAY])
+    assert len(replays.departures(burnt, every_hours=6.0, first_day=1.0)) < len(starts)
+
+
+def test_it_is_held_against_later_estimates_where_errors_are_labels(tables):
+    rows, estimates = tables["rows"], tables["known"].estimates
+    judge = replays.judge(rows.assign(t_known=rows["t_j"] + 60.0), tables["predictions"], estimates)
+    later = estimates.set_index("track")[STATE].loc[judge["j"]]
+    np.testing.assert_array_equal(judge[STATE], later)
+    np.testing.assert_array_equal(judge["t_known"], judge["t_j"] + 60.0)
+
+
+def test_the_message_of_a_morning_has_the_errors_and_the_covariance_that_were_replayed(
+    flight, tables, table, tmp_path
+):
+    """What is tested is what is written: the file, read back, gives the same errors and the same matrices."""
+    known, now = tables["known"], 2.0 * DAY
+    lessons = Lessons(tables["rows"], LAW, seed=1)
+    starts = replays.departures(known, every_hours=3.0, first_day=2.0)[:1]
+    made = corrected.build(
+        flight,
+        known,
+        lessons,
+        table,
+        starts,
+        corrected.Grid(replays.STEP, 1.0, 3.0 * DAY),
+        spreads=lambda pairs: spread.build(
+            flight.model, known.estimates, pairs, flight.rso, futures=None, integrator=Integrator()
+        ),
+        first_morning=now,
+    )
+    oem.write(tmp_path / "m.oem", oem.corrected_segments(made, rso="iss"), epoch=EPOCH)
+    (segment,) = oem.read(tmp_path / "m.oem", epoch=EPOCH)
+    told = table[table["i"] == starts["track"].iloc[0]]
+    true = tables["predictions"].set_index(["i", "j"]).loc[pd.MultiIndex.from_frame(told[["i", "j"]])]
+    states = true[[f"{name}_true" for name in STATE]].to_numpy()
+    at = told["t_j"].to_numpy()
+    flown = replays.through(segment.t, segment.states)(at)
+    np.testing.assert_allclose(in_rsw(flown - states, states)[:, :3], told[list(COMPONENTS[:3])], atol=0.5)
+    for k, name in enumerate("xyz"):
+        written = np.interp(at, segment.covariance_t, np.sqrt(segment.covariances[:, k, k]))
+        # The message has a covariance every ten minutes; a replay has that of the minute.
+        np.testing.assert_allclose(written, told[f"sigma_{name}"], rtol=0.04)
+
+
+def test_nothing_to_hold_against_is_told(flight, tables):
+    known, lessons = tables["known"], Lessons(tables["rows"], LAW, seed=1)
+    starts = replays.departures(known, every_hours=3.0, first_day=1.0)
+    judge = replays.judge(tables["rows"], tables["predictions"], None)[:0]
+    empty = pd.DataFrame(columns=SCHEMAS["spread"].names, dtype=float)
+    with pytest.raises(InputError, match="replay: expected later tracks to hold ephemerides against"):
+        replays.build(flight, known, lessons, starts, judge, empty, max_days=1.0)
+    with pytest.raises(InputError, match=r"training: expected errors that were known by day 0, got none"):
+        lessons(0.0)

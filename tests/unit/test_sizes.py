@@ -1,0 +1,129 @@
+"""How far corrected orbits may be off: what the past says, what may happen, and what few days are worth."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from mornings import RATE, SIZES, replays
+
+from opml import rsw_covariance
+from opml.constants import DAY
+from opml.errors import InputError
+from opml.learning import calibration
+from opml.learning.sizes import INSIDE, Sizes, as_known, widening
+from opml.tables import COMPONENTS, SIGMA_STATE, SPREAD
+
+AHEAD = pd.DataFrame({"duration": [DAY, 7.0 * DAY], "rate": RATE} | dict.fromkeys(SPREAD, 0.0))
+
+
+def test_sizes_are_those_of_the_past():
+    sizes = Sizes.learned(replays(days=60), now=60.0 * DAY)
+    sigma = sizes.sigmas(AHEAD)
+    np.testing.assert_allclose(sigma[:, 0], SIZES["e_x"], rtol=0.25)
+    np.testing.assert_allclose(sigma[:, 1], [100.0, 700.0], rtol=0.25)
+    np.testing.assert_allclose(sigma[:, 2], SIZES["e_z"], rtol=0.25)
+    np.testing.assert_allclose(sigma[:, 3:], [[2e-2, 5e-3, 3e-2]] * 2, rtol=0.3)
+
+
+def test_the_weather_ahead_is_never_less_than_its_futures():
+    past, now = replays(days=30), 30.0 * DAY
+    calm, stormy = AHEAD, AHEAD.assign(weather_y=[500.0, 9000.0])
+    before, after = (Sizes.learned(past, now=now).sigmas(rows)[:, 1] for rows in (calm, stormy))
+    np.testing.assert_array_less(np.sqrt(before**2 + stormy["weather_y"] ** 2) * 0.9, after)
+
+
+def test_what_depends_on_the_weather_is_wider_after_few_days():
+    assert widening(np.array([7.0 * DAY]), 9.0)[0] == pytest.approx(2.920 / 1.645, abs=1e-3)
+    assert widening(np.array([0.1 * DAY]), 400.0)[0] == pytest.approx(1.0, abs=0.01)
+    # Forces that last are not: what the past showed without weather stays as it was.
+    short, long = (Sizes.learned(replays(days=days), now=days * DAY) for days in (14, 60))
+    assert short.sigmas(AHEAD)[0, 0] == pytest.approx(long.sigmas(AHEAD)[0, 0], rel=0.4)
+
+
+def test_drag_that_the_past_did_not_foretell_is_learned():
+    """The error of 30 % of drag, in units of a tenth."""
+    past = replays(days=40, along=0.0)
+    displaced = 50.0 * (past["duration"] / DAY) ** 2
+    rng = np.random.default_rng(2)
+    past = past.assign(drag_y=displaced, e_y=3.0 * displaced * rng.normal(size=len(past)))
+    sizes = Sizes.learned(past, now=40.0 * DAY)
+    assert sizes.drag[1] == pytest.approx(3.0, rel=0.25)
+
+
+def test_the_doubt_of_later_estimates_is_no_part_of_a_size():
+    """Errors held against estimates that are 40 m off cross-track, and say so."""
+    past = replays(days=40)
+    noise = 40.0 * np.random.default_rng(4).normal(size=len(past))
+    held = past.assign(e_z=past["e_z"] + noise, doubt_z=40.0)
+    plain, told, untold = (
+        Sizes.learned(one, now=40.0 * DAY).sigmas(AHEAD)[0, 2]
+        for one in (past, held, held.assign(doubt_z=0.0))
+    )
+    assert told == pytest.approx(plain, rel=0.3)
+    assert untold > 1.4 * plain
+
+
+def test_the_newest_errors_weigh_most():
+    calm, wild = replays(days=30, along=100.0), replays(days=15, along=400.0, seed=1, first=30)
+    both = pd.concat([calm, wild], ignore_index=True)
+    then, since = (Sizes.learned(both, now=day * DAY).sigmas(AHEAD)[1, 1] for day in (30, 45))
+    assert since > 2.0 * then
+
+
+def test_ellipsoids_of_another_month_hold_their_share():
+    past, ahead = replays(days=40), replays(days=40, seed=7)
+    sigma = Sizes.learned(past, now=40.0 * DAY).sigmas(ahead)
+    told = ahead.assign(**dict(zip(SIGMA_STATE, sigma.T, strict=True)))
+    shares = calibration.of_replay(told, days=[1.0, 3.0, 7.0])
+    main = shares[shares["level"] == 0.9].set_index(["quantity", "day"])["inside"]
+    # 160 errors at each duration tell a share to 2.4 %, and so do those that the sizes are from.
+    for quantity in ("e_x", "e_y", "e_z", "plane", "ellipsoid", "state"):
+        np.testing.assert_allclose(main[quantity], 0.9, atol=0.1)
+    tested = calibration.goodness(told, days=[1.0, 3.0, 7.0])
+    assert (tested["mornings"] == 40).all()
+    assert (tested["p"] > 0.01).all()
+    narrow = told.assign(**{name: 0.4 * told[name] for name in SIGMA_STATE})
+    assert (calibration.goodness(narrow, days=[1.0, 3.0])["p"] < 1e-3).all()
+    assert (calibration.goodness(narrow, days=[1.0])["score"] > tested["score"].iloc[0]).all()
+
+
+def test_what_is_known_later_moves_no_earlier_size():
+    past = replays(days=20)
+    later = past["t_known"] > 10.0 * DAY
+    moved = past.assign(**{name: past[name].where(~later, 99.0 * past[name]) for name in COMPONENTS})
+    first, again = (as_known(table, table["morning"].to_numpy()) for table in (past, moved))
+    mornings = past["morning"] <= 10.0 * DAY
+    np.testing.assert_array_equal(first[mornings], again[mornings])
+    assert not np.array_equal(first[~mornings], again[~mornings], equal_nan=True)
+    assert np.isnan(first[0]).all()  # the first morning has no past
+
+
+def test_no_past_no_sizes():
+    with pytest.raises(InputError, match=r"sizes: expected 20 predictions that were over by day 1 to learn"):
+        Sizes.learned(replays(), now=DAY)
+
+
+def test_a_covariance_is_that_of_its_parts():
+    """Many errors drawn from the parts have the covariance that is stated."""
+    sigma, rate = np.array([[10.0, 500.0, 30.0, 0.02, 0.01, 0.03]]), np.array([RATE])
+    (covariance,) = rsw_covariance.stated(sigma, rate)
+    draws = np.random.default_rng(0).multivariate_normal(np.zeros(6), covariance, size=20000)
+    free = rsw_covariance.free_parts(draws, np.full(len(draws), RATE))
+    np.testing.assert_allclose(free.std(axis=0), sigma[0], rtol=0.03)
+    correlation = np.corrcoef(free.T) - np.eye(6)
+    assert np.abs(correlation).max() < 0.03
+    assert covariance[0, 1] == 0.0
+    distance = rsw_covariance.mahalanobis(draws[:, :3], np.tile(covariance[:3, :3], (len(draws), 1, 1)))
+    assert np.mean(distance < INSIDE**2) == pytest.approx(0.561, abs=0.02)  # chi-square(3) at 2.706
+
+
+def test_a_circular_orbit_that_is_ahead_or_high_has_no_free_velocity():
+    """Two states on circular orbits of one angular momentum per height, a small angle and height apart."""
+    gm, radius = 3.986e14, 7e6
+    rate = np.sqrt(gm / radius**3)
+    angle = 1e-4
+    there = np.array([radius * np.cos(angle), radius * np.sin(angle), 0.0])
+    velocity = rate * radius * np.array([-np.sin(angle), np.cos(angle), 0.0])
+    errors = np.array([[*there, *velocity]]) - [[radius, 0.0, 0.0, 0.0, rate * radius, 0.0]]
+    free = rsw_covariance.free_parts(errors, np.array([rate]))
+    assert np.abs(free[0, 3:]).max() < 1e-3 * rate * radius * angle
+    assert rsw_covariance.rates(np.array([[radius, 0, 0, 0, rate * radius, 0.0]]))[0] == pytest.approx(rate)
