@@ -7,6 +7,7 @@ computed at those epochs as it was at later tracks. The along-track error that i
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
+from functools import cache
 from typing import Any, Self
 
 import numpy as np
@@ -207,6 +208,10 @@ def build(
     where none reaches anywhere, where a size has no past, and as `correction.corrected` does.
     """
 
+    @cache
+    def sizes(now: float) -> Sizes:
+        return Sizes.learned(replay, now=now)
+
     def some(chosen: pd.DataFrame) -> Iterator[pd.DataFrame]:
         columns = rows(flight, known, chosen, lessons.variables, grid)
         sparse = columns[columns.groupby("i").cumcount() % _sparse(grid.step) == 0]
@@ -215,10 +220,20 @@ def build(
             now = morning(own["t_i"].iloc[0], first=first_morning)
             states = moved(own, lessons(now))
             turning = _between(own, told[told["i"] == own["i"].iloc[0]]).assign(rate=rates(states))
-            covariances = stated(Sizes.learned(replay, now=now).sigmas(turning), turning["rate"].to_numpy())
+            covariances = stated(sizes(now).sigmas(turning), turning["rate"].to_numpy())
             yield table(own, states, covariances)
 
     return by_parts(some, starts, grid, progress=progress)
+
+
+def basis(replay: pd.DataFrame, now: float) -> str:
+    """What the covariances of ephemerides as of `now` [s] rest on, in words; replay: that table."""
+    past = replay[replay["t_known"] <= now]
+    mornings, longest = past["morning"].nunique(), past["duration"].max() / DAY
+    return (
+        f"covariances from {len(past)} predictions of {mornings} mornings that were over by "
+        f"day {now / DAY:g}, up to {longest:.1f} days long"
+    )
 
 
 SPREAD_STEP = 600.0

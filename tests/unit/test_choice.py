@@ -111,6 +111,9 @@ def test_the_report_leads_with_what_was_flown(told):
     assert "## Is the uncertainty true?" in text
     assert "the 90 % ellipsoid holds" in text
     assert "nan" not in text
+    untold = Mornings.of({"running": told.tables["running"].assign(sigma_x=np.nan)}, [], seed=1)
+    short = document.markdown(uncertainty.section({key: untold}, {}, [1.0]))
+    assert uncertainty.TOO_SHORT in short
 
 
 def test_a_study_without_replays_has_neither_section():

@@ -259,7 +259,12 @@ def test_a_formal_covariance_is_that_of_many_perturbed_arcs(flight, known):
 
 
 def test_an_oem_holds_the_table_to_its_digits(table, tmp_path):
-    oem.write(tmp_path / "c.oem", oem.corrected_segments(table, rso="iss"), epoch=EPOCH)
+    told = corrected.basis(REPLAY, 0.0)
+    assert told.startswith(
+        "covariances from 400 predictions of 1 mornings that were over by day 0, up to 0.9"
+    )
+    oem.write(tmp_path / "c.oem", oem.corrected_segments(table, rso="iss"), epoch=EPOCH, comment=told)
+    assert f"\nCOMMENT {told}\n" in (tmp_path / "c.oem").read_text(encoding="utf-8")
     back = oem.read(tmp_path / "c.oem", epoch=EPOCH)
     assert [segment.covariance_frame for segment in back] == ["RSW", "RSW"]
     for segment, (_, own) in zip(back, table.groupby("i"), strict=True):

@@ -87,6 +87,16 @@ def test_mornings_are_replayed_of_models_that_are_quick_to_train():
     assert [parts["label"] for parts in named.replayed.values()] == ["_later"]
 
 
+def test_models_that_a_short_run_has_no_morning_of_are_left_out():
+    own = own_of(days={"train": [0, 3], "test": [3, 5]})
+    own.study.settings.values["duration_days"] = 6
+    # Fits of four days would begin on day 4, laws when half of the training is over.
+    assert [name for *_, name in own.replayed] == [
+        *("none", "fit48", "held", "running"),
+        *("covariance", "mechanism", "twoarcs"),
+    ]
+
+
 def test_without_days_to_train_on_no_morning_is_replayed():
     own = own_of(splits={"past": ["random-50", "rest"]})
     assert own.replayed == {}
@@ -113,7 +123,7 @@ def test_the_report_says_what_flew(given, told, untold):
 def test_the_report_says_what_was_known_of_the_weather():
     assert weather(paper_values()).startswith("Space weather: MSAFE's monthly figures")
     told = {
-        "forecast": "then the forecast `regression` issued every 24 h",
+        "forecast": "up to each estimate, then forecast (`regression`, every 24 h)",
         "hindcast": "up to the time predicted to: a hindcast",
         None: "measured values of the days predicted to included",
     }

@@ -416,6 +416,19 @@ def test_no_study_is_no_study(tmp_path, nothing):
             "study.days.train: expected the first day before the last",
         ),
         ("study: {splits: {one: [random-80, all]}}", "study.splits.one.1: expected seen, rest, days-<first>"),
+        (
+            "study: {days: {train: [0, 3], test: [2, 5]}}",
+            "study.days.test: expected days that follow those to train on, from 3, got 2 to 5",
+        ),
+        (
+            "study: {days: {train: [4, 6], test: [0, 4]}}",
+            "study.days.test: expected days that follow those to train on, from 6, got 0 to 4",
+        ),
+        (
+            "study: {days: {train: [0, 3], test: [3, 5]}, splits: {one: [random-80, rest]}}",
+            "study.days: expected days, or splits by their names, got both",
+        ),
+        ("study: {rsos: [iss], days: {train: [0, 3], test: [3, 5]}, rsos: [lares]}", "key rsos given twice"),
         ("study: {learners: [forest]}", "study.learners: learner 'forest': expected one of svr"),
         ("study: {rso: [iss]}", "study.rso: unknown key; did you mean rsos?"),
         ("rsos: {iss: {}}", "mine.yaml: rsos.iss: expected a name that config/rsos.tsv has not"),

@@ -83,6 +83,9 @@ TRAINED_ON = (
 )
 
 
+# What fits and predictions know of it, as a line of a figure.
+WEATHER = weather(config).replace("`", "").rstrip(".")
+
 SEED = config["seed"]
 NOISE = naming.seed_pattern(naming.NOISE, default=SEED["noise"])
 WINDOW = naming.window_pattern(default=config["estimation"]["window_hours"]) + naming.fitted_pattern(
@@ -362,7 +365,7 @@ def mornings_settings(wildcards):
         "laws": OWN.laws,
         "seed": SEED["split"],
         "days": OWN.answer.durations,
-        "note": f"{wildcards.rso} by {wildcards.stations}. {weather(config)}",
+        "note": f"{wildcards.rso} by {wildcards.stations}. {WEATHER}",
     }
 
 
@@ -502,4 +505,4 @@ def all_of(experiments, what):
     if not experiments:
         end("study: learners: expected at least one model that corrects, got none")
     names = next(iter(experiments.values())).names() | {"learner": "models"}
-    return {"epoch": config["epoch"], what: list(experiments), **names}
+    return {"epoch": config["epoch"], "weather": WEATHER, what: list(experiments), **names}

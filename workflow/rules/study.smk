@@ -147,6 +147,7 @@ if OWN.is_asked:
                 "windows": list(OWN.windows),
                 "component": STUDY.defaults["component"],
                 "marks": OWN.marks,
+                "weather": WEATHER,
                 **dict(wildcards.items()),
             },
             code=code("study_drag.py"),
@@ -174,6 +175,7 @@ if OWN.is_asked:
                 learners=OWN.learners,
                 splits=OWN.splits,
                 models=OWN.answer.learners,
+                weather=WEATHER,
             ),
         message:
             "Figure: performance metric P_ML of models against splits, {wildcards.rso}"
@@ -199,6 +201,7 @@ if OWN.is_asked:
             settings=lambda wildcards: {
                 "epoch": config["epoch"],
                 "learners": list(STUDY.entry("rolling").get("learners", [])),
+                "weather": WEATHER,
                 **STUDY.rolling,
                 **dict(wildcards.items()),
             },

@@ -10,6 +10,7 @@ from opml.tables import read_table, write_table
 with job(snakemake) as metadata:
     settings, files = snakemake.params.settings, snakemake.input
     flight, known, starts, grid = corrected.task(files, settings, threads=snakemake.threads)
+    replay = read_table(files.replay, "replay")
     table = corrected.build(
         flight,
         known,
@@ -19,11 +20,12 @@ with job(snakemake) as metadata:
             settings["seed"],
             settings["train_days"][0],
         ),
-        read_table(files.replay, "replay"),
+        replay,
         starts,
         grid,
         spreads=corrected.spreading(files, settings, known, threads=snakemake.threads),
         first_morning=DAY * settings["known_until_days"],
         progress=progress,
     )
+    metadata |= {"covariance": corrected.basis(replay, DAY * settings["known_until_days"])}
     write_table(snakemake.output[0], table, "corrected", metadata=metadata)

@@ -2,10 +2,11 @@
 
 from opml.interop import oem
 from opml.jobs import job
-from opml.tables import read_table
+from opml.tables import read_metadata, read_table
 
 with job(snakemake):
     settings = snakemake.params.settings
     table = read_table(snakemake.input[0], settings["table"])
     segments = oem.SEGMENTS[settings["table"]](table, rso=settings["rso"])
-    oem.write(snakemake.output[0], segments, epoch=settings["epoch"])
+    comment = read_metadata(snakemake.input[0]).get("covariance", "")
+    oem.write(snakemake.output[0], segments, epoch=settings["epoch"], comment=comment)

@@ -17,6 +17,6 @@ with job(snakemake):
         published={(stations, split): p_ml for stations, _, split, p_ml in settings["published"]},
         component=settings["component"],
         models={name: models.told(one) for name, one in settings["models"].items()},
-        note=labels.splits(settings["splits"]),
+        note=labels.with_weather(labels.splits(settings["splits"]), settings),
     )
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

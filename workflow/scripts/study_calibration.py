@@ -16,7 +16,7 @@ with job(snakemake):
     }
     mornings = Mornings.of(replays, settings["laws"], seed=settings["seed"])
     told = {"chosen by the past": mornings.flown, **mornings.tables}
-    tables = {name: calibration.of_replay(table, days=settings["days"]) for name, table in told.items()}
+    tables = calibration.of_replays(told, days=settings["days"])
     tables["the fit's own covariance"] = read_table(files.fit, "calibration")
     drawn = [
         figures.coverage(tables, quantity=quantity, note=settings["note"])

@@ -3,6 +3,7 @@
 import pandas as pd
 
 from opml.figures import study, style
+from opml.figures.labels import with_weather
 from opml.jobs import job
 from opml.tables import read_table
 
@@ -20,6 +21,6 @@ with job(snakemake):
         estimates,
         read_table(files.activity, "solar_activity"),
         pd.concat(errors),
-        note=f"{settings['rso']} by {settings['stations']}; {study.UNCORRECTED}",
+        note=with_weather(f"{settings['rso']} by {settings['stations']}; {study.UNCORRECTED}", settings),
     )
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

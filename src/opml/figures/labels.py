@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from opml import naming
 from opml.naming import Split
@@ -52,6 +53,11 @@ def experiment(
     """What one model was trained and tested on, as a line of a figure."""
     where = "" if target == rso else f"{target}, "
     return f"{rso} by {stations}; {learner} trained on {trained(train)}, tested on {where}{tested(test)}"
+
+
+def with_weather(note: str, settings: Mapping[str, Any]) -> str:
+    """A line of a figure, and below it what is known of the space weather, where the settings say."""
+    return "\n".join(filter(None, [note, settings.get("weather")]))
 
 
 def splits(pairs: Mapping[str, Sequence[str]]) -> str:

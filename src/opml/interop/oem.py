@@ -131,9 +131,12 @@ SEGMENTS = {
 """How each table that has a message becomes its segments."""
 
 
-def write(path: FilePath, segments: Sequence[Segment], *, epoch: str) -> None:
-    """Write segments as an OEM, whole or not at all; `epoch` is the UTC text that their times count from."""
-    ccsds.write(path, _lines(segments, epoch))
+def write(path: FilePath, segments: Sequence[Segment], *, epoch: str, comment: str = "") -> None:
+    """Write segments as an OEM, whole or not at all.
+
+    epoch: the UTC text that their times count from; comment: a line on all of the message.
+    """
+    ccsds.write(path, _lines(segments, epoch, comment))
 
 
 def read(path: FilePath, *, epoch: str) -> list[Segment]:
@@ -182,8 +185,9 @@ def _matrices(table: pd.DataFrame) -> np.ndarray:
     return covariances
 
 
-def _lines(segments: Sequence[Segment], epoch: str) -> Iterator[str]:
-    yield from ccsds.header(_KEY, epoch)
+def _lines(segments: Sequence[Segment], epoch: str, comment: str) -> Iterator[str]:
+    version, *rest = ccsds.header(_KEY, epoch)
+    yield from (version, *([f"COMMENT {comment}"] if comment else []), *rest)
     for segment in segments:
         times = ccsds.utc_texts(epoch, segment.t)
         yield ""

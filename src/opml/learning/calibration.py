@@ -6,13 +6,12 @@ the test of goodness of fit by the empirical distribution that conjunction asses
 easily than they hold (Gneiting & Raftery 2007, J. Am. Stat. Assoc. 102, sec. 4.1).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from statistics import NormalDist
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.stats import chi2, cramervonmises
 
 from opml.constants import DAY
 from opml.errors import InputError
@@ -79,6 +78,8 @@ def _quantities(
     covariance: np.ndarray, errors: np.ndarray
 ) -> dict[str, tuple[np.ndarray, Callable[[float], np.ndarray]]]:
     """Sizes (n,) of errors and the bounds (n,) that hold a level of them, by quantity."""
+    from scipy.stats import chi2  # half a second that no plan should wait for
+
     sigma = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
 
     def interval(k: int) -> Callable[[float], np.ndarray]:
@@ -100,6 +101,17 @@ def of_replay(replay: pd.DataFrame, *, days: Sequence[float]) -> pd.DataFrame:
     return of_covariances(covariance, errors, told["duration"].to_numpy(), days=days)
 
 
+def of_replays(replays: Mapping[str, pd.DataFrame], *, days: Sequence[float]) -> dict[str, pd.DataFrame]:
+    """The same of several tables by their names; those whose mornings had too short a past are left out."""
+    found = {}
+    for name, table in replays.items():
+        try:
+            found[name] = of_replay(table, days=days)
+        except InputError:
+            continue
+    return found
+
+
 def _stated(replay: pd.DataFrame) -> tuple[pd.DataFrame, np.ndarray]:
     """Rows of a `replay` table that have a covariance, and (n, 6, 6) those of their errors.
 
@@ -119,6 +131,8 @@ def goodness(replay: pd.DataFrame, *, days: Sequence[float]) -> pd.DataFrame:
     against chi-square(3), NaN of fewer than LEAST; score: mean of -ln of the stated density at the error, of
     all rows.
     """
+    from scipy.stats import chi2, cramervonmises
+
     told, covariance = _stated(replay)
     covariance = covariance[:, :3, :3]
     distance = mahalanobis(told[POSITION].to_numpy(), covariance)

@@ -28,8 +28,6 @@ from typing import Self
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import minimize
-from scipy.stats import chi2, t
 
 from opml.constants import DAY
 from opml.errors import InputError
@@ -99,6 +97,8 @@ class Sizes:
 
         Raises InputError where there are fewer than LEAST_ROWS.
         """
+        from scipy.stats import chi2
+
         past = past[past["t_known"] <= now]
         if len(past) < LEAST_ROWS:
             raise InputError(
@@ -127,6 +127,8 @@ class Sizes:
 
 def widening(duration: np.ndarray, days: float) -> np.ndarray:
     """Factor (n,) on what depends on the weather, for durations (n,) [s] after a past of so many days."""
+    from scipy.stats import t  # half a second that no plan should wait for
+
     freedom = np.maximum(days / (1.0 + duration / DAY), LEAST_FREEDOM)
     factor: np.ndarray = t.ppf(0.5 + 0.5 * LEVEL, freedom) / INSIDE
     return factor
@@ -141,6 +143,8 @@ def weighted_quantile(values: np.ndarray, weight: np.ndarray, level: float) -> f
 
 def _fitted(past: pd.DataFrame, axis: str, weight: np.ndarray) -> tuple[float, float, float]:
     """a, b and c of an axis by quantile regression; a row counts in units of its day of duration."""
+    from scipy.optimize import minimize
+
     size, duration = past[f"e_{axis}"].abs().to_numpy(), past["duration"].to_numpy()
     drag, weather, doubt = (past[f"{name}_{axis}"].to_numpy() for name in ("drag", "weather", "doubt"))
     day = np.ceil(duration / DAY)

@@ -55,8 +55,8 @@ def weather(settings: Mapping[str, Any]) -> str:
         case "forecast":
             method, hours = environment["forecast"], environment["issue_hours"]
             return (
-                f"Space weather ({source}) as known at each estimate: measured up to it, then the forecast "
-                f"`{method}` issued every {hours} h."
+                f"Space weather ({source}) as measured up to each estimate, then forecast (`{method}`, "
+                f"every {hours} h)."
             )
         case "hindcast":
             return f"Space weather ({source}) as measured up to the time predicted to: a hindcast."

@@ -4,8 +4,10 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import pandas as pd
 
+from opml.constants import DAY
 from opml.learning import calibration
 from opml.learning.choice import Mornings
+from opml.learning.growth import REACH_DAYS
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.mornings import CHOSEN, Dataset
 from opml.report.results import NONE, length
@@ -17,6 +19,8 @@ MAIN = 0.9
 """The level whose shares are printed."""
 
 QUANTITIES = ("e_x", "e_y", "e_z", PLANE, ELLIPSOID, WHOLE)
+
+TOO_SHORT = "No morning had a past that was long enough to state a covariance from."
 
 HOLDS = (0.85, 0.95)
 """Shares at which an ellipsoid of 90 % counts as true."""
@@ -36,7 +40,8 @@ def section(
         "Shares [%] of the errors inside 90 %: radial, along-track and cross-track intervals, the plane of "
         "the first two, the ellipsoid of the position, and that of all six components. The covariances are "
         "those that a message of that morning would have had, from errors that were over by then; `fit` is "
-        "the fits' own, carried to the prediction as it is. sigma: median standard deviation along-track. p: "
+        "the fits' own, carried to the prediction as it is. sigma: median standard deviation along-track, "
+        "futures: what those of the space weather alone make of it, the least that is stated. p: "
         "goodness of fit of the squared Mahalanobis distances to chi-square(3), one a morning (Cramer and "
         f"von Mises); below {calibration.PASSES:g} the covariance is not true. score: mean of -ln of the "
         "stated density at the error of the position; less is better. `docs/uncertainty.md` explains."
@@ -51,21 +56,24 @@ def section(
         "ellipsoid",
         "state",
         "sigma [m]",
+        "futures [m]",
         "p",
         "score",
     ]
     for (rso, stations), mornings in told.items():
         tables = {CHOSEN: mornings.flown} | {f"`{name}`": table for name, table in mornings.tables.items()}
-        rows = [row for name, table in tables.items() for row in _rows(name, table, days)]
+        shares = calibration.of_replays(tables, days=days)
+        rows = [row for name in shares for row in _rows(name, tables[name], shares[name], days)]
         if (rso, stations) in fits:
-            rows += [_cells("fit", day, own) for day, own in fits[rso, stations].groupby("day")]
-        yield Paragraph(f"**{rso}, {stations}.** {verdict(mornings.flown, days)}")
+            fit = fits[rso, stations].groupby("day")
+            rows += [[*_cells("fit", day, own), NONE, NONE, NONE] for day, own in fit]
+        flown = verdict(mornings.flown, shares[CHOSEN], days) if CHOSEN in shares else TOO_SHORT
+        yield Paragraph(f"**{rso}, {stations}.** {flown}")
         yield Table(header, rows)
 
 
-def verdict(flown: pd.DataFrame, days: Sequence[float]) -> str:
-    """Whether the covariances of what was flown are true, in a line."""
-    shares = calibration.of_replay(flown, days=days)
+def verdict(flown: pd.DataFrame, shares: pd.DataFrame, days: Sequence[float]) -> str:
+    """Whether the covariances of what was flown are true, in a line; shares: of `calibration.of_replay`."""
     ellipsoids = shares[(shares["quantity"] == ELLIPSOID) & (shares["level"] == MAIN)]
     held = {row["day"]: row["inside"] for row in ellipsoids.to_dict("records")}
     good = [day for day, share in held.items() if HOLDS[0] <= share <= HOLDS[1]]
@@ -79,15 +87,17 @@ def verdict(flown: pd.DataFrame, days: Sequence[float]) -> str:
     )
 
 
-def _rows(name: str, table: pd.DataFrame, days: Sequence[float]) -> Iterator[list[str]]:
-    shares = calibration.of_replay(table, days=days)
+def _rows(name: str, table: pd.DataFrame, shares: pd.DataFrame, days: Sequence[float]) -> Iterator[list[str]]:
     tested = calibration.goodness(table, days=days).set_index("day")
     for day, own in shares.groupby("day"):
+        near = (table["duration"] / DAY - day).abs() <= REACH_DAYS
+        futures = length(table.loc[near, "weather_y"].median())
         p, score = tested.loc[day, "p"], tested.loc[day, "score"]
-        yield _cells(name, day, own, NONE if pd.isna(p) else f"{p:.2f}", f"{score:.1f}")
+        yield [*_cells(name, day, own), futures, NONE if pd.isna(p) else f"{p:.2f}", f"{score:.1f}"]
 
 
-def _cells(name: str, day: float, own: pd.DataFrame, p: str = NONE, score: str = NONE) -> list[str]:
+def _cells(name: str, day: float, own: pd.DataFrame) -> list[str]:
+    """Name, duration, shares inside, and the deviation along-track."""
     at = own[own["level"] == MAIN].set_index("quantity")
     shares = [f"{100.0 * at.loc[one, 'inside']:.0f}" if one in at.index else NONE for one in QUANTITIES]
-    return [name, f"{day:g}", *shares, length(at.loc["e_y", "stated"] / calibration.normal(MAIN)), p, score]
+    return [name, f"{day:g}", *shares, length(at.loc["e_y", "stated"] / calibration.normal(MAIN))]

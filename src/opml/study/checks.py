@@ -93,6 +93,20 @@ def _check_order(source: Source) -> None:
         if days is not MISSING and days[0] >= days[1]:
             message = f"expected the first day before the last, got {days[0]} and {days[1]}"
             raise source.wrong(("study", *key), message)
+    _check_days(source)
+
+
+def _check_days(source: Source) -> None:
+    """Days to test on follow those to train on; a study asks for days or for splits."""
+    asked = source.values["study"]
+    if not isinstance(asked, Mapping) or "days" not in asked:
+        return
+    if "splits" in asked:
+        raise source.wrong(("study", "days"), "expected days, or splits by their names, got both")
+    train, test = asked["days"]["train"], asked["days"]["test"]
+    if test[0] < train[1]:
+        expected = f"expected days that follow those to train on, from {train[1]:g}"
+        raise source.wrong(("study", "days", "test"), f"{expected}, got {test[0]:g} to {test[1]:g}")
 
 
 def _check_forecast(source: Source) -> None:

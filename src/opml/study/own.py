@@ -1,5 +1,6 @@
 """A study of any RSO: models against splits, errors before and after correction, rows used and dropped."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -127,7 +128,7 @@ class Own:
         if naming.parse_train(naming.without_seed(train, naming.SPLIT)).kind != "days":
             return {}
         named = self.study.settings.asked.get("replayed") or [
-            name for name in REPLAYED if name in self.learners
+            name for name in REPLAYED if name in self.learners and self._begins(name) <= self._last_begin
         ]
         fixed = {
             "window": "",
@@ -140,6 +141,21 @@ class Own:
             for rso, stations in self.datasets
             for learner in named
         }
+
+    def _begins(self, learner: str) -> float:
+        """Day of the first morning of a model, as `opml.replays` has it."""
+        settings, values = naming.parse_learner(learner, self.study.learners), self.study.settings.values
+        train = naming.without_seed(self.splits[self.shown][0], naming.SPLIT)
+        first, last = naming.parse_train(train).days
+        if learns(settings):
+            return math.ceil(first + 0.5 * (last - first))
+        hours = max(values["estimation"]["window_hours"], settings.get("window_hours", 0.0))
+        return float(first + hours / 24.0)
+
+    @property
+    def _last_begin(self) -> float:
+        """Last day that a model may begin on: another two mornings have to be over before the run is."""
+        return float(self.study.settings.values["duration_days"]) - 3.0
 
     def mornings(self, rso: str, stations: str) -> dict[str, dict[str, str]]:
         """The replays of a dataset by model."""
