@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from opml.catalog import arcs, force_model, mechanism, spread
-from opml.catalog.correction import LEAST_EPOCHS, corrected, through
+from opml.catalog.correction import LEAST_EPOCHS, check_smooth, corrected, through
 from opml.catalog.prediction import predict
 from opml.catalog.sensitivity import sensitivities
 from opml.constants import DAY, HOUR
@@ -205,7 +205,7 @@ def build(
     lessons: the learner as of a morning; replay: that table of it, which sizes are learned from; spreads: how
     far drag and weather may take pairs; first_morning: when the first ephemeris is made [s], later ones with
     what is known at the day's beginning. An ephemeris ends where an arc that it needs does. Raises InputError
-    where none reaches anywhere, where a size has no past, and as `correction.corrected` does.
+    where none reaches anywhere, where a size has no past, and as `correction.check_smooth` does.
     """
 
     @cache
@@ -218,7 +218,9 @@ def build(
         told = sparse[["i", "t_j"]].join(spreads(sparse)[SPREAD])
         for own in reached(columns, (*STATE, *lessons.variables)):
             now = morning(own["t_i"].iloc[0], first=first_morning)
-            states = moved(own, lessons(now))
+            along = said(own, lessons(now))
+            check_smooth(own["t_j"].to_numpy(), along)
+            states = moved(own, along)
             turning = _between(own, told[told["i"] == own["i"].iloc[0]]).assign(rate=rates(states))
             covariances = stated(sizes(now).sigmas(turning), turning["rate"].to_numpy())
             yield table(own, states, covariances)
@@ -359,12 +361,13 @@ def reached(columns: pd.DataFrame, names: Sequence[str]) -> Iterator[pd.DataFram
             yield columns.iloc[found]
 
 
-def moved(own: pd.DataFrame, model: Model) -> np.ndarray:
-    """States (n, 6) GCRF [m, m/s] of one ephemeris, as a model of e_y corrects them.
+def said(own: pd.DataFrame, model: Model) -> np.ndarray:
+    """What a model says of e_y (n,) [m]; own: `rows` of one estimate with the model's variables."""
+    return model.predict(own[list(model.variables)].to_numpy())
 
-    own: `rows` of one estimate with the model's variables. Raises InputError as `correction.corrected` does.
-    """
-    along = model.predict(own[list(model.variables)].to_numpy())
+
+def moved(own: pd.DataFrame, along: np.ndarray) -> np.ndarray:
+    """States (n, 6) GCRF [m, m/s] of one ephemeris, `rows` of an estimate, corrected by e_y (n,) [m]."""
     return corrected(own["t_j"].to_numpy(), np.ascontiguousarray(own[STATE]), along)
 
 

@@ -105,11 +105,12 @@ def _held(own: pd.DataFrame, later: pd.DataFrame, lessons: Lessons) -> pd.DataFr
     """What one ephemeris is off from the states of later tracks."""
     t, t_i = own["t_j"].to_numpy(), float(own["t_i"].iloc[0])
     now = corrected.morning(t_i)
+    model = lessons(now)
     later = later[later["t_j"].between(t[0], t[-1])]
     at, states = later["t_j"].to_numpy(), np.ascontiguousarray(later[STATE])
     before, after = (
         in_rsw(through(t, path)(at) - states, states)
-        for path in (np.ascontiguousarray(own[STATE]), corrected.moved(own, lessons(now)))
+        for path in (np.ascontiguousarray(own[STATE]), corrected.moved(own, corrected.said(own, model)))
     )
     return later[["i", "j", "t_j", "t_known", *DOUBT, *SPREAD]].assign(
         t_i=t_i,

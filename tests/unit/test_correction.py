@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from opml.catalog.correction import LEAST_EPOCHS, corrected, radial_part
+from opml.catalog.correction import LEAST_EPOCHS, check_smooth, corrected, radial_part
 from opml.constants import DAY
 from opml.elements import cartesian_from_coe, coe_from_cartesian, in_rsw
 from opml.errors import InputError
@@ -79,7 +79,8 @@ def test_without_an_error_nothing_moves():
 def test_a_correction_with_steps_is_no_path():
     stairs = 100.0 * np.floor(T / (0.25 * DAY))
     with pytest.raises(InputError, match=r"expected a correction that is smooth in time, .* steps of \d+"):
-        corrected(T, orbit(), stairs)
+        check_smooth(T, stairs)
+    check_smooth(T, 1e4 * np.sin(T / 5400.0))
 
 
 def test_a_path_needs_some_epochs():

@@ -39,6 +39,16 @@ def test_what_depends_on_the_weather_is_wider_after_few_days():
     assert short.sigmas(AHEAD)[0, 0] == pytest.approx(long.sigmas(AHEAD)[0, 0], rel=0.4)
 
 
+def test_beyond_the_longest_prediction_that_is_over_errors_grow_by_its_square():
+    past = replays(days=30)
+    short = past[past["duration"] < 3.0 * DAY]
+    whole, cut = (Sizes.learned(one, now=30.0 * DAY) for one in (past, short))
+    calm = AHEAD.assign(duration=[2.9 * DAY, 5.8 * DAY])
+    np.testing.assert_allclose(cut.sigmas(calm)[0, 1] / whole.sigmas(calm)[0, 1], 1.0, rtol=0.3)
+    assert cut.sigmas(calm)[1, 1] > 3.0 * cut.sigmas(calm)[0, 1]
+    assert whole.sigmas(calm)[1, 1] < 2.5 * whole.sigmas(calm)[0, 1]
+
+
 def test_drag_that_the_past_did_not_foretell_is_learned():
     """The error of 30 % of drag, in units of a tenth."""
     past = replays(days=40, along=0.0)

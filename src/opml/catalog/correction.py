@@ -24,8 +24,8 @@ from opml.errors import InputError
 LEAST_EPOCHS = 16
 """Epochs that a path needs for its derivatives."""
 
-ROUGH = 1.0
-"""Largest miss [m] of an along-track correction by the spline through every second of its values."""
+ROUGH = 1.0 / 60.0
+"""Largest miss of a correction by the spline through every second of its values, in their time [m/s]."""
 
 _SLOW = 3  # degree of the spline that a slow drift is
 _FAST = 5
@@ -36,10 +36,11 @@ def corrected(t: np.ndarray, states: np.ndarray, along_track: np.ndarray) -> np.
     """Corrected states (n, 6) GCRF [m, m/s] of one predicted path.
 
     t: (n,) ascending [s], a minute or so apart; states: (n, 6) as predicted, GCRF [m, m/s]; along_track: (n,)
-    predicted less true position [m], the component e_y in RSW of the true state. Raises InputError for a
-    correction that is not smooth in time, as it would have no velocity, and for fewer than LEAST_EPOCHS.
+    predicted less true position [m], the component e_y in RSW of the true state. Raises InputError for fewer
+    than LEAST_EPOCHS.
     """
-    _check_smooth(t, along_track)
+    if len(t) < LEAST_EPOCHS:
+        raise InputError(f"ephemeris: expected at least {LEAST_EPOCHS} epochs to correct, got {len(t)}")
     radius = np.linalg.norm(states[:, :3], axis=1)
     rate = np.linalg.norm(np.cross(states[:, :3], states[:, 3:]), axis=1) / radius**2
     late = np.arcsin(np.clip(along_track / radius, -1.0, 1.0)) / rate
@@ -76,11 +77,10 @@ def _derivative(t: np.ndarray, values: np.ndarray) -> np.ndarray:
     return slope
 
 
-def _check_smooth(t: np.ndarray, along_track: np.ndarray) -> None:
-    if len(t) < LEAST_EPOCHS:
-        raise InputError(f"ephemeris: expected at least {LEAST_EPOCHS} epochs to correct, got {len(t)}")
+def check_smooth(t: np.ndarray, along_track: np.ndarray) -> None:
+    """Raise InputError for a correction (n,) [m] at t (n,) [s] that has steps, and so no velocity."""
     missed = float(np.abs(make_interp_spline(t[::2], along_track[::2], _FAST)(t) - along_track)[:-1].max())
-    if missed > ROUGH:
+    if missed > ROUGH * float(np.median(np.diff(t))):
         raise InputError(
             "ephemeris: expected a correction that is smooth in time, as that of a kernel or a law, "
             f"got one with steps of {missed:.3g} m (another learner, or a smaller step_s)"

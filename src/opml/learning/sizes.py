@@ -57,7 +57,10 @@ _SMALLEST = 1.0
 
 @dataclass(frozen=True, eq=False)
 class Sizes:
-    """Sizes of errors: per axis a [m], b [m/s] and c (3,), factors of velocities (3,), of variances, days."""
+    """Sizes of errors: per axis a [m], b [m/s] and c (3,), factors of velocities (3,), of variances.
+
+    days: of the past that they are from; reach: its longest prediction [s].
+    """
 
     constant: np.ndarray
     rate: np.ndarray
@@ -65,6 +68,7 @@ class Sizes:
     velocity: np.ndarray
     inflation: float
     days: float
+    reach: float
 
     def sigmas(self, rows: pd.DataFrame) -> np.ndarray:
         """Standard deviations (n, 6) [m, m/s] of the parts that `rsw_covariance.stated` is made of.
@@ -77,11 +81,13 @@ class Sizes:
     def _sigmas(self, rows: pd.DataFrame, *, few: bool) -> np.ndarray:
         duration = rows["duration"].to_numpy()
         wide = widening(duration, self.days) if few else np.ones(len(rows))
+        # Nobody has seen yet how errors grow beyond the longest prediction that is over: by its square, say.
+        grown = duration * np.maximum(duration / self.reach, 1.0)
         position = np.stack(
             [
                 np.sqrt(
                     self.constant[k] ** 2
-                    + (self.rate[k] * duration) ** 2
+                    + (self.rate[k] * grown) ** 2
                     + wide**2 * ((self.drag[k] * rows[f"drag_{axis}"]) ** 2 + rows[f"weather_{axis}"] ** 2)
                 )
                 for k, axis in enumerate(AXES)
@@ -105,11 +111,11 @@ class Sizes:
                 f"sizes: expected {LEAST_ROWS} predictions that were over by day {now / DAY:g} to learn "
                 f"from, got {len(past)}"
             )
-        days = (now - past["t_i"].min()) / DAY
+        days, reach = (now - past["t_i"].min()) / DAY, float(past["duration"].max())
         past = past.iloc[:: -(-len(past) // _MOST_ROWS)]
         weight = np.exp((past["t_j"].to_numpy() - now) / (MEMORY_DAYS * DAY))
         constant, rate, drag = np.array([_fitted(past, axis, weight) for axis in AXES]).T
-        plain = cls(constant, rate, drag, np.ones(3), 1.0, days)
+        plain = cls(constant, rate, drag, np.ones(3), 1.0, days, reach)
         parts = free_parts(past[list(COMPONENTS)].to_numpy(), past["rate"].to_numpy())
         doubt = past[DOUBT].to_numpy()
         velocity = np.array(
@@ -118,11 +124,11 @@ class Sizes:
                 for part, sigma in zip(parts[:, 3:].T, plain._sigmas(past, few=False)[:, 3:].T, strict=True)
             ]
         )
-        whole = cls(constant, rate, drag, velocity, 1.0, days)
+        whole = cls(constant, rate, drag, velocity, 1.0, days, reach)
         square = whole._sigmas(past, few=False)[:, :3] ** 2 + doubt**2
         distance = np.sum(parts[:, :3] ** 2 / square, axis=1)
         inflation = weighted_quantile(distance, weight, LEVEL) / float(chi2.ppf(LEVEL, 3))
-        return cls(constant, rate, drag, velocity, inflation, days)
+        return cls(constant, rate, drag, velocity, inflation, days, reach)
 
 
 def widening(duration: np.ndarray, days: float) -> np.ndarray:
