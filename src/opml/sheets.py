@@ -270,6 +270,12 @@ def rsos_of(rows: Mapping[str, Mapping[str, object]], *, flown: Container[str] =
     return rsos
 
 
+def check_body(name: str, body: Mapping[str, object]) -> None:
+    """Raise InputError for a name, or a body's numbers, that no line of the sheet of RSOs may have."""
+    _check_name("name", name, {})
+    rsos_of({name: body}, flown=(name,))
+
+
 def _given(
     rows: Mapping[str, Mapping[str, object]], fields: Mapping[str, _Field]
 ) -> dict[str, dict[str, float]]:

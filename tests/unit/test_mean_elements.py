@@ -132,6 +132,25 @@ def test_the_command_says_what_is_wrong_in_one_line(written, capsys):
     assert capsys.readouterr().err.count("\n") == 1
 
 
+@pytest.mark.parametrize(
+    ("option", "value", "expected"),
+    [
+        ("--name", "iss_i50", "name: expected lower-case letters and digits, a letter first, got 'iss_i50'"),
+        ("--name", "a\tb", "name: expected lower-case letters and digits, a letter first, got 'a\\tb'"),
+        ("--cd", "-2.2", "cd: expected a number "),
+        ("--area-to-mass", "nan", "area_to_mass_m2pkg: expected a number "),
+    ],
+)
+def test_the_command_prints_no_line_that_the_sheet_would_refuse(written, capsys, option, value, expected):
+    given = ["--epoch", THREE_DAYS_ON, *COMMAND]
+    given[given.index(option) + 1] = value
+    assert mean_elements.main([str(written(tle())), *given]) == 1
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert told.err.startswith(f"opml: {expected}")
+    assert told.err.count("\n") == 1
+
+
 @pytest.mark.parametrize("option", ["--epoch", "--area-to-mass", "--cd", "--cr"])
 def test_the_command_asks_for_epoch_and_body(written, capsys, option):
     given = ["--epoch", THREE_DAYS_ON, *COMMAND]

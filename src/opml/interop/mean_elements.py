@@ -27,7 +27,7 @@ import numpy as np
 from sgp4 import omm
 from sgp4.api import SGP4_ERRORS, Satrec
 
-from opml import epochs
+from opml import epochs, sheets
 from opml.constants import DAY, EARTH_GM
 from opml.elements import coe_from_cartesian, mean_from_true_anomaly
 from opml.errors import InputError
@@ -305,7 +305,9 @@ def main(arguments: list[str] | None = None) -> int:
     """Print the line of the sheet of RSOs for a file of mean elements; returns the process's exit status."""
     logging.basicConfig(format="opml: %(message)s")
     given = _parser().parse_args(arguments)
+    body_of_sheet = {"area_to_mass_m2pkg": given.area_to_mass, "cd": given.cd, "cr": given.cr}
     try:
+        sheets.check_body(given.name, body_of_sheet)
         satellite = read(given.file)
         body = rso(
             satellite,
