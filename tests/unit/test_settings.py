@@ -429,6 +429,7 @@ def test_no_study_is_no_study(tmp_path, nothing):
             "study.days: expected days, or splits by their names, got both",
         ),
         ("study: {rsos: [iss], days: {train: [0, 3], test: [3, 5]}, rsos: [lares]}", "key rsos given twice"),
+        ("study: {station_sets: [eglin, eglin]}", "study.station_sets: expected no item twice, got ["),
         ("study: {learners: [forest]}", "study.learners: learner 'forest': expected one of svr"),
         ("study: {rso: [iss]}", "study.rso: unknown key; did you mean rsos?"),
         ("rsos: {iss: {}}", "mine.yaml: rsos.iss: expected a name that config/rsos.tsv has not"),

@@ -59,7 +59,7 @@ def _unknown_key(value: Mapping[str, Any], known: list[str]) -> tuple[str, str]:
 
 def _expected(error: ValidationError) -> str:
     limit = error.validator_value
-    if "description" in error.schema:
+    if "description" in error.schema and error.validator != "uniqueItems":
         return str(error.schema["description"])
     if error.validator == "enum":
         return f"one of {', '.join(map(str, limit))}"
