@@ -94,7 +94,7 @@ _STATION_FIELDS = {
     "sigma_elevation_deg": _Field("sigma_elevation", 0, 90, math.radians, above_low=True),
 }
 _RSO_FIELDS = {
-    "a_km": _Field("a", WGS84_A / 1e3, math.inf, _kilo),
+    "a_km": _Field("a", WGS84_A / 1e3, 300_000, _kilo),  # what is larger is meant in metres
     "e": _Field("e", 0, 0.99),
     "i_deg": _Field("i", 0, 180, math.radians),
     "argp_deg": _Field("argp", -360, 360, math.radians),
@@ -218,7 +218,7 @@ def _check_name(where: str, name: str, numbers: Mapping[str, int]) -> None:
 def _lines(path: str | Path) -> list[tuple[int, list[str]]]:
     """The numbers and cells of a sheet's lines; at least one, empty where there is none."""
     try:
-        text = Path(path).read_text(encoding="utf-8")
+        text = Path(path).read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
     except (OSError, ValueError) as error:

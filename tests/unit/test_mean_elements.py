@@ -100,6 +100,12 @@ def test_every_spelling_gives_vallados_states(written, text):
     np.testing.assert_allclose([*position, *velocity], expected, rtol=0, atol=1e-6)
 
 
+@pytest.mark.parametrize("text", SPELLINGS.values(), ids=SPELLINGS)
+def test_a_byte_order_mark_is_no_text(written, text):
+    marked = mean_elements.read(written("\ufeff" + text))
+    assert marked.sgp4_tsince(4320.0) == mean_elements.read(written(text)).sgp4_tsince(4320.0)
+
+
 def test_teme_turns_to_gcrf(written):
     # Appendix C of the same paper, in mean equator and equinox of J2000 by the IAU's 1976/1980 models without
     # corrections: 0.04" from GCRF at that date, thus 2 m.

@@ -79,6 +79,12 @@ def test_truth_comes_back_bit_for_bit(orbit, message):
     np.testing.assert_array_equal(back.states, orbit[list(STATE)])
 
 
+def test_a_byte_order_mark_is_no_text(orbit, message):
+    message.write_text("\ufeff" + message.read_text(encoding="utf-8"), encoding="utf-8")
+    (back,) = oem.read(message, epoch=EPOCH)
+    np.testing.assert_array_equal(back.states, orbit[list(STATE)])
+
+
 def test_the_same_input_gives_the_same_bytes(orbit, message, tmp_path):
     oem.write(tmp_path / "again.oem", oem.truth_segments(orbit, rso="iss"), epoch=EPOCH)
     assert (tmp_path / "again.oem").read_bytes() == message.read_bytes()

@@ -87,6 +87,12 @@ def test_papers_rsos_in_si():
             "iss: e: expected a number of at least 0 and at most 0.99, got '1.2'",
         ),
         ("rsos.tsv", "6783.34", "6500", "iss: a_km: expected a perigee at least 120 km high"),
+        (
+            "rsos.tsv",
+            "6783.34",
+            "6783340",
+            "iss: a_km: expected a number of at least 6378.14 and at most 300000, got '6783340'",
+        ),
     ],
 )
 def test_wrong_cell_is_named(tmp_path, sheet, old, new, message):
@@ -99,6 +105,12 @@ def test_a_cell_of_many_letters_is_named(tmp_path):
     path = edited(tmp_path, "rsos.tsv", "6783.34", "6" * 200_000)
     with pytest.raises(InputError, match=r"rsos\.tsv: line \d+: expected cells between tabs"):
         read_rsos(path)
+
+
+def test_a_byte_order_mark_is_no_text(tmp_path):
+    path = edited(tmp_path, "rsos.tsv", "6783.34", "6783.34")
+    path.write_text("\ufeff" + path.read_text(encoding="utf-8"), encoding="utf-8")
+    assert read_rsos(path) == RSOS
 
 
 def test_cells_in_quotes_are_read(tmp_path):

@@ -85,6 +85,12 @@ def test_kp_lags_by_three_hours_and_its_mean_spans_twenty_four(weather, text):
 
 
 @FORMS
+def test_a_byte_order_mark_is_no_text(weather, text):
+    expected = activity(weather(text), "2016-12-30T14:00:00")
+    assert activity(weather("\ufeff" + text), "2016-12-30T14:00:00").equals(expected)
+
+
+@FORMS
 def test_kp_comes_in_thirds(weather, text):
     kp = space_weather.read("w", text)[space_weather.KP].to_numpy()[:2].ravel()
     np.testing.assert_array_equal(kp, np.arange(16) / 3.0)

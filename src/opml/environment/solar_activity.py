@@ -116,7 +116,7 @@ def read(path: str | Path) -> pd.DataFrame:
 def text_of(path: str | Path) -> str:
     """A file's text. Raises InputError where it is none."""
     try:
-        return Path(path).read_text(encoding="utf-8")
+        return Path(path).read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as reason:
         raise InputError(f"{path}: expected a table of solar activity, got {reason}") from None
 

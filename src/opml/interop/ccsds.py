@@ -41,7 +41,7 @@ class Message:
         """Open a message. Raises InputError where it is missing, no text, or of another kind or version."""
         self.path = path
         try:
-            text = arcs.contents(path).decode("utf-8")
+            text = arcs.contents(path).decode("utf-8-sig")
         except UnicodeDecodeError as reason:
             raise InputError(f"{path}: expected a message in UTF-8 text ({reason})") from None
         lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), start=1)]

@@ -77,7 +77,7 @@ def read(path: FilePath) -> Satrec:
     Raises InputError, naming file and line or key, for what is malformed or no single set.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8")
+        text = Path(path).read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
     except (OSError, ValueError) as reason:
