@@ -7,10 +7,11 @@ trained models are declared by their learners, in opml.learning.
 
 import hashlib
 import json
+import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import pandas as pd
@@ -680,6 +681,7 @@ def write_table(
 
     with replacing(path) as temporary:
         pq.write_table(table, temporary, compression="zstd", write_statistics=False, write_page_checksum=True)
+        _seal(temporary)
 
 
 def read_table(path: FilePath, schema: str | Schema) -> pd.DataFrame:
@@ -785,10 +787,47 @@ def _texts(metadata: Mapping[bytes, bytes] | None) -> dict[str, str]:
     return {key.decode(): value.decode() for key, value in items if not key.startswith(b"PARQUET:")}
 
 
+_SEAL = b"opmlseal"
+_DIGEST_BYTES = hashlib.sha256().digest_size
+_TAIL_BYTES = 8  # of a Parquet file: the length of its footer and four letters
+
+
+def _seal(path: FilePath) -> None:
+    """Put a digest of the footer before it: where pages lie is told there, and no page's checksum covers it.
+
+    Readers find the footer from the end of the file, and pages from its beginning: both stay where they are.
+    """
+    with open(path, "r+b") as file:
+        start, footer = _footer(file)
+        file.seek(start)
+        file.write(_SEAL + hashlib.sha256(footer).digest() + footer)
+
+
+def _check_seal(path: FilePath) -> None:
+    """Raise InputError where a footer is not the one that was sealed; older versions sealed none."""
+    with open(path, "rb") as file:
+        start, footer = _footer(file)
+        file.seek(max(start - len(_SEAL) - _DIGEST_BYTES, 0))
+        seal = file.read(len(_SEAL) + _DIGEST_BYTES)
+    if seal.startswith(_SEAL) and seal[len(_SEAL) :] != hashlib.sha256(footer).digest():
+        raise InputError(f"{path}: damaged (its footer does not match its seal)")
+
+
+def _footer(file: BinaryIO) -> tuple[int, bytes]:
+    """Where a Parquet file's footer starts, as its length tells, and what follows from there."""
+    end = file.seek(0, os.SEEK_END)
+    file.seek(max(end - _TAIL_BYTES, 0))
+    length = int.from_bytes(file.read(4), "little")
+    start = max(end - _TAIL_BYTES - length, 0)
+    file.seek(start)
+    return start, file.read()
+
+
 @contextmanager
 def _reading(path: FilePath) -> Iterator[None]:
     """Turn what a missing or damaged file raises, wherever it is noticed, into one line."""
     try:
+        _check_seal(path)
         yield
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None

@@ -148,6 +148,19 @@ def test_a_flipped_bit_is_noticed_or_harmless(place, bit, tmp_path_factory):
     assert "\n" not in message
 
 
+def test_a_bit_of_the_footer_flipped_is_noticed(tmp_path):
+    path = tmp_path / "table.parquet"
+    write_table(path, example("estimates"), "estimates", metadata=METADATA)
+    content = path.read_bytes()
+    footer = range(len(content) - 8 - int.from_bytes(content[-8:-4], "little"), len(content) - 8)
+    for place in footer[::11]:
+        damaged = bytearray(content)
+        damaged[place] ^= 1 << place % 8
+        path.write_bytes(damaged)
+        with pytest.raises(InputError, match="damaged"):
+            read_table(path, "estimates")
+
+
 def test_model_schema_follows_the_variables(tmp_path):
     schema = learners.schema({"kind": "svr", "variables": ["duration", "gap"]})
     frame = pd.DataFrame({"dual_coef": [1.0], "duration": [0.5], "gap": [-0.5]})
