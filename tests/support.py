@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from opml.catalog.estimation import Estimation
 from opml.constants import BODIES, DAY
 from opml.dynamics import forces
 from opml.dynamics.lanes import WIDTH
@@ -19,6 +20,14 @@ from opml.study.settings import merged, with_sheets
 
 EPOCH = "2016-09-28T12:09:45"
 ASSUMED_BODIES = ("sun", "moon", "jupiter")
+ESTIMATION = Estimation(
+    window_hours=12,
+    max_iterations=30,
+    convergence=1e-3,
+    start_position_sigma_m=1000.0,
+    start_velocity_sigma_mps=1.0,
+    least_drag_m=0.1,
+)
 
 REPOSITORY = Path(__file__).parents[1]
 EXCERPTS = REPOSITORY / "tests" / "reference"

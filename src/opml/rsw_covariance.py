@@ -5,10 +5,17 @@ that error away, so what is left has another shape: errors of the three axes tha
 and velocities that go with them.
 """
 
+from statistics import NormalDist
+
 import numpy as np
 
 AXES = ("x", "y", "z")
 """Radial, along-track, cross-track."""
+
+
+def half_width(level: float) -> float:
+    """Half the width of a normal interval that holds the share `level`, in standard deviations."""
+    return NormalDist().inv_cdf(0.5 + 0.5 * level)
 
 
 def stated(sigma: np.ndarray, rate: np.ndarray) -> np.ndarray:

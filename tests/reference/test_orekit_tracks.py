@@ -3,23 +3,13 @@
 import numpy as np
 import pandas as pd
 import pytest
-from support import ASSUMED_BODIES, EPOCH, EXCERPTS, force_model
+from support import ASSUMED_BODIES, EPOCH, ESTIMATION, EXCERPTS, force_model
 
 from opml.catalog import estimation, first_orbit, measured, prediction
-from opml.catalog.estimation import Estimation
 from opml.constants import DAY
 from opml.dynamics.ensemble import Integrator
 from opml.interop import tdm
 from opml.tables import STATE
-
-SETTINGS = Estimation(
-    window_hours=12,
-    max_iterations=30,
-    convergence=1e-3,
-    start_position_sigma_m=1000.0,
-    start_velocity_sigma_mps=1.0,
-    least_drag_m=0.1,
-)
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +30,7 @@ def tracking(three_stations):
 def starts(tracking, earth_orientation, three_stations, iss):
     return first_orbit.determined(
         force_model(20, ASSUMED_BODIES), tracking, earth_orientation, three_stations, iss,
-        settings=SETTINGS, integrator=Integrator(),
+        settings=ESTIMATION, integrator=Integrator(),
     )  # fmt: skip
 
 
@@ -48,7 +38,7 @@ def starts(tracking, earth_orientation, three_stations, iss):
 def estimates(starts, tracking, earth_orientation, three_stations, iss):
     return estimation.estimate_all(
         force_model(20, ASSUMED_BODIES), starts, tracking, earth_orientation, three_stations, iss,
-        settings=SETTINGS, integrator=Integrator(),
+        settings=ESTIMATION, integrator=Integrator(),
     )  # fmt: skip
 
 

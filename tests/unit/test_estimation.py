@@ -6,24 +6,16 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
-from support import rsos
+from support import ESTIMATION, rsos
 
 from opml.catalog import estimation, starting, tracking, truth
-from opml.catalog.estimation import COVARIANCES, Estimation
+from opml.catalog.estimation import COVARIANCES
 from opml.catalog.least_squares import NOT_CONVERGED, UNDERDETERMINED, Fit, Method
 from opml.constants import DAY, HOUR
 from opml.dynamics.ensemble import Integrator
 from opml.tables import PARAMETERS, STATE
 
-SETTINGS = Estimation(
-    window_hours=12,
-    max_iterations=30,
-    convergence=1e-3,
-    start_position_sigma_m=1000.0,
-    start_velocity_sigma_mps=1.0,
-    least_drag_m=0.1,
-    cd_bounds=(1.2, 3.2),
-)
+SETTINGS = replace(ESTIMATION, cd_bounds=(1.2, 3.2))
 SIGMAS = [f"sigma_{name}" for name in tracking.QUANTITIES]
 TRUE = {name: f"{name}_true" for name in tracking.QUANTITIES}
 

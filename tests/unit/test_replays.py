@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from support import EPOCH
+from support import EPOCH, ESTIMATION
 
 from opml import corrected, replays
 from opml.catalog import estimation, prediction, spread, starting, tracking, truth
@@ -19,14 +19,6 @@ from opml.learning.cleaning import Cleaning
 from opml.learning.lessons import Lessons
 from opml.tables import COMPONENTS, SCHEMAS, STATE, read_table, write_table
 
-SETTINGS = estimation.Estimation(
-    window_hours=12,
-    max_iterations=30,
-    convergence=1e-3,
-    start_position_sigma_m=1000.0,
-    start_velocity_sigma_mps=1.0,
-    least_drag_m=0.1,
-)
 LAW = {"kind": "mechanism", "terms": ["duration*duration"], "variables": ["duration"]}
 TRAIN = (0.0, 2.0)
 
@@ -38,12 +30,12 @@ def tables(truth_model, assumed_model, iss, earth_orientation, three_stations):
     tracks = tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1)
     estimates = estimation.estimate_all(
         assumed_model,
-        starting.perturbed(orbit, tracks, rso="iss", settings=SETTINGS, seed=1),
+        starting.perturbed(orbit, tracks, rso="iss", settings=ESTIMATION, seed=1),
         tracks,
         earth_orientation,
         three_stations,
         iss,
-        settings=SETTINGS,
+        settings=ESTIMATION,
         integrator=Integrator(),
     )
     predictions = prediction.predict_all(

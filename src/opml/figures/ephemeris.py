@@ -1,7 +1,5 @@
 """One object as an operator sees it: predicted, corrected, and measured later."""
 
-from statistics import NormalDist
-
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -9,6 +7,7 @@ from matplotlib.figure import Figure
 from opml.constants import DAY
 from opml.errors import InputError
 from opml.figures.style import MUTED, RESIDUAL, TRUE, legend, page_figure
+from opml.rsw_covariance import half_width
 
 _AXES = {"x": "radial", "y": "along-track", "z": "cross-track"}
 _METRES = 1e-3  # in kilometres
@@ -56,6 +55,6 @@ def _draw(
 
 def _draw_band(axes: Axes, errors: pd.DataFrame, axis: str, level: float) -> None:
     """The interval about the correction that its covariance gives."""
-    half = NormalDist().inv_cdf(0.5 + 0.5 * level) * errors[f"sigma_{axis}"]
+    half = half_width(level) * errors[f"sigma_{axis}"]
     days, label = errors["duration"] / DAY, f"{100.0 * level:g} % by its covariance"
     axes.fill_between(days, -half, half, color=RESIDUAL, alpha=0.18, lw=0.0, label=label)

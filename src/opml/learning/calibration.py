@@ -7,7 +7,6 @@ easily than they hold (Gneiting & Raftery 2007, J. Am. Stat. Assoc. 102, sec. 4.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from statistics import NormalDist
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,7 @@ from opml.errors import InputError
 from opml.learning.growth import REACH_DAYS
 from opml.learning.paths import POSITION
 from opml.learning.sizes import covariances
-from opml.rsw_covariance import mahalanobis
+from opml.rsw_covariance import half_width, mahalanobis
 from opml.tables import COMPONENTS, DOUBT, ELLIPSOID, LEVELS, PLANE, SIGMA_STATE, WHOLE
 
 MARKS = (1.0, 3.0, 5.0, 7.0)
@@ -34,11 +33,6 @@ LEAST = 5
 def marks(longest_days: float) -> list[float]:
     """The durations [days] that shares are stated at, where predictions last up to longest_days."""
     return [day for day in MARKS if day <= longest_days] or [longest_days]
-
-
-def normal(level: float) -> float:
-    """Half the width of a normal interval that holds the share `level`, in standard deviations."""
-    return NormalDist().inv_cdf(0.5 + 0.5 * level)
 
 
 def of_covariances(
@@ -83,7 +77,7 @@ def _quantities(
     sigma = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
 
     def interval(k: int) -> Callable[[float], np.ndarray]:
-        return lambda level: normal(level) * sigma[:, k]
+        return lambda level: half_width(level) * sigma[:, k]
 
     def ellipsoid(parts: int) -> tuple[np.ndarray, Callable[[float], np.ndarray]]:
         distance = mahalanobis(errors[:, :parts], covariance[:, :parts, :parts])

@@ -22,8 +22,7 @@ distribution of few normal deviates, e.g. Gelman et al. 2013, Bayesian Data Anal
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from statistics import NormalDist
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -31,13 +30,13 @@ import pandas as pd
 
 from opml.constants import DAY
 from opml.errors import InputError
-from opml.rsw_covariance import AXES, free_parts, stated
+from opml.rsw_covariance import AXES, free_parts, half_width, stated
 from opml.tables import COMPONENTS, DOUBT
 
 LEVEL = 0.9
 """Share of the errors that intervals and ellipsoids are to hold."""
 
-INSIDE = NormalDist().inv_cdf(0.5 + 0.5 * LEVEL)
+INSIDE = half_width(LEVEL)
 """Half the width of that interval, in standard deviations."""
 
 MEMORY_DAYS = 8.0
@@ -124,11 +123,11 @@ class Sizes:
                 for part, sigma in zip(parts[:, 3:].T, plain._sigmas(past, few=False)[:, 3:].T, strict=True)
             ]
         )
-        whole = cls(constant, rate, drag, velocity, 1.0, days, reach)
+        whole = replace(plain, velocity=velocity)
         square = whole._sigmas(past, few=False)[:, :3] ** 2 + doubt**2
         distance = np.sum(parts[:, :3] ** 2 / square, axis=1)
         inflation = weighted_quantile(distance, weight, LEVEL) / float(chi2.ppf(LEVEL, 3))
-        return cls(constant, rate, drag, velocity, inflation, days, reach)
+        return replace(whole, inflation=inflation)
 
 
 def widening(duration: np.ndarray, days: float) -> np.ndarray:

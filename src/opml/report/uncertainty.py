@@ -11,6 +11,7 @@ from opml.learning.growth import REACH_DAYS
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.mornings import CHOSEN, Dataset
 from opml.report.results import NONE, length
+from opml.rsw_covariance import half_width
 from opml.tables import ELLIPSOID, PLANE, WHOLE
 
 TITLE = "Is the uncertainty true?"
@@ -100,4 +101,4 @@ def _cells(name: str, day: float, own: pd.DataFrame) -> list[str]:
     """Name, duration, shares inside, and the deviation along-track."""
     at = own[own["level"] == MAIN].set_index("quantity")
     shares = [f"{100.0 * at.loc[one, 'inside']:.0f}" if one in at.index else NONE for one in QUANTITIES]
-    return [name, f"{day:g}", *shares, length(at.loc["e_y", "stated"] / calibration.normal(MAIN))]
+    return [name, f"{day:g}", *shares, length(at.loc["e_y", "stated"] / half_width(MAIN))]
