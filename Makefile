@@ -53,14 +53,14 @@ wheel: $(INSTALLED)
 	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir build/wheel .
 
 crate: $(INSTALLED)
-	$(BIN)/python -m opml.crate $(if $(CONFIGFILE),--configfile $(CONFIGFILE))
+	$(BIN)/python -m opml.workflow.crate $(if $(CONFIGFILE),--configfile $(CONFIGFILE))
 
 validate: $(VENV)/.verify
 	@test -n "$(OREKIT_DATA)" || { echo "make validate: expected OREKIT_DATA=<folder with Orekit's data>, got none" >&2; exit 2; }
 	$(BIN)/python -m validation --orekit-data "$(OREKIT_DATA)"
 
 weather: $(INSTALLED)
-	$(BIN)/python -m opml.report.weather docs/weather.md
+	$(BIN)/python -m validation.forecast_skill docs/weather.md
 
 bench: $(VENV)/.bench
 	$(BIN)/python -m benchmarks $(if $(OREKIT_DATA),--orekit-data "$(OREKIT_DATA)")

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from benchmarks import diagram, kernels, paper, precision, race, scaling, sections, svr
 from opml import __version__
-from opml.errors import InputError
+from opml.base.errors import InputError
 
 RESULTS = Path(__file__).with_name("results.md")
 FIGURE = Path(__file__).parents[1] / "docs" / "images" / "work_precision.png"

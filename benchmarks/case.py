@@ -6,14 +6,14 @@ from typing import Self
 
 import numpy as np
 
-from opml.catalog.truth import initial_state
-from opml.constants import DAY
+from opml.base.constants import DAY
+from opml.base.epochs import elapsed
+from opml.base.seeds import derive
+from opml.catalog.simulate.truth import initial_state
 from opml.dynamics import forces
 from opml.dynamics.ensemble import Integrator, propagate
-from opml.dynamics.surroundings import ForceModel
-from opml.environment import earth_orientation, ephemerides, gravity_field, nodes, solar_activity
-from opml.epochs import elapsed
-from opml.seeds import derive
+from opml.dynamics.kernels.surroundings import ForceModel
+from opml.environment import celestial_bodies, earth_orientation, gravity_field, nodes, solar_activity
 from validation.case import Case
 
 DAYS = 7.0
@@ -92,7 +92,7 @@ def environment(days: float) -> dict:
     t = nodes(epoch, days * DAY)
     return {
         "earth_orientation": earth_orientation.tabulate(epoch, t),
-        "ephemerides": ephemerides.tabulate(settings["ephemerides"], epoch, t),
+        "ephemerides": celestial_bodies.tabulate(settings["ephemerides"], epoch, t),
         "solar_activity": solar_activity.tabulate(
             settings["solar_activity"], epoch, t, settings["percentile"]
         ),

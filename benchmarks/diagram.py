@@ -9,8 +9,8 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from benchmarks.precision import Line, Panels
 from benchmarks.race import OURS
+from opml.base.files import replacing
 from opml.figures.style import ESTIMATE, NOTE_SIZE, OBSERVED, PREDICTED, RESIDUAL, TRACK, legend, page_figure
-from opml.files import replacing
 
 LOOKS = {
     OURS: {"color": RESIDUAL, "marker": "o", "lw": 2.0, "zorder": 3},

@@ -11,17 +11,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks import case, measure
-from opml.constants import DAY
-from opml.dynamics import dop853, dtm2000, surroundings
-from opml.dynamics.acceleration import SCRATCH_ROWS, acceleration
-from opml.dynamics.drag import drag
-from opml.dynamics.geodetic import geodetic
-from opml.dynamics.gravity import gravity
-from opml.dynamics.lanes import WIDTH, entry, load, rows, splat, sqrt, store
-from opml.dynamics.radiation_pressure import illumination, radiation_pressure
-from opml.dynamics.shadow_edges import RATES
-from opml.dynamics.surroundings import BODIES, SPIN, SUN_ITRF, ForceModel, look_up
-from opml.dynamics.third_body import third_bodies
+from opml.base.constants import DAY
+from opml.dynamics.kernels import dop853, dtm2000, surroundings
+from opml.dynamics.kernels.acceleration import SCRATCH_ROWS, acceleration
+from opml.dynamics.kernels.drag import drag
+from opml.dynamics.kernels.geodetic import geodetic
+from opml.dynamics.kernels.gravity import gravity
+from opml.dynamics.kernels.lanes import WIDTH, entry, load, rows, splat, sqrt, store
+from opml.dynamics.kernels.radiation_pressure import illumination, radiation_pressure
+from opml.dynamics.kernels.shadow_edges import RATES
+from opml.dynamics.kernels.surroundings import BODIES, SPIN, SUN_ITRF, ForceModel, look_up
+from opml.dynamics.kernels.third_body import third_bodies
 
 REGISTER = 8
 """Doubles in one AVX-512 register."""

@@ -5,7 +5,7 @@ from time import perf_counter
 
 import numpy as np
 
-from opml.elements import rsw_rotation
+from opml.orbits.elements import rsw_rotation
 
 
 def per_arc_day(seconds: float, arc_days: float) -> float:

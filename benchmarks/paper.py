@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from opml.errors import InputError
+from opml.base.errors import InputError
 
 STAGES = {
     "environment": "environment",

@@ -30,9 +30,10 @@ def memory(count: int) -> dict[str, float]:
 
 def first_step(folder: str) -> dict[str, float]:
     """What a job does before it flies, from tables in `folder`, and one step."""
-    from opml.catalog import force_model, truth
+    from opml.catalog.simulate import truth
+    from opml.dynamics import force_model
     from opml.dynamics.ensemble import Integrator
-    from opml.sheets import read_rsos
+    from opml.orbits.sheets import read_rsos
     from opml.tables import ENVIRONMENT
 
     rso = read_rsos(Path(__file__).parents[1] / "config" / "rsos.tsv")["iss"]

@@ -12,12 +12,13 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks import case, measure
-from opml.catalog import estimation, starting, tracking, truth
-from opml.constants import DAY
+from opml.base.constants import DAY
+from opml.base.seeds import derive
+from opml.catalog.fit import estimation, start_states
+from opml.catalog.simulate import tracking, truth
 from opml.dynamics.ensemble import REASONS, propagate
-from opml.elements import TURN, cartesian_from_coe
-from opml.environment import ephemerides, gravity_field
-from opml.seeds import derive
+from opml.environment import celestial_bodies, gravity_field
+from opml.orbits.elements import TURN, cartesian_from_coe
 from opml.tables import write_table
 
 COUNTS = (10, 100, 1000)
@@ -124,7 +125,7 @@ def least_squares(progress: Callable[[str], None]) -> str:
     begin = time.perf_counter()
     found = estimation.estimate_all(
         case.force_model("assumed", days=days),
-        starting.perturbed(true, tracks, rso=rso.name, settings=paper.estimation, seed=seed),
+        start_states.perturbed(true, tracks, rso=rso.name, settings=paper.estimation, seed=seed),
         tracks,
         orientation,
         stations,
@@ -167,7 +168,7 @@ def _write_environment(folder):
     frames = case.environment(2 * case.DAYS) | {
         "gravity_field": gravity_field.table(field, case.paper().epoch)
     }
-    extra = {"gravity_field": gravity_field.metadata(field), "ephemerides": ephemerides.metadata(kernel)}
+    extra = {"gravity_field": gravity_field.metadata(field), "ephemerides": celestial_bodies.metadata(kernel)}
     for name, frame in frames.items():
         write_table(folder / f"{name}.parquet", frame, name, metadata=extra.get(name, {}))
 

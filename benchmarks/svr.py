@@ -15,9 +15,11 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from benchmarks import case, measure
-from opml.learning import kernel_scale, metrics, splits, svr
-from opml.learning.inputs import standardisation
-from opml.seeds import derive
+from opml.base.seeds import derive
+from opml.learning.data import splits
+from opml.learning.judge import metrics
+from opml.learning.models import kernel_scale, svr
+from opml.learning.models.inputs import standardisation
 
 DATASET = Path(__file__).parents[1] / "results" / "dataset" / "iss" / "eglin-clear-kaena.parquet"
 ROUNDS = 3

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from opml.constants import DAY
+from opml.base.constants import DAY
 from opml.tables import DOUBT, SIGMA_STATE, SPREAD
 
 RATE = 1.13e-3

@@ -8,15 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from opml.catalog.estimation import Estimation
-from opml.constants import BODIES, DAY
+from opml.base.constants import BODIES, DAY
+from opml.catalog.fit.estimation import Estimation
 from opml.dynamics import forces
-from opml.dynamics.lanes import WIDTH
-from opml.environment import earth_orientation, ephemerides, gravity_field, nodes, solar_activity
-from opml.sheets import read_rsos, read_stations
+from opml.dynamics.kernels.lanes import WIDTH
+from opml.environment import celestial_bodies, earth_orientation, gravity_field, nodes, solar_activity
+from opml.orbits.sheets import read_rsos, read_stations
 from opml.study.experiments import Study
-from opml.study.overlay import Source
-from opml.study.settings import merged, with_sheets
+from opml.study.settings.merging import merged, with_sheets
+from opml.study.settings.overlay import Source
 
 EPOCH = "2016-09-28T12:09:45"
 ASSUMED_BODIES = ("sun", "moon", "jupiter")
@@ -54,7 +54,7 @@ def environment(days=50.0):
     t = nodes(EPOCH, days * DAY)
     return {
         "earth_orientation": earth_orientation.tabulate(EPOCH, t),
-        "ephemerides": ephemerides.tabulate("DE440", EPOCH, t),
+        "ephemerides": celestial_bodies.tabulate("DE440", EPOCH, t),
         "solar_activity": solar_activity.tabulate("MSAFE", EPOCH, t, 50),
     }
 

@@ -5,7 +5,7 @@ import sys
 import time
 from pathlib import Path
 
-from opml.errors import InputError
+from opml.base.errors import InputError
 from validation.case import Case
 
 

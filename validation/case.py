@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from opml.catalog.estimation import Estimation
-from opml.constants import DAY
+from opml.base.constants import DAY
+from opml.base.yaml_files import read_yaml
+from opml.catalog.fit.estimation import Estimation
 from opml.dynamics.ensemble import Integrator
-from opml.learning.cleaning import Cleaning
-from opml.reading import read_yaml
-from opml.sheets import Rso, Station, read_rsos, read_stations
+from opml.learning.data.cleaning import Cleaning
+from opml.orbits.sheets import Rso, Station, read_rsos, read_stations
 
 ROOT = Path(__file__).parents[1]
 REPORT = ROOT / "docs" / "validation.md"

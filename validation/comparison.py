@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from opml.constants import HOUR
-from opml.dynamics.surroundings import ForceModel
+from opml.base.constants import HOUR
+from opml.dynamics.kernels.surroundings import ForceModel
 from opml.environment import nodes
 from validation import estimation, ours, report, shadow, steps, tables, terms, trajectories
 from validation.case import OURS_CONVERGED, REPORT, Case

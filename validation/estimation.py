@@ -6,14 +6,15 @@ import jpype
 import numpy as np
 import pandas as pd
 
-from opml.catalog import estimation, starting, tracking
-from opml.catalog.truth import simulate
-from opml.constants import DAY, HOUR
+from opml.base.constants import DAY, HOUR
+from opml.base.seeds import derive
+from opml.catalog.fit import estimation, start_states
+from opml.catalog.simulate import tracking
+from opml.catalog.simulate.truth import simulate
 from opml.dynamics.ensemble import Integrator
-from opml.dynamics.surroundings import ForceModel
-from opml.elements import wrap_half_turn
-from opml.seeds import derive
-from opml.sheets import Rso
+from opml.dynamics.kernels.surroundings import ForceModel
+from opml.orbits.elements import wrap_half_turn
+from opml.orbits.sheets import Rso
 from opml.tables import PARAMETERS, STATE
 from validation import orekit as ok
 from validation.case import Case
@@ -61,7 +62,7 @@ def opmls(
     seed = case.values["seed"]["noise"]
     return estimation.estimate_all(
         assumed,
-        starting.perturbed(truth, measured, rso=RSO, settings=case.estimation, seed=seed),
+        start_states.perturbed(truth, measured, rso=RSO, settings=case.estimation, seed=seed),
         measured,
         earth_orientation,
         list(case.stations.values()),

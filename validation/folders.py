@@ -18,7 +18,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from opml.errors import InputError
+from opml.base.errors import InputError
 
 LEFT_OUT = ("logs", "benchmarks")
 """Folders of results that tell of the run, not of what it computed."""

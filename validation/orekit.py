@@ -15,10 +15,10 @@ import jpype
 import numpy as np
 import orekit_jpype
 
-from opml import constants
+from opml.base import constants
+from opml.base.errors import InputError
 from opml.dynamics.ensemble import Integrator
-from opml.errors import InputError
-from opml.sheets import Rso, Station
+from opml.orbits.sheets import Rso, Station
 
 org, java = jpype.JPackage("org"), jpype.JPackage("java")
 

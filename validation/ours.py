@@ -7,18 +7,19 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from opml.constants import BODIES, GM
-from opml.dynamics import forces, surroundings
-from opml.dynamics.acceleration import SCRATCH_ROWS, density
-from opml.dynamics.drag import drag
+from opml.base.constants import BODIES, GM
+from opml.dynamics import forces
 from opml.dynamics.ensemble import Integrator, propagate
-from opml.dynamics.gravity import gravity
-from opml.dynamics.lanes import entry, load, rows, splat, sqrt, store
-from opml.dynamics.radiation_pressure import illumination, radiation_pressure
-from opml.dynamics.surroundings import SPIN, SUN_ITRF, ForceModel, look_up
-from opml.dynamics.third_body import third_bodies
-from opml.environment import earth_orientation, ephemerides, gravity_field
-from opml.sheets import Rso
+from opml.dynamics.kernels import surroundings
+from opml.dynamics.kernels.acceleration import SCRATCH_ROWS, density
+from opml.dynamics.kernels.drag import drag
+from opml.dynamics.kernels.gravity import gravity
+from opml.dynamics.kernels.lanes import entry, load, rows, splat, sqrt, store
+from opml.dynamics.kernels.radiation_pressure import illumination, radiation_pressure
+from opml.dynamics.kernels.surroundings import SPIN, SUN_ITRF, ForceModel, look_up
+from opml.dynamics.kernels.third_body import third_bodies
+from opml.environment import celestial_bodies, earth_orientation, gravity_field
+from opml.orbits.sheets import Rso
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class Environment:
     def with_de440(self) -> "Environment":
         """The same, but for the third bodies, which come from DE440 as in the product."""
         t = self.tables["ephemerides"]["t"].to_numpy()
-        table = ephemerides.tabulate(ephemerides.DE440, self.epoch, t)
+        table = celestial_bodies.tabulate(celestial_bodies.DE440, self.epoch, t)
         return replace(self, tables={**self.tables, "ephemerides": table}, gms=GM)
 
 

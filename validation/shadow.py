@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicHermiteSpline
 
-from opml.catalog.truth import initial_state
-from opml.constants import HOUR
-from opml.dynamics.surroundings import ForceModel
+from opml.base.constants import HOUR
+from opml.catalog.simulate.truth import initial_state
+from opml.dynamics.kernels.surroundings import ForceModel
 from opml.tables import STATE
 from validation import ours
 from validation.case import Case

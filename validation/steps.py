@@ -5,12 +5,12 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
-from opml.catalog.prediction import predict_all
-from opml.catalog.sensitivity import usable
-from opml.catalog.tracking import QUANTITIES
-from opml.constants import DAY
+from opml.base.constants import DAY
+from opml.catalog.predict.prediction import predict_all
+from opml.catalog.predict.sensitivity import usable
+from opml.catalog.simulate.tracking import QUANTITIES
 from opml.dynamics.ensemble import Integrator
-from opml.dynamics.surroundings import ForceModel
+from opml.dynamics.kernels.surroundings import ForceModel
 from validation import estimation
 from validation.case import Case
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from opml.constants import BODIES
+from opml.base.constants import BODIES
 from validation.case import TABLES
 from validation.ours import Environment
 

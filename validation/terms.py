@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from opml.catalog.observing import observe, site
-from opml.catalog.truth import initial_state
-from opml.constants import BODIES
-from opml.dynamics.surroundings import ForceModel
-from opml.elements import wrap_half_turn
-from opml.sheets import Rso, Station
+from opml.base.constants import BODIES
+from opml.catalog.simulate.observing import observe, site
+from opml.catalog.simulate.truth import initial_state
+from opml.dynamics.kernels.surroundings import ForceModel
+from opml.orbits.elements import wrap_half_turn
+from opml.orbits.sheets import Rso, Station
 from opml.tables import STATE
 from validation import ours
 from validation.case import Case

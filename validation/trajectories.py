@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from opml.catalog.truth import initial_state
-from opml.constants import DAY
+from opml.base.constants import DAY
+from opml.catalog.simulate.truth import initial_state
 from opml.dynamics.ensemble import Integrator
-from opml.dynamics.surroundings import ForceModel
+from opml.dynamics.kernels.surroundings import ForceModel
 from opml.tables import STATE
 from validation import ours
 from validation.case import OREKITS_CONVERGED, Case

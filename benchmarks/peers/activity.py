@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from benchmarks import case
-from opml import epochs
+from opml.base import epochs
 from opml.environment import solar_activity
 
 MARGIN = 60

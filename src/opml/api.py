@@ -12,28 +12,40 @@ from typing import Any
 
 import pandas as pd
 
-from opml import corrected, replays
-from opml.catalog import estimation, labels, prediction, spread, starting, tracking, truth
-from opml.catalog import first_orbit as first_orbits
-from opml.catalog import measured as from_measurements
-from opml.constants import BODIES, DAY, HOUR
+from opml.base.constants import BODIES, DAY, HOUR
+from opml.base.errors import InputError
+from opml.catalog.fit import estimation, start_states
+from opml.catalog.fit import first_orbit as first_orbits
+from opml.catalog.fit import measured_tracks as from_measurements
+from opml.catalog.predict import labels, prediction, spread
+from opml.catalog.simulate import tracking, truth
 from opml.dynamics import forces
 from opml.dynamics.ensemble import Integrator
-from opml.dynamics.surroundings import ForceModel
-from opml.environment import MARGIN_S, earth_orientation, ephemerides, gravity_field, nodes, solar_activity
-from opml.errors import InputError
+from opml.dynamics.kernels.surroundings import ForceModel
+from opml.environment import (
+    MARGIN_S,
+    celestial_bodies,
+    earth_orientation,
+    gravity_field,
+    nodes,
+    solar_activity,
+)
+from opml.ephemerides import corrected, replays
 from opml.interop import mean_elements, tdm
-from opml.learning import dataset as datasets
-from opml.learning import learners, metrics, splits
-from opml.learning.cleaning import Cleaning
-from opml.learning.contract import Model
-from opml.learning.evaluation import as_tested, evaluate
-from opml.learning.lessons import Lessons
-from opml.learning.paths import CORRECTED
+from opml.learning.data import dataset as datasets
+from opml.learning.data import splits
+from opml.learning.data.cleaning import Cleaning
+from opml.learning.data.components import CORRECTED
+from opml.learning.judge import metrics
+from opml.learning.judge.evaluation import evaluate
+from opml.learning.models import learners
+from opml.learning.models.contract import Model
+from opml.learning.models.daily_training import Lessons
 from opml.naming import parse_test
-from opml.sheets import Rso, Station
-from opml.sheets import read_rsos as _read_rsos
-from opml.sheets import read_stations as _read_stations
+from opml.orbits.sheets import Rso, Station
+from opml.orbits.sheets import read_rsos as _read_rsos
+from opml.orbits.sheets import read_stations as _read_stations
+from opml.readings.own_standardisation import as_tested
 from opml.tables import COMPONENTS, LEARNING_VARIABLES
 
 __all__ = ["InputError", "Rso", "Station"]
@@ -114,12 +126,12 @@ def make_environment(
     return Environment(
         epoch=epoch,
         earth_orientation=earth_orientation.tabulate(epoch, t),
-        ephemerides=ephemerides.tabulate(kernel, epoch, t),
+        ephemerides=celestial_bodies.tabulate(kernel, epoch, t),
         solar_activity=solar_activity.tabulate(activity, epoch, t, percentile),
         gravity_field=gravity_field.table(field, epoch),
         gm=field.gm,
         radius=field.radius,
-        gms=ephemerides.metadata(kernel)["gm"],
+        gms=celestial_bodies.metadata(kernel)["gm"],
     )
 
 
@@ -316,7 +328,7 @@ def estimate(
     asked = estimation.Estimation(**used, cd_bounds=bounds, after_hours=after_hours)
     return estimation.estimate_all(
         model,
-        starting.chosen(truth, tracks, rso=rso.name, settings=asked, seed=seed),
+        start_states.chosen(truth, tracks, rso=rso.name, settings=asked, seed=seed),
         tracks,
         environment.earth_orientation,
         stations,

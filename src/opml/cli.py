@@ -8,8 +8,8 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from opml import __version__
-from opml.errors import InputError
-from opml.files import PROJECT, FilePath, replacing
+from opml.base.errors import InputError
+from opml.base.files import PROJECT, FilePath, replacing
 
 STUDY = "mine.yaml"
 """The file of the study that a new project begins with: one satellite, two radars, twelve days."""

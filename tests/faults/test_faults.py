@@ -14,7 +14,7 @@ import psutil
 import pyarrow.parquet as pq
 import pytest
 
-from opml.errors import InputError
+from opml.base.errors import InputError
 from opml.tables import read_metadata
 from tests.workflow.project import ROOT, command
 

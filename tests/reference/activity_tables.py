@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pandas as pd
 
+from opml.base.files import replacing
 from opml.environment import solar_activity, space_weather
-from opml.files import replacing
 
 FIRST_DAY = "1995-12-29"
 """The flux of the day before and an hour of margin: from here on, a run may start on 1996-01-01."""

@@ -17,9 +17,9 @@ import orekit_tdm
 import pandas as pd
 from excerpt import STATE
 
-from opml.constants import DAY
-from opml.elements import in_rsw
-from opml.sheets import read_stations
+from opml.base.constants import DAY
+from opml.orbits.elements import in_rsw
+from opml.orbits.sheets import read_stations
 from validation import orekit
 from validation.case import ROOT, Case
 from validation.orekit import org

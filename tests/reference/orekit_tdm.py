@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from excerpt import HERE, STATE
 
-from opml.sheets import read_stations
+from opml.orbits.sheets import read_stations
 from validation import orekit
 from validation.orekit import java, org
 

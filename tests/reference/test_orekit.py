@@ -6,19 +6,19 @@ import pandas as pd
 import pytest
 from support import ASSUMED_BODIES, EPOCH, EXCERPTS, environment, force_model, shared, stations
 
-from opml.catalog import tracking, truth
-from opml.catalog.observing import observe, site
-from opml.constants import DAY
-from opml.dynamics import dtm2000
-from opml.dynamics.acceleration import SCRATCH_ROWS, acceleration, density
-from opml.dynamics.drag import drag
+from opml.base.constants import DAY
+from opml.catalog.simulate import tracking, truth
+from opml.catalog.simulate.observing import observe, site
 from opml.dynamics.ensemble import Integrator, propagate
 from opml.dynamics.frames import gcrf_to_itrf
-from opml.dynamics.gravity import gravity, weights
-from opml.dynamics.lanes import WIDTH, load, splat, sqrt, store
-from opml.dynamics.radiation_pressure import illumination, radiation_pressure
-from opml.dynamics.surroundings import BODIES, SPIN, SUN_ITRF, look_up
-from opml.dynamics.third_body import third_bodies
+from opml.dynamics.kernels import dtm2000
+from opml.dynamics.kernels.acceleration import SCRATCH_ROWS, acceleration, density
+from opml.dynamics.kernels.drag import drag
+from opml.dynamics.kernels.gravity import gravity, weights
+from opml.dynamics.kernels.lanes import WIDTH, load, splat, sqrt, store
+from opml.dynamics.kernels.radiation_pressure import illumination, radiation_pressure
+from opml.dynamics.kernels.surroundings import BODIES, SPIN, SUN_ITRF, look_up
+from opml.dynamics.kernels.third_body import third_bodies
 from opml.environment import gravity_field
 from opml.tables import STATE
 

@@ -5,11 +5,11 @@ import pandas as pd
 import pytest
 from support import EPOCH, EXCERPTS, shared
 
-from opml.catalog.correction import corrected
-from opml.corrected import COVARIANCES
-from opml.elements import cartesian_from_coe, true_from_mean_anomaly
-from opml.errors import InputError
+from opml.base.errors import InputError
+from opml.ephemerides.along_track_shift import corrected
+from opml.ephemerides.corrected import COVARIANCES
 from opml.interop import mean_elements, oem, tdm
+from opml.orbits.elements import cartesian_from_coe, true_from_mean_anomaly
 from opml.tables import SCHEMAS, STATE
 
 T = 20.0 * np.arange(4)

@@ -5,8 +5,9 @@ import pandas as pd
 import pytest
 from support import ASSUMED_BODIES, EPOCH, ESTIMATION, EXCERPTS, force_model
 
-from opml.catalog import estimation, first_orbit, measured, prediction
-from opml.constants import DAY
+from opml.base.constants import DAY
+from opml.catalog.fit import estimation, first_orbit, measured_tracks
+from opml.catalog.predict import prediction
 from opml.dynamics.ensemble import Integrator
 from opml.interop import tdm
 from opml.tables import STATE
@@ -22,8 +23,8 @@ def orbit():
 def tracking(three_stations):
     found = tdm.measurements([EXCERPTS / "orekit.tdm"], epoch=EPOCH)
     known = {station.name: station for station in three_stations}
-    measured.check(found, known, epoch=EPOCH, duration=2 * DAY)
-    return measured.tracks(found, three_stations)
+    measured_tracks.check(found, known, epoch=EPOCH, duration=2 * DAY)
+    return measured_tracks.tracks(found, three_stations)
 
 
 @pytest.fixture(scope="module")

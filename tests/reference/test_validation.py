@@ -5,11 +5,11 @@ import pandas as pd
 import pytest
 from support import ASSUMED_BODIES, EPOCH, environment, rsos, stations
 
-from opml.catalog import estimation, starting
-from opml.constants import BODIES, GM, HOUR
+from opml.base.constants import BODIES, GM, HOUR
+from opml.base.errors import InputError
+from opml.catalog.fit import estimation, start_states
 from opml.dynamics.ensemble import Integrator
 from opml.environment import earth_orientation
-from opml.errors import InputError
 from opml.tables import STATE
 from validation import ours, tables, terms, trajectories
 from validation.case import OURS_CONVERGED, Case
@@ -104,7 +104,7 @@ def test_the_estimate_from_the_same_measurements_is_orekits(product):
     case, rows, expected = Case.read(), tables.read("measurements"), tables.read("estimate")
     found = estimation.estimate_all(
         product.model(MODELS["assumed"]),
-        starting.perturbed(expected, rows, rso="iss", settings=case.estimation, seed=1),
+        start_states.perturbed(expected, rows, rso="iss", settings=case.estimation, seed=1),
         rows,
         environment()["earth_orientation"],
         list(stations().values()),

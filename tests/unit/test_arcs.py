@@ -4,11 +4,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from opml.catalog import arcs, prediction
-from opml.catalog.estimation import COVARIANCES
-from opml.constants import DAY
+from opml.base.constants import DAY
+from opml.catalog.fit.estimation import COVARIANCES
+from opml.catalog.predict import other_windows, prediction
 from opml.dynamics.ensemble import Integrator
-from opml.elements import cartesian_from_coe
+from opml.orbits.elements import cartesian_from_coe
 from opml.tables import SCHEMAS, STATE
 
 TIMES = np.array([0.0, 0.3, 1.1, 2.0, 2.9]) * DAY
@@ -31,7 +31,7 @@ def predicted(model, table, iss):
 
 
 def built(model, iss, short, arc, memory_days=30.0):
-    return arcs.build(
+    return other_windows.build(
         model,
         predicted(model, short, iss),
         iss,
@@ -86,7 +86,7 @@ def test_an_arc_that_did_not_converge_says_nothing(assumed_model, iss):
 def test_an_arc_across_a_manoeuvre_says_nothing(assumed_model, iss):
     short, arc = estimates(assumed_model.gm, 3.0), estimates(assumed_model.gm, 2.2)
     quiet, disturbed = (
-        arcs.build(
+        other_windows.build(
             assumed_model,
             predicted(assumed_model, short, iss),
             iss,
@@ -108,13 +108,13 @@ def test_an_arc_across_a_manoeuvre_says_nothing(assumed_model, iss):
 def test_the_past_is_weighted_by_its_variance_and_fades(assumed_model):
     sigma = np.array([0.1, 0.1, 0.1, 1e4, 0.1])
     table = estimates(assumed_model.gm, [2.0, 2.4, 2.2, 5e4, 2.2], sigma=sigma)
-    past = arcs.past_cd(table, apriori=2.2, memory_days=1e6)
+    past = other_windows.past_cd(table, apriori=2.2, memory_days=1e6)
     assert past["prior"][0] == 2.2
     assert 2.0 < past["mean"][0] < 2.02  # the a-priori value counts little beside a fit
     assert past["mean"].to_numpy()[1:] == pytest.approx(2.2, abs=1e-3)
     assert (past["variance"].diff().dropna() < 1e-6).all()
     assert (past["variance"] > (0.1 * 2.2) ** 2).all()
-    short = arcs.past_cd(table, apriori=2.2, memory_days=0.05)
+    short = other_windows.past_cd(table, apriori=2.2, memory_days=0.05)
     assert short["mean"].to_numpy()[[0, 1, 2, 4]] == pytest.approx([2.01, 2.39, 2.2, 2.2], abs=0.02)
 
 
@@ -130,8 +130,8 @@ def test_what_comes_after_t_i_changes_nothing_at_t_i(assumed_model, iss):
 
 def test_cd_is_held_between_the_fit_and_its_past(assumed_model):
     table = estimates(assumed_model.gm, [2.0, 2.4, 5.0, 2.2, 2.2], sigma=[0.1, 0.1, 10.0, 1e-3, 0.1])
-    past = arcs.past_cd(table, apriori=2.2, memory_days=1e6)
-    held = arcs.held_cd(table, past)
+    past = other_windows.past_cd(table, apriori=2.2, memory_days=1e6)
+    held = other_windows.held_cd(table, past)
     assert held[2] == pytest.approx(past["prior"][2], abs=0.01)  # a fit that tells nothing of Cd
     assert held[3] == pytest.approx(2.2, abs=1e-3)  # one that tells all
     assert 2.2 < held[1] < 2.4
@@ -141,7 +141,7 @@ def test_held_is_a_prediction_with_that_cd(assumed_model, iss):
     arc = estimates(assumed_model.gm, [2.3, 2.1, 2.6, 2.25, 2.15])
     table = built(assumed_model, iss, arc, arc)
     assert np.abs(table["l_arc_y"]).max() == 0.0
-    held = arcs.held_cd(arc, arcs.past_cd(arc, apriori=iss.cd, memory_days=30.0))
+    held = other_windows.held_cd(arc, other_windows.past_cd(arc, apriori=iss.cd, memory_days=30.0))
     again = predicted(assumed_model, arc.assign(cd=held), iss)
     expected = predicted(assumed_model, arc, iss)["e_y"] - again["e_y"]
     assert table["h_arc_y"].to_numpy() == pytest.approx(expected.to_numpy(), rel=0.06, abs=1.0)

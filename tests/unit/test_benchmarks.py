@@ -8,8 +8,8 @@ from benchmarks.kernels import Machine, Work
 from benchmarks.peers import PEERS
 from benchmarks.precision import Line, Point
 from benchmarks.worker import Timed
-from opml.elements import cartesian_from_coe
-from opml.errors import InputError
+from opml.base.errors import InputError
+from opml.orbits.elements import cartesian_from_coe
 
 GM = 3.986004418e14
 

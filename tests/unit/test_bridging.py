@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from orbit_files import attraction_of, flown
 
-from opml.interop import breaks
+from opml.interop import orbit_breaks
 from opml.interop.bridging import Bridges, bridge
 
 STEP = 5.0
@@ -75,7 +75,9 @@ def jumps_of(orbit, attraction, cadence, change):
 
 def test_a_smooth_orbit_has_no_breaks(orbit, attraction):
     for cadence in (10.0, 60.0, 300.0):
-        found, jumping, broken = breaks.find(*jumps_of(orbit, attraction, cadence, lambda t, states: None))
+        found, jumping, broken = orbit_breaks.find(
+            *jumps_of(orbit, attraction, cadence, lambda t, states: None)
+        )
         assert (found, jumping.any(), broken.any()) == ([], False, False)
 
 
@@ -83,7 +85,7 @@ def test_a_step_is_a_seam_between_two_nodes(orbit, attraction):
     def shifted(t, states):
         states[t >= 6000.0, :3] += [3.0, 4.0, 0.0]
 
-    found, jumping, broken = breaks.find(*jumps_of(orbit, attraction, 60.0, shifted))
+    found, jumping, broken = orbit_breaks.find(*jumps_of(orbit, attraction, 60.0, shifted))
     assert (found[0].first, found[0].last, found[0].is_seam) == (99, 100, True)
     assert found[0].step == pytest.approx(5.0, rel=0.01)
     assert np.flatnonzero(jumping).tolist() == [99, 100]
@@ -94,7 +96,7 @@ def test_a_step_within_the_accuracy_of_an_orbit_is_bridged(orbit, attraction):
     def shifted(t, states):
         states[t >= 6000.0, 0] += 0.03
 
-    found, _, broken = breaks.find(*jumps_of(orbit, attraction, 10.0, shifted))
+    found, _, broken = orbit_breaks.find(*jumps_of(orbit, attraction, 10.0, shifted))
     assert not any(one.is_seam or one.one_way for one in found)
     assert not broken.any()
 
@@ -103,7 +105,7 @@ def test_a_wrong_node_stands_alone(orbit, attraction):
     def astray(t, states):
         states[t == 6000.0, 1] += 1000.0
 
-    found, _, broken = breaks.find(*jumps_of(orbit, attraction, 60.0, astray))
+    found, _, broken = orbit_breaks.find(*jumps_of(orbit, attraction, 60.0, astray))
     assert [(one.first, one.last, one.is_seam, one.one_way) for one in found] == [(99, 101, False, False)]
     assert np.flatnonzero(broken).tolist() == [99, 100]
 
@@ -112,7 +114,7 @@ def test_wrong_nodes_side_by_side_stand_alone(orbit, attraction):
     def astray(t, states):
         states[100:105, :3] += np.random.default_rng(2).normal(0.0, 1e4, (5, 3))
 
-    found, _, broken = breaks.find(*jumps_of(orbit, attraction, 60.0, astray))
+    found, _, broken = orbit_breaks.find(*jumps_of(orbit, attraction, 60.0, astray))
     assert [(one.first, one.last) for one in found] == [(99, 105)]
     assert np.flatnonzero(broken).tolist() == list(range(99, 105))
 
@@ -122,7 +124,7 @@ def test_a_wrong_node_at_an_end_stands_alone(orbit, attraction, node):
     def astray(t, states):
         states[node, 1] += 1000.0
 
-    _, _, broken = breaks.find(*jumps_of(orbit, attraction, 60.0, astray))
+    _, _, broken = orbit_breaks.find(*jumps_of(orbit, attraction, 60.0, astray))
     assert broken[0 if node == 0 else -1]
     assert broken.sum() == 1
 
@@ -136,7 +138,7 @@ def test_a_kick_is_a_manoeuvre_with_its_size(orbit, attraction, at):
     def kicked(t, states):
         states[t > at] = after[np.isin(orbit[0][k:], t[t > at])]
 
-    found, _, broken = breaks.find(*jumps_of(orbit, attraction, 60.0, kicked))
+    found, _, broken = orbit_breaks.find(*jumps_of(orbit, attraction, 60.0, kicked))
     assert [one.one_way for one in found] == [True]
     assert found[0].velocity == pytest.approx(0.5, rel=0.01)
     assert abs(found[0].t - at) <= 30.0
@@ -147,5 +149,5 @@ def test_an_orbit_that_becomes_noisy_does_not_break(orbit, attraction):
     def noisy(t, states):
         states[t > 5000.0, 0] += np.where(np.arange((t > 5000.0).sum()) % 2, 4.0, -4.0)
 
-    found, jumping, broken = breaks.find(*jumps_of(orbit, attraction, 60.0, noisy))
+    found, jumping, broken = orbit_breaks.find(*jumps_of(orbit, attraction, 60.0, noisy))
     assert (found, jumping.any(), broken.any()) == ([], False, False)

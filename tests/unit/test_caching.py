@@ -3,21 +3,43 @@
 from pathlib import Path
 
 import numba
+import pytest
 
-from opml.dynamics import ensemble, frames
-from opml.dynamics.caching import SharedLocator
-from opml.learning import smo_kernels
+from opml.base.compiled import SharedLocator, kernel_folder
+from opml.dynamics import attraction, ensemble, frames
+from opml.learning.models import smo_kernels
+
+KERNELS = {
+    "block": ensemble.advance,
+    "attraction": attraction._pull,
+    "frames": frames._rotations,
+    "smo_kernels": smo_kernels.descend,
+}
 
 
-def test_kernels_are_kept_by_their_source_not_by_its_path():
-    for kernel in (ensemble.advance, frames._rotations):
-        assert Path(kernel._cache.cache_path) == Path(numba.config.CACHE_DIR) / "dynamics"
+@pytest.mark.parametrize("name", KERNELS)
+def test_kernels_are_kept_by_their_source_not_by_its_path(name):
+    folder = Path(KERNELS[name]._cache.cache_path)
+    assert folder.parent == Path(numba.config.CACHE_DIR)
+    assert folder.name == kernel_folder(KERNELS[name].py_func.__code__.co_filename)
 
 
-def test_the_solver_of_the_svr_is_kept_beside_them():
-    assert Path(smo_kernels.descend._cache.cache_path) == Path(numba.config.CACHE_DIR) / "learning"
+def test_two_clones_share_a_folder_and_what_it_holds(tmp_path):
+    text = Path(smo_kernels.__file__).read_bytes()
+    for clone in ("one", "two"):
+        (tmp_path / clone).mkdir()
+        (tmp_path / clone / "kernel.py").write_bytes(text)
+    one, two = (
+        SharedLocator(smo_kernels.descend.py_func, str(tmp_path / clone / "kernel.py"))
+        for clone in ("one", "two")
+    )
+    assert one.get_cache_path() == two.get_cache_path()
+    assert one.get_source_stamp() == two.get_source_stamp()
 
 
-def test_two_clones_name_the_same_folder():
-    paths = [f"/{clone}/src/opml/dynamics/flight.py" for clone in ("one", "two")]
-    assert {SharedLocator.get_suitable_cache_subpath(path) for path in paths} == {"dynamics"}
+@pytest.mark.parametrize("changed", ["import numpy\nx = 2\n", "import opml.dynamics.kernels.drag\nx = 1\n"])
+def test_other_source_or_other_imports_have_a_folder_of_their_own(tmp_path, changed):
+    (tmp_path / "kernel.py").write_text("import numpy\nx = 1\n")
+    before = kernel_folder(tmp_path / "kernel.py")
+    (tmp_path / "kernel.py").write_text(changed)
+    assert kernel_folder(tmp_path / "kernel.py") != before

@@ -4,10 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from opml.constants import DAY
-from opml.errors import InputError
-from opml.figures import calibration as figures
-from opml.learning import calibration
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.figures import reliability as figures
+from opml.learning.judge import calibration
 from opml.tables import LEVELS, POSITION_COVARIANCES, SCHEMAS, symmetric
 
 NAMES = dict.fromkeys(("rso", "stations", "train", "learner", "component", "target", "test"), "x")

@@ -5,9 +5,9 @@ import pandas as pd
 import pytest
 from mornings import replays
 
-from opml.constants import DAY
-from opml.errors import InputError
-from opml.learning.choice import Mornings, choose
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.learning.judge.model_choice import Mornings, choose
 from opml.report import document, mornings, uncertainty
 from opml.tables import SIGMA_STATE
 

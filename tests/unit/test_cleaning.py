@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from support import REPOSITORY
 
-from opml.errors import InputError
-from opml.learning.cleaning import PAPER, Cleaning, drag_coefficient_inside, quartiles, tukey_fences
-from opml.reading import read_yaml
+from opml.base.errors import InputError
+from opml.base.yaml_files import read_yaml
+from opml.learning.data.cleaning import PAPER, Cleaning, drag_coefficient_inside, quartiles, tukey_fences
 
 
 def test_drag_coefficient_bounds_belong_to_the_interval():

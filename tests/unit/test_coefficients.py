@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import DOP853
 
-from opml.dynamics import coefficients
+from opml.dynamics.kernels import coefficients
 
 
 @pytest.mark.parametrize(

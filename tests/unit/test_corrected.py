@@ -6,18 +6,18 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from opml import corrected
-from opml.catalog import arcs, covariance, mechanism, prediction, sensitivity
-from opml.catalog.estimation import COVARIANCES
-from opml.constants import DAY
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.catalog.fit.estimation import COVARIANCES
+from opml.catalog.predict import covariance, mechanism, other_windows, prediction, sensitivity
 from opml.dynamics.ensemble import Integrator
-from opml.elements import cartesian_from_coe, in_rsw
-from opml.errors import InputError
-from opml.figures import ephemeris
+from opml.ephemerides import corrected
+from opml.figures import later_errors
 from opml.interop import oem
-from opml.learning.mechanism import MechanismModel
-from opml.learning.sizes import Sizes
-from opml.rsw_covariance import rates
+from opml.learning.judge.error_sizes import Sizes
+from opml.learning.models.linear_law import MechanismModel
+from opml.orbits.elements import cartesian_from_coe, in_rsw
+from opml.orbits.rsw_covariance import rates
 from opml.tables import (
     COMPONENTS,
     DOUBT,
@@ -134,7 +134,7 @@ def test_columns_on_the_grid_are_those_at_tracks(flight, known):
         long_window_hours=24.0,
         gm=known.gm,
     )
-    beside = arcs.build(
+    beside = other_windows.build(
         predictions=pairs,
         arc_estimates=known.arc.estimates,
         arc_predictions=long,
@@ -289,8 +289,8 @@ def test_it_is_held_against_later_estimates(table, known):
     np.testing.assert_allclose(errors[["before_x", "before_y", "before_z"]], 0.0, atol=1e-6)
     assert (errors["after_y"].abs() > 1.0).all()
     np.testing.assert_allclose(errors["duration"], later["t"].drop(2) - TIMES[1])
-    panels = ephemeris.later_errors(errors, level=0.9).axes
+    panels = later_errors.later_errors(errors, level=0.9).axes
     assert [axes.get_ylabel() for axes in panels[:2]] == ["radial [km]", "radial [m]"]
     np.testing.assert_allclose(1e3 * panels[2].lines[-1].get_ydata(), panels[3].lines[-1].get_ydata())
     with pytest.raises(InputError, match="expected an estimate of a later track"):
-        ephemeris.later_errors(errors[:0], level=0.9)
+        later_errors.later_errors(errors[:0], level=0.9)

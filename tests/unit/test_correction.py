@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from opml.catalog.correction import LEAST_EPOCHS, check_smooth, corrected, radial_part
-from opml.constants import DAY
-from opml.elements import cartesian_from_coe, coe_from_cartesian, in_rsw
-from opml.errors import InputError
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.ephemerides.along_track_shift import LEAST_EPOCHS, check_smooth, corrected, radial_part
+from opml.orbits.elements import cartesian_from_coe, coe_from_cartesian, in_rsw
 
 GM = 3.986004415e14
 T = 60.0 * np.arange(3 * 1440)

@@ -3,13 +3,13 @@
 import numpy as np
 import pandas as pd
 
-from opml.catalog import prediction
-from opml.catalog.covariance import of_positions, propagated
-from opml.catalog.estimation import COVARIANCES
-from opml.catalog.flying import fly
-from opml.constants import DAY
+from opml.base.constants import DAY
+from opml.catalog.fit.estimation import COVARIANCES
+from opml.catalog.flight import fly
+from opml.catalog.predict import prediction
+from opml.catalog.predict.covariance import of_positions, propagated
 from opml.dynamics.ensemble import Integrator
-from opml.elements import cartesian_from_coe, in_rsw
+from opml.orbits.elements import cartesian_from_coe, in_rsw
 from opml.tables import POSITION_COVARIANCES, SCHEMAS, STATE, symmetric
 
 TIMES = np.array([0.0, 0.4, 1.0]) * DAY

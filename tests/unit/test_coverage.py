@@ -3,9 +3,9 @@
 import pytest
 from support import EPOCH, REPOSITORY
 
+from opml.base.errors import InputError
+from opml.base.yaml_files import read_yaml
 from opml.environment import coverage
-from opml.errors import InputError
-from opml.reading import read_yaml
 
 VALUES = read_yaml(REPOSITORY / "config" / "config.yaml")
 

@@ -13,7 +13,8 @@ pytest.importorskip("rocrate", reason="rocrate is not installed: the extra crate
 
 from rocrate.rocrate import ROCrate
 
-from opml import __version__, crate
+from opml import __version__
+from opml.workflow import crate
 
 REPORT = b"# The study\n"
 

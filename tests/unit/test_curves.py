@@ -7,8 +7,8 @@ import sys
 import pandas as pd
 import pytest
 
-from opml.errors import InputError
-from opml.figures import curves, style
+from opml.base.errors import InputError
+from opml.figures import p_ml_curves, style
 
 PUBLISHED = {40: 14.8, 80: 9.6, 90: 9.7}
 
@@ -36,14 +36,14 @@ def lines(figure):
 
 
 def test_draws_the_test_part_in_order(metrics):
-    drawn = lines(curves.partition_curve(metrics, published=PUBLISHED))
+    drawn = lines(p_ml_curves.partition_curve(metrics, published=PUBLISHED))
     assert drawn["test part"] == ([10.0, 50.0, 90.0], pytest.approx([200 / 15, 200 / 55, 200 / 95]))
     assert drawn["training part"][1] == pytest.approx([100 / 15, 100 / 55, 100 / 95])
     assert drawn["Peng & Bai, test part"] == ([40, 80, 90], [14.8, 9.6, 9.7])
 
 
 def test_draws_what_is_at_hand(metrics):
-    figure = curves.partition_curve(metrics[metrics["test"] == "rest"], component="e_vx")
+    figure = p_ml_curves.partition_curve(metrics[metrics["test"] == "rest"], component="e_vx")
     assert list(lines(figure)) == ["test part"]
     assert "e_{vx}" in figure.axes[0].get_ylabel()
     assert "[%" in figure.axes[0].get_xlabel()
@@ -51,7 +51,7 @@ def test_draws_what_is_at_hand(metrics):
 
 def test_nothing_to_draw(metrics):
     with pytest.raises(InputError, match="partition curve: expected metrics of e_z"):
-        curves.partition_curve(metrics, component="e_z")
+        p_ml_curves.partition_curve(metrics, component="e_z")
 
 
 INCLINATIONS = {"iss_i50": 50.0, "iss": 51.6393, "iss_i48": 48.0}
@@ -80,7 +80,7 @@ def legend(figure):
 
 
 def test_a_curve_each_window(transfers):
-    figure = curves.inclination_curve(
+    figure = p_ml_curves.inclination_curve(
         transfers, inclinations=INCLINATIONS, published={"days-30-40": {50.0: 40.2}}
     )
     drawn = lines(figure)
@@ -95,19 +95,19 @@ def test_a_curve_each_window(transfers):
 
 
 def test_over_semi_major_axis(transfers):
-    figure = curves.semi_major_axis_curve(transfers, offsets={"iss": 0.0, "lares": 50.0})
+    figure = p_ml_curves.semi_major_axis_curve(transfers, offsets={"iss": 0.0, "lares": 50.0})
     assert lines(figure)["future 10 days (30 to 40)"] == ([0.0, 50.0], [35.0, 999.0])
     assert figure.axes[0].get_xlabel() == "increment of the semi-major axis $a$ [km]"
 
 
 def test_no_target_to_draw(transfers):
     with pytest.raises(InputError, match="future windows of stella, got none"):
-        curves.semi_major_axis_curve(transfers, offsets={"stella": 10.0})
+        p_ml_curves.semi_major_axis_curve(transfers, offsets={"stella": 10.0})
 
 
 def test_no_correction_is_marked_in_range(transfers):
     def marked(metrics):
-        figure = curves.inclination_curve(metrics, inclinations=INCLINATIONS)
+        figure = p_ml_curves.inclination_curve(metrics, inclinations=INCLINATIONS)
         return any(
             list(line.get_ydata()) == [100.0, 100.0] and line.get_linestyle() == "--"
             for line in figure.axes[0].get_lines()
@@ -118,7 +118,7 @@ def test_no_correction_is_marked_in_range(transfers):
 
 
 def test_seeds_make_a_band(transfers):
-    figure = curves.inclination_curve(with_seeds(transfers, (0.0, 1.0, 5.0)), inclinations=INCLINATIONS)
+    figure = p_ml_curves.inclination_curve(with_seeds(transfers, (0.0, 1.0, 5.0)), inclinations=INCLINATIONS)
     assert lines(figure)["future 10 days (30 to 40)"][1] == pytest.approx([52.0, 42.0, 37.0])
     band = figure.axes[0].collections[0].get_paths()[0].vertices
     at_50 = sorted({round(y, 9) for x, y in band if x == 50.0})
@@ -127,7 +127,7 @@ def test_seeds_make_a_band(transfers):
 
 
 def test_seeds_of_the_partition_curve(metrics):
-    figure = curves.partition_curve(with_seeds(metrics, (0.0, 2.0)))
+    figure = p_ml_curves.partition_curve(with_seeds(metrics, (0.0, 2.0)))
     assert lines(figure)["test part"][1] == pytest.approx([200 / 15 + 1, 200 / 55 + 1, 200 / 95 + 1])
     assert len(figure.axes[0].collections) == 2
 
@@ -136,18 +136,18 @@ def test_a_split_is_drawn_at_its_share_whatever_its_seed(metrics):
     named = metrics.assign(
         train=metrics["train"].where(metrics["test"] == "seen", metrics["train"] + "_split43")
     )
-    assert lines(curves.partition_curve(named)) == lines(curves.partition_curve(metrics))
+    assert lines(p_ml_curves.partition_curve(named)) == lines(p_ml_curves.partition_curve(metrics))
 
 
 def test_one_seed_makes_no_band(transfers):
-    figure = curves.inclination_curve(with_seeds(transfers, (0.0,)), inclinations=INCLINATIONS)
+    figure = p_ml_curves.inclination_curve(with_seeds(transfers, (0.0,)), inclinations=INCLINATIONS)
     assert len(figure.axes[0].collections) == 0
     assert figure.legends[0].get_title().get_text() == ""
 
 
 def test_rows_of_different_things_are_not_averaged(transfers):
     with pytest.raises(InputError, match="expected one row per point and seed"):
-        curves.inclination_curve(pd.concat([transfers, transfers]), inclinations=INCLINATIONS)
+        p_ml_curves.inclination_curve(pd.concat([transfers, transfers]), inclinations=INCLINATIONS)
 
 
 @pytest.fixture
@@ -176,7 +176,7 @@ def scales():
 
 def test_kernel_scale_by_station_set_and_split_with_the_rules(scales):
     rules = {"eglin": {"sigest": 3.456}, "eglin-clear": {"sigest": 4.0, "median": 5.0}}
-    figure = curves.kernel_scale_sensitivity(scales, rules)
+    figure = p_ml_curves.kernel_scale_sensitivity(scales, rules)
     one, two = (
         {line.get_label(): (list(line.get_xdata()), list(line.get_ydata())) for line in axes.get_lines()}
         for axes in figure.axes
@@ -196,18 +196,18 @@ def test_kernel_scale_by_station_set_and_split_with_the_rules(scales):
 
 def test_kernel_scale_without_rows(scales):
     with pytest.raises(InputError, match="expected metrics of e_z"):
-        curves.kernel_scale_sensitivity(scales, {}, component="e_z")
+        p_ml_curves.kernel_scale_sensitivity(scales, {}, component="e_z")
 
 
 def test_everything_stays_inside_the_column(metrics, transfers, scales, tmp_path):
     published = {test: {50.0: 40.2} for test in ("days-30-40", "days-30-50")}
     rules = {"eglin": {"sigest": 3.5, "median": 5.0, "cv": 5.1}}
     for figure in (
-        curves.partition_curve(metrics, published=PUBLISHED),
-        curves.inclination_curve(
+        p_ml_curves.partition_curve(metrics, published=PUBLISHED),
+        p_ml_curves.inclination_curve(
             with_seeds(transfers, (0.0, 1.0)), inclinations=INCLINATIONS, published=published
         ),
-        curves.kernel_scale_sensitivity(scales, rules),
+        p_ml_curves.kernel_scale_sensitivity(scales, rules),
     ):
         style.save(figure, tmp_path / "c.pdf", tmp_path / "c.png")
         box = figure.get_tightbbox()  # inches
@@ -219,14 +219,14 @@ def test_everything_stays_inside_the_column(metrics, transfers, scales, tmp_path
 
 
 def test_same_bytes_in_another_process(metrics, tmp_path):
-    figure = curves.partition_curve(metrics, published=PUBLISHED)
+    figure = p_ml_curves.partition_curve(metrics, published=PUBLISHED)
     style.save(figure, tmp_path / "a.pdf", tmp_path / "a.png")
     metrics.to_json(tmp_path / "metrics.json", double_precision=15)
     program = (
         "import sys, pandas as pd\n"
-        "from opml.figures import curves, style\n"
+        "from opml.figures import p_ml_curves, style\n"
         "metrics = pd.read_json(sys.argv[1] + '/metrics.json', precise_float=True)\n"
-        f"figure = curves.partition_curve(metrics, published={PUBLISHED})\n"
+        f"figure = p_ml_curves.partition_curve(metrics, published={PUBLISHED})\n"
         "style.save(figure, sys.argv[1] + '/b.pdf', sys.argv[1] + '/b.png')\n"
     )
     environment = os.environ | {"PYTHONHASHSEED": "7", "TZ": "Asia/Tokyo", "SOURCE_DATE_EPOCH": "1"}
@@ -236,7 +236,7 @@ def test_same_bytes_in_another_process(metrics, tmp_path):
 
 
 def test_failed_save_leaves_nothing(metrics, tmp_path):
-    figure = curves.partition_curve(metrics)
+    figure = p_ml_curves.partition_curve(metrics)
     figure.axes[0].set_xlabel(r"$\frac{$")  # text that cannot be set
     with pytest.raises(ValueError, match="frac"):
         style.save(figure, tmp_path / "c.pdf", tmp_path / "c.png")

@@ -16,10 +16,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from opml.elements import cartesian_from_coe
-from opml.errors import InputError
-from opml.learning import dataset
-from opml.learning.cleaning import Cleaning
+from opml.base.errors import InputError
+from opml.learning.data import dataset
+from opml.learning.data.cleaning import Cleaning
+from opml.orbits.elements import cartesian_from_coe
 from opml.tables import LEARNING_VARIABLES, SCHEMAS, SIGMAS, STATE, read_table, write_table
 
 GM = 3.986004418e14

@@ -11,7 +11,7 @@ import pytest
 
 import opml
 from opml.environment import solar_activity
-from opml.study.schema import read_schema
+from opml.study.settings.schema import read_schema
 
 ROOT = Path(__file__).parents[2]
 LINK = re.compile(r"\]\((?!\w+:|#)([^)\s#]+)")

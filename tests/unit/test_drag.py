@@ -4,9 +4,9 @@ import numba
 import numpy as np
 import pytest
 
-from opml.constants import EARTH_RATE
-from opml.dynamics.drag import drag
-from opml.dynamics.lanes import WIDTH, load, splat, store
+from opml.base.constants import EARTH_RATE
+from opml.dynamics.kernels.drag import drag
+from opml.dynamics.kernels.lanes import WIDTH, load, splat, store
 
 DENSITY, BALLISTIC = 3e-12, 0.11
 

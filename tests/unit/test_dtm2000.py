@@ -8,11 +8,11 @@ import pytest
 from scipy.special import lpmv
 from support import EXCERPTS, force_model, in_rows, shared
 
-from opml.constants import DAY
-from opml.dynamics import acceleration, dtm2000
-from opml.dynamics.acceleration import SCRATCH_ROWS
-from opml.dynamics.lanes import WIDTH, load, sqrt, store
-from opml.dynamics.surroundings import BODIES, look_up
+from opml.base.constants import DAY
+from opml.dynamics.kernels import acceleration, dtm2000
+from opml.dynamics.kernels.acceleration import SCRATCH_ROWS
+from opml.dynamics.kernels.lanes import WIDTH, load, sqrt, store
+from opml.dynamics.kernels.surroundings import BODIES, look_up
 
 COEFFICIENTS = dtm2000.coefficients()
 

@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from opml import epochs
-from opml.constants import DAY, EARTH_RATE, HOUR
+from opml.base import epochs
+from opml.base.constants import DAY, EARTH_RATE, HOUR
+from opml.base.errors import InputError
 from opml.environment import earth_orientation, nodes
-from opml.errors import InputError
 
 EPOCH = "2016-09-28T12:09:45"
 REFERENCE = Path(__file__).parents[1] / "reference" / "earth_orientation.csv"

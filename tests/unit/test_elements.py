@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from opml.elements import (
+from opml.base.errors import InputError
+from opml.orbits.elements import (
     cartesian_from_coe,
     coe_from_cartesian,
     in_rsw,
@@ -15,7 +16,6 @@ from opml.elements import (
     wrap_half_turn,
     wrap_turn,
 )
-from opml.errors import InputError
 
 GM = 3.986004418e14
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from opml.constants import DAY, HOUR, WGS84_A
+from opml.base.constants import DAY, HOUR, WGS84_A
 from opml.dynamics import ensemble
 from opml.dynamics.ensemble import REASONS, Integrator, propagate
-from opml.dynamics.gravity import weights
-from opml.elements import TURN, cartesian_from_coe, coe_from_cartesian, true_from_mean_anomaly
+from opml.dynamics.kernels.gravity import weights
+from opml.orbits.elements import TURN, cartesian_from_coe, coe_from_cartesian, true_from_mean_anomaly
 
 BALLISTIC, REFLECTION = 0.11, 0.0625
 

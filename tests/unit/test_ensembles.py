@@ -5,10 +5,10 @@ import pandas as pd
 import pytest
 from support import EPOCH, environment, force_model
 
-from opml.catalog import ensembles, prediction
-from opml.catalog.estimation import COVARIANCES
-from opml.catalog.truth import initial_state
-from opml.constants import DAY, HOUR
+from opml.base.constants import DAY, HOUR
+from opml.catalog.fit.estimation import COVARIANCES
+from opml.catalog.predict import prediction, weather_futures
+from opml.catalog.simulate.truth import initial_state
 from opml.dynamics.ensemble import Integrator
 from opml.dynamics.forces import with_outlooks
 from opml.environment import knowledge
@@ -31,20 +31,20 @@ def ensemble_of(errors):
 
 def test_score_of_a_normal_sample_is_gneitings_closed_form():
     # CRPS of N(0, 1) at 0 is (sqrt 2 - 1) / sqrt pi.
-    found = ensembles.crps(RNG.normal(size=(4000, 50)), np.zeros(50)).mean()
+    found = weather_futures.crps(RNG.normal(size=(4000, 50)), np.zeros(50)).mean()
     assert found == pytest.approx((np.sqrt(2.0) - 1.0) / np.sqrt(np.pi), rel=0.01)
 
 
 def test_score_of_one_member_is_its_error_and_of_two_the_mean_of_pairs():
-    assert ensembles.crps(np.array([[3.0]]), np.array([5.0])) == pytest.approx([2.0])
-    assert ensembles.crps(np.array([[4.0], [1.0]]), np.array([0.0])) == pytest.approx([2.5 - 3.0 / 4.0])
+    assert weather_futures.crps(np.array([[3.0]]), np.array([5.0])) == pytest.approx([2.0])
+    assert weather_futures.crps(np.array([[4.0], [1.0]]), np.array([0.0])) == pytest.approx([2.5 - 3.0 / 4.0])
 
 
 def test_a_fan_that_is_the_errors_own_distribution_covers_its_level():
     said, true = RNG.normal(5.0, 2.0, size=(200, 3000)), RNG.normal(5.0, 2.0, size=3000)
-    fan = ensembles.fan(ensemble_of(said), pairs(3000, e_y=true), level=0.9)
+    fan = weather_futures.fan(ensemble_of(said), pairs(3000, e_y=true), level=0.9)
     assert list(fan.columns) == SCHEMAS["fan"].names
-    scores = ensembles.scores(fan)
+    scores = weather_futures.scores(fan)
     assert set(scores.columns) == set(SCHEMAS["scores"].names)
     assert scores["inside"].item() == pytest.approx(0.9, abs=0.02)
     assert scores["rows"].item() == 3000
@@ -54,13 +54,13 @@ def test_a_fan_that_is_the_errors_own_distribution_covers_its_level():
 
 def test_few_members_cover_their_level_too():
     said, true = RNG.normal(size=(20, 4000)), RNG.normal(size=4000)
-    fan = ensembles.fan(ensemble_of(said), pairs(4000, e_y=true), level=0.9)
-    assert ensembles.scores(fan)["inside"].item() == pytest.approx(0.9, abs=0.012)
+    fan = weather_futures.fan(ensemble_of(said), pairs(4000, e_y=true), level=0.9)
+    assert weather_futures.scores(fan)["inside"].item() == pytest.approx(0.9, abs=0.012)
 
 
 def test_predictions_without_numbers_are_not_scored():
-    fan = ensembles.fan(ensemble_of(np.ones((3, 2))), pairs(2, e_y=[1.0, np.nan]), level=0.5)
-    assert ensembles.scores(fan)["rows"].tolist() == [1]
+    fan = weather_futures.fan(ensemble_of(np.ones((3, 2))), pairs(2, e_y=[1.0, np.nan]), level=0.5)
+    assert weather_futures.scores(fan)["rows"].tolist() == [1]
 
 
 def test_the_future_that_was_forecast_has_no_difference_and_a_calmer_one_leads(iss):
@@ -80,7 +80,7 @@ def test_the_future_that_was_forecast_has_no_difference_and_a_calmer_one_leads(i
     predictions = prediction.predict_all(
         with_outlooks(model, outlook), truth, estimates, iss, max_days=1, integrator=Integrator()
     )
-    found = ensembles.sample(
+    found = weather_futures.sample(
         model, futures, estimates, predictions, iss, window=DAY, seed=1, integrator=Integrator()
     )
     assert list(found.columns) == SCHEMAS["ensemble"].names
@@ -92,7 +92,7 @@ def test_the_future_that_was_forecast_has_no_difference_and_a_calmer_one_leads(i
     uncertain = estimates.assign(cov_cd_cd=0.1**2)
     same = pd.concat([outlook.assign(member=k) for k in range(2)], ignore_index=True)
     draws = [
-        ensembles.sample(
+        weather_futures.sample(
             model, same, uncertain, predictions, iss, window=DAY, seed=seed, integrator=Integrator()
         )
         for seed in (1, 1, 2)
@@ -108,6 +108,6 @@ def test_draws_have_the_covariance_and_none_where_there_is_none():
     columns = RNG.normal(size=(7, 9)) * np.array([1e2, 1e2, 1e2, 0.1, 0.1, 0.1, 1e-2])[:, None]
     covariance = np.stack([columns @ columns.T, np.full((7, 7), np.nan)])
     covariance[0, 6], covariance[0, :, 6] = 0.0, 0.0
-    root = ensembles.square_root(covariance)
+    root = weather_futures.square_root(covariance)
     np.testing.assert_allclose(root[0] @ root[0].T, covariance[0], rtol=1e-9)
     assert not root[1].any()

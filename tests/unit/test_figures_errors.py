@@ -9,11 +9,11 @@ import pandas as pd
 import pytest
 from matplotlib.colors import to_rgba
 
-from opml.constants import DAY
-from opml.errors import InputError
-from opml.figures import context, errors, labels, style
-from opml.learning import metrics
-from opml.learning.cleaning import Cleaning
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.figures import axis_labels, notes, prediction_errors, style
+from opml.learning.data.cleaning import Cleaning
+from opml.learning.judge import metrics
 
 
 def table(duration_days, true, predicted):
@@ -70,7 +70,7 @@ def texts(figure):
 
 
 def test_clusters_by_hand(evaluation):
-    found = errors.clusters(evaluation["duration"].to_numpy() / DAY, evaluation["true"].to_numpy())
+    found = prediction_errors.clusters(evaluation["duration"].to_numpy() / DAY, evaluation["true"].to_numpy())
     assert found["duration"].tolist() == pytest.approx([0.15, 1.03])
     assert found["mean"].tolist() == pytest.approx([600.0, 2000.0])
     # Squares about 600: 0.16, 6.76, 5.76, 21.16, 19.36 in 1e6; about 2000: 3 x 64, 2 x 144; over n - 1.
@@ -79,22 +79,22 @@ def test_clusters_by_hand(evaluation):
 
 def test_a_cluster_ends_with_its_last_instant():
     duration = np.array([0.25] * 5 + [0.2500001] * 5)
-    assert errors.clusters(duration, np.arange(10.0))["mean"].tolist() == [2.0, 7.0]
+    assert prediction_errors.clusters(duration, np.arange(10.0))["mean"].tolist() == [2.0, 7.0]
 
 
 def test_all_points_on_the_left(evaluation):
-    left = points(errors.svr_absolute(evaluation))
+    left = points(prediction_errors.svr_absolute(evaluation))
     offsets = [np.asarray(one.get_offsets()) for one in left]
     for drawn, column in zip(offsets, ("true", "predicted", "residual"), strict=True):
         assert drawn[:, 0] == pytest.approx(evaluation["duration"] / DAY)
         assert drawn[:, 1] == pytest.approx(evaluation[column].abs() / 1e3)
     assert all(one.get_rasterized() for one in left)
-    signed = points(errors.svr_signed(evaluation))[2].get_offsets()
+    signed = points(prediction_errors.svr_signed(evaluation))[2].get_offsets()
     assert np.asarray(signed)[:, 1] == pytest.approx(evaluation["residual"] / 1e3)
 
 
 def test_one_colour_one_meaning(evaluation):
-    figure = errors.svr_absolute(evaluation)
+    figure = prediction_errors.svr_absolute(evaluation)
     right = figure.axes[-1]
     colors = [style.TRUE, style.PREDICTED, style.RESIDUAL]
     assert [container[0].get_color() for container in right.containers] == colors
@@ -105,7 +105,7 @@ def test_one_colour_one_meaning(evaluation):
     assert tuple(residual.get_facecolor()[0]) == to_rgba(style.RESIDUAL)
 
 
-@pytest.mark.parametrize("draw", [errors.svr_absolute, errors.errorbar_absolute])
+@pytest.mark.parametrize("draw", [prediction_errors.svr_absolute, prediction_errors.errorbar_absolute])
 def test_error_bars_by_hand(evaluation, draw):
     drawn = bars(draw(evaluation).axes[-1])
     assert [label.split()[0] for label in drawn] == ["true", "ML-predicted", "residual"]
@@ -119,11 +119,11 @@ def test_error_bars_by_hand(evaluation, draw):
     middle = drawn[r"ML-predicted $\hat{e}_{\mathrm{ML},y}$"][0]
     assert middle == pytest.approx([0.15, 1.03])
     assert duration - middle == pytest.approx(middle - residual[0])
-    assert np.all((duration < middle) & (middle - duration < errors.CLUSTER_DAYS / 2))
+    assert np.all((duration < middle) & (middle - duration < prediction_errors.CLUSTER_DAYS / 2))
 
 
 def test_signed_bars(evaluation):
-    _, mean, _ = bars(errors.svr_signed(evaluation).axes[-1])["true $e_{y}$"]
+    _, mean, _ = bars(prediction_errors.svr_signed(evaluation).axes[-1])["true $e_{y}$"]
     assert mean == pytest.approx([0.6, 2.0])
 
 
@@ -131,10 +131,14 @@ def test_metrics_are_those_of_the_learning(evaluation):
     true, predicted = evaluation["true"].to_numpy(), evaluation["predicted"].to_numpy()
     # Residuals 500, 0, 1000, 1000, 0, 1000, 2000, 0, 3000, 0, 7000 of errors that sum to 72000.
     assert metrics.p_ml(true, predicted) == pytest.approx(100 * 15500 / 72000)
-    for draw in (errors.svr_absolute, errors.svr_signed, errors.errorbar_absolute):
+    for draw in (
+        prediction_errors.svr_absolute,
+        prediction_errors.svr_signed,
+        prediction_errors.errorbar_absolute,
+    ):
         assert any(text.endswith("= 21.5 %") for text in texts(draw(evaluation)))
     odd = table([1.0] * 4, [0.0, 0.0, 2.0, -4.0], [0.0, 1.0, 1.0, 4.0])
-    found = errors._individual_p_ml(odd)
+    found = prediction_errors._individual_p_ml(odd)
     assert found.tolist() == [0.0, np.inf, 50.0, 200.0]
     assert (
         found.tolist()
@@ -143,14 +147,14 @@ def test_metrics_are_those_of_the_learning(evaluation):
 
 
 def test_units_follow_the_component(evaluation):
-    left, *others, right = errors.svr_absolute(evaluation).axes
+    left, *others, right = prediction_errors.svr_absolute(evaluation).axes
     for axes in others:
         assert axes.get_xlabel() == left.get_xlabel()
         assert axes.get_ylim() == left.get_ylim()
     for axes in (left, right):
         assert axes.get_ylabel() == "absolute error of $e_{y}$ [km]"
         assert axes.get_xlabel() == r"prediction duration $\Delta t$ [d]"
-    velocity = errors.svr_signed(evaluation, component="e_vx")
+    velocity = prediction_errors.svr_signed(evaluation, component="e_vx")
     assert velocity.axes[0].get_ylabel() == "error of $e_{vx}$ [m/s]"
     assert np.asarray(velocity.axes[0].collections[0].get_offsets())[0, 1] == 1000.0
     assert "true $e_{vx}$" in bars(velocity.axes[-1])
@@ -158,18 +162,21 @@ def test_units_follow_the_component(evaluation):
 
 def test_grid_has_a_panel_each(evaluation):
     half = evaluation.assign(predicted=evaluation["true"] / 2, residual=evaluation["true"] / 2)
-    figure = errors.rso_grid({"SWARM-A": evaluation, "LARES": half, "LAGEOS-1": evaluation})
+    figure = prediction_errors.rso_grid({"SWARM-A": evaluation, "LARES": half, "LAGEOS-1": evaluation})
     assert [axes.get_title(loc="left") for axes in figure.axes] == ["SWARM-A", "LARES", "LAGEOS-1"]
     assert [text.split("= ")[1] for text in texts(figure)] == ["21.5 %", "50.0 %", "21.5 %"]
     assert bars(figure.axes[1])[r"residual $e_{\mathrm{res}}$"][1] == pytest.approx([1.5, 5.0])
     with pytest.raises(InputError, match="at least one evaluation"):
-        errors.rso_grid({})
+        prediction_errors.rso_grid({})
 
 
 def test_individual_points_are_sorted_out():
     # p_ML of 50, 100, 150, 800 %, and infinite: the one left alone is neither reduced nor increased.
     points = table([1, 2, 3, 4, 5], [1000, 2000, -2000, 100, 0], [500, 0, 1000, 900, 300])
-    reduced, increased = errors.individual_reduced(points), errors.individual_increased(points)
+    reduced, increased = (
+        prediction_errors.individual_reduced(points),
+        prediction_errors.individual_increased(points),
+    )
     true, residual = reduced.axes[0].collections
     assert np.asarray(true.get_offsets()).tolist() == [[1.0, 1.0]]
     assert np.asarray(residual.get_offsets()).tolist() == [[1.0, 0.5]]
@@ -188,27 +195,27 @@ def test_individual_points_are_sorted_out():
 
 def test_no_increased_point_is_no_failure(tmp_path):
     perfect = table([1.0, 2.0], [5.0, 6.0], [5.0, 6.0])
-    figure = errors.individual_increased(perfect)
+    figure = prediction_errors.individual_increased(perfect)
     assert figure.axes[0].get_title(loc="left") == "increased: 0 of 2 points"
     style.save(figure, tmp_path / "a.pdf", tmp_path / "a.png")
 
 
 def test_distribution_of_individual_metric():
     points = table([1.0] * 5, [100.0] * 5, [100.0, 70.0, 5.0, 0.0, -300.0])  # 0, 30, 95, 100, 400 %
-    figure = errors.individual_distribution(points)
+    figure = prediction_errors.individual_distribution(points)
     curve = figure.axes[0].get_lines()[0]
     share = dict(zip(curve.get_xdata(), curve.get_ydata(), strict=True))
     at = (0.0, 1.0, 30.0, 31.0, 100.0, 101.0, 400.0, 401.0)
     assert [share[limit] for limit in at] == pytest.approx([0, 20, 20, 40, 60, 80, 80, 100])
     assert texts(figure) == ["60.0 % of the points\nbelow 100 %"]
     assert figure.axes[0].get_legend() is None
-    compared = errors.individual_distribution(points, published=80.0).axes[0]
+    compared = prediction_errors.individual_distribution(points, published=80.0).axes[0]
     assert compared.get_legend_handles_labels()[1] == ["Peng & Bai, about 80 %"]
     assert (compared.lines[-1].get_xdata()[0], compared.lines[-1].get_ydata()[0]) == (100.0, 80.0)
 
 
 def test_distribution_of_position(pairs):
-    figure = errors.distribution_position(pairs)
+    figure = prediction_errors.distribution_position(pairs)
     assert [axes.get_ylabel() for axes in figure.axes] == [
         "$|e_{x}|$ [km]",
         "$|e_{y}|$ [km]",
@@ -222,7 +229,7 @@ def test_distribution_of_position(pairs):
 
 
 def test_distribution_of_velocity(pairs):
-    figure = errors.distribution_velocity(pairs)
+    figure = prediction_errors.distribution_velocity(pairs)
     assert figure.axes[1].get_ylabel() == "$e_{vy}$ [m/s]"
     drawn = np.asarray(figure.axes[1].collections[0].get_offsets())
     assert drawn[:, 1] == pytest.approx([1.0, -3.0, 5.0])
@@ -240,7 +247,7 @@ def told():
     reason = np.array([""] * 21 + ["outside Tukey fences", "no prediction: decayed"])
     dataset = pd.DataFrame({"e_y": e_y, "reason": reason, "keep": reason == "", "t_j": 31.0 * DAY})
     metrics = pd.DataFrame({"p_ml_low": [20.1], "p_ml_high": [23.4]})
-    return context.of_experiment(NAMES, metrics, dataset, Cleaning(fence=1.0))
+    return notes.of_experiment(NAMES, metrics, dataset, Cleaning(fence=1.0))
 
 
 def test_the_context_says_what_was_trained_and_tested_and_which_rows_there_are(told):
@@ -249,15 +256,15 @@ def test_the_context_says_what_was_trained_and_tested_and_which_rows_there_are(t
     )
     assert told.kept == pytest.approx(100.0 * 21 / 23)
     earlier = pd.DataFrame({"keep": [True, False, False], "t_j": [31.0 * DAY, 35.0 * DAY, 20.0 * DAY]})
-    assert context.kept(earlier, "days-30-40") == 0.5
-    assert context.kept(earlier, "rest") == pytest.approx(1 / 3)
+    assert notes.kept(earlier, "days-30-40") == 0.5
+    assert notes.kept(earlier, "rest") == pytest.approx(1 / 3)
     # Hazen's quartiles of -10, -9, ..., 10 and 90: the 6th and the 17th.
     assert told.fences == pytest.approx((-5e3 - 11e3, 6e3 + 11e3))
     unfenced = NAMES | {"test": "days-30-40-unfenced"}
     dataset = pd.DataFrame({"e_y": [1.0], "reason": [""], "keep": [True], "t_j": [1.0]})
     metrics = pd.DataFrame({"p_ml_low": [1.0], "p_ml_high": [2.0]})
-    assert context.of_experiment(unfenced, metrics, dataset, Cleaning(fence=1.0)).fences is None
-    assert context.of_experiment(NAMES, metrics, dataset, Cleaning()).fences is None
+    assert notes.of_experiment(unfenced, metrics, dataset, Cleaning(fence=1.0)).fences is None
+    assert notes.of_experiment(NAMES, metrics, dataset, Cleaning()).fences is None
 
 
 @pytest.mark.parametrize(
@@ -269,7 +276,7 @@ def test_the_context_says_what_was_trained_and_tested_and_which_rows_there_are(t
     ],
 )
 def test_training_rows_in_words(name, words):
-    assert labels.trained(name) == words
+    assert axis_labels.trained(name) == words
 
 
 @pytest.mark.parametrize(
@@ -283,18 +290,18 @@ def test_training_rows_in_words(name, words):
     ],
 )
 def test_tested_rows_in_words(name, words):
-    assert labels.tested(name) == words
+    assert axis_labels.tested(name) == words
 
 
 def test_the_context_stands_in_the_figure(evaluation, told):
-    figure = errors.svr_absolute(evaluation, context=told)
+    figure = prediction_errors.svr_absolute(evaluation, context=told)
     note = figure.legends[0].get_title().get_text()
     assert "trained on days 0 to 30" in note
     assert "Tukey's fences of the cleaning at -16.0 and 17.0 km" in note
     for axes in figure.axes[:3]:
         (fence,) = (line for line in axes.lines if line.get_linestyle() == "--")
         assert fence.get_ydata()[0] == pytest.approx(17.0)
-    signed = errors.svr_signed(evaluation, context=told).axes[0]
+    signed = prediction_errors.svr_signed(evaluation, context=told).axes[0]
     drawn = {line.get_ydata()[0] for line in signed.lines if line.get_linestyle() == "--"}
     assert sorted(drawn) == pytest.approx([-16.0, 17.0])
     assert texts(figure)[-1].endswith("= 21.5 % (20.1 to 23.4 %)")
@@ -305,39 +312,39 @@ def test_the_context_stands_in_the_figure(evaluation, told):
 
 
 def test_a_legend_shows_each_thing_once_under_the_note_within_the_width(evaluation, told, tmp_path):
-    figure = errors.rso_grid({"a": evaluation, "b": evaluation}, contexts={"a": told, "b": told})
+    figure = prediction_errors.rso_grid({"a": evaluation, "b": evaluation}, contexts={"a": told, "b": told})
     (legend,) = figure.legends
     assert len(legend.get_texts()) == 3
     assert legend.get_title().get_text().count("trained on") == 1
-    narrow = errors.errorbar_absolute(evaluation, context=told)
+    narrow = prediction_errors.errorbar_absolute(evaluation, context=told)
     style.save(narrow, tmp_path / "f.pdf", tmp_path / "f.png")
     assert narrow.legends[0].get_window_extent().x1 <= narrow.bbox.x1
 
 
 def test_nothing_to_draw(evaluation, pairs):
     for draw in (
-        errors.svr_absolute,
-        errors.svr_signed,
-        errors.errorbar_absolute,
-        errors.individual_reduced,
-        errors.individual_increased,
-        errors.individual_distribution,
+        prediction_errors.svr_absolute,
+        prediction_errors.svr_signed,
+        prediction_errors.errorbar_absolute,
+        prediction_errors.individual_reduced,
+        prediction_errors.individual_increased,
+        prediction_errors.individual_distribution,
     ):
         with pytest.raises(InputError, match="expected at least one row"):
             draw(evaluation.iloc[:0])
     with pytest.raises(InputError, match="expected at least one row"):
-        errors.distribution_position(pairs.iloc[2:3])
+        prediction_errors.distribution_position(pairs.iloc[2:3])
 
 
 def test_everything_stays_inside(evaluation, pairs, tmp_path):
     for width, figure in (
-        (180.0, errors.svr_absolute(evaluation)),
-        (180.0, errors.svr_signed(evaluation, component="e_vx")),
-        (180.0, errors.rso_grid({"SWARM-A": evaluation, "LARES": evaluation})),
-        (180.0, errors.distribution_position(pairs)),
-        (88.0, errors.errorbar_absolute(evaluation, component="e_vx")),
-        (88.0, errors.individual_increased(evaluation, component="e_vx")),
-        (88.0, errors.individual_distribution(evaluation)),
+        (180.0, prediction_errors.svr_absolute(evaluation)),
+        (180.0, prediction_errors.svr_signed(evaluation, component="e_vx")),
+        (180.0, prediction_errors.rso_grid({"SWARM-A": evaluation, "LARES": evaluation})),
+        (180.0, prediction_errors.distribution_position(pairs)),
+        (88.0, prediction_errors.errorbar_absolute(evaluation, component="e_vx")),
+        (88.0, prediction_errors.individual_increased(evaluation, component="e_vx")),
+        (88.0, prediction_errors.individual_distribution(evaluation)),
     ):
         style.save(figure, tmp_path / "f.pdf", tmp_path / "f.png")
         box = figure.get_tightbbox()  # inches
@@ -350,16 +357,16 @@ def test_everything_stays_inside(evaluation, pairs, tmp_path):
 def test_same_bytes_in_another_process(evaluation, tmp_path):
     names = ("svr_absolute", "individual_increased")
     for name in names:
-        figure = getattr(errors, name)(evaluation)
+        figure = getattr(prediction_errors, name)(evaluation)
         style.save(figure, tmp_path / f"a_{name}.pdf", tmp_path / f"a_{name}.png")
     evaluation.to_json(tmp_path / "evaluation.json", double_precision=15)
     program = (
         "import sys, pandas as pd\n"
-        "from opml.figures import errors, style\n"
+        "from opml.figures import prediction_errors, style\n"
         "evaluation = pd.read_json(sys.argv[1] + '/evaluation.json', precise_float=True)\n"
         f"for name in {names}:\n"
         "    stem = f'{sys.argv[1]}/b_{name}'\n"
-        "    style.save(getattr(errors, name)(evaluation), stem + '.pdf', stem + '.png')\n"
+        "    style.save(getattr(prediction_errors, name)(evaluation), stem + '.pdf', stem + '.png')\n"
     )
     environment = os.environ | {"PYTHONHASHSEED": "7", "TZ": "Asia/Tokyo", "SOURCE_DATE_EPOCH": "1"}
     subprocess.run([sys.executable, "-c", program, str(tmp_path)], check=True, env=environment)
@@ -373,5 +380,5 @@ def test_many_points_make_a_small_file(tmp_path):
     rng = np.random.default_rng(1)
     true = rng.normal(size=20_000) * 1e4
     many = table(rng.uniform(0.1, 7.0, 20_000), true, true * 0.9)
-    style.save(errors.svr_absolute(many), tmp_path / "f.pdf", tmp_path / "f.png")
+    style.save(prediction_errors.svr_absolute(many), tmp_path / "f.pdf", tmp_path / "f.png")
     assert (tmp_path / "f.pdf").stat().st_size < 1_000_000

@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from opml.constants import DAY
-from opml.errors import InputError
+from opml.base.constants import DAY
+from opml.base.errors import InputError
 from opml.figures import explore
 from tests.unit.test_figures_ground import EARTH, RADAR
 

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from opml.constants import DAY
-from opml.errors import InputError
+from opml.base.constants import DAY
+from opml.base.errors import InputError
 from opml.figures import fan
 
 DAYS = np.array([1.0, 3.0, 5.0])

@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from opml.constants import DAY, WGS84_A
-from opml.errors import InputError
+from opml.base.constants import DAY, WGS84_A
+from opml.base.errors import InputError
 from opml.figures import ground, style
-from opml.sheets import Station
+from opml.orbits.sheets import Station
 
 EARTH = pd.DataFrame(
     {"t": np.arange(-2, 4) * DAY}

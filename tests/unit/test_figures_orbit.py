@@ -5,10 +5,10 @@ import pandas as pd
 import pytest
 from matplotlib.colors import to_hex
 
-from opml.constants import DAY
-from opml.elements import cartesian_from_coe
-from opml.errors import InputError
+from opml.base.constants import DAY
+from opml.base.errors import InputError
 from opml.figures import orbit, style
+from opml.orbits.elements import cartesian_from_coe
 from opml.tables import STATE
 
 GM = 3.986004415e14

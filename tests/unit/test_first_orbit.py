@@ -9,11 +9,12 @@ import pytest
 from support import EPOCH, rsos
 from test_estimation import SETTINGS
 
-from opml.catalog import estimation, first_orbit, measured, starting, tracking, truth
-from opml.catalog.estimation import Flight, Measured, Run
-from opml.constants import DAY
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.catalog.fit import estimation, first_orbit, measured_tracks, start_states
+from opml.catalog.fit.estimation import Flight, Measured, Run
+from opml.catalog.simulate import tracking, truth
 from opml.dynamics.ensemble import Integrator
-from opml.errors import InputError
 from opml.interop import first_state, oem, tdm
 from opml.tables import STATE
 
@@ -80,7 +81,7 @@ def test_fits_from_it_are_those_from_the_perturbed_truth(
     assumed_model, starts, rows, orbit, earth_orientation, three_stations, iss
 ):
     given = rows, earth_orientation, three_stations, iss
-    with_truth = starting.perturbed(orbit, rows, rso="iss", settings=SETTINGS, seed=1)
+    with_truth = start_states.perturbed(orbit, rows, rso="iss", settings=SETTINGS, seed=1)
     ours, theirs = (
         estimation.estimate_all(assumed_model, one, *given, settings=SETTINGS, integrator=Integrator())
         for one in (starts, with_truth)
@@ -95,7 +96,7 @@ def test_what_was_exported_and_read_gives_the_same_estimates_to_the_bit(
     assumed_model, starts, rows, earth_orientation, three_stations, iss, tmp_path
 ):
     tdm.write(tmp_path / "iss.tdm", rows, epoch=EPOCH, rso="iss")
-    back = measured.tracks(tdm.measurements([tmp_path / "iss.tdm"], epoch=EPOCH), three_stations)
+    back = measured_tracks.tracks(tdm.measurements([tmp_path / "iss.tdm"], epoch=EPOCH), three_stations)
     found = [
         estimation.estimate_all(
             assumed_model, starts, one, earth_orientation, three_stations, iss,
@@ -151,10 +152,10 @@ def test_the_log_tells_what_was_done(
 
 def test_the_perturbed_truth_depends_on_seed_and_track_only(rows, orbit):
     given = {"rso": "iss", "settings": SETTINGS, "seed": 1}
-    whole = starting.perturbed(orbit, rows, **given)
-    part = starting.perturbed(orbit, rows[rows["track"] < 4], **given)
+    whole = start_states.perturbed(orbit, rows, **given)
+    part = start_states.perturbed(orbit, rows[rows["track"] < 4], **given)
     pd.testing.assert_frame_equal(part, whole.iloc[:4])
-    other = starting.perturbed(orbit, rows, **given | {"seed": 2})
+    other = start_states.perturbed(orbit, rows, **given | {"seed": 2})
     assert (other[STATE] != whole[STATE]).all(axis=None)
     assert 300.0 < np.median(apart(whole, orbit)) < 3000.0
 

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from opml.sheets import Rso
-from opml.study.flights import LANES, flights
+from opml.orbits.sheets import Rso
+from opml.study.shared_truths import LANES, flights
 from opml.tables import FLIGHTS, STATE, write_table
 
 BODY = Rso(

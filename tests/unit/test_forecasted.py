@@ -5,13 +5,13 @@ import pandas as pd
 import pytest
 from support import EPOCH, environment, force_model
 
-from opml import corrected, forecasted
-from opml.catalog.estimation import COVARIANCES
-from opml.catalog.truth import initial_state
-from opml.constants import DAY, HOUR
+from opml.base.constants import DAY, HOUR
+from opml.catalog.fit.estimation import COVARIANCES
+from opml.catalog.simulate.truth import initial_state
 from opml.dynamics.ensemble import Integrator
 from opml.dynamics.forces import with_outlooks
 from opml.environment import knowledge
+from opml.ephemerides import corrected, forecast
 from opml.interop import oem
 from opml.tables import PARAMETERS, SCHEMAS, STATE, read_table, symmetric, write_table
 
@@ -51,7 +51,7 @@ def built(flight, known, outlook, storms):
         for k, more in enumerate(storms)
     ]
     futures = pd.concat(members, ignore_index=True)
-    return forecasted.build(flight, known, futures, known.estimates, GRID, seed=1)
+    return forecast.build(flight, known, futures, known.estimates, GRID, seed=1)
 
 
 @pytest.fixture(scope="module")
@@ -79,9 +79,7 @@ def test_positions_are_known_by_the_fit_at_first_and_by_the_weather_in_the_end(f
 
 def test_distances_are_from_the_prediction_and_not_from_the_futures_mean():
     ensemble = pd.DataFrame({"d_x": 0.0, "d_y": [3.0, 1.0, 4.0, 1.0], "d_z": [0.0, 2.0, 0.0, -2.0]})
-    np.testing.assert_allclose(
-        forecasted.distances(ensemble, 2), [[0.0, np.sqrt(12.5), 0.0], [0.0, 1.0, 2.0]]
-    )
+    np.testing.assert_allclose(forecast.distances(ensemble, 2), [[0.0, np.sqrt(12.5), 0.0], [0.0, 1.0, 2.0]])
 
 
 def test_its_message_says_what_it_is(table, tmp_path):

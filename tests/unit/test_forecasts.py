@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from support import paper_values
 
+from opml.base.errors import InputError
 from opml.environment import solar_activity, space_weather
 from opml.environment.forecasts import methods
 from opml.environment.forecasts.bursts import without_bursts
 from opml.environment.weather import Weather
-from opml.errors import InputError
-from opml.report import weather as report
+from validation import forecast_skill as report
 
 FIRST, DAYS, AHEAD = 50000, 1500, 9
 PHASE = 2.0 * np.pi / 27.0

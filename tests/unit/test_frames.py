@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 from support import EXCERPTS
 
-from opml.constants import DAY, EARTH_RATE
+from opml.base.constants import DAY, EARTH_RATE
 from opml.dynamics.frames import gcrf_to_itrf
 
 

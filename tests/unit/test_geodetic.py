@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from support import in_rows
 
-from opml.constants import WGS84_A, WGS84_F
-from opml.dynamics.geodetic import geodetic
-from opml.dynamics.lanes import load, sqrt, store
+from opml.base.constants import WGS84_A, WGS84_F
+from opml.dynamics.kernels.geodetic import geodetic
+from opml.dynamics.kernels.lanes import load, sqrt, store
 
 WGS84 = 1
 

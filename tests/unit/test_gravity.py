@@ -8,8 +8,8 @@ import pytest
 from numpy.polynomial import Legendre
 from support import in_rows
 
-from opml.dynamics.gravity import gravity, weights
-from opml.dynamics.lanes import load, sqrt, store
+from opml.dynamics.kernels.gravity import gravity, weights
+from opml.dynamics.kernels.lanes import load, sqrt, store
 from opml.environment import gravity_field
 
 GM, RADIUS = 3.986004415e14, 6378136.3

@@ -7,8 +7,8 @@ from threading import Event, Thread
 import numpy as np
 import pytest
 
+from opml.base.errors import InputError
 from opml.environment import gravity_field
-from opml.errors import InputError
 
 HEAD = """Free text in front, with a key: radius 1.0
 begin_of_head

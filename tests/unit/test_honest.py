@@ -7,11 +7,11 @@ import pandas as pd
 import pytest
 from support import paper_values, study_of
 
-from opml.figures import generalisation as figures
-from opml.learning import baselines, learners
+from opml.figures import beyond as figures
+from opml.learning.models import baselines, learners
+from opml.report import beyond as report
 from opml.report import document
-from opml.report import generalisation as report
-from opml.study.honest import Honest
+from opml.study.beyond import Honest
 from opml.study.paper import Paper
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from opml.errors import InputError
-from opml.learning import intervals
+from opml.base.errors import InputError
+from opml.learning.judge import intervals
 from opml.tables import SCHEMAS
 
 HOUR = 3600.0

@@ -7,9 +7,9 @@ import pytest
 from threadpoolctl import threadpool_info
 
 from opml import __version__
-from opml.errors import InputError
-from opml.jobs import job, metadata_of_each, progress
-from opml.provenance import settings_digest
+from opml.base.errors import InputError
+from opml.base.provenance import settings_digest
+from opml.workflow.jobs import job, metadata_of_each, progress
 
 SETTINGS = {"epoch": "2016-09-28T12:09:45", "seed": 42, "step_s": 20}
 

@@ -6,15 +6,17 @@ import pytest
 from support import EPOCH, environment
 from weather_files import other_after, up_to
 
-from opml import epochs
-from opml.catalog import estimation, prediction, starting, tracking
-from opml.catalog import truth as truths
-from opml.constants import DAY, HOUR
+from opml.base import epochs
+from opml.base.constants import DAY, HOUR
+from opml.base.errors import InputError
+from opml.catalog.fit import estimation, start_states
+from opml.catalog.predict import prediction
+from opml.catalog.simulate import tracking
+from opml.catalog.simulate import truth as truths
 from opml.dynamics import forces
 from opml.dynamics.ensemble import Integrator
 from opml.environment import gravity_field, knowledge, nodes, solar_activity, space_weather
 from opml.environment.weather import Weather
-from opml.errors import InputError
 from opml.tables import STATE
 
 T = nodes(EPOCH, 3 * DAY)
@@ -120,7 +122,7 @@ def test_fits_and_predictions_know_nothing_measured_after_they_start(tmp_path, i
     utc = "2016-09-29T03:00:00"
     results = []
     for one in (own, model(other_after(tmp_path / "other.csv", mjd(utc)))):
-        starts = starting.perturbed(truth, tracks, rso="iss", settings=settings, seed=1)
+        starts = start_states.perturbed(truth, tracks, rso="iss", settings=settings, seed=1)
         estimates = estimation.estimate_all(
             one, starts, tracks, orientation, three_stations, iss, settings=settings, integrator=integrator
         )

@@ -7,13 +7,16 @@ import pandas as pd
 import pytest
 from test_estimation import SETTINGS
 
-from opml.catalog import arcs, estimation, labels, prediction, sensitivity, starting, tracking, truth
-from opml.catalog.estimation import COVARIANCES
-from opml.constants import DAY, HOUR
+from opml.base.constants import DAY, HOUR
+from opml.catalog.fit import estimation, start_states
+from opml.catalog.fit.estimation import COVARIANCES
+from opml.catalog.predict import labels, other_windows, prediction, sensitivity
+from opml.catalog.simulate import tracking, truth
 from opml.dynamics.ensemble import Integrator
-from opml.learning import dataset, learners, splits
-from opml.learning.cleaning import Cleaning
-from opml.learning.inputs import inverse_variances
+from opml.learning.data import dataset, splits
+from opml.learning.data.cleaning import Cleaning
+from opml.learning.models import learners
+from opml.learning.models.inputs import inverse_variances
 from opml.tables import COMPONENTS, LEARNING_VARIABLES, SCHEMAS, SIGMAS, STATE, write_table
 
 END_OF_TRAINING = DAY
@@ -125,7 +128,7 @@ def chain(assumed_model, orbit, earth_orientation, three_stations, iss):
 
     def estimated(tracks, **settings):
         asked = replace(SETTINGS, cd_bounds=None, **settings)
-        starts = starting.perturbed(orbit, tracks, rso="iss", settings=asked, seed=42)
+        starts = start_states.perturbed(orbit, tracks, rso="iss", settings=asked, seed=42)
         return estimation.estimate_all(
             assumed_model, starts, tracks, earth_orientation, three_stations, iss, settings=asked, **common
         )
@@ -139,7 +142,7 @@ def chain(assumed_model, orbit, earth_orientation, three_stations, iss):
         pairs = predicted(short)
         beside = (
             sensitivity.sensitivities(assumed_model, short, pairs, iss, bounds=None, **common),
-            arcs.build(
+            other_windows.build(
                 assumed_model,
                 pairs,
                 iss,

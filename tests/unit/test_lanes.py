@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from support import in_rows
 
-from opml.dynamics.lanes import (
+from opml.dynamics.kernels.lanes import (
     WIDTH,
     absolute,
     exp,

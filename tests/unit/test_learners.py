@@ -15,12 +15,12 @@ from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
 from sklearn.linear_model import QuantileRegressor, Ridge
 from support import REPOSITORY, paper_source
 
-from opml.errors import InputError
-from opml.learning import boosting, gaussian_process, learners, mechanism, mlp, ridge
-from opml.learning.evaluation import evaluate
-from opml.reading import read_yaml
+from opml.base.errors import InputError
+from opml.base.yaml_files import read_yaml
+from opml.learning.judge.evaluation import evaluate
+from opml.learning.models import boosting, gaussian_process, learners, linear_law, mlp, ridge
 from opml.study import checks
-from opml.study.overlay import Source
+from opml.study.settings.overlay import Source
 from opml.tables import read_metadata, read_table, write_table
 
 VARIABLES = ["duration", "d_a", "cd", "v_y"]
@@ -195,11 +195,11 @@ def test_ridge_passes_over_a_constant_variable():
 @pytest.mark.parametrize("terms", [["v_y", "v_y*cd"], ["v_y"], ["v_y", "v_y*cd", "duration*duration"]])
 def test_the_mechanism_minimises_absolute_deviations(terms):
     rows, y = sample(800)
-    x = mechanism.products(rows[VARIABLES].to_numpy(), VARIABLES, terms)
+    x = linear_law.products(rows[VARIABLES].to_numpy(), VARIABLES, terms)
     scale = np.abs(x).mean(axis=0)
     machine = QuantileRegressor(quantile=0.5, alpha=0.0, fit_intercept=False).fit(x / scale, y)
     least = np.abs(y - x / scale @ machine.coef_).sum()
-    ours = np.abs(y - x @ mechanism.least_absolute_deviations(x, y)).sum()
+    ours = np.abs(y - x @ linear_law.least_absolute_deviations(x, y)).sum()
     assert ours == pytest.approx(least, rel=1e-6)
     assert ours >= least * (1.0 - 1e-9)
 
@@ -213,25 +213,25 @@ def test_the_mechanisms_coefficients_mean_something(models):
 
 def test_an_exact_law_is_found_and_outliers_do_not_matter():
     rows, _ = sample(60)
-    x = mechanism.products(rows[VARIABLES].to_numpy(), VARIABLES, ["v_y", "v_y*cd"])
+    x = linear_law.products(rows[VARIABLES].to_numpy(), VARIABLES, ["v_y", "v_y*cd"])
     y = x @ [-2.2, 1.0]
-    np.testing.assert_allclose(mechanism.least_absolute_deviations(x, y), [-2.2, 1.0], rtol=1e-9)
+    np.testing.assert_allclose(linear_law.least_absolute_deviations(x, y), [-2.2, 1.0], rtol=1e-9)
     y[::4] += 1e6
-    np.testing.assert_allclose(mechanism.least_absolute_deviations(x, y), [-2.2, 1.0], rtol=1e-3)
+    np.testing.assert_allclose(linear_law.least_absolute_deviations(x, y), [-2.2, 1.0], rtol=1e-3)
 
 
 def test_a_term_that_vanishes_or_repeats_does_no_harm():
     # An orbit above the drag: Cd was held, so nothing answers to it.
     x = np.array([[1.0, 0.0, 2.0], [2.0, 0.0, 4.0], [-1.0, 0.0, -2.0]])
-    b = mechanism.least_absolute_deviations(x, np.array([3.0, 6.0, -3.0]))
+    b = linear_law.least_absolute_deviations(x, np.array([3.0, 6.0, -3.0]))
     np.testing.assert_allclose(x @ b, [3.0, 6.0, -3.0], rtol=1e-6)
     assert b[1] == 0.0
-    assert mechanism.least_absolute_deviations(np.zeros((4, 2)), np.ones(4)).tolist() == [0.0, 0.0]
+    assert linear_law.least_absolute_deviations(np.zeros((4, 2)), np.ones(4)).tolist() == [0.0, 0.0]
 
 
 def test_a_factor_that_is_no_variable_is_named():
     with pytest.raises(InputError, match="terms: expected products of a, b, got c"):
-        mechanism.fit(np.ones((9, 2)), np.ones(9), variables=["a", "b"], settings={"terms": ["a*c"]}, seed=1)
+        linear_law.fit(np.ones((9, 2)), np.ones(9), variables=["a", "b"], settings={"terms": ["a*c"]}, seed=1)
 
 
 def test_boosting_is_scikit_learns(models):

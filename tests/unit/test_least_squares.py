@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from opml.catalog.least_squares import (
+from opml.catalog.fit.least_squares import (
     CONVERGED,
     NO_STEP,
     NOT_CONVERGED,

@@ -7,10 +7,11 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 from test_estimation import SETTINGS
 
-from opml.catalog import estimation, starting, tracking, truth
-from opml.catalog.estimation import Measured
-from opml.catalog.observing import observe, retarded, site
-from opml.constants import DAY, EARTH_RATE, HOUR, SPEED_OF_LIGHT
+from opml.base.constants import DAY, EARTH_RATE, HOUR, SPEED_OF_LIGHT
+from opml.catalog.fit import estimation, start_states
+from opml.catalog.fit.estimation import Measured
+from opml.catalog.simulate import tracking, truth
+from opml.catalog.simulate.observing import observe, retarded, site
 from opml.dynamics.ensemble import Integrator
 from opml.dynamics.frames import gcrf_to_itrf
 from opml.tables import STATE
@@ -68,7 +69,7 @@ def received(geometric, followed, sites):
 
 def estimates(model, orbit, rows, earth_orientation, stations, rso, **settings):
     settings = replace(SETTINGS, convergence=1e-6, **settings)
-    starts = starting.perturbed(orbit, rows, rso=rso.name, settings=settings, seed=42)
+    starts = start_states.perturbed(orbit, rows, rso=rso.name, settings=settings, seed=42)
     found = estimation.estimate_all(
         model, starts, rows, earth_orientation, stations, rso, settings=settings, integrator=Integrator()
     )

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from opml.catalog.truth import initial_state
-from opml.errors import InputError
+from opml.base.errors import InputError
+from opml.catalog.simulate.truth import initial_state
 from opml.interop import mean_elements
-from opml.sheets import read_rsos
+from opml.orbits.sheets import read_rsos
 
 # The first satellite of the verification set of Vallado et al. 2006 (AIAA 2006-6753), and as an OMM.
 LINES = (

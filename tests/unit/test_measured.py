@@ -8,11 +8,12 @@ import pandas as pd
 import pytest
 from support import EPOCH, stations
 
-from opml.catalog import measured, tracking, truth
-from opml.catalog.observing import observe, place, site
-from opml.constants import DAY
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.catalog.fit import measured_tracks
+from opml.catalog.simulate import tracking, truth
+from opml.catalog.simulate.observing import observe, place, site
 from opml.dynamics.ensemble import Integrator
-from opml.errors import InputError
 from opml.interop import tdm
 
 A_DAY = DAY
@@ -37,7 +38,7 @@ def read(*paths):
 
 
 def test_what_was_exported_comes_back_to_the_bit(table, message, three_stations):
-    back = measured.tracks(read(message), three_stations)
+    back = measured_tracks.tracks(read(message), three_stations)
     pd.testing.assert_frame_equal(back[tdm.COLUMNS], table[tdm.COLUMNS], check_exact=True)
     assert back.filter(like="_true").isna().all(axis=None)
 
@@ -50,12 +51,12 @@ def test_places_are_where_they_are_observed(three_stations):
 
 
 def test_a_station_set_is_chosen_from_the_files(table, message, three_stations):
-    one = measured.tracks(read(message), three_stations[:1])
+    one = measured_tracks.tracks(read(message), three_stations[:1])
     assert set(one["station"]) == {"eglin"}
     assert one["track"].tolist() == pd.factorize(one["track"])[0].tolist()
     assert len(one) == (table["station"] == "eglin").sum()
     with pytest.raises(InputError, match="expected measurements by other, got none"):
-        measured.tracks(read(message), [replace(three_stations[0], name="other")])
+        measured_tracks.tracks(read(message), [replace(three_stations[0], name="other")])
 
 
 def without(path, *keys):
@@ -65,11 +66,11 @@ def without(path, *keys):
 
 def test_without_ids_a_track_is_a_run_without_a_long_gap(message, three_stations):
     without(message, "TRACK_ID")
-    found = measured.tracks(read(message), three_stations)
+    found = measured_tracks.tracks(read(message), three_stations)
     begins, ends = (found.groupby("track")["t"].agg(which).to_numpy() for which in ("min", "max"))
-    assert (begins[1:] - ends[:-1] > measured.LONGEST_GAP).all()
+    assert (begins[1:] - ends[:-1] > measured_tracks.LONGEST_GAP).all()
     inside = found.groupby("track")["t"].diff().max()
-    assert inside <= measured.LONGEST_GAP
+    assert inside <= measured_tracks.LONGEST_GAP
 
 
 def test_tracks_that_overlap_are_one(table, tmp_path, three_stations):
@@ -77,7 +78,7 @@ def test_tracks_that_overlap_are_one(table, tmp_path, three_stations):
     paths = [tmp_path / "even.tdm", tmp_path / "odd.tdm"]
     for k, path in enumerate(paths):
         tdm.write(path, table.iloc[k::2].assign(track=table["track"] + 5 * k), epoch=EPOCH, rso="iss")
-    found = measured.tracks(read(*paths), three_stations)
+    found = measured_tracks.tracks(read(*paths), three_stations)
     pd.testing.assert_frame_equal(found[tdm.COLUMNS], table[tdm.COLUMNS], check_exact=True)
 
 
@@ -86,7 +87,7 @@ def test_an_id_for_all_of_a_day_does_not_make_one_track_of_it(message, three_sta
     message.write_text(
         "\n".join("TRACK_ID = x" if "TRACK_ID" in line else line for line in text.splitlines())
     )
-    assert measured.tracks(read(message), three_stations)["track"].nunique() > 3
+    assert measured_tracks.tracks(read(message), three_stations)["track"].nunique() > 3
 
 
 def edited(path, edit, pattern):
@@ -101,7 +102,7 @@ def edited(path, edit, pattern):
 
 def refusal(path, known=None, duration=A_DAY):
     with pytest.raises(InputError) as error:
-        measured.check(read(path), known or stations(), epoch=EPOCH, duration=duration)
+        measured_tracks.check(read(path), known or stations(), epoch=EPOCH, duration=duration)
     return str(error.value)
 
 
@@ -141,7 +142,7 @@ def test_a_station_that_no_sheet_has_is_told(message):
 
 def test_stations_may_be_spelt_otherwise(table, message, three_stations):
     message.write_text(message.read_text().replace("= clear", "= CLEAR").replace("= eglin", "= EGL-IN"))
-    assert len(measured.tracks(read(message), three_stations)) == len(table)
+    assert len(measured_tracks.tracks(read(message), three_stations)) == len(table)
 
 
 def test_times_outside_of_the_run_are_told(message):
@@ -152,4 +153,4 @@ def test_times_outside_of_the_run_are_told(message):
 
 def test_a_measurement_twice_is_told(message):
     with pytest.raises(InputError, match="expected one measurement by kaena at a time, got a second one"):
-        measured.check(read(message, message), stations(), epoch=EPOCH, duration=A_DAY)
+        measured_tracks.check(read(message, message), stations(), epoch=EPOCH, duration=A_DAY)

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from opml.catalog import mechanism
-from opml.elements import cartesian_from_coe, rsw_rotation
+from opml.catalog.predict import mechanism
+from opml.orbits.elements import cartesian_from_coe, rsw_rotation
 from opml.tables import STATE, mechanism_schema, write_table
 
 GM = 3.986004415e14

@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from opml.errors import InputError
-from opml.learning.evaluation import evaluate
-from opml.learning.metrics import (
+from opml.base.errors import InputError
+from opml.learning.judge.evaluation import evaluate
+from opml.learning.judge.metrics import (
     against_labels,
     bootstrap_interval,
     by_seed,

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from support import rsos, stations
 
 from opml import naming
-from opml.errors import InputError
+from opml.base.errors import InputError
 from opml.naming import Split, rso_pattern, stations_pattern
-from opml.sheets import parse_rso, parse_stations, with_inclination, with_offset
+from opml.orbits.sheets import parse_rso, parse_stations, with_inclination, with_offset
 
 STATIONS, RSOS = stations(), rsos()
 LEARNERS = {"svr": {"kernel_scale": "sigest", "c": 1.0}, "svrfixed": {"kernel_scale": 2.0, "c": 1.0}}

@@ -6,16 +6,17 @@ import pandas as pd
 import pytest
 from support import EPOCH, environment, force_model, paper_values
 
-from opml.constants import HOUR
-from opml.dynamics import acceleration, forces
-from opml.dynamics.acceleration import SCRATCH_ROWS
-from opml.dynamics.lanes import WIDTH, load, rows, sqrt, store
-from opml.dynamics.surroundings import blank, look_up
+from opml.base.constants import HOUR
+from opml.base.errors import InputError
+from opml.base.thermosphere_grid import ALTITUDES
+from opml.dynamics import forces
+from opml.dynamics.kernels import acceleration
+from opml.dynamics.kernels.acceleration import SCRATCH_ROWS
+from opml.dynamics.kernels.lanes import WIDTH, load, rows, sqrt, store
+from opml.dynamics.kernels.surroundings import blank, look_up
 from opml.environment import nrlmsis
 from opml.environment.coverage import check
-from opml.errors import InputError
 from opml.tables import SCHEMAS
-from opml.thermosphere import ALTITUDES
 
 NODES = environment()["solar_activity"]["t"].to_numpy()[:12]
 TABLE = nrlmsis.tabulate("OBSERVED", EPOCH, NODES)

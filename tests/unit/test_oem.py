@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support import EPOCH
 
-from opml.catalog import truth
-from opml.constants import DAY
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.catalog.simulate import truth
 from opml.dynamics.ensemble import Integrator
-from opml.errors import InputError
 from opml.interop import ccsds, oem
 from opml.tables import PARAMETERS, SCHEMAS, STATE
 

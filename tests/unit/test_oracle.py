@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from opml.catalog import oracle
-from opml.constants import DAY
-from opml.elements import cartesian_from_coe, rsw_rotation
+from opml.base.constants import DAY
+from opml.catalog.simulate import oracle
+from opml.orbits.elements import cartesian_from_coe, rsw_rotation
 from opml.tables import SCHEMAS, STATE
 
 GM = 3.986004418e14

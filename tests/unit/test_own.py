@@ -8,15 +8,15 @@ import pytest
 from mornings import replays
 from support import paper_values, study_of
 
-from opml.errors import InputError
-from opml.figures import study as figures
-from opml.learning.choice import Mornings
-from opml.learning.growth import at_days, by_duration
-from opml.learning.rolling import by_day
+from opml.base.errors import InputError
+from opml.figures import own_study as figures
+from opml.learning.judge.errors_by_duration import at_days, by_duration
+from opml.learning.judge.model_choice import Mornings
+from opml.learning.judge.rolling_origins import by_day
 from opml.report import document
-from opml.report import study as report
-from opml.report.settings import weather
-from opml.study.own import MODELS, REPLAYED, Own
+from opml.report import own_study as report
+from opml.report.settings_tables import weather
+from opml.study.own_study import MODELS, REPLAYED, Own
 from opml.tables import SIGMA_STATE
 
 DAY = 86400.0

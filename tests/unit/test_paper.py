@@ -4,6 +4,7 @@ import pytest
 from support import paper_values, study_of
 
 from opml.naming import Experiment
+from opml.report.sections import section_of
 from opml.study.paper import Paper
 
 PAPER = Paper(study_of(paper_values()))
@@ -28,7 +29,7 @@ def test_entry_of_another_rso_is_tested_on_itself(values):
 
 
 def test_sections_are_the_papers():
-    found = {name: one.section[0] for name, one in PAPER.evaluations.items()}
+    found = {name: section_of(one)[0] for name, one in PAPER.evaluations.items()}
     assert found == {
         "svr_training_1station": "4",
         "svr_testing_1station": "4",
@@ -53,7 +54,7 @@ def test_headlines_are_the_papers_numbers_in_its_order():
         "inclination_50": 40.2,
         "semi_major_axis_50": 86.0,
     }
-    assert [one.experiment.section[0] for one in PAPER.headlines] == list("44444566")
+    assert [section_of(one.experiment)[0] for one in PAPER.headlines] == list("44444566")
 
 
 def test_curves_name_the_training_rso_once():

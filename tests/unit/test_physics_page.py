@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from opml import constants
-from opml.reading import read_yaml
+from opml.base import constants
+from opml.base.yaml_files import read_yaml
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "physics.md").read_text(encoding="utf-8")
@@ -15,7 +15,7 @@ NAMES = sorted(set(re.findall(r"`(opml\.[\w.]+)`", TEXT)))
 SHORT = sorted(set(re.findall(r"`(\w+)`", TEXT.split("## Gravity")[0])) - {"ForceModel"})
 
 
-@pytest.mark.parametrize("name", [*NAMES, *(f"opml.dynamics.{name}" for name in SHORT)])
+@pytest.mark.parametrize("name", [*NAMES, *(f"opml.dynamics.kernels.{name}" for name in SHORT)])
 def test_each_module_and_function_that_is_named_is_there(name):
     module, _, last = name.rpartition(".")
     try:
@@ -25,10 +25,9 @@ def test_each_module_and_function_that_is_named_is_there(name):
 
 
 def test_every_module_of_the_dynamics_is_named():
-    found = {path.stem for path in (ROOT / "src/opml/dynamics").glob("*.py")}
-    modules = found - {"__init__", "caching", "lanes"}
-    named = {name.removeprefix("opml.dynamics.") for name in NAMES} | set(SHORT)
-    assert modules <= named
+    found = {path.stem for path in (ROOT / "src/opml/dynamics").rglob("*.py")}
+    named = {name.rpartition(".")[2] for name in NAMES} | set(SHORT)
+    assert found - {"__init__", "force_model", "lanes"} <= named
 
 
 def test_its_numbers_are_those_of_the_settings_and_the_constants():

@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from opml.catalog import prediction
-from opml.constants import DAY
+from opml.base.constants import DAY
+from opml.catalog.predict import prediction
 from opml.dynamics.ensemble import Integrator
-from opml.elements import cartesian_from_coe
+from opml.orbits.elements import cartesian_from_coe
 from opml.tables import COMPONENTS, STATE
 
 RADIUS, INCLINATION = 7.5e6, 1.1

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from opml import provenance
-from opml.provenance import closure, code_digest, imports, script_digest, settings_digest
+from opml.base import provenance
+from opml.base.provenance import closure, code_digest, imports, script_digest, settings_digest
 
 SCRIPTS = sorted((Path(__file__).parents[2] / "workflow" / "scripts").glob("*.py"))
 
@@ -125,7 +125,7 @@ def test_unknown_module_is_an_error():
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
 def test_every_script_has_a_digest_of_its_own_modules(script):
     assert len(script_digest(script)) == 64
-    assert "opml.jobs" in imports(script)
+    assert "opml.workflow.jobs" in imports(script)
 
 
 def test_nothing_that_python_really_loads_is_missed():

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from support import in_rows
 
-from opml.constants import SRP_DISTANCE, SRP_PRESSURE, SUN_RADIUS, WGS84_A, WGS84_F
-from opml.dynamics.lanes import load, splat, store
-from opml.dynamics.radiation_pressure import illumination, lit_part, radiation_pressure
+from opml.base.constants import SRP_DISTANCE, SRP_PRESSURE, SUN_RADIUS, WGS84_A, WGS84_F
+from opml.dynamics.kernels.lanes import load, splat, store
+from opml.dynamics.kernels.radiation_pressure import illumination, lit_part, radiation_pressure
 
 POLAR = WGS84_A * (1.0 - WGS84_F)
 AU = 1.496e11

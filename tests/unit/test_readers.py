@@ -11,14 +11,14 @@ from jplephem.excerpter import write_excerpt
 from jplephem.spk import SPK
 from support import EPOCH, REPOSITORY
 
-from opml.catalog import truth
-from opml.constants import DAY
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.base.yaml_files import read_yaml
+from opml.catalog.simulate import truth
 from opml.dynamics.ensemble import Integrator
-from opml.environment import earth_orientation, ephemerides, gravity_field, solar_activity
-from opml.errors import InputError
+from opml.environment import celestial_bodies, earth_orientation, gravity_field, solar_activity
 from opml.interop import mean_elements, oem
-from opml.reading import read_yaml
-from opml.sheets import read_rsos, read_stations
+from opml.orbits.sheets import read_rsos, read_stations
 
 CONFIG = REPOSITORY / "config"
 DAYS = np.array([0.0, 3.0]) * DAY
@@ -49,7 +49,7 @@ READ = {
     "msafe.txt": lambda path: solar_activity.tabulate(path, EPOCH, DAYS, 50),
     "weather.csv": lambda path: solar_activity.tabulate(path, EPOCH, DAYS, 50),
     "finals2000A.all": lambda path: earth_orientation.tabulate(EPOCH, DAYS, bulletin=path),
-    "week.bsp": lambda path: ephemerides.tabulate(path, EPOCH, DAYS),
+    "week.bsp": lambda path: celestial_bodies.tabulate(path, EPOCH, DAYS),
     "iss.oem": lambda path: oem.arcs(path, epoch=EPOCH),
     "vanguard.omm": mean_elements.read,
     "stations.tsv": read_stations,

@@ -7,16 +7,18 @@ import pandas as pd
 import pytest
 from support import EPOCH, ESTIMATION
 
-from opml import corrected, replays
-from opml.catalog import estimation, prediction, spread, starting, tracking, truth
-from opml.constants import DAY, HOUR
+from opml.base.constants import DAY, HOUR
+from opml.base.errors import InputError
+from opml.catalog.fit import estimation, start_states
+from opml.catalog.predict import prediction, spread
+from opml.catalog.simulate import tracking, truth
 from opml.dynamics.ensemble import Integrator
-from opml.elements import in_rsw
-from opml.errors import InputError
+from opml.ephemerides import corrected, replays
 from opml.interop import oem
-from opml.learning import dataset
-from opml.learning.cleaning import Cleaning
-from opml.learning.lessons import Lessons
+from opml.learning.data import dataset
+from opml.learning.data.cleaning import Cleaning
+from opml.learning.models.daily_training import Lessons
+from opml.orbits.elements import in_rsw
 from opml.tables import COMPONENTS, SCHEMAS, STATE, read_table, write_table
 
 LAW = {"kind": "mechanism", "terms": ["duration*duration"], "variables": ["duration"]}
@@ -30,7 +32,7 @@ def tables(truth_model, assumed_model, iss, earth_orientation, three_stations):
     tracks = tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1)
     estimates = estimation.estimate_all(
         assumed_model,
-        starting.perturbed(orbit, tracks, rso="iss", settings=ESTIMATION, seed=1),
+        start_states.perturbed(orbit, tracks, rso="iss", settings=ESTIMATION, seed=1),
         tracks,
         earth_orientation,
         three_stations,

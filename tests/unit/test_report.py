@@ -8,7 +8,7 @@ import pytest
 from support import paper_values, rsos, stations, study_of
 
 from opml.naming import Experiment
-from opml.report import claims, document, reproduction, settings
+from opml.report import claims, document, reproduction, settings_tables
 from opml.report.document import Heading, Paragraph, Table
 from opml.report.doubts import DOUBTS
 from opml.report.results import Results
@@ -54,21 +54,21 @@ def cells(blocks):
 
 
 def test_tables_are_the_papers():
-    radars = cells(settings.stations(list(stations().values())))
+    radars = cells(settings_tables.stations(list(stations().values())))
     assert radars["latitude [deg]"] == ["30.57", "64.29", "21.57"]
     assert radars["maximum range [km]"] == ["13210", "4910", "6380"]
     assert radars["feasible elevation [deg]"] == ["1 to 90", "1 to 90", "0 to 90"]
     assert radars["sigma of azimuth [deg]"] == ["0.0154", "0.0791", "0.0224"]
-    rso = cells(settings.rsos([rsos()["iss"]], epoch=PAPER["epoch"], title="RSO"))
+    rso = cells(settings_tables.rsos([rsos()["iss"]], epoch=PAPER["epoch"], title="RSO"))
     assert rso["semi-major axis [km]"] == ["6783.34"]
     assert rso["inclination [deg]"] == ["51.6393"]
-    models = cells(settings.models(PAPER))
+    models = cells(settings_tables.models(PAPER))
     assert models["gravity field"] == ["EGM2008 40x40", "EGM2008 20x20"]
     assert models["third bodies"][1] == "sun, moon, jupiter"
 
 
 def test_components_by_evaluation():
-    table = settings.components({"one": [1.0, 2.0, 3.04, 4.0, 5.0, 6.0]})
+    table = settings_tables.components({"one": [1.0, 2.0, 3.04, 4.0, 5.0, 6.0]})
     assert cells(table) == {"`one`": ["1.0", "2.0", "3.0", "4.0", "5.0", "6.0"]}
 
 
@@ -258,5 +258,5 @@ def test_an_experiment_that_did_not_run_is_not_found(paper):
 )
 def test_what_the_assumed_model_knows_of_the_weather_is_told(knowledge, told):
     environment = PAPER["environment"] | {"solar_activity": "OBSERVED"} | knowledge
-    rows = settings.force_models(PAPER | {"environment": environment}).rows
+    rows = settings_tables.force_models(PAPER | {"environment": environment}).rows
     assert next(row for row in rows if row[0] == "solar activity")[1:] == ["OBSERVED, percentile 50", told]

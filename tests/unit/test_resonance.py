@@ -5,12 +5,12 @@ import pandas as pd
 import pytest
 from support import ASSUMED_BODIES, EPOCH, environment
 
-from opml.catalog import resonance
-from opml.constants import DAY, EARTH_RATE, HOUR
+from opml.base.constants import DAY, EARTH_RATE, HOUR
+from opml.catalog.predict import resonance
 from opml.dynamics import forces
 from opml.dynamics.ensemble import Integrator, propagate
-from opml.elements import cartesian_from_coe, rsw_rotation
 from opml.environment import gravity_field
+from opml.orbits.elements import cartesian_from_coe, rsw_rotation
 from opml.tables import STATE
 
 GM = 3.986004415e14

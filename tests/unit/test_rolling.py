@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from opml.errors import InputError
-from opml.learning.rolling import Rolling, by_day, roll
+from opml.base.errors import InputError
+from opml.learning.judge.rolling_origins import Rolling, by_day, roll
 
 DAY = 86400.0
 

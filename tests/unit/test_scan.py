@@ -7,14 +7,15 @@ import pandas as pd
 import pytest
 from support import paper_values, study_of
 
-from opml.figures import scan as figures
-from opml.report import document, scan
-from opml.report.scan import Combination
+from opml.readings import scan_figure as figures
+from opml.readings import scan_report
+from opml.readings.scan import scan as scanned
+from opml.readings.scan_report import Combination
+from opml.report import document
 from opml.study.checks import load
 from opml.study.experiments import Study
 from opml.study.paper import Paper
-from opml.study.scan import scan as scanned
-from opml.study.settings import merged
+from opml.study.settings.merging import merged
 
 ROOT = Path(__file__).parents[2]
 
@@ -81,13 +82,13 @@ def test_the_nearest_comes_first(asked):
         own = published.get(Combination("svr").of(one).path("").replace("-unfenced", ""), 50.0)
         return own + (1.0 if one.learner == "svr_s5.6" and not one.window else 5.0)
 
-    found = scan.outcomes(asked, metrics(asked, p_ml))
+    found = scan_report.outcomes(asked, metrics(asked, p_ml))
     assert len(found) == 16
     assert found[0].combination.learner == "svr_s5.6"
     assert found[0].distance == pytest.approx(1.0)
     assert (found[0].near, found[-1].near) == (8, 0)
     assert len(found[0].held) == 10
-    text = document.markdown(scan.document(asked, metrics(asked, p_ml)))
+    text = document.markdown(scan_report.document(asked, metrics(asked, p_ml)))
     assert "| the paper |  |  |  |  | 18.3 | 22.6 |" in text
     assert "| `svr_s5.6` | 1.0 | 8 |" in text
 

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from opml.catalog.scatter import excess
-from opml.constants import HOUR
+from opml.base.constants import HOUR
+from opml.catalog.fit.scatter import excess
 
 COUNT = 600
 

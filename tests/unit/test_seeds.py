@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from opml.seeds import derive
+from opml.base.seeds import derive
 
 
 def test_same_names_give_the_same_numbers():

@@ -4,11 +4,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from opml.catalog import prediction, sensitivity
-from opml.catalog.estimation import COVARIANCES
-from opml.constants import DAY
+from opml.base.constants import DAY
+from opml.catalog.fit.estimation import COVARIANCES
+from opml.catalog.predict import prediction, sensitivity
 from opml.dynamics.ensemble import Integrator, propagate
-from opml.elements import cartesian_from_coe, rsw_rotation
+from opml.orbits.elements import cartesian_from_coe, rsw_rotation
 from opml.tables import SCHEMAS, STATE
 
 TIMES = np.array([0.0, 0.3, 1.1, 2.0, 2.9]) * DAY

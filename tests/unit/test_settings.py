@@ -6,13 +6,14 @@ import pytest
 from support import EXCERPTS, paper_source, setting_keys
 
 from opml import naming, tables
-from opml.errors import InputError
-from opml.reading import read_yaml
+from opml.base.constants import BODIES
+from opml.base.errors import InputError
+from opml.base.yaml_files import read_yaml
 from opml.study import checks
 from opml.study.experiments import Study
-from opml.study.overlay import COMMAND_LINE, Layer, Source, laid_over, with_numbers
-from opml.study.schema import read_schema
-from opml.study.settings import merged, with_sheets
+from opml.study.settings.merging import merged, with_sheets
+from opml.study.settings.overlay import COMMAND_LINE, Layer, Source, laid_over, with_numbers
+from opml.study.settings.schema import read_schema
 
 ROOT = Path(__file__).parents[2]
 SCHEMA = ROOT / "workflow" / "schemas" / "config.schema.yaml"
@@ -80,7 +81,7 @@ def test_learning_variables_are_the_tables_columns():
 
 def test_third_bodies_are_the_tables_columns():
     schema = read_yaml(SCHEMA)["$defs"]["force_model"]["properties"]["third_bodies"]["items"]["enum"]
-    assert tuple(schema) == tables.BODIES
+    assert tuple(schema) == BODIES
     assert read_yaml(SCHEMA)["$defs"]["component"]["enum"] == list(tables.COMPONENTS)
 
 
@@ -560,7 +561,7 @@ def test_files_that_hold_no_tracks_are_told(tmp_path, content):
 
 
 def test_tracks_and_an_orbit_of_one_rso_are_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(checks.gathering, "check", lambda *_, **__: None)
+    monkeypatch.setattr(checks.orbit_from_files, "check", lambda *_, **__: None)
     refusal = refused(with_tracks(tmp_path, "orbits: {mine: a.tdm}"))
     assert "tracks.mine: expected tracks, or an orbit under orbits or oem, got both" in refusal
 

@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from opml.constants import SRP_DISTANCE, SRP_PRESSURE, WGS84_A
-from opml.dynamics import shadow_edges, surroundings
+from opml.base.constants import SRP_DISTANCE, SRP_PRESSURE, WGS84_A
 from opml.dynamics.ensemble import Integrator, propagate
-from opml.dynamics.radiation_pressure import lit_part
-from opml.dynamics.surroundings import BODIES, SUN_ITRF
-from opml.elements import cartesian_from_coe
+from opml.dynamics.kernels import shadow_edges, surroundings
+from opml.dynamics.kernels.radiation_pressure import lit_part
+from opml.dynamics.kernels.surroundings import BODIES, SUN_ITRF
+from opml.orbits.elements import cartesian_from_coe
 
 REFLECTION = 6.0
 """A hundred times the paper's Cr A/m, so that what edges do stands out."""

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from opml.errors import InputError
-from opml.sheets import read_rsos, read_stations
+from opml.base.errors import InputError
+from opml.orbits.sheets import read_rsos, read_stations
 
 CONFIG = Path(__file__).parents[2] / "config"
 STATIONS, RSOS = read_stations(CONFIG / "stations.tsv"), read_rsos(CONFIG / "rsos.tsv")

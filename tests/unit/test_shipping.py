@@ -17,7 +17,7 @@ PROJECT = tomllib.loads((REPOSITORY / "pyproject.toml").read_text(encoding="utf-
 def test_the_image_copies_files_that_are_there():
     sources = [name for step, text in STEPS if step == "COPY" for name in text.split()[:-1]]
     assert [name for name in sources if not (REPOSITORY / name).exists()] == []
-    links = (REPOSITORY / "src" / "opml" / "project").iterdir()
+    links = (REPOSITORY / "src" / "opml" / "workflow" / "project").iterdir()
     assert {"requirements.lock", "pyproject.toml", *(link.name for link in links)} <= set(sources)
 
 

@@ -5,11 +5,11 @@ import pandas as pd
 import pytest
 from mornings import RATE, SIZES, replays
 
-from opml import rsw_covariance
-from opml.constants import DAY
-from opml.errors import InputError
-from opml.learning import calibration
-from opml.learning.sizes import INSIDE, Sizes, as_known, widening
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.learning.judge import calibration
+from opml.learning.judge.error_sizes import INSIDE, Sizes, as_known, widening
+from opml.orbits import rsw_covariance
 from opml.tables import COMPONENTS, SIGMA_STATE, SPREAD
 
 AHEAD = pd.DataFrame({"duration": [DAY, 7.0 * DAY], "rate": RATE} | dict.fromkeys(SPREAD, 0.0))

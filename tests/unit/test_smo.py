@@ -5,9 +5,10 @@ import pytest
 from sklearn.svm import SVR
 from threadpoolctl import threadpool_limits
 
-from opml.errors import InputError
-from opml.learning import metrics, smo
-from opml.learning.gaussian_kernel import expansion
+from opml.base.errors import InputError
+from opml.learning.judge import metrics
+from opml.learning.models import smo
+from opml.learning.models.gaussian_kernel import expansion
 
 EPSILON = 0.1
 TIGHT = 1e-5

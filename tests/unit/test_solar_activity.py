@@ -7,10 +7,10 @@ import pandas as pd
 import pytest
 from support import shared
 
-from opml import epochs
-from opml.constants import DAY
+from opml.base import epochs
+from opml.base.constants import DAY
+from opml.base.errors import InputError
 from opml.environment import nodes, solar_activity
-from opml.errors import InputError
 
 EPOCH = "2016-09-28T12:09:45"
 REFERENCE = Path(__file__).parents[1] / "reference" / "solar_activity.csv"

@@ -6,9 +6,9 @@ from orbit_files import AHEAD_OF_UTC
 from orbit_files import sp3 as written
 from support import EPOCH
 
-from opml.errors import InputError
+from opml.base.errors import InputError
 from opml.interop import sp3
-from opml.interop.arcs import contents
+from opml.interop.orbit_arcs import contents
 
 T = np.array([0.0, 60.0, 120.0, 180.0])
 STATES = np.random.default_rng(1).uniform(-7e6, 7e6, (4, 6)) * np.repeat([1.0, 1e-3], 3)

@@ -8,10 +8,10 @@ import pandas as pd
 import pytest
 from support import shared
 
-from opml import epochs
-from opml.constants import DAY
+from opml.base import epochs
+from opml.base.constants import DAY
+from opml.base.errors import InputError
 from opml.environment import nodes, solar_activity, space_weather
-from opml.errors import InputError
 
 EPOCH = "2016-09-28T12:09:45"
 CSV = """# a comment

@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from opml.errors import InputError
-from opml.learning import splits
-from opml.learning.cleaning import OUTSIDE_FENCES
+from opml.base.errors import InputError
+from opml.learning.data import splits
+from opml.learning.data.cleaning import OUTSIDE_FENCES
 
 DAY = 86400.0
 SPAN = [0, 30]

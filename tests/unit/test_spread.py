@@ -5,15 +5,15 @@ import pandas as pd
 import pytest
 from support import EPOCH, environment, force_model
 
-from opml.catalog import spread
-from opml.catalog.estimation import COVARIANCES
-from opml.catalog.flying import fly_pairs
-from opml.catalog.truth import initial_state
-from opml.constants import DAY, HOUR
+from opml.base.constants import DAY, HOUR
+from opml.catalog.fit.estimation import COVARIANCES
+from opml.catalog.flight import fly_pairs
+from opml.catalog.predict import spread
+from opml.catalog.simulate.truth import initial_state
 from opml.dynamics.ensemble import Integrator
 from opml.dynamics.forces import with_outlooks
-from opml.elements import in_rsw
 from opml.environment import knowledge
+from opml.orbits.elements import in_rsw
 from opml.tables import PARAMETERS, SCHEMAS, SPREAD, STATE
 
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from support import EPOCH, environment, force_model
 
-from opml import epochs
-from opml.constants import BODIES as NAMES
-from opml.constants import DAY, EARTH_RATE
-from opml.dynamics import dtm2000, surroundings
-from opml.dynamics.lanes import WIDTH
-from opml.dynamics.surroundings import BODIES, CLOCK, ROTATION, SPIN, SUN_ITRF
-from opml.environment import earth_orientation, ephemerides, solar_activity
+from opml.base import epochs
+from opml.base.constants import BODIES as NAMES
+from opml.base.constants import DAY, EARTH_RATE
+from opml.dynamics.kernels import dtm2000, surroundings
+from opml.dynamics.kernels.lanes import WIDTH
+from opml.dynamics.kernels.surroundings import BODIES, CLOCK, ROTATION, SPIN, SUN_ITRF
+from opml.environment import celestial_bodies, earth_orientation, solar_activity
 
 TIMES = [0.0, 1.0, 3599.9, DAY * 3 + 1234.5, DAY * 17 + 0.25, DAY * 49.99]
 
@@ -91,7 +91,7 @@ def test_spin_is_the_rate_of_the_rotation(model):
 
 @pytest.mark.parametrize("t", TIMES)
 def test_bodies_between_the_nodes_are_the_ephemerides(model, t):
-    row = ephemerides.tabulate("DE440", EPOCH, np.array([t])).iloc[0]
+    row = celestial_bodies.tabulate("DE440", EPOCH, np.array([t])).iloc[0]
     expected = np.array([[row[f"{name}_{axis}"] for axis in "xyz"] for name in NAMES])
     rotation, _, sun_itrf, bodies, _ = looked_up(t, model)
     error = np.linalg.norm(bodies - expected, axis=1)

@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.distance import pdist
 from sklearn.svm import SVR
 
-from opml.errors import InputError
-from opml.learning import gaussian_kernel, kernel_scale, learners, svr
+from opml.base.errors import InputError
+from opml.learning.models import gaussian_kernel, kernel_scale, learners, svr
 from opml.tables import read_metadata, read_table, write_table
 
 VARIABLES = ("duration", "d_a", "cd_b", "constant")

@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from opml import tables
-from opml.errors import InputError
-from opml.learning import learners
-from opml.tables import SCHEMAS, read_metadata, read_table, write_table
+from opml.base.errors import InputError
+from opml.learning.models import learners
+from opml.tables import SCHEMAS, parquet, read_metadata, read_table, write_table
 
 TABLES = SCHEMAS | {schema.name: schema for schema in learners.schemas()}
 METADATA = {"epoch": "2016-09-28T12:09:45", "seed": 42, "gm": {"sun": 1.32712440041279419e20}}
@@ -88,7 +88,7 @@ def test_a_failed_write_keeps_the_old_table(truth, monkeypatch):
         Path(path).write_bytes(b"PAR1 half")
         raise OSError("disk full")
 
-    monkeypatch.setattr(tables.pq, "write_table", fail)
+    monkeypatch.setattr(parquet.pq, "write_table", fail)
     with pytest.raises(OSError, match="disk full"):
         write_table(truth, example("truth", rows=9), "truth", metadata={})
     assert truth.read_bytes() == before
@@ -171,4 +171,4 @@ def test_model_schema_follows_the_variables(tmp_path):
 def test_data_page_describes_the_schemas():
     page = Path(__file__).parents[2] / "docs" / "data.md"
     expected = tables.markdown(learners.schemas()) + "\n"
-    assert page.read_text() == expected, "run: python -m opml.learning.learners > docs/data.md"
+    assert page.read_text() == expected, "run: python -m opml.learning.models.learners > docs/data.md"

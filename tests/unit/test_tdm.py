@@ -5,9 +5,9 @@ import pandas as pd
 import pytest
 from support import EPOCH
 
-from opml.catalog import tracking, truth
+from opml.base.errors import InputError
+from opml.catalog.simulate import tracking, truth
 from opml.dynamics.ensemble import Integrator
-from opml.errors import InputError
 from opml.interop import ccsds, tdm
 
 

@@ -7,10 +7,11 @@ import pandas as pd
 import pytest
 from support import REPOSITORY
 
-from opml.catalog import drawn, thermometer
-from opml.catalog.thermometer import Reading, Thermometer
-from opml.constants import DAY, HOUR
-from opml.sheets import read_rsos
+from opml.base.constants import DAY, HOUR
+from opml.catalog.predict import thermometer
+from opml.catalog.predict.thermometer import Reading, Thermometer
+from opml.orbits import random_sheet
+from opml.orbits.sheets import read_rsos
 from opml.tables import SCHEMAS, STATE
 
 SETTINGS = Thermometer(
@@ -213,8 +214,8 @@ def test_correction_is_the_arcs_where_all_agree():
 
 
 def test_catalogue_is_what_its_remark_says():
-    expected = drawn.sheet("sky", 40, 7)
+    expected = random_sheet.sheet("sky", 40, 7)
     path = REPOSITORY / "config" / "catalogue.tsv"
     assert path.read_text(encoding="utf-8") == expected
     assert len(read_rsos(path)) == 40
-    assert drawn.sheet("sky", 3, 7) == "".join(expected.splitlines(keepends=True)[:4])
+    assert random_sheet.sheet("sky", 3, 7) == "".join(expected.splitlines(keepends=True)[:4])

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from support import in_rows
 
-from opml.constants import GM
-from opml.dynamics.lanes import load, store
-from opml.dynamics.third_body import third_bodies
+from opml.base.constants import GM
+from opml.dynamics.kernels.lanes import load, store
+from opml.dynamics.kernels.third_body import third_bodies
 
 SUN = (-1.49e11, -1.3e10, -5.8e9)
 MOON = (-3.7e8, 1.1e8, 4.7e7)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from opml.catalog.three_positions import gibbs, herrick_gibbs, state, unturned, velocity
-from opml.constants import EARTH_GM, EARTH_RATE
-from opml.elements import cartesian_from_coe, coe_from_cartesian, true_from_mean_anomaly
+from opml.base.constants import EARTH_GM, EARTH_RATE
+from opml.catalog.fit.three_positions import gibbs, herrick_gibbs, state, unturned, velocity
+from opml.orbits.elements import cartesian_from_coe, coe_from_cartesian, true_from_mean_anomaly
 
 
 def kepler(t, *, a=6.8e6, e=0.01):

@@ -6,8 +6,9 @@ import pytest
 import sklearn.svm
 
 import opml
-from opml.errors import InputError
-from opml.learning import evaluation, learners, together
+from opml.base.errors import InputError
+from opml.learning.models import learners
+from opml.readings import joint_standardisation, own_standardisation
 
 VARIABLES = ["duration", "inc"]
 SVR = {"kind": "svr", "kernel_scale": 1.5, "c": 1.0, "epsilon": 0.1, "tol": 1e-6, "variables": VARIABLES}
@@ -24,7 +25,7 @@ TRAINED, TESTED = rows(120, 0, around=[10.0, 50.0]), rows(60, 1, around=[14.0, 5
 
 
 def train(settings, tested=TESTED):
-    return together.train(TRAINED, tested, component="e_y", settings=settings, seed=42)
+    return joint_standardisation.train(TRAINED, tested, component="e_y", settings=settings, seed=42)
 
 
 @pytest.mark.parametrize(
@@ -71,7 +72,7 @@ def test_a_test_like_the_training_changes_next_to_nothing():
 
 def test_the_model_meets_rows_as_they_are():
     model = train(SVR)
-    assert evaluation.as_tested(model, "rest-together") is model
+    assert own_standardisation.as_tested(model, "rest-together") is model
     x = TESTED[VARIABLES].to_numpy()
     np.testing.assert_array_equal(model.predict(x[:1]), model.predict(x)[:1])
 

@@ -7,13 +7,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from opml.catalog import tracking, truth
-from opml.catalog.observing import observe, site
-from opml.constants import DAY, WGS84_A
+from opml.base.constants import DAY, WGS84_A
+from opml.base.errors import InputError
+from opml.catalog.simulate import tracking, truth
+from opml.catalog.simulate.observing import observe, site
 from opml.dynamics.ensemble import Integrator
 from opml.dynamics.frames import gcrf_to_itrf
-from opml.elements import wrap_half_turn
-from opml.errors import InputError
+from opml.orbits.elements import wrap_half_turn
 
 
 @pytest.fixture(scope="module")

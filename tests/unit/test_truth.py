@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from support import rsos
 
-from opml.catalog import truth
-from opml.constants import DAY, HOUR, WGS84_A
+from opml.base.constants import DAY, HOUR, WGS84_A
+from opml.base.errors import InputError
+from opml.catalog.simulate import truth
 from opml.dynamics.ensemble import Integrator
-from opml.elements import coe_from_cartesian
-from opml.errors import InputError
+from opml.orbits.elements import coe_from_cartesian
 from opml.tables import STATE
 
 GM = 3.986004415e14

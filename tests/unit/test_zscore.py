@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from opml.errors import InputError
-from opml.learning import baselines, evaluation, ridge, zscore
+from opml.base.errors import InputError
+from opml.learning.models import baselines, ridge
+from opml.readings import own_standardisation
 
 VARIABLES = ("duration", "inc")
 
@@ -18,7 +19,7 @@ def model():
 
 
 def test_rows_meet_the_model_with_the_mean_and_deviation_of_its_own(model):
-    rescaled = zscore.Rescaled.around(model)
+    rescaled = own_standardisation.Rescaled.around(model)
     x = np.random.default_rng(1).normal([100.0, -7.0], [5.0, 30.0], (50, 2))
     z = (x - x.mean(axis=0)) / x.std(axis=0, ddof=1)
     np.testing.assert_allclose(rescaled.predict(x), model.predict(model.x_mean + model.x_scale * z))
@@ -26,7 +27,7 @@ def test_rows_meet_the_model_with_the_mean_and_deviation_of_its_own(model):
 
 
 def test_where_the_test_lies_does_not_matter_then(model):
-    rescaled = zscore.Rescaled.around(model)
+    rescaled = own_standardisation.Rescaled.around(model)
     x = np.random.default_rng(1).normal(size=(50, 2))
     np.testing.assert_allclose(rescaled.predict(1e3 + 20.0 * x), rescaled.predict(x))
     assert abs(model.predict(1e3 + 20.0 * x) - model.predict(x)).min() > 1e3
@@ -34,13 +35,13 @@ def test_where_the_test_lies_does_not_matter_then(model):
 
 def test_a_variable_that_never_changes_is_at_the_mean(model):
     x = np.column_stack([np.arange(5.0), np.full(5, 12.0)])
-    found = zscore.Rescaled.around(model).predict(x)
+    found = own_standardisation.Rescaled.around(model).predict(x)
     np.testing.assert_allclose(found.mean(), 2.0 * model.x_mean[0] + 3.0 * model.x_mean[1], rtol=1e-6)
 
 
 def test_only_the_name_of_a_test_asks_for_it(model):
-    assert evaluation.as_tested(model, "days-30-40-unfenced") is model
-    assert isinstance(evaluation.as_tested(model, "rest-zscore"), zscore.Rescaled)
+    assert own_standardisation.as_tested(model, "days-30-40-unfenced") is model
+    assert isinstance(own_standardisation.as_tested(model, "rest-zscore"), own_standardisation.Rescaled)
     none = baselines.NONE.fit(np.zeros((2, 0)), np.ones(2), variables=(), settings={}, seed=1)
     with pytest.raises(InputError, match="-zscore: expected a model that standardises"):
-        evaluation.as_tested(none, "rest-zscore")
+        own_standardisation.as_tested(none, "rest-zscore")

@@ -22,7 +22,7 @@ def command(*arguments, source: Path = ROOT) -> list[str]:
 # that are forked from one that has them begin at the first line of Snakemake's own main.
 _STARTS = multiprocessing.get_context("forkserver")
 _STARTS.set_forkserver_preload(
-    ["snakemake.cli", "snakemake.dag", "opml.study.checks", "opml.study.honest", "opml.study.own"]
+    ["snakemake.cli", "snakemake.dag", "opml.study.checks", "opml.study.beyond", "opml.study.own_study"]
 )
 
 

@@ -13,9 +13,9 @@ from jplephem.spk import SPK
 from project import Project
 from refusals import amiss
 
+from opml.base.errors import InputError
 from opml.environment import gravity_field, solar_activity
-from opml.errors import InputError
-from opml.learning import learners
+from opml.learning.models import learners
 from opml.tables import read_table
 
 CI = "--configfile=config/ci.yaml"

@@ -9,7 +9,7 @@ from following import REAL_RUN, Reader, blocks, files, page, plans
 from project import ROOT
 from weather_files import up_to
 
-from opml.constants import DAY
+from opml.base.constants import DAY
 from opml.interop import oem
 from opml.tables import read_table
 

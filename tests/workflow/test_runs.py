@@ -12,7 +12,7 @@ import pyarrow.parquet as pq
 import pytest
 from project import ROOT, Project, command
 
-from opml.learning import learners
+from opml.learning.models import learners
 from opml.tables import SCHEMAS, read_metadata, read_table
 
 pytestmark = pytest.mark.dag

@@ -5,23 +5,26 @@ import time
 from dataclasses import asdict
 from pathlib import Path
 
-from opml import naming, sheets, tables
+from opml import naming, tables
+from opml.orbits import sheets
 from opml.environment import knowledge, nrlmsis
 from opml.environment.forecasts import methods
-from opml.errors import InputError
-from opml.files import PROJECT
-from opml.learning import learners, paths
-from opml.learning.contract import ARC_MEMORY_DAYS
-from opml.provenance import script_digest
-from opml.report.settings import weather
-from opml.study import flights
+from opml.base.errors import InputError
+from opml.base.files import PROJECT
+from opml.learning.data import components
+from opml.learning.models import learners
+from opml.learning.models.contract import ARC_MEMORY_DAYS
+from opml.base.provenance import script_digest
+from opml.report.sections import SECTIONS, section_of
+from opml.report.settings_tables import weather
+from opml.study import shared_truths
 from opml.study.checks import check_data, load
 from opml.study.experiments import Study
-from opml.study.honest import Honest
-from opml.study.overlay import COMMAND_LINE, Layer, with_numbers
-from opml.study.own import Own
+from opml.study.beyond import Honest
+from opml.study.settings.overlay import COMMAND_LINE, Layer, with_numbers
+from opml.study.own_study import Own
 from opml.study.paper import Paper
-from opml.study.settings import merged
+from opml.study.settings.merging import merged
 
 
 def end(error):
@@ -237,7 +240,7 @@ def learner(wildcards):
     """The learner that a file name asks for, and the variables it learns from; of e_y where it names none."""
     return learners.resolved(
         naming.parse_learner(wildcards.learner, config["learners"]),
-        component=wildcards.get("component", paths.CORRECTED),
+        component=wildcards.get("component", components.CORRECTED),
         variables=config["learning"]["variables"],
     )
 

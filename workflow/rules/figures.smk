@@ -1,6 +1,5 @@
 # Figures. The first rule draws the errors of any evaluation by its name. All others inherit its environment and its
 # `script`, whose name their params give. Each part of the paper's study has its own rules.
-SECTIONS = naming.SECTIONS
 
 
 wildcard_constraints:
@@ -138,7 +137,7 @@ if "evaluations" in STUDY:
                 "{evaluation}_absolute",
                 "{evaluation}_signed",
                 caption="svr",
-                section=lambda wildcards: PAPER.evaluations[wildcards.evaluation].section,
+                section=lambda wildcards: section_of(PAPER.evaluations[wildcards.evaluation]),
             ),
         log:
             f"{RESULTS}/logs/figs/{{evaluation}}.log",

@@ -1,5 +1,5 @@
 # Combinations of readings of what the paper leaves open, held against its numbers and sentences.
-from opml.study.scan import scan as scanned
+from opml.readings.scan import scan as scanned
 
 if "scan" in STUDY:
     SCAN = scanned(PAPER)

@@ -1,6 +1,6 @@
 # The paper's 'Truth Dynamic Models'. RSOs that the study names fly together, any other one alone.
-NAMED = [*CATALOGUE, *flights.named(PAPER, HONEST, OWN)]
-FLIGHTS = flights.flights(STUDY, dict.fromkeys(NAMED), results=Path(RESULTS))
+NAMED = [*CATALOGUE, *shared_truths.named(PAPER, HONEST, OWN)]
+FLIGHTS = shared_truths.flights(STUDY, dict.fromkeys(NAMED), results=Path(RESULTS))
 FLOWN_BY = {
     "epoch": config["epoch"],
     "duration_days": config["duration_days"],

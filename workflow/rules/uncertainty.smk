@@ -46,7 +46,7 @@ rule fit_calibration:
     wildcard_constraints:
         test=naming.TEST_BY_ROW,
         learner="none",
-        component=paths.CORRECTED,
+        component=components.CORRECTED,
     conda:
         "../envs/opml.yaml"
     params:

@@ -1,14 +1,15 @@
 """Gather what fits over another window, and the past of their Cd, say of each prediction."""
 
-from opml.catalog import arcs, force_model
-from opml.constants import HOUR
-from opml.jobs import job, progress
-from opml.sheets import Rso
+from opml.base.constants import HOUR
+from opml.catalog.predict import other_windows
+from opml.dynamics import force_model
+from opml.orbits.sheets import Rso
 from opml.tables import read_metadata, read_table, write_table
+from opml.workflow.jobs import job, progress
 
 with job(snakemake) as metadata:
     settings, files = snakemake.params.settings, snakemake.input
-    table = arcs.build(
+    table = other_windows.build(
         force_model.read(files, epoch=settings["epoch"], settings=settings["force_model"]),
         read_table(files.predictions, "predictions"),
         Rso(**settings["rso"]),

@@ -1,11 +1,11 @@
 """Make corrected ephemerides on a regular grid ahead of estimates."""
 
-from opml import corrected
-from opml.constants import DAY
-from opml.jobs import job, progress
-from opml.learning import dataset
-from opml.learning.lessons import Lessons
+from opml.base.constants import DAY
+from opml.ephemerides import corrected
+from opml.learning.data import dataset
+from opml.learning.models.daily_training import Lessons
 from opml.tables import read_table, write_table
+from opml.workflow.jobs import job, progress
 
 with job(snakemake) as metadata:
     settings, files = snakemake.params.settings, snakemake.input

@@ -1,9 +1,9 @@
 """Draw the errors of one corrected ephemeris against the estimates of later tracks."""
 
-from opml.corrected import held_against
-from opml.figures import ephemeris, style
-from opml.jobs import job
+from opml.ephemerides.corrected import held_against
+from opml.figures import later_errors, style
 from opml.tables import read_table
+from opml.workflow.jobs import job
 
 with job(snakemake):
     table = read_table(snakemake.input.corrected, "corrected")
@@ -11,5 +11,5 @@ with job(snakemake):
     errors = held_against(first, read_table(snakemake.input.estimates, "estimates"))
     settings = snakemake.params.settings
     told = "{rso} by {stations}; corrected by {learner} trained on {train}"
-    figure = ephemeris.later_errors(errors, level=settings["level"], note=told.format(**settings))
+    figure = later_errors.later_errors(errors, level=settings["level"], note=told.format(**settings))
     style.save_all([figure], [snakemake.output.pdf], [snakemake.output.png])

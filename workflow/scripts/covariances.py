@@ -1,9 +1,10 @@
 """Carry the covariance of each estimate to its predictions."""
 
-from opml.catalog import covariance, force_model
-from opml.jobs import job, progress
-from opml.sheets import Rso
+from opml.catalog.predict import covariance
+from opml.dynamics import force_model
+from opml.orbits.sheets import Rso
 from opml.tables import read_table, write_table
+from opml.workflow.jobs import job, progress
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings

@@ -1,10 +1,10 @@
 """Build the dataset of learning variables and errors, true or labels, with each dropped row's reason."""
 
-from opml.constants import HOUR
-from opml.jobs import job
-from opml.learning import dataset
-from opml.learning.cleaning import Cleaning
+from opml.base.constants import HOUR
+from opml.learning.data import dataset
+from opml.learning.data.cleaning import Cleaning
 from opml.tables import read_metadata, read_table, write_table
+from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings, labels = snakemake.params.settings, snakemake.input.get("labels")

@@ -1,9 +1,9 @@
 """Tabulate the orientation of Earth on the environment's time grid."""
 
-from opml.constants import DAY
+from opml.base.constants import DAY
 from opml.environment import earth_orientation, nodes
-from opml.jobs import job
 from opml.tables import write_table
+from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings

@@ -1,13 +1,13 @@
 """Tabulate the third bodies on the environment's time grid."""
 
-from opml.constants import DAY
-from opml.environment import ephemerides, nodes
-from opml.jobs import job
+from opml.base.constants import DAY
+from opml.environment import celestial_bodies, nodes
 from opml.tables import write_table
+from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings
     t = nodes(settings["epoch"], DAY * settings["duration_days"])
-    table = ephemerides.tabulate(settings["kernel"], settings["epoch"], t)
-    metadata |= ephemerides.metadata(settings["kernel"])
+    table = celestial_bodies.tabulate(settings["kernel"], settings["epoch"], t)
+    metadata |= celestial_bodies.metadata(settings["kernel"])
     write_table(snakemake.output[0], table, "ephemerides", metadata=metadata)

@@ -1,18 +1,18 @@
 """Draw mean and spread of the absolute errors of one evaluation."""
 
-from opml.figures import context, errors, style
-from opml.jobs import job
-from opml.learning.cleaning import Cleaning
+from opml.figures import notes, prediction_errors, style
+from opml.learning.data.cleaning import Cleaning
 from opml.tables import read_table
+from opml.workflow.jobs import job
 
 with job(snakemake):
     settings, files = snakemake.params.settings, snakemake.input
-    told = context.of_experiment(
+    told = notes.of_experiment(
         settings,
         read_table(files.metrics[0], "metrics"),
         read_table(files.dataset[0], "dataset"),
         Cleaning.from_settings(settings["cleaning"]),
     )
     evaluation = read_table(files.evaluation[0], "evaluation")
-    figure = errors.errorbar_absolute(evaluation, component=settings["component"], context=told)
+    figure = prediction_errors.errorbar_absolute(evaluation, component=settings["component"], context=told)
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

@@ -1,9 +1,10 @@
 """Estimate state and drag coefficient at each track's start."""
 
-from opml.catalog import estimation, force_model, starting
-from opml.jobs import job, progress
-from opml.sheets import Rso, Station
+from opml.catalog.fit import estimation, start_states
+from opml.dynamics import force_model
+from opml.orbits.sheets import Rso, Station
 from opml.tables import read_kind, read_table, write_table
+from opml.workflow.jobs import job, progress
 
 with job(snakemake) as metadata:
     settings, files = snakemake.params.settings, snakemake.input
@@ -12,7 +13,7 @@ with job(snakemake) as metadata:
     start = read_table(files.start, read_kind(files.start))
     table = estimation.estimate_all(
         force_model.read(files, epoch=settings["epoch"], settings=settings["force_model"]),
-        starting.chosen(start, tracking, rso=rso.name, settings=asked, seed=settings["seed"]),
+        start_states.chosen(start, tracking, rso=rso.name, settings=asked, seed=settings["seed"]),
         tracking,
         read_table(files.earth_orientation, "earth_orientation"),
         [Station(**station) for station in settings["stations"]],

@@ -1,9 +1,9 @@
 """Draw the tracks that one estimate is made of."""
 
-from opml.constants import DAY
+from opml.base.constants import DAY
 from opml.figures import orbit, style
-from opml.jobs import job
 from opml.tables import read_table
+from opml.workflow.jobs import job
 
 with job(snakemake):
     settings = snakemake.params.settings

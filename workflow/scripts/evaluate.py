@@ -2,15 +2,18 @@
 
 import math
 
-from opml.jobs import job
-from opml.learning import learners, metrics, tested
-from opml.learning.evaluation import as_tested, evaluate
+from opml.learning.data import job_rows
+from opml.learning.judge import metrics
+from opml.learning.judge.evaluation import evaluate
+from opml.learning.models import learners
+from opml.readings.own_standardisation import as_tested
 from opml.tables import read_metadata, write_table
+from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings, files, output = snakemake.params.settings, snakemake.input, snakemake.output
     experiment = settings["experiment"]
-    table, rows, learned = tested.read(files, settings, beside=files.beside)
+    table, rows, learned = job_rows.read(files, settings, beside=files.beside)
     model = as_tested(learners.read(files.model), experiment["test"])
     corrected = evaluate(model, table, rows, component=experiment["component"])
     write_table(output.evaluation, corrected, "evaluation", metadata=metadata)

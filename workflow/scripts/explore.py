@@ -1,11 +1,11 @@
 """Write the page on which one turns the orbit and picks an estimate."""
 
+from opml.base.files import replacing
 from opml.figures import explore
-from opml.figures.labels import experiment
-from opml.files import replacing
-from opml.jobs import job
-from opml.sheets import Station
+from opml.figures.axis_labels import experiment
+from opml.orbits.sheets import Station
 from opml.tables import read_table
+from opml.workflow.jobs import job
 
 with job(snakemake):
     settings, files = snakemake.params.settings, snakemake.input

@@ -1,8 +1,8 @@
 """Write an orbit as CCSDS's orbit ephemeris message."""
 
 from opml.interop import oem
-from opml.jobs import job
 from opml.tables import read_metadata, read_table
+from opml.workflow.jobs import job
 
 with job(snakemake):
     settings = snakemake.params.settings

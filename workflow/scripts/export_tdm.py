@@ -1,8 +1,8 @@
 """Write tracks as CCSDS's tracking data message."""
 
 from opml.interop import tdm
-from opml.jobs import job
 from opml.tables import read_table
+from opml.workflow.jobs import job
 
 with job(snakemake):
     settings = snakemake.params.settings

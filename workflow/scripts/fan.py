@@ -1,8 +1,8 @@
 """Draw one prediction under many futures of the space weather."""
 
 from opml.figures import fan, style
-from opml.jobs import job
 from opml.tables import read_table
+from opml.workflow.jobs import job
 
 with job(snakemake):
     settings = snakemake.params.settings

@@ -1,11 +1,12 @@
 """Carry a given state to every measured track, or determine one from them."""
 
-from opml.catalog import first_orbit, force_model
-from opml.catalog.estimation import Estimation
+from opml.catalog.fit import first_orbit
+from opml.catalog.fit.estimation import Estimation
+from opml.dynamics import force_model
 from opml.interop import first_state
-from opml.jobs import job
-from opml.sheets import Rso, Station
+from opml.orbits.sheets import Rso, Station
 from opml.tables import read_table, write_table
+from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings, files = snakemake.params.settings, snakemake.input

@@ -1,13 +1,14 @@
 """Hold the fits' own covariances, carried to the predictions, against the predictions' errors."""
 
-from opml.jobs import job
-from opml.learning import calibration, tested
-from opml.learning.paths import POSITION
+from opml.learning.data import job_rows
+from opml.learning.data.components import POSITION
+from opml.learning.judge import calibration
 from opml.tables import POSITION_COVARIANCES, symmetric, write_table
+from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings, files = snakemake.params.settings, snakemake.input
-    table, rows, _ = tested.read(files, settings, beside=[files.covariances])
+    table, rows, _ = job_rows.read(files, settings, beside=[files.covariances])
     found = calibration.of_covariances(
         symmetric(table[rows], POSITION_COVARIANCES),
         table.loc[rows, POSITION].to_numpy(),

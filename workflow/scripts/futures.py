@@ -1,9 +1,9 @@
 """Tabulate the space weather as it may come, by so many futures about the forecast."""
 
-from opml.constants import DAY
+from opml.base.constants import DAY
 from opml.environment import knowledge, nodes
-from opml.jobs import job
 from opml.tables import write_table
+from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings

@@ -1,12 +1,13 @@
 """Put models against splits."""
 
-from opml.jobs import job
-from opml.learning import dataset, metrics, splits
-from opml.report import document, generalisation
+from opml.learning.data import dataset, splits
+from opml.learning.judge import metrics
+from opml.report import beyond, document
+from opml.study.beyond import Honest
 from opml.study.experiments import read_study
-from opml.study.honest import Honest
 from opml.study.paper import Paper
 from opml.tables import read_tables
+from opml.workflow.jobs import job
 
 with job(snakemake):
     files, output = snakemake.input, snakemake.output
@@ -19,7 +20,7 @@ with job(snakemake):
         table = dataset.read(path, [oracle])
         rows = splits.test_rows(table, test, span_days=study.span_days, trained=None)
         floors[stations] = metrics.floor_share(table, rows, component=study.defaults["component"])
-    blocks = generalisation.document(
+    blocks = beyond.document(
         honest.generalisation,
         read_tables(files.metrics, "metrics"),
         read_tables(files.coverage, "coverage"),

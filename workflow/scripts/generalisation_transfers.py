@@ -1,12 +1,12 @@
 """Draw P_ML of models on nearby RSOs."""
 
-from opml.figures import generalisation, style
-from opml.jobs import job
+from opml.figures import beyond, style
 from opml.tables import read_tables
+from opml.workflow.jobs import job
 
 with job(snakemake):
     settings = snakemake.params.settings
-    figure = generalisation.transfers(
+    figure = beyond.transfers(
         read_tables(snakemake.input, "metrics"),
         settings["curves"],
         published={target: p_ml for _, _, target, p_ml in settings["published"]},

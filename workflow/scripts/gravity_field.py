@@ -1,8 +1,8 @@
 """Read the gravity field and freeze it at the epoch."""
 
 from opml.environment import gravity_field
-from opml.jobs import job
 from opml.tables import write_table
+from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings

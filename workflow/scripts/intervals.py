@@ -2,14 +2,16 @@
 
 from functools import partial
 
-from opml.jobs import job
-from opml.learning import intervals, learners, tested
+from opml.learning.data import job_rows
+from opml.learning.judge import intervals
+from opml.learning.models import learners
 from opml.tables import write_table
+from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings, files = snakemake.params.settings, snakemake.input
     of, seed = settings["experiment"], settings["seed"]
-    training, test = tested.read_with_training(files, settings)
+    training, test = job_rows.read_with_training(files, settings)
     found = intervals.apply(
         partial(learners.train, component=of["component"], settings=settings["learner"], seed=seed),
         training,

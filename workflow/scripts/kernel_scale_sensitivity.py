@@ -1,8 +1,8 @@
 """Draw P_ML against the kernel scale, with the scales of the rules marked."""
 
-from opml.figures import curves, style
-from opml.jobs import job
+from opml.figures import p_ml_curves, style
 from opml.tables import read_metadata, read_tables
+from opml.workflow.jobs import job
 
 with job(snakemake):
     settings = snakemake.params.settings
@@ -10,5 +10,5 @@ with job(snakemake):
     rules = {}
     for (stations, rule), path in zip(settings["rules"], snakemake.input.models, strict=True):
         rules.setdefault(stations, {})[rule] = read_metadata(path)["kernel_scale"]
-    figure = curves.kernel_scale_sensitivity(metrics, rules, component=settings["component"])
+    figure = p_ml_curves.kernel_scale_sensitivity(metrics, rules, component=settings["component"])
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

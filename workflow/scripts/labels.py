@@ -1,9 +1,9 @@
 """Hold predictions against later estimates."""
 
-from opml.catalog import labels
-from opml.constants import HOUR
-from opml.jobs import job
+from opml.base.constants import HOUR
+from opml.catalog.predict import labels
 from opml.tables import read_table, write_table
+from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     table = labels.build(

@@ -1,8 +1,8 @@
 """Gather what a catalogue knows of why each prediction errs."""
 
-from opml.catalog import mechanism
-from opml.jobs import job
+from opml.catalog.predict import mechanism
 from opml.tables import mechanism_schema, read_metadata, read_table, write_table
+from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings, files = snakemake.params.settings, snakemake.input

@@ -1,8 +1,8 @@
 """Tell which part of each prediction's error comes from what."""
 
-from opml.catalog import oracle
-from opml.jobs import job
+from opml.catalog.simulate import oracle
 from opml.tables import read_metadata, read_table, write_table
+from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     files = snakemake.input

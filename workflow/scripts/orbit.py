@@ -1,8 +1,8 @@
 """Draw the orbit with its observations, and its osculating elements."""
 
 from opml.figures import orbit, style
-from opml.jobs import job
 from opml.tables import read_metadata, read_table
+from opml.workflow.jobs import job
 
 with job(snakemake):
     settings = snakemake.params.settings

@@ -1,9 +1,9 @@
 """Tabulate the space weather as it was forecast at each time of issue."""
 
-from opml.constants import DAY
+from opml.base.constants import DAY
 from opml.environment import knowledge, nodes
-from opml.jobs import job
 from opml.tables import OUTLOOKS, write_table
+from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings

@@ -1,8 +1,8 @@
 """Put the true states in the place of estimates."""
 
-from opml.catalog import oracle
-from opml.jobs import job
+from opml.catalog.simulate import oracle
 from opml.tables import read_table, write_table
+from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     table = oracle.perfect(

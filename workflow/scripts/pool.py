@@ -1,8 +1,8 @@
 """Put tables of several RSOs below each other."""
 
-from opml.jobs import job
-from opml.learning import dataset
+from opml.learning.data import dataset
 from opml.tables import SCHEMAS, mechanism_schema, read_kind, read_table, write_table
+from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings

@@ -1,9 +1,10 @@
 """Predict from each estimate to every later track start within reach."""
 
-from opml.catalog import force_model, prediction
-from opml.jobs import job, progress
-from opml.sheets import Rso
+from opml.catalog.predict import prediction
+from opml.dynamics import force_model
+from opml.orbits.sheets import Rso
 from opml.tables import read_table, write_table
+from opml.workflow.jobs import job, progress
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings

@@ -1,10 +1,10 @@
 """Run the mornings that are over again, and hold their ephemerides against what came."""
 
-from opml import corrected, replays
-from opml.jobs import job, progress
-from opml.learning import dataset
-from opml.learning.lessons import Lessons
+from opml.ephemerides import corrected, replays
+from opml.learning.data import dataset
+from opml.learning.models.daily_training import Lessons
 from opml.tables import read_table, write_table
+from opml.workflow.jobs import job, progress
 
 with job(snakemake) as metadata:
     settings, files = snakemake.params.settings, snakemake.input

@@ -2,11 +2,11 @@
 
 import pandas as pd
 
-from opml.jobs import job
 from opml.report import document, reproduction
 from opml.study.experiments import read_study
 from opml.study.paper import Paper
 from opml.tables import read_metadata, read_table, read_tables
+from opml.workflow.jobs import job
 
 with job(snakemake):
     files, output = snakemake.input, snakemake.output

@@ -2,14 +2,16 @@
 
 from functools import partial
 
-from opml.jobs import job
-from opml.learning import dataset, learners, rolling
+from opml.learning.data import dataset
+from opml.learning.judge import rolling_origins
+from opml.learning.models import learners
 from opml.tables import write_table
+from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings, files = snakemake.params.settings, snakemake.input
     learned = dataset.read(files.dataset, files.beside)
-    table = rolling.roll(
+    table = rolling_origins.roll(
         partial(
             learners.train,
             component=settings["component"],
@@ -18,7 +20,7 @@ with job(snakemake) as metadata:
         ),
         learned,
         dataset.read(files.judge, files.beside) if files.judge else learned,
-        rolling.Rolling(**settings["rolling"]),
+        rolling_origins.Rolling(**settings["rolling"]),
         component=settings["component"],
     )
     write_table(snakemake.output[0], table, "rolling", metadata=metadata)

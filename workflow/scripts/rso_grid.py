@@ -1,9 +1,9 @@
 """Draw mean and spread of the absolute errors of several RSOs side by side."""
 
-from opml.figures import context, errors, style
-from opml.jobs import job
-from opml.learning.cleaning import Cleaning
+from opml.figures import notes, prediction_errors, style
+from opml.learning.data.cleaning import Cleaning
 from opml.tables import read_table
+from opml.workflow.jobs import job
 
 with job(snakemake):
     settings, files = snakemake.params.settings, snakemake.input
@@ -13,8 +13,8 @@ with job(snakemake):
         rso = names["target"]
         evaluations[rso] = read_table(evaluation, "evaluation")
         all_of_them = names | {"rso": "each RSO", "target": "each RSO"}
-        contexts[rso] = context.of_experiment(
+        contexts[rso] = notes.of_experiment(
             all_of_them, read_table(metrics, "metrics"), read_table(dataset, "dataset"), cleaning
         )
-    figure = errors.rso_grid(evaluations, component=settings["component"], contexts=contexts)
+    figure = prediction_errors.rso_grid(evaluations, component=settings["component"], contexts=contexts)
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

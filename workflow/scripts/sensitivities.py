@@ -1,10 +1,10 @@
 """Compute how each prediction answers to the drag coefficient."""
 
-from opml.catalog import force_model
-from opml.catalog.sensitivity import sensitivities
-from opml.jobs import job, progress
-from opml.sheets import Rso
+from opml.catalog.predict.sensitivity import sensitivities
+from opml.dynamics import force_model
+from opml.orbits.sheets import Rso
 from opml.tables import read_table, write_table
+from opml.workflow.jobs import job, progress
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings

@@ -1,9 +1,9 @@
 """Tabulate solar and geomagnetic activity on the environment's time grid."""
 
-from opml.constants import DAY
+from opml.base.constants import DAY
 from opml.environment import nodes, solar_activity
-from opml.jobs import job
 from opml.tables import write_table
+from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings

@@ -1,9 +1,9 @@
 """Fly what tells how far drag and the weather ahead may take predictions."""
 
-from opml import corrected, replays
-from opml.catalog import spread
-from opml.jobs import job, progress
+from opml.catalog.predict import spread
+from opml.ephemerides import corrected, replays
 from opml.tables import read_table, write_table
+from opml.workflow.jobs import job, progress
 
 with job(snakemake) as metadata:
     settings, files = snakemake.params.settings, snakemake.input

@@ -1,16 +1,16 @@
 """Answer a study: models against splits, errors in metres, rows used."""
 
-from opml.jobs import job
-from opml.report import document, study
+from opml.report import document, own_study
 from opml.study.experiments import read_study
-from opml.study.own import Own
+from opml.study.own_study import Own
 from opml.tables import read_table, read_tables
+from opml.workflow.jobs import job
 
 with job(snakemake):
     files, output = snakemake.input, snakemake.output
     own = Own(read_study(snakemake.params.settings))
     stated = zip(own.stated, files.evaluations, strict=True)
-    blocks = study.document(
+    blocks = own_study.document(
         own.answer,
         read_tables(files.metrics, "metrics"),
         {key: read_table(path, "evaluation") for key, path in stated},

@@ -1,12 +1,12 @@
 """Draw nominal against achieved coverage of intervals and of ellipsoids, one panel per model."""
 
-from opml.figures import calibration as figures
+from opml.figures import reliability as figures
 from opml.figures import style
-from opml.jobs import job
-from opml.learning import calibration
-from opml.learning.choice import Mornings
-from opml.learning.paths import CORRECTED
+from opml.learning.data.components import CORRECTED
+from opml.learning.judge import calibration
+from opml.learning.judge.model_choice import Mornings
 from opml.tables import ELLIPSOID, read_table
+from opml.workflow.jobs import job
 
 with job(snakemake):
     settings, files = snakemake.params.settings, snakemake.input

@@ -2,10 +2,10 @@
 
 import pandas as pd
 
-from opml.figures import study, style
-from opml.figures.labels import with_weather
-from opml.jobs import job
+from opml.figures import own_study, style
+from opml.figures.axis_labels import with_weather
 from opml.tables import read_table
+from opml.workflow.jobs import job
 
 with job(snakemake):
     settings, files = snakemake.params.settings, snakemake.input
@@ -15,12 +15,12 @@ with job(snakemake):
     }
     dataset = read_table(files.dataset, "dataset")
     errors = [
-        study.daily_errors(dataset, component=settings["component"], day=day) for day in settings["marks"]
+        own_study.daily_errors(dataset, component=settings["component"], day=day) for day in settings["marks"]
     ]
-    figure = study.drag(
+    figure = own_study.drag(
         estimates,
         read_table(files.activity, "solar_activity"),
         pd.concat(errors),
-        note=with_weather(f"{settings['rso']} by {settings['stations']}; {study.UNCORRECTED}", settings),
+        note=with_weather(f"{settings['rso']} by {settings['stations']}; {own_study.UNCORRECTED}", settings),
     )
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

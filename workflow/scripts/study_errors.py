@@ -1,9 +1,9 @@
 """Draw the size of the errors before and after correction, one panel per model."""
 
-from opml.figures import study, style
-from opml.figures.labels import experiment, with_weather
-from opml.jobs import job
+from opml.figures import own_study, style
+from opml.figures.axis_labels import experiment, with_weather
 from opml.tables import read_table
+from opml.workflow.jobs import job
 
 with job(snakemake):
     settings = snakemake.params.settings
@@ -11,7 +11,7 @@ with job(snakemake):
         name: read_table(path, "evaluation")
         for name, path in zip(settings["learners"], snakemake.input, strict=True)
     }
-    figure = study.errors(
+    figure = own_study.errors(
         tables, component=settings["component"], note=with_weather(experiment(**settings), settings)
     )
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

@@ -1,9 +1,9 @@
 """Draw sizes of errors by duration: uncorrected, corrected by what the past chose, by each model."""
 
-from opml.figures import study, style
-from opml.jobs import job
-from opml.learning.choice import Mornings
+from opml.figures import own_study, style
+from opml.learning.judge.model_choice import Mornings
 from opml.tables import read_table
+from opml.workflow.jobs import job
 
 with job(snakemake):
     settings = snakemake.params.settings
@@ -11,7 +11,7 @@ with job(snakemake):
         name: read_table(path, "replay")
         for name, path in zip(settings["learners"], snakemake.input, strict=True)
     }
-    figure = study.residuals(
+    figure = own_study.residuals(
         Mornings.of(replays, settings["laws"], seed=settings["seed"]),
         laws=settings["laws"],
         note=settings["note"],

@@ -1,10 +1,10 @@
 """Draw P_ML by day of learners that are trained anew, beside the same ones trained once."""
 
-from opml.figures import study, style
-from opml.figures.labels import with_weather
-from opml.jobs import job
-from opml.learning.rolling import by_day
+from opml.figures import own_study, style
+from opml.figures.axis_labels import with_weather
+from opml.learning.judge.rolling_origins import by_day
 from opml.tables import read_table
+from opml.workflow.jobs import job
 
 with job(snakemake):
     settings = snakemake.params.settings
@@ -13,5 +13,5 @@ with job(snakemake):
     note = (
         f"{settings['rso']} by {settings['stations']}, {settings['last_days']:g} days to learn from at most"
     )
-    figure = study.rolling(days, every_days=settings["every_days"], note=with_weather(note, settings))
+    figure = own_study.rolling(days, every_days=settings["every_days"], note=with_weather(note, settings))
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

@@ -1,14 +1,14 @@
 """Draw true, ML-predicted and residual errors of one evaluation, absolute and signed."""
 
-from opml.figures import context, errors, style
-from opml.jobs import job
-from opml.learning.cleaning import Cleaning
+from opml.figures import notes, prediction_errors, style
+from opml.learning.data.cleaning import Cleaning
 from opml.tables import read_table
+from opml.workflow.jobs import job
 
 with job(snakemake):
     settings, files = snakemake.params.settings, snakemake.input
     evaluation = read_table(files.evaluation[0], "evaluation")
-    told = context.of_experiment(
+    told = notes.of_experiment(
         settings,
         read_table(files.metrics[0], "metrics"),
         read_table(files.dataset[0], "dataset"),
@@ -16,6 +16,6 @@ with job(snakemake):
     )
     figures = [
         draw(evaluation, component=settings["component"], context=told)
-        for draw in (errors.svr_absolute, errors.svr_signed)
+        for draw in (prediction_errors.svr_absolute, prediction_errors.svr_signed)
     ]
     style.save_all(figures, snakemake.output.pdf, snakemake.output.png)

@@ -1,8 +1,8 @@
 """Correct the predictions of an RSO by what the drag coefficients of many say together."""
 
-from opml.catalog import thermometer
-from opml.jobs import job
+from opml.catalog.predict import thermometer
 from opml.tables import read_table, write_table
+from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     files, settings = snakemake.input, snakemake.params.settings

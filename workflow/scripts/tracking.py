@@ -1,9 +1,9 @@
 """Simulate the tracks and measurements of an RSO by a station set."""
 
-from opml.catalog import tracking
-from opml.jobs import job
-from opml.sheets import Station
+from opml.catalog.simulate import tracking
+from opml.orbits.sheets import Station
 from opml.tables import read_table, write_table
+from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings

@@ -1,15 +1,15 @@
 """Take tracks that were really measured for those of an RSO."""
 
-from opml import epochs
-from opml.catalog import measured
+from opml.base import epochs
+from opml.catalog.fit import measured_tracks
 from opml.interop import tdm
-from opml.jobs import job
-from opml.sheets import Station
+from opml.orbits.sheets import Station
 from opml.tables import write_table
+from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings
-    table = measured.tracks(
+    table = measured_tracks.tracks(
         tdm.measurements(list(snakemake.input), epoch=settings["epoch"]),
         [Station(**station) for station in settings["stations"]],
     )

@@ -1,8 +1,9 @@
 """Train a learner on one error component."""
 
-from opml.jobs import job
-from opml.learning import dataset, learners, splits
+from opml.learning.data import dataset, splits
+from opml.learning.models import learners
 from opml.tables import write_table
+from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings

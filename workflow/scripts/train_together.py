@@ -1,13 +1,15 @@
 """Train a learner on one error component, with variables standardised over a test's rows, too."""
 
-from opml.jobs import job
-from opml.learning import learners, tested, together
+from opml.learning.data import job_rows
+from opml.learning.models import learners
+from opml.readings import joint_standardisation
 from opml.tables import write_table
+from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings, component = snakemake.params.settings, snakemake.params.settings["experiment"]["component"]
-    rows, test = tested.read_with_training(snakemake.input, settings)
-    model = together.train(
+    rows, test = job_rows.read_with_training(snakemake.input, settings)
+    model = joint_standardisation.train(
         rows, test, component=component, settings=settings["learner"], seed=settings["seed"]
     )
     weights, described = model.to_table()

@@ -1,13 +1,13 @@
 """Draw P_ML on other RSOs against what sets them apart."""
 
-from opml.figures import curves, style
-from opml.jobs import job
-from opml.learning.metrics import by_seed
+from opml.figures import p_ml_curves, style
+from opml.learning.judge.metrics import by_seed
 from opml.tables import read_tables
+from opml.workflow.jobs import job
 
 DRAW = {
-    "inclination": (curves.inclination_curve, "inclinations"),
-    "semi_major_axis": (curves.semi_major_axis_curve, "offsets"),
+    "inclination": (p_ml_curves.inclination_curve, "inclinations"),
+    "semi_major_axis": (p_ml_curves.semi_major_axis_curve, "offsets"),
 }
 
 with job(snakemake):

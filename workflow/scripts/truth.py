@@ -1,10 +1,11 @@
 """Propagate the true orbit of an RSO."""
 
-from opml.catalog import force_model, truth
-from opml.constants import DAY
-from opml.jobs import job, progress
-from opml.sheets import Rso
+from opml.base.constants import DAY
+from opml.catalog.simulate import truth
+from opml.dynamics import force_model
+from opml.orbits.sheets import Rso
 from opml.tables import write_table
+from opml.workflow.jobs import job, progress
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings

@@ -1,13 +1,13 @@
 """Take an orbit of one's own for the true orbit of an RSO."""
 
-from opml.constants import DAY
-from opml.interop import ephemeris
-from opml.jobs import job
+from opml.base.constants import DAY
+from opml.interop import truth_from_orbit
 from opml.tables import write_table
+from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings
-    table, told = ephemeris.truth(
+    table, told = truth_from_orbit.truth(
         list(snakemake.input),
         epoch=settings["epoch"],
         step=settings["step_s"],

@@ -2,11 +2,12 @@
 
 import pandas as pd
 
-from opml.catalog import force_model, truth
-from opml.constants import DAY
-from opml.jobs import job, metadata_of_each, progress
-from opml.sheets import Rso
+from opml.base.constants import DAY
+from opml.catalog.simulate import truth
+from opml.dynamics import force_model
+from opml.orbits.sheets import Rso
 from opml.tables import FLIGHTS, write_table
+from opml.workflow.jobs import job, metadata_of_each, progress
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings

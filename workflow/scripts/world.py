@@ -1,9 +1,9 @@
 """Draw a day of ground tracks, the passes that were tracked, and what each station sees."""
 
 from opml.figures import ground, style
-from opml.jobs import job
-from opml.sheets import Station
+from opml.orbits.sheets import Station
 from opml.tables import read_table
+from opml.workflow.jobs import job
 
 with job(snakemake):
     settings, files = snakemake.params.settings, snakemake.input

@@ -1,0 +1,1 @@
+"""What a catalogue does: simulate tracks, fit estimates to them, predict from those."""

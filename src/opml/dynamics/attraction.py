@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 
 from opml.dynamics.frames import gcrf_to_itrf
-from opml.dynamics.gravity import gravity, weights
-from opml.dynamics.lanes import WIDTH, entry, load, sqrt, store
+from opml.dynamics.kernels.gravity import gravity, weights
+from opml.dynamics.kernels.lanes import WIDTH, entry, load, sqrt, store
 
 
 class Attraction:

@@ -18,10 +18,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from opml.dynamics.flight import REASONS as REASONS
-from opml.dynamics.flight import advance, workspace
-from opml.dynamics.lanes import WIDTH, rows
-from opml.dynamics.surroundings import ForceModel
+from opml.dynamics.kernels.block import REASONS as REASONS
+from opml.dynamics.kernels.block import advance, workspace
+from opml.dynamics.kernels.lanes import WIDTH, rows
+from opml.dynamics.kernels.surroundings import ForceModel
 
 
 @dataclass(frozen=True)

@@ -5,14 +5,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
-from opml.constants import BODIES, GM
-from opml.dynamics import dtm2000
+from opml.base.constants import BODIES, GM
+from opml.base.epochs import days_of_year
+from opml.base.thermosphere_grid import ALTITUDES, DENSITIES, LATITUDES, LOCAL_TIMES
 from opml.dynamics.frames import ORIENTATION, spin
-from opml.dynamics.gravity import weights
-from opml.dynamics.surroundings import ForceModel
+from opml.dynamics.kernels import dtm2000
+from opml.dynamics.kernels.gravity import weights
+from opml.dynamics.kernels.surroundings import ForceModel
 from opml.environment.weather import ACTIVITY
-from opml.epochs import days_of_year
-from opml.thermosphere import ALTITUDES, DENSITIES, LATITUDES, LOCAL_TIMES
 
 _EMPTY = np.empty((0, len(LOCAL_TIMES), len(LATITUDES), len(ALTITUDES)), np.float32)
 

@@ -1,14 +1,16 @@
 """Rotation from GCRF to ITRF, and its rate, at many times."""
 
-import numba
 import numpy as np
 import pandas as pd
 
-from opml.constants import EARTH_RATE
-from opml.dynamics.surroundings import orient
+from opml.base.compiled import decorators
+from opml.base.constants import EARTH_RATE
+from opml.dynamics.kernels.surroundings import orient
 
 ORIENTATION = ["x_cip", "y_cip", "s_cio", "x_pole", "y_pole", "era_offset"]
 """Columns of the Earth orientation table, in the order the kernels read them."""
+
+_, _entry = decorators(nogil=True, error_model="numpy")
 
 
 def gcrf_to_itrf(earth_orientation: pd.DataFrame, t: np.ndarray) -> np.ndarray:
@@ -33,7 +35,7 @@ def spin(earth_orientation: pd.DataFrame) -> np.ndarray:
     return turning
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@_entry
 def _rotations(t: np.ndarray, first: float, step: float, orientation: np.ndarray) -> np.ndarray:
     out = np.empty((t.shape[0], 3, 3))
     values = np.empty(9)

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from opml import epochs
-from opml.constants import HOUR
+from opml.base import epochs
+from opml.base.constants import HOUR
 
 STEP_S = HOUR
 """Spacing of the nodes of every table of the environment [s]."""

@@ -5,18 +5,18 @@ from typing import Any
 
 import numpy as np
 
-from opml import epochs
-from opml.constants import DAY
+from opml.base import epochs
+from opml.base.constants import DAY
+from opml.base.errors import InputError
 from opml.environment import (
+    celestial_bodies,
     earth_orientation,
-    ephemerides,
     gravity_field,
     knowledge,
     nodes,
     nrlmsis,
     solar_activity,
 )
-from opml.errors import InputError
 
 FETCHED = "EIGEN-6S"
 """The gravity field that only its own rule may fetch; its degree is checked there."""
@@ -30,7 +30,7 @@ def check(values: Mapping[str, Any]) -> None:
     epoch, sources = values["epoch"], values["environment"]
     ends = nodes(epoch, DAY * values["duration_days"])[[0, -1]]
     earth_orientation.tabulate(epoch, ends)
-    ephemerides.tabulate(sources["ephemerides"], epoch, ends)
+    celestial_bodies.tabulate(sources["ephemerides"], epoch, ends)
     flown = ["solar_activity", "true_solar_activity"]
     if sources.get("knowledge") == knowledge.FORECAST and ("tracks" in values or flown[1] in sources):
         flown.remove("solar_activity")  # what a forecast starts from need not reach into the days ahead

@@ -14,9 +14,9 @@ import erfa
 import numpy as np
 import pandas as pd
 
-from opml import epochs
-from opml.constants import DAY, EARTH_RATE
-from opml.errors import InputError
+from opml.base import epochs
+from opml.base.constants import DAY, EARTH_RATE
+from opml.base.errors import InputError
 
 _ARCSECOND = np.pi / 648000.0
 _TURN = 2.0 * np.pi

@@ -14,9 +14,9 @@ import numpy as np
 import pandas as pd
 import pooch
 
-from opml import epochs
-from opml.constants import DAY, JULIAN_YEAR
-from opml.errors import InputError
+from opml.base import epochs
+from opml.base.constants import DAY, JULIAN_YEAR
+from opml.base.errors import InputError
 
 EIGEN_6S_URL = "https://gitlab.orekit.org/orekit/orekit-data/-/raw/main/Potential/"
 _EIGEN_6S_FILE = "eigen-6s.gfc"

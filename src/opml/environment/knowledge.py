@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from opml import epochs
-from opml.constants import DAY, HOUR
+from opml.base import epochs
+from opml.base.constants import DAY, HOUR
+from opml.base.errors import InputError
 from opml.environment import solar_activity, space_weather
 from opml.environment.forecasts import methods
-from opml.environment.forecasts.contract import Forecast, Future, Tell
+from opml.environment.forecasts.method import Forecast, Future, Tell
 from opml.environment.weather import ACTIVITY, RUN_UP, Weather
-from opml.errors import InputError
 
 MONTHLY, HINDCAST, FORECAST = "monthly", "hindcast", "forecast"
 KNOWN = (HINDCAST, FORECAST)

@@ -11,11 +11,11 @@ import numpy as np
 import pandas as pd
 import pymsis
 
-from opml.constants import DAY
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.base.thermosphere_grid import ALTITUDES, DENSITIES, LATITUDES, LOCAL_TIMES
 from opml.environment import solar_activity, space_weather
 from opml.environment.space_weather import INTERVALS, KP, ROUNDING
-from opml.errors import InputError
-from opml.thermosphere import ALTITUDES, DENSITIES, LATITUDES, LOCAL_TIMES
 
 NAME = "NRLMSIS"
 

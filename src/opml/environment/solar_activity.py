@@ -15,10 +15,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from opml import epochs
-from opml.constants import DAY
+from opml.base import epochs
+from opml.base.constants import DAY
+from opml.base.errors import InputError
 from opml.environment import space_weather
-from opml.errors import InputError
 
 MSAFE = "MSAFE"
 OBSERVED = "OBSERVED"

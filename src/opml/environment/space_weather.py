@@ -19,9 +19,9 @@ import erfa
 import numpy as np
 import pandas as pd
 
-from opml import epochs
-from opml.constants import DAY
-from opml.errors import InputError
+from opml.base import epochs
+from opml.base.constants import DAY
+from opml.base.errors import InputError
 
 KP = [f"KP{k}" for k in range(1, 9)]
 _FLUX = ["F10.7_OBS", "F10.7_OBS_CENTER81"]

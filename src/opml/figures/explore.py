@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from opml.constants import DAY, WGS84_A
+from opml.base.constants import DAY, WGS84_A
+from opml.base.errors import InputError
 from opml.dynamics.frames import gcrf_to_itrf
-from opml.errors import InputError
 from opml.figures import ground
-from opml.figures.labels import axis
+from opml.figures.axis_labels import axis
 from opml.figures.style import MUTED, OBSERVED, PREDICTED, PUBLISHED, RAMP, RESIDUAL, TRUE
-from opml.sheets import Station
+from opml.orbits.sheets import Station
 
 MOST = 150
 """Estimates to pick from: more would make the page slow to load."""

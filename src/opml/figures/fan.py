@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from opml.constants import DAY
-from opml.errors import InputError
+from opml.base.constants import DAY
+from opml.base.errors import InputError
 from opml.figures.style import MUTED, PREDICTED, TRUE, column_figure, noted
 
 _KM = 1e-3

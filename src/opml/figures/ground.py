@@ -10,9 +10,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from opml.constants import DAY, WGS84_A
+from opml.base.constants import DAY, WGS84_A
+from opml.base.errors import InputError
 from opml.dynamics.frames import gcrf_to_itrf
-from opml.errors import InputError
 from opml.figures.style import (
     ESTIMATE,
     HIGHLIGHT,
@@ -25,7 +25,7 @@ from opml.figures.style import (
     legend,
     page_figure,
 )
-from opml.sheets import Station
+from opml.orbits.sheets import Station
 
 LAND = files("opml") / "data" / "land.csv"
 LAND_COLOR = "#EFEFEA"

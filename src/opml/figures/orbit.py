@@ -12,9 +12,8 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
-from opml.constants import DAY, HOUR, WGS84_A
-from opml.elements import coe_from_cartesian
-from opml.errors import InputError
+from opml.base.constants import DAY, HOUR, WGS84_A
+from opml.base.errors import InputError
 from opml.figures.style import (
     ESTIMATE,
     HIGHLIGHT,
@@ -27,6 +26,7 @@ from opml.figures.style import (
     page_figure,
     space_figure,
 )
+from opml.orbits.elements import coe_from_cartesian
 from opml.tables import STATE
 
 REVOLUTIONS = 40

@@ -15,7 +15,7 @@ from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from mpl_toolkits.mplot3d import Axes3D
 
-from opml.files import FilePath, replacing
+from opml.base.files import FilePath, replacing
 
 COLUMN_WIDTH_MM = 88.0  # one column of a two-column page
 PAGE_WIDTH_MM = 180.0  # both columns

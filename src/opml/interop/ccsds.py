@@ -14,10 +14,11 @@ from decimal import Context, Decimal
 import erfa
 import numpy as np
 
-from opml import __version__, epochs
-from opml.errors import InputError
-from opml.files import FilePath, replacing
-from opml.interop import arcs
+from opml import __version__
+from opml.base import epochs
+from opml.base.errors import InputError
+from opml.base.files import FilePath, replacing
+from opml.interop import orbit_arcs
 
 _TIME = re.compile(r"(\d{4})-(?:(\d\d)-(\d\d)|(\d{3}))T(\d\d):(\d\d):(\d\d(?:\.\d*)?)Z?", re.ASCII)
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[eE]([+-]?\d{1,4}))?", re.ASCII)
@@ -41,7 +42,7 @@ class Message:
         """Open a message. Raises InputError where it is missing, no text, or of another kind or version."""
         self.path = path
         try:
-            text = arcs.contents(path).decode("utf-8-sig")
+            text = orbit_arcs.contents(path).decode("utf-8-sig")
         except UnicodeDecodeError as reason:
             raise InputError(f"{path}: expected a message in UTF-8 text ({reason})") from None
         lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), start=1)]
@@ -136,8 +137,8 @@ class Message:
         if not texts:
             return np.empty(0)
         try:
-            return arcs.elapsed(epoch, np.array(calendar), scale)
-        except arcs.NoSuchTime as time:
+            return orbit_arcs.elapsed(epoch, np.array(calendar), scale)
+        except orbit_arcs.NoSuchTime as time:
             raise self.wrong("a time that exists", texts[time.index], numbers[time.index]) from None
 
 

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from opml.constants import DAY
-from opml.errors import InputError
-from opml.files import FilePath
-from opml.interop.arcs import Arc, NoSuchTime, ascending, chosen, elapsed, numbers, wrong
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+from opml.interop.orbit_arcs import Arc, NoSuchTime, ascending, chosen, elapsed, numbers, wrong
 
 _NAME = {"1": 9, "2": 10}  # word of the first line that names the satellite, by version
 _IDS = slice(1, 4)  # words of the second line: COSPAR, SIC and NORAD number

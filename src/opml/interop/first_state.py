@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from opml.files import FilePath
+from opml.base.files import FilePath
 from opml.interop import ccsds, mean_elements, oem
-from opml.interop.arcs import contents
+from opml.interop.orbit_arcs import contents
 
 _ANY = "2000-01-01T12:00:00"
 

@@ -27,13 +27,14 @@ import numpy as np
 from sgp4 import omm
 from sgp4.api import SGP4_ERRORS, Satrec
 
-from opml import epochs, sheets
-from opml.constants import DAY, EARTH_GM
-from opml.elements import coe_from_cartesian, mean_from_true_anomaly
-from opml.errors import InputError
-from opml.files import FilePath
+from opml.base import epochs
+from opml.base.constants import DAY, EARTH_GM
+from opml.base.errors import InputError
+from opml.base.files import FilePath
 from opml.interop import ccsds
-from opml.sheets import Rso
+from opml.orbits import sheets
+from opml.orbits.elements import coe_from_cartesian, mean_from_true_anomaly
+from opml.orbits.sheets import Rso
 
 WARN_DAYS = 7.0
 """Days from their own epoch beyond which elements are flown with a warning.

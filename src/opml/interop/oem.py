@@ -12,10 +12,10 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
-from opml.errors import InputError
-from opml.files import FilePath
+from opml.base.errors import InputError
+from opml.base.files import FilePath
 from opml.interop import ccsds
-from opml.interop.arcs import MOST_APART, Arc, ascending, chosen
+from opml.interop.orbit_arcs import MOST_APART, Arc, ascending, chosen
 from opml.tables import STATE
 
 _KEY = "CCSDS_OEM_VERS"

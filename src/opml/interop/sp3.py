@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from opml.errors import InputError
-from opml.files import FilePath
-from opml.interop.arcs import Arc, NoSuchTime, ascending, chosen, elapsed, numbers, wrong
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+from opml.interop.orbit_arcs import Arc, NoSuchTime, ascending, chosen, elapsed, numbers, wrong
 
 SCALES = ("GPS", "UTC", "TAI", "GAL", "QZS")
 """Time systems that are read."""

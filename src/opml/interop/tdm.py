@@ -13,10 +13,10 @@ from itertools import count
 import numpy as np
 import pandas as pd
 
-from opml.elements import wrap_turn
-from opml.errors import InputError
-from opml.files import FilePath
+from opml.base.errors import InputError
+from opml.base.files import FilePath
 from opml.interop import ccsds
+from opml.orbits.elements import wrap_turn
 
 _KEY = "CCSDS_TDM_VERS"
 _VERSIONS = ("1.0", "2.0")

@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from opml.files import FilePath, replacing
+from opml.base.files import FilePath, replacing
 
 
 @dataclass(frozen=True)

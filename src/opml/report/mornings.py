@@ -5,9 +5,9 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import pandas as pd
 
-from opml.constants import DAY
-from opml.learning.choice import CONFIDENCE, Mornings
-from opml.learning.growth import at_days
+from opml.base.constants import DAY
+from opml.learning.judge.errors_by_duration import at_days
+from opml.learning.judge.model_choice import CONFIDENCE, Mornings
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.results import NONE, length
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import pandas as pd
 
-from opml.constants import DAY
+from opml.base.constants import DAY
 from opml.naming import Experiment
 from opml.report.claims import Claim, judged
 from opml.report.document import Block, Heading, Paragraph, Table

@@ -4,14 +4,14 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import pandas as pd
 
-from opml.constants import DAY
-from opml.learning import calibration
-from opml.learning.choice import Mornings
-from opml.learning.growth import REACH_DAYS
+from opml.base.constants import DAY
+from opml.learning.judge import calibration
+from opml.learning.judge.errors_by_duration import REACH_DAYS
+from opml.learning.judge.model_choice import Mornings
+from opml.orbits.rsw_covariance import half_width
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.mornings import CHOSEN, Dataset
 from opml.report.results import NONE, length
-from opml.rsw_covariance import half_width
 from opml.tables import ELLIPSOID, PLANE, WHOLE
 
 TITLE = "Is the uncertainty true?"

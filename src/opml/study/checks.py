@@ -5,17 +5,19 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from opml import epochs, naming, sheets
-from opml.constants import DAY
+from opml import naming
+from opml.base import epochs
+from opml.base.constants import DAY
+from opml.base.errors import InputError
 from opml.environment import coverage, knowledge
-from opml.errors import InputError
-from opml.interop import first_state, gathering, tdm
-from opml.learning import learners
+from opml.interop import first_state, orbit_from_files, tdm
+from opml.learning.models import learners
+from opml.orbits import sheets
 from opml.study.experiments import Study
-from opml.study.overlay import MISSING, Key, Source, leaves, mappings, value_at
 from opml.study.paper import Paper
-from opml.study.schema import check_schema, read_schema
-from opml.study.settings import Settings, with_sheets
+from opml.study.settings.merging import Settings, with_sheets
+from opml.study.settings.overlay import MISSING, Key, Source, leaves, mappings, value_at
+from opml.study.settings.schema import check_schema, read_schema
 
 
 def load(source: Source, *, schema: str | Path) -> Settings:
@@ -134,7 +136,7 @@ def _check_orbits(source: Source, settings: Settings) -> None:
     for name, paths in settings.orbits.items():
         try:
             sheets.parse_rso(name, settings.rsos)
-            gathering.check(
+            orbit_from_files.check(
                 paths,
                 epoch=values["epoch"],
                 step=values["tracking"]["step_s"],
@@ -150,7 +152,7 @@ def _check_tracks(source: Source, settings: Settings) -> None:
     if not settings.tracks:
         return
     # Brings the compiled kernels with it, half a second that no other plan should wait for.
-    from opml.catalog import measured
+    from opml.catalog.fit import measured_tracks
 
     values = source.values
     for name, paths in settings.tracks.items():
@@ -159,7 +161,7 @@ def _check_tracks(source: Source, settings: Settings) -> None:
             if name in settings.orbits:
                 raise InputError("expected tracks, or an orbit under orbits or oem, got both")
             found = tdm.measurements(paths, epoch=values["epoch"])
-            measured.check(
+            measured_tracks.check(
                 found, settings.stations, epoch=values["epoch"], duration=DAY * values["duration_days"]
             )
         except InputError as error:

@@ -7,10 +7,10 @@ from functools import cached_property
 from typing import Any
 
 from opml import naming
-from opml.learning.cleaning import Cleaning
+from opml.learning.data.cleaning import Cleaning
 from opml.naming import Experiment
-from opml.sheets import Rso
-from opml.study.settings import Settings, with_sheets
+from opml.orbits.sheets import Rso
+from opml.study.settings.merging import Settings, with_sheets
 
 SIMULATED, FILES, MEASURED = "simulated", "files", "measured"
 """Where an RSO's orbit comes from."""

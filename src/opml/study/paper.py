@@ -6,10 +6,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from opml import naming, sheets
+from opml import naming
 from opml.naming import Experiment
+from opml.orbits import sheets
 from opml.report.claims import Claim
 from opml.report.reproduction import Headline, Reproduction
+from opml.report.sections import section_of
 from opml.study.experiments import Study, fence_of
 from opml.tables import COMPONENTS
 
@@ -35,7 +37,7 @@ class Paper:
         """Experiments that have figures of their own, by the figures' name, in the paper's order."""
         entries = self.study.entry("evaluations")
         found = {name: self.study.experiment(entry) for name, entry in entries.items()}
-        return dict(sorted(found.items(), key=lambda item: item[1].section))
+        return dict(sorted(found.items(), key=lambda item: section_of(item[1])))
 
     def partition(self, ratio: int) -> Experiment:
         """The test on the rest after training on `ratio` % of the rows."""
@@ -148,7 +150,7 @@ class Paper:
             for ratio in partition.get("shown", [])
             if str(ratio) in partition.get("published", {})
         ]
-        return sorted(found, key=lambda number: number[1].section)
+        return sorted(found, key=lambda number: section_of(number[1]))
 
     @cached_property
     def headlines(self) -> list[Headline]:

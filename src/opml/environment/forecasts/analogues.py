@@ -7,7 +7,7 @@ the days to come. F10.7 then changes by the factor that it changed by then, Kp i
 import numpy as np
 
 from opml.environment.forecasts.bursts import without_bursts
-from opml.environment.forecasts.contract import COUNT, Forecast, Future, Method, Settings, Tell
+from opml.environment.forecasts.method import COUNT, Forecast, Future, Method, Settings, Tell
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import Weather, trailing_mean
 

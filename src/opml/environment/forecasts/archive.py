@@ -13,12 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from opml import epochs
+from opml.base import epochs
+from opml.base.errors import InputError
 from opml.environment import solar_activity, space_weather
-from opml.environment.forecasts.contract import Forecast, Future, Method, Settings
+from opml.environment.forecasts.method import Forecast, Future, Method, Settings
 from opml.environment.space_weather import INTERVALS, MEASURED, ROUNDING
 from opml.environment.weather import Weather
-from opml.errors import InputError
 
 _COLUMNS = ("issued", "valid", "f107")
 _INDICES = ("kp", "ap")

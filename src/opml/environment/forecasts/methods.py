@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from typing import Any
 
-from opml.environment.forecasts import analogues, archive, errors, persistence, recurrence, regression
-from opml.environment.forecasts.contract import Forecast, Method, Settings, Tell
+from opml.base.errors import InputError
+from opml.environment.forecasts import analogues, archive, error_dressing, persistence, recurrence, regression
+from opml.environment.forecasts.method import Forecast, Method, Settings, Tell
 from opml.environment.weather import Weather
-from opml.errors import InputError
 
 METHODS = (persistence.METHOD, recurrence.METHOD, regression.METHOD, analogues.METHOD, archive.METHOD)
 
@@ -43,7 +43,7 @@ def futures(history: Weather, *, days: int, settings: Settings, members: int) ->
     if not method.repeatable:
         return analogues.members_of(history, days=days, members=members)
     forecast, past_days = fit(history, days=days, settings=settings), method.past_days(settings)
-    return errors.members_of(history, forecast, days=days, past_days=past_days, members=members)
+    return error_dressing.members_of(history, forecast, days=days, past_days=past_days, members=members)
 
 
 def check_history(history: Weather, *, days: int, settings: Settings) -> None:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from opml.environment.forecasts.contract import COUNT, Forecast, Future, Method, Settings
+from opml.environment.forecasts.method import COUNT, Forecast, Future, Method, Settings
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import Weather
 

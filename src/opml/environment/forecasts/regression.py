@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from opml.environment.forecasts.bursts import without_bursts
-from opml.environment.forecasts.contract import COUNT, Forecast, Future, Method, Settings
+from opml.environment.forecasts.method import COUNT, Forecast, Future, Method, Settings
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import HIGHEST_KP, Weather, trailing_mean
 

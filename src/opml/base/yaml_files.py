@@ -1,0 +1,39 @@
+"""Files that a user wrote, read safely or told in one line."""
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+
+
+# As safe as SafeLoader, and ten times as fast; each job of the workflow reads the settings anew.
+class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
+    """A loader that takes no key twice: YAML's own would keep the last one without a word."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        """Return the mapping; raises ConstructorError with both lines where a key is given twice."""
+        lines: dict[str, int] = {}
+        for key, _ in node.value:
+            line = key.start_mark.line + 1
+            if isinstance(key, yaml.ScalarNode) and key.value in lines:
+                first = lines[key.value]
+                raise yaml.constructor.ConstructorError(
+                    None, None, f"key {key.value} given twice, in lines {first} and {line}", None
+                )
+            if isinstance(key, yaml.ScalarNode):
+                lines[key.value] = line
+        mapping: dict[Any, Any] = super().construct_mapping(node, deep)
+        return mapping
+
+
+def read_yaml(path: FilePath) -> Any:
+    """Read a YAML file, safely. Raises InputError where it is missing, not YAML or has a key twice."""
+    try:
+        return yaml.load(Path(path).read_text(encoding="utf-8"), Loader=_Loader)
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except (OSError, ValueError, yaml.YAMLError) as error:
+        raise InputError(f"{path}: expected YAML ({error})") from None

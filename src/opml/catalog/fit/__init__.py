@@ -1,0 +1,1 @@
+"""From tracks to estimates: first orbits and batch least squares."""

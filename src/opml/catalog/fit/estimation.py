@@ -1,0 +1,423 @@
+"""Estimates of an RSO's state and drag coefficient by weighted batch least squares.
+
+At the start of each track, all measurements of that track and of those that began in the window before it
+are fitted under the assumed model (paper, sec. Estimation Models). A window may reach beyond the track, too:
+such an estimate is smoothed and known later, which serves labels. The partial derivatives come from
+neighbouring arcs: the nominal one and seven that differ in one parameter fly as eight lanes of an ensemble,
+so no variational equations are needed.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from opml.base.constants import HOUR
+from opml.catalog.fit.least_squares import Evaluation, Fit, Method
+from opml.catalog.flight import fly
+from opml.catalog.simulate.observing import observe, retarded, sigmas, site
+from opml.catalog.simulate.tracking import QUANTITIES
+from opml.dynamics.ensemble import REASONS, Arcs, Integrator
+from opml.dynamics.frames import gcrf_to_itrf
+from opml.dynamics.kernels.surroundings import ForceModel
+from opml.orbits.elements import wrap_half_turn
+from opml.orbits.sheets import Rso, Station
+from opml.tables import PARAMETERS, STATE
+
+COVARIANCES = [f"cov_{a}_{b}" for k, a in enumerate(PARAMETERS) for b in PARAMETERS[: k + 1]]
+
+BATCH = 16
+"""Windows fitted side by side; each starts from the newest usable estimate before its batch."""
+
+_CD = PARAMETERS.index("cd")
+NUDGES = np.array([1.0, 1.0, 1.0, 1e-3, 1e-3, 1e-3, 1e-2])
+"""Differences [m, m/s, -] of the neighbouring arcs: small against the orbit, large against rounding."""
+
+_NEIGHBOURS = np.vstack([np.zeros(7), np.diag(NUDGES)])
+"""The arcs of one evaluation, as differences from the nominal one, which is the first."""
+
+_SCALES = np.array([1e3, 1e3, 1e3, 1.0, 1.0, 1.0, 1.0])
+"""A-priori uncertainty [m, m/s, -] in which the damping measures a step."""
+
+NO_START = "no orbit to start from"
+"""Why a fit did not begin."""
+
+_LINEAR = 10e3
+"""How far a state may be moved along its covariance [m], to where it would be had Cd been known."""
+
+
+@dataclass(frozen=True)
+class Estimation:
+    """Settings of the estimation.
+
+    window_hours: measurements before a track that its fit uses [h]; max_iterations, convergence: of the
+    least squares, the latter as in `least_squares.Method`; start_position_sigma_m, start_velocity_sigma_mps:
+    of the perturbed truth that a first fit of a simulated RSO starts from; least_drag_m: displacement of a
+    window per unit of Cd below which Cd is held at its a-priori value; cd_bounds: Cd of an estimate that
+    others may start from, None where its formal uncertainty decides; after_hours: tracks that begin up to so
+    long after the estimate are used, too [h]; cd_sigma: standard deviation of Cd about its a-priori value, as
+    known beforehand, None where it is not; light_time: measurements are read as received at their time, after
+    the light's way down, not as geometric.
+    """
+
+    window_hours: float
+    max_iterations: int
+    convergence: float
+    start_position_sigma_m: float
+    start_velocity_sigma_mps: float
+    least_drag_m: float
+    cd_bounds: tuple[float, float] | None = None
+    after_hours: float = 0.0
+    cd_sigma: float | None = None
+    light_time: bool = False
+
+
+def estimate_all(
+    model: ForceModel,
+    starts: pd.DataFrame,
+    tracking: pd.DataFrame,
+    earth_orientation: pd.DataFrame,
+    stations: Sequence[Station],
+    rso: Rso,
+    *,
+    settings: Estimation,
+    integrator: Integrator,
+    threads: int = 1,
+    progress: Callable[[float], None] | None = None,
+) -> pd.DataFrame:
+    """The `estimates` table: one row per track, converged or with the reason why not.
+
+    model: the assumed one; starts: the table, a state at each track's start for fits where no estimate is at
+    hand; tracking: the measurements; stations: those that made them.
+    """
+    run = Run(
+        Measured(tracking, earth_orientation, stations, light_time=settings.light_time),
+        Flight(model, rso, integrator, threads),
+        starts[STATE].to_numpy(),
+        settings,
+        starts["age"].to_numpy(),
+    )
+    method = run.method(run.free_parameters())
+    count = run.measured.tracks
+    rows: list[dict[str, Any]] = []
+    usable: Known | None = None
+    spare: Known | None = None
+    for begin in range(0, count, BATCH):
+        estimates = run.fitted(range(begin, min(begin + BATCH, count)), usable, spare, method)
+        usable = next((run.known(one) for one in reversed(estimates) if run.is_usable(one)), usable)
+        spare = next((one for one in map(run.with_known_cd, reversed(estimates)) if one), spare)
+        rows += [run.row(one) for one in estimates]
+        if progress:
+            progress(len(rows) / count)
+    return pd.DataFrame(rows)
+
+
+@dataclass(frozen=True)
+class _Window:
+    """The measurements of one fit: those of its track and of the tracks that began in the window."""
+
+    track: int
+    tracks: int
+    rows: slice
+    first: int  # epoch of the oldest measurement, an index into the run's epochs
+    at: int  # epoch of the estimate
+    last: int  # epoch of the newest measurement
+
+    @property
+    def measurements(self) -> int:
+        return int(self.rows.stop - self.rows.start)
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One track's estimate under way."""
+
+    window: _Window
+    fit: Fit
+
+
+Known = tuple[int, np.ndarray]
+"""An epoch of a run's measurements, by its number, and the parameters (7,) of an orbit there."""
+
+
+class Measured:
+    """The measurements of a run by row, their epochs, and where each track begins and ends."""
+
+    def __init__(
+        self,
+        tracking: pd.DataFrame,
+        earth_orientation: pd.DataFrame,
+        stations: Sequence[Station],
+        *,
+        light_time: bool = False,
+    ) -> None:
+        self.light_time = light_time
+        self.epochs, self.epoch_of_row = np.unique(tracking["t"].to_numpy(), return_inverse=True)
+        self.rotations = gcrf_to_itrf(earth_orientation, self.epochs)
+        self.values = tracking[QUANTITIES].to_numpy()
+        order = {station.name: k for k, station in enumerate(stations)}
+        station_of_row = np.array([order[name] for name in tracking["station"]])
+        sites = [site(station) for station in stations]
+        self.positions = np.array([position for position, _ in sites])[station_of_row]
+        self.to_horizon = np.array([rotation for _, rotation in sites])[station_of_row]
+        self.sigmas = np.array([sigmas(station) for station in stations])[station_of_row]
+        track = tracking["track"].to_numpy()
+        self.first_row = np.searchsorted(track, np.arange(track[-1] + 2))
+        self.tracks = len(self.first_row) - 1
+        self.begins = self.epoch_of_row[self.first_row[:-1]]
+        self.ends = self.epoch_of_row[self.first_row[1:] - 1]
+
+    def window(self, track: int, length: float, after: float = 0.0) -> _Window:
+        """The window of `length` [s] before the start of a track, and of `after` [s] behind it."""
+        begins = self.epochs[self.begins]
+        oldest = int(np.searchsorted(begins, begins[track] - length))
+        newest = int(np.searchsorted(begins, begins[track] + after, side="right")) - 1
+        return _Window(
+            track=track,
+            tracks=newest + 1 - oldest,
+            rows=slice(int(self.first_row[oldest]), int(self.first_row[newest + 1])),
+            first=int(self.begins[oldest]),
+            at=int(self.begins[track]),
+            last=int(self.ends[newest]),
+        )
+
+    def evaluation(self, window: _Window, states: np.ndarray) -> Evaluation:
+        """Residuals and partial derivatives of a window.
+
+        states: (8, epochs, 6) GCRF [m, m/s] of the nominal arc and its neighbours, at the epochs from
+        window.first to window.last.
+        """
+        rows = window.rows
+        positions = self._seen(rows, states[:, self.epoch_of_row[rows] - window.first])
+        place = self.positions[rows], self.to_horizon[rows]
+        residual = self.values[rows] - observe(positions[0], *place)
+        residual[:, 0] = wrap_half_turn(residual[:, 0])
+        # Each neighbour and its mirror image about the nominal arc: by then a nudge has grown to a hundred
+        # metres, over which the measurements bend, and the bend cancels.
+        shift = positions[1:] - positions[0]
+        change = observe(positions[0] + shift, *place) - observe(positions[0] - shift, *place)
+        change[..., 0] = wrap_half_turn(change[..., 0])
+        weighted = 0.5 * change / self.sigmas[rows] / NUDGES[:, None, None]
+        return Evaluation((residual / self.sigmas[rows]).ravel(), weighted.reshape(7, -1).T)
+
+    def _seen(self, rows: slice, states: np.ndarray) -> np.ndarray:
+        """Positions (arcs, rows, 3) in ITRF that are measured of an RSO in GCRF states (arcs, rows, 6)."""
+        to_itrf = self.rotations[self.epoch_of_row[rows]]
+        positions: np.ndarray = np.einsum("nij,lnj->lni", to_itrf, states[..., :3])
+        if not self.light_time:
+            return positions
+        velocities = np.einsum("nij,lnj->lni", to_itrf, states[..., 3:])
+        return retarded(positions, velocities, self.positions[rows])
+
+
+@dataclass(frozen=True)
+class Flight:
+    """An RSO under the assumed model."""
+
+    model: ForceModel
+    rso: Rso
+    integrator: Integrator
+    threads: int
+
+    def fly(self, epochs: np.ndarray, parameters: np.ndarray, first: np.ndarray, last: np.ndarray) -> Arcs:
+        """Arcs from parameters (arcs, 7) at epochs[first] to epochs[last]."""
+        return fly(
+            self.model,
+            self.rso,
+            epochs,
+            parameters[:, :6],
+            cd=parameters[:, _CD],
+            first=first,
+            last=last,
+            integrator=self.integrator,
+            threads=self.threads,
+        )
+
+    def around(
+        self, epochs: np.ndarray, estimates: Sequence[Estimate]
+    ) -> tuple[list[np.ndarray], np.ndarray]:
+        """(states of each trial and its neighbours, their worst status).
+
+        States: (8, epochs, 6) GCRF [m, m/s] at the epochs of the window; status: an index into REASONS.
+        """
+        lanes = np.concatenate([one.fit.trial + _NEIGHBOURS for one in estimates])
+        first, at, last = (
+            np.repeat([getattr(one.window, name) for one in estimates], len(_NEIGHBOURS))
+            for name in ("first", "at", "last")
+        )
+        newest = len(epochs) - 1
+        forward = self.fly(epochs, lanes, at, last)
+        backward = self.fly(epochs[::-1], lanes, newest - at, newest - first)
+        arcs = [
+            np.vstack([backward.of(k)[::-1], lanes[k : k + 1, :6], forward.of(k)]) for k in range(len(lanes))
+        ]
+        states = [np.stack(arcs[k : k + len(_NEIGHBOURS)]) for k in range(0, len(arcs), len(_NEIGHBOURS))]
+        status = np.maximum(forward.status, backward.status)
+        return states, status.reshape(-1, len(_NEIGHBOURS)).max(axis=1)
+
+
+@dataclass(frozen=True)
+class Run:
+    """All that the windows of a run share.
+
+    starts (tracks, 6): GCRF states at the tracks' starts; ages (tracks,): how long before each its orbit was
+    known [s].
+    """
+
+    measured: Measured
+    flight: Flight
+    starts: np.ndarray
+    settings: Estimation
+    ages: np.ndarray = field(default_factory=lambda: np.empty(0))
+
+    def method(self, free: np.ndarray) -> Method:
+        """How the parameters that are free (7,) are fitted."""
+        return Method(_SCALES, free, self.settings.convergence)
+
+    def free_parameters(self) -> np.ndarray:
+        """Which parameters are estimated (7,): Cd is not where an orbit is too high for a window to show it.
+
+        A short track leaves Cd as uncertain as that, but there the orbit has drag, and the fit says so.
+        """
+        begin = self.measured.epochs[self.measured.begins[0]]
+        start = np.append(self.starts[0], self.flight.rso.cd)
+        pair = np.stack([start, start + np.eye(7)[_CD]])
+        epochs = np.array([begin, begin + self._window])
+        flown = self.flight.fly(epochs, pair, np.zeros(2, int), np.ones(2, int)).states[:, :3]
+        free = np.ones(7, bool)
+        # An arc that comes down on the way has no displacement, and feels drag all the more.
+        free[_CD] = not np.linalg.norm(flown[1] - flown[0]) < self.settings.least_drag_m
+        return free
+
+    def fitted(
+        self,
+        tracks: Sequence[int],
+        usable: Known | None,
+        spare: Known | None,
+        method: Method,
+    ) -> list[Estimate]:
+        """Estimates at the start of `tracks`, each from the best start that its arc can be flown from.
+
+        usable: of the newest estimate whose Cd is known, spare: of the newest that has a state at least.
+        """
+        after = self.settings.after_hours * HOUR
+        windows = [self.measured.window(track, self._window, after) for track in tracks]
+        found = [Estimate(window, Fit(np.full(7, np.nan), method)) for window in windows]
+        for starts in self._starts_in_turn(windows, usable, spare):
+            tried = [
+                k for k, one in enumerate(found) if not one.fit.started and np.all(np.isfinite(starts[k]))
+            ]
+            for k in tried:
+                found[k] = Estimate(windows[k], Fit(starts[k], method))
+            self.fit([found[k] for k in tried])
+            if all(one.fit.started for one in found):
+                break
+        for one in found:
+            if one.fit.running and not one.fit.started:
+                one.fit.reject(NO_START)
+        return found
+
+    def _starts_in_turn(
+        self, windows: Sequence[_Window], usable: Known | None, spare: Known | None
+    ) -> Iterator[np.ndarray]:
+        """Parameters (windows, 7) to start from, the best first; not finite where there are none.
+
+        The newest usable estimate, carried to each track's start; then the newer of the given state and of
+        the spare estimate; then the other one.
+        """
+        at = np.array([window.at for window in windows])
+        if usable is not None:
+            yield self.carried(*usable, at)
+        tracks = [window.track for window in windows]
+        given = np.column_stack([self.starts[tracks], np.full(len(tracks), self.flight.rso.cd)])
+        if spare is None:
+            yield given
+            return
+        kept, epochs = self.carried(*spare, at), self.measured.epochs
+        is_newer = (epochs[at] - epochs[spare[0]] < self.ages[tracks])[:, None]
+        yield np.where(is_newer, kept, given)
+        yield np.where(is_newer, given, kept)
+
+    def fit(self, estimates: Sequence[Estimate]) -> None:
+        """Iterate all fits side by side until they end, or the settings' number of iterations is reached."""
+        for _ in range(self.settings.max_iterations):
+            running = [one for one in estimates if one.fit.running]
+            if not running:
+                break
+            states, status = self.flight.around(self.measured.epochs, running)
+            for one, flown, lost in zip(running, states, status, strict=True):
+                if lost:
+                    one.fit.reject(f"start arc {REASONS[lost]}")
+                else:
+                    one.fit.take(self.believed(self.measured.evaluation(one.window, flown), one.fit.trial))
+
+    def believed(self, evaluation: Evaluation, trial: np.ndarray) -> Evaluation:
+        """An evaluation at a trial (7,), and what is known of Cd beforehand as one more residual."""
+        if self.settings.cd_sigma is None:
+            return evaluation
+        weighted = np.eye(7)[_CD] / self.settings.cd_sigma
+        residual = (self.flight.rso.cd - trial[_CD]) / self.settings.cd_sigma
+        return Evaluation(
+            np.append(evaluation.residuals, residual), np.vstack([evaluation.jacobian, weighted])
+        )
+
+    def is_usable(self, estimate: Estimate) -> bool:
+        """Whether others may start from it: converged, its Cd within the bounds, or else well determined.
+
+        A fit of one short track may converge on a Cd of thousands, from which no other would find back.
+        """
+        if not estimate.fit.converged:
+            return False
+        if self.settings.cd_bounds is None:
+            return bool(estimate.fit.covariance[_CD, _CD] < _SCALES[_CD] ** 2)
+        low, high = self.settings.cd_bounds
+        return bool(low <= estimate.fit.best[_CD] <= high)
+
+    def row(self, estimate: Estimate) -> dict[str, Any]:
+        """The estimate as a row of the table."""
+        window, fit = estimate.window, estimate.fit
+        rms = np.sqrt(fit.cost / (3.0 * window.measurements)) if np.isfinite(fit.cost) else np.nan
+        return {
+            "track": window.track,
+            "t": self.measured.epochs[window.at],
+            **dict(zip(PARAMETERS, fit.best, strict=True)),
+            **dict(zip(COVARIANCES, fit.covariance[np.tril_indices(7)], strict=True)),
+            "iterations": fit.iterations,
+            "converged": fit.converged,
+            "reason": fit.reason,
+            "tracks_used": window.tracks,
+            "measurements_used": window.measurements,
+            "weighted_rms": rms,
+        }
+
+    @property
+    def _window(self) -> float:
+        return self.settings.window_hours * HOUR
+
+    def carried(self, begin: int, parameters: np.ndarray, at: np.ndarray) -> np.ndarray:
+        """Parameters (n, 7) at epochs `at` of those (7,) at an epoch `begin`, not finite beyond its reach."""
+        epochs = self.measured.epochs[np.append(begin, at)]
+        arcs = self.flight.fly(epochs, parameters[None], np.array([0]), np.array([len(at)]))
+        return np.column_stack([arcs.of(0), np.full(len(at), parameters[_CD])])
+
+    def known(self, estimate: Estimate) -> Known:
+        """What others may start from of an estimate."""
+        return estimate.window.at, estimate.fit.best
+
+    def with_known_cd(self, estimate: Estimate) -> Known | None:
+        """The same had Cd been known beforehand, at its a-priori value.
+
+        A short fit may say nothing of Cd, and all of it of the state. None where it did not converge, or its
+        Cd is so far off that the state would not move in a straight line.
+        """
+        if not estimate.fit.converged:
+            return None
+        covariance, best = estimate.fit.covariance, estimate.fit.best
+        missing = self.flight.rso.cd - best[_CD]
+        if covariance[_CD, _CD] > 0.0:
+            moved: np.ndarray = best + missing * covariance[:, _CD] / covariance[_CD, _CD]
+        else:
+            moved = best + missing * np.eye(7)[_CD]
+        return (estimate.window.at, moved) if np.linalg.norm((moved - best)[:3]) < _LINEAR else None

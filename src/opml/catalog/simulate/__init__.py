@@ -1,0 +1,1 @@
+"""The true orbits, and what radars measure of them."""

@@ -1,0 +1,39 @@
+"""The force model and the integrator of a run, from the environment's tables and the settings."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from opml.dynamics import forces
+from opml.dynamics.ensemble import Integrator
+from opml.dynamics.kernels.surroundings import ForceModel
+from opml.tables import ENVIRONMENT, OPTIONAL, read_metadata, read_table
+
+
+def read(paths: Mapping[str, str], *, epoch: str, settings: Mapping[str, Any]) -> ForceModel:
+    """Read a force model.
+
+    paths: of the tables in `tables.ENVIRONMENT`, by name, and those in `tables.OPTIONAL` where there are any;
+    epoch: UTC text; settings: degree, order and third_bodies. Raises InputError where a table is missing or
+    damaged.
+    """
+    field = read_metadata(paths["gravity_field"])
+    return forces.build(
+        **{name: read_table(paths[name], name) for name in ENVIRONMENT},
+        epoch=epoch,
+        degree=settings["degree"],
+        order=settings["order"],
+        bodies=settings["third_bodies"],
+        gm=field["gm"],
+        radius=field["radius"],
+        gms=read_metadata(paths["ephemerides"])["gm"],
+        **{name: read_table(paths[name], name) for name in OPTIONAL if name in dict(paths.items())},
+    )
+
+
+def integrator(settings: Mapping[str, float]) -> Integrator:
+    """Return the integrator of position_tolerance_m, min_step_s and max_step_s."""
+    return Integrator(
+        position_tolerance=settings["position_tolerance_m"],
+        min_step=settings["min_step_s"],
+        max_step=settings["max_step_s"],
+    )

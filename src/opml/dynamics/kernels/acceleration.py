@@ -1,0 +1,67 @@
+"""The acceleration of arcs under a force model: the sum of all forces."""
+
+from opml.dynamics.kernels import dtm2000, tabulated
+from opml.dynamics.kernels.drag import drag
+from opml.dynamics.kernels.geodetic import geodetic
+from opml.dynamics.kernels.gravity import gravity
+from opml.dynamics.kernels.lanes import compiled, sqrt
+from opml.dynamics.kernels.radiation_pressure import illumination, radiation_pressure
+from opml.dynamics.kernels.surroundings import BODIES, CLOCK, ROTATION, SPIN, SUN_ITRF
+from opml.dynamics.kernels.third_body import third_bodies
+
+SCRATCH_ROWS = 40
+"""Rows that `acceleration` needs to put intermediate lanes down."""
+
+
+@compiled
+def acceleration(x, y, z, vx, vy, vz, ballistic, reflection, model, values, factors, scratch):
+    """(ax, ay, az [m/s2], geodetic altitude [m], part of the Sun in sight) of arcs in GCRF.
+
+    x to vz: position [m] and velocity [m/s]; ballistic: Cd A/m, reflection: Cr A/m [m2/kg];
+    values, factors: from `surroundings.look_up` at the same time; scratch: (SCRATCH_ROWS, WIDTH).
+    """
+    r = values[ROTATION : ROTATION + 9]
+    r2 = x * x + y * y + z * z
+    inverse_r = 1.0 / sqrt(r2)
+    px = r[0] * x + r[1] * y + r[2] * z
+    py = r[3] * x + r[4] * y + r[5] * z
+    pz = r[6] * x + r[7] * y + r[8] * z
+    gx, gy, gz = gravity(
+        px, py, pz, r2, inverse_r, model.weights, model.columns, model.degree, model.gm, model.radius
+    )
+    central = -model.gm * inverse_r * inverse_r * inverse_r
+    ax = central * x + (r[0] * gx + r[3] * gy + r[6] * gz)
+    ay = central * y + (r[1] * gx + r[4] * gy + r[7] * gz)
+    az = central * z + (r[2] * gx + r[5] * gy + r[8] * gz)
+
+    bx, by, bz = third_bodies(x, y, z, values[BODIES:], model.gms, model.gms.shape[0])
+
+    altitude, rho = density(px, py, pz, inverse_r, model, values, factors, scratch)
+    turning = (values[SPIN], values[SPIN + 1], values[SPIN + 2])
+    dx, dy, dz = drag(x, y, z, vx, vy, vz, turning, rho, ballistic)
+
+    lit = illumination(px, py, pz, r2, values[SUN_ITRF : SUN_ITRF + 3], scratch)
+    sun = values[BODIES : BODIES + 3]
+    sx, sy, sz = radiation_pressure(x, y, z, sun, lit, reflection)
+    return ax + (bx + (dx + sx)), ay + (by + (dy + sy)), az + (bz + (dz + sz)), altitude, lit
+
+
+@compiled
+def density(px, py, pz, inverse_r, model, values, factors, scratch):
+    """(geodetic altitude [m], density [kg/m3]) at ITRF positions [m], by the table or else by DTM2000."""
+    altitude, sin_lat, cos_lat, sin_lon, cos_lon = geodetic(px, py, pz, inverse_r)
+    if model.tabulated.shape[0] > 0:
+        node, part, clock = int(values[CLOCK]), values[CLOCK + 1], values[CLOCK + 2]
+        return altitude, tabulated.density(
+            altitude, sin_lat, cos_lat, sin_lon, cos_lon, model.tabulated, node, part, clock, scratch
+        )
+    sun_x, sun_y = values[SUN_ITRF], values[SUN_ITRF + 1]
+    norm = (sun_x * sun_x + sun_y * sun_y) ** -0.5
+    # Local solar time, counted from midnight: opposite the Sun's meridian.
+    cos_time = -norm * (sun_x * cos_lon + sun_y * sin_lon)
+    sin_time = -norm * (sun_x * sin_lon - sun_y * cos_lon)
+    a = model.thermosphere
+    rho = dtm2000.density(
+        altitude, sin_lat, cos_lat, sin_lon, cos_lon, sin_time, cos_time, a, factors, scratch
+    )
+    return altitude, rho

@@ -1,0 +1,333 @@
+"""Density of the thermosphere by DTM2000 (Bruinsma, Thuillier & Barlier 2003, JASTP 65, 1053-1070).
+
+For each of nine quantities (exospheric temperature, temperature and its gradient at 120 km, six
+constituents) the model is a sum over spherical harmonics of latitude, longitude and local time
+whose factors depend on the date and the activity. Those factors are the same for every arc, so
+`reduce_to_date` folds the date and the activity in once, and the kernel only sums over the position.
+
+There the nine quantities lie side by side in one row of lanes, where the kernels have arcs.
+"""
+
+import math
+from importlib import resources
+
+import numpy as np
+
+from opml.dynamics.kernels.lanes import WIDTH, compiled, exp, load, log, rows, select, splat, store
+
+QUANTITIES = ("tt", "t0", "tp", "h", "he", "o", "n2", "o2", "n")
+FLUX_COUPLED = rows(1)
+"""A row with 1 where the solar flux also scales the periodic terms."""
+FLUX_COUPLED[0, : len(QUANTITIES)] = 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0
+
+LATITUDE_TERMS = 9
+"""P10 to P60 with a constant before them, and P20 and P40 about the magnetic pole."""
+TESSERAL_TERMS = 30
+_STEADY = 5  # after the terms of the flux
+_ANNUAL = _STEADY + LATITUDE_TERMS
+_DIURNAL = _ANNUAL + LATITUDE_TERMS
+_SEMIDIURNAL = _DIURNAL + 8
+_TERDIURNAL = _SEMIDIURNAL + 10
+FACTORS = _DIURNAL + TESSERAL_TERMS
+"""Rows of factors, and where each kind of term begins among them."""
+
+LOWEST_ALTITUDE = 120e3
+"""The model's lower boundary [m]."""
+
+_POLAR_RADIUS_KM = 6356.77
+_BASE_KM = 120.0
+_GRAVITY_AT_GROUND = 980.665  # cm/s2
+_GAS_CONSTANT = 831.4  # in the model's own units
+_COSINE_POLE, _SINE_POLE = 0.19081, 0.98163  # magnetic pole, 79 N
+_POLE_LONGITUDE_COSINE, _POLE_LONGITUDE_SINE = math.cos(-1.2392), math.sin(-1.2392)  # 71 W
+_YEAR = 0.017214206  # 2 pi / 365 days, as the model rounds it
+_WEIGHT = (1.0, 4.0, 16.0, 28.0, 32.0, 14.0)
+_MASS = (1.6606e-24, 6.6423e-24, 26.569e-24, 46.4958e-24, 53.1381e-24, 23.2479e-24)  # g
+_DIFFUSION = (-0.40, -0.38, 0.0, 0.0, 0.0, 0.0)
+
+
+def coefficients() -> np.ndarray:
+    """The model's coefficients (97, WIDTH), rows counted from 1 as in the paper, columns as QUANTITIES."""
+    text = resources.files("opml.data").joinpath("dtm2000.csv").read_text()
+    lines = [line for line in text.splitlines() if line and not line.startswith("#")]
+    names = lines[0].split(",")
+    a = rows(97)
+    for line in lines[1:]:
+        row = dict(zip(names, line.split(","), strict=True))
+        a[int(row["index"]), : len(QUANTITIES)] = [float(row[name]) for name in QUANTITIES]
+    return a
+
+
+def seasons(a: np.ndarray, days_of_year: np.ndarray) -> np.ndarray:
+    """What depends on the day alone, for each day and quantity: (days, SEASONAL_TERMS, WIDTH).
+
+    Annual and semi-annual cosines of the even and of the odd terms, and the sign of the terms that
+    change with the hemisphere's season, which only the temperature profile at 120 km has.
+    a: from `coefficients`.
+    """
+    days = np.asarray(days_of_year, float)[:, None]
+    cosines = [
+        np.cos(_YEAR * (days - a[11])),
+        np.cos(2.0 * _YEAR * (days - a[14])),
+        np.cos(_YEAR * (days - a[18])),
+        np.cos(2.0 * _YEAR * (days - a[20])),
+    ]
+    sign = np.ones((len(days), WIDTH))
+    sign[:, 1:3] = np.array([_season(day) for day in days_of_year])[:, None]
+    return np.stack([*cosines, sign], axis=1)
+
+
+def _season(day):
+    """1 in northern summer, -1 in winter, and a straight line of time between them."""
+    if 99 < day < 244:
+        return 1.0
+    if day < 59 or day > 284:
+        return -1.0
+    return 1.0 - 2.0 * (day - 244) / 40.0 if day >= 100 else 2.0 * (day - 59) / 40.0 - 1.0
+
+
+@compiled
+def reduce_to_date(a, season, f107, f107_mean, kp_3h, kp_24h, factors):
+    """Fold the date and the activity into the factors of the position: fills `factors` (FACTORS, WIDTH).
+
+    a: from `coefficients`; season: that of the day from `seasons`; f107, f107_mean [sfu]; kp_3h, kp_24h.
+    """
+    flux = _flux(a, f107 - f107_mean, f107_mean - 150.0)
+    coupled = load(FLUX_COUPLED, 0)
+    for n in range(_STEADY):
+        store(factors, n, coupled * flux[n])
+    odd, sign = load(season, 2), load(season, 4)
+    _fold_steady(a, flux, sign, kp_3h, kp_24h, factors, _STEADY)
+    _fold_annual(a, season, kp_3h, factors, _ANNUAL)
+    _fold_diurnal(a, odd, kp_3h, factors, _DIURNAL)
+    _fold_semidiurnal(a, odd, sign, factors, _SEMIDIURNAL)
+    _fold_terdiurnal_and_longitude(a, factors, _TERDIURNAL)
+
+
+@compiled
+def _flux(a, df, dm):
+    """Terms of the solar flux, on the constant and P10 to P40. df: of the day, dm: its mean [sfu]."""
+    return (
+        load(a, 4) * df + load(a, 5) * df * df + load(a, 6) * dm + load(a, 69) * dm * dm,
+        load(a, 82) * df,
+        load(a, 83) * df + load(a, 85) * dm,
+        load(a, 84) * df + load(a, 86) * dm,
+        load(a, 87) * dm,
+    )
+
+
+@compiled
+def _fold_steady(a, flux, sign, kp, km, factors, at):
+    """Terms without a period: latitude, flux and geomagnetic activity."""
+    activity = (
+        (load(a, 7) * kp + load(a, 60) * kp**2 + load(a, 75) * kp**4)
+        + load(a, 64) * km
+        + load(a, 66) * km**2
+        + load(a, 76) * km**4
+    )
+    store(factors, at, flux[0] + activity)
+    store(factors, at + 1, flux[1] + sign * load(a, 74))
+    store(factors, at + 2, flux[2] + load(a, 2))
+    store(factors, at + 3, flux[3] + sign * load(a, 77))
+    store(factors, at + 4, flux[4] + load(a, 3))
+    store(factors, at + 5, sign * load(a, 78))
+    store(factors, at + 6, load(a, 79))
+    store(factors, at + 7, load(a, 8) * kp + load(a, 61) * kp**2 + load(a, 65) * km + load(a, 73) * km**2)
+    store(factors, at + 8, load(a, 68) * kp + load(a, 72) * km)
+
+
+@compiled
+def _fold_annual(a, season, kp, factors, at):
+    """Annual and semi-annual terms."""
+    even, even2, odd, odd2 = load(season, 0), load(season, 1), load(season, 2), load(season, 3)
+    store(factors, at, load(a, 9) * even + load(a, 12) * even2)
+    store(factors, at + 1, load(a, 15) * odd + load(a, 19) * odd2 + load(a, 40) * odd * kp)
+    store(factors, at + 2, load(a, 10) * even + load(a, 13) * even2)
+    store(factors, at + 3, load(a, 16) * odd + load(a, 39) * odd2 + load(a, 41) * odd * kp)
+    store(factors, at + 4, splat(0.0))
+    store(factors, at + 5, load(a, 17) * odd + load(a, 59) * odd2 + load(a, 42) * odd * kp)
+    store(factors, at + 6, splat(0.0))
+    store(factors, at + 7, splat(0.0))
+    store(factors, at + 8, splat(0.0))
+
+
+@compiled
+def _fold_diurnal(a, odd, kp, factors, at):
+    """Cosine, then sine of the local time, on P11, P31, P51, P21."""
+    store(factors, at, load(a, 21) + load(a, 24) * odd + load(a, 43) * kp)
+    store(factors, at + 1, load(a, 22) + load(a, 44) * kp)
+    store(factors, at + 2, load(a, 23) + load(a, 45) * kp)
+    store(factors, at + 3, load(a, 25) * odd)
+    store(factors, at + 4, load(a, 26) + load(a, 29) * odd + load(a, 46) * kp)
+    store(factors, at + 5, load(a, 27) + load(a, 47) * kp)
+    store(factors, at + 6, load(a, 28) + load(a, 48) * kp)
+    store(factors, at + 7, load(a, 30) * odd)
+
+
+@compiled
+def _fold_semidiurnal(a, odd, sign, factors, at):
+    """Cosine, then sine of twice the local time, on P22, P42, P32, P52, P62."""
+    store(factors, at, load(a, 31))
+    store(factors, at + 1, load(a, 37))
+    store(factors, at + 2, load(a, 32) * odd + sign * load(a, 88))
+    store(factors, at + 3, sign * load(a, 90))
+    store(factors, at + 4, load(a, 92))
+    store(factors, at + 5, load(a, 33))
+    store(factors, at + 6, load(a, 38))
+    store(factors, at + 7, load(a, 34) * odd + sign * load(a, 89))
+    store(factors, at + 8, sign * load(a, 91))
+    store(factors, at + 9, load(a, 93))
+
+
+@compiled
+def _fold_terdiurnal_and_longitude(a, factors, at):
+    """Cosine and sine of three times the local time on P33, then longitude on P11, P21, P31, P41, P51."""
+    store(factors, at, load(a, 35))
+    store(factors, at + 1, load(a, 36))
+    for n in range(10):
+        store(factors, at + 2 + n, load(a, 49 + n))
+
+
+@compiled
+def density(altitude, sin_lat, cos_lat, sin_lon, cos_lon, sin_time, cos_time, a, factors, basis):
+    """Density [kg/m3] above 120 km; below, what it is there.
+
+    altitude: geodetic [m]; latitude: geodetic, longitude: east, and local solar time as an angle
+    (0 at midnight), each by its sine and cosine; a: coefficients; factors: from `reduce_to_date`;
+    basis: scratch rows.
+    """
+    _fill_basis(sin_lat, cos_lat, sin_lon, cos_lon, sin_time, cos_time, basis)
+    g0, g1, g2, g3, g4, g5, g6, g7, g8 = _sum_terms(factors, basis)
+    t_inf = a[1, 0] * (1.0 + g0)
+    t_120 = a[1, 1] + g1
+    slope = a[1, 2] + g2
+    z = select(altitude < LOWEST_ALTITUDE, splat(_BASE_KM), altitude * 1e-3)
+    sigma = slope / (t_inf - t_120)
+    height = sigma * ((z - _BASE_KM) * ((_POLAR_RADIUS_KM + _BASE_KM) / (_POLAR_RADIUS_KM + z)))
+    t_z = t_inf - (t_inf - t_120) * exp(-height)
+    cooling = log(t_120 / t_z)
+    at_base = _GRAVITY_AT_GROUND / (1.0 + _BASE_KM / _POLAR_RADIUS_KM) ** 2
+    gamma = (at_base / _GAS_CONSTANT) / (sigma * t_inf)
+    total = splat(0.0)
+    total = total + _constituent(0, a[1, 3], g3, gamma, cooling, height)
+    total = total + _constituent(1, a[1, 4], g4, gamma, cooling, height)
+    total = total + _constituent(2, a[1, 5], g5, gamma, cooling, height)
+    total = total + _constituent(3, a[1, 6], g6, gamma, cooling, height)
+    total = total + _constituent(4, a[1, 7], g7, gamma, cooling, height)
+    total = total + _constituent(5, a[1, 8], g8, gamma, cooling, height)
+    return total * 1e3
+
+
+@compiled
+def _constituent(k, at_base, g, gamma, cooling, height):
+    """Mass density [g/cm3] of one constituent, in diffusive equilibrium above 120 km."""
+    gamma = _WEIGHT[k] * gamma
+    return (_MASS[k] * at_base) * exp(g + (1.0 + _DIFFUSION[k] + gamma) * cooling - height * gamma)
+
+
+@compiled
+def _fill_basis(c, s, sin_lon, cos_lon, sh, ch, basis):
+    """Latitude terms, then tesseral terms, row by row. c, s: sine and cosine of the latitude."""
+    _fill_zonal(c, s, sin_lon, cos_lon, basis)
+    _fill_tesseral(c, s, sin_lon, cos_lon, sh, ch, basis, LATITUDE_TERMS)
+
+
+@compiled
+def _fill_zonal(c, s, sin_lon, cos_lon, basis):
+    """The constant, P10 to P60, and P20 and P40 about the magnetic pole."""
+    c2 = c * c
+    c4 = c2 * c2
+    p40 = 4.375 * c4 - 3.75 * c2 + 0.375
+    p50 = c * (7.875 * c4 - 8.75 * c2 + 1.875)
+    to_pole = cos_lon * _POLE_LONGITUDE_COSINE + sin_lon * _POLE_LONGITUDE_SINE
+    magnetic = s * _COSINE_POLE * to_pole + c * _SINE_POLE
+    magnetic2 = magnetic * magnetic
+    store(basis, 0, splat(1.0))
+    store(basis, 1, c)
+    store(basis, 2, 1.5 * c2 - 0.5)
+    store(basis, 3, c * (2.5 * c2 - 1.5))
+    store(basis, 4, p40)
+    store(basis, 5, p50)
+    store(basis, 6, (5.5 * c * p50 - 2.5 * p40) * (1.0 / 3.0))
+    store(basis, 7, 1.5 * magnetic2 - 0.5)
+    store(basis, 8, 4.375 * magnetic2 * magnetic2 - 3.75 * magnetic2 + 0.375)
+
+
+@compiled
+def _fill_tesseral(c, s, sin_lon, cos_lon, sh, ch, basis, at):
+    """Terms of the local time, once, twice and three times, and of the longitude."""
+    c2, s2 = c * c, s * s
+    c4 = c2 * c2
+    p21 = 3.0 * c * s
+    p31 = s * (7.5 * c2 - 1.5)
+    p41 = c * s * (17.5 * c2 - 7.5)
+    p51 = s * (39.375 * c4 - 26.25 * c2 + 1.875)
+    p22 = 3.0 * s2
+    p32 = 15.0 * c * s2
+    p42 = s2 * (52.5 * c2 - 7.5)
+    p52 = 3.0 * c * p42 - 2.0 * p32
+    p62 = 2.75 * c * p52 - 1.75 * p42
+    p33 = 15.0 * s * s2
+    c2h, s2h = ch * ch - sh * sh, 2.0 * ch * sh
+    c3h, s3h = c2h * ch - s2h * sh, s2h * ch + c2h * sh
+    _store_four(s, p31, p51, p21, ch, basis, at)
+    _store_four(s, p31, p51, p21, sh, basis, at + 4)
+    _store_five(p22, p42, p32, p52, p62, c2h, basis, at + 8)
+    _store_five(p22, p42, p32, p52, p62, s2h, basis, at + 13)
+    store(basis, at + 18, p33 * c3h)
+    store(basis, at + 19, p33 * s3h)
+    _store_five(s, p21, p31, p41, p51, cos_lon, basis, at + 20)
+    _store_five(s, p21, p31, p41, p51, sin_lon, basis, at + 25)
+
+
+@compiled
+def _store_four(p, q, r, s, factor, basis, at):
+    store(basis, at, p * factor)
+    store(basis, at + 1, q * factor)
+    store(basis, at + 2, r * factor)
+    store(basis, at + 3, s * factor)
+
+
+@compiled
+def _store_five(p, q, r, s, t, factor, basis, at):
+    _store_four(p, q, r, s, factor, basis, at)
+    store(basis, at + 4, t * factor)
+
+
+@compiled
+def _sum(factors, row, count, basis):
+    """Sums of the nine quantities at once, over the first `count` rows of the basis."""
+    s0, s1, s2 = splat(0.0), splat(0.0), splat(0.0)
+    s3, s4, s5 = splat(0.0), splat(0.0), splat(0.0)
+    s6, s7, s8 = splat(0.0), splat(0.0), splat(0.0)
+    for n in range(count):
+        b = load(basis, n)
+        s0 = s0 + factors[row + n, 0] * b
+        s1 = s1 + factors[row + n, 1] * b
+        s2 = s2 + factors[row + n, 2] * b
+        s3 = s3 + factors[row + n, 3] * b
+        s4 = s4 + factors[row + n, 4] * b
+        s5 = s5 + factors[row + n, 5] * b
+        s6 = s6 + factors[row + n, 6] * b
+        s7 = s7 + factors[row + n, 7] * b
+        s8 = s8 + factors[row + n, 8] * b
+    return s0, s1, s2, s3, s4, s5, s6, s7, s8
+
+
+@compiled
+def _sum_terms(factors, basis):
+    """The nine quantities: constant terms plus periodic ones scaled by the flux."""
+    f = _sum(factors, 0, _STEADY, basis)
+    c = _sum(factors, _STEADY, LATITUDE_TERMS, basis)
+    p = _sum(factors, _ANNUAL, LATITUDE_TERMS + TESSERAL_TERMS, basis)
+    return (
+        c[0] + p[0] * (1.0 + f[0]),
+        c[1] + p[1] * (1.0 + f[1]),
+        c[2] + p[2] * (1.0 + f[2]),
+        c[3] + p[3] * (1.0 + f[3]),
+        c[4] + p[4] * (1.0 + f[4]),
+        c[5] + p[5] * (1.0 + f[5]),
+        c[6] + p[6] * (1.0 + f[6]),
+        c[7] + p[7] * (1.0 + f[7]),
+        c[8] + p[8] * (1.0 + f[8]),
+    )

@@ -1,0 +1,197 @@
+"""What every arc meets at one time: the Earth's rotation, Sun, Moon, planets and the thermosphere.
+
+All of it depends on time alone, so it is looked up once per stage of the integrator, between the uniform
+nodes of the force model, and shared by the lanes.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from opml.base.constants import DAY, EARTH_RATE
+from opml.dynamics.kernels.dtm2000 import FACTORS, reduce_to_date
+from opml.dynamics.kernels.lanes import compiled, rows
+
+ROTATION, SPIN, SUN_ITRF, CLOCK, BODIES = 0, 9, 12, 15, 18
+"""Where the parts of the looked-up values begin; the clock: a node, the part of a step since, UTC [d]."""
+
+_ASIDE = 5e-4
+"""How far [s] from a jump steps end: far enough for both sides to be told apart."""
+
+_SixWeights = tuple[float, float, float, float, float, float]
+
+
+class ForceModel(NamedTuple):
+    """A force model as the kernels read it, arrays and numbers; `forces.build` makes it."""
+
+    first: float  # time of the first node [s since the epoch]
+    step: float  # between nodes [s]
+    orientation: np.ndarray  # (nodes, 6): CIP x and y, CIO locator, pole x and y, ERA offset [rad]
+    spin: np.ndarray  # (nodes, 3): the Earth's rotation vector in GCRF [rad/s]
+    bodies: np.ndarray  # (nodes, 3 count): geocentric GCRF positions [m], the Sun first
+    gms: np.ndarray  # (count,) [m3/s2], 0 where a body's pull is not in the model
+    activity: np.ndarray  # (nodes, 4): F10.7, its mean [sfu], Kp of 3 h and of 24 h
+    midnight: float  # start of the epoch's UTC day [s since the epoch]
+    seasons: np.ndarray  # (days, 5, WIDTH), from dtm2000.seasons
+    thermosphere: np.ndarray  # (97, WIDTH), from dtm2000.coefficients
+    tabulated: np.ndarray  # (nodes, local times, latitudes, altitudes): ln of density; no nodes: DTM2000
+    weights: np.ndarray  # (terms, 7), from gravity.weights
+    columns: int  # orders in the weights
+    degree: int  # highest degree of a harmonic in the weights
+    gm: float  # of the Earth, as the field gives it [m3/s2]
+    radius: float  # of the field [m]
+    issued: np.ndarray  # (outlooks,) times from which each is known, ascending [s]; none: activity is for all
+    outlooks: np.ndarray  # (outlooks, nodes, 4): activity as it was known then and is forecast from there on
+
+    def jumps(self, begin: float, end: float) -> np.ndarray:
+        """Times between two [s] on both sides of each midnight, where DTM2000's day and its density jump."""
+        low, high = min(begin, end), max(begin, end)
+        days = np.arange(np.ceil((low - self.midnight) / DAY), np.floor((high - self.midnight) / DAY) + 1.0)
+        around = self.midnight + np.add.outer(days * DAY, [-_ASIDE, _ASIDE]).ravel()
+        return around[(around > low) & (around < high)]
+
+    def known_at(self, t: np.ndarray) -> np.ndarray:
+        """The newest outlook at times t [s], an index; -1 where there is none."""
+        return np.searchsorted(self.issued, t, side="right") - 1
+
+    def under(self, outlook: int) -> "ForceModel":
+        """The model with the activity of an outlook; with its own where that is -1."""
+        return self if outlook < 0 else self._replace(activity=self.outlooks[outlook])
+
+
+def blank(model: ForceModel) -> tuple[np.ndarray, np.ndarray]:
+    """Values and factors, for `look_up` to fill."""
+    return np.zeros(BODIES + model.bodies.shape[1]), rows(FACTORS)
+
+
+@compiled
+def look_up(t: float, model: ForceModel, values: np.ndarray, factors: np.ndarray) -> None:
+    """Fill `values` (rotation, spin, Sun, clock, bodies) and DTM2000's `factors` at time t [s]."""
+    node, u = _locate(t, model.first, model.step, model.orientation.shape[0])
+    w = _weights(u)
+    for k in range(model.bodies.shape[1]):
+        values[BODIES + k] = _between(model.bodies, node, k, w)
+    for k in range(3):
+        values[SPIN + k] = _between(model.spin, node, k, w)
+    orient(t, model.first, model.step, model.orientation, values)
+    sx, sy, sz = values[BODIES], values[BODIES + 1], values[BODIES + 2]
+    for k in range(3):
+        values[SUN_ITRF + k] = values[3 * k] * sx + values[3 * k + 1] * sy + values[3 * k + 2] * sz
+    days = (t - model.midnight) / DAY
+    values[CLOCK], values[CLOCK + 1], values[CLOCK + 2] = node, u, days - math.floor(days)
+    day = min(max(math.floor(days), 0), model.seasons.shape[0] - 1)
+    reduce_to_date(
+        model.thermosphere,
+        model.seasons[day],
+        _linear(model.activity, node, 0, u),
+        _linear(model.activity, node, 1, u),
+        _linear(model.activity, node, 2, u),
+        _linear(model.activity, node, 3, u),
+        factors,
+    )
+
+
+@compiled
+def orient(t: float, first: float, step: float, orientation: np.ndarray, values: np.ndarray) -> None:
+    """Fill the rotation in `values` at time t [s], from the nodes of the orientation."""
+    node, u = _locate(t, first, step, orientation.shape[0])
+    w = _weights(u)
+    earth_rotation(
+        _between(orientation, node, 0, w),
+        _between(orientation, node, 1, w),
+        _between(orientation, node, 2, w),
+        _between(orientation, node, 3, w),
+        _between(orientation, node, 4, w),
+        _between(orientation, node, 5, w) + EARTH_RATE * t,
+        values,
+    )
+
+
+@compiled
+def sun(t: float, model: ForceModel) -> tuple[float, float, float]:
+    """The Sun's geocentric position in GCRF [m] at time t [s]."""
+    node, u = _locate(t, model.first, model.step, model.bodies.shape[0])
+    w = _weights(u)
+    return (
+        _between(model.bodies, node, 0, w),
+        _between(model.bodies, node, 1, w),
+        _between(model.bodies, node, 2, w),
+    )
+
+
+@compiled
+def _locate(t: float, first: float, step: float, nodes: int) -> tuple[int, float]:
+    """The node before t with two more before it and three after, and the part of a step from it to t."""
+    where = (t - first) / step
+    node = min(max(math.floor(where), 2), nodes - 4)
+    return node, where - node
+
+
+@compiled
+def _weights(u: float) -> _SixWeights:
+    """Lagrange's polynomial through six nodes: at hourly ones 10 micrometres for the Moon."""
+    a, b, c, d, e, f = u + 2.0, u + 1.0, u, u - 1.0, u - 2.0, u - 3.0
+    return (
+        -b * c * d * e * f / 120.0,
+        a * c * d * e * f / 24.0,
+        -a * b * d * e * f / 12.0,
+        a * b * c * e * f / 12.0,
+        -a * b * c * d * f / 24.0,
+        a * b * c * d * e / 120.0,
+    )
+
+
+@compiled
+def _between(nodes: np.ndarray, node: int, column: int, w: _SixWeights) -> float:
+    value: float = (
+        w[0] * nodes[node - 2, column]
+        + w[1] * nodes[node - 1, column]
+        + w[2] * nodes[node, column]
+        + w[3] * nodes[node + 1, column]
+        + w[4] * nodes[node + 2, column]
+        + w[5] * nodes[node + 3, column]
+    )
+    return value
+
+
+@compiled
+def _linear(nodes: np.ndarray, node: int, column: int, u: float) -> float:
+    value: float = nodes[node, column] + u * (nodes[node + 1, column] - nodes[node, column])
+    return value
+
+
+@compiled
+def earth_rotation(
+    x: float, y: float, s: float, x_pole: float, y_pole: float, angle: float, values: np.ndarray
+) -> None:
+    """Rotation GCRF to ITRF into values[0:9], row by row.
+
+    x, y: CIP in GCRF; s: CIO locator; x_pole, y_pole: polar motion; angle: Earth rotation angle
+    [rad] (IERS Conventions 2010, sec. 5.4.4, 5.4.1). The TIO locator s', 5e-11 rad in 2017, is left out.
+    """
+    z = math.sqrt(1.0 - x * x - y * y)
+    a = 1.0 / (1.0 + z)
+    cs, sn = math.cos(angle - s), math.sin(angle - s)
+    # Celestial motion of the pole, without the turn by s, which joins the rotation angle.
+    q00, q01, q02 = 1.0 - a * x * x, -a * x * y, -x
+    q11, q12 = 1.0 - a * y * y, -y
+    r00, r01, r02 = cs * q00 + sn * q01, cs * q01 + sn * q11, cs * q02 + sn * q12
+    r10, r11, r12 = -sn * q00 + cs * q01, -sn * q01 + cs * q11, -sn * q02 + cs * q12
+    r20, r21, r22 = x, y, z
+    # Polar motion: R1(-y_pole) after R2(-x_pole).
+    cx, sx, cy, sy = math.cos(x_pole), math.sin(x_pole), math.cos(y_pole), math.sin(y_pole)
+    w00, w02 = cx, sx
+    w10, w11, w12 = sx * sy, cy, -cx * sy
+    w20, w21, w22 = -sx * cy, sy, cx * cy
+    values[0], values[1], values[2] = w00 * r00 + w02 * r20, w00 * r01 + w02 * r21, w00 * r02 + w02 * r22
+    values[3], values[4], values[5] = (
+        w10 * r00 + w11 * r10 + w12 * r20,
+        w10 * r01 + w11 * r11 + w12 * r21,
+        w10 * r02 + w11 * r12 + w12 * r22,
+    )
+    values[6], values[7], values[8] = (
+        w20 * r00 + w21 * r10 + w22 * r20,
+        w20 * r01 + w21 * r11 + w22 * r21,
+        w20 * r02 + w21 * r12 + w22 * r22,
+    )

@@ -1,0 +1,87 @@
+"""A predicted orbit that is ahead or behind, brought to where it should be, position and velocity together.
+
+Nearly all of a prediction's error lies along its own path, e_y. So the correction follows the path instead of
+its tangent: the orbit of a moment tau earlier, tau = asin(e_y / r) / w, with w the rate at which the position
+turns. What tau tells of the radial error x follows from the motion beside a circular orbit without drag
+(Clohessy & Wiltshire 1960, J. Aerospace Sci. 27; Vallado, ch. 6), in which y = r w tau:
+
+    a slow drift         x = -2/3 r tau'      a higher orbit falls behind
+    once per revolution  x = -1/2 r tau'      an eccentricity
+
+Velocity is the derivative of that path. So e_vx = -w e_y holds, and the energy is that of an orbit which
+drifts as the correction does. Cross-track nothing is changed but what follows from the time.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.interpolate import make_interp_spline, make_lsq_spline
+
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.orbits.elements import rsw_rotation
+
+LEAST_EPOCHS = 16
+"""Epochs that a path needs for its derivatives."""
+
+ROUGH = 1.0 / 60.0
+"""Largest miss of a correction by the spline through every second of its values, in their time [m/s]."""
+
+_SLOW = 3  # degree of the spline that a slow drift is
+_FAST = 5
+_PATH = 7  # so that a path sampled every minute is interpolated to a millimetre, up to its ends
+
+
+def corrected(t: np.ndarray, states: np.ndarray, along_track: np.ndarray) -> np.ndarray:
+    """Corrected states (n, 6) GCRF [m, m/s] of one predicted path.
+
+    t: (n,) ascending [s], a minute or so apart; states: (n, 6) as predicted, GCRF [m, m/s]; along_track: (n,)
+    predicted less true position [m], the component e_y in RSW of the true state. Raises InputError for fewer
+    than LEAST_EPOCHS.
+    """
+    if len(t) < LEAST_EPOCHS:
+        raise InputError(f"ephemeris: expected at least {LEAST_EPOCHS} epochs to correct, got {len(t)}")
+    radius = np.linalg.norm(states[:, :3], axis=1)
+    rate = np.linalg.norm(np.cross(states[:, :3], states[:, 3:]), axis=1) / radius**2
+    late = np.arcsin(np.clip(along_track / radius, -1.0, 1.0)) / rate
+    shifted: np.ndarray = through(t, states)(t - late)
+    shifted[:, 3:] *= 1.0 - _derivative(t, late)[:, None]
+    radial = radial_part(t, late, radius)
+    axes = rsw_rotation(shifted)
+    shifted[:, :3] -= radial[:, None] * axes[:, 0]
+    shifted[:, 3:] -= _derivative(t, radial)[:, None] * axes[:, 0] + (radial * rate)[:, None] * axes[:, 1]
+    return shifted
+
+
+def through(t: np.ndarray, states: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """The path through states (n, 6) at t (n,): a function of times that returns states."""
+    path: Callable[[np.ndarray], np.ndarray] = make_interp_spline(t, states, _PATH)
+    return path
+
+
+def radial_part(t: np.ndarray, late: np.ndarray, radius: np.ndarray) -> np.ndarray:
+    """Radial error (n,) [m] that goes with being `late` (n,) [s] on an orbit of `radius` (n,) [m].
+
+    What a cubic spline with a knot a day can follow is the slow drift, the rest a matter of revolutions.
+    """
+    days = max(1, round((t[-1] - t[0]) / DAY))
+    inner = np.linspace(t[0], t[-1], days + 1)
+    knots = np.concatenate([np.repeat(t[0], _SLOW), inner, np.repeat(t[-1], _SLOW)])
+    drift: np.ndarray = make_lsq_spline(t, late, knots, _SLOW).derivative()(t)
+    radial: np.ndarray = -radius * (2.0 / 3.0 * drift + 0.5 * (_derivative(t, late) - drift))
+    return radial
+
+
+def _derivative(t: np.ndarray, values: np.ndarray) -> np.ndarray:
+    slope: np.ndarray = make_interp_spline(t, values, _FAST).derivative()(t)
+    return slope
+
+
+def check_smooth(t: np.ndarray, along_track: np.ndarray) -> None:
+    """Raise InputError for a correction (n,) [m] at t (n,) [s] that has steps, and so no velocity."""
+    missed = float(np.abs(make_interp_spline(t[::2], along_track[::2], _FAST)(t) - along_track)[:-1].max())
+    if missed > ROUGH * float(np.median(np.diff(t))):
+        raise InputError(
+            "ephemeris: expected a correction that is smooth in time, as that of a kernel or a law, "
+            f"got one with steps of {missed:.3g} m (another learner, or a smaller step_s)"
+        )

@@ -1,0 +1,1 @@
+"""What is learned from: the dataset, its cleaning, the rows of a split."""

@@ -1,0 +1,129 @@
+"""How much of the prediction error a model leaves.
+
+Source: the paper, sections 'Validation of the Trained SVM Model' (P_ML) and 'Results on Simulated RSO'
+(p_ML).
+"""
+
+import math
+
+import numpy as np
+import pandas as pd
+
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.base.seeds import derive
+
+DRAWS = 2000
+PERCENTILES = (5.0, 95.0)
+LONGEST = 0.5 * DAY
+
+
+def p_ml(true: np.ndarray, predicted: np.ndarray) -> float:
+    """Performance metric P_ML [%]: 100 sum |e - e_ML| / sum |e| over all points.
+
+    0 is a perfect correction, 100 none at all. Raises InputError where there is no error to correct.
+    """
+    total = float(np.sum(np.abs(true)))
+    if not (np.isfinite(total) and total > 0.0):
+        raise InputError(f"P_ML: expected a positive, finite sum of true errors, got {total}")
+    return 100.0 * float(np.sum(np.abs(true - predicted))) / total
+
+
+def individual_p_ml(true: np.ndarray, predicted: np.ndarray) -> np.ndarray:
+    """Individual metric p_ML [%] of each point: 100 |e - e_ML| / |e|.
+
+    Infinite where a zero error was made worse, 0 where it was left alone.
+    """
+    residual, error = np.abs(true - predicted), np.abs(true)
+    ratio = np.divide(residual, error, out=np.where(residual > 0.0, np.inf, 0.0), where=error > 0.0)
+    p_ml: np.ndarray = 100.0 * ratio
+    return p_ml
+
+
+def fraction_reduced(true: np.ndarray, predicted: np.ndarray) -> float:
+    """Fraction of the points (0 to 1) whose error the correction makes smaller: p_ML below 100 %."""
+    return float(np.mean(np.abs(true - predicted) < np.abs(true)))
+
+
+def against_labels(evaluation: pd.DataFrame, labelled: pd.DataFrame, *, component: str) -> float:
+    """P_ML [%] of an `evaluation` table, its rows held against labels from later estimates instead.
+
+    `labelled`: the dataset with the labels; rows that it dropped do not count. NaN where it holds true
+    errors, or none of the rows.
+    """
+    if "t_known" not in labelled:
+        return math.nan
+    known = labelled.loc[labelled["keep"], ["i", "j", component]]
+    rows = evaluation.merge(known, on=["i", "j"])
+    return p_ml(rows[component].to_numpy(), rows["predicted"].to_numpy()) if len(rows) else math.nan
+
+
+def bootstrap_interval(evaluation: pd.DataFrame, *, seed: int) -> tuple[float, float]:
+    """5th and 95th percentile of P_ML [%] over resampled estimates, for an `evaluation` table.
+
+    Whole estimates are drawn with replacement, since the rows of one are no independent evidence (cluster
+    bootstrap; Davison & Hinkley 1997, Bootstrap Methods and their Application, sec. 3.8). Raises InputError
+    where there is no error to correct.
+    """
+    p_ml(evaluation["true"].to_numpy(), evaluation["predicted"].to_numpy())
+    sums = evaluation[["residual", "true"]].abs().groupby(evaluation["i"], sort=True).sum().to_numpy()
+    count = len(sums)
+    drawn = derive(seed, "bootstrap").integers(count, size=(DRAWS, count))
+    times = np.stack([np.bincount(row, minlength=count) for row in drawn])
+    residual, true = (np.einsum("dk,k->d", times, column) for column in sums.T)
+    low, high = np.percentile(100.0 * residual / true, PERCENTILES)
+    return float(low), float(high)
+
+
+def floor_share(dataset: pd.DataFrame, rows: np.ndarray, *, component: str) -> float:
+    """Size of the error from the true state and Cd, in % of the error, both summed over the rows (bool).
+
+    The dataset has the oracle's columns beside its own.
+    """
+    floor, error = (dataset.loc[rows, name] for name in (component.replace("e_", "floor_", 1), component))
+    return 100.0 * float(floor.abs().sum() / error.abs().sum())
+
+
+def of_longest(evaluation: pd.DataFrame) -> tuple[float, float]:
+    """Mean absolute error and residual [m or m/s] of the rows within LONGEST of the longest duration."""
+    longest = evaluation[evaluation["duration"] >= evaluation["duration"].max() - LONGEST]
+    return float(longest["true"].abs().mean()), float(longest["residual"].abs().mean())
+
+
+def by_seed(metrics: pd.DataFrame) -> pd.DataFrame:
+    """Rows of the `metrics` table and a further column `seed`, a number for each pair of seeds."""
+    return metrics.assign(seed=metrics.groupby(["seed_noise", "seed_split"]).ngroup())
+
+
+def summary(
+    evaluation: pd.DataFrame,
+    *,
+    seed_noise: int,
+    seed_split: int,
+    kernel_scale: float,
+    p_ml_later: float = math.nan,
+    **experiment: str,
+) -> pd.DataFrame:
+    """The one-row `metrics` table of an `evaluation` table.
+
+    `p_ml_later` is what `against_labels` returns. `kernel_scale` is the model's, NaN where it has none;
+    `seed_split` is of the bootstrap's draws, too. The other options name the experiment.
+    """
+    low, high = bootstrap_interval(evaluation, seed=seed_split)
+    true, predicted = evaluation["true"].to_numpy(), evaluation["predicted"].to_numpy()
+    before, after = of_longest(evaluation)
+    row = experiment | {
+        "seed_noise": seed_noise,
+        "seed_split": seed_split,
+        "kernel_scale": kernel_scale,
+        "rows": len(evaluation),
+        "estimates": evaluation["i"].nunique(),
+        "p_ml": p_ml(true, predicted),
+        "p_ml_low": low,
+        "p_ml_high": high,
+        "fraction_reduced": fraction_reduced(true, predicted),
+        "p_ml_later": p_ml_later,
+        "last_before": before,
+        "last_after": after,
+    }
+    return pd.DataFrame([row])

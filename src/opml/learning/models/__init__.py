@@ -1,0 +1,1 @@
+"""The learners, one module each, and what they have in common."""

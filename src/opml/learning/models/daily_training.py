@@ -1,0 +1,55 @@
+"""A learner as of each morning: trained on the errors that were known when the day began."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import pandas as pd
+
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.learning.data.components import CORRECTED
+from opml.learning.data.splits import in_days, known_at
+from opml.learning.models import learners
+from opml.learning.models.contract import Model
+
+
+@dataclass(frozen=True)
+class Lessons:
+    """Models of e_y by the time that they were trained at.
+
+    dataset: labelled rows; settings: of the learner, resolved; seed: of its draws; first_day: of the rows
+    that it is trained on [days].
+    """
+
+    dataset: pd.DataFrame
+    settings: Mapping[str, Any]
+    seed: int
+    first_day: float = 0.0
+    _trained: dict[float, Model] = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def variables(self) -> tuple[str, ...]:
+        """The columns that the models predict from."""
+        return tuple(self.settings["variables"])
+
+    @property
+    def learns(self) -> bool:
+        """Whether the learner takes anything from errors."""
+        return learners.learns(self.settings)
+
+    def __call__(self, now: float) -> Model:
+        """The model as of `now` [s]; raises InputError where nothing was known yet to train on."""
+        if now not in self._trained:
+            rows = self._known(now) if self.learns else self.dataset[self.dataset["keep"]].head(1)
+            self._trained[now] = learners.train(
+                rows, component=CORRECTED, settings=self.settings, seed=self.seed
+            )
+        return self._trained[now]
+
+    def _known(self, now: float) -> pd.DataFrame:
+        within = in_days(self.dataset["t_j"].to_numpy(), (self.first_day, now / DAY))
+        rows = self.dataset[self.dataset["keep"].to_numpy() & within & (known_at(self.dataset) <= now)]
+        if rows.empty:
+            raise InputError(f"training: expected errors that were known by day {now / DAY:g}, got none")
+        return rows

@@ -1,0 +1,90 @@
+"""Ridge regression: the linear model of the same standardised variables."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+import pandas as pd
+from threadpoolctl import threadpool_limits
+
+from opml.learning.models.contract import CHOICE, POSITIVE, Learner, Metadata, Settings, table_of
+from opml.learning.models.inputs import checked, checked_target, standardisation, weighing
+from opml.tables import real, text
+
+
+@dataclass(frozen=True, eq=False)
+class RidgeModel:
+    """f(x) = offset + sum_k coefficient_k (x_k - mean_k) / scale_k."""
+
+    variables: tuple[str, ...]
+    x_mean: np.ndarray  # (variables,)
+    x_scale: np.ndarray  # (variables,)
+    coefficient: np.ndarray  # (variables,) in the target's unit
+    offset: float
+
+    def predict(self, x: np.ndarray) -> np.ndarray:
+        """Predicted target (n,) in its own unit; raises InputError as `checked` does."""
+        z = (checked(x, self.variables) - self.x_mean) / self.x_scale
+        predicted: np.ndarray = self.offset + np.einsum("nk,k->n", z, self.coefficient)
+        return predicted
+
+    def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
+        """One row per variable, and metadata of JSON-able values."""
+        table = pd.DataFrame(
+            {
+                "variable": list(self.variables),
+                "x_mean": self.x_mean,
+                "x_scale": self.x_scale,
+                "coefficient": self.coefficient,
+            }
+        )
+        return table, {"kind": "ridge", "variables": list(self.variables), "offset": self.offset}
+
+    @classmethod
+    def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
+        """The model that `to_table` wrote, bit for bit."""
+        columns = {name: table[name].to_numpy() for name in ("x_mean", "x_scale", "coefficient")}
+        return cls(tuple(metadata["variables"]), **columns, offset=metadata["offset"])
+
+
+def fit(
+    x: np.ndarray,
+    y: np.ndarray,
+    *,
+    variables: Sequence[str],
+    settings: Settings,
+    seed: int,
+    groups: np.ndarray | None = None,
+    weights: np.ndarray | None = None,
+) -> RidgeModel:
+    """Least squares of y (n,) on standardised x (n, variables), plus alpha times the squared coefficients.
+
+    `settings` holds alpha. Raises InputError for too few rows or values that are not finite.
+    """
+    x = checked(x, variables)
+    y = checked_target(y, len(x), least=2)
+    scale = standardisation(x, settings)[1]
+    mean, offset = np.average(x, axis=0, weights=weights), float(np.average(y, weights=weights))
+    root = np.sqrt(weighing(weights, len(x)))
+    z = root[:, None] * ((x - mean) / scale)
+    with threadpool_limits(limits=1, user_api="blas"):  # sums in one order, whatever the machine
+        normal = z.T @ z + settings["alpha"] * np.eye(z.shape[1])
+        coefficient = np.linalg.lstsq(normal, z.T @ (root * (y - offset)))[0]
+    return RidgeModel(tuple(variables), mean, scale, coefficient, offset)
+
+
+LEARNER = Learner(
+    kind="ridge",
+    description="ridge regression",
+    settings={**CHOICE, "alpha": POSITIVE},
+    table=table_of(
+        "a learning variable",
+        text("variable", "learning variable"),
+        real("x_mean", "SI", "its mean"),
+        real("x_scale", "SI", "its standard deviation"),
+        real("coefficient", "SI", "coefficient of the standardised variable (m or m/s)", "RSW"),
+    ),
+    fit=fit,
+    load=RidgeModel.from_table,
+)

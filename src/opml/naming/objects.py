@@ -1,0 +1,92 @@
+"""RSOs, pools of them, station sets and learners by their names."""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from opml.base.errors import InputError
+from opml.naming.spelling import NUMBER, POSITIVE, any_of, number
+
+WITHOUT = "-without-"
+
+
+def rso_parts(text: str, sheet: Iterable[str]) -> tuple[str, str, str]:
+    """Return the base, inclination and offset that an RSO's text names, '' for what it does not vary.
+
+    Raises InputError for a text that is not canonical or names no row of the sheet.
+    """
+    match = re.fullmatch(_rso(r"(?P<base>[^_]*)"), text)
+    if match is None or match["base"] not in sheet:
+        raise InputError(
+            f"RSO '{text}': expected one of {', '.join(sheet)}, then at most _i<degrees> and _a<+ or -><km>"
+        )
+    return match["base"], match["i"] or "", match["a"] or ""
+
+
+def rso_pattern(sheet: Iterable[str]) -> str:
+    """Return the regular expression of every canonical RSO, without named groups."""
+    return re.sub(r"\?P<\w+>", "?:", _rso(f"(?:{any_of(sheet)})"))
+
+
+def _rso(base: str) -> str:
+    return rf"{base}(?:_i(?P<i>{NUMBER}))?(?:_a(?P<a>[+-]{POSITIVE}))?"
+
+
+def varied_rso(base: str, inclination: str, offset: str) -> str:
+    """Return the name of an RSO with another inclination [deg] and offset of its axis [km], '' for none."""
+    return base + (f"_i{inclination}" if inclination else "") + (f"_a{offset}" if offset else "")
+
+
+def station_names(text: str, known: Iterable[str]) -> list[str]:
+    """Return the stations that a set's canonical text names. Raises InputError for any other text."""
+    known, names = list(known), text.split("-")
+    if unknown := [name for name in names if name not in known]:
+        raise InputError(f"stations '{text}': expected names from {', '.join(known)}, got '{unknown[0]}'")
+    canonical = "-".join(name for name in known if name in names)
+    if text != canonical:
+        raise InputError(f"stations '{text}': expected '{canonical}', each name once in the sheet's order")
+    return names
+
+
+def stations_pattern(sheet: Iterable[str]) -> str:
+    """Return the regular expression of stations in any order; `parse_stations` tells the right one."""
+    name = any_of(sheet)
+    return f"(?:{name})(?:-(?:{name}))*"
+
+
+def pool_without(pool: str, rso: str) -> str:
+    """Return the name of a pool's RSOs but one."""
+    return f"{pool}{WITHOUT}{rso}"
+
+
+def pool_pattern(pools: Iterable[str], sheet: Iterable[str]) -> str:
+    """Return the regular expression of all RSOs of a pool but one, such as `inclinations-without-iss_i50`."""
+    return rf"(?:{any_of(pools)}){WITHOUT}{rso_pattern(sheet)}"
+
+
+def parse_pool(text: str, pools: Mapping[str, Sequence[str]]) -> list[str]:
+    """Return the RSOs that a pool's name stands for. Raises InputError for an unknown pool."""
+    pool, _, left_out = text.partition(WITHOUT)
+    if pool not in pools:
+        raise InputError(f"pool '{pool}': expected one of {', '.join(pools)}")
+    return [rso for rso in pools[pool] if rso != left_out]
+
+
+def learner_pattern(learners: Mapping[str, Mapping[str, Any]]) -> str:
+    """Return the regular expression of a learner, its kernel scale overridden if it has one."""
+    scaled = [name for name, settings in learners.items() if "kernel_scale" in settings]
+    return rf"(?:{any_of(learners)}|(?:{any_of(scaled)})_s{POSITIVE})"
+
+
+def parse_learner(text: str, learners: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """Return the settings of the learner that a text names. Raises InputError for an unknown text."""
+    if not re.fullmatch(learner_pattern(learners), text):
+        known = ", ".join(learners)
+        raise InputError(f"learner '{text}': expected one of {known}; an svr may end in _s<kernel scale>")
+    name, mark, scale = text.partition("_s")
+    return dict(learners[name]) | ({"kernel_scale": float(scale)} if mark else {})
+
+
+def scaled(learner: str, scale: float) -> str:
+    """Return the name of a learner with another kernel scale."""
+    return f"{learner}_s{number(scale)}"

@@ -1,0 +1,1 @@
+"""Orbital elements and RSW; stations and RSOs, and the sheets that they stand in."""

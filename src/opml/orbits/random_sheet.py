@@ -1,0 +1,64 @@
+"""RSOs drawn at random, as lines of a sheet: ``python -m opml.orbits.random_sheet --count 12 --seed 7``."""
+
+import argparse
+
+import numpy as np
+
+from opml.base.constants import WGS84_A
+from opml.base.seeds import derive
+
+COLUMNS = (
+    "name",
+    "a_km",
+    "e",
+    "i_deg",
+    "argp_deg",
+    "raan_deg",
+    "mean_anomaly_deg",
+    "area_to_mass_m2pkg",
+    "cd",
+    "cr",
+)
+"""Columns of the sheet of RSOs."""
+
+_ALTITUDES_KM = (350.0, 600.0)
+_ECCENTRICITIES = (0.0002, 0.004)
+_INCLINATIONS = (40.0, 100.0)
+_AREA_TO_MASS = (0.003, 0.02)
+_CD = (1.8, 2.8)
+_CR = 1.2
+
+
+def draw(name: str, seed: int) -> list[str]:
+    """One line of the sheet: altitude, shape, angles and Cd even, area to mass even in its logarithm."""
+    random = derive(seed, "drawn", name)
+    numbers = {
+        "a_km": WGS84_A / 1e3 + random.uniform(*_ALTITUDES_KM),
+        "e": random.uniform(*_ECCENTRICITIES),
+        "i_deg": random.uniform(*_INCLINATIONS),
+        **{f"{angle}_deg": random.uniform(0.0, 360.0) for angle in ("argp", "raan", "mean_anomaly")},
+        "area_to_mass_m2pkg": np.exp(random.uniform(*np.log(_AREA_TO_MASS))),
+        "cd": random.uniform(*_CD),
+        "cr": _CR,
+    }
+    return [name, *(f"{value:.6g}" for value in numbers.values())]
+
+
+def sheet(prefix: str, count: int, seed: int) -> str:
+    """A sheet of `count` RSOs, whose names are `prefix` and a number from 01 on."""
+    lines = [COLUMNS, *(draw(f"{prefix}{number:02d}", seed) for number in range(1, count + 1))]
+    return "".join("\t".join(line) + "\n" for line in lines)
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Print a sheet."""
+    parser = argparse.ArgumentParser(prog="python -m opml.orbits.random_sheet", description=__doc__)
+    parser.add_argument("--count", type=int, required=True, help="how many")
+    parser.add_argument("--seed", type=int, required=True, help="of the draw")
+    parser.add_argument("--prefix", default="sky", help="of the names")
+    asked = parser.parse_args(arguments)
+    print(sheet(asked.prefix, asked.count, asked.seed), end="")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,294 @@
+"""Stations and RSOs: the two sheets, and rows like theirs that stand in the settings.
+
+Sheets are read as text, so that a name stays what it is.
+"""
+
+import csv
+import math
+import re
+from collections.abc import Callable, Container, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from opml import naming
+from opml.base.constants import WGS84_A
+from opml.base.errors import InputError
+
+_NAME = re.compile(r"[a-z][a-z0-9]*")
+
+LOWEST_PERIGEE = 120e3
+"""Altitude below which the atmosphere model holds no longer [m] (DTM2000: from 120 km up)."""
+
+
+@dataclass(frozen=True)
+class Station:
+    """A radar: place on WGS84, what it sees, and its noise (standard deviations); SI units, radians."""
+
+    name: str
+    latitude: float
+    longitude: float
+    altitude: float
+    max_range: float
+    min_elevation: float
+    max_elevation: float
+    sigma_range: float
+    sigma_azimuth: float
+    sigma_elevation: float
+
+
+@dataclass(frozen=True)
+class Rso:
+    """A resident space object: osculating elements in GCRF at the epoch and its body; SI units, radians."""
+
+    name: str
+    a: float
+    e: float
+    i: float
+    argp: float
+    raan: float
+    mean_anomaly: float
+    area_to_mass: float
+    cd: float
+    cr: float
+
+
+@dataclass(frozen=True)
+class _Field:
+    """A sheet's column: the attribute it fills, its range in its own unit, and how it becomes SI."""
+
+    attribute: str
+    low: float
+    high: float
+    to_si: Callable[[float], float] = float
+    above_low: bool = False
+
+    def parse(self, text: str) -> float:
+        """Return the value in SI units; raise ValueError that says what was expected."""
+        try:
+            value = float(text)
+        except (TypeError, ValueError):
+            value = math.nan
+        inside = self.low < value if self.above_low else self.low <= value
+        if not (inside and value <= self.high and math.isfinite(value)):
+            raise ValueError(f"expected {self._range()}, got {text!r}")
+        return self.to_si(value)
+
+    def _range(self) -> str:
+        low = f"above {self.low:g}" if self.above_low else f"of at least {self.low:g}"
+        return f"a number {low}" if self.high == math.inf else f"a number {low} and at most {self.high:g}"
+
+
+def _kilo(value: float) -> float:
+    return value * 1e3
+
+
+_STATION_FIELDS = {
+    "latitude_deg": _Field("latitude", -90, 90, math.radians),
+    "longitude_deg": _Field("longitude", -180, 360, math.radians),
+    "altitude_m": _Field("altitude", -500, 10_000),
+    "max_range_km": _Field("max_range", 0, math.inf, _kilo, above_low=True),
+    "min_elevation_deg": _Field("min_elevation", 0, 90, math.radians),
+    "max_elevation_deg": _Field("max_elevation", 0, 90, math.radians),
+    "sigma_range_m": _Field("sigma_range", 0, math.inf, above_low=True),
+    "sigma_azimuth_deg": _Field("sigma_azimuth", 0, 90, math.radians, above_low=True),
+    "sigma_elevation_deg": _Field("sigma_elevation", 0, 90, math.radians, above_low=True),
+}
+_RSO_FIELDS = {
+    "a_km": _Field("a", WGS84_A / 1e3, 300_000, _kilo),  # what is larger is meant in metres
+    "e": _Field("e", 0, 0.99),
+    "i_deg": _Field("i", 0, 180, math.radians),
+    "argp_deg": _Field("argp", -360, 360, math.radians),
+    "raan_deg": _Field("raan", -360, 360, math.radians),
+    "mean_anomaly_deg": _Field("mean_anomaly", -360, 360, math.radians),
+    "area_to_mass_m2pkg": _Field("area_to_mass", 0, math.inf),
+    "cd": _Field("cd", 0, math.inf),
+    "cr": _Field("cr", 0, math.inf),
+}
+
+
+_ELEMENTS = ("a_km", "e", "i_deg", "argp_deg", "raan_deg", "mean_anomaly_deg")
+
+
+def read_stations(path: str | Path) -> dict[str, Station]:
+    """Read the stations' sheet, in its order. Raises InputError, naming file, row and column."""
+    stations = {name: Station(name=name, **row) for name, row in _rows(path, _STATION_FIELDS).items()}
+    for station in stations.values():
+        _check_elevations(station, f"{path}: {station.name}: ")
+    return stations
+
+
+def read_rsos(path: str | Path) -> dict[str, Rso]:
+    """Read the RSOs' sheet. Raises InputError, naming file, row and column."""
+    rsos = {name: Rso(name=name, **row) for name, row in _rows(path, _RSO_FIELDS).items()}
+    for rso in rsos.values():
+        _check_perigee(rso, f"{path}: {rso.name}: a_km")
+    return rsos
+
+
+def parse_stations(text: str, sheet: Mapping[str, Station]) -> list[Station]:
+    """Return the stations that a set's canonical text names. Raises InputError for any other text."""
+    return [sheet[name] for name in naming.station_names(text, sheet)]
+
+
+def parse_rso(text: str, sheet: Mapping[str, Rso]) -> Rso:
+    """Return the RSO that a canonical text names, varied as it says.
+
+    Raises InputError for any other text, an inclination that is none and a perigee too low.
+    """
+    base, inclination, offset = naming.rso_parts(text, sheet)
+    rso = sheet[base]
+    if inclination:
+        rso = replace(rso, i=_inclination(text, inclination))
+    if offset:
+        rso = replace(rso, a=rso.a + _kilo(float(offset)))
+        _check_perigee(rso, f"RSO '{text}'")
+    return replace(rso, name=text)
+
+
+def with_inclination(text: str, degrees: float, sheet: Mapping[str, Rso]) -> str:
+    """Return the name of an RSO at another inclination; at the sheet's own it is the RSO itself."""
+    base, _, offset = naming.rso_parts(text, sheet)
+    own = math.radians(degrees) == sheet[base].i
+    return naming.varied_rso(base, "" if own else naming.number(degrees), offset)
+
+
+def with_offset(text: str, km: float, sheet: Mapping[str, Rso]) -> str:
+    """Return the name of an RSO with `km` added to its sheet's semi-major axis."""
+    base, inclination, _ = naming.rso_parts(text, sheet)
+    sign = "-" if km < 0 else "+"
+    return naming.varied_rso(base, inclination, f"{sign}{naming.number(abs(km))}" if km else "")
+
+
+def _inclination(text: str, degrees: str) -> float:
+    try:
+        return _RSO_FIELDS["i_deg"].parse(degrees)
+    except ValueError as error:
+        raise InputError(f"RSO '{text}': inclination: {error}") from None
+
+
+def _check_elevations(station: Station, where: str) -> None:
+    if not station.min_elevation < station.max_elevation:
+        low, high = math.degrees(station.min_elevation), math.degrees(station.max_elevation)
+        raise InputError(
+            f"{where}min_elevation_deg: expected less than max_elevation_deg, got {low:g} and {high:g}"
+        )
+
+
+def _check_perigee(rso: Rso, where: str) -> None:
+    altitude = rso.a * (1 - rso.e) - WGS84_A
+    if altitude < LOWEST_PERIGEE:
+        lowest = f"{LOWEST_PERIGEE / 1e3:g} km"
+        raise InputError(f"{where}: expected a perigee at least {lowest} high, got {altitude / 1e3:.1f} km")
+
+
+def _rows(path: str | Path, fields: Mapping[str, _Field]) -> dict[str, dict[str, float]]:
+    """Read a tab-separated sheet with a column `name`; lines that start with # are remarks."""
+    (_, header), *lines = _lines(path)
+    expected = ["name", *fields]
+    if sorted(header) != sorted(expected):
+        odd = sorted(set(header) ^ set(expected)) or sorted(name for name in header if header.count(name) > 1)
+        raise InputError(
+            f"{path}: header: expected the columns {', '.join(expected)}; look at {', '.join(odd)}"
+        )
+    rows: dict[str, dict[str, float]] = {}
+    numbers: dict[str, int] = {}
+    for number, cells in lines:
+        if len(cells) != len(header):
+            raise InputError(f"{path}: {cells[0]}: expected {len(header)} cells, got {len(cells)}")
+        row = dict(zip(header, cells, strict=True))
+        name = row["name"]
+        _check_name(f"{path}: line {number}: name", name, numbers)
+        numbers[name] = number
+        rows[name] = {field.attribute: _cell(path, name, row, key, field) for key, field in fields.items()}
+    if not rows:
+        raise InputError(f"{path}: expected at least one row, got none")
+    return rows
+
+
+def _check_name(where: str, name: str, numbers: Mapping[str, int]) -> None:
+    """Raise InputError for a name that is misspelt or has a line already; `numbers` are the lines so far."""
+    if not _NAME.fullmatch(name):
+        raise InputError(f"{where}: expected lower-case letters and digits, a letter first, got {name!r}")
+    if name in numbers:
+        raise InputError(
+            f"{where}: expected no name twice, got {name!r}, which stands in line {numbers[name]} too"
+        )
+
+
+def _lines(path: str | Path) -> list[tuple[int, list[str]]]:
+    """The numbers and cells of a sheet's lines; at least one, empty where there is none."""
+    try:
+        text = Path(path).read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: expected a sheet in UTF-8 text ({error})") from None
+    lines = [
+        (number, _cells(f"{path}: line {number}", line))
+        for number, line in enumerate(text.splitlines(), start=1)
+        if line.strip() and not line.startswith("#")
+    ]
+    return lines or [(1, [])]
+
+
+def _cells(where: str, line: str) -> list[str]:
+    try:
+        return [cell.strip() for cell in next(csv.reader([line], delimiter="\t"))]
+    except csv.Error as error:
+        raise InputError(f"{where}: expected cells between tabs ({error})") from None
+
+
+def _cell(path: str | Path, name: str, row: Mapping[str, str], key: str, field: _Field) -> float:
+    try:
+        return field.parse(row[key])
+    except ValueError as error:
+        raise InputError(f"{path}: {name}: {key}: {error}") from None
+
+
+def stations_of(rows: Mapping[str, Mapping[str, object]]) -> dict[str, Station]:
+    """Return stations from mappings of the sheet's columns. Raises InputError, naming the column."""
+    stations = {name: Station(name=name, **row) for name, row in _given(rows, _STATION_FIELDS).items()}
+    for station in stations.values():
+        _check_elevations(station, "")
+    return stations
+
+
+def rsos_of(rows: Mapping[str, Mapping[str, object]], *, flown: Container[str] = ()) -> dict[str, Rso]:
+    """Return RSOs from mappings of the sheet's columns. Raises InputError, naming the column.
+
+    Of those that are `flown`, whose orbit is in a file, the body is enough; their elements are NaN then.
+    """
+    rsos = {}
+    for name, row in rows.items():
+        fields = _RSO_FIELDS
+        if name in flown and not set(row) & set(_ELEMENTS):
+            fields = {key: field for key, field in _RSO_FIELDS.items() if key not in _ELEMENTS}
+        elements = dict.fromkeys((field.attribute for field in _RSO_FIELDS.values()), math.nan)
+        rsos[name] = Rso(name=name, **(elements | _given({name: row}, fields)[name]))
+        if fields is _RSO_FIELDS:
+            _check_perigee(rsos[name], "a_km")
+    return rsos
+
+
+def check_body(name: str, body: Mapping[str, object]) -> None:
+    """Raise InputError for a name, or a body's numbers, that no line of the sheet of RSOs may have."""
+    _check_name("name", name, {})
+    rsos_of({name: body}, flown=(name,))
+
+
+def _given(
+    rows: Mapping[str, Mapping[str, object]], fields: Mapping[str, _Field]
+) -> dict[str, dict[str, float]]:
+    found = {}
+    for name, row in rows.items():
+        if odd := sorted(set(row) ^ set(fields)):
+            raise InputError(f"expected the keys {', '.join(fields)}; look at {', '.join(odd)}")
+        found[name] = {field.attribute: _value(row, key, field) for key, field in fields.items()}
+    return found
+
+
+def _value(row: Mapping[str, object], key: str, field: _Field) -> float:
+    try:
+        return field.parse(str(row[key]))
+    except ValueError as error:
+        raise InputError(f"{key}: {error}") from None

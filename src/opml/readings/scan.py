@@ -1,0 +1,41 @@
+"""The combinations of readings that a study scans: the products of axes, one product after the other."""
+
+from collections.abc import Iterator, Mapping
+from itertools import product
+from typing import Any
+
+from opml import naming
+from opml.readings.scan_report import Combination, Scan
+from opml.study.experiments import fence_of
+from opml.study.paper import Paper
+
+
+def scan(paper: Paper) -> Scan:
+    """Return what a study scans, the default reading first; without combinations where it asks for none."""
+    default = Combination(paper.study.defaults["learner"])
+    products = paper.study.entry("scan").values()
+    own = paper.study.cleaning.previous
+    found = [one for axes in products for one in _combinations(axes, previous=own)]
+    return Scan(
+        list(dict.fromkeys([default, *found])) if found else [],
+        {headline.name: (headline.experiment, headline.published) for headline in paper.headlines},
+        [claim for claim in paper.claims if claim.points],
+    )
+
+
+def _combinations(axes: Mapping[str, Any], *, previous: str) -> Iterator[Combination]:
+    """Yield the product of axes, in a study with its own `previous`."""
+    for learner, estimation, reading, fence, standardisation in product(
+        axes["learners"],
+        axes.get("estimations", [{}]),
+        axes.get("previous", [previous]),
+        axes.get("fences", ["dataset"]),
+        axes.get("standardisations", ["training"]),
+    ):
+        yield Combination(
+            learner,
+            window=naming.fitted(**estimation),
+            reading="" if reading == previous else naming.READINGS[reading],
+            fence=fence_of(fence),
+            standardisation=standardisation,
+        )

@@ -1,0 +1,21 @@
+"""The sections that figures and tables belong to: the paper's, numbered as it prints them, and ours."""
+
+from opml.naming import Experiment, parse_test
+
+SECTIONS = {
+    "simulation": "2 Simulation Environment",
+    "learning": "3 Prediction Accuracy Improvement through Machine Learning",
+    "numerical": "4 Numerical Results of Improving Orbit Prediction",
+    "future": "5 Generalize the SVM Model to Future Epochs",
+    "nearby": "6 Generalization to Nearby RSOs",
+    "beyond": "7 Beyond the paper",
+    "study": "8 The study",
+}
+"""The paper's sections, numbered as it prints them, and what goes beyond it."""
+
+
+def section_of(experiment: Experiment) -> str:
+    """The paper's section that an experiment belongs to."""
+    if experiment.target != experiment.rso:
+        return SECTIONS["nearby"]
+    return SECTIONS["future" if parse_test(experiment.test).kind == "days" else "numerical"]

@@ -1,0 +1,141 @@
+"""The paper's tables of models, stations and RSOs, and the components' errors, from what ran."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from opml.orbits.sheets import Rso, Station
+from opml.report.document import Block, Heading, Paragraph, Table
+from opml.tables import COMPONENTS
+
+
+def models(settings: Mapping[str, Any]) -> list[Block]:
+    """The truth and the assumed model, as a document; `settings` as `force_models` takes them."""
+    return [
+        Heading("Truth and assumed model", 1),
+        Paragraph("The paper's table of the models, as they ran here."),
+        force_models(settings),
+    ]
+
+
+def force_models(settings: Mapping[str, Any]) -> Table:
+    """The truth and the assumed model side by side; `settings` holds force_models and environment."""
+    environment, force_models = settings["environment"], settings["force_models"]
+    both = [force_models["truth"], force_models["assumed"]]
+    assumed = environment["solar_activity"]
+    activities = [
+        f"{source}, percentile {environment['percentile']}"
+        for source in (environment.get("true_solar_activity", assumed), assumed)
+    ]
+    activities[1] += _known(environment)
+    rows = [
+        ["Earth's shape", "WGS84", "WGS84"],
+        ["gravity field", *(f"{environment['gravity_field']} {m['degree']}x{m['order']}" for m in both)],
+        ["third bodies", *(", ".join(m["third_bodies"]) for m in both)],
+        ["ephemerides", environment["ephemerides"], environment["ephemerides"]],
+        ["atmosphere", "DTM2000", "DTM2000"],
+        ["solar activity", *activities],
+        ["radiation pressure", *["sphere, umbra and penumbra"] * 2],
+        ["drag coefficient", "the RSO's", "estimated"],
+    ]
+    return Table(["parameter", "truth model", "assumed model"], rows)
+
+
+def assumed_model(settings: Mapping[str, Any]) -> Table:
+    """The assumed model alone, where no truth is simulated; `settings` as `force_models` takes them."""
+    both = force_models(settings)
+    return Table([both.header[0], both.header[2]], [[row[0], row[2]] for row in both.rows])
+
+
+def weather(settings: Mapping[str, Any]) -> str:
+    """What fits and predictions know of the space weather, as a sentence."""
+    environment = settings["environment"]
+    source = environment["solar_activity"]
+    match environment.get("knowledge"):
+        case "forecast":
+            method, hours = environment["forecast"], environment["issue_hours"]
+            return (
+                f"Space weather ({source}) as measured up to each estimate, then forecast (`{method}`, "
+                f"every {hours} h)."
+            )
+        case "hindcast":
+            return f"Space weather ({source}) as measured up to the time predicted to: a hindcast."
+        case "monthly":
+            return f"Space weather: monthly figures ({source})."
+    if source == "MSAFE":
+        return "Space weather: MSAFE's monthly figures, which were published half a year later."
+    return f"Space weather: {source} as it stands, measured values of the days predicted to included."
+
+
+def _known(environment: Mapping[str, Any]) -> str:
+    """What the assumed model knows of the activity; nothing where no setting says."""
+    match environment.get("knowledge"):
+        case "hindcast":
+            return ", as known at each time"
+        case "forecast":
+            method, hours = environment["forecast"], environment["issue_hours"]
+            return f", as known at each estimate, then forecast by {method} every {hours} h"
+    return ""
+
+
+def stations(sheet: Sequence[Station]) -> list[Block]:
+    """The stations, in the units of the paper's table, its maximum range in km."""
+    rows = [
+        ["latitude [deg]", *(_deg(station.latitude) for station in sheet)],
+        ["longitude [deg]", *(_deg(station.longitude) for station in sheet)],
+        ["altitude [m]", *(_number(station.altitude) for station in sheet)],
+        ["maximum range [km]", *(_number(station.max_range / 1e3) for station in sheet)],
+        [
+            "feasible elevation [deg]",
+            *(f"{_deg(station.min_elevation)} to {_deg(station.max_elevation)}" for station in sheet),
+        ],
+        ["sigma of range [m]", *(_number(station.sigma_range) for station in sheet)],
+        ["sigma of azimuth [deg]", *(_deg(station.sigma_azimuth) for station in sheet)],
+        ["sigma of elevation [deg]", *(_deg(station.sigma_elevation) for station in sheet)],
+    ]
+    return [
+        Heading("Stations", 1),
+        Paragraph("The paper's table of ground-based radars, from the sheet that ran."),
+        Table(["parameter", *(station.name for station in sheet)], rows),
+    ]
+
+
+def rsos(sheet: Sequence[Rso], *, epoch: str, title: str) -> list[Block]:
+    """RSOs: osculating elements in GCRF at the epoch, and bodies."""
+    rows = [
+        ["semi-major axis [km]", *(_number(rso.a / 1e3) for rso in sheet)],
+        ["eccentricity", *(_number(rso.e) for rso in sheet)],
+        ["inclination [deg]", *(_deg(rso.i) for rso in sheet)],
+        ["argument of perigee [deg]", *(_deg(rso.argp) for rso in sheet)],
+        ["RAAN [deg]", *(_deg(rso.raan) for rso in sheet)],
+        ["mean anomaly [deg]", *(_deg(rso.mean_anomaly) for rso in sheet)],
+        ["area-to-mass ratio [m2/kg]", *(_number(rso.area_to_mass) for rso in sheet)],
+        ["drag coefficient", *(_number(rso.cd) for rso in sheet)],
+        ["reflection coefficient", *(_number(rso.cr) for rso in sheet)],
+    ]
+    return [
+        Heading(title, 1),
+        Paragraph(f"Osculating elements in GCRF at {epoch} UTC, from the sheet that ran."),
+        Table(["parameter", *(rso.name for rso in sheet)], rows),
+    ]
+
+
+def components(p_ml: Mapping[str, Sequence[float]]) -> list[Block]:
+    """P_ML [%] of the six components, in their order, by evaluation."""
+    rows = [[f"`{name}`", *(f"{value:.1f}" for value in values)] for name, values in p_ml.items()]
+    return [
+        Heading("P_ML of the six components [%]", 1),
+        Paragraph(
+            "Six models are trained, one per component of the error in RSW (x radial, y along-track, z "
+            "cross-track); 100 % is no correction. The paper shows e_y, the largest, only."
+        ),
+        Table(["evaluation", *COMPONENTS], rows),
+    ]
+
+
+def _deg(radians: float) -> str:
+    return _number(math.degrees(radians))
+
+
+def _number(value: float) -> str:
+    return f"{value:.10g}"

@@ -1,0 +1,228 @@
+"""A study of any RSO: models against splits, errors before and after correction, rows used and dropped."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+from opml import naming
+from opml.learning.data.components import CORRECTED, UNCORRECTED
+from opml.learning.judge.calibration import marks
+from opml.learning.models.learners import learns
+from opml.naming import Experiment
+from opml.report.own_study import Answer
+from opml.study.experiments import Study
+
+BASELINES = ("none", "repredicted", "fit24", "fit48", "fit96", "held", "running", "running96")
+"""What a good engineer would do without learning."""
+
+MODELS = (*BASELINES, "svr", "covariance", "mechanism", "twoarcs")
+"""The models that a study compares where it names none."""
+
+MARKS = (1, 2, 4, 7)
+"""Prediction durations that the report states errors at [days]."""
+
+REPLAYED = (
+    *("none", "fit48", "fit96", "held", "running", "running96"),
+    *("covariance", "mechanism", "twoarcs"),
+)
+"""The models whose mornings are run again where a study names none: they are trained in seconds."""
+
+GROUPED, LATER, UNSEEN = "grouped", "later", "unseen"
+
+
+@dataclass(frozen=True)
+class Own:
+    """The experiments of a study that names RSOs, station sets, and days to train and test on, or splits."""
+
+    study: Study
+
+    @property
+    def is_asked(self) -> bool:
+        """Whether the study says what to train and to test on."""
+        return "days" in self.study or "splits" in self.study
+
+    @cached_property
+    def splits(self) -> dict[str, tuple[str, str]]:
+        """Training and test rows by the split's name: the study's own, else three by its days."""
+        if "splits" in self.study:
+            return {name: tuple(pair) for name, pair in self.study.entry("splits").items()}
+        train, test = (naming.days_split(self.study.entry("days")[part]) for part in ("train", "test"))
+        return {
+            GROUPED: ("grouped-80", "rest"),
+            LATER: (train, test),
+            UNSEEN: (train, naming.as_unseen(test)),
+        }
+
+    @cached_property
+    def shown(self) -> str:
+        """The split whose errors are drawn and stated: of predictions that start after the training.
+
+        Without one, that of later days; else the first.
+        """
+        tests = {name: naming.parse_test(test) for name, (_, test) in self.splits.items()}
+        unseen = [name for name, test in tests.items() if test.unseen]
+        later = [name for name, test in tests.items() if test.kind == "days"]
+        return [*unseen, *later, *self.splits][0]
+
+    @cached_property
+    def learners(self) -> list[str]:
+        """The models that are compared."""
+        known = [name for name in MODELS if name in self.study.learners]
+        return list(self.study.settings.asked.get("learners") or known)
+
+    @cached_property
+    def datasets(self) -> list[tuple[str, str]]:
+        """RSO and station set of every dataset."""
+        return [(rso, stations) for rso in self.study.rsos for stations in self.study.station_sets]
+
+    @cached_property
+    def experiments(self) -> dict[tuple[str, str, str, str], Experiment]:
+        """The experiments by RSO, station set, model and split."""
+        return {
+            (rso, stations, learner, split): self.study.experiment(
+                {}, rso=rso, stations=stations, learner=learner, train=train, test=test
+            )
+            for rso, stations in self.datasets
+            for learner in self.learners
+            for split, (train, test) in self.splits.items()
+        }
+
+    @property
+    def panels(self) -> list[str]:
+        """Station sets as the metrics name them, with what errors are held against."""
+        return list(dict.fromkeys(one.columns()["stations"] for one in self.experiments.values()))
+
+    def drawn(self, rso: str, stations: str) -> dict[str, Experiment]:
+        """The experiments of the shown split that correct something, by model."""
+        return {
+            learner: self.experiments[rso, stations, learner, self.shown]
+            for learner in self.learners
+            if naming.parse_learner(learner, self.study.learners)["kind"] != "none"
+        }
+
+    @cached_property
+    def stated(self) -> dict[tuple[str, str, str], Experiment]:
+        """The experiments whose errors are stated in metres, by RSO, station set and model."""
+        return {
+            (rso, stations, learner): one
+            for rso, stations in self.datasets
+            for learner, one in self.drawn(rso, stations).items()
+        }
+
+    @cached_property
+    def rolling(self) -> dict[tuple[str, str, str], Experiment]:
+        """Learners that are trained anew, by RSO, station set and learner: those that the study names."""
+        train, test = self.splits[self.shown]
+        return {
+            (rso, stations, learner): self.study.experiment(
+                {}, rso=rso, stations=stations, learner=learner, train=train, test=test
+            )
+            for rso, stations in self.datasets
+            for learner in self.study.entry("rolling").get("learners", [])
+        }
+
+    @cached_property
+    def replayed(self) -> dict[tuple[str, str, str], dict[str, str]]:
+        """Parts of the names of the replays, by RSO, station set and model; none without days to train on."""
+        train, _ = self.splits[self.shown]
+        if naming.parse_train(naming.without_seed(train, naming.SPLIT)).kind != "days":
+            return {}
+        named = self.study.settings.asked.get("replayed") or [
+            name for name in REPLAYED if name in self.learners and self._begins(name) <= self._last_begin
+        ]
+        fixed = {
+            "window": "",
+            "reading": "",
+            "label": naming.LABELS[self.study.label],
+            "train": train,
+        }
+        return {
+            (rso, stations, learner): {"rso": rso, "stations": stations, "learner": learner, **fixed}
+            for rso, stations in self.datasets
+            for learner in named
+        }
+
+    def _begins(self, learner: str) -> float:
+        """Day of the first morning of a model, as `opml.ephemerides.replays` has it."""
+        settings, values = naming.parse_learner(learner, self.study.learners), self.study.settings.values
+        train = naming.without_seed(self.splits[self.shown][0], naming.SPLIT)
+        first, last = naming.parse_train(train).days
+        if learns(settings):
+            return math.ceil(first + 0.5 * (last - first))
+        hours = max(values["estimation"]["window_hours"], settings.get("window_hours", 0.0))
+        return float(first + hours / 24.0)
+
+    @property
+    def _last_begin(self) -> float:
+        """Last day that a model may begin on: another two mornings have to be over before the run is."""
+        return float(self.study.settings.values["duration_days"]) - 3.0
+
+    def mornings(self, rso: str, stations: str) -> dict[str, dict[str, str]]:
+        """The replays of a dataset by model."""
+        return {learner: parts for (*of, learner), parts in self.replayed.items() if of == [rso, stations]}
+
+    @property
+    def laws(self) -> list[str]:
+        """The models among those replayed that learn."""
+        names = dict.fromkeys(learner for *_, learner in self.replayed)
+        return [name for name in names if learns(naming.parse_learner(name, self.study.learners))]
+
+    @cached_property
+    def fits(self) -> dict[tuple[str, str], Experiment]:
+        """The experiments that the fits' own covariances are tested by, by RSO and station set."""
+        train, test = self.splits[self.shown]
+        return {
+            (rso, stations): self.study.experiment(
+                {},
+                rso=rso,
+                stations=stations,
+                learner=UNCORRECTED,
+                component=CORRECTED,
+                train=train,
+                test=test,
+            )
+            for rso, stations in self.datasets
+            if self.mornings(rso, stations)
+        }
+
+    @cached_property
+    def windows(self) -> dict[str, str]:
+        """Suffixes of the fits' windows that the models ask for, by what they say; the run's own first."""
+        own = float(self.study.settings.values["estimation"]["window_hours"])
+        asked = {
+            float(hours)
+            for name in self.learners
+            if (hours := naming.parse_learner(name, self.study.learners).get("window_hours"))
+        }
+        return {
+            f"{hours:g}-hour fits": naming.windowed(hours, default=own)
+            for hours in (own, *sorted(asked - {own}))
+        }
+
+    @property
+    def marks(self) -> list[float]:
+        """Prediction durations that errors are stated at [days]."""
+        longest = self.study.settings.values["prediction"]["max_days"]
+        return [day for day in MARKS if day <= longest] or [longest]
+
+    @cached_property
+    def answer(self) -> Answer:
+        """What the report tells."""
+        return Answer(
+            experiments=self.experiments,
+            pairs=self.splits,
+            shown=self.shown,
+            stated=self.stated,
+            datasets=self.datasets,
+            learners={name: naming.parse_learner(name, self.study.learners) for name in self.learners},
+            component=self.study.defaults["component"],
+            label=self.study.label,
+            truths=[self.study.truth_of(rso) for rso in self.study.rsos],
+            laws=self.laws,
+            seed=self.study.own_seeds["split"],
+            rolling=list(self.rolling),
+            trained_anew=self.study.rolling,
+            marks=self.marks,
+            durations=marks(self.study.settings.values["prediction"]["max_days"]),
+            settings=self.study.settings.values,
+        )

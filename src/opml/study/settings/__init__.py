@@ -1,0 +1,1 @@
+"""Settings as files laid over each other, their schema, and what is merged from them."""

@@ -1,0 +1,138 @@
+"""The settings of a run and of the study that asks something of it, checked before anything is computed."""
+
+import os
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from glob import glob
+from typing import Any
+
+from opml.base.errors import InputError
+from opml.base.files import FilePath, in_project
+from opml.orbits.sheets import Rso, Station, read_rsos, read_stations, rsos_of, stations_of
+from opml.study.settings.overlay import MISSING, Key, Layer, Source, laid_over, read_layer
+
+STUDIES = "config/studies"
+"""Folder of the studies that are called by their names."""
+
+_NAME = re.compile(r"[\w-]+")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a run needs to know: the settings, with the study in full, the stations and the RSOs."""
+
+    values: Mapping[str, Any]
+    stations: Mapping[str, Station]
+    rsos: Mapping[str, Rso]
+
+    @property
+    def orbits(self) -> dict[str, list[str]]:
+        """Files of the orbits that stand in for a simulated truth, by RSO; a pattern without files stays."""
+        given = {**self.values.get("oem", {}), **self.values.get("orbits", {})}
+        return {rso: _files(named, self.values.get("data", "")) for rso, named in given.items()}
+
+    @property
+    def tracks(self) -> dict[str, list[str]]:
+        """Files of tracks that were really measured, by RSO; a pattern without files stays."""
+        given, folder = self.values.get("tracks", {}), self.values.get("data", "")
+        return {rso: _files(named, folder) for rso, named in given.items()}
+
+    @property
+    def starts(self) -> dict[str, str]:
+        """File of the state that an RSO's first orbit starts from, by RSO."""
+        folder = self.values.get("data", "")
+        return {rso: os.path.join(folder, path) for rso, path in self.values.get("starts", {}).items()}
+
+    @property
+    def asked(self) -> Mapping[str, Any]:
+        """What the study asks; empty where there is none."""
+        return self.values["study"] or {}
+
+
+def merged(files: Sequence[FilePath], on_top: Layer | None = None) -> Source:
+    """Return settings merged from files, later ones on top, and what was given otherwise; the study in full.
+
+    Raises InputError for a file that is missing or not YAML.
+    """
+    layers = [read_layer(path) for path in files] + ([on_top] if on_top else [])
+    values: Any = {}
+    for layer in layers:
+        values = laid_over(values, layer.values or values)
+    extended, study = _study(values.get("study"), Source(values, layers))
+    return Source({**values, "study": study}, [*extended, *layers])
+
+
+def with_sheets(values: Mapping[str, Any], source: Source | None = None) -> Settings:
+    """Return settings with the stations and RSOs of the sheets and of the settings themselves.
+
+    Raises InputError for what is wrong in a sheet; `source` names the file of what the settings hold.
+    """
+    source = source or Source(values, [])
+    stations = read_stations(in_project(values["sheets"]["stations"]))
+    rsos = read_rsos(in_project(values["sheets"]["rsos"]))
+    own_stations = _inline(source, "stations", stations_of, known=stations)
+    flown = {name for kind in ("oem", "orbits", "tracks") for name in values.get(kind, {})}
+    own_rsos = _inline(source, "rsos", partial(rsos_of, flown=flown), known=rsos)
+    return Settings(values, stations | own_stations, rsos | own_rsos)
+
+
+def _files(named: str | Sequence[str], folder: str) -> list[str]:
+    """Files of paths and patterns, those that are relative below the folder; a path that is none stays."""
+    found: list[str] = []
+    for pattern in [named] if isinstance(named, str) else named:
+        path = os.path.join(folder, pattern)
+        found += sorted(glob(path)) or [path]
+    return found
+
+
+def _inline(source: Source, kind: str, parse: Any, *, known: Mapping[str, Any]) -> dict[str, Any]:
+    """Rows of a sheet that stand in the settings."""
+    found: dict[str, Any] = {}
+    for name, row in source.values.get(kind, {}).items():
+        if name in known:
+            raise source.wrong((kind, name), f"expected a name that {source.values['sheets'][kind]} has not")
+        try:
+            found |= parse({name: row})
+        except InputError as error:
+            raise source.wrong((kind, name), str(error)) from None
+    return found
+
+
+def _study(
+    given: Any, source: Source, key: Key = ("study",), above: tuple[str, ...] = ()
+) -> tuple[list[Layer], Any]:
+    """Return the layers that a study extends, and the study in full: None where there is none."""
+    if given is None or given == {}:
+        return [], None
+    names, own = (given.get("extends", []), given) if isinstance(given, Mapping) else (given, {})
+    layers: list[Layer] = []
+    study: Any = MISSING
+    for name in [names] if isinstance(names, str) else names if isinstance(names, list) else [names]:
+        layer = _study_file(name, source, key, above)
+        below, extended = _study(
+            layer.values["study"], Source(layer.values, [layer]), key, (*above, layer.name)
+        )
+        layers += [*below, layer]
+        study = laid_over(study, extended)
+    parts = {part: value for part, value in own.items() if part != "extends"}
+    return layers, laid_over(study, parts) if parts else study
+
+
+def _study_file(name: Any, source: Source, key: Key, above: Sequence[str]) -> Layer:
+    """Read a study by its name or path. Raises InputError for what is none or extends itself."""
+    if not isinstance(name, str) or not name:
+        raise source.wrong(key, f"expected a study, or names of studies, got {name!r}")
+    layer = read_layer(in_project(f"{STUDIES}/{name}.yaml") if _NAME.fullmatch(name) else name)
+    if layer.name in above:
+        raise source.wrong(key, f"expected studies that do not extend themselves, got {layer.name}")
+    for part in layer.values:
+        if part != "study":
+            message = (
+                f"expected nothing but a study here, as it is extended; a run is --configfile={layer.name}"
+            )
+            raise InputError(f"{layer.name}: {part}: {message}")
+    if not isinstance(layer.values.get("study"), Mapping | list | str):
+        raise InputError(f"{layer.name}: study: expected a mapping, got none")
+    return layer

@@ -1,0 +1,109 @@
+"""Settings as files laid over each other, and which of them set a value."""
+
+import operator
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import reduce
+from typing import Any
+
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+from opml.base.yaml_files import read_yaml
+
+Key = tuple[str | int, ...]
+
+MISSING = object()
+"""What stands under a key that is not there."""
+
+COMMAND_LINE = "--config"
+
+
+@dataclass(frozen=True)
+class Layer:
+    """Values, and the file or option that they come from."""
+
+    name: str
+    values: Any
+
+
+@dataclass(frozen=True)
+class Source:
+    """Merged values and the layers that they were merged from, later ones on top."""
+
+    values: Mapping[str, Any]
+    layers: Sequence[Layer]
+
+    def wrong(self, key: Key, what: str) -> InputError:
+        """Return the error about a key, with the file that set it."""
+        return InputError(f"{self._origin(key)}: {'.'.join(map(str, key))}: {what}")
+
+    def _origin(self, key: Key) -> str:
+        """Name of the layer that set a key; of one that is missing, of the layer that set what it is in."""
+        value = value_at(self.values, key)
+        if value is MISSING:
+            setting = [layer.name for layer in self.layers if value_at(layer.values, key[:-1]) is not MISSING]
+            return setting[-1] if setting else "settings"
+        for layer in reversed(self.layers):
+            if repr(value_at(layer.values, key)) == repr(value):
+                return layer.name
+        return COMMAND_LINE
+
+
+def read_layer(path: FilePath) -> Layer:
+    """Read a file of settings; an empty one sets nothing. Raises InputError where it holds no mapping."""
+    values = read_yaml(path)
+    if values is None:
+        values = {}
+    if not isinstance(values, Mapping):
+        raise InputError(f"{path}: expected a mapping of settings, got {type(values).__name__}")
+    return Layer(str(path), values)
+
+
+def laid_over(base: Any, top: Any) -> Any:
+    """Return `base` with `top` over it: mappings key by key, all else replaced; `{}` empties a mapping."""
+    if not (isinstance(base, Mapping) and isinstance(top, Mapping) and top):
+        return top
+    return {**base, **{key: laid_over(base.get(key, MISSING), value) for key, value in top.items()}}
+
+
+def with_numbers(values: Any) -> Any:
+    """Return values with every text that spells a number as that number.
+
+    Snakemake leaves what stands inside braces or brackets after ``--config`` as text.
+    """
+    if isinstance(values, Mapping):
+        return {key: with_numbers(value) for key, value in values.items()}
+    if isinstance(values, list):
+        return [with_numbers(value) for value in values]
+    if isinstance(values, str):
+        for number in (int, float):
+            with suppress(ValueError):
+                return number(values)
+    return values
+
+
+def value_at(values: Any, key: Key) -> Any:
+    """Return what stands under a key, MISSING if nothing does."""
+    try:
+        return reduce(operator.getitem, key, values)
+    except (KeyError, IndexError, TypeError):
+        return MISSING
+
+
+def leaves(values: Any, key: Key = ()) -> Iterator[tuple[Key, Any]]:
+    """Yield every value that is no mapping and no list, with its key."""
+    items = values.items() if isinstance(values, Mapping) else enumerate(values)
+    for part, value in items:
+        if isinstance(value, Mapping | list):
+            yield from leaves(value, (*key, part))
+        else:
+            yield (*key, part), value
+
+
+def mappings(values: Mapping[str, Any], key: Key = ()) -> Iterator[Key]:
+    """Yield the key of every mapping, the outermost first."""
+    yield key
+    for part, value in values.items():
+        if isinstance(value, Mapping):
+            yield from mappings(value, (*key, part))

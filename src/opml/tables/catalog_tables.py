@@ -1,0 +1,243 @@
+"""The tables from the truth to predictions and their labels."""
+
+from collections.abc import Sequence
+
+from opml.tables.columns import (
+    COMPONENTS,
+    ERRORS,
+    NO_TRUTH,
+    PAIR,
+    PARAMETERS,
+    PREDICTED,
+    SINCE,
+    SPREAD_COLUMNS,
+    Schema,
+    T,
+    count,
+    covariance,
+    flag,
+    real,
+    state,
+    text,
+)
+
+FLIGHTS = "flights"
+"""The tables of which truths one job made."""
+
+POSITION_COVARIANCES = [f"cov_{a}_{b}" for a, b in (*("xx", "yx", "yy"), *("zx", "zy", "zz"))]
+"""Columns of the lower triangle, row by row, of a position's covariance."""
+
+SIGMAS = [f"sigma_{name}" for name in COMPONENTS]
+"""Columns of a label's uncertainty, by error component."""
+
+MECHANISM_AXES = ("s", "v", "r", "l", "v_long", "floor", "l_arc", "v_arc", "h_arc", "thermo")
+"""Families of columns of the mechanism, with one column per error component: of `v`, `v_y` is for e_y."""
+
+_HELD_AGAINST = "RSW of the later estimate at t_j"
+
+LABELS = state(_HELD_AGAINST, "predicted state minus later estimate at t_j", prefix="e_")
+
+LABELLED = (
+    *state(_HELD_AGAINST, "formal standard deviation of the estimate at t_j", prefix="sigma_e_"),
+    real("t_known", "s", f"end of the last track that the later estimate is made of, {SINCE}"),
+)
+
+_SENSITIVITIES = (
+    real("cd_mean", "1", "running mean of the drag coefficients estimated up to t_i"),
+    *state(PREDICTED, "change of the prediction per unit of Cd, state at t_i held", prefix="s_"),
+    *state(
+        PREDICTED,
+        "change per unit of Cd, state at t_i moved with Cd along the fit's covariance",
+        prefix="v_",
+    ),
+    *state(PREDICTED, "prediction minus the one repeated with cd_mean", prefix="r_"),
+)
+
+_MECHANISM = (
+    real("cd", "1", "drag coefficient estimated at t_i"),
+    *_SENSITIVITIES,
+    real("cd_long", "1", "drag coefficient of the long arc that ends at t_i"),
+    real("d_cd_long", "1", "cd_long minus the running mean of the long arcs' drag coefficients"),
+    *state(PREDICTED, "prediction minus the one from the long arc", prefix="l_"),
+    *state(PREDICTED, "as v, for the prediction from the long arc", prefix="v_long_"),
+)
+
+_ARCS = (
+    real("cd_arc", "1", "drag coefficient of the arc that ends at t_i"),
+    real(
+        "cd_past", "1", "mean of the arcs' drag coefficients up to t_i, weighted by 1/variance, with memory"
+    ),
+    *state(PREDICTED, "prediction minus that of the arc", prefix="l_arc_"),
+    *state(PREDICTED, "change of the arc's prediction per unit of Cd along its covariance", prefix="v_arc_"),
+    *state(PREDICTED, "prediction minus that of the arc with Cd held by its past", prefix="h_arc_"),
+)
+
+_THERMOMETER = (
+    real(
+        "factor", "1", "logarithm of the density over the assumed one in the step of t_i, but for a constant"
+    ),
+    real("cd_window", "1", "drag coefficient of the arc's window, as the catalogue's fits together have it"),
+    real("cd_ahead", "1", "drag coefficient from t_i on that makes up for what the factor did and will do"),
+    *state(PREDICTED, "prediction minus that of the arc with these", prefix="thermo_"),
+)
+
+
+def mechanism_schema(resonances: Sequence[tuple[int, int]]) -> Schema:
+    """Return the schema of the mechanism with the resonances (k, m) chosen."""
+    meaning = "along-track drift per unit of an acceleration as the {part} of {k} (w + M) + {m} (W - theta)"
+    drifts = tuple(
+        real(f"{name}_{k}_{m}", "s2", meaning.format(part=part, k=k, m=m))
+        for k, m in resonances
+        for name, part in (("cos", "cosine"), ("sin", "sine"))
+    )
+    row = "a pair of an estimate i and a later track start j"
+    return Schema("mechanism", row, (*PAIR, *_MECHANISM, *drifts))
+
+
+CATALOG_SCHEMAS = (
+    Schema("truth", "an epoch of the tracking grid", (T, *state("GCRF", "true state"))),
+    Schema(FLIGHTS, "an RSO of those whose truths one job made", (text("rso", "name"),)),
+    Schema(
+        "tracking",
+        f"a measurement by one station{NO_TRUTH}",
+        (
+            count("track", "number of the track, from 0"),
+            T,
+            text("station", "station"),
+            real("azimuth", "rad", "measured azimuth, from north eastwards", "topocentric"),
+            real("elevation", "rad", "measured elevation", "topocentric"),
+            real("range", "m", "measured range", "topocentric"),
+            real("azimuth_true", "rad", "azimuth without noise, from north eastwards", "topocentric"),
+            real("elevation_true", "rad", "elevation without noise", "topocentric"),
+            real("range_true", "m", "range without noise", "topocentric"),
+        ),
+    ),
+    Schema(
+        "starts",
+        "a track that was measured",
+        (
+            count("track", "number of the track"),
+            real("t", "s", f"start of the track, {SINCE}"),
+            *state("GCRF", "first orbit at the track's start, NaN where it does not last"),
+            real("age", "s", "time between the track's start and the one that the orbit was known at"),
+        ),
+    ),
+    Schema(
+        "estimates",
+        "a track",
+        (
+            count("track", "number of the track"),
+            real("t", "s", f"start of the track, {SINCE}"),
+            *state("GCRF", "estimated state at the track's start"),
+            real("cd", "1", "estimated drag coefficient"),
+            *covariance(PARAMETERS, "GCRF"),
+            count("iterations", "iterations of the least squares"),
+            flag("converged", "whether the least squares converged"),
+            text("reason", "why there is no usable estimate, empty where there is one"),
+            count("tracks_used", "tracks within the estimation window"),
+            count("measurements_used", "measurements within the estimation window"),
+            real("weighted_rms", "1", "root mean square of the weighted residuals"),
+        ),
+    ),
+    Schema(
+        "predictions",
+        f"a pair of an estimate i and a later track start j{NO_TRUTH}",
+        (
+            *PAIR,
+            real("t_i", "s", f"epoch of the estimate, {SINCE}"),
+            real("t_j", "s", f"epoch predicted to, {SINCE}"),
+            *state("GCRF", "predicted state at t_j"),
+            *state("GCRF", "true state at t_j", suffix="_true"),
+            *ERRORS,
+            text("reason", "why there is no prediction (state and errors are NaN then), else empty"),
+        ),
+    ),
+    Schema(
+        "labels",
+        "a pair of an estimate i and a later track start j",
+        (
+            *PAIR,
+            *LABELS,
+            *LABELLED,
+            text("reason", "why there is no label (its numbers are NaN then), else empty"),
+        ),
+    ),
+    Schema(
+        "sensitivities",
+        "a pair of an estimate i and a later track start j",
+        (*PAIR, *_SENSITIVITIES),
+    ),
+    Schema(
+        "oracle",
+        "a pair of an estimate i and a later track start j",
+        (
+            *PAIR,
+            real("drift", "m", "along-track error due to the error of the estimate's semi-major axis"),
+            *state(
+                "RSW of the true state at t_j",
+                "error of the prediction from the true state and Cd at t_i",
+                prefix="floor_",
+            ),
+        ),
+    ),
+    mechanism_schema(((1, 15), (1, 16), (2, 31))),
+    Schema(
+        "covariances",
+        "a pair of an estimate i and a later track start j",
+        (
+            *PAIR,
+            *(
+                real(
+                    name,
+                    "m m",
+                    "covariance of the fit at t_i, carried to t_j: "
+                    + " and ".join(name.removeprefix("cov_").split("_")),
+                    PREDICTED,
+                )
+                for name in POSITION_COVARIANCES
+            ),
+        ),
+    ),
+    Schema("arcs", "a pair of an estimate i and a later track start j", (*PAIR, *_ARCS)),
+    Schema("thermometer", "a pair of an estimate i and a later track start j", (*PAIR, *_THERMOMETER)),
+    Schema(
+        "ensemble",
+        "a pair of the predictions, and a future",
+        (
+            *PAIR,
+            count("member", "number of the future"),
+            *(
+                real(f"d_{axis}", "m", f"prediction under the future minus the prediction, {axis}", PREDICTED)
+                for axis in "xyz"
+            ),
+        ),
+    ),
+    Schema(
+        "fan",
+        "a pair of the predictions",
+        (
+            *PAIR,
+            real("duration", "s", "prediction duration t_j - t_i"),
+            real("e_y", "m", "true along-track error of the prediction", "RSW of the true state at t_j"),
+            real("mean", "m", "mean of what the futures say of that error", PREDICTED),
+            real("sigma", "m", "their standard deviation", PREDICTED),
+            real("low", "m", "their lower quantile, at (1 - level) / 2", PREDICTED),
+            real("median", "m", "their median", PREDICTED),
+            real("high", "m", "their upper quantile", PREDICTED),
+            real("crps", "m", "continuous ranked probability score of the futures"),
+        ),
+    ),
+    Schema(
+        "scores",
+        "a day of prediction durations, of the fans",
+        (
+            count("day", "prediction durations up to so many days, from the day before"),
+            count("rows", "predictions"),
+            real("inside", "1", "share of the errors from low to high"),
+            real("width", "m", "mean distance from low to high"),
+            real("crps", "m", "mean continuous ranked probability score"),
+            real("error", "m", "mean absolute along-track error of the prediction itself"),
+        ),
+    ),
+    Schema("spread", "a pair of an estimate i and a later track start j", (*PAIR, *SPREAD_COLUMNS)),
+)

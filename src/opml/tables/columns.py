@@ -1,0 +1,114 @@
+"""Columns and schemas: names, units, frames and meanings, and the groups that several tables share."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+STATE = ["x", "y", "z", "vx", "vy", "vz"]
+"""Columns of a state; a list, so that a DataFrame takes it as it is."""
+
+PARAMETERS = [*STATE, "cd"]
+"""Columns of what is estimated."""
+
+COMPONENTS = tuple(f"e_{axis}" for axis in STATE)
+
+SPREAD = [f"{cause}_{axis}" for cause in ("drag", "weather") for axis in "xyz"]
+"""Columns of how far drag and the weather ahead may take a prediction."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column; `frame` is '' where no frame applies."""
+
+    name: str
+    dtype: str
+    unit: str
+    frame: str
+    meaning: str
+
+
+@dataclass(frozen=True)
+class Schema:
+    """A table: what one row is, and its columns in order."""
+
+    name: str
+    row: str
+    columns: tuple[Column, ...]
+
+    @property
+    def names(self) -> list[str]:
+        """Return the columns' names in order."""
+        return [column.name for column in self.columns]
+
+
+def real(name: str, unit: str, meaning: str, frame: str = "") -> Column:
+    """Return a column of floating point numbers."""
+    return Column(name, "float64", unit, frame, meaning)
+
+
+def count(name: str, meaning: str) -> Column:
+    """Return a column of whole numbers."""
+    return Column(name, "int64", "1", "", meaning)
+
+
+def text(name: str, meaning: str) -> Column:
+    """Return a column of texts."""
+    return Column(name, "string", "", "", meaning)
+
+
+def flag(name: str, meaning: str) -> Column:
+    """Return a column of yes or no."""
+    return Column(name, "bool", "", "", meaning)
+
+
+def _unit(parameter: str) -> str:
+    return "1" if parameter == "cd" else "m/s" if parameter.startswith("v") else "m"
+
+
+def state(frame: str, meaning: str, *, prefix: str = "", suffix: str = "") -> tuple[Column, ...]:
+    """Return six columns of position and velocity."""
+    return tuple(real(f"{prefix}{axis}{suffix}", _unit(axis), f"{meaning}, {axis}", frame) for axis in STATE)
+
+
+def covariance(parameters: Sequence[str], frame: str) -> tuple[Column, ...]:
+    """Return the lower triangle, row by row, of the covariance of parameters."""
+    columns = []
+    for row, a in enumerate(parameters):
+        for b in parameters[: row + 1]:
+            units = [unit for unit in (_unit(a), _unit(b)) if unit != "1"]
+            columns.append(real(f"cov_{a}_{b}", " ".join(units) or "1", f"covariance of {a} and {b}", frame))
+    return tuple(columns)
+
+
+SINCE = "elapsed SI seconds since the epoch"
+
+T = real("t", "s", SINCE)
+
+PAIR = (
+    count("i", "track of the estimate the prediction starts from"),
+    count("j", "track whose start is predicted"),
+)
+
+SPREAD_COLUMNS = (
+    *(real(f"drag_{axis}", "m", f"how far a tenth more drag takes it, {axis}", "RSW") for axis in "xyz"),
+    *(
+        real(f"weather_{axis}", "m", f"root mean square distance of the weather's futures, {axis}", "RSW")
+        for axis in "xyz"
+    ),
+)
+
+ERRORS = state("RSW of the true state at t_j", "predicted minus true state at t_j", prefix="e_")
+
+NO_TRUTH = "; NaN where there is no truth"
+
+PREDICTED = "RSW of the predicted state at t_j"
+
+
+def symmetric(table: pd.DataFrame, columns: Sequence[str]) -> np.ndarray:
+    """Return matrices (n, k, k) from the columns of their lower triangles, row by row."""
+    row, column = np.tril_indices(int(np.sqrt(2 * len(columns))))
+    full = np.empty((len(table), row[-1] + 1, row[-1] + 1))
+    full[:, row, column] = full[:, column, row] = table[list(columns)].to_numpy()
+    return full

@@ -1,0 +1,62 @@
+"""The tables of what leaves: ephemerides, and those of mornings that are over."""
+
+from opml.tables.columns import PAIR, SINCE, SPREAD_COLUMNS, STATE, Schema, T, count, covariance, real, state
+
+DOUBT = [f"doubt_{axis}" for axis in "xyz"]
+"""Columns of how far a state may be off that an ephemeris is held against."""
+
+SIGMA_STATE = [f"sigma_{name}" for name in STATE]
+"""Columns of the standard deviations that a covariance is made of (`rsw_covariance.stated`)."""
+
+_KNOWN_STATE = "RSW of the state that it is held against"
+
+EPHEMERIS_SCHEMAS = (
+    Schema(
+        "replay",
+        "a pair of an estimate i and a later track start j",
+        (
+            *PAIR,
+            real("t_i", "s", f"epoch of the estimate, {SINCE}"),
+            real("t_j", "s", f"epoch of the later track's start, {SINCE}"),
+            real("t_known", "s", f"when the error was known, {SINCE}"),
+            real("morning", "s", f"when what the ephemeris was made with was known, {SINCE}"),
+            real("duration", "s", "prediction duration t_j - t_i"),
+            real("rate", "rad/s", "rate at which the position turns"),
+            real("before", "m", "along-track error of the prediction before correction", _KNOWN_STATE),
+            *state(_KNOWN_STATE, "error of the ephemeris at t_j", prefix="e_"),
+            *(
+                real(name, "m", "standard deviation of that state, 0 of a truth", _KNOWN_STATE)
+                for name in DOUBT
+            ),
+            *SPREAD_COLUMNS,
+            *state(
+                "RSW of the ephemeris",
+                "standard deviation stated that morning, of velocities beside positions; NaN without a past",
+                prefix="sigma_",
+            ),
+        ),
+    ),
+    Schema(
+        "corrected",
+        "an epoch after an estimate",
+        (
+            count("i", "track of the estimate the ephemeris starts from"),
+            real("t_i", "s", f"epoch of the estimate, {SINCE}"),
+            T,
+            *state("GCRF", "corrected state"),
+            *state("GCRF", "predicted state, before correction", suffix="_predicted"),
+            *covariance(STATE, "RSW of the corrected state"),
+        ),
+    ),
+    Schema(
+        "forecast",
+        "an epoch after an estimate",
+        (
+            count("i", "track of the estimate the ephemeris starts from"),
+            real("t_i", "s", f"epoch of the estimate, {SINCE}"),
+            T,
+            *state("GCRF", "predicted state"),
+            *covariance(STATE, "RSW of the predicted state"),
+        ),
+    ),
+)

@@ -1,0 +1,195 @@
+"""Tables as Parquet files: written whole, read and checked against their schema."""
+
+import hashlib
+import json
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any, BinaryIO
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from opml.base.errors import InputError
+from opml.base.files import FilePath, replacing
+from opml.tables.columns import Column, Schema
+from opml.tables.schemas import SCHEMAS
+
+_ARROW = {"float64": pa.float64(), "int64": pa.int64(), "bool": pa.bool_(), "string": pa.string()}
+
+
+def write_table(
+    path: FilePath, frame: pd.DataFrame, schema: str | Schema, *, metadata: Mapping[str, Any]
+) -> None:
+    """Write `frame` as Parquet, whole or not at all: a temporary file takes the name when it is complete.
+
+    Parameters
+    ----------
+    frame : table with exactly the schema's columns, in any order.
+    schema : name of a schema, or a schema (of a model, whose columns vary).
+    metadata : JSON values kept in the file, such as epoch, seed and settings digest.
+
+    Raises
+    ------
+    ValueError : where the columns are not the schema's.
+    """
+    schema = _resolve(schema)
+    if set(frame.columns) != set(schema.names) or len(frame.columns) != len(schema.names):
+        odd = sorted(set(frame.columns) ^ set(schema.names))
+        raise ValueError(f"table {schema.name}: columns missing or not in the schema: {odd}")
+    arrays = [_array(frame[column.name], column.dtype) for column in schema.columns]
+    arrow = _arrow_schema(schema)
+    values = {"table": schema.name, **metadata}
+    values["digest"] = _footer_digest(arrow, values, len(frame))
+    texts = {key: json.dumps(value, sort_keys=True, allow_nan=False) for key, value in sorted(values.items())}
+    table = pa.table(arrays, schema=arrow.with_metadata(texts))
+
+    with replacing(path) as temporary:
+        pq.write_table(table, temporary, compression="zstd", write_statistics=False, write_page_checksum=True)
+        _seal(temporary)
+
+
+def read_table(path: FilePath, schema: str | Schema) -> pd.DataFrame:
+    """Read a table and check it against its schema.
+
+    Raises
+    ------
+    InputError : where the file is missing or damaged, or lacks a column or has it in another type.
+    """
+    schema = _resolve(schema)
+    with _reading(path), pq.ParquetFile(path, page_checksum_verification=True) as file:
+        for column in schema.columns:
+            _check_column(path, file.schema_arrow, column, schema.name)
+        _metadata(path, file)
+        table = file.read(columns=schema.names, use_threads=False)
+        if table.num_rows != file.metadata.num_rows:
+            raise InputError(f"{path}: damaged, got {table.num_rows} of {file.metadata.num_rows} rows")
+        return table.to_pandas()
+
+
+def read_tables(paths: Iterable[FilePath], schema: str | Schema) -> pd.DataFrame:
+    """Read tables of one schema below each other; errors as in `read_table`."""
+    return pd.concat([read_table(path, schema) for path in paths], ignore_index=True)
+
+
+def read_metadata(path: FilePath) -> dict[str, Any]:
+    """Return what `write_table` was given as metadata.
+
+    Raises
+    ------
+    InputError : where the file is missing or damaged.
+    """
+    with _reading(path), pq.ParquetFile(path) as file:
+        values = _metadata(path, file)
+    return {key: value for key, value in values.items() if key != "table"}
+
+
+def read_kind(path: FilePath) -> str:
+    """Return the name of the schema that a table was written by. Errors as in `read_metadata`."""
+    with _reading(path), pq.ParquetFile(path) as file:
+        return str(_metadata(path, file)["table"])
+
+
+def _resolve(schema: str | Schema) -> Schema:
+    return SCHEMAS[schema] if isinstance(schema, str) else schema
+
+
+def _array(values: pd.Series, dtype: str) -> pa.Array:
+    if dtype == "string":
+        return pa.array([str(value) for value in values], type=pa.string())
+    # A numpy array keeps NaN a number; pandas' own conversion would make it a missing value.
+    return pa.array(np.asarray(values).astype(dtype, casting="same_kind"), type=_ARROW[dtype])
+
+
+def _arrow_schema(schema: Schema) -> pa.Schema:
+    return pa.schema(
+        pa.field(
+            column.name,
+            _ARROW[column.dtype],
+            nullable=False,
+            metadata={"unit": column.unit, "frame": column.frame, "meaning": column.meaning},
+        )
+        for column in schema.columns
+    )
+
+
+def _footer_digest(arrow: pa.Schema, values: Mapping[str, Any], rows: int) -> str:
+    """Digest what the page checksums do not cover: names, types, units, metadata and the number of rows."""
+    fields = [[field.name, str(field.type), _texts(field.metadata)] for field in arrow]
+    text = json.dumps([fields, dict(values), rows], sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _texts(metadata: Mapping[bytes, bytes] | None) -> dict[str, str]:
+    # Arrow adds PARQUET:field_id on reading.
+    items = (metadata or {}).items()
+    return {key.decode(): value.decode() for key, value in items if not key.startswith(b"PARQUET:")}
+
+
+_SEAL = b"opmlseal"
+
+_DIGEST_BYTES = hashlib.sha256().digest_size
+
+_TAIL_BYTES = 8  # of a Parquet file: the length of its footer and four letters
+
+
+def _seal(path: FilePath) -> None:
+    """Put a digest of the footer before it: where pages lie is told there, and no page's checksum covers it.
+
+    Readers find the footer from the end of the file, and pages from its beginning: both stay where they are.
+    """
+    with open(path, "r+b") as file:
+        start, footer = _footer(file)
+        file.seek(start)
+        file.write(_SEAL + hashlib.sha256(footer).digest() + footer)
+
+
+def _check_seal(path: FilePath) -> None:
+    """Raise InputError where a footer is not the one that was sealed; older versions sealed none."""
+    with open(path, "rb") as file:
+        start, footer = _footer(file)
+        file.seek(max(start - len(_SEAL) - _DIGEST_BYTES, 0))
+        seal = file.read(len(_SEAL) + _DIGEST_BYTES)
+    if seal.startswith(_SEAL) and seal[len(_SEAL) :] != hashlib.sha256(footer).digest():
+        raise InputError(f"{path}: damaged (its footer does not match its seal)")
+
+
+def _footer(file: BinaryIO) -> tuple[int, bytes]:
+    """Where a Parquet file's footer starts, as its length tells, and what follows from there."""
+    end = file.seek(0, os.SEEK_END)
+    file.seek(max(end - _TAIL_BYTES, 0))
+    length = int.from_bytes(file.read(4), "little")
+    start = max(end - _TAIL_BYTES - length, 0)
+    file.seek(start)
+    return start, file.read()
+
+
+@contextmanager
+def _reading(path: FilePath) -> Iterator[None]:
+    """Turn what a missing or damaged file raises, wherever it is noticed, into one line."""
+    try:
+        _check_seal(path)
+        yield
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except (pa.ArrowException, OSError, ValueError, KeyError) as error:
+        raise InputError(f"{path}: damaged, or not a table in Parquet ({error})") from None
+
+
+def _check_column(path: FilePath, arrow: pa.Schema, column: Column, table: str) -> None:
+    if column.name not in arrow.names:
+        raise InputError(f"{path}: {column.name}: column of table {table} is missing")
+    dtype = arrow.field(column.name).type
+    if dtype != _ARROW[column.dtype]:
+        raise InputError(f"{path}: {column.name}: expected {column.dtype}, got {dtype}")
+
+
+def _metadata(path: FilePath, file: pq.ParquetFile) -> dict[str, Any]:
+    """Return the file's metadata, its digest checked; a table that `write_table` did not write has none."""
+    values = {key: json.loads(value) for key, value in _texts(file.schema_arrow.metadata).items()}
+    digest = values.pop("digest", None)
+    if digest != _footer_digest(file.schema_arrow, values, file.metadata.num_rows):
+        raise InputError(f"{path}: damaged, or not written by opml (its footer does not match its digest)")
+    return values

@@ -1,0 +1,87 @@
+"""What every job of the workflow needs around its one call: a log, metadata, errors in one line."""
+
+import logging
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+from threadpoolctl import threadpool_limits
+
+from opml import __version__
+from opml.base.errors import InputError
+from opml.base.provenance import settings_digest
+
+_log = logging.getLogger("opml")
+_warnings = logging.getLogger("py.warnings")
+
+
+@contextmanager
+def job(snakemake: Any) -> Iterator[dict[str, Any]]:
+    """Run a script's body with its log open; yields the metadata that the tables it writes carry.
+
+    Progress, through the loggers below ``opml``, goes to the rule's log. An `InputError` ends the job with
+    one line there and on stderr and with exit code 1, any other error with its traceback. BLAS is held to one
+    thread, as its sums depend on their number.
+    """
+    handlers = _open_log(snakemake.log)
+    try:
+        with threadpool_limits(limits=1, user_api="blas"):
+            _log.info("%s: started", snakemake.rule)
+            yield _metadata(snakemake.params.settings)
+            _log.info("%s: finished", snakemake.rule)
+    except InputError as error:
+        _log.error("%s", error)
+        sys.exit(1)
+    except Exception:
+        _log.exception("%s: failed", snakemake.rule)
+        sys.exit(1)
+    finally:
+        for handler in handlers:
+            _log.removeHandler(handler)
+            _warnings.removeHandler(handler)
+            handler.close()
+
+
+def metadata_of_each(settings: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return the metadata of the tables of a job for several RSOs, in the order of the settings' `rsos`.
+
+    Each is that of a job for this `rso` alone, so that a table's bytes do not tell what was made with it.
+    """
+    common = {name: value for name, value in settings.items() if name != "rsos"}
+    return [_metadata(common | {"rso": rso}) for rso in settings["rsos"]]
+
+
+def progress(share: float) -> None:
+    """Log how far a long job is, as a share from 0 to 1."""
+    _log.info("%3.0f %% done", 100.0 * share)
+
+
+def _open_log(paths: Any) -> list[logging.Handler]:
+    """Send progress and warnings to the rule's log, errors to stderr as well."""
+    screen = logging.StreamHandler(sys.stderr)
+    screen.setLevel(logging.ERROR)
+    screen.setFormatter(logging.Formatter("opml: %(message)s"))
+    files = [logging.FileHandler(path, mode="w", encoding="utf-8") for path in paths]
+    for file in files:
+        file.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
+    handlers: list[logging.Handler] = [screen, *files]
+    for handler in handlers:
+        _log.addHandler(handler)
+        _warnings.addHandler(handler)
+    _log.setLevel(logging.INFO)
+    logging.captureWarnings(True)
+    return handlers
+
+
+def _metadata(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what every table says of its making, from the settings in the rule's params."""
+    metadata = {
+        "epoch": settings["epoch"],
+        "time_scale": "SI seconds since epoch",
+        "settings": settings_digest(settings),
+        "version": __version__,
+    }
+    if "seed" in settings:
+        metadata["seed"] = settings["seed"]
+    return metadata
