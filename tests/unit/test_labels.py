@@ -24,10 +24,10 @@ TRAIN = "days-0-1"
 CLEANING = Cleaning(fence=20.0, fence_days=(0.0, 1.0))
 LEARNERS = {
     "ridge": {"kind": "ridge", "alpha": 1.0},
-    "durationmean": {"kind": "duration_mean", "bin_hours": 6},
+    "durationmean": {"kind": "durationmean", "bin_hours": 6},
     "svr": {"kind": "svr", "kernel_scale": "sigest", "c": 1.0, "epsilon": 0.1, "tol": 1e-3},
     "boosting": {"kind": "boosting", "trees": 5, "leaves": 7, "learning_rate": 0.1, "min_rows": 10},
-    "law": {"kind": "mechanism", "window_hours": 24, "terms": ["v", "v*cd_past", "l_arc", "v_arc*cd_arc"]},
+    "law": {"kind": "linear_law", "window_hours": 24, "terms": ["v", "v*cd_past", "l_arc", "v_arc*cd_arc"]},
 }
 
 

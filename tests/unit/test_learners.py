@@ -25,15 +25,15 @@ from opml.tables import read_metadata, read_table, write_table
 
 VARIABLES = ["duration", "d_a", "cd", "v_y"]
 BOOSTING = {"kind": "boosting", "trees": 40, "leaves": 7, "learning_rate": 0.2, "min_rows": 5}
-MECHANISM = {"kind": "mechanism", "terms": ["v", "v*cd"]}
+MECHANISM = {"kind": "linear_law", "terms": ["v", "v*cd"]}
 SETTINGS = {
     "none": {"kind": "none"},
-    "duration_mean": {"kind": "duration_mean", "bin_hours": 12},
-    "repredict": {"kind": "repredict"},
+    "durationmean": {"kind": "durationmean", "bin_hours": 12},
+    "repredicted": {"kind": "repredicted"},
     "ridge": {"kind": "ridge", "alpha": 0.5},
-    "mechanism": MECHANISM,
+    "linear_law": MECHANISM,
     "boosting": BOOSTING,
-    "gaussian_process": {"kind": "gaussian_process", "rows": 120},
+    "gaussian": {"kind": "gaussian", "rows": 120},
     "mlp": {"kind": "mlp", "neurons": [12, 8], "alpha": 1e-3, "epochs": 60},
     "svr": {"kind": "svr", "kernel_scale": "sigest", "c": 1.0, "epsilon": 0.1, "tol": 1e-3},
     "stacked": {"kind": "stacked", "first": MECHANISM, "second": BOOSTING},
@@ -42,7 +42,7 @@ SETTINGS = {
     "running": {"kind": "running", "window_hours": 96, "memory_days": 30},
     "thermometer": {"kind": "thermometer"},
 }
-NOTHING_LEARNED = ("none", "repredict", "refitted", "held", "running", "thermometer")
+NOTHING_LEARNED = ("none", "repredicted", "refitted", "held", "running", "thermometer")
 KINDS = pytest.mark.parametrize("kind", list(SETTINGS))
 
 
@@ -124,7 +124,7 @@ def test_a_target_that_is_not_finite_is_refused(kind):
 
 def test_a_variable_that_the_dataset_does_not_have_is_told():
     rows = pd.DataFrame({"i": [0, 1], "e_y": [1.0, 2.0], "cd": [2.1, 2.2]})
-    settings = learners.resolved({"kind": "mechanism", "terms": ["v*cd"]}, component="e_y", variables=["cd"])
+    settings = learners.resolved({"kind": "linear_law", "terms": ["v*cd"]}, component="e_y", variables=["cd"])
     with pytest.raises(InputError, match="learning variable v_y: expected a dataset with it"):
         learners.train(rows, component="e_y", settings=settings, seed=1)
     model = learners.train(rows.assign(v_y=1.0), component="e_y", settings=settings, seed=1)
@@ -136,16 +136,16 @@ def test_what_each_kind_is_worth_on_what_it_can_learn(models):
     new, y = sample(2000, seed=1)
     left = {kind: np.abs(y - predicted(model, new)).sum() / np.abs(y).sum() for kind, model in models.items()}
     assert left["none"] == 1.0
-    assert left["duration_mean"] == pytest.approx(1.0, abs=0.05)
+    assert left["durationmean"] == pytest.approx(1.0, abs=0.05)
     mechanism_leaves = np.abs(y - new["r_y"]).sum() / np.abs(y).sum()
-    assert left["repredict"] == pytest.approx(mechanism_leaves)
-    assert left["mechanism"] == pytest.approx(mechanism_leaves, abs=0.01)
+    assert left["repredicted"] == pytest.approx(mechanism_leaves)
+    assert left["linear_law"] == pytest.approx(mechanism_leaves, abs=0.01)
     assert left["running"] == pytest.approx(mechanism_leaves)
     for kind, share in (("refitted", 0.5), ("held", 0.8), ("thermometer", 0.9)):
         assert left[kind] == pytest.approx(np.abs(y - share * new["r_y"]).sum() / np.abs(y).sum())
-    assert left["stacked"] < 0.5 * left["mechanism"]
-    assert left["mechanism"] < left["boosting"] < left["ridge"] < 1.0
-    assert left["gaussian_process"] < left["ridge"]
+    assert left["stacked"] < 0.5 * left["linear_law"]
+    assert left["linear_law"] < left["boosting"] < left["ridge"] < 1.0
+    assert left["gaussian"] < left["ridge"]
     assert left["mlp"] < left["ridge"]
 
 
@@ -156,13 +156,13 @@ def test_the_arcs_that_a_learner_asks_for():
     assert arc_of(**SETTINGS["running"]) == (96.0, 30.0)
     assert arc_of(kind="refitted", window_hours=48) == (48.0, 30.0)
     assert arc_of(**MECHANISM) is None
-    own = {"kind": "mechanism", "terms": ["l_arc", "v_arc*cd_arc"], "window_hours": 24, "memory_days": 8}
+    own = {"kind": "linear_law", "terms": ["l_arc", "v_arc*cd_arc"], "window_hours": 24, "memory_days": 8}
     assert arc_of(**own) == (24.0, 8.0)
     assert arc_of(kind="stacked", first=own, second=BOOSTING) == (24.0, 8.0)
     with pytest.raises(InputError, match="expected one window for both parts, got 2"):
         arc_of(kind="stacked", first=own, second=own | {"window_hours": 48})
     with pytest.raises(InputError, match="expected window_hours beside columns of the arcs"):
-        arc_of(kind="mechanism", terms=["l_arc"])
+        arc_of(kind="linear_law", terms=["l_arc"])
 
 
 def test_no_correction_is_zero():
@@ -173,7 +173,7 @@ def test_no_correction_is_zero():
 def test_mean_by_duration_is_the_mean_of_a_bin():
     hours = np.array([1.0, 3.0, 13.0, 15.0, 40.0])
     rows, y = pd.DataFrame({"duration": hours * 3600.0}), np.array([1.0, 3.0, 10.0, 30.0, 5.0])
-    model = trained("duration_mean", rows, y)
+    model = trained("durationmean", rows, y)
     at = pd.DataFrame({"duration": np.array([0.0, 2.0, 8.0, 14.0, 40.0, 99.0]) * 3600.0})
     assert predicted(model, at).tolist() == pytest.approx([2.0, 2.0, 11.0, 20.0, 5.0, 5.0])
 
@@ -205,7 +205,7 @@ def test_the_mechanism_minimises_absolute_deviations(terms):
 
 
 def test_the_mechanisms_coefficients_mean_something(models):
-    model = models["mechanism"]
+    model = models["linear_law"]
     assert model.terms == ("v_y", "v_y*cd")
     assert model.coefficient[1] == pytest.approx(1.0, abs=0.02)
     assert -model.coefficient[0] / model.coefficient[1] == pytest.approx(2.2, abs=1e-3)
@@ -260,7 +260,7 @@ def test_boosting_is_scikit_learns(models):
 
 def test_a_gaussian_process_is_the_posterior_mean_of_its_kernel():
     rows, y = sample(100)
-    model = trained("gaussian_process", rows, y)
+    model = trained("gaussian", rows, y)
     assert model.rows == 100
     kernel = ConstantKernel(model.amplitude**2) * RBF(model.length) + WhiteKernel(model.noise**2)
     z = (rows[VARIABLES].to_numpy() - model.x_mean) / model.x_scale
@@ -273,7 +273,7 @@ def test_a_gaussian_process_is_the_posterior_mean_of_its_kernel():
 
 def test_a_gaussian_process_draws_its_rows_with_the_seed():
     rows, y = sample(300)
-    one, other = (trained("gaussian_process", rows, y, seed=seed, changes={"rows": 60}) for seed in (1, 2))
+    one, other = (trained("gaussian", rows, y, seed=seed, changes={"rows": 60}) for seed in (1, 2))
     assert one.rows == 60
     assert not np.array_equal(one.vectors, other.vectors)
 
@@ -305,7 +305,7 @@ def test_too_few_rows_are_refused(module):
 
 def test_the_second_of_a_stack_learns_what_the_first_leaves(models):
     rows, y = sample(400)
-    first = models["mechanism"]
+    first = models["linear_law"]
     second = trained("boosting", rows, y - predicted(first, rows))
     expected = predicted(first, rows) + predicted(second, rows)
     np.testing.assert_array_equal(predicted(models["stacked"], rows), expected)
@@ -318,12 +318,12 @@ def test_settings_are_resolved_for_a_component():
         return learners.resolved(settings, component="e_vx", variables=known)
 
     assert resolve({"kind": "none"})["variables"] == []
-    assert resolve({"kind": "duration_mean", "bin_hours": 1})["variables"] == ["duration"]
-    assert resolve({"kind": "repredict"})["variables"] == ["r_vx"]
+    assert resolve({"kind": "durationmean", "bin_hours": 1})["variables"] == ["duration"]
+    assert resolve({"kind": "repredicted"})["variables"] == ["r_vx"]
     assert resolve({"kind": "ridge", "alpha": 1}) == {"kind": "ridge", "alpha": 1, "variables": known}
     assert resolve({"kind": "svr", "without": ["cd_b"]}) == {"kind": "svr", "variables": ["duration"]}
     assert resolve({"kind": "mlp", "variables": ["v", "cd"]})["variables"] == ["v_vx", "cd"]
-    law = {"kind": "mechanism", "terms": ["l", "v_long", "v_long*cd_long", "cos_2_31"]}
+    law = {"kind": "linear_law", "terms": ["l", "v_long", "v_long*cd_long", "cos_2_31"]}
     found = resolve(law)
     assert found["terms"] == ["l_vx", "v_long_vx", "v_long_vx*cd_long", "cos_2_31"]
     assert found["variables"] == ["l_vx", "v_long_vx", "cd_long", "cos_2_31"]

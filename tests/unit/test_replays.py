@@ -21,7 +21,7 @@ from opml.learning.models.daily_training import Lessons
 from opml.orbits.elements import in_rsw
 from opml.tables import COMPONENTS, SCHEMAS, STATE, read_table, write_table
 
-LAW = {"kind": "mechanism", "terms": ["duration*duration"], "variables": ["duration"]}
+LAW = {"kind": "linear_law", "terms": ["duration*duration"], "variables": ["duration"]}
 TRAIN = (0.0, 2.0)
 
 

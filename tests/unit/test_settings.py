@@ -290,15 +290,15 @@ def test_no_object_of_the_schema_takes_unknown_keys():
             ["iss", "mir"],
             "study.pools.inclinations: RSO 'mir': expected one of iss,",
         ),
-        ("study.generalisation.learners", ["kriging"], "learner 'kriging': expected one of svr"),
-        ("study.generalisation.intervals.splits", ["never"], "splits: expected one of random, grouped"),
+        ("study.beyond.learners", ["kriging"], "learner 'kriging': expected one of svr"),
+        ("study.beyond.intervals.splits", ["never"], "splits: expected one of random, grouped"),
         (
-            "study.generalisation.intervals.learners",
+            "study.beyond.intervals.learners",
             ["longarc", "kriging"],
             "intervals.learners: learner 'kriging': expected one of svr",
         ),
         (
-            "study.generalisation.budget.split",
+            "study.beyond.budget.split",
             ["random-80", "days-90-95"],
             "split 'days-90-95': expected",
         ),
@@ -387,7 +387,7 @@ def test_a_study_that_extends_others_is_laid_over_them(tmp_path):
     study = given(tmp_path, "study: {extends: [paper], partition: {ratios: [20]}}\n").values["study"]
     assert study["partition"] == PAPER["study"]["partition"] | {"ratios": [20]}
     assert study["curves"] == PAPER["study"]["curves"]
-    assert "generalisation" not in study
+    assert "beyond" not in study
 
 
 def test_a_study_may_be_a_file_elsewhere(tmp_path):

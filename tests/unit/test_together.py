@@ -34,7 +34,7 @@ def train(settings, tested=TESTED):
         SVR,
         {"kind": "ridge", "alpha": 1.0, "variables": VARIABLES},
         {"kind": "mlp", "neurons": [3], "alpha": 1e-3, "epochs": 2, "variables": VARIABLES},
-        {"kind": "gaussian_process", "rows": 50, "variables": VARIABLES},
+        {"kind": "gaussian", "rows": 50, "variables": VARIABLES},
     ],
     ids=lambda settings: settings["kind"],
 )
@@ -79,7 +79,7 @@ def test_the_model_meets_rows_as_they_are():
 
 def test_what_cannot_be_is_refused():
     with pytest.raises(InputError, match="-together: expected a learner that standardises"):
-        train({"kind": "duration_mean", "bin_hours": 6, "variables": ["duration"]})
+        train({"kind": "durationmean", "bin_hours": 6, "variables": ["duration"]})
     broken = TESTED.assign(inc=np.nan)
     with pytest.raises(InputError, match="learning variable inc: expected finite values only"):
         train(SVR, broken)

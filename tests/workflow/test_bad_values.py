@@ -15,7 +15,7 @@ def overlay(key):
     for name in reversed(key):
         value = {name: value}
     if key[0] == "study":
-        value["study"]["extends"] = ["paper", "honest"]
+        value["study"]["extends"] = ["paper", "beyond"]
     return value
 
 

@@ -11,7 +11,7 @@ from opml.tables import read_metadata, read_table
 
 pytestmark = pytest.mark.dag
 CI = "--configfile=config/ci.yaml"
-FIGURES = ("generalisation", "generalisation_transfers", "generalisation_intervals")
+FIGURES = ("beyond", "beyond_transfers", "beyond_intervals")
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +29,7 @@ def results(project, name):
 
 
 def test_every_model_is_in_the_table(beyond):
-    text = results(beyond, "generalisation.md").read_text()
+    text = results(beyond, "beyond.md").read_text()
     for model in (
         "none",
         "durationmean",
@@ -104,7 +104,7 @@ def test_readings_of_fits_and_tests_are_names(beyond):
 
 def test_a_model_tells_what_it_was_made_with(beyond):
     path = results(beyond, "models/iss/eglin-clear-kaena/days-0-2/mechanism/e_y.parquet")
-    assert read_metadata(path)["kind"] == "mechanism"
+    assert read_metadata(path)["kind"] == "linear_law"
 
 
 def test_the_paper_is_not_run_again_for_it(beyond):

@@ -214,7 +214,7 @@ def test_a_study_of_ones_own_names_all_its_products(project):
         "dataset": 1,
         "study_report": 1,
     }
-    assert jobs(plan).keys() & {"svr", "partition", "reproduction", "generalisation"} == set()
+    assert jobs(plan).keys() & {"svr", "partition", "reproduction", "beyond"} == set()
 
 
 def test_a_study_of_ones_own_is_what_a_plain_run_makes(project):

@@ -100,7 +100,7 @@ def test_every_product_is_there(finished):
     assert {
         *(f"ci/environment/{name}.parquet" for name in ("earth_orientation", "ephemerides", "gravity_field")),
         "ci/truth/iss.parquet",
-        "ci/flights/iss.parquet",
+        "ci/truth_groups/iss.parquet",
         *(f"ci/{name}/{stem}.parquet" for name in ("tracking", "estimates", "predictions", "dataset")),
         f"ci/models/{split}.parquet",
         f"ci/evaluation/{split}/iss/rest.parquet",

@@ -20,7 +20,7 @@ from opml.report.settings_tables import weather
 from opml.study import shared_truths
 from opml.study.checks import check_data, load
 from opml.study.experiments import Study
-from opml.study.beyond import Honest
+from opml.study.beyond import Beyond
 from opml.study.settings.overlay import COMMAND_LINE, Layer, with_numbers
 from opml.study.own_study import Own
 from opml.study.paper import Paper
@@ -55,7 +55,7 @@ config = dict(SETTINGS.values)
 
 STUDY = Study(SETTINGS)
 PAPER = Paper(STUDY)
-HONEST = Honest(PAPER)
+BEYOND = Beyond(PAPER)
 OWN = Own(STUDY)
 
 RESULTS = config["results"]

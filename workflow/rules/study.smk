@@ -168,7 +168,7 @@ if OWN.is_asked:
             f"{RESULTS}/benchmarks/figs/study/{{rso}}/models.tsv"
         params:
             **drawing(
-                "generalisation_splits",
+                "beyond_splits",
                 component=STUDY.defaults["component"],
                 published=[],
                 station_sets=OWN.panels,

@@ -39,14 +39,14 @@ PAPER_PARTS = {
     "kernel_scale": lambda: rules.kernel_scale_sensitivity.output,
 }
 PAPER_FILES = [file for part, files in PAPER_PARTS.items() if part in STUDY for file in files()]
-HONEST_FILES = (
+BEYOND_FILES = (
     [
-        *rules.generalisation.output,
-        *rules.generalisation_splits.output,
-        *rules.generalisation_transfers.output,
-        *rules.generalisation_intervals.output,
+        *rules.beyond_report.output,
+        *rules.beyond_splits.output,
+        *rules.beyond_transfers.output,
+        *rules.beyond_intervals.output,
     ]
-    if "generalisation" in STUDY
+    if "beyond" in STUDY
     else []
 )
 SCAN_FILES = [*rules.scan_report.output, *rules.scan_curves.output] if "scan" in STUDY else []

@@ -1,6 +1,6 @@
 # The paper's 'Truth Dynamic Models'. RSOs that the study names fly together, any other one alone.
-NAMED = [*CATALOGUE, *shared_truths.named(PAPER, HONEST, OWN)]
-FLIGHTS = shared_truths.flights(STUDY, dict.fromkeys(NAMED), results=Path(RESULTS))
+NAMED = [*CATALOGUE, *shared_truths.named(PAPER, BEYOND, OWN)]
+TRUTH_GROUPS = shared_truths.groups(STUDY, dict.fromkeys(NAMED), results=Path(RESULTS))
 FLOWN_BY = {
     "epoch": config["epoch"],
     "duration_days": config["duration_days"],
@@ -34,9 +34,9 @@ rule truth:
         "../scripts/truth.py"
 
 
-for number, together in enumerate(FLIGHTS, start=1):
+for number, together in enumerate(TRUTH_GROUPS, start=1):
 
-    # A rule for each flight, as no wildcard tells what flies together. Its files are preferred to those of `truth`.
+    # A rule for each group, as no wildcard tells what flies together. Its files are preferred to those of `truth`.
     rule:
         name:
             "truths" if number == 1 else f"truths_{number}"
@@ -44,7 +44,7 @@ for number, together in enumerate(FLIGHTS, start=1):
             **TRUE_ENVIRONMENT,
         output:
             truth=[f"{RESULTS}/truth/{name}.parquet" for name in together],
-            flight=f"{RESULTS}/{tables.FLIGHTS}/{together[0]}.parquet",
+            group=f"{RESULTS}/{tables.TRUTH_GROUPS}/{together[0]}.parquet",
         log:
             f"{RESULTS}/logs/truth/together/{together[0]}.log",
         benchmark:

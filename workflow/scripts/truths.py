@@ -6,7 +6,7 @@ from opml.base.constants import DAY
 from opml.catalog.simulate import truth
 from opml.dynamics import force_model
 from opml.orbits.sheets import Rso
-from opml.tables import FLIGHTS, write_table
+from opml.tables import TRUTH_GROUPS, write_table
 from opml.workflow.jobs import job, metadata_of_each, progress
 
 with job(snakemake) as metadata:
@@ -22,7 +22,7 @@ with job(snakemake) as metadata:
         progress=progress,
     )
     # First, as a truth that was there without it would count as one that flew alone.
-    flight = pd.DataFrame({"rso": [rso.name for rso in rsos]})
-    write_table(snakemake.output.flight, flight, FLIGHTS, metadata=metadata)
+    group = pd.DataFrame({"rso": [rso.name for rso in rsos]})
+    write_table(snakemake.output.group, group, TRUTH_GROUPS, metadata=metadata)
     for path, table, alone in zip(snakemake.output.truth, tables, metadata_of_each(settings), strict=True):
         write_table(path, table, "truth", metadata=alone)

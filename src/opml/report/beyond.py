@@ -18,7 +18,7 @@ Key = tuple[str, str, str]
 
 
 @dataclass(frozen=True)
-class Generalisation:
+class BeyondReport:
     """What the document tells."""
 
     splits: Mapping[Key, Experiment]  # by station set, learner and split
@@ -33,7 +33,7 @@ class Generalisation:
 
 
 def document(
-    asked: Generalisation, metrics: pd.DataFrame, coverage: pd.DataFrame, floors: Mapping[str, float]
+    asked: BeyondReport, metrics: pd.DataFrame, coverage: pd.DataFrame, floors: Mapping[str, float]
 ) -> list[Block]:
     """The whole document.
 
@@ -47,7 +47,7 @@ def document(
         Paragraph(
             "P_ML [%] is what a correction leaves of the summed absolute error: 0 is perfect, 100 no "
             "correction. In brackets its 5th and 95th percentile over resampled estimates, as the rows of "
-            "one estimate are no independent evidence. `docs/generalisation.md` explains models and splits."
+            "one estimate are no independent evidence. `docs/beyond.md` explains models and splits."
         ),
         *_splits(asked, results),
         *_transfers(asked, results),
@@ -58,7 +58,7 @@ def document(
     ]
 
 
-def _splits(asked: Generalisation, results: Results) -> Iterator[Block]:
+def _splits(asked: BeyondReport, results: Results) -> Iterator[Block]:
     for stations in _firsts(asked.splits):
         own = {key[1:]: one for key, one in asked.splits.items() if key[0] == stations}
         first = next(iter(own))[0]
@@ -83,7 +83,7 @@ def model_rows(found: Mapping[tuple[str, str], Experiment], results: Results) ->
     ]
 
 
-def _transfers(asked: Generalisation, results: Results) -> Iterator[Block]:
+def _transfers(asked: BeyondReport, results: Results) -> Iterator[Block]:
     for curve in _firsts(asked.transfers):
         own = {key[1:]: one for key, one in asked.transfers.items() if key[0] == curve}
         names = list(dict.fromkeys(learner for learner, _ in own))
@@ -142,7 +142,7 @@ def _interval_row(one: Mapping[str, Any], names: Mapping[tuple[str, str], str]) 
     ]
 
 
-def _budget(asked: Generalisation, results: Results, floors: Mapping[str, float]) -> Iterator[Block]:
+def _budget(asked: BeyondReport, results: Results, floors: Mapping[str, float]) -> Iterator[Block]:
     names = list(dict.fromkeys(learner for _, learner in asked.budget))
     rows = [
         [

@@ -109,7 +109,7 @@ def _splits(asked: Answer, results: Results) -> Iterator[Block]:
     yield Paragraph(
         "P_ML [%] is what a correction leaves of the summed size of the errors: 0 is perfect, 100 no "
         "correction. In brackets its 5th and 95th percentile over resampled estimates, as the rows of one "
-        "estimate are no independent evidence. `docs/generalisation.md` explains models and splits."
+        "estimate are no independent evidence. `docs/beyond.md` explains models and splits."
     )
     yield Table(["RSO", "stations", "model", *header], rows)
     if set(asked.truths) == {"measured"}:

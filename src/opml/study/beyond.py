@@ -7,13 +7,13 @@ from typing import Any
 
 from opml import naming
 from opml.naming import Experiment
-from opml.report.beyond import Generalisation
+from opml.report.beyond import BeyondReport
 from opml.study.experiments import Study
 from opml.study.paper import Paper
 
 
 @dataclass(frozen=True)
-class Honest:
+class Beyond:
     """The experiments of a study that asks whether its models generalise."""
 
     paper: Paper
@@ -26,7 +26,7 @@ class Honest:
     @property
     def entry(self) -> Mapping[str, Any]:
         """What it asks of models and splits."""
-        entry: Mapping[str, Any] = self.study.entry("generalisation")
+        entry: Mapping[str, Any] = self.study.entry("beyond")
         return entry
 
     @cached_property
@@ -107,10 +107,10 @@ class Honest:
         return {key: number for key, number in numbers.items() if number is not None}
 
     @cached_property
-    def generalisation(self) -> Generalisation:
+    def report(self) -> BeyondReport:
         """What the document of models against splits tells."""
         values = self.study.settings.values
-        return Generalisation(
+        return BeyondReport(
             splits=self.splits,
             pairs={split: tuple(pair) for split, pair in self.entry["splits"].items()},
             transfers=self.transfers,

@@ -221,7 +221,7 @@ def _check_references(source: Source, settings: Settings) -> None:
         (("individual", "evaluation"), asked.get("evaluations", {})),
         (("components",), asked.get("evaluations", {})),
         (("partition", "shown"), asked.get("partition", {}).get("ratios", [])),
-        (("generalisation", "intervals", "splits"), asked.get("generalisation", {}).get("splits", {})),
+        (("beyond", "intervals", "splits"), asked.get("beyond", {}).get("splits", {})),
         (("reproduction", "calibrated"), asked.get("evaluations", {})),
         (("reproduction", "fixed"), settings.values["learners"]),
     ):
@@ -239,7 +239,7 @@ def _check_references(source: Source, settings: Settings) -> None:
 
 _ENTRIES = (
     *((), ("defaults",), ("orbit",), ("distribution",), ("partition",), ("kernel_scale",)),
-    *(("generalisation",), ("generalisation", "transfers"), ("generalisation", "budget")),
+    *(("beyond",), ("beyond", "transfers"), ("beyond", "budget")),
     ("rolling",),
 )
 _MAPPINGS_OF_ENTRIES = (("evaluations",), ("grids",), ("curves",), ("reproduction", "readings"), ("scan",))
@@ -257,9 +257,9 @@ def _parts(asked: Mapping[str, Any]) -> Iterator[tuple[Key, str, Any]]:
             yield (*key, part), part, (entry.get("rso"), value) if varies else value
     for name, rsos in _mapping(asked, ("pools",)).items():
         yield ("pools", name), "rsos", rsos
-    for part, value in _mapping(asked, ("generalisation", "intervals")).items():
+    for part, value in _mapping(asked, ("beyond", "intervals")).items():
         if part == "learners":
-            yield ("generalisation", "intervals", part), part, value
+            yield ("beyond", "intervals", part), part, value
 
 
 def _mapping(values: Mapping[str, Any], key: Key) -> Mapping[str, Any]:

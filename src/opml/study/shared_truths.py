@@ -7,24 +7,24 @@ from opml import naming
 from opml.base.errors import InputError
 from opml.naming import Experiment
 from opml.orbits import sheets
-from opml.study.beyond import Honest
+from opml.study.beyond import Beyond
 from opml.study.experiments import Study
 from opml.study.own_study import Own
 from opml.study.paper import Paper
-from opml.tables import FLIGHTS, read_table
+from opml.tables import TRUTH_GROUPS, read_table
 
 LANES = 16
 """Most truths of one job: they take the time of one, as a kernel has that many lanes."""
 
 
-def named(paper: Paper, honest: Honest, own: Own) -> list[str]:
+def named(paper: Paper, beyond: Beyond, own: Own) -> list[str]:
     """The RSOs that a study's experiments train on and test, each once."""
     experiments = [
         *paper.reported,
-        *(honest.every if "generalisation" in honest.study else []),
+        *(beyond.every if "beyond" in beyond.study else []),
         *(own.experiments.values() if own.is_asked else []),
     ]
-    pools = honest.study.entry("pools")
+    pools = beyond.study.entry("pools")
     return list(dict.fromkeys(rso for one in experiments for rso in (*_trained_on(one, pools), one.target)))
 
 
@@ -33,43 +33,43 @@ def _trained_on(experiment: Experiment, pools: Mapping[str, Sequence[str]]) -> S
     return naming.parse_pool(rso, pools) if naming.WITHOUT in rso else [rso]
 
 
-def flights(study: Study, rsos: Iterable[str], *, results: Path) -> list[tuple[str, ...]]:
-    """The simulated RSOs of each flight of two or more.
+def groups(study: Study, rsos: Iterable[str], *, results: Path) -> list[tuple[str, ...]]:
+    """The simulated RSOs of each group of two or more.
 
-    results: folder of the truths that are there, in `truth`, and of who flew together, in `flights`.
+    results: folder of the truths that are there, in `truth`, and of who flew together, in `truth_groups`.
 
     A job's truths are made anew together, with all that follows from them. So those that are there stay
     with the RSOs they flew with, and one that is new to the study flies with others that are new. The order
-    is the RSOs' own, whichever flight is over first: a job on another machine finds its rule by its number.
+    is the RSOs' own, whichever group is over first: a job on another machine finds its rule by its number.
     """
     rsos = _simulated(study, rsos)
     over = list(_over(study, rsos, results))
-    placed = {rso for flight in over for rso in flight}
+    placed = {rso for group in over for rso in group}
     waiting = [rso for rso in rsos if rso not in placed and not _is_there(results, rso)]
     new = [tuple(waiting[k : k + LANES]) for k in range(0, len(waiting), LANES)]
     place = {rso: k for k, rso in enumerate(rsos)}
-    together = [flight for flight in (*over, *new) if len(flight) > 1]
-    return sorted(together, key=lambda flight: min(place[rso] for rso in flight if rso in place))
+    together = [group for group in (*over, *new) if len(group) > 1]
+    return sorted(together, key=lambda group: min(place[rso] for rso in group if rso in place))
 
 
 def _over(study: Study, rsos: Sequence[str], results: Path) -> Iterator[tuple[str, ...]]:
-    """The flights of some RSOs that are over, a truth of each there; no RSO is in two.
+    """Finished groups of RSOs whose truths exist; no RSO is in two.
 
-    One that could not be flown again as it was is none.
+    A group that today's settings could not repeat is left out.
     """
     placed: set[str] = set()
-    for flight in map(_flown, sorted((results / FLIGHTS).glob("*.parquet"))):
-        asked = not set(rsos).isdisjoint(flight) and placed.isdisjoint(flight)
-        there = any(_is_there(results, rso) for rso in flight)
-        if asked and there and len(_simulated(study, flight)) == len(flight):
-            placed.update(flight)
-            yield flight
+    for group in map(_flown, sorted((results / TRUTH_GROUPS).glob("*.parquet"))):
+        asked = not set(rsos).isdisjoint(group) and placed.isdisjoint(group)
+        there = any(_is_there(results, rso) for rso in group)
+        if asked and there and len(_simulated(study, group)) == len(group):
+            placed.update(group)
+            yield group
 
 
 def _flown(path: Path) -> tuple[str, ...]:
-    """The RSOs of the flight that a table tells of; none where it is damaged."""
+    """The RSOs of the group that a table tells of; none where it is damaged."""
     try:
-        return tuple(read_table(path, FLIGHTS)["rso"])
+        return tuple(read_table(path, TRUTH_GROUPS)["rso"])
     except InputError:
         return ()
 

@@ -6,10 +6,10 @@ trained models are declared by their learners, in opml.learning.
 """
 
 from opml.tables.catalog_tables import (
-    FLIGHTS,
     MECHANISM_AXES,
     POSITION_COVARIANCES,
     SIGMAS,
+    TRUTH_GROUPS,
     mechanism_schema,
 )
 from opml.tables.columns import (
@@ -60,7 +60,6 @@ __all__ = [
     "DOUBT",
     "ELLIPSOID",
     "ENVIRONMENT",
-    "FLIGHTS",
     "LEARNING_COLUMNS",
     "LEARNING_VARIABLES",
     "LEVELS",
@@ -76,6 +75,7 @@ __all__ = [
     "SPREAD",
     "STATE",
     "THERMOSPHERE",
+    "TRUTH_GROUPS",
     "WHOLE",
     "Column",
     "Schema",

@@ -21,7 +21,7 @@ from opml.tables.columns import (
     text,
 )
 
-FLIGHTS = "flights"
+TRUTH_GROUPS = "truth_groups"
 """The tables of which truths one job made."""
 
 POSITION_COVARIANCES = [f"cov_{a}_{b}" for a, b in (*("xx", "yx", "yy"), *("zx", "zy", "zz"))]
@@ -96,7 +96,7 @@ def mechanism_schema(resonances: Sequence[tuple[int, int]]) -> Schema:
 
 CATALOG_SCHEMAS = (
     Schema("truth", "an epoch of the tracking grid", (T, *state("GCRF", "true state"))),
-    Schema(FLIGHTS, "an RSO of those whose truths one job made", (text("rso", "name"),)),
+    Schema(TRUTH_GROUPS, "an RSO of those whose truths one job made", (text("rso", "name"),)),
     Schema(
         "tracking",
         f"a measurement by one station{NO_TRUTH}",

@@ -45,7 +45,7 @@ class Repredicted:
 
     def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
         """An empty table, and metadata of JSON-able values."""
-        return pd.DataFrame(), {"kind": "repredict", "variables": list(self.variables)}
+        return pd.DataFrame(), {"kind": "repredicted", "variables": list(self.variables)}
 
     @classmethod
     def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
@@ -72,7 +72,7 @@ class DurationMean:
     def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
         """One row per bin, and metadata of JSON-able values."""
         table = pd.DataFrame({"duration": self.duration, "mean": self.mean})
-        return table, {"kind": "duration_mean", "variables": list(self.variables)}
+        return table, {"kind": "durationmean", "variables": list(self.variables)}
 
     @classmethod
     def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
@@ -146,7 +146,7 @@ NONE = Learner(
 )
 
 REPREDICT = Learner(
-    kind="repredict",
+    kind="repredicted",
     description="predicted again with the running mean of Cd",
     settings={},
     table=_NOTHING,
@@ -157,7 +157,7 @@ REPREDICT = Learner(
 )
 
 DURATION_MEAN = Learner(
-    kind="duration_mean",
+    kind="durationmean",
     description="mean error by duration (Rivera & Bai 2016)",
     settings={"bin_hours": POSITIVE},
     table=table_of(

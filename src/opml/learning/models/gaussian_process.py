@@ -58,7 +58,7 @@ class GaussianProcessModel:
         table = pd.DataFrame(self.vectors, columns=list(self.variables))
         table.insert(0, "weight", self.weight)
         metadata = {
-            "kind": "gaussian_process",
+            "kind": "gaussian",
             "variables": list(self.variables),
             "x_mean": self.x_mean.tolist(),
             "x_scale": self.x_scale.tolist(),
@@ -128,7 +128,7 @@ def _machine() -> "GaussianProcessRegressor":
 
 
 LEARNER = Learner(
-    kind="gaussian_process",
+    kind="gaussian",
     description="Gaussian process",
     settings={**CHOICE, "rows": COUNT},
     table=vector_table("a row learned from", real("weight", "1", "weight of the row's kernel")),

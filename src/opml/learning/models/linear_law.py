@@ -2,7 +2,7 @@
 
 A prediction errs because its estimate of Cd does: to first order by V (Cd - c), with V the change of the
 prediction per unit of Cd and c the one number that an orbit prediction needs from Cd's many estimates. So
-the law has no intercept and very few terms, and its coefficients can be read; docs/generalisation.md.
+the law has no intercept and very few terms, and its coefficients can be read; docs/beyond.md.
 """
 
 from collections.abc import Sequence
@@ -42,7 +42,7 @@ class MechanismModel:
     def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
         """One row per term, and metadata of JSON-able values."""
         table = pd.DataFrame({"term": list(self.terms), "coefficient": self.coefficient})
-        return table, {"kind": "mechanism", "variables": list(self.variables)}
+        return table, {"kind": "linear_law", "variables": list(self.variables)}
 
     @classmethod
     def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
@@ -114,7 +114,7 @@ def least_absolute_deviations(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 LEARNER = Learner(
-    kind="mechanism",
+    kind="linear_law",
     description="robust linear law",
     optional=frozenset(ARC),
     settings={

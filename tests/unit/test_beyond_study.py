@@ -11,15 +11,15 @@ from opml.figures import beyond as figures
 from opml.learning.models import baselines, learners
 from opml.report import beyond as report
 from opml.report import document
-from opml.study.beyond import Honest
+from opml.study.beyond import Beyond
 from opml.study.paper import Paper
 
 
-def honest_of(values):
-    return Honest(Paper(study_of(values)))
+def beyond_of(values):
+    return Beyond(Paper(study_of(values)))
 
 
-PAPER = honest_of(paper_values())
+PAPER = beyond_of(paper_values())
 ENTRY = PAPER.entry
 
 
@@ -51,7 +51,7 @@ def test_every_model_meets_every_split():
 
 
 def test_the_rso_left_out_is_no_part_of_what_it_is_tested_after(values):
-    one = honest_of(values).left_out["altitudes", "svr", "iss_a+50"]
+    one = beyond_of(values).left_out["altitudes", "svr", "iss_a+50"]
     assert one.rso == "altitudes-without-iss_a+50"
     assert one.target == "iss_a+50"
 
@@ -79,7 +79,7 @@ def test_the_papers_transfers():
 
 
 def test_document_tells_every_model_split_and_interval(values):
-    honest = honest_of(values)
+    beyond = beyond_of(values)
     coverage = [
         {name: part for name, part in one.names().items() if name not in ("window", "reading")}
         | {
@@ -90,11 +90,11 @@ def test_document_tells_every_model_split_and_interval(values):
             "half_width_last_day": 3000.0,
             "error_last_day": 20000.0,
         }
-        for one in honest.intervals.values()
+        for one in beyond.intervals.values()
     ]
     blocks = report.document(
-        honest.generalisation,
-        metrics(honest.every),
+        beyond.report,
+        metrics(beyond.every),
         pd.DataFrame(coverage),
         {"eglin": 5.0, "eglin-clear-kaena": 6.5},
     )
@@ -114,10 +114,10 @@ def test_a_kind_of_learner_that_was_added_is_described(values, monkeypatch):
     oracle = replace(baselines.NONE, kind="oracle", description="what the truth says")
     monkeypatch.setattr(learners, "LEARNERS", (*learners.LEARNERS, oracle))
     values["learners"]["seer"] = {"kind": "oracle"}
-    values["study"]["generalisation"]["learners"] = ["none", "seer"]
-    honest = honest_of(values)
+    values["study"]["beyond"]["learners"] = ["none", "seer"]
+    beyond = beyond_of(values)
     floors = dict.fromkeys(ENTRY["station_sets"], 5.0)
-    blocks = report.document(honest.generalisation, metrics(honest.every), pd.DataFrame(), floors)
+    blocks = report.document(beyond.report, metrics(beyond.every), pd.DataFrame(), floors)
     assert "| `seer` | what the truth says | - |" in document.markdown(blocks)
 
 
@@ -140,9 +140,9 @@ def test_figure_of_splits_shows_every_model_and_the_paper():
 
 
 def test_figure_of_transfers_has_a_panel_a_curve(values):
-    honest = honest_of(values)
-    curves = {name: curve.targets for name, curve in honest.paper.curves.items()}
-    table = metrics(dict.fromkeys(honest.transfers.values()))
+    beyond = beyond_of(values)
+    curves = {name: curve.targets for name, curve in beyond.paper.curves.items()}
+    table = metrics(dict.fromkeys(beyond.transfers.values()))
     figure = figures.transfers(table, curves, published={"iss_i50": 40.2}, component="e_y")
     assert len(figure.axes) == 2
     assert "inclination" in figure.axes[0].get_xlabel()

@@ -3,7 +3,7 @@
 from opml.learning.data import dataset, splits
 from opml.learning.judge import metrics
 from opml.report import beyond, document
-from opml.study.beyond import Honest
+from opml.study.beyond import Beyond
 from opml.study.experiments import read_study
 from opml.study.paper import Paper
 from opml.tables import read_tables
@@ -11,17 +11,17 @@ from opml.workflow.jobs import job
 
 with job(snakemake):
     files, output = snakemake.input, snakemake.output
-    honest = Honest(Paper(read_study(snakemake.params.settings)))
-    study, test = honest.study, honest.entry["budget"]["split"][1]
+    beyond = Beyond(Paper(read_study(snakemake.params.settings)))
+    study, test = beyond.study, beyond.entry["budget"]["split"][1]
     floors = {}
     for stations, path, oracle in zip(
-        honest.entry["station_sets"], files.datasets, files.oracles, strict=True
+        beyond.entry["station_sets"], files.datasets, files.oracles, strict=True
     ):
         table = dataset.read(path, [oracle])
         rows = splits.test_rows(table, test, span_days=study.span_days, trained=None)
         floors[stations] = metrics.floor_share(table, rows, component=study.defaults["component"])
     blocks = beyond.document(
-        honest.generalisation,
+        beyond.report,
         read_tables(files.metrics, "metrics"),
         read_tables(files.coverage, "coverage"),
         floors,
