@@ -53,7 +53,7 @@ wheel: $(INSTALLED)
 	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir build/wheel .
 
 crate: $(INSTALLED)
-	$(BIN)/python -m opml.workflow.crate $(if $(CONFIGFILE),--configfile $(CONFIGFILE))
+	$(BIN)/opml pack $(if $(CONFIGFILE),--configfile $(CONFIGFILE))
 
 validate: $(VENV)/.verify
 	@test -n "$(OREKIT_DATA)" || { echo "make validate: expected OREKIT_DATA=<folder with Orekit's data>, got none" >&2; exit 2; }

@@ -1,73 +1,36 @@
-"""The command `opml`: `opml init FOLDER` writes a project that can be run, with a study to begin with."""
+"""The command `opml`: a new project, lines for the sheet of RSOs, the page of tables, a run as an archive."""
 
 import argparse
-import shutil
+import logging
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from importlib.util import find_spec
-from pathlib import Path
 
 from opml import __version__
 from opml.base.errors import InputError
-from opml.base.files import PROJECT, FilePath, replacing
-
-STUDY = "mine.yaml"
-"""The file of the study that a new project begins with: one satellite, two radars, twelve days."""
-
-_STUDY = """\
-# mine.yaml
-results: results/mine
-duration_days: 12
-rsos:
-  mine:
-    {a_km: 6900, e: 0.001, i_deg: 97.5, argp_deg: 0, raan_deg: 120, mean_anomaly_deg: 0,
-     area_to_mass_m2pkg: 0.02, cd: 2.2, cr: 1.25}
-study:
-  rsos: [mine]
-  station_sets: [eglin-kaena]
-  days: {train: [0, 8], test: [8, 12]}
-"""
 
 
-def init(folder: FilePath) -> None:
-    """Write the workflow, its settings and a study into a folder, which is made where there is none.
+@dataclass(frozen=True)
+class Command:
+    """A subcommand: its line in the help, its arguments, and what it prints."""
 
-    Raises InputError where the folder holds a file or folder of such a name; nothing is written then.
-    """
-    folder = Path(folder)
-    parts = sorted(PROJECT.iterdir())
-    for name in (*(part.name for part in parts), STUDY):
-        if (folder / name).exists():
-            raise InputError(f"{folder / name}: expected a folder without a project, got one that has this")
-    for part in parts:
-        _copy(part, folder / part.name)
-    with replacing(folder / STUDY) as temporary:
-        temporary.write_text(_STUDY, encoding="utf-8")
+    name: str
+    help: str
+    add_arguments: Callable[[argparse.ArgumentParser], None]
+    output: Callable[[argparse.Namespace], str]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command; returns its exit code, 1 after one line about what is wrong."""
-    folder = _parser().parse_args(arguments).folder
+    """Run a subcommand; return the exit code, 1 after one line that tells what is wrong."""
+    logging.basicConfig(format="opml: %(message)s")
+    options = _parser().parse_args(arguments)
     try:
-        init(folder)
+        print(options.output(options))
     except (InputError, OSError) as error:
         print(f"opml: {error}", file=sys.stderr)
         return 1
-    print(_next_steps(folder))
     return 0
-
-
-def _copy(part: Path, to: Path) -> None:
-    if part.is_dir():
-        shutil.copytree(part, to, ignore=shutil.ignore_patterns("__pycache__"))
-    else:
-        to.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(part, to)
-
-
-def _next_steps(folder: str) -> str:
-    install = [] if find_spec("snakemake") else ["pip install 'opml-orbits[workflow]'"]
-    return "\n".join([*install, f"cd {folder}", f"snakemake -j2 study --configfile {STUDY}"])
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -75,7 +38,91 @@ def _parser() -> argparse.ArgumentParser:
         prog="opml", description="Orbit prediction improved by machine learning."
     )
     parser.add_argument("--version", action="version", version=f"opml {__version__}")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    begin = commands.add_parser("init", help="write a project that can be run, with a study to begin with")
-    begin.add_argument("folder", help="where to; made where there is none")
+    subparsers = parser.add_subparsers(required=True, metavar="COMMAND")
+    for command in COMMANDS:
+        subparser = subparsers.add_parser(command.name, help=command.help, description=command.help)
+        command.add_arguments(subparser)
+        subparser.set_defaults(output=command.output)
     return parser
+
+
+# The modules behind a command are imported when it runs: some need packages of an extra, some take a second.
+
+
+def _add_init(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("folder", help="the project's folder; made where there is none")
+
+
+def _init(options: argparse.Namespace) -> str:
+    from opml.workflow import new_project
+
+    new_project.write(options.folder)
+    return new_project.next_steps(options.folder)
+
+
+def _add_rso(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("file", help="a TLE, or an OMM in KVN, JSON or XML")
+    parser.add_argument("--name", required=True, help="name in the sheet: lower-case letters and digits")
+    parser.add_argument("--epoch", required=True, help="epoch of the run, UTC: 2016-09-28T12:09:45")
+    parser.add_argument("--area-to-mass", type=float, required=True, help="area over mass [m2/kg]")
+    parser.add_argument("--cd", type=float, required=True, help="drag coefficient")
+    parser.add_argument("--cr", type=float, required=True, help="reflectivity coefficient")
+
+
+def _rso(options: argparse.Namespace) -> str:
+    from opml.interop import mean_elements
+
+    body = {"area_to_mass_m2pkg": options.area_to_mass, "cd": options.cd, "cr": options.cr}
+    return mean_elements.line_of_sheet(options.file, options.name, options.epoch, body)
+
+
+def _add_sheet(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--count", type=int, required=True, help="number of RSOs")
+    parser.add_argument("--seed", type=int, required=True, help="seed of the draw")
+    parser.add_argument("--prefix", default="sky", help="first part of each name (sky)")
+
+
+def _sheet(options: argparse.Namespace) -> str:
+    from opml.orbits import random_sheet
+
+    return random_sheet.sheet(options.prefix, options.count, options.seed).rstrip("\n")
+
+
+def _add_tables(parser: argparse.ArgumentParser) -> None:
+    """Add nothing: the page has no options."""
+
+
+def _tables(_: argparse.Namespace) -> str:
+    from opml import tables
+    from opml.learning.models import learners
+
+    return tables.markdown(learners.schemas())
+
+
+def _add_pack(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--configfile", nargs="*", default=[], help="files of settings that the run had")
+    parser.add_argument(
+        "--config", nargs="*", default=[], metavar="KEY=VALUE", help="settings that the run had beside them"
+    )
+
+
+def _pack(options: argparse.Namespace) -> str:
+    if find_spec("rocrate") is None:
+        raise InputError("pack: expected the package rocrate, got none: pip install 'opml-orbits[crate]'")
+    from opml.workflow import crate
+
+    return str(crate.pack(options.configfile, crate.settings_of(options.config)))
+
+
+COMMANDS = (
+    Command("init", "write a project that can be run, with a study to begin with", _add_init, _init),
+    Command("rso", "print the line of the sheet of RSOs for a file of mean elements", _add_rso, _rso),
+    Command("sheet", "print a sheet of RSOs drawn at random", _add_sheet, _sheet),
+    Command("tables", "print the page that describes every table, column by column", _add_tables, _tables),
+    Command("pack", "pack a finished run into one archive that tells its making", _add_pack, _pack),
+)
+"""The subcommands, in the order of the help."""
+
+
+if __name__ == "__main__":
+    sys.exit(main())

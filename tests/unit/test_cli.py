@@ -6,6 +6,7 @@ import pytest
 from support import REPOSITORY
 
 from opml import __version__, cli
+from opml.orbits.sheets import read_rsos
 
 
 def test_a_new_project_holds_the_workflow_and_the_study_of_the_howto(tmp_path, capsys):
@@ -37,6 +38,33 @@ def test_a_file_in_the_way_is_told_in_one_line(tmp_path, capsys):
     (tmp_path / "file").write_text("")
     assert cli.main(["init", str(tmp_path / "file")]) == 1
     assert re.fullmatch(r"opml: .*file.*\n", capsys.readouterr().err)
+
+
+def test_the_help_names_every_command(capsys):
+    with pytest.raises(SystemExit) as ended:
+        cli.main(["--help"])
+    assert ended.value.code == 0
+    lines = capsys.readouterr().out.splitlines()
+    for command in cli.COMMANDS:
+        assert any(line.split() == [command.name, *command.help.split()] for line in lines)
+
+
+def test_a_sheet_of_random_rsos_is_read_as_one(tmp_path, capsys):
+    assert cli.main(["sheet", "--count", "3", "--seed", "7", "--prefix", "sat"]) == 0
+    (tmp_path / "rsos.tsv").write_text(capsys.readouterr().out)
+    assert list(read_rsos(tmp_path / "rsos.tsv")) == ["sat01", "sat02", "sat03"]
+
+
+def test_the_page_of_tables_is_the_one_in_the_docs(capsys):
+    assert cli.main(["tables"]) == 0
+    assert capsys.readouterr().out == (REPOSITORY / "docs" / "data.md").read_text(encoding="utf-8")
+
+
+def test_a_package_that_is_not_there_is_told_in_one_line(monkeypatch, capsys):
+    monkeypatch.setattr(cli, "find_spec", lambda name: None)
+    assert cli.main(["pack"]) == 1
+    expected = "opml: pack: expected the package rocrate, got none: pip install 'opml-orbits[crate]'\n"
+    assert capsys.readouterr().err == expected
 
 
 def test_one_version_everywhere():

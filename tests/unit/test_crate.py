@@ -13,8 +13,7 @@ pytest.importorskip("rocrate", reason="rocrate is not installed: the extra crate
 
 from rocrate.rocrate import ROCrate
 
-from opml import __version__
-from opml.workflow import crate
+from opml import __version__, cli
 
 REPORT = b"# The study\n"
 
@@ -29,7 +28,7 @@ def archive(tmp_path, monkeypatch):
     folder.mkdir(parents=True)
     (folder / "study.md").write_bytes(REPORT)
     (folder / ".study.tsv.1.tmp").write_bytes(b"")
-    assert crate.main(["--configfile", "mine.yaml"]) == 0
+    assert cli.main(["pack", "--configfile", "mine.yaml"]) == 0
     return tmp_path / "results" / "mine.crate.zip"
 
 
@@ -79,8 +78,8 @@ def test_the_archive_holds_what_it_describes(archive, entities, tmp_path):
 
 
 def test_a_file_that_the_run_was_made_of_must_be_there(archive, capsys):
-    given = ["--configfile", "mine.yaml", "--config", "orbits={iss: flown.oem}", "data=orbits"]
-    assert crate.main(given) == 1
+    given = ["pack", "--configfile", "mine.yaml", "--config", "orbits={iss: flown.oem}", "data=orbits"]
+    assert cli.main(given) == 1
     error = capsys.readouterr().err
     assert error == "opml: orbits/flown.oem: expected a file that the run was made of, got none\n"
 
@@ -88,5 +87,5 @@ def test_a_file_that_the_run_was_made_of_must_be_there(archive, capsys):
 def test_a_run_without_results_is_told_in_one_line(tmp_path, monkeypatch, capsys):
     shutil.copytree(REPOSITORY / "config", tmp_path / "config")
     monkeypatch.chdir(tmp_path)
-    assert crate.main([]) == 1
+    assert cli.main(["pack"]) == 1
     assert capsys.readouterr().err == "opml: results: expected the results of a run, got none\n"

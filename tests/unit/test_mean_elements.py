@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from opml import cli
 from opml.base.errors import InputError
 from opml.catalog.simulate.truth import initial_state
 from opml.interop import mean_elements
@@ -125,7 +126,7 @@ def test_an_rso_starts_where_sgp4_has_it(written):
 
 def test_the_command_adds_a_line_to_the_sheet(written, capsys, tmp_path):
     path = str(written(tle()))
-    assert mean_elements.main([path, *COMMAND, "--epoch", THREE_DAYS_ON]) == 0
+    assert cli.main(["rso", path, *COMMAND, "--epoch", THREE_DAYS_ON]) == 0
     sheet = (Path(__file__).parents[2] / "config" / "rsos.tsv").read_text()
     (tmp_path / "rsos.tsv").write_text(sheet + capsys.readouterr().out)
     found = read_rsos(tmp_path / "rsos.tsv")["mine"]
@@ -134,7 +135,7 @@ def test_the_command_adds_a_line_to_the_sheet(written, capsys, tmp_path):
 
 
 def test_the_command_says_what_is_wrong_in_one_line(written, capsys):
-    assert mean_elements.main([str(written("nothing")), *COMMAND, "--epoch", THREE_DAYS_ON]) == 1
+    assert cli.main(["rso", str(written("nothing")), *COMMAND, "--epoch", THREE_DAYS_ON]) == 1
     assert capsys.readouterr().err.count("\n") == 1
 
 
@@ -150,7 +151,7 @@ def test_the_command_says_what_is_wrong_in_one_line(written, capsys):
 def test_the_command_prints_no_line_that_the_sheet_would_refuse(written, capsys, option, value, expected):
     given = ["--epoch", THREE_DAYS_ON, *COMMAND]
     given[given.index(option) + 1] = value
-    assert mean_elements.main([str(written(tle())), *given]) == 1
+    assert cli.main(["rso", str(written(tle())), *given]) == 1
     told = capsys.readouterr()
     assert told.out == ""
     assert told.err.startswith(f"opml: {expected}")
@@ -162,13 +163,13 @@ def test_the_command_asks_for_epoch_and_body(written, capsys, option):
     given = ["--epoch", THREE_DAYS_ON, *COMMAND]
     del given[given.index(option) : given.index(option) + 2]
     with pytest.raises(SystemExit) as ended:
-        mean_elements.main([str(written(tle())), *given])
+        cli.main(["rso", str(written(tle())), *given])
     assert ended.value.code == 2
     assert option in capsys.readouterr().err
 
 
 def test_the_command_warns_of_old_elements_in_one_line_on_stderr(written):
-    command = [sys.executable, "-m", "opml.interop.mean_elements", str(written(tle())), *COMMAND]
+    command = [sys.executable, "-m", "opml.cli", "rso", str(written(tle())), *COMMAND]
     done = subprocess.run([*command, "--epoch", TEN_DAYS_ON], capture_output=True, text=True, check=True)
     assert done.stderr == (
         "opml: mean elements: SGP4 carries them 10.0 days, from their epoch 2000-06-27T18:50:19.733568 to "
@@ -185,7 +186,7 @@ def test_elements_of_a_few_days_are_flown_without_a_warning(written, caplog, epo
 
 @pytest.mark.parametrize("epoch", [A_MONTH_ON, "2000-05-20T00:00:00"])
 def test_elements_of_another_month_are_refused(written, capsys, epoch):
-    assert mean_elements.main([str(written(tle())), *COMMAND, "--epoch", epoch]) == 1
+    assert cli.main(["rso", str(written(tle())), *COMMAND, "--epoch", epoch]) == 1
     error = capsys.readouterr().err
     assert error.startswith(
         "opml: mean elements: expected an epoch at most 30 days from theirs, "

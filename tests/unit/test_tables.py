@@ -171,4 +171,4 @@ def test_model_schema_follows_the_variables(tmp_path):
 def test_data_page_describes_the_schemas():
     page = Path(__file__).parents[2] / "docs" / "data.md"
     expected = tables.markdown(learners.schemas()) + "\n"
-    assert page.read_text() == expected, "run: python -m opml.learning.models.learners > docs/data.md"
+    assert page.read_text() == expected, "run: opml tables > docs/data.md"

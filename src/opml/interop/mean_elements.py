@@ -1,6 +1,6 @@
 """An RSO from mean elements: a TLE, or an OMM in KVN, JSON or XML, flown by SGP4.
 
-    python -m opml.interop.mean_elements iss.tle --name mine --epoch 2016-09-28T12:09:45 \\
+    opml rso iss.tle --name mine --epoch 2016-09-28T12:09:45 \\
         --area-to-mass 0.05 --cd 2.2 --cr 1.25 >> config/rsos.tsv
 
 adds one to the sheet. SGP4's states are in TEME, which turns with the mean equinox; the rotation to GCRF is
@@ -10,12 +10,10 @@ Source: Vallado, Crawford, Hujsak & Kelso 2006, Revisiting Spacetrack Report #3 
 IERS Conventions 2010, section 5.4; CCSDS 502.0-B-2, section 4 (OMM).
 """
 
-import argparse
 import json
 import logging
 import math
 import re
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
@@ -302,39 +300,23 @@ def _is_whole(text: str) -> bool:
         return False
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Print the line of the sheet of RSOs for a file of mean elements; returns the process's exit status."""
-    logging.basicConfig(format="opml: %(message)s")
-    given = _parser().parse_args(arguments)
-    body_of_sheet = {"area_to_mass_m2pkg": given.area_to_mass, "cd": given.cd, "cr": given.cr}
-    try:
-        sheets.check_body(given.name, body_of_sheet)
-        satellite = read(given.file)
-        body = rso(
-            satellite,
-            name=given.name,
-            epoch=given.epoch,
-            area_to_mass=given.area_to_mass,
-            cd=given.cd,
-            cr=given.cr,
+def line_of_sheet(path: FilePath, name: str, epoch: str, body: Mapping[str, float]) -> str:
+    """Return the line of the sheet of RSOs for a file of mean elements.
+
+    name: in the sheet
+    epoch: of the run, UTC text
+    body: area_to_mass_m2pkg [m2/kg], cd, cr
+
+    Raises InputError as `read` and `rso` do, and for a name or a body that the sheet would refuse.
+    """
+    sheets.check_body(name, body)
+    return sheet_row(
+        rso(
+            read(path),
+            name=name,
+            epoch=epoch,
+            area_to_mass=body["area_to_mass_m2pkg"],
+            cd=body["cd"],
+            cr=body["cr"],
         )
-    except InputError as error:
-        print(f"opml: {error}", file=sys.stderr)
-        return 1
-    print(sheet_row(body))
-    return 0
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="python -m opml.interop.mean_elements", description=main.__doc__)
-    parser.add_argument("file", help="a TLE, or an OMM in KVN, JSON or XML")
-    parser.add_argument("--name", required=True, help="in the sheet: lower-case letters and digits")
-    parser.add_argument("--epoch", required=True, help="of the run, UTC text")
-    parser.add_argument("--area-to-mass", type=float, required=True, help="[m2/kg]")
-    parser.add_argument("--cd", type=float, required=True, help="drag coefficient")
-    parser.add_argument("--cr", type=float, required=True, help="reflectivity")
-    return parser
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+    )

@@ -1,6 +1,4 @@
-"""RSOs drawn at random, as lines of a sheet: ``python -m opml.orbits.random_sheet --count 12 --seed 7``."""
-
-import argparse
+"""RSOs drawn at random, as lines of a sheet: ``opml sheet --count 12 --seed 7``."""
 
 import numpy as np
 
@@ -48,17 +46,3 @@ def sheet(prefix: str, count: int, seed: int) -> str:
     """A sheet of `count` RSOs, whose names are `prefix` and a number from 01 on."""
     lines = [COLUMNS, *(draw(f"{prefix}{number:02d}", seed) for number in range(1, count + 1))]
     return "".join("\t".join(line) + "\n" for line in lines)
-
-
-def main(arguments: list[str] | None = None) -> None:
-    """Print a sheet."""
-    parser = argparse.ArgumentParser(prog="python -m opml.orbits.random_sheet", description=__doc__)
-    parser.add_argument("--count", type=int, required=True, help="how many")
-    parser.add_argument("--seed", type=int, required=True, help="of the draw")
-    parser.add_argument("--prefix", default="sky", help="of the names")
-    asked = parser.parse_args(arguments)
-    print(sheet(asked.prefix, asked.count, asked.seed), end="")
-
-
-if __name__ == "__main__":
-    main()

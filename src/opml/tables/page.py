@@ -11,7 +11,7 @@ _PREAMBLE = """\
 Every table is a Parquet file, written once by one rule and read by the next. Units are SI, angles are in
 radians. The file keeps each column's unit, frame and meaning (Arrow field metadata), and epoch, time scale,
 seed, settings digest and version (file metadata, as JSON values). This page is written by
-`python -m opml.learning.models.learners > docs/data.md`."""
+`opml tables > docs/data.md`."""
 
 
 def markdown(models: Iterable[Schema]) -> str:

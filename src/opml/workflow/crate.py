@@ -1,13 +1,11 @@
 """A finished run as one archive that tells its making: RO-Crate, profile Workflow Run Crate 0.5.
 
-    python -m opml.workflow.crate --configfile mine.yaml [--config KEY=VALUE ...]
+    opml pack --configfile mine.yaml [--config KEY=VALUE ...]
 
 Source: https://w3id.org/ro/wfrun/workflow/0.5, by the library rocrate (the extra `crate`).
 """
 
-import argparse
 import hashlib
-import sys
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from importlib import resources
@@ -68,21 +66,9 @@ def pack(configfiles: Sequence[FilePath], config: Mapping[str, Any] | None = Non
     return archive
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command; returns its exit code, 1 after one line about what is wrong."""
-    parser = argparse.ArgumentParser(prog="python -m opml.workflow.crate", description="Pack a finished run.")
-    parser.add_argument("--configfile", nargs="*", default=[], help="the files that the run was given")
-    parser.add_argument(
-        "--config", nargs="*", default=[], metavar="KEY=VALUE", help="settings beside the files"
-    )
-    given = parser.parse_args(arguments)
-    pairs = [setting.partition("=")[::2] for setting in given.config]
-    try:
-        print(pack(given.configfile, {key: yaml.safe_load(value) for key, value in pairs}))
-    except InputError as error:
-        print(f"opml: {error}", file=sys.stderr)
-        return 1
-    return 0
+def settings_of(pairs: Sequence[str]) -> dict[str, Any]:
+    """Return settings that a command line gave as KEY=VALUE."""
+    return {key: yaml.safe_load(value) for key, _, value in (pair.partition("=") for pair in pairs)}
 
 
 def _described(results: Path, products: Sequence[Path]) -> Any:
@@ -191,7 +177,3 @@ def _time(paths: Sequence[Path], which: Any) -> str:
     return datetime.fromtimestamp(which(path.stat().st_mtime for path in paths), UTC).isoformat(
         "T", "seconds"
     )
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,7 +1,7 @@
 """The learners by `kind`, and all that is done with one whatever its kind.
 
 A kind is declared by a `Learner` in its own module and named in `LEARNERS`; docs/howto.md shows how.
-``python -m opml.learning.models.learners`` prints docs/data.md.
+`opml tables` prints docs/data.md.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -31,7 +31,6 @@ from opml.tables import (
     LEARNING_VARIABLES,
     SCHEMAS,
     Schema,
-    markdown,
     mechanism_schema,
     read_metadata,
     read_table,
@@ -227,7 +226,3 @@ def _by_kind() -> dict[str, Learner]:
 
 
 _STACKED = stacked.learner(by_kind)
-
-
-if __name__ == "__main__":
-    print(markdown(schemas()))

@@ -1,0 +1,55 @@
+"""A new project: the workflow, its settings and a first study, written into a folder."""
+
+import shutil
+from importlib.util import find_spec
+from pathlib import Path
+
+from opml.base.errors import InputError
+from opml.base.files import PROJECT, FilePath, replacing
+
+STUDY = "mine.yaml"
+"""The file of the study that a new project begins with: one satellite, two radars, twelve days."""
+
+_STUDY = """\
+# mine.yaml
+results: results/mine
+duration_days: 12
+rsos:
+  mine:
+    {a_km: 6900, e: 0.001, i_deg: 97.5, argp_deg: 0, raan_deg: 120, mean_anomaly_deg: 0,
+     area_to_mass_m2pkg: 0.02, cd: 2.2, cr: 1.25}
+study:
+  rsos: [mine]
+  station_sets: [eglin-kaena]
+  days: {train: [0, 8], test: [8, 12]}
+"""
+
+
+def write(folder: FilePath) -> None:
+    """Write the workflow, its settings and a study into a folder, which is made where there is none.
+
+    Raises InputError where the folder holds a file or folder of such a name; nothing is written then.
+    """
+    folder = Path(folder)
+    parts = sorted(PROJECT.iterdir())
+    for name in (*(part.name for part in parts), STUDY):
+        if (folder / name).exists():
+            raise InputError(f"{folder / name}: expected a folder without a project, got one that has this")
+    for part in parts:
+        _copy(part, folder / part.name)
+    with replacing(folder / STUDY) as temporary:
+        temporary.write_text(_STUDY, encoding="utf-8")
+
+
+def next_steps(folder: str) -> str:
+    """Return the commands that run the study of a new project."""
+    install = [] if find_spec("snakemake") else ["pip install 'opml-orbits[workflow]'"]
+    return "\n".join([*install, f"cd {folder}", f"snakemake -j2 study --configfile {STUDY}"])
+
+
+def _copy(part: Path, to: Path) -> None:
+    if part.is_dir():
+        shutil.copytree(part, to, ignore=shutil.ignore_patterns("__pycache__"))
+    else:
+        to.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(part, to)
