@@ -4,6 +4,7 @@ import os
 import re
 import shlex
 import subprocess
+import sys
 from pathlib import Path
 
 from project import ROOT, Project, command
@@ -38,7 +39,7 @@ class Reader:
     def __init__(self, folder: Path):
         self.folder = folder
         Project(folder)
-        programs = {"snakemake": command(), "python": command()[:1]}
+        programs = {"snakemake": command(), "opml": [sys.executable, "-m", "opml.cli"]}
         for name, words in programs.items():
             path = folder / ".venv" / "bin" / name
             path.parent.mkdir(parents=True, exist_ok=True)
