@@ -2,10 +2,12 @@
 
 import json
 import os
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from opml.base.constants import BODIES, DAY
@@ -13,7 +15,7 @@ from opml.catalog.fit.estimation import Estimation
 from opml.dynamics import forces
 from opml.dynamics.kernels.lanes import WIDTH
 from opml.environment import celestial_bodies, earth_orientation, gravity_field, nodes, solar_activity
-from opml.orbits.sheets import read_rsos, read_stations
+from opml.orbits.sheets import Station, read_rsos, read_stations
 from opml.study.experiments import Study
 from opml.study.settings.merging import merged, with_sheets
 from opml.study.settings.overlay import Source
@@ -28,6 +30,28 @@ ESTIMATION = Estimation(
     start_velocity_sigma_mps=1.0,
     least_drag_m=0.1,
 )
+BOUNDED_ESTIMATION = replace(ESTIMATION, cd_bounds=(1.2, 3.2))
+"""Settings of fits that take an estimate of an absurd drag coefficient for no start."""
+
+EARTH = pd.DataFrame(
+    {"t": np.arange(-2, 4) * DAY}
+    | dict.fromkeys(["x_cip", "y_cip", "s_cio", "x_pole", "y_pole", "era_offset"], 0.0)
+)
+"""An Earth orientation table without precession, polar motion and corrections."""
+
+RADAR = Station(
+    name="radar",
+    latitude=0.0,
+    longitude=np.radians(170.0),
+    altitude=0.0,
+    max_range=1e9,
+    min_elevation=0.0,
+    max_elevation=np.pi / 2,
+    sigma_range=1.0,
+    sigma_azimuth=1e-3,
+    sigma_elevation=1e-3,
+)
+"""A station on the equator that sees everything above its horizon."""
 
 REPOSITORY = Path(__file__).parents[1]
 EXCERPTS = REPOSITORY / "tests" / "reference"

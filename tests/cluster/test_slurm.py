@@ -9,9 +9,9 @@ import shutil
 import subprocess
 
 import pytest
+from project import ROOT, command
 
 from tests.cluster.slurm import Slurm, missing
-from tests.workflow.project import ROOT, command
 
 PLUGIN = "snakemake_executor_plugin_slurm"
 

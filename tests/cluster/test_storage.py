@@ -8,8 +8,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-
-from tests.workflow.project import ROOT, Project
+from project import ROOT, Project
 
 PLUGIN = "snakemake_storage_plugin_fs"
 METRICS = "results/ci/metrics/iss/eglin/random-80/svr/e_y/iss/rest.parquet"

@@ -13,10 +13,10 @@ import numpy as np
 import psutil
 import pyarrow.parquet as pq
 import pytest
+from project import ROOT, command
 
 from opml.base.errors import InputError
 from opml.tables import read_metadata
-from tests.workflow.project import ROOT, command
 
 TARGETS = ["results/ci/figs/partition_curve.pdf", "results/ci/figs/error_distribution_position.pdf"]
 COMMAND = command("-j2", "--configfile=config/ci.yaml", *TARGETS)

@@ -11,13 +11,12 @@ from types import SimpleNamespace
 
 import pandas as pd
 import pytest
-from support import paper_values
+from support import REPOSITORY, paper_values
 
 import opml
 from opml import api
 from opml.tables import LEARNING_VARIABLES
 
-ROOT = Path(__file__).parents[2]
 SETTINGS = paper_values()
 STUDY = SETTINGS["study"]
 FUNCTIONS = [
@@ -30,7 +29,7 @@ FUNCTIONS = [
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """A folder with the project's sheets, where examples may write."""
-    shutil.copytree(ROOT / "config", tmp_path / "config")
+    shutil.copytree(REPOSITORY / "config", tmp_path / "config")
     monkeypatch.chdir(tmp_path)
 
 
@@ -47,7 +46,7 @@ def test_each_function_has_an_example_that_holds():
 
 @pytest.mark.usefixtures("folder")
 def test_the_documented_chain_runs():
-    text = (ROOT / "docs" / "library.md").read_text(encoding="utf-8")
+    text = (REPOSITORY / "docs" / "library.md").read_text(encoding="utf-8")
     chain = re.search(r"```python\n(.*?)```", text, re.DOTALL)[1]
     names = {}
     exec(chain, names)
@@ -55,7 +54,7 @@ def test_the_documented_chain_runs():
 
 
 def test_the_documentation_lists_each_function():
-    text = (ROOT / "docs" / "library.md").read_text(encoding="utf-8")
+    text = (REPOSITORY / "docs" / "library.md").read_text(encoding="utf-8")
     assert re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE) == FUNCTIONS
 
 

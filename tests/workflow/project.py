@@ -2,10 +2,12 @@
 
 import multiprocessing
 import os
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
+from collections import Counter
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -64,6 +66,15 @@ def started(arguments: list[str], *, cwd: Path, env: dict[str, str], timeout: fl
         timeout=timeout,
     )
     return done.returncode, done.stdout
+
+
+def jobs(output):
+    """Rule -> number of jobs, from Snakemake's table; each flight of truths is a rule, numbered."""
+    table = output.split("Job stats:")[1].split("total")[0]
+    found = Counter()
+    for name, count in re.findall(r"^(\w+?)(?:_\d+)? +(\d+)$", table, re.MULTILINE):
+        found[name] += int(count)
+    return dict(found)
 
 
 class Project:

@@ -4,8 +4,7 @@ import os
 import sys
 
 import pytest
-from project import ROOT, forked, started
-from test_plan import jobs
+from project import ROOT, forked, jobs, started
 
 AROUND = f"""
 configfile: "orbits.yaml"

@@ -5,23 +5,13 @@ import shutil
 import subprocess
 import sys
 import tomllib
-from collections import Counter
 
 import pytest
-from project import ROOT
+from project import ROOT, jobs
 
 ONCE = ["earth_orientation", "ephemerides", "gravity_field", "solar_activity"]
 CHAIN = ["truths", "tracking", "estimation", "prediction", "dataset"]
 LABELLED = ["labels", "labelled_dataset"]
-
-
-def jobs(output):
-    """Rule -> number of jobs, from Snakemake's table; each flight of truths is a rule, numbered."""
-    table = output.split("Job stats:")[1].split("total")[0]
-    found = Counter()
-    for name, count in re.findall(r"^(\w+?)(?:_\d+)? +(\d+)$", table, re.MULTILINE):
-        found[name] += int(count)
-    return dict(found)
 
 
 DRAWN_ONCE = [

@@ -44,7 +44,7 @@ READERS = {
     },
 }
 # The module that draws errors states P_ML; it draws the dataset's errors too.
-USES = {"learning/metrics.py": {"error_distribution"}}
+USES = {"learning/judge/metrics.py": {"error_distribution"}}
 EVALUATIONS = (
     "svr_training_1station",
     "svr_testing_1station",
@@ -189,10 +189,10 @@ def test_a_table_made_alone_has_the_bytes_of_one_made_among_others(project, tabl
         ("environment/gravity_field.py", "gravity_field"),
         ("environment/solar_activity.py", "solar_activity"),
         ("data/msafe.tsv", "solar_activity"),
-        ("dynamics/drag.py", "truths"),
-        ("catalog/prediction.py", "prediction"),
-        ("learning/cleaning.py", "dataset"),
-        ("learning/metrics.py", "evaluate"),
+        ("dynamics/kernels/drag.py", "truths"),
+        ("catalog/predict/prediction.py", "prediction"),
+        ("learning/data/cleaning.py", "dataset"),
+        ("learning/judge/metrics.py", "evaluate"),
         ("report/reproduction.py", "reproduction"),
     ],
 )

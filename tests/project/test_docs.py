@@ -5,27 +5,26 @@ import re
 import subprocess
 import sys
 import tomllib
-from pathlib import Path
 
 import pytest
+from support import REPOSITORY
 
 import opml
 from opml.environment import solar_activity
 from opml.study.settings.schema import read_schema
 
-ROOT = Path(__file__).parents[2]
 LINK = re.compile(r"\]\((?!\w+:|#)([^)\s#]+)")
 PAGES = [
-    ROOT / "README.md",
-    ROOT / "CHANGELOG.md",
-    ROOT / "CONTRIBUTING.md",
-    ROOT / "config" / "README.md",
-    ROOT / "src" / "opml" / "data" / "README.md",
-    *(ROOT / "docs").glob("*.md"),
+    REPOSITORY / "README.md",
+    REPOSITORY / "CHANGELOG.md",
+    REPOSITORY / "CONTRIBUTING.md",
+    REPOSITORY / "config" / "README.md",
+    REPOSITORY / "src" / "opml" / "data" / "README.md",
+    *(REPOSITORY / "docs").glob("*.md"),
 ]
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(REPOSITORY).as_posix())
 def test_links_between_files_lead_somewhere(page):
     text = page.read_text(encoding="utf-8")
     assert [link for link in LINK.findall(text) if not (page.parent / link).exists()] == []
@@ -38,13 +37,17 @@ def site(tmp_path_factory):
         pytest.skip("Sphinx is not installed: make docs")
     folder = tmp_path_factory.mktemp("site")
     command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-d", str(folder / "doctrees")]
-    done = subprocess.run([*command, "docs", str(folder / "html")], cwd=ROOT, capture_output=True, text=True)
+    done = subprocess.run(
+        [*command, "docs", str(folder / "html")], cwd=REPOSITORY, capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stderr
     return folder / "html"
 
 
 def test_every_page_is_in_the_site(site):
-    assert {page.stem for page in site.glob("*.html")} >= {page.stem for page in (ROOT / "docs").glob("*.md")}
+    assert {page.stem for page in site.glob("*.html")} >= {
+        page.stem for page in (REPOSITORY / "docs").glob("*.md")
+    }
 
 
 def test_what_the_readme_links_to_is_a_page(site):
@@ -72,8 +75,8 @@ def test_the_reference_tells_every_function_of_the_library(site):
     assert [name for name in opml.__all__ if not re.search(rf'id="opml\.(api\.)?{name}"', text)] == []
 
 
-SETTINGS = (ROOT / "config" / "README.md").read_text(encoding="utf-8")
-SCHEMA = read_schema(ROOT / "workflow" / "schemas" / "config.schema.yaml")
+SETTINGS = (REPOSITORY / "config" / "README.md").read_text(encoding="utf-8")
+SCHEMA = read_schema(REPOSITORY / "workflow" / "schemas" / "config.schema.yaml")
 ANY = "<>"
 
 
@@ -122,7 +125,7 @@ def test_every_setting_of_the_schema_stands_in_a_table():
 
 @pytest.mark.parametrize("sheet", ["stations", "rsos"])
 def test_every_column_of_a_sheet_is_told(sheet):
-    lines = (ROOT / "config" / f"{sheet}.tsv").read_text(encoding="utf-8").splitlines()
+    lines = (REPOSITORY / "config" / f"{sheet}.tsv").read_text(encoding="utf-8").splitlines()
     columns = next(line for line in lines if not line.startswith("#")).split("\t")
     told = re.search(rf"^\* `{sheet}.tsv`.*?\.$", SETTINGS, re.MULTILINE | re.DOTALL)[0]
     assert set(columns) <= set(re.findall(r"`(\w+)`", told))
@@ -136,9 +139,9 @@ def test_the_packaged_activity_reaches_as_far_as_told(name):
 
 def test_every_folder_of_results_is_told():
     rules = "\n".join(
-        path.read_text(encoding="utf-8") for path in (ROOT / "workflow" / "rules").glob("*.smk")
+        path.read_text(encoding="utf-8") for path in (REPOSITORY / "workflow" / "rules").glob("*.smk")
     )
-    page = (ROOT / "docs" / "wildcards.md").read_text(encoding="utf-8")
+    page = (REPOSITORY / "docs" / "wildcards.md").read_text(encoding="utf-8")
     folders = set(re.findall(r"\{RESULTS\}/([a-z]+)/", rules)) | set(
         re.findall(r'documents\(\s*"([a-z]+)', rules)
     )
@@ -146,10 +149,10 @@ def test_every_folder_of_results_is_told():
 
 
 def test_the_floors_are_those_of_the_import_contract():
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text(encoding="utf-8"))
     contract = project["tool"]["importlinter"]["contracts"][0]
     floors = [set(re.findall(r"opml\.\w+", layer)) for layer in contract["layers"]]
-    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    page = (REPOSITORY / "docs" / "architecture.md").read_text(encoding="utf-8")
     drawing = re.search(r"^## Floors$.*?```text\n(.*?)```", page, re.MULTILINE | re.DOTALL)[1]
     assert [
         set(re.findall(r"opml\.\w+", floor)) for floor in re.split(r"^ -+$", drawing, flags=re.M)
@@ -157,7 +160,7 @@ def test_the_floors_are_those_of_the_import_contract():
 
 
 def test_what_the_architecture_names_is_there():
-    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    page = (REPOSITORY / "docs" / "architecture.md").read_text(encoding="utf-8")
     for name in sorted(set(re.findall(r"`(opml\.[\w.]+)`", page))):
         module, _, last = name.rpartition(".")
         try:
@@ -166,7 +169,7 @@ def test_what_the_architecture_names_is_there():
             assert hasattr(importlib.import_module(module), last), name
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(REPOSITORY).as_posix())
 def test_lines_have_one_width(page):
     lines = page.read_text(encoding="utf-8").splitlines()
     assert [line for line in lines if len(line) > 110 and not line.startswith("|")] == []

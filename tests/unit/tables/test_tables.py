@@ -8,6 +8,7 @@ import pyarrow.parquet as pq
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support import REPOSITORY
 
 from opml import tables
 from opml.base.errors import InputError
@@ -169,6 +170,6 @@ def test_model_schema_follows_the_variables(tmp_path):
 
 
 def test_data_page_describes_the_schemas():
-    page = Path(__file__).parents[2] / "docs" / "data.md"
+    page = REPOSITORY / "docs" / "data.md"
     expected = tables.markdown(learners.schemas()) + "\n"
     assert page.read_text() == expected, "run: opml tables > docs/data.md"

@@ -10,11 +10,11 @@ import sys
 import numpy as np
 import pandas as pd
 import pytest
+from support import EARTH, RADAR
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.figures import explore
-from tests.unit.test_figures_ground import EARTH, RADAR
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 ESTIMATES, LATER = 5, 12

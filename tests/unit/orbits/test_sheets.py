@@ -2,14 +2,14 @@
 
 import math
 import re
-from pathlib import Path
 
 import pytest
+from support import REPOSITORY
 
 from opml.base.errors import InputError
 from opml.orbits.sheets import read_rsos, read_stations
 
-CONFIG = Path(__file__).parents[2] / "config"
+CONFIG = REPOSITORY / "config"
 STATIONS, RSOS = read_stations(CONFIG / "stations.tsv"), read_rsos(CONFIG / "rsos.tsv")
 
 

@@ -3,10 +3,10 @@
 import json
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from support import REPOSITORY
 
 from opml import cli
 from opml.base.errors import InputError
@@ -127,7 +127,7 @@ def test_an_rso_starts_where_sgp4_has_it(written):
 def test_the_command_adds_a_line_to_the_sheet(written, capsys, tmp_path):
     path = str(written(tle()))
     assert cli.main(["rso", path, *COMMAND, "--epoch", THREE_DAYS_ON]) == 0
-    sheet = (Path(__file__).parents[2] / "config" / "rsos.tsv").read_text()
+    sheet = (REPOSITORY / "config" / "rsos.tsv").read_text()
     (tmp_path / "rsos.tsv").write_text(sheet + capsys.readouterr().out)
     found = read_rsos(tmp_path / "rsos.tsv")["mine"]
     expected = mean_elements.state(mean_elements.read(path), epoch=THREE_DAYS_ON)

@@ -2,15 +2,14 @@
 
 import importlib
 import re
-from pathlib import Path
 
 import pytest
+from support import REPOSITORY
 
 from opml.base import constants
 from opml.base.yaml_files import read_yaml
 
-ROOT = Path(__file__).parents[2]
-TEXT = (ROOT / "docs" / "physics.md").read_text(encoding="utf-8")
+TEXT = (REPOSITORY / "docs" / "physics.md").read_text(encoding="utf-8")
 NAMES = sorted(set(re.findall(r"`(opml\.[\w.]+)`", TEXT)))
 SHORT = sorted(set(re.findall(r"`(\w+)`", TEXT.split("## Gravity")[0])) - {"ForceModel"})
 
@@ -25,13 +24,13 @@ def test_each_module_and_function_that_is_named_is_there(name):
 
 
 def test_every_module_of_the_dynamics_is_named():
-    found = {path.stem for path in (ROOT / "src/opml/dynamics").rglob("*.py")}
+    found = {path.stem for path in (REPOSITORY / "src/opml/dynamics").rglob("*.py")}
     named = {name.rpartition(".")[2] for name in NAMES} | set(SHORT)
     assert found - {"__init__", "force_model", "lanes"} <= named
 
 
 def test_its_numbers_are_those_of_the_settings_and_the_constants():
-    settings = read_yaml(ROOT / "config" / "config.yaml")
+    settings = read_yaml(REPOSITORY / "config" / "config.yaml")
     integrator, estimation = settings["integrator"], settings["estimation"]
     for model in ("truth", "assumed"):
         assert f"{settings['force_models'][model]['degree']}x" in TEXT

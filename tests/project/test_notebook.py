@@ -3,13 +3,13 @@
 import contextlib
 import io
 import re
-from pathlib import Path
 
 import jupytext
 import matplotlib
 import pytest
+from support import REPOSITORY
 
-PAGE = Path(__file__).parents[2] / "docs" / "notebook.md"
+PAGE = REPOSITORY / "docs" / "notebook.md"
 TEXT = PAGE.read_text(encoding="utf-8")
 CELLS = re.findall(r"^```python\n(.*?)^```\n(?:\n```text\n(.*?)^```\n)?", TEXT, re.MULTILINE | re.DOTALL)
 

@@ -1,11 +1,9 @@
 """Solar activity against Orekit's, and bulletins that cannot be used."""
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 import pytest
-from support import shared
+from support import EXCERPTS, shared
 
 from opml.base import epochs
 from opml.base.constants import DAY
@@ -13,7 +11,7 @@ from opml.base.errors import InputError
 from opml.environment import nodes, solar_activity
 
 EPOCH = "2016-09-28T12:09:45"
-REFERENCE = Path(__file__).parents[1] / "reference" / "solar_activity.csv"
+REFERENCE = EXCERPTS / "solar_activity.csv"
 BULLETIN = """  TABLE 3 ESTIMATES OF 13-MONTH SMOOTH SOLAR ACTIVITY FOR
   BALANCE OF CYCLE 24 WITH A MEAN CYCLE GIVEN FOR CYCLE 25
 

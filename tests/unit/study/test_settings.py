@@ -1,9 +1,7 @@
 """Settings: the paper's are valid, and each wrong one is told in one line with its file and key."""
 
-from pathlib import Path
-
 import pytest
-from support import EXCERPTS, paper_source, setting_keys
+from support import EXCERPTS, REPOSITORY, paper_source, setting_keys
 
 from opml import naming, tables
 from opml.base.constants import BODIES
@@ -15,14 +13,13 @@ from opml.study.settings.merging import merged, with_sheets
 from opml.study.settings.overlay import COMMAND_LINE, Layer, Source, laid_over, with_numbers
 from opml.study.settings.schema import read_schema
 
-ROOT = Path(__file__).parents[2]
-SCHEMA = ROOT / "workflow" / "schemas" / "config.schema.yaml"
+SCHEMA = REPOSITORY / "workflow" / "schemas" / "config.schema.yaml"
 PAPER = paper_source().values
 
 
 @pytest.fixture(autouse=True)
 def _in_root(monkeypatch):
-    monkeypatch.chdir(ROOT)  # the sheets' paths are relative to it
+    monkeypatch.chdir(REPOSITORY)  # the sheets' paths are relative to it
 
 
 def edited(key, value):

@@ -6,8 +6,7 @@ import subprocess
 import sys
 
 import pytest
-from project import ROOT
-from test_plan import jobs
+from project import ROOT, jobs
 
 SOURCES = ("pyproject.toml", "README.md", "LICENSE", "Snakefile", "src", "workflow", "config", "profiles")
 # What the extra `workflow` brings cannot be imported.

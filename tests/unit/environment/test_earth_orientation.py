@@ -7,6 +7,7 @@ import erfa
 import numpy as np
 import pandas as pd
 import pytest
+from support import EXCERPTS
 
 from opml.base import epochs
 from opml.base.constants import DAY, EARTH_RATE, HOUR
@@ -14,7 +15,7 @@ from opml.base.errors import InputError
 from opml.environment import earth_orientation, nodes
 
 EPOCH = "2016-09-28T12:09:45"
-REFERENCE = Path(__file__).parents[1] / "reference" / "earth_orientation.csv"
+REFERENCE = EXCERPTS / "earth_orientation.csv"
 
 
 def rotation(table):

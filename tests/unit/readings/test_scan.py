@@ -1,11 +1,10 @@
 """The scan: combinations of readings, what they ask for, and how near they come to the paper."""
 
 import math
-from pathlib import Path
 
 import pandas as pd
 import pytest
-from support import paper_values, study_of
+from support import REPOSITORY, paper_values, study_of
 
 from opml.readings import scan_figure as figures
 from opml.readings import scan_report
@@ -16,8 +15,6 @@ from opml.study.checks import load
 from opml.study.experiments import Study
 from opml.study.paper import Paper
 from opml.study.settings.merging import merged
-
-ROOT = Path(__file__).parents[2]
 
 AXES = {
     "learners": ["svr", "svr_s5.6"],
@@ -103,8 +100,8 @@ def test_the_figure_has_a_line_for_each_and_the_papers_marks():
 
 
 def test_the_scan_that_comes_with_the_settings_is_one():
-    source = merged([f"{ROOT}/config/config.yaml", f"{ROOT}/config/scan.yaml"], {})
-    found = scanned(Paper(Study(load(source, schema=f"{ROOT}/workflow/schemas/config.schema.yaml"))))
+    source = merged([f"{REPOSITORY}/config/config.yaml", f"{REPOSITORY}/config/scan.yaml"], {})
+    found = scanned(Paper(Study(load(source, schema=f"{REPOSITORY}/workflow/schemas/config.schema.yaml"))))
     names = [*map(str, found.combinations)]
     assert len(names) == 27
     assert "svrnoplane10_cd1-zscore" in names

@@ -6,7 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
-from support import ESTIMATION, rsos
+from support import BOUNDED_ESTIMATION as SETTINGS
+from support import rsos
 
 from opml.base.constants import DAY, HOUR
 from opml.catalog.fit import estimation, start_states
@@ -16,7 +17,6 @@ from opml.catalog.simulate import tracking, truth
 from opml.dynamics.ensemble import Integrator
 from opml.tables import PARAMETERS, STATE
 
-SETTINGS = replace(ESTIMATION, cd_bounds=(1.2, 3.2))
 SIGMAS = [f"sigma_{name}" for name in tracking.QUANTITIES]
 TRUE = {name: f"{name}_true" for name in tracking.QUANTITIES}
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.interpolate import CubicHermiteSpline
-from test_estimation import SETTINGS
+from support import BOUNDED_ESTIMATION as SETTINGS
 
 from opml.base.constants import DAY, EARTH_RATE, HOUR, SPEED_OF_LIGHT
 from opml.catalog.fit import estimation, start_states

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from support import BOUNDED_ESTIMATION as SETTINGS
 from support import EPOCH, rsos
-from test_estimation import SETTINGS
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError

@@ -4,14 +4,14 @@ import ast
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+from support import REPOSITORY
 
 from opml.base import provenance
 from opml.base.provenance import closure, code_digest, imports, script_digest, settings_digest
 
-SCRIPTS = sorted((Path(__file__).parents[2] / "workflow" / "scripts").glob("*.py"))
+SCRIPTS = sorted((REPOSITORY / "workflow" / "scripts").glob("*.py"))
 
 
 def package(tmp_path, monkeypatch, **sources):

@@ -5,28 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from support import EARTH, RADAR
 
 from opml.base.constants import DAY, WGS84_A
 from opml.base.errors import InputError
 from opml.figures import ground, style
-from opml.orbits.sheets import Station
-
-EARTH = pd.DataFrame(
-    {"t": np.arange(-2, 4) * DAY}
-    | dict.fromkeys(["x_cip", "y_cip", "s_cio", "x_pole", "y_pole", "era_offset"], 0.0)
-)
-RADAR = Station(
-    name="radar",
-    latitude=0.0,
-    longitude=np.radians(170.0),
-    altitude=0.0,
-    max_range=1e9,
-    min_elevation=0.0,
-    max_elevation=np.pi / 2,
-    sigma_range=1.0,
-    sigma_azimuth=1e-3,
-    sigma_elevation=1e-3,
-)
 
 
 @pytest.fixture
