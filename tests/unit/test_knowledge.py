@@ -44,7 +44,7 @@ def test_no_outlook_knows_what_was_measured_after_its_issue(tmp_path, monkeypatc
     # As the source of the run, and as the history to learn from.
     monkeypatch.setitem(solar_activity.PACKAGED, "OBSERVED", str(other))
     found = outlooks(forecast=forecast)
-    known = expected["issued"] <= epochs.elapsed(EPOCH, utc)
+    known = expected["issued"] <= epochs.seconds_between(EPOCH, utc)
     assert 0.2 < known.mean() < 0.8
     pd.testing.assert_frame_equal(found[known], expected[known], check_exact=True)
     assert not found[~known].equals(expected[~known])
@@ -58,7 +58,7 @@ def test_no_future_knows_what_was_measured_after_its_issue(tmp_path, monkeypatch
     other = other_after(tmp_path / "other.csv", mjd(utc))
     monkeypatch.setitem(solar_activity.PACKAGED, "OBSERVED", str(other))
     found = knowledge.futures("OBSERVED", EPOCH, T, **asked)
-    known = expected["issued"] <= epochs.elapsed(EPOCH, utc)
+    known = expected["issued"] <= epochs.seconds_between(EPOCH, utc)
     pd.testing.assert_frame_equal(found[known], expected[known], check_exact=True)
     assert not found[~known].equals(expected[~known])
     assert expected.groupby("issued")["member"].nunique().eq(3).all()
@@ -68,7 +68,7 @@ def test_no_hindcast_knows_what_was_measured_after_its_time(tmp_path):
     utc = "2016-09-29T20:00:00"
     expected = knowledge.hindcast("OBSERVED", EPOCH, T)
     found = knowledge.hindcast(other_after(tmp_path / "other.csv", mjd(utc)), EPOCH, T)
-    known = epochs.elapsed(EPOCH, utc) >= T
+    known = epochs.seconds_between(EPOCH, utc) >= T
     pd.testing.assert_frame_equal(found[known], expected[known], check_exact=True)
     assert not found[~known].equals(expected[~known])
 
@@ -129,11 +129,11 @@ def test_fits_and_predictions_know_nothing_measured_after_they_start(tmp_path, i
         predictions = prediction.predict_all(one, truth, estimates, iss, max_days=1, integrator=integrator)
         results.append((estimates, predictions))
     (estimates, predictions), (other_estimates, other_predictions) = results
-    known = estimates["t"] <= epochs.elapsed(EPOCH, utc)
+    known = estimates["t"] <= epochs.seconds_between(EPOCH, utc)
     assert 0 < known.sum() < len(known)
     pd.testing.assert_frame_equal(estimates[known], other_estimates[known], check_exact=True)
-    from_then = predictions["t_i"] <= epochs.elapsed(EPOCH, utc)
-    assert predictions.loc[from_then, "t_j"].max() > epochs.elapsed(EPOCH, utc) + 3 * HOUR
+    from_then = predictions["t_i"] <= epochs.seconds_between(EPOCH, utc)
+    assert predictions.loc[from_then, "t_j"].max() > epochs.seconds_between(EPOCH, utc) + 3 * HOUR
     pd.testing.assert_frame_equal(predictions[from_then], other_predictions[from_then], check_exact=True)
     assert not predictions[~from_then][STATE].equals(other_predictions[~from_then][STATE])
 
@@ -160,7 +160,7 @@ def test_outlooks_are_issued_on_whole_hours_the_first_at_or_before_the_epoch():
     t, day = knowledge.issues(EPOCH, T, 3)
     assert t[0] <= 0.0 < t[1]
     np.testing.assert_allclose(8.0 * day, np.round(8.0 * day), atol=1e-6)
-    assert knowledge.issues(EPOCH, T, 24)[0][0] == epochs.elapsed(EPOCH, "2016-09-28T00:00:00")
+    assert knowledge.issues(EPOCH, T, 24)[0][0] == epochs.seconds_between(EPOCH, "2016-09-28T00:00:00")
     table = outlooks()
     assert (table["t"] > table["issued"]).all()
     assert (table["t"] - table["issued"]).max() <= DAY + 5 * HOUR

@@ -71,7 +71,7 @@ def _start(epoch: str, month: str) -> float:
 
     There its figures hold, and change linearly until the next.
     """
-    return epochs.elapsed(epoch, f"{month}-01T00:00:00")
+    return epochs.seconds_between(epoch, f"{month}-01T00:00:00")
 
 
 def _about(months: pd.DataFrame, epoch: str, t: np.ndarray) -> pd.DataFrame:

@@ -1,4 +1,4 @@
-"""RSOs drawn at random, as lines of a sheet: ``python -m opml.orbits.random_sheet --count 12 --seed 7``."""
+"""A sheet of random RSOs: ``python -m opml.orbits.random_sheet --count 12 --seed 7``."""
 
 import argparse
 
@@ -30,7 +30,7 @@ _CR = 1.2
 
 
 def draw(name: str, seed: int) -> list[str]:
-    """One line of the sheet: altitude, shape, angles and Cd even, area to mass even in its logarithm."""
+    """Return one line of the sheet: numbers uniform in their ranges, area to mass in its logarithm."""
     random = derive(seed, "drawn", name)
     numbers = {
         "a_km": WGS84_A / 1e3 + random.uniform(*_ALTITUDES_KM),
@@ -45,19 +45,19 @@ def draw(name: str, seed: int) -> list[str]:
 
 
 def sheet(prefix: str, count: int, seed: int) -> str:
-    """A sheet of `count` RSOs, whose names are `prefix` and a number from 01 on."""
+    """Return a sheet of `count` RSOs, whose names are `prefix` and a number from 01 on."""
     lines = [COLUMNS, *(draw(f"{prefix}{number:02d}", seed) for number in range(1, count + 1))]
     return "".join("\t".join(line) + "\n" for line in lines)
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Print a sheet."""
+    """Print a sheet of random RSOs."""
     parser = argparse.ArgumentParser(prog="python -m opml.orbits.random_sheet", description=__doc__)
     parser.add_argument("--count", type=int, required=True, help="how many")
     parser.add_argument("--seed", type=int, required=True, help="of the draw")
     parser.add_argument("--prefix", default="sky", help="of the names")
-    asked = parser.parse_args(arguments)
-    print(sheet(asked.prefix, asked.count, asked.seed), end="")
+    options = parser.parse_args(arguments)
+    print(sheet(options.prefix, options.count, options.seed), end="")
 
 
 if __name__ == "__main__":
