@@ -20,7 +20,7 @@ def project_file(path: FilePath) -> Path:
 
 @contextmanager
 def replacing(path: FilePath) -> Iterator[Path]:
-    """Make the folder of `path`, and yield a temporary path there that becomes `path` if nothing is raised."""
+    """Make the folder of `path`; yield a temporary path there, which becomes `path` if nothing is raised."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
