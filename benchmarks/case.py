@@ -107,7 +107,7 @@ def force_model(name: str, *, days: float = 2 * DAYS, field: str = "EGM2008") ->
     return forces.build(
         **environment(days),
         gravity_field=gravity_field.table(
-            read.truncated(settings["degree"], settings["order"]), paper().epoch
+            read.truncate(settings["degree"], settings["order"]), paper().epoch
         ),
         epoch=paper().epoch,
         degree=settings["degree"],

@@ -11,6 +11,7 @@ from opml.catalog.simulate.truth import initial_state
 from opml.dynamics.ensemble import Integrator
 from opml.dynamics.forces import with_outlooks
 from opml.environment import knowledge
+from opml.environment.knowledge import Issues
 from opml.ephemerides import corrected, forecast
 from opml.interop import oem
 from opml.tables import PARAMETERS, SCHEMAS, STATE, read_table, symmetric_matrices, write_table
@@ -22,9 +23,7 @@ GRID = corrected.Grid(step=600.0, max_days=0.5, end=2.0 * DAY)
 @pytest.fixture(scope="module")
 def outlook():
     t = environment()["solar_activity"]["t"].to_numpy()[:60]
-    return knowledge.outlooks(
-        "OBSERVED", EPOCH, t, forecast={"kind": "persistence"}, issue_hours=24, max_days=1
-    )
+    return knowledge.outlooks(Issues("OBSERVED", EPOCH, {"kind": "persistence"}, hours=24, max_days=1), t)
 
 
 @pytest.fixture(scope="module")
