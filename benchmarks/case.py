@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 
 from opml.base.constants import DAY
-from opml.base.epochs import elapsed
+from opml.base.epochs import seconds_between
 from opml.base.seeds import derive
 from opml.catalog.simulate.truth import initial_state
 from opml.dynamics import forces
@@ -57,7 +57,8 @@ class Arcs:
 
         Models of the atmosphere jump at midnight, so a step ends just before it: it sees the old day only.
         """
-        midnights = elapsed(paper().epoch, f"{paper().epoch[:10]}T00:00:00") + DAY * np.arange(3 * DAYS)
+        first = seconds_between(paper().epoch, f"{paper().epoch[:10]}T00:00:00")
+        midnights = first + DAY * np.arange(3 * DAYS)
         stops, end = np.ravel([midnights - _BEFORE, midnights], order="F"), begin + self.duration
         return np.append(stops[(stops > begin) & (stops < end)], end)
 
@@ -106,7 +107,7 @@ def force_model(name: str, *, days: float = 2 * DAYS, field: str = "EGM2008") ->
     return forces.build(
         **environment(days),
         gravity_field=gravity_field.table(
-            read.truncated(settings["degree"], settings["order"]), paper().epoch
+            read.truncate(settings["degree"], settings["order"]), paper().epoch
         ),
         epoch=paper().epoch,
         degree=settings["degree"],

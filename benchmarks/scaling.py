@@ -164,7 +164,7 @@ def start(progress: Callable[[str], None]) -> str:
 
 def _write_environment(folder):
     kernel = case.paper().values["environment"]["ephemerides"]
-    field = gravity_field.read_icgem(gravity_field.resolve("EGM2008")).truncated(40, 40)
+    field = gravity_field.read_icgem(gravity_field.resolve("EGM2008")).truncate(40, 40)
     frames = case.environment(2 * case.DAYS) | {
         "gravity_field": gravity_field.table(field, case.paper().epoch)
     }

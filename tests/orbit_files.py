@@ -18,7 +18,7 @@ AHEAD_OF_UTC = {"UTC": 0.0, "GPS": 17.0, "TAI": 36.0}
 
 def attraction_of(orientation, epoch=EPOCH):
     """The attraction that bridges nodes, over the times of an Earth orientation table."""
-    field = gravity_field.read_icgem(gravity_field.resolve("EGM2008")).at(epoch)
+    field = gravity_field.read_icgem(gravity_field.resolve("EGM2008")).freeze(epoch)
     return Attraction(field.c, field.s, gm=field.gm, radius=field.radius, earth_orientation=orientation)
 
 

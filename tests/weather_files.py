@@ -8,7 +8,7 @@ def other_after(path, mjd):
 
     A flux is measured at 20:00 UTC, a Kp when its three hours are over; the centred mean knows all.
     """
-    lines = solar_activity.text_of(solar_activity.resolve("OBSERVED")).splitlines()
+    lines = solar_activity.read_text(solar_activity.resolve("OBSERVED")).splitlines()
     begin = next(k for k, line in enumerate(lines) if line.startswith("DATE")) + 1
     first = int(space_weather.read("packaged", "\n".join(lines)).index[0])
     changed = [_changed(line, first + k, mjd) for k, line in enumerate(lines[begin:])]
@@ -25,7 +25,7 @@ def _changed(line, day, mjd):
 
 def up_to(path, mjd):
     """Write the packaged weather to `path` up to a day [MJD], that day included."""
-    lines = solar_activity.text_of(solar_activity.resolve("OBSERVED")).splitlines()
+    lines = solar_activity.read_text(solar_activity.resolve("OBSERVED")).splitlines()
     begin = next(k for k, line in enumerate(lines) if line.startswith("DATE")) + 1
     first = int(space_weather.read("packaged", "\n".join(lines)).index[0])
     path.write_text("\n".join(lines[: begin + mjd - first + 1]))

@@ -58,7 +58,7 @@ def from_orekit(orekit, data, *, epoch: str, t: np.ndarray, degree: int) -> Envi
     Earth orientation and gravity field are read by opml itself; the third bodies and the solar activity are
     Orekit's, taken at the nodes, so that both sides have one kernel and one table of activity.
     """
-    field = gravity_field.read_icgem(data.path("gravity field")).truncated(degree, degree)
+    field = gravity_field.read_icgem(data.path("gravity field")).truncate(degree, degree)
     bulletin = data.path("Earth orientation")
     bodies = {"t": t}
     for name in BODIES:

@@ -21,7 +21,7 @@ def daily() -> Iterator[tuple[datetime.date, float, float]]:
     for number in range(-MARGIN, last + MARGIN):
         date = first + datetime.timedelta(days=number)
         inside = first + datetime.timedelta(days=min(max(number, 0), last))
-        t = np.array([epochs.elapsed(epoch, f"{inside}T12:00:00")])
+        t = np.array([epochs.seconds_between(epoch, f"{inside}T12:00:00")])
         row = solar_activity.tabulate(settings["solar_activity"], epoch, t, settings["percentile"]).iloc[0]
         yield date, float(row["f107"]), ap_from_kp(float(row["kp_24h"]))
 

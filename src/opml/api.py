@@ -122,7 +122,7 @@ def make_environment(
     6378136.3
     """
     t = nodes(epoch, DAY * days)
-    field = gravity_field.read_icgem(gravity_field.resolve(gravity)).truncated(degree, degree)
+    field = gravity_field.read_icgem(gravity_field.resolve(gravity)).truncate(degree, degree)
     return Environment(
         epoch=epoch,
         earth_orientation=earth_orientation.tabulate(epoch, t),

@@ -156,13 +156,13 @@ def test_the_fields_differ_by_their_errors(points, terms):
 @pytest.mark.parametrize("degree", [20, 40])
 def test_gravity_of_the_same_field(points, degree):
     """Orekit's time-variable terms are those of each point's date; ours, of the date that is asked for."""
-    field = gravity_field.read_icgem(shared(EIGEN_6S)).truncated(degree, degree)
+    field = gravity_field.read_icgem(shared(EIGEN_6S)).truncate(degree, degree)
     model = force_model(degree, field=str(shared(EIGEN_6S)))
     for k, (found, expected) in enumerate(
         zip(points.to_dict("records"), vectors(points, f"gravity_{degree}"), strict=True)
     ):
         date = np.datetime64(EPOCH) + np.timedelta64(int(found["t"]), "s")
-        then = field.at(str(date))
+        then = field.freeze(str(date))
         dated = model._replace(weights=weights(then.c, then.s))
         gravity = evaluated(_terms, points.iloc[k : k + 1], dated, 15)[0, 0:3]
         assert np.linalg.norm(gravity - expected) < 1e-9 * np.linalg.norm(expected)

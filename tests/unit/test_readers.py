@@ -45,7 +45,7 @@ MEAN_MOTION_DOT = 2.3e-7
 MEAN_MOTION_DDOT = 0
 """
 READ = {
-    "gravity.gfc": lambda path: gravity_field.read_icgem(path).at(EPOCH),
+    "gravity.gfc": lambda path: gravity_field.read_icgem(path).freeze(EPOCH),
     "msafe.txt": lambda path: solar_activity.tabulate(path, EPOCH, DAYS, 50),
     "weather.csv": lambda path: solar_activity.tabulate(path, EPOCH, DAYS, 50),
     "finals2000A.all": lambda path: earth_orientation.tabulate(EPOCH, DAYS, bulletin=path),

@@ -91,12 +91,12 @@ WEATHER = weather(config).replace("`", "").rstrip(".")
 
 SEED = config["seed"]
 NOISE = naming.seed_pattern(naming.NOISE, default=SEED["noise"])
-WINDOW = naming.window_pattern(default=config["estimation"]["window_hours"]) + naming.fitted_pattern(
+WINDOW = naming.window_pattern(default=config["estimation"]["window_hours"]) + naming.fit_pattern(
     convergence=config["estimation"]["convergence"],
     light_time=config["estimation"].get("light_time", False),
 )
 SPLIT = naming.seed_pattern(naming.SPLIT, default=SEED["split"])
-LATER = naming.any_of(filter(None, naming.LABELS.values()))
+LATER = naming.alternatives(filter(None, naming.LABELS.values()))
 
 
 wildcard_constraints:
@@ -111,7 +111,7 @@ wildcard_constraints:
     test=naming.TEST,
     learner=naming.learner_pattern(config["learners"]),
     component="|".join(tables.COMPONENTS),
-    evaluation=naming.any_of(PAPER.evaluations),
+    evaluation=naming.alternatives(PAPER.evaluations),
 
 
 def code(script):
@@ -251,7 +251,7 @@ def beside(part):
     def find(wildcards):
         settings = learner(wildcards)
         where = f"{wildcards[part]}/{wildcards.stations}{wildcards.window}"
-        suffix = {"arcs": naming.arc(*arc)} if (arc := learners.arc_of(settings)) else {}
+        suffix = {"arcs": naming.arc_suffix(*arc)} if (arc := learners.arc_of(settings)) else {}
         return [
             f"{RESULTS}/{kind}/{where}{suffix.get(kind, '')}.parquet"
             for kind in learners.tables_asked(settings["variables"])
@@ -279,7 +279,7 @@ def fits_over(kind):
         if kind not in learners.tables_asked(settings["variables"]):
             return []
         hours = arc_hours(settings)[0] if kind == "arcs" else config["mechanism"]["long_window_hours"]
-        window = naming.windowed(hours, default=config["estimation"]["window_hours"])
+        window = naming.window_suffix(hours, default=config["estimation"]["window_hours"])
         return path_of(
             rules.estimation.output[0], rso=wildcards.rso, stations=wildcards.stations, window=window
         )
@@ -473,7 +473,7 @@ def arc_at(pattern):
 
     def find(wildcards):
         hours, _ = naming.parse_arc(wildcards.arc)
-        window = naming.windowed(hours, default=config["estimation"]["window_hours"])
+        window = naming.window_suffix(hours, default=config["estimation"]["window_hours"])
         return path_of(pattern, rso=wildcards.rso, stations=wildcards.stations, window=window)
 
     return find

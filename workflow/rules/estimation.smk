@@ -31,7 +31,7 @@ rule estimation:
                 "cd_bounds": cd_bounds(),
             }
             | after_hours(wildcards)
-            | naming.parse_fitted(wildcards.window),
+            | naming.parse_fit(wildcards.window),
             "rso": rso(wildcards),
             "stations": stations(wildcards),
         },

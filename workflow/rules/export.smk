@@ -85,7 +85,7 @@ if SETTINGS.orbits:
         benchmark:
             f"{RESULTS}/benchmarks/truth/{{rso}}.tsv"
         wildcard_constraints:
-            rso=naming.any_of(SETTINGS.orbits),
+            rso=naming.alternatives(SETTINGS.orbits),
         conda:
             "../envs/opml.yaml"
         resources:

@@ -4,8 +4,8 @@
 
 wildcard_constraints:
     ratio=r"[1-9]\d?",
-    grid=naming.any_of(PAPER.grids),
-    curve=naming.any_of(PAPER.curves),
+    grid=naming.alternatives(PAPER.grids),
+    curve=naming.alternatives(PAPER.curves),
 
 
 rule errors:

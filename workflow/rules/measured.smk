@@ -11,7 +11,7 @@ if SETTINGS.tracks:
         benchmark:
             f"{RESULTS}/benchmarks/tracking/{{rso}}/{{stations}}.tsv"
         wildcard_constraints:
-            rso=naming.any_of(SETTINGS.tracks),
+            rso=naming.alternatives(SETTINGS.tracks),
             stations=naming.stations_pattern(SETTINGS.stations),
         conda:
             "../envs/opml.yaml"
@@ -41,7 +41,7 @@ if SETTINGS.tracks:
         benchmark:
             f"{RESULTS}/benchmarks/starts/{{rso}}/{{stations}}.tsv"
         wildcard_constraints:
-            rso=naming.any_of(SETTINGS.tracks),
+            rso=naming.alternatives(SETTINGS.tracks),
             stations=naming.stations_pattern(SETTINGS.stations),
         conda:
             "../envs/opml.yaml"

@@ -1,5 +1,5 @@
 # Beyond the paper: what a catalogue knows of why its predictions err, and RSOs pooled to learn from together.
-LONG = naming.windowed(config["mechanism"]["long_window_hours"], default=config["estimation"]["window_hours"])
+LONG = naming.window_suffix(config["mechanism"]["long_window_hours"], default=config["estimation"]["window_hours"])
 
 
 rule sensitivities:
@@ -99,7 +99,7 @@ rule arcs:
 
 
 if CATALOGUE:
-    FIT_WINDOW = naming.windowed(THERMOMETER["window_hours"], default=config["estimation"]["window_hours"])
+    FIT_WINDOW = naming.window_suffix(THERMOMETER["window_hours"], default=config["estimation"]["window_hours"])
 
     rule thermometer:
         input:
@@ -113,7 +113,7 @@ if CATALOGUE:
             arcs=lambda wildcards: path_of(
                 rules.arcs.output[0],
                 **dict(wildcards.items()),
-                arc=naming.arc(THERMOMETER["window_hours"], ARC_MEMORY_DAYS),
+                arc=naming.arc_suffix(THERMOMETER["window_hours"], ARC_MEMORY_DAYS),
             ),
         output:
             f"{RESULTS}/thermometer/{{rso}}/{{stations}}{{window}}.parquet",

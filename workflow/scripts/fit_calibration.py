@@ -3,14 +3,14 @@
 from opml.learning.data import job_rows
 from opml.learning.data.components import POSITION
 from opml.learning.judge import calibration
-from opml.tables import POSITION_COVARIANCES, symmetric, write_table
+from opml.tables import POSITION_COVARIANCES, symmetric_matrices, write_table
 from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings, files = snakemake.params.settings, snakemake.input
     table, rows, _ = job_rows.read(files, settings, beside=[files.covariances])
     found = calibration.of_covariances(
-        symmetric(table[rows], POSITION_COVARIANCES),
+        symmetric_matrices(table[rows], POSITION_COVARIANCES),
         table.loc[rows, POSITION].to_numpy(),
         table.loc[rows, "duration"].to_numpy(),
         days=calibration.marks(settings["max_days"]),

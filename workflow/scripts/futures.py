@@ -7,14 +7,14 @@ from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings
-    table = knowledge.futures(
-        settings["source"],
-        settings["epoch"],
-        nodes(settings["epoch"], DAY * settings["duration_days"]),
+    issues = knowledge.Issues(
+        source=settings["source"],
+        epoch=settings["epoch"],
         forecast=settings["forecast"],
-        members=settings["members"],
-        issue_hours=settings["issue_hours"],
+        hours=settings["issue_hours"],
         max_days=settings["max_days"],
     )
+    t = nodes(issues.epoch, DAY * settings["duration_days"])
+    table = knowledge.futures(issues, t, members=settings["members"])
     metadata |= {name: settings[name] for name in ("source", "forecast", "members")}
     write_table(snakemake.output[0], table, "futures", metadata=metadata)

@@ -7,7 +7,7 @@ from opml.workflow.jobs import job
 with job(snakemake) as metadata:
     settings = snakemake.params.settings
     field = gravity_field.read_icgem(gravity_field.resolve(settings["source"]))
-    field = field.truncated(settings["degree"], settings["order"])
+    field = field.truncate(settings["degree"], settings["order"])
     metadata |= gravity_field.metadata(field)
     write_table(
         snakemake.output[0], gravity_field.table(field, settings["epoch"]), "gravity_field", metadata=metadata

@@ -7,13 +7,13 @@ from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings
-    table = knowledge.outlooks(
-        settings["source"],
-        settings["epoch"],
-        nodes(settings["epoch"], DAY * settings["duration_days"]),
+    issues = knowledge.Issues(
+        source=settings["source"],
+        epoch=settings["epoch"],
         forecast=settings["forecast"],
-        issue_hours=settings["issue_hours"],
+        hours=settings["issue_hours"],
         max_days=settings["max_days"],
     )
+    table = knowledge.outlooks(issues, nodes(issues.epoch, DAY * settings["duration_days"]))
     metadata |= {"source": settings["source"], "forecast": settings["forecast"]}
     write_table(snakemake.output[0], table, OUTLOOKS, metadata=metadata)

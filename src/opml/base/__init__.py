@@ -1,1 +1,1 @@
-"""What knows nothing of orbits: errors, files, time, seeds, digests of code, how kernels are compiled."""
+"""The ground floor, which knows no orbits: errors, files, time, seeds, digests of code, compiled kernels."""

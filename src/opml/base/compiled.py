@@ -1,8 +1,8 @@
-"""Kernels that Numba compiles: how they are decorated, and where their machine code is kept.
+"""Decorators of the kernels that Numba compiles, and the cache of their machine code.
 
-The machine code is kept in the user's cache, in a folder named after a kernel's source and all that it
-imports: Numba by itself looks at the file of the outermost kernel alone and would miss a change in a force.
-All clones and environments with the same source share it.
+Machine code lies in the user's cache, in a folder named by a digest of the kernel's source and of all that it
+imports. Numba itself compares the outermost kernel's file alone, and would miss a change in a force.
+All clones and environments with the same source share the folder.
 """
 
 import hashlib
@@ -18,44 +18,43 @@ from numba.core.caching import UserProvidedCacheLocator
 from opml.base.provenance import script_digest
 
 Decorator = Callable[[Callable[..., Any]], Any]
-"""Numba infers the types of what a kernel takes and returns, anew for each use."""
+"""A decorator of kernels; Numba infers their types at each use."""
 
 
 def decorators(**options: Any) -> tuple[Decorator, Decorator]:
-    """Decorators (compiled, entry) under Numba's `options`.
+    """Return the decorators (compiled, entry) under Numba's `options`.
 
-    The first is of kernels that other kernels call, the second of those that Python calls: their machine code
-    is kept.
+    compiled: of a kernel that other kernels call
+    entry: of a kernel that Python calls; its machine code is kept
     """
     return numba.njit(**options), numba.njit(cache=True, **options)
 
 
 def kernel_folder(source: str | Path) -> str:
-    """Name of the folder that holds the machine code of the kernels of a source file."""
+    """Return the name of the folder for the machine code of a source file's kernels."""
     path = Path(source)
     digest = hashlib.sha256(script_digest(path).encode() + path.read_bytes())
     return f"kernels-{path.stem}-{digest.hexdigest()[:16]}"
 
 
 class SharedLocator(UserProvidedCacheLocator):
-    """Keeps machine code below the cache folder by the content of its source alone.
+    """A place for machine code below the cache folder that depends on the source's content alone.
 
-    Numba puts the path and the time of the source into name and stamp, so that each clone would compile for
-    itself.
+    Numba's own place depends on the source's path and time, so that each clone would compile for itself.
     """
 
     @classmethod
     def get_suitable_cache_subpath(cls, py_file: str) -> str:
-        """Name of the folder below the cache folder, see `kernel_folder`."""
+        """Return the name of the folder below the cache folder, see `kernel_folder`."""
         return kernel_folder(py_file)
 
     def get_source_stamp(self) -> str:
-        """The same for all clones: another source is in another folder."""
+        """Return the same stamp for all clones: another source has another folder."""
         return ""
 
 
 numba.config.CACHE_DIR = os.environ.get("OPML_CACHE") or platformdirs.user_cache_dir("opml")  # type: ignore[attr-defined]  # made at run time
-# Numba's own ones follow for where that folder cannot be written.
+# Numba's own places follow, for a cache folder that cannot be written.
 numba.config.CACHE_LOCATOR_CLASSES = (  # type: ignore[attr-defined]
     f"{SharedLocator.__module__}.{SharedLocator.__name__},InTreeCacheLocator,UserWideCacheLocator"
 )

@@ -1,4 +1,4 @@
-"""Physical constants, SI units; each with its source."""
+"""Physical constants in SI units, each with its source."""
 
 import math
 
@@ -23,16 +23,16 @@ GM = {
     "neptune": 6836527.100580e9,
     "pluto": 975.500000e9,
 }
-"""Gravitational parameters [m3/s2] of the bodies that pull beside Earth, a planet together with its moons.
+"""Gravitational parameters [m3/s2] of the Sun, the Moon and the planets, a planet together with its moons.
 
 DE440: Park, Folkner, Williams & Boggs 2021, AJ 161:105 (and the comment area of the kernel itself).
 """
 
 BODIES = tuple(GM)
-"""Names of the third bodies, in the order of every table."""
+"""Names of the third bodies, in the order of the tables' columns."""
 
 EARTH_GM = 3.986004415e14
-"""Earth's gravitational parameter [m3/s2] of EGM2008 and EIGEN-6S, by which a sheet's elements are read."""
+"""Earth's gravitational parameter [m3/s2] of EGM2008 and EIGEN-6S, for the elements of the sheet of RSOs."""
 
 WGS84_A = 6378137.0
 """Equatorial radius of the WGS84 ellipsoid [m] (NGA.STND.0036)."""

@@ -1,7 +1,7 @@
-"""Epochs: UTC text and elapsed SI seconds as Julian dates in the scales that the physics asks for.
+"""Conversion of epochs: UTC text and elapsed SI seconds to Julian dates in TAI, TT, TDB and UTC.
 
-A Julian date is a pair (day, fraction) whose sum is the date, which keeps nanoseconds over a run
-(the two-part convention of ERFA). Leap seconds are those that pyerfa carries.
+A Julian date is a pair (day, fraction) whose sum is the date, ERFA's two-part convention, which keeps
+nanoseconds over a run. Leap seconds are pyerfa's.
 """
 
 import math
@@ -19,6 +19,7 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 
 JulianDate = tuple[np.ndarray, np.ndarray]
+"""Whole days and their fractions; the date is the sum."""
 
 MJD_ZERO = 2400000.5
 """Julian date at which the modified Julian days begin."""
@@ -46,7 +47,7 @@ def parse(epoch: str) -> tuple[int, int, int, int, int, float]:
 
 
 def tai(epoch: str, t: ArrayLike) -> JulianDate:
-    """TAI Julian date of `epoch` + `t` SI seconds. Raises InputError on a malformed epoch."""
+    """Return the TAI Julian date of `epoch` + `t` SI seconds. Raises InputError on a malformed epoch."""
     fields = parse(epoch)
     with strict_erfa():
         day, fraction = erfa.utctai(*erfa.dtf2d("UTC", *fields))
@@ -55,35 +56,36 @@ def tai(epoch: str, t: ArrayLike) -> JulianDate:
 
 
 def tt(epoch: str, t: ArrayLike) -> JulianDate:
-    """TT Julian date of `epoch` + `t` SI seconds. Raises InputError on a malformed epoch."""
-    date_tt: JulianDate = erfa.taitt(*tai(epoch, t))
-    return date_tt
+    """Return the TT Julian date of `epoch` + `t` SI seconds. Raises InputError on a malformed epoch."""
+    day, fraction = erfa.taitt(*tai(epoch, t))
+    return day, fraction
 
 
 def tdb(epoch: str, t: ArrayLike) -> JulianDate:
-    """TDB Julian date, at the geocentre, of `epoch` + `t` SI seconds. Raises InputError on a malformed epoch.
+    """Return the TDB Julian date, at the geocentre, of `epoch` + `t` SI seconds.
 
     TDB - TT is the series of Fairhead & Bretagnon 1990 as in ERFA's dtdb.
+    Raises InputError on a malformed epoch.
     """
     day, fraction = tt(epoch, t)
     # At the geocentre the series' site terms vanish, whatever the universal time and longitude.
     with strict_erfa():
         difference = erfa.dtdb(day, fraction, 0.0, 0.0, 0.0, 0.0)
-    date_tdb: JulianDate = erfa.tttdb(day, fraction, difference)
-    return date_tdb
+    day, fraction = erfa.tttdb(day, fraction, difference)
+    return day, fraction
 
 
 def utc(epoch: str, t: ArrayLike) -> JulianDate:
-    """UTC (quasi-)Julian date of `epoch` + `t` SI seconds. Raises InputError on a malformed epoch."""
+    """Return the UTC (quasi-)Julian date of `epoch` + `t` SI seconds. Raises InputError as `tai` does."""
     with strict_erfa():
-        date_utc: JulianDate = erfa.taiutc(*tai(epoch, t))
-    return date_utc
+        day, fraction = erfa.taiutc(*tai(epoch, t))
+    return day, fraction
 
 
-def elapsed(epoch: str, later: str) -> float:
-    """SI seconds from `epoch` to `later`, both UTC text, leap seconds counted.
+def seconds_between(epoch: str, later: str) -> float:
+    """Return the SI seconds from `epoch` to `later`, both UTC text, leap seconds included.
 
-    Raises InputError where either is malformed.
+    Raises InputError on a malformed text.
     """
     (day, fraction), (later_day, later_fraction) = tai(epoch, 0.0), tai(later, 0.0)
     # Rounded to a nanosecond, so that whole seconds come out whole.
@@ -91,34 +93,33 @@ def elapsed(epoch: str, later: str) -> float:
 
 
 def days_of_year(epoch: str, duration_s: float) -> tuple[float, np.ndarray]:
-    """Calendar days of a run: where they start and their number in the year.
+    """Return the start of the epoch's day, and the day of the year of each calendar day of a run.
 
-    Returns the seconds from `epoch` to the UTC midnight that starts its day (zero or negative), and for
-    that day and each one after it, beyond the end of the run, the day of the year (1 is January 1), int64.
-    A leap second inside the run moves later midnights by 1 s, which this leaves out.
-    Raises InputError on a malformed epoch.
+    The start is the UTC midnight before the epoch [s since `epoch`], zero or negative. Days of the year are
+    int64, 1 is January 1, and go on beyond the end of the run. A leap second inside the run moves later
+    midnights by 1 s, which is left out. Raises InputError on a malformed epoch.
     """
     year, month, day, *_ = parse(epoch)
     first = date(year, month, day)
-    midnight = elapsed(epoch, f"{first.isoformat()}T00:00:00")
+    midnight = seconds_between(epoch, f"{first.isoformat()}T00:00:00")
     days = math.ceil((duration_s - midnight) / DAY) + 1
     numbers = [(first + timedelta(days=k)).timetuple().tm_yday for k in range(days)]
     return midnight, np.array(numbers, dtype=np.int64)
 
 
 def calendar(mjd: float) -> str:
-    """Calendar date 'YYYY-MM-DD' of a modified Julian day number."""
+    """Return the calendar date 'YYYY-MM-DD' of a modified Julian day number."""
     return (date(1858, 11, 17) + timedelta(days=math.floor(mjd))).isoformat()
 
 
 def calendar_day(epoch: str, t: float) -> str:
-    """Calendar date (UTC) of `epoch` + `t` SI seconds. Raises InputError on a malformed epoch."""
+    """Return the calendar date (UTC) of `epoch` + `t` SI seconds. Raises InputError on a malformed epoch."""
     return calendar(float(sum(utc(epoch, t))) - MJD_ZERO)
 
 
 @contextmanager
 def strict_erfa() -> Iterator[None]:
-    """ERFA's warnings raised as errors, but for years whose leap seconds are not announced yet."""
+    """Raise ERFA's warnings as errors, except for years whose leap seconds are not announced yet."""
     with warnings.catch_warnings():
         warnings.simplefilter("error", erfa.ErfaWarning)
         warnings.filterwarnings("ignore", r'.*yielded \d+ of "dubious year', erfa.ErfaWarning)

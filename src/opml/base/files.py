@@ -1,4 +1,4 @@
-"""Files that are whole or not there: a temporary file takes the name when it is complete."""
+"""Paths of a project's files, and writing of whole files: a temporary file takes the name when complete."""
 
 import os
 from collections.abc import Iterator
@@ -6,21 +6,21 @@ from contextlib import contextmanager
 from pathlib import Path
 
 FilePath = str | os.PathLike[str]
-"""What names a file."""
+"""A path as text or as a path object."""
 
 PROJECT = Path(__file__).parents[1] / "workflow" / "project"
-"""The workflow's files, its settings among them, as they come with the package."""
+"""Folder of the workflow's files in the package, the settings among them."""
 
 
-def in_project(path: FilePath) -> Path:
-    """Return the path of a project's file; where the project has none, of the one that the package brings."""
-    brought = PROJECT / path
-    return brought if brought.is_file() and not Path(path).exists() else Path(path)
+def project_file(path: FilePath) -> Path:
+    """Return the path of a project's file; where the project has none, that of the package's own file."""
+    packaged = PROJECT / path
+    return packaged if packaged.is_file() and not Path(path).exists() else Path(path)
 
 
 @contextmanager
 def replacing(path: FilePath) -> Iterator[Path]:
-    """Yield a temporary path beside `path`, whose folder is made; it takes the name if nothing was raised."""
+    """Make the folder of `path`; yield a temporary path there, which becomes `path` if nothing is raised."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")

@@ -1,4 +1,4 @@
-"""Digests of code and of settings: a table tells what it was made with, and a change in either is noticed."""
+"""Digests of code and of settings, by which a table tells what made it and a change in either is noticed."""
 
 import ast
 import hashlib
@@ -25,20 +25,22 @@ def settings_digest(settings: Mapping[str, Any]) -> str:
 
 
 def script_digest(script: str | Path) -> str:
-    """Return the digest of all that a script imports of opml; the script's own text is not part of it."""
+    """Return the digest of all modules of opml that a script imports; the script's own text is left out."""
     return code_digest(*imports(script))
 
 
 def imports(script: str | Path) -> set[str]:
-    """Return the modules of opml that a script imports itself."""
+    """Return the modules of opml that a script imports directly."""
     return _imports(Path(script), package="")
 
 
 def code_digest(*modules: str) -> str:
-    """Return the SHA-256 over the source of modules of opml and of all that they import of it.
+    """Return the SHA-256 over the source of modules of opml and of all modules of opml that they import.
 
-    Imports are found in the source, nothing is run. A data file of the package counts with each module that
-    names it in a string. `modules` are dotted names, such as ``opml.catalog.simulate.truth``.
+    Imports are read from the source; nothing is run. A data file of the package counts with each module that
+    names it in a string.
+
+    modules: dotted names, such as ``opml.catalog.simulate.truth``
     """
     reached = closure(*modules)
     digest = hashlib.sha256()
@@ -49,7 +51,7 @@ def code_digest(*modules: str) -> str:
 
 
 def closure(*modules: str) -> set[str]:
-    """Return modules of opml, all that they import of it, directly or not, and the packages these are in."""
+    """Return modules of opml, all modules of opml that they import, directly or not, and their packages."""
     reached: set[str] = set()
     waiting = {parent for module in modules for parent in _with_parents(module)}
     while waiting:

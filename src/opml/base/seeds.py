@@ -1,4 +1,4 @@
-"""Random generators that depend on a seed and on names only, never on order, time or threads."""
+"""Random generators, by a seed and names alone: order, time and threads do not matter."""
 
 import hashlib
 
@@ -6,10 +6,10 @@ import numpy as np
 
 
 def derive(seed: int, *names: str) -> np.random.Generator:
-    """Return the generator that belongs to `names` under `seed`.
+    """Return the generator of `names` under `seed`.
 
-    The names are hashed with SHA-256 into numpy's `SeedSequence`, so the noise of one station, say, stays the
-    same whichever others are simulated beside it.
+    SHA-256 of the names seeds numpy's `SeedSequence`. So the noise of a station, for example, stays the same
+    whichever other stations are simulated.
     """
     text = "\x1f".join((str(int(seed)), *map(str, names)))
     words = np.frombuffer(hashlib.sha256(text.encode()).digest(), dtype="<u4")

@@ -1,7 +1,7 @@
-"""The grid of a tabulated thermosphere: local times, latitudes, altitudes; times are the environment's.
+"""The grid of a tabulated thermosphere in local time, latitude and altitude; times are the environment's.
 
-Between its nodes the logarithm of the density is cubic in space and linear in time. Altitudes are even in
-their square root above 100 km, as the density falls off the more slowly the higher it is.
+Between the nodes the logarithm of the density is cubic in space and linear in time. Altitudes are evenly
+spaced in the square root of their height above 100 km, as the density falls off more slowly higher up.
 """
 
 import math
@@ -19,4 +19,4 @@ ALTITUDES = tuple(1e3 * (BASE + (FIRST_ROOT + ROOT_STEP * k) ** 2) for k in rang
 """Geodetic altitudes [m]."""
 
 DENSITIES = tuple(f"at_{altitude / 1e3:.0f}_km" for altitude in ALTITUDES)
-"""The table's columns, one for each altitude."""
+"""Columns of the table `thermosphere`, one for each altitude."""

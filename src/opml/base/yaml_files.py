@@ -1,4 +1,4 @@
-"""Files that a user wrote, read safely or told in one line."""
+"""Reader of YAML files: safe, strict about keys, with errors in one line."""
 
 from pathlib import Path
 from typing import Any
@@ -11,10 +11,10 @@ from opml.base.files import FilePath
 
 # As safe as SafeLoader, and ten times as fast; each job of the workflow reads the settings anew.
 class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
-    """A loader that takes no key twice: YAML's own would keep the last one without a word."""
+    """A safe loader that refuses a key given twice; YAML's own would keep the last one without a word."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        """Return the mapping; raises ConstructorError with both lines where a key is given twice."""
+        """Return the mapping. Raises ConstructorError with both lines where a key is given twice."""
         lines: dict[str, int] = {}
         for key, _ in node.value:
             line = key.start_mark.line + 1

@@ -1,4 +1,4 @@
-"""Earth's rotation and gravity, third bodies and the Sun's activity, tabulated once per run."""
+"""Tables of the Earth's rotation and gravity, the third bodies and the Sun's activity, made once per run."""
 
 import math
 
@@ -15,10 +15,10 @@ MARGIN_S = 2.0 * HOUR
 
 
 def nodes(epoch: str, duration_s: float) -> np.ndarray:
-    """Times of the tables' nodes [s since `epoch`], shape (n,), uniform and on whole UTC hours.
+    """Return the times (n,) of the tables' nodes [s since `epoch`], uniform and on whole UTC hours.
 
-    From at least MARGIN_S before the epoch to at least MARGIN_S after `duration_s`. A leap second inside
-    the run leaves the nodes after it 1 s off the hour. Raises InputError on a malformed epoch.
+    They reach from at least MARGIN_S before the epoch to at least MARGIN_S after `duration_s`. A leap second
+    inside the run leaves the nodes after it 1 s off the hour. Raises InputError on a malformed epoch.
     """
     *_, minute, second = epochs.parse(epoch)
     past_hour = 60.0 * minute + second

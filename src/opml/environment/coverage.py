@@ -1,4 +1,4 @@
-"""Whether the data behind an environment cover a run: checked before any job starts."""
+"""Check that the sources of an environment cover a run, before any job starts."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -19,13 +19,13 @@ from opml.environment import (
 )
 
 FETCHED = "EIGEN-6S"
-"""The gravity field that only its own rule may fetch; its degree is checked there."""
+"""The gravity field that only the workflow's rule may fetch; the rule checks its degree."""
 
 
 def check(values: Mapping[str, Any]) -> None:
-    """Raise InputError where a source is unreadable, ends before the run does, or lacks a degree asked for.
+    """Raise InputError where a source is unreadable, ends before the run, or lacks a degree of a force model.
 
-    `values` are the validated settings.
+    values: the validated settings
     """
     epoch, sources = values["epoch"], values["environment"]
     ends = nodes(epoch, DAY * values["duration_days"])[[0, -1]]
@@ -33,36 +33,36 @@ def check(values: Mapping[str, Any]) -> None:
     celestial_bodies.tabulate(sources["ephemerides"], epoch, ends)
     flown = ["solar_activity", "true_solar_activity"]
     if sources.get("knowledge") == knowledge.FORECAST and ("tracks" in values or flown[1] in sources):
-        flown.remove("solar_activity")  # what a forecast starts from need not reach into the days ahead
+        flown.remove("solar_activity")  # measurements before a forecast need not reach into the days ahead
     for setting in flown:
         if setting in sources:
             _check_activity(setting, sources[setting], epoch, ends, sources["percentile"])
     _check_knowledge(values, ends)
     _check_atmosphere(values, ends)
     if sources["gravity_field"] != FETCHED:
-        field = gravity_field.read_icgem(gravity_field.resolve(sources["gravity_field"])).at(epoch)
+        field = gravity_field.read_icgem(gravity_field.resolve(sources["gravity_field"])).freeze(epoch)
         for model in values["force_models"].values():
-            field.truncated(model["degree"], model["order"])
+            field.truncate(model["degree"], model["order"])
 
 
 def _check_knowledge(values: Mapping[str, Any], ends: np.ndarray) -> None:
-    """Raise InputError where the sources do not tell what the assumed model is to know."""
+    """Raise InputError where the sources lack the weather that the assumed model is to know."""
     sources = values["environment"]
-    asked, source = sources.get("knowledge"), sources["solar_activity"]
+    kind, source = sources.get("knowledge"), sources["solar_activity"]
     try:
-        if asked == knowledge.MONTHLY:
+        if kind == knowledge.MONTHLY:
             knowledge.check_monthly(source)
-        if asked == knowledge.HINDCAST:
+        if kind == knowledge.HINDCAST:
             knowledge.hindcast(source, values["epoch"], ends)
-        if asked == knowledge.FORECAST:
+        if kind == knowledge.FORECAST:
             forecast, hours = values["forecasts"][sources["forecast"]], sources["issue_hours"]
             knowledge.check(source, values["epoch"], ends, forecast=forecast, issue_hours=hours)
     except InputError as error:
-        raise InputError(f"environment.knowledge: {asked}: {error}") from None
+        raise InputError(f"environment.knowledge: {kind}: {error}") from None
 
 
 def _check_atmosphere(values: Mapping[str, Any], ends: np.ndarray) -> None:
-    """Raise InputError where the truth is to fly through NRLMSIS without weather that was measured."""
+    """Raise InputError where the truth is to fly through NRLMSIS without measured weather."""
     sources = values["environment"]
     if values["force_models"]["truth"].get("atmosphere") != nrlmsis.NAME:
         return
@@ -73,7 +73,7 @@ def _check_atmosphere(values: Mapping[str, Any], ends: np.ndarray) -> None:
 
 
 def _check_activity(setting: str, source: str, epoch: str, ends: np.ndarray, percentile: int) -> None:
-    """Raise InputError where a source does not reach; of a packaged one, say what to give in its place."""
+    """Raise InputError where a source does not cover the run; for a packaged source, with a remedy."""
     try:
         solar_activity.tabulate(source, epoch, ends, percentile)
     except InputError:

@@ -1,4 +1,4 @@
-"""Earth orientation: celestial intermediate pole and origin, Earth rotation angle, polar motion.
+"""Table of the Earth's orientation: celestial intermediate pole and origin, rotation angle, polar motion.
 
 IAU 2006/2000A precession-nutation with the IERS's observed corrections (IERS Conventions 2010, chapter 5).
 The sub-daily tidal and libration terms of its chapters 5 and 8 are not modelled (4e-9 rad on the paper's
@@ -32,16 +32,19 @@ _VALUES = {
 
 
 def tabulate(epoch: str, t: np.ndarray, *, bulletin: str | Path | None = None) -> pd.DataFrame:
-    """Table `earth_orientation` at times `t` [s since `epoch`], shape (n,).
+    """Return the table `earth_orientation`.
 
-    Columns t [s]; x_cip, y_cip (CIP in GCRF, with the observed dX, dY) and s_cio, x_pole, y_pole [rad];
+    epoch: UTC text
+    t: (n,) [s since `epoch`]
+    bulletin: path of a finals2000A file; None: that of the astropy_iers_data package
+
+    Columns: t [s]; x_cip, y_cip (CIP in GCRF, with the observed dX, dY), s_cio, x_pole, y_pole [rad];
     era_offset [rad]: the Earth rotation angle, unwrapped, minus EARTH_RATE * t.
-    `bulletin` is the path of a finals2000A file; None is that of the astropy_iers_data package.
-    Raises InputError where the bulletin does not reach.
+    Raises InputError for dates outside the bulletin's.
     """
     t = np.asarray(t, dtype=float)
     tai, tt = epochs.tai(epoch, t), epochs.tt(epoch, t)
-    ut1_tai, x_pole, y_pole, dx, dy = _interpolated(bulletin or astropy_iers_data.IERS_A_FILE, tai)
+    ut1_tai, x_pole, y_pole, dx, dy = _interpolate(bulletin or astropy_iers_data.IERS_A_FILE, tai)
 
     x_cip, y_cip, _ = erfa.xys06a(*tt)
     x_cip, y_cip = x_cip + dx, y_cip + dy
@@ -60,7 +63,7 @@ def tabulate(epoch: str, t: np.ndarray, *, bulletin: str | Path | None = None) -
 
 
 def metadata() -> dict[str, str]:
-    """Where the figures come from, for the table's file metadata."""
+    """Return the sources of the figures, for the table's file metadata."""
     return {
         "bulletin": f"IERS finals2000A, astropy-iers-data {version('astropy-iers-data')}",
         "precession_nutation": "IAU 2006/2000A",
@@ -68,10 +71,10 @@ def metadata() -> dict[str, str]:
 
 
 def read_finals2000a(path: str | Path) -> pd.DataFrame:
-    """Daily values of an IERS finals2000A file, for the days that have all of them.
+    """Read the daily values of an IERS finals2000A file, for the days that have all of them.
 
-    Columns mjd (UTC midnights), x_pole, y_pole, dx, dy [rad], ut1_utc [s]; Bulletin B where given, else A.
-    Raises InputError where the file cannot be read or a figure is malformed.
+    Columns: mjd (UTC midnights), x_pole, y_pole, dx, dy [rad], ut1_utc [s]; from Bulletin B, where it has the
+    day, else A. Raises InputError where the file cannot be read or a figure is malformed.
     """
     try:
         lines = Path(path).read_text(encoding="ascii").splitlines()
@@ -98,7 +101,7 @@ def read_finals2000a(path: str | Path) -> pd.DataFrame:
 
 @cache
 def _bulletin(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
-    """TAI modified Julian dates of the days, (m,), and their ut1_tai, x_pole, y_pole, dx, dy, (m, 5)."""
+    """Return TAI modified Julian dates (m,) of the days, and their ut1_tai, x_pole, y_pole, dx, dy (m, 5)."""
     daily = read_finals2000a(path)
     tai_day, tai_fraction = erfa.utctai(epochs.MJD_ZERO, daily["mjd"].to_numpy())
     tai_mjd = (tai_day - epochs.MJD_ZERO) + tai_fraction
@@ -107,8 +110,8 @@ def _bulletin(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     return tai_mjd, np.column_stack([ut1_tai, daily[["x_pole", "y_pole", "dx", "dy"]]])
 
 
-def _interpolated(path: str | Path, tai: epochs.JulianDate) -> np.ndarray:
-    """ut1_tai [s], x_pole, y_pole, dx, dy [rad] of a bulletin at TAI dates, shape (5, n)."""
+def _interpolate(path: str | Path, tai: epochs.JulianDate) -> np.ndarray:
+    """Return ut1_tai [s], x_pole, y_pole, dx, dy [rad] of a bulletin at TAI dates: (5, n)."""
     days, values = _bulletin(path)
     mjd = (tai[0] - epochs.MJD_ZERO) + tai[1]
     start = np.searchsorted(days, mjd, side="right") - 2
@@ -119,15 +122,14 @@ def _interpolated(path: str | Path, tai: epochs.JulianDate) -> np.ndarray:
             f"got {epochs.calendar(mjd.min())} to {epochs.calendar(mjd.max())}"
         )
     window = start[:, None] + np.arange(4)
-    interpolated: np.ndarray = np.einsum("qk,qkc->cq", _lagrange_weights(days[window], mjd), values[window])
-    return interpolated
+    return np.asarray(np.einsum("qk,qkc->cq", _lagrange_weights(days[window], mjd), values[window]))
 
 
-def _lagrange_weights(nodes: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Weights (q, k) of Lagrange's polynomial through `nodes` (q, k), taken at `at` (q,)."""
+def _lagrange_weights(nodes: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Return the weights (q, k) of Lagrange's polynomial through `nodes` (q, k) at `x` (q,)."""
     weights = np.ones_like(nodes)
     for k in range(nodes.shape[1]):
         for other in range(nodes.shape[1]):
             if other != k:
-                weights[:, k] *= (at - nodes[:, other]) / (nodes[:, k] - nodes[:, other])
+                weights[:, k] *= (x - nodes[:, other]) / (nodes[:, k] - nodes[:, other])
     return weights

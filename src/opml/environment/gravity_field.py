@@ -1,4 +1,4 @@
-"""Gravity fields of Earth from ICGEM files, their time-variable terms included.
+"""Gravity fields of the Earth from ICGEM files, with their time-variable terms.
 
 Format: Barthelmes & Förste 2011, 'The ICGEM-format' (GFZ Potsdam), and its version 2.0 with intervals.
 """
@@ -23,10 +23,10 @@ _EIGEN_6S_FILE = "eigen-6s.gfc"
 _EIGEN_6S_SHA256 = "1b6e170c9df2eee0523fb24cec6cd2ef963ea6458089291ec9a80ac735cc9f24"
 
 DOWNLOAD_TIMEOUT_S = 30.0
-"""How long a server may stay silent."""
+"""Longest silence of the server [s]."""
 
 MAX_DEGREE = 10_000
-"""Nearly twice what any published field reaches; a header that asks for more is damaged."""
+"""Nearly twice the degree of any published field; a header with a larger one is damaged."""
 
 _REQUIRED = ("product_type", "modelname", "earth_gravity_constant", "radius", "max_degree")
 _YEARS_PER_DAY = DAY / JULIAN_YEAR
@@ -34,11 +34,12 @@ _JD_OF_ORDINAL_ZERO = 1721424.5
 
 
 class Variation(NamedTuple):
-    """One row whose contribution to C and S of degree n and order m depends on time.
+    """A row of a file, whose contribution to C and S of degree n and order m depends on time.
 
-    `kind` is ICGEM's key: gfct (the value itself), trnd (per Julian year since `reference`), acos and asin
-    (of the angle since `reference`, `period` in years). It counts from `start` up to `end`. Dates are TT
-    Julian dates.
+    kind: ICGEM's key: gfct (the value itself), trnd (per Julian year since `reference`), acos and asin (of
+        the angle since `reference`)
+    reference, start, end: TT Julian dates; the row counts from `start` up to `end`
+    period: [Julian years]
     """
 
     kind: str
@@ -52,7 +53,7 @@ class Variation(NamedTuple):
     period: float = np.nan
 
     def weight(self, jd: float) -> float:
-        """What c and s are multiplied with at a TT Julian date."""
+        """Return the factor of c and s at a TT Julian date."""
         if not self.start <= jd < self.end:
             return 0.0
         years = (jd - self.reference) * _YEARS_PER_DAY
@@ -66,15 +67,17 @@ class Variation(NamedTuple):
 
 
 _RowReader = Callable[[list[str], dict[tuple[int, int], float]], Variation]
-"""What reads the fields of a row, beside the reference dates of the degrees and orders read so far."""
+"""A reader of the fields of a row, with the reference dates of the degrees and orders read so far."""
 
 
 @dataclass(frozen=True, eq=False)
 class GravityField:
-    """Fully normalised spherical harmonics of Earth's gravity.
+    """Fully normalised spherical harmonics of the Earth's gravity.
 
-    gm [m3/s2], radius [m]; c, s: shape (degree + 1, order + 1), entry [n, m], zero above the diagonal,
-    read-only; they are the constant part, `variations` is the rest.
+    gm: [m3/s2]
+    radius: [m]
+    c, s: constant part (degree + 1, order + 1), entry [n, m], zero above the diagonal, read-only
+    variations: time-variable part
     """
 
     name: str
@@ -99,10 +102,10 @@ class GravityField:
         """Highest order m."""
         return int(self.c.shape[1]) - 1
 
-    def at(self, epoch: str) -> "GravityField":
-        """The same field frozen at a UTC epoch: its variations become part of c and s.
+    def freeze(self, epoch: str) -> "GravityField":
+        """Return the field at a UTC epoch, its variations added to c and s.
 
-        Raises InputError on a malformed epoch, or one that none of a coefficient's intervals covers.
+        Raises InputError on a malformed epoch, and one outside all intervals of a coefficient.
         """
         if not self.variations:
             return self
@@ -120,8 +123,8 @@ class GravityField:
                 raise InputError(f"{where}: expected a row gfct for {epoch}, got none")
         return replace(self, c=c, s=s, variations=())
 
-    def truncated(self, degree: int, order: int) -> "GravityField":
-        """The same field up to `degree` and `order`. Raises InputError where it does not reach them."""
+    def truncate(self, degree: int, order: int) -> "GravityField":
+        """Return the field up to a degree and order. Raises InputError where it does not reach them."""
         if not 0 <= degree <= self.max_degree:
             raise InputError(f"{self.name}: degree: expected 0 to {self.max_degree}, got {degree}")
         if not 0 <= order <= min(degree, self.max_order):
@@ -132,45 +135,45 @@ class GravityField:
 
 
 def table(field: GravityField, epoch: str) -> pd.DataFrame:
-    """Table `gravity_field`: columns n, m (int64), c, s (fully normalised) of `field` at a UTC epoch."""
-    frozen = field.at(epoch)
+    """Return the table `gravity_field` at a UTC epoch: columns n, m (int64), c, s (fully normalised)."""
+    frozen = field.freeze(epoch)
     n, m = np.tril_indices(frozen.max_degree + 1, m=frozen.max_order + 1)
     return pd.DataFrame({"n": n, "m": m, "c": frozen.c[n, m], "s": frozen.s[n, m]})
 
 
 def metadata(field: GravityField) -> dict[str, str | float]:
-    """Name, gm [m3/s2], radius [m] and tide system of a field, for the table's file metadata."""
+    """Return name, gm [m3/s2], radius [m] and tide system of a field, for the table's file metadata."""
     return {"name": field.name, "gm": field.gm, "radius": field.radius, "tide_system": field.tide_system}
 
 
 def resolve(name_or_path: str | Path) -> Path:
-    """Path of the ICGEM file that a setting names.
+    """Return the path of the ICGEM file in a setting.
 
-    'EGM2008' is the packaged file (degree and order 70); 'EIGEN-6S' is fetched once from Orekit's public data
-    into the user's cache (or the folder in OPML_CACHE) and checked; anything else is a path.
+    'EGM2008' is the packaged file (degree and order 70). 'EIGEN-6S' is fetched once from Orekit's public data
+    into the user's cache (or the folder in OPML_CACHE), and its digest checked. Anything else is a path.
     Raises InputError where the fetch fails.
     """
     match str(name_or_path):
         case "EGM2008":
             return Path(str(files("opml") / "data" / "egm2008_70.gfc"))
         case "EIGEN-6S":
-            return _fetched_eigen_6s()
+            return _fetch_eigen_6s()
         case path:
             return Path(path)
 
 
 def read_icgem(path: str | Path) -> GravityField:
-    """Gravity field of an ICGEM file, format 1.0 or 2.0.
+    """Read the gravity field of an ICGEM file, format 1.0 or 2.0.
 
-    Raises InputError, naming file and key or row, for a file that is missing or truncated, a header without a
-    required key, a field that is not fully normalised, and a row that cannot be read.
+    Raises InputError, naming file and key or row, for a missing or truncated file, a header without a
+    required key, a field that is not fully normalised, and a malformed row.
     """
     lines = _lines(path)
     header, head_length = _read_header(path, lines)
     degree = _header_degree(path, header)
     c, s = np.zeros((degree + 1, degree + 1)), np.zeros((degree + 1, degree + 1))
     c[0, 0] = 1.0
-    seen = np.zeros((degree + 1, degree + 1), dtype=bool)
+    present = np.zeros((degree + 1, degree + 1), dtype=bool)
     variations = []
     read_row = _row_with_interval if header.get("format", "").startswith("icgem2") else _row_with_reference
     for row in _rows(path, lines, head_length, degree, read_row):
@@ -179,8 +182,8 @@ def read_icgem(path: str | Path) -> GravityField:
         else:
             variations.append(row)
         if row.kind in ("gfc", "gfct"):
-            seen[row.n, row.m] = True
-    _check_complete(path, seen)
+            present[row.n, row.m] = True
+    _check_complete(path, present)
     return GravityField(
         name=header["modelname"],
         gm=_header_number(path, header, "earth_gravity_constant"),
@@ -203,7 +206,7 @@ def _lines(path: str | Path) -> list[str]:
 def _rows(
     path: str | Path, lines: list[str], head_length: int, degree: int, read_row: _RowReader
 ) -> Iterator[Variation]:
-    """The rows below the header, each with a degree and order that the field has."""
+    """Yield the rows below the header. Raises InputError for a degree or order that the field lacks."""
     references: dict[tuple[int, int], float] = {}
     for number, line in enumerate(lines[head_length:], start=head_length + 1):
         fields = line.split()
@@ -223,7 +226,7 @@ def _rows(
 
 
 def _read_header(path: str | Path, lines: list[str]) -> tuple[dict[str, str], int]:
-    """Key -> value of the header, and its number of lines. Text before 'begin_of_head' is comment."""
+    """Return the header's values by key, and its number of lines; text before 'begin_of_head' is comment."""
     keys = [line.split(maxsplit=1)[0] if line.strip() else "" for line in lines]
     if "end_of_head" not in keys:
         raise InputError(f"{path}: header: expected a line end_of_head, got none")
@@ -260,10 +263,10 @@ def _header_degree(path: str | Path, header: dict[str, str]) -> int:
 
 
 def _row_with_reference(fields: list[str], references: dict[tuple[int, int], float]) -> Variation:
-    """A row of format 1.0: gfct ends in the reference day that its other rows share, acos and asin a period.
+    """Return a row of format 1.0: gfct ends in the reference day for all its rows, acos and asin in a period.
 
-    The day's noon is meant, as Orekit reads it; the format leaves the hour open. Midnight would change
-    the acceleration of an ISS by up to 2e-10 m/s2.
+    The reference is the day's noon, as in Orekit; the format leaves the hour open. Midnight would change the
+    acceleration of an ISS by up to 2e-10 m/s2.
     """
     kind, n, m, c, s, rest = _split_row(fields)
     match kind:
@@ -280,7 +283,7 @@ def _row_with_reference(fields: list[str], references: dict[tuple[int, int], flo
 
 
 def _row_with_interval(fields: list[str], _: dict[tuple[int, int], float]) -> Variation:
-    """A row of format 2.0: all but gfc end in their interval's start and end, acos and asin a period."""
+    """Return a row of format 2.0: all kinds but gfc end in an interval, acos and asin in a period, too."""
     kind, n, m, c, s, rest = _split_row(fields)
     match kind:
         case "gfc":
@@ -300,7 +303,7 @@ def _split_row(fields: list[str]) -> tuple[str, int, int, float, float, list[str
 
 
 def _number(text: str) -> float:
-    """A finite number, Fortran's exponent letter D included."""
+    """Return a finite number, Fortran's exponent letter D included. Raises ValueError for any other text."""
     value = float(text.upper().replace("D", "E"))
     if not np.isfinite(value):
         raise ValueError(text)
@@ -315,7 +318,7 @@ def _period(text: str) -> float:
 
 
 def _julian_date(text: str) -> float:
-    """Julian date of 'yyyymmdd' or 'yyyymmdd.hhmm'."""
+    """Return the Julian date of 'yyyymmdd' or 'yyyymmdd.hhmm'."""
     day, _, clock = text.partition(".")
     clock = (clock + "0000")[:4]
     if len(day) != 8:
@@ -324,22 +327,25 @@ def _julian_date(text: str) -> float:
     return days + _JD_OF_ORDINAL_ZERO + int(clock[:2]) / 24.0 + int(clock[2:]) / 1440.0
 
 
-def _check_complete(path: str | Path, seen: np.ndarray) -> None:
-    """InputError where a row is missing; degrees 0 and 1 may be, and orders above the file's highest."""
-    order = np.flatnonzero(seen.any(axis=0)).max(initial=0)
-    expected = np.tril(np.ones_like(seen))
+def _check_complete(path: str | Path, present: np.ndarray) -> None:
+    """Raise InputError where a row is missing.
+
+    Degrees 0 and 1, and orders above the highest one in the file, are optional.
+    """
+    order = np.flatnonzero(present.any(axis=0)).max(initial=0)
+    expected = np.tril(np.ones_like(present))
     expected[:2] = False
     expected[:, order + 1 :] = False
-    missing = np.argwhere(expected & ~seen)
+    missing = np.argwhere(expected & ~present)
     if missing.size:
         n, m = missing[0]
         raise InputError(
-            f"{path}: expected coefficients up to max_degree {len(seen) - 1}, "
+            f"{path}: expected coefficients up to max_degree {len(present) - 1}, "
             f"got none of degree {n}, order {m}"
         )
 
 
-def _fetched_eigen_6s() -> Path:
+def _fetch_eigen_6s() -> Path:
     cache = pooch.create(
         path=pooch.os_cache("opml"),
         base_url=EIGEN_6S_URL,

@@ -1,11 +1,12 @@
-"""The space weather that an assumed model flies under, by what is known when.
+"""The space weather that an assumed model flies under, by the time at which it is known.
 
-hindcast: t_j is today. The weather up to then was measured; only what looks ahead of its time is replaced.
-forecast: t_i is today. An outlook has what was known when it was issued, and the forecast made then.
+hindcast: t_j is today. The weather up to t_j was measured; only figures that look ahead are replaced.
+forecast: t_i is today. An outlook has the weather known at its issue, and the forecast made then.
 """
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,27 +18,55 @@ from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.environment import solar_activity, space_weather
 from opml.environment.forecasts import methods
-from opml.environment.forecasts.method import Forecast, Future, Tell
+from opml.environment.forecasts.method import Forecast, Future, FutureForecast
 from opml.environment.weather import ACTIVITY, RUN_UP, Weather
 
 MONTHLY, HINDCAST, FORECAST = "monthly", "hindcast", "forecast"
 KNOWN = (HINDCAST, FORECAST)
-"""Kinds of knowledge that ask for weather that was measured."""
+"""Kinds of knowledge that need measured weather."""
 
 FIT_HOURS = 3
 """Hours between the outlooks that fits fly under: they know Kp up to the last interval that is over."""
 
 _AHEAD = 2.0 * HOUR
-"""How far beyond the last time of an arc its figures are looked up, a node of the grid [s]."""
+"""Time beyond the end of an arc up to which its figures are looked up, two nodes of the grid [s]."""
+
+
+@dataclass(frozen=True)
+class Issues:
+    """Forecasts of the space weather issued at regular times.
+
+    source: of the measured weather, OBSERVED or a CSSI file
+    epoch: UTC text
+    forecast: settings of the method, which learns from the packaged weather before the epoch
+    hours: between issues, the first one at or before the epoch
+    max_days: longest flight of an arc after its epoch
+    """
+
+    source: str | Path
+    epoch: str
+    forecast: Mapping[str, Any]
+    hours: int
+    max_days: float
+
+    @property
+    def horizon(self) -> float:
+        """Time after an issue that its forecast has to cover [s]."""
+        return self.max_days * DAY + self.hours * HOUR + _AHEAD
+
+    @property
+    def days(self) -> int:
+        """Whole days of each forecast."""
+        return math.ceil(self.horizon / DAY) + 1
 
 
 def read(source: str | Path) -> Weather:
-    """The measured weather of a source, OBSERVED or a file of CSSI's; its predicted days are left out.
+    """Read the measured weather of a source, OBSERVED or a CSSI file, without its predicted days.
 
-    Raises InputError where it cannot be read or holds monthly figures.
+    Raises InputError where the source is unreadable or holds monthly figures.
     """
     path = solar_activity.resolve(source)
-    text = solar_activity.text_of(path)
+    text = solar_activity.read_text(path)
     if not space_weather.is_space_weather(text):
         raise InputError(f"{source}: expected weather that was measured day by day, OBSERVED or a CSSI file")
     days = space_weather.read(path, text).iloc[: space_weather.observed_days(text)]
@@ -50,14 +79,14 @@ def read(source: str | Path) -> Weather:
 
 def check_monthly(source: str | Path) -> None:
     """Raise InputError where a source holds no monthly figures."""
-    if space_weather.is_space_weather(solar_activity.text_of(solar_activity.resolve(source))):
+    if space_weather.is_space_weather(solar_activity.read_text(solar_activity.resolve(source))):
         raise InputError(f"{source}: expected monthly figures, MSAFE or a bulletin")
 
 
 def hindcast(source: str | Path, epoch: str, t: np.ndarray) -> pd.DataFrame:
-    """Table `solar_activity` at times `t` [s since `epoch`] of what was known at each of them.
+    """Return the table `solar_activity` with the figures known at each time `t` (n,) [s since `epoch`].
 
-    Raises InputError where the source cannot be read or does not reach.
+    Raises InputError where the source is unreadable or does not cover the times.
     """
     weather, day = read(source), space_weather.days(epoch, t)
     _check_begin(weather, day, source)
@@ -65,95 +94,70 @@ def hindcast(source: str | Path, epoch: str, t: np.ndarray) -> pd.DataFrame:
     return pd.DataFrame({"t": t, **weather.activity(day)})
 
 
-def measured(source: str | Path, epoch: str, t: np.ndarray) -> pd.DataFrame:
-    """The same up to the last measurement, not finite after it: what a forecast starts from.
+def measured_activity(source: str | Path, epoch: str, t: np.ndarray) -> pd.DataFrame:
+    """Return the table of `hindcast` up to the last measurement, not finite after it.
 
-    So a run may reach into days that nobody has measured yet. Raises InputError where the source cannot be
-    read or begins too late.
+    A forecast starts from it, so that a run may reach into days without measurements. Raises InputError where
+    the source is unreadable or begins too late.
     """
     weather, day = read(source), space_weather.days(epoch, t)
     _check_begin(weather, day, source)
-    known = day <= _last(weather)
+    known = day <= _last_day(weather)
     table = pd.DataFrame({"t": t, **dict.fromkeys(ACTIVITY, np.nan)})
     table.loc[known, ACTIVITY] = pd.DataFrame(weather.activity(day[known])).to_numpy()
     return table
 
 
-TABLES = {HINDCAST: hindcast, FORECAST: measured}
-"""What stands in for the weather of the run, by the kind of knowledge."""
+TABLES = {HINDCAST: hindcast, FORECAST: measured_activity}
+"""Makers of the run's table `solar_activity`, by the kind of knowledge."""
 
 
-def outlooks(
-    source: str | Path,
-    epoch: str,
-    t: np.ndarray,
-    *,
-    forecast: Mapping[str, Any],
-    issue_hours: int,
-    max_days: float,
-) -> pd.DataFrame:
-    """Table `outlooks`: the activity at times `t` [s since `epoch`] after each issue, as forecast then.
+def outlooks(issues: Issues, t: np.ndarray) -> pd.DataFrame:
+    """Return the table `outlooks`: the activity at times `t` (n,) [s] after each issue, as forecast then.
 
-    forecast: settings of the method, which learns from the packaged weather before the epoch; issue_hours:
-    between issues, the first at or before the epoch; max_days: how long arcs fly. Raises InputError where a
-    source cannot be read or does not reach.
+    Raises InputError where a source is unreadable or does not cover the times.
     """
-    horizon = max_days * DAY + issue_hours * HOUR + _AHEAD
-    method = fitted(epoch, days=math.ceil(horizon / DAY) + 1, forecast=forecast)
+    forecast = fit_forecast(issues.epoch, days=issues.days, forecast=issues.forecast)
 
-    def only(past: Weather, day: float) -> list[Future]:
-        return [method(past, day)]
+    def single_future(past: Weather, day: float) -> list[Future]:
+        return [forecast(past, day)]
 
-    table = _issued(source, epoch, t, only, hours=issue_hours, horizon=horizon)
-    return table.drop(columns="member")
+    return _tabulate(issues, t, single_future).drop(columns="member")
 
 
-def futures(
-    source: str | Path,
-    epoch: str,
-    t: np.ndarray,
-    *,
-    forecast: Mapping[str, Any],
-    members: int,
-    issue_hours: int,
-    max_days: float,
-) -> pd.DataFrame:
-    """Table `futures`: as `outlooks`, of so many members about the forecast (`methods.futures`)."""
-    horizon = max_days * DAY + issue_hours * HOUR + _AHEAD
-    days = math.ceil(horizon / DAY) + 1
-    find = methods.futures(_history(epoch), days=days, settings=forecast, members=members)
-    return _issued(source, epoch, t, find, hours=issue_hours, horizon=horizon)
+def futures(issues: Issues, t: np.ndarray, *, members: int) -> pd.DataFrame:
+    """Return the table `futures`: as `outlooks`, for each member of an ensemble about the forecast.
+
+    The members are those of `methods.futures`.
+    """
+    history = _history(issues.epoch)
+    ensemble = methods.futures(history, days=issues.days, settings=issues.forecast, members=members)
+    return _tabulate(issues, t, ensemble)
 
 
-def _issued(
-    source: str | Path,
-    epoch: str,
-    t: np.ndarray,
-    tell: Tell,
-    *,
-    hours: int,
-    horizon: float,
-) -> pd.DataFrame:
-    """The activity at times `t` [s] up to `horizon` [s] after each issue, by each future told then."""
-    weather, day = read(source), space_weather.days(epoch, t)
-    _check_begin(weather, day, source)
+def _tabulate(issues: Issues, t: np.ndarray, ensemble: FutureForecast) -> pd.DataFrame:
+    """Return the activity at times `t` [s] up to the horizon of each issue, by each of its futures."""
+    weather, day = read(issues.source), space_weather.days(issues.epoch, t)
+    _check_begin(weather, day, issues.source)
     parts = []
-    for issued, today in zip(*issues(epoch, t, hours), strict=True):
-        if today > _last(weather):
+    for issued, today in zip(*issue_times(issues.epoch, t, issues.hours), strict=True):
+        if today > _last_day(weather):
             break
-        known = weather.known_at(today)
-        recent = known.since(math.floor(today) - RUN_UP - 1)
-        ahead = (t > issued) & (t <= issued + horizon)
-        for member, future in enumerate(tell(known, today)):
-            activity = recent.followed_by(*future).activity(day[ahead])
+        known = weather.keep_known(today)
+        recent = known.drop_before(math.floor(today) - RUN_UP - 1)
+        ahead = (t > issued) & (t <= issued + issues.horizon)
+        for member, future in enumerate(ensemble(known, today)):
+            activity = recent.extend(*future).activity(day[ahead])
             parts.append(pd.DataFrame({"member": member, "issued": issued, "t": t[ahead], **activity}))
     return pd.concat(parts, ignore_index=True)
 
 
-def fitted(epoch: str, *, days: int, forecast: Mapping[str, Any]) -> Forecast:
-    """The forecast of so many `days` that learned from the packaged weather before `epoch` (UTC text).
+def fit_forecast(epoch: str, *, days: int, forecast: Mapping[str, Any]) -> Forecast:
+    """Return a forecast of `days` days that has learned from the packaged weather before `epoch` (UTC text).
 
-    Raises InputError where there is too little of it.
+    forecast: settings of the method
+
+    Raises InputError where there is too little weather before the epoch.
     """
     return methods.fit(_history(epoch), days=days, settings=forecast)
 
@@ -161,25 +165,29 @@ def fitted(epoch: str, *, days: int, forecast: Mapping[str, Any]) -> Forecast:
 def check(
     source: str | Path, epoch: str, ends: np.ndarray, *, forecast: Mapping[str, Any], issue_hours: int
 ) -> None:
-    """Raise InputError where the weather, the history or the user's own forecasts do not reach.
+    """Raise InputError where the weather, the history or the user's own forecasts do not cover a run.
 
-    ends: first and last time of the run's tables [s since `epoch`]; the rest is as in `outlooks`.
+    source: of the measured weather, OBSERVED or a CSSI file
+    epoch: UTC text
+    ends: (2,) first and last time of the run's tables [s since `epoch`]
+    forecast: settings of the method
+    issue_hours: between issues
     """
     _check_begin(read(source), space_weather.days(epoch, ends), source)
-    today = float(issues(epoch, ends, max(issue_hours, FIT_HOURS))[1][0])
-    methods.check(_history(epoch), read(source).known_at(today), today, settings=forecast)
+    today = float(issue_times(epoch, ends, max(issue_hours, FIT_HOURS))[1][0])
+    methods.check(_history(epoch), read(source).keep_known(today), today, settings=forecast)
 
 
 def _history(epoch: str) -> Weather:
-    """The packaged weather before the epoch."""
+    """Return the packaged weather before the epoch."""
     begin = float(space_weather.days(epoch, np.zeros(1))[0])
-    return read(solar_activity.OBSERVED).known_at(begin)
+    return read(solar_activity.OBSERVED).keep_known(begin)
 
 
-def issues(epoch: str, t: np.ndarray, hours: int) -> tuple[np.ndarray, np.ndarray]:
-    """When outlooks are issued up to the last of `t`: (times [s since `epoch`], modified Julian days).
+def issue_times(epoch: str, t: np.ndarray, hours: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the times of issue up to the last of `t`, in [s since `epoch`] and as modified Julian days.
 
-    At whole multiples of `hours` of the day (UTC), the first at or before the epoch.
+    They are whole multiples of `hours` of the day (UTC), the first one at or before the epoch.
     """
     midnight, _ = epochs.days_of_year(epoch, 0.0)
     first = midnight + hours * HOUR * math.floor(-midnight / (hours * HOUR))
@@ -187,24 +195,24 @@ def issues(epoch: str, t: np.ndarray, hours: int) -> tuple[np.ndarray, np.ndarra
     return times, space_weather.days(epoch, times)
 
 
-def _last(weather: Weather) -> float:
-    """Modified Julian day up to which the weather was measured."""
+def _last_day(weather: Weather) -> float:
+    """Return the modified Julian day of the last time with both F10.7 and Kp."""
     return weather.first + min(len(weather.flux) - 1 + space_weather.MEASURED, len(weather.kp) / 8)
 
 
 def _check_begin(weather: Weather, day: np.ndarray, source: str | Path) -> None:
-    """Raise InputError where the mean of the 81 days before does not reach, or nothing is measured yet."""
-    if day.min() < weather.first + RUN_UP or day.min() > _last(weather):
-        raise _out_of_reach(weather, day, source)
+    """Raise InputError where the weather lacks the 81 days before the first day, or ends before it."""
+    if day.min() < weather.first + RUN_UP or day.min() > _last_day(weather):
+        raise _reach_error(weather, day, source)
 
 
 def _check_end(weather: Weather, day: np.ndarray, source: str | Path) -> None:
-    """Raise InputError where the weather ends before."""
-    if day.max() > _last(weather):
-        raise _out_of_reach(weather, day, source)
+    """Raise InputError where the weather ends before the last day."""
+    if day.max() > _last_day(weather):
+        raise _reach_error(weather, day, source)
 
 
-def _out_of_reach(weather: Weather, day: np.ndarray, source: str | Path) -> InputError:
+def _reach_error(weather: Weather, day: np.ndarray, source: str | Path) -> InputError:
     wanted = f"{epochs.calendar(day.min())} to {epochs.calendar(day.max())}"
-    reach = f"{epochs.calendar(weather.first + RUN_UP)} to {epochs.calendar(_last(weather))}"
+    reach = f"{epochs.calendar(weather.first + RUN_UP)} to {epochs.calendar(_last_day(weather))}"
     return InputError(f"{source}: epoch: expected dates from {reach}, got {wanted}")

@@ -1,8 +1,8 @@
-"""Density of the thermosphere by NRLMSIS 2.1, tabulated around the Earth over a run.
+"""Table of the thermosphere's density by NRLMSIS 2.1, around the Earth over a run.
 
-Model: Emmert et al. 2022, NRLMSIS 2.1, JGR Space Physics 127, e2022JA030896, by pymsis. Of the weather it
-gets what DTM2000 gets of F10.7, and the three-hourly ap of the 57 hours before (its storm mode). Winds are no
-part of it: the atmosphere turns with the Earth.
+Model: Emmert et al. 2022, NRLMSIS 2.1, JGR Space Physics 127, e2022JA030896, by pymsis. Its inputs are the
+F10.7 of DTM2000 and the three-hourly ap of the 57 hours before (its storm mode). It has no winds: the
+atmosphere turns with the Earth.
 """
 
 from pathlib import Path
@@ -18,53 +18,57 @@ from opml.environment import solar_activity, space_weather
 from opml.environment.space_weather import INTERVALS, KP, ROUNDING
 
 NAME = "NRLMSIS"
+"""The model's name in the settings."""
 
 SOURCES = {
     "model": "NRLMSIS 2.1 (Emmert et al. 2022, JGR Space Physics 127, e2022JA030896)",
     "code": f"pymsis {pymsis.__version__}",
 }
-"""Where the table's numbers come from, for its metadata."""
+"""Sources of the table's numbers, for its metadata."""
 
 _AP = (0, 2, 3, 4, 5, 6, 7, 9, 12, 15, 18, 22, 27, 32, 39, 48, 56, 67, 80, 94, 111, 132, 154, 179, 207, 236)
 _AP_OF_THIRDS = np.array([*_AP, 300, 400], float)
-"""The ap of a Kp in thirds (Bartels 1957, by GFZ Potsdam)."""
+"""The ap of Kp in thirds from 0 (Bartels 1957, by GFZ Potsdam)."""
 
 _UNIX_DAY = 40587
 """Modified Julian day of 1970-01-01."""
 
 _RUN_UP = 20
-"""Intervals before a time that its ap are from: 57 hours and the one at the time."""
+"""Intervals of ap that the model needs: those of 57 hours before, and the one at the time."""
 
 
 def tabulate(source: str | Path, epoch: str, t: np.ndarray) -> pd.DataFrame:
-    """Table `thermosphere` at times `t` [s since `epoch`], of each place of the grid: densities [kg/m3].
+    """Return the table `thermosphere`: densities [kg/m3] at each node of the grid.
 
-    source: OBSERVED or a file of CSSI's. Raises InputError where it cannot be read, holds monthly figures or
-    does not reach.
+    source: OBSERVED or a CSSI file
+    epoch: UTC text
+    t: (n,) [s since `epoch`]
+
+    Raises InputError where the source is unreadable, holds monthly figures or does not cover the times.
     """
     figures = weather(source, epoch, t)
-    parts = map(_around, t, clocks(epoch, t), figures)
+    parts = map(_rows_at_time, t, clocks(epoch, t), figures)
     return pd.concat(parts, ignore_index=True)
 
 
 def weather(source: str | Path, epoch: str, t: np.ndarray) -> np.ndarray:
-    """F10.7, its 81-day mean [sfu] and the seven ap that the model asks for at times `t`: (n, 9).
+    """Return F10.7, its 81-day mean [sfu] and seven ap, the model's inputs, at times `t`: (n, 9).
 
     The ap are the mean of the day before; those of the interval and of 3, 6 and 9 hours before; and the means
-    of 12 to 33 and of 36 to 57 hours before. Errors as `tabulate`.
+    of 12 to 33 and of 36 to 57 hours before. Parameters and errors are those of `tabulate`.
     """
     path = solar_activity.resolve(source)
-    text = solar_activity.text_of(path)
+    text = solar_activity.read_text(path)
     if not space_weather.is_space_weather(text):
         raise InputError(f"{source}: expected weather that was measured day by day, OBSERVED or a CSSI file")
     flux = space_weather.tabulate(path, text, epoch, t)[["f107", "f107_mean"]].to_numpy()
     days = space_weather.read(path, text)
     thirds = np.round(3.0 * days[KP].to_numpy().ravel()).astype(int)
     elapsed = space_weather.days(epoch, t) - days.index[0]
-    at = np.floor(INTERVALS * (elapsed + ROUNDING)).astype(int)
-    if at.min() < _RUN_UP:
+    interval = np.floor(INTERVALS * (elapsed + ROUNDING)).astype(int)
+    if interval.min() < _RUN_UP:
         raise InputError(f"{path.name}: epoch: expected three days of weather before it, got fewer")
-    ap = _AP_OF_THIRDS[thirds][at[:, None] - np.arange(_RUN_UP)]
+    ap = _AP_OF_THIRDS[thirds][interval[:, None] - np.arange(_RUN_UP)]
     means = [ap[:, begin : begin + INTERVALS].mean(axis=1) for begin in (0, 4, 12)]
     return np.column_stack([flux, means[0], ap[:, :4], means[1], means[2]])
 
@@ -72,14 +76,16 @@ def weather(source: str | Path, epoch: str, t: np.ndarray) -> np.ndarray:
 def densities(
     clock: float, east: np.ndarray, north: np.ndarray, altitude: np.ndarray, figures: np.ndarray
 ) -> np.ndarray:
-    """Densities [kg/m3] on a grid of longitudes, latitudes [rad] and altitudes [m] (WGS84), by the model.
+    """Return the densities [kg/m3] on a grid: (longitudes, latitudes, altitudes).
 
-    clock: days since 1970-01-01 (UTC); figures: (9,) as from `weather`. Returns (longitudes, latitudes,
-    altitudes).
+    clock: days since 1970-01-01 (UTC)
+    east, north: longitudes and latitudes [rad] (WGS84)
+    altitude: altitudes [m] (WGS84)
+    figures: (9,) inputs as from `weather`
     """
     moment = np.datetime64(round(clock * DAY * 1e3), "ms")
     flux, mean, *ap = figures
-    found = pymsis.calculate(
+    output = pymsis.calculate(
         [moment],
         np.degrees(east) % 360.0,
         np.degrees(north),
@@ -90,18 +96,16 @@ def densities(
         version=2.1,
         geomagnetic_activity=-1,
     )
-    density: np.ndarray = found[0, ..., pymsis.Variable.MASS_DENSITY].astype(float)
-    return density
+    return np.asarray(output[0, ..., pymsis.Variable.MASS_DENSITY].astype(float))
 
 
 def clocks(epoch: str, t: np.ndarray) -> np.ndarray:
-    """Days since 1970-01-01 (UTC) at times `t` [s since `epoch`]."""
-    found: np.ndarray = space_weather.days(epoch, t) - _UNIX_DAY
-    return found
+    """Return the days since 1970-01-01 (UTC) at times `t` [s since `epoch`]."""
+    return np.asarray(space_weather.days(epoch, t) - _UNIX_DAY)
 
 
-def _around(t: float, clock: float, figures: np.ndarray) -> pd.DataFrame:
-    """The rows of one time, each local time with its latitudes."""
+def _rows_at_time(t: float, clock: float, figures: np.ndarray) -> pd.DataFrame:
+    """Return the table's rows of one time, all latitudes of each local time together."""
     local, north, altitude = (np.array(axis) for axis in (LOCAL_TIMES, LATITUDES, ALTITUDES))
     density = densities(clock, local - 2.0 * np.pi * (clock % 1.0), north, altitude, figures)
     place = {"t": t, "local_time": np.repeat(local, len(north)), "latitude": np.tile(north, len(local))}

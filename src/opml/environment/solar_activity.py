@@ -1,8 +1,8 @@
-"""Solar and geomagnetic activity as the upper atmosphere's model reads it.
+"""Table of solar and geomagnetic activity, the inputs of the thermosphere's model.
 
-MSAFE: the monthly estimates of the 13-month smoothed F10.7 and Ap by NASA's Marshall Space Flight Center. In
-the package each month is from the newest bulletin that lists it, as in Orekit: it came out half a year later.
-OBSERVED: what was measured, see `space_weather`.
+MSAFE: monthly estimates of the 13-month smoothed F10.7 and Ap by NASA's Marshall Space Flight Center. In the
+package each month is from the newest bulletin that lists it, published half a year later, as in Orekit.
+OBSERVED: measured activity, see `space_weather`.
 """
 
 import re
@@ -23,9 +23,10 @@ from opml.environment import space_weather
 MSAFE = "MSAFE"
 OBSERVED = "OBSERVED"
 PERCENTILES = (95, 50, 5)
+"""Percentiles of MSAFE's estimates [%]."""
 
 PACKAGED = {MSAFE: "msafe.tsv", OBSERVED: "space_weather.csv"}
-"""Files of the package, by the name that a setting gives them."""
+"""Files of the package by their names in the settings."""
 
 _COLUMNS = [f"{index}_{percentile}" for index in ("f107", "ap") for percentile in PERCENTILES]
 _MONTHS = ("JAN", "FEB", "MAR", "APR", "MAY", "JUN", "JUL", "AUG", "SEP", "OCT", "NOV", "DEC")
@@ -37,54 +38,54 @@ _PACKAGED_ROW = re.compile(r"(\d{4}-(?:0[1-9]|1[0-2]))" + _FIGURES, re.ASCII)
 
 
 def tabulate(source: str | Path, epoch: str, t: np.ndarray, percentile: int) -> pd.DataFrame:
-    """Table `solar_activity` at times `t` [s since `epoch`], shape (n,).
+    """Return the table `solar_activity`.
 
-    Columns t [s], f107, f107_mean [sfu], kp_3h, kp_24h. MSAFE gives one smoothed F10.7 and one Ap, which
-    stand for the daily and the mean flux, the three-hourly and the daily Kp alike; observed weather has all
-    four. `source` is 'MSAFE' or 'OBSERVED' (packaged) or the path of an MSAFE bulletin or of CSSI's space
-    weather, told by its content; `percentile` is one of PERCENTILES and matters to MSAFE only.
-    Raises InputError for what it cannot read and for dates outside the file's.
+    source: 'MSAFE' or 'OBSERVED' (packaged), or the path of an MSAFE bulletin or of CSSI's space weather
+    epoch: UTC text
+    t: (n,) [s since `epoch`]
+    percentile: one of PERCENTILES, for MSAFE only
+
+    Columns: t [s], f107, f107_mean [sfu], kp_3h, kp_24h. MSAFE's one smoothed F10.7 is both the daily and
+    the mean flux, its one Ap both the three-hourly and the daily Kp. Raises InputError for an unreadable
+    file and for dates outside the file's.
     """
     if percentile not in PERCENTILES:
         raise InputError(f"percentile: expected 95, 50 or 5, got {percentile!r}")
     path = resolve(source)
-    text = text_of(path)
+    text = read_text(path)
     if space_weather.is_space_weather(text):
         return space_weather.tabulate(path, text, epoch, t)
     months = _reader(path, text)(path, text.splitlines())
     t = np.asarray(t, dtype=float)
-    begin, end = (_start(epoch, month) for month in months.index[[0, -1]])
+    begin, end = (_month_start(epoch, month) for month in months.index[[0, -1]])
     if t.min() < begin or t.max() > end:
         raise InputError(
             f"{path.name}: epoch: expected dates from {months.index[0]}-01 to {months.index[-1]}-01, "
             f"got {epochs.calendar_day(epoch, t.min())} to {epochs.calendar_day(epoch, t.max())}"
         )
-    months = _about(months, epoch, t)
-    starts = np.array([_start(epoch, month) for month in months.index])
+    months = _months_around(months, epoch, t)
+    starts = np.array([_month_start(epoch, month) for month in months.index])
     f107 = np.interp(t, starts, months[f"f107_{percentile}"])
     kp = kp_from_ap(np.interp(t, starts, months[f"ap_{percentile}"]))
     return pd.DataFrame({"t": t, "f107": f107, "f107_mean": f107, "kp_3h": kp, "kp_24h": kp})
 
 
-def _start(epoch: str, month: str) -> float:
-    """Seconds from `epoch` to a month's first day, 00:00 UTC.
-
-    There its figures hold, and change linearly until the next.
-    """
-    return epochs.elapsed(epoch, f"{month}-01T00:00:00")
+def _month_start(epoch: str, month: str) -> float:
+    """Return the seconds from `epoch` to a month's first day, 00:00 UTC, the time of its figures."""
+    return epochs.seconds_between(epoch, f"{month}-01T00:00:00")
 
 
-def _about(months: pd.DataFrame, epoch: str, t: np.ndarray) -> pd.DataFrame:
-    """The few months that times `t` [s since `epoch`] lie between, of the decades that a file tells."""
+def _months_around(months: pd.DataFrame, epoch: str, t: np.ndarray) -> pd.DataFrame:
+    """Return the few months, of a file's decades, that surround times `t` [s since `epoch`]."""
     # A day's margin, as calendar days are rounded.
     first, last = (epochs.calendar_day(epoch, moment)[:7] for moment in (t.min() - DAY, t.max() + DAY))
     return months.loc[first : _next_month(last)]
 
 
 def reach(source: str | Path) -> tuple[str, str]:
-    """First and last calendar day that `source` reaches. Raises InputError for what it cannot read."""
+    """Return the first and last calendar day of a source. Raises InputError for an unreadable file."""
     path = resolve(source)
-    text = text_of(path)
+    text = read_text(path)
     if space_weather.is_space_weather(text):
         return space_weather.reach(space_weather.read(path, text))
     months = read(path).index
@@ -92,29 +93,28 @@ def reach(source: str | Path) -> tuple[str, str]:
 
 
 def kp_from_ap(ap: ArrayLike) -> np.ndarray:
-    """Kp of an Ap, a smooth fit to the conversion table (Euler & Zeng, with NASA MSFC's bulletins)."""
-    kp: np.ndarray = 1.89 * np.arcsinh(0.154 * np.asarray(ap))
-    return kp
+    """Return Kp of Ap, by a smooth fit to the conversion table (Euler & Zeng, with NASA MSFC's bulletins)."""
+    return np.asarray(1.89 * np.arcsinh(0.154 * np.asarray(ap)))
 
 
 def resolve(source: str | Path) -> Path:
-    """Path of the file that a setting names: 'MSAFE' or 'OBSERVED' (packaged) or a path."""
+    """Return the path of the file in a setting: 'MSAFE' or 'OBSERVED' (packaged), or a path."""
     packaged = PACKAGED.get(str(source))
     return Path(str(files("opml") / "data" / packaged)) if packaged else Path(source)
 
 
 def read(path: str | Path) -> pd.DataFrame:
-    """Monthly activity of an MSAFE file in any known format, told by its content.
+    """Read the monthly activity of an MSAFE bulletin or of the package's own table.
 
-    Index: months 'YYYY-MM', one after the other; columns f107_95, f107_50, f107_5 [sfu], ap_95, ap_50, ap_5.
-    Raises InputError for an unknown format, a malformed line, a month that is missing or out of order.
+    Index: consecutive months 'YYYY-MM'. Columns: f107_95, f107_50, f107_5 [sfu], ap_95, ap_50, ap_5.
+    Raises InputError for an unknown format, a malformed line, and a month that is missing or out of order.
     """
-    text = text_of(path)
+    text = read_text(path)
     return _reader(path, text)(path, text.splitlines())
 
 
-def text_of(path: str | Path) -> str:
-    """A file's text. Raises InputError where it is none."""
+def read_text(path: str | Path) -> str:
+    """Read a file of solar activity as text. Raises InputError where the file is missing or no text."""
     try:
         return Path(path).read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as reason:
@@ -122,7 +122,7 @@ def text_of(path: str | Path) -> str:
 
 
 def _reader(path: str | Path, text: str) -> Callable[[str | Path, list[str]], pd.DataFrame]:
-    """The reader of a file's format."""
+    """Return the reader for a file's format. Raises InputError for an unknown one."""
     if _BULLETIN_TITLE in text:
         return _read_bulletin
     if "\t".join(["month", *_COLUMNS]) in text.splitlines():
@@ -131,7 +131,7 @@ def _reader(path: str | Path, text: str) -> Callable[[str | Path, list[str]], pd
 
 
 def _read_bulletin(path: str | Path, lines: list[str]) -> pd.DataFrame:
-    """MSAFE bulletin as published: title lines, then 'year.fraction MONTH' and six figures per row."""
+    """Read an MSAFE bulletin: title lines, then 'year.fraction MONTH' and six figures per row."""
     texts = [(number, line.strip()) for number, line in enumerate(lines, start=1) if line.strip()]
     first = next((k for k, (_, text) in enumerate(texts) if _BULLETIN_YEAR.match(text)), len(texts))
     rows = []
@@ -145,7 +145,7 @@ def _read_bulletin(path: str | Path, lines: list[str]) -> pd.DataFrame:
 
 
 def _read_packaged(path: str | Path, lines: list[str]) -> pd.DataFrame:
-    """The package's own table: comments (#), a heading, then month and six figures per row, between tabs."""
+    """Read the package's own table: comments (#), a heading, then month and six figures per row, by tabs."""
     texts = [(number, line) for number, line in enumerate(lines, start=1) if line and line[0] != "#"]
     rows = []
     for number, text in texts[1:]:

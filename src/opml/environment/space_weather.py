@@ -1,10 +1,9 @@
-"""Observed space weather, day by day, as DTM2000 asks for it: CSSI's files, which CelesTrak keeps.
+"""Observed space weather of each day, from CSSI's files, which CelesTrak keeps, as inputs of DTM2000.
 
-Both of its forms are read: comma-separated (SW-All.csv) and fixed columns (SpaceWeather-All-v1.2.txt).
+Both forms are read: comma-separated (SW-All.csv) and fixed columns (SpaceWeather-All-v1.2.txt).
 Format: CelesTrak, Space Weather Data Documentation; inputs of DTM2000: Bruinsma, Thuillier & Barlier 2003.
-A step of Kp becomes a ramp over the hour before it, as the nodes are hourly and looked up linearly.
-The 81-day mean is centred: it looks 40 days ahead, so that it tells more than was known on the day. What was
-known is told by `knowledge`.
+Nodes are hourly and interpolated linearly, so that a step of Kp becomes a ramp over the hour before it.
+The 81-day mean is centred: it looks 40 days ahead. The weather as known on a day is in `knowledge`.
 """
 
 import math
@@ -35,72 +34,84 @@ _TEXT_DAILY = ("OBSERVED", "DAILY_PREDICTED")
 _TEXT_COLUMNS = [slice(18 + 3 * k, 21 + 3 * k) for k in range(8)] + [slice(112, 118), slice(118, 124)]
 
 INTERVALS = 8
-"""Of Kp in a day."""
+"""Intervals of Kp in a day."""
 
-DELAY = 1  # intervals by which DTM2000's Kp lags: 3 hours
+DELAY = 1
+"""Intervals by which DTM2000's Kp lags: 3 hours."""
+
 MEASURED = 20.0 / 24.0
-"""Time of day at which the flux of a date is measured: local noon at Penticton, 20:00 UTC."""
+"""Time of day [d] at which the flux of a date is measured: local noon at Penticton, 20:00 UTC."""
+
 _RUN_UP = 89
 """Days before the first time at which the running sum of Kp starts, if the file reaches so far back.
 
-A few would do. A fixed number makes all files that hold the same days give the same bits, and this one gives
-those of a file that starts on 2016-07-01, which the paper's case was first run with.
+A few would do. A fixed number gives the same bits for all files with the same days; this number gives those
+of a file from 2016-07-01 on, of the first runs of the paper's case.
 """
+
 ROUNDING = 1e-8
-"""Part of a day [d] that an epoch may miss a whole hour by, through rounding."""
+"""Part of a day [d] by which rounding may move an epoch from a whole hour."""
 
 
 _Row = tuple[int, str, list[str], bool]
-"""Line, date and figures of a day, and whether it was measured."""
+"""Line, date and figures of a day, and whether the day was measured."""
 
 
 def is_space_weather(text: str) -> bool:
-    """Whether a file's text is space weather in either form."""
+    """Return whether a file's text is space weather in either form."""
     return _TEXT_TITLE in text or _heading(text.splitlines()) is not None
 
 
 def read(path: str | Path, text: str) -> pd.DataFrame:
-    """Daily space weather of a file's `text`; `path` is for what is said of it.
+    """Read the daily space weather from a file's text.
 
-    Index: modified Julian days (UTC), one after the other; columns KP1 to KP8 (thirds), F10.7_OBS and
-    F10.7_OBS_CENTER81 [sfu], as observed: not reduced to 1 au, since the atmosphere feels what arrives.
-    Ends before the first day without Kp, where the monthly predictions begin. Raises InputError for a
-    malformed line and a day that is missing or out of order.
+    path: of the file, for messages
+    text: of the file
+
+    Index: consecutive modified Julian days (UTC). Columns: KP1 to KP8 (thirds), F10.7_OBS and
+    F10.7_OBS_CENTER81 [sfu], as observed: not reduced to 1 au, since the atmosphere absorbs what arrives.
+    The table ends before the first day without Kp, where the monthly predictions begin. Raises InputError
+    for a malformed line and a day that is missing or out of order.
     """
     rows = _text_rows if _TEXT_TITLE in text else _csv_rows
-    found = []
-    for line, day, figures, _ in rows(text.splitlines()):
+    days: list[list[float]] = []
+    for line, date_text, figures, _ in rows(text.splitlines()):
         if not all(map(str.strip, figures[: len(KP)])):
             break
-        found.append(_day(path, line, day, figures))
-        if len(found) > 1 and found[-1][0] != found[-2][0] + 1:
-            expected, got = (epochs.calendar(mjd) for mjd in (found[-2][0] + 1, found[-1][0]))
+        days.append(_day(path, line, date_text, figures))
+        if len(days) > 1 and days[-1][0] != days[-2][0] + 1:
+            expected, got = (epochs.calendar(mjd) for mjd in (days[-2][0] + 1, days[-1][0]))
             raise InputError(f"{path}: line {line}: expected the day {expected}, got {got}")
-    if len(found) < 2:
-        raise InputError(f"{path}: expected at least two days with Kp, got {len(found)}")
-    weather = pd.DataFrame(found, columns=["mjd", *_FIGURES]).set_index("mjd")
-    # Kp comes in thirds, which the files print as ten times its value rounded: 3, 7, 10.
+    if len(days) < 2:
+        raise InputError(f"{path}: expected at least two days with Kp, got {len(days)}")
+    weather = pd.DataFrame(days, columns=["mjd", *_FIGURES]).set_index("mjd")
+    # Files print a third of Kp as ten times its value, rounded: 3, 7, 10.
     weather[KP] = np.round(0.3 * weather[KP]) / 3.0
     return weather
 
 
 def observed_days(text: str) -> int:
-    """How many of the days that `read` gives were measured; those after them are predicted."""
+    """Return how many of the days of `read` were measured; the days after them are predicted."""
     rows = _text_rows if _TEXT_TITLE in text else _csv_rows
     return sum(1 for _ in takewhile(itemgetter(3), rows(text.splitlines())))
 
 
 def reach(weather: pd.DataFrame) -> tuple[str, str]:
-    """First and last calendar day that the measurements `read` gives cover from midnight to midnight."""
+    """Return the first and last calendar day that the measurements of `read` cover as a whole."""
     return epochs.calendar(weather.index[0] + 2), epochs.calendar(weather.index[-1] - 1)
 
 
 def tabulate(path: str | Path, text: str, epoch: str, t: np.ndarray) -> pd.DataFrame:
-    """Table `solar_activity` at times `t` [s since `epoch`], shape (n,).
+    """Return the table `solar_activity`.
 
-    Columns t [s]; f107: flux of 24 hours before, f107_mean: its centred 81-day mean [sfu], both linear
-    between the daily measurements; kp_3h: Kp of the three-hour interval before the one at t;
-    kp_24h: mean of it and the seven before. Raises InputError for dates outside the file's.
+    path: of the file, for messages
+    text: of the file
+    epoch: UTC text
+    t: (n,) [s since `epoch`]
+
+    Columns: t [s]; f107: flux of 24 hours before, f107_mean: its centred 81-day mean [sfu], both linear
+    between the daily measurements; kp_3h: Kp of the three-hour interval before the one at t; kp_24h: mean of
+    kp_3h and the seven Kp before it. Raises InputError for dates outside the file's.
     """
     weather = read(path, text)
     t = np.asarray(t, dtype=float)
@@ -129,9 +140,9 @@ def tabulate(path: str | Path, text: str, epoch: str, t: np.ndarray) -> pd.DataF
 
 
 def days(epoch: str, t: np.ndarray) -> np.ndarray:
-    """Modified Julian days (UTC) at times `t` [s since `epoch`], in parts of 86400 s on every day.
+    """Return modified Julian days (UTC) at times `t` [s since `epoch`], every day of 86400 s.
 
-    ERFA's days with a leap second are stretched by it, which would move the hours of Kp.
+    ERFA stretches a day with a leap second, which would move the hours of Kp.
     """
     whole, part = epochs.utc(epoch, t)
     day: np.ndarray = (whole - epochs.MJD_ZERO) + part
@@ -141,15 +152,14 @@ def days(epoch: str, t: np.ndarray) -> np.ndarray:
 
 
 def _tai(midnight: np.ndarray) -> np.ndarray:
-    """TAI modified Julian date of UTC midnights."""
+    """Return the TAI modified Julian dates of UTC midnights."""
     with epochs.strict_erfa():
         whole, part = erfa.utctai(epochs.MJD_ZERO, midnight)
-    mjd: np.ndarray = (whole - epochs.MJD_ZERO) + part
-    return mjd
+    return np.asarray((whole - epochs.MJD_ZERO) + part)
 
 
 def _heading(lines: list[str]) -> int | None:
-    """Index of the line that names the columns, if there is one."""
+    """Return the index of the line that names the columns; None without such a line."""
     for number, line in enumerate(lines):
         if line and not line.startswith("#"):
             return number if {"DATE", *_FIGURES} <= set(line.split(",")) else None
@@ -157,7 +167,7 @@ def _heading(lines: list[str]) -> int | None:
 
 
 def _csv_rows(lines: list[str]) -> Iterator[_Row]:
-    """The days of the comma-separated form; without a column that tells, all of them count as measured."""
+    """Yield the days of the comma-separated form; without a column of types all count as measured."""
     first = _heading(lines) or 0
     names = lines[first].split(",")
     kind = names.index(_KIND) if _KIND in names else len(names)
@@ -171,7 +181,7 @@ def _csv_rows(lines: list[str]) -> Iterator[_Row]:
 
 
 def _text_rows(lines: list[str]) -> Iterator[_Row]:
-    """The days of the form in fixed columns."""
+    """Yield the days of the form in fixed columns."""
     section = ""
     for number, line in enumerate(lines, start=1):
         if match := _TEXT_SECTION.match(line):
@@ -182,7 +192,7 @@ def _text_rows(lines: list[str]) -> Iterator[_Row]:
 
 
 def _day(path: str | Path, line: int, day: str, figures: list[str]) -> list[float]:
-    """Modified Julian day and figures of a row."""
+    """Return the modified Julian day and the figures of a row. Raises InputError for a malformed one."""
     try:
         mjd = date.fromisoformat(day).toordinal() - date(1858, 11, 17).toordinal()
         values = list(map(float, figures))

@@ -1,7 +1,7 @@
-"""Space weather as it is known on a day: measured F10.7 and Kp, cut where the day's knowledge ends.
+"""Measured F10.7 and Kp as they are known at a time.
 
-A flux counts as known from the time it is measured, 20:00 UTC, and a Kp once its three hours are over. The
-mean flux is that of the last 81 days: the centred one would look 40 days ahead.
+A flux is known from its measurement at 20:00 UTC on, a Kp from the end of its three hours on. The mean flux
+is that of the last 81 days; the centred mean would look 40 days ahead.
 """
 
 import math
@@ -15,45 +15,48 @@ MEAN_DAYS = 81
 """Days of the mean flux."""
 
 RUN_UP = MEAN_DAYS + 1
-"""Days of measurements that have to come before the first time that `Weather.activity` is asked for."""
+"""Days of measurements that `Weather.activity` needs before its first time."""
 
 HIGHEST_KP = 9.0
+"""Upper end of the scale of Kp."""
 
 ACTIVITY = ["f107", "f107_mean", "kp_3h", "kp_24h"]
-"""Columns of what DTM2000 asks for; a list, so that a DataFrame takes it as it is."""
+"""Columns of the inputs of DTM2000; a list, as pandas selects columns by a list."""
 
 
 @dataclass(frozen=True, eq=False)
 class Weather:
-    """Measurements without gaps, from the day `first` (modified Julian day, UTC) on.
+    """Measurements of F10.7 and Kp without gaps; either series may be the longer one.
 
-    flux: (days,) F10.7 [sfu], one a day; kp: (intervals,) Kp, one every three hours. One may reach further.
+    first: the first day (modified Julian day, UTC)
+    flux: (days,) F10.7 [sfu], one a day
+    kp: (intervals,) Kp, one every three hours
     """
 
     first: int
     flux: np.ndarray
     kp: np.ndarray
 
-    def known_at(self, day: float) -> "Weather":
-        """What was known at a time, a modified Julian day with its fraction."""
+    def keep_known(self, day: float) -> "Weather":
+        """Return the measurements that were known at a time, a modified Julian day with its fraction."""
         elapsed = day - self.first + ROUNDING
         fluxes = max(0, math.floor(elapsed - MEASURED) + 1)
         return Weather(self.first, self.flux[:fluxes], self.kp[: max(0, math.floor(INTERVALS * elapsed))])
 
-    def since(self, first: int) -> "Weather":
-        """What was measured from the day `first` on, a modified Julian day."""
+    def drop_before(self, first: int) -> "Weather":
+        """Return the measurements from the day `first` on, a modified Julian day."""
         skipped = max(0, first - self.first)
         return Weather(self.first + skipped, self.flux[skipped:], self.kp[INTERVALS * skipped :])
 
-    def followed_by(self, flux: np.ndarray, kp: np.ndarray) -> "Weather":
-        """The same with what comes after: one F10.7 a day, one Kp every three hours."""
+    def extend(self, flux: np.ndarray, kp: np.ndarray) -> "Weather":
+        """Return the measurements followed by more: one F10.7 [sfu] a day, one Kp every three hours."""
         return Weather(self.first, np.concatenate([self.flux, flux]), np.concatenate([self.kp, kp]))
 
     def activity(self, day: np.ndarray) -> dict[str, np.ndarray]:
-        """What DTM2000 asks for at times `day`, (n,) modified Julian days, by the names of `solar_activity`.
+        """Return the inputs of DTM2000 at times `day` (n,), modified Julian days, by the names of ACTIVITY.
 
-        Each figure depends on nothing that was measured after its time: the flux is that of 24 hours before,
-        its mean ends there, Kp is that of the interval before the one at `day`.
+        No figure depends on a later measurement: the flux is that of 24 hours before, its mean ends there,
+        and Kp is that of the interval before the one at `day`.
         """
         measured = self.first + np.arange(len(self.flux)) + MEASURED
         interval = np.floor(INTERVALS * (day - self.first + ROUNDING)).astype(int) - DELAY
@@ -66,7 +69,7 @@ class Weather:
 
 
 def trailing_mean(values: np.ndarray, count: int) -> np.ndarray:
-    """Means of `count` values in a row, (n - count + 1,), added in order: none depends on the others."""
+    """Return the means (n - count + 1,) of `count` consecutive values, each summed by itself, in order."""
     rows = len(values) - count + 1
     total = np.zeros(rows)
     for k in range(count):

@@ -29,7 +29,7 @@ from opml.learning.models.contract import Model
 from opml.learning.models.daily_training import Lessons
 from opml.learning.models.learners import tables_asked
 from opml.orbits.elements import in_rsw
-from opml.orbits.rsw_covariance import rates, stated
+from opml.orbits.rsw_covariance import rates, rsw_covariances
 from opml.orbits.sheets import Rso
 from opml.tables import SPREAD, STATE, read_metadata, read_table
 
@@ -223,7 +223,7 @@ def build(
             check_smooth(own["t_j"].to_numpy(), along)
             states = moved(own, along)
             turning = _between(own, told[told["i"] == own["i"].iloc[0]]).assign(rate=rates(states))
-            covariances = stated(sizes(now).sigmas(turning), turning["rate"].to_numpy())
+            covariances = rsw_covariances(sizes(now).sigmas(turning), turning["rate"].to_numpy())
             yield table(own, states, covariances)
 
     return by_parts(some, starts, grid, progress=progress)

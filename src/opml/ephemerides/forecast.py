@@ -13,7 +13,7 @@ import pandas as pd
 from opml.base.constants import HOUR
 from opml.catalog.predict import weather_futures
 from opml.ephemerides.corrected import Flight, Grid, Known, by_parts, reached, rows, table
-from opml.orbits.rsw_covariance import AXES, rates, stated
+from opml.orbits.rsw_covariance import AXES, rates, rsw_covariances
 from opml.tables import SCHEMAS, STATE
 
 SHIFTS = ["d_x", "d_y", "d_z"]
@@ -53,7 +53,7 @@ def build(
             rate = rates(states)
             # Beside what follows from its position a velocity errs by the motion of radius and plane.
             velocity = rate[:, None] * position[:, [0, 0, 2]]
-            yield table(own, states, stated(np.hstack([position, velocity]), rate))
+            yield table(own, states, rsw_covariances(np.hstack([position, velocity]), rate))
 
     return by_parts(some, starts, grid, progress=progress)[SCHEMAS["forecast"].names]
 

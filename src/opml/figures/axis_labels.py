@@ -28,7 +28,7 @@ def unit(component: str) -> tuple[str, float]:
 
 def trained(name: str) -> str:
     """The rows that a training split names, in words: `80 % of the estimates`, `days 0 to 30`."""
-    split = naming.parse_train(naming.without_seed(name, naming.SPLIT))
+    split = naming.parse_train(naming.strip_seed(name, naming.SPLIT))
     if split.kind == "days":
         return _days(split)
     return f"{split.percent:g} % of the " + ("estimates" if split.kind == "grouped" else "predictions")

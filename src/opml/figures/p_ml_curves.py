@@ -228,7 +228,7 @@ def _trained_on(metrics: pd.DataFrame) -> str:
     """Model, RSO, stations and rows trained on, where the table names them and they are the same for all."""
     if "rso" not in metrics:
         return ""
-    stations = metrics["stations"].map(lambda name: naming.without_seed(name, naming.NOISE)).unique()
+    stations = metrics["stations"].map(lambda name: naming.strip_seed(name, naming.NOISE)).unique()
     learner = metrics["learner"].iloc[0].partition("_s")[0]
     by = f" by {stations[0]}" if len(stations) == 1 else ""
     return f"{learner} trained on {metrics['rso'].iloc[0]}{by}{_rows(metrics)}"
@@ -250,7 +250,7 @@ def _label(axes: Axes, component: str) -> None:
 
 def _trained(name: str) -> Split:
     """The training split of a name that may end in a seed."""
-    return naming.parse_train(naming.without_seed(name, naming.SPLIT))
+    return naming.parse_train(naming.strip_seed(name, naming.SPLIT))
 
 
 def _split_label(train: str, test: str) -> str:

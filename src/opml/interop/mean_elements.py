@@ -148,7 +148,7 @@ def rso(
 def check_age(satellite: Satrec, epoch: str) -> None:
     """Raise InputError, or warn, where SGP4 would carry elements too far from their own epoch."""
     own = own_epoch(satellite)
-    days = abs(epochs.elapsed(own, epoch)) / DAY
+    days = abs(epochs.seconds_between(own, epoch)) / DAY
     if days > MOST_DAYS:
         raise InputError(
             f"mean elements: expected an epoch at most {MOST_DAYS:g} days from theirs, {own}, "

@@ -79,7 +79,7 @@ def truth(
 
 def _curves(arcs: Sequence[Arc], epoch: str, duration: float) -> list[Curve]:
     """Curves through the arcs, each of arcs that follow each other without overlap."""
-    field = gravity_field.read_icgem(gravity_field.resolve(FIELD)).at(epoch)
+    field = gravity_field.read_icgem(gravity_field.resolve(FIELD)).freeze(epoch)
     orientation = earth_orientation.tabulate(epoch, nodes(epoch, duration))
     attraction = Attraction(field.c, field.s, gm=field.gm, radius=field.radius, earth_orientation=orientation)
     ends = np.maximum.accumulate([arc.t[-1] for arc in arcs])

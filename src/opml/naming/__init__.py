@@ -1,18 +1,20 @@
-"""The grammar of file names: every part that a product's name is made of is written and read here alone.
+"""The grammar of file names: writers and readers of every part of a product's name.
 
-A station set is the stations' names joined with '-' in the sheet's order, ``eglin-kaena``. An RSO is a row's
-name, or that row with another inclination in degrees (``iss_i50``), with kilometres added to its semi-major
-axis (``iss_a+50``), or both (``iss_i50_a+50``). A split says which rows of a dataset a model is trained or
-tested on: ``random-80``, ``grouped-80``, ``days-0-30``, ``days-30-40-unseen``, ``rest``, ``seen``. A test may
-end in how its rows are treated: ``days-30-40-unfenced``, ``days-30-40-fence3``, ``rest-zscore``,
-``rest-together``.
+* RSO: the row of the sheet, ``iss``; with another inclination in degrees, ``iss_i50``; with kilometres added
+  to its semi-major axis, ``iss_a+50``; with both, ``iss_i50_a+50``.
+* Station set: the stations' names joined by '-' in the sheet's order, ``eglin-kaena``.
+* Split, the rows of a dataset for training or testing: ``random-80``, ``grouped-80``, ``days-0-30``,
+  ``days-30-40-unseen``, ``rest``, ``seen``. A test's treatment of its rows follows: ``days-30-40-unfenced``,
+  ``days-30-40-fence3``, ``rest-zscore``, ``rest-together``.
 
-A suffix stands for one setting that differs from the run's own: ``eglin_noise43`` is what Eglin measures
-under another seed, ``random-80_split43`` another draw of the same split, ``eglin_w24`` estimates from 24
-hours of tracks, ``eglin_tol1`` of fits that stop earlier, ``eglin_cd0.5`` of fits that believe a drag
-coefficient beforehand, ``eglin_light`` of fits that reckon with light time, ``svr_s2`` the learner ``svr``
-with 2 as its kernel scale. The run's own setting has no suffix. So two names are never the same thing. What
-errors are held against is ``_later`` or ``_smoothed`` estimates; no suffix is the truth.
+A suffix stands for one setting that differs from the run's; the run's own setting has no suffix. So no
+product has two names:
+
+* ``eglin_noise43``: Eglin's measurements under another seed; ``random-80_split43``: another draw of a split.
+* ``eglin_w24``: estimates from 24 hours of tracks; ``eglin_tol1``: fits that stop earlier; ``eglin_cd0.5``:
+  fits with a prior on the drag coefficient; ``eglin_light``: fits that correct for light time.
+* ``svr_s2``: the learner ``svr`` with a kernel scale of 2.
+* ``_later``, ``_smoothed``: errors against later or smoothed estimates; without a suffix, against the truth.
 """
 
 from opml.naming.estimates import (
@@ -24,19 +26,19 @@ from opml.naming.estimates import (
     PERFECT,
     READINGS,
     TRACK,
-    arc,
-    both_sides,
-    fitted,
-    fitted_pattern,
+    arc_suffix,
+    both_sides_suffix,
+    fit_pattern,
+    fit_suffix,
     label_window,
     other_reading,
     parse_arc,
     parse_both_sides,
-    parse_fitted,
+    parse_fit,
     parse_reading,
     parse_window,
     window_pattern,
-    windowed,
+    window_suffix,
 )
 from opml.naming.experiment import (
     Experiment,
@@ -44,16 +46,16 @@ from opml.naming.experiment import (
 from opml.naming.objects import (
     WITHOUT,
     learner_pattern,
+    leave_out,
     parse_learner,
     parse_pool,
     pool_pattern,
-    pool_without,
+    rso_name,
     rso_parts,
     rso_pattern,
-    scaled,
+    scale_kernel,
     station_names,
     stations_pattern,
-    varied_rso,
 )
 from opml.naming.row_splits import (
     STANDARDISATIONS,
@@ -62,25 +64,25 @@ from opml.naming.row_splits import (
     TEST_TOGETHER,
     TRAIN,
     Split,
-    as_unseen,
     check_split,
     days_split,
-    fenced,
+    fence_suffix,
     parse_test,
     parse_train,
-    treated,
+    treat_test,
+    unseen_test,
 )
 from opml.naming.spelling import (
     NOISE,
     NUMBER,
     POSITIVE,
     SPLIT,
-    any_of,
+    add_seed,
+    alternatives,
     number,
     parse_seed,
     seed_pattern,
-    seeded,
-    without_seed,
+    strip_seed,
 )
 
 __all__ = [
@@ -104,22 +106,23 @@ __all__ = [
     "WITHOUT",
     "Experiment",
     "Split",
-    "any_of",
-    "arc",
-    "as_unseen",
-    "both_sides",
+    "add_seed",
+    "alternatives",
+    "arc_suffix",
+    "both_sides_suffix",
     "check_split",
     "days_split",
-    "fenced",
-    "fitted",
-    "fitted_pattern",
+    "fence_suffix",
+    "fit_pattern",
+    "fit_suffix",
     "label_window",
     "learner_pattern",
+    "leave_out",
     "number",
     "other_reading",
     "parse_arc",
     "parse_both_sides",
-    "parse_fitted",
+    "parse_fit",
     "parse_learner",
     "parse_pool",
     "parse_reading",
@@ -128,17 +131,16 @@ __all__ = [
     "parse_train",
     "parse_window",
     "pool_pattern",
-    "pool_without",
+    "rso_name",
     "rso_parts",
     "rso_pattern",
-    "scaled",
+    "scale_kernel",
     "seed_pattern",
-    "seeded",
     "station_names",
     "stations_pattern",
-    "treated",
-    "varied_rso",
+    "strip_seed",
+    "treat_test",
+    "unseen_test",
     "window_pattern",
-    "windowed",
-    "without_seed",
+    "window_suffix",
 ]

@@ -1,20 +1,20 @@
-"""Suffixes of estimates: window, fit, arc, reading of t_b, label."""
+"""Suffixes of estimates in names: window, fit, arc, reading of t_b, label."""
 
 import re
 
 from opml.naming.spelling import POSITIVE, number
 
 LIGHT = "_light"
-"""Suffix of estimates whose fits read measurements as received after the light's travel."""
+"""Suffix of estimates whose fits correct the measurements for light time."""
 
 READINGS = {"kept_estimate": "_kept", "track": "_track"}
-"""How a name says which earlier estimate is t_b, by the study's `cleaning.previous`."""
+"""Suffix for the earlier estimate that is t_b, by the study's `cleaning.previous`."""
 
 LABELS = {"truth": "", "later": "_later", "smoothed": "_smoothed"}
-"""How a name says what the errors that are learned from are held against, by the study's `label`."""
+"""Suffix for the reference of the errors in training, by the study's `label`."""
 
 MEMBERS = r"[2-9]|[1-9][0-9]{1,2}"
-"""Regular expression of how many futures an ensemble has."""
+"""Regular expression of the number of futures of an ensemble."""
 
 TRACK = r"0|[1-9][0-9]*"
 """Regular expression of the number of a track."""
@@ -30,81 +30,81 @@ PERFECT = "_true"
 
 
 def other_reading(previous: str) -> str:
-    """Return the suffix of the reading of t_b that is not the setting's."""
+    """Return the suffix of the reading of t_b that the setting `previous` does not choose."""
     return next(suffix for setting, suffix in READINGS.items() if setting != previous)
 
 
 def parse_reading(suffix: str, *, previous: str) -> str:
-    """Return the `cleaning.previous` that a suffix, or none, stands for."""
+    """Return the `cleaning.previous` of a suffix; without a suffix, the setting `previous`."""
     return next((setting for setting, mark in READINGS.items() if mark == suffix), previous)
 
 
-def windowed(hours: float, *, default: float) -> str:
-    """Return the suffix of estimates over another window [h]; none for the run's own, `default`."""
+def window_suffix(hours: float, *, default: float) -> str:
+    """Return the suffix of estimates over a window [h]: `''` for the run's own window, `default`."""
     return "" if hours == default else f"_w{number(hours)}"
 
 
 def parse_window(suffix: str, *, default: float) -> float:
-    """Return the hours of the estimation window that a suffix, or none, stands for; 0 of true states."""
+    """Return the estimation window [h] of a suffix: 0 for true states, `default` without a suffix."""
     if suffix == PERFECT:
         return 0.0
     if suffix.startswith("_b"):
         return parse_both_sides(suffix)
-    own = re.match(rf"_w({POSITIVE})", suffix)
-    return float(own[1]) if own else default
+    window = re.match(rf"_w({POSITIVE})", suffix)
+    return float(window[1]) if window else default
 
 
 def window_pattern(*, default: float) -> str:
-    """Return the regular expression of an estimation window's suffix, or none."""
+    """Return the regular expression of an estimation window's suffix, optional, other than `default` [h]."""
     return rf"(?:_w(?!{re.escape(number(default))}(?![\d.])){POSITIVE})?"
 
 
-def fitted(
+def fit_suffix(
     *, convergence: float | None = None, cd_sigma: float | None = None, light_time: bool = False
 ) -> str:
-    """Return the suffix of fits that differ from the run's own in these settings."""
-    given = {"_tol": convergence, "_cd": cd_sigma}
-    marks = [mark + number(value) for mark, value in given.items() if value is not None]
+    """Return the suffix of fits with these settings in place of the run's."""
+    settings = {"_tol": convergence, "_cd": cd_sigma}
+    marks = [mark + number(value) for mark, value in settings.items() if value is not None]
     return "".join(marks) + LIGHT * light_time
 
 
-def parse_fitted(suffix: str) -> dict[str, float | bool]:
-    """Return the settings of the estimation that a suffix of estimates changes, beside its window."""
-    found = {
+def parse_fit(suffix: str) -> dict[str, float | bool]:
+    """Return the settings of the estimation, other than the window, that a suffix of estimates changes."""
+    matches = {
         "convergence": re.search(rf"_tol({POSITIVE})", suffix),
         "cd_sigma": re.search(rf"_cd({POSITIVE})", suffix),
     }
-    given = {name: float(match[1]) for name, match in found.items() if match}
-    return given | ({"light_time": True} if LIGHT in suffix else {})
+    settings = {name: float(match[1]) for name, match in matches.items() if match}
+    return settings | ({"light_time": True} if LIGHT in suffix else {})
 
 
-def fitted_pattern(*, convergence: float, light_time: bool = False) -> str:
-    """Return the regular expression of what `fitted` returns in a run with these settings of its own."""
+def fit_pattern(*, convergence: float, light_time: bool = False) -> str:
+    """Return the regular expression of the suffixes of `fit_suffix` in a run with these settings."""
     stopping = rf"(?:_tol(?!{re.escape(number(convergence))}(?![\d.])){POSITIVE})?"
     return rf"{stopping}(?:_cd{POSITIVE})?" + ("" if light_time else f"(?:{LIGHT})?")
 
 
-def both_sides(hours: float) -> str:
-    """Return the suffix of estimates from tracks up to so many hours before and after each [h]."""
+def both_sides_suffix(hours: float) -> str:
+    """Return the suffix of estimates from tracks within `hours` [h] before and after each."""
     return f"_b{number(hours)}"
 
 
 def parse_both_sides(suffix: str) -> float:
-    """Return the hours on either side that a suffix stands for; 0 of one that has none after."""
+    """Return the hours on either side of a suffix of `both_sides_suffix`; 0 for any other suffix."""
     return float(suffix.removeprefix("_b")) if suffix.startswith("_b") else 0.0
 
 
 def label_window(label: str, *, hours: float) -> str:
-    """Return the suffix of the estimates that a label is made of, in a run with a window of `hours`."""
-    return both_sides(hours) if label == LABELS["smoothed"] else ""
+    """Return the suffix of the estimates behind a label, in a run with a window of `hours` [h]."""
+    return both_sides_suffix(hours) if label == LABELS["smoothed"] else ""
 
 
-def arc(hours: float, memory_days: float) -> str:
-    """Return the suffix of what arcs over a window [h] know, with the memory of their Cd [days]."""
+def arc_suffix(hours: float, memory_days: float) -> str:
+    """Return the suffix of arcs over a window [h] with a memory of their Cd [days]."""
     return f"_l{number(hours)}_m{number(memory_days)}"
 
 
 def parse_arc(suffix: str) -> tuple[float, float]:
-    """Return window [h] and memory [days] of a suffix of arcs."""
+    """Return the window [h] and the memory [days] of a suffix of arcs."""
     hours, days = suffix.removeprefix("_l").split("_m")
     return float(hours), float(days)

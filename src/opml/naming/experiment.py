@@ -1,4 +1,4 @@
-"""One model applied to one test, as the parts of its files' names."""
+"""An experiment, one model applied to one test, as the parts of its files' names."""
 
 from dataclasses import asdict, dataclass
 
@@ -23,11 +23,11 @@ class Experiment:
         return asdict(self)
 
     def columns(self) -> dict[str, str]:
-        """Return the parts as the columns of `metrics`: window, reading and label stand with the stations."""
+        """Return the parts as the columns of `metrics`; window, reading and label belong to the stations."""
         names = self.names()
         names["stations"] += names.pop("window") + names.pop("reading") + names.pop("label")
         return names
 
     def path(self, kind: str) -> str:
-        """Return the experiment's file among those of a kind, `metrics` say, below the folder of results."""
+        """Return the path of the experiment's file of a kind, such as `metrics`, below the results folder."""
         return f"{kind}/{'/'.join(self.columns().values())}.parquet"

@@ -1,17 +1,17 @@
-"""RSOs, pools of them, station sets and learners by their names."""
+"""Names of RSOs, pools of RSOs, station sets and learners."""
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from opml.base.errors import InputError
-from opml.naming.spelling import NUMBER, POSITIVE, any_of, number
+from opml.naming.spelling import NUMBER, POSITIVE, alternatives, number
 
 WITHOUT = "-without-"
 
 
 def rso_parts(text: str, sheet: Iterable[str]) -> tuple[str, str, str]:
-    """Return the base, inclination and offset that an RSO's text names, '' for what it does not vary.
+    """Return the row of the sheet, the inclination and the offset in an RSO's name, '' for an absent part.
 
     Raises InputError for a text that is not canonical or names no row of the sheet.
     """
@@ -25,20 +25,23 @@ def rso_parts(text: str, sheet: Iterable[str]) -> tuple[str, str, str]:
 
 def rso_pattern(sheet: Iterable[str]) -> str:
     """Return the regular expression of every canonical RSO, without named groups."""
-    return re.sub(r"\?P<\w+>", "?:", _rso(f"(?:{any_of(sheet)})"))
+    return re.sub(r"\?P<\w+>", "?:", _rso(f"(?:{alternatives(sheet)})"))
 
 
 def _rso(base: str) -> str:
     return rf"{base}(?:_i(?P<i>{NUMBER}))?(?:_a(?P<a>[+-]{POSITIVE}))?"
 
 
-def varied_rso(base: str, inclination: str, offset: str) -> str:
-    """Return the name of an RSO with another inclination [deg] and offset of its axis [km], '' for none."""
+def rso_name(base: str, inclination: str, offset: str) -> str:
+    """Return the name of a row of the sheet with an inclination [deg] and an offset of its axis [km].
+
+    '' leaves a part out.
+    """
     return base + (f"_i{inclination}" if inclination else "") + (f"_a{offset}" if offset else "")
 
 
 def station_names(text: str, known: Iterable[str]) -> list[str]:
-    """Return the stations that a set's canonical text names. Raises InputError for any other text."""
+    """Return the stations in a set's canonical name. Raises InputError for any other text."""
     known, names = list(known), text.split("-")
     if unknown := [name for name in names if name not in known]:
         raise InputError(f"stations '{text}': expected names from {', '.join(known)}, got '{unknown[0]}'")
@@ -49,23 +52,23 @@ def station_names(text: str, known: Iterable[str]) -> list[str]:
 
 
 def stations_pattern(sheet: Iterable[str]) -> str:
-    """Return the regular expression of stations in any order; `parse_stations` tells the right one."""
-    name = any_of(sheet)
+    """Return the regular expression of stations in any order; `station_names` checks the order."""
+    name = alternatives(sheet)
     return f"(?:{name})(?:-(?:{name}))*"
 
 
-def pool_without(pool: str, rso: str) -> str:
-    """Return the name of a pool's RSOs but one."""
+def leave_out(pool: str, rso: str) -> str:
+    """Return the name of a pool without one of its RSOs."""
     return f"{pool}{WITHOUT}{rso}"
 
 
 def pool_pattern(pools: Iterable[str], sheet: Iterable[str]) -> str:
-    """Return the regular expression of all RSOs of a pool but one, such as `inclinations-without-iss_i50`."""
-    return rf"(?:{any_of(pools)}){WITHOUT}{rso_pattern(sheet)}"
+    """Return the regular expression of a pool without an RSO, such as `inclinations-without-iss_i50`."""
+    return rf"(?:{alternatives(pools)}){WITHOUT}{rso_pattern(sheet)}"
 
 
 def parse_pool(text: str, pools: Mapping[str, Sequence[str]]) -> list[str]:
-    """Return the RSOs that a pool's name stands for. Raises InputError for an unknown pool."""
+    """Return the RSOs of a pool's name. Raises InputError for an unknown pool."""
     pool, _, left_out = text.partition(WITHOUT)
     if pool not in pools:
         raise InputError(f"pool '{pool}': expected one of {', '.join(pools)}")
@@ -73,13 +76,13 @@ def parse_pool(text: str, pools: Mapping[str, Sequence[str]]) -> list[str]:
 
 
 def learner_pattern(learners: Mapping[str, Mapping[str, Any]]) -> str:
-    """Return the regular expression of a learner, its kernel scale overridden if it has one."""
+    """Return the regular expression of a learner; where it has a kernel scale, another may follow."""
     scaled = [name for name, settings in learners.items() if "kernel_scale" in settings]
-    return rf"(?:{any_of(learners)}|(?:{any_of(scaled)})_s{POSITIVE})"
+    return rf"(?:{alternatives(learners)}|(?:{alternatives(scaled)})_s{POSITIVE})"
 
 
 def parse_learner(text: str, learners: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-    """Return the settings of the learner that a text names. Raises InputError for an unknown text."""
+    """Return the settings of the learner in a name. Raises InputError for an unknown text."""
     if not re.fullmatch(learner_pattern(learners), text):
         known = ", ".join(learners)
         raise InputError(f"learner '{text}': expected one of {known}; an svr may end in _s<kernel scale>")
@@ -87,6 +90,6 @@ def parse_learner(text: str, learners: Mapping[str, Mapping[str, Any]]) -> dict[
     return dict(learners[name]) | ({"kernel_scale": float(scale)} if mark else {})
 
 
-def scaled(learner: str, scale: float) -> str:
+def scale_kernel(learner: str, scale: float) -> str:
     """Return the name of a learner with another kernel scale."""
     return f"{learner}_s{number(scale)}"

@@ -1,4 +1,4 @@
-"""Training splits and tests: which rows of a dataset a name chooses."""
+"""Names of training splits and tests, which choose rows of a dataset."""
 
 import math
 import re
@@ -9,7 +9,7 @@ from opml.base.errors import InputError
 from opml.naming.spelling import NUMBER, POSITIVE, number
 
 STANDARDISATIONS = {"training": "", "own": "-zscore", "together": "-together"}
-"""How a test's name says which rows' mean and deviation standardise its variables."""
+"""Suffix of a test for the rows whose mean and deviation standardise its variables."""
 
 _SHARE = rf"(random|grouped)-({NUMBER})"
 
@@ -26,53 +26,56 @@ _TEST = re.compile(f"{_ROWS}({'|'.join(STANDARDISATIONS.values())})")
 TRAIN, TEST, TEST_BY_ROW = (
     re.sub(r"\((?!\?)", "(?:", text) for text in (_TRAIN.pattern, _TEST.pattern, _ROWS)
 )
-"""Regular expressions of a training split, a test, and a test whose rows are corrected each for itself."""
+"""Regular expressions of a training split, a test, and a test whose rows are corrected one by one."""
 
 TEST_TOGETHER = TEST_BY_ROW + STANDARDISATIONS["together"]
-"""Regular expression of a test with a model of its own, which its rows standardise, too."""
+"""Regular expression of a test with its own model, standardised by training and test rows together."""
 
 
 @dataclass(frozen=True)
 class Split:
-    """Which rows of a dataset are chosen: a share of rows or of estimates, a window of days, the rest.
+    """A choice of rows of a dataset: a share of rows or of estimates, a window of days, or the rest.
 
-    A test may have fences of its own, or none, in place of the dataset's, and standardise by its own rows.
+    A test may replace or drop the dataset's fences, and standardise by its own rows.
     """
 
     kind: str  # random, grouped, days, rest or seen
     percent: float = 100.0  # of the rows (random) or of the estimates (grouped)
-    days: tuple[float, float] = (0.0, 0.0)  # of t_j, of a window
-    unseen: bool = False  # t_i, too, lies in the window
-    fence: float | None = None  # Tukey's, of its own rows [IQR]; infinite for none, None for the dataset's
+    days: tuple[float, float] = (0.0, 0.0)  # window of t_j
+    unseen: bool = False  # whether t_i lies in the window, too
+    fence: float | None = None  # Tukey's, of the test's rows [IQR]; infinite: no fence, None: the dataset's
     standardisation: str = "training"  # rows that standardise the variables: training, own or together
 
     def __str__(self) -> str:
-        """Return its one name."""
+        """Return the split's name."""
         match self.kind:
             case "random" | "grouped":
                 return f"{self.kind}-{number(self.percent)}"
             case "days":
                 first, last = map(number, self.days)
                 unseen = "-unseen" if self.unseen else ""
-                return f"days-{first}-{last}{unseen}{fenced(self.fence)}{self._standardised}"
-        return self.kind + self._standardised
+                return f"days-{first}-{last}{unseen}{fence_suffix(self.fence)}{self._standardisation_suffix}"
+        return self.kind + self._standardisation_suffix
 
     @property
-    def _standardised(self) -> str:
+    def _standardisation_suffix(self) -> str:
         return STANDARDISATIONS[self.standardisation]
 
 
-def fenced(fence: float | None) -> str:
-    """Return what a test's name says of its own fences [IQR]: none where they are infinite, None has none."""
+def fence_suffix(fence: float | None) -> str:
+    """Return the suffix for a test's fence [IQR].
+
+    `''` for None (the dataset's fences), `-unfenced` for infinity, else `-fence<number>`.
+    """
     if fence is None:
         return ""
     return "-unfenced" if math.isinf(fence) else f"-fence{number(fence)}"
 
 
 def parse_train(text: str) -> Split:
-    """Return the training split that a text names.
+    """Return the training split of a name.
 
-    Raises InputError for a text that names none, a percentage outside (0, 100] and days that do not ascend.
+    Raises InputError for any other text, a percentage outside (0, 100] and days that do not ascend.
     """
     match = _TRAIN.fullmatch(text)
     if match is None:
@@ -90,9 +93,9 @@ def parse_train(text: str) -> Split:
 
 
 def parse_test(text: str) -> Split:
-    """Return the test split that a text names.
+    """Return the test split of a name.
 
-    Raises InputError for a text that names none and days that do not ascend.
+    Raises InputError for any other text and days that do not ascend.
     """
     match = _TEST.fullmatch(text)
     if match is None:
@@ -100,7 +103,7 @@ def parse_test(text: str) -> Split:
             f"test split '{text}': expected seen, rest, days-<first>-<last> or days-<first>-<last>-unseen"
         )
     kind, first, last, unseen, fence, mark = match.groups()
-    standardisation = next(name for name, own in STANDARDISATIONS.items() if own == mark)
+    standardisation = next(name for name, suffix in STANDARDISATIONS.items() if suffix == mark)
     if kind is not None:
         return Split(kind, standardisation=standardisation)
     return Split(
@@ -125,7 +128,7 @@ def _days(text: str, first: str, last: str) -> tuple[float, float]:
 
 
 def check_split(split: Split, *, duration_days: float) -> None:
-    """Raise InputError where a window reaches beyond a run of so many days."""
+    """Raise InputError where a window reaches beyond a run of `duration_days`."""
     if split.kind == "days" and split.days[1] > duration_days:
         first, last = split.days
         raise InputError(
@@ -135,22 +138,27 @@ def check_split(split: Split, *, duration_days: float) -> None:
 
 
 def days_split(days: Sequence[float], *, unseen: bool = False) -> str:
-    """Return the name of a window of days."""
+    """Return the name of a window of days, from days[0] to days[1]."""
     return str(Split("days", days=(float(days[0]), float(days[1])), unseen=unseen))
 
 
-def as_unseen(test: str) -> str:
-    """Return the window of a test with t_i in it, too; any other test is itself."""
+def unseen_test(test: str) -> str:
+    """Return the name of a test whose window holds t_i, too; a test without a window stays as it is."""
     split = parse_test(test)
     return str(replace(split, unseen=True)) if split.kind == "days" else test
 
 
-def treated(test: str, *, fence: float | None = None, standardisation: str = "training") -> str:
-    """Return a test with a fence [IQR] and a standardisation of its own; None and `training` leave it as is.
+def treat_test(test: str, *, fence: float | None = None, standardisation: str = "training") -> str:
+    """Return the name of a test with another fence and standardisation of its rows.
 
-    Rows of a random split keep the dataset's fences, which its training rows have, too.
+    fence: of a window of days [IQR]; None keeps the test's
+    standardisation: a key of STANDARDISATIONS; `training` keeps the test's
+
+    Rows of a random split keep the dataset's fences, as its training rows do.
     """
     split = parse_test(test)
-    own = split.fence if fence is None or split.kind != "days" else fence
-    standardised = split.standardisation if standardisation == "training" else standardisation
-    return str(replace(split, fence=own, standardisation=standardised))
+    if fence is not None and split.kind == "days":
+        split = replace(split, fence=fence)
+    if standardisation != "training":
+        split = replace(split, standardisation=standardisation)
+    return str(split)

@@ -1,1 +1,1 @@
-"""Orbital elements and RSW; stations and RSOs, and the sheets that they stand in."""
+"""Orbital elements, the RSW frame and its covariances, and the sheets of stations and RSOs."""

@@ -1,4 +1,4 @@
-"""Classical orbital elements (COE), the RSW frame and the anomalies.
+"""Conversions between states, classical orbital elements (COE), the RSW frame and the anomalies.
 
 A set of COE is [a, e, i, argp, raan, nu] on the last axis: semi-major axis [m], eccentricity, inclination,
 argument of perigee, right ascension of the ascending node and true anomaly [rad]. A state is
@@ -19,21 +19,24 @@ EQUATORIAL_SINE = 1e-13
 
 
 def wrap_turn(angle: np.ndarray) -> np.ndarray:
-    """Angles brought to [0, 2 pi)."""
+    """Return angles [rad] reduced to [0, 2 pi)."""
     wrapped = np.mod(angle, TURN)
     return np.where(wrapped >= TURN, 0.0, wrapped)  # mod of a tiny negative angle rounds up to a full turn
 
 
 def wrap_half_turn(angle: np.ndarray) -> np.ndarray:
-    """Angles brought to (-pi, pi], as differences of angles are."""
+    """Return angles [rad] reduced to (-pi, pi], for differences of angles."""
     return -(np.mod(np.pi - angle, TURN) - np.pi)
 
 
 def coe_from_cartesian(states: np.ndarray, gm: float) -> np.ndarray:
-    """COE (..., 6) of inertial states (..., 6) [m, m/s], with gm [m3/s2]; angles in [0, 2 pi).
+    """Return the COE (..., 6) of elliptic or hyperbolic (a < 0) orbits; angles in [0, 2 pi).
 
-    An equatorial orbit gets raan 0 (the node is the x axis), a circular one argp 0 and as nu the argument of
-    latitude. Elliptic and hyperbolic (a < 0) orbits; states on a straight line through the centre give NaN.
+    states: (..., 6) inertial [m, m/s]; NaN follows for a straight line through the centre
+    gm: gravitational parameter [m3/s2]
+
+    An equatorial orbit has raan 0 (the node is the x axis). A circular orbit has argp 0, and its nu is the
+    argument of latitude.
     """
     position, velocity = np.asarray(states)[..., :3], np.asarray(states)[..., 3:]
     radius = np.linalg.norm(position, axis=-1)
@@ -62,7 +65,7 @@ def coe_from_cartesian(states: np.ndarray, gm: float) -> np.ndarray:
 
 
 def cartesian_from_coe(coe: np.ndarray, gm: float) -> np.ndarray:
-    """Inertial states (..., 6) [m, m/s] of COE (..., 6), with gm [m3/s2]."""
+    """Return the inertial states (..., 6) [m, m/s] of COE (..., 6), with gm [m3/s2]."""
     a, e, inclination, argp, raan, nu = np.moveaxis(np.asarray(coe, dtype=float), -1, 0)
     parameter = a * (1.0 - e**2)
     radius = parameter / (1.0 + e * np.cos(nu))
@@ -75,12 +78,11 @@ def cartesian_from_coe(coe: np.ndarray, gm: float) -> np.ndarray:
     )
     u = argp + nu
 
-    def in_plane(along_node: np.ndarray, along_ahead: np.ndarray) -> np.ndarray:
-        vectors: np.ndarray = along_node[..., None] * node + along_ahead[..., None] * ahead
-        return vectors
+    def combine(along_node: np.ndarray, along_ahead: np.ndarray) -> np.ndarray:
+        return np.asarray(along_node[..., None] * node + along_ahead[..., None] * ahead)
 
-    position = in_plane(radius * np.cos(u), radius * np.sin(u))
-    velocity = in_plane(
+    position = combine(radius * np.cos(u), radius * np.sin(u))
+    velocity = combine(
         -speed * (np.sin(u) + e * np.sin(argp)),
         speed * (np.cos(u) + e * np.cos(argp)),
     )
@@ -88,7 +90,7 @@ def cartesian_from_coe(coe: np.ndarray, gm: float) -> np.ndarray:
 
 
 def rsw_rotation(states: np.ndarray) -> np.ndarray:
-    """Rotation (..., 3, 3) from the inertial frame to RSW of the states (..., 6).
+    """Return the rotations (..., 3, 3) from the inertial frame to RSW of the states (..., 6).
 
     Rows are the unit vectors radial R, along-track S (in the orbital plane, towards the velocity) and
     cross-track W (angular momentum): the x, y and z axes of the paper's errors.
@@ -101,21 +103,21 @@ def rsw_rotation(states: np.ndarray) -> np.ndarray:
 
 
 def in_rsw(differences: np.ndarray, states: np.ndarray) -> np.ndarray:
-    """Differences (n, 6) from states (n, 6) [m, m/s] in RSW of those states, position and velocity alike."""
-    turned: np.ndarray = np.einsum("nij,nkj->nki", rsw_rotation(states), differences.reshape(-1, 2, 3))
-    return turned.reshape(-1, 6)
+    """Return differences (n, 6) [m, m/s] in RSW of the states (n, 6), both position and velocity rotated."""
+    rotated: np.ndarray = np.einsum("nij,nkj->nki", rsw_rotation(states), differences.reshape(-1, 2, 3))
+    return rotated.reshape(-1, 6)
 
 
 def true_from_mean_anomaly(mean: np.ndarray, e: np.ndarray) -> np.ndarray:
-    """True anomaly in [0, 2 pi) [rad] of the mean anomaly [rad] at eccentricity e, elliptic orbits.
+    """Return the true anomaly in [0, 2 pi) [rad] of a mean anomaly [rad] on an elliptic orbit.
 
-    Raises InputError where e is outside [0, 1).
+    Raises InputError where the eccentricity e is outside [0, 1).
     """
     mean, e = np.broadcast_arrays(wrap_half_turn(np.asarray(mean, dtype=float)), np.asarray(e, dtype=float))
     if not np.all((e >= 0.0) & (e < 1.0)):
         raise InputError("eccentricity: expected a value in [0, 1), got one outside")
-    # Newton on Kepler's equation from +-pi runs monotonically to the root for every elliptic orbit; from the
-    # mean anomaly it gets there sooner, which is safe while the orbit is not too elongated.
+    # Newton's method on Kepler's equation converges monotonically from +-pi for every elliptic orbit. The
+    # mean anomaly is a faster start, safe for orbits that are not too elongated.
     eccentric = np.where(e < 0.8, mean, np.copysign(np.pi, mean))
     for _ in range(50):
         step = (eccentric - e * np.sin(eccentric) - mean) / (1.0 - e * np.cos(eccentric))
@@ -127,9 +129,9 @@ def true_from_mean_anomaly(mean: np.ndarray, e: np.ndarray) -> np.ndarray:
 
 
 def mean_from_true_anomaly(nu: np.ndarray, e: np.ndarray) -> np.ndarray:
-    """Mean anomaly in [0, 2 pi) [rad] of the true anomaly [rad] at eccentricity e, elliptic orbits.
+    """Return the mean anomaly in [0, 2 pi) [rad] of a true anomaly [rad] on an elliptic orbit.
 
-    Raises InputError where e is outside [0, 1).
+    Raises InputError where the eccentricity e is outside [0, 1).
     """
     if not np.all((np.asarray(e) >= 0.0) & (np.asarray(e) < 1.0)):
         raise InputError("eccentricity: expected a value in [0, 1), got one outside")

@@ -1,4 +1,4 @@
-"""RSOs drawn at random, as lines of a sheet: ``opml sheet --count 12 --seed 7``."""
+"""A sheet of random RSOs: ``opml sheet --count 12 --seed 7``."""
 
 import numpy as np
 
@@ -28,7 +28,7 @@ _CR = 1.2
 
 
 def draw(name: str, seed: int) -> list[str]:
-    """One line of the sheet: altitude, shape, angles and Cd even, area to mass even in its logarithm."""
+    """Return one line of the sheet: numbers uniform in their ranges, area to mass in its logarithm."""
     random = derive(seed, "drawn", name)
     numbers = {
         "a_km": WGS84_A / 1e3 + random.uniform(*_ALTITUDES_KM),
@@ -43,6 +43,6 @@ def draw(name: str, seed: int) -> list[str]:
 
 
 def sheet(prefix: str, count: int, seed: int) -> str:
-    """A sheet of `count` RSOs, whose names are `prefix` and a number from 01 on."""
+    """Return a sheet of `count` RSOs, whose names are `prefix` and a number from 01 on."""
     lines = [COLUMNS, *(draw(f"{prefix}{number:02d}", seed) for number in range(1, count + 1))]
     return "".join("\t".join(line) + "\n" for line in lines)

@@ -1,6 +1,6 @@
-"""Stations and RSOs: the two sheets, and rows like theirs that stand in the settings.
+"""Stations and RSOs, read and checked from the two sheets or from rows in the settings.
 
-Sheets are read as text, so that a name stays what it is.
+Cells are read as text, so that no name turns into a number.
 """
 
 import csv
@@ -17,12 +17,12 @@ from opml.base.errors import InputError
 _NAME = re.compile(r"[a-z][a-z0-9]*")
 
 LOWEST_PERIGEE = 120e3
-"""Altitude below which the atmosphere model holds no longer [m] (DTM2000: from 120 km up)."""
+"""Lower limit of the atmosphere model [m] (DTM2000: from 120 km up)."""
 
 
 @dataclass(frozen=True)
 class Station:
-    """A radar: place on WGS84, what it sees, and its noise (standard deviations); SI units, radians."""
+    """A radar: place on WGS84, field of view and standard deviations of its noise; SI units, radians."""
 
     name: str
     latitude: float
@@ -54,7 +54,7 @@ class Rso:
 
 @dataclass(frozen=True)
 class _Field:
-    """A sheet's column: the attribute it fills, its range in its own unit, and how it becomes SI."""
+    """A sheet's column: the attribute it fills, its range in the sheet's unit, and the conversion to SI."""
 
     attribute: str
     low: float
@@ -63,7 +63,7 @@ class _Field:
     above_low: bool = False
 
     def parse(self, text: str) -> float:
-        """Return the value in SI units; raise ValueError that says what was expected."""
+        """Return the value in SI units. Raises ValueError with what was expected."""
         try:
             value = float(text)
         except (TypeError, ValueError):
@@ -110,7 +110,7 @@ _ELEMENTS = ("a_km", "e", "i_deg", "argp_deg", "raan_deg", "mean_anomaly_deg")
 
 
 def read_stations(path: str | Path) -> dict[str, Station]:
-    """Read the stations' sheet, in its order. Raises InputError, naming file, row and column."""
+    """Read the sheet of stations, in its order. Raises InputError, naming file, row and column."""
     stations = {name: Station(name=name, **row) for name, row in _rows(path, _STATION_FIELDS).items()}
     for station in stations.values():
         _check_elevations(station, f"{path}: {station.name}: ")
@@ -118,7 +118,7 @@ def read_stations(path: str | Path) -> dict[str, Station]:
 
 
 def read_rsos(path: str | Path) -> dict[str, Rso]:
-    """Read the RSOs' sheet. Raises InputError, naming file, row and column."""
+    """Read the sheet of RSOs, in its order. Raises InputError, naming file, row and column."""
     rsos = {name: Rso(name=name, **row) for name, row in _rows(path, _RSO_FIELDS).items()}
     for rso in rsos.values():
         _check_perigee(rso, f"{path}: {rso.name}: a_km")
@@ -131,9 +131,9 @@ def parse_stations(text: str, sheet: Mapping[str, Station]) -> list[Station]:
 
 
 def parse_rso(text: str, sheet: Mapping[str, Rso]) -> Rso:
-    """Return the RSO that a canonical text names, varied as it says.
+    """Return the RSO that a canonical text names, with its inclination and offset of the axis.
 
-    Raises InputError for any other text, an inclination that is none and a perigee too low.
+    Raises InputError for any other text, an impossible inclination and a perigee too low.
     """
     base, inclination, offset = naming.rso_parts(text, sheet)
     rso = sheet[base]
@@ -145,18 +145,18 @@ def parse_rso(text: str, sheet: Mapping[str, Rso]) -> Rso:
     return replace(rso, name=text)
 
 
-def with_inclination(text: str, degrees: float, sheet: Mapping[str, Rso]) -> str:
-    """Return the name of an RSO at another inclination; at the sheet's own it is the RSO itself."""
+def name_at_inclination(text: str, degrees: float, sheet: Mapping[str, Rso]) -> str:
+    """Return the name of an RSO at an inclination; that of the sheet adds nothing to the name."""
     base, _, offset = naming.rso_parts(text, sheet)
-    own = math.radians(degrees) == sheet[base].i
-    return naming.varied_rso(base, "" if own else naming.number(degrees), offset)
+    inclination = "" if math.radians(degrees) == sheet[base].i else naming.number(degrees)
+    return naming.rso_name(base, inclination, offset)
 
 
-def with_offset(text: str, km: float, sheet: Mapping[str, Rso]) -> str:
-    """Return the name of an RSO with `km` added to its sheet's semi-major axis."""
+def name_at_offset(text: str, km: float, sheet: Mapping[str, Rso]) -> str:
+    """Return the name of an RSO with `km` added to its semi-major axis in the sheet."""
     base, inclination, _ = naming.rso_parts(text, sheet)
     sign = "-" if km < 0 else "+"
-    return naming.varied_rso(base, inclination, f"{sign}{naming.number(abs(km))}" if km else "")
+    return naming.rso_name(base, inclination, f"{sign}{naming.number(abs(km))}" if km else "")
 
 
 def _inclination(text: str, degrees: str) -> float:
@@ -182,7 +182,7 @@ def _check_perigee(rso: Rso, where: str) -> None:
 
 
 def _rows(path: str | Path, fields: Mapping[str, _Field]) -> dict[str, dict[str, float]]:
-    """Read a tab-separated sheet with a column `name`; lines that start with # are remarks."""
+    """Read a tab-separated sheet with a column `name`; lines that start with # are comments."""
     (_, header), *lines = _lines(path)
     expected = ["name", *fields]
     if sorted(header) != sorted(expected):
@@ -206,7 +206,7 @@ def _rows(path: str | Path, fields: Mapping[str, _Field]) -> dict[str, dict[str,
 
 
 def _check_name(where: str, name: str, numbers: Mapping[str, int]) -> None:
-    """Raise InputError for a name that is misspelt or has a line already; `numbers` are the lines so far."""
+    """Raise InputError for a misspelt or repeated name; `numbers` are the lines of the names so far."""
     if not _NAME.fullmatch(name):
         raise InputError(f"{where}: expected lower-case letters and digits, a letter first, got {name!r}")
     if name in numbers:
@@ -216,7 +216,7 @@ def _check_name(where: str, name: str, numbers: Mapping[str, int]) -> None:
 
 
 def _lines(path: str | Path) -> list[tuple[int, list[str]]]:
-    """The numbers and cells of a sheet's lines; at least one, empty where there is none."""
+    """Return the numbers and cells of a sheet's lines; of an empty sheet one empty line."""
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
     except FileNotFoundError:
@@ -245,18 +245,19 @@ def _cell(path: str | Path, name: str, row: Mapping[str, str], key: str, field: 
         raise InputError(f"{path}: {name}: {key}: {error}") from None
 
 
-def stations_of(rows: Mapping[str, Mapping[str, object]]) -> dict[str, Station]:
+def stations_from_rows(rows: Mapping[str, Mapping[str, object]]) -> dict[str, Station]:
     """Return stations from mappings of the sheet's columns. Raises InputError, naming the column."""
-    stations = {name: Station(name=name, **row) for name, row in _given(rows, _STATION_FIELDS).items()}
+    stations = {name: Station(name=name, **row) for name, row in _parse_rows(rows, _STATION_FIELDS).items()}
     for station in stations.values():
         _check_elevations(station, "")
     return stations
 
 
-def rsos_of(rows: Mapping[str, Mapping[str, object]], *, flown: Container[str] = ()) -> dict[str, Rso]:
+def rsos_from_rows(rows: Mapping[str, Mapping[str, object]], *, flown: Container[str] = ()) -> dict[str, Rso]:
     """Return RSOs from mappings of the sheet's columns. Raises InputError, naming the column.
 
-    Of those that are `flown`, whose orbit is in a file, the body is enough; their elements are NaN then.
+    rows: values by column, by the RSO's name
+    flown: names of RSOs whose orbit is in a file; their rows may lack the elements, which are NaN then
     """
     rsos = {}
     for name, row in rows.items():
@@ -264,7 +265,7 @@ def rsos_of(rows: Mapping[str, Mapping[str, object]], *, flown: Container[str] =
         if name in flown and not set(row) & set(_ELEMENTS):
             fields = {key: field for key, field in _RSO_FIELDS.items() if key not in _ELEMENTS}
         elements = dict.fromkeys((field.attribute for field in _RSO_FIELDS.values()), math.nan)
-        rsos[name] = Rso(name=name, **(elements | _given({name: row}, fields)[name]))
+        rsos[name] = Rso(name=name, **(elements | _parse_rows({name: row}, fields)[name]))
         if fields is _RSO_FIELDS:
             _check_perigee(rsos[name], "a_km")
     return rsos
@@ -273,18 +274,18 @@ def rsos_of(rows: Mapping[str, Mapping[str, object]], *, flown: Container[str] =
 def check_body(name: str, body: Mapping[str, object]) -> None:
     """Raise InputError for a name, or a body's numbers, that no line of the sheet of RSOs may have."""
     _check_name("name", name, {})
-    rsos_of({name: body}, flown=(name,))
+    rsos_from_rows({name: body}, flown=(name,))
 
 
-def _given(
+def _parse_rows(
     rows: Mapping[str, Mapping[str, object]], fields: Mapping[str, _Field]
 ) -> dict[str, dict[str, float]]:
-    found = {}
+    parsed = {}
     for name, row in rows.items():
         if odd := sorted(set(row) ^ set(fields)):
             raise InputError(f"expected the keys {', '.join(fields)}; look at {', '.join(odd)}")
-        found[name] = {field.attribute: _value(row, key, field) for key, field in fields.items()}
-    return found
+        parsed[name] = {field.attribute: _value(row, key, field) for key, field in fields.items()}
+    return parsed
 
 
 def _value(row: Mapping[str, object], key: str, field: _Field) -> float:

@@ -34,7 +34,7 @@ def _combinations(axes: Mapping[str, Any], *, previous: str) -> Iterator[Combina
     ):
         yield Combination(
             learner,
-            window=naming.fitted(**estimation),
+            window=naming.fit_suffix(**estimation),
             reading="" if reading == previous else naming.READINGS[reading],
             fence=fence_of(fence),
             standardisation=standardisation,

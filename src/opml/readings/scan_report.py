@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import pandas as pd
 
-from opml.naming import STANDARDISATIONS, Experiment, fenced, treated
+from opml.naming import STANDARDISATIONS, Experiment, fence_suffix, treat_test
 from opml.report.claims import Claim, judged
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.results import Results, percent
@@ -29,7 +29,7 @@ class Combination:
 
     def __str__(self) -> str:
         """Return its name, unlike any other's."""
-        treatment = fenced(self.fence) + STANDARDISATIONS[self.standardisation]
+        treatment = fence_suffix(self.fence) + STANDARDISATIONS[self.standardisation]
         return f"{self.learner}{self.window}{self.reading}{treatment}"
 
     def of(self, experiment: Experiment) -> Experiment:
@@ -39,7 +39,7 @@ class Combination:
             learner=self.learner,
             window=self.window,
             reading=self.reading,
-            test=treated(experiment.test, fence=self.fence, standardisation=self.standardisation),
+            test=treat_test(experiment.test, fence=self.fence, standardisation=self.standardisation),
         )
 
 

@@ -61,7 +61,7 @@ class Beyond:
     def left_out(self) -> dict[tuple[str, str, str], Experiment]:
         """The experiments on an RSO left out of its pool, by pool, learner and that RSO."""
         return {
-            (pool, learner, rso): self._transfer(learner, rso=naming.pool_without(pool, rso), target=rso)
+            (pool, learner, rso): self._transfer(learner, rso=naming.leave_out(pool, rso), target=rso)
             for pool, rsos in self.study.entry("pools").items()
             for learner in self.entry["transfers"]["learners"]
             for rso in rsos

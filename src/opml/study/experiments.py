@@ -137,8 +137,8 @@ class Study:
         noise, split = own["noise"] if noise is None else noise, own["split"] if split is None else split
         return replace(
             experiment,
-            stations=naming.seeded(experiment.stations, naming.NOISE, noise, default=own["noise"]),
-            train=naming.seeded(experiment.train, naming.SPLIT, split, default=own["split"]),
+            stations=naming.add_seed(experiment.stations, naming.NOISE, noise, default=own["noise"]),
+            train=naming.add_seed(experiment.train, naming.SPLIT, split, default=own["split"]),
         )
 
     def drawn_seeds(self, experiment: Experiment) -> list[Experiment]:

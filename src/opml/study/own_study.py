@@ -50,7 +50,7 @@ class Own:
         return {
             GROUPED: ("grouped-80", "rest"),
             LATER: (train, test),
-            UNSEEN: (train, naming.as_unseen(test)),
+            UNSEEN: (train, naming.unseen_test(test)),
         }
 
     @cached_property
@@ -125,7 +125,7 @@ class Own:
     def replayed(self) -> dict[tuple[str, str, str], dict[str, str]]:
         """Parts of the names of the replays, by RSO, station set and model; none without days to train on."""
         train, _ = self.splits[self.shown]
-        if naming.parse_train(naming.without_seed(train, naming.SPLIT)).kind != "days":
+        if naming.parse_train(naming.strip_seed(train, naming.SPLIT)).kind != "days":
             return {}
         named = self.study.settings.asked.get("replayed") or [
             name for name in REPLAYED if name in self.learners and self._begins(name) <= self._last_begin
@@ -145,7 +145,7 @@ class Own:
     def _begins(self, learner: str) -> float:
         """Day of the first morning of a model, as `opml.ephemerides.replays` has it."""
         settings, values = naming.parse_learner(learner, self.study.learners), self.study.settings.values
-        train = naming.without_seed(self.splits[self.shown][0], naming.SPLIT)
+        train = naming.strip_seed(self.splits[self.shown][0], naming.SPLIT)
         first, last = naming.parse_train(train).days
         if learns(settings):
             return math.ceil(first + 0.5 * (last - first))
@@ -195,7 +195,7 @@ class Own:
             if (hours := naming.parse_learner(name, self.study.learners).get("window_hours"))
         }
         return {
-            f"{hours:g}-hour fits": naming.windowed(hours, default=own)
+            f"{hours:g}-hour fits": naming.window_suffix(hours, default=own)
             for hours in (own, *sorted(asked - {own}))
         }
 

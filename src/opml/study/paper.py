@@ -85,8 +85,8 @@ class Paper:
         """A curve's RSOs and what is varied: the inclination [deg] or what is added to the axis [km]."""
         rso, sheet = entry.get("rso", self.study.defaults["rso"]), self.study.sheet
         if name == "inclination":
-            return {sheets.with_inclination(rso, value, sheet): value for value in entry["inclinations"]}
-        return {sheets.with_offset(rso, value, sheet): value for value in entry["offsets"]}
+            return {sheets.name_at_inclination(rso, value, sheet): value for value in entry["inclinations"]}
+        return {sheets.name_at_offset(rso, value, sheet): value for value in entry["offsets"]}
 
     @cached_property
     def kernel_scales(self) -> list[Experiment]:
@@ -94,7 +94,7 @@ class Paper:
         entry = self.study.entry("kernel_scale")
         learner = entry.get("learner", self.study.defaults["learner"])
         return [
-            self._kernel_scale(stations, split, naming.scaled(learner, scale))
+            self._kernel_scale(stations, split, naming.scale_kernel(learner, scale))
             for stations in entry.get("station_sets", [])
             for split in entry["splits"]
             for scale in entry["scales"]
@@ -212,10 +212,10 @@ class Paper:
         if "split" in entry:
             read = replace(read, train=re.sub("^(random|grouped)-", f"{entry['split']}-", read.train))
         if entry.get("windows") == "unseen":
-            read = replace(read, test=naming.as_unseen(read.test))
+            read = replace(read, test=naming.unseen_test(read.test))
         fence = fence_of(entry.get("fence", "dataset"))
         standardisation = entry.get("standardisation", "training")
-        return replace(read, test=naming.treated(read.test, fence=fence, standardisation=standardisation))
+        return replace(read, test=naming.treat_test(read.test, fence=fence, standardisation=standardisation))
 
     @cached_property
     def drawn(self) -> dict[str, Experiment]:

@@ -1,8 +1,8 @@
-"""The tables that pass from stage to stage: their columns, and how they are written to and read from Parquet.
+"""Schemas of the tables between the workflow's stages, and the writer and readers of their Parquet files.
 
 Every column carries its unit, frame and meaning as Parquet field metadata. Pages carry checksums and the
-footer a SHA-256 digest of its own text, so that a damaged file is noticed by its reader. The tables of
-trained models are declared by their learners, in opml.learning.
+footer a SHA-256 digest, so that a reader notices a damaged file. Learners declare the tables of trained
+models, in opml.learning.
 """
 
 from opml.tables.catalog_tables import (
@@ -22,7 +22,7 @@ from opml.tables.columns import (
     count,
     flag,
     real,
-    symmetric,
+    symmetric_matrices,
     text,
 )
 from opml.tables.environment_tables import (
@@ -88,7 +88,7 @@ __all__ = [
     "read_table",
     "read_tables",
     "real",
-    "symmetric",
+    "symmetric_matrices",
     "text",
     "write_table",
 ]

@@ -1,4 +1,4 @@
-"""The tables from the truth to predictions and their labels."""
+"""Schemas of the tables from the truth to predictions and their labels."""
 
 from collections.abc import Sequence
 
@@ -22,16 +22,16 @@ from opml.tables.columns import (
 )
 
 TRUTH_GROUPS = "truth_groups"
-"""The tables of which truths one job made."""
+"""Kind of the tables that list the RSOs whose truths one job made."""
 
 POSITION_COVARIANCES = [f"cov_{a}_{b}" for a, b in (*("xx", "yx", "yy"), *("zx", "zy", "zz"))]
-"""Columns of the lower triangle, row by row, of a position's covariance."""
+"""Columns of a position's covariance: the lower triangle, row by row."""
 
 SIGMAS = [f"sigma_{name}" for name in COMPONENTS]
 """Columns of a label's uncertainty, by error component."""
 
 MECHANISM_AXES = ("s", "v", "r", "l", "v_long", "floor", "l_arc", "v_arc", "h_arc", "thermo")
-"""Families of columns of the mechanism, with one column per error component: of `v`, `v_y` is for e_y."""
+"""Prefixes of the mechanism's columns for each error component, such as `v_y` for e_y."""
 
 _HELD_AGAINST = "RSW of the later estimate at t_j"
 
@@ -83,7 +83,7 @@ _THERMOMETER = (
 
 
 def mechanism_schema(resonances: Sequence[tuple[int, int]]) -> Schema:
-    """Return the schema of the mechanism with the resonances (k, m) chosen."""
+    """Return the schema of the table `mechanism` with two columns for each resonance (k, m)."""
     meaning = "along-track drift per unit of an acceleration as the {part} of {k} (w + M) + {m} (W - theta)"
     drifts = tuple(
         real(f"{name}_{k}_{m}", "s2", meaning.format(part=part, k=k, m=m))

@@ -1,4 +1,4 @@
-"""Columns and schemas: names, units, frames and meanings, and the groups that several tables share."""
+"""Types for columns and schemas, and the groups of columns that several tables share."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,20 +7,21 @@ import numpy as np
 import pandas as pd
 
 STATE = ["x", "y", "z", "vx", "vy", "vz"]
-"""Columns of a state; a list, so that a DataFrame takes it as it is."""
+"""Columns of a state; a list, as pandas selects columns by a list."""
 
 PARAMETERS = [*STATE, "cd"]
-"""Columns of what is estimated."""
+"""Columns of the estimated parameters."""
 
 COMPONENTS = tuple(f"e_{axis}" for axis in STATE)
+"""Columns of the components of a prediction error."""
 
 SPREAD = [f"{cause}_{axis}" for cause in ("drag", "weather") for axis in "xyz"]
-"""Columns of how far drag and the weather ahead may take a prediction."""
+"""Columns of the distances by which drag and the weather ahead may move a prediction."""
 
 
 @dataclass(frozen=True)
 class Column:
-    """One column; `frame` is '' where no frame applies."""
+    """A column; its frame is '' where no frame applies."""
 
     name: str
     dtype: str
@@ -31,7 +32,7 @@ class Column:
 
 @dataclass(frozen=True)
 class Schema:
-    """A table: what one row is, and its columns in order."""
+    """A table: its name, the meaning of a row, and its columns in order."""
 
     name: str
     row: str
@@ -39,7 +40,7 @@ class Schema:
 
     @property
     def names(self) -> list[str]:
-        """Return the columns' names in order."""
+        """Names of the columns in order."""
         return [column.name for column in self.columns]
 
 
@@ -68,12 +69,12 @@ def _unit(parameter: str) -> str:
 
 
 def state(frame: str, meaning: str, *, prefix: str = "", suffix: str = "") -> tuple[Column, ...]:
-    """Return six columns of position and velocity."""
+    """Return the six columns of position and velocity."""
     return tuple(real(f"{prefix}{axis}{suffix}", _unit(axis), f"{meaning}, {axis}", frame) for axis in STATE)
 
 
 def covariance(parameters: Sequence[str], frame: str) -> tuple[Column, ...]:
-    """Return the lower triangle, row by row, of the covariance of parameters."""
+    """Return the columns of the covariance of parameters: the lower triangle, row by row."""
     columns = []
     for row, a in enumerate(parameters):
         for b in parameters[: row + 1]:
@@ -106,8 +107,8 @@ NO_TRUTH = "; NaN where there is no truth"
 PREDICTED = "RSW of the predicted state at t_j"
 
 
-def symmetric(table: pd.DataFrame, columns: Sequence[str]) -> np.ndarray:
-    """Return matrices (n, k, k) from the columns of their lower triangles, row by row."""
+def symmetric_matrices(table: pd.DataFrame, columns: Sequence[str]) -> np.ndarray:
+    """Return symmetric matrices (n, k, k) from the columns of their lower triangles, row by row."""
     row, column = np.tril_indices(int(np.sqrt(2 * len(columns))))
     full = np.empty((len(table), row[-1] + 1, row[-1] + 1))
     full[:, row, column] = full[:, column, row] = table[list(columns)].to_numpy()

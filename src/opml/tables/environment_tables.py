@@ -1,20 +1,20 @@
-"""The tables of the environment."""
+"""Schemas of the tables of the environment, and their names."""
 
 from opml.base.constants import BODIES
 from opml.base.thermosphere_grid import ALTITUDES, DENSITIES
 from opml.tables.columns import Schema, T, count, real
 
 ENVIRONMENT = ("earth_orientation", "ephemerides", "solar_activity", "gravity_field")
-"""The tables of the environment, which the force models are made of."""
+"""Tables from which every force model is made."""
 
 OUTLOOKS = "outlooks"
-"""One more, where the assumed model forecasts the activity."""
+"""Table of forecast activity, where the assumed model knows forecasts only."""
 
 THERMOSPHERE = "thermosphere"
-"""One more, where the truth flies through another atmosphere than DTM2000's."""
+"""Table of densities, where the truth flies through another atmosphere than DTM2000's."""
 
 OPTIONAL = (OUTLOOKS, THERMOSPHERE)
-"""The tables of an environment that some force models do without."""
+"""Tables that only some force models need."""
 
 _ACTIVITY = (
     real("f107", "sfu", "F10.7 solar radio flux of the day before"),

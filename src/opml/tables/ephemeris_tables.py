@@ -1,12 +1,12 @@
-"""The tables of what leaves: ephemerides, and those of mornings that are over."""
+"""Schemas of the tables of ephemerides, and of the replay of earlier mornings."""
 
 from opml.tables.columns import PAIR, SINCE, SPREAD_COLUMNS, STATE, Schema, T, count, covariance, real, state
 
 DOUBT = [f"doubt_{axis}" for axis in "xyz"]
-"""Columns of how far a state may be off that an ephemeris is held against."""
+"""Columns of the standard deviation of the reference state that an ephemeris is compared with."""
 
 SIGMA_STATE = [f"sigma_{name}" for name in STATE]
-"""Columns of the standard deviations that a covariance is made of (`rsw_covariance.stated`)."""
+"""Columns of the standard deviations behind a covariance (`rsw_covariance.rsw_covariances`)."""
 
 _KNOWN_STATE = "RSW of the state that it is held against"
 

@@ -1,13 +1,13 @@
-"""The tables from the dataset to P_ML."""
+"""Schemas of the tables from the dataset to P_ML."""
 
 from opml.tables.catalog_tables import LABELLED, LABELS
 from opml.tables.columns import ERRORS, NO_TRUTH, PAIR, SINCE, Schema, count, flag, real, state, text
 
 PLANE, ELLIPSOID, WHOLE = "plane", "ellipsoid", "state"
-"""Quantities of a calibration that are several components together: e_x and e_y, the position, all six."""
+"""Quantities of a calibration with several components: e_x and e_y, the position, the whole state."""
 
 LEVELS = (0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99)
-"""Levels that uncertainties are stated at."""
+"""Levels of the stated uncertainties."""
 
 _ELEMENTS = (
     ("a", "m", "semi-major axis"),
@@ -18,7 +18,7 @@ _ELEMENTS = (
     ("nu", "rad", "true anomaly"),
 )
 
-# The estimate's own elements, where `i` would clash with the index of the estimate.
+# The estimate's inclination cannot be `i`, which is the index of the estimate.
 _ABSOLUTE = {"i": "inc"}
 
 LEARNING_COLUMNS = (

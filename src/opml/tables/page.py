@@ -1,4 +1,4 @@
-"""The page docs/data.md, written from the schemas."""
+"""The page docs/data.md, made from the schemas."""
 
 from collections.abc import Iterable
 
@@ -15,17 +15,17 @@ seed, settings digest and version (file metadata, as JSON values). This page is 
 
 
 def markdown(models: Iterable[Schema]) -> str:
-    """Return the description of every table, as docs/data.md holds it; `models` are the models' tables."""
+    """Return the text of docs/data.md, the description of every table; `models` are the models' schemas."""
     tables = list(SCHEMAS.values())
     before = tables.index(SCHEMAS["evaluation"])
     lines = [_PREAMBLE]
     for schema in (*tables[:before], *models, *tables[before:]):
         lines += ["", f"## {schema.name}", "", f"One row is {schema.row}.", ""]
         lines += ["| column | type | unit | frame | meaning |", "| --- | --- | --- | --- | --- |"]
-        lines += [_described(column) for column in schema.columns]
+        lines += [_column_row(column) for column in schema.columns]
     return "\n".join(lines)
 
 
-def _described(column: Column) -> str:
+def _column_row(column: Column) -> str:
     cells = (f"`{column.name}`", column.dtype, column.unit or "-", column.frame or "-", column.meaning)
     return f"| {' | '.join(cells)} |"

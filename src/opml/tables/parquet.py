@@ -1,4 +1,4 @@
-"""Tables as Parquet files: written whole, read and checked against their schema."""
+"""Writer and readers of tables as Parquet files: whole files, checked against schema and digests."""
 
 import hashlib
 import json
@@ -23,17 +23,13 @@ _ARROW = {"float64": pa.float64(), "int64": pa.int64(), "bool": pa.bool_(), "str
 def write_table(
     path: FilePath, frame: pd.DataFrame, schema: str | Schema, *, metadata: Mapping[str, Any]
 ) -> None:
-    """Write `frame` as Parquet, whole or not at all: a temporary file takes the name when it is complete.
+    """Write a table as Parquet, whole or not at all: a temporary file takes the name when it is complete.
 
-    Parameters
-    ----------
-    frame : table with exactly the schema's columns, in any order.
-    schema : name of a schema, or a schema (of a model, whose columns vary).
-    metadata : JSON values kept in the file, such as epoch, seed and settings digest.
+    frame: exactly the schema's columns, in any order
+    schema: name of a schema, or a schema (of a model, whose columns vary)
+    metadata: JSON values for the file, such as epoch, seed and settings digest
 
-    Raises
-    ------
-    ValueError : where the columns are not the schema's.
+    Raises ValueError where the columns are not the schema's.
     """
     schema = _resolve(schema)
     if set(frame.columns) != set(schema.names) or len(frame.columns) != len(schema.names):
@@ -54,9 +50,9 @@ def write_table(
 def read_table(path: FilePath, schema: str | Schema) -> pd.DataFrame:
     """Read a table and check it against its schema.
 
-    Raises
-    ------
-    InputError : where the file is missing or damaged, or lacks a column or has it in another type.
+    schema: name of a schema, or a schema (of a model, whose columns vary)
+
+    Raises InputError where the file is missing or damaged, or a column is missing or of another type.
     """
     schema = _resolve(schema)
     with _reading(path), pq.ParquetFile(path, page_checksum_verification=True) as file:
@@ -70,16 +66,14 @@ def read_table(path: FilePath, schema: str | Schema) -> pd.DataFrame:
 
 
 def read_tables(paths: Iterable[FilePath], schema: str | Schema) -> pd.DataFrame:
-    """Read tables of one schema below each other; errors as in `read_table`."""
+    """Read tables of one schema into one table, below each other. Raises InputError as `read_table` does."""
     return pd.concat([read_table(path, schema) for path in paths], ignore_index=True)
 
 
 def read_metadata(path: FilePath) -> dict[str, Any]:
-    """Return what `write_table` was given as metadata.
+    """Read the metadata of a table that `write_table` wrote.
 
-    Raises
-    ------
-    InputError : where the file is missing or damaged.
+    Raises InputError where the file is missing or damaged.
     """
     with _reading(path), pq.ParquetFile(path) as file:
         values = _metadata(path, file)
@@ -87,7 +81,7 @@ def read_metadata(path: FilePath) -> dict[str, Any]:
 
 
 def read_kind(path: FilePath) -> str:
-    """Return the name of the schema that a table was written by. Errors as in `read_metadata`."""
+    """Read the name of a table's schema. Raises InputError as `read_metadata` does."""
     with _reading(path), pq.ParquetFile(path) as file:
         return str(_metadata(path, file)["table"])
 
@@ -116,7 +110,7 @@ def _arrow_schema(schema: Schema) -> pa.Schema:
 
 
 def _footer_digest(arrow: pa.Schema, values: Mapping[str, Any], rows: int) -> str:
-    """Digest what the page checksums do not cover: names, types, units, metadata and the number of rows."""
+    """Return the digest of all that page checksums leave out: columns, metadata and the number of rows."""
     fields = [[field.name, str(field.type), _texts(field.metadata)] for field in arrow]
     text = json.dumps([fields, dict(values), rows], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
@@ -136,9 +130,9 @@ _TAIL_BYTES = 8  # of a Parquet file: the length of its footer and four letters
 
 
 def _seal(path: FilePath) -> None:
-    """Put a digest of the footer before it: where pages lie is told there, and no page's checksum covers it.
+    """Insert a digest of the footer before it, as no page's checksum covers the places of the pages in it.
 
-    Readers find the footer from the end of the file, and pages from its beginning: both stay where they are.
+    Readers locate the footer from the end of the file, and pages from its beginning; both stay in place.
     """
     with open(path, "r+b") as file:
         start, footer = _footer(file)
@@ -147,7 +141,7 @@ def _seal(path: FilePath) -> None:
 
 
 def _check_seal(path: FilePath) -> None:
-    """Raise InputError where a footer is not the one that was sealed; older versions sealed none."""
+    """Raise InputError where the footer does not match its seal; files of older versions have no seal."""
     with open(path, "rb") as file:
         start, footer = _footer(file)
         file.seek(max(start - len(_SEAL) - _DIGEST_BYTES, 0))
@@ -157,7 +151,7 @@ def _check_seal(path: FilePath) -> None:
 
 
 def _footer(file: BinaryIO) -> tuple[int, bytes]:
-    """Where a Parquet file's footer starts, as its length tells, and what follows from there."""
+    """Return the start of a Parquet file's footer, by the length at the end, and the bytes from there on."""
     end = file.seek(0, os.SEEK_END)
     file.seek(max(end - _TAIL_BYTES, 0))
     length = int.from_bytes(file.read(4), "little")
@@ -168,7 +162,7 @@ def _footer(file: BinaryIO) -> tuple[int, bytes]:
 
 @contextmanager
 def _reading(path: FilePath) -> Iterator[None]:
-    """Turn what a missing or damaged file raises, wherever it is noticed, into one line."""
+    """Turn the errors of a missing or damaged file into an InputError of one line."""
     try:
         _check_seal(path)
         yield
@@ -187,7 +181,7 @@ def _check_column(path: FilePath, arrow: pa.Schema, column: Column, table: str) 
 
 
 def _metadata(path: FilePath, file: pq.ParquetFile) -> dict[str, Any]:
-    """Return the file's metadata, its digest checked; a table that `write_table` did not write has none."""
+    """Return the file's metadata. Raises InputError where its digest is wrong or missing."""
     values = {key: json.loads(value) for key, value in _texts(file.schema_arrow.metadata).items()}
     digest = values.pop("digest", None)
     if digest != _footer_digest(file.schema_arrow, values, file.metadata.num_rows):

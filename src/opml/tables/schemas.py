@@ -1,4 +1,4 @@
-"""All schemas by their names."""
+"""All schemas by their names, except those of trained models."""
 
 from opml.tables.catalog_tables import CATALOG_SCHEMAS
 from opml.tables.columns import Schema

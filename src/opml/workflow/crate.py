@@ -21,7 +21,7 @@ from rocrate.rocrate import ROCrate
 
 from opml import __version__
 from opml.base.errors import InputError
-from opml.base.files import PROJECT, FilePath, in_project, replacing
+from opml.base.files import PROJECT, FilePath, project_file, replacing
 from opml.study.settings.merging import merged, with_sheets
 from opml.study.settings.overlay import COMMAND_LINE, Layer
 
@@ -141,7 +141,7 @@ def _inputs(files: Sequence[FilePath], values: Any) -> Iterator[Path]:
     named = [*files, *values["sheets"].values(), *settings.starts.values()]
     named += [path for paths in (*settings.orbits.values(), *settings.tracks.values()) for path in paths]
     named += [name for name in values["environment"].values() if Path(str(name)).suffix]
-    for path in map(in_project, dict.fromkeys(named)):
+    for path in map(project_file, dict.fromkeys(named)):
         if not path.is_file():
             raise InputError(f"{path}: expected a file that the run was made of, got none")
         yield path

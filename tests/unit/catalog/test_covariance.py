@@ -10,7 +10,7 @@ from opml.catalog.predict import prediction
 from opml.catalog.predict.covariance import of_positions, propagated
 from opml.dynamics.ensemble import Integrator
 from opml.orbits.elements import cartesian_from_coe, in_rsw
-from opml.tables import POSITION_COVARIANCES, SCHEMAS, STATE, symmetric
+from opml.tables import POSITION_COVARIANCES, SCHEMAS, STATE, symmetric_matrices
 
 TIMES = np.array([0.0, 0.4, 1.0]) * DAY
 DRAWS = 400
@@ -55,7 +55,7 @@ def test_carried_covariances_are_those_of_many_arcs(assumed_model, iss):
         predicted = pairs[STATE].to_numpy()[k]
         reached = arcs.states[k::2]
         spread = in_rsw(reached - predicted, np.broadcast_to(predicted, reached.shape))[:, :3]
-        stated = symmetric(found, POSITION_COVARIANCES)[k]
+        stated = symmetric_matrices(found, POSITION_COVARIANCES)[k]
         whitened = np.linalg.solve(np.linalg.cholesky(stated), spread.T)
         # A sample of 400 has variances within a fifth of the true ones.
         np.testing.assert_allclose(np.cov(whitened), np.eye(3), atol=0.25)

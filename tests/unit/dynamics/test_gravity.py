@@ -88,7 +88,7 @@ def test_acceleration_is_the_potentials_gradient(degree, order):
 
 
 def test_the_real_field_to_degree_40_is_its_potentials_gradient():
-    field = gravity_field.read_icgem(gravity_field.resolve("EGM2008")).truncated(40, 40)
+    field = gravity_field.read_icgem(gravity_field.resolve("EGM2008")).truncate(40, 40)
     directions = places(2, seed=3)
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     positions = directions * (RADIUS + 300e3)

@@ -5,7 +5,7 @@ from support import EPOCH, REPOSITORY
 
 from opml.base.errors import InputError
 from opml.base.yaml_files import read_yaml
-from opml.environment import coverage
+from opml.environment import coverage, solar_activity
 
 VALUES = read_yaml(REPOSITORY / "config" / "config.yaml")
 
@@ -73,12 +73,13 @@ def test_too_short_a_past_or_history_and_forecasts_that_begin_too_late_are_told(
     assert refusal(epoch="1996-08-10T00:00:00", forecast="analogues", **asked).startswith(
         "environment.knowledge: forecast: forecast: expected 421 days of packaged weather before the epoch"
     )
-    settings = {"long": {"kind": "recurrence", "turn_days": 9000}}
-    with pytest.raises(InputError, match="forecast: expected 9000 measured days before the epoch, got 7579"):
-        coverage.check(
-            VALUES
-            | {"environment": VALUES["environment"] | asked | {"forecast": "long"}, "forecasts": settings}
-        )
+    lines = solar_activity.read_text(solar_activity.resolve("OBSERVED")).splitlines()
+    short = tmp_path / "short.csv"
+    short.write_text("\n".join(line for line in lines if not line[0].isdigit() or line >= "2016-07-05"))
+    settings = {"long": {"kind": "regression", "lags": 100, "ridge": 10}}
+    environment = VALUES["environment"] | asked | {"forecast": "long", "solar_activity": str(short)}
+    with pytest.raises(InputError, match="forecast: expected 100 measured days before the epoch, got 85"):
+        coverage.check(VALUES | {"environment": environment, "forecasts": settings})
     path = tmp_path / "late.tsv"
     path.write_text("issued\tvalid\tf107\tkp\n2016-10-01T00:00:00\t2016-10-01T00:00:00\t80\t2\n")
     settings = {"late": {"kind": "archive", "files": [str(path)]}}

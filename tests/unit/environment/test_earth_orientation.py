@@ -44,7 +44,7 @@ def test_rotation_is_orekits_to_a_nanoradian():
 
 def test_daily_values_are_met_at_midnight():
     # finals2000A, Bulletin B columns: 2016-10-10 (MJD 57671).
-    midnight = epochs.elapsed(EPOCH, "2016-10-10T00:00:00")
+    midnight = epochs.seconds_between(EPOCH, "2016-10-10T00:00:00")
     row = earth_orientation.tabulate(EPOCH, np.array([midnight])).iloc[0]
     daily = earth_orientation.read_finals2000a(astropy_iers_data.IERS_A_FILE).set_index("mjd").loc[57671]
     era = erfa.era00(2400000.5 + 57671.0, daily["ut1_utc"] / DAY)

@@ -92,41 +92,41 @@ def test_header_and_static_rows_are_read_with_fortran_exponents(read):
     ],
 )
 def test_trend_and_seasons_count_from_the_reference_day(read, epoch, expected):
-    field = read(HEAD + ROWS).at(epoch)
+    field = read(HEAD + ROWS).freeze(epoch)
     assert field.c[2, 0] == pytest.approx(expected, abs=1e-18)
     assert field.variations == ()
 
 
 def test_intervals_of_format_2_choose_the_row(read):
     field = read(HEAD_2 + ROWS_2)
-    assert field.at("2010-01-01T12:00:00").c[2, 0] == pytest.approx(-4.85e-04, abs=1e-12)
-    later = field.at("2010-04-02T07:28:53.816").c[2, 0]
+    assert field.freeze("2010-01-01T12:00:00").c[2, 0] == pytest.approx(-4.85e-04, abs=1e-12)
+    later = field.freeze("2010-04-02T07:28:53.816").c[2, 0]
     assert later == pytest.approx(-4.85e-04 + 3.0e-11, abs=1e-18)
-    assert field.at("2005-01-01T00:00:00").c[2, 0] == pytest.approx(-4.84e-04 + 5.0e-11, abs=1e-13)
+    assert field.freeze("2005-01-01T00:00:00").c[2, 0] == pytest.approx(-4.84e-04 + 5.0e-11, abs=1e-13)
     with pytest.raises(InputError, match="TOY: degree 2, order 0: expected a row gfct for 2021"):
-        field.at("2021-01-01T00:00:00")
+        field.freeze("2021-01-01T00:00:00")
 
 
 def test_truncation_keeps_what_lies_below(read):
-    field = read(HEAD + ROWS).truncated(2, 1)
+    field = read(HEAD + ROWS).truncate(2, 1)
     assert (field.max_degree, field.max_order) == (2, 1)
     assert field.c[2, 1] == 1.0e-10
     assert len(field.variations) == 4
-    assert field.truncated(1, 0).variations == ()
+    assert field.truncate(1, 0).variations == ()
 
 
 def test_table_lists_the_triangle_at_the_epoch(read):
     epoch = "2016-09-28T12:09:45"
     field = read(HEAD + ROWS)
-    table = gravity_field.table(field.truncated(2, 1), epoch)
+    table = gravity_field.table(field.truncate(2, 1), epoch)
     assert table[["n", "m"]].to_numpy().tolist() == [[0, 0], [1, 0], [1, 1], [2, 0], [2, 1]]
-    assert table["c"].iloc[3] == field.at(epoch).c[2, 0]
+    assert table["c"].iloc[3] == field.freeze(epoch).c[2, 0]
     assert table.dtypes.astype(str).tolist() == ["int64", "int64", "float64", "float64"]
 
 
 def test_coefficients_are_read_only(read):
     field = read(HEAD + ROWS)
-    for some in (field, field.at("2016-09-28T12:09:45"), field.truncated(1, 1)):
+    for some in (field, field.freeze("2016-09-28T12:09:45"), field.truncate(1, 1)):
         with pytest.raises(ValueError, match="read-only"):
             some.c[0, 0] = 2.0
 
@@ -134,7 +134,7 @@ def test_coefficients_are_read_only(read):
 @pytest.mark.parametrize(("degree", "order"), [(3, 3), (-1, 0), (2, 3)])
 def test_degrees_and_orders_that_the_file_does_not_have_are_refused(read, degree, order):
     with pytest.raises(InputError, match=r"^TOY: (degree|order): expected 0 to 2, got"):
-        read(HEAD + ROWS).truncated(degree, order)
+        read(HEAD + ROWS).truncate(degree, order)
 
 
 @pytest.mark.parametrize(

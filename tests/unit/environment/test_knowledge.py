@@ -16,20 +16,20 @@ from opml.catalog.simulate import truth as truths
 from opml.dynamics import forces
 from opml.dynamics.ensemble import Integrator
 from opml.environment import gravity_field, knowledge, nodes, solar_activity, space_weather
+from opml.environment.knowledge import Issues
 from opml.environment.weather import Weather
 from opml.tables import STATE
 
 T = nodes(EPOCH, 3 * DAY)
 FORECASTS = {
     "persistence": {"kind": "persistence"},
-    "recurrence": {"kind": "recurrence", "turn_days": 27},
     "regression": {"kind": "regression", "lags": 5, "ridge": 10},
     "analogues": {"kind": "analogues", "members": 3},
 }
 
 
 def outlooks(source="OBSERVED", forecast="persistence", hours=3):
-    return knowledge.outlooks(source, EPOCH, T, forecast=FORECASTS[forecast], issue_hours=hours, max_days=1)
+    return knowledge.outlooks(Issues(source, EPOCH, FORECASTS[forecast], hours, max_days=1), T)
 
 
 def mjd(utc):
@@ -44,7 +44,7 @@ def test_no_outlook_knows_what_was_measured_after_its_issue(tmp_path, monkeypatc
     # As the source of the run, and as the history to learn from.
     monkeypatch.setitem(solar_activity.PACKAGED, "OBSERVED", str(other))
     found = outlooks(forecast=forecast)
-    known = expected["issued"] <= epochs.elapsed(EPOCH, utc)
+    known = expected["issued"] <= epochs.seconds_between(EPOCH, utc)
     assert 0.2 < known.mean() < 0.8
     pd.testing.assert_frame_equal(found[known], expected[known], check_exact=True)
     assert not found[~known].equals(expected[~known])
@@ -53,12 +53,12 @@ def test_no_outlook_knows_what_was_measured_after_its_issue(tmp_path, monkeypatc
 @pytest.mark.parametrize("forecast", FORECASTS)
 def test_no_future_knows_what_was_measured_after_its_issue(tmp_path, monkeypatch, forecast):
     utc = "2016-09-29T20:00:00"
-    asked = {"forecast": FORECASTS[forecast], "members": 3, "issue_hours": 6, "max_days": 1}
-    expected = knowledge.futures("OBSERVED", EPOCH, T, **asked)
+    issues = Issues("OBSERVED", EPOCH, FORECASTS[forecast], hours=6, max_days=1)
+    expected = knowledge.futures(issues, T, members=3)
     other = other_after(tmp_path / "other.csv", mjd(utc))
     monkeypatch.setitem(solar_activity.PACKAGED, "OBSERVED", str(other))
-    found = knowledge.futures("OBSERVED", EPOCH, T, **asked)
-    known = expected["issued"] <= epochs.elapsed(EPOCH, utc)
+    found = knowledge.futures(issues, T, members=3)
+    known = expected["issued"] <= epochs.seconds_between(EPOCH, utc)
     pd.testing.assert_frame_equal(found[known], expected[known], check_exact=True)
     assert not found[~known].equals(expected[~known])
     assert expected.groupby("issued")["member"].nunique().eq(3).all()
@@ -68,7 +68,7 @@ def test_no_hindcast_knows_what_was_measured_after_its_time(tmp_path):
     utc = "2016-09-29T20:00:00"
     expected = knowledge.hindcast("OBSERVED", EPOCH, T)
     found = knowledge.hindcast(other_after(tmp_path / "other.csv", mjd(utc)), EPOCH, T)
-    known = epochs.elapsed(EPOCH, utc) >= T
+    known = epochs.seconds_between(EPOCH, utc) >= T
     pd.testing.assert_frame_equal(found[known], expected[known], check_exact=True)
     assert not found[~known].equals(expected[~known])
 
@@ -76,15 +76,15 @@ def test_no_hindcast_knows_what_was_measured_after_its_time(tmp_path):
 def test_a_forecast_starts_from_what_is_measured_and_reaches_beyond(tmp_path):
     """The operator's file ends yesterday, the run a week from now."""
     t = nodes(EPOCH, 12 * DAY)
-    whole = knowledge.measured("OBSERVED", EPOCH, t)
+    whole = knowledge.measured_activity("OBSERVED", EPOCH, t)
     pd.testing.assert_frame_equal(whole, knowledge.hindcast("OBSERVED", EPOCH, t), check_exact=True)
     cut = up_to(tmp_path / "cut.csv", 57664)  # ends 2016-10-03
-    found = knowledge.measured(cut, EPOCH, t)
+    found = knowledge.measured_activity(cut, EPOCH, t)
     known = np.isfinite(found["f107"])
     assert t[known].max() == pytest.approx(5.327 * DAY, abs=0.01 * DAY)  # 20:00 UTC, by its last F10.7
     pd.testing.assert_frame_equal(found[known], whole[known], check_exact=True)
-    options = {"forecast": FORECASTS["persistence"], "issue_hours": 24, "max_days": 7}
-    ahead, all_of_it = (knowledge.outlooks(source, EPOCH, t, **options) for source in (cut, "OBSERVED"))
+    issues = (Issues(source, EPOCH, FORECASTS["persistence"], 24, max_days=7) for source in (cut, "OBSERVED"))
+    ahead, all_of_it = (knowledge.outlooks(one, t) for one in issues)
     assert ahead["issued"].max() < all_of_it["issued"].max()
     shared = all_of_it["issued"] <= ahead["issued"].max()
     pd.testing.assert_frame_equal(ahead, all_of_it[shared].reset_index(drop=True), check_exact=True)
@@ -92,7 +92,7 @@ def test_a_forecast_starts_from_what_is_measured_and_reaches_beyond(tmp_path):
     with pytest.raises(InputError, match=r"expected dates from .* to 2016-10-0"):
         knowledge.hindcast(cut, EPOCH, t)
     with pytest.raises(InputError, match="expected dates from"):
-        knowledge.measured(up_to(tmp_path / "old.csv", 57600), EPOCH, t)
+        knowledge.measured_activity(up_to(tmp_path / "old.csv", 57600), EPOCH, t)
 
 
 def model(source, **settings):
@@ -101,7 +101,7 @@ def model(source, **settings):
     tables = environment(3.0) | {"solar_activity": knowledge.hindcast(source, EPOCH, T)}
     return forces.build(
         **tables,
-        gravity_field=gravity_field.table(field.truncated(2, 2), EPOCH),
+        gravity_field=gravity_field.table(field.truncate(2, 2), EPOCH),
         epoch=EPOCH,
         degree=2,
         order=2,
@@ -129,11 +129,11 @@ def test_fits_and_predictions_know_nothing_measured_after_they_start(tmp_path, i
         predictions = prediction.predict_all(one, truth, estimates, iss, max_days=1, integrator=integrator)
         results.append((estimates, predictions))
     (estimates, predictions), (other_estimates, other_predictions) = results
-    known = estimates["t"] <= epochs.elapsed(EPOCH, utc)
+    known = estimates["t"] <= epochs.seconds_between(EPOCH, utc)
     assert 0 < known.sum() < len(known)
     pd.testing.assert_frame_equal(estimates[known], other_estimates[known], check_exact=True)
-    from_then = predictions["t_i"] <= epochs.elapsed(EPOCH, utc)
-    assert predictions.loc[from_then, "t_j"].max() > epochs.elapsed(EPOCH, utc) + 3 * HOUR
+    from_then = predictions["t_i"] <= epochs.seconds_between(EPOCH, utc)
+    assert predictions.loc[from_then, "t_j"].max() > epochs.seconds_between(EPOCH, utc) + 3 * HOUR
     pd.testing.assert_frame_equal(predictions[from_then], other_predictions[from_then], check_exact=True)
     assert not predictions[~from_then][STATE].equals(other_predictions[~from_then][STATE])
 
@@ -148,7 +148,7 @@ def test_a_perfect_forecast_is_the_hindcast(monkeypatch):
 
         return tell
 
-    monkeypatch.setattr(knowledge, "fitted", all_knowing)
+    monkeypatch.setattr(knowledge, "fit_forecast", all_knowing)
     hindcast = knowledge.hindcast("OBSERVED", EPOCH, T).set_index("t")
     for hours in (3, 24):
         found = outlooks(hours=hours).set_index("t")
@@ -157,10 +157,10 @@ def test_a_perfect_forecast_is_the_hindcast(monkeypatch):
 
 
 def test_outlooks_are_issued_on_whole_hours_the_first_at_or_before_the_epoch():
-    t, day = knowledge.issues(EPOCH, T, 3)
+    t, day = knowledge.issue_times(EPOCH, T, 3)
     assert t[0] <= 0.0 < t[1]
     np.testing.assert_allclose(8.0 * day, np.round(8.0 * day), atol=1e-6)
-    assert knowledge.issues(EPOCH, T, 24)[0][0] == epochs.elapsed(EPOCH, "2016-09-28T00:00:00")
+    assert knowledge.issue_times(EPOCH, T, 24)[0][0] == epochs.seconds_between(EPOCH, "2016-09-28T00:00:00")
     table = outlooks()
     assert (table["t"] > table["issued"]).all()
     assert (table["t"] - table["issued"]).max() <= DAY + 5 * HOUR
@@ -179,7 +179,7 @@ def test_the_mean_flux_is_that_of_the_81_days_before_and_kp_that_of_the_interval
     ("day", "fluxes", "kps"), [(50001.0, 1, 8), (50000.8, 0, 6), (50000 + 20 / 24, 1, 6), (49999.0, 0, 0)]
 )
 def test_a_flux_is_known_at_20_hours_and_a_kp_when_its_three_hours_are_over(day, fluxes, kps):
-    known = Weather(50000, np.arange(9.0), np.arange(72.0)).known_at(day)
+    known = Weather(50000, np.arange(9.0), np.arange(72.0)).keep_known(day)
     assert (len(known.flux), len(known.kp)) == (fluxes, kps)
 
 
@@ -194,7 +194,7 @@ def test_weather_that_does_not_reach_81_days_back_is_refused():
 
 
 def test_predicted_days_of_a_file_were_not_measured(tmp_path):
-    text = solar_activity.text_of(solar_activity.resolve("OBSERVED"))
+    text = solar_activity.read_text(solar_activity.resolve("OBSERVED"))
     lines = text.splitlines()
     path = tmp_path / "weather.csv"
     path.write_text("\n".join([*lines[:-5], *(line.replace("OBS", "PRD") for line in lines[-5:])]))

@@ -48,7 +48,7 @@ def test_a_bulletin_is_read_by_month_and_percentile(bulletin):
     months = solar_activity.read(bulletin())
     assert months.index.tolist() == ["2016-12", "2017-01", "2017-02"]
     assert months.loc["2017-01"].tolist() == [104.0, 90.5, 77.0, 16.0, 12.0, 8.0]
-    january = np.array([epochs.elapsed(EPOCH, "2017-01-01T00:00:00")])
+    january = np.array([epochs.seconds_between(EPOCH, "2017-01-01T00:00:00")])
     for percentile, f107, ap in [(95, 104.0, 16.0), (50, 90.5, 12.0), (5, 77.0, 8.0)]:
         row = solar_activity.tabulate(bulletin(), EPOCH, january, percentile).iloc[0]
         assert row["f107"] == row["f107_mean"] == f107
@@ -56,7 +56,7 @@ def test_a_bulletin_is_read_by_month_and_percentile(bulletin):
 
 
 def test_flux_and_ap_change_linearly_between_months(bulletin):
-    middle = np.array([epochs.elapsed(EPOCH, "2017-01-16T12:00:00")])
+    middle = np.array([epochs.seconds_between(EPOCH, "2017-01-16T12:00:00")])
     row = solar_activity.tabulate(bulletin(), EPOCH, middle, 50).iloc[0]
     assert row["f107"] == pytest.approx((90.5 + 78.0) / 2, rel=1e-12)
     # Ap, not Kp, is what changes linearly.
@@ -117,7 +117,7 @@ def test_the_packaged_months_are_the_first_of_the_bulletins(folder):
 
 def test_the_packaged_months_reach_from_1998_to_2041_and_not_a_second_further():
     assert solar_activity.reach("MSAFE") == ("1998-09-01", "2041-10-01")
-    ends = [epochs.elapsed(EPOCH, f"{day}T00:00:00") for day in solar_activity.reach("MSAFE")]
+    ends = [epochs.seconds_between(EPOCH, f"{day}T00:00:00") for day in solar_activity.reach("MSAFE")]
     found = solar_activity.tabulate("MSAFE", EPOCH, np.array(ends), 50)
     assert found["f107"].tolist() == [127.7, 70.0]
     for beyond in (ends[0] - 1.0, ends[1] + 1.0):

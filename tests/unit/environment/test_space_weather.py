@@ -64,7 +64,7 @@ def weather(tmp_path):
 
 
 def activity(path, *utc):
-    t = np.array([epochs.elapsed(EPOCH, text) for text in utc])
+    t = np.array([epochs.seconds_between(EPOCH, text) for text in utc])
     return solar_activity.tabulate(path, EPOCH, t, 50)
 
 
@@ -117,7 +117,7 @@ def test_steps_fall_on_whole_hours_however_the_epoch_rounds(epoch):
     t = nodes(epoch, 50 * DAY)
     found = solar_activity.tabulate("OBSERVED", epoch, t, 50)
     changed = np.flatnonzero(np.diff(found["kp_3h"])) + 1
-    midnight = epochs.elapsed(epoch, "2016-09-28T00:00:00")
+    midnight = epochs.seconds_between(epoch, "2016-09-28T00:00:00")
     intervals = (t[changed] - midnight) / 10800.0
     np.testing.assert_allclose(intervals, np.round(intervals), rtol=0, atol=1e-6)
     assert len(changed) > 200
@@ -129,7 +129,7 @@ def test_the_packaged_weather_covers_the_papers_run_and_is_what_was_observed():
     assert found.notna().all(axis=None)
     # CelesTrak's file: F10.7 84.4 and Kp 4+ 5- 3o 4+ 4o 5o 6- 4+ on 2016-09-28.
     day = solar_activity.tabulate(
-        "OBSERVED", EPOCH, np.array([epochs.elapsed(EPOCH, "2016-09-29T20:00:00")]), 50
+        "OBSERVED", EPOCH, np.array([epochs.seconds_between(EPOCH, "2016-09-29T20:00:00")]), 50
     ).iloc[0]
     assert day["f107"] == pytest.approx(84.4)
     midnight = activity("OBSERVED", "2016-09-29T00:00:00").iloc[0]
@@ -160,7 +160,9 @@ def test_the_packaged_weather_is_what_was_observed_since_1996(day, kp, flux, mea
 
 def test_the_packaged_weather_reaches_from_1996_to_2026_and_not_a_second_further():
     assert solar_activity.reach("OBSERVED") == ("1995-12-31", "2026-01-13")
-    begin, end = (epochs.elapsed(EPOCH, text) for text in ("1995-12-30T20:00:00", "2026-01-14T20:00:00"))
+    begin, end = (
+        epochs.seconds_between(EPOCH, text) for text in ("1995-12-30T20:00:00", "2026-01-14T20:00:00")
+    )
     assert solar_activity.tabulate("OBSERVED", EPOCH, np.array([begin, end]), 50).notna().all(axis=None)
     for beyond in (begin - 1.0, end + 1.0):
         with pytest.raises(
@@ -194,7 +196,7 @@ def test_kp_steps_on_the_hour_of_a_day_with_a_leap_second_too():
     # Kp of 2015-06-30, 1o 2o 1+ 0+ 1- 1o 2- 2+, in thirds.
     kp = [3, 6, 4, 1, 2, 3, 5, 7]
     hours = [f"2015-06-30T{hour:02d}:00:00" for hour in range(3, 24, 3)] + ["2015-07-01T00:00:00"]
-    steps = np.array([epochs.elapsed(EPOCH, hour) for hour in hours])
+    steps = np.array([epochs.seconds_between(EPOCH, hour) for hour in hours])
     at, before = (solar_activity.tabulate("OBSERVED", EPOCH, t, 50)["kp_3h"] for t in (steps, steps - 2.0))
     assert at.tolist() == pytest.approx([third / 3 for third in kp])
     assert before.tolist()[1:] == pytest.approx([third / 3 for third in kp[:-1]])

@@ -11,9 +11,10 @@ from opml.catalog.simulate.truth import initial_state
 from opml.dynamics.ensemble import Integrator
 from opml.dynamics.forces import with_outlooks
 from opml.environment import knowledge
+from opml.environment.knowledge import Issues
 from opml.ephemerides import corrected, forecast
 from opml.interop import oem
-from opml.tables import PARAMETERS, SCHEMAS, STATE, read_table, symmetric, write_table
+from opml.tables import PARAMETERS, SCHEMAS, STATE, read_table, symmetric_matrices, write_table
 
 TIMES = np.array([0.0, 6.0]) * HOUR
 GRID = corrected.Grid(step=600.0, max_days=0.5, end=2.0 * DAY)
@@ -22,9 +23,7 @@ GRID = corrected.Grid(step=600.0, max_days=0.5, end=2.0 * DAY)
 @pytest.fixture(scope="module")
 def outlook():
     t = environment()["solar_activity"]["t"].to_numpy()[:60]
-    return knowledge.outlooks(
-        "OBSERVED", EPOCH, t, forecast={"kind": "persistence"}, issue_hours=24, max_days=1
-    )
+    return knowledge.outlooks(Issues("OBSERVED", EPOCH, {"kind": "persistence"}, hours=24, max_days=1), t)
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +71,7 @@ def test_positions_are_known_by_the_fit_at_first_and_by_the_weather_in_the_end(f
         first = one.groupby("i").first()
         # Sixteen draws tell a deviation of 10 m to a fifth.
         assert np.sqrt(first["cov_y_y"]).tolist() == pytest.approx([10.0, 10.0], rel=0.5)
-        assert (np.linalg.eigvalsh(symmetric(one, corrected.COVARIANCES)) > 0.0).all()
+        assert (np.linalg.eigvalsh(symmetric_matrices(one, corrected.COVARIANCES)) > 0.0).all()
     stormy, quiet = (np.sqrt(one.groupby("i")["cov_y_y"].last()) for one in (table, calm))
     assert (stormy > 2.0 * quiet).all()
 

@@ -8,7 +8,7 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.figures import reliability as figures
 from opml.learning.judge import calibration
-from opml.tables import LEVELS, POSITION_COVARIANCES, SCHEMAS, symmetric
+from opml.tables import LEVELS, POSITION_COVARIANCES, SCHEMAS, symmetric_matrices
 
 NAMES = dict.fromkeys(("rso", "stations", "train", "learner", "component", "target", "test"), "x")
 SIGMA = np.array([30.0, 400.0, 50.0])
@@ -75,7 +75,7 @@ def test_figure_has_a_panel_per_model_and_a_line_per_duration():
 
 def test_full_covariances_are_symmetric():
     lower = pd.DataFrame([np.arange(1.0, 7.0)], columns=SCHEMAS["covariances"].names[2:])
-    assert symmetric(lower, POSITION_COVARIANCES)[0].tolist() == [
+    assert symmetric_matrices(lower, POSITION_COVARIANCES)[0].tolist() == [
         [1.0, 2.0, 4.0],
         [2.0, 3.0, 5.0],
         [4.0, 5.0, 6.0],

@@ -115,7 +115,7 @@ def test_no_past_no_sizes():
 def test_a_covariance_is_that_of_its_parts():
     """Many errors drawn from the parts have the covariance that is stated."""
     sigma, rate = np.array([[10.0, 500.0, 30.0, 0.02, 0.01, 0.03]]), np.array([RATE])
-    (covariance,) = rsw_covariance.stated(sigma, rate)
+    (covariance,) = rsw_covariance.rsw_covariances(sigma, rate)
     draws = np.random.default_rng(0).multivariate_normal(np.zeros(6), covariance, size=20000)
     free = rsw_covariance.free_parts(draws, np.full(len(draws), RATE))
     np.testing.assert_allclose(free.std(axis=0), sigma[0], rtol=0.03)

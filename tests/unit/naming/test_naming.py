@@ -12,7 +12,7 @@ from support import rsos, stations
 from opml import naming
 from opml.base.errors import InputError
 from opml.naming import Split, rso_pattern, stations_pattern
-from opml.orbits.sheets import parse_rso, parse_stations, with_inclination, with_offset
+from opml.orbits.sheets import name_at_inclination, name_at_offset, parse_rso, parse_stations
 
 STATIONS, RSOS = stations(), rsos()
 LEARNERS = {"svr": {"kernel_scale": "sigest", "c": 1.0}, "svrfixed": {"kernel_scale": 2.0, "c": 1.0}}
@@ -20,14 +20,14 @@ LEARNERS = {"svr": {"kernel_scale": "sigest", "c": 1.0}, "svrfixed": {"kernel_sc
 
 @given(st.sampled_from(["eglin", "eglin-kaena"]), st.integers(0, 10**6), st.integers(0, 10**6))
 def test_seed_in_a_name_and_back(text, seed, default):
-    name = naming.seeded(text, naming.NOISE, seed, default=default)
+    name = naming.add_seed(text, naming.NOISE, seed, default=default)
     assert naming.parse_seed(name, naming.NOISE, default=default) == (text, seed)
     assert re.fullmatch(text + naming.seed_pattern(naming.NOISE, default=default), name)
 
 
 def test_own_seed_has_no_suffix():
-    assert naming.seeded("random-80", naming.SPLIT, 42, default=42) == "random-80"
-    assert naming.seeded("random-80", naming.SPLIT, 43, default=42) == "random-80_split43"
+    assert naming.add_seed("random-80", naming.SPLIT, 42, default=42) == "random-80"
+    assert naming.add_seed("random-80", naming.SPLIT, 43, default=42) == "random-80_split43"
 
 
 @pytest.mark.parametrize("suffix", ["_noise42", "_noise043", "_noise", "_noise-1", "_split43", "_noise43.0"])
@@ -49,8 +49,8 @@ def test_reading_is_named_where_it_is_not_the_settings():
 
 
 def test_window_in_a_name_and_back():
-    assert naming.windowed(12, default=12) == ""
-    assert naming.windowed(24, default=12) == "_w24"
+    assert naming.window_suffix(12, default=12) == ""
+    assert naming.window_suffix(24, default=12) == "_w24"
     assert naming.parse_window("_w24", default=12) == 24
     assert naming.parse_window("", default=12) == 12
     pattern = naming.window_pattern(default=12)
@@ -124,7 +124,7 @@ def test_number_has_one_spelling(value):
     ],
 )
 def test_inclination_of_an_rso(rso, degrees, expected):
-    assert with_inclination(rso, degrees, RSOS) == expected
+    assert name_at_inclination(rso, degrees, RSOS) == expected
     assert parse_rso(expected, RSOS).name == expected
 
 
@@ -139,7 +139,7 @@ def test_inclination_of_an_rso(rso, degrees, expected):
     ],
 )
 def test_offset_of_an_rso(rso, km, expected):
-    assert with_offset(rso, km, RSOS) == expected
+    assert name_at_offset(rso, km, RSOS) == expected
     assert parse_rso(expected, RSOS).name == expected
 
 
@@ -292,8 +292,8 @@ def test_a_share_that_cannot_be(text):
 
 def test_windows_of_names():
     assert naming.days_split([0, 8.5]) == "days-0-8.5"
-    assert naming.as_unseen("days-30-40") == "days-30-40-unseen"
-    assert naming.as_unseen("rest") == "rest"
+    assert naming.unseen_test("days-30-40") == "days-30-40-unseen"
+    assert naming.unseen_test("rest") == "rest"
     with pytest.raises(InputError, match="expected the first day before the last, got 9 and 9"):
         naming.parse_test("days-9-9")
     with pytest.raises(InputError, match="up to duration_days, 12, got 8 and 13"):
@@ -301,12 +301,12 @@ def test_windows_of_names():
 
 
 def test_a_test_treated_otherwise():
-    unfenced = naming.treated("days-30-40", fence=math.inf, standardisation="own")
+    unfenced = naming.treat_test("days-30-40", fence=math.inf, standardisation="own")
     assert unfenced == "days-30-40-unfenced-zscore"
-    assert naming.treated(unfenced) == unfenced
-    assert naming.treated("seen", standardisation="together") == "seen-together"
-    assert naming.treated("days-30-40-unfenced") == "days-30-40-unfenced"
-    assert naming.treated("rest", fence=3.0) == "rest"  # its training rows have the dataset's fences
+    assert naming.treat_test(unfenced) == unfenced
+    assert naming.treat_test("seen", standardisation="together") == "seen-together"
+    assert naming.treat_test("days-30-40-unfenced") == "days-30-40-unfenced"
+    assert naming.treat_test("rest", fence=3.0) == "rest"  # its training rows have the dataset's fences
     for test in ("rest-zscore", "rest-together"):
         assert not re.fullmatch(naming.TEST_BY_ROW, test)
     assert re.fullmatch(naming.TEST_TOGETHER, "days-30-40-unfenced-together")
@@ -315,7 +315,7 @@ def test_a_test_treated_otherwise():
 
 
 def test_fits_that_differ_and_back():
-    pattern = naming.window_pattern(default=12) + naming.fitted_pattern(convergence=0.001)
+    pattern = naming.window_pattern(default=12) + naming.fit_pattern(convergence=0.001)
     for text, settings in (
         ("_tol1", {"convergence": 1}),
         ("_cd0.5", {"cd_sigma": 0.5}),
@@ -323,14 +323,14 @@ def test_fits_that_differ_and_back():
         ("_cd0.5_light", {"cd_sigma": 0.5, "light_time": True}),
         ("", {}),
     ):
-        assert naming.fitted(**settings) == text
-        assert naming.parse_fitted(f"_w24{text}") == settings
+        assert naming.fit_suffix(**settings) == text
+        assert naming.parse_fit(f"_w24{text}") == settings
         assert naming.parse_window(f"_w24{text}", default=12) == 24
         assert naming.parse_window(text, default=12) == 12
         assert re.fullmatch(pattern, f"_w24{text}")
     for text in ("_tol0.001", "_cd0.5_tol1", "_tol0", "_w12_tol1", "_light_cd1"):
         assert not re.fullmatch(pattern, text)
-    assert not re.fullmatch(naming.fitted_pattern(convergence=1, light_time=True), "_light")
+    assert not re.fullmatch(naming.fit_pattern(convergence=1, light_time=True), "_light")
 
 
 def test_an_experiment_knows_its_files():
@@ -340,6 +340,6 @@ def test_an_experiment_knows_its_files():
 
 
 def test_nothing_is_any_of_no_names():
-    assert not re.fullmatch(naming.any_of([]), "")
-    assert re.fullmatch(naming.any_of(["a.b", "c"]), "a.b")
-    assert not re.fullmatch(naming.any_of(["a.b", "c"]), "axb")
+    assert not re.fullmatch(naming.alternatives([]), "")
+    assert re.fullmatch(naming.alternatives(["a.b", "c"]), "a.b")
+    assert not re.fullmatch(naming.alternatives(["a.b", "c"]), "axb")

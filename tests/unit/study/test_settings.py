@@ -169,10 +169,10 @@ def test_no_object_of_the_schema_takes_unknown_keys():
         (
             "environment.forecast",
             "astrology",
-            "environment.forecast: expected one of persistence, recurrence, regression, analogues",
+            "environment.forecast: expected one of persistence, regression, analogues",
         ),
         ("environment.issue_hours", 5, "environment.issue_hours: expected one of 1, 3, 6, 12, 24, got 5"),
-        ("forecasts.mine", {"kind": "recurrence"}, "forecasts.mine.turn_days: expected a value, got none"),
+        ("forecasts.mine", {"kind": "analogues"}, "forecasts.mine.members: expected a value, got none"),
         ("forecasts.mine", {"kind": "stars"}, "forecasts.mine.kind: expected one of persistence,"),
         ("study.defaults.rso", "mir", "defaults.rso: RSO 'mir': expected one of iss,"),
         ("study.defaults.component", "e_r", "defaults.component: expected one of e_x, e_y"),

@@ -15,7 +15,7 @@ from opml.dynamics.ensemble import Integrator
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.orbits.elements import in_rsw
 from opml.orbits.sheets import Rso
-from opml.tables import PARAMETERS, POSITION_COVARIANCES, STATE, symmetric
+from opml.tables import PARAMETERS, POSITION_COVARIANCES, STATE, symmetric_matrices
 
 
 def of_positions(predictions: pd.DataFrame, carried: np.ndarray) -> pd.DataFrame:
@@ -57,6 +57,6 @@ def propagated(
             progress=part_of(progress, k, len(PARAMETERS)),
         )
         change[:, :, k] = in_rsw(flown - predicted, predicted) / NUDGES[k]
-    formal: np.ndarray = change @ symmetric(started, COVARIANCES)[arc] @ change.transpose(0, 2, 1)
+    formal: np.ndarray = change @ symmetric_matrices(started, COVARIANCES)[arc] @ change.transpose(0, 2, 1)
     even: np.ndarray = 0.5 * (formal + formal.transpose(0, 2, 1))
     return even

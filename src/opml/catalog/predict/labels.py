@@ -9,7 +9,7 @@ import pandas as pd
 
 from opml.catalog.fit.estimation import COVARIANCES
 from opml.orbits.elements import in_rsw, rsw_rotation
-from opml.tables import COMPONENTS, SCHEMAS, SIGMAS, STATE, symmetric
+from opml.tables import COMPONENTS, SCHEMAS, SIGMAS, STATE, symmetric_matrices
 
 NO_LATER_ESTIMATE = "later estimate"
 """What a label's reason begins with; the fit's own follows."""
@@ -55,7 +55,7 @@ def _states_of_fits(estimates: pd.DataFrame) -> pd.DataFrame:
 def _turned(estimates: pd.DataFrame) -> pd.DataFrame:
     """The estimates with their formal standard deviations in RSW [m, m/s]."""
     rotation = rsw_rotation(estimates[STATE].to_numpy())
-    covariance = symmetric(estimates, COVARIANCES)
+    covariance = symmetric_matrices(estimates, COVARIANCES)
     deviations = [
         np.sqrt(np.einsum("nij,njk,nik->ni", rotation, covariance[:, part, part], rotation))
         for part in (slice(0, 3), slice(3, 6))

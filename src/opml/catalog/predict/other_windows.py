@@ -14,7 +14,7 @@ from opml.catalog.predict.sensitivity import shift_with_cd
 from opml.dynamics.ensemble import Integrator
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.orbits.elements import in_rsw
-from opml.orbits.manoeuvres import have_any
+from opml.orbits.manoeuvres import contain_any
 from opml.orbits.sheets import Rso
 from opml.tables import STATE
 
@@ -55,7 +55,7 @@ def build(
     t_i, it says nothing: l, v and h are 0.
     """
     t = arc_estimates["t"].to_numpy()
-    disturbed = have_any(t - window, t, manoeuvres)
+    disturbed = contain_any(t - window, t, manoeuvres)
     arc_estimates = arc_estimates.assign(converged=arc_estimates["converged"] & ~disturbed)
     own = arc_predictions.set_index(["i", "j"])
     pairs = pd.MultiIndex.from_frame(predictions[["i", "j"]])

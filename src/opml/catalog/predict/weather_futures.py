@@ -20,7 +20,7 @@ from opml.dynamics.forces import with_outlooks
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.orbits.elements import in_rsw
 from opml.orbits.sheets import Rso
-from opml.tables import PARAMETERS, STATE, symmetric
+from opml.tables import PARAMETERS, STATE, symmetric_matrices
 
 
 def sample(
@@ -44,7 +44,7 @@ def sample(
     """
     known = estimates.assign(excess=excess(estimates, window=window))
     started = known.set_index("track").loc[np.unique(predictions["i"])]
-    covariance = symmetric(started, COVARIANCES) * started["excess"].to_numpy()[:, None, None]
+    covariance = symmetric_matrices(started, COVARIANCES) * started["excess"].to_numpy()[:, None, None]
     mean, root = started[PARAMETERS].to_numpy(), square_root(covariance)
     predicted = predictions[STATE].to_numpy()
     parts = []

@@ -1,1 +1,1 @@
-"""Forecasts of the space weather from what is known on a day; each method is a module."""
+"""Methods that forecast the space weather from the weather known on a day, one module each."""

@@ -1,60 +1,68 @@
-"""What followed the days of the past that were most like today.
+"""Analogues: the weather that followed those days of the past that were most like today.
 
-Days are alike where F10.7 and Kp have had the same course: of the last days, and of a turn of the Sun before
-the days to come. F10.7 then changes by the factor that it changed by then, Kp is what it was.
+Days are alike where F10.7 and Kp had the same course, over the last days and over those of the last turn of
+the Sun. F10.7 changes by the same factor as it did then; Kp has the same values.
 """
 
 import numpy as np
 
-from opml.environment.forecasts.bursts import without_bursts
-from opml.environment.forecasts.method import COUNT, Forecast, Future, Method, Settings, Tell
+from opml.environment.forecasts.bursts import remove_bursts
+from opml.environment.forecasts.method import COUNT, Forecast, Future, FutureForecast, Method, Settings
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import Weather, trailing_mean
 
 FLUX_LAGS = (0, 1, 2, 4, 7, 13, 19, 21, 23, 25)
 KP_LAGS = (0, 1, 2, 3, 19, 20, 21, 22, 23, 24, 25, 26)
-"""Days before at which F10.7, and the mean Kp of 24 hours, are compared."""
+"""Days back at which F10.7, and the mean Kp of 24 hours, are compared."""
 
 APART = 3
-"""Least number of days between two analogues, so that one event is not taken twice."""
+"""Least number of days between two analogues, so that no event counts twice."""
 
 PAST = 60
-"""Days up to the issue that are looked at: for the lags, and for what a burst is judged by."""
+"""Days of weather before the issue: for the lags, and for the removal of bursts."""
 
 _LEVEL = 2.0
-"""Weight of how high F10.7 stands against that of each of its changes."""
+"""Weight of the height of F10.7 relative to the weight of each of its changes."""
 
 
-def members_of(history: Weather, *, days: int, members: int) -> Tell:
-    """The futures of the nearest days, nearest first."""
-    like = Likeness(history, days)
+def fit_futures(history: Weather, *, days: int, members: int) -> FutureForecast:
+    """Return the ensemble of the weather after the nearest days, nearest first.
 
-    def find(past: Weather, day: float) -> list[Future]:
-        return [like.future(past, k) for k in like.nearest(past, members)]
+    history: weather before the run
+    days: of each future
+    members: number of futures
+    """
+    likeness = Likeness(history, days)
 
-    return find
+    def ensemble(past: Weather, _day: float) -> list[Future]:
+        return [likeness.future(past, k) for k in likeness.nearest(past, members)]
+
+    return ensemble
 
 
-def fit(history: Weather, *, days: int, settings: Settings) -> Forecast:
-    """The forecast, the median of the futures; `settings` holds how many `members`."""
-    find = members_of(history, days=days, members=settings["members"])
+def fit(history: Weather, days: int, settings: Settings) -> Forecast:
+    """Return the forecast, the median of the futures of as many nearest days as the setting `members`."""
+    ensemble = fit_futures(history, days=days, members=settings["members"])
 
     def forecast(past: Weather, day: float) -> Future:
-        found = find(past, day)
-        return Future(
-            np.median([one.flux for one in found], axis=0), np.median([one.kp for one in found], axis=0)
-        )
+        futures = ensemble(past, day)
+        flux = np.median([future.flux for future in futures], axis=0)
+        return Future(flux, np.median([future.kp for future in futures], axis=0))
 
     return forecast
 
 
 class Likeness:
-    """The days of a history that have a past to compare and a future to take."""
+    """Comparison of a day with the days of a history that have enough past and enough future."""
 
     def __init__(self, history: Weather, days: int, past_days: int = 0) -> None:
-        """days: of the future; past_days: that each has to have before, beside those that are compared."""
+        """Prepare the courses of the history.
+
+        days: of each future
+        past_days: that each day of the history must have before it, beyond those of the lags
+        """
         self._ahead = days
-        self._flux, self._kp = without_bursts(history.flux), history.kp
+        self._flux, self._kp = remove_bursts(history.flux), history.kp
         before = max(*FLUX_LAGS, *KP_LAGS, past_days) + 1
         last = min(len(self._flux), len(self._kp) // INTERVALS) - days - 1
         self.days = np.arange(before, max(before, last))
@@ -65,8 +73,8 @@ class Likeness:
         self._known = courses / self._scale
 
     def nearest(self, past: Weather, count: int) -> list[int]:
-        """The `count` days that are most like the end of `past`, nearest first."""
-        flux, kp = without_bursts(past.flux[-PAST:]), past.kp[-INTERVALS * PAST :]
+        """Return the indices of the `count` days most like the end of `past`, nearest first."""
+        flux, kp = remove_bursts(past.flux[-PAST:]), past.kp[-INTERVALS * PAST :]
         means = trailing_mean(kp, INTERVALS)
         now = _course(np.log(flux), means, np.array(len(flux) - 1), np.array(len(means) - 1))
         distance = np.sum((self._known - now / self._scale) ** 2, axis=1)
@@ -79,25 +87,30 @@ class Likeness:
         return chosen
 
     def future(self, past: Weather, day: int) -> Future:
-        """What followed a day of the history, as it would follow `past`."""
-        now = without_bursts(past.flux[-PAST:])[-1]
-        after = self.after(day)
-        return Future(now * after.flux / self._flux[day], after.kp)
+        """Return the weather after a day of the history, its F10.7 scaled to the end of `past`."""
+        now = remove_bursts(past.flux[-PAST:])[-1]
+        sequel = self.sequel(day)
+        return Future(now * sequel.flux / self._flux[day], sequel.kp)
 
-    def after(self, day: int) -> Future:
-        """What followed a day of the history, without the bursts of flares."""
+    def sequel(self, day: int) -> Future:
+        """Return the weather after a day of the history, without bursts."""
         begin = INTERVALS * (day + 1)
         flux = self._flux[day + 1 : day + 1 + self._ahead]
         return Future(flux, self._kp[begin : begin + INTERVALS * self._ahead])
 
     def _courses(self, days: np.ndarray) -> np.ndarray:
-        """The courses that are compared, (days, n); Kp counts up to the end of each day."""
+        """Return the courses (days, n) up to days of the history; Kp counts up to the end of each day."""
         means = trailing_mean(self._kp, INTERVALS)
         return _course(np.log(self._flux), means, days, INTERVALS * days)
 
 
 def _course(log_flux: np.ndarray, kp_means: np.ndarray, day: np.ndarray, interval: np.ndarray) -> np.ndarray:
-    """Height of F10.7, its changes since, and mean Kp, at days of the one and intervals of the other."""
+    """Return the height of F10.7, its changes and the mean Kp at the lags: (..., n).
+
+    log_flux: logarithms of F10.7, one a day
+    kp_means: means of Kp over 24 hours, one every interval
+    day, interval: places in these two series
+    """
     flux = [log_flux[day - lag] for lag in FLUX_LAGS]
     changes = [flux[0] - before for before in flux[1:]]
     return np.stack([flux[0], *changes, *(kp_means[interval - INTERVALS * lag] for lag in KP_LAGS)], axis=-1)
@@ -105,10 +118,9 @@ def _course(log_flux: np.ndarray, kp_means: np.ndarray, day: np.ndarray, interva
 
 METHOD = Method(
     "analogues",
-    "the median of the futures of the days most like today",
     {"members": COUNT},
     fit,
     least_days=lambda settings: PAST + 4 * APART * int(settings["members"]),
-    past_days=lambda settings: PAST,
+    past_days=lambda _: PAST,
     repeatable=False,
 )

@@ -1,14 +1,15 @@
-"""Forecasts that were really made: a table of them, or the predicted days of CSSI's files.
+"""Archive: published forecasts, from tables or from the predicted days of CSSI's files.
 
 A table is tab-separated text with the columns issued, valid (UTC, such as 2016-09-28T00:00:00), f107 [sfu],
-and kp or ap. A row holds from `valid` until the next row of the same issue, the last one on and on. A CSSI
-file counts as issued at the end of the last day that it has measurements of.
+and kp or ap. A row holds from `valid` until the next row of the same issue; the last row has no end. A CSSI
+file counts as issued at the end of its last measured day.
 """
 
 import math
 from collections.abc import Iterator, Mapping
 from glob import glob
 from itertools import groupby
+from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -27,51 +28,54 @@ _MOST: Mapping[str, float] = {"kp": 9.0, "ap": 400.0}
 
 
 class _Issue(NamedTuple):
-    """One forecast; times are modified Julian days."""
+    """A forecast of the archive; times are modified Julian days."""
 
     issued: float
-    valid: np.ndarray  # (n,) from when a row holds
-    flux: np.ndarray
-    kp: np.ndarray
+    valid: np.ndarray  # (n,) beginnings of the rows
+    flux: np.ndarray  # (n,) F10.7 [sfu]
+    kp: np.ndarray  # (n,)
 
 
-def fit(history: Weather, *, days: int, settings: Settings) -> Forecast:
-    """The newest forecast of the `files`; it learns nothing. Raises InputError for a file it cannot read."""
-    issues = sorted((one for path in files(settings) for one in read(path)), key=lambda one: one.issued)
-    times = np.array([one.issued for one in issues])
+def fit(_history: Weather, days: int, settings: Settings) -> Forecast:
+    """Return the newest forecast of the setting `files`, which learns nothing from the history.
+
+    Raises InputError for an unreadable file.
+    """
+    issues = sorted((issue for path in files(settings) for issue in read(path)), key=attrgetter("issued"))
+    times = np.array([issue.issued for issue in issues])
 
     def forecast(past: Weather, day: float) -> Future:
         newest = int(np.searchsorted(times, day + ROUNDING, side="right")) - 1
         if newest < 0:
             wanted, first = epochs.calendar(day), epochs.calendar(times[0])
             raise InputError(f"forecast: expected one issued by {wanted}, got the first on {first}")
+        issue = issues[newest]
         fluxes = past.first + len(past.flux) + np.arange(days) + MEASURED
         intervals = past.first + (len(past.kp) + np.arange(INTERVALS * days)) / INTERVALS
-        return Future(_in_force(issues[newest], fluxes).flux, _in_force(issues[newest], intervals).kp)
+        return Future(issue.flux[_rows_at(issue, fluxes)], issue.kp[_rows_at(issue, intervals)])
 
     return forecast
 
 
 def files(settings: Settings) -> list[str]:
-    """Files of the paths and patterns under `files`; a path without a file stays."""
+    """Return the files of the paths and patterns in the setting `files`; a path without a file stays."""
     return [path for pattern in settings["files"] for path in sorted(glob(pattern)) or [pattern]]
 
 
 def read(path: str) -> list[_Issue]:
-    """The forecasts of a file, in its order. Raises InputError naming the file and row."""
-    text = solar_activity.text_of(path)
+    """Read the forecasts of a file, by their issue. Raises InputError naming the file and row."""
+    text = solar_activity.read_text(path)
     if space_weather.is_space_weather(text):
-        return [_predicted(path, text)]
+        return [_cssi_issue(path, text)]
     rows = list(_rows(path, text))
     if not rows:
         raise InputError(f"{path}: expected forecasts, got none")
     return [_issue(list(group)) for _, group in groupby(sorted(rows), key=lambda row: row[0])]
 
 
-def _in_force(issue: _Issue, times: np.ndarray) -> _Issue:
-    """The rows that hold at times [MJD]; before the first it holds as well."""
-    row = np.maximum(np.searchsorted(issue.valid, times + ROUNDING, side="right") - 1, 0)
-    return _Issue(issue.issued, times, issue.flux[row], issue.kp[row])
+def _rows_at(issue: _Issue, times: np.ndarray) -> np.ndarray:
+    """Return the rows (n,) that hold at times (n,) [MJD]; the first row holds before its beginning, too."""
+    return np.maximum(np.searchsorted(issue.valid, times + ROUNDING, side="right") - 1, 0)
 
 
 def _issue(rows: list[tuple[float, ...]]) -> _Issue:
@@ -79,8 +83,8 @@ def _issue(rows: list[tuple[float, ...]]) -> _Issue:
     return _Issue(float(issued[0]), valid, flux, kp)
 
 
-def _predicted(path: str, text: str) -> _Issue:
-    """The predicted days of a CSSI file."""
+def _cssi_issue(path: str, text: str) -> _Issue:
+    """Return the predicted days of a CSSI file. Raises InputError where it has none."""
     weather = space_weather.read(path, text)
     days = weather.iloc[space_weather.observed_days(text) :]
     if days.empty:
@@ -91,7 +95,7 @@ def _predicted(path: str, text: str) -> _Issue:
 
 
 def _rows(path: str, text: str) -> Iterator[tuple[float, ...]]:
-    """(issued, valid [MJD], F10.7, Kp) of each row."""
+    """Yield (issued, valid [MJD], F10.7 [sfu], Kp) of each row. Raises InputError for a malformed row."""
     lines = [(number, line) for number, line in enumerate(text.splitlines(), start=1) if line.strip()]
     lines = [(number, line) for number, line in lines if not line.startswith("#")]
     names = lines[0][1].split("\t") if lines else []
@@ -114,7 +118,7 @@ def _row(where: str, cells: Mapping[str, str], index: str) -> tuple[float, ...]:
 
 
 def _time(where: str, name: str, text: str) -> float:
-    """Modified Julian day of a UTC text."""
+    """Return the modified Julian day of a UTC text. Raises InputError for any other text."""
     try:
         day, fraction = epochs.utc(text, 0.0)
     except InputError:
@@ -135,7 +139,6 @@ def _figure(where: str, name: str, text: str, least: float, most: float) -> floa
 
 METHOD = Method(
     "archive",
-    "forecasts that were really made, from files",
     {"files": {"type": "array", "minItems": 1, "items": {"$ref": "#/$defs/source"}}},
     fit,
     files=files,

@@ -1,36 +1,43 @@
-"""A forecast, and how it erred on the days of the past that were most like today.
+"""Futures of a forecast: the forecast shifted by its errors on those days of the past most like today.
 
-Each future is the forecast moved by one of these errors: F10.7 by the factor between what was forecast on
-that day and what came, Kp by the difference. So the futures lie about the forecast, and spread as it errs on
-such days (error dressing: Roulston & Smith 2003, Tellus A 55; days as in `analogues`).
+F10.7 is multiplied by the ratio of the true to the forecast value of that day, Kp is shifted by the
+difference. So the futures surround the forecast and spread as much as it errs on such days (error dressing:
+Roulston & Smith 2003, Tellus A 55; similar days as in `analogues`).
 """
 
 import numpy as np
 
 from opml.environment.forecasts import analogues
-from opml.environment.forecasts.method import Forecast, Future, Tell
+from opml.environment.forecasts.method import Forecast, Future, FutureForecast
 from opml.environment.weather import HIGHEST_KP, Weather
 
 
-def members_of(history: Weather, forecast: Forecast, *, days: int, past_days: int, members: int) -> Tell:
-    """The forecast moved by its errors of so many nearest days, nearest first.
+def fit_futures(
+    history: Weather, forecast: Forecast, *, days: int, past_days: int, members: int
+) -> FutureForecast:
+    """Return the forecast's futures, one for each of the nearest days, nearest first.
 
-    past_days: of weather that the forecast starts from.
+    history: weather before the run
+    days: of each future
+    past_days: of weather that the forecast starts from
+    members: number of futures
     """
-    like = analogues.Likeness(history, days, past_days)
+    likeness = analogues.Likeness(history, days, past_days)
 
-    def said_after(day: int) -> Future:
-        today = history.first + day + 1.0
-        return forecast(history.known_at(today), today)
+    def repeat_forecast(day: int) -> Future:
+        """Return the forecast that was possible on a day of the history."""
+        issue = history.first + day + 1.0
+        return forecast(history.keep_known(issue), issue)
 
-    def find(past: Weather, day: float) -> list[Future]:
-        said = forecast(past, day)
-        return [_moved(said, like.after(k), said_after(k)) for k in like.nearest(past, members)]
+    def ensemble(past: Weather, day: float) -> list[Future]:
+        today = forecast(past, day)
+        nearest = likeness.nearest(past, members)
+        return [_shift(today, likeness.sequel(k), repeat_forecast(k)) for k in nearest]
 
-    return find
+    return ensemble
 
 
-def _moved(said: Future, true: Future, forecast: Future) -> Future:
-    """What is said, moved by the difference between what was true and what was forecast then."""
-    kp = np.clip(said.kp + true.kp - forecast.kp, 0.0, HIGHEST_KP)
-    return Future(said.flux * true.flux / forecast.flux, kp)
+def _shift(today: Future, true: Future, forecast: Future) -> Future:
+    """Return today's forecast shifted by the error of an earlier forecast, whose truth is known."""
+    kp = np.clip(today.kp + true.kp - forecast.kp, 0.0, HIGHEST_KP)
+    return Future(today.flux * true.flux / forecast.flux, kp)

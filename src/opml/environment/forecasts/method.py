@@ -1,4 +1,4 @@
-"""What a method of forecasting declares and what its forecasts promise."""
+"""The interface of forecasts of the space weather, and the declaration of a method."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -9,63 +9,71 @@ import numpy as np
 from opml.environment.weather import Weather
 
 Settings = Mapping[str, Any]
+"""Settings of a forecast: its kind, and the keys of the method."""
 
 COUNT = {"$ref": "#/$defs/count"}
+"""JSON schema of a setting that is a number of days or members."""
 
 
 class Future(NamedTuple):
-    """What is said to follow the last measurements."""
+    """A course of the space weather after the last measurements."""
 
     flux: np.ndarray  # (days,) F10.7 [sfu], one a day
     kp: np.ndarray  # (intervals,) Kp, one every three hours
 
 
 class Forecast(Protocol):
-    """What comes after the weather that is known at a time."""
+    """A function that forecasts the weather from the weather known at a time."""
 
-    def __call__(self, past: Weather, day: float) -> Future:
-        """The future at `day`, a modified Julian day; `past` is what is known then.
+    def __call__(self, past: Weather, day: float, /) -> Future:
+        """Return the forecast at a time.
 
-        Raises InputError where it cannot tell.
+        past: weather known then
+        day: the time, a modified Julian day
+
+        Raises InputError where no forecast can be made.
         """
 
 
-Tell = Callable[[Weather, float], list[Future]]
-"""Several futures at a time, as `Forecast` tells one."""
+FutureForecast = Callable[[Weather, float], list[Future]]
+"""A function that forecasts several futures; its parameters are those of `Forecast`."""
 
 
 class Fit(Protocol):
-    """Make a forecast for so many days ahead, from the weather before the run."""
+    """A function that makes a forecast from the weather before the run."""
 
-    def __call__(self, history: Weather, *, days: int, settings: Settings) -> Forecast:
-        """The forecast; the history has at least the method's `least_days` and those ahead."""
+    def __call__(self, history: Weather, days: int, settings: Settings, /) -> Forecast:
+        """Return a forecast.
+
+        history: weather before the run, at least the method's `least_days` and `days`
+        days: of each future
+        settings: of the forecast
+        """
 
 
 @dataclass(frozen=True)
 class Method:
-    """A kind of forecast, declared by its module and named once, in `methods.METHODS`.
+    """A kind of forecast, declared by its module and listed in `methods.METHODS`.
 
-    kind : its name in the settings.
-    description : what it is, in words, for the table of skill.
-    settings : JSON schema of each of its own keys, all of which must be given.
-    fit : makes a forecast of the history.
-    least_days : of history that its settings ask for.
-    past_days : of weather up to the issue that a forecast starts from.
-    files : the user's own files that its settings name.
-    repeatable : whether it can be made again on the days of the history, to see how it errs.
+    kind: name in the settings
+    settings: JSON schema of each key, all of which are required
+    fit: makes a forecast from the history
+    least_days: days of history that the settings require
+    past_days: days of weather before the issue that a forecast starts from
+    files: the user's own files in the settings
+    repeatable: whether forecasts can be repeated on days of the history, to learn their errors
     """
 
     kind: str
-    description: str
     settings: Mapping[str, Any]
     fit: Fit
-    least_days: Callable[[Settings], int] = lambda settings: 0
-    past_days: Callable[[Settings], int] = lambda settings: 1
-    files: Callable[[Settings], list[str]] = lambda settings: []
+    least_days: Callable[[Settings], int] = lambda _: 0
+    past_days: Callable[[Settings], int] = lambda _: 1
+    files: Callable[[Settings], list[str]] = lambda _: []
     repeatable: bool = True
 
     def settings_schema(self) -> dict[str, Any]:
-        """The JSON schema of its settings."""
+        """Return the JSON schema of the method's settings."""
         return {
             "additionalProperties": False,
             "required": ["kind", *self.settings],

@@ -1,20 +1,20 @@
-"""All kinds of forecasts, by the names that settings give them."""
+"""All kinds of forecasts, by their names in the settings."""
 
 from collections.abc import Mapping
 from typing import Any
 
 from opml.base.errors import InputError
-from opml.environment.forecasts import analogues, archive, error_dressing, persistence, recurrence, regression
-from opml.environment.forecasts.method import Forecast, Method, Settings, Tell
+from opml.environment.forecasts import analogues, archive, error_dressing, persistence, regression
+from opml.environment.forecasts.method import Forecast, FutureForecast, Method, Settings
 from opml.environment.weather import Weather
 
-METHODS = (persistence.METHOD, recurrence.METHOD, regression.METHOD, analogues.METHOD, archive.METHOD)
+METHODS = (persistence.METHOD, regression.METHOD, analogues.METHOD, archive.METHOD)
 
 _BY_KIND: Mapping[str, Method] = {method.kind: method for method in METHODS}
 
 
 def settings_schema() -> dict[str, Any]:
-    """The JSON schema of a forecast's settings, `forecast` among the definitions of config.schema.yaml."""
+    """Return the JSON schema of a forecast's settings: the definition `forecast` of config.schema.yaml."""
     return {
         "type": "object",
         "required": ["kind"],
@@ -27,27 +27,37 @@ def settings_schema() -> dict[str, Any]:
 
 
 def fit(history: Weather, *, days: int, settings: Settings) -> Forecast:
-    """Make the forecast that `settings['kind']` names. Raises InputError where it cannot be made."""
+    """Return the forecast of `days` days of the kind `settings['kind']`.
+
+    history: weather before the run
+
+    Raises InputError where the history is too short or a file unreadable.
+    """
     check_history(history, days=days, settings=settings)
-    return _BY_KIND[settings["kind"]].fit(history, days=days, settings=settings)
+    return _BY_KIND[settings["kind"]].fit(history, days, settings)
 
 
-def futures(history: Weather, *, days: int, settings: Settings, members: int) -> Tell:
-    """Make the futures of an ensemble about the forecast that `settings['kind']` names.
+def futures(history: Weather, *, days: int, settings: Settings, members: int) -> FutureForecast:
+    """Return the ensemble about the forecast of the kind `settings['kind']`.
 
-    The forecast with its errors on days like today; what followed those days where its errors of the past
-    cannot be told. Raises InputError where they cannot be made.
+    history: weather before the run
+    days: of each future
+    members: number of futures
+
+    The futures are the forecast with its errors on days like today. Where the forecast cannot be repeated on
+    past days, they are what followed those days. Raises InputError where the history is too short or a file
+    unreadable.
     """
     check_history(history, days=days, settings={"kind": "analogues", "members": members})
     method = _BY_KIND[settings["kind"]]
     if not method.repeatable:
-        return analogues.members_of(history, days=days, members=members)
+        return analogues.fit_futures(history, days=days, members=members)
     forecast, past_days = fit(history, days=days, settings=settings), method.past_days(settings)
-    return error_dressing.members_of(history, forecast, days=days, past_days=past_days, members=members)
+    return error_dressing.fit_futures(history, forecast, days=days, past_days=past_days, members=members)
 
 
 def check_history(history: Weather, *, days: int, settings: Settings) -> None:
-    """Raise InputError where a method that learns has too little to learn from."""
+    """Raise InputError where the history is too short for a method that learns from it."""
     least = _BY_KIND[settings["kind"]].least_days(settings)
     if least and len(history.flux) < least + days:
         expected = f"{least + days} days of packaged weather before the epoch to learn from"
@@ -55,15 +65,20 @@ def check_history(history: Weather, *, days: int, settings: Settings) -> None:
 
 
 def check(history: Weather, past: Weather, day: float, *, settings: Settings) -> None:
-    """Raise InputError where there is too little weather, or the user's files make no forecast at `day`."""
+    """Raise InputError where no forecast can be made at a time.
+
+    history: weather before the run
+    past: weather known at the time
+    day: the time, a modified Julian day
+    """
     check_history(history, days=1, settings=settings)
-    needed, given = _BY_KIND[settings["kind"]].past_days(settings), min(len(past.flux), len(past.kp) // 8)
-    if given < needed:
-        raise InputError(f"forecast: expected {needed} measured days before the epoch, got {given}")
+    needed, measured = _BY_KIND[settings["kind"]].past_days(settings), min(len(past.flux), len(past.kp) // 8)
+    if measured < needed:
+        raise InputError(f"forecast: expected {needed} measured days before the epoch, got {measured}")
     if files(settings):
         fit(history, days=1, settings=settings)(past, day)
 
 
 def files(settings: Settings) -> list[str]:
-    """The user's own files that the settings of a forecast name."""
+    """Return the user's own files in the settings of a forecast."""
     return _BY_KIND[settings["kind"]].files(settings)

@@ -1,4 +1,4 @@
-"""Tomorrow is as today: the last F10.7, and the mean Kp of the last 24 hours."""
+"""Persistence: the last F10.7, and the mean Kp of the last 24 hours."""
 
 import numpy as np
 
@@ -7,14 +7,14 @@ from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import Weather
 
 
-def fit(history: Weather, *, days: int, settings: Settings) -> Forecast:
-    """The forecast; it learns nothing from the history."""
+def fit(_history: Weather, days: int, _settings: Settings) -> Forecast:
+    """Return the forecast, which learns nothing from the history."""
 
-    def forecast(past: Weather, day: float) -> Future:
+    def forecast(past: Weather, _day: float) -> Future:
         kp = past.kp[-INTERVALS:].mean()
         return Future(np.full(days, past.flux[-1]), np.full(INTERVALS * days, kp))
 
     return forecast
 
 
-METHOD = Method("persistence", "the last F10.7, and the mean Kp of the last 24 hours", {}, fit)
+METHOD = Method("persistence", {}, fit)

@@ -17,7 +17,7 @@ from opml.base.errors import InputError
 from opml.learning.data.cleaning import OUTSIDE_FENCES, Cleaning, tukey_fences
 from opml.learning.data.splits import in_days, known_at
 from opml.orbits.elements import coe_from_cartesian, rsw_rotation, wrap_half_turn
-from opml.orbits.manoeuvres import have_any
+from opml.orbits.manoeuvres import contain_any
 from opml.tables import COMPONENTS, SCHEMAS, STATE, mechanism_schema, read_kind, read_metadata, read_table
 
 COE = ["a", "e", "inc", "argp", "raan", "nu"]
@@ -192,7 +192,7 @@ def may_depart(
     t = estimates["t"].to_numpy()
     whole = known["converged"] & known["cd_inside"] & known["eps_y"].notna()
     begin = np.fmin(known["t_b"].to_numpy(), t) - window
-    usable: np.ndarray = whole.to_numpy() & ~have_any(begin, t, manoeuvres)
+    usable: np.ndarray = whole.to_numpy() & ~contain_any(begin, t, manoeuvres)
     return usable
 
 
@@ -229,7 +229,7 @@ def _highest_measurements(tracking: pd.DataFrame, tracks: pd.Index) -> pd.DataFr
 def _crossing(rows: pd.DataFrame, manoeuvres: Sequence[float], window: float) -> np.ndarray:
     """Which rows a manoeuvre lies in."""
     begin = rows[["t_b", "t_i"]].min(axis=1).to_numpy() - window
-    return have_any(begin, rows["t_known"].to_numpy(), manoeuvres)
+    return contain_any(begin, rows["t_known"].to_numpy(), manoeuvres)
 
 
 def _reasons(rows: pd.DataFrame, cleaning: Cleaning) -> pd.Series:

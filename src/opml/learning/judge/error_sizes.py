@@ -31,7 +31,7 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.orbits.rsw_covariance import AXES, free_parts, half_width, stated
+from opml.orbits.rsw_covariance import AXES, free_parts, half_width, rsw_covariances
 from opml.tables import COMPONENTS, DOUBT
 
 LEVEL = 0.9
@@ -71,7 +71,7 @@ class Sizes:
     reach: float
 
     def sigmas(self, rows: pd.DataFrame) -> np.ndarray:
-        """Standard deviations (n, 6) [m, m/s] of the parts that `rsw_covariance.stated` is made of.
+        """Standard deviations (n, 6) [m, m/s] of the parts that `rsw_covariance.rsw_covariances` is made of.
 
         rows: duration [s], rate [rad/s], drag_* and weather_* [m].
         """
@@ -195,4 +195,4 @@ def as_known(replay: pd.DataFrame, mornings: Sequence[float]) -> np.ndarray:
 
 def covariances(rows: pd.DataFrame, sigma: np.ndarray) -> np.ndarray:
     """Covariances (n, 6, 6) in RSW [m, m/s] of rows with a `rate` [rad/s], from their `sigmas`."""
-    return stated(sigma, rows["rate"].to_numpy())
+    return rsw_covariances(sigma, rows["rate"].to_numpy())

@@ -9,8 +9,8 @@ from glob import glob
 from typing import Any
 
 from opml.base.errors import InputError
-from opml.base.files import FilePath, in_project
-from opml.orbits.sheets import Rso, Station, read_rsos, read_stations, rsos_of, stations_of
+from opml.base.files import FilePath, project_file
+from opml.orbits.sheets import Rso, Station, read_rsos, read_stations, rsos_from_rows, stations_from_rows
 from opml.study.settings.overlay import MISSING, Key, Layer, Source, laid_over, read_layer
 
 STUDIES = "config/studies"
@@ -70,11 +70,11 @@ def with_sheets(values: Mapping[str, Any], source: Source | None = None) -> Sett
     Raises InputError for what is wrong in a sheet; `source` names the file of what the settings hold.
     """
     source = source or Source(values, [])
-    stations = read_stations(in_project(values["sheets"]["stations"]))
-    rsos = read_rsos(in_project(values["sheets"]["rsos"]))
-    own_stations = _inline(source, "stations", stations_of, known=stations)
+    stations = read_stations(project_file(values["sheets"]["stations"]))
+    rsos = read_rsos(project_file(values["sheets"]["rsos"]))
+    own_stations = _inline(source, "stations", stations_from_rows, known=stations)
     flown = {name for kind in ("oem", "orbits", "tracks") for name in values.get(kind, {})}
-    own_rsos = _inline(source, "rsos", partial(rsos_of, flown=flown), known=rsos)
+    own_rsos = _inline(source, "rsos", partial(rsos_from_rows, flown=flown), known=rsos)
     return Settings(values, stations | own_stations, rsos | own_rsos)
 
 
@@ -124,7 +124,7 @@ def _study_file(name: Any, source: Source, key: Key, above: Sequence[str]) -> La
     """Read a study by its name or path. Raises InputError for what is none or extends itself."""
     if not isinstance(name, str) or not name:
         raise source.wrong(key, f"expected a study, or names of studies, got {name!r}")
-    layer = read_layer(in_project(f"{STUDIES}/{name}.yaml") if _NAME.fullmatch(name) else name)
+    layer = read_layer(project_file(f"{STUDIES}/{name}.yaml") if _NAME.fullmatch(name) else name)
     if layer.name in above:
         raise source.wrong(key, f"expected studies that do not extend themselves, got {layer.name}")
     for part in layer.values:
