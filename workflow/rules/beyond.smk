@@ -49,7 +49,7 @@ if "beyond" in STUDY:
             **drawing(
                 "beyond_splits",
                 component=STUDY.defaults["component"],
-                published=[[*key, number] for key, number in BEYOND.published(BEYOND.splits).items()],
+                published=[[*key, number] for key, number in BEYOND.published_p_ml(BEYOND.splits).items()],
                 models={
                     name: naming.parse_learner(name, config["learners"]) for name in BEYOND.entry["learners"]
                 },
@@ -71,7 +71,7 @@ if "beyond" in STUDY:
             **drawing(
                 "beyond_transfers",
                 component=STUDY.defaults["component"],
-                published=[[*key, number] for key, number in BEYOND.published(BEYOND.transfers).items()],
+                published=[[*key, number] for key, number in BEYOND.published_p_ml(BEYOND.transfers).items()],
                 curves={name: curve.targets for name, curve in PAPER.curves.items()},
             ),
         message:

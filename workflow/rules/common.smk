@@ -22,7 +22,7 @@ from opml.study.checks import check_data, load
 from opml.study.experiments import Study
 from opml.study.beyond import Beyond
 from opml.study.settings.overlay import COMMAND_LINE, Layer, with_numbers
-from opml.study.own_study import Own
+from opml.study.own_study import OwnStudy
 from opml.study.paper import Paper
 from opml.study.settings.merging import merged
 
@@ -56,7 +56,7 @@ config = dict(SETTINGS.values)
 STUDY = Study(SETTINGS)
 PAPER = Paper(STUDY)
 BEYOND = Beyond(PAPER)
-OWN = Own(STUDY)
+OWN = OwnStudy(STUDY)
 
 RESULTS = config["results"]
 ENVIRONMENT = {name: f"{RESULTS}/environment/{name}.parquet" for name in tables.ENVIRONMENT}
@@ -367,7 +367,7 @@ def mornings_settings(wildcards):
         "learners": list(OWN.mornings(wildcards.rso, wildcards.stations)),
         "laws": OWN.laws,
         "seed": SEED["split"],
-        "days": OWN.answer.durations,
+        "days": OWN.report.durations,
         "note": f"{wildcards.rso} by {wildcards.stations}. {WEATHER}",
     }
 

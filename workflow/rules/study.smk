@@ -36,7 +36,7 @@ if OWN.is_asked:
     use rule errors as study_errors with:
         input:
             lambda wildcards: paths_of(
-                rules.evaluate.output.evaluation, *OWN.drawn(wildcards.rso, wildcards.stations).values()
+                rules.evaluate.output.evaluation, *OWN.corrections(wildcards.rso, wildcards.stations).values()
             ),
         output:
             **figures("study/{rso}/{stations}_errors", caption="study_errors", section=SECTIONS["study"]),
@@ -46,7 +46,7 @@ if OWN.is_asked:
             f"{RESULTS}/benchmarks/figs/study/{{rso}}/{{stations}}_errors.tsv"
         params:
             draw="study_errors",
-            settings=lambda wildcards: all_of(OWN.drawn(wildcards.rso, wildcards.stations), "learners"),
+            settings=lambda wildcards: all_of(OWN.corrections(wildcards.rso, wildcards.stations), "learners"),
             code=code("study_errors.py"),
         message:
             "Figure: errors of {wildcards.rso} by {wildcards.stations} before and after correction"
@@ -89,7 +89,7 @@ if OWN.is_asked:
         params:
             draw="explore",
             settings=lambda wildcards: {
-                **all_of(OWN.drawn(wildcards.rso, wildcards.stations), "learners"),
+                **all_of(OWN.corrections(wildcards.rso, wildcards.stations), "learners"),
                 "radars": stations(wildcards),
             },
             code=code("explore.py"),
@@ -174,7 +174,7 @@ if OWN.is_asked:
                 station_sets=OWN.panels,
                 learners=OWN.learners,
                 splits=OWN.splits,
-                models=OWN.answer.learners,
+                models=OWN.report.learners,
                 weather=WEATHER,
             ),
         message:

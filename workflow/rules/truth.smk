@@ -1,5 +1,5 @@
 # The paper's 'Truth Dynamic Models'. RSOs that the study names fly together, any other one alone.
-NAMED = [*CATALOGUE, *shared_truths.named(PAPER, BEYOND, OWN)]
+NAMED = [*CATALOGUE, *shared_truths.named_rsos(PAPER, BEYOND, OWN)]
 TRUTH_GROUPS = shared_truths.groups(STUDY, dict.fromkeys(NAMED), results=Path(RESULTS))
 FLOWN_BY = {
     "epoch": config["epoch"],

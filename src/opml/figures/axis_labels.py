@@ -1,4 +1,4 @@
-"""How an error component and an experiment are written in a figure."""
+"""Words of the figures: how components, experiments, splits and the space weather are written."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -7,35 +7,51 @@ from typing import Any
 from opml import naming
 from opml.naming import Split
 
+PAPER = "Peng & Bai"
+"""The paper, in the labels of its numbers."""
+
+P_ML = r"$P_{\mathrm{ML}}$"
+
+VARIED = {
+    "inclination": "inclination $i$ [deg]",
+    "semi_major_axis": "increment of the semi-major axis $a$ [km]",
+}
+"""The element that RSOs of a curve differ in, by the curve's name."""
+
 ASIDE = {"rest": "the rest", "seen": "the same rows"}
 STANDARDISED = {"own": "standardised alone", "together": "standardised with the training"}
 
 
 def axis(component: str) -> str:
-    """The component's axis, `y` of `e_y`."""
+    """Return the component's axis, `y` of `e_y`."""
     return component.removeprefix("e_")
 
 
 def symbol(component: str) -> str:
-    """The component as the paper writes it."""
+    """Return the component as the paper writes it."""
     return rf"$e_{{{axis(component)}}}$"
 
 
 def unit(component: str) -> tuple[str, float]:
-    """The unit a component is drawn in, and how many of it one SI unit is: positions km, velocities m/s."""
+    """Return the unit a component is drawn in, and its number per SI unit: km and 1e-3, or m/s and 1."""
     return ("m/s", 1.0) if axis(component).startswith("v") else ("km", 1e-3)
 
 
-def trained(name: str) -> str:
-    """The rows that a training split names, in words: `80 % of the estimates`, `days 0 to 30`."""
+def si_unit(component: str) -> str:
+    """Return the SI unit of a component."""
+    return "m/s" if axis(component).startswith("v") else "m"
+
+
+def describe_training(name: str) -> str:
+    """Return in words the rows that a training split names: `80 % of the estimates`, `days 0 to 30`."""
     split = naming.parse_train(naming.strip_seed(name, naming.SPLIT))
     if split.kind == "days":
         return _days(split)
     return f"{split.percent:g} % of the " + ("estimates" if split.kind == "grouped" else "predictions")
 
 
-def tested(name: str) -> str:
-    """The rows that a test names, in words: `the rest`, `days 30 to 40`, with how it treats them."""
+def describe_test(name: str) -> str:
+    """Return in words the rows that a test names, and how it treats them: `the rest`, `days 30 to 40`."""
     split = naming.parse_test(name)
     words = [_days(split) if split.kind == "days" else ASIDE[split.kind]]
     if split.unseen:
@@ -47,25 +63,39 @@ def tested(name: str) -> str:
     return ", ".join(words)
 
 
-def experiment(
-    *, rso: str, stations: str, train: str, learner: str, target: str, test: str, **_: object
-) -> str:
-    """What one model was trained and tested on, as a line of a figure."""
-    where = "" if target == rso else f"{target}, "
-    return f"{rso} by {stations}; {learner} trained on {trained(train)}, tested on {where}{tested(test)}"
+def describe_experiment(names: Mapping[str, Any]) -> str:
+    """Return as a line what one model was trained and tested on.
+
+    names: parts of an experiment by name; others are ignored
+    """
+    where = "" if names["target"] == names["rso"] else f"{names['target']}, "
+    trained = f"{names['learner']} trained on {describe_training(names['train'])}"
+    return (
+        f"{names['rso']} by {names['stations']}; {trained}, tested on {where}{describe_test(names['test'])}"
+    )
 
 
-def with_weather(note: str, settings: Mapping[str, Any]) -> str:
-    """A line of a figure, and below it what is known of the space weather, where the settings say."""
-    return "\n".join(filter(None, [note, settings.get("weather")]))
-
-
-def splits(pairs: Mapping[str, Sequence[str]]) -> str:
-    """What splits of these names train and test on, as a line of a figure."""
+def describe_splits(pairs: Mapping[str, Sequence[str]]) -> str:
+    """Return as a line what splits train and test on; pairs: names of both by the split's name."""
     return "; ".join(
-        f"{name}: trained on {trained(train)}, tested on {tested(test)}"
+        f"{name}: trained on {describe_training(train)}, tested on {describe_test(test)}"
         for name, (train, test) in pairs.items()
     )
+
+
+def add_weather(note: str, settings: Mapping[str, Any]) -> str:
+    """Return a note with a line on the space weather, where the settings have one as `weather`."""
+    return lines(note, settings.get("weather", ""))
+
+
+def lines(*parts: str) -> str:
+    """Return the parts that are not empty, a line each."""
+    return "\n".join(filter(None, parts))
+
+
+def clauses(*parts: str) -> str:
+    """Return the parts that are not empty in one line, with semicolons between them."""
+    return "; ".join(filter(None, parts))
 
 
 def _days(split: Split) -> str:

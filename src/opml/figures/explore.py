@@ -1,8 +1,9 @@
 """A page to turn an orbit and pick an estimate: one HTML file with all it needs, opened without a server.
 
-Plotly draws it; it is imported where a page is made, as all else does without.
+Plotly draws the page. It comes with the extra `explore`, and is imported only where a page is made.
 """
 
+import importlib.util
 import json
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -12,9 +13,8 @@ import pandas as pd
 
 from opml.base.constants import DAY, WGS84_A
 from opml.base.errors import InputError
-from opml.dynamics.frames import gcrf_to_itrf
 from opml.figures import ground
-from opml.figures.axis_labels import axis
+from opml.figures.axis_labels import axis, si_unit
 from opml.figures.style import MUTED, OBSERVED, PREDICTED, PUBLISHED, RAMP, RESIDUAL, TRUE
 from opml.orbits.sheets import Station
 
@@ -23,7 +23,7 @@ MOST = 150
 
 REVOLUTION_S = 5700.0
 STEP_S = 60.0
-"""What of the orbit is shown behind an estimate [s], and its step."""
+"""Length and step of the path that is shown from an estimate on [s]."""
 
 DIV = "explore"
 KM = 1e-3
@@ -39,27 +39,33 @@ NARROW = {
     "height": 1000,
 }
 ON_A_PHONE = f"if (window.innerWidth < 800) Plotly.relayout('{DIV}', {json.dumps(NARROW)});"
-"""Orbit above errors, where there is no room beside each other."""
+"""Put the orbit above the errors on a screen that has no room for both side by side."""
 
 COLORS = (RESIDUAL, PREDICTED, OBSERVED, *RAMP)
 EARTH, PATH, START, BEFORE = "Earth", "its next 95 minutes", "estimate", "no correction"
 
 
+def is_available() -> bool:
+    """Return whether the package that draws the page is installed."""
+    return importlib.util.find_spec("plotly") is not None
+
+
 def page(
+    orbit: ground.ObservedOrbit,
     evaluations: Mapping[str, pd.DataFrame],
     dataset: pd.DataFrame,
-    truth: pd.DataFrame,
-    earth_orientation: pd.DataFrame,
-    stations: Sequence[Station],
     *,
     component: str,
     note: str = "",
 ) -> str:
-    """The page as HTML: an orbit over the Earth, and the errors of the picked estimate's predictions.
+    """Return the page as HTML: an orbit over the Earth, and the errors of predictions from one estimate.
 
-    `evaluations`: those tables, by model, of one test; `dataset`: that of the RSO tested on, which knows when
-    an estimate was made; `truth`, `earth_orientation`: those tables. Raises InputError without a model or
-    without plotly.
+    Raises InputError without a model or without plotly.
+
+    evaluations: those tables of one test, by model
+    dataset: that table of the RSO tested on, which holds the epochs of the estimates
+    component: of the error
+    note: what was trained and tested
     """
     if not evaluations:
         raise InputError("page to explore: expected at least one model, got none")
@@ -69,11 +75,11 @@ def page(
         raise InputError("page to explore: expected the package plotly, which is not installed") from None
     picks = _picks(next(iter(evaluations.values())), dataset)
     moving = [
-        _moving(track, epoch, evaluations, truth, earth_orientation)
+        _moving_traces(track, epoch, evaluations, orbit)
         for track, epoch in zip(picks["i"], picks["t_i"], strict=True)
     ]
-    fixed = [_earth(), _land(), _stations(stations)]
-    first = [{**trace, **look} for trace, look in zip(moving[0], _looks(evaluations, component), strict=True)]
+    fixed = [_earth(), _land(), _stations(orbit.stations)]
+    first = [{**trace, **look} for trace, look in zip(moving[0], _looks(list(evaluations)), strict=True)]
     indices = list(range(len(fixed), len(fixed) + len(first)))
     layout = _layout(evaluations, component, note) | {"sliders": [_slider(picks, moving, indices)]}
     config = {"responsive": True, "displaylogo": False}
@@ -83,51 +89,48 @@ def page(
 
 
 def _picks(evaluation: pd.DataFrame, dataset: pd.DataFrame) -> pd.DataFrame:
-    """Estimates that many predictions of the test start from, MOST at most: track i and epoch t_i [s]."""
-    known = dataset.drop_duplicates("i").set_index("i")["t_i"]
+    """Return track i and epoch t_i [s] of the estimates to pick from, MOST at most.
+
+    Many predictions of the test start from each.
+    """
+    epochs = dataset.drop_duplicates("i").set_index("i")["t_i"]
     counts = evaluation["i"].value_counts()
     tracks = np.sort(counts.index[counts >= 0.5 * counts.max()])
-    chosen = tracks[np.unique(np.linspace(0, len(tracks) - 1, MOST).round().astype(int))]
-    return pd.DataFrame({"i": chosen, "t_i": known.loc[chosen].to_numpy()})
+    picks = tracks[np.unique(np.linspace(0, len(tracks) - 1, MOST).round().astype(int))]
+    return pd.DataFrame({"i": picks, "t_i": epochs.loc[picks].to_numpy()})
 
 
-def _moving(
-    track: int,
-    epoch: float,
-    evaluations: Mapping[str, pd.DataFrame],
-    truth: pd.DataFrame,
-    earth_orientation: pd.DataFrame,
+def _moving_traces(
+    track: int, epoch: float, evaluations: Mapping[str, pd.DataFrame], orbit: ground.ObservedOrbit
 ) -> list[dict[str, Any]]:
-    """Coordinates of the traces that change with the estimate: its path, its place, its errors."""
-    path = _path(truth, earth_orientation, epoch)
+    """Return coordinates of the traces that change with the estimate: its path, its place, its errors."""
+    path = _path(orbit, epoch)
     places = [dict(zip("xyz", part.T.tolist(), strict=True)) for part in (path, path[:1])]
-    own = [table[table["i"] == track].sort_values("duration") for table in evaluations.values()]
-    errors = [_sizes(own[0], "true"), *(_sizes(rows, "residual") for rows in own)]
+    predictions = [table[table["i"] == track].sort_values("duration") for table in evaluations.values()]
+    errors = [_sizes(predictions[0], "true"), *(_sizes(rows, "residual") for rows in predictions)]
     return [*places, *errors]
 
 
 def _sizes(rows: pd.DataFrame, column: str) -> dict[str, list[float]]:
-    """Duration [d] and size [m or m/s] of an error, rounded to what a screen shows."""
+    """Return duration [d] and size [m or m/s] of an error, rounded to what a screen shows."""
     return {
         "x": (rows["duration"] / DAY).round(3).tolist(),
         "y": [float(f"{size:.4g}") for size in rows[column].abs()],
     }
 
 
-def _path(truth: pd.DataFrame, earth_orientation: pd.DataFrame, epoch: float) -> np.ndarray:
-    """Positions over the Earth [km] (n, 3) from an epoch on, with it."""
-    span = truth[truth["t"].between(epoch, epoch + REVOLUTION_S)]
-    step = max(1, round(STEP_S / float(np.diff(truth["t"].to_numpy()[:2])[0])))
-    rows = span.iloc[::step]
-    turn = gcrf_to_itrf(earth_orientation, rows["t"].to_numpy())
-    places: np.ndarray = np.einsum("nij,nj->ni", turn, rows[["x", "y", "z"]].to_numpy()) * KM
+def _path(orbit: ground.ObservedOrbit, epoch: float) -> np.ndarray:
+    """Return positions (n, 3) in ITRF [km] of one revolution from an epoch on."""
+    span = orbit.truth[orbit.truth["t"].between(epoch, epoch + REVOLUTION_S)]
+    step = max(1, round(STEP_S / float(np.diff(orbit.truth["t"].to_numpy()[:2])[0])))
+    places = orbit.itrf(span.iloc[::step]) * KM
     return places.round(1)
 
 
 def _earth() -> dict[str, Any]:
-    """A sphere that hides what is behind it."""
+    """Return a sphere that hides what is behind it."""
     longitude, latitude = np.meshgrid(np.radians(np.arange(0, 361, 10)), np.radians(np.arange(-90, 91, 10)))
-    x, y, z = (part.round(1).tolist() for part in _on_sphere(longitude, latitude, 0.995))
+    x, y, z = (part.round(1).tolist() for part in _sphere_points(longitude, latitude, 0.995))
     light = {"ambient": 1.0, "diffuse": 0.0, "specular": 0.0}
     look = {
         "showscale": False,
@@ -139,25 +142,26 @@ def _earth() -> dict[str, Any]:
 
 
 def _land() -> dict[str, Any]:
-    """Outlines of land as one line with gaps."""
-    outlines = [np.vstack([one, [np.nan, np.nan]]) for one in ground.outlines()]
+    """Return the outlines of land as one line with gaps."""
+    outlines = [np.vstack([outline, [np.nan, np.nan]]) for outline in ground.outlines()]
     longitude, latitude = np.radians(np.vstack(outlines)).T
-    x, y, z = _on_sphere(longitude, latitude, 1.0)
+    x, y, z = _sphere_points(longitude, latitude, 1.0)
     look = {"mode": "lines", "line": {"color": MUTED, "width": 1}, "hoverinfo": "skip", "showlegend": False}
-    return {"type": "scatter3d", "name": "land", **_gapped(x, y, z), **look}
+    return {"type": "scatter3d", "name": "land", **_with_gaps(x, y, z), **look}
 
 
 def _stations(stations: Sequence[Station]) -> dict[str, Any]:
     longitude, latitude = (
-        np.array([getattr(one, name) for one in stations]) for name in ("longitude", "latitude")
+        np.array([getattr(station, name) for station in stations]) for name in ("longitude", "latitude")
     )
-    x, y, z = (part.round(1).tolist() for part in _on_sphere(longitude, latitude, 1.02))
-    names = [one.name for one in stations]
+    x, y, z = (part.round(1).tolist() for part in _sphere_points(longitude, latitude, 1.02))
+    names = [station.name for station in stations]
     look = {"mode": "markers+text", "marker": {"size": 4, "color": OBSERVED}, "showlegend": False}
     return {"type": "scatter3d", "name": "stations", "x": x, "y": y, "z": z, "text": names, **look}
 
 
-def _on_sphere(longitude: np.ndarray, latitude: np.ndarray, scale: float) -> tuple[np.ndarray, ...]:
+def _sphere_points(longitude: np.ndarray, latitude: np.ndarray, scale: float) -> tuple[np.ndarray, ...]:
+    """Return x, y and z [km] on a sphere of `scale` Earth radii; angles in rad."""
     radius = scale * WGS84_A * KM
     return (
         radius * np.cos(latitude) * np.cos(longitude),
@@ -166,41 +170,41 @@ def _on_sphere(longitude: np.ndarray, latitude: np.ndarray, scale: float) -> tup
     )
 
 
-def _gapped(*parts: np.ndarray) -> dict[str, list[float | None]]:
-    """Coordinates with None where they have a gap, as JSON knows no NaN."""
+def _with_gaps(*parts: np.ndarray) -> dict[str, list[float | None]]:
+    """Return x, y and z with None where they have a gap, as JSON knows no NaN."""
     return {
         name: [None if np.isnan(value) else round(float(value), 1) for value in part]
         for name, part in zip("xyz", parts, strict=True)
     }
 
 
-def _looks(evaluations: Mapping[str, pd.DataFrame], component: str) -> list[dict[str, Any]]:
-    """How the traces of `_moving` look; the last model is shown, the others wait in the legend."""
+def _looks(models: Sequence[str]) -> list[dict[str, Any]]:
+    """Return the looks of the moving traces; the last model is shown, the others wait in the legend."""
     path: dict[str, Any] = {"mode": "lines", "line": {"color": PREDICTED, "width": 5}, "showlegend": False}
     start: dict[str, Any] = {"mode": "markers", "marker": {"size": 5, "color": RESIDUAL}, "showlegend": False}
     before: dict[str, Any] = {"mode": "lines+markers", "line": {"color": TRUE}, "name": BEFORE}
-    models: list[dict[str, Any]] = [
+    after: list[dict[str, Any]] = [
         {
             "mode": "lines+markers",
-            "line": {"color": COLORS[(len(evaluations) - 1 - k) % len(COLORS)]},
+            "line": {"color": COLORS[(len(models) - 1 - k) % len(COLORS)]},
             "name": name,
-            "visible": True if k == len(evaluations) - 1 else "legendonly",
+            "visible": True if k == len(models) - 1 else "legendonly",
         }
-        for k, name in enumerate(evaluations)
+        for k, name in enumerate(models)
     ]
     return [
         {"type": "scatter3d", "name": PATH, **path},
         {"type": "scatter3d", "name": START, **start},
-        *({"type": "scatter", **look} for look in (before, *models)),
+        *({"type": "scatter", **look} for look in (before, *after)),
     ]
 
 
 def _layout(evaluations: Mapping[str, pd.DataFrame], component: str, note: str) -> dict[str, Any]:
-    """Orbit on the left, errors on the right, on scales that all estimates share."""
-    one = next(iter(evaluations.values()))
-    sizes = np.concatenate([one["true"].abs(), *(table["residual"].abs() for table in evaluations.values())])
+    """Return the layout: orbit on the left, errors on the right, on scales that all estimates share."""
+    first = next(iter(evaluations.values()))
+    residuals = (table["residual"].abs() for table in evaluations.values())
+    sizes = np.concatenate([first["true"].abs(), *residuals])
     low, high = np.log10(np.quantile(sizes[sizes > 0.0], [0.005, 1.0]))
-    unit = "m/s" if axis(component).startswith("v") else "m"
     hidden = {"visible": False}
     return {
         "template": "simple_white",
@@ -213,13 +217,13 @@ def _layout(evaluations: Mapping[str, pd.DataFrame], component: str, note: str) 
         },
         "xaxis": {
             "domain": [0.56, 1.0],
-            "range": [0.0, float(one["duration"].max() / DAY)],
+            "range": [0.0, float(first["duration"].max() / DAY)],
             "title": {"text": "prediction duration [d]"},
         },
         "yaxis": {
             "type": "log",
             "range": [float(low), float(high) + 0.1],
-            "title": {"text": f"size of e<sub>{axis(component)}</sub> [{unit}]"},
+            "title": {"text": f"size of e<sub>{axis(component)}</sub> [{si_unit(component)}]"},
             "exponentformat": "power",
             "showgrid": True,
             "dtick": 1,
@@ -233,7 +237,7 @@ def _layout(evaluations: Mapping[str, pd.DataFrame], component: str, note: str) 
 def _slider(
     picks: pd.DataFrame, moving: Sequence[Sequence[Mapping[str, Any]]], indices: Sequence[int]
 ) -> dict[str, Any]:
-    """A slider with a step for each estimate, which gives the traces of `indices` its coordinates."""
+    """Return a slider with a step per estimate, which gives the traces of `indices` their coordinates."""
     steps = [
         {
             "label": f"{epoch / DAY:.2f}",
@@ -254,5 +258,5 @@ def _slider(
 
 
 def _columns(traces: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
-    """Coordinates of several traces as a restyling takes them; those without a z have an empty one."""
+    """Return coordinates of several traces as a restyling takes them, an empty z for a trace without one."""
     return {name: [trace.get(name, []) for trace in traces] for name in "xyz"}

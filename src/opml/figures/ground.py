@@ -1,6 +1,7 @@
 """A map of what stations see: a day of ground tracks, the passes that were tracked, circles of visibility."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from importlib.resources import files
 from typing import Any
 
@@ -13,6 +14,7 @@ from matplotlib.figure import Figure
 from opml.base.constants import DAY, WGS84_A
 from opml.base.errors import InputError
 from opml.dynamics.frames import gcrf_to_itrf
+from opml.figures.axis_labels import clauses
 from opml.figures.style import (
     ESTIMATE,
     HIGHLIGHT,
@@ -36,52 +38,62 @@ AZIMUTHS = np.radians(np.arange(0.0, 361.0, 2.0))
 """Directions from a station in which its circle of visibility is drawn."""
 
 
-def world(
-    truth: pd.DataFrame,
-    tracking: pd.DataFrame,
-    earth_orientation: pd.DataFrame,
-    stations: Sequence[Station],
-    *,
-    first_day: float,
-    note: str = "",
-) -> Figure:
-    """Ground track of the day from `first_day`, where it was tracked, and what each station can see.
+@dataclass(frozen=True)
+class ObservedOrbit:
+    """An orbit, the turning Earth below it, and the stations that observe it."""
 
-    `truth`, `tracking`, `earth_orientation`: those tables. A station sees an RSO at the day's mean height
-    inside of its circle, which ends at its lowest elevation or its longest range. Raises InputError where the
-    truth has no epoch in that day.
+    truth: pd.DataFrame  # the orbit as that table
+    earth_orientation: pd.DataFrame  # that table
+    stations: Sequence[Station]
+
+    def itrf(self, states: pd.DataFrame) -> np.ndarray:
+        """Return the positions (n, 3) of rows of the truth in ITRF [m]."""
+        turn = gcrf_to_itrf(self.earth_orientation, states["t"].to_numpy())
+        positions: np.ndarray = np.einsum("nij,nj->ni", turn, states[["x", "y", "z"]].to_numpy())
+        return positions
+
+
+def world(orbit: ObservedOrbit, tracking: pd.DataFrame, *, first_day: float, note: str = "") -> Figure:
+    """Draw the ground track of a day, the part of it that was tracked, and what each station can see.
+
+    A station sees an RSO at the day's mean height inside of its circle, which ends at its lowest elevation or
+    its longest range. Raises InputError where the truth has no epoch in that day.
+
+    tracking: that table
+    first_day: at which the day begins [d]
+    note: whose orbit it is
     """
-    rows = truth[truth["t"].between(first_day * DAY, (first_day + 1.0) * DAY)]
+    rows = orbit.truth[orbit.truth["t"].between(first_day * DAY, (first_day + 1.0) * DAY)]
     if rows.empty:
         raise InputError(f"world map: expected epochs of day {first_day:g}, got none")
-    longitude, latitude, height = below(rows, earth_orientation)
+    longitude, latitude, height = geodetic(orbit.itrf(rows))
     figure = page_figure(height_mm=108.0)
     axes = figure.add_subplot()
     _draw_land(axes)
-    axes.plot(*_parted(longitude, latitude), color=MUTED, lw=0.7, label="ground track")
-    seen = rows["t"].isin(tracking["t"]).to_numpy()
-    tracked = np.where(seen, latitude, np.nan)
-    axes.plot(*_parted(longitude, tracked), color=OBSERVED, lw=1.8, label="tracked")
-    for k, station in enumerate(stations):
+    axes.plot(*_split_line(longitude, latitude), color=MUTED, lw=0.7, label="ground track")
+    is_tracked = rows["t"].isin(tracking["t"]).to_numpy()
+    tracked = np.where(is_tracked, latitude, np.nan)
+    axes.plot(*_split_line(longitude, tracked), color=OBSERVED, lw=1.8, label="tracked")
+    for k, station in enumerate(orbit.stations):
         _draw_station(axes, station, float(height.mean()), k)
     _frame(axes)
     days = f"day {first_day:g} to {first_day + 1.0:g}; circles: in sight at {height.mean() / 1e3:.0f} km"
-    legend(figure, columns=5, note="; ".join(filter(None, [note, days])))
+    legend(figure, columns=5, note=clauses(note, days))
     return figure
 
 
-def below(states: pd.DataFrame, earth_orientation: pd.DataFrame) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Geodetic longitude and latitude [deg] and height [m] on WGS84 of positions in GCRF, (n,) each."""
-    turn = gcrf_to_itrf(earth_orientation, states["t"].to_numpy())
-    positions = np.einsum("nij,nj->ni", turn, states[["x", "y", "z"]].to_numpy())
+def geodetic(positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return longitude, latitude [deg] and height [m] on WGS84, (n,) each, of ITRF positions (n, 3) [m]."""
     longitude, latitude, height = erfa.gc2gd(WGS84, positions)
     return np.degrees(longitude), np.degrees(latitude), height
 
 
 def reach(station: Station, height: float) -> float:
-    """Angle at the Earth's centre [rad] up to which a station sees an RSO at a height [m], on a sphere.
+    """Return the angle at the Earth's centre [rad] up to which a station sees an RSO, on a sphere.
 
-    The lesser of what its lowest elevation and its longest range leave.
+    It is the lesser of what the station's lowest elevation and its longest range leave.
+
+    height: of the RSO [m]
     """
     radius = WGS84_A + height
     low = station.min_elevation
@@ -91,7 +103,7 @@ def reach(station: Station, height: float) -> float:
 
 
 def circle(station: Station, angle: float) -> tuple[np.ndarray, np.ndarray]:
-    """Longitudes and latitudes [deg] of the points at an angle [rad] from a station, on a sphere."""
+    """Return longitudes and latitudes [deg] of the points at an angle [rad] from a station, on a sphere."""
     sine, cosine = np.sin(station.latitude), np.cos(station.latitude)
     latitude = np.arcsin(sine * np.cos(angle) + cosine * np.sin(angle) * np.cos(AZIMUTHS))
     longitude = station.longitude + np.arctan2(
@@ -101,7 +113,7 @@ def circle(station: Station, angle: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def outlines() -> list[np.ndarray]:
-    """Outlines of land, longitude and latitude [deg] of the points (n, 2) of each."""
+    """Return the outlines of land, each as longitude and latitude [deg] of its points (n, 2)."""
     blocks = LAND.read_text().split("\n\n")
     return [np.loadtxt(block.splitlines(), delimiter=",", comments="#") for block in blocks if block.strip()]
 
@@ -113,20 +125,20 @@ def _draw_land(axes: Axes) -> None:
 
 def _draw_station(axes: Axes, station: Station, height: float, k: int) -> None:
     color = STATIONS[k % len(STATIONS)]
-    axes.plot(*_parted(*circle(station, reach(station, height))), color=color, lw=1.0, zorder=3.0)
+    axes.plot(*_split_line(*circle(station, reach(station, height))), color=color, lw=1.0, zorder=3.0)
     place = np.degrees([station.longitude, station.latitude])
     look: dict[str, Any] = {"ls": "", "color": color, "mec": "white", "mew": 0.5, "ms": 6.0, "zorder": 4.0}
     axes.plot(*place[:, None], marker=MARKERS[k % len(MARKERS)], label=station.name, **look)
 
 
-def _parted(longitude: np.ndarray, latitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A line with gaps where it leaves the map on one side and comes back on the other."""
+def _split_line(longitude: np.ndarray, latitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return a line with gaps where it leaves the map on one side and comes back on the other."""
     jumps = np.flatnonzero(np.abs(np.diff(longitude)) > 180.0) + 1
     return np.insert(longitude, jumps, np.nan), np.insert(latitude, jumps, np.nan)
 
 
 def _frame(axes: Axes) -> None:
-    """The whole Earth, a graticule of 30 degrees."""
+    """Show the whole Earth under a graticule of 30 degrees."""
     axes.set(xlim=(-180.0, 180.0), ylim=(-90.0, 90.0), aspect="equal")
     axes.set_xticks(np.arange(-180, 181, 30))
     axes.set_yticks(np.arange(-90, 91, 30))

@@ -1,4 +1,4 @@
-"""How a model is written in a figure: its name, and in a few words what it is."""
+"""What a model is, in the few words that a figure has room for."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -10,11 +10,14 @@ SHORT = {
     "held": "Cd held by its own past",
     "running": "longer fits, with the running mean of Cd",
 }
-"""Kinds whose description is too long for a figure."""
+"""Short descriptions of the kinds whose own is too long for a figure."""
 
 
-def told(settings: Mapping[str, Any]) -> str:
-    """What the model of a learner's settings is, in a few words; raises InputError for an unknown kind."""
+def describe_model(settings: Mapping[str, Any]) -> str:
+    """Return in a few words what the model of a learner's settings is.
+
+    Raises InputError for an unknown kind.
+    """
     kind = settings["kind"]
     words = [SHORT.get(kind) or description(kind).split(" (")[0]]
     if terms := settings.get("terms"):

@@ -1,4 +1,4 @@
-"""The orbit, its elements, and the tracks that an estimate is made of."""
+"""Figures of the orbit, of its elements, and of the tracks that an estimate is made of."""
 
 from collections.abc import Sequence
 
@@ -14,6 +14,7 @@ from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
 from opml.base.constants import DAY, HOUR, WGS84_A
 from opml.base.errors import InputError
+from opml.figures.axis_labels import clauses
 from opml.figures.style import (
     ESTIMATE,
     HIGHLIGHT,
@@ -21,8 +22,8 @@ from opml.figures.style import (
     PUBLISHED,
     TRACK,
     TRUE,
+    add_note,
     legend,
-    noted,
     page_figure,
     space_figure,
 )
@@ -49,18 +50,22 @@ _ELEMENTS = {
 _TURNING = ("argp", "raan", "nu")
 
 
-def within_days(table: pd.DataFrame, days: Sequence[float]) -> pd.DataFrame:
-    """Rows of a table with a column `t` [s] from the first to the last of the days, both included."""
+def select_days(table: pd.DataFrame, days: Sequence[float]) -> pd.DataFrame:
+    """Return the rows of a table whose time `t` [s] lies between two days, both included."""
     first, last = days
     return table[table["t"].between(first * DAY, last * DAY)]
 
 
 def estimation_window(tracking: pd.DataFrame, *, track: int, window_hours: float, note: str = "") -> Figure:
-    """Tracks used for the estimate at the start of `track`, and their neighbours that are not.
+    """Draw the tracks used for one estimate, and their neighbours that are not; one lane per station.
 
-    `tracking`: that table; one lane per station. Used are the track itself and those that began within
-    `window_hours` before it. Raises InputError for a track that is not in the table. After the paper's figure
-    'Illustration of the tracks included for an estimation at t_i'.
+    After the paper's figure 'Illustration of the tracks included for an estimation at t_i'. Raises InputError
+    for a track that is not in the table.
+
+    tracking: that table
+    track: at whose start the estimate is
+    window_hours: tracks that began so long before that start, or less, are used
+    note: whose tracks they are
     """
     tracks = tracking.groupby("track").agg(start=("t", "min"), end=("t", "max"), station=("station", "first"))
     if track not in tracks.index:
@@ -116,12 +121,14 @@ def estimation_window(tracking: pd.DataFrame, *, track: int, window_hours: float
 
 
 def orbit_3d(truth: pd.DataFrame, tracking: pd.DataFrame, *, note: str = "") -> Figure:
-    """The orbit in GCRF [1000 km], red at the beginning and blue at the end, with the observed points.
+    """Draw the orbit in GCRF [1000 km], red at the beginning and blue at the end, with the observed points.
 
-    `truth`, `tracking`: those tables, of epochs in common. Of a long orbit REVOLUTIONS whole revolutions are
-    drawn, evenly spread, and the points observed on these; what the Earth hides is left out. Raises
-    InputError for less than one revolution. After the paper's figure 'True orbit and observations of the
-    RSO'.
+    After the paper's figure 'True orbit and observations of the RSO'. Of a long orbit, REVOLUTIONS whole
+    revolutions are drawn, evenly spread, with the points observed on them; what the Earth hides is left out.
+    Raises InputError for less than one revolution.
+
+    truth, tracking: those tables, of epochs in common
+    note: whose orbit it is
     """
     days, positions = truth["t"].to_numpy() / DAY, truth[["x", "y", "z"]].to_numpy() / 1e6
     revolution = _revolutions(positions)
@@ -129,7 +136,7 @@ def orbit_3d(truth: pd.DataFrame, tracking: pd.DataFrame, *, note: str = "") -> 
     if whole < 1:
         raise InputError(f"orbit in 3D: expected at least one revolution, got {revolution[-1]:.2f}")
     drawn = np.unique(np.linspace(0, whole - 1, REVOLUTIONS).round())
-    sight = _in_sight(positions)
+    sight = _is_visible(positions)
     shown = np.isin(np.floor(revolution), drawn) & sight
     starts = np.flatnonzero(shown[:-1])
     observed = positions[np.isin(truth["t"], tracking["t"]) & shown]
@@ -166,8 +173,7 @@ def orbit_3d(truth: pd.DataFrame, tracking: pd.DataFrame, *, note: str = "") -> 
     bar = figure.colorbar(arcs, cax=figure.add_axes((0.2, 0.115, 0.6, 0.018)), orientation="horizontal")
     bar.set_label("time [d]")
     bar.outline.set_linewidth(0.5)
-    every = f"{len(drawn)} of {whole} revolutions, GCRF"
-    noted(figure, "; ".join(filter(None, [note, every])))
+    add_note(figure, clauses(note, f"{len(drawn)} of {whole} revolutions, GCRF"))
     figure.legend(loc="upper right", markerscale=4.0, bbox_to_anchor=(1.0, 0.92))
     return figure
 
@@ -180,10 +186,16 @@ def orbital_elements(
     elements: Sequence[str] = ("a", "e", "i", "raan"),
     note: str = "",
 ) -> Figure:
-    """Osculating elements against time [d]: the whole orbit on the left, the days of `zoom_days` beside it.
+    """Draw osculating elements against time [d]: the whole orbit on the left, some days enlarged beside it.
 
-    `truth`: that table; `gm` [m3/s2]; `elements`: any of a, e, i, argp, raan, nu. Raises InputError where the
-    zoom holds no epoch. After the paper's figure 'Instantaneous classical orbital elements'.
+    After the paper's figure 'Instantaneous classical orbital elements'. Raises InputError where the enlarged
+    days hold no epoch.
+
+    truth: that table
+    gm: of the Earth [m3/s2]
+    zoom_days: first and last of the enlarged days
+    elements: any of a, e, i, argp, raan, nu
+    note: whose elements they are
     """
     days = truth["t"].to_numpy() / DAY
     coe = dict(zip(_COE, coe_from_cartesian(truth[STATE].to_numpy(), gm).T, strict=True))
@@ -196,7 +208,7 @@ def orbital_elements(
     panels = figure.subplots(len(elements), 2, sharex="col", squeeze=False, width_ratios=(3, 2))
     for (left, right), name in zip(panels, elements, strict=True):
         label, factor = _ELEMENTS[name]
-        values = _broken(coe[name]) * factor if name in _TURNING else coe[name] * factor
+        values = _break_turns(coe[name]) * factor if name in _TURNING else coe[name] * factor
         left.plot(days, values, color=TRUE, lw=0.4, rasterized=True)
         left.axvspan(first, last, color=HIGHLIGHT, alpha=0.6, lw=0.0, zorder=3)
         right.plot(days[zoomed], values[zoomed], color=TRUE, lw=1.0)
@@ -205,7 +217,7 @@ def orbital_elements(
             axes.ticklabel_format(axis="y", useOffset=False)
         right.margins(x=0.0)
     _name_zoom(panels[0], first, last)
-    noted(figure, note)
+    add_note(figure, note)
     left.set_xlim(days[0], days[-1])
     left.set_xlabel("time [d]")
     right.set_xlabel("time [d]")
@@ -214,7 +226,7 @@ def orbital_elements(
 
 
 def _span(axes: Axes3D, reach: float) -> None:
-    """Axes of one scale that reach as far on every side [1000 km]."""
+    """Let the axes reach equally far on every side [1000 km], on one scale."""
     axes.set(xlim=(-reach, reach), ylim=(-reach, reach), zlim=(-reach, reach))
     axes.set_box_aspect((1, 1, 1))
     for name in "xyz":
@@ -224,7 +236,7 @@ def _span(axes: Axes3D, reach: float) -> None:
 
 
 def _name_zoom(panels: Sequence[Axes], first: float, last: float) -> None:
-    """Say above the panels what the band on the left is, and that the right shows its days."""
+    """Write above the panels what the band on the left is, and that the right shows its days."""
     left, right = panels
     left.annotate(
         "enlarged",
@@ -240,23 +252,23 @@ def _name_zoom(panels: Sequence[Axes], first: float, last: float) -> None:
 
 
 def _revolutions(positions: np.ndarray) -> np.ndarray:
-    """Revolutions flown at each of the positions (n, 3), from the angles between neighbours."""
-    here, there = positions[:-1], positions[1:]
-    across = np.linalg.norm(np.cross(here, there), axis=-1)
-    angle = np.arctan2(across, np.sum(here * there, axis=-1))
+    """Return the revolutions (n,) flown at each position (n, 3), from the angles between neighbours."""
+    start, end = positions[:-1], positions[1:]
+    across = np.linalg.norm(np.cross(start, end), axis=-1)
+    angle = np.arctan2(across, np.sum(start * end, axis=-1))
     return np.concatenate([[0.0], np.cumsum(angle)]) / (2.0 * np.pi)
 
 
-def _in_sight(positions: np.ndarray) -> np.ndarray:
-    """Which of the positions (n, 3) [1000 km] the Earth does not hide from the viewer."""
+def _is_visible(positions: np.ndarray) -> np.ndarray:
+    """Return which (n,) of the positions (n, 3) [1000 km] the Earth does not hide from the viewer."""
     elevation, azimuth = np.radians([ELEVATION, AZIMUTH])
     viewer = np.array(
         [np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)]
     )
     ahead = positions @ viewer
     aside = np.linalg.norm(positions - ahead[:, None] * viewer, axis=-1)
-    seen: np.ndarray = (ahead > 0.0) | (aside > WGS84_A / 1e6)
-    return seen
+    visible: np.ndarray = (ahead > 0.0) | (aside > WGS84_A / 1e6)
+    return visible
 
 
 def _draw_earth(axes: Axes3D) -> None:
@@ -278,6 +290,6 @@ def _draw_earth(axes: Axes3D) -> None:
     )
 
 
-def _broken(angle: np.ndarray) -> np.ndarray:
-    """The angles [rad] with a gap where they pass a full turn, so that no line joins its two ends."""
+def _break_turns(angle: np.ndarray) -> np.ndarray:
+    """Return the angles [rad] with a gap where they pass a full turn, so that no line joins its two ends."""
     return np.where(np.abs(np.diff(angle, append=angle[-1])) > np.pi, np.nan, angle)

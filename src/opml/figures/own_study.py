@@ -1,4 +1,4 @@
-"""A study's figures: errors before and after correction by duration, and the rows that were used."""
+"""Figures of a study of one's own: errors by duration, Cd and the weather, P_ML by day, rows used."""
 
 import math
 from collections.abc import Collection, Mapping, Sequence
@@ -12,7 +12,7 @@ from matplotlib.ticker import PercentFormatter
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.figures.axis_labels import symbol
+from opml.figures.axis_labels import P_ML, lines, si_unit, symbol
 from opml.figures.prediction_errors import DURATION_LABEL
 from opml.figures.style import (
     MARKERS,
@@ -27,6 +27,7 @@ from opml.figures.style import (
     TRUE,
     legend,
     page_figure,
+    panel_figure,
 )
 from opml.learning.judge.errors_by_duration import REACH_DAYS, by_duration
 from opml.learning.judge.model_choice import Mornings
@@ -39,32 +40,32 @@ LEAST_ROWS = 5
 """Rows that a bin of durations needs for its quantiles to say something."""
 
 UNCORRECTED = "errors without correction: medians and middle halves by the day that a prediction starts on"
-"""What the errors beside Cd are."""
+"""Note on the errors below Cd."""
 
 BASELINE = PREDICTED
-"""Of models beside the one that a figure shows."""
+"""Colour of the models beside the one that a figure shows."""
 
 SHADES = (TRACK, *REASONS)
-"""Of rows that are used, then of those that are not, reason by reason."""
+"""Colours of rows that are used, then of rows that are not, reason by reason."""
 
 
 def errors(evaluations: Mapping[str, pd.DataFrame], *, component: str, note: str = "") -> Figure:
-    """Size of the errors before and after correction [m or m/s] by duration [d]; one panel per model.
+    """Draw sizes of errors before and after correction [m or m/s] by duration [d]; one panel per model.
 
-    `evaluations`: those tables, by model; `note`: what was trained and tested. Lines are medians, the bands
-    reach up to the 95th percentile. Raises InputError without a model.
+    Lines are medians, the bands reach up to the 95th percentile. Raises InputError without a model.
+
+    evaluations: those tables, by model
+    component: of the error
+    note: what was trained and tested
     """
     if not evaluations:
         raise InputError("errors of a study: expected at least one model that corrects, got none")
-    rows = math.ceil(len(evaluations) / COLUMNS)
-    figure = page_figure(height_mm=20.0 + 50.0 * rows)
-    panels = figure.subplots(rows, COLUMNS, squeeze=False, sharex=True, sharey=True).ravel()
-    for axes, (name, evaluation) in zip(panels, evaluations.items(), strict=False):
-        _draw_growth(axes, evaluation)
-        axes.set_title(name, fontsize=8.0, loc="left")
-        axes.xaxis.set_tick_params(labelbottom=True)
-    for axes in panels[len(evaluations) :]:
-        axes.remove()
+    figure = panel_figure(
+        list(evaluations),
+        lambda axes, model: _draw_growth(axes, evaluations[model]),
+        columns=COLUMNS,
+        heights_mm=(20.0, 50.0),
+    )
     figure.supxlabel(DURATION_LABEL, fontsize=8.0)
     figure.supylabel(_size_label(component), fontsize=8.0)
     legend(figure, columns=4, note=note)
@@ -72,10 +73,13 @@ def errors(evaluations: Mapping[str, pd.DataFrame], *, component: str, note: str
 
 
 def residuals(mornings: Mornings, *, laws: Collection[str], note: str = "") -> Figure:
-    """Size of e_y [m] by duration [d]: without correction, as flown, and as each model would have left it.
+    """Draw sizes of e_y [m] by duration [d]: without correction, as flown, and as each model would leave it.
 
-    `mornings`: of one dataset; `laws`: the models that learned. Of the errors without correction and of what
-    was flown, bands hold 50 and 90 %; of the models there are medians.
+    Errors without correction and errors of what was flown have bands of 50 and 90 %; models have medians.
+
+    mornings: of one dataset
+    laws: the models that learned
+    note: whose mornings they are
     """
     figure = page_figure(height_mm=100.0)
     axes = figure.add_subplot()
@@ -94,32 +98,39 @@ def residuals(mornings: Mornings, *, laws: Collection[str], note: str = "") -> F
     axes.set_ylabel(_size_label("e_y"))
     _name_ends(axes, {name: float(median["50"].iloc[-1]) for name, median in others.items()})
     reading = "lines: medians; bands: the middle 50 % and 90 % of the errors"
-    legend(figure, columns=4, note="\n".join(filter(None, [note, reading])))
+    legend(figure, columns=4, note=lines(note, reading))
     return figure
 
 
 def sizes(table: pd.DataFrame, column: str) -> pd.DataFrame:
-    """Percentiles 5 to 95 of the size of an error in bins of BIN_DAYS, by their mean duration [d]."""
+    """Return percentiles 5 to 95 of the size of an error in bins of BIN_DAYS, by their mean duration [d].
+
+    table: with a column `duration` [s]
+    column: of the error
+    """
     days, size = table["duration"] / DAY, table[column].abs()
     width = min(BIN_DAYS, days.max() / 4.0)
     bins = size.groupby(np.ceil(days / width))
-    found = bins.quantile([0.05, 0.25, 0.5, 0.75, 0.95]).unstack()
-    found = found.set_axis(days.groupby(np.ceil(days / width)).mean(), axis=0)
-    return found.set_axis(["5", "25", "50", "75", "95"], axis=1)[(bins.size() >= LEAST_ROWS).to_numpy()]
+    percentiles = bins.quantile([0.05, 0.25, 0.5, 0.75, 0.95]).unstack()
+    percentiles = percentiles.set_axis(days.groupby(np.ceil(days / width)).mean(), axis=0)
+    percentiles = percentiles.set_axis(["5", "25", "50", "75", "95"], axis=1)
+    return percentiles[(bins.size() >= LEAST_ROWS).to_numpy()]
 
 
-def _draw_bands(axes: Axes, found: pd.DataFrame, color: str, marker: str, label: str) -> None:
-    """Median, middle half and middle 90 % of the sizes of an error."""
-    axes.fill_between(found.index, found["5"], found["95"], color=color, alpha=0.12, lw=0.0)
-    axes.fill_between(found.index, found["25"], found["75"], color=color, alpha=0.25, lw=0.0)
-    axes.plot(found.index, found["50"], f"{marker}-", color=color, ms=3.5, zorder=3.0, label=label)
+def _draw_bands(axes: Axes, percentiles: pd.DataFrame, color: str, marker: str, label: str) -> None:
+    """Draw the median, the middle half and the middle 90 % of the sizes of an error."""
+    days = percentiles.index
+    axes.fill_between(days, percentiles["5"], percentiles["95"], color=color, alpha=0.12, lw=0.0)
+    axes.fill_between(days, percentiles["25"], percentiles["75"], color=color, alpha=0.25, lw=0.0)
+    axes.plot(days, percentiles["50"], f"{marker}-", color=color, ms=3.5, zorder=3.0, label=label)
 
 
 def _name_ends(axes: Axes, ends: Mapping[str, float]) -> None:
-    """The names of lines at their right ends, pushed apart on the logarithmic axis."""
+    """Write the names of lines at their right ends, pushed apart on the logarithmic axis."""
     low, high = np.log10(axes.get_ylim())
     names = sorted(ends, key=ends.__getitem__)
-    for name, place in zip(names, _apart([ends[name] for name in names], 0.042 * (high - low)), strict=True):
+    places = _push_apart([ends[name] for name in names], 0.042 * (high - low))
+    for name, place in zip(names, places, strict=True):
         axes.annotate(
             name,
             (1.0, ends[name]),
@@ -134,8 +145,8 @@ def _name_ends(axes: Axes, ends: Mapping[str, float]) -> None:
         )
 
 
-def _apart(values: Sequence[float], least: float) -> np.ndarray:
-    """Ascending values moved as far apart as `least` [powers of ten], as many up as down."""
+def _push_apart(values: Sequence[float], least: float) -> np.ndarray:
+    """Return ascending values moved as far apart as `least` [powers of ten], as many up as down."""
     wanted = np.log10(np.asarray(values, float))
     steps = least * np.arange(len(wanted))
     apart = np.maximum.accumulate(wanted - steps) + steps
@@ -144,12 +155,11 @@ def _apart(values: Sequence[float], least: float) -> np.ndarray:
 
 
 def _size_label(component: str) -> str:
-    unit = "m/s" if component.startswith("e_v") else "m"
-    return f"|{symbol(component)}| [{unit}]"
+    return f"|{symbol(component)}| [{si_unit(component)}]"
 
 
 def _draw_growth(axes: Axes, evaluation: pd.DataFrame) -> None:
-    """Median and 95th percentile before and after, in bins of the duration."""
+    """Draw the median and the 95th percentile before and after, in bins of the duration."""
     reach = evaluation["duration"].max() / DAY
     growth = by_duration(evaluation, width_days=min(BIN_DAYS, reach / 4.0))
     growth = growth[growth["rows"] >= LEAST_ROWS]
@@ -172,11 +182,14 @@ def drag(
     *,
     note: str = "",
 ) -> Figure:
-    """Estimated Cd against time [d], above F10.7 and Kp of the same days and the errors of predictions.
+    """Draw estimated Cd against time [d], above F10.7 and Kp of the same days and the errors of predictions.
 
-    `estimates`: those tables, by the window of their fits; what did not converge is left out. `activity`: the
-    table `solar_activity`. `errors`: as `daily_errors` returns. The axis of Cd shows the middle 90 % of all
-    estimates. Raises InputError without one.
+    The axis of Cd shows the middle 90 % of all estimates. Raises InputError where no estimate converged.
+
+    estimates: those tables, by the window of their fits; what did not converge is left out
+    activity: `solar_activity` table
+    errors: as `daily_errors` returns, None for no panel of them
+    note: whose estimates they are
     """
     usable = {name: table[table["converged"]] for name, table in estimates.items()}
     if all(table.empty for table in usable.values()):
@@ -197,7 +210,7 @@ def drag(
 
 
 def _draw_cd(axes: Axes, usable: Mapping[str, pd.DataFrame]) -> None:
-    """Estimates of Cd, the longest window in front."""
+    """Draw the estimates of Cd, the longest window in front."""
     for k, (name, table) in enumerate(usable.items()):
         look: dict[str, Any] = {
             "ls": "",
@@ -212,7 +225,7 @@ def _draw_cd(axes: Axes, usable: Mapping[str, pd.DataFrame]) -> None:
 
 
 def _draw_activity(upper: Axes, lower: Axes, activity: pd.DataFrame) -> None:
-    """F10.7 with its mean above Kp."""
+    """Draw F10.7 with its mean above Kp."""
     days = activity["t"] / DAY
     upper.plot(days, activity["f107"], color=TRUE, label="F10.7")
     upper.plot(days, activity["f107_mean"], color=MUTED, ls="--", label="81-day mean")
@@ -222,36 +235,42 @@ def _draw_activity(upper: Axes, lower: Axes, activity: pd.DataFrame) -> None:
 
 
 def daily_errors(dataset: pd.DataFrame, *, component: str, day: float) -> pd.DataFrame:
-    """Quartiles of the size of the kept errors of predictions over `day` days, by calendar day of t_i.
+    """Return quartiles of the size of kept errors by the calendar day of t_i.
 
-    Columns t (middle of the day) [s], 25, 50 and 75 in the component's unit. Durations up to a quarter of a
-    day from it count.
+    Columns: t, the middle of the day [s]; 25, 50 and 75 in the component's unit; day.
+
+    dataset: that table
+    component: of the error
+    day: duration of the predictions [d]; durations up to a quarter of a day from it count
     """
     near = (dataset["duration"] / DAY - day).abs() <= REACH_DAYS
     rows = dataset[near & dataset["keep"]]
     calendar = np.floor(rows["t_i"] / DAY)
     groups = rows[component].abs().groupby(calendar)
-    found = pd.DataFrame({f"{100.0 * share:.0f}": groups.quantile(share) for share in (0.25, 0.5, 0.75)})
-    middle = (found.index.to_numpy(float) + 0.5) * DAY
-    return found.assign(t=middle, day=day).reset_index(drop=True)
+    quartiles = pd.DataFrame({f"{100.0 * share:.0f}": groups.quantile(share) for share in (0.25, 0.5, 0.75)})
+    middle = (quartiles.index.to_numpy(float) + 0.5) * DAY
+    return quartiles.assign(t=middle, day=day).reset_index(drop=True)
 
 
 def _draw_daily(axes: Axes, errors: pd.DataFrame) -> None:
-    """Medians and middle halves of errors by the day that a prediction starts on, a line per duration."""
-    for k, (day, own) in enumerate(errors.groupby("day")):
-        color = SERIES[k % len(SERIES)]
-        axes.fill_between(own["t"] / DAY, own["25"], own["75"], color=color, alpha=0.2, lw=0.0)
+    """Draw medians and middle halves of errors by the predictions' first day, a line per duration."""
+    for k, (day, quartiles) in enumerate(errors.groupby("day")):
+        color, days = SERIES[k % len(SERIES)], quartiles["t"] / DAY
+        axes.fill_between(days, quartiles["25"], quartiles["75"], color=color, alpha=0.2, lw=0.0)
         look: dict[str, Any] = {"ms": 2.5, "lw": 1.0, "color": color, "label": f"error after {day:g} d"}
-        axes.plot(own["t"] / DAY, own["50"], f"{MARKERS[k % len(MARKERS)]}-", **look)
+        axes.plot(days, quartiles["50"], f"{MARKERS[k % len(MARKERS)]}-", **look)
     axes.set_yscale("log")
     axes.set_ylabel("size of the\nerror [m]")
 
 
 def rolling(days: Mapping[str, pd.DataFrame], *, every_days: float, note: str = "") -> Figure:
-    """P_ML [%] by day of learners trained anew, beside the same ones trained once; one panel per learner.
+    """Draw P_ML [%] by day of learners trained anew beside the same learners trained once, a panel for each.
 
-    `days`: by learner, as `learning.rolling.by_day` returns; `every_days`: between two trainings. Raises
-    InputError without a learner.
+    Raises InputError without a learner.
+
+    days: as `rolling_origins.by_day` returns, by learner
+    every_days: between two trainings
+    note: whose predictions they are
     """
     if not days:
         raise InputError("rolling of a study: expected at least one learner, got none")
@@ -264,30 +283,30 @@ def rolling(days: Mapping[str, pd.DataFrame], *, every_days: float, note: str = 
         axes.set_ylim(bottom=0.0)
         axes.set_title(name, fontsize=8.0, loc="left")
     figure.supxlabel("start of the prediction [d]", fontsize=8.0)
-    figure.supylabel(r"$P_{\mathrm{ML}}$ [%]", fontsize=8.0)
+    figure.supylabel(f"{P_ML} [%]", fontsize=8.0)
     legend(figure, columns=2, note=note)
     return figure
 
 
 def rows(shares: Mapping[str, Mapping[str, float]]) -> Figure:
-    """Share of the rows that are used, and of those that are not by reason; one bar per dataset.
+    """Draw the share of the rows that are used, and of those that are not by reason; one bar per dataset.
 
-    `shares`: by the dataset's name, shares by reason, as `report.study.row_shares` returns. Raises InputError
-    without a dataset.
+    Raises InputError without a dataset.
+
+    shares: as `report.own_study.row_shares` returns, by the dataset's name
     """
     if not shares:
         raise InputError("rows of a study: expected at least one dataset, got none")
-    reasons = list(dict.fromkeys(reason for own in shares.values() for reason in own))
+    reasons = list(dict.fromkeys(reason for parts in shares.values() for reason in parts))
     figure = page_figure(height_mm=26.0 + 8.0 * len(shares) + 4.0 * math.ceil(len(reasons) / COLUMNS))
     axes = figure.add_subplot()
     place = np.arange(len(shares))[::-1]
     left = np.zeros(len(shares))
     for k, reason in enumerate(reasons):
-        part = np.array([own.get(reason, 0.0) for own in shares.values()])
-        axes.barh(
-            place, part, left=left, height=0.6, color=SHADES[k % len(SHADES)], label=_reason(reason, part)
-        )
-        left += part
+        widths = np.array([parts.get(reason, 0.0) for parts in shares.values()])
+        look: dict[str, Any] = {"color": SHADES[k % len(SHADES)], "label": _reason_label(reason, widths)}
+        axes.barh(place, widths, left=left, height=0.6, **look)
+        left += widths
     axes.set_yticks(place, list(shares))
     axes.set_xlim(0.0, 1.0)
     axes.xaxis.set_major_formatter(PercentFormatter(1.0))
@@ -297,7 +316,7 @@ def rows(shares: Mapping[str, Mapping[str, float]]) -> Figure:
     return figure
 
 
-def _reason(reason: str, parts: np.ndarray) -> str:
-    """A reason with the shares that it has, as a thin bar cannot be read."""
-    low, high = f"{parts.min():.1%}", f"{parts.max():.1%}"
+def _reason_label(reason: str, shares: np.ndarray) -> str:
+    """Return a reason with its shares in numbers, as a thin bar cannot be read."""
+    low, high = f"{shares.min():.1%}", f"{shares.max():.1%}"
     return f"{reason}, {low}" if low == high else f"{reason}, {low} to {high}"

@@ -1,4 +1,4 @@
-"""Curves of P_ML against what an experiment varies.
+"""Figures of P_ML against what an experiment varies: training data, orbit, kernel scale.
 
 `metrics` are rows of that table, whose intervals are drawn as bars. With several seeds in a further column
 `seed`, each point is the mean over them instead, in a band of one standard deviation to either side.
@@ -15,7 +15,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from opml import naming
 from opml.base.errors import InputError
-from opml.figures.axis_labels import symbol, trained
+from opml.figures.axis_labels import P_ML, PAPER, VARIED, describe_training, lines, symbol
 from opml.figures.style import (
     MARKERS,
     MUTED,
@@ -30,35 +30,34 @@ from opml.naming import Split
 
 PARTS = {"rest": "test part", "seen": "training part"}
 INTERVAL = "bars: 5th to 95th percentile over resampled estimates"
-"""What the bars of P_ML are, as figures say it."""
+"""Note on the bars of P_ML."""
 
 RULE_STYLES = (":", "-.", (0, (6, 1.5)), (0, (1, 3)))
 RULES = (
     "scales by quantiles of the distances (sigest), their median, cross-validation on held-out estimates (cv)"
 )
-"""The public rules of the kernel scale, as the figure explains them."""
+"""Note on the public rules of the kernel scale."""
 
 NO_CORRECTION = 100.0
-"""P_ML [%] of doing nothing."""
+"""P_ML [%] without a correction."""
 
 
 def partition_curve(
-    metrics: pd.DataFrame,
-    *,
-    component: str = "e_y",
-    published: Mapping[float, float] | None = None,
-    published_name: str = "Peng & Bai",
+    metrics: pd.DataFrame, *, component: str = "e_y", published: Mapping[float, float] | None = None
 ) -> Figure:
-    """P_ML [%] of `component` against the share of the dataset trained on [%].
+    """Draw P_ML [%] against the share of the dataset trained on [%].
 
-    `metrics` holds rows of random splits, test `rest` and, if at hand, `seen`. `published` gives figures to
-    compare with, P_ML by share. Raises InputError without a row to draw. After the paper's figure
-    'Performance metric P_ML of the SVM model trained by different size of training data'.
+    After the paper's figure 'Performance metric P_ML of the SVM model trained by different size of training
+    data'. Raises InputError without a row to draw.
+
+    metrics: rows of random splits, of the test `rest` and, where they ran, of `seen`
+    component: of the error
+    published: the paper's P_ML [%] by share
     """
-    splits = metrics["train"].map(_trained)
-    chosen = metrics.assign(share=splits.map(attrgetter("percent")))
-    chosen = chosen[(splits.map(attrgetter("kind")) == "random") & (metrics["component"] == component)]
-    test, seen = chosen[chosen["test"] == "rest"], chosen[chosen["test"] == "seen"]
+    splits = metrics["train"].map(_training_split)
+    points = metrics.assign(share=splits.map(attrgetter("percent")))
+    points = points[(splits.map(attrgetter("kind")) == "random") & (metrics["component"] == component)]
+    test, seen = points[points["test"] == "rest"], points[points["test"] == "seen"]
     if test.empty:
         raise InputError(f"partition curve: expected metrics of {component} on random splits, got none")
 
@@ -67,63 +66,70 @@ def partition_curve(
     if not seen.empty:
         _draw_curve(axes, seen, "share", "s--", color=MUTED, lw=1.0, ms=3.0, label="training part")
     if published:
-        _draw_published(axes, published, "D", label=f"{published_name}, test part")
+        _draw_published(axes, published, "D", label=f"{PAPER}, test part")
     axes.set_xlabel("training data [% of the dataset]")
     axes.set_xlim(0.0, 100.0)
     axes.set_xticks(range(0, 101, 10))
-    return _finished(figure, axes, chosen, component)
+    return _finish(figure, axes, points, component)
 
 
-def inclination_curve(
+def transfer_curve(
     metrics: pd.DataFrame,
+    curve: str,
+    targets: Mapping[str, float],
     *,
-    inclinations: Mapping[str, float],
     component: str = "e_y",
     published: Mapping[str, Mapping[float, float]] | None = None,
-    published_name: str = "Peng & Bai",
 ) -> Figure:
-    """P_ML [%] of `component` on other RSOs against their inclination [deg], one curve per future window.
+    """Draw P_ML [%] on other RSOs against the element that they differ in, one line per future window.
 
-    `inclinations`: by target, those to draw. `published`: by test split, P_ML by inclination. Raises
-    InputError without a row to draw. After the paper's figure 'ML-modified results on nearby new RSOs with i
-    ranging from 48 deg to 54 deg'.
+    After the paper's figures 'ML-modified results on nearby new RSOs with i ranging from 48 deg to 54 deg'
+    and '... with an increment of a'. Raises InputError without a row to draw.
+
+    curve: the varied element, a key of VARIED
+    targets: the RSOs to draw, with their element [deg or km]
+    component: of the error
+    published: the paper's P_ML [%] by test and element
     """
-    figure = _transfer(metrics, inclinations, component, published or {}, published_name)
-    figure.axes[0].set_xlabel("inclination $i$ [deg]")
-    return figure
-
-
-def semi_major_axis_curve(
-    metrics: pd.DataFrame,
-    *,
-    offsets: Mapping[str, float],
-    component: str = "e_y",
-    published: Mapping[str, Mapping[float, float]] | None = None,
-    published_name: str = "Peng & Bai",
-) -> Figure:
-    """P_ML [%] of `component` on other RSOs against what was added to their semi-major axis [km].
-
-    `offsets`: by target, those to draw; else as `inclination_curve`. After the paper's figure 'ML-modified
-    results on nearby new RSOs with an increment of a'.
-    """
-    figure = _transfer(metrics, offsets, component, published or {}, published_name)
-    figure.axes[0].set_xlabel("increment of the semi-major axis $a$ [km]")
-    return figure
+    points = metrics[
+        metrics["target"].isin(list(targets))
+        & (metrics["component"] == component)
+        & (metrics["test"].map(naming.parse_test).map(attrgetter("kind")) == "days")
+    ]
+    if points.empty:
+        raise InputError(
+            f"curve over RSOs: expected metrics of {component} on future windows of "
+            f"{', '.join(targets) or 'some target'}, got none"
+        )
+    points = points.assign(varied=points["target"].map(targets))
+    figure, axes = column_figure(height_mm=80.0)
+    for k, (test, rows) in enumerate(points.groupby("test", sort=False)):
+        label = _window_label(test)
+        _draw_curve(axes, rows, "varied", f"{_marker(k)}-", color=_shade(k), label=label)
+        if published and test in published:
+            _draw_published(axes, published[test], _marker(k), label=f"{PAPER}, {label}")
+    untransferred = points[points["target"] == points["rso"]] if "rso" in points else points.iloc[:0]
+    for value in untransferred["varied"].unique():
+        axes.axvline(value, color=MUTED, ls=":", lw=1.2, zorder=1, label="RSO trained on")
+    axes.set_xlabel(VARIED[curve])
+    return _finish(figure, axes, points, component)
 
 
 def kernel_scale_sensitivity(
     metrics: pd.DataFrame, rules: Mapping[str, Mapping[str, float]], *, component: str = "e_y"
 ) -> Figure:
-    """P_ML [%] of `component` against the kernel scale s; one panel per station set, one curve per split.
+    """Draw P_ML [%] against the kernel scale s; one panel per station set, one curve per split.
 
-    `rules`: the scales to mark, by station set and by the rule's name. Raises InputError without a row to
-    draw.
+    Raises InputError without a row to draw.
+
+    rules: the scales to mark, by station set and by the rule's name
+    component: of the error
     """
-    chosen = metrics[metrics["component"] == component]
-    if chosen.empty:
+    points = metrics[metrics["component"] == component]
+    if points.empty:
         raise InputError(f"kernel scale: expected metrics of {component}, got none")
     figure = page_figure(height_mm=92.0)
-    sets = list(chosen.groupby("stations", sort=False))
+    sets = list(points.groupby("stations", sort=False))
     panels = figure.subplots(1, len(sets), sharex=True, sharey=True, squeeze=False)[0]
     for axes, (stations, rows) in zip(panels, sets, strict=True):
         for k, (split, curve) in enumerate(rows.groupby(["train", "test"], sort=False)):
@@ -141,44 +147,13 @@ def kernel_scale_sensitivity(
         axes.set_xlabel("kernel scale $s$, on standardised variables")
         axes.yaxis.set_tick_params(labelleft=True)
         _label(axes, component)
-    lines = f"vertical lines: {RULES}" if rules else ""
-    legend(figure, columns=3, note=_note(_trained_on(chosen), _bars(chosen), lines))
+    rule_lines = f"vertical lines: {RULES}" if rules else ""
+    legend(figure, columns=3, note=lines(_training_note(points), _bars_note(points), rule_lines))
     return figure
 
 
-def _transfer(
-    metrics: pd.DataFrame,
-    varied: Mapping[str, float],
-    component: str,
-    published: Mapping[str, Mapping[float, float]],
-    published_name: str,
-) -> Figure:
-    """P_ML against the value that `varied` gives each target, one curve per future window."""
-    chosen = metrics[
-        metrics["target"].isin(list(varied))
-        & (metrics["component"] == component)
-        & (metrics["test"].map(naming.parse_test).map(attrgetter("kind")) == "days")
-    ]
-    if chosen.empty:
-        raise InputError(
-            f"curve over RSOs: expected metrics of {component} on future windows of "
-            f"{', '.join(varied) or 'some target'}, got none"
-        )
-    chosen = chosen.assign(varied=chosen["target"].map(varied))
-    figure, axes = column_figure(height_mm=80.0)
-    for k, (test, rows) in enumerate(chosen.groupby("test", sort=False)):
-        _draw_curve(axes, rows, "varied", f"{_marker(k)}-", color=_shade(k), label=_window_label(test))
-        if test in published:
-            label = f"{published_name}, {_window_label(test)}"
-            _draw_published(axes, published[test], _marker(k), label=label)
-    own = chosen[chosen["target"] == chosen["rso"]] if "rso" in chosen else chosen.iloc[:0]
-    for value in own["varied"].unique():
-        axes.axvline(value, color=MUTED, ls=":", lw=1.2, zorder=1, label="RSO trained on")
-    return _finished(figure, axes, chosen, component)
-
-
 def _draw_curve(axes: Axes, rows: pd.DataFrame, x: str, style: str, **look: Any) -> None:
-    """P_ML against column `x`, one row per point and seed; with several seeds their mean in a band."""
+    """Draw P_ML against column `x`, one row per point and seed; with several seeds their mean in a band."""
     seeds = ["seed"] if "seed" in rows else []
     if rows.duplicated([x, *seeds]).any():
         raise InputError(f"curve of P_ML: {look['label']}: expected one row per point and seed, got several")
@@ -205,27 +180,23 @@ def _draw_published(axes: Axes, published: Mapping[float, float], marker: str, *
     )
 
 
-def _finished(figure: Figure, axes: Axes, metrics: pd.DataFrame, component: str) -> Figure:
-    """The figure with what all single curves of P_ML share."""
+def _finish(figure: Figure, axes: Axes, metrics: pd.DataFrame, component: str) -> Figure:
+    """Add what all figures of one panel share, and return the figure."""
     _label(axes, component)
-    legend(figure, columns=1, note=_note(_trained_on(metrics), _bars(metrics)))
+    legend(figure, columns=1, note=lines(_training_note(metrics), _bars_note(metrics)))
     return figure
 
 
-def _note(*lines: str) -> str:
-    return "\n".join(filter(None, lines))
-
-
-def _bars(metrics: pd.DataFrame) -> str:
-    """What bars or bands of the curves are."""
+def _bars_note(metrics: pd.DataFrame) -> str:
+    """Return what bars or bands of the curves are."""
     seeds = metrics["seed"].nunique() if "seed" in metrics else 1
     if seeds > 1:
         return f"mean and standard deviation of {seeds} seeds"
     return INTERVAL if "p_ml_low" in metrics else ""
 
 
-def _trained_on(metrics: pd.DataFrame) -> str:
-    """Model, RSO, stations and rows trained on, where the table names them and they are the same for all."""
+def _training_note(metrics: pd.DataFrame) -> str:
+    """Return model, RSO, stations and rows trained on, where the table names them and they are the same."""
     if "rso" not in metrics:
         return ""
     stations = metrics["stations"].map(lambda name: naming.strip_seed(name, naming.NOISE)).unique()
@@ -235,26 +206,26 @@ def _trained_on(metrics: pd.DataFrame) -> str:
 
 
 def _rows(metrics: pd.DataFrame) -> str:
-    """The rows trained on, where they are the same for all."""
+    """Return the rows trained on, where they are the same for all."""
     trains = metrics["train"].unique()
-    return f", {trained(trains[0])}" if len(trains) == 1 else ""
+    return f", {describe_training(trains[0])}" if len(trains) == 1 else ""
 
 
 def _label(axes: Axes, component: str) -> None:
     """Name the axis of P_ML; no correction is marked where it is in range."""
-    axes.set_ylabel(rf"$P_{{\mathrm{{ML}}}}$ of {symbol(component)} [%]")
+    axes.set_ylabel(f"{P_ML} of {symbol(component)} [%]")
     axes.set_ylim(bottom=0.0)
     if axes.get_ylim()[1] > NO_CORRECTION:
         axes.axhline(NO_CORRECTION, color=MUTED, ls="--", lw=1.0, zorder=1, label="no correction")
 
 
-def _trained(name: str) -> Split:
-    """The training split of a name that may end in a seed."""
+def _training_split(name: str) -> Split:
+    """Return the training split of a name that may end in a seed."""
     return naming.parse_train(naming.strip_seed(name, naming.SPLIT))
 
 
 def _split_label(train: str, test: str) -> str:
-    split = _trained(train)
+    split = _training_split(train)
     if split.kind == "days":
         return _window_label(test)
     return f"{split.kind} {split.percent:g} %, {PARTS.get(test, test)}"

@@ -1,10 +1,10 @@
-"""Prediction errors against the prediction duration: what they are, and what a model leaves of them.
+"""Figures of prediction errors against the prediction duration, before and after a model corrects them.
 
 A prediction error is predicted minus true, in RSW of the true state: x radial, y along-track, z cross-track.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,8 +19,8 @@ from matplotlib.figure import Figure
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.figures.axis_labels import axis, symbol, unit
-from opml.figures.notes import SHORT_DAYS, Context, short
+from opml.figures.axis_labels import P_ML, PAPER, axis, lines, si_unit, symbol, unit
+from opml.figures.notes import SHORT_DAYS, Context, short_errors
 from opml.figures.style import (
     HIGHLIGHT,
     MUTED,
@@ -28,10 +28,11 @@ from opml.figures.style import (
     PUBLISHED,
     RESIDUAL,
     TRUE,
+    add_note,
     column_figure,
     legend,
-    noted,
     page_figure,
+    panel_figure,
 )
 from opml.learning.judge import metrics
 
@@ -48,23 +49,22 @@ P_ML_MAX = 500.0
 """Individual metric p_ML [%] beyond which all points share one colour, as in the paper."""
 
 DECADES = 4.5
-"""Of sizes of errors that a logarithmic axis shows."""
+"""Powers of ten of the sizes of errors that a logarithmic axis shows."""
 
 BARS = "bars: mean and standard deviation in clusters of a quarter of a day"
-"""What error bars are, as figures say it."""
+"""Note on error bars."""
 
 SHADES = colormaps["viridis"](np.linspace(0.0, 0.8, 256))
-"""Of p_ML: without the yellow that few can tell from the colour of what lies beyond."""
+"""Colours of p_ML, without the yellow that few can tell from the colour of what lies beyond."""
 
 DURATION_LABEL = r"prediction duration $\Delta t$ [d]"
-
 
 NO_CONTEXT = Context()
 
 
 @dataclass(frozen=True)
 class _Curve:
-    """One of the three errors of an `evaluation`, and its look."""
+    """The look of one of the three errors of an `evaluation`."""
 
     column: str
     label: str
@@ -81,16 +81,19 @@ _CURVES = (
 
 
 def distribution_position(pairs: pd.DataFrame, *, note: str = "") -> Figure:
-    """Absolute position errors [km], logarithmic, against the duration [d]; one panel per component.
+    """Draw absolute position errors [km], logarithmic, against the duration [d]; one panel per component.
 
-    `pairs`: rows of a `predictions` or `dataset` table; those without a prediction are left out. Raises
-    InputError without a row to draw. After the paper's figure 'Distribution of the true prediction error'.
+    After the paper's figure 'Distribution of the true prediction error'. Raises InputError without a row to
+    draw.
+
+    pairs: rows of a `predictions` or `dataset` table; pairs without a prediction are left out
+    note: whose pairs they are
     """
     return _distribution(pairs, ("e_x", "e_y", "e_z"), note, absolute=True)
 
 
 def distribution_velocity(pairs: pd.DataFrame, *, note: str = "") -> Figure:
-    """Velocity errors [m/s] against the duration [d]; one panel per component.
+    """Draw velocity errors [m/s] against the duration [d]; one panel per component.
 
     As `distribution_position`, but signed and on linear scales of their own: the radial component, which the
     along-track position error dictates, is a hundred times the others.
@@ -98,40 +101,46 @@ def distribution_velocity(pairs: pd.DataFrame, *, note: str = "") -> Figure:
     return _distribution(pairs, ("e_vx", "e_vy", "e_vz"), note, absolute=False)
 
 
-def of_pairs(pairs: pd.DataFrame, *, rso: str, stations: str, days: Sequence[float], **_: object) -> str:
-    """What the rows are that a distribution of errors shows, as its note."""
-    first, last = days
+def pairs_note(pairs: pd.DataFrame, settings: Mapping[str, Any]) -> str:
+    """Return the note of a distribution of errors.
+
+    pairs: the rows that it shows
+    settings: of which `rso`, `stations` and `days`, the first and the last one, count
+    """
+    first, last = settings["days"]
     return (
-        f"{rso} by {stations}, days {first:g} to {last:g}; {len(pairs)} predictions that the cleaning keeps; "
-        "position and velocity: predicted less true, in RSW of the true state"
+        f"{settings['rso']} by {settings['stations']}, days {first:g} to {last:g}; {len(pairs)} predictions "
+        "that the cleaning keeps; position and velocity: predicted less true, in RSW of the true state"
     )
 
 
 def svr_absolute(
     evaluation: pd.DataFrame, *, component: str = "e_y", context: Context = NO_CONTEXT
 ) -> Figure:
-    """Absolute errors against the duration: all points on the left, mean and spread of clusters on the right.
+    """Draw absolute errors against the duration: points on the left, clusters' mean and spread on the right.
 
-    `evaluation`: that table, of `component`. The true, predicted and residual errors have a panel each, on
-    one logarithmic scale. The bars reach one standard deviation to either side of the mean, cut at zero; see
-    `clusters`. Raises InputError without a row. After the paper's figures 'Results of the trained SVM model
-    ...', panels 'Absolute value'.
+    The true, predicted and residual errors have a panel each, on one logarithmic scale. The bars reach one
+    standard deviation to either side of the mean, cut at zero; see `clusters`. After the paper's figures
+    'Results of the trained SVM model ...', panels 'Absolute value'. Raises InputError without a row.
+
+    evaluation: that table, of the component
+    context: what the figure tells beside the errors
     """
     return _points_and_bars(evaluation, component, context, absolute=True)
 
 
 def svr_signed(evaluation: pd.DataFrame, *, component: str = "e_y", context: Context = NO_CONTEXT) -> Figure:
-    """As `svr_absolute`, of the signed errors on linear scales: the paper's panels 'Real value'."""
+    """Draw signed errors on linear scales, else as `svr_absolute`: the paper's panels 'Real value'."""
     return _points_and_bars(evaluation, component, context, absolute=False)
 
 
 def errorbar_absolute(
     evaluation: pd.DataFrame, *, component: str = "e_y", context: Context = NO_CONTEXT
 ) -> Figure:
-    """Mean and spread of the absolute errors against the duration: `svr_absolute`'s right panel."""
+    """Draw mean and spread of the absolute errors against the duration: `svr_absolute`'s right panel."""
     figure, axes = column_figure(height_mm=72.0)
     _draw_bars(axes, evaluation, component, context, absolute=True)
-    legend(figure, columns=3, note=_lines(context.note, BARS))
+    legend(figure, columns=3, note=lines(context.note, BARS))
     return figure
 
 
@@ -141,57 +150,61 @@ def rso_grid(
     component: str = "e_y",
     contexts: Mapping[str, Context] | None = None,
 ) -> Figure:
-    """`errorbar_absolute` of several RSOs side by side, two per row; the keys are the panels' titles.
+    """Draw `errorbar_absolute` of several RSOs side by side, two per row.
 
-    `contexts`: by RSO, what is said of each. Raises InputError without an RSO, or an RSO without a row. After
-    the paper's figure 'Results of the ML approach applied on RSOs with different orbit altitude'.
+    After the paper's figure 'Results of the ML approach applied on RSOs with different orbit altitude'.
+    Raises InputError without an RSO, or for an RSO without a row.
+
+    evaluations: those tables, by RSO, the panel's title
+    contexts: what each panel tells beside the errors, by RSO
     """
     if not evaluations:
         raise InputError("grid of RSOs: expected at least one evaluation, got none")
-    rows = math.ceil(len(evaluations) / 2)
-    figure = page_figure(height_mm=16.0 + 56.0 * rows)
-    panels = figure.subplots(rows, 2, squeeze=False, sharex=True).ravel()
-    for axes, (name, evaluation) in zip(panels, evaluations.items(), strict=False):
-        _draw_bars(axes, evaluation, component, (contexts or {}).get(name, NO_CONTEXT), absolute=True)
-        axes.set_title(name, fontsize=8.0, loc="left")
-        axes.xaxis.set_tick_params(labelbottom=True)
-    for axes in panels[len(evaluations) :]:
-        axes.remove()
-    notes = dict.fromkeys(one.note for one in (contexts or {}).values())
-    legend(figure, columns=3, note=_lines(*notes, BARS))
+    contexts = contexts or {}
+
+    def draw(axes: Axes, rso: str) -> None:
+        _draw_bars(axes, evaluations[rso], component, contexts.get(rso, NO_CONTEXT), absolute=True)
+
+    figure = panel_figure(list(evaluations), draw, columns=2, heights_mm=(16.0, 56.0), share_y=False)
+    notes = dict.fromkeys(context.note for context in contexts.values())
+    legend(figure, columns=3, note=lines(*notes, BARS))
     return figure
 
 
 def individual_reduced(evaluation: pd.DataFrame, *, component: str = "e_y", note: str = "") -> Figure:
-    """Points whose error the model made smaller: absolute true errors, and residuals coloured by p_ML [%].
+    """Draw predictions whose error got smaller: absolute true errors, residuals coloured by p_ML [%].
 
-    Raises InputError without a row; a model that reduces no error gives empty axes. After the paper's figure
-    'Individual performance of the trained SVM model on future epochs'.
+    After the paper's figure 'Individual performance of the trained SVM model on future epochs'. Raises
+    InputError without a row; a model that reduces no error gives empty axes.
+
+    evaluation: that table, of the component
+    note: what was trained and tested
     """
-    chosen = _individual_p_ml(evaluation) < REDUCED
-    return _individual(evaluation, chosen, component, (0.0, REDUCED), ListedColormap(SHADES), "reduced", note)
+    change = _Change("reduced", (0.0, REDUCED), ListedColormap(SHADES))
+    return _individual(evaluation, _individual_p_ml(evaluation) < REDUCED, change, component, note)
 
 
 def individual_increased(evaluation: pd.DataFrame, *, component: str = "e_y", note: str = "") -> Figure:
-    """Points whose error the model made larger; else as `individual_reduced`.
-
-    Beyond P_ML_MAX there is one colour.
-    """
-    chosen = _individual_p_ml(evaluation) > REDUCED
+    """Draw the predictions whose error grew, else as `individual_reduced`; P_ML_MAX ends the colours."""
     colors = ListedColormap(SHADES).with_extremes(over=HIGHLIGHT)
-    return _individual(evaluation, chosen, component, (REDUCED, P_ML_MAX), colors, "increased", note)
+    change = _Change("increased", (REDUCED, P_ML_MAX), colors)
+    return _individual(evaluation, _individual_p_ml(evaluation) > REDUCED, change, component, note)
 
 
 def individual_distribution(
     evaluation: pd.DataFrame, *, published: float | None = None, note: str = ""
 ) -> Figure:
-    """Share of the points [%] whose p_ML is below p_ML,max, against p_ML,max [%].
+    """Draw the share of the predictions [%] whose p_ML is below p_ML,max, against p_ML,max [%].
 
-    The dashed line marks the points whose error the model reduces; `published` is their share [%] in the
-    paper. Raises InputError without a row. After the paper's figure 'Distribution of the individual metric
-    p_ML'.
+    After the paper's figure 'Distribution of the individual metric p_ML'. The dashed line ends the
+    predictions whose error the model reduces. Raises InputError without a row.
+
+    evaluation: that table
+    published: share of the reduced errors in the paper [%]
+    note: what was trained and tested
     """
-    individual = np.sort(_individual_p_ml(_not_empty(evaluation)))
+    _check_rows(evaluation)
+    individual = np.sort(_individual_p_ml(evaluation))
     limits = np.linspace(0.0, P_ML_MAX, 501)
     share = 100.0 * np.searchsorted(individual, limits, side="left") / len(individual)
     reduced = float(np.interp(REDUCED, limits, share))
@@ -209,9 +222,9 @@ def individual_distribution(
     )
     if published is not None:
         look: dict[str, Any] = {"ls": "", "marker": "D", "ms": 6.0, "mfc": "none", "mec": PUBLISHED}
-        axes.plot([REDUCED], [published], label=f"Peng & Bai, about {published:g} %", **look)
+        axes.plot([REDUCED], [published], label=f"{PAPER}, about {published:g} %", **look)
         axes.legend(loc="lower right")
-    noted(figure, note)
+    add_note(figure, note)
     axes.set_xlabel(r"$p_{\mathrm{ML,max}}$ [%]")
     axes.set_ylabel(r"points with $p_{\mathrm{ML}} < p_{\mathrm{ML,max}}$ [%]")
     axes.set_xlim(0.0, P_ML_MAX)
@@ -220,10 +233,13 @@ def individual_distribution(
 
 
 def clusters(duration: np.ndarray, values: np.ndarray) -> pd.DataFrame:
-    """Mean duration [d], mean value and standard deviation of the values in each cluster of durations [d].
+    """Return duration, mean and std, one row per cluster of durations.
 
-    Clusters are windows of CLUSTER_DAYS, half open like (0, 0.25]; those with fewer than CLUSTER_LEAST
+    Clusters are windows of CLUSTER_DAYS, half open like (0, 0.25]; clusters of fewer than CLUSTER_LEAST
     points are left out. The standard deviation is the sample's (n - 1).
+
+    duration: (n,) [d], of which the table has the mean
+    values: (n,)
     """
     points = pd.DataFrame({"duration": duration, "value": values})
     grouped = points.groupby(np.ceil(duration / CLUSTER_DAYS))
@@ -238,7 +254,8 @@ def clusters(duration: np.ndarray, values: np.ndarray) -> pd.DataFrame:
 
 
 def _distribution(pairs: pd.DataFrame, components: tuple[str, ...], note: str, *, absolute: bool) -> Figure:
-    pairs = _not_empty(pairs.dropna(subset=list(components)))
+    pairs = pairs.dropna(subset=list(components))
+    _check_rows(pairs)
     days = (pairs["t_j"] - pairs["t_i"]).to_numpy() / DAY
     figure = page_figure(height_mm=66.0)
     for axes, component in zip(figure.subplots(1, 3, sharex=True, sharey=absolute), components, strict=True):
@@ -261,18 +278,18 @@ def _distribution(pairs: pd.DataFrame, components: tuple[str, ...], note: str, *
         axes.yaxis.set_tick_params(labelleft=True)
         axes.set_xlim(left=0.0)
     if absolute:
-        _logarithmic(axes, pairs[list(components)].abs() * factor)
-    noted(figure, note)
+        _set_decades(axes, pairs[list(components)].abs() * factor)
+    add_note(figure, note)
     return figure
 
 
 def _points_and_bars(evaluation: pd.DataFrame, component: str, context: Context, *, absolute: bool) -> Figure:
     figure = page_figure(height_mm=76.0)
     *panels, right = figure.subplots(1, 1 + len(_CURVES), sharex=True, width_ratios=(1.0, 1.0, 1.0, 1.7))
-    drawn = _drawn(evaluation, component, absolute=absolute)
+    errors = _drawn_errors(evaluation, component, absolute=absolute)
     for axes, curve in zip(panels, _CURVES, strict=True):
         axes.sharey(panels[0])
-        _draw_points(axes, drawn, curve)
+        _draw_points(axes, errors, curve)
         _draw_fences(axes, component, context, absolute=absolute)
         axes.tick_params(labelleft=axes is panels[0])
         axes.set_title(curve.label.format(axis=axis(component)), fontsize=8.0, loc="left")
@@ -280,42 +297,44 @@ def _points_and_bars(evaluation: pd.DataFrame, component: str, context: Context,
     for axes in panels:
         axes.set_xlabel(DURATION_LABEL, fontsize=7.0)
     if absolute:
-        _logarithmic(panels[0], drawn[[curve.column for curve in _CURVES]])
+        _set_decades(panels[0], errors[[curve.column for curve in _CURVES]])
     _draw_bars(right, evaluation, component, context, absolute=absolute)
     points = "left: every prediction, lines through the medians; right: mean and standard deviation"
-    note = _lines(context.note, f"{points} in clusters of a quarter of a day", _of_fences(component, context))
-    legend(figure, columns=4, note=note, labels=dict(zip(*_shown(right), strict=True)))
+    note = lines(
+        context.note, f"{points} in clusters of a quarter of a day", _fences_note(component, context)
+    )
+    legend(figure, columns=4, note=note, labels=_legend_entries(right))
     return figure
 
 
-def _draw_points(axes: Axes, drawn: pd.DataFrame, curve: _Curve) -> None:
-    """All points of one error, and a line through the medians of its clusters."""
+def _draw_points(axes: Axes, errors: pd.DataFrame, curve: _Curve) -> None:
+    """Draw all points of one error, and a line through the medians of its clusters."""
     hollow = curve.column == "true"
     axes.scatter(
-        drawn["duration"],
-        drawn[curve.column],
+        errors["duration"],
+        errors[curve.column],
         s=5.0 if hollow else 2.0,
         facecolors="none" if hollow else curve.color,
         edgecolors=curve.color if hollow else "none",
         linewidths=0.3 if hollow else 0.0,
-        alpha=float(np.clip(3000.0 / len(drawn), 0.25, 1.0)),
+        alpha=float(np.clip(3000.0 / len(errors), 0.25, 1.0)),
         rasterized=True,
     )
-    place = np.ceil(drawn["duration"] / CLUSTER_DAYS)
-    middle = drawn[["duration", curve.column]].groupby(place).median()
+    place = np.ceil(errors["duration"] / CLUSTER_DAYS)
+    middle = errors[["duration", curve.column]].groupby(place).median()
     axes.plot(middle["duration"], middle[curve.column], color="white", lw=2.6, zorder=3.0)
     axes.plot(middle["duration"], middle[curve.column], color=curve.color, lw=1.2, zorder=3.1)
 
 
-def _logarithmic(axes: Axes, sizes: pd.DataFrame) -> None:
-    """A logarithmic axis for sizes of errors, DECADES from the largest down; what is less is not shown."""
+def _set_decades(axes: Axes, sizes: pd.DataFrame) -> None:
+    """Make the axis of sizes logarithmic, DECADES from the largest down; smaller sizes are not shown."""
     axes.set_yscale("log")
     most = float(np.nanmax(sizes.to_numpy(), initial=0.0)) or 1.0
     axes.set_ylim(most * 10.0**-DECADES, 1.6 * most)
 
 
 def _draw_fences(axes: Axes, component: str, context: Context, *, absolute: bool) -> None:
-    """Where the cleaning ends the true errors: no tested row lies beyond."""
+    """Draw where the cleaning ends the true errors: no tested row lies beyond."""
     if context.fences is None:
         return
     _, factor = unit(component)
@@ -324,8 +343,8 @@ def _draw_fences(axes: Axes, component: str, context: Context, *, absolute: bool
         axes.axhline(value * factor, color=HIGHLIGHT, ls="--", lw=1.0, zorder=2.5)
 
 
-def _of_fences(component: str, context: Context) -> str:
-    """Of the line of the fences, what it is."""
+def _fences_note(component: str, context: Context) -> str:
+    """Return what the lines of the fences are; empty without fences."""
     if context.fences is None:
         return ""
     name, factor = unit(component)
@@ -334,23 +353,19 @@ def _of_fences(component: str, context: Context) -> str:
     return f"dashed: Tukey's fences of the cleaning at {where}, which end the true errors"
 
 
-def _shown(axes: Axes) -> tuple[list[str], list[Artist]]:
+def _legend_entries(axes: Axes) -> dict[str, Artist]:
+    """Return what a panel shows, by label."""
     handles, labels = axes.get_legend_handles_labels()
-    return labels, handles
-
-
-def _lines(*parts: str) -> str:
-    """The parts that say something, a line each."""
-    return "\n".join(filter(None, parts))
+    return dict(zip(labels, handles, strict=True))
 
 
 def _draw_bars(
     axes: Axes, evaluation: pd.DataFrame, component: str, context: Context, *, absolute: bool
 ) -> None:
-    """Error bars of the three errors, slightly displaced, with P_ML and how much it is measured on."""
-    drawn = _drawn(evaluation, component, absolute=absolute)
+    """Draw error bars of the three errors, slightly displaced, with P_ML and how much it is measured on."""
+    errors = _drawn_errors(evaluation, component, absolute=absolute)
     for order, curve in enumerate(_CURVES):
-        table = clusters(drawn["duration"].to_numpy(), drawn[curve.column].to_numpy())
+        table = clusters(errors["duration"].to_numpy(), errors[curve.column].to_numpy())
         axes.errorbar(
             table["duration"] + curve.shift * CLUSTER_DAYS,
             table["mean"],
@@ -366,87 +381,92 @@ def _draw_bars(
     axes.text(
         0.03,
         0.97,
-        _p_ml(evaluation, context),
+        _p_ml_text(evaluation, context),
         transform=axes.transAxes,
         va="top",
         bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.5},
         zorder=4.0,
     )
-    axes.set_title(_counted(evaluation, component, context), fontsize=6.5, color=PUBLISHED, loc="right")
+    axes.set_title(_counts_text(evaluation, component, context), fontsize=6.5, color=PUBLISHED, loc="right")
     _label(axes, component, absolute=absolute)
 
 
-def _p_ml(evaluation: pd.DataFrame, context: Context) -> str:
+def _p_ml_text(evaluation: pd.DataFrame, context: Context) -> str:
     p_ml = metrics.p_ml(evaluation["true"].to_numpy(), evaluation["predicted"].to_numpy())
     low, high = context.interval or (math.nan, math.nan)
     interval = f" ({low:.1f} to {high:.1f} %)" if context.interval else ""
-    return rf"$P_{{\mathrm{{ML}}}}$ = {p_ml:.1f} %" + interval
+    return f"{P_ML} = {p_ml:.1f} %" + interval
 
 
-def _counted(evaluation: pd.DataFrame, component: str, context: Context) -> str:
-    """How many predictions there are, and what a linear axis does not show of the short ones."""
+def _counts_text(evaluation: pd.DataFrame, component: str, context: Context) -> str:
+    """Return how many predictions there are, and the size of short ones' errors, too small for the axis."""
     rows = f"{len(evaluation)} predictions of {evaluation['i'].nunique()} estimates"
     kept = "" if context.kept is None else f"; {context.kept:.3g} % of the pairs are kept"
-    before, after = short(evaluation)
+    before, after = short_errors(evaluation)
     if math.isnan(before):
         return rows + kept
-    name = "m/s" if unit(component)[0] == "m/s" else "m"
-    sizes = f"{_figures(before)} {name}, corrected {_figures(after)} {name}"
+    name = si_unit(component)
+    sizes = f"{_number(before)} {name}, corrected {_number(after)} {name}"
     return f"{rows}{kept}\nmean size up to {SHORT_DAYS:g} d: {sizes}"
 
 
-def _figures(value: float) -> str:
-    """A number with three figures, or without decimals."""
+def _number(value: float) -> str:
+    """Return a number with three digits, or without decimals."""
     return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"
 
 
+@dataclass(frozen=True)
+class _Change:
+    """How a figure shows the errors that a model changed in one direction."""
+
+    name: str
+    limits: tuple[float, float]  # of the p_ML [%] that the colours tell apart
+    colors: Colormap
+
+
 def _individual(
-    evaluation: pd.DataFrame,
-    chosen: np.ndarray,
-    component: str,
-    limits: tuple[float, float],
-    colors: Colormap,
-    verb: str,
-    note: str,
+    evaluation: pd.DataFrame, is_drawn: np.ndarray, change: _Change, component: str, note: str
 ) -> Figure:
-    drawn = _drawn(evaluation, component, absolute=True)
+    """Draw the predictions of an evaluation that are to be drawn; is_drawn: (n,)."""
+    errors = _drawn_errors(evaluation, component, absolute=True)[is_drawn]
     figure, axes = column_figure(height_mm=80.0)
     axes.scatter(
-        drawn["duration"][chosen],
-        drawn["true"][chosen],
+        errors["duration"],
+        errors["true"],
         s=6.0,
         facecolors="none",
         edgecolors=TRUE,
         linewidths=0.35,
-        alpha=float(np.clip(1000.0 / max(1, chosen.sum()), 0.25, 1.0)),
+        alpha=float(np.clip(1000.0 / max(1, len(errors)), 0.25, 1.0)),
         rasterized=True,
         label=rf"true $e_{{{axis(component)}}}$",
     )
+    low, high = change.limits
     points = axes.scatter(
-        drawn["duration"][chosen],
-        drawn["residual"][chosen],
-        c=np.minimum(_individual_p_ml(evaluation)[chosen], 2.0 * P_ML_MAX),  # infinity has no colour
-        cmap=colors,
-        vmin=limits[0],
-        vmax=limits[1],
+        errors["duration"],
+        errors["residual"],
+        c=np.minimum(_individual_p_ml(evaluation)[is_drawn], 2.0 * P_ML_MAX),  # infinity has no colour
+        cmap=change.colors,
+        vmin=low,
+        vmax=high,
         s=3.0,
         linewidths=0.0,
         rasterized=True,
         label=r"residual $e_{\mathrm{res}}$, coloured by $p_{\mathrm{ML}}$",
     )
-    beyond = "max" if limits[1] > REDUCED else "neither"
-    bar = figure.colorbar(points, ax=axes, extend=beyond, pad=0.02, ticks=np.linspace(*limits, 5))
+    beyond = "max" if high > REDUCED else "neither"
+    bar = figure.colorbar(points, ax=axes, extend=beyond, pad=0.02, ticks=np.linspace(low, high, 5))
     bar.set_label(r"$p_{\mathrm{ML}}$ [%]")
     bar.outline.set_linewidth(0.5)
-    axes.set_title(f"{verb}: {chosen.sum()} of {len(chosen)} points", fontsize=8.0, loc="left")
+    axes.set_title(f"{change.name}: {len(errors)} of {len(evaluation)} points", fontsize=8.0, loc="left")
     _label(axes, component, absolute=True)
-    _logarithmic(axes, drawn.loc[chosen, ["true", "residual"]])
+    _set_decades(axes, errors[["true", "residual"]])
     made = legend(figure, columns=2, note=note)
     for handle in made.legend_handles:
         if isinstance(handle, PathCollection):
             handle.set_sizes([12.0])
             if handle.get_array() is not None:
-                handle.set(array=None, facecolor=colors(0.5))
+                handle.set(array=None, facecolor=change.colors(0.5))
     return figure
 
 
@@ -460,18 +480,18 @@ def _label(axes: Axes, component: str, *, absolute: bool) -> None:
         axes.set_ylim(bottom=0.0)
 
 
-def _drawn(evaluation: pd.DataFrame, component: str, *, absolute: bool) -> pd.DataFrame:
-    """Duration [d] and the three errors in the unit they are drawn in."""
-    evaluation = _not_empty(evaluation)
+def _drawn_errors(evaluation: pd.DataFrame, component: str, *, absolute: bool) -> pd.DataFrame:
+    """Return duration [d] and the three errors, in the unit they are drawn in."""
+    _check_rows(evaluation)
     _, factor = unit(component)
     errors = evaluation[[curve.column for curve in _CURVES]] * factor
     return (errors.abs() if absolute else errors).assign(duration=evaluation["duration"] / DAY)
 
 
-def _not_empty(table: pd.DataFrame) -> pd.DataFrame:
+def _check_rows(table: pd.DataFrame) -> None:
+    """Raise InputError where a table has no row."""
     if table.empty:
         raise InputError("figure of errors: expected at least one row, got none")
-    return table
 
 
 def _individual_p_ml(evaluation: pd.DataFrame) -> np.ndarray:

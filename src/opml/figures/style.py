@@ -1,10 +1,11 @@
-"""One look for every figure: a journal column's sizes, colours with one meaning each, files of stable bytes.
+"""The look of every figure: a journal column's sizes, colours with one meaning each, files of stable bytes.
 
 Importing this module sets matplotlib's defaults for the process; it opens no window.
 """
 
+import math
 import textwrap
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import matplotlib
 from matplotlib.artist import Artist
@@ -26,12 +27,12 @@ TRUE = "#000000"
 PREDICTED = "#0072B2"
 RESIDUAL = "#D55E00"
 MUTED = "#8A8A8A"  # context behind the subject
-PUBLISHED = "#4D4D4D"  # figures from a publication, always as hollow markers
+PUBLISHED = "#4D4D4D"  # numbers from a publication, always as hollow markers
 OBSERVED = "#009E73"  # where a station saw the RSO
 ESTIMATE = "#CC79A7"
 TRACK = "#56B4E9"
 HIGHLIGHT = "#E69F00"  # what a figure points at: tracks used, days enlarged, values beyond a limit
-# Several curves of what is left of the errors, by colours of the palette and by marker.
+# Several curves of corrected errors, by colours of the palette and by marker.
 SERIES = (RESIDUAL, PREDICTED, OBSERVED, ESTIMATE)
 MARKERS = "osD^"
 # Curves in an order, such as durations, from light to dark.
@@ -40,10 +41,10 @@ RAMP = ("#F5B887", "#E07B28", "#A84400", "#4F2000")
 REASONS = (RESIDUAL, HIGHLIGHT, ESTIMATE, "#7A3200", MUTED)
 
 NOTE_SIZE = 6.5
-"""Type of what a figure says of itself in a small line [pt]."""
+"""Size of the type of a figure's note [pt]."""
 
 NOTE_ADVANCE = 0.52
-"""Mean width of a letter of that line, in its size; what is set so stays inside the figure."""
+"""Mean width of a letter of the note, in parts of its size; lines that are set so stay inside the figure."""
 
 POINTS_PER_INCH = 72.0
 LEAST_ALPHA = 0.4
@@ -73,20 +74,46 @@ matplotlib.rcParams.update(
 
 
 def column_figure(*, height_mm: float) -> tuple[Figure, Axes]:
-    """Empty figure of column width with one pair of axes; its layout follows its contents."""
+    """Return an empty figure of column width with one pair of axes; its layout follows its contents."""
     figure = _figure(COLUMN_WIDTH_MM, height_mm)
     return figure, figure.add_subplot()
 
 
 def space_figure(*, height_mm: float) -> tuple[Figure, Axes3D]:
-    """Empty figure of column width with axes in three dimensions."""
+    """Return an empty figure of column width with axes in three dimensions."""
     figure = _figure(COLUMN_WIDTH_MM, height_mm)
     return figure, figure.add_subplot(projection="3d")
 
 
 def page_figure(*, height_mm: float) -> Figure:
-    """Empty figure of page width without axes; its layout follows its contents."""
+    """Return an empty figure of page width without axes; its layout follows its contents."""
     return _figure(PAGE_WIDTH_MM, height_mm)
+
+
+def panel_figure(
+    titles: Sequence[str],
+    draw: Callable[[Axes, str], None],
+    *,
+    columns: int,
+    heights_mm: tuple[float, float],
+    share_y: bool = True,
+) -> Figure:
+    """Return a figure of page width with a panel for each title, row by row; all share the horizontal axis.
+
+    draw: draws the panel of a title
+    heights_mm: of all that is no panel, and of a row of panels
+    """
+    rows = math.ceil(len(titles) / columns)
+    frame_mm, row_mm = heights_mm
+    figure = page_figure(height_mm=frame_mm + row_mm * rows)
+    panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=share_y).ravel()
+    for axes, title in zip(panels, titles, strict=False):
+        draw(axes, title)
+        axes.set_title(title, fontsize=8.0, loc="left")
+        axes.xaxis.set_tick_params(labelbottom=True)
+    for axes in panels[len(titles) :]:
+        axes.remove()
+    return figure
 
 
 def _figure(width_mm: float, height_mm: float) -> Figure:
@@ -95,8 +122,8 @@ def _figure(width_mm: float, height_mm: float) -> Figure:
     return figure
 
 
-def labelled(figure: Figure) -> dict[str, Artist]:
-    """What the legend of a figure of several panels shows: by label, each once."""
+def _legend_entries(figure: Figure) -> dict[str, Artist]:
+    """Return what the panels of a figure show, by label, each once."""
     return dict(
         pair for axes in figure.axes for pair in zip(*axes.get_legend_handles_labels()[::-1], strict=True)
     )
@@ -109,17 +136,17 @@ def legend(
     note: str = "",
     labels: Mapping[str, Artist] | None = None,
 ) -> Legend:
-    """One legend above all panels, under a note in small type; faint and tiny marks are made stronger.
+    """Add one legend above all panels, under a note in small type; faint and tiny marks are made stronger.
 
-    `labels`: what is shown by label, None for all that the panels have.
+    labels: the marks to explain by their label, None for all that the panels have
     """
-    shown = labelled(figure) if labels is None else labels
+    entries = _legend_entries(figure) if labels is None else labels
     made = figure.legend(
-        shown.values(),
-        shown.keys(),
+        entries.values(),
+        entries.keys(),
         loc="outside upper left",
         ncols=columns,
-        title=_wrapped(figure, note),
+        title=_wrap(figure, note),
         title_fontsize=NOTE_SIZE,
         alignment="left",
         columnspacing=1.2,
@@ -133,14 +160,14 @@ def legend(
     return made
 
 
-def noted(figure: Figure, note: str) -> None:
+def add_note(figure: Figure, note: str) -> None:
     """Put a note in small type above the panels of a figure that has no legend."""
     if note:
-        figure.suptitle(_wrapped(figure, note), x=0.01, ha="left", fontsize=NOTE_SIZE, color=PUBLISHED)
+        figure.suptitle(_wrap(figure, note), x=0.01, ha="left", fontsize=NOTE_SIZE, color=PUBLISHED)
 
 
-def _wrapped(figure: Figure, note: str) -> str:
-    """The note in lines that fit the figure's width; its own line breaks stay."""
+def _wrap(figure: Figure, note: str) -> str:
+    """Return the note in lines that fit the figure's width; its own line breaks stay."""
     room = int(0.94 * figure.get_figwidth() * POINTS_PER_INCH / (NOTE_ADVANCE * NOTE_SIZE))
     return "\n".join(textwrap.fill(line, room) for line in note.splitlines())
 
@@ -152,7 +179,10 @@ def save(figure: Figure, path_pdf: FilePath, path_png: FilePath) -> None:
 
 
 def save_all(figures: Iterable[Figure], paths_pdf: Iterable[FilePath], paths_png: Iterable[FilePath]) -> None:
-    """`save` each figure under the paths of its place. Raises ValueError for another number of paths."""
+    """Write each figure as `save` does, under the paths in its place.
+
+    Raises ValueError for another number of paths than of figures.
+    """
     for figure, path_pdf, path_png in zip(figures, paths_pdf, paths_png, strict=True):
         save(figure, path_pdf, path_png)
 

@@ -6,7 +6,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from opml.base.errors import InputError
-from opml.figures.style import MUTED, PREDICTED, PUBLISHED, RESIDUAL, noted, page_figure
+from opml.figures.style import MUTED, PREDICTED, PUBLISHED, RESIDUAL, add_note, page_figure
 
 MOST = 130.0
 """Where the axis ends [%]: a correction that leaves more than there was is as bad as any other."""
@@ -48,5 +48,5 @@ def scan(
     axes.set_ylabel(r"$P_{\mathrm{ML}}$ [%]")
     axes.set_xticks(range(len(published)), list(published), rotation=20, ha="right")
     axes.legend(loc="upper left")
-    noted(figure, f"lines: {len(found)} combinations of readings, each one setting for all numbers")
+    add_note(figure, f"lines: {len(found)} combinations of readings, each one setting for all numbers")
     return figure

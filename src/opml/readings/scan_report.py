@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import pandas as pd
 
 from opml.naming import STANDARDISATIONS, Experiment, fence_suffix, treat_test
-from opml.report.claims import Claim, judged
+from opml.report.claims import Claim, judge
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.results import Results, percent
 
@@ -88,7 +88,7 @@ def _outcome(combination: Combination, scan: Scan, results: Results) -> Outcome:
     return Outcome(
         combination,
         numbers,
-        held=[judged(_under(combination, claim), results)[2] for claim in scan.claims],
+        held=[judge(_under(combination, claim), results)[2] for claim in scan.claims],
         distance=sum(off) / len(off),
         near=sum(one <= NEAR for one in off),
     )

@@ -1,4 +1,4 @@
-"""Models against splits: what the paper's measure says of each, and what it says where nothing can leak.
+"""The report on models against splits: P_ML of every model, also where no row can leak into the training.
 
 P_ML stands with its 5th and 95th percentile over resampled estimates.
 """
@@ -15,6 +15,7 @@ from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.results import NONE, Results, percent
 
 Key = tuple[str, str, str]
+Pair = tuple[str, str]
 
 
 @dataclass(frozen=True)
@@ -22,26 +23,27 @@ class BeyondReport:
     """What the document tells."""
 
     splits: Mapping[Key, Experiment]  # by station set, learner and split
-    pairs: Mapping[str, tuple[str, str]]  # training and test rows, by split
+    pairs: Mapping[str, Pair]  # training and test rows, by split
     transfers: Mapping[Key, Experiment]  # by curve, learner and target
     left_out: Mapping[Key, Experiment]  # by pool, learner and the RSO left out
-    budget: Mapping[tuple[str, str], Experiment]  # by station set and learner
-    budget_split: tuple[str, str]
+    budget: Mapping[Pair, Experiment]  # by station set and learner
+    budget_split: Pair
     published: Mapping[Key, float]  # the paper's P_ML [%] by a key of splits or transfers
     learners: Mapping[str, Mapping[str, Any]]  # settings by name
     level: float  # of the prediction intervals
 
 
 def document(
-    asked: BeyondReport, metrics: pd.DataFrame, coverage: pd.DataFrame, floors: Mapping[str, float]
+    report: BeyondReport, metrics: pd.DataFrame, coverage: pd.DataFrame, floors: Mapping[str, float]
 ) -> list[Block]:
-    """The whole document.
+    """Return the whole document.
 
-    `metrics`, `coverage`: rows of those tables for every experiment and for every one with intervals.
-    `floors`: by station set, the size of the assumed model's own error [%].
+    metrics: rows of that table for every experiment
+    coverage: rows of that table for every experiment with intervals
+    floors: size of the assumed model's own error [%], by station set
     """
     results = Results(metrics)
-    names = {pair: split for split, pair in asked.pairs.items()}
+    names = {pair: split for split, pair in report.pairs.items()}
     return [
         Heading("Does it generalise?", 1),
         Paragraph(
@@ -49,66 +51,66 @@ def document(
             "correction. In brackets its 5th and 95th percentile over resampled estimates, as the rows of "
             "one estimate are no independent evidence. `docs/beyond.md` explains models and splits."
         ),
-        *_splits(asked, results),
-        *_transfers(asked, results),
-        *_left_out(asked.left_out, results),
-        *_intervals(coverage, names, asked.level),
-        *_budget(asked, results, floors),
-        *model_table({name: asked.learners[name] for _, name, _ in asked.splits}),
+        *_splits(report, results),
+        *_transfers(report, results),
+        *_left_out(report.left_out, results),
+        *_intervals(coverage, names, report.level),
+        *_budget(report, results, floors),
+        *model_table({learner: report.learners[learner] for _, learner, _ in report.splits}),
     ]
 
 
-def _splits(asked: BeyondReport, results: Results) -> Iterator[Block]:
-    for stations in _firsts(asked.splits):
-        own = {key[1:]: one for key, one in asked.splits.items() if key[0] == stations}
-        first = next(iter(own))[0]
-        columns = list(dict.fromkeys(split for _, split in own))
-        estimates = [results.of(own[first, split])["estimates"] for split in columns]
+def _splits(report: BeyondReport, results: Results) -> Iterator[Block]:
+    for stations, experiments in _by_first(report.splits).items():
+        first = next(iter(experiments))[0]
+        columns = list(dict.fromkeys(split for _, split in experiments))
+        estimates = [results.row(experiments[first, split])["estimates"] for split in columns]
         headers = [
-            f"{split}: {', '.join(asked.pairs[split])} ({count} estimates)"
+            f"{split}: {', '.join(report.pairs[split])} ({count} estimates)"
             for split, count in zip(columns, estimates, strict=True)
         ]
-        paper = [percent(asked.published.get((stations, first, split))) for split in columns]
+        paper = [percent(report.published.get((stations, first, split))) for split in columns]
         yield Heading(f"Models against splits: {stations}")
-        yield Table(["model", *headers], [["Peng & Bai, SVR", *paper], *model_rows(own, results)])
+        yield Table(
+            ["model", *headers], [["Peng & Bai, SVR", *paper], *_model_rows(experiments, columns, results)]
+        )
 
 
-def model_rows(found: Mapping[tuple[str, str], Experiment], results: Results) -> list[list[str]]:
-    """Rows of P_ML, one per model: experiments by learner and by what stands in the columns."""
-    learners_ = dict.fromkeys(learner for learner, _ in found)
-    columns = dict.fromkeys(column for _, column in found)
+def _model_rows(
+    experiments: Mapping[Pair, Experiment], splits: Sequence[str], results: Results
+) -> list[list[str]]:
+    """Return rows of P_ML, one per learner; experiments: by learner and split."""
     return [
-        [f"`{learner}`", *(results.with_interval(found[learner, column]) for column in columns)]
-        for learner in learners_
+        [f"`{learner}`", *(results.p_ml_cell(experiments[learner, split]) for split in splits)]
+        for learner in dict.fromkeys(learner for learner, _ in experiments)
     ]
 
 
-def _transfers(asked: BeyondReport, results: Results) -> Iterator[Block]:
-    for curve in _firsts(asked.transfers):
-        own = {key[1:]: one for key, one in asked.transfers.items() if key[0] == curve}
-        names = list(dict.fromkeys(learner for learner, _ in own))
-        first = next(iter(own.values()))
+def _transfers(report: BeyondReport, results: Results) -> Iterator[Block]:
+    for curve, experiments in _by_first(report.transfers).items():
+        names = list(dict.fromkeys(learner for learner, _ in experiments))
+        first = next(iter(experiments.values()))
         rows = [
             [
                 f"`{target}`",
-                percent(asked.published.get((curve, names[0], target))),
-                *(results.with_interval(own[learner, target]) for learner in names),
+                percent(report.published.get((curve, names[0], target))),
+                *(results.p_ml_cell(experiments[learner, target]) for learner in names),
             ]
-            for target in dict.fromkeys(target for _, target in own)
+            for target in dict.fromkeys(target for _, target in experiments)
         ]
         yield Heading(f"Trained on one RSO, applied to others: {curve.replace('_', ' ')}")
         yield Paragraph(f"Trained on {first.train} of {first.rso}, tested on {first.test} of each.")
         yield Table(["RSO", "Peng & Bai", *(f"`{learner}`" for learner in names)], rows)
 
 
-def _left_out(found: Mapping[Key, Experiment], results: Results) -> Iterator[Block]:
-    if not found:
+def _left_out(experiments: Mapping[Key, Experiment], results: Results) -> Iterator[Block]:
+    if not experiments:
         return
-    names = list(dict.fromkeys(learner for _, learner, _ in found))
-    first = next(iter(found.values()))
+    names = list(dict.fromkeys(learner for _, learner, _ in experiments))
+    first = next(iter(experiments.values()))
     rows = [
-        [pool, f"`{rso}`", *(results.with_interval(found[pool, learner, rso]) for learner in names)]
-        for pool, rso in dict.fromkeys((pool, rso) for pool, _, rso in found)
+        [pool, f"`{rso}`", *(results.p_ml_cell(experiments[pool, learner, rso]) for learner in names)]
+        for pool, rso in dict.fromkeys((pool, rso) for pool, _, rso in experiments)
     ]
     yield Heading("One RSO left out")
     yield Paragraph(
@@ -118,7 +120,7 @@ def _left_out(found: Mapping[Key, Experiment], results: Results) -> Iterator[Blo
     yield Table(["pool", "left out", *(f"`{learner}`" for learner in names)], rows)
 
 
-def _intervals(coverage: pd.DataFrame, names: Mapping[tuple[str, str], str], level: float) -> Iterator[Block]:
+def _intervals(coverage: pd.DataFrame, names: Mapping[Pair, str], level: float) -> Iterator[Block]:
     yield Heading("Prediction intervals")
     yield Paragraph(
         f"Split-conformal by estimate at {level:.0%}: what share of the rows lies "
@@ -126,45 +128,45 @@ def _intervals(coverage: pd.DataFrame, names: Mapping[tuple[str, str], str], lev
         "Lengths are medians in km (km/s for a velocity); the last day is that of the longest predictions."
     )
     header = ["stations", "model", "split", "rows inside [%]", "by estimate [%]", "half width"]
-    rows = [_interval_row(one, names) for one in coverage.to_dict("records")]
+    rows = [_interval_row(row, names) for row in coverage.to_dict("records")]
     yield Table([*header, "half width, last day", "error, last day"], rows)
 
 
-def _interval_row(one: Mapping[str, Any], names: Mapping[tuple[str, str], str]) -> list[str]:
-    lengths = (one[length] for length in ("half_width", "half_width_last_day", "error_last_day"))
+def _interval_row(row: Mapping[str, Any], names: Mapping[Pair, str]) -> list[str]:
+    lengths = (row[length] for length in ("half_width", "half_width_last_day", "error_last_day"))
     return [
-        one["stations"],
-        f"`{one['learner']}`",
-        names[one["train"], one["test"]],
-        percent(100.0 * one["rows_inside"]),
-        percent(100.0 * one["estimates_inside"]),
+        row["stations"],
+        f"`{row['learner']}`",
+        names[row["train"], row["test"]],
+        percent(100.0 * row["rows_inside"]),
+        percent(100.0 * row["estimates_inside"]),
         *(f"{1e-3 * length:.2f}" for length in lengths),
     ]
 
 
-def _budget(asked: BeyondReport, results: Results, floors: Mapping[str, float]) -> Iterator[Block]:
-    names = list(dict.fromkeys(learner for _, learner in asked.budget))
+def _budget(report: BeyondReport, results: Results, floors: Mapping[str, float]) -> Iterator[Block]:
+    names = list(dict.fromkeys(learner for _, learner in report.budget))
     rows = [
         [
             stations,
-            *(results.with_interval(asked.budget[stations, name]) for name in names),
+            *(results.p_ml_cell(report.budget[stations, name]) for name in names),
             percent(floors[stations]),
         ]
-        for stations in dict.fromkeys(stations for stations, _ in asked.budget)
+        for stations in dict.fromkeys(stations for stations, _ in report.budget)
     ]
     yield Heading("What the error is made of")
     yield Paragraph(
-        "P_ML on " + ", ".join(asked.budget_split) + " of laws that know more and more. Those that know an "
+        "P_ML on " + ", ".join(report.budget_split) + " of laws that know more and more. Those that know an "
         "estimate's true error of semi-major axis (`drift`) or the assumed model's own (`floor`) are no "
         "correctors, as they need the truth. The last column is the size of the assumed model's own error, "
         "from the true state and Cd, in % of the whole: what no estimate, however good, goes below."
     )
-    header = [f"`{name}`: {' '.join(_terms(asked.learners[name]))}" for name in names]
+    header = [f"`{name}`: {' '.join(_terms(report.learners[name]))}" for name in names]
     yield Table(["stations", *header, "assumed model's own error [%]"], rows)
 
 
 def model_table(models: Mapping[str, Mapping[str, Any]]) -> Iterator[Block]:
-    """What each model is, from its settings, by name."""
+    """Yield a section on what each model is; models: settings of learners by name."""
     rows = [
         [f"`{name}`", learners.description(settings["kind"]), " ".join(_terms(settings)) or NONE]
         for name, settings in models.items()
@@ -177,5 +179,9 @@ def _terms(settings: Mapping[str, Any]) -> Sequence[str]:
     return [f"`{term}`" for term in settings.get("terms", [])]
 
 
-def _firsts(found: Mapping[Key, Experiment]) -> list[str]:
-    return list(dict.fromkeys(key[0] for key in found))
+def _by_first(experiments: Mapping[Key, Experiment]) -> dict[str, dict[Pair, Experiment]]:
+    """Return the experiments by the first part of their key, then by the rest of it."""
+    groups: dict[str, dict[Pair, Experiment]] = {}
+    for (first, *rest), experiment in experiments.items():
+        groups.setdefault(first, {})[rest[0], rest[1]] = experiment
+    return groups

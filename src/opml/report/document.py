@@ -60,7 +60,10 @@ def write(
     path_tsv: FilePath,
     path_html: FilePath,
 ) -> None:
-    """Write a document as Markdown and HTML, its first table as tab-separated text; no file half written."""
+    """Write a document as Markdown and HTML, and its first table as tab-separated text.
+
+    No file is left half written.
+    """
     title = next(block.text for block in blocks if isinstance(block, Heading))
     table = next(block for block in blocks if isinstance(block, Table))
     for path, text in (

@@ -1,4 +1,4 @@
-"""Slips and doubts in the paper, and how each is read here. results/reproduction.md ends with them."""
+"""Slips and doubts in the paper, and how each is read here. The report on the reproduction ends with them."""
 
 DOUBTS = (
     (

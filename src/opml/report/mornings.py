@@ -1,4 +1,4 @@
-"""What an operator would have got: every morning's ephemerides, and the model that the past chose."""
+"""The report's section on replayed mornings: the errors that an operator would have had, model by model."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -12,13 +12,20 @@ from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.results import NONE, length
 
 Dataset = tuple[str, str]
+"""RSO and station set."""
 
 CHOSEN = "chosen by the past"
 
 
-def section(told: Mapping[Dataset, Mornings], marks: Sequence[float], laws: Sequence[str]) -> Iterator[Block]:
-    """The section on replayed mornings; empty where there are none."""
-    if not told:
+def section(
+    replays: Mapping[Dataset, Mornings], marks: Sequence[float], laws: Sequence[str]
+) -> Iterator[Block]:
+    """Yield the section, nothing where no morning was replayed.
+
+    marks: prediction durations that errors are stated at [days]
+    laws: the models that learn
+    """
+    if not replays:
         return
     yield Heading("Every morning")
     yield Paragraph(
@@ -29,17 +36,17 @@ def section(told: Mapping[Dataset, Mornings], marks: Sequence[float], laws: Sequ
         "of those that learn nothing the one that left least, and one that learned only where the past shows "
         f"with {100.0 * CONFIDENCE:g} % confidence, over blocks of days, that it leaves less."
     )
-    for (rso, stations), mornings in told.items():
+    for (rso, stations), mornings in replays.items():
         yield Paragraph(f"**{rso}, {stations}.** {verdict(mornings, laws)}")
         yield Table(["model", *(f"{day:g} d" for day in marks), "sum, %"], _rows(mornings, marks, laws))
 
 
 def verdict(mornings: Mornings, laws: Sequence[str]) -> str:
-    """What was flown, and what it left beside the best model without learning."""
-    best, share = compared(mornings, laws)
-    count = Counter(one.chosen for one in mornings.choices.values())
-    flown = ", ".join(f"`{name}` {number}" for name, number in count.most_common())
-    sure = sum(one.chosen in laws for one in mornings.choices.values())
+    """Return as text what was flown, and what it left beside the best model without learning."""
+    best, share = compare(mornings, laws)
+    names = [choice.chosen for choice in mornings.choices.values()]
+    flown = ", ".join(f"`{name}` {number}" for name, number in Counter(names).most_common())
+    sure = sum(name in laws for name in names)
     begin, end = (time / DAY for time in (min(mornings.choices), max(mornings.choices)))
     return (
         f"What the past chose left {share:.0f} % of what `{best}` left, the best without learning. Flown on "
@@ -49,15 +56,18 @@ def verdict(mornings: Mornings, laws: Sequence[str]) -> str:
     )
 
 
-def compared(mornings: Mornings, laws: Sequence[str]) -> tuple[str, float]:
-    """The best model without learning, in hindsight, and what was flown left of its summed |e_y| [%]."""
+def compare(mornings: Mornings, laws: Sequence[str]) -> tuple[str, float]:
+    """Return the best model without learning, and in % of its summed |e_y| what was flown left.
+
+    The best is known in hindsight only.
+    """
     left = {name: table["e_y"].abs().sum() for name, table in mornings.tables.items() if name not in laws}
     best = min(left, key=left.__getitem__)
     return best, float(100.0 * mornings.flown["e_y"].abs().sum() / left[best])
 
 
 def _rows(mornings: Mornings, marks: Sequence[float], laws: Sequence[str]) -> list[list[str]]:
-    best, _ = compared(mornings, laws)
+    best, _ = compare(mornings, laws)
     least = mornings.tables[best]["e_y"].abs().sum()
     before = mornings.flown.assign(e_y=mornings.flown["before"])
     tables = {"no correction": before} | {

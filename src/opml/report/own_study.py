@@ -1,8 +1,8 @@
-"""A study's answer: models against splits, errors in metres before and after, rows used and dropped."""
+"""The report of a study of one's own: models against splits, errors in metres, rows used and dropped."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import pandas as pd
 
@@ -16,95 +16,104 @@ from opml.naming import Experiment
 from opml.report import mornings, uncertainty
 from opml.report.beyond import model_table
 from opml.report.document import Block, Heading, Paragraph, Table
+from opml.report.mornings import Dataset
 from opml.report.results import NONE, Results, length, percent
 from opml.report.settings_tables import assumed_model, force_models, weather
 
-Dataset = tuple[str, str]
+ModelKey = tuple[str, str, str]
+"""RSO, station set and model."""
+
+Value = TypeVar("Value")
 
 
 @dataclass(frozen=True)
-class Answer:
+class OwnStudyReport:
     """What the report tells."""
 
     experiments: Mapping[tuple[str, str, str, str], Experiment]  # by RSO, station set, model and split
     pairs: Mapping[str, tuple[str, str]]  # training and test rows, by split
     shown: str  # the split whose errors are stated in metres
-    stated: Mapping[tuple[str, str, str], Experiment]  # its experiments by RSO, station set and model
-    datasets: Sequence[Dataset]  # RSO and station set
+    stated: Mapping[ModelKey, Experiment]  # experiments of that split
+    datasets: Sequence[Dataset]
     learners: Mapping[str, Mapping[str, Any]]  # settings by name
     component: str
-    label: str  # truth, later or smoothed: what is learned from is held against it
+    label: str  # what predictions are held against to learn from: truth, later or smoothed
     truths: Sequence[str]  # of each RSO: simulated, from files, or none where its tracks were measured
-    laws: Sequence[str]  # the models that learn among those whose mornings are run again
-    seed: int  # of the resampled days by which a law has to be worth it
-    rolling: Sequence[tuple[str, str, str]]  # RSO, station set and learner, of learners that are trained anew
+    laws: Sequence[str]  # the models that learn, among those whose mornings are replayed
+    seed: int  # of the resampled days on which a law has to prove its worth
+    rolling: Sequence[ModelKey]  # learners that are trained anew
     trained_anew: Mapping[str, Any]  # on which days, how often, on how many days' labels [days]
     marks: Sequence[float]  # prediction durations that errors are stated at [days]
-    durations: Sequence[float]  # those that coverage is stated at [days]
+    durations: Sequence[float]  # prediction durations that coverage is stated at [days]
     settings: Mapping[str, Any]
 
 
-def document(
-    asked: Answer,
-    metrics: pd.DataFrame,
-    evaluations: Mapping[tuple[str, str, str], pd.DataFrame],
-    datasets: Mapping[Dataset, pd.DataFrame],
-    estimates: Mapping[Dataset, pd.DataFrame],
-    rolling: Mapping[tuple[str, str, str], pd.DataFrame],
-    replays: Mapping[tuple[str, str, str], pd.DataFrame],
-    calibration: Mapping[Dataset, pd.DataFrame],
-) -> list[Block]:
-    """The whole report.
+@dataclass(frozen=True)
+class OwnStudyTables:
+    """The tables that the report's numbers come from."""
 
-    `metrics`: rows of that table for every experiment. `evaluations`: those tables of the stated experiments,
-    by RSO, station set and model. `datasets`, `estimates`: those tables by RSO and station set. `rolling`:
-    those of the learners that are trained anew, by RSO, station set and learner. `replays`: those tables, by
-    RSO, station set and model. `calibration`: those tables of the fits' own covariances.
-    """
-    told = {
-        dataset: Mornings.of(own, asked.laws, seed=asked.seed)
-        for dataset in asked.datasets
-        if (own := {learner: table for (*of, learner), table in replays.items() if tuple(of) == dataset})
+    metrics: pd.DataFrame  # one row per experiment
+    evaluations: Mapping[ModelKey, pd.DataFrame]  # of the stated experiments
+    datasets: Mapping[Dataset, pd.DataFrame]
+    estimates: Mapping[Dataset, pd.DataFrame]
+    rolling: Mapping[ModelKey, pd.DataFrame]  # of the learners that are trained anew
+    replays: Mapping[ModelKey, pd.DataFrame]
+    calibration: Mapping[Dataset, pd.DataFrame]  # of the fits' own covariances
+
+
+def document(report: OwnStudyReport, tables: OwnStudyTables) -> list[Block]:
+    """Return the whole report."""
+    replays = {
+        dataset: Mornings.of(replayed, report.laws, seed=report.seed)
+        for dataset, replayed in _by_dataset(tables.replays).items()
     }
     papers = {
-        dataset: table.loc[survives(table, estimates[dataset], PAPER), ["i", "j"]]
-        for dataset, table in datasets.items()
+        dataset: table.loc[survives(table, tables.estimates[dataset], PAPER), ["i", "j"]]
+        for dataset, table in tables.datasets.items()
     }
     return [
         Heading("The study", 1),
         Paragraph(
-            f"Predictions of {', '.join(dict.fromkeys(rso for rso, _ in asked.datasets))} from "
-            f"{asked.settings['epoch']} UTC over {asked.settings['duration_days']:g} days, corrected in "
-            f"`{asked.component}` by models that learned from earlier ones. {weather(asked.settings)}"
+            f"Predictions of {', '.join(dict.fromkeys(rso for rso, _ in report.datasets))} from "
+            f"{report.settings['epoch']} UTC over {report.settings['duration_days']:g} days, corrected in "
+            f"`{report.component}` by models that learned from earlier ones. {weather(report.settings)}"
         ),
-        *mornings.section(told, asked.marks, asked.laws),
-        *uncertainty.section(told, calibration, asked.durations),
-        *_splits(asked, Results(metrics)),
-        *_errors(asked, evaluations, papers),
-        *_rolling(asked, rolling),
-        *_rows(asked, datasets, estimates, papers),
-        *model_table(asked.learners),
-        *_forces(asked),
+        *mornings.section(replays, report.marks, report.laws),
+        *uncertainty.section(replays, tables.calibration, report.durations),
+        *_splits(report, Results(tables.metrics)),
+        *_errors(report, tables.evaluations, papers),
+        *_rolling(report, tables.rolling),
+        *_rows(report, tables, papers),
+        *model_table(report.learners),
+        *_forces(report),
     ]
 
 
-def _forces(asked: Answer) -> Iterator[Block]:
-    if "simulated" in asked.truths:
+def _by_dataset(values: Mapping[ModelKey, Value]) -> dict[Dataset, dict[str, Value]]:
+    """Return values by dataset, then by model."""
+    groups: dict[Dataset, dict[str, Value]] = {}
+    for (rso, stations, model), value in values.items():
+        groups.setdefault((rso, stations), {})[model] = value
+    return groups
+
+
+def _forces(report: OwnStudyReport) -> Iterator[Block]:
+    if "simulated" in report.truths:
         yield Heading("Truth and assumed model")
-        yield force_models(asked.settings)
+        yield force_models(report.settings)
         return
     yield Heading("Assumed model")
-    if "files" in asked.truths:
+    if "files" in report.truths:
         yield Paragraph("The true orbit is the one of the files; no force model flew it.")
-    yield assumed_model(asked.settings)
+    yield assumed_model(report.settings)
 
 
-def _splits(asked: Answer, results: Results) -> Iterator[Block]:
+def _splits(report: OwnStudyReport, results: Results) -> Iterator[Block]:
     rows = [
-        [rso, stations, f"`{learner}`", *(results.with_interval(own[split]) for split in asked.pairs)]
-        for rso, stations, learner, own in _by_model(asked)
+        [rso, stations, f"`{learner}`", *map(results.p_ml_cell, experiments)]
+        for rso, stations, learner, experiments in _by_model(report)
     ]
-    header = [f"{split}: {', '.join(pair)}" for split, pair in asked.pairs.items()]
+    header = [f"{split}: {', '.join(pair)}" for split, pair in report.pairs.items()]
     yield Heading("Models against splits")
     yield Paragraph(
         "P_ML [%] is what a correction leaves of the summed size of the errors: 0 is perfect, 100 no "
@@ -112,22 +121,28 @@ def _splits(asked: Answer, results: Results) -> Iterator[Block]:
         "estimate are no independent evidence. `docs/beyond.md` explains models and splits."
     )
     yield Table(["RSO", "stations", "model", *header], rows)
-    if set(asked.truths) == {"measured"}:
+    if set(report.truths) == {"measured"}:
         yield Paragraph(
             f"No truth is known of these tracks. Errors, here and below, are each prediction less "
-            f"{LATER[asked.label]}."
+            f"{LATER[report.label]}."
         )
-    elif asked.label != "truth":
-        yield from _held_against_labels(asked, results, header)
+    elif report.label != "truth":
+        yield from _label_table(report, results, header)
 
 
-def _held_against_labels(asked: Answer, results: Results, header: Sequence[str]) -> Iterator[Block]:
+def _label_table(report: OwnStudyReport, results: Results, header: Sequence[str]) -> Iterator[Block]:
+    """Yield P_ML of the same rows against labels in the place of the truth."""
     rows = [
-        [rso, stations, f"`{learner}`", *(percent(results.of(one)["p_ml_later"]) for one in own.values())]
-        for rso, stations, learner, own in _by_model(asked)
+        [
+            rso,
+            stations,
+            f"`{learner}`",
+            *(percent(results.row(experiment)["p_ml_later"]) for experiment in experiments),
+        ]
+        for rso, stations, learner, experiments in _by_model(report)
     ]
     yield Paragraph(
-        f"The models learned from labels: each prediction less {LATER[asked.label]}, once that was known. "
+        f"The models learned from labels: each prediction less {LATER[report.label]}, once that was known. "
         "P_ML above is against the truth, where there is one; here the same rows are held against such "
         "estimates, which is all that a catalogue has."
     )
@@ -141,41 +156,37 @@ LATER = {
 """What a label is held against, in words."""
 
 
-def _by_model(asked: Answer) -> Iterator[tuple[str, str, str, dict[str, Experiment]]]:
-    for rso, stations, learner in dict.fromkeys(key[:3] for key in asked.experiments):
-        yield (
-            rso,
-            stations,
-            learner,
-            {split: asked.experiments[rso, stations, learner, split] for split in asked.pairs},
-        )
+def _by_model(report: OwnStudyReport) -> Iterator[tuple[str, str, str, list[Experiment]]]:
+    """Yield RSO, station set and model with the experiments of its splits."""
+    for rso, stations, learner in dict.fromkeys(key[:3] for key in report.experiments):
+        experiments = [report.experiments[rso, stations, learner, split] for split in report.pairs]
+        yield rso, stations, learner, experiments
 
 
 def _errors(
-    asked: Answer,
-    evaluations: Mapping[tuple[str, str, str], pd.DataFrame],
+    report: OwnStudyReport,
+    evaluations: Mapping[ModelKey, pd.DataFrame],
     papers: Mapping[Dataset, pd.DataFrame],
 ) -> Iterator[Block]:
-    """Errors in metres; `papers`: i and j of the rows that the paper's cleaning would keep."""
-    unit = "m/s" if asked.component.startswith("e_v") else "m"
-    growth = {key: at_days(table, asked.marks) for key, table in evaluations.items()}
+    """Yield the errors in metres; papers: i and j of the rows that the paper's cleaning would keep."""
+    unit = "m/s" if report.component.startswith("e_v") else "m"
+    growth = {key: at_days(table, report.marks) for key, table in evaluations.items()}
     days = list(dict.fromkeys(day for table in growth.values() for day in table.get("day", [])))
     rows = []
-    for dataset in asked.datasets:
-        own = {learner: growth[*dataset, learner] for *of, learner in asked.stated if tuple(of) == dataset}
-        for k, (learner, table) in enumerate(own.items()):
-            evaluation = evaluations[*dataset, learner]
+    for dataset, models in _by_dataset(report.stated).items():
+        for k, learner in enumerate(models):
+            sizes, evaluation = growth[*dataset, learner], evaluations[*dataset, learner]
             kept = evaluation.merge(papers[dataset], on=["i", "j"])
             if k == 0:
                 whole = ["100.0", NONE if kept.empty else "100.0"]
-                rows.append([*dataset, "no correction", *_sizes(table, days, "before"), *whole])
-            left = _left(evaluation), _left(kept)
-            rows.append([*dataset, f"`{learner}`", *_sizes(table, days, "after"), *left])
-    train, test = asked.pairs[asked.shown]
-    yield Heading(f"Trained once: errors before and after, {asked.shown}")
+                rows.append([*dataset, "no correction", *_size_cells(sizes, days, "before"), *whole])
+            cells = [*_size_cells(sizes, days, "after"), _p_ml_cell(evaluation), _p_ml_cell(kept)]
+            rows.append([*dataset, f"`{learner}`", *cells])
+    train, test = report.pairs[report.shown]
+    yield Heading(f"Trained once: errors before and after, {report.shown}")
     low, high = PAPER_BOUNDS
     yield Paragraph(
-        f"Size of `{asked.component}` [{unit}] near some prediction durations: median / 95th percentile. "
+        f"Size of `{report.component}` [{unit}] near some prediction durations: median / 95th percentile. "
         f"Trained on {train}, tested on {test}. P_ML [%] of all rows, and of those that the paper's cleaning "
         f"would keep: Cd from {low:g} to {high:g}, e_y inside Tukey's fences of {PAPER_FENCE:g} "
         "interquartile ranges."
@@ -184,17 +195,17 @@ def _errors(
     yield Table(["RSO", "stations", "model", *header], rows)
 
 
-def _rolling(asked: Answer, tables: Mapping[tuple[str, str, str], pd.DataFrame]) -> Iterator[Block]:
-    """Learners trained anew beside the same ones trained once."""
+def _rolling(report: OwnStudyReport, tables: Mapping[ModelKey, pd.DataFrame]) -> Iterator[Block]:
+    """Yield learners trained anew beside the same learners trained once; nothing without a table."""
     if not tables:
         return
     rows = []
-    for rso, stations, learner in asked.rolling:
+    for rso, stations, learner in report.rolling:
         table = tables[rso, stations, learner]
         days, once = by_day(table), table.assign(predicted=table["predicted_once"])
-        cells = [_left(table), _left(once), *(percent(days[name].max()) for name in ("anew", "once"))]
-        rows.append([rso, stations, f"`{learner}`", *cells])
-    (first, last), every, memory = (asked.trained_anew[key] for key in ("days", "every_days", "last_days"))
+        worst = [percent(days[name].max()) for name in ("anew", "once")]
+        rows.append([rso, stations, f"`{learner}`", _p_ml_cell(table), _p_ml_cell(once), *worst])
+    (first, last), every, memory = (report.trained_anew[key] for key in ("days", "every_days", "last_days"))
     yield Heading("Trained anew")
     yield Paragraph(
         f"As an operator would run it: trained every {every:g} days on what is known of the last {memory:g} "
@@ -206,16 +217,16 @@ def _rolling(asked: Answer, tables: Mapping[tuple[str, str, str], pd.DataFrame])
     yield Table(["RSO", "stations", "model", *header], rows)
 
 
-def _left(evaluation: pd.DataFrame) -> str:
-    """P_ML of an `evaluation` table, where it has rows."""
+def _p_ml_cell(evaluation: pd.DataFrame) -> str:
+    """Return P_ML of an `evaluation` table as a cell, NONE without rows."""
     if evaluation.empty:
         return NONE
     return f"{p_ml(evaluation['true'].to_numpy(), evaluation['predicted'].to_numpy()):.1f}"
 
 
-def _sizes(table: pd.DataFrame, days: Sequence[float], when: str) -> list[str]:
-    """Cells of the errors at the days; a day without rows has none."""
-    rows = {row["day"]: row for row in table.to_dict("records")}
+def _size_cells(sizes: pd.DataFrame, days: Sequence[float], when: str) -> list[str]:
+    """Return the sizes of the errors at the days as cells, NONE where a day has no rows."""
+    rows = {row["day"]: row for row in sizes.to_dict("records")}
     return [
         " / ".join(length(rows[day][f"{when}_{share}"]) for share in (50, 95)) if day in rows else NONE
         for day in days
@@ -223,11 +234,9 @@ def _sizes(table: pd.DataFrame, days: Sequence[float], when: str) -> list[str]:
 
 
 def _rows(
-    asked: Answer,
-    datasets: Mapping[Dataset, pd.DataFrame],
-    estimates: Mapping[Dataset, pd.DataFrame],
-    papers: Mapping[Dataset, pd.DataFrame],
+    report: OwnStudyReport, tables: OwnStudyTables, papers: Mapping[Dataset, pd.DataFrame]
 ) -> Iterator[Block]:
+    """Yield how many rows are used, and why others are not."""
     header = [
         "RSO",
         "stations",
@@ -239,8 +248,8 @@ def _rows(
         "why others are not",
     ]
     rows = []
-    for dataset in asked.datasets:
-        table, fits = datasets[dataset], estimates[dataset]
+    for dataset in report.datasets:
+        table, fits = tables.datasets[dataset], tables.estimates[dataset]
         shares = row_shares(table)
         used = shares.pop(USED)
         why = "; ".join(f"{reason} {100.0 * share:.1f} %" for reason, share in shares.items())
@@ -256,7 +265,10 @@ USED = "used"
 
 
 def row_shares(dataset: pd.DataFrame) -> dict[str, float]:
-    """Share of a dataset's rows that are used, then of those that are not, by reason, the largest first."""
+    """Return the share of a dataset's rows that are used, then of those that are not, by reason.
+
+    The reasons stand in the order of their shares, the largest first.
+    """
     reasons = dataset.loc[~dataset["keep"], "reason"].str.split(":").str[0].value_counts()
     return {USED: float(dataset["keep"].mean())} | {
         reason: float(count) / len(dataset) for reason, count in reasons.items()

@@ -1,7 +1,7 @@
-"""The paper's numbers beside ours: spread, effect of what the paper leaves open, likeliest causes, counts.
+"""The report on the reproduction: the paper's numbers beside ours, their spread, and why they differ.
 
-Nothing here is tuned towards the paper, but for one column that says so: the fixed kernel scale was chosen so
-that one number is met, and every other number of that column is then a prediction.
+Nothing is tuned towards the paper but one column, which says so: its kernel scale was chosen to meet one
+number, and every other number of the column is a prediction.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,7 +12,7 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.naming import Experiment
-from opml.report.claims import Claim, judged
+from opml.report.claims import Claim, judge
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.doubts import DOUBTS
 from opml.report.results import NONE, Results, extent_cell, percent
@@ -23,13 +23,13 @@ EXPLAINED = 0.5
 
 @dataclass(frozen=True)
 class Headline:
-    """A number that the paper states, the experiment that gives ours, and what it is held against."""
+    """A number that the paper states, the experiment that gives ours, and the experiments to compare with."""
 
     name: str
     experiment: Experiment
     published: float
     over_splits: Sequence[Experiment]  # the same under other seeds of the split
-    over_noise: Sequence[Experiment]  # and of the noise; empty where that was not run
+    over_noise: Sequence[Experiment]  # the same under other seeds of the noise; may be empty
     fixed: Experiment  # with the one fixed kernel scale
     alternatives: Sequence[tuple[str, Experiment]]  # each with what it changes
 
@@ -44,14 +44,14 @@ class Reproduction:
     scales: Mapping[Experiment, float]  # experiments with a fixed kernel scale each
     claims: Sequence[Claim]
     drawn: Mapping[str, Experiment]  # every number that is drawn, by figure and point
-    rule: str  # of the kernel scale, by default
+    rule: str  # by which the default learner sets its kernel scale
     fixed_scale: float
     calibrated: str  # the headline that the fixed scale was chosen to meet
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """A headline, our number, and the ranges of it over the seeds; all [%]."""
+    """A headline beside our number and its ranges over the seeds, all [%]."""
 
     headline: Headline
     ours: float
@@ -68,29 +68,30 @@ class Comparison:
     def inside(self) -> bool:
         """Whether the paper's number lies within what our seeds give."""
         ranges = [self.over_splits, *([self.over_noise] if self.over_noise else [])]
-        low, high = min(one[0] for one in ranges), max(one[1] for one in ranges)
+        low, high = min(low for low, _ in ranges), max(high for _, high in ranges)
         return low <= self.headline.published <= high
 
 
 def document(
-    asked: Reproduction, metrics: pd.DataFrame, datasets: pd.DataFrame, scales: Mapping[str, float]
+    reproduction: Reproduction, metrics: pd.DataFrame, datasets: pd.DataFrame, scales: Mapping[str, float]
 ) -> list[Block]:
-    """The whole document.
+    """Return the whole document.
 
-    `metrics`: rows of that table for every experiment that is asked for. `datasets`: as `counts` returns, one
-    row per dataset. `scales`: the kernel scale by headline.
+    metrics: rows of that table for every experiment of the reproduction
+    datasets: one row per dataset, as `counts` returns it
+    scales: the kernel scale by headline
     """
     results = Results(metrics)
-    comparisons = [compare(headline, results) for headline in asked.headlines]
+    comparisons = [compare(headline, results) for headline in reproduction.headlines]
     return [
         Heading("The paper's numbers and ours", 1),
         *_summary(comparisons, results),
-        *_headlines(asked, comparisons, scales),
+        *_headlines(reproduction, comparisons, scales),
         *_causes(comparisons, results),
-        *_readings(asked, results),
-        *_kernel_scales(asked.scales, results),
-        *_claims(asked.claims, results),
-        *_drawn(asked.drawn, results),
+        *_readings(reproduction, results),
+        *_kernel_scales(reproduction.scales, results),
+        *_claims(reproduction.claims, results),
+        *_drawn_numbers(reproduction.drawn, results),
         Heading("Tracks, pairs and kept rows"),
         Table(
             list(datasets.columns), [[str(cell) for cell in row] for row in datasets.itertuples(index=False)]
@@ -101,7 +102,7 @@ def document(
 
 
 def compare(headline: Headline, results: Results) -> Comparison:
-    """One headline's number with its ranges over the seeds."""
+    """Return one headline's number with its ranges over the seeds."""
     return Comparison(
         headline,
         ours=results.p_ml(headline.experiment),
@@ -112,22 +113,27 @@ def compare(headline: Headline, results: Results) -> Comparison:
 
 
 def likeliest_cause(comparison: Comparison, results: Results) -> tuple[str, Experiment, bool]:
-    """The alternative that comes nearest to the paper: what it changes, its run, whether it explains much.
+    """Return the alternative that comes nearest to the paper: what it changes, its run, whether it explains.
 
-    It explains much where it removes at least the share EXPLAINED of the difference.
+    It explains the difference where it removes at least the share EXPLAINED of it.
     """
 
-    def left(found: tuple[str, Experiment]) -> float:
-        return abs(results.p_ml(found[1]) - comparison.headline.published)
+    def distance(alternative: tuple[str, Experiment]) -> float:
+        return abs(results.p_ml(alternative[1]) - comparison.headline.published)
 
-    nearest = min(comparison.headline.alternatives, key=left)
-    return *nearest, left(nearest) <= (1.0 - EXPLAINED) * abs(comparison.difference)
+    nearest = min(comparison.headline.alternatives, key=distance)
+    return *nearest, distance(nearest) <= (1.0 - EXPLAINED) * abs(comparison.difference)
 
 
 def counts(
     dataset: pd.DataFrame, estimates: pd.DataFrame, *, name: str, days: Sequence[float]
 ) -> dict[str, Any]:
-    """How many tracks, pairs and kept rows a dataset has, and why the others were dropped."""
+    """Return how many tracks, pairs and kept rows a dataset has, and why rows were dropped.
+
+    dataset, estimates: those tables
+    name: of the dataset, as it is printed
+    days: first and last day of the training; rows up to the last one are counted, too
+    """
     reasons = dataset["reason"].str.partition(":")[0].value_counts()
     return {
         "dataset": name,
@@ -142,8 +148,13 @@ def counts(
 
 def _summary(comparisons: Sequence[Comparison], results: Results) -> list[Block]:
     rows = [
-        [f"`{one.headline.name}`", percent(one.headline.published), percent(one.ours), _cause(one, results)]
-        for one in comparisons
+        [
+            f"`{comparison.headline.name}`",
+            percent(comparison.headline.published),
+            percent(comparison.ours),
+            _cause(comparison, results),
+        ]
+        for comparison in comparisons
     ]
     return [
         Paragraph(
@@ -155,61 +166,54 @@ def _summary(comparisons: Sequence[Comparison], results: Results) -> list[Block]
     ]
 
 
-def _cause(one: Comparison, results: Results) -> str:
-    if one.inside:
+def _cause(comparison: Comparison, results: Results) -> str:
+    if comparison.inside:
         return "the seeds"
-    text, run, explains = likeliest_cause(one, results)
+    text, run, explains = likeliest_cause(comparison, results)
     return f"{'' if explains else 'none found; the nearest: '}{text} ({percent(results.p_ml(run))})"
 
 
 def _headlines(
-    asked: Reproduction, comparisons: Sequence[Comparison], scales: Mapping[str, float]
+    reproduction: Reproduction, comparisons: Sequence[Comparison], scales: Mapping[str, float]
 ) -> list[Block]:
-    splits, noises = (
-        max((len(getattr(one, kind)) for one in asked.headlines), default=0)
-        for kind in ("over_splits", "over_noise")
-    )
+    splits = max((len(headline.over_splits) for headline in reproduction.headlines), default=0)
+    noises = max((len(headline.over_noise) for headline in reproduction.headlines), default=0)
     header = ["number", "paper", "ours", "over split seeds", "over noise seeds", "ours - paper"]
-    header += ["paper within our seeds", "our kernel scale s", f"s = {asked.fixed_scale:g}"]
+    header += ["paper within our seeds", "our kernel scale s", f"s = {reproduction.fixed_scale:g}"]
+    rows = [_headline_row(comparison, scales, reproduction.calibrated) for comparison in comparisons]
     return [
         Paragraph(
             "'Ours' is the run with the paper's single seed and the default reading of what "
-            f"it leaves open (kernel scale rule: {asked.rule}). The ranges are smallest and largest over "
-            f"{splits} seeds of the splits and subsamples and over {noises} seeds of the measurement noise; "
-            "a transfer to another RSO was not measured anew under other noise."
+            f"it leaves open (kernel scale rule: {reproduction.rule}). The ranges are smallest and largest "
+            f"over {splits} seeds of the splits and subsamples and over {noises} seeds of the measurement "
+            "noise; a transfer to another RSO was not measured anew under other noise."
         ),
         Paragraph(
             "The last column is no reproduction but a test: its kernel scale, "
-            f"{asked.fixed_scale:g} for every model, was chosen so that `{asked.calibrated}` alone is met. "
-            "Every other number in it is then a prediction."
+            f"{reproduction.fixed_scale:g} for every model, was chosen so that `{reproduction.calibrated}` "
+            "alone is met. Every other number in it is then a prediction."
         ),
-        Table(header, [_headline_row(one, scales, asked.calibrated) for one in comparisons]),
+        Table(header, rows),
     ]
 
 
-def _headline_row(one: Comparison, scales: Mapping[str, float], calibrated: str) -> list[str]:
-    name = one.headline.name
+def _headline_row(comparison: Comparison, scales: Mapping[str, float], calibrated: str) -> list[str]:
+    name = comparison.headline.name
     return [
         f"`{name}`",
-        percent(one.headline.published),
-        percent(one.ours),
-        extent_cell(one.over_splits),
-        extent_cell(one.over_noise),
-        f"{one.difference:+.1f}",
-        "yes" if one.inside else "no",
+        percent(comparison.headline.published),
+        percent(comparison.ours),
+        extent_cell(comparison.over_splits),
+        extent_cell(comparison.over_noise),
+        f"{comparison.difference:+.1f}",
+        "yes" if comparison.inside else "no",
         f"{scales[name]:.2f}",
-        percent(one.fixed) + (" (s chosen for it)" if name == calibrated else ""),
+        percent(comparison.fixed) + (" (s chosen for it)" if name == calibrated else ""),
     ]
 
 
 def _causes(comparisons: Sequence[Comparison], results: Results) -> list[Block]:
-    rows = []
-    for one in comparisons:
-        if not one.inside:
-            text, run, explains = likeliest_cause(one, results)
-            verdict = "" if explains else "not explained by any reading run here; the nearest: "
-            cells = [verdict + text, percent(results.p_ml(run)), f"`{run.path('metrics')}`"]
-            rows.append([f"`{one.headline.name}`", f"{one.difference:+.1f}", *cells])
+    rows = [_cause_row(comparison, results) for comparison in comparisons if not comparison.inside]
     return [
         Heading("Where we differ by more than the seeds do"),
         Paragraph(
@@ -221,26 +225,39 @@ def _causes(comparisons: Sequence[Comparison], results: Results) -> list[Block]:
     ]
 
 
-def _readings(asked: Reproduction, results: Results) -> list[Block]:
-    names = [name for name in asked.evaluations if any(name in of for of in asked.readings.values())]
-    own = ["as the settings are", *(percent(results.p_ml(asked.evaluations[name])) for name in names)]
-    rows = [
-        [text, *(percent(results.p_ml(of[name])) if name in of else NONE for name in names)]
-        for text, of in asked.readings.items()
-    ]
+def _cause_row(comparison: Comparison, results: Results) -> list[str]:
+    text, run, explains = likeliest_cause(comparison, results)
+    verdict = "" if explains else "not explained by any reading run here; the nearest: "
+    cells = [verdict + text, percent(results.p_ml(run)), f"`{run.path('metrics')}`"]
+    return [f"`{comparison.headline.name}`", f"{comparison.difference:+.1f}", *cells]
+
+
+def _readings(reproduction: Reproduction, results: Results) -> list[Block]:
+    shown = {name for experiments in reproduction.readings.values() for name in experiments}
+    names = [name for name in reproduction.evaluations if name in shown]
+
+    def row(text: str, experiments: Mapping[str, Experiment]) -> list[str]:
+        cells = (percent(results.p_ml(experiments[name])) if name in experiments else NONE for name in names)
+        return [text, *cells]
+
+    rows = [row(text, experiments) for text, experiments in reproduction.readings.items()]
     return [
         Heading("What the paper leaves open"),
         Paragraph("P_ML [%] with one reading changed at a time."),
-        Table(["reading", *(f"`{name}`" for name in names)], [own, *rows]),
+        Table(
+            ["reading", *(f"`{name}`" for name in names)],
+            [row("as the settings are", reproduction.evaluations), *rows],
+        ),
     ]
 
 
 def _kernel_scales(scales: Mapping[Experiment, float], results: Results) -> list[Block]:
-    found: dict[str, dict[float, float]] = {}
-    for one, scale in scales.items():
-        found.setdefault(f"{one.stations}, {one.train}, {one.test}", {})[scale] = results.p_ml(one)
+    columns: dict[str, dict[float, float]] = {}
+    for experiment, scale in scales.items():
+        title = f"{experiment.stations}, {experiment.train}, {experiment.test}"
+        columns.setdefault(title, {})[scale] = results.p_ml(experiment)
     rows = [
-        [f"{scale:g}", *(percent(of[scale]) for of in found.values())]
+        [f"{scale:g}", *(percent(column[scale]) for column in columns.values())]
         for scale in dict.fromkeys(scales.values())
     ]
     return [
@@ -249,27 +266,28 @@ def _kernel_scales(scales: Mapping[Experiment, float], results: Results) -> list
             "fitrsvm's own rule for the scale is not public, and it is the setting that matters most. P_ML "
             "[%] by scale; `figs/kernel_scale_sensitivity` draws it with the rules' scales marked."
         ),
-        Table(["s", *found], rows),
+        Table(["s", *columns], rows),
     ]
 
 
 def _claims(claims: Sequence[Claim], results: Results) -> list[Block]:
-    told = [judged(claim, results) for claim in claims if claim.points]
+    judgements = [judge(claim, results) for claim in claims if claim.points]
     return [
         Heading("What the paper says in words"),
         Table(
             ["the paper", "ours, P_ML [%]", "holds"],
-            [[said, ours, "yes" if holds else "no"] for said, ours, holds in told],
+            [[sentence, numbers, "yes" if holds else "no"] for sentence, numbers, holds in judgements],
         ),
     ]
 
 
-def _drawn(drawn: Mapping[str, Experiment], results: Results) -> list[Block]:
+def _drawn_numbers(drawn: Mapping[str, Experiment], results: Results) -> list[Block]:
     rows = []
-    for name, one in drawn.items():
-        row = results.of(one)
+    for name, experiment in drawn.items():
+        row = results.row(experiment)
         shares = [percent(row["p_ml"]), percent(100.0 * row["fraction_reduced"])]
-        rows.append([name, *shares, str(row["rows"]), str(row["estimates"]), f"`{one.path('metrics')}`"])
+        counts = [str(row["rows"]), str(row["estimates"])]
+        rows.append([name, *shares, *counts, f"`{experiment.path('metrics')}`"])
     return [
         Heading("Every number that is drawn"),
         Table(["figure", "P_ML [%]", "points made better [%]", "rows", "estimates", "run"], rows),

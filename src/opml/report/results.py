@@ -1,4 +1,4 @@
-"""Rows of the `metrics` table by the experiment that they belong to, and how their numbers are printed."""
+"""Rows of the `metrics` table by their experiment, and numbers as cells of a report's tables."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -8,33 +8,33 @@ import pandas as pd
 from opml.naming import Experiment
 
 NONE = "-"
-"""What stands in a cell that has no number."""
+"""The cell of a number that is not there."""
 
 
 class Results:
-    """P_ML and the like by experiment, from rows of the `metrics` table."""
+    """Measures of experiments, P_ML among them, from rows of the `metrics` table."""
 
     def __init__(self, metrics: pd.DataFrame) -> None:
         columns = ["rso", "stations", "train", "learner", "component", "target", "test"]
         self._rows = {tuple(row[name] for name in columns): row for row in metrics.to_dict("records")}
 
-    def of(self, experiment: Experiment) -> Mapping[str, Any]:
+    def row(self, experiment: Experiment) -> Mapping[str, Any]:
         """Return the row of an experiment; KeyError where it did not run."""
         row: Mapping[str, Any] = self._rows[tuple(experiment.columns().values())]
         return row
 
     def p_ml(self, experiment: Experiment) -> float:
         """Return P_ML [%] of an experiment."""
-        return float(self.of(experiment)["p_ml"])
+        return float(self.row(experiment)["p_ml"])
 
     def extent(self, experiments: Sequence[Experiment]) -> tuple[float, float]:
         """Return the smallest and the largest P_ML [%] of experiments."""
-        numbers = [self.p_ml(one) for one in experiments]
+        numbers = [self.p_ml(experiment) for experiment in experiments]
         return min(numbers), max(numbers)
 
-    def with_interval(self, experiment: Experiment) -> str:
+    def p_ml_cell(self, experiment: Experiment) -> str:
         """Return P_ML with its 5th and 95th percentile over resampled estimates, as a cell."""
-        row = self.of(experiment)
+        row = self.row(experiment)
         return f"{row['p_ml']:.1f} ({row['p_ml_low']:.1f} to {row['p_ml_high']:.1f})"
 
 
@@ -44,10 +44,10 @@ def length(value: float) -> str:
 
 
 def percent(value: float | None) -> str:
-    """Return a percentage as a cell."""
+    """Return a percentage as a cell, NONE for None."""
     return NONE if value is None else f"{value:.1f}"
 
 
 def extent_cell(extent: tuple[float, float] | None) -> str:
-    """Return a range of percentages as a cell."""
+    """Return a range of percentages as a cell, NONE for None."""
     return NONE if extent is None else f"{extent[0]:.1f} to {extent[1]:.1f}"

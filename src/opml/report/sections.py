@@ -1,4 +1,4 @@
-"""The sections that figures and tables belong to: the paper's, numbered as it prints them, and ours."""
+"""The sections of Snakemake's report: the paper's, numbered as it prints them, and ours."""
 
 from opml.naming import Experiment, parse_test
 
@@ -11,11 +11,11 @@ SECTIONS = {
     "beyond": "7 Beyond the paper",
     "study": "8 The study",
 }
-"""The paper's sections, numbered as it prints them, and what goes beyond it."""
+"""Titles of the sections, by a word for each."""
 
 
 def section_of(experiment: Experiment) -> str:
-    """The paper's section that an experiment belongs to."""
+    """Return the paper's section that an experiment belongs to."""
     if experiment.target != experiment.rso:
         return SECTIONS["nearby"]
     return SECTIONS["future" if parse_test(experiment.test).kind == "days" else "numerical"]

@@ -1,4 +1,4 @@
-"""The paper's tables of models, stations and RSOs, and the components' errors, from what ran."""
+"""The paper's tables of models, stations and RSOs as they ran, and P_ML of the six components."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -10,7 +10,7 @@ from opml.tables import COMPONENTS
 
 
 def models(settings: Mapping[str, Any]) -> list[Block]:
-    """The truth and the assumed model, as a document; `settings` as `force_models` takes them."""
+    """Return a document on the truth and the assumed model; settings: as `force_models` takes them."""
     return [
         Heading("Truth and assumed model", 1),
         Paragraph("The paper's table of the models, as they ran here."),
@@ -19,22 +19,22 @@ def models(settings: Mapping[str, Any]) -> list[Block]:
 
 
 def force_models(settings: Mapping[str, Any]) -> Table:
-    """The truth and the assumed model side by side; `settings` holds force_models and environment."""
-    environment, force_models = settings["environment"], settings["force_models"]
-    both = [force_models["truth"], force_models["assumed"]]
+    """Return the table of the truth and the assumed model, side by side.
+
+    settings: of the run, of which `force_models` and `environment` count
+    """
+    environment, models = settings["environment"], settings["force_models"]
+    both = [models["truth"], models["assumed"]]
     assumed = environment["solar_activity"]
-    activities = [
-        f"{source}, percentile {environment['percentile']}"
-        for source in (environment.get("true_solar_activity", assumed), assumed)
-    ]
-    activities[1] += _known(environment)
+    truth = environment.get("true_solar_activity", assumed)
+    percentile = f", percentile {environment['percentile']}"
     rows = [
         ["Earth's shape", "WGS84", "WGS84"],
         ["gravity field", *(f"{environment['gravity_field']} {m['degree']}x{m['order']}" for m in both)],
         ["third bodies", *(", ".join(m["third_bodies"]) for m in both)],
         ["ephemerides", environment["ephemerides"], environment["ephemerides"]],
         ["atmosphere", "DTM2000", "DTM2000"],
-        ["solar activity", *activities],
+        ["solar activity", truth + percentile, assumed + percentile + _knowledge(environment)],
         ["radiation pressure", *["sphere, umbra and penumbra"] * 2],
         ["drag coefficient", "the RSO's", "estimated"],
     ]
@@ -42,13 +42,16 @@ def force_models(settings: Mapping[str, Any]) -> Table:
 
 
 def assumed_model(settings: Mapping[str, Any]) -> Table:
-    """The assumed model alone, where no truth is simulated; `settings` as `force_models` takes them."""
+    """Return the table of the assumed model alone, for a run that simulates no truth.
+
+    settings: as `force_models` takes them
+    """
     both = force_models(settings)
     return Table([both.header[0], both.header[2]], [[row[0], row[2]] for row in both.rows])
 
 
 def weather(settings: Mapping[str, Any]) -> str:
-    """What fits and predictions know of the space weather, as a sentence."""
+    """Return as a sentence what fits and predictions know of the space weather; settings: of the run."""
     environment = settings["environment"]
     source = environment["solar_activity"]
     match environment.get("knowledge"):
@@ -67,8 +70,8 @@ def weather(settings: Mapping[str, Any]) -> str:
     return f"Space weather: {source} as it stands, measured values of the days predicted to included."
 
 
-def _known(environment: Mapping[str, Any]) -> str:
-    """What the assumed model knows of the activity; nothing where no setting says."""
+def _knowledge(environment: Mapping[str, Any]) -> str:
+    """Return as the end of a cell what the assumed model knows of the activity; empty without a setting."""
     match environment.get("knowledge"):
         case "hindcast":
             return ", as known at each time"
@@ -79,7 +82,7 @@ def _known(environment: Mapping[str, Any]) -> str:
 
 
 def stations(sheet: Sequence[Station]) -> list[Block]:
-    """The stations, in the units of the paper's table, its maximum range in km."""
+    """Return a document on the stations in the units of the paper's table, but maximum ranges in km."""
     rows = [
         ["latitude [deg]", *(_deg(station.latitude) for station in sheet)],
         ["longitude [deg]", *(_deg(station.longitude) for station in sheet)],
@@ -101,7 +104,7 @@ def stations(sheet: Sequence[Station]) -> list[Block]:
 
 
 def rsos(sheet: Sequence[Rso], *, epoch: str, title: str) -> list[Block]:
-    """RSOs: osculating elements in GCRF at the epoch, and bodies."""
+    """Return a document on RSOs: osculating elements in GCRF at the epoch [UTC], and bodies."""
     rows = [
         ["semi-major axis [km]", *(_number(rso.a / 1e3) for rso in sheet)],
         ["eccentricity", *(_number(rso.e) for rso in sheet)],
@@ -121,7 +124,7 @@ def rsos(sheet: Sequence[Rso], *, epoch: str, title: str) -> list[Block]:
 
 
 def components(p_ml: Mapping[str, Sequence[float]]) -> list[Block]:
-    """P_ML [%] of the six components, in their order, by evaluation."""
+    """Return a document on the six components; p_ml: [%], in the order of COMPONENTS, by evaluation."""
     rows = [[f"`{name}`", *(f"{value:.1f}" for value in values)] for name, values in p_ml.items()]
     return [
         Heading("P_ML of the six components [%]", 1),

@@ -1,4 +1,4 @@
-"""Is the uncertainty true? Shares of errors inside what was stated, by the prediction's duration."""
+"""The report's section on stated uncertainty: shares of errors inside it, by the prediction's duration."""
 
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -28,13 +28,14 @@ HOLDS = (0.85, 0.95)
 
 
 def section(
-    told: Mapping[Dataset, Mornings], fits: Mapping[Dataset, pd.DataFrame], days: Sequence[float]
+    replays: Mapping[Dataset, Mornings], fits: Mapping[Dataset, pd.DataFrame], days: Sequence[float]
 ) -> Iterator[Block]:
-    """The section; empty where no morning was replayed.
+    """Yield the section, nothing where no morning was replayed.
 
-    fits: `calibration` tables of the fits' own covariances, by dataset.
+    fits: `calibration` tables of the fits' own covariances
+    days: prediction durations that shares are stated at
     """
-    if not told:
+    if not replays:
         return
     yield Heading(TITLE)
     yield Paragraph(
@@ -61,20 +62,25 @@ def section(
         "p",
         "score",
     ]
-    for (rso, stations), mornings in told.items():
+    for (rso, stations), mornings in replays.items():
         tables = {CHOSEN: mornings.flown} | {f"`{name}`": table for name, table in mornings.tables.items()}
         shares = calibration.of_replays(tables, days=days)
         rows = [row for name in shares for row in _rows(name, tables[name], shares[name], days)]
         if (rso, stations) in fits:
             fit = fits[rso, stations].groupby("day")
-            rows += [[*_cells("fit", day, own), NONE, NONE, NONE] for day, own in fit]
+            rows += [[*_cells("fit", day, table), NONE, NONE, NONE] for day, table in fit]
         flown = verdict(mornings.flown, shares[CHOSEN], days) if CHOSEN in shares else TOO_SHORT
         yield Paragraph(f"**{rso}, {stations}.** {flown}")
         yield Table(header, rows)
 
 
 def verdict(flown: pd.DataFrame, shares: pd.DataFrame, days: Sequence[float]) -> str:
-    """Whether the covariances of what was flown are true, in a line; shares: of `calibration.of_replay`."""
+    """Return as text whether the covariances of what was flown are true.
+
+    flown: `replay` table
+    shares: its `calibration` table
+    days: prediction durations that shares are stated at
+    """
     ellipsoids = shares[(shares["quantity"] == ELLIPSOID) & (shares["level"] == MAIN)]
     held = {row["day"]: row["inside"] for row in ellipsoids.to_dict("records")}
     good = [day for day, share in held.items() if HOLDS[0] <= share <= HOLDS[1]]
@@ -90,15 +96,18 @@ def verdict(flown: pd.DataFrame, shares: pd.DataFrame, days: Sequence[float]) ->
 
 def _rows(name: str, table: pd.DataFrame, shares: pd.DataFrame, days: Sequence[float]) -> Iterator[list[str]]:
     tested = calibration.goodness(table, days=days).set_index("day")
-    for day, own in shares.groupby("day"):
+    for day, rows in shares.groupby("day"):
         near = (table["duration"] / DAY - day).abs() <= REACH_DAYS
         futures = length(table.loc[near, "weather_y"].median())
         p, score = tested.loc[day, "p"], tested.loc[day, "score"]
-        yield [*_cells(name, day, own), futures, NONE if pd.isna(p) else f"{p:.2f}", f"{score:.1f}"]
+        yield [*_cells(name, day, rows), futures, NONE if pd.isna(p) else f"{p:.2f}", f"{score:.1f}"]
 
 
-def _cells(name: str, day: float, own: pd.DataFrame) -> list[str]:
-    """Name, duration, shares inside, and the deviation along-track."""
-    at = own[own["level"] == MAIN].set_index("quantity")
-    shares = [f"{100.0 * at.loc[one, 'inside']:.0f}" if one in at.index else NONE for one in QUANTITIES]
-    return [name, f"{day:g}", *shares, length(at.loc["e_y", "stated"] / half_width(MAIN))]
+def _cells(name: str, day: float, shares: pd.DataFrame) -> list[str]:
+    """Return name, duration, shares inside, and the deviation along-track, from one day's shares."""
+    main = shares[shares["level"] == MAIN].set_index("quantity")
+    inside = [
+        f"{100.0 * main.loc[quantity, 'inside']:.0f}" if quantity in main.index else NONE
+        for quantity in QUANTITIES
+    ]
+    return [name, f"{day:g}", *inside, length(main.loc["e_y", "stated"] / half_width(MAIN))]

@@ -1,4 +1,4 @@
-"""Beyond the paper: models against splits, other RSOs, RSOs left out, intervals, an error budget."""
+"""The experiments beyond the paper: models against splits, other RSOs, RSOs left out, intervals, a budget."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,24 +14,24 @@ from opml.study.paper import Paper
 
 @dataclass(frozen=True)
 class Beyond:
-    """The experiments of a study that asks whether its models generalise."""
+    """The experiments that show whether a study's models generalise."""
 
     paper: Paper
 
     @property
     def study(self) -> Study:
-        """The study that asks."""
+        """The study whose models these are."""
         return self.paper.study
 
     @property
     def entry(self) -> Mapping[str, Any]:
-        """What it asks of models and splits."""
+        """The study's settings of these experiments."""
         entry: Mapping[str, Any] = self.study.entry("beyond")
         return entry
 
     @cached_property
     def splits(self) -> dict[tuple[str, str, str], Experiment]:
-        """The experiments by station set, learner and split."""
+        """Every learner against every split, by station set, learner and split."""
         return self._against_splits(self.entry["learners"], self.entry["splits"])
 
     def _against_splits(
@@ -48,7 +48,7 @@ class Beyond:
 
     @cached_property
     def transfers(self) -> dict[tuple[str, str, str], Experiment]:
-        """The experiments of one model on other RSOs, by curve, learner and target."""
+        """One model on other RSOs, by curve, learner and target."""
         entry = self.entry["transfers"]
         return {
             (name, learner, target): self._transfer(learner, target=target)
@@ -59,7 +59,7 @@ class Beyond:
 
     @cached_property
     def left_out(self) -> dict[tuple[str, str, str], Experiment]:
-        """The experiments on an RSO left out of its pool, by pool, learner and that RSO."""
+        """Models of a pool on an RSO that was left out of it, by pool, learner and that RSO."""
         return {
             (pool, learner, rso): self._transfer(learner, rso=naming.leave_out(pool, rso), target=rso)
             for pool, rsos in self.study.entry("pools").items()
@@ -73,14 +73,14 @@ class Beyond:
 
     @cached_property
     def intervals(self) -> dict[tuple[str, str, str], Experiment]:
-        """The experiments whose prediction intervals are made, by station set, learner and split."""
+        """Experiments with prediction intervals, by station set, learner and split."""
         entry = self.entry["intervals"]
-        chosen = {split: self.entry["splits"][split] for split in entry["splits"]}
-        return self._against_splits(entry["learners"], chosen)
+        splits = {split: self.entry["splits"][split] for split in entry["splits"]}
+        return self._against_splits(entry["learners"], splits)
 
     @cached_property
     def shown_intervals(self) -> dict[str, Experiment]:
-        """Those that are drawn, by learner: all stations, the first split."""
+        """Experiments whose intervals are drawn, by learner: the last station set, the first split."""
         split = self.entry["intervals"]["splits"][0]
         stations = self.entry["station_sets"][-1]
         return {
@@ -90,25 +90,25 @@ class Beyond:
 
     @cached_property
     def budget(self) -> dict[tuple[str, str], Experiment]:
-        """The experiments that take the error apart, by station set and learner. They need the truth."""
+        """Experiments that take the error apart, by station set and learner; their laws need the truth."""
         entry = self.entry["budget"]
-        found = self._against_splits(entry["learners"], {"budget": entry["split"]})
-        return {(stations, learner): one for (stations, learner, _), one in found.items()}
+        experiments = self._against_splits(entry["learners"], {"budget": entry["split"]})
+        return {(stations, learner): law for (stations, learner, _), law in experiments.items()}
 
     @cached_property
     def every(self) -> list[Experiment]:
         """Every experiment whose P_ML stands in the document, each once."""
         parts = (self.splits, self.transfers, self.left_out, self.budget)
-        return list(dict.fromkeys(one for part in parts for one in part.values()))
+        return list(dict.fromkeys(experiment for part in parts for experiment in part.values()))
 
-    def published(self, found: Mapping[Any, Experiment]) -> dict[Any, float]:
-        """The paper's P_ML [%] of experiments, where it gives one."""
-        numbers = {key: self.paper.published(one) for key, one in found.items()}
+    def published_p_ml(self, experiments: Mapping[Any, Experiment]) -> dict[Any, float]:
+        """Return the paper's P_ML [%] of experiments by their keys, where it gives a number."""
+        numbers = {key: self.paper.published_p_ml(experiment) for key, experiment in experiments.items()}
         return {key: number for key, number in numbers.items() if number is not None}
 
     @cached_property
     def report(self) -> BeyondReport:
-        """What the document of models against splits tells."""
+        """What the report on models against splits tells."""
         values = self.study.settings.values
         return BeyondReport(
             splits=self.splits,
@@ -117,11 +117,11 @@ class Beyond:
             left_out=self.left_out,
             budget=self.budget,
             budget_split=tuple(self.entry["budget"]["split"]),
-            published=self.published(self.splits) | self.published(self.transfers),
-            learners={name: naming.parse_learner(name, self.study.learners) for name in self._named},
+            published=self.published_p_ml(self.splits) | self.published_p_ml(self.transfers),
+            learners={name: naming.parse_learner(name, self.study.learners) for name in self._learners},
             level=values["intervals"]["level"],
         )
 
     @property
-    def _named(self) -> list[str]:
+    def _learners(self) -> list[str]:
         return list(dict.fromkeys([*self.entry["learners"], *self.entry["budget"]["learners"]]))

@@ -1,4 +1,4 @@
-"""What every part of a study shares: defaults, seeds, and entries that become experiments."""
+"""A study: its defaults and seeds, and the experiments that its entries become."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -20,7 +20,7 @@ ROLLING = {"every_days": 1, "last_days": 30}
 
 
 def fence_of(word: str | float) -> float | None:
-    """Return the fence of tested rows [IQR] that a setting asks for: the dataset's (None), none, or own."""
+    """Return the fence of tested rows [IQR] of a setting: None for the dataset's, infinity for no fence."""
     match word:
         case "dataset":
             return None
@@ -31,7 +31,7 @@ def fence_of(word: str | float) -> float | None:
 
 @dataclass(frozen=True)
 class Study:
-    """What is asked of a run, part by part; what an entry leaves out are the defaults."""
+    """The study of a run, part by part; what an entry leaves out is taken from the defaults."""
 
     settings: Settings
 
@@ -39,7 +39,7 @@ class Study:
         return part in self.settings.asked
 
     def entry(self, part: str) -> Any:
-        """Return a part of the study, empty where it is not asked for."""
+        """Return a part of the study's settings, empty where the study has none."""
         return self.settings.asked.get(part, {})
 
     @property
@@ -64,22 +64,22 @@ class Study:
     def station_sets(self) -> list[str]:
         """The station sets that the study is about."""
         named = self.settings.asked.get("station_sets") or [self.entry("defaults").get("stations")]
-        return [one or "-".join(self.settings.stations) for one in named]
+        return [stations or "-".join(self.settings.stations) for stations in named]
 
     @cached_property
     def defaults(self) -> dict[str, str]:
         """RSO, station set, learner and component of every entry that names none."""
-        own = {"rso": self.rsos[0], "stations": self.station_sets[-1], "learner": "svr", "component": "e_y"}
-        return own | dict(self.entry("defaults"))
+        first = {"rso": self.rsos[0], "stations": self.station_sets[-1]}
+        return first | {"learner": "svr", "component": "e_y"} | dict(self.entry("defaults"))
 
     @cached_property
     def cleaning(self) -> Cleaning:
-        """Which rows the study drops; none but those that no model can correct, where it says nothing."""
+        """Which rows the study drops; by default only those that no model can correct."""
         return Cleaning.from_settings(self.entry("cleaning"))
 
     @cached_property
     def label(self) -> str:
-        """What errors are held against where an entry does not say: truth, later or smoothed.
+        """What predictions are held against where an entry names nothing: truth, later or smoothed.
 
         By default the truth, or later estimates where an RSO of the study has tracks and so no truth.
         """
@@ -87,30 +87,30 @@ class Study:
         return str(self.settings.asked.get("label", default))
 
     def is_measured(self, rso: str) -> bool:
-        """Whether the tracks of an RSO were really measured, so that it has no truth."""
+        """Return whether the tracks of an RSO were really measured, so that it has no truth."""
         return naming.rso_parts(rso, self.sheet)[0] in self.measured
 
     def truth_of(self, rso: str) -> str:
-        """What is known of an RSO's true orbit: SIMULATED, an orbit from FILES, or nothing where MEASURED."""
+        """Return where an RSO's true orbit comes from: SIMULATED, FILES, or MEASURED if unknown."""
         if self.is_measured(rso):
             return MEASURED
         return FILES if naming.rso_parts(rso, self.sheet)[0] in self.settings.orbits else SIMULATED
 
     @property
     def measured(self) -> Mapping[str, Any]:
-        """RSOs whose tracks were really measured, so that there is no truth, with their files."""
+        """Files of the RSOs whose tracks were really measured, so that they have no truth."""
         files: Mapping[str, Any] = self.settings.values.get("tracks", {})
         return files
 
     @property
     def span_days(self) -> Sequence[float]:
-        """Window of t_j that random splits draw from [days]: by default the days to train on, or the run."""
+        """Window of t_j that random splits draw from [days]: by default the training days, else the run."""
         days = self.entry("days").get("train") or [0, self.settings.values["duration_days"]]
         return self.settings.asked.get("span_days") or days
 
     @property
     def rolling(self) -> dict[str, Any]:
-        """When learners are trained anew: each of the days to test on, or of those that follow the span."""
+        """When learners are trained anew: on the days to test on, else on those that follow the span."""
         entry = self.entry("rolling")
         rest = [self.span_days[1], self.settings.values["duration_days"]]
         days = entry.get("days") or self.entry("days").get("test") or rest
@@ -123,22 +123,24 @@ class Study:
         return seeds
 
     def experiment(self, entry: Mapping[str, Any], **parts: str) -> Experiment:
-        """Return the experiment of an entry with `parts` over it; its own RSO is the target by default."""
-        given = {**entry, **parts}
-        named = self.defaults | {key: given[key] for key in given if key in Experiment.__dataclass_fields__}
-        label = naming.LABELS[given.get("label", self.label)]
-        return Experiment(**({"target": named["rso"]} | named | {"label": label}))
+        """Return the experiment of an entry with `parts` over it; the target is its RSO by default."""
+        settings = {**entry, **parts}
+        fields = {key: settings[key] for key in settings if key in Experiment.__dataclass_fields__}
+        names = self.defaults | fields
+        label = naming.LABELS[settings.get("label", self.label)]
+        return Experiment(**({"target": names["rso"]} | names | {"label": label}))
 
     def with_seeds(
         self, experiment: Experiment, *, noise: int | None = None, split: int | None = None
     ) -> Experiment:
-        """Return an experiment under other seeds; None is the run's own."""
-        own = self.own_seeds
-        noise, split = own["noise"] if noise is None else noise, own["split"] if split is None else split
+        """Return an experiment under other seeds; None stands for the run's own."""
+        default = self.own_seeds
+        noise = default["noise"] if noise is None else noise
+        split = default["split"] if split is None else split
         return replace(
             experiment,
-            stations=naming.add_seed(experiment.stations, naming.NOISE, noise, default=own["noise"]),
-            train=naming.add_seed(experiment.train, naming.SPLIT, split, default=own["split"]),
+            stations=naming.add_seed(experiment.stations, naming.NOISE, noise, default=default["noise"]),
+            train=naming.add_seed(experiment.train, naming.SPLIT, split, default=default["split"]),
         )
 
     def drawn_seeds(self, experiment: Experiment) -> list[Experiment]:
@@ -162,13 +164,13 @@ class Study:
             return []
         return [self.with_seeds(experiment, noise=seed) for seed in self._seeds("noise", "spread")]
 
-    def _seeds(self, kind: str, *under: str) -> Sequence[int]:
+    def _seeds(self, kind: str, *parts: str) -> Sequence[int]:
         entry = self.entry("seeds")
-        for part in under:
+        for part in parts:
             entry = entry.get(part, {})
         return entry.get(kind) or [self.own_seeds[kind]]
 
 
 def read_study(values: Mapping[str, Any]) -> Study:
-    """Return the study of settings that were checked before, with the sheets read anew."""
+    """Return the study of settings that were checked before, reading the sheets anew."""
     return Study(with_sheets(values))

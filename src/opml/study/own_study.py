@@ -1,4 +1,4 @@
-"""A study of any RSO: models against splits, errors before and after correction, rows used and dropped."""
+"""The experiments of a study of one's own: models against splits on any RSO, replayed mornings, fits."""
 
 import math
 from dataclasses import dataclass
@@ -9,11 +9,11 @@ from opml.learning.data.components import CORRECTED, UNCORRECTED
 from opml.learning.judge.calibration import marks
 from opml.learning.models.learners import learns
 from opml.naming import Experiment
-from opml.report.own_study import Answer
+from opml.report.own_study import OwnStudyReport
 from opml.study.experiments import Study
 
 BASELINES = ("none", "repredicted", "fit24", "fit48", "fit96", "held", "running", "running96")
-"""What a good engineer would do without learning."""
+"""Models of what a good engineer would do without learning."""
 
 MODELS = (*BASELINES, "svr", "covariance", "mechanism", "twoarcs")
 """The models that a study compares where it names none."""
@@ -25,13 +25,13 @@ REPLAYED = (
     *("none", "fit48", "fit96", "held", "running", "running96"),
     *("covariance", "mechanism", "twoarcs"),
 )
-"""The models whose mornings are run again where a study names none: they are trained in seconds."""
+"""The models whose mornings are replayed where a study names none: they are trained in seconds."""
 
 GROUPED, LATER, UNSEEN = "grouped", "later", "unseen"
 
 
 @dataclass(frozen=True)
-class Own:
+class OwnStudy:
     """The experiments of a study that names RSOs, station sets, and days to train and test on, or splits."""
 
     study: Study
@@ -55,9 +55,9 @@ class Own:
 
     @cached_property
     def shown(self) -> str:
-        """The split whose errors are drawn and stated: of predictions that start after the training.
+        """The split whose errors are drawn and stated.
 
-        Without one, that of later days; else the first.
+        The first whose predictions start after the training; else the first of later days; else the first.
         """
         tests = {name: naming.parse_test(test) for name, (_, test) in self.splits.items()}
         unseen = [name for name, test in tests.items() if test.unseen]
@@ -89,11 +89,12 @@ class Own:
 
     @property
     def panels(self) -> list[str]:
-        """Station sets as the metrics name them, with what errors are held against."""
-        return list(dict.fromkeys(one.columns()["stations"] for one in self.experiments.values()))
+        """Station sets as the metrics name them, with the suffix of their labels."""
+        columns = (experiment.columns() for experiment in self.experiments.values())
+        return list(dict.fromkeys(names["stations"] for names in columns))
 
-    def drawn(self, rso: str, stations: str) -> dict[str, Experiment]:
-        """The experiments of the shown split that correct something, by model."""
+    def corrections(self, rso: str, stations: str) -> dict[str, Experiment]:
+        """Return the experiments of the shown split that correct something, by model."""
         return {
             learner: self.experiments[rso, stations, learner, self.shown]
             for learner in self.learners
@@ -104,14 +105,14 @@ class Own:
     def stated(self) -> dict[tuple[str, str, str], Experiment]:
         """The experiments whose errors are stated in metres, by RSO, station set and model."""
         return {
-            (rso, stations, learner): one
+            (rso, stations, learner): experiment
             for rso, stations in self.datasets
-            for learner, one in self.drawn(rso, stations).items()
+            for learner, experiment in self.corrections(rso, stations).items()
         }
 
     @cached_property
     def rolling(self) -> dict[tuple[str, str, str], Experiment]:
-        """Learners that are trained anew, by RSO, station set and learner: those that the study names."""
+        """Experiments of learners that are trained anew, by RSO, station set and learner."""
         train, test = self.splits[self.shown]
         return {
             (rso, stations, learner): self.study.experiment(
@@ -123,27 +124,27 @@ class Own:
 
     @cached_property
     def replayed(self) -> dict[tuple[str, str, str], dict[str, str]]:
-        """Parts of the names of the replays, by RSO, station set and model; none without days to train on."""
+        """Parts of the replays' names, by RSO, station set and model; none without days to train on."""
         train, _ = self.splits[self.shown]
         if naming.parse_train(naming.strip_seed(train, naming.SPLIT)).kind != "days":
             return {}
-        named = self.study.settings.asked.get("replayed") or [
-            name for name in REPLAYED if name in self.learners and self._begins(name) <= self._last_begin
+        learners = self.study.settings.asked.get("replayed") or [
+            name for name in REPLAYED if name in self.learners and self._first_day(name) <= self._last_day
         ]
-        fixed = {
+        common = {
             "window": "",
             "reading": "",
             "label": naming.LABELS[self.study.label],
             "train": train,
         }
         return {
-            (rso, stations, learner): {"rso": rso, "stations": stations, "learner": learner, **fixed}
+            (rso, stations, learner): {"rso": rso, "stations": stations, "learner": learner, **common}
             for rso, stations in self.datasets
-            for learner in named
+            for learner in learners
         }
 
-    def _begins(self, learner: str) -> float:
-        """Day of the first morning of a model, as `opml.ephemerides.replays` has it."""
+    def _first_day(self, learner: str) -> float:
+        """Return the day of a model's first morning, as `opml.ephemerides.replays` has it."""
         settings, values = naming.parse_learner(learner, self.study.learners), self.study.settings.values
         train = naming.strip_seed(self.splits[self.shown][0], naming.SPLIT)
         first, last = naming.parse_train(train).days
@@ -153,23 +154,24 @@ class Own:
         return float(first + hours / 24.0)
 
     @property
-    def _last_begin(self) -> float:
-        """Last day that a model may begin on: another two mornings have to be over before the run is."""
+    def _last_day(self) -> float:
+        """The last day that a model may begin on, as two more mornings have to be over before the run is."""
         return float(self.study.settings.values["duration_days"]) - 3.0
 
     def mornings(self, rso: str, stations: str) -> dict[str, dict[str, str]]:
-        """The replays of a dataset by model."""
-        return {learner: parts for (*of, learner), parts in self.replayed.items() if of == [rso, stations]}
+        """Return the parts of the names of a dataset's replays, by model."""
+        replayed = self.replayed.items()
+        return {learner: parts for (*dataset, learner), parts in replayed if dataset == [rso, stations]}
 
     @property
     def laws(self) -> list[str]:
-        """The models among those replayed that learn."""
+        """The models that learn, among those whose mornings are replayed."""
         names = dict.fromkeys(learner for *_, learner in self.replayed)
         return [name for name in names if learns(naming.parse_learner(name, self.study.learners))]
 
     @cached_property
     def fits(self) -> dict[tuple[str, str], Experiment]:
-        """The experiments that the fits' own covariances are tested by, by RSO and station set."""
+        """The experiments that test the fits' own covariances, by RSO and station set."""
         train, test = self.splits[self.shown]
         return {
             (rso, stations): self.study.experiment(
@@ -187,16 +189,16 @@ class Own:
 
     @cached_property
     def windows(self) -> dict[str, str]:
-        """Suffixes of the fits' windows that the models ask for, by what they say; the run's own first."""
-        own = float(self.study.settings.values["estimation"]["window_hours"])
-        asked = {
+        """Suffixes of the windows of the run's fits and of the fits that models need, by a figure's label."""
+        default = float(self.study.settings.values["estimation"]["window_hours"])
+        needed = {
             float(hours)
             for name in self.learners
             if (hours := naming.parse_learner(name, self.study.learners).get("window_hours"))
         }
         return {
-            f"{hours:g}-hour fits": naming.window_suffix(hours, default=own)
-            for hours in (own, *sorted(asked - {own}))
+            f"{hours:g}-hour fits": naming.window_suffix(hours, default=default)
+            for hours in (default, *sorted(needed - {default}))
         }
 
     @property
@@ -206,9 +208,9 @@ class Own:
         return [day for day in MARKS if day <= longest] or [longest]
 
     @cached_property
-    def answer(self) -> Answer:
+    def report(self) -> OwnStudyReport:
         """What the report tells."""
-        return Answer(
+        return OwnStudyReport(
             experiments=self.experiments,
             pairs=self.splits,
             shown=self.shown,

@@ -1,7 +1,7 @@
-"""The paper's experiments as its study asks for them: figures, numbers, readings of what it leaves open."""
+"""The experiments of the paper: of its figures and numbers, and of other readings of what it leaves open."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -18,17 +18,17 @@ from opml.tables import COMPONENTS
 
 @dataclass(frozen=True)
 class Curve:
-    """One model on RSOs that differ in one element: what is varied by target, and the experiments."""
+    """One model on RSOs that differ in one element: the inclination, or an offset of the semi-major axis."""
 
-    targets: Mapping[str, float]
+    targets: Mapping[str, float]  # the varied element [deg or km] by RSO
     experiments: Sequence[Experiment]
-    first: Mapping[float, Experiment]  # of the first test, by what is varied
-    published: Mapping[str, Mapping[str, float]]
+    first: Mapping[float, Experiment]  # of the first test, by the varied element
+    published: Mapping[str, Mapping[str, float]]  # the paper's P_ML [%] by test and by the varied element
 
 
 @dataclass(frozen=True)
 class Paper:
-    """The experiments of a study in the paper's form; a part that is not asked for has none."""
+    """The experiments of a study in the paper's form, part by part; a part that the study lacks has none."""
 
     study: Study
 
@@ -36,22 +36,22 @@ class Paper:
     def evaluations(self) -> dict[str, Experiment]:
         """Experiments that have figures of their own, by the figures' name, in the paper's order."""
         entries = self.study.entry("evaluations")
-        found = {name: self.study.experiment(entry) for name, entry in entries.items()}
-        return dict(sorted(found.items(), key=lambda item: section_of(item[1])))
+        experiments = {name: self.study.experiment(entry) for name, entry in entries.items()}
+        return dict(sorted(experiments.items(), key=lambda item: section_of(item[1])))
 
     def partition(self, ratio: int) -> Experiment:
-        """The test on the rest after training on `ratio` % of the rows."""
+        """Return the test on the rest after training on `ratio` % of the rows."""
         return self.study.experiment(self.study.entry("partition"), train=f"random-{ratio}", test="rest")
 
     @cached_property
     def partitions(self) -> list[Experiment]:
         """The partition curve's experiments, of all seeds that are drawn."""
         ratios = self.study.entry("partition").get("ratios", [])
-        return [one for ratio in ratios for one in self.study.drawn_seeds(self.partition(ratio))]
+        return [seeded for ratio in ratios for seeded in self.study.drawn_seeds(self.partition(ratio))]
 
     @cached_property
     def individual(self) -> Experiment:
-        """The experiment that is drawn point by point."""
+        """The experiment whose errors are drawn prediction by prediction."""
         return self.evaluations[self.study.entry("individual")["evaluation"]]
 
     @cached_property
@@ -69,20 +69,20 @@ class Paper:
 
     def _curve(self, name: str, entry: Mapping[str, Any]) -> Curve:
         targets = self._targets(name, entry)
-        one = {
+        experiments = {
             (test, target): self.study.experiment(entry, test=test, target=target)
             for test in entry["tests"]
             for target in targets
         }
         return Curve(
             targets,
-            [seeded for experiment in one.values() for seeded in self.study.drawn_seeds(experiment)],
-            {value: one[entry["tests"][0], target] for target, value in targets.items()},
+            [seeded for experiment in experiments.values() for seeded in self.study.drawn_seeds(experiment)],
+            {value: experiments[entry["tests"][0], target] for target, value in targets.items()},
             entry.get("published", {}),
         )
 
     def _targets(self, name: str, entry: Mapping[str, Any]) -> dict[str, float]:
-        """A curve's RSOs and what is varied: the inclination [deg] or what is added to the axis [km]."""
+        """Return by a curve's RSOs the inclination [deg], or what is added to the semi-major axis [km]."""
         rso, sheet = entry.get("rso", self.study.defaults["rso"]), self.study.sheet
         if name == "inclination":
             return {sheets.name_at_inclination(rso, value, sheet): value for value in entry["inclinations"]}
@@ -90,7 +90,7 @@ class Paper:
 
     @cached_property
     def kernel_scales(self) -> list[Experiment]:
-        """Experiments with one fixed kernel scale each: every scale, split and station set."""
+        """Experiments with one fixed kernel scale each: every station set, split and scale."""
         entry = self.study.entry("kernel_scale")
         learner = entry.get("learner", self.study.defaults["learner"])
         return [
@@ -102,7 +102,7 @@ class Paper:
 
     @cached_property
     def kernel_rules(self) -> list[Experiment]:
-        """Experiments whose models tell the scales of the rules: the first split, each station set."""
+        """Experiments whose models follow the rules of the scale: each station set, the first split."""
         entry = self.study.entry("kernel_scale")
         return [
             self._kernel_scale(stations, entry["splits"][0], learner)
@@ -122,72 +122,74 @@ class Paper:
             for name in self.study.entry("components")
         }
 
-    def published(self, experiment: Experiment) -> float | None:
-        """The paper's P_ML [%] of an experiment, whatever the learner; None where it gives none."""
-        for _, own, number in self._numbers:
-            if replace(own, learner=experiment.learner) == experiment:
+    def published_p_ml(self, experiment: Experiment) -> float | None:
+        """Return the paper's P_ML [%] of an experiment, whatever the learner; None where it gives none."""
+        for _, headline, number in self._numbers:
+            if replace(headline, learner=experiment.learner) == experiment:
                 return number
         return None
 
     @cached_property
     def datasets(self) -> list[tuple[str, str]]:
         """RSO and station set of every dataset that the evaluations and grids are made of, each once."""
-        found = [(one.target, one.stations) for one in self.evaluations.values()]
-        found += [(rso, one.stations) for grid in self.grids.values() for rso, one in grid.items()]
-        return list(dict.fromkeys(found))
+        datasets = [(experiment.target, experiment.stations) for experiment in self.evaluations.values()]
+        datasets += [
+            (rso, experiment.stations) for grid in self.grids.values() for rso, experiment in grid.items()
+        ]
+        return list(dict.fromkeys(datasets))
 
     @cached_property
     def _numbers(self) -> list[tuple[str, Experiment, float]]:
-        """The paper's numbers of P_ML with our experiments, in the order of its sections."""
+        """Names, our experiments and P_ML [%] of the paper's numbers, in the order of its sections."""
         entries, partition = self.study.entry("evaluations"), self.study.entry("partition")
-        found = [
-            (name, one, entries[name]["published"])
-            for name, one in self.evaluations.items()
+        numbers = [
+            (name, experiment, entries[name]["published"])
+            for name, experiment in self.evaluations.items()
             if "published" in entries[name]
         ]
-        found += [
+        numbers += [
             (f"partition_{ratio}", self.partition(ratio), partition["published"][str(ratio)])
             for ratio in partition.get("shown", [])
             if str(ratio) in partition.get("published", {})
         ]
-        return sorted(found, key=lambda number: section_of(number[1]))
+        return sorted(numbers, key=lambda number: section_of(number[1]))
 
     @cached_property
     def headlines(self) -> list[Headline]:
-        """The paper's numbers with what ours is held against."""
+        """The paper's numbers with the experiments that ours are compared with."""
         return [self._headline(*number) for number in self._numbers]
 
-    def _headline(self, name: str, own: Experiment, published: float) -> Headline:
+    def _headline(self, name: str, experiment: Experiment, published: float) -> Headline:
         return Headline(
             name=name,
-            experiment=own,
+            experiment=experiment,
             published=published,
-            over_splits=self.study.split_spread(own),
-            over_noise=self.study.noise_spread(own),
-            fixed=self._fixed(own),
-            alternatives=self._alternatives(name, own),
+            over_splits=self.study.split_spread(experiment),
+            over_noise=self.study.noise_spread(experiment),
+            fixed=self._fix_scale(experiment),
+            alternatives=self._alternatives(name, experiment),
         )
 
-    def _fixed(self, experiment: Experiment) -> Experiment:
-        """An experiment with the learner whose kernel scale is one fixed number."""
+    def _fix_scale(self, experiment: Experiment) -> Experiment:
+        """Return an experiment with the learner whose kernel scale is one fixed number."""
         return replace(experiment, learner=self.study.entry("reproduction")["fixed"])
 
-    def _alternatives(self, name: str, own: Experiment) -> list[tuple[str, Experiment]]:
-        """What is run beside a headline's own experiment, each with what it changes."""
-        found = [(text, of[name]) for text, of in self.readings.items() if name in of]
-        for one in [self._fixed(own), *self.kernel_scales]:
-            if replace(one, learner=own.learner) == own:
-                text = f"the kernel scale is {self.kernel_scale(one):g}, not the default rule's"
-                found.append((text, one))
-        return found
+    def _alternatives(self, name: str, experiment: Experiment) -> list[tuple[str, Experiment]]:
+        """Return the experiments that stand beside a headline's, each with the text of what it changes."""
+        alternatives = [(text, read[name]) for text, read in self.readings.items() if name in read]
+        for scaled in [self._fix_scale(experiment), *self.kernel_scales]:
+            if replace(scaled, learner=experiment.learner) == experiment:
+                text = f"the kernel scale is {self.kernel_scale(scaled):g}, not the default rule's"
+                alternatives.append((text, scaled))
+        return alternatives
 
     def kernel_scale(self, experiment: Experiment) -> float:
-        """The fixed kernel scale of an experiment's learner."""
+        """Return the fixed kernel scale of an experiment's learner."""
         return float(naming.parse_learner(experiment.learner, self.study.learners)["kernel_scale"])
 
     @cached_property
     def readings(self) -> dict[str, dict[str, Experiment]]:
-        """By a reading's text and the headline, the experiments that show a reading's effect.
+        """The experiments that show a reading's effect, by the reading's text and the headline.
 
         The partition is left out: its curve is the same experiment as the test with all stations.
         """
@@ -195,19 +197,19 @@ class Paper:
         shown = {name for name, _, _ in self._numbers}
         return {
             entry["text"]: {
-                key: read
-                for key, own in self.evaluations.items()
-                if key in shown and (read := self._read(entry, own)) != own
+                name: read
+                for name, experiment in self.evaluations.items()
+                if name in shown and (read := self._apply_reading(entry, experiment)) != experiment
             }
             for entry in entries.values()
         }
 
-    def _read(self, entry: Mapping[str, Any], experiment: Experiment) -> Experiment:
-        """An experiment under another reading of what the paper leaves open."""
-        read, own = experiment, self.study.cleaning.previous
+    def _apply_reading(self, entry: Mapping[str, Any], experiment: Experiment) -> Experiment:
+        """Return an experiment under another reading of what the paper leaves open."""
+        read, previous = experiment, self.study.cleaning.previous
         if "learner" in entry:
             read = replace(read, learner=entry["learner"])
-        if entry.get("previous", own) != own:
+        if entry.get("previous", previous) != previous:
             read = replace(read, reading=naming.READINGS[entry["previous"]])
         if "split" in entry:
             read = replace(read, train=re.sub("^(random|grouped)-", f"{entry['split']}-", read.train))
@@ -220,62 +222,79 @@ class Paper:
     @cached_property
     def drawn(self) -> dict[str, Experiment]:
         """Every experiment whose number is drawn, by the figure and the point."""
-        found = dict(self.evaluations)
+        drawn = dict(self.evaluations)
         for ratio in self.study.entry("partition").get("ratios", []):
-            found[f"partition_curve, {ratio} %"] = self.partition(ratio)
+            drawn[f"partition_curve, {ratio} %"] = self.partition(ratio)
         for name, grid in self.grids.items():
-            found |= {f"{name}_{rso}": one for rso, one in grid.items()}
+            drawn |= {f"{name}_{rso}": experiment for rso, experiment in grid.items()}
         for name, curve in self.curves.items():
-            found |= {f"{name}_curve, {one.target}, {one.test}": one for one in curve.experiments}
-        return found
+            drawn |= {f"{name}_curve, {point.target}, {point.test}": point for point in curve.experiments}
+        return drawn
 
     @cached_property
     def reported(self) -> list[Experiment]:
         """Every experiment whose number stands in the reproduction, each once."""
-        found = [*self.evaluations.values(), *self.partitions, *self.kernel_scales, *self.drawn.values()]
+        reported = [*self.evaluations.values(), *self.partitions, *self.kernel_scales, *self.drawn.values()]
         for headline in self.headlines:
-            found += [headline.experiment, headline.fixed, *headline.over_splits, *headline.over_noise]
-        for of in self.readings.values():
-            found += of.values()
-        return list(dict.fromkeys(found))
+            reported += [headline.experiment, headline.fixed, *headline.over_splits, *headline.over_noise]
+        for experiments in self.readings.values():
+            reported += experiments.values()
+        return list(dict.fromkeys(reported))
 
     @cached_property
     def reproduction(self) -> Reproduction:
-        """What the document of the paper's numbers beside ours tells."""
+        """What the report on the reproduction tells."""
         entry = self.study.entry("reproduction")
-        own = self.study.learners[self.study.defaults["learner"]]
+        learner = self.study.learners[self.study.defaults["learner"]]
         return Reproduction(
             headlines=self.headlines,
             readings=self.readings,
             evaluations=self.evaluations,
-            scales={one: self.kernel_scale(one) for one in self.kernel_scales},
+            scales={experiment: self.kernel_scale(experiment) for experiment in self.kernel_scales},
             claims=self.claims,
             drawn=self.drawn,
-            rule=str(own["kernel_scale"]),
+            rule=str(learner["kernel_scale"]),
             fixed_scale=float(self.study.learners[entry["fixed"]]["kernel_scale"]),
             calibrated=entry["calibrated"],
         )
 
     @cached_property
     def claims(self) -> list[Claim]:
-        """What the paper says in words, entry by entry, with the experiments that tell."""
-        found = []
+        """What the paper says in words, entry by entry, with the experiments that it is about."""
+        return [
+            *self._evaluation_claims(),
+            *self._partition_claims(),
+            *self._grid_claims(),
+            *self._curve_claims(),
+            *self._individual_claims(),
+        ]
+
+    def _evaluation_claims(self) -> Iterator[Claim]:
         for name, entry in self.study.entry("evaluations").items():
             for claim in entry.get("claims", []):
                 names = [*claim.get("beside", []), name]
-                found.append(self._claim(claim, {one: self.evaluations[one] for one in names}))
+                yield self._claim(claim, {point: self.evaluations[point] for point in names})
+
+    def _partition_claims(self) -> Iterator[Claim]:
         partition = self.study.entry("partition")
         points = {f"{ratio} %": self.partition(ratio) for ratio in partition.get("ratios", [])}
-        found += [self._claim(claim, points) for claim in partition.get("claims", [])]
+        for claim in partition.get("claims", []):
+            yield self._claim(claim, points)
+
+    def _grid_claims(self) -> Iterator[Claim]:
         for name, entry in self.study.entry("grids").items():
-            found += [self._claim(claim, self.grids[name]) for claim in entry.get("claims", [])]
+            for claim in entry.get("claims", []):
+                yield self._claim(claim, self.grids[name])
+
+    def _curve_claims(self) -> Iterator[Claim]:
         for name, entry in self.study.entry("curves").items():
-            found += [self._curve_claim(name, claim) for claim in entry.get("claims", [])]
-        individual = self.study.entry("individual")
-        found += [
-            self._claim(c, {individual["evaluation"]: self.individual}) for c in individual.get("claims", [])
-        ]
-        return found
+            for claim in entry.get("claims", []):
+                yield self._curve_claim(name, claim)
+
+    def _individual_claims(self) -> Iterator[Claim]:
+        entry = self.study.entry("individual")
+        for claim in entry.get("claims", []):
+            yield self._claim(claim, {entry["evaluation"]: self.individual})
 
     def _curve_claim(self, name: str, claim: Mapping[str, Any]) -> Claim:
         unit = {"inclination": "deg", "semi_major_axis": "km"}[name]

@@ -1,4 +1,4 @@
-"""A finished run as one archive that tells its making: RO-Crate, profile Workflow Run Crate 0.5.
+"""A finished run as one archive that tells how it was made: RO-Crate, profile Workflow Run Crate 0.5.
 
     opml pack --configfile mine.yaml [--config KEY=VALUE ...]
 
@@ -6,7 +6,7 @@ Source: https://w3id.org/ro/wfrun/workflow/0.5, by the library rocrate (the extr
 """
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from importlib import resources
 from importlib.metadata import distributions, version
@@ -34,17 +34,17 @@ _PROFILES = {
     "https://w3id.org/ro/wfrun/workflow/0.5": "Workflow Run Crate",
     "https://w3id.org/workflowhub/workflow-ro-crate/1.0": "Workflow RO-Crate",
 }
-
-
 _PROGRAM = {"@type": "SoftwareApplication"}
 _KINDS = {".parquet": "application/vnd.apache.parquet", ".md": "text/markdown", ".yaml": "application/yaml"}
 
 
 def pack(configfiles: Sequence[FilePath], config: Mapping[str, Any] | None = None) -> Path:
-    """Write a finished run into an archive beside its results; returns the archive's path.
+    """Write a finished run of this folder into an archive beside its results; return the archive's path.
 
-    `configfiles` and `config` are what the run was given; it is that of the present folder. Raises InputError
-    where there are no results, or a file of one's own is missing.
+    Raises InputError where the run has no results, or a file that it was made of is missing.
+
+    configfiles: the files behind the run's --configfile
+    config: settings behind the run's --config
     """
     files = ["config/config.yaml", *configfiles]
     values = merged(files, Layer(COMMAND_LINE, config or {})).values
@@ -56,11 +56,12 @@ def pack(configfiles: Sequence[FilePath], config: Mapping[str, Any] | None = Non
     with TemporaryDirectory() as folder:
         settings = Path(folder) / "settings.yaml"
         settings.write_text(yaml.safe_dump(values, sort_keys=False), encoding="utf-8")
-        crate = _described(results, products)
-        workflow = _workflow(crate)
-        asked = [_file(crate, settings, "settings.yaml", _setting(crate, workflow))]
-        asked += [_file(crate, path, _place(path)) for path in _inputs(files, values)]
-        _add_run(crate, workflow, asked, [_file(crate, path, _inside(path, results)) for path in products])
+        crate = _new_crate(results, products)
+        workflow = _add_workflow(crate)
+        inputs = [_add_file(crate, settings, "settings.yaml", _setting(crate, workflow))]
+        inputs += [_add_file(crate, path, _place(path)) for path in _inputs(files, values)]
+        outputs = [_add_file(crate, path, _relative(path, results)) for path in products]
+        _add_run(crate, workflow, inputs, outputs)
         with replacing(archive) as temporary:
             crate.write_zip(temporary)
     return archive
@@ -71,22 +72,24 @@ def settings_of(pairs: Sequence[str]) -> dict[str, Any]:
     return {key: yaml.safe_load(value) for key, _, value in (pair.partition("=") for pair in pairs)}
 
 
-def _described(results: Path, products: Sequence[Path]) -> Any:
-    """An empty crate that tells what it holds, by which profiles."""
+def _new_crate(results: Path, products: Sequence[Path]) -> Any:
+    """Return a crate without files that tells what it is to hold, and its profiles."""
     crate = ROCrate(version="1.1")
     crate.name = f"Run of opml: {results.name}"
     crate.description = "Orbit predictions and their corrections. Each table tells its units and its making."
     crate.license = crate.add(ContextEntity(crate, _LICENSE, {"@type": "CreativeWork", "name": "MIT"}))
     crate.datePublished = _time(products, max)
     crate.root_dataset["conformsTo"] = [
-        crate.add(ContextEntity(crate, at, {"@type": "CreativeWork", "name": name, "version": Path(at).name}))
-        for at, name in _PROFILES.items()
+        crate.add(
+            ContextEntity(crate, url, {"@type": "CreativeWork", "name": name, "version": Path(url).name})
+        )
+        for url, name in _PROFILES.items()
     ]
     return crate
 
 
-def _workflow(crate: Any) -> Any:
-    """Add the workflow's files and what it needs; returns the entity of its Snakefile."""
+def _add_workflow(crate: Any) -> Any:
+    """Add the workflow's files and the packages it needs; return the entity of its Snakefile."""
     folder = Path("workflow") if Path("workflow/Snakefile").is_file() else PROJECT / "workflow"
     about = {"name": "opml", "version": __version__, "encodingFormat": "text/plain"}
     linked = {"license": _LICENSE, "citation": _PAPER, "conformsTo": _BIOSCHEMAS}
@@ -96,47 +99,47 @@ def _workflow(crate: Any) -> Any:
         main=True,
         lang="snakemake",
         lang_version=version("snakemake"),
-        properties=about | {name: {"@id": at} for name, at in linked.items()},
+        properties=about | {name: {"@id": url} for name, url in linked.items()},
     )
     for path in _files(folder):
         if path.name != "Snakefile":
-            _file(crate, path, f"workflow/{_inside(path, folder)}")
+            _add_file(crate, path, f"workflow/{_relative(path, folder)}")
     sources = Path(str(resources.files("opml") / "data" / "README.md"))
-    _file(crate, sources, "sources.md", {"name": "Sources of the packaged data"})
-    workflow["softwareRequirements"] = _packages(crate)
+    _add_file(crate, sources, "sources.md", {"name": "Sources of the packaged data"})
+    workflow["softwareRequirements"] = _add_packages(crate)
     return workflow
 
 
 def _setting(crate: Any, workflow: Any) -> dict[str, Any]:
-    """Properties of the settings in full: they are what the workflow takes as its parameter."""
+    """Return the properties of the settings in full, the workflow's one parameter."""
     parameter = crate.add_formal_parameter("settings", "File", identifier="#settings")
     workflow["input"] = parameter
     return {"name": "All settings of the run", "exampleOfWork": {"@id": parameter.id}}
 
 
-def _add_run(crate: Any, workflow: Any, asked: list[Any], made: list[Any]) -> None:
-    """Add the run itself: what made which files of what, and when."""
-    times = [Path(entity.source) for entity in made]
-    told = "What the settings ask for, made by Snakemake; times of the first and the last file"
-    about = {"name": "Run of the workflow", "description": told}
-    about |= {"startTime": _time(times, min), "endTime": _time(times, max)}
-    run = crate.add_action(workflow, identifier="#run", object=asked, result=made, properties=about)
+def _add_run(crate: Any, workflow: Any, inputs: list[Any], outputs: list[Any]) -> None:
+    """Add the run itself, from the entities of its files, with the times of the first and the last output."""
+    paths = [Path(entity.source) for entity in outputs]
+    description = "What the settings ask for, made by Snakemake; times of the first and the last file"
+    about = {"name": "Run of the workflow", "description": description}
+    about |= {"startTime": _time(paths, min), "endTime": _time(paths, max)}
+    run = crate.add_action(workflow, identifier="#run", object=inputs, result=outputs, properties=about)
     crate.root_dataset["mentions"] = run
 
 
-def _packages(crate: Any) -> list[Any]:
-    """The package, and all that is installed beside it."""
-    found = {one.name: one.version for one in distributions()} | {DISTRIBUTION: __version__}
+def _add_packages(crate: Any) -> list[Any]:
+    """Add the package and all that is installed beside it; return their entities."""
+    installed = {distribution.name: distribution.version for distribution in distributions()}
     return [
         crate.add(
             ContextEntity(crate, f"pkg:pypi/{name}@{number}", _PROGRAM | {"name": name, "version": number})
         )
-        for name, number in sorted(found.items())
+        for name, number in sorted((installed | {DISTRIBUTION: __version__}).items())
     ]
 
 
 def _inputs(files: Sequence[FilePath], values: Any) -> Iterator[Path]:
-    """The run's own files: settings, sheets, orbits, tracks and first states."""
+    """Yield the files that the run was made of: settings, sheets, orbits, tracks and first states."""
     settings = with_sheets(values)
     named = [*files, *values["sheets"].values(), *settings.starts.values()]
     named += [path for paths in (*settings.orbits.values(), *settings.tracks.values()) for path in paths]
@@ -148,32 +151,31 @@ def _inputs(files: Sequence[FilePath], values: Any) -> Iterator[Path]:
 
 
 def _place(path: Path) -> str:
-    """Where a file of one's own stands in the archive: as in the project, or below its last folder."""
+    """Return where an input stands in the archive: as in the project, else below the name of its folder."""
     whole, project = path.absolute(), Path.cwd()
     inside = whole.relative_to(project) if whole.is_relative_to(project) else Path(*whole.parts[-2:])
     return f"inputs/{inside.as_posix()}"
 
 
 def _files(folder: Path) -> Iterator[Path]:
-    """All files below a folder in the order of their names, less hidden and compiled ones."""
+    """Yield all files below a folder in the order of their names, but hidden and compiled ones."""
     for path in sorted(folder.rglob("*")):
         if path.is_file() and not any(part.startswith((".", "__")) for part in path.parts):
             yield path
 
 
-def _file(crate: Any, path: Path, to: str, about: dict[str, Any] | None = None) -> Any:
+def _add_file(crate: Any, path: Path, place: str, about: dict[str, Any] | None = None) -> Any:
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
     kind = _KINDS.get(path.suffix) or guess_type(path.name)[0] or "application/octet-stream"
     properties = {"sha256": digest, "encodingFormat": kind, **(about or {})}
-    return crate.add_file(path, to, record_size=True, properties=properties)
+    return crate.add_file(path, place, record_size=True, properties=properties)
 
 
-def _inside(path: Path, folder: Path) -> str:
+def _relative(path: Path, folder: Path) -> str:
     return path.relative_to(folder).as_posix()
 
 
-def _time(paths: Sequence[Path], which: Any) -> str:
-    """First or last time at which files were written, in UTC."""
-    return datetime.fromtimestamp(which(path.stat().st_mtime for path in paths), UTC).isoformat(
-        "T", "seconds"
-    )
+def _time(paths: Sequence[Path], extreme: Callable[[Iterable[float]], float]) -> str:
+    """Return the first (min) or last (max) time at which files were written, in UTC."""
+    seconds = extreme(path.stat().st_mtime for path in paths)
+    return datetime.fromtimestamp(seconds, UTC).isoformat("T", "seconds")

@@ -2,23 +2,28 @@
 
 import logging
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, TypeVar
 
+import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from opml import __version__
 from opml.base.errors import InputError
+from opml.base.files import FilePath
 from opml.base.provenance import settings_digest
+from opml.tables import read_table
 
 _log = logging.getLogger("opml")
 _warnings = logging.getLogger("py.warnings")
 
+Key = TypeVar("Key")
+
 
 @contextmanager
 def job(snakemake: Any) -> Iterator[dict[str, Any]]:
-    """Run a script's body with its log open; yields the metadata that the tables it writes carry.
+    """Run a script's body with its log open; yield the metadata of the tables that it writes.
 
     Progress, through the loggers below ``opml``, goes to the rule's log. An `InputError` ends the job with
     one line there and on stderr and with exit code 1, any other error with its traceback. BLAS is held to one
@@ -46,10 +51,18 @@ def job(snakemake: Any) -> Iterator[dict[str, Any]]:
 def metadata_of_each(settings: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Return the metadata of the tables of a job for several RSOs, in the order of the settings' `rsos`.
 
-    Each is that of a job for this `rso` alone, so that a table's bytes do not tell what was made with it.
+    Each is that of a job for its RSO alone, so that a table's bytes do not tell what was made with it.
     """
     common = {name: value for name, value in settings.items() if name != "rsos"}
     return [_metadata(common | {"rso": rso}) for rso in settings["rsos"]]
+
+
+def read_by_key(keys: Iterable[Key], paths: Iterable[FilePath], kind: str) -> dict[Key, pd.DataFrame]:
+    """Read a job's tables of one kind; return them by the key in a path's place.
+
+    Raises InputError as `read_table` does, ValueError for another number of paths than of keys.
+    """
+    return {key: read_table(path, kind) for key, path in zip(keys, paths, strict=True)}
 
 
 def progress(share: float) -> None:
@@ -75,7 +88,7 @@ def _open_log(paths: Any) -> list[logging.Handler]:
 
 
 def _metadata(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what every table says of its making, from the settings in the rule's params."""
+    """Return what every table tells of its making; settings: of the rule's params."""
     metadata = {
         "epoch": settings["epoch"],
         "time_scale": "SI seconds since epoch",

@@ -161,7 +161,7 @@ def test_claims_follow_the_numbers(paper):
 
     results = Results(metrics(paper, p_ml))
     found = {
-        said: (ours, holds) for said, ours, holds in (claims.judged(one, results) for one in paper.claims)
+        said: (ours, holds) for said, ours, holds in (claims.judge(one, results) for one in paper.claims)
     }
     assert len(found) == 10
     assert all(holds for _, holds in found.values()), found

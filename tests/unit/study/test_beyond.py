@@ -68,14 +68,14 @@ def test_the_rso_left_out_is_no_part_of_what_it_is_tested_after(values):
 )
 def test_the_papers_number_stands_beside_every_learner(stations, split, number):
     for learner in ("svr", "mechanism"):
-        assert PAPER.paper.published(PAPER.splits[stations, learner, split]) == number
+        assert PAPER.paper.published_p_ml(PAPER.splits[stations, learner, split]) == number
 
 
 def test_the_papers_transfers():
     found = PAPER.transfers
-    assert PAPER.paper.published(found["inclination", "svr", "iss_i50"]) == 40.2
-    assert PAPER.paper.published(found["semi_major_axis", "svr", "iss_a+50"]) == 86.0
-    assert PAPER.paper.published(found["semi_major_axis", "svr", "iss_a+60"]) is None
+    assert PAPER.paper.published_p_ml(found["inclination", "svr", "iss_i50"]) == 40.2
+    assert PAPER.paper.published_p_ml(found["semi_major_axis", "svr", "iss_a+50"]) == 86.0
+    assert PAPER.paper.published_p_ml(found["semi_major_axis", "svr", "iss_a+60"]) is None
 
 
 def test_document_tells_every_model_split_and_interval(values):
