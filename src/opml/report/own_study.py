@@ -62,7 +62,7 @@ def document(
     RSO, station set and model. `calibration`: those tables of the fits' own covariances.
     """
     told = {
-        dataset: Mornings.of(own, asked.laws, seed=asked.seed)
+        dataset: Mornings.from_replays(own, asked.laws, seed=asked.seed)
         for dataset in asked.datasets
         if (own := {learner: table for (*of, learner), table in replays.items() if tuple(of) == dataset})
     }

@@ -6,18 +6,15 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.learning.judge import calibration
+from opml.learning.judge.error_sizes import INSIDE, LEVEL
 from opml.learning.judge.errors_by_duration import REACH_DAYS
 from opml.learning.judge.model_choice import Mornings
-from opml.orbits.rsw_covariance import half_width
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.mornings import CHOSEN, Dataset
 from opml.report.results import NONE, length
 from opml.tables import ELLIPSOID, PLANE, WHOLE
 
 TITLE = "Is the uncertainty true?"
-
-MAIN = 0.9
-"""The level whose shares are printed."""
 
 QUANTITIES = ("e_x", "e_y", "e_z", PLANE, ELLIPSOID, WHOLE)
 
@@ -75,7 +72,7 @@ def section(
 
 def verdict(flown: pd.DataFrame, shares: pd.DataFrame, days: Sequence[float]) -> str:
     """Whether the covariances of what was flown are true, in a line; shares: of `calibration.of_replay`."""
-    ellipsoids = shares[(shares["quantity"] == ELLIPSOID) & (shares["level"] == MAIN)]
+    ellipsoids = shares[(shares["quantity"] == ELLIPSOID) & (shares["level"] == LEVEL)]
     held = {row["day"]: row["inside"] for row in ellipsoids.to_dict("records")}
     good = [day for day, share in held.items() if HOLDS[0] <= share <= HOLDS[1]]
     tested = calibration.goodness(flown, days=days).dropna(subset=["p"])
@@ -99,6 +96,6 @@ def _rows(name: str, table: pd.DataFrame, shares: pd.DataFrame, days: Sequence[f
 
 def _cells(name: str, day: float, own: pd.DataFrame) -> list[str]:
     """Name, duration, shares inside, and the deviation along-track."""
-    at = own[own["level"] == MAIN].set_index("quantity")
+    at = own[own["level"] == LEVEL].set_index("quantity")
     shares = [f"{100.0 * at.loc[one, 'inside']:.0f}" if one in at.index else NONE for one in QUANTITIES]
-    return [name, f"{day:g}", *shares, length(at.loc["e_y", "stated"] / half_width(MAIN))]
+    return [name, f"{day:g}", *shares, length(at.loc["e_y", "stated"] / INSIDE)]
