@@ -19,7 +19,7 @@ from opml.base.seeds import derive
 from opml.learning.data import splits
 from opml.learning.judge import metrics
 from opml.learning.models import kernel_scale, svr
-from opml.learning.models.inputs import standardisation
+from opml.learning.models.inputs import Training, standardisation
 
 DATASET = Path(__file__).parents[1] / "results" / "dataset" / "iss" / "eglin-clear-kaena.parquet"
 ROUNDS = 3
@@ -131,7 +131,7 @@ def compare(data: Data, settings: dict) -> str:
 
 
 def _fit(data: Data, y: np.ndarray, settings: dict) -> svr.SvrModel:
-    return svr.fit(data.x, y, variables=data.variables, settings=settings, seed=0)
+    return svr.fit(Training(data.x, y, data.variables, seed=0), settings)
 
 
 def _beside(reference, found):

@@ -485,10 +485,9 @@ def p_ml(evaluation: pd.DataFrame) -> float:
 def lessons(
     dataset: pd.DataFrame, *, learner: Mapping[str, Any] = LEARNER, first_day: float = 0.0, seed: int = 42
 ) -> Lessons:
-    """A learner of e_y that is trained anew each morning, on the errors of the dataset known by then.
+    """Return a learner of e_y that is trained anew each morning, on errors of the dataset known by then.
 
-    learner: as under `learners` in the settings; first_day: of the rows that it is trained on; seed: of its
-    draws.
+    learner: as under `learners` in the settings; first_day: of the rows to train on; seed: of its draws.
 
     >>> daily = opml.lessons(rows, learner={"kind": "none"})  # two days are too short for a law
     >>> bool(daily.learns)

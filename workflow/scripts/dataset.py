@@ -1,4 +1,6 @@
-"""Build the dataset of learning variables and errors, true or labels, with each dropped row's reason."""
+"""Build the dataset of learning variables and errors, with the reason of each dropped row."""
+
+from dataclasses import replace
 
 from opml.base.constants import HOUR
 from opml.learning.data import dataset
@@ -8,14 +10,17 @@ from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings, labels = snakemake.params.settings, snakemake.input.get("labels")
+    manoeuvres = read_metadata(snakemake.input.manoeuvres).get("manoeuvres", [])
     table = dataset.build(
         read_table(snakemake.input.estimates, "estimates"),
         read_table(snakemake.input.predictions, "predictions"),
         read_table(snakemake.input.tracking, "tracking"),
         gm=read_metadata(snakemake.input.gravity_field)["gm"],
-        cleaning=Cleaning.from_settings(settings["cleaning"]),
-        manoeuvres=[one["t"] for one in read_metadata(snakemake.input.manoeuvres).get("manoeuvres", [])],
-        window=HOUR * settings["window_hours"],
+        cleaning=replace(
+            Cleaning.from_settings(settings["cleaning"]),
+            manoeuvres=tuple(manoeuvre["t"] for manoeuvre in manoeuvres),
+            window=HOUR * settings["window_hours"],
+        ),
         labels=labels and read_table(labels, "labels"),
     )
     write_table(snakemake.output[0], table, "labelled" if labels else "dataset", metadata=metadata)

@@ -1,4 +1,4 @@
-"""Hold the fits' own covariances, carried to the predictions, against the predictions' errors."""
+"""Compare the covariances of the fits, carried to the predictions, with the errors of the predictions."""
 
 from opml.learning.data import job_rows
 from opml.learning.data.components import POSITION
@@ -9,10 +9,12 @@ from opml.workflow.jobs import job
 with job(snakemake) as metadata:
     settings, files = snakemake.params.settings, snakemake.input
     table, rows, _ = job_rows.read(files, settings, beside=[files.covariances])
-    found = calibration.of_covariances(
+    shares = calibration.of_covariances(
         symmetric_matrices(table[rows], POSITION_COVARIANCES),
         table.loc[rows, POSITION].to_numpy(),
         table.loc[rows, "duration"].to_numpy(),
         days=calibration.marks(settings["max_days"]),
     )
-    write_table(snakemake.output[0], found.assign(**settings["experiment"]), "calibration", metadata=metadata)
+    write_table(
+        snakemake.output[0], shares.assign(**settings["experiment"]), "calibration", metadata=metadata
+    )

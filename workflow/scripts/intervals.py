@@ -10,16 +10,17 @@ from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings, files = snakemake.params.settings, snakemake.input
-    of, seed = settings["experiment"], settings["seed"]
+    experiment, seed = settings["experiment"], settings["seed"]
+    component = experiment["component"]
     training, test = job_rows.read_with_training(files, settings)
-    found = intervals.apply(
-        partial(learners.train, component=of["component"], settings=settings["learner"], seed=seed),
+    table = intervals.apply(
+        partial(learners.train, component=component, settings=settings["learner"], seed=seed),
         training,
         test,
-        component=of["component"],
+        intervals.Conformal(**settings["intervals"]),
+        component=component,
         seed=seed,
-        **settings["intervals"],
     )
-    write_table(snakemake.output.intervals, found, "intervals", metadata=metadata)
-    summary = intervals.summary(found, level=settings["intervals"]["level"], **of)
+    write_table(snakemake.output.intervals, table, "intervals", metadata=metadata)
+    summary = intervals.summary(table, level=settings["intervals"]["level"], **experiment)
     write_table(snakemake.output.coverage, summary, "coverage", metadata=metadata)

@@ -14,9 +14,9 @@ with job(snakemake):
         name: read_table(path, "replay")
         for name, path in zip(settings["learners"], files.replays, strict=True)
     }
-    mornings = Mornings.of(replays, settings["laws"], seed=settings["seed"])
-    told = {"chosen by the past": mornings.flown, **mornings.tables}
-    tables = calibration.of_replays(told, days=settings["days"])
+    mornings = Mornings.from_replays(replays, settings["laws"], seed=settings["seed"])
+    models = {"chosen by the past": mornings.flown, **mornings.tables}
+    tables = calibration.of_replays(models, days=settings["days"])
     tables["the fit's own covariance"] = read_table(files.fit, "calibration")
     drawn = [
         figures.coverage(tables, quantity=quantity, note=settings["note"])

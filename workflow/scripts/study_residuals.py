@@ -12,7 +12,7 @@ with job(snakemake):
         for name, path in zip(settings["learners"], snakemake.input, strict=True)
     }
     figure = own_study.residuals(
-        Mornings.of(replays, settings["laws"], seed=settings["seed"]),
+        Mornings.from_replays(replays, settings["laws"], seed=settings["seed"]),
         laws=settings["laws"],
         note=settings["note"],
     )

@@ -1,1 +1,1 @@
-"""Other readings of the paper, mistakes of method among them, and the scan over their combinations."""
+"""Other readings of the paper, some of them mistakes of method, and the scan over their combinations."""

@@ -1,8 +1,8 @@
-"""A reading of the paper: rows to test on are standardised by their own mean and deviation.
+"""A reading of the paper: test rows are standardised by their own mean and deviation.
 
-'The learning variables will be standardized using the mean and standard deviation of each variable' does not
-say of which rows. To standardise a test by itself is a mistake of method: one row's correction then depends
-on all others, and the mean over the test, which no catalogue knows at t_i, leaks into it.
+'The learning variables will be standardized using the mean and standard deviation of each variable': the
+paper does not name the rows. To standardise a test by itself is a mistake of method. The correction of a row
+then depends on all other rows, and the mean over the test leaks into it, which no catalogue knows at t_i.
 """
 
 from dataclasses import dataclass
@@ -12,13 +12,13 @@ import numpy as np
 
 from opml.base.errors import InputError
 from opml.learning.models.contract import Model, Predictor
-from opml.learning.models.inputs import checked, standardisation
+from opml.learning.models.inputs import checked_rows, standardisation
 from opml.naming import parse_test
 
 
 @runtime_checkable
 class Standardising(Protocol):
-    """A model that standardises what it is given by the rows that it was trained on."""
+    """A model that standardises rows by the mean and deviation of its training rows."""
 
     x_mean: np.ndarray  # (variables,)
     x_scale: np.ndarray  # (variables,)
@@ -26,35 +26,35 @@ class Standardising(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Rescaled:
-    """A model that meets rows as if they had the mean and deviation of those that it was trained on."""
+    """A model applied to rows as if they had the mean and deviation of its training rows."""
 
     model: Model
-    mean: np.ndarray  # (variables,), of the rows trained on
-    scale: np.ndarray  # (variables,)
+    mean: np.ndarray  # (variables,), of the training rows
+    scale: np.ndarray  # (variables,), likewise
 
     @classmethod
     def around(cls, model: Model) -> Self:
-        """Raises InputError for a model that does not standardise."""
+        """Return a model rescaled; raise InputError for a model that does not standardise."""
         if not isinstance(model, Standardising):
             raise InputError("test split: -zscore: expected a model that standardises its variables")
         return cls(model, np.asarray(model.x_mean), np.asarray(model.x_scale))
 
     @property
     def variables(self) -> tuple[str, ...]:
-        """The columns of a dataset that it predicts from."""
+        """Columns of a dataset that it predicts from."""
         return self.model.variables
 
     def predict(self, x: np.ndarray) -> np.ndarray:
-        """Predicted errors (n,) of rows x (n, variables), of which each depends on all others."""
-        x = checked(x, self.variables)
+        """Return predicted errors (n,) of rows x (n, variables); each depends on all rows."""
+        x = checked_rows(x, self.variables)
         mean, scale = standardisation(x)
         return self.model.predict(self.mean + self.scale * (x - mean) / scale)
 
 
 def as_tested(model: Model, test: str) -> Predictor:
-    """The model as the name of a test has it meet rows: as they are, or standardised by themselves.
+    """Return the model as the name of a test applies it: to rows as they are, or standardised by themselves.
 
-    A test that is standardised together with the training has a model of its own, which meets rows as they
-    are. Raises InputError for a name that is none, or a model that does not standardise.
+    A test that is standardised together with the training has a model of its own, applied to rows as they
+    are. Raises InputError for an unknown name, or a model that does not standardise.
     """
     return Rescaled.around(model) if parse_test(test).standardisation == "own" else model

@@ -11,20 +11,20 @@ from opml.study.paper import Paper
 
 
 def scan(paper: Paper) -> Scan:
-    """Return what a study scans, the default reading first; without combinations where it asks for none."""
+    """Return what a study scans, the default reading first; no combinations where it asks for no scan."""
     default = Combination(paper.study.defaults["learner"])
     products = paper.study.entry("scan").values()
-    own = paper.study.cleaning.previous
-    found = [one for axes in products for one in _combinations(axes, previous=own)]
+    previous = paper.study.cleaning.previous
+    combinations = [combined for axes in products for combined in _combinations(axes, previous=previous)]
     return Scan(
-        list(dict.fromkeys([default, *found])) if found else [],
+        list(dict.fromkeys([default, *combinations])) if combinations else [],
         {headline.name: (headline.experiment, headline.published) for headline in paper.headlines},
         [claim for claim in paper.claims if claim.points],
     )
 
 
 def _combinations(axes: Mapping[str, Any], *, previous: str) -> Iterator[Combination]:
-    """Yield the product of axes, in a study with its own `previous`."""
+    """Yield the product of axes; previous: the reading of t_b that is the default of the study."""
     for learner, estimation, reading, fence, standardisation in product(
         axes["learners"],
         axes.get("estimations", [{}]),

@@ -1,4 +1,4 @@
-"""The paper's numbers as marks, and what combinations of readings give as lines."""
+"""The numbers of the paper as marks, and those of combinations of readings as lines."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -9,32 +9,37 @@ from opml.base.errors import InputError
 from opml.figures.style import MUTED, PREDICTED, PUBLISHED, RESIDUAL, add_note, page_figure
 
 MOST = 130.0
-"""Where the axis ends [%]: a correction that leaves more than there was is as bad as any other."""
+"""End of the axis [%]: corrections that leave more than this are equally bad."""
 
 
 def scan(
-    found: Mapping[str, Mapping[str, float]],
+    combinations: Mapping[str, Mapping[str, float]],
     published: Mapping[str, float],
     *,
     default: str,
     published_name: str = "Peng & Bai",
 ) -> Figure:
-    """P_ML [%] of each of the `published` numbers; one line per combination, nearest and default in colour.
+    """Draw P_ML [%] of published numbers, one line per combination, the nearest and the default in colour.
 
-    `found`: by combination, the nearest first, P_ML by the number's name. Raises InputError without one.
+    combinations: P_ML [%] by combination, the nearest first, and by number
+    published: P_ML [%] by number
+    default: the combination of default readings
+
+    Raises InputError without combinations.
     """
-    if not found:
+    if not combinations:
         raise InputError("scan: expected at least one combination of readings, got none")
     figure = page_figure(height_mm=96.0)
     axes = figure.add_subplot()
-    nearest = next(iter(found))
+    nearest = next(iter(combinations))
     looks: dict[str, dict[str, Any]] = {
         nearest: {"color": RESIDUAL, "zorder": 3, "label": f"{nearest}, the nearest"},
         default: {"color": PREDICTED, "zorder": 3, "label": f"{default}, the default"},
     }
     others: dict[str, Any] = {"color": MUTED, "lw": 0.7, "alpha": 0.6, "zorder": 1}
-    for name, numbers in found.items():
-        axes.plot(list(published), [numbers[one] for one in published], "-", **looks.get(name, others))
+    for name, numbers in combinations.items():
+        heights = [numbers[number] for number in published]
+        axes.plot(list(published), heights, "-", **looks.get(name, others))
     axes.plot(
         list(published),
         list(published.values()),
@@ -48,5 +53,5 @@ def scan(
     axes.set_ylabel(r"$P_{\mathrm{ML}}$ [%]")
     axes.set_xticks(range(len(published)), list(published), rotation=20, ha="right")
     axes.legend(loc="upper left")
-    add_note(figure, f"lines: {len(found)} combinations of readings, each one setting for all numbers")
+    add_note(figure, f"lines: {len(combinations)} combinations of readings, each one setting for all numbers")
     return figure

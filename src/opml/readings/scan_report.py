@@ -5,6 +5,7 @@ Every combination is one setting for all numbers. None is chosen number by numbe
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import pandas as pd
 
@@ -19,20 +20,22 @@ NEAR = 3.0
 
 @dataclass(frozen=True)
 class Combination:
-    """One reading of each open thing: the parts of a name that it puts in place of the default ones."""
+    """One reading of each open question: parts of the name of an experiment, in place of the default ones."""
 
     learner: str
     window: str = ""  # suffix of the estimates
-    reading: str = ""  # suffix of the dataset: which earlier estimate is t_b
-    fence: float | None = None  # Tukey's, of the tested rows [IQR]; infinite for none, None for the dataset's
+    reading: str = ""  # suffix of the dataset: which earlier estimate t_b belongs to
+    fence: float | None = (
+        None  # Tukey's, of the test rows [IQR]; infinite for no fence, None for the dataset's
+    )
     standardisation: str = "training"  # rows that standardise the variables: training, own or together
 
     def __str__(self) -> str:
-        """Return its name, unlike any other's."""
+        """Return its name, which no other combination has."""
         treatment = fence_suffix(self.fence) + STANDARDISATIONS[self.standardisation]
         return f"{self.learner}{self.window}{self.reading}{treatment}"
 
-    def of(self, experiment: Experiment) -> Experiment:
+    def applied_to(self, experiment: Experiment) -> Experiment:
         """Return an experiment under this combination."""
         return replace(
             experiment,
@@ -45,66 +48,75 @@ class Combination:
 
 @dataclass(frozen=True)
 class Scan:
-    """What is scanned: the combinations, the first of which is the default one, on numbers and sentences."""
+    """What is scanned.
+
+    combinations: the default one first
+    numbers: experiment and published P_ML [%], by name
+    claims: the sentences
+    """
 
     combinations: Sequence[Combination]
-    numbers: Mapping[str, tuple[Experiment, float]]  # with the paper's, by name
+    numbers: Mapping[str, tuple[Experiment, float]]
     claims: Sequence[Claim]
 
     @property
     def published(self) -> dict[str, float]:
-        """The paper's numbers [%] by name."""
+        """Numbers of the paper [%] by name."""
         return {name: number for name, (_, number) in self.numbers.items()}
 
     @property
     def experiments(self) -> list[Experiment]:
         """Every experiment of every combination, each once."""
-        asked = [own for own, _ in self.numbers.values()]
-        asked += [one for claim in self.claims for one in claim.points.values()]
-        return list(dict.fromkeys(found.of(one) for found in self.combinations for one in asked))
+        experiments = [experiment for experiment, _ in self.numbers.values()]
+        experiments += [experiment for claim in self.claims for experiment in claim.points.values()]
+        pairs = product(self.combinations, experiments)
+        return list(dict.fromkeys(combination.applied_to(experiment) for combination, experiment in pairs))
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a combination gives: P_ML [%] by number, and the sentences that hold of it."""
+    """What a combination gives."""
 
     combination: Combination
-    numbers: Mapping[str, float]
-    held: Sequence[bool]
+    numbers: Mapping[str, float]  # P_ML [%] by name
+    held: Sequence[bool]  # whether each sentence holds
     distance: float  # mean of |ours - paper's| over the numbers, in points
     near: int  # numbers within NEAR
 
 
 def outcomes(scan: Scan, metrics: pd.DataFrame) -> list[Outcome]:
-    """Return what each combination gives, from rows of the `metrics` table, the nearest first."""
+    """Return what each combination gives, the nearest first; metrics: rows of that table."""
     results = Results(metrics)
-    found = [_outcome(combination, scan, results) for combination in scan.combinations]
-    return sorted(found, key=lambda one: one.distance)
+    unsorted = [_outcome(combination, scan, results) for combination in scan.combinations]
+    return sorted(unsorted, key=lambda outcome: outcome.distance)
 
 
 def _outcome(combination: Combination, scan: Scan, results: Results) -> Outcome:
-    numbers = {name: results.p_ml(combination.of(own)) for name, (own, _) in scan.numbers.items()}
+    numbers = {
+        name: results.p_ml(combination.applied_to(experiment))
+        for name, (experiment, _) in scan.numbers.items()
+    }
     off = [abs(numbers[name] - published) for name, published in scan.published.items()]
     return Outcome(
         combination,
         numbers,
         held=[judge(_under(combination, claim), results)[2] for claim in scan.claims],
         distance=sum(off) / len(off),
-        near=sum(one <= NEAR for one in off),
+        near=sum(distance <= NEAR for distance in off),
     )
 
 
 def _under(combination: Combination, claim: Claim) -> Claim:
-    return replace(claim, points={label: combination.of(one) for label, one in claim.points.items()})
+    points = {label: combination.applied_to(experiment) for label, experiment in claim.points.items()}
+    return replace(claim, points=points)
 
 
 def document(scan: Scan, metrics: pd.DataFrame) -> list[Block]:
-    """Return the whole document; `metrics`: rows of that table for all of `scan.experiments`."""
-    found = outcomes(scan, metrics)
+    """Return the whole document; metrics: rows of that table for all of `scan.experiments`."""
     count = len(scan.claims)
     header = ["combination", "mean distance", f"within {NEAR:g} points", "sentences", "which do not hold"]
     rows = [["the paper", "", "", "", "", *map(percent, scan.published.values())]]
-    rows += [_row(one, count) for one in found]
+    rows += [_row(outcome, count) for outcome in outcomes(scan, metrics)]
     return [
         Heading("Combinations of readings and the paper", 1),
         Paragraph(
@@ -120,7 +132,8 @@ def document(scan: Scan, metrics: pd.DataFrame) -> list[Block]:
     ]
 
 
-def _row(one: Outcome, count: int) -> list[str]:
-    missed = ", ".join(str(k) for k, held in enumerate(one.held, 1) if not held)
-    cells = [f"`{one.combination}`", f"{one.distance:.1f}", str(one.near), f"{sum(one.held)} of {count}"]
-    return [*cells, missed, *map(percent, one.numbers.values())]
+def _row(outcome: Outcome, count: int) -> list[str]:
+    missed = ", ".join(str(k) for k, held in enumerate(outcome.held, 1) if not held)
+    held = f"{sum(outcome.held)} of {count}"
+    cells = [f"`{outcome.combination}`", f"{outcome.distance:.1f}", str(outcome.near), held]
+    return [*cells, missed, *map(percent, outcome.numbers.values())]

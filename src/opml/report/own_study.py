@@ -64,7 +64,7 @@ class OwnStudyTables:
 def document(report: OwnStudyReport, tables: OwnStudyTables) -> list[Block]:
     """Return the whole report."""
     replays = {
-        dataset: Mornings.of(replayed, report.laws, seed=report.seed)
+        dataset: Mornings.from_replays(replayed, report.laws, seed=report.seed)
         for dataset, replayed in _by_dataset(tables.replays).items()
     }
     papers = {

@@ -6,18 +6,15 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.learning.judge import calibration
+from opml.learning.judge.error_sizes import INSIDE, LEVEL
 from opml.learning.judge.errors_by_duration import REACH_DAYS
 from opml.learning.judge.model_choice import Mornings
-from opml.orbits.rsw_covariance import half_width
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.mornings import CHOSEN, Dataset
 from opml.report.results import NONE, length
 from opml.tables import ELLIPSOID, PLANE, WHOLE
 
 TITLE = "Is the uncertainty true?"
-
-MAIN = 0.9
-"""The level whose shares are printed."""
 
 QUANTITIES = ("e_x", "e_y", "e_z", PLANE, ELLIPSOID, WHOLE)
 
@@ -81,7 +78,7 @@ def verdict(flown: pd.DataFrame, shares: pd.DataFrame, days: Sequence[float]) ->
     shares: its `calibration` table
     days: prediction durations that shares are stated at
     """
-    ellipsoids = shares[(shares["quantity"] == ELLIPSOID) & (shares["level"] == MAIN)]
+    ellipsoids = shares[(shares["quantity"] == ELLIPSOID) & (shares["level"] == LEVEL)]
     held = {row["day"]: row["inside"] for row in ellipsoids.to_dict("records")}
     good = [day for day, share in held.items() if HOLDS[0] <= share <= HOLDS[1]]
     tested = calibration.goodness(flown, days=days).dropna(subset=["p"])
@@ -105,9 +102,9 @@ def _rows(name: str, table: pd.DataFrame, shares: pd.DataFrame, days: Sequence[f
 
 def _cells(name: str, day: float, shares: pd.DataFrame) -> list[str]:
     """Return name, duration, shares inside, and the deviation along-track, from one day's shares."""
-    main = shares[shares["level"] == MAIN].set_index("quantity")
+    main = shares[shares["level"] == LEVEL].set_index("quantity")
     inside = [
         f"{100.0 * main.loc[quantity, 'inside']:.0f}" if quantity in main.index else NONE
         for quantity in QUANTITIES
     ]
-    return [name, f"{day:g}", *inside, length(main.loc["e_y", "stated"] / half_width(MAIN))]
+    return [name, f"{day:g}", *inside, length(main.loc["e_y", "stated"] / INSIDE)]

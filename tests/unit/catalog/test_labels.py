@@ -16,7 +16,7 @@ from opml.dynamics.ensemble import Integrator
 from opml.learning.data import dataset, splits
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models import learners
-from opml.learning.models.inputs import inverse_variances
+from opml.learning.models.inputs import Training, inverse_variances
 from opml.tables import COMPONENTS, LEARNING_VARIABLES, SCHEMAS, SIGMAS, STATE, write_table
 
 END_OF_TRAINING = DAY
@@ -99,8 +99,7 @@ def test_equal_weights_change_nothing_and_useless_rows_no_model(name):
     y = x.sum(axis=1) + 0.1 * noise
 
     def predicted(y, weights):
-        model = learners.fit(x, y, variables=variables, settings=settings, seed=1, weights=weights)
-        return model.predict(x)
+        return learners.fit(Training(x, y, variables, seed=1, weights=weights), settings).predict(x)
 
     if name in ("ridge", "durationmean", "law"):  # scikit-learn's sums differ with weights of one
         np.testing.assert_array_equal(predicted(y, np.ones(200)), predicted(y, None))

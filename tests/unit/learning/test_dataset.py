@@ -12,6 +12,8 @@
 | 7     | 14  | fine, no track after             |
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -229,9 +231,7 @@ def test_rows_that_cross_a_manoeuvre_are_dropped_with_that_reason(estimates, pre
     after = dataset.build(
         *(estimates, predictions, tracking),
         gm=GM,
-        cleaning=Cleaning.from_settings(CLEANING),
-        manoeuvres=[t + 1.0],
-        window=100.0,
+        cleaning=replace(Cleaning.from_settings(CLEANING), manoeuvres=(t + 1.0,), window=100.0),
     )
     begin = before[["t_b", "t_i"]].min(axis=1) - 100.0
     crossing = (begin < t + 1.0) & (t + 1.0 <= before["t_j"])
@@ -289,8 +289,7 @@ def test_a_manoeuvre_before_the_label_is_known_drops_the_row(estimates, predicti
             predictions,
             tracking,
             gm=GM,
-            cleaning=Cleaning.from_settings(CLEANING),
-            manoeuvres=[5.5 * DAY],
+            cleaning=replace(Cleaning.from_settings(CLEANING), manoeuvres=(5.5 * DAY,)),
             labels=labels,
         )
         return set(rows.loc[rows["reason"] == dataset.CROSSES_MANOEUVRE, "j"])

@@ -24,7 +24,8 @@ def sample(estimates, seed, *, spread=1.0):
 def calibrated(estimates, seed=0, level=0.9):
     duration, residual, groups = sample(estimates, seed)
     held = intervals.held_out(groups, share=0.5, seed=seed)
-    return intervals.calibrate(duration, residual, groups, held, level=level, bin_hours=12)
+    table = pd.DataFrame({"duration": duration, "residual": residual, "i": groups})
+    return intervals.calibrate(table, held, intervals.Conformal(level=level, share=0.5, bin_hours=12))
 
 
 def test_estimates_are_held_out_whole_and_by_the_seed():

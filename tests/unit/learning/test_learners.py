@@ -19,6 +19,7 @@ from opml.base.errors import InputError
 from opml.base.yaml_files import read_yaml
 from opml.learning.judge.evaluation import evaluate
 from opml.learning.models import boosting, gaussian_process, learners, linear_law, mlp, ridge
+from opml.learning.models.inputs import Training
 from opml.study import checks
 from opml.study.settings.overlay import Source
 from opml.tables import read_metadata, read_table, write_table
@@ -63,7 +64,7 @@ def sample(count, seed=0):
 def trained(kind, rows, y, seed=42, changes=None):
     settings = learners.resolved(SETTINGS[kind] | (changes or {}), component="e_y", variables=VARIABLES)
     names = settings["variables"]
-    return learners.fit(rows[names].to_numpy(), y, variables=names, settings=settings, seed=seed)
+    return learners.fit(Training(rows[names].to_numpy(), y, names, seed), settings)
 
 
 def predicted(model, rows):
@@ -231,7 +232,7 @@ def test_a_term_that_vanishes_or_repeats_does_no_harm():
 
 def test_a_factor_that_is_no_variable_is_named():
     with pytest.raises(InputError, match="terms: expected products of a, b, got c"):
-        linear_law.fit(np.ones((9, 2)), np.ones(9), variables=["a", "b"], settings={"terms": ["a*c"]}, seed=1)
+        linear_law.fit(Training(np.ones((9, 2)), np.ones(9), ["a", "b"], seed=1), {"terms": ["a*c"]})
 
 
 def test_boosting_is_scikit_learns(models):
@@ -300,7 +301,7 @@ def test_a_perceptron_is_scikit_learns(monkeypatch):
 @pytest.mark.parametrize("module", [boosting, gaussian_process, mlp, ridge])
 def test_too_few_rows_are_refused(module):
     with pytest.raises(InputError, match="training rows: expected at least 2, got 1"):
-        module.fit(np.ones((1, 1)), np.ones(1), variables=["a"], settings={}, seed=1)
+        module.fit(Training(np.ones((1, 1)), np.ones(1), ["a"], seed=1), {})
 
 
 def test_the_second_of_a_stack_learns_what_the_first_leaves(models):
@@ -335,7 +336,7 @@ def test_settings_are_resolved_for_a_component():
 
 def test_an_unknown_kind_is_named():
     with pytest.raises(InputError, match=r"kind: expected svr, .*stacked, got oracle"):
-        learners.fit(np.ones((2, 1)), np.ones(2), variables=["a"], settings={"kind": "oracle"}, seed=1)
+        learners.fit(Training(np.ones((2, 1)), np.ones(2), ["a"], seed=1), {"kind": "oracle"})
     with pytest.raises(InputError, match="got oracle"):
         learners.schema({"kind": "oracle", "variables": []})
     with pytest.raises(InputError, match="got oracle"):

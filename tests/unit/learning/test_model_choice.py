@@ -72,7 +72,7 @@ def told(errors):
     """Mornings of two plain models and of a law that begins later."""
     table = stated(errors, 400.0)
     law = scaled(table, 0.6)
-    return Mornings.of(
+    return Mornings.from_replays(
         {"fit48": scaled(table, 2.0), "running": table, "law": law[law["t_i"] >= 5.0 * DAY]},
         ["law"],
         seed=1,
@@ -93,7 +93,7 @@ def test_mornings_hold_the_same_predictions_of_every_model(told, errors):
 def test_models_without_a_morning_in_common_are_told(errors):
     late = errors[errors["t_i"] > 30.0 * DAY]
     with pytest.raises(InputError, match="replays: expected a morning with a past and all models, got none"):
-        Mornings.of({"running": errors, "law": late}, ["law"], seed=1)
+        Mornings.from_replays({"running": errors, "law": late}, ["law"], seed=1)
 
 
 def test_the_report_leads_with_what_was_flown(told):
@@ -111,7 +111,7 @@ def test_the_report_leads_with_what_was_flown(told):
     assert "## Is the uncertainty true?" in text
     assert "the 90 % ellipsoid holds" in text
     assert "nan" not in text
-    untold = Mornings.of({"running": told.tables["running"].assign(sigma_x=np.nan)}, [], seed=1)
+    untold = Mornings.from_replays({"running": told.tables["running"].assign(sigma_x=np.nan)}, [], seed=1)
     short = document.markdown(uncertainty.section({key: untold}, {}, [1.0]))
     assert uncertainty.TOO_SHORT in short
 

@@ -9,6 +9,7 @@ from sklearn.svm import SVR
 
 from opml.base.errors import InputError
 from opml.learning.models import gaussian_kernel, kernel_scale, learners, svr
+from opml.learning.models.inputs import Training
 from opml.tables import read_metadata, read_table, write_table
 
 VARIABLES = ("duration", "d_a", "cd_b", "constant")
@@ -26,8 +27,9 @@ def sample(count, seed=0):
     return x, y, groups
 
 
-def fit(x, y, groups=None, **changes):
-    return svr.fit(x, y, variables=VARIABLES, settings=SETTINGS | changes, seed=42, groups=groups)
+def fit(x, y, groups=None, *, variables=VARIABLES, seed=42, weights=None, **changes):
+    training = Training(x, y, variables, seed, groups=groups, weights=weights)
+    return svr.fit(training, SETTINGS | changes)
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +62,7 @@ def test_predicts_as_scikit_learn_does(tol):
 def test_weights_scale_the_box_by_their_root():
     x, y, _ = sample(400)
     weights = np.linspace(0.1, 2.0, 400)
-    found = svr.fit(x, y, variables=VARIABLES, settings=SETTINGS | {"tol": 1e-6}, seed=42, weights=weights)
+    found = fit(x, y, tol=1e-6, weights=weights)
     machine = SVR(gamma=1.0 / found.kernel_scale**2, C=1.0, epsilon=0.1, tol=1e-6)
     machine.fit(standardised(found, x), y / found.y_scale, np.sqrt(weights))
     expected = machine.predict(standardised(found, x)) * found.y_scale
@@ -107,7 +109,7 @@ def test_variables_are_standardised_with_the_sample_deviation(model):
 def test_constant_variable_neither_breaks_nor_counts(model):
     x, y, _ = sample(400)
     assert model.x_scale[3] == 1.0
-    without = svr.fit(x[:, :3], y, variables=VARIABLES[:3], settings=SETTINGS, seed=42)
+    without = fit(x[:, :3], y, variables=VARIABLES[:3])
     np.testing.assert_allclose(without.predict(x[:, :3]), model.predict(x), rtol=0, atol=1e-9 * model.y_scale)
 
 
@@ -182,7 +184,7 @@ def test_subsample_is_seeded_and_stands_for_the_whole(monkeypatch):
     assert part == fit(x, y).kernel_scale
     assert part != whole
     assert part == pytest.approx(whole, rel=0.05)
-    other = svr.fit(x, y, variables=VARIABLES, settings=SETTINGS, seed=43)
+    other = fit(x, y, seed=43)
     assert other.kernel_scale != part
 
 
@@ -203,13 +205,8 @@ def test_cv_does_not_reward_remembering_an_estimate():
     groups = np.repeat(np.arange(25), 8)
     x = np.column_stack([rng.normal(size=25)[groups], rng.normal(size=200) * 1e-3])
     y = rng.normal(size=25)[groups]
-    grouped = svr.fit(
-        x, y, variables=["a", "b"], settings=SETTINGS | {"kernel_scale": "cv"}, seed=1, groups=groups
-    )
-    rows = np.arange(200)
-    by_row = svr.fit(
-        x, y, variables=["a", "b"], settings=SETTINGS | {"kernel_scale": "cv"}, seed=1, groups=rows
-    )
+    options = {"variables": ["a", "b"], "seed": 1, "kernel_scale": "cv"}
+    grouped, by_row = (fit(x, y, held_out, **options) for held_out in (groups, np.arange(200)))
     assert by_row.kernel_scale < grouped.kernel_scale
 
 
@@ -247,7 +244,8 @@ def test_bad_rows(model):
 
 def test_learners_dispatch_by_kind():
     x, y, _ = sample(100)
-    model = learners.fit(x, y, variables=VARIABLES, settings=SETTINGS, seed=42)
+    training = Training(x, y, VARIABLES, seed=42)
+    model = learners.fit(training, SETTINGS)
     np.testing.assert_array_equal(model.predict(x), fit(x, y).predict(x))
     with pytest.raises(InputError, match=r"kind: expected svr, .*, got oracle"):
-        learners.fit(x, y, variables=VARIABLES, settings=SETTINGS | {"kind": "oracle"}, seed=42)
+        learners.fit(training, SETTINGS | {"kind": "oracle"})

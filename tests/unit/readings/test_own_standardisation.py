@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from opml.base.errors import InputError
-from opml.learning.models import baselines, ridge
+from opml.learning.models import fixed_laws, ridge
+from opml.learning.models.inputs import Training
 from opml.readings import own_standardisation
 
 VARIABLES = ("duration", "inc")
@@ -14,8 +15,9 @@ VARIABLES = ("duration", "inc")
 def model():
     """2 x_1 + 3 x_2, learned from rows around (10, 50)."""
     x = np.random.default_rng(0).normal([10.0, 50.0], [2.0, 0.1], (200, 2))
-    settings = {"kind": "ridge", "alpha": 1e-9}
-    return ridge.LEARNER.fit(x, x @ [2.0, 3.0], variables=VARIABLES, settings=settings, seed=42)
+    return ridge.LEARNER.fit(
+        Training(x, x @ [2.0, 3.0], VARIABLES, seed=42), {"kind": "ridge", "alpha": 1e-9}
+    )
 
 
 def test_rows_meet_the_model_with_the_mean_and_deviation_of_its_own(model):
@@ -42,6 +44,6 @@ def test_a_variable_that_never_changes_is_at_the_mean(model):
 def test_only_the_name_of_a_test_asks_for_it(model):
     assert own_standardisation.as_tested(model, "days-30-40-unfenced") is model
     assert isinstance(own_standardisation.as_tested(model, "rest-zscore"), own_standardisation.Rescaled)
-    none = baselines.NONE.fit(np.zeros((2, 0)), np.ones(2), variables=(), settings={}, seed=1)
+    none = fixed_laws.NONE.fit(Training(np.zeros((2, 0)), np.ones(2), (), seed=1), {})
     with pytest.raises(InputError, match="-zscore: expected a model that standardises"):
         own_standardisation.as_tested(none, "rest-zscore")

@@ -59,16 +59,16 @@ def test_a_study_without_a_scan_has_none():
 def test_a_combination_is_a_part_of_every_name(asked):
     one = Combination("svr_s2", window="_tol1", reading="_track", fence=math.inf, standardisation="own")
     future, _ = asked.numbers["future_10days"]
-    assert one.of(future).path("metrics") == (
+    assert one.applied_to(future).path("metrics") == (
         "metrics/iss/eglin-clear-kaena_tol1_track/days-0-30/svr_s2/e_y/iss/days-30-40-unfenced-zscore.parquet"
     )
     rest, _ = asked.numbers["svr_testing_1station"]
-    assert one.of(rest).test == "rest-zscore"  # its training rows have the dataset's fences
+    assert one.applied_to(rest).test == "rest-zscore"  # its training rows have the dataset's fences
 
 
 def test_the_default_combination_changes_nothing(asked):
     for experiment, _ in asked.numbers.values():
-        assert asked.combinations[0].of(experiment) == experiment
+        assert asked.combinations[0].applied_to(experiment) == experiment
 
 
 def test_the_nearest_comes_first(asked):
@@ -76,7 +76,7 @@ def test_the_nearest_comes_first(asked):
 
     def p_ml(one):
         """The paper's own numbers, five points off but for one combination, which is one point off."""
-        own = published.get(Combination("svr").of(one).path("").replace("-unfenced", ""), 50.0)
+        own = published.get(Combination("svr").applied_to(one).path("").replace("-unfenced", ""), 50.0)
         return own + (1.0 if one.learner == "svr_s5.6" and not one.window else 5.0)
 
     found = scan_report.outcomes(asked, metrics(asked, p_ml))

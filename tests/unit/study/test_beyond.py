@@ -8,7 +8,7 @@ import pytest
 from support import paper_values, study_of
 
 from opml.figures import beyond as figures
-from opml.learning.models import baselines, learners
+from opml.learning.models import fixed_laws, learners
 from opml.report import beyond as report
 from opml.report import document
 from opml.study.beyond import Beyond
@@ -111,7 +111,7 @@ def test_document_tells_every_model_split_and_interval(values):
 
 
 def test_a_kind_of_learner_that_was_added_is_described(values, monkeypatch):
-    oracle = replace(baselines.NONE, kind="oracle", description="what the truth says")
+    oracle = replace(fixed_laws.NONE, kind="oracle", description="what the truth says")
     monkeypatch.setattr(learners, "LEARNERS", (*learners.LEARNERS, oracle))
     values["learners"]["seer"] = {"kind": "oracle"}
     values["study"]["beyond"]["learners"] = ["none", "seer"]

@@ -306,7 +306,7 @@ def mornings_of(*names):
         name: table.assign(e_y=table["e_y"] * (k + 1), **dict.fromkeys(SIGMA_STATE, 1.0))
         for k, name in enumerate(names)
     }
-    return Mornings.of(scaled, [], seed=1)
+    return Mornings.from_replays(scaled, [], seed=1)
 
 
 def test_figure_of_residuals_has_bands_of_what_was_flown_and_lines_of_the_models():

@@ -1,5 +1,6 @@
-"""The paper's two data cleanings: bounds on the drag coefficient and Tukey's fences on e_y.
+"""What is dropped from a dataset: the paper's two data cleanings, and rows that cross a manoeuvre.
 
+The paper's are bounds on the drag coefficient and Tukey's fences on e_y.
 Source: the paper, section 'Building the SVM model for the Simulated RSO'.
 """
 
@@ -10,28 +11,33 @@ from typing import Any, Self
 import numpy as np
 
 from opml.base.errors import InputError
+from opml.orbits.manoeuvres import contain_any
 
 
 @dataclass(frozen=True)
 class Cleaning:
-    """What a dataset is cleaned by. By default nothing is dropped but rows that lack something.
+    """How a dataset is cleaned. By default only rows are dropped that lack something.
 
-    cd_bounds : least and highest drag coefficient of an estimate, None for any.
-    fence : Tukey's fences on e_y, in interquartile ranges from the quartiles; None for none.
-    fence_days : first and last day of t_j of the rows that set the fences, None for all rows.
-    previous : t_b is that of the last `kept_estimate`, or of the `track` just before.
+    cd_bounds: least and highest drag coefficient of an estimate, None for any
+    fence: Tukey's fences on e_y, in interquartile ranges from the quartiles, None for no fences
+    fence_days: first and last day of t_j of the rows that set the fences, None for all rows
+    previous: t_b is the time of the last `kept_estimate`, or of the `track` just before
+    manoeuvres: their times [s]
+    window: how long before an estimate its oldest measurement may be [s]
     """
 
     cd_bounds: tuple[float, float] | None = None
     fence: float | None = None
     fence_days: tuple[float, float] | None = None
     previous: str = "kept_estimate"
+    manoeuvres: tuple[float, ...] = ()
+    window: float = 0.0
 
     @classmethod
     def from_settings(cls, settings: Mapping[str, Any]) -> Self:
-        """The cleaning that settings ask for: cd_min, cd_max, fence, fence_days, previous, or some of them.
+        """Return the cleaning of settings: any of cd_min, cd_max, fence, fence_days, previous.
 
-        One that is None asks for nothing. Raises InputError for one of cd_min and cd_max without the other.
+        A setting that is None cleans nothing. Raises InputError for cd_min without cd_max, or the reverse.
         """
         bounds = [settings[name] for name in ("cd_min", "cd_max") if settings.get(name) is not None]
         if len(bounds) == 1:
@@ -45,39 +51,43 @@ class Cleaning:
         )
 
     def keeps(self, cd: np.ndarray) -> np.ndarray:
-        """Which estimates are kept for their drag coefficients (bool, shape of cd)."""
+        """Return which estimates are kept for their drag coefficients (bool, shape of cd)."""
         if self.cd_bounds is None:
             return np.ones(np.shape(cd), dtype=bool)
         low, high = self.cd_bounds
         return drag_coefficient_inside(cd, cd_min=low, cd_max=high)
 
+    def crosses(self, begin: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """Return which spans (n,) have a manoeuvre in them, from `window` before begin to end (n,) [s]."""
+        return contain_any(begin - self.window, end, self.manoeuvres)
+
 
 OUTSIDE_FENCES = "outside Tukey fences"
-"""Why a row is dropped that all but the fences would keep."""
+"""Why a row is dropped that only the fences drop."""
 
 PAPER_BOUNDS = (1.2, 3.2)
 PAPER_FENCE = 3.0
 
 PAPER = Cleaning(cd_bounds=PAPER_BOUNDS, fence=PAPER_FENCE)
-"""The paper's, with fences from all rows that survive its bounds."""
+"""The cleaning of the paper, with fences from all rows that survive its bounds."""
 
 
 def drag_coefficient_inside(cd: np.ndarray, *, cd_min: float, cd_max: float) -> np.ndarray:
-    """Which drag coefficients lie in [cd_min, cd_max] (bool, shape of cd; NaN does not)."""
+    """Return which drag coefficients lie in [cd_min, cd_max] (bool, shape of cd; NaN does not)."""
     return (cd >= cd_min) & (cd <= cd_max)
 
 
 def quartiles(values: np.ndarray) -> tuple[float, float]:
-    """First and third quartile, as MATLAB (the paper's tool) takes them: Hazen's plotting positions."""
+    """Return first and third quartile by Hazen's plotting positions, as MATLAB (the paper's tool) does."""
     q1, q3 = np.quantile(values, [0.25, 0.75], method="hazen")
     return float(q1), float(q3)
 
 
 def tukey_fences(values: np.ndarray, *, fence: float) -> tuple[float, float]:
-    """Interval [q1 - fence (q3 - q1), q3 + fence (q3 - q1)] outside which a value is an outlier.
+    """Return the ends of [q1 - fence (q3 - q1), q3 + fence (q3 - q1)], outside which a value is an outlier.
 
-    The paper prints q1 for both ends, a slip; Tukey's upper fence starts at q3 (Exploratory Data Analysis,
-    1977). Raises InputError without values.
+    The paper prints q1 at both ends, which is a slip: Tukey's upper fence starts at q3 (Exploratory Data
+    Analysis, 1977). Raises InputError without values.
     """
     if np.size(values) == 0:
         raise InputError("Tukey's fences: expected at least one value of e_y to take quartiles of, got none")

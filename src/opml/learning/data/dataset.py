@@ -1,8 +1,8 @@
 """The dataset that captures the orbit prediction error model: learning variables and targets of every pair.
 
-A pair (i, j) is the prediction of the estimate at t_i to a later track start t_j. All its learning variables
-but the duration belong to t_i alone, so they are computed once per estimate and spread over the pairs. Its
-errors are the true ones, or labels from later estimates, which count from the day that they were known.
+A pair (i, j) is the prediction from the estimate at t_i to a later track start t_j. Its learning variables,
+except the duration, belong to t_i alone, so they are computed once per estimate. Its errors are the true
+errors, or labels from later estimates, which count from the time when they are known.
 
 Source: the paper, section 'Dataset Capturing the Orbit Prediction Error Model'.
 """
@@ -16,7 +16,7 @@ import pandas as pd
 from opml.base.errors import InputError
 from opml.learning.data.cleaning import OUTSIDE_FENCES, Cleaning, tukey_fences
 from opml.learning.data.splits import in_days, known_at
-from opml.orbits.elements import coe_from_cartesian, rsw_rotation, wrap_half_turn
+from opml.orbits.elements import coe_from_cartesian, in_rsw, wrap_half_turn
 from opml.orbits.manoeuvres import contain_any
 from opml.tables import COMPONENTS, SCHEMAS, STATE, mechanism_schema, read_kind, read_metadata, read_table
 
@@ -25,10 +25,9 @@ COE_DIFFERENCE = ["d_a", "d_e", "d_i", "d_argp", "d_raan", "d_nu"]
 RSW_DIFFERENCE = ["eps_x", "eps_y", "eps_z", "eps_vx", "eps_vy", "eps_vz"]
 MEASUREMENT = ["elevation_max", "azimuth_at_max", "range_at_max"]
 
-NO_PREVIOUS = -1  # in column b: no earlier estimate serves
+NO_PREVIOUS = -1  # in column b: no earlier estimate qualifies
 
-# Why a row is dropped; the first that holds, in this order. A failed prediction carries its own reason
-# behind.
+# Why a row is dropped: the first reason that holds, in this order. A failed prediction adds its own reason.
 CROSSES_MANOEUVRE = "crosses a manoeuvre"
 NOT_CONVERGED = "estimate not converged"
 NO_PREDICTION = "no prediction"
@@ -47,22 +46,23 @@ def build(
     *,
     gm: float,
     cleaning: Cleaning,
-    manoeuvres: Sequence[float] = (),
-    window: float = 0.0,
     labels: pd.DataFrame | None = None,
 ) -> pd.DataFrame:
-    """The `dataset` table: one row per pair of `predictions`, in the order of (i, j), none removed.
+    """Build the `dataset` table: one row per pair of `predictions`, in the order of (i, j), none removed.
 
-    With the table `labels` it is the `labelled` one, whose errors are those, not the predictions'.
+    estimates, predictions, tracking: those tables (SI units, radians, GCRF)
+    gm: for the orbital elements [m3/s2]
+    labels: that table, whose errors replace those of the predictions; the table is `labelled` then
 
-    Takes the tables `estimates`, `predictions` and `tracking` (SI units, radians, GCRF) and gm [m3/s2] for
-    the COE. With `kept_estimate` as `cleaning.previous`, t_b is the last earlier estimate that converged with
-    its Cd inside the bounds, with `track` the track just before or none. Learning variables are NaN where
-    they do not exist. Tukey's fences come from the rows that survived all else with t_j in fence_days, and
-    hold for every row. Where predictions have no true error, and no label, rows are dropped with that reason
-    unless there is another. A row is dropped, too, where one of the `manoeuvres` (times [s]) lies between the
-    time its error is known and the oldest measurement of its earlier estimate, `window` [s] before it. Raises
-    InputError where the tables do not belong together or `previous` is unknown.
+    Learning variables are NaN where they do not exist. t_b is the time of the last earlier estimate that
+    converged with Cd inside the bounds (`kept_estimate`), or of the track just before if it did (`track`).
+
+    A row without a true error, or without a label, is dropped for that reason unless another holds first. A
+    row is dropped where a manoeuvre lies between the oldest measurement of its earlier estimate and the time
+    when its error is known. Tukey's fences come from rows with t_j in fence_days that survive all else, and
+    hold for every row.
+
+    Raises InputError where the tables do not belong together or `cleaning.previous` is unknown.
     """
     at_estimate = of_estimates(estimates, predictions, tracking, gm=gm, cleaning=cleaning)
     pairs = predictions.sort_values(["i", "j"], ignore_index=True)
@@ -70,13 +70,14 @@ def build(
     rows = _with_labels(pairs, labels).join(at_estimate, on="i")
     rows["duration"] = rows["t_j"] - rows["t_i"]
     rows["reason"] = _reasons(rows, cleaning)
-    rows.loc[_crossing(rows, manoeuvres, window), "reason"] = CROSSES_MANOEUVRE
+    begin = rows[["t_b", "t_i"]].min(axis=1).to_numpy()
+    rows.loc[cleaning.crosses(begin, rows["t_known"].to_numpy()), "reason"] = CROSSES_MANOEUVRE
     rows["keep"] = rows["reason"] == ""
     return rows[SCHEMAS["dataset" if labels is None else "labelled"].names]
 
 
 def survives(dataset: pd.DataFrame, estimates: pd.DataFrame, cleaning: Cleaning) -> np.ndarray:
-    """Which kept rows (n,) of a `dataset` table another cleaning's bounds and fences would keep too."""
+    """Return the kept rows (bool, n) of a `dataset` table that another cleaning would keep, too."""
     cd = estimates.set_index("track")["cd"].reindex(dataset["i"]).to_numpy()
     kept: np.ndarray = dataset["keep"].to_numpy() & cleaning.keeps(cd)
     kept &= ~_outside_fences(dataset, kept, cleaning)
@@ -84,9 +85,11 @@ def survives(dataset: pd.DataFrame, estimates: pd.DataFrame, cleaning: Cleaning)
 
 
 def read(path: str | PathLike[str], beside: Iterable[str | PathLike[str]] = ()) -> pd.DataFrame:
-    """A dataset's file, with the columns of tables of the same pairs `beside` its own.
+    """Read a dataset, with the columns of tables of the same pairs beside its own.
 
-    Raises InputError where a file is missing or damaged, or one does not belong to the other.
+    beside: files of those tables
+
+    Raises InputError where a file is missing or damaged, or tables do not belong together.
     """
     dataset = read_table(path, "labelled" if read_kind(path) == "labelled" else "dataset")
     for other in beside:
@@ -100,10 +103,10 @@ def read(path: str | PathLike[str], beside: Iterable[str | PathLike[str]] = ()) 
 
 
 def beside_it(dataset: pd.DataFrame, other: pd.DataFrame) -> pd.DataFrame:
-    """The dataset with the columns of a table of the same pairs beside its own.
+    """Return the dataset with the columns of a table of the same pairs beside its own.
 
-    A row that was kept, or only fenced off, and has no numbers there, as a neighbour of its arc decayed, is
-    dropped with its reason. Raises InputError where a row of the dataset is not in the other.
+    A row without numbers in the other table (a neighbour of its arc decayed) is dropped for that reason, if
+    it was kept or dropped by the fences alone. Raises InputError for a row that the other table lacks.
     """
     pairs = pd.MultiIndex.from_frame(dataset[["i", "j"]])
     known = other.set_index(["i", "j"])
@@ -117,20 +120,20 @@ def beside_it(dataset: pd.DataFrame, other: pd.DataFrame) -> pd.DataFrame:
 
 
 def pooled(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
-    """Tables of pairs (i, j) of several RSOs below each other; each RSO's tracks count on from the last's.
+    """Return tables of pairs (i, j) of several RSOs below each other, with their tracks numbered through.
 
-    Estimates of different RSOs so stay apart, in splits by estimate and in their bootstrap.
+    So estimates of different RSOs stay apart in splits by estimate and in their bootstrap.
     """
-    shift, found = 0, []
+    shift, shifted = 0, []
     for table in tables:
         tracks = [name for name in ("i", "j", "b") if name in table]
-        found.append(table.assign(**{name: table[name] + shift for name in tracks}))
+        shifted.append(table.assign(**{name: table[name] + shift for name in tracks}))
         shift += int(table["j"].max()) + 1
-    return pd.concat(found, ignore_index=True)
+    return pd.concat(shifted, ignore_index=True)
 
 
 def _with_labels(pairs: pd.DataFrame, labels: pd.DataFrame | None) -> pd.DataFrame:
-    """Pairs with their errors, when these are known, and why there is none; true errors are known at t_j."""
+    """Return pairs with their errors, true or labels, when these are known, and why a label is missing."""
     if labels is None:
         return pairs.assign(t_known=pairs["t_j"], label_reason="")
     errors = labels.rename(columns={"reason": "label_reason"})
@@ -145,9 +148,10 @@ def of_estimates(
     gm: float,
     cleaning: Cleaning,
 ) -> pd.DataFrame:
-    """All that belongs to t_i: learning variables, b, t_b, gap and the flags of the estimate; index track.
+    """Return what belongs to t_i: learning variables, b, t_b, gap and flags of the estimate, by track.
 
-    Takes what `build` takes, but of `predictions` only states, and of those only the ones from t_b to t_i.
+    estimates, predictions, tracking, gm: as for `build`; only the states from t_b to t_i of predictions count
+
     Raises InputError where the tables do not belong together.
     """
     estimates = estimates.sort_values("track").set_index("track")
@@ -159,7 +163,7 @@ def of_estimates(
     table = pd.DataFrame({"converged": converged, "cd_inside": inside}, index=estimates.index)
     table["b"] = _previous(estimates.index.to_numpy(), converged & inside, cleaning.previous)
 
-    # The state of a fit that failed may be no orbit at all: it gives no learning variables.
+    # The state of a failed fit may be no orbit at all, so it gives no learning variables.
     states = np.where(converged[:, None], estimates[STATE].to_numpy(), np.nan)
     previous = estimates[["t", "cd"]].reindex(table["b"])
     table["t_b"] = previous["t"].to_numpy()
@@ -171,8 +175,7 @@ def of_estimates(
     predicted = _predicted_states(predictions, pd.MultiIndex.from_arrays([table["b"], table.index]))
     difference = coe_from_cartesian(predicted, gm) - coe
     difference[:, 2:] = wrap_half_turn(difference[:, 2:])
-    rotation = rsw_rotation(states)
-    relative = np.einsum("nij,nkj->nki", rotation, (predicted - states).reshape(-1, 2, 3)).reshape(-1, 6)
+    relative = in_rsw(predicted - states, states)
     table[COE], table[COE_DIFFERENCE], table[RSW_DIFFERENCE] = coe, difference, relative
     return table.join(_highest_measurements(tracking, table.index))
 
@@ -184,9 +187,10 @@ def may_depart(
     manoeuvres: Sequence[float] = (),
     window: float = 0.0,
 ) -> np.ndarray:
-    """Which estimates (n,) a model may correct the predictions of, by what `build` keeps rows for at t_i.
+    """Return the estimates (bool, n) whose predictions a model may correct, as `build` would keep their rows.
 
-    at_estimate: from `of_estimates`. None has a manoeuvre from `window` [s] before t_b up to t_i.
+    at_estimate: from `of_estimates`
+    manoeuvres: times [s], of which none may lie from `window` [s] before t_b up to t_i
     """
     known = at_estimate.loc[estimates["track"]]
     t = estimates["t"].to_numpy()
@@ -197,7 +201,11 @@ def may_depart(
 
 
 def _previous(tracks: np.ndarray, usable: np.ndarray, setting: str) -> np.ndarray:
-    """Track of each estimate's t_b, or NO_PREVIOUS; tracks ascend, usable estimates may serve as t_b."""
+    """Return the track of t_b of each estimate, or NO_PREVIOUS.
+
+    tracks: (n,) ascending
+    usable: (n,) whether an estimate qualifies for t_b
+    """
     position = np.arange(len(tracks))
     if setting == "kept_estimate":
         last_usable = np.maximum.accumulate(np.where(usable, position, -1))
@@ -210,14 +218,14 @@ def _previous(tracks: np.ndarray, usable: np.ndarray, setting: str) -> np.ndarra
 
 
 def _predicted_states(predictions: pd.DataFrame, pairs: pd.MultiIndex) -> np.ndarray:
-    """Predicted states (n, 6) at t_i from t_b of the pairs (b, i); NaN where there is no such prediction."""
+    """Return predicted states (n, 6) at t_i from t_b of the pairs (b, i), NaN without such a prediction."""
     made = predictions[predictions["reason"] == ""]
     states: np.ndarray = made.set_index(["i", "j"])[STATE].reindex(pairs).to_numpy(dtype=float)
     return states
 
 
 def _highest_measurements(tracking: pd.DataFrame, tracks: pd.Index) -> pd.DataFrame:
-    """The measurement with the highest elevation of each track, of whichever station."""
+    """Return the measurement with the highest elevation of each track, by any station."""
     highest = tracking.loc[tracking.groupby("track")["elevation"].idxmax()].set_index("track")
     if missing := set(tracks) - set(highest.index):
         raise InputError(
@@ -226,17 +234,11 @@ def _highest_measurements(tracking: pd.DataFrame, tracks: pd.Index) -> pd.DataFr
     return highest[["elevation", "azimuth", "range"]].set_axis(MEASUREMENT, axis=1)
 
 
-def _crossing(rows: pd.DataFrame, manoeuvres: Sequence[float], window: float) -> np.ndarray:
-    """Which rows a manoeuvre lies in."""
-    begin = rows[["t_b", "t_i"]].min(axis=1).to_numpy() - window
-    return contain_any(begin, rows["t_known"].to_numpy(), manoeuvres)
-
-
 def _reasons(rows: pd.DataFrame, cleaning: Cleaning) -> pd.Series:
-    """Why each row is dropped, '' where it is kept."""
+    """Return why each row is dropped, '' where it is kept."""
     failed = rows["prediction_reason"]
     reason = pd.Series("", index=rows.index, dtype="str")
-    # From the last of the order to the first, so that the first overwrites.
+    # From the last reason to the first, so that the first overwrites.
     reason[rows["e_y"].isna()] = NO_TRUE_STATE
     reason[rows["label_reason"] != ""] = NO_LABEL + ": " + rows["label_reason"]
     reason[rows["eps_y"].isna()] = NO_RELATIVE_ERROR
@@ -250,7 +252,7 @@ def _reasons(rows: pd.DataFrame, cleaning: Cleaning) -> pd.Series:
 
 
 def _outside_fences(rows: pd.DataFrame, kept: np.ndarray, cleaning: Cleaning) -> np.ndarray:
-    """Which of the rows that are kept so far (n,) lie outside Tukey's fences on e_y."""
+    """Return which of the rows kept so far (n,) lie outside Tukey's fences on e_y."""
     if cleaning.fence is None or not kept.any():
         return np.zeros(len(rows), dtype=bool)
     days, e_y = cleaning.fence_days, rows["e_y"].to_numpy()

@@ -1,4 +1,4 @@
-"""The rows that a job tests on, and the errors that they are judged by; beside them those it trains on."""
+"""The rows that a job tests on and trains on, from its files and settings."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -13,19 +13,22 @@ from opml.learning.data import dataset, splits
 def read(
     files: Any, settings: Mapping[str, Any], *, beside: Iterable[FilePath]
 ) -> tuple[pd.DataFrame, np.ndarray, pd.DataFrame]:
-    """The dataset that judges a test, its rows to test on, and the dataset that a model of it learns from.
+    """Load the dataset to test against, its test rows (bool), and the dataset that the model learns from.
 
-    files: a job's, with `target`, the latter, and `judge`, the former where it is another one; beside: files
-    of the columns beside both. settings: `experiment`, `train`, `span_days` and `seed`. Both have the same
-    pairs. Raises InputError where a file is missing or damaged, or nothing is left to test on.
+    files.target: the dataset that the model learns from
+    files.judge: the dataset with the errors to test against, if it is another; it has the same pairs
+    settings: `experiment`, `train`, `span_days` and `seed`
+    beside: tables with extra columns for both
+
+    Raises InputError where a file is missing or damaged, and for a test without rows.
     """
-    of, beside = settings["experiment"], list(beside)
+    experiment, beside = settings["experiment"], list(beside)
     learned = dataset.read(files.target, beside)
     judged = dataset.read(files.judge, beside) if files.judge else learned
     rows = splits.rows_tested(
         judged,
-        of["test"],
-        train=settings["train"] if of["target"] == of["rso"] else None,
+        experiment["test"],
+        train=settings["train"] if experiment["target"] == experiment["rso"] else None,
         span_days=settings["span_days"],
         seed=settings["seed"],
         learned=learned,
@@ -34,14 +37,17 @@ def read(
 
 
 def read_with_training(files: Any, settings: Mapping[str, Any]) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """The rows that a job trains on, and those of the dataset that judges its test.
+    """Load the training rows and the test rows of a job.
 
-    files: as for `read`, and `dataset` of the former, with what is `beside` it and `beside_target`. Errors as
-    `read`, and InputError where nothing is left to train on.
+    files: as for `read`, with the test's extra columns in files.beside_target
+    files.dataset: the dataset to train on, with extra columns in files.beside
+    settings: as for `read`
+
+    Raises InputError as `read`, and for a training without rows.
     """
     table = dataset.read(files.dataset, files.beside)
-    training = splits.training_rows(
+    rows = splits.training_rows(
         table, settings["train"], span_days=settings["span_days"], seed=settings["seed"]
     )
-    judged, rows, _ = read(files, settings, beside=files.beside_target)
-    return table[training], judged[rows]
+    judged, tested, _ = read(files, settings, beside=files.beside_target)
+    return table[rows], judged[tested]

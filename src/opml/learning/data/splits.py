@@ -1,12 +1,21 @@
 """Which rows of a dataset a model is trained and tested on, by the name of a split.
 
-`opml.naming` tells the names: `random-80` (80 % of the rows, drawn with the seed, as in the paper),
-`grouped-80` (all rows of 80 % of the estimates) or `days-0-30` (rows whose t_j lies in that window) for
-training; for testing `seen` (the training rows), `rest` (rows of the learning span that were not trained on),
-another window, `days-30-40`, or `days-30-40-unseen` (where t_i, too, lies in it, so that no estimate behind a
-row was trained on). Only kept rows are ever chosen, but by a test without the dataset's fences
-(`days-30-40-unfenced`) or with fences of its own rows (`days-30-40-fence3`). Labels from later estimates are
-trained on only where they were known by the end of the window.
+`opml.naming` parses the names. For training:
+
+* `random-80`: 80 % of the rows, drawn with the seed, as in the paper
+* `grouped-80`: all rows of 80 % of the estimates
+* `days-0-30`: rows with t_j in that window
+
+For testing:
+
+* `seen`: the training rows
+* `rest`: rows of the learning span that were not trained on
+* `days-30-40`: rows with t_j in that window
+* `days-30-40-unseen`: rows with t_i in that window, too, so that no estimate of theirs was trained on
+
+Only kept rows are chosen, except by a test without the fences of the dataset (`days-30-40-unfenced`) or with
+fences of its own rows (`days-30-40-fence3`). Labels from later estimates are trained on only where they were
+known by the end of the window.
 """
 
 import math
@@ -23,25 +32,28 @@ from opml.naming import parse_test, parse_train
 
 
 def in_days(t: np.ndarray, span_days: Sequence[float]) -> np.ndarray:
-    """Which epochs t [s] lie in (first, last] days.
+    """Return which epochs t [s] lie in (first, last] days.
 
-    Half open, so that adjoining windows share no row; nothing is lost at 0, as no prediction ends there.
+    The window is half open, so that adjoining windows share no row. Nothing is lost at 0, because no
+    prediction ends there.
     """
     first, last = span_days
     return (t > first * DAY) & (t <= last * DAY)
 
 
 def known_at(dataset: pd.DataFrame) -> np.ndarray:
-    """When the error of each row (n,) was known [s]: a true one at t_j."""
+    """Return when the error of each row (n,) is known [s]: a true error at t_j, a label later."""
     known: np.ndarray = dataset.get("t_known", dataset["t_j"]).to_numpy()
     return known
 
 
 def training_rows(dataset: pd.DataFrame, name: str, *, span_days: Sequence[float], seed: int) -> np.ndarray:
-    """Rows to train on under the split `name` (bool, one per row of the dataset).
+    """Return which rows (bool, n) of a dataset the split `name` trains on.
 
-    A random split draws from kept rows with t_j in span_days. The errors of all must have been known by the
-    last day. Raises InputError for an unknown name or a split without rows.
+    span_days: first and last day of t_j of the kept rows that a random split draws from
+
+    The errors of all rows must be known by the last day. Raises InputError for an unknown name or a split
+    without rows.
     """
     split = parse_train(name)
     days = split.days if split.kind == "days" else span_days
@@ -60,10 +72,12 @@ def training_rows(dataset: pd.DataFrame, name: str, *, span_days: Sequence[float
 def test_rows(
     dataset: pd.DataFrame, name: str, *, span_days: Sequence[float], trained: np.ndarray | None
 ) -> np.ndarray:
-    """Rows to test on under the split `name` (bool, one per row of the dataset).
+    """Return which rows (bool, n) of a dataset the split `name` tests on.
 
-    `trained` are the training rows in this dataset; None where the model was trained on another RSO. A window
-    leaves them out too. Raises InputError for an unknown name or a split without rows.
+    trained: training rows (bool, n) of this dataset, which a window leaves out, too; None where the model was
+        trained on another RSO
+
+    Raises InputError for an unknown name or a split without rows.
     """
     split = parse_test(name)
     seen = np.zeros(len(dataset), dtype=bool) if trained is None else trained
@@ -88,11 +102,12 @@ def rows_tested(
     seed: int,
     learned: pd.DataFrame | None = None,
 ) -> np.ndarray:
-    """Rows to test on after training under the split `train` (bool, one per row of the dataset).
+    """Return the rows (bool, n) to test on under the split `name`, after training under the split `train`.
 
-    `train` is None where the model was trained on another RSO; `learned` is the dataset of the same pairs
-    that it was trained on, where its errors are held against something else. Errors as `training_rows` and
-    `test_rows`.
+    train: None where the model was trained on another RSO
+    learned: the dataset of the same pairs that the model was trained on, where it is another
+
+    Raises InputError as `training_rows` and `test_rows` do.
     """
     learned = dataset if learned is None else learned
     trained = None if train is None else training_rows(learned, train, span_days=span_days, seed=seed)
@@ -100,8 +115,8 @@ def rows_tested(
 
 
 def _random_share(candidates: np.ndarray, *, percent: float, seed: int) -> np.ndarray:
-    # One permutation per seed, whatever the percentage: the 10 % rows are among the 20 % rows, and the test
-    # rows nest likewise. Neighbouring points of the partition curve then differ by what more data does, not
+    # One permutation per seed, whatever the percentage: the rows of 10 % are among those of 20 %, and test
+    # rows nest likewise. So neighbouring points of the partition curve differ by the effect of more data, not
     # by the luck of another draw.
     order = derive(seed, "split", "random").permutation(np.flatnonzero(candidates))
     rows = np.zeros(len(candidates), dtype=bool)

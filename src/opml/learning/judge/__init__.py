@@ -1,1 +1,1 @@
-"""What a model is worth: P_ML, intervals, calibration, sizes of what is left."""
+"""What a model is worth: P_ML, intervals, calibration, sizes of the errors left."""

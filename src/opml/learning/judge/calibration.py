@@ -1,9 +1,9 @@
-"""Is an uncertainty true? Shares of errors inside what is stated, by the prediction's duration.
+"""Is an uncertainty true? Shares of errors inside the stated bounds, by prediction duration.
 
-And whether squared Mahalanobis distances are distributed as chi-square(3), as those of a true covariance are:
-the test of goodness of fit by the empirical distribution that conjunction assessment uses (Zaidi & Hejduk
-2016, AIAA 2016-5628), here by Cramer and von Mises; beside it a proper score, as wide covariances pass less
-easily than they hold (Gneiting & Raftery 2007, J. Am. Stat. Assoc. 102, sec. 4.1).
+Squared Mahalanobis distances of a true covariance are distributed as chi-square(3). Conjunction assessment
+tests that by the empirical distribution (Zaidi & Hejduk 2016, AIAA 2016-5628); the test here is Cramer and
+von Mises'. Wide covariances pass it easily, so a proper score stands beside it (Gneiting & Raftery 2007, J.
+Am. Stat. Assoc. 102, sec. 4.1).
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -24,35 +24,38 @@ MARKS = (1.0, 3.0, 5.0, 7.0)
 """Prediction durations that the shares are stated at [days]."""
 
 PASSES = 0.05
-"""Least p-value at which distances count as those of a true covariance."""
+"""Least p-value at which a covariance counts as true."""
 
 LEAST = 5
-"""Mornings that the test of the distances needs."""
+"""Mornings that the test of distances needs."""
 
 
 def marks(longest_days: float) -> list[float]:
-    """The durations [days] that shares are stated at, where predictions last up to longest_days."""
+    """Return the durations [days] to state shares at, where predictions last up to longest_days."""
     return [day for day in MARKS if day <= longest_days] or [longest_days]
 
 
 def of_covariances(
     covariance: np.ndarray, errors: np.ndarray, duration: np.ndarray, *, days: Sequence[float]
 ) -> pd.DataFrame:
-    """The `calibration` table, less the experiment, of errors whose covariances are stated.
+    """Return the `calibration` table, less the experiment, of errors with stated covariances.
 
-    errors: (n, k) in RSW [m, m/s], of positions (k = 3) or of states (k = 6); covariance: (n, k, k);
-    duration: (n,) [s]; days: the durations to state shares at [days]. Intervals are those of normal errors.
-    Raises InputError where no row has one of the durations.
+    covariance: (n, k, k) of positions (k = 3) or states (k = 6), in RSW [m, m/s]
+    errors: (n, k) in RSW [m, m/s]
+    duration: (n,) [s]
+    days: durations to state shares at [days]
+
+    Intervals assume normal errors. Raises InputError where no row has one of the durations.
     """
     quantities = _quantities(covariance, errors)
-    found: list[dict[str, Any]] = []
+    rows: list[dict[str, Any]] = []
     for day in days:
         near = np.abs(duration / DAY - day) <= REACH_DAYS
         for level in LEVELS if near.any() else ():
             at = {"day": float(day), "rows": int(near.sum()), "level": level}
             for quantity, (size, bound) in quantities.items():
                 stated = bound(level)[near]
-                found.append(
+                rows.append(
                     at
                     | {
                         "quantity": quantity,
@@ -61,18 +64,18 @@ def of_covariances(
                         "found": float(np.quantile(size[near], level)),
                     }
                 )
-    if not found:
+    if not rows:
         raise InputError(
             f"calibration: expected predictions over {', '.join(f'{day:g}' for day in days)} days, got none"
         )
-    return pd.DataFrame(found)
+    return pd.DataFrame(rows)
 
 
 def _quantities(
     covariance: np.ndarray, errors: np.ndarray
 ) -> dict[str, tuple[np.ndarray, Callable[[float], np.ndarray]]]:
-    """Sizes (n,) of errors and the bounds (n,) that hold a level of them, by quantity."""
-    from scipy.stats import chi2  # half a second that no plan should wait for
+    """Return, by quantity, sizes (n,) of errors and what gives the bounds (n,) that hold a level of them."""
+    from scipy.stats import chi2  # takes half a second to import, too long for a plan
 
     sigma = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
 
@@ -89,57 +92,67 @@ def _quantities(
 
 
 def of_replay(replay: pd.DataFrame, *, days: Sequence[float]) -> pd.DataFrame:
-    """The same of the rows of a `replay` table whose mornings could state a covariance."""
-    told, covariance = _stated(replay)
-    errors = told[list(COMPONENTS)].to_numpy()
-    return of_covariances(covariance, errors, told["duration"].to_numpy(), days=days)
+    """Return the `calibration` table of those rows of a `replay` table that have a covariance.
+
+    days: durations to state shares at [days]
+    """
+    rows, covariance = _stated(replay)
+    errors = rows[list(COMPONENTS)].to_numpy()
+    return of_covariances(covariance, errors, rows["duration"].to_numpy(), days=days)
 
 
 def of_replays(replays: Mapping[str, pd.DataFrame], *, days: Sequence[float]) -> dict[str, pd.DataFrame]:
-    """The same of several tables by their names; those whose mornings had too short a past are left out."""
-    found = {}
+    """Return `calibration` tables of `replay` tables, by name, without those that have no covariance.
+
+    days: durations to state shares at [days]
+    """
+    tables = {}
     for name, table in replays.items():
         try:
-            found[name] = of_replay(table, days=days)
+            tables[name] = of_replay(table, days=days)
         except InputError:
             continue
-    return found
+    return tables
 
 
 def _stated(replay: pd.DataFrame) -> tuple[pd.DataFrame, np.ndarray]:
-    """Rows of a `replay` table that have a covariance, and (n, 6, 6) those of their errors.
+    """Return the rows of a `replay` table that have a covariance, and the covariances (n, 6, 6) of errors.
 
-    A state that an ephemeris is held against may be off, too.
+    The variance of the state that a prediction is compared with is added.
     """
-    told = replay[np.isfinite(replay[SIGMA_STATE].to_numpy()).all(axis=1)]
-    covariance = covariances(told, told[SIGMA_STATE].to_numpy())
-    covariance[:, range(3), range(3)] += told[DOUBT].to_numpy() ** 2
-    return told, covariance
+    rows = replay[np.isfinite(replay[SIGMA_STATE].to_numpy()).all(axis=1)]
+    covariance = covariances(rows, rows[SIGMA_STATE].to_numpy())
+    covariance[:, range(3), range(3)] += rows[DOUBT].to_numpy() ** 2
+    return rows, covariance
 
 
 def goodness(replay: pd.DataFrame, *, days: Sequence[float]) -> pd.DataFrame:
-    """Whether the covariances of a `replay` table's positions are true, one row per duration [days].
+    """Return how well the covariances of positions in a `replay` table fit the errors, one row per duration.
 
-    day; mornings: how many have a prediction of about that duration, one of which is taken, as those of a
-    morning share their weather; p: of Cramer and von Mises' test of their squared Mahalanobis distances
-    against chi-square(3), NaN of fewer than LEAST; score: mean of -ln of the stated density at the error, of
-    all rows.
+    days: durations [days]
+
+    day: the duration
+    mornings: those with a prediction of about that duration; the nearest one of each is tested, because the
+        predictions of a morning share their weather
+    p: of Cramer and von Mises' test of squared Mahalanobis distances against chi-square(3), NaN for fewer
+        than LEAST mornings
+    score: mean of -ln of the stated density at the error, over all rows
     """
     from scipy.stats import chi2, cramervonmises
 
-    told, covariance = _stated(replay)
+    stated, covariance = _stated(replay)
     covariance = covariance[:, :3, :3]
-    distance = mahalanobis(told[POSITION].to_numpy(), covariance)
+    distance = mahalanobis(stated[POSITION].to_numpy(), covariance)
     score = 0.5 * (distance + np.linalg.slogdet(2.0 * np.pi * covariance)[1])
-    off, found = (told["duration"] / DAY).to_numpy(), []
+    duration, tests = (stated["duration"] / DAY).to_numpy(), []
     for day in days:
-        near = np.abs(off - day) <= REACH_DAYS
+        near = np.abs(duration - day) <= REACH_DAYS
         if not near.any():
             continue
-        rows = told[near].assign(off=np.abs(off[near] - day), distance=distance[near])
-        one = rows.sort_values("off", kind="stable").groupby("morning")["distance"].first()
-        p = cramervonmises(one, chi2(3).cdf).pvalue if len(one) >= LEAST else np.nan
-        found.append(
-            {"day": float(day), "mornings": len(one), "p": float(p), "score": float(score[near].mean())}
+        rows = stated[near].assign(off=np.abs(duration[near] - day), distance=distance[near])
+        nearest = rows.sort_values("off", kind="stable").groupby("morning")["distance"].first()
+        p = cramervonmises(nearest, chi2(3).cdf).pvalue if len(nearest) >= LEAST else np.nan
+        tests.append(
+            {"day": float(day), "mornings": len(nearest), "p": float(p), "score": float(score[near].mean())}
         )
-    return pd.DataFrame(found, columns=["day", "mornings", "p", "score"])
+    return pd.DataFrame(tests, columns=["day", "mornings", "p", "score"])

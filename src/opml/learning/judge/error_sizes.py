@@ -1,22 +1,22 @@
-"""How far a corrected orbit may be off, from what earlier corrections left and what may happen ahead.
+"""How far a corrected orbit may be off, from the errors of earlier corrections and from the weather ahead.
 
-Each axis of the position has a variance of four parts,
+The variance of each axis of the position has four parts,
 
     sigma^2 = a^2 + (b D)^2 + f(D)^2 ((c drag)^2 + weather^2),
 
-D the duration of the prediction, `drag` what a tenth more drag would do to it and `weather` what the futures
-of the space weather do (opml.catalog.predict.spread). a, b and c are such that nine tenths of the past's
-errors were inside 1.645 sigma: quantile regression on replays that were over (opml.ephemerides.replays),
-newer ones weighing more.
+D the duration of the prediction, `drag` the displacement by a tenth more drag and `weather` the spread of the
+futures of the space weather (opml.catalog.predict.spread). a, b and c are such that nine tenths of the past
+errors are inside 1.645 sigma. They come from quantile regression on replays that are over
+(opml.ephemerides.replays), in which newer errors weigh more.
 
-f widens what depends on the weather where few stretches of it were seen: the quantile of Student's t of as
-many degrees of freedom as predictions of that duration fit side by side into the past, by the normal one.
-a and b come from forces that last, and show in a week.
+f widens the parts that depend on the weather after a short past. It is the quantile of Student's t, divided
+by that of the normal distribution; the degrees of freedom are the number of predictions of that duration that
+fit into the past side by side. a and b come from forces that last, and a week shows them.
 
-Errors that are held against later estimates have the variance of these, too, which is no part of sigma.
+Later estimates, which errors are measured against, have a variance of their own. It is no part of sigma.
 
-A velocity follows its position (opml.orbits.rsw_covariance); what it may differ by beyond that is
-proportional to the radial or cross-track size. One number makes the ellipsoids of the past hold nine tenths.
+A velocity follows its position (opml.orbits.rsw_covariance). What it may differ by beyond that is
+proportional to the radial or cross-track size. One factor makes the ellipsoids of the past hold nine tenths.
 
 Source: Koenker & Bassett 1978, Regression quantiles, Econometrica 46; Student's t as the predictive
 distribution of few normal deviates, e.g. Gelman et al. 2013, Bayesian Data Analysis, sec. 3.2.
@@ -35,31 +35,37 @@ from opml.orbits.rsw_covariance import AXES, free_parts, half_width, rsw_covaria
 from opml.tables import COMPONENTS, DOUBT
 
 LEVEL = 0.9
-"""Share of the errors that intervals and ellipsoids are to hold."""
+"""Share of the errors that intervals and ellipsoids are to hold, and the level that reports print."""
 
 INSIDE = half_width(LEVEL)
 """Half the width of that interval, in standard deviations."""
 
 MEMORY_DAYS = 8.0
-"""By which the weight of a past error falls by e: a week and a day, so that predictions of a week count."""
+"""Time in which the weight of a past error falls by e: eight days, so that predictions of a week count."""
 
 LEAST_FREEDOM = 2.0
-"""Degrees of freedom below which nothing gets wider: a factor of 1.8."""
+"""Least degrees of freedom: a factor of 1.8."""
 
 LEAST_ROWS = 20
-"""Errors of the past that sizes can be learned from."""
+"""Least number of past errors to learn sizes from."""
 
 _MOST_ROWS = 3000
 _FIRST_GUESSES = ((-0.5, -1.0, -1.0), (-1.0, -1.0, 0.0))
 _SMALLEST = 1.0
-"""Sizes below which a position is never stated to be known [m]."""
+"""Least size of an error that is stated for a position [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sizes:
-    """Sizes of errors: per axis a [m], b [m/s] and c (3,), factors of velocities (3,), of variances.
+    """Sizes of errors, in the terms of the module's formula.
 
-    days: of the past that they are from; reach: its longest prediction [s].
+    constant: (3,) a [m]
+    rate: (3,) b [m/s]
+    drag: (3,) c
+    velocity: (3,) factors of the velocity
+    inflation: factor of the variances
+    days: length of the past that the sizes come from
+    reach: its longest prediction [s]
     """
 
     constant: np.ndarray
@@ -71,17 +77,18 @@ class Sizes:
     reach: float
 
     def sigmas(self, rows: pd.DataFrame) -> np.ndarray:
-        """Standard deviations (n, 6) [m, m/s] of the parts that `rsw_covariance.rsw_covariances` is made of.
+        """Return standard deviations (n, 6) [m, m/s] of the parts for `rsw_covariance.rsw_covariances`.
 
-        rows: duration [s], rate [rad/s], drag_* and weather_* [m].
+        rows: duration [s], rate [rad/s], drag_* and weather_* [m]
         """
-        sigmas: np.ndarray = np.sqrt(self.inflation) * self._sigmas(rows, few=True)
+        wide = widening(rows["duration"].to_numpy(), self.days)
+        sigmas: np.ndarray = np.sqrt(self.inflation) * self._sigmas(rows, wide)
         return sigmas
 
-    def _sigmas(self, rows: pd.DataFrame, *, few: bool) -> np.ndarray:
+    def _sigmas(self, rows: pd.DataFrame, wide: np.ndarray) -> np.ndarray:
+        """Return standard deviations (n, 6) without inflation; wide: (n,) f of the formula."""
         duration = rows["duration"].to_numpy()
-        wide = widening(duration, self.days) if few else np.ones(len(rows))
-        # Nobody has seen yet how errors grow beyond the longest prediction that is over: by its square, say.
+        # How errors grow beyond the longest prediction that is over is unknown: by the square, it is assumed.
         grown = duration * np.maximum(duration / self.reach, 1.0)
         position = np.stack(
             [
@@ -99,9 +106,9 @@ class Sizes:
 
     @classmethod
     def learned(cls, past: pd.DataFrame, *, now: float) -> Self:
-        """Sizes by the rows of a `replay` table that were over by `now` [s].
+        """Learn sizes from the rows of a `replay` table that were over by `now` [s].
 
-        Raises InputError where there are fewer than LEAST_ROWS.
+        Raises InputError for fewer than LEAST_ROWS.
         """
         from scipy.stats import chi2
 
@@ -117,23 +124,23 @@ class Sizes:
         constant, rate, drag = np.array([_fitted(past, axis, weight) for axis in AXES]).T
         plain = cls(constant, rate, drag, np.ones(3), 1.0, days, reach)
         parts = free_parts(past[list(COMPONENTS)].to_numpy(), past["rate"].to_numpy())
-        doubt = past[DOUBT].to_numpy()
+        doubt, narrow = past[DOUBT].to_numpy(), np.ones(len(past))
         velocity = np.array(
             [
                 weighted_quantile(np.abs(part) / sigma, weight, LEVEL) / INSIDE
-                for part, sigma in zip(parts[:, 3:].T, plain._sigmas(past, few=False)[:, 3:].T, strict=True)
+                for part, sigma in zip(parts[:, 3:].T, plain._sigmas(past, narrow)[:, 3:].T, strict=True)
             ]
         )
         whole = replace(plain, velocity=velocity)
-        square = whole._sigmas(past, few=False)[:, :3] ** 2 + doubt**2
+        square = whole._sigmas(past, narrow)[:, :3] ** 2 + doubt**2
         distance = np.sum(parts[:, :3] ** 2 / square, axis=1)
         inflation = weighted_quantile(distance, weight, LEVEL) / float(chi2.ppf(LEVEL, 3))
         return replace(whole, inflation=inflation)
 
 
 def widening(duration: np.ndarray, days: float) -> np.ndarray:
-    """Factor (n,) on what depends on the weather, for durations (n,) [s] after a past of so many days."""
-    from scipy.stats import t  # half a second that no plan should wait for
+    """Return f (n,) of the formula, for durations (n,) [s] after a past of so many days."""
+    from scipy.stats import t  # takes half a second to import, too long for a plan
 
     freedom = np.maximum(days / (1.0 + duration / DAY), LEAST_FREEDOM)
     factor: np.ndarray = t.ppf(0.5 + 0.5 * LEVEL, freedom) / INSIDE
@@ -141,22 +148,25 @@ def widening(duration: np.ndarray, days: float) -> np.ndarray:
 
 
 def weighted_quantile(values: np.ndarray, weight: np.ndarray, level: float) -> float:
-    """Least of the values (n,) such that those up to it hold `level` of the weight (n,)."""
+    """Return the least of the values (n,) such that those up to it hold `level` of the weight (n,)."""
     order = np.argsort(values, kind="stable")
     share = np.cumsum(weight[order])
     return float(values[order][min(int(np.searchsorted(share, level * share[-1])), len(values) - 1)])
 
 
 def _fitted(past: pd.DataFrame, axis: str, weight: np.ndarray) -> tuple[float, float, float]:
-    """a, b and c of an axis by quantile regression; a row counts in units of its day of duration."""
+    """Return a, b and c of an axis by quantile regression.
+
+    weight: (n,); an error counts in units of the typical error of its day of duration
+    """
     from scipy.optimize import minimize
 
     size, duration = past[f"e_{axis}"].abs().to_numpy(), past["duration"].to_numpy()
     drag, weather, doubt = (past[f"{name}_{axis}"].to_numpy() for name in ("drag", "weather", "doubt"))
     day = np.ceil(duration / DAY)
     typical = np.ones(len(past))
-    for one in np.unique(day):
-        rows = day == one
+    for number in np.unique(day):
+        rows = day == number
         typical[rows] = max(weighted_quantile(size[rows], weight[rows], LEVEL), _SMALLEST)
     base = max(float(typical[day == day.min()][0]) / INSIDE, _SMALLEST)
     units = np.array([base, base / DAY, 1.0])
@@ -166,20 +176,22 @@ def _fitted(past: pd.DataFrame, axis: str, weight: np.ndarray) -> tuple[float, f
         a, b, c = units * np.exp(logarithms)
         above = size - INSIDE * np.sqrt(a**2 + (b * duration) ** 2 + (c * drag) ** 2 + weather**2 + doubt**2)
         pinball = np.where(above > 0.0, LEVEL * above, (LEVEL - 1.0) * above)
-        # What the past says nothing of stays where it is.
+        # A small penalty keeps parameters at their start that the past tells nothing about.
         return float(np.sum(relative * pinball) + 1e-5 * np.sum(logarithms**2))
 
     options = {"maxiter": 400, "xatol": 1e-2, "fatol": 1e-6}
-    found = [minimize(loss, start, method="Nelder-Mead", options=options) for start in _FIRST_GUESSES]
-    best = min(found, key=lambda one: float(one.fun))
+    minima = [minimize(loss, start, method="Nelder-Mead", options=options) for start in _FIRST_GUESSES]
+    best = min(minima, key=lambda minimum: float(minimum.fun))
     a, b, c = units * np.exp(best.x)
     return float(a), float(b), float(c)
 
 
 def as_known(replay: pd.DataFrame, mornings: Sequence[float]) -> np.ndarray:
-    """Standard deviations (n, 6) of the rows of a `replay` table, each as its own morning would have had it.
+    """Return standard deviations (n, 6) of the rows of a `replay` table, each as known on its morning.
 
-    mornings (n,): when what a row was made with was known [s]. Not finite where the past was too short.
+    mornings: (n,) time of each row's morning [s]
+
+    They are not finite where the past was too short.
     """
     sigma = np.full((len(replay), 6), np.nan)
     when = np.asarray(mornings)
@@ -194,5 +206,5 @@ def as_known(replay: pd.DataFrame, mornings: Sequence[float]) -> np.ndarray:
 
 
 def covariances(rows: pd.DataFrame, sigma: np.ndarray) -> np.ndarray:
-    """Covariances (n, 6, 6) in RSW [m, m/s] of rows with a `rate` [rad/s], from their `sigmas`."""
+    """Return covariances (n, 6, 6) in RSW [m, m/s] of rows with a `rate` [rad/s] and `sigmas` (n, 6)."""
     return rsw_covariances(sigma, rows["rate"].to_numpy())

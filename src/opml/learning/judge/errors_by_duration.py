@@ -1,4 +1,4 @@
-"""How errors grow with the prediction duration: medians and 95th percentiles of their size."""
+"""Growth of errors with the prediction duration: medians and 95th percentiles of their size."""
 
 from collections.abc import Sequence
 
@@ -8,35 +8,37 @@ import pandas as pd
 from opml.base.constants import DAY
 
 QUANTILES = (0.5, 0.95)
-"""The size that half of the errors, and that 95 % of them, stay below."""
+"""Shares of the errors that stay below the sizes returned."""
 
 REACH_DAYS = 0.25
-"""Durations this near to a day are taken for it [days]: six hours to either side."""
+"""A prediction counts for a duration that it misses by no more than this [days]: six hours."""
 
 
 def at_days(evaluation: pd.DataFrame, days: Sequence[float]) -> pd.DataFrame:
-    """Sizes of the errors of an `evaluation` table near some prediction durations [days].
+    """Return sizes of the errors of an `evaluation` table near prediction durations.
 
-    One row per day that has rows: day, rows, before_50, before_95, after_50, after_95 in the table's unit.
+    days: the durations [days]
+
+    One row per day with predictions: day, rows, before_50, before_95, after_50, after_95 in the table's unit.
     """
     size = evaluation[["true", "residual"]].abs().set_axis(["before", "after"], axis=1)
-    found = []
+    sizes = []
     for day in days:
         near = (evaluation["duration"] / DAY - day).abs() <= REACH_DAYS
         if near.any():
-            found.append({"day": day, "rows": int(near.sum())} | _quantiles(size[near]))
-    return pd.DataFrame(found)
+            sizes.append({"day": day, "rows": int(near.sum())} | _quantiles(size[near]))
+    return pd.DataFrame(sizes)
 
 
 def by_duration(evaluation: pd.DataFrame, *, width_days: float) -> pd.DataFrame:
-    """The same in bins of the duration: at the mean duration [days] of each bin's rows."""
+    """Return the table of `at_days` for bins of the duration, each at its mean duration [days]."""
     size = evaluation[["true", "residual"]].abs().set_axis(["before", "after"], axis=1)
     days = evaluation["duration"] / DAY
-    found = []
-    # A bin holds its upper end, so that the longest predictions of all make none of their own.
+    sizes = []
+    # A bin holds its upper end, so that the longest predictions make no bin of their own.
     for _, rows in size.groupby(np.ceil(days / width_days)):
-        found.append({"day": float(days[rows.index].mean()), "rows": len(rows)} | _quantiles(rows))
-    return pd.DataFrame(found)
+        sizes.append({"day": float(days[rows.index].mean()), "rows": len(rows)} | _quantiles(rows))
+    return pd.DataFrame(sizes)
 
 
 def _quantiles(size: pd.DataFrame) -> dict[str, float]:

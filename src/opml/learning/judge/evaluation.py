@@ -1,4 +1,4 @@
-"""A model's correction of chosen rows of a dataset."""
+"""The correction of rows of a dataset by a model."""
 
 import numpy as np
 import pandas as pd
@@ -8,10 +8,12 @@ from opml.learning.models.inputs import columns_of
 
 
 def evaluate(model: Predictor, dataset: pd.DataFrame, rows: np.ndarray, *, component: str) -> pd.DataFrame:
-    """The `evaluation` table: true, predicted and residual error of `component` on the rows (bool mask).
+    """Return the `evaluation` table: true, predicted and residual error of a component.
 
-    The residual is true minus predicted, what the ML-modified prediction is still wrong by. Raises InputError
-    for a dataset without a variable of the model.
+    rows: (bool, n) which rows of the dataset
+
+    The residual is true minus predicted: the error of the corrected prediction. Raises InputError for a
+    dataset without a variable of the model.
     """
     chosen = dataset.loc[rows]
     true = chosen[component].to_numpy()

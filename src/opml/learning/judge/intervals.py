@@ -1,8 +1,8 @@
-"""Prediction intervals that hold for estimates not seen: split-conformal, estimates as groups.
+"""Prediction intervals that hold for unseen estimates: split-conformal, estimates as groups.
 
-Rows of one estimate are no independent evidence, so they share one vote: the quantile is that of a mixture
-in which each calibration estimate weighs the same and one more, unseen, may lie anywhere. For a new estimate
-drawn like those, at least `level` of its rows are then inside, in the mean over estimates.
+Rows of one estimate are no independent evidence, so they share one vote. The quantile is that of a mixture in
+which each calibration estimate has the same weight, and one unseen estimate may lie anywhere. Then at least
+`level` of the rows of a new estimate from the same population are inside, in the mean over estimates.
 
 Source: Dunn, Wasserman & Ramdas 2023, Distribution-free prediction sets for two-layer hierarchical models,
 J. Am. Stat. Assoc. 118 (pooling CDFs); Vovk, Gammerman & Shafer 2005, Algorithmic Learning in a Random World,
@@ -22,17 +22,33 @@ from opml.learning.judge.evaluation import evaluate
 from opml.learning.models.contract import Model
 
 
+@dataclass(frozen=True)
+class Conformal:
+    """What intervals are to hold, and what they are calibrated on.
+
+    level: share of the rows of an estimate inside, in the mean over estimates
+    share: of the estimates of the training, held out to calibrate on
+    bin_hours: width of the bins of durations that share a scale
+    """
+
+    level: float
+    share: float
+    bin_hours: float
+
+
 @dataclass(frozen=True, eq=False)
 class Widths:
-    """Half the width of prediction intervals, a factor times a scale that depends on the duration."""
+    """Half the width of prediction intervals: a factor times a scale that depends on the duration."""
 
     duration: np.ndarray  # (bins,) [s], ascending
     scale: np.ndarray  # (bins,) typical residual, in the target's unit
     factor: float
-    level: float
 
     def at(self, duration: np.ndarray) -> np.ndarray:
-        """Half the width (n,) at durations (n,) [s], linear between the bins and constant past the ends."""
+        """Return half the width (n,) at durations (n,) [s].
+
+        It is linear between the bins and constant past the ends.
+        """
         half: np.ndarray = self.factor * np.interp(duration, self.duration, self.scale)
         return half
 
@@ -41,35 +57,35 @@ def apply(
     train: Callable[[pd.DataFrame], Model],
     training: pd.DataFrame,
     test: pd.DataFrame,
+    conformal: Conformal,
     *,
     component: str,
-    level: float,
-    share: float,
-    bin_hours: float,
     seed: int,
 ) -> pd.DataFrame:
-    """The `intervals` table: the test rows' errors, predicted, with half the width of their intervals.
+    """Return the `intervals` table: errors of test rows, predicted, with half the width of their intervals.
 
-    `train` makes a model of rows of the `training` dataset: it is given all but those of a share of the
-    estimates, which the widths come from. Raises InputError as `calibrate` does.
+    train: makes a model from rows of a dataset
+    training: rows of a dataset, some of whose estimates the widths come from, the others the model
+    test: rows of a dataset
+    seed: of the draw of estimates
+
+    Raises InputError as `calibrate` does.
     """
-    held = held_out(training["i"].to_numpy(), share=share, seed=seed)
+    held = held_out(training["i"].to_numpy(), share=conformal.share, seed=seed)
     model = train(training[~held])
-    every = np.ones(len(training), dtype=bool)
-    widths = calibrate(
-        training["duration"].to_numpy(),
-        evaluate(model, training, every, component=component)["residual"].to_numpy(),
-        training["i"].to_numpy(),
-        held,
-        level=level,
-        bin_hours=bin_hours,
+    known, table = (
+        evaluate(model, rows, np.ones(len(rows), dtype=bool), component=component)
+        for rows in (training, test)
     )
-    table = evaluate(model, test, np.ones(len(test), dtype=bool), component=component)
+    widths = calibrate(known, held, conformal)
     return table.assign(half_width=widths.at(table["duration"].to_numpy()))
 
 
 def summary(table: pd.DataFrame, *, level: float, **experiment: str) -> pd.DataFrame:
-    """The one-row `coverage` table of an `intervals` table; the other options name the experiment."""
+    """Return the one-row `coverage` table of an `intervals` table.
+
+    experiment: its name, part by part
+    """
     half = table["half_width"]
     rows, estimates = coverage(table["residual"].to_numpy(), half.to_numpy(), table["i"].to_numpy())
     last_day = table["duration"] > table["duration"].max() - DAY
@@ -85,35 +101,30 @@ def summary(table: pd.DataFrame, *, level: float, **experiment: str) -> pd.DataF
 
 
 def held_out(groups: np.ndarray, *, share: float, seed: int) -> np.ndarray:
-    """Which rows (bool, n) belong to the share of the groups (n,) that a model is calibrated on."""
+    """Return which rows (bool, n) belong to a share of the groups (n,), drawn with the seed."""
     order = derive(seed, "intervals").permutation(np.unique(groups))
     return np.isin(groups, order[: round(len(order) * share)])
 
 
-def calibrate(
-    duration: np.ndarray,
-    residual: np.ndarray,
-    groups: np.ndarray,
-    held: np.ndarray,
-    *,
-    level: float,
-    bin_hours: float,
-) -> Widths:
-    """Widths that hold `level` of the rows, for a model that was trained on rows not `held` (bool, n).
+def calibrate(evaluation: pd.DataFrame, held: np.ndarray, conformal: Conformal) -> Widths:
+    """Return widths that hold their level of the rows of an unseen estimate.
 
-    duration (n,) [s], residual (n,), groups (n,) the estimate of each row. The scale is the median residual
-    of the trained rows in bins of bin_hours, so that it owes nothing to the calibration. Raises InputError
-    where there are too few estimates for the level.
+    evaluation: `evaluation` table of a model
+    held: (bool, n) rows that the model was not trained on
+
+    The scale is the median residual of the trained rows in bins of the duration, so it does not depend on the
+    rows held out. Raises InputError for too few estimates.
     """
-    centre, scale = duration_scale(duration[~held], residual[~held], bin_hours=bin_hours)
+    duration, residual, groups = (evaluation[name].to_numpy() for name in ("duration", "residual", "i"))
+    centre, scale = duration_scale(duration[~held], residual[~held], bin_hours=conformal.bin_hours)
     scores = np.abs(residual[held]) / np.interp(duration[held], centre, scale)
-    return Widths(centre, scale, grouped_quantile(scores, groups[held], level=level), level)
+    return Widths(centre, scale, grouped_quantile(scores, groups[held], level=conformal.level))
 
 
 def duration_scale(
     duration: np.ndarray, residual: np.ndarray, *, bin_hours: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Mean duration [s] and median absolute residual of bins of durations, the latter never zero."""
+    """Return mean duration [s] and median absolute residual (never zero) of bins of durations."""
     bins = np.unique(np.floor(duration / (HOUR * bin_hours)), return_inverse=True)[1]
     members = [bins == k for k in range(bins.max() + 1)]
     centre = np.array([duration[member].mean() for member in members])
@@ -122,9 +133,9 @@ def duration_scale(
 
 
 def grouped_quantile(scores: np.ndarray, groups: np.ndarray, *, level: float) -> float:
-    """Least q such that scores up to q hold `level` of the mixture of the groups and one more at infinity.
+    """Return the least q such that scores up to q hold `level` of the groups and of one more at infinity.
 
-    Raises InputError where that one more outweighs what the level leaves out.
+    Raises InputError where that group weighs more than the level leaves out.
     """
     group, count = np.unique(groups, return_inverse=True, return_counts=True)[1:]
     if len(count) / (len(count) + 1.0) < level:
@@ -139,7 +150,7 @@ def grouped_quantile(scores: np.ndarray, groups: np.ndarray, *, level: float) ->
 
 
 def coverage(residual: np.ndarray, half_width: np.ndarray, groups: np.ndarray) -> tuple[float, float]:
-    """Share of the rows inside their intervals, and its mean over estimates (what the level promises)."""
+    """Return the share of the rows inside their intervals, and its mean over estimates (the level)."""
     inside = np.abs(residual) <= half_width
     group = np.unique(groups, return_inverse=True)[1]
     by_group = np.bincount(group, inside) / np.bincount(group)

@@ -1,4 +1,4 @@
-"""How much of the prediction error a model leaves.
+"""The part of the prediction error that a model leaves.
 
 Source: the paper, sections 'Validation of the Trained SVM Model' (P_ML) and 'Results on Simulated RSO'
 (p_ML).
@@ -19,9 +19,9 @@ LONGEST = 0.5 * DAY
 
 
 def p_ml(true: np.ndarray, predicted: np.ndarray) -> float:
-    """Performance metric P_ML [%]: 100 sum |e - e_ML| / sum |e| over all points.
+    """Return the performance metric P_ML [%]: 100 sum |e - e_ML| / sum |e| over all points.
 
-    0 is a perfect correction, 100 none at all. Raises InputError where there is no error to correct.
+    0 is a perfect correction, 100 no correction. Raises InputError where there is no error to correct.
     """
     total = float(np.sum(np.abs(true)))
     if not (np.isfinite(total) and total > 0.0):
@@ -30,9 +30,9 @@ def p_ml(true: np.ndarray, predicted: np.ndarray) -> float:
 
 
 def individual_p_ml(true: np.ndarray, predicted: np.ndarray) -> np.ndarray:
-    """Individual metric p_ML [%] of each point: 100 |e - e_ML| / |e|.
+    """Return the individual metric p_ML [%] of each point: 100 |e - e_ML| / |e|.
 
-    Infinite where a zero error was made worse, 0 where it was left alone.
+    It is infinite where a zero error became larger, 0 where it stayed zero.
     """
     residual, error = np.abs(true - predicted), np.abs(true)
     ratio = np.divide(residual, error, out=np.where(residual > 0.0, np.inf, 0.0), where=error > 0.0)
@@ -41,15 +41,16 @@ def individual_p_ml(true: np.ndarray, predicted: np.ndarray) -> np.ndarray:
 
 
 def fraction_reduced(true: np.ndarray, predicted: np.ndarray) -> float:
-    """Fraction of the points (0 to 1) whose error the correction makes smaller: p_ML below 100 %."""
+    """Return the fraction (0 to 1) of the points whose error becomes smaller: p_ML below 100 %."""
     return float(np.mean(np.abs(true - predicted) < np.abs(true)))
 
 
 def against_labels(evaluation: pd.DataFrame, labelled: pd.DataFrame, *, component: str) -> float:
-    """P_ML [%] of an `evaluation` table, its rows held against labels from later estimates instead.
+    """Return P_ML [%] of the rows of an `evaluation` table, with labels from later estimates as true errors.
 
-    `labelled`: the dataset with the labels; rows that it dropped do not count. NaN where it holds true
-    errors, or none of the rows.
+    labelled: the dataset with the labels; rows that it dropped do not count
+
+    P_ML is NaN where the dataset holds true errors, or none of the rows.
     """
     if "t_known" not in labelled:
         return math.nan
@@ -59,11 +60,11 @@ def against_labels(evaluation: pd.DataFrame, labelled: pd.DataFrame, *, componen
 
 
 def bootstrap_interval(evaluation: pd.DataFrame, *, seed: int) -> tuple[float, float]:
-    """5th and 95th percentile of P_ML [%] over resampled estimates, for an `evaluation` table.
+    """Return 5th and 95th percentile of P_ML [%] over resampled estimates, for an `evaluation` table.
 
-    Whole estimates are drawn with replacement, since the rows of one are no independent evidence (cluster
-    bootstrap; Davison & Hinkley 1997, Bootstrap Methods and their Application, sec. 3.8). Raises InputError
-    where there is no error to correct.
+    Whole estimates are drawn with replacement, because the rows of an estimate are no independent evidence
+    (cluster bootstrap; Davison & Hinkley 1997, Bootstrap Methods and their Application, sec. 3.8). Raises
+    InputError where there is no error to correct.
     """
     p_ml(evaluation["true"].to_numpy(), evaluation["predicted"].to_numpy())
     sums = evaluation[["residual", "true"]].abs().groupby(evaluation["i"], sort=True).sum().to_numpy()
@@ -76,22 +77,23 @@ def bootstrap_interval(evaluation: pd.DataFrame, *, seed: int) -> tuple[float, f
 
 
 def floor_share(dataset: pd.DataFrame, rows: np.ndarray, *, component: str) -> float:
-    """Size of the error from the true state and Cd, in % of the error, both summed over the rows (bool).
+    """Return the size of the error from the true state and Cd, in % of that of the error, summed over rows.
 
-    The dataset has the oracle's columns beside its own.
+    dataset: with the columns of the oracle beside its own
+    rows: (bool, n)
     """
     floor, error = (dataset.loc[rows, name] for name in (component.replace("e_", "floor_", 1), component))
     return 100.0 * float(floor.abs().sum() / error.abs().sum())
 
 
-def of_longest(evaluation: pd.DataFrame) -> tuple[float, float]:
-    """Mean absolute error and residual [m or m/s] of the rows within LONGEST of the longest duration."""
+def longest_errors(evaluation: pd.DataFrame) -> tuple[float, float]:
+    """Return mean absolute error and residual [m or m/s] of rows within LONGEST of the longest duration."""
     longest = evaluation[evaluation["duration"] >= evaluation["duration"].max() - LONGEST]
     return float(longest["true"].abs().mean()), float(longest["residual"].abs().mean())
 
 
 def by_seed(metrics: pd.DataFrame) -> pd.DataFrame:
-    """Rows of the `metrics` table and a further column `seed`, a number for each pair of seeds."""
+    """Return the `metrics` table with a further column `seed`, a number for each pair of seeds."""
     return metrics.assign(seed=metrics.groupby(["seed_noise", "seed_split"]).ngroup())
 
 
@@ -104,14 +106,16 @@ def summary(
     p_ml_later: float = math.nan,
     **experiment: str,
 ) -> pd.DataFrame:
-    """The one-row `metrics` table of an `evaluation` table.
+    """Return the one-row `metrics` table of an `evaluation` table.
 
-    `p_ml_later` is what `against_labels` returns. `kernel_scale` is the model's, NaN where it has none;
-    `seed_split` is of the bootstrap's draws, too. The other options name the experiment.
+    seed_split: of the draws of the bootstrap, too
+    kernel_scale: of the model, NaN for one without
+    p_ml_later: from `against_labels`
+    experiment: its name, part by part
     """
     low, high = bootstrap_interval(evaluation, seed=seed_split)
     true, predicted = evaluation["true"].to_numpy(), evaluation["predicted"].to_numpy()
-    before, after = of_longest(evaluation)
+    before, after = longest_errors(evaluation)
     row = experiment | {
         "seed_noise": seed_noise,
         "seed_split": seed_split,

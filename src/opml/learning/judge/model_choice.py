@@ -1,8 +1,9 @@
-"""Which model to fly next, by what replays that are over have shown.
+"""The choice of the model to fly next, by replays that are over.
 
-Among the models that learn nothing it is the one that left least, the newer errors weighing more and those of
-each day of duration alike. One that learned is flown only where the past shows with confidence that it leaves
-less, in that measure and in metres: by a bootstrap over blocks of the days that predictions ended on.
+Among the models that learn nothing, the one that left the least is chosen. Newer errors weigh more, and those
+of each day of duration weigh alike. A model that learned is flown only where the past shows with confidence
+that it leaves less, in that measure and in metres. A bootstrap over blocks of the days on which predictions
+ended tells the confidence.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,23 +19,26 @@ from opml.base.seeds import derive
 from opml.learning.judge.error_sizes import MEMORY_DAYS
 
 CONFIDENCE = 0.95
-"""How sure the past has to be that a model that learned leaves less than the best one that did not."""
+"""Confidence required that a model that learned leaves less than the best model that learned nothing."""
 
 BLOCK_DAYS = 3.0
-"""Predictions that ended within so many days are one piece of evidence, as they share their weather."""
+"""Predictions that ended within so many days are one piece of evidence, because they share their weather."""
 
 LEAST_BLOCKS = 4
-"""Pieces of evidence that this takes."""
+"""Least number of such pieces."""
 
 _DRAWS = 1000
 
 
 @dataclass(frozen=True)
 class Choice:
-    """The model of a morning: its name, the best that learned nothing, and how the best law compares to it.
+    """The model of a morning, and the comparison that it follows from.
 
-    law: None where none was replayed for long enough; ratio: of what it left in the past by what the best
-    plain one did; high: the ratio that CONFIDENCE of the resampled days stay below.
+    chosen: the model to fly
+    plain: the best model that learned nothing
+    law: the best model that learned, None where none was replayed for long enough
+    ratio: error that the law left in the past, divided by that of the plain model
+    high: upper bound of the ratio, at CONFIDENCE
     """
 
     chosen: str
@@ -45,10 +49,13 @@ class Choice:
 
 
 def choose(replays: Mapping[str, pd.DataFrame], laws: Sequence[str], *, now: float, seed: int) -> Choice:
-    """The model to fly from `now` [s] on, by the rows of `replay` tables that were known by then.
+    """Choose the model to fly from `now` [s] on, by the rows of `replay` tables that are known by then.
 
-    replays: by model; laws: those that learned. Raises InputError where nothing is known yet of those that
-    did not.
+    replays: by model
+    laws: models that learned
+    seed: of the bootstrap
+
+    Raises InputError where nothing is known yet of the models that learned nothing.
     """
     plains = [name for name in replays if name not in laws]
     past = _Past.known(replays, plains, now)
@@ -56,26 +63,26 @@ def choose(replays: Mapping[str, pd.DataFrame], laws: Sequence[str], *, now: flo
     if plain is None:
         raise InputError(f"choice: expected replays that were over by day {now / DAY:g}, got none")
     compared = {law: past.ratio(law, plain, seed) for law in laws if law in replays}
-    tried = {law: found for law, found in compared.items() if found is not None}
-    if not tried:
+    ratios = {law: ratio for law, ratio in compared.items() if ratio is not None}
+    if not ratios:
         return Choice(plain, plain)
-    law = min(tried, key=lambda name: tried[name][1])
-    ratio, high = tried[law]
+    law = min(ratios, key=lambda name: ratios[name][1])
+    ratio, high = ratios[law]
     return Choice(law if high < 1.0 else plain, plain, law, ratio, high)
 
 
 @dataclass(frozen=True)
 class _Past:
-    """Sizes of e_y of pairs (i, j) by model [m], in units of their day of duration, and what they weigh."""
+    """Sizes of e_y that models left, by pair (i, j)."""
 
-    sizes: pd.DataFrame
-    typical: pd.Series
+    sizes: pd.DataFrame  # [m], a column for each model
+    typical: pd.Series  # typical size of the pair's day of duration [m]
     weight: pd.Series
-    block: pd.Series
+    block: pd.Series  # number of the block of days in which the prediction ended
 
     @classmethod
     def known(cls, replays: Mapping[str, pd.DataFrame], plains: Sequence[str], now: float) -> Self:
-        """What `replay` tables by model showed by `now` [s]."""
+        """Return what `replay` tables by model showed by `now` [s]; plains: models that learned nothing."""
         known = {
             name: table[table["t_known"] <= now].set_index(["i", "j"]) for name, table in replays.items()
         }
@@ -88,7 +95,7 @@ class _Past:
         return cls(sizes, typical, weight, np.floor(pairs["t_j"] / (BLOCK_DAYS * DAY)))
 
     def best(self, plains: Sequence[str]) -> str | None:
-        """The model that left least, each day of duration alike; None where nothing is known of all."""
+        """Return the model that left the least, each day of duration alike; None without a pair of all."""
         shared = self.sizes[list(plains)].dropna()
         if shared.empty:
             return None
@@ -96,33 +103,35 @@ class _Past:
         return str(relative.mul(self.weight[shared.index], axis=0).sum().idxmin())
 
     def ratio(self, law: str, plain: str, seed: int) -> tuple[float, float] | None:
-        """What a law left by what the plain model did, and its upper bound; None of too few blocks.
+        """Return the error that a law left, divided by that of a plain model, and an upper bound of this.
 
-        The larger of both of two measures: each day of duration alike, and metre by metre.
+        Of two measures, each day of duration alike and metre by metre, the one with the larger bound counts.
+        Returns None for too few blocks.
         """
         rows = self.sizes[[law, plain]].dropna()
         measures = (rows.div(self.typical[rows.index], axis=0), rows)
-        found = []
-        for both in measures:
+        ratios = []
+        for measure in measures:
             blocks = (
-                both.mul(self.weight[rows.index], axis=0).groupby(self.block[rows.index]).sum().to_numpy()
+                measure.mul(self.weight[rows.index], axis=0).groupby(self.block[rows.index]).sum().to_numpy()
             )
             if len(blocks) < LEAST_BLOCKS:
                 return None
             drawn = derive(seed, "choice", law).integers(len(blocks), size=(_DRAWS, len(blocks)))
             sums = blocks[drawn].sum(axis=1)
             high = float(np.quantile(sums[:, 0] / sums[:, 1], CONFIDENCE))
-            found.append((float(blocks[:, 0].sum() / blocks[:, 1].sum()), high))
-        return max(found, key=lambda one: one[1])
+            ratios.append((float(blocks[:, 0].sum() / blocks[:, 1].sum()), high))
+        return max(ratios, key=lambda ratio: ratio[1])
 
 
 @dataclass(frozen=True)
 class Mornings:
-    """Replays of several models on the same predictions, and of what the past would have chosen.
+    """Replays of several models on the same predictions, and of the models that the past would have chosen.
 
-    tables: rows of each model's `replay` table, of the same pairs in the same order; flown: those of the
-    models that were chosen; choices: by the morning [s]; earlier: predictions that began before all models
-    could be flown, which count nowhere.
+    tables: rows of the `replay` table of each model, of the same pairs in the same order
+    flown: rows of the models that were chosen
+    choices: by morning [s]
+    earlier: number of predictions that began before all models could be flown, which count nowhere
     """
 
     tables: Mapping[str, pd.DataFrame]
@@ -131,8 +140,10 @@ class Mornings:
     earlier: int
 
     @classmethod
-    def of(cls, replays: Mapping[str, pd.DataFrame], laws: Sequence[str], *, seed: int) -> Self:
-        """What `replay` tables by model show; laws: those that learned.
+    def from_replays(cls, replays: Mapping[str, pd.DataFrame], laws: Sequence[str], *, seed: int) -> Self:
+        """Choose on every morning from `replay` tables by model.
+
+        laws: models that learned
 
         Raises InputError where no morning has all models and a choice.
         """
@@ -155,7 +166,7 @@ class Mornings:
 
 
 def _shared_pairs(replays: Mapping[str, pd.DataFrame], mornings: Sequence[float]) -> pd.MultiIndex:
-    """Pairs (i, j) of these mornings that every model has."""
+    """Return the pairs (i, j) of these mornings that every model has."""
     of_model = [
         pd.MultiIndex.from_frame(table.loc[table["morning"].isin(mornings), ["i", "j"]])
         for table in replays.values()
@@ -167,6 +178,6 @@ def _shared_pairs(replays: Mapping[str, pd.DataFrame], mornings: Sequence[float]
 
 
 def _flown(tables: Mapping[str, pd.DataFrame], choices: Mapping[float, Choice]) -> pd.DataFrame:
-    """Each morning's rows of the model that it chose."""
-    parts = [tables[one.chosen][tables[one.chosen]["morning"] == now] for now, one in choices.items()]
-    return pd.concat(parts, ignore_index=True)
+    """Return the rows of each morning of the model that it chose."""
+    chosen = ((now, tables[choice.chosen]) for now, choice in choices.items())
+    return pd.concat([table[table["morning"] == now] for now, table in chosen], ignore_index=True)

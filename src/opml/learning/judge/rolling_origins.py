@@ -1,7 +1,7 @@
-"""A learner as an operator runs it: trained anew at intervals on what is known by then, for what comes next.
+"""A learner as an operator runs it: trained anew at intervals on what is known, for the predictions ahead.
 
-The learner of a day is trained on labels known when the day begins and corrects the predictions that start
-in it, whenever they end: what it is trained on is over before the prediction is made.
+The learner of a day is trained on labels that are known when the day begins. It corrects the predictions that
+start on that day, whenever they end. So all that it is trained on is over before it predicts.
 """
 
 from collections.abc import Callable
@@ -20,7 +20,12 @@ from opml.learning.models.contract import Model
 
 @dataclass(frozen=True)
 class Rolling:
-    """When a learner is trained anew: on which days, how often, on the labels of how many days [days]."""
+    """When a learner is trained anew, in days.
+
+    days: first and last day of the predictions to correct
+    every_days: time between trainings
+    last_days: length of the past to train on
+    """
 
     days: tuple[float, float]
     every_days: float
@@ -28,7 +33,7 @@ class Rolling:
 
     @property
     def begins(self) -> np.ndarray:
-        """Times of training (n,) [days], the first day among them."""
+        """Times of training (n,) [days], the first day included."""
         first, last = self.days
         return np.arange(first, last, self.every_days)
 
@@ -41,14 +46,17 @@ def roll(
     *,
     component: str,
 ) -> pd.DataFrame:
-    """The `rolling` table: kept rows of `judge` with t_i in the days, corrected by the newest model.
+    """Return the `rolling` table: kept rows of a dataset, corrected by the newest model.
 
-    `train` makes a model of rows of the dataset `learned`, which is of the same pairs. `predicted_once` is
-    what the model of the first day says, never trained again. A day without rows to test has none. Raises
-    InputError where nothing is known yet to train on, and where no row is tested.
+    train: makes a model from rows of a dataset
+    learned: dataset to train on
+    judge: dataset of the same pairs, whose rows with t_i in the days are corrected
+
+    `predicted_once` is the prediction of the model of the first day. A day without rows to test is left out.
+    Raises InputError where nothing is known yet to train on, and where no row is tested.
     """
     once = train(learned[_known(learned, rolling.days[0], rolling)])
-    found = []
+    parts = []
     for begin in rolling.begins:
         end = min(begin + rolling.every_days, rolling.days[1])
         rows = judge["keep"].to_numpy() & in_days(judge["t_i"].to_numpy(), (begin, end))
@@ -56,29 +64,29 @@ def roll(
             known = _known(learned, begin, rolling)
             part = evaluate(train(learned[known]), judge, rows, component=component)
             single = evaluate(once, judge, rows, component=component)["predicted"]
-            found.append(part.assign(day=begin, trained=int(known.sum()), predicted_once=single))
-    if not found:
+            parts.append(part.assign(day=begin, trained=int(known.sum()), predicted_once=single))
+    if not parts:
         first, last = rolling.days
         raise InputError(f"rolling: expected kept predictions from days {first:g} to {last:g}, got none")
-    return pd.concat(found, ignore_index=True)
+    return pd.concat(parts, ignore_index=True)
 
 
 def by_day(table: pd.DataFrame) -> pd.DataFrame:
-    """P_ML [%] of a `rolling` table by day, trained anew (`anew`) and once (`once`), with its rows."""
+    """Return P_ML [%] of a `rolling` table by day, trained anew (`anew`) and once (`once`), with its rows."""
     days = [
         {
             "day": day,
-            "rows": len(own),
-            "anew": p_ml(own["true"].to_numpy(), own["predicted"].to_numpy()),
-            "once": p_ml(own["true"].to_numpy(), own["predicted_once"].to_numpy()),
+            "rows": len(rows),
+            "anew": p_ml(rows["true"].to_numpy(), rows["predicted"].to_numpy()),
+            "once": p_ml(rows["true"].to_numpy(), rows["predicted_once"].to_numpy()),
         }
-        for day, own in table.groupby("day", sort=True)
+        for day, rows in table.groupby("day", sort=True)
     ]
     return pd.DataFrame(days)
 
 
 def _known(dataset: pd.DataFrame, begin: float, rolling: Rolling) -> np.ndarray:
-    """Kept rows (bool) of the last days whose error is known when a day begins."""
+    """Return kept rows (bool, n) of the last days whose error is known when a day begins."""
     within = in_days(dataset["t_j"].to_numpy(), (begin - rolling.last_days, begin))
     rows: np.ndarray = dataset["keep"].to_numpy() & within & (known_at(dataset) <= begin * DAY)
     if not rows.any():

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 import pandas as pd
 
+from opml.learning.models.inputs import Training
 from opml.tables import MECHANISM_AXES, Column, Schema
 
 Settings = Mapping[str, Any]
@@ -27,88 +28,74 @@ class Predictor(Protocol):
 
     @property
     def variables(self) -> tuple[str, ...]:
-        """The columns of a dataset that it predicts from."""
+        """Columns of a dataset that it predicts from."""
 
     def predict(self, x: np.ndarray) -> np.ndarray:
-        """Predicted errors (n,) of rows x (n, variables), all in their own units."""
+        """Return predicted errors (n,) of rows x (n, variables), all in their own units."""
 
 
 class Model(Predictor, Protocol):
     """What every learner returns: frozen, and the same again when read from its table.
 
-    It predicts row by row: what it says of one does not depend on the others.
+    It predicts row by row: the prediction of a row does not depend on the other rows.
     """
 
     def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
-        """The model as a table, and metadata of JSON-able values with its `kind` and `variables`."""
-
-
-class Fit(Protocol):
-    """Train on rows x (n, variables) and target y (n,), both in their own units."""
-
-    def __call__(
-        self,
-        x: np.ndarray,
-        y: np.ndarray,
-        *,
-        variables: Sequence[str],
-        settings: Settings,
-        seed: int,
-        groups: np.ndarray | None = None,
-        weights: np.ndarray | None = None,
-    ) -> Model:
-        """The model; `groups` (n,) tells which estimate a row belongs to. Raises InputError for bad rows.
-
-        `weights` (n,) are inverse variances of the target's own uncertainty, to a factor, 1 where none are
-        given. A squared loss takes them as they are, an absolute one their roots.
-        """
+        """Return the model as a table, and JSON-able metadata with its `kind` and `variables`."""
 
 
 class Resolve(Protocol):
-    """Settings for one error component, with the `variables` that are learned from spelled out."""
+    """Resolves settings for one error component."""
 
     def __call__(self, settings: Settings, *, component: str, variables: Sequence[str]) -> dict[str, Any]:
-        """The resolved settings; `variables` are those to learn from by default."""
+        """Return the settings with the `variables` to learn from spelled out.
+
+        variables: those to learn from by default
+        """
 
 
+Fit = Callable[[Training, Settings], Model]
 Load = Callable[[pd.DataFrame, Metadata], Model]
 Table = Callable[[Metadata], Schema]
 
 
-def own(names: Sequence[str], component: str) -> list[str]:
-    """The names of columns, each sensitivity (`v`) as its component's own (`v_y`)."""
+def component_columns(names: Sequence[str], component: str) -> list[str]:
+    """Return names of columns with the component's axis on each sensitivity: `v` becomes `v_y` for `e_y`."""
     axis = component.removeprefix("e_")
     return [f"{name}_{axis}" if name in MECHANISM_AXES else name for name in names]
 
 
-def chosen(settings: Settings, *, component: str, variables: Sequence[str]) -> dict[str, Any]:
-    """Settings with the variables that they choose by the keys of `CHOICE`, else the default ones."""
+def choose_variables(settings: Settings, *, component: str, variables: Sequence[str]) -> dict[str, Any]:
+    """Return settings with the variables that the keys of `CHOICE` choose, else the default ones."""
     left_out = settings.get("without", [])
     names = [name for name in settings.get("variables", variables) if name not in left_out]
     rest = {key: value for key, value in settings.items() if key != "without"}
-    return rest | {"variables": list(dict.fromkeys(own(names, component)))}
+    return rest | {"variables": list(dict.fromkeys(component_columns(names, component)))}
 
 
 def fixed(*names: str) -> Resolve:
-    """How settings are resolved that leave no choice of variables."""
+    """Return how settings are resolved that leave no choice of variables."""
 
     def resolve(settings: Settings, *, component: str, variables: Sequence[str]) -> dict[str, Any]:
-        return {**settings, "variables": own(names, component)}
+        return {**settings, "variables": component_columns(names, component)}
 
     return resolve
 
 
 def table_of(row: str, *columns: Column) -> Table:
-    """The table of models with the same columns whatever they learned from; `row` says what one row is."""
+    """Return the table of models that have the same columns whatever they learned from.
 
-    def table(described: Metadata) -> Schema:
-        return Schema(f"model_{described['kind']}", row, columns)
+    row: what one row of the table is, in words
+    """
+
+    def table(metadata: Metadata) -> Schema:
+        return Schema(f"model_{metadata['kind']}", row, columns)
 
     return table
 
 
 ARC_MEMORY_DAYS = 30.0
-"""Memory of the arcs' mean Cd where a learner does not ask for another [days]: a turn of the Sun or so."""
+"""Memory of the arcs' mean Cd where a learner does not ask for another [days]: about a turn of the Sun."""
 
 ARC = {"window_hours": POSITIVE, "memory_days": POSITIVE}
 """Keys of learners whose variables are columns of the `arcs` table, which is made for them."""
@@ -118,15 +105,15 @@ ARC = {"window_hours": POSITIVE, "memory_days": POSITIVE}
 class Learner:
     """A kind of learner, declared by the module of its model and named once, in `learners.LEARNERS`.
 
-    kind : its name in the settings.
-    description : what it is, in words, for the table of models.
-    settings : JSON schema of each of its own keys, which may refer to definitions of config.schema.yaml.
-        All must be given but those of `CHOICE` and the `optional` ones.
-    table : schema of a model's table, from the metadata beside it; `table_of` makes a plain one.
-    fit : trains a model.
-    load : makes the model again of its table and metadata, bit for bit.
-    resolve : finds the variables to learn from.
-    learns : whether it takes anything from the errors that it is trained on.
+    kind: its name in the settings
+    description: what it is, in words, for the table of models
+    settings: JSON schema of each of its own keys, which may refer to definitions of config.schema.yaml.
+        Required are all keys but those of `CHOICE` and the `optional` ones.
+    table: returns the schema of a model's table from the metadata beside it; `table_of` makes a plain one
+    fit: trains a model; raises InputError for rows that it cannot learn from
+    load: makes the model again from its table and metadata, bit for bit
+    resolve: finds the variables to learn from
+    learns: whether it takes anything from the errors that it is trained on
     """
 
     kind: str
@@ -135,12 +122,12 @@ class Learner:
     table: Table
     fit: Fit
     load: Load
-    resolve: Resolve = chosen
+    resolve: Resolve = choose_variables
     optional: frozenset[str] = frozenset(CHOICE)
     learns: bool = True
 
     def settings_schema(self) -> dict[str, Any]:
-        """The JSON schema of its settings."""
+        """Return the JSON schema of its settings."""
         return {
             "additionalProperties": False,
             "required": ["kind", *(key for key in self.settings if key not in self.optional)],

@@ -1,4 +1,4 @@
-"""A learner as of each morning: trained on the errors that were known when the day began."""
+"""A learner trained anew each morning, on the errors that are known when the day begins."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -16,10 +16,12 @@ from opml.learning.models.contract import Model
 
 @dataclass(frozen=True)
 class Lessons:
-    """Models of e_y by the time that they were trained at.
+    """Models of e_y by the time of their training.
 
-    dataset: labelled rows; settings: of the learner, resolved; seed: of its draws; first_day: of the rows
-    that it is trained on [days].
+    dataset: labelled rows
+    settings: of the learner, resolved
+    seed: of its draws
+    first_day: of the rows to train on [days]
     """
 
     dataset: pd.DataFrame
@@ -30,7 +32,7 @@ class Lessons:
 
     @property
     def variables(self) -> tuple[str, ...]:
-        """The columns that the models predict from."""
+        """Columns of the dataset that the models predict from."""
         return tuple(self.settings["variables"])
 
     @property
@@ -39,7 +41,7 @@ class Lessons:
         return learners.learns(self.settings)
 
     def __call__(self, now: float) -> Model:
-        """The model as of `now` [s]; raises InputError where nothing was known yet to train on."""
+        """Return the model as of `now` [s]; raise InputError where no error is known by then."""
         if now not in self._trained:
             rows = self._known(now) if self.learns else self.dataset[self.dataset["keep"]].head(1)
             self._trained[now] = learners.train(
@@ -48,6 +50,7 @@ class Lessons:
         return self._trained[now]
 
     def _known(self, now: float) -> pd.DataFrame:
+        """Return the kept rows whose error is known at `now` [s]."""
         within = in_days(self.dataset["t_j"].to_numpy(), (self.first_day, now / DAY))
         rows = self.dataset[self.dataset["keep"].to_numpy() & within & (known_at(self.dataset) <= now)]
         if rows.empty:

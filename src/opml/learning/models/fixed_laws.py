@@ -1,7 +1,7 @@
-"""What a well-run catalogue does without learning: longer fits, Cd held by its past, its running mean.
+"""No correction, and what a well-run catalogue does without learning: laws without a number of their own.
 
-Each is a law without a number of its own, in columns of the `arcs` table; P_ML then says what the catalogue
-itself would leave of the errors of its short fits.
+A catalogue fits over longer windows, holds Cd by its past, or predicts again with the running mean of Cd.
+P_ML then says what the catalogue itself would leave of the errors of its short fits.
 """
 
 from collections.abc import Sequence
@@ -11,20 +11,21 @@ from typing import Any, Self
 import numpy as np
 import pandas as pd
 
-from opml.learning.models.contract import POSITIVE, Fit, Learner, Metadata, Model, Settings, fixed, table_of
-from opml.learning.models.inputs import checked
+from opml.learning.models.contract import POSITIVE, Learner, Metadata, Settings, fixed, table_of
+from opml.learning.models.inputs import Training, checked_rows
+from opml.learning.models.metadata import described, restored
 
 
 @dataclass(frozen=True, eq=False)
-class CatalogueLaw:
-    """The first variable is the error; of four, the second times the third less the fourth is added to it."""
+class FixedLaw:
+    """Predicts `x0` (one variable) or `x0 + x1 * (x2 - x3)` (four)."""
 
     kind: str
     variables: tuple[str, ...]
 
     def predict(self, x: np.ndarray) -> np.ndarray:
-        """Predicted error (n,) in its own unit; raises InputError as `checked` does."""
-        x = checked(x, self.variables)
+        """Return the predicted error (n,) in its own unit; raise InputError as `checked_rows` does."""
+        x = checked_rows(x, self.variables)
         if len(self.variables) == 1:
             return x[:, 0].copy()
         difference, answer, cd, past = x.T
@@ -32,45 +33,45 @@ class CatalogueLaw:
         return predicted
 
     def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
-        """An empty table, and metadata of JSON-able values."""
-        return pd.DataFrame(), {"kind": self.kind, "variables": list(self.variables)}
+        """Return an empty table, and the law's metadata."""
+        return pd.DataFrame(), described(self, self.kind)
 
     @classmethod
-    def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
-        """The law that `to_table` wrote."""
-        return cls(metadata["kind"], tuple(metadata["variables"]))
+    def from_table(cls, _: pd.DataFrame, metadata: Metadata) -> Self:
+        """Return the law that `to_table` wrote."""
+        return cls(metadata["kind"], **restored(metadata))
 
 
-def _fit_of(kind: str) -> Fit:
-    def fit(
-        x: np.ndarray,
-        y: np.ndarray,
-        *,
-        variables: Sequence[str],
-        settings: Settings,
-        seed: int,
-        groups: np.ndarray | None = None,
-        weights: np.ndarray | None = None,
-    ) -> Model:
-        """Nothing to train."""
-        checked(x, variables)
-        return CatalogueLaw(kind, tuple(variables))
+class NoCorrection(FixedLaw):
+    """Predicts that there is no error: P_ML is 100 %."""
 
-    return fit
+    def predict(self, x: np.ndarray) -> np.ndarray:
+        """Return zeros (n,)."""
+        return np.zeros(len(x))
 
 
-def _law(kind: str, description: str, settings: Sequence[str], *variables: str) -> Learner:
+def _law(
+    kind: str, description: str, settings: Sequence[str], *variables: str, law: type[FixedLaw] = FixedLaw
+) -> Learner:
+    def fit(training: Training, _: Settings) -> FixedLaw:
+        checked_rows(training.x, training.variables)
+        return law(kind, tuple(training.variables))
+
     return Learner(
         kind=kind,
         description=description,
         settings=dict.fromkeys(settings, POSITIVE),
         table=table_of("nothing: there is no number to keep"),
-        fit=_fit_of(kind),
-        load=CatalogueLaw.from_table,
+        fit=fit,
+        load=law.from_table,
         resolve=fixed(*variables),
         learns=False,
     )
 
+
+NONE = _law("none", "no correction", [], law=NoCorrection)
+
+REPREDICTED = _law("repredicted", "predicted again with the running mean of Cd", [], "r")
 
 REFITTED = _law("refitted", "fit over another window, nothing learned", ["window_hours"], "l_arc")
 

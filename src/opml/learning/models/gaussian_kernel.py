@@ -1,17 +1,20 @@
-"""Sums of Gaussian kernels, what a support vector machine and a Gaussian process predict with."""
+"""Sums of Gaussian kernels, by which a support vector machine and a Gaussian process predict."""
+
+from collections.abc import Sequence
 
 import numpy as np
+import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from opml.learning.models.contract import Metadata, Table
 from opml.tables import Column, Schema, real
 
-BLOCK_ENTRIES = 1 << 20  # kernel entries held at once (8 MiB, about a core's cache)
+BLOCK_ENTRIES = 1 << 20  # kernel entries held at once: 8 MiB, about the cache of a core
 
 
 def expansion(z: np.ndarray, vectors: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """sum_k weights_k exp(-|z - v_k|^2), (n,), for rows z (n, variables) and vectors v (k, variables)."""
-    found = np.empty(len(z))
+    """Return sum_k weights_k exp(-|z - v_k|^2), (n,), for rows z (n, variables), vectors v (k, variables)."""
+    sums = np.empty(len(z))
     rows = max(1, BLOCK_ENTRIES // max(1, len(weights)))
     # |z - v|^2 = |z|^2 - 2 z . v + |v|^2: one matrix product in place of a loop over pairs.
     norms, twice = np.sum(vectors**2, axis=1), 2.0 * vectors.T
@@ -23,15 +26,20 @@ def expansion(z: np.ndarray, vectors: np.ndarray, weights: np.ndarray) -> np.nda
             exponent -= norms
             np.minimum(exponent, 0.0, out=exponent)  # rounding can lift coincident points above 0
             np.exp(exponent, out=exponent)
-            found[start : start + rows] = exponent @ weights
-    return found
+            sums[start : start + rows] = exponent @ weights
+    return sums
 
 
 def vector_table(row: str, weight: Column) -> Table:
-    """The table of a sum of kernels: a weight and the standardised variables of each vector."""
+    """Return the table of a sum of kernels: a weight and the standardised variables of each vector."""
 
-    def table(described: Metadata) -> Schema:
-        vector = (real(name, "1", f"{name}, standardised") for name in described["variables"])
-        return Schema(f"model_{described['kind']}", row, (weight, *vector))
+    def table(metadata: Metadata) -> Schema:
+        vector = (real(name, "1", f"{name}, standardised") for name in metadata["variables"])
+        return Schema(f"model_{metadata['kind']}", row, (weight, *vector))
 
     return table
+
+
+def vectors_with(vectors: np.ndarray, variables: Sequence[str], **weights: np.ndarray) -> pd.DataFrame:
+    """Return the rows of such a table: columns of weights (k,), then the vectors (k, variables)."""
+    return pd.DataFrame(weights).join(pd.DataFrame(vectors, columns=list(variables)))

@@ -1,30 +1,103 @@
-"""What a learner is given: rows of learning variables and a target, checked and standardised."""
+"""What a learner is trained on: rows of learning variables and a target, checked and standardised."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 import pandas as pd
 
 from opml.base.errors import InputError
-from opml.learning.models.contract import Settings
 
-STANDARDISED_WITH = "standardised_with"
-"""Key of a learner's settings: rows (m, variables) over which its variables are standardised, too."""
+
+@dataclass(frozen=True, eq=False)
+class Training:
+    """Rows to train on, in their own units.
+
+    x: (n, variables)
+    y: (n,) the target
+    variables: names of the columns of x
+    seed: of the learner's draws
+    groups: (n,) the estimate that a row starts from, where known
+    weights: (n,) inverse variances of the target, up to a factor; None where all rows weigh the same. A
+        squared loss takes them as they are, an absolute loss takes their roots.
+    standardised_with: (m, variables) further rows whose variables count in the standardisation
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    variables: Sequence[str]
+    seed: int
+    groups: np.ndarray | None = None
+    weights: np.ndarray | None = None
+    standardised_with: np.ndarray | None = None
+
+    @classmethod
+    def from_rows(cls, rows: pd.DataFrame, variables: Sequence[str], *, component: str, seed: int) -> Self:
+        """Take rows of a dataset and one error component as the target.
+
+        Labels from later estimates are weighted by their own uncertainty. Raises InputError for a variable
+        that the rows do not have.
+        """
+        sigma = rows.get(f"sigma_{component}")
+        return cls(
+            columns_of(rows, variables),
+            rows[component].to_numpy(),
+            variables,
+            seed,
+            groups=rows["i"].to_numpy(),
+            weights=None if sigma is None else inverse_variances(sigma.to_numpy()),
+        )
+
+    def checked(self, *, least: int) -> Self:
+        """Return the training with x and y as floats.
+
+        Raises InputError for fewer rows than `least`, another shape, or values that are not finite.
+        """
+        x = checked_rows(self.x, self.variables)
+        return replace(self, x=x, y=_checked_target(self.y, len(x), least=least))
+
+    def narrowed(self, names: Sequence[str]) -> Self:
+        """Return the training with these variables only."""
+        beside = self.standardised_with
+        return replace(
+            self,
+            x=picked(self.x, self.variables, names),
+            variables=names,
+            standardised_with=None if beside is None else picked(beside, self.variables, names),
+        )
+
+    def row_weights(self) -> np.ndarray:
+        """Return weights (n,), ones where all rows weigh the same."""
+        return np.ones(len(self.x)) if self.weights is None else np.asarray(self.weights, dtype=float)
+
+    def standardisation(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return mean and sample deviation (variables,) of x and of the rows that count beside it."""
+        beside = self.standardised_with
+        return standardisation(self.x if beside is None else np.vstack([self.x, beside]))
 
 
 def columns_of(rows: pd.DataFrame, variables: Sequence[str]) -> np.ndarray:
-    """Learning variables (n, variables) of rows; raises InputError for one that they do not have."""
+    """Return learning variables (n, variables) of rows; raise InputError for one that they do not have."""
     for name in variables:
         if name not in rows:
             raise InputError(
                 f"learning variable {name}: expected a dataset with it, or a table beside it, got none"
             )
-    found: np.ndarray = rows[list(variables)].to_numpy()
-    return found
+    columns: np.ndarray = rows[list(variables)].to_numpy()
+    return columns
 
 
-def checked(x: np.ndarray, variables: Sequence[str]) -> np.ndarray:
-    """Rows x (n, variables) as floats; raises InputError for another shape or a value that is not finite."""
+def picked(x: np.ndarray, variables: Sequence[str], names: Sequence[str]) -> np.ndarray:
+    """Return the columns `names` of x (n, variables)."""
+    return np.asarray(x)[:, [list(variables).index(name) for name in names]]
+
+
+def checked_rows(x: np.ndarray, variables: Sequence[str]) -> np.ndarray:
+    """Return rows x (n, variables) as floats.
+
+    Raises InputError for another shape or a value that is not finite.
+    """
     x = np.asarray(x, dtype=float)
     if x.ndim != 2 or x.shape[1] != len(variables):
         raise InputError(
@@ -38,8 +111,8 @@ def checked(x: np.ndarray, variables: Sequence[str]) -> np.ndarray:
     return x
 
 
-def checked_target(y: np.ndarray, count: int, *, least: int) -> np.ndarray:
-    """Target y (count,) as floats; raises InputError for fewer than `least` or a value that is not finite."""
+def _checked_target(y: np.ndarray, count: int, *, least: int) -> np.ndarray:
+    """Return y (count,) as floats; raise InputError for fewer than `least`, or one that is not finite."""
     y = np.asarray(y, dtype=float)
     if count < least:
         raise InputError(f"training rows: expected at least {least}, got {count}")
@@ -49,10 +122,10 @@ def checked_target(y: np.ndarray, count: int, *, least: int) -> np.ndarray:
 
 
 def inverse_variances(sigma: np.ndarray) -> np.ndarray:
-    """Weights (n,) of targets of known uncertainty: 2 m / (m + sigma^2), with m the median of sigma^2.
+    """Return weights (n,) of targets with uncertainties sigma (n,): 2 m / (m + sigma^2), m = median(sigma^2).
 
-    A target of typical uncertainty weighs 1, an exact one 2, a useless one nothing: what a model leaves is
-    more than the noise of the best labels, so that these must not outweigh all others.
+    A target of typical uncertainty weighs 1, an exact target 2, a useless target 0. What a model leaves is
+    more than the noise of the best labels, so these must not outweigh all others.
     """
     variance = sigma**2
     typical = float(np.median(variance))
@@ -60,27 +133,18 @@ def inverse_variances(sigma: np.ndarray) -> np.ndarray:
     return weights
 
 
-def weighing(weights: np.ndarray | None, count: int) -> np.ndarray:
-    """Weights (count,), ones where none are given."""
-    return np.ones(count) if weights is None else np.asarray(weights, dtype=float)
-
-
-def standardisation(x: np.ndarray, settings: Settings | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Mean and sample deviation (variables,) of rows x; 1 for a variable that never changes.
-
-    Rows that a learner's `settings` have under `STANDARDISED_WITH` count, too.
-    """
-    if settings and STANDARDISED_WITH in settings:
-        x = np.vstack([x, settings[STANDARDISED_WITH]])
+def standardisation(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return mean and sample deviation (variables,) of rows x; 1 for a variable that never changes."""
     mean, scale = x.mean(axis=0), x.std(axis=0, ddof=1)
-    # A variable that never changes tells nothing; scale 1 keeps it at zero, in later rows too if it stays
-    # there. Its computed deviation may be rounding noise instead of 0, hence the test on the range.
+    # A variable that never changes carries no information. Scale 1 keeps it at zero, also in later rows if
+    # it stays the same. Its computed deviation may be rounding noise instead of 0, hence the test on the
+    # range.
     scale[np.ptp(x, axis=0) == 0.0] = 1.0
     return mean, scale
 
 
 def subsample(count: int, limit: int, rng: np.random.Generator) -> np.ndarray:
-    """At most `limit` of the row numbers 0 to count - 1, ascending."""
+    """Return at most `limit` of the row numbers 0 to count - 1, ascending."""
     if count <= limit:
         return np.arange(count)
     return np.sort(rng.choice(count, limit, replace=False))

@@ -1,4 +1,4 @@
-"""The learners by `kind`, and all that is done with one whatever its kind.
+"""The learners by `kind`, and what can be done with any of them.
 
 A kind is declared by a `Learner` in its own module and named in `LEARNERS`; docs/howto.md shows how.
 `opml tables` prints docs/data.md.
@@ -14,8 +14,8 @@ import pandas as pd
 
 from opml.base.errors import InputError
 from opml.learning.models import (
-    baselines,
     boosting,
+    duration_mean,
     fixed_laws,
     gaussian_process,
     linear_law,
@@ -25,7 +25,7 @@ from opml.learning.models import (
     svr,
 )
 from opml.learning.models.contract import ARC_MEMORY_DAYS, Learner, Metadata, Model, Settings
-from opml.learning.models.inputs import columns_of, inverse_variances
+from opml.learning.models.inputs import Training
 from opml.tables import (
     COMPONENTS,
     LEARNING_VARIABLES,
@@ -38,9 +38,9 @@ from opml.tables import (
 
 LEARNERS: tuple[Learner, ...] = (
     svr.LEARNER,
-    baselines.NONE,
-    baselines.DURATION_MEAN,
-    baselines.REPREDICT,
+    fixed_laws.NONE,
+    duration_mean.LEARNER,
+    fixed_laws.REPREDICTED,
     ridge.LEARNER,
     linear_law.LEARNER,
     boosting.LEARNER,
@@ -51,11 +51,11 @@ LEARNERS: tuple[Learner, ...] = (
     fixed_laws.RUNNING,
     fixed_laws.THERMOMETER,
 )
-"""The kinds that stand alone, one line each. Any two of them make a stack."""
+"""The kinds that stand alone. Any two of them make a stack."""
 
 
 def by_kind(kind: str) -> Learner:
-    """The learner of a kind; raises InputError for an unknown one."""
+    """Return the learner of a kind; raise InputError for an unknown one."""
     known = _by_kind()
     if kind not in known:
         raise InputError(f"learners: kind: expected {', '.join(known)}, got {kind}")
@@ -63,17 +63,17 @@ def by_kind(kind: str) -> Learner:
 
 
 def description(kind: str) -> str:
-    """What a kind of learner is, in words; raises InputError for an unknown kind."""
+    """Return what a kind of learner is, in words; raise InputError for an unknown kind."""
     return by_kind(kind).description
 
 
 def learns(settings: Settings) -> bool:
-    """Whether the learner of settings takes anything from errors; raises InputError for an unknown kind."""
+    """Return whether the learner takes anything from errors; raise InputError for an unknown kind."""
     return by_kind(settings["kind"]).learns
 
 
 def settings_schema() -> dict[str, Any]:
-    """The JSON schema of a learner's settings, `learner` among the definitions of config.schema.yaml."""
+    """Return the JSON schema of a learner's settings, `learner` in the definitions of config.schema.yaml."""
     known = _by_kind()
     return {
         "type": "object",
@@ -86,50 +86,30 @@ def settings_schema() -> dict[str, Any]:
     }
 
 
-def fit(
-    x: np.ndarray,
-    y: np.ndarray,
-    *,
-    variables: Sequence[str],
-    settings: Settings,
-    seed: int,
-    groups: np.ndarray | None = None,
-    weights: np.ndarray | None = None,
-) -> Model:
-    """Train the learner that `settings['kind']` names; raises InputError for an unknown kind."""
-    learner = by_kind(settings["kind"])
-    return learner.fit(
-        x, y, variables=variables, settings=settings, seed=seed, groups=groups, weights=weights
-    )
+def fit(training: Training, settings: Settings) -> Model:
+    """Train the learner that `settings['kind']` names; raise InputError for an unknown kind."""
+    return by_kind(settings["kind"]).fit(training, settings)
 
 
 def train(rows: pd.DataFrame, *, component: str, settings: Settings, seed: int) -> Model:
-    """Train a learner on rows of a dataset; `settings` as `resolved` gives them. Errors as `fit`.
+    """Train a learner on rows of a dataset for one error component.
 
-    Labels from later estimates are weighted by their own uncertainty.
+    settings: as `resolved` returns them
+
+    Raises InputError as `Training.from_rows` and `fit` do.
     """
-    variables = settings["variables"]
-    sigma = rows.get(f"sigma_{component}")
-    return fit(
-        columns_of(rows, variables),
-        rows[component].to_numpy(),
-        variables=variables,
-        settings=settings,
-        seed=seed,
-        groups=rows["i"].to_numpy(),
-        weights=None if sigma is None else inverse_variances(sigma.to_numpy()),
-    )
+    return fit(Training.from_rows(rows, settings["variables"], component=component, seed=seed), settings)
 
 
 def read(path: str | PathLike[str]) -> Model:
-    """The model of a file. Raises InputError where it is missing, damaged or no model that holds together."""
+    """Read a model; raise InputError for a file that is missing or damaged, or whose parts do not fit."""
     described = read_metadata(path)
     with _naming(path):
         columns = schema(described)
     table = read_table(path, columns)
     with _naming(path):
         model = from_table(table, described)
-        # Someone else may have made it: one row tells whether its parts fit each other.
+        # The file may come from elsewhere: one row shows whether its parts fit each other.
         with np.errstate(all="ignore"):
             tried = model.predict(np.zeros((1, len(model.variables))))
         if tried.shape != (1,) or not np.isfinite(tried).all():
@@ -139,7 +119,7 @@ def read(path: str | PathLike[str]) -> Model:
 
 @contextmanager
 def _naming(path: str | PathLike[str]) -> Iterator[None]:
-    """Turn whatever is amiss with a model's description or numbers into one line with the file's name."""
+    """Turn any error in a model's metadata or numbers into one line with the path of its file."""
     try:
         yield
     except (InputError, LookupError, TypeError, ValueError) as reason:
@@ -147,40 +127,41 @@ def _naming(path: str | PathLike[str]) -> Iterator[None]:
 
 
 def from_table(table: pd.DataFrame, metadata: Metadata) -> Model:
-    """The model of a saved table, whatever its kind; raises InputError for an unknown kind."""
+    """Return the model of a saved table, whatever its kind; raise InputError for an unknown kind."""
     return by_kind(metadata["kind"]).load(table, metadata)
 
 
 def schema(metadata: Metadata) -> Schema:
-    """The schema of a model's table, from the metadata beside it; raises InputError for an unknown kind."""
+    """Return the schema of a model's table from its metadata; raise InputError for an unknown kind."""
     return by_kind(metadata["kind"]).table(metadata)
 
 
 def schemas() -> list[Schema]:
-    """The tables of models of all learning variables; a stack is kept in the table of its second part."""
-    return [one.table({"kind": one.kind, "variables": LEARNING_VARIABLES}) for one in LEARNERS]
+    """Return the tables of models of all learning variables; a stack has the table of its second part."""
+    return [learner.table({"kind": learner.kind, "variables": LEARNING_VARIABLES}) for learner in LEARNERS]
 
 
 def resolved(settings: Settings, *, component: str, variables: Sequence[str]) -> dict[str, Any]:
-    """A learner's settings for one error component, with the `variables` it learns from spelled out.
+    """Return the settings of a learner for one error component, with its `variables` spelled out.
 
-    `variables` are those of a learner whose settings name none; its `without` are left out. A sensitivity
-    (`v`) stands for its component's own (`v_y`), in variables and terms alike. Raises InputError for an
-    unknown kind.
+    variables: of a learner whose settings name none; its `without` are left out
+
+    A sensitivity (`v`) becomes that of the component (`v_y`), in variables and terms alike. Raises InputError
+    for an unknown kind.
     """
     return by_kind(settings["kind"]).resolve(settings, component=component, variables=variables)
 
 
 def arc_of(settings: Settings) -> tuple[float, float] | None:
-    """Window [h] and memory [days] of the arcs that resolved settings ask for; None where they ask for none.
+    """Return window [h] and memory [days] of the arcs that resolved settings ask for, None for no arcs.
 
-    Raises InputError where parts of a stack ask for different ones, or for a column without a window.
+    Raises InputError where parts of a stack ask for different arcs, or for a column without a window.
     """
     parts = [part for part in settings.values() if isinstance(part, Mapping) and "kind" in part]
     arcs = {
-        (float(one["window_hours"]), float(one.get("memory_days", ARC_MEMORY_DAYS)))
-        for one in (settings, *parts)
-        if "window_hours" in one
+        (float(part["window_hours"]), float(part.get("memory_days", ARC_MEMORY_DAYS)))
+        for part in (settings, *parts)
+        if "window_hours" in part
     }
     if len(arcs) > 1:
         raise InputError(f"learners: window_hours: expected one window for both parts, got {len(arcs)}")
@@ -190,29 +171,29 @@ def arc_of(settings: Settings) -> tuple[float, float] | None:
 
 
 def tables_asked(variables: Sequence[str]) -> list[str]:
-    """The kinds of tables beside the dataset that have the `variables`, such as arcs and mechanism."""
-    asked, kinds = set(variables) - {*LEARNING_VARIABLES, "gap"}, []
+    """Return the kinds of tables beside the dataset that have the variables, such as arcs and mechanism."""
+    missing, kinds = set(variables) - {*LEARNING_VARIABLES, "gap"}, []
     for kind in ("oracle", "arcs", "thermometer"):
-        if asked & set(SCHEMAS[kind].names):
+        if missing & set(SCHEMAS[kind].names):
             kinds.append(kind)
-        asked -= set(SCHEMAS[kind].names)
-    return [*kinds, "mechanism"] if asked else kinds
+        missing -= set(SCHEMAS[kind].names)
+    return [*kinds, "mechanism"] if missing else kinds
 
 
 def check_without_truth(name: str, settings: Settings) -> None:
-    """Raise InputError where the resolved settings of a learner ask for what only a simulation knows."""
+    """Raise InputError where resolved settings ask for what only a simulation knows."""
     if "oracle" in tables_asked(settings["variables"]):
         raise InputError(f"learner '{name}': expected one that needs no truth to predict, got one that does")
 
 
 def check(values: Mapping[str, Any]) -> None:
-    """Raise InputError where a learner of the settings' `values` asks for a variable that there is not."""
+    """Raise InputError where a learner of the settings `values` asks for an unknown variable."""
     drifts = mechanism_schema(values["mechanism"]["resonances"]).names
     beside = [name for kind in ("oracle", "arcs", "thermometer") for name in SCHEMAS[kind].names]
     known = {*LEARNING_VARIABLES, "gap", *drifts, *beside} - {"i", "j"}
     for name, settings in values["learners"].items():
-        own = resolved(settings, component=COMPONENTS[0], variables=values["learning"]["variables"])
-        if unknown := sorted(set(own["variables"]) - known):
+        learner = resolved(settings, component=COMPONENTS[0], variables=values["learning"]["variables"])
+        if unknown := sorted(set(learner["variables"]) - known):
             raise InputError(
                 f"config: learners.{name}: expected learning variables and columns of the mechanism, "
                 f"got {unknown[0]}"

@@ -1,8 +1,8 @@
 """The physics-informed corrector: a robust linear law in sensitivities that carry the mechanism.
 
-A prediction errs because its estimate of Cd does: to first order by V (Cd - c), with V the change of the
-prediction per unit of Cd and c the one number that an orbit prediction needs from Cd's many estimates. So
-the law has no intercept and very few terms, and its coefficients can be read; docs/beyond.md.
+An error of the estimated Cd makes an error of the prediction. To first order it is V (Cd - c): V is the
+change of the prediction per unit of Cd, and c the one number that a prediction needs from the many estimates
+of Cd. So the law has no intercept and few terms, and its coefficients have a meaning (docs/beyond.md).
 """
 
 from collections.abc import Sequence
@@ -14,18 +14,21 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from opml.base.errors import InputError
-from opml.learning.models.contract import ARC, Learner, Metadata, Settings, own, table_of
-from opml.learning.models.inputs import checked, checked_target, weighing
+from opml.learning.models.contract import ARC, Learner, Metadata, Settings, component_columns, table_of
+from opml.learning.models.inputs import Training, checked_rows
+from opml.learning.models.metadata import described, restored
 from opml.tables import real, text
+
+KIND = "linear_law"
 
 _ROUNDS = 9
 _STEPS = 25
 _SHRINK = 0.2
-"""Factor of each round on the least residual that a weight counts: in the last it is 5e-7 of the median."""
+"""Factor by which each round lowers the least residual that counts, to 5e-7 of the median in the last."""
 
 
 @dataclass(frozen=True, eq=False)
-class MechanismModel:
+class LinearLaw:
     """f(x) = sum_k coefficient_k term_k, each term a product of variables."""
 
     variables: tuple[str, ...]
@@ -33,58 +36,51 @@ class MechanismModel:
     coefficient: np.ndarray  # (terms,)
 
     def predict(self, x: np.ndarray) -> np.ndarray:
-        """Predicted target (n,) in its own unit; raises InputError as `checked` does."""
-        x = checked(x, self.variables)
+        """Return the predicted target (n,) in its own unit; raise InputError as `checked_rows` does."""
+        x = checked_rows(x, self.variables)
         terms = products(x, self.variables, self.terms)
         predicted: np.ndarray = np.einsum("nk,k->n", terms, self.coefficient)
         return predicted
 
     def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
-        """One row per term, and metadata of JSON-able values."""
+        """Return a table with one row per term, and the law's metadata."""
         table = pd.DataFrame({"term": list(self.terms), "coefficient": self.coefficient})
-        return table, {"kind": "linear_law", "variables": list(self.variables)}
+        return table, described(self, KIND)
 
     @classmethod
     def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
-        """The model that `to_table` wrote, bit for bit."""
-        return cls(tuple(metadata["variables"]), tuple(table["term"]), table["coefficient"].to_numpy())
+        """Return the law that `to_table` wrote, bit for bit."""
+        return cls(
+            terms=tuple(table["term"]), coefficient=table["coefficient"].to_numpy(), **restored(metadata)
+        )
 
 
-def fit(
-    x: np.ndarray,
-    y: np.ndarray,
-    *,
-    variables: Sequence[str],
-    settings: Settings,
-    seed: int,
-    groups: np.ndarray | None = None,
-    weights: np.ndarray | None = None,
-) -> MechanismModel:
-    """Fit y (n,) by the terms of `settings['terms']`, products like `v_y*cd` of columns of x (n, variables).
+def fit(training: Training, settings: Settings) -> LinearLaw:
+    """Fit the target by the terms of `settings['terms']`, products of variables such as `v_y*cd`.
 
     Raises InputError for too few rows, values that are not finite or a factor that is no variable.
     """
     terms = tuple(settings["terms"])
-    x = checked(x, variables)
-    y = checked_target(y, len(x), least=len(terms))
-    root = np.sqrt(weighing(weights, len(x)))
-    coefficient = least_absolute_deviations(root[:, None] * products(x, variables, terms), root * y)
-    return MechanismModel(tuple(variables), terms, coefficient)
+    training = training.checked(least=len(terms))
+    root = np.sqrt(training.row_weights())
+    values = products(training.x, training.variables, terms)
+    coefficient = least_absolute_deviations(root[:, None] * values, root * training.y)
+    return LinearLaw(tuple(training.variables), terms, coefficient)
 
 
 def resolve(settings: Settings, *, component: str, variables: Sequence[str]) -> dict[str, Any]:
-    """Settings with the terms' sensitivities as the component's own, and the terms' factors as variables."""
-    terms = ["*".join(own(term.split("*"), component)) for term in settings["terms"]]
+    """Return settings with the terms for the component, and with the factors of the terms as variables."""
+    terms = ["*".join(component_columns(term.split("*"), component)) for term in settings["terms"]]
     return {**settings, "terms": terms, "variables": factors(terms)}
 
 
 def factors(terms: Sequence[str]) -> list[str]:
-    """The variables that terms are products of, each once."""
+    """Return the variables that terms are products of, each once."""
     return list(dict.fromkeys(name for term in terms for name in term.split("*")))
 
 
 def products(x: np.ndarray, variables: Sequence[str], terms: Sequence[str]) -> np.ndarray:
-    """Values (n, terms) of products of columns of x (n, variables)."""
+    """Return values (n, terms) of products of columns of x (n, variables)."""
     if unknown := set(factors(terms)) - set(variables):
         raise InputError(f"terms: expected products of {', '.join(variables)}, got {min(unknown)}")
     column = {name: x[:, k] for k, name in enumerate(variables)}
@@ -92,12 +88,12 @@ def products(x: np.ndarray, variables: Sequence[str], terms: Sequence[str]) -> n
 
 
 def least_absolute_deviations(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Coefficients (terms,) that minimise sum |y - x b|, for x (n, terms).
+    """Return coefficients b (terms,) that minimise sum |y - x b|, for x (n, terms).
 
-    By least squares with weights 1 / |residual|, the smallest residuals' weights held down at first and let
-    go round by round. That takes a fraction of a second for 35 000 rows and three terms, where linear
-    programming takes most of a minute, and the sum agrees with its minimum to 1e-6. Of collinear terms, the
-    smallest coefficients serve.
+    The method is least squares with weights 1 / |residual|. The weights of the smallest residuals are bounded
+    at first, and the bound is loosened round by round. This takes a fraction of a second for 35 000 rows and
+    three terms, where linear programming takes most of a minute. The sum agrees with its minimum to 1e-6.
+    Collinear terms get the smallest coefficients.
     """
     scale = np.sqrt(np.mean(x**2, axis=0))
     z = x / np.where(scale > 0.0, scale, 1.0)
@@ -114,7 +110,7 @@ def least_absolute_deviations(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 LEARNER = Learner(
-    kind="linear_law",
+    kind=KIND,
     description="robust linear law",
     optional=frozenset(ARC),
     settings={
@@ -137,6 +133,6 @@ LEARNER = Learner(
         real("coefficient", "SI", "its coefficient"),
     ),
     fit=fit,
-    load=MechanismModel.from_table,
+    load=LinearLaw.from_table,
     resolve=resolve,
 )

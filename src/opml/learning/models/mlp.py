@@ -1,7 +1,6 @@
 """A small multilayer perceptron (scikit-learn's, with Adam), its weights kept as a table."""
 
 import warnings
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -11,19 +10,22 @@ from threadpoolctl import threadpool_limits
 
 from opml.base.seeds import derive
 from opml.learning.models.contract import CHOICE, COUNT, POSITIVE, Learner, Metadata, Settings, table_of
-from opml.learning.models.inputs import checked, checked_target, standardisation
+from opml.learning.models.inputs import Training, checked_rows
+from opml.learning.models.metadata import described, restored
 from opml.tables import count, real
 
+KIND = "mlp"
+_FIELDS = ("x_mean", "x_scale", "offset", "y_scale", "seed")
 _BIAS = -1  # in column source: no neuron, the constant 1
 
 
 @dataclass(frozen=True, eq=False)
 class MlpModel:
-    """f(x) = offset + y_scale times the network's output, tanh in the layers between."""
+    """f(x) = offset + y_scale times the output of the network, with tanh in its hidden layers."""
 
     variables: tuple[str, ...]
-    weights: tuple[np.ndarray, ...]  # a layer each, (neurons of the layer before, of this one)
-    biases: tuple[np.ndarray, ...]  # a layer each
+    weights: tuple[np.ndarray, ...]  # by layer, (neurons of the layer before, neurons of the layer)
+    biases: tuple[np.ndarray, ...]  # by layer, (neurons,)
     x_mean: np.ndarray  # (variables,)
     x_scale: np.ndarray  # (variables,)
     offset: float
@@ -31,8 +33,8 @@ class MlpModel:
     seed: int
 
     def predict(self, x: np.ndarray) -> np.ndarray:
-        """Predicted target (n,) in its own unit; raises InputError as `checked` does."""
-        signal: np.ndarray = (checked(x, self.variables) - self.x_mean) / self.x_scale
+        """Return the predicted target (n,) in its own unit; raise InputError as `checked_rows` does."""
+        signal: np.ndarray = (checked_rows(x, self.variables) - self.x_mean) / self.x_scale
         with threadpool_limits(limits=1, user_api="blas"):  # sums in one order, whatever the machine
             for weight, bias in zip(self.weights[:-1], self.biases[:-1], strict=True):
                 signal = np.tanh(signal @ weight + bias)
@@ -41,7 +43,7 @@ class MlpModel:
         return signal
 
     def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
-        """One row per weight, and metadata of JSON-able values."""
+        """Return a table with one row per weight, and the model's metadata."""
         rows = []
         for layer, (weight, bias) in enumerate(zip(self.weights, self.biases, strict=True)):
             stacked = np.vstack([bias, weight])
@@ -50,81 +52,55 @@ class MlpModel:
                 {"layer": layer, "source": source + _BIAS, "neuron": neuron, "weight": stacked.ravel()}
             )
         table = pd.concat([pd.DataFrame(row) for row in rows], ignore_index=True)
-        metadata = {
-            "kind": "mlp",
-            "variables": list(self.variables),
-            "x_mean": self.x_mean.tolist(),
-            "x_scale": self.x_scale.tolist(),
-            "offset": self.offset,
-            "y_scale": self.y_scale,
-            "seed": self.seed,
-        }
-        return table, metadata
+        return table, described(self, KIND, *_FIELDS)
 
     @classmethod
     def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
-        """The model that `to_table` wrote, bit for bit."""
+        """Return the model that `to_table` wrote, bit for bit."""
         weights, biases = [], []
         for _, layer in table.groupby("layer", sort=True):
             stacked = layer["weight"].to_numpy(dtype=float).reshape(-1, layer["neuron"].max() + 1)
             biases.append(stacked[0])
             weights.append(stacked[1:])
-        return cls(
-            variables=tuple(metadata["variables"]),
-            weights=tuple(weights),
-            biases=tuple(biases),
-            x_mean=np.array(metadata["x_mean"], dtype=float),
-            x_scale=np.array(metadata["x_scale"], dtype=float),
-            **{name: metadata[name] for name in ("offset", "y_scale", "seed")},
-        )
+        return cls(weights=tuple(weights), biases=tuple(biases), **restored(metadata, *_FIELDS))
 
 
-def fit(
-    x: np.ndarray,
-    y: np.ndarray,
-    *,
-    variables: Sequence[str],
-    settings: Settings,
-    seed: int,
-    groups: np.ndarray | None = None,
-    weights: np.ndarray | None = None,
-) -> MlpModel:
-    """Train on rows x (n, variables) and target y (n,), both in their own units.
+def fit(training: Training, settings: Settings) -> MlpModel:
+    """Train a network; `settings` holds neurons (of each hidden layer), alpha and epochs.
 
-    `settings` holds neurons (of each layer between), alpha and epochs. Raises InputError for too few rows or
-    values that are not finite.
+    Raises InputError for too few rows or values that are not finite.
     """
     # Imported only to train: it takes a second, more than most models need to predict.
     from sklearn.neural_network import MLPRegressor
 
-    x = checked(x, variables)
-    y = checked_target(y, len(x), least=2)
-    mean, scale = standardisation(x, settings)
+    training = training.checked(least=2)
+    x, y = training.x, training.y
+    mean, scale = training.standardisation()
     offset, y_scale = float(y.mean()), float(y.std()) or 1.0
     machine = MLPRegressor(
         hidden_layer_sizes=tuple(settings["neurons"]),
         activation="tanh",
         alpha=settings["alpha"],
         max_iter=settings["epochs"],
-        random_state=int(derive(seed, "mlp").integers(2**31)),
+        random_state=int(derive(training.seed, "mlp").integers(2**31)),
     )
     with threadpool_limits(limits=1), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the number of epochs is a setting, not a failure
-        machine.fit((x - mean) / scale, (y - offset) / y_scale, weights)
+        machine.fit((x - mean) / scale, (y - offset) / y_scale, training.weights)
     return MlpModel(
-        variables=tuple(variables),
+        variables=tuple(training.variables),
         weights=tuple(machine.coefs_),
         biases=tuple(machine.intercepts_),
         x_mean=mean,
         x_scale=scale,
         offset=offset,
         y_scale=y_scale,
-        seed=seed,
+        seed=training.seed,
     )
 
 
 LEARNER = Learner(
-    kind="mlp",
+    kind=KIND,
     description="neural network",
     settings={
         **CHOICE,

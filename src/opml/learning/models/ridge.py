@@ -1,6 +1,5 @@
 """Ridge regression: the linear model of the same standardised variables."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -9,8 +8,11 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from opml.learning.models.contract import CHOICE, POSITIVE, Learner, Metadata, Settings, table_of
-from opml.learning.models.inputs import checked, checked_target, standardisation, weighing
+from opml.learning.models.inputs import Training, checked_rows
+from opml.learning.models.metadata import described, restored
 from opml.tables import real, text
+
+KIND = "ridge"
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,13 +26,13 @@ class RidgeModel:
     offset: float
 
     def predict(self, x: np.ndarray) -> np.ndarray:
-        """Predicted target (n,) in its own unit; raises InputError as `checked` does."""
-        z = (checked(x, self.variables) - self.x_mean) / self.x_scale
+        """Return the predicted target (n,) in its own unit; raise InputError as `checked_rows` does."""
+        z = (checked_rows(x, self.variables) - self.x_mean) / self.x_scale
         predicted: np.ndarray = self.offset + np.einsum("nk,k->n", z, self.coefficient)
         return predicted
 
     def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
-        """One row per variable, and metadata of JSON-able values."""
+        """Return a table with one row per variable, and the model's metadata."""
         table = pd.DataFrame(
             {
                 "variable": list(self.variables),
@@ -39,43 +41,34 @@ class RidgeModel:
                 "coefficient": self.coefficient,
             }
         )
-        return table, {"kind": "ridge", "variables": list(self.variables), "offset": self.offset}
+        return table, described(self, KIND, "offset")
 
     @classmethod
     def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
-        """The model that `to_table` wrote, bit for bit."""
+        """Return the model that `to_table` wrote, bit for bit."""
         columns = {name: table[name].to_numpy() for name in ("x_mean", "x_scale", "coefficient")}
-        return cls(tuple(metadata["variables"]), **columns, offset=metadata["offset"])
+        return cls(**columns, **restored(metadata, "offset"))
 
 
-def fit(
-    x: np.ndarray,
-    y: np.ndarray,
-    *,
-    variables: Sequence[str],
-    settings: Settings,
-    seed: int,
-    groups: np.ndarray | None = None,
-    weights: np.ndarray | None = None,
-) -> RidgeModel:
-    """Least squares of y (n,) on standardised x (n, variables), plus alpha times the squared coefficients.
+def fit(training: Training, settings: Settings) -> RidgeModel:
+    """Minimise the squared residuals plus alpha times the squared coefficients of standardised variables.
 
     `settings` holds alpha. Raises InputError for too few rows or values that are not finite.
     """
-    x = checked(x, variables)
-    y = checked_target(y, len(x), least=2)
-    scale = standardisation(x, settings)[1]
+    training = training.checked(least=2)
+    x, y, weights = training.x, training.y, training.weights
+    scale = training.standardisation()[1]
     mean, offset = np.average(x, axis=0, weights=weights), float(np.average(y, weights=weights))
-    root = np.sqrt(weighing(weights, len(x)))
+    root = np.sqrt(training.row_weights())
     z = root[:, None] * ((x - mean) / scale)
     with threadpool_limits(limits=1, user_api="blas"):  # sums in one order, whatever the machine
         normal = z.T @ z + settings["alpha"] * np.eye(z.shape[1])
         coefficient = np.linalg.lstsq(normal, z.T @ (root * (y - offset)))[0]
-    return RidgeModel(tuple(variables), mean, scale, coefficient, offset)
+    return RidgeModel(tuple(training.variables), mean, scale, coefficient, offset)
 
 
 LEARNER = Learner(
-    kind="ridge",
+    kind=KIND,
     description="ridge regression",
     settings={**CHOICE, "alpha": POSITIVE},
     table=table_of(

@@ -1,8 +1,8 @@
-"""The compiled inner loops of the SVR's solver: kernel entries, gradients, and the steps on a dense block.
+"""The compiled inner loops of the solver of the SVR: kernel entries, gradients, and steps on a dense block.
 
-Of a variable beta in [-c, c] with the gradient g of the smooth part of the dual, the objective's slope is
-g + epsilon or g - epsilon, by the sign of beta; it has a kink at 0. The slope `up` is felt when beta grows,
-`down` when it shrinks; a variable at its limit has none in that direction (+inf, -inf).
+A variable beta in [-c, c] has the gradient g of the smooth part of the dual. The slope of the objective is
+g + epsilon or g - epsilon, by the sign of beta; it has a kink at 0. `up` is the slope when beta grows, `down`
+when beta shrinks. A variable at its limit has no slope in that direction (+inf, -inf).
 """
 
 from typing import Any
@@ -34,8 +34,8 @@ _ROUNDING = _SINGLE(12582912.0)  # 1.5 * 2^23: a number added to it is rounded t
 def _exponentials(x):
     """Replace x by exp(x), for x up to 0, in single precision.
 
-    exp(x) = 2^k exp(r) with |r| up to ln(2) / 2; the polynomial is Moshier's (Cephes, expf). Written out, as
-    the compiler vectorises this loop but no call of a library's exp.
+    exp(x) = 2^k exp(r) with |r| up to ln(2) / 2; the polynomial is Moshier's (Cephes, expf). It is written
+    out because the compiler vectorises this loop, but no call of a library's exp.
     """
     for j in range(len(x)):
         at = min(max(x[j], _LOWEST), _SINGLE(0.0))
@@ -57,7 +57,7 @@ def _exponentials(x):
 
 @entry
 def exponentiate(exponents, out, places, start):
-    """Put exp(exponents), (a, b) of doubles, into rows `places` (a,) of out, from column `start` on."""
+    """Write exp(exponents), (a, b) of doubles, into rows `places` (a,) of out, from column `start` on."""
     count = exponents.shape[1]
     for a in range(len(places)):
         row = out[places[a], start : start + count]
@@ -68,7 +68,7 @@ def exponentiate(exponents, out, places, start):
 
 @entry
 def accumulate(rows, places, weights, total):
-    """Add sum_a weights_a rows[places_a] to total (n,): single precision rows, sums in double."""
+    """Add sum_a weights_a rows[places_a] to total (n,): rows in single precision, sums in double."""
     tile = 2048  # of total, which stays in the nearest cache while all rows pass
     for start in range(0, len(total), tile):
         stop = min(len(total), start + tile)
@@ -88,7 +88,7 @@ def accumulate(rows, places, weights, total):
 
 @compiled
 def _above(beta, limit, epsilon):
-    """What the slope `up` has beside the gradient."""
+    """Return the slope `up` less the gradient."""
     if beta >= limit:
         return np.inf
     return epsilon if beta >= 0.0 else -epsilon
@@ -96,7 +96,7 @@ def _above(beta, limit, epsilon):
 
 @compiled
 def _below(beta, limit, epsilon):
-    """What the slope `down` has beside the gradient."""
+    """Return the slope `down` less the gradient."""
     if beta <= -limit:
         return -np.inf
     return epsilon if beta > 0.0 else -epsilon
@@ -135,7 +135,7 @@ def _move(up, down, step, first, second, least, most):
 
 @compiled
 def _largest_gain(down, lowest, row, gains, largest):
-    """Write what the objective gains by a free step of each variable against the one of `row`; the best."""
+    """Write the gain of a free step of each variable against that of `row`; return the largest gain."""
     for k in range(len(gains)):
         gains[k] = down[k] - lowest
     for k in range(len(gains)):
@@ -153,6 +153,7 @@ def _largest_gain(down, lowest, row, gains, largest):
 
 @compiled
 def _find(values, value):
+    """Return the first place of a value, -1 where there is none."""
     for k in range(len(values)):
         if values[k] == value:
             return k
@@ -161,13 +162,13 @@ def _find(values, value):
 
 @compiled
 def _room(beta, limit):
-    """How far beta may grow before its slope changes: to 0 from below, else to its limit."""
+    """Return how far beta may grow before its slope changes: to 0 from below, else to its limit."""
     return -beta if beta < 0.0 else limit - beta
 
 
 @compiled
 def _grown(beta, limit, step):
-    """Return beta after a step up, and exactly 0 or the limit where it gets there."""
+    """Return beta after a step up, exactly 0 or the limit where it gets there."""
     if step < _room(beta, limit):
         return beta + step
     return 0.0 if beta < 0.0 else limit
@@ -177,8 +178,11 @@ def _grown(beta, limit, step):
 def descend(kernel, beta, gradient, limits, epsilon, tol, most_steps):
     """Move pairs of beta, in place, until no two slopes differ by tol or more; return the number of steps.
 
-    `kernel` (q, q) holds all entries of the block, `gradient` (q,) is the gradient at the start. The pair is
-    chosen with second-order information (Fan, Chen & Lin 2005, J. Mach. Learn. Res. 6, 1889), as in libsvm.
+    kernel: (q, q) all entries of the block
+    gradient: (q,) at the start
+
+    Pairs are chosen by second-order information (Fan, Chen & Lin 2005, J. Mach. Learn. Res. 6, 1889), as in
+    libsvm.
     """
     count = len(beta)
     up, down, gains = np.empty(count), np.empty(count), np.empty(count, _SINGLE)

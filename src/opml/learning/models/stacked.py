@@ -1,14 +1,14 @@
 """Two learners in a row: the second learns what the first leaves."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from opml.learning.models.contract import Learner, Metadata, Model, Settings
+from opml.learning.models.inputs import Training, picked
 from opml.tables import Schema
 
 KIND = "stacked"
@@ -25,15 +25,15 @@ class StackedModel:
     second: Model
 
     def predict(self, x: np.ndarray) -> np.ndarray:
-        """Predicted target (n,) in its own unit for rows x (n, variables) in theirs."""
+        """Return the predicted target (n,) for rows x (n, variables), all in their own units."""
         first, second = (
-            part.predict(_columns(x, self.variables, part.variables)) for part in (self.first, self.second)
+            part.predict(picked(x, self.variables, part.variables)) for part in (self.first, self.second)
         )
         predicted: np.ndarray = first + second
         return predicted
 
     def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
-        """The second's table, and metadata of JSON-able values with the whole of the first, a small model."""
+        """Return the table of the second, and metadata with all of the first, which is a small model."""
         first, first_described = self.first.to_table()
         table, described = self.second.to_table()
         metadata = {
@@ -47,35 +47,21 @@ class StackedModel:
 
 @dataclass(frozen=True)
 class _Stacking:
-    """What is done with a stack, by what `by_kind` finds to be done with its parts."""
+    """What a learner declares, for a stack whose parts `by_kind` finds."""
 
     by_kind: Callable[[str], Learner]
 
-    def fit(
-        self,
-        x: np.ndarray,
-        y: np.ndarray,
-        *,
-        variables: Sequence[str],
-        settings: Settings,
-        seed: int,
-        groups: np.ndarray | None = None,
-        weights: np.ndarray | None = None,
-    ) -> StackedModel:
-        """Train the first on y (n,), then the second on what it leaves.
-
-        Each part's settings name its own among the columns of x (n, variables).
-        """
+    def fit(self, training: Training, settings: Settings) -> StackedModel:
+        """Train the first, then the second on what the first leaves, each on its own variables."""
         models: list[Model] = []
         for part in (settings[name] for name in PARTS):
-            own = _columns(x, variables, part["variables"])
-            train = partial(self.by_kind(part["kind"]).fit, seed=seed, groups=groups, weights=weights)
-            models.append(train(own, y, variables=part["variables"], settings=part))
-            y = y - models[-1].predict(own)
-        return StackedModel(tuple(variables), *models)
+            narrowed = training.narrowed(part["variables"])
+            models.append(self.by_kind(part["kind"]).fit(narrowed, part))
+            training = replace(training, y=training.y - models[-1].predict(narrowed.x))
+        return StackedModel(tuple(training.variables), *models)
 
     def load(self, table: pd.DataFrame, metadata: Metadata) -> StackedModel:
-        """The model that `to_table` wrote, bit for bit."""
+        """Return the model that `to_table` wrote, bit for bit."""
         first, second = (metadata[name] for name in PARTS)
         return StackedModel(
             tuple(metadata["variables"]),
@@ -83,13 +69,13 @@ class _Stacking:
             self.by_kind(second["kind"]).load(table, second),
         )
 
-    def table(self, described: Metadata) -> Schema:
-        """The schema of the second's table."""
-        second = described["second"]
+    def table(self, metadata: Metadata) -> Schema:
+        """Return the schema of the table of the second."""
+        second = metadata["second"]
         return self.by_kind(second["kind"]).table(second)
 
     def resolve(self, settings: Settings, *, component: str, variables: Sequence[str]) -> dict[str, Any]:
-        """Settings with both parts resolved; their variables together, each once."""
+        """Return settings with both parts resolved, and the variables of both, each once."""
         parts = {
             name: self.by_kind(part["kind"]).resolve(part, component=component, variables=variables)
             for name, part in ((name, settings[name]) for name in PARTS)
@@ -99,7 +85,7 @@ class _Stacking:
 
 
 def learner(by_kind: Callable[[str], Learner]) -> Learner:
-    """The stack of any two of the learners that `by_kind` finds."""
+    """Return the stack of any two of the learners that `by_kind` finds."""
     stacking = _Stacking(by_kind)
     return Learner(
         kind=KIND,
@@ -110,7 +96,3 @@ def learner(by_kind: Callable[[str], Learner]) -> Learner:
         load=stacking.load,
         resolve=stacking.resolve,
     )
-
-
-def _columns(x: np.ndarray, variables: Sequence[str], names: Sequence[str]) -> np.ndarray:
-    return np.asarray(x)[:, [list(variables).index(name) for name in names]]

@@ -1,14 +1,14 @@
-"""Support vector regression with a Gaussian kernel, set up as MATLAB's fitrsvm is by default.
+"""Support vector regression with a Gaussian kernel, with the defaults of MATLAB's fitrsvm.
 
 fitrsvm (Statistics and Machine Learning Toolbox, its reference page) standardises the variables and takes,
 for a target y, C = iqr(y)/1.349, epsilon = iqr(y)/13.49 and the KKT tolerance 1e-3. Here the target is
 divided by S = iqr(y)/1.349 instead. Dividing the primal objective by S^2 shows that C = 1 and epsilon = 0.1
-on the scaled target give the same function, while the tolerance now means the same for metres and for metres
-per second.
+on the scaled target give the same function. The tolerance then means the same for metres and for metres per
+second.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -19,8 +19,9 @@ from opml.base.seeds import derive
 from opml.learning.data.cleaning import quartiles
 from opml.learning.models import kernel_scale as scales
 from opml.learning.models.contract import CHOICE, POSITIVE, Learner, Metadata, Settings
-from opml.learning.models.gaussian_kernel import expansion, vector_table
-from opml.learning.models.inputs import checked, checked_target, standardisation, weighing
+from opml.learning.models.gaussian_kernel import expansion, vector_table, vectors_with
+from opml.learning.models.inputs import Training, checked_rows
+from opml.learning.models.metadata import described, restored
 from opml.tables import real
 
 if TYPE_CHECKING:
@@ -29,10 +30,16 @@ if TYPE_CHECKING:
 NORMAL_IQR = 1.349  # interquartile range of the standard normal distribution
 MIN_ROWS = 2  # a standard deviation needs two
 
+KIND = "svr"
+_FIELDS = (
+    *("offset", "kernel_scale", "kernel_rule", "x_mean", "x_scale", "y_scale"),
+    *("c", "epsilon", "tol", "iterations", "seed"),
+)
+
 
 @dataclass(frozen=True, eq=False)
 class SvrModel:
-    """A fitted model, f(x) = y_scale (sum_k dual_coef_k k(v_k, z) + offset).
+    """A trained model, f(x) = y_scale (sum_k dual_coef_k k(v_k, z) + offset).
 
     v_k are the support vectors and z the variables x standardised by x_mean and x_scale.
     """
@@ -53,84 +60,50 @@ class SvrModel:
     seed: int
 
     def predict(self, x: np.ndarray) -> np.ndarray:
-        """Predicted target (n,) in its own unit for rows x (n, variables) in theirs.
-
-        Raises InputError for non-finite values or another number of variables.
-        """
-        x = checked(x, self.variables)
+        """Return the predicted target (n,) in its own unit; raise InputError as `checked_rows` does."""
+        x = checked_rows(x, self.variables)
         z = (x - self.x_mean) / (self.x_scale * self.kernel_scale)
         predicted = expansion(z, self.support_vectors / self.kernel_scale, self.dual_coef)
         return self.y_scale * (predicted + self.offset)
 
     def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
-        """The `model` table, one row per support vector, and its metadata of JSON-able values."""
-        table = pd.DataFrame(self.support_vectors, columns=list(self.variables))
-        table.insert(0, "dual_coef", self.dual_coef)
-        metadata = {
-            "kind": "svr",
-            "variables": list(self.variables),
-            "offset": self.offset,
-            "kernel_scale": self.kernel_scale,
-            "kernel_rule": self.kernel_rule,
-            "x_mean": self.x_mean.tolist(),
-            "x_scale": self.x_scale.tolist(),
-            "y_scale": self.y_scale,
-            "c": self.c,
-            "epsilon": self.epsilon,
-            "tol": self.tol,
-            "iterations": self.iterations,
-            "seed": self.seed,
-        }
-        return table, metadata
+        """Return a table with one row per support vector, and the model's metadata."""
+        table = vectors_with(self.support_vectors, self.variables, dual_coef=self.dual_coef)
+        return table, described(self, KIND, *_FIELDS)
 
     @classmethod
     def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
-        """The model that `to_table` wrote, bit for bit."""
-        scalars = ["offset", "kernel_scale", "kernel_rule", "y_scale", "c", "epsilon", "tol", "iterations"]
+        """Return the model that `to_table` wrote, bit for bit."""
         return cls(
-            variables=tuple(metadata["variables"]),
             support_vectors=table[list(metadata["variables"])].to_numpy(dtype=float),
             dual_coef=table["dual_coef"].to_numpy(dtype=float),
-            x_mean=np.array(metadata["x_mean"], dtype=float),
-            x_scale=np.array(metadata["x_scale"], dtype=float),
-            **{name: metadata[name] for name in [*scalars, "seed"]},
+            **restored(metadata, *_FIELDS),
         )
 
 
-def fit(
-    x: np.ndarray,
-    y: np.ndarray,
-    *,
-    variables: Sequence[str],
-    settings: Settings,
-    seed: int,
-    groups: np.ndarray | None = None,
-    weights: np.ndarray | None = None,
-) -> SvrModel:
-    """Train on rows x (n, variables) and target y (n,), both in their own units.
+def fit(training: Training, settings: Settings) -> SvrModel:
+    """Train a machine; `settings` holds kernel_scale (`sigest`, `median`, `cv` or a number), c, epsilon, tol.
 
-    `settings` holds kernel_scale (`sigest`, `median`, `cv` or a number), c, epsilon and tol; `groups` (n,)
-    tells which estimate a row belongs to, for `cv`. Raises InputError for too few rows, non-finite values or
-    an unknown rule.
+    `cv` holds out groups of the training. Raises InputError for too few rows, values that are not finite or
+    an unknown kernel_scale.
     """
-    x = checked(x, variables)
-    y = checked_target(y, len(x), least=MIN_ROWS)
-    x_mean, x_scale = standardisation(x, settings)
-    z = (x - x_mean) / x_scale
-    q1, q3 = quartiles(y)
+    training = training.checked(least=MIN_ROWS)
+    x_mean, x_scale = training.standardisation()
+    z = (training.x - x_mean) / x_scale
+    q1, q3 = quartiles(training.y)
     y_scale = (q3 - q1) / NORMAL_IQR if q3 > q1 else 1.0  # fitrsvm falls back to C = 1, epsilon = 0.1 as well
 
-    rule = settings["kernel_scale"]
-    scale = _kernel_scale(rule, z, y / y_scale, groups, settings=settings, seed=seed)
-    solution = _solve(z, y / y_scale, scale, settings, weights)
+    scaled = replace(training, x=z, y=training.y / y_scale)
+    scale = _kernel_scale(scaled, settings)
+    solution = _solve(scaled, scale, settings)
     support = solution.beta != 0.0
     return SvrModel(
-        variables=tuple(variables),
+        variables=tuple(training.variables),
         support_vectors=z[support],
         dual_coef=solution.beta[support],
         offset=solution.offset,
         kernel_scale=scale,
-        kernel_rule=str(rule),
+        kernel_rule=str(settings["kernel_scale"]),
         x_mean=x_mean,
         x_scale=x_scale,
         y_scale=y_scale,
@@ -138,53 +111,40 @@ def fit(
         epsilon=float(settings["epsilon"]),
         tol=float(settings["tol"]),
         iterations=solution.steps,
-        seed=seed,
+        seed=training.seed,
     )
 
 
-def _kernel_scale(
-    rule: str | float,
-    z: np.ndarray,
-    y: np.ndarray,
-    groups: np.ndarray | None,
-    *,
-    settings: Settings,
-    seed: int,
-) -> float:
-    rng = derive(seed, "svr", "kernel_scale")
+def _kernel_scale(scaled: Training, settings: Settings) -> float:
+    rule, rng = settings["kernel_scale"], derive(scaled.seed, "svr", "kernel_scale")
     if rule in scales.QUANTILES:
-        return scales.distance_quantile(z, scales.QUANTILES[rule], rng=rng)
+        return scales.distance_quantile(scaled.x, scales.QUANTILES[rule], rng=rng)
     if rule == "cv":
-        return scales.cross_validated(
-            z, y, groups, predicted=lambda *rows: _predicted(*rows, settings=settings), rng=rng
-        )
+        return scales.cross_validated(scaled, predicted=partial(_predicted, settings), rng=rng)
     if isinstance(rule, int | float) and not isinstance(rule, bool) and 0.0 < rule < np.inf:
         return float(rule)
     raise InputError(f"kernel_scale: expected {', '.join(scales.RULES)} or a positive number, got {rule!r}")
 
 
-def _solve(
-    z: np.ndarray, y: np.ndarray, scale: float, settings: Settings, weights: np.ndarray | None = None
-) -> "Solution":
-    """Solve for standardised rows and the scaled target; the root of a weight scales its row's limit."""
+def _solve(scaled: Training, scale: float, settings: Settings) -> "Solution":
+    """Solve for standardised rows and the scaled target; the root of a weight scales the limit of its row."""
     # Imported only to train: it brings Numba, which takes longer to start than most models to predict.
     from opml.learning.models import smo
 
-    limits = float(settings["c"]) * np.sqrt(weighing(weights, len(y)))
-    return smo.solve(z / scale, y, limits, epsilon=float(settings["epsilon"]), tol=float(settings["tol"]))
+    limits = float(settings["c"]) * np.sqrt(scaled.row_weights())
+    epsilon, tol = float(settings["epsilon"]), float(settings["tol"])
+    return smo.solve(scaled.x / scale, scaled.y, limits, epsilon=epsilon, tol=tol)
 
 
-def _predicted(
-    scale: float, z: np.ndarray, y: np.ndarray, new: np.ndarray, *, settings: Settings
-) -> np.ndarray:
-    """What a machine trained on z and y at this kernel scale says of new rows."""
-    solution = _solve(z, y, scale, settings)
+def _predicted(settings: Settings, scale: float, scaled: Training, new: np.ndarray) -> np.ndarray:
+    """Return predictions (n,) of new rows by a machine trained at this kernel scale."""
+    solution = _solve(scaled, scale, settings)
     support = solution.beta != 0.0
-    return expansion(new / scale, z[support] / scale, solution.beta[support]) + solution.offset
+    return expansion(new / scale, scaled.x[support] / scale, solution.beta[support]) + solution.offset
 
 
 LEARNER = Learner(
-    kind="svr",
+    kind=KIND,
     description="SVR, as in the paper",
     settings={
         **CHOICE,
