@@ -1,4 +1,8 @@
 # A study of any RSO: its report, errors before and after correction, models against splits, rows used.
+from snakemake.logging import logger
+
+from opml.workflow import extras
+
 if OWN.is_asked:
 
     use rule errors as study_report with:
@@ -95,6 +99,9 @@ if OWN.is_asked:
             code=code("explore.py"),
         message:
             "Page: turn the orbit of {wildcards.rso}, pick an estimate of {wildcards.stations}"
+
+    if workflow.is_main_process and not extras.can_explore():
+        logger.warning(extras.NO_EXPLORE)
 
     use rule errors as study_calibration with:
         input:

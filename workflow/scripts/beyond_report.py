@@ -1,8 +1,9 @@
-"""Put models against splits."""
+"""Report models against splits."""
 
 from opml.learning.data import dataset, splits
 from opml.learning.judge import metrics
-from opml.report import beyond, document
+from opml.report import beyond as report
+from opml.report import document
 from opml.study.beyond import Beyond
 from opml.study.experiments import read_study
 from opml.study.paper import Paper
@@ -20,7 +21,7 @@ with job(snakemake):
         table = dataset.read(path, [oracle])
         rows = splits.test_rows(table, test, span_days=study.span_days, trained=None)
         floors[stations] = metrics.floor_share(table, rows, component=study.defaults["component"])
-    blocks = beyond.document(
+    blocks = report.document(
         beyond.report,
         read_tables(files.metrics, "metrics"),
         read_tables(files.coverage, "coverage"),

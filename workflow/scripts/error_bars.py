@@ -7,12 +7,12 @@ from opml.workflow.jobs import job
 
 with job(snakemake):
     settings, files = snakemake.params.settings, snakemake.input
-    told = notes.of_experiment(
+    context = notes.experiment_context(
         settings,
         read_table(files.metrics[0], "metrics"),
         read_table(files.dataset[0], "dataset"),
         Cleaning.from_settings(settings["cleaning"]),
     )
     evaluation = read_table(files.evaluation[0], "evaluation")
-    figure = prediction_errors.errorbar_absolute(evaluation, component=settings["component"], context=told)
+    figure = prediction_errors.errorbar_absolute(evaluation, component=settings["component"], context=context)
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

@@ -1,7 +1,6 @@
-"""Hold combinations of readings against the paper's numbers and sentences."""
+"""Report combinations of readings against the paper's numbers and sentences."""
 
-from opml.readings import scan_report
-from opml.readings.scan import scan as asked
+from opml.readings import scan, scan_report
 from opml.report import document
 from opml.study.experiments import read_study
 from opml.study.paper import Paper
@@ -11,5 +10,5 @@ from opml.workflow.jobs import job
 with job(snakemake):
     output = snakemake.output
     paper = Paper(read_study(snakemake.params.settings))
-    blocks = scan_report.document(asked(paper), read_tables(snakemake.input, "metrics"))
+    blocks = scan_report.document(scan.scan(paper), read_tables(snakemake.input, "metrics"))
     document.write(blocks, output.md[0], output.tsv[0], output.html[0])

@@ -1,8 +1,7 @@
-"""Draw what combinations of readings give, beside the paper's numbers."""
+"""Draw P_ML of combinations of readings, beside the paper's numbers."""
 
 from opml.figures import style
-from opml.readings import scan_figure
-from opml.readings.scan import scan as asked
+from opml.readings import scan, scan_figure
 from opml.readings.scan_report import outcomes
 from opml.study.experiments import read_study
 from opml.study.paper import Paper
@@ -10,10 +9,10 @@ from opml.tables import read_tables
 from opml.workflow.jobs import job
 
 with job(snakemake):
-    scanned = asked(Paper(read_study(snakemake.params.settings)))
-    found = outcomes(scanned, read_tables(snakemake.input, "metrics"))
+    scanned = scan.scan(Paper(read_study(snakemake.params.settings)))
+    nearest_first = outcomes(scanned, read_tables(snakemake.input, "metrics"))
     figure = scan_figure.scan(
-        {str(one.combination): one.numbers for one in found},
+        {str(outcome.combination): outcome.numbers for outcome in nearest_first},
         scanned.published,
         default=str(scanned.combinations[0]),
     )
