@@ -40,7 +40,8 @@ if OWN.is_asked:
     use rule errors as study_errors with:
         input:
             lambda wildcards: paths_of(
-                rules.evaluate.output.evaluation, *OWN.corrections(wildcards.rso, wildcards.stations).values()
+                rules.evaluate.output.evaluation,
+                *OWN.corrections(wildcards.rso, wildcards.stations).values(),
             ),
         output:
             **figures("study/{rso}/{stations}_errors", caption="study_errors", section=SECTIONS["study"]),

@@ -1,4 +1,4 @@
-"""Packages that parts of the workflow need beyond the extra `workflow`, and the notes where one is missing."""
+"""Packages that parts of the workflow need beyond the extra `workflow`, and a note where one is missing."""
 
 from importlib.util import find_spec
 
