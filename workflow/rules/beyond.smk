@@ -71,7 +71,9 @@ if "beyond" in STUDY:
             **drawing(
                 "beyond_transfers",
                 component=STUDY.defaults["component"],
-                published=[[*key, number] for key, number in BEYOND.published_p_ml(BEYOND.transfers).items()],
+                published=[
+                    [*key, number] for key, number in BEYOND.published_p_ml(BEYOND.transfers).items()
+                ],
                 curves={name: curve.targets for name, curve in PAPER.curves.items()},
             ),
         message:

@@ -1,4 +1,8 @@
 # A study of any RSO: its report, errors before and after correction, models against splits, rows used.
+from snakemake.logging import logger
+
+from opml.workflow import extras
+
 if OWN.is_asked:
 
     use rule errors as study_report with:
@@ -36,7 +40,8 @@ if OWN.is_asked:
     use rule errors as study_errors with:
         input:
             lambda wildcards: paths_of(
-                rules.evaluate.output.evaluation, *OWN.corrections(wildcards.rso, wildcards.stations).values()
+                rules.evaluate.output.evaluation,
+                *OWN.corrections(wildcards.rso, wildcards.stations).values(),
             ),
         output:
             **figures("study/{rso}/{stations}_errors", caption="study_errors", section=SECTIONS["study"]),
@@ -95,6 +100,9 @@ if OWN.is_asked:
             code=code("explore.py"),
         message:
             "Page: turn the orbit of {wildcards.rso}, pick an estimate of {wildcards.stations}"
+
+    if workflow.is_main_process and not extras.can_explore():
+        logger.warning(extras.NO_EXPLORE)
 
     use rule errors as study_calibration with:
         input:

@@ -68,7 +68,7 @@ STUDY_FILES = (
             path_of(file, rso=rso, stations=stations)
             for rso, stations in OWN.datasets
             if not STUDY.is_measured(rso)
-            for file in [*rules.world.output, *rules.explore.output]
+            for file in [*rules.world.output, *(rules.explore.output if extras.can_explore() else [])]
         ),
         *(
             path_of(file, rso=rso, stations=stations)

@@ -1,17 +1,15 @@
-"""Draw prediction intervals over what a correction leaves."""
+"""Draw true and corrected errors in their prediction intervals."""
 
 from opml.figures import beyond, style
-from opml.figures.axis_labels import experiment
-from opml.tables import read_table
-from opml.workflow.jobs import job
+from opml.figures.axis_labels import describe_experiment
+from opml.workflow.jobs import job, read_by_key
 
 with job(snakemake):
     settings = snakemake.params.settings
-    tables = {
-        learner: read_table(path, "intervals")
-        for learner, path in zip(settings["learners"], snakemake.input, strict=True)
-    }
     figure = beyond.intervals(
-        tables, level=settings["level"], component=settings["component"], note=experiment(**settings)
+        read_by_key(settings["learners"], snakemake.input, "intervals"),
+        level=settings["level"],
+        component=settings["component"],
+        note=describe_experiment(settings),
     )
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

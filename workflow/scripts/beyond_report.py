@@ -1,4 +1,4 @@
-"""Put models against splits."""
+"""Report models against splits."""
 
 from opml.learning.data import dataset, splits
 from opml.learning.judge import metrics

@@ -7,7 +7,7 @@ from opml.workflow.jobs import job
 
 with job(snakemake):
     settings, files = snakemake.params.settings, snakemake.input
-    context = notes.of_experiment(
+    context = notes.experiment_context(
         settings,
         read_table(files.metrics[0], "metrics"),
         read_table(files.dataset[0], "dataset"),

@@ -1,4 +1,4 @@
-"""Draw the true prediction errors of the rows that survived cleaning against the prediction duration."""
+"""Draw the true errors of the predictions that survived cleaning against their duration."""
 
 from opml.figures import prediction_errors, style
 from opml.learning.data.splits import in_days
@@ -9,7 +9,7 @@ with job(snakemake):
     settings = snakemake.params.settings
     dataset = read_table(snakemake.input[0], "dataset")
     pairs = dataset[dataset["keep"] & in_days(dataset["t_j"], settings["days"])]
-    note = prediction_errors.of_pairs(pairs, **settings)
+    note = prediction_errors.pairs_note(pairs, settings)
     figures = [
         prediction_errors.distribution_position(pairs, note=note),
         prediction_errors.distribution_velocity(pairs, note=note),

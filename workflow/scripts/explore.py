@@ -1,26 +1,26 @@
-"""Write the page on which one turns the orbit and picks an estimate."""
+"""Write a page to turn the orbit and pick an estimate."""
 
 from opml.base.files import replacing
 from opml.figures import explore
-from opml.figures.axis_labels import experiment
+from opml.figures.axis_labels import describe_experiment
+from opml.figures.ground import ObservedOrbit
 from opml.orbits.sheets import Station
 from opml.tables import read_table
-from opml.workflow.jobs import job
+from opml.workflow.jobs import job, read_by_key
 
 with job(snakemake):
     settings, files = snakemake.params.settings, snakemake.input
-    evaluations = {
-        name: read_table(path, "evaluation")
-        for name, path in zip(settings["learners"], files.evaluations, strict=True)
-    }
-    text = explore.page(
-        evaluations,
-        read_table(files.dataset, "dataset"),
+    orbit = ObservedOrbit(
         read_table(files.truth, "truth"),
         read_table(files.earth_orientation, "earth_orientation"),
-        [Station(**one) for one in settings["radars"]],
+        [Station(**station) for station in settings["radars"]],
+    )
+    text = explore.page(
+        orbit,
+        read_by_key(settings["learners"], files.evaluations, "evaluation"),
+        read_table(files.dataset, "dataset"),
         component=settings["component"],
-        note=experiment(**settings),
+        note=describe_experiment(settings),
     )
     with replacing(snakemake.output[0]) as temporary:
         temporary.write_text(text, encoding="utf-8")

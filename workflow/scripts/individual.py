@@ -1,13 +1,14 @@
-"""Draw the individual performance metric: points made better, points made worse, and its distribution."""
+"""Draw the individual performance metric: predictions made better, those made worse, and its distribution."""
 
-from opml.figures import axis_labels, prediction_errors, style
+from opml.figures import prediction_errors, style
+from opml.figures.axis_labels import describe_experiment
 from opml.tables import read_table
 from opml.workflow.jobs import job
 
 with job(snakemake):
     settings = snakemake.params.settings
     evaluation = read_table(snakemake.input[0], "evaluation")
-    component, note = settings["component"], axis_labels.experiment(**settings)
+    component, note = settings["component"], describe_experiment(settings)
     figures = [
         prediction_errors.individual_reduced(evaluation, component=component, note=note),
         prediction_errors.individual_increased(evaluation, component=component, note=note),

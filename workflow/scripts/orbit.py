@@ -7,14 +7,14 @@ from opml.workflow.jobs import job
 with job(snakemake):
     settings = snakemake.params.settings
     truth, tracking = (
-        orbit.within_days(read_table(snakemake.input[name], name), settings["days"])
+        orbit.select_days(read_table(snakemake.input[name], name), settings["days"])
         for name in ("truth", "tracking")
     )
     gm = read_metadata(snakemake.input.gravity_field)["gm"]
-    seen = f"{settings['rso']}, observed by {settings['stations']}"
+    observed = f"{settings['rso']}, observed by {settings['stations']}"
     elements = f"{settings['rso']}: osculating elements in GCRF"
     figures = [
-        orbit.orbit_3d(truth, tracking, note=seen),
+        orbit.orbit_3d(truth, tracking, note=observed),
         orbit.orbital_elements(truth, gm=gm, zoom_days=settings["zoom_days"], note=elements),
     ]
     style.save_all(figures, snakemake.output.pdf, snakemake.output.png)

@@ -1,4 +1,4 @@
-"""Put the paper's numbers beside ours."""
+"""Report the paper's numbers beside ours."""
 
 import pandas as pd
 

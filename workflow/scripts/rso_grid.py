@@ -12,9 +12,11 @@ with job(snakemake):
     for names, (evaluation, metrics, dataset) in zip(settings["experiments"], tables, strict=True):
         rso = names["target"]
         evaluations[rso] = read_table(evaluation, "evaluation")
-        all_of_them = names | {"rso": "each RSO", "target": "each RSO"}
-        contexts[rso] = notes.of_experiment(
-            all_of_them, read_table(metrics, "metrics"), read_table(dataset, "dataset"), cleaning
+        contexts[rso] = notes.experiment_context(
+            names | {"rso": "each RSO", "target": "each RSO"},
+            read_table(metrics, "metrics"),
+            read_table(dataset, "dataset"),
+            cleaning,
         )
     figure = prediction_errors.rso_grid(evaluations, component=settings["component"], contexts=contexts)
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

@@ -1,4 +1,4 @@
-"""Compare combinations of readings with the numbers and sentences of the paper."""
+"""Report combinations of readings against the paper's numbers and sentences."""
 
 from opml.readings import scan, scan_report
 from opml.report import document

@@ -1,4 +1,4 @@
-"""Draw P_ML of combinations of readings beside the numbers of the paper."""
+"""Draw P_ML of combinations of readings, beside the paper's numbers."""
 
 from opml.figures import style
 from opml.readings import scan, scan_figure
@@ -10,9 +10,9 @@ from opml.workflow.jobs import job
 
 with job(snakemake):
     scanned = scan.scan(Paper(read_study(snakemake.params.settings)))
-    combinations = outcomes(scanned, read_tables(snakemake.input, "metrics"))
+    nearest_first = outcomes(scanned, read_tables(snakemake.input, "metrics"))
     figure = scan_figure.scan(
-        {str(outcome.combination): outcome.numbers for outcome in combinations},
+        {str(outcome.combination): outcome.numbers for outcome in nearest_first},
         scanned.published,
         default=str(scanned.combinations[0]),
     )

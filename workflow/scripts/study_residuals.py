@@ -2,15 +2,11 @@
 
 from opml.figures import own_study, style
 from opml.learning.judge.model_choice import Mornings
-from opml.tables import read_table
-from opml.workflow.jobs import job
+from opml.workflow.jobs import job, read_by_key
 
 with job(snakemake):
     settings = snakemake.params.settings
-    replays = {
-        name: read_table(path, "replay")
-        for name, path in zip(settings["learners"], snakemake.input, strict=True)
-    }
+    replays = read_by_key(settings["learners"], snakemake.input, "replay")
     figure = own_study.residuals(
         Mornings.from_replays(replays, settings["laws"], seed=settings["seed"]),
         laws=settings["laws"],

@@ -1,14 +1,10 @@
-"""Draw the share of the rows that a study uses, and why others are not."""
+"""Draw the share of the rows that a study uses, and why others are not used."""
 
 from opml.figures import own_study, style
 from opml.report.own_study import row_shares
-from opml.tables import read_table
-from opml.workflow.jobs import job
+from opml.workflow.jobs import job, read_by_key
 
 with job(snakemake):
-    names = snakemake.params.settings["datasets"]
-    shares = {
-        name: row_shares(read_table(path, "dataset"))
-        for name, path in zip(names, snakemake.input, strict=True)
-    }
+    tables = read_by_key(snakemake.params.settings["datasets"], snakemake.input, "dataset")
+    shares = {name: row_shares(table) for name, table in tables.items()}
     style.save_all([own_study.rows(shares)], snakemake.output.pdf, snakemake.output.png)

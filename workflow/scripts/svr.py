@@ -7,13 +7,13 @@ from opml.workflow.jobs import job
 
 with job(snakemake):
     settings, files = snakemake.params.settings, snakemake.input
-    evaluation = read_table(files.evaluation[0], "evaluation")
-    context = notes.of_experiment(
+    context = notes.experiment_context(
         settings,
         read_table(files.metrics[0], "metrics"),
         read_table(files.dataset[0], "dataset"),
         Cleaning.from_settings(settings["cleaning"]),
     )
+    evaluation = read_table(files.evaluation[0], "evaluation")
     figures = [
         draw(evaluation, component=settings["component"], context=context)
         for draw in (prediction_errors.svr_absolute, prediction_errors.svr_signed)

@@ -5,13 +5,13 @@ from opml.report import document, settings_tables
 from opml.workflow.jobs import job
 
 with job(snakemake):
-    given = snakemake.params.settings
+    settings, output = snakemake.params.settings, snakemake.output
+    epoch, others = settings["epoch"], [Rso(**rso) for rso in settings["rsos"]]
     documents = [
-        settings_tables.models(given),
-        settings_tables.stations([Station(**station) for station in given["stations"]]),
-        settings_tables.rsos([Rso(**given["rso"])], epoch=given["epoch"], title="Simulated RSO"),
-        settings_tables.rsos([Rso(**rso) for rso in given["rsos"]], epoch=given["epoch"], title="Other RSOs"),
+        settings_tables.models(settings),
+        settings_tables.stations([Station(**station) for station in settings["stations"]]),
+        settings_tables.rsos([Rso(**settings["rso"])], epoch=epoch, title="Simulated RSO"),
+        settings_tables.rsos(others, epoch=epoch, title="Other RSOs"),
     ]
-    output = snakemake.output
     for blocks, *paths in zip(documents, output.md, output.tsv, output.html, strict=True):
         document.write(blocks, *paths)

@@ -7,11 +7,14 @@ from opml.workflow.jobs import job
 
 with job(snakemake):
     settings, files = snakemake.params.settings, snakemake.input
-    figure = ground.world(
+    orbit = ground.ObservedOrbit(
         read_table(files.truth, "truth"),
-        read_table(files.tracking, "tracking"),
         read_table(files.earth_orientation, "earth_orientation"),
-        [Station(**one) for one in settings["radars"]],
+        [Station(**station) for station in settings["radars"]],
+    )
+    figure = ground.world(
+        orbit,
+        read_table(files.tracking, "tracking"),
         first_day=settings["first_day"],
         note=f"{settings['rso']} by {settings['stations']}",
     )

@@ -3,7 +3,6 @@
 Plotly draws the page. It comes with the extra `explore`, and is imported only where a page is made.
 """
 
-import importlib.util
 import json
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -43,11 +42,6 @@ ON_A_PHONE = f"if (window.innerWidth < 800) Plotly.relayout('{DIV}', {json.dumps
 
 COLORS = (RESIDUAL, PREDICTED, OBSERVED, *RAMP)
 EARTH, PATH, START, BEFORE = "Earth", "its next 95 minutes", "estimate", "no correction"
-
-
-def is_available() -> bool:
-    """Return whether the package that draws the page is installed."""
-    return importlib.util.find_spec("plotly") is not None
 
 
 def page(

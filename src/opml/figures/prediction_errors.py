@@ -172,7 +172,7 @@ def rso_grid(
 
 
 def individual_reduced(evaluation: pd.DataFrame, *, component: str = "e_y", note: str = "") -> Figure:
-    """Draw predictions whose error got smaller: absolute true errors, residuals coloured by p_ML [%].
+    """Draw predictions whose error got smaller: absolute true errors, and residuals coloured by p_ML [%].
 
     After the paper's figure 'Individual performance of the trained SVM model on future epochs'. Raises
     InputError without a row; a model that reduces no error gives empty axes.
@@ -185,7 +185,7 @@ def individual_reduced(evaluation: pd.DataFrame, *, component: str = "e_y", note
 
 
 def individual_increased(evaluation: pd.DataFrame, *, component: str = "e_y", note: str = "") -> Figure:
-    """Draw the predictions whose error grew, else as `individual_reduced`; P_ML_MAX ends the colours."""
+    """Draw predictions whose error got larger, else as `individual_reduced`; colours end at P_ML_MAX."""
     colors = ListedColormap(SHADES).with_extremes(over=HIGHLIGHT)
     change = _Change("increased", (REDUCED, P_ML_MAX), colors)
     return _individual(evaluation, _individual_p_ml(evaluation) > REDUCED, change, component, note)

@@ -15,6 +15,7 @@ from support import EARTH, RADAR
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.figures import explore
+from opml.figures.ground import ObservedOrbit
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 ESTIMATES, LATER = 5, 12
@@ -48,17 +49,17 @@ def tables():
         "svr": evaluation.assign(residual=2.0 * true),
     }
     dataset = pd.DataFrame({"i": range(ESTIMATES), "t_i": 0.3 * DAY * np.arange(ESTIMATES)})
-    return models, dataset, truth
+    return ObservedOrbit(truth, EARTH, [RADAR]), models, dataset
 
 
-def page(tables, **further):
-    pytest.importorskip("plotly", reason="plotly comes with the extra `workflow`")
-    return explore.page(*tables, EARTH, [RADAR], component="e_y", note="iss by radar", **further)
+def page(tables):
+    pytest.importorskip("plotly", reason="plotly comes with the extra `explore`")
+    return explore.page(*tables, component="e_y", note="iss by radar")
 
 
 def test_what_changes_with_the_estimate(tables):
-    models, _, truth = tables
-    path, start, before, law, svr = explore._moving(2, 0.6 * DAY, models, truth, EARTH)
+    orbit, models, _ = tables
+    path, start, before, law, svr = explore._moving_traces(2, 0.6 * DAY, models, orbit)
     assert (len(path["x"]), len(start["x"])) == (96, 1)
     assert np.hypot(np.hypot(path["x"], path["y"]), path["z"]) == pytest.approx(6800.0, abs=0.2)
     assert before["x"] == pytest.approx(0.1 * np.arange(1, LATER + 1))
@@ -68,7 +69,7 @@ def test_what_changes_with_the_estimate(tables):
 
 
 def test_estimates_with_few_predictions_are_not_offered(tables):
-    models, dataset, _ = tables
+    _, models, dataset = tables
     few = models["law"][(models["law"]["i"] != 3) | (models["law"]["duration"] < 0.35 * DAY)]
     assert explore._picks(few, dataset)["i"].tolist() == [0, 1, 2, 4]
 
@@ -82,13 +83,13 @@ def test_the_page_needs_nothing_else_and_is_the_same_each_time(tables):
 
 def test_without_a_model(tables):
     with pytest.raises(InputError, match="at least one model"):
-        explore.page({}, *tables[1:], EARTH, [RADAR], component="e_y")
+        explore.page(tables[0], {}, tables[2], component="e_y")
 
 
 def test_without_plotly_it_is_one_line(tables, monkeypatch):
     monkeypatch.setitem(sys.modules, "plotly.graph_objects", None)
     with pytest.raises(InputError, match="expected the package plotly, which is not installed"):
-        explore.page(*tables, EARTH, [RADAR], component="e_y")
+        explore.page(*tables, component="e_y")
 
 
 @pytest.mark.skipif(BROWSER is None, reason="no Chromium to open the page in")

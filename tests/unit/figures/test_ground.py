@@ -19,8 +19,12 @@ def truth():
     return pd.DataFrame({"t": t, "x": radius * np.cos(angle), "y": 0.0, "z": radius * np.sin(angle)})
 
 
+def orbit_of(truth):
+    return ground.ObservedOrbit(truth, EARTH, [RADAR])
+
+
 def test_points_below_a_polar_orbit(truth):
-    _, latitude, height = ground.below(truth.iloc[:90], EARTH)
+    _, latitude, height = ground.geodetic(orbit_of(truth).itrf(truth.iloc[:90]))
     assert latitude.max() == pytest.approx(90.0, abs=4.0)
     assert height.min() == pytest.approx(400e3, abs=100.0)  # above the equator
     assert height.max() == pytest.approx(421.4e3, abs=100.0)  # above the poles, where the Earth is flatter
@@ -47,7 +51,7 @@ def test_a_circle_is_as_far_from_its_station_everywhere():
 
 
 def test_a_line_breaks_where_it_leaves_the_map():
-    longitude, latitude = ground._parted(np.array([170.0, 179.0, -179.0, -170.0]), np.arange(4.0))
+    longitude, latitude = ground._split_line(np.array([170.0, 179.0, -179.0, -170.0]), np.arange(4.0))
     assert np.isnan(longitude).tolist() == [False, False, True, False, False]
     assert np.isnan(latitude).tolist() == [False, False, True, False, False]
 
@@ -62,15 +66,15 @@ def test_the_outlines_of_land_lie_on_the_map():
 
 def test_the_map_shows_the_day_what_was_tracked_and_the_stations(truth, tmp_path):
     tracking = pd.DataFrame({"t": truth["t"].iloc[1440 + 10 : 1440 + 20]})
-    figure = ground.world(truth, tracking, EARTH, [RADAR], first_day=1.0, note="iss by radar")
+    figure = ground.world(orbit_of(truth), tracking, first_day=1.0, note="iss by radar")
     labels = {line.get_label(): line for line in figure.axes[0].lines}
     assert {"ground track", "tracked", "radar"} <= set(labels)
     assert np.isfinite(labels["tracked"].get_ydata()).sum() == 10
     assert "iss by radar; day 1 to 2; circles: in sight at" in figure.legends[0].get_title().get_text()
-    again = ground.world(truth, tracking, EARTH, [RADAR], first_day=1.0, note="iss by radar")
+    again = ground.world(orbit_of(truth), tracking, first_day=1.0, note="iss by radar")
     style.save(figure, tmp_path / "a.pdf", tmp_path / "a.png")
     style.save(again, tmp_path / "b.pdf", tmp_path / "b.png")
     for kind in ("pdf", "png"):
         assert (tmp_path / f"a.{kind}").read_bytes() == (tmp_path / f"b.{kind}").read_bytes()
     with pytest.raises(InputError, match="expected epochs of day 5, got none"):
-        ground.world(truth, tracking, EARTH, [RADAR], first_day=5.0)
+        ground.world(orbit_of(truth), tracking, first_day=5.0)

@@ -106,7 +106,7 @@ def test_the_earth_hides_what_is_behind_it():
     )
     aside = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
     points = np.array([8.0 * viewer, -8.0 * viewer, -8.0 * viewer + 7.0 * aside, -8.0 * viewer + 6.0 * aside])
-    assert orbit._in_sight(points).tolist() == [True, False, True, False]
+    assert orbit._is_visible(points).tolist() == [True, False, True, False]
 
 
 def test_revolutions_are_counted(truth):

@@ -70,6 +70,10 @@ def transfers():
     return pd.DataFrame(rows)
 
 
+def inclination_curve(metrics, **options):
+    return p_ml_curves.transfer_curve(metrics, "inclination", INCLINATIONS, **options)
+
+
 def with_seeds(metrics, offsets):
     copies = [metrics.assign(seed=seed, p_ml=metrics["p_ml"] + k) for seed, k in enumerate(offsets)]
     return pd.concat(copies, ignore_index=True)
@@ -80,9 +84,7 @@ def legend(figure):
 
 
 def test_a_curve_each_window(transfers):
-    figure = p_ml_curves.inclination_curve(
-        transfers, inclinations=INCLINATIONS, published={"days-30-40": {50.0: 40.2}}
-    )
+    figure = inclination_curve(transfers, published={"days-30-40": {50.0: 40.2}})
     drawn = lines(figure)
     assert drawn["future 10 days (30 to 40)"] == ([48.0, 50.0, 51.6393], [50.0, 40.0, 35.0])
     assert drawn["future 20 days (30 to 50)"] == ([48.0, 50.0, 51.6393], [150.0, 140.0, 135.0])
@@ -95,19 +97,19 @@ def test_a_curve_each_window(transfers):
 
 
 def test_over_semi_major_axis(transfers):
-    figure = p_ml_curves.semi_major_axis_curve(transfers, offsets={"iss": 0.0, "lares": 50.0})
+    figure = p_ml_curves.transfer_curve(transfers, "semi_major_axis", {"iss": 0.0, "lares": 50.0})
     assert lines(figure)["future 10 days (30 to 40)"] == ([0.0, 50.0], [35.0, 999.0])
     assert figure.axes[0].get_xlabel() == "increment of the semi-major axis $a$ [km]"
 
 
 def test_no_target_to_draw(transfers):
     with pytest.raises(InputError, match="future windows of stella, got none"):
-        p_ml_curves.semi_major_axis_curve(transfers, offsets={"stella": 10.0})
+        p_ml_curves.transfer_curve(transfers, "semi_major_axis", {"stella": 10.0})
 
 
 def test_no_correction_is_marked_in_range(transfers):
     def marked(metrics):
-        figure = p_ml_curves.inclination_curve(metrics, inclinations=INCLINATIONS)
+        figure = inclination_curve(metrics)
         return any(
             list(line.get_ydata()) == [100.0, 100.0] and line.get_linestyle() == "--"
             for line in figure.axes[0].get_lines()
@@ -118,7 +120,7 @@ def test_no_correction_is_marked_in_range(transfers):
 
 
 def test_seeds_make_a_band(transfers):
-    figure = p_ml_curves.inclination_curve(with_seeds(transfers, (0.0, 1.0, 5.0)), inclinations=INCLINATIONS)
+    figure = inclination_curve(with_seeds(transfers, (0.0, 1.0, 5.0)))
     assert lines(figure)["future 10 days (30 to 40)"][1] == pytest.approx([52.0, 42.0, 37.0])
     band = figure.axes[0].collections[0].get_paths()[0].vertices
     at_50 = sorted({round(y, 9) for x, y in band if x == 50.0})
@@ -140,14 +142,14 @@ def test_a_split_is_drawn_at_its_share_whatever_its_seed(metrics):
 
 
 def test_one_seed_makes_no_band(transfers):
-    figure = p_ml_curves.inclination_curve(with_seeds(transfers, (0.0,)), inclinations=INCLINATIONS)
+    figure = inclination_curve(with_seeds(transfers, (0.0,)))
     assert len(figure.axes[0].collections) == 0
     assert figure.legends[0].get_title().get_text() == ""
 
 
 def test_rows_of_different_things_are_not_averaged(transfers):
     with pytest.raises(InputError, match="expected one row per point and seed"):
-        p_ml_curves.inclination_curve(pd.concat([transfers, transfers]), inclinations=INCLINATIONS)
+        inclination_curve(pd.concat([transfers, transfers]))
 
 
 @pytest.fixture
@@ -204,9 +206,7 @@ def test_everything_stays_inside_the_column(metrics, transfers, scales, tmp_path
     rules = {"eglin": {"sigest": 3.5, "median": 5.0, "cv": 5.1}}
     for figure in (
         p_ml_curves.partition_curve(metrics, published=PUBLISHED),
-        p_ml_curves.inclination_curve(
-            with_seeds(transfers, (0.0, 1.0)), inclinations=INCLINATIONS, published=published
-        ),
+        inclination_curve(with_seeds(transfers, (0.0, 1.0)), published=published),
         p_ml_curves.kernel_scale_sensitivity(scales, rules),
     ):
         style.save(figure, tmp_path / "c.pdf", tmp_path / "c.png")

@@ -247,7 +247,7 @@ def told():
     reason = np.array([""] * 21 + ["outside Tukey fences", "no prediction: decayed"])
     dataset = pd.DataFrame({"e_y": e_y, "reason": reason, "keep": reason == "", "t_j": 31.0 * DAY})
     metrics = pd.DataFrame({"p_ml_low": [20.1], "p_ml_high": [23.4]})
-    return notes.of_experiment(NAMES, metrics, dataset, Cleaning(fence=1.0))
+    return notes.experiment_context(NAMES, metrics, dataset, Cleaning(fence=1.0))
 
 
 def test_the_context_says_what_was_trained_and_tested_and_which_rows_there_are(told):
@@ -256,15 +256,15 @@ def test_the_context_says_what_was_trained_and_tested_and_which_rows_there_are(t
     )
     assert told.kept == pytest.approx(100.0 * 21 / 23)
     earlier = pd.DataFrame({"keep": [True, False, False], "t_j": [31.0 * DAY, 35.0 * DAY, 20.0 * DAY]})
-    assert notes.kept(earlier, "days-30-40") == 0.5
-    assert notes.kept(earlier, "rest") == pytest.approx(1 / 3)
+    assert notes.kept_share(earlier, "days-30-40") == 0.5
+    assert notes.kept_share(earlier, "rest") == pytest.approx(1 / 3)
     # Hazen's quartiles of -10, -9, ..., 10 and 90: the 6th and the 17th.
     assert told.fences == pytest.approx((-5e3 - 11e3, 6e3 + 11e3))
     unfenced = NAMES | {"test": "days-30-40-unfenced"}
     dataset = pd.DataFrame({"e_y": [1.0], "reason": [""], "keep": [True], "t_j": [1.0]})
     metrics = pd.DataFrame({"p_ml_low": [1.0], "p_ml_high": [2.0]})
-    assert notes.of_experiment(unfenced, metrics, dataset, Cleaning(fence=1.0)).fences is None
-    assert notes.of_experiment(NAMES, metrics, dataset, Cleaning()).fences is None
+    assert notes.experiment_context(unfenced, metrics, dataset, Cleaning(fence=1.0)).fences is None
+    assert notes.experiment_context(NAMES, metrics, dataset, Cleaning()).fences is None
 
 
 @pytest.mark.parametrize(
@@ -276,7 +276,7 @@ def test_the_context_says_what_was_trained_and_tested_and_which_rows_there_are(t
     ],
 )
 def test_training_rows_in_words(name, words):
-    assert axis_labels.trained(name) == words
+    assert axis_labels.describe_training(name) == words
 
 
 @pytest.mark.parametrize(
@@ -290,7 +290,7 @@ def test_training_rows_in_words(name, words):
     ],
 )
 def test_tested_rows_in_words(name, words):
-    assert axis_labels.tested(name) == words
+    assert axis_labels.describe_test(name) == words
 
 
 def test_the_context_stands_in_the_figure(evaluation, told):

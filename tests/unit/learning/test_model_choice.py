@@ -101,7 +101,7 @@ def test_the_report_leads_with_what_was_flown(told):
     text = document.markdown(
         [*mornings.section({key: told}, [1, 7], ["law"]), *uncertainty.section({key: told}, {}, [1.0, 7.0])]
     )
-    best, share = mornings.compared(told, ["law"])
+    best, share = mornings.compare(told, ["law"])
     assert best == "running"
     assert 60.0 < share < 100.0
     assert f"What the past chose left {share:.0f} % of what `running` left" in text

@@ -127,7 +127,7 @@ def test_figure_of_splits_shows_every_model_and_the_paper():
     figure = figures.splits(
         table,
         panels=ENTRY["station_sets"],
-        learners=ENTRY["learners"],
+        models=dict.fromkeys(ENTRY["learners"], "a model"),
         splits=list(ENTRY["splits"]),
         published={("eglin", "random"): 22.6},
         component="e_y",

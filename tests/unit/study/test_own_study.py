@@ -16,7 +16,7 @@ from opml.learning.judge.rolling_origins import by_day
 from opml.report import document
 from opml.report import own_study as report
 from opml.report.settings_tables import weather
-from opml.study.own_study import MODELS, REPLAYED, Own
+from opml.study.own_study import MODELS, REPLAYED, OwnStudy
 from opml.tables import SIGMA_STATE
 
 DAY = 86400.0
@@ -26,7 +26,7 @@ def own_of(tracks=(), **parts):
     """A study of `lares`; `tracks`: RSOs whose tracks were really measured."""
     values = paper_values() | {"tracks": {name: ["a.tdm"] for name in tracks}}
     values["study"] = {"rsos": ["lares"], "days": {"train": [0, 8], "test": [8, 12]}} | parts
-    return Own(study_of(values))
+    return OwnStudy(study_of(values))
 
 
 def evaluation(count=400, seed=0):
@@ -115,7 +115,7 @@ def test_without_days_to_train_on_no_morning_is_replayed():
 def test_the_report_says_what_flew(given, told, untold):
     values = paper_values() | given
     values["study"] = {"rsos": ["lares"], "days": {"train": [0, 8], "test": [8, 12]}, "learners": ["svr"]}
-    text = labelled_report(Own(study_of(values)))
+    text = labelled_report(OwnStudy(study_of(values)))
     assert told in text
     assert untold not in text
 
@@ -144,15 +144,15 @@ def test_splits_of_ones_own():
 def test_a_study_without_days_or_splits_asks_for_nothing():
     values = paper_values()
     values["study"] = {"rsos": ["lares"]}
-    assert not Own(study_of(values)).is_asked
+    assert not OwnStudy(study_of(values)).is_asked
 
 
 def test_marks_end_with_the_longest_prediction():
     values = paper_values()
     values["prediction"]["max_days"] = 3
-    assert Own(study_of(values)).marks == [1, 2]
+    assert OwnStudy(study_of(values)).marks == [1, 2]
     values["prediction"]["max_days"] = 0.5
-    assert Own(study_of(values)).marks == [0.5]
+    assert OwnStudy(study_of(values)).marks == [0.5]
 
 
 def test_growth_states_medians_and_95th_percentiles():
@@ -182,6 +182,11 @@ def estimates_of(table):
     return pd.DataFrame({"track": tracks, "cd": np.where(tracks < 25, 2.2, 4.0), "converged": tracks != 49})
 
 
+def tables(metrics, evaluations, datasets, estimates, rolling=()):
+    """Tables of a study without replays."""
+    return report.OwnStudyTables(metrics, evaluations, datasets, estimates, dict(rolling), {}, {})
+
+
 @pytest.fixture
 def told():
     """A small study's request, with tables of everything that it asks for."""
@@ -195,7 +200,7 @@ def told():
     key = ("lares", "eglin-clear-kaena")
     return document.markdown(
         report.document(
-            own.answer, metrics, evaluations, {key: dataset_of(good)}, {key: estimates_of(good)}, {}, {}, {}
+            own.report, tables(metrics, evaluations, {key: dataset_of(good)}, {key: estimates_of(good)})
         )
     )
 
@@ -221,14 +226,14 @@ def labelled_report(own):
     table, key = evaluation(), ("lares", "eglin-clear-kaena")
     return document.markdown(
         report.document(
-            own.answer,
-            metrics,
-            dict.fromkeys(own.stated, table),
-            {key: dataset_of(table)},
-            {key: estimates_of(table)},
-            dict.fromkeys(own.rolling, trained_anew(table)),
-            {},
-            {},
+            own.report,
+            tables(
+                metrics,
+                dict.fromkeys(own.stated, table),
+                {key: dataset_of(table)},
+                {key: estimates_of(table)},
+                dict.fromkeys(own.rolling, trained_anew(table)),
+            ),
         )
     )
 
@@ -282,7 +287,7 @@ def test_a_duration_that_nothing_reaches_has_no_number():
     key = ("lares", "eglin-clear-kaena")
     dataset = {key: dataset_of(short)}
     text = document.markdown(
-        report.document(own.answer, metrics, evaluations, dataset, {key: estimates_of(short)}, {}, {}, {})
+        report.document(own.report, tables(metrics, evaluations, dataset, {key: estimates_of(short)}))
     )
     assert "| 1 d | 2 d |" in text
     assert "| 4 d |" not in text

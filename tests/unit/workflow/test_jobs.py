@@ -3,13 +3,15 @@
 import logging
 from types import SimpleNamespace
 
+import pandas as pd
 import pytest
 from threadpoolctl import threadpool_info
 
 from opml import __version__
 from opml.base.errors import InputError
 from opml.base.provenance import settings_digest
-from opml.workflow.jobs import job, metadata_of_each, progress
+from opml.tables import TRUTH_GROUPS, write_table
+from opml.workflow.jobs import job, metadata_of_each, progress, read_by_key
 
 SETTINGS = {"epoch": "2016-09-28T12:09:45", "seed": 42, "step_s": 20}
 
@@ -86,3 +88,16 @@ def test_handlers_are_gone_afterwards(snakemake):
     with job(snakemake):
         pass
     assert logging.getLogger("opml").handlers == before
+
+
+def test_tables_stand_under_the_keys_of_their_places(tmp_path):
+    paths = [tmp_path / "first.parquet", tmp_path / "second.parquet"]
+    for path, rso in zip(paths, ("iss", "lares"), strict=True):
+        write_table(path, pd.DataFrame({"rso": [rso]}), TRUTH_GROUPS, metadata={})
+    groups = read_by_key([("a", 1), ("b", 2)], paths, TRUTH_GROUPS)
+    assert {key: table["rso"].tolist() for key, table in groups.items()} == {
+        ("a", 1): ["iss"],
+        ("b", 2): ["lares"],
+    }
+    with pytest.raises(ValueError, match="longer"):
+        read_by_key(["a"], paths, TRUTH_GROUPS)
