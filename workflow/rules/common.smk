@@ -1,5 +1,5 @@
-# What all rules share: the settings, checked before there is a DAG, what follows from them, and helpers that
-# need Snakemake's own objects. All else is in `opml.workflow`.
+# What all rules share: the settings, checked before there is a DAG, and helpers that need objects of Snakemake.
+# The code behind `PLAN`, `PARAMS` and `INPUTS` is in `opml.workflow`.
 import os
 import sys
 
@@ -21,11 +21,11 @@ if sum(option in ("--configfile", "--configfiles") for option in sys.argv) > 1:
         "--configfile: expected all files behind one --configfile, as Snakemake forgets those of an earlier one"
     )
 if workflow.modifier.is_main_snakefile():
-    # Files given on the command line are laid over the project's, which may be in another folder than this file.
+    # Files of the command line are laid over the project's, which may be in another folder than this file.
     FILES = ["config/config.yaml", *map(os.path.relpath, workflow.config_settings.configfiles)]
     ON_TOP = Layer(COMMAND_LINE, with_numbers(workflow.config_settings.config))
 else:
-    # A module: what another workflow hands to it is laid over the settings that come with the package.
+    # A module: the settings of the workflow around it are laid over those that come with the package.
     FILES, ON_TOP = [PROJECT / "config" / "config.yaml"], Layer("config", with_numbers(config))
 try:
     SOURCE = merged(FILES, ON_TOP)
@@ -34,7 +34,7 @@ try:
         check_data(SOURCE, PLAN.settings)
 except InputError as error:
     end_plan(error)
-# By another name for it, as a module's mapping may be that of the workflow around it.
+# A new mapping, as that of a module may belong to the workflow around it.
 config = dict(PLAN.values)
 
 PARAMS = Params(PLAN)
@@ -49,7 +49,7 @@ wildcard_constraints:
 
 
 def code(script):
-    """Return the digest of the modules that a script uses: as a param, it reruns the rule when one changes."""
+    """Return the digest of the modules that a script uses: a param that reruns the rule when one changes."""
     return script_digest(workflow.source_path(f"../scripts/{script}"))
 
 
@@ -59,23 +59,23 @@ def users(paths):
 
 
 def drawing(name, settings):
-    """Return the params of a figure or document: its script and that script's settings."""
+    """Return the params of a figure or document: its script, by name, and the settings of that script."""
     return {"draw": name, "settings": settings, "code": code(f"{name}.py")}
 
 
 def figures(*products, section, caption=None):
-    """Return the outputs of figures: each as PDF, and as PNG in the report."""
-    shown = [in_report(drawn, "png", section, caption) for drawn in products]
-    return {"pdf": [drawn.file("pdf") for drawn in products], "png": shown}
+    """Return the outputs of figures: PDF, and PNG in the report."""
+    png = [in_report(figure, "png", section, caption) for figure in products]
+    return {"pdf": [figure.file("pdf") for figure in products], "png": png}
 
 
 def documents(*products, section, caption=None):
-    """Return the outputs of documents: each as Markdown, as tab-separated text, and as HTML in the report."""
-    outputs = {kind: [written.file(kind) for written in products] for kind in ("md", "tsv")}
-    return outputs | {"html": [in_report(written, "html", section, caption) for written in products]}
+    """Return the outputs of documents: Markdown, tab-separated text, and HTML in the report."""
+    outputs = {suffix: [document.file(suffix) for document in products] for suffix in ("md", "tsv")}
+    return outputs | {"html": [in_report(document, "html", section, caption) for document in products]}
 
 
-def in_report(product, suffix, section, caption=None):
-    """Return an output under a section of the report; its caption has its name, unless several share one."""
-    caption = f"../report/{caption or product.title}.rst"
-    return report(product.file(suffix), caption=caption, category=section, labels={"shows": product.title})
+def in_report(shown, suffix, section, caption=None):
+    """Return an output with its section of the report; its caption has its name, unless `caption` is another."""
+    caption = f"../report/{caption or shown.title}.rst"
+    return report(shown.file(suffix), caption=caption, category=section, labels={"shows": shown.title})

@@ -1,8 +1,9 @@
-# What leaves the house: ephemerides corrected by what was learned, each epoch with a covariance. None needs a truth.
-# Without anything learned; {train} is the time up to which the catalogue has estimates.
+# Ephemerides for operators: corrected by a learner or under a forecast, each epoch with a covariance.
+# None needs a truth.
+# No learner; {train} is the time up to which the catalogue has estimates.
 FORECAST = "{rso}/{stations}{window}{reading}_n{members}/{train}"
 CORRECTED = product(f"corrected/{EPHEMERIS}")
-# Jobs of their own, beside those of the tables.
+# The exports are jobs beside those of the tables, with logs of their own.
 CORRECTED_OEM, FORECASTS_OEM = product(f"corrected/{EPHEMERIS}_oem"), product(f"forecasts/{FORECAST}_oem")
 CORRECTED_FIGURE = product(f"figs/corrected/{EPHEMERIS}")
 FORECASTS = product(f"forecasts/{FORECAST}")

@@ -1,4 +1,4 @@
-# Into and out of the ecosystem: orbits as CCSDS OEM, tracks as CCSDS TDM, and an orbit of one's own in the place of the simulated truth.
+# Messages: orbits as CCSDS OEM, tracks as CCSDS TDM. An orbit from files in the place of the simulated truth.
 TRUTH_OEM = product("exports/truth/{rso}")
 ESTIMATES_OEM = product("exports/estimates/{rso}/{stations}{window}")
 PREDICTIONS_OEM = product("exports/predictions/{rso}/{stations}{window}")

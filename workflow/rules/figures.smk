@@ -1,5 +1,5 @@
-# Figures. The first rule draws the errors of any evaluation by its name. All others inherit its environment and its
-# `script`, whose name their params give. Each part of the paper's study has its own rules.
+# Figures. The first rule draws the errors of any evaluation by its name. All others inherit its environment and
+# its `script`, whose name their params give. Each part of the paper's study has its own rules.
 ERRORS = product(f"figs/errors/{TEST}")
 ESTIMATION_WINDOW = product("figs/estimation_window")
 ORBIT = product("figs/orbit")

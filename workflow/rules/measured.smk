@@ -1,4 +1,4 @@
-# Tracks that were really measured in the place of simulated ones, and a first orbit that needs no truth.
+# Measured tracks in the place of simulated ones, and a first orbit that needs no truth.
 FIRST_ORBIT = product("starts/{rso}/{stations}")
 
 if PLAN.tracks:

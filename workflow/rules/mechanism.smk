@@ -1,4 +1,4 @@
-# Beyond the paper: what a catalogue knows of why its predictions err, and RSOs pooled to learn from together.
+# Beyond the paper: the causes of prediction errors that a catalogue knows, and datasets of several RSOs.
 from opml.learning.models.contract import ARC_MEMORY_DAYS
 
 SENSITIVITIES = product("sensitivities/{rso}/{stations}{window}")

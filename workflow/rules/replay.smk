@@ -1,4 +1,4 @@
-# The mornings that are over again: what an operator would have got, and how far it was off.
+# Replays of past mornings: the ephemerides that an operator would have had, and their errors.
 EPHEMERIS = "{rso}/{stations}{window}{reading}{label}/{train}/{learner}"
 SPREAD = product("spreads/{rso}/{stations}{window}{reading}")
 REPLAY = product(f"replays/{EPHEMERIS}")

@@ -1,4 +1,4 @@
-# The paper's tables from what ran, and its numbers beside ours.
+# The paper's tables with the settings of the run, and its numbers beside ours.
 TABLES = product("tables/settings")
 COMPONENTS = product("tables/components")
 REPRODUCTION = product("reproduction")

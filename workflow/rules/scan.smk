@@ -1,4 +1,4 @@
-# Combinations of readings of what the paper leaves open, held against its numbers and sentences.
+# Combinations of readings, where the paper leaves a choice, compared with its numbers and sentences.
 from opml.readings.scan import scan as scanned
 
 SCAN_REPORT = product("scan")

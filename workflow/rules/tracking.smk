@@ -32,7 +32,7 @@ rule tracking:
 
 if PLAN.catalogue:
 
-    # A fifth of a second for each RSO, where the start of a job takes a whole one.
+    # One job: an RSO takes a fifth of a second, the start of a job a whole one.
     rule trackings:
         input:
             truth=[path_of(rules.truth.output[0], rso=name) for name in PLAN.catalogue],

@@ -1,4 +1,4 @@
-# The paper's 'Truth Dynamic Models'. RSOs that the study names fly together, any other one alone.
+# The paper's 'Truth Dynamic Models'. RSOs that the study names fly together, all others alone.
 TRUTH = product("truth/{rso}")
 
 
@@ -30,7 +30,7 @@ for number, together in enumerate(PLAN.truth_groups, start=1):
 
     TRUTHS = product(f"truth/together/{together[0]}")
 
-    # A rule for each group, as no wildcard tells what flies together. Its files are preferred to those of `truth`.
+    # A rule for each group, as no wildcard names its RSOs. Its files are preferred to those of `truth`.
     rule:
         name:
             "truths" if number == 1 else f"truths_{number}"

@@ -1,4 +1,4 @@
-# The fits' own covariances, and whether they are true.
+# The covariances of the fits, and whether they are true.
 from opml.learning.data import components
 
 COVARIANCES = product("covariances/{rso}/{stations}{window}")
