@@ -1,4 +1,4 @@
-"""A finished run as one archive that tells its making: RO-Crate, profile Workflow Run Crate 0.5.
+"""A finished run as one archive that describes how it was made: RO-Crate, profile Workflow Run Crate 0.5.
 
     python -m opml.workflow.crate --configfile mine.yaml [--config KEY=VALUE ...]
 
@@ -43,10 +43,12 @@ _KINDS = {".parquet": "application/vnd.apache.parquet", ".md": "text/markdown", 
 
 
 def pack(configfiles: Sequence[FilePath], config: Mapping[str, Any] | None = None) -> Path:
-    """Write a finished run into an archive beside its results; returns the archive's path.
+    """Write the finished run of the present folder into an archive beside its results; return its path.
 
-    `configfiles` and `config` are what the run was given; it is that of the present folder. Raises InputError
-    where there are no results, or a file of one's own is missing.
+    configfiles: settings files of the run, in their order
+    config: settings of the run beside those files
+
+    Raises InputError where there are no results, or one of the user's own files is missing.
     """
     files = ["config/config.yaml", *configfiles]
     values = merged(files, Layer(COMMAND_LINE, config or {})).values
@@ -60,25 +62,25 @@ def pack(configfiles: Sequence[FilePath], config: Mapping[str, Any] | None = Non
         settings.write_text(yaml.safe_dump(values, sort_keys=False), encoding="utf-8")
         crate = _described(results, products)
         workflow = _workflow(crate)
-        asked = [_file(crate, settings, "settings.yaml", _setting(crate, workflow))]
-        asked += [_file(crate, path, _place(path)) for path in _inputs(files, values)]
-        _add_run(crate, workflow, asked, [_file(crate, path, _inside(path, results)) for path in products])
+        inputs = [_file(crate, settings, "settings.yaml", _setting(crate, workflow))]
+        inputs += [_file(crate, path, _place(path)) for path in _inputs(files, values)]
+        _add_run(crate, workflow, inputs, [_file(crate, path, _inside(path, results)) for path in products])
         with replacing(archive) as temporary:
             crate.write_zip(temporary)
     return archive
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command; returns its exit code, 1 after one line about what is wrong."""
+    """Run the command and return its exit code: 0, or 1 after one line that tells what is wrong."""
     parser = argparse.ArgumentParser(prog="python -m opml.workflow.crate", description="Pack a finished run.")
     parser.add_argument("--configfile", nargs="*", default=[], help="the files that the run was given")
     parser.add_argument(
         "--config", nargs="*", default=[], metavar="KEY=VALUE", help="settings beside the files"
     )
-    given = parser.parse_args(arguments)
-    pairs = [setting.partition("=")[::2] for setting in given.config]
+    options = parser.parse_args(arguments)
+    pairs = [setting.partition("=")[::2] for setting in options.config]
     try:
-        print(pack(given.configfile, {key: yaml.safe_load(value) for key, value in pairs}))
+        print(pack(options.configfile, {key: yaml.safe_load(value) for key, value in pairs}))
     except InputError as error:
         print(f"opml: {error}", file=sys.stderr)
         return 1
@@ -86,7 +88,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _described(results: Path, products: Sequence[Path]) -> Any:
-    """An empty crate that tells what it holds, by which profiles."""
+    """Return a crate without files, with its title, date, license and profiles."""
     crate = ROCrate(version="1.1")
     crate.name = f"Run of opml: {results.name}"
     crate.description = "Orbit predictions and their corrections. Each table tells its units and its making."
@@ -100,7 +102,7 @@ def _described(results: Path, products: Sequence[Path]) -> Any:
 
 
 def _workflow(crate: Any) -> Any:
-    """Add the workflow's files and what it needs; returns the entity of its Snakefile."""
+    """Add the files of the workflow and the packages it needs; return the entity of its Snakefile."""
     folder = Path("workflow") if Path("workflow/Snakefile").is_file() else PROJECT / "workflow"
     about = {"name": "opml", "version": __version__, "encodingFormat": "text/plain"}
     linked = {"license": _LICENSE, "citation": _PAPER, "conformsTo": _BIOSCHEMAS}
@@ -122,35 +124,35 @@ def _workflow(crate: Any) -> Any:
 
 
 def _setting(crate: Any, workflow: Any) -> dict[str, Any]:
-    """Properties of the settings in full: they are what the workflow takes as its parameter."""
+    """Add the settings as the parameter of the workflow; return the properties of their file."""
     parameter = crate.add_formal_parameter("settings", "File", identifier="#settings")
     workflow["input"] = parameter
     return {"name": "All settings of the run", "exampleOfWork": {"@id": parameter.id}}
 
 
-def _add_run(crate: Any, workflow: Any, asked: list[Any], made: list[Any]) -> None:
-    """Add the run itself: what made which files of what, and when."""
-    times = [Path(entity.source) for entity in made]
-    told = "What the settings ask for, made by Snakemake; times of the first and the last file"
-    about = {"name": "Run of the workflow", "description": told}
-    about |= {"startTime": _time(times, min), "endTime": _time(times, max)}
-    run = crate.add_action(workflow, identifier="#run", object=asked, result=made, properties=about)
+def _add_run(crate: Any, workflow: Any, inputs: list[Any], products: list[Any]) -> None:
+    """Add the run itself: its inputs, its products, and when it ran."""
+    paths = [Path(entity.source) for entity in products]
+    description = "What the settings ask for, made by Snakemake; times of the first and the last file"
+    about = {"name": "Run of the workflow", "description": description}
+    about |= {"startTime": _time(paths, min), "endTime": _time(paths, max)}
+    run = crate.add_action(workflow, identifier="#run", object=inputs, result=products, properties=about)
     crate.root_dataset["mentions"] = run
 
 
 def _packages(crate: Any) -> list[Any]:
-    """The package, and all that is installed beside it."""
-    found = {one.name: one.version for one in distributions()} | {DISTRIBUTION: __version__}
+    """Add this package and all that are installed beside it; return their entities."""
+    versions = {package.name: package.version for package in distributions()} | {DISTRIBUTION: __version__}
     return [
         crate.add(
             ContextEntity(crate, f"pkg:pypi/{name}@{number}", _PROGRAM | {"name": name, "version": number})
         )
-        for name, number in sorted(found.items())
+        for name, number in sorted(versions.items())
     ]
 
 
 def _inputs(files: Sequence[FilePath], values: Any) -> Iterator[Path]:
-    """The run's own files: settings, sheets, orbits, tracks and first states."""
+    """Yield the user's own files of the run: settings, sheets, orbits, tracks and first states."""
     settings = with_sheets(values)
     named = [*files, *values["sheets"].values(), *settings.starts.values()]
     named += [path for paths in (*settings.orbits.values(), *settings.tracks.values()) for path in paths]
@@ -162,20 +164,21 @@ def _inputs(files: Sequence[FilePath], values: Any) -> Iterator[Path]:
 
 
 def _place(path: Path) -> str:
-    """Where a file of one's own stands in the archive: as in the project, or below its last folder."""
+    """Return the place of a user's file in the archive: as in the project, or below its last folder."""
     whole, project = path.absolute(), Path.cwd()
     inside = whole.relative_to(project) if whole.is_relative_to(project) else Path(*whole.parts[-2:])
     return f"inputs/{inside.as_posix()}"
 
 
 def _files(folder: Path) -> Iterator[Path]:
-    """All files below a folder in the order of their names, less hidden and compiled ones."""
+    """Yield all files below a folder in the order of their names, without hidden and compiled ones."""
     for path in sorted(folder.rglob("*")):
         if path.is_file() and not any(part.startswith((".", "__")) for part in path.parts):
             yield path
 
 
 def _file(crate: Any, path: Path, to: str, about: dict[str, Any] | None = None) -> Any:
+    """Add a file with its size, digest and format; return its entity."""
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
     kind = _KINDS.get(path.suffix) or guess_type(path.name)[0] or "application/octet-stream"
     properties = {"sha256": digest, "encodingFormat": kind, **(about or {})}
@@ -183,14 +186,14 @@ def _file(crate: Any, path: Path, to: str, about: dict[str, Any] | None = None) 
 
 
 def _inside(path: Path, folder: Path) -> str:
+    """Return the path of a file below a folder."""
     return path.relative_to(folder).as_posix()
 
 
-def _time(paths: Sequence[Path], which: Any) -> str:
-    """First or last time at which files were written, in UTC."""
-    return datetime.fromtimestamp(which(path.stat().st_mtime for path in paths), UTC).isoformat(
-        "T", "seconds"
-    )
+def _time(paths: Sequence[Path], choose: Any) -> str:
+    """Return the first or last time at which files were written, in UTC; choose: `min` or `max`."""
+    seconds = choose(path.stat().st_mtime for path in paths)
+    return datetime.fromtimestamp(seconds, UTC).isoformat("T", "seconds")
 
 
 if __name__ == "__main__":

@@ -119,10 +119,10 @@ class Inputs:
         return find
 
     def user_manoeuvres(self, truth: Pattern, tracking: Pattern) -> InputFunction:
-        """Find the table whose metadata hold the manoeuvres of an RSO; none for a simulated RSO, which has none.
+        """Find the table whose metadata hold the manoeuvres of an RSO; no table where it is simulated.
 
-        truth: has those of a user's orbit
-        tracking: has those of a user's tracks
+        truth: holds those of an orbit from files
+        tracking: holds those of measured tracks
         """
         find_any = self.truth_or(truth, tracking)
 

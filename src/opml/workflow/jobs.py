@@ -1,4 +1,4 @@
-"""What every job of the workflow needs around its one call: a log, metadata, errors in one line."""
+"""The frame around each job of the workflow: its log, the metadata of its tables, errors in one line."""
 
 import logging
 import sys
@@ -18,11 +18,11 @@ _warnings = logging.getLogger("py.warnings")
 
 @contextmanager
 def job(snakemake: Any) -> Iterator[dict[str, Any]]:
-    """Run a script's body with its log open; yields the metadata that the tables it writes carry.
+    """Run the body of a script with its log open; yield the metadata of the tables that it writes.
 
     Progress, through the loggers below ``opml``, goes to the rule's log. An `InputError` ends the job with
-    one line there and on stderr and with exit code 1, any other error with its traceback. BLAS is held to one
-    thread, as its sums depend on their number.
+    exit code 1 and one line, in the log and on stderr; any other error with its traceback. BLAS is held to
+    one thread, as its sums depend on the number of threads.
     """
     handlers = _open_log(snakemake.log)
     try:
@@ -46,7 +46,8 @@ def job(snakemake: Any) -> Iterator[dict[str, Any]]:
 def metadata_of_each(settings: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Return the metadata of the tables of a job for several RSOs, in the order of the settings' `rsos`.
 
-    Each is that of a job for this `rso` alone, so that a table's bytes do not tell what was made with it.
+    The metadata of an RSO are those of a job for this RSO alone, so that the bytes of a table do not depend on
+    what was made with it.
     """
     common = {name: value for name, value in settings.items() if name != "rsos"}
     return [_metadata(common | {"rso": rso}) for rso in settings["rsos"]]
@@ -75,7 +76,7 @@ def _open_log(paths: Any) -> list[logging.Handler]:
 
 
 def _metadata(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what every table says of its making, from the settings in the rule's params."""
+    """Return the metadata of a table that is made with the settings of a rule's params."""
     metadata = {
         "epoch": settings["epoch"],
         "time_scale": "SI seconds since epoch",

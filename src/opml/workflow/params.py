@@ -56,7 +56,7 @@ class Params:
 
     @property
     def cd_bounds(self) -> list[float] | None:
-        """Bounds on Cd of the estimates that other fits start from; None where the study has none."""
+        """Bounds on Cd of the estimates that fits start from and means are taken of; None without any."""
         bounds = self.plan.study.cleaning.cd_bounds
         return None if bounds is None else list(bounds)
 
@@ -65,7 +65,7 @@ class Params:
         return asdict(sheets.parse_rso(name, self.plan.settings.rsos))
 
     def rso(self, wildcards: Wildcards) -> dict[str, Any]:
-        """Return the elements and the body of the wildcards' RSO."""
+        """Return the elements and the body of the wildcard `rso`."""
         return self.rso_named(wildcards.rso)
 
     @property
@@ -74,21 +74,21 @@ class Params:
         return [asdict(station) for station in self.plan.settings.stations.values()]
 
     def stations(self, wildcards: Wildcards) -> list[dict[str, Any]]:
-        """Return the wildcards' stations."""
+        """Return the stations of the wildcard `stations`."""
         names = naming.without_seed(wildcards.stations, naming.NOISE)
         return [asdict(station) for station in sheets.parse_stations(names, self.plan.settings.stations)]
 
     def noise_seed(self, wildcards: Wildcards) -> int:
-        """Return the seed of the measurement noise."""
+        """Return the seed of the measurement noise, which the wildcard `stations` may end in."""
         default = self.plan.seeds["noise"]
         return naming.parse_seed(wildcards.stations, naming.NOISE, default=default)[1]
 
     def window_hours(self, wildcards: Wildcards) -> float:
-        """Return the hours of tracks that an estimate is made of."""
+        """Return the hours of tracks that each estimate is made of."""
         return naming.parse_window(wildcards.window, default=self.plan.window_hours)
 
     def estimation(self, wildcards: Wildcards) -> dict[str, Any]:
-        """Return the settings of the fits, with all that the suffix of the estimates changes."""
+        """Return the settings of the fits, with what the suffix of the estimates changes."""
         after_hours = naming.parse_both_sides(wildcards.window)
         return (
             dict(self.plan.values["estimation"])
@@ -98,7 +98,7 @@ class Params:
         )
 
     def label_window(self, wildcards: Wildcards) -> str:
-        """Return the suffix of the later estimates that a label is made of."""
+        """Return the suffix of the later estimates that labels are made of."""
         return naming.label_window(wildcards.label, hours=self.plan.window_hours)
 
     def arc(self, wildcards: Wildcards) -> dict[str, float]:
@@ -107,7 +107,7 @@ class Params:
         return {"window_hours": hours, "memory_days": days}
 
     def thermometer(self, wildcards: Wildcards) -> dict[str, Any]:
-        """Return the settings of the thermometer, and the place of the RSO in its catalogue, None outside it."""
+        """Return the settings of the thermometer, and the place of the RSO in its catalogue, if any."""
         settings = self.plan.thermometer
         rsos = settings["rsos"]
         return {
@@ -116,7 +116,7 @@ class Params:
         }
 
     def cleaning(self, wildcards: Wildcards) -> dict[str, Any]:
-        """Return the settings of the cleaning, with the wildcards' reading of t_b."""
+        """Return the settings of the cleaning, with the reading of t_b that the wildcards ask for."""
         study = self.plan.study
         previous = naming.parse_reading(wildcards.reading, previous=study.cleaning.previous)
         return dict(study.entry("cleaning")) | {"previous": previous}
