@@ -1,38 +1,35 @@
 # Beyond the paper: models against splits without leaks, other RSOs, intervals, and an error budget.
+BEYOND_REPORT = product("beyond")
+BEYOND_SPLITS = product("figs/beyond")
+BEYOND_TRANSFERS = product("figs/beyond_transfers")
+BEYOND_INTERVALS = product("figs/beyond_intervals")
+
 if "beyond" in STUDY:
-    STATION_SETS = BEYOND.entry["station_sets"]
+    DEFAULT_RSO, STATION_SETS = STUDY.defaults["rso"], BEYOND.entry["station_sets"]
 
     use rule errors as beyond_report with:
         input:
             metrics=paths_of(rules.evaluate.output.metrics, *BEYOND.every),
             coverage=paths_of(rules.intervals.output.coverage, *BEYOND.intervals.values()),
             datasets=[
-                path_of(
-                    rules.dataset.output[0],
-                    rso=STUDY.defaults["rso"],
-                    stations=stations,
-                    window="",
-                    reading="",
-                )
+                path_of(rules.dataset.output[0], rso=DEFAULT_RSO, stations=stations, window="", reading="")
                 for stations in STATION_SETS
             ],
             oracles=[
-                path_of(rules.oracle.output[0], rso=STUDY.defaults["rso"], stations=stations)
+                path_of(rules.oracle.output[0], rso=DEFAULT_RSO, stations=stations)
                 for stations in STATION_SETS
             ],
         output:
-            **documents("beyond", section=SECTIONS["beyond"]),
+            **documents(BEYOND_REPORT, section=SECTIONS["beyond"]),
         log:
-            f"{RESULTS}/logs/beyond.log",
+            BEYOND_REPORT.log,
         benchmark:
-            f"{RESULTS}/benchmarks/beyond.tsv"
+            BEYOND_REPORT.benchmark
         resources:
             mem_mb=1500,
             runtime=5,
         params:
-            draw="beyond_report",
-            settings=config,
-            code=code("beyond_report.py"),
+            **drawing("beyond_report", config),
         message:
             "Beyond the paper: models against splits, with baselines and intervals"
 
@@ -40,20 +37,26 @@ if "beyond" in STUDY:
         input:
             paths_of(rules.evaluate.output.metrics, *BEYOND.splits.values()),
         output:
-            **figures("beyond", section=SECTIONS["beyond"]),
+            **figures(BEYOND_SPLITS, section=SECTIONS["beyond"]),
         log:
-            f"{RESULTS}/logs/figs/beyond.log",
+            BEYOND_SPLITS.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/beyond.tsv"
+            BEYOND_SPLITS.benchmark
         params:
             **drawing(
                 "beyond_splits",
-                component=STUDY.defaults["component"],
-                published=[[*key, number] for key, number in BEYOND.published_p_ml(BEYOND.splits).items()],
-                models={
-                    name: naming.parse_learner(name, config["learners"]) for name in BEYOND.entry["learners"]
+                {
+                    "epoch": config["epoch"],
+                    "component": STUDY.defaults["component"],
+                    "published": [
+                        [*key, number] for key, number in BEYOND.published_p_ml(BEYOND.splits).items()
+                    ],
+                    "models": {
+                        name: naming.parse_learner(name, config["learners"])
+                        for name in BEYOND.entry["learners"]
+                    },
+                    **{key: BEYOND.entry[key] for key in ("station_sets", "learners", "splits")},
                 },
-                **{key: BEYOND.entry[key] for key in ("station_sets", "learners", "splits")},
             ),
         message:
             "Figure: performance metric P_ML of models against splits"
@@ -62,19 +65,22 @@ if "beyond" in STUDY:
         input:
             paths_of(rules.evaluate.output.metrics, *BEYOND.transfers.values()),
         output:
-            **figures("beyond_transfers", section=SECTIONS["beyond"]),
+            **figures(BEYOND_TRANSFERS, section=SECTIONS["beyond"]),
         log:
-            f"{RESULTS}/logs/figs/beyond_transfers.log",
+            BEYOND_TRANSFERS.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/beyond_transfers.tsv"
+            BEYOND_TRANSFERS.benchmark
         params:
             **drawing(
                 "beyond_transfers",
-                component=STUDY.defaults["component"],
-                published=[
-                    [*key, number] for key, number in BEYOND.published_p_ml(BEYOND.transfers).items()
-                ],
-                curves={name: curve.targets for name, curve in PAPER.curves.items()},
+                {
+                    "epoch": config["epoch"],
+                    "component": STUDY.defaults["component"],
+                    "published": [
+                        [*key, number] for key, number in BEYOND.published_p_ml(BEYOND.transfers).items()
+                    ],
+                    "curves": {name: curve.targets for name, curve in PAPER.curves.items()},
+                },
             ),
         message:
             "Figure: performance metric P_ML of models on nearby RSOs"
@@ -83,17 +89,20 @@ if "beyond" in STUDY:
         input:
             paths_of(rules.intervals.output.intervals, *BEYOND.shown_intervals.values()),
         output:
-            **figures("beyond_intervals", section=SECTIONS["beyond"]),
+            **figures(BEYOND_INTERVALS, section=SECTIONS["beyond"]),
         log:
-            f"{RESULTS}/logs/figs/beyond_intervals.log",
+            BEYOND_INTERVALS.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/beyond_intervals.tsv"
+            BEYOND_INTERVALS.benchmark
         params:
             **drawing(
                 "beyond_intervals",
-                level=config["intervals"]["level"],
-                learners=list(BEYOND.shown_intervals),
-                **(next(iter(BEYOND.shown_intervals.values())).names() | {"learner": "models"}),
+                {
+                    "epoch": config["epoch"],
+                    "level": config["intervals"]["level"],
+                    "learners": list(BEYOND.shown_intervals),
+                    **(next(iter(BEYOND.shown_intervals.values())).names() | {"learner": "models"}),
+                },
             ),
         message:
             "Figure: prediction intervals"

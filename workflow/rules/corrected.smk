@@ -1,35 +1,43 @@
-# What leaves the house: ephemerides corrected by what was learned, each epoch with a covariance. None needs a truth.
+# Ephemerides for operators: corrected by a learner or under a forecast, each epoch with a covariance.
+# None needs a truth.
+# No learner; {train} is the time up to which the catalogue has estimates.
+FORECAST = "{rso}/{stations}{window}{reading}_n{members}/{train}"
+CORRECTED = product(f"corrected/{EPHEMERIS}")
+# The exports are jobs beside those of the tables, with logs of their own.
+CORRECTED_OEM, FORECASTS_OEM = product(f"corrected/{EPHEMERIS}_oem"), product(f"forecasts/{FORECAST}_oem")
+CORRECTED_FIGURE = product(f"figs/corrected/{EPHEMERIS}")
+FORECASTS = product(f"forecasts/{FORECAST}")
 
 
 rule corrected:
     input:
-        **ENVIRONMENT,
+        **ENVIRONMENT.predictions,
         estimates=rules.estimation.output[0],
         predictions=rules.prediction.output[0],
         tracking=rules.tracking.output[0],
-        long_estimates=fits_over("mechanism"),
-        arc_estimates=fits_over("arcs"),
-        manoeuvres=told_manoeuvres,
+        long_estimates=INPUTS.long_estimates(rules.estimation.output[0]),
+        arc_estimates=INPUTS.arc_estimates(rules.estimation.output[0]),
+        manoeuvres=INPUTS.user_manoeuvres(rules.truth.output[0], rules.tracking.output[0]),
         dataset=rules.train.input.dataset,
-        beside=beside("rso"),
+        beside=INPUTS.learner_tables("rso"),
         replay=rules.replay.output[0],
-        futures=futures,
-        asked=checked_names(split, train_days, without_truth),
+        futures=INPUTS.futures(rules.futures.output[0]),
+        check=checks(PARAMS.split, PARAMS.train_days, PARAMS.check_without_truth),
     output:
-        f"{RESULTS}/corrected/{EPHEMERIS}.parquet",
+        CORRECTED.table,
     log:
-        f"{RESULTS}/logs/corrected/{EPHEMERIS}.log",
+        CORRECTED.log,
     benchmark:
-        f"{RESULTS}/benchmarks/corrected/{EPHEMERIS}.tsv"
+        CORRECTED.benchmark
     wildcard_constraints:
-        window=WINDOW,
+        window=PLAN.window_pattern,
     conda:
         "../envs/opml.yaml"
     resources:
         mem_mb=1750,
         runtime=8,
     params:
-        settings=lambda wildcards: lesson_settings(wildcards) | ephemeris_settings(wildcards),
+        settings=lambda wildcards: PARAMS.daily_training(wildcards) | PARAMS.ephemeris(wildcards),
         code=code("corrected.py"),
     message:
         "Corrected ephemeris: {wildcards.rso} by {wildcards.stations}, corrected by {wildcards.learner}"
@@ -41,13 +49,13 @@ use rule export_truth as export_corrected with:
     input:
         rules.corrected.output[0],
     output:
-        f"{RESULTS}/corrected/{EPHEMERIS}.oem",
+        CORRECTED.file("oem"),
     log:
-        f"{RESULTS}/logs/corrected/{EPHEMERIS}_oem.log",
+        CORRECTED_OEM.log,
     benchmark:
-        f"{RESULTS}/benchmarks/corrected/{EPHEMERIS}_oem.tsv"
+        CORRECTED_OEM.benchmark
     wildcard_constraints:
-        window=WINDOW,
+        window=PLAN.window_pattern,
     params:
         settings=lambda wildcards: {"epoch": config["epoch"], "table": "corrected", "rso": wildcards.rso},
         code=code("export_oem.py"),
@@ -60,47 +68,46 @@ use rule errors as corrected_figure with:
         corrected=rules.corrected.output[0],
         estimates=rules.estimation.output[0],
     output:
-        pdf=f"{RESULTS}/figs/corrected/{EPHEMERIS}.pdf",
-        png=f"{RESULTS}/figs/corrected/{EPHEMERIS}.png",
+        pdf=CORRECTED_FIGURE.file("pdf"),
+        png=CORRECTED_FIGURE.file("png"),
     log:
-        f"{RESULTS}/logs/figs/corrected/{EPHEMERIS}.log",
+        CORRECTED_FIGURE.log,
     benchmark:
-        f"{RESULTS}/benchmarks/figs/corrected/{EPHEMERIS}.tsv"
+        CORRECTED_FIGURE.benchmark
     wildcard_constraints:
-        window=WINDOW,
+        window=PLAN.window_pattern,
     params:
-        draw="corrected_figure",
-        settings=lambda wildcards: {
-            "epoch": config["epoch"],
-            "level": config["intervals"]["level"],
-            **dict(wildcards.items()),
-        },
-        code=code("corrected_figure.py"),
+        **drawing(
+            "corrected_figure",
+            lambda wildcards: {
+                "epoch": config["epoch"],
+                "level": config["intervals"]["level"],
+                **dict(wildcards.items()),
+            },
+        ),
     message:
         "Figure: {wildcards.rso} by {wildcards.stations} as predicted, as corrected, and as measured later"
 
 
-if KNOWLEDGE == knowledge.FORECAST:
-    # Without anything learned: {train} says up to when the catalogue has estimates.
-    FORECAST = "{rso}/{stations}{window}{reading}_n{members}/{train}"
+if ENVIRONMENT.is_forecast:
 
     rule forecast:
         input:
-            **ENVIRONMENT,
+            **ENVIRONMENT.predictions,
             futures=rules.futures.output[0],
             estimates=rules.estimation.output[0],
             predictions=rules.prediction.output[0],
             tracking=rules.tracking.output[0],
             long_estimates=[],
             arc_estimates=[],
-            manoeuvres=told_manoeuvres,
-            asked=checked_names(split),
+            manoeuvres=INPUTS.user_manoeuvres(rules.truth.output[0], rules.tracking.output[0]),
+            check=checks(PARAMS.split),
         output:
-            f"{RESULTS}/forecasts/{FORECAST}.parquet",
+            FORECASTS.table,
         log:
-            f"{RESULTS}/logs/forecasts/{FORECAST}.log",
+            FORECASTS.log,
         benchmark:
-            f"{RESULTS}/benchmarks/forecasts/{FORECAST}.tsv"
+            FORECASTS.benchmark
         wildcard_constraints:
             members=naming.MEMBERS,
         conda:
@@ -109,9 +116,9 @@ if KNOWLEDGE == knowledge.FORECAST:
             mem_mb=1750,
             runtime=8,
         params:
-            settings=lambda wildcards: departure_settings(wildcards)
-            | ephemeris_settings(wildcards)
-            | {"seed": noise_seed(wildcards)},
+            settings=lambda wildcards: PARAMS.departures(wildcards)
+            | PARAMS.ephemeris(wildcards)
+            | {"seed": PARAMS.noise_seed(wildcards)},
             code=code("forecast.py"),
         message:
             "Forecast ephemeris: {wildcards.rso} by {wildcards.stations} under {wildcards.members} futures of the space weather"
@@ -122,11 +129,11 @@ if KNOWLEDGE == knowledge.FORECAST:
         input:
             rules.forecast.output[0],
         output:
-            f"{RESULTS}/forecasts/{FORECAST}.oem",
+            FORECASTS.file("oem"),
         log:
-            f"{RESULTS}/logs/forecasts/{FORECAST}_oem.log",
+            FORECASTS_OEM.log,
         benchmark:
-            f"{RESULTS}/benchmarks/forecasts/{FORECAST}_oem.tsv"
+            FORECASTS_OEM.benchmark
         wildcard_constraints:
             members=naming.MEMBERS,
         params:

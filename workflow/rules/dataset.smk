@@ -1,26 +1,29 @@
 # The paper's 'Dataset Capturing the Orbit Prediction Error Model'.
+TRUE_DATASET = product("dataset/{rso}/{stations}{window}{reading}")
+LABELS = product("labels/{rso}/{stations}{window}{label}")
+DATASET = product("dataset/{rso}/{stations}{window}{reading}{label}")
 
 
 rule dataset:
     input:
-        manoeuvres=known_manoeuvres,
+        manoeuvres=INPUTS.truth_or(rules.truth.output[0], rules.tracking.output[0]),
         estimates=rules.estimation.output[0],
         predictions=rules.prediction.output[0],
         tracking=rules.tracking.output[0],
-        gravity_field=ENVIRONMENT["gravity_field"],
+        gravity_field=GRAVITY_FIELD.table,
     output:
-        f"{RESULTS}/dataset/{{rso}}/{{stations}}{{window}}{{reading}}.parquet",
+        TRUE_DATASET.table,
     log:
-        f"{RESULTS}/logs/dataset/{{rso}}/{{stations}}{{window}}{{reading}}.log",
+        TRUE_DATASET.log,
     benchmark:
-        f"{RESULTS}/benchmarks/dataset/{{rso}}/{{stations}}{{window}}{{reading}}.tsv"
+        TRUE_DATASET.benchmark
     conda:
         "../envs/opml.yaml"
     params:
         settings=lambda wildcards: {
             "epoch": config["epoch"],
-            "cleaning": cleaning(wildcards),
-            "window_hours": window_hours(wildcards),
+            "cleaning": PARAMS.cleaning(wildcards),
+            "window_hours": PARAMS.window_hours(wildcards),
         },
         code=code("dataset.py"),
     message:
@@ -32,22 +35,22 @@ rule dataset:
 rule labels:
     input:
         predictions=rules.prediction.output[0],
-        estimates=at_label_window(rules.estimation.output[0]),
+        estimates=INPUTS.later_estimates(rules.estimation.output[0]),
         tracking=rules.tracking.output[0],
     output:
-        f"{RESULTS}/labels/{{rso}}/{{stations}}{{window}}{{label}}.parquet",
+        LABELS.table,
     log:
-        f"{RESULTS}/logs/labels/{{rso}}/{{stations}}{{window}}{{label}}.log",
+        LABELS.log,
     benchmark:
-        f"{RESULTS}/benchmarks/labels/{{rso}}/{{stations}}{{window}}{{label}}.tsv"
+        LABELS.benchmark
     wildcard_constraints:
-        label=LATER,
+        label=PLAN.label_pattern,
     conda:
         "../envs/opml.yaml"
     params:
         settings=lambda wildcards: {
             "epoch": config["epoch"],
-            "after_hours": naming.parse_both_sides(label_window(wildcards)),
+            "after_hours": naming.parse_both_sides(PARAMS.label_window(wildcards)),
         },
         code=code("labels.py"),
     message:
@@ -61,13 +64,13 @@ use rule dataset as labelled_dataset with:
         **dict(rules.dataset.input.items()),
         labels=rules.labels.output[0],
     output:
-        f"{RESULTS}/dataset/{{rso}}/{{stations}}{{window}}{{reading}}{{label}}.parquet",
+        DATASET.table,
     log:
-        f"{RESULTS}/logs/dataset/{{rso}}/{{stations}}{{window}}{{reading}}{{label}}.log",
+        DATASET.log,
     benchmark:
-        f"{RESULTS}/benchmarks/dataset/{{rso}}/{{stations}}{{window}}{{reading}}{{label}}.tsv"
+        DATASET.benchmark
     wildcard_constraints:
-        label=LATER,
+        label=PLAN.label_pattern,
     params:
         settings=rules.dataset.params.settings,
         code=code("dataset.py"),

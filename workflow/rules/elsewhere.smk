@@ -1,5 +1,5 @@
-# Read in the place of all other rules where Snakemake has no package `opml` beside it: what it takes to start once
-# more, in the workflow's own environment. Only there are the names of products known.
+# Read in the place of all other rules where Snakemake runs without the package `opml`. It starts the run once
+# more in the workflow's own environment, as only the package knows the names of products.
 import shlex
 
 from snakemake.logging import logger

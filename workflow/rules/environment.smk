@@ -1,4 +1,14 @@
 # What Earth, Sun and Moon do, tabulated once per run.
+EARTH_ORIENTATION = product("environment/earth_orientation")
+EPHEMERIDES = product("environment/ephemerides")
+SOLAR_ACTIVITY = product("environment/{activity}")
+THERMOSPHERE = product(f"environment/{tables.THERMOSPHERE}")
+HINDCAST = product("environment/hindcast")
+OUTLOOKS = product(f"environment/{tables.OUTLOOKS}_{{hours}}h")
+FUTURES = product("environment/futures_{members}")
+GRAVITY_FIELD = product("environment/gravity_field")
+
+
 # Two seconds for all of them: on a cluster they are no jobs for the queue.
 localrules:
     earth_orientation,
@@ -12,15 +22,15 @@ localrules:
 
 rule earth_orientation:
     output:
-        ENVIRONMENT["earth_orientation"],
+        EARTH_ORIENTATION.table,
     log:
-        f"{RESULTS}/logs/environment/earth_orientation.log",
+        EARTH_ORIENTATION.log,
     benchmark:
-        f"{RESULTS}/benchmarks/environment/earth_orientation.tsv"
+        EARTH_ORIENTATION.benchmark
     conda:
         "../envs/opml.yaml"
     params:
-        settings={key: config[key] for key in ("epoch", "duration_days")},
+        settings=PARAMS.span,
         code=code("earth_orientation.py"),
     message:
         "Earth orientation: GCRF to ITRF with IAU 2006/2000A and the IERS's polar motion and UT1"
@@ -30,18 +40,17 @@ rule earth_orientation:
 
 rule ephemerides:
     input:
-        source("ephemerides"),
+        users(ENVIRONMENT.source_files("ephemerides")),
     output:
-        ENVIRONMENT["ephemerides"],
+        EPHEMERIDES.table,
     log:
-        f"{RESULTS}/logs/environment/ephemerides.log",
+        EPHEMERIDES.log,
     benchmark:
-        f"{RESULTS}/benchmarks/environment/ephemerides.tsv"
+        EPHEMERIDES.benchmark
     conda:
         "../envs/opml.yaml"
     params:
-        settings={key: config[key] for key in ("epoch", "duration_days")}
-        | {"kernel": config["environment"]["ephemerides"]},
+        settings=PARAMS.span | {"kernel": ENVIRONMENT.sources["ephemerides"]},
         code=code("ephemerides.py"),
     message:
         "Third bodies: positions of Sun, Moon, planets and Pluto"
@@ -51,22 +60,22 @@ rule ephemerides:
 
 rule solar_activity:
     input:
-        lambda wildcards: source(wildcards.activity),
+        lambda wildcards: users(ENVIRONMENT.source_files(wildcards.activity)),
     output:
-        f"{RESULTS}/environment/{{activity}}.parquet",
+        SOLAR_ACTIVITY.table,
     log:
-        f"{RESULTS}/logs/environment/{{activity}}.log",
+        SOLAR_ACTIVITY.log,
     benchmark:
-        f"{RESULTS}/benchmarks/environment/{{activity}}.tsv"
+        SOLAR_ACTIVITY.benchmark
     wildcard_constraints:
         activity="(?:true_)?solar_activity",
     conda:
         "../envs/opml.yaml"
     params:
-        settings=lambda wildcards: {key: config[key] for key in ("epoch", "duration_days")}
+        settings=lambda wildcards: PARAMS.span
         | {
-            "source": config["environment"][wildcards.activity],
-            "percentile": config["environment"]["percentile"],
+            "source": ENVIRONMENT.sources[wildcards.activity],
+            "percentile": ENVIRONMENT.sources["percentile"],
         },
         code=code("solar_activity.py"),
     message:
@@ -77,20 +86,19 @@ rule solar_activity:
 
 rule thermosphere:
     input:
-        source(TRUE_ACTIVITY),
+        users(ENVIRONMENT.source_files(ENVIRONMENT.true_activity)),
     output:
-        f"{RESULTS}/environment/{tables.THERMOSPHERE}.parquet",
+        THERMOSPHERE.table,
     log:
-        f"{RESULTS}/logs/environment/{tables.THERMOSPHERE}.log",
+        THERMOSPHERE.log,
     benchmark:
-        f"{RESULTS}/benchmarks/environment/{tables.THERMOSPHERE}.tsv"
+        THERMOSPHERE.benchmark
     conda:
         "../envs/opml.yaml"
     resources:
         mem_mb=2000,
     params:
-        settings={key: config[key] for key in ("epoch", "duration_days")}
-        | {"source": config["environment"][TRUE_ACTIVITY]},
+        settings=PARAMS.span | {"source": ENVIRONMENT.sources[ENVIRONMENT.true_activity]},
         code=code("thermosphere.py"),
     message:
         "Thermosphere: densities of NRLMSIS 2.1 around the Earth under {params.settings[source]}"
@@ -100,18 +108,18 @@ rule thermosphere:
 
 rule hindcast:
     input:
-        source("solar_activity"),
+        users(ENVIRONMENT.source_files("solar_activity")),
     output:
-        f"{RESULTS}/environment/hindcast.parquet",
+        HINDCAST.table,
     log:
-        f"{RESULTS}/logs/environment/hindcast.log",
+        HINDCAST.log,
     benchmark:
-        f"{RESULTS}/benchmarks/environment/hindcast.tsv"
+        HINDCAST.benchmark
     conda:
         "../envs/opml.yaml"
     params:
-        settings={key: config[key] for key in ("epoch", "duration_days")}
-        | {"source": config["environment"]["solar_activity"], "knowledge": KNOWLEDGE},
+        settings=PARAMS.span
+        | {"source": ENVIRONMENT.sources["solar_activity"], "knowledge": ENVIRONMENT.knowledge},
         code=code("hindcast.py"),
     message:
         "Hindcast: the space weather of {params.settings[source]} as it was known at each time"
@@ -121,23 +129,23 @@ rule hindcast:
 
 rule outlooks:
     input:
-        source("solar_activity"),
-        [local(path) for path in methods.files(forecast_settings())],
+        users(ENVIRONMENT.source_files("solar_activity")),
+        users(ENVIRONMENT.forecast_files),
     output:
-        f"{RESULTS}/environment/{tables.OUTLOOKS}_{{hours}}h.parquet",
+        OUTLOOKS.table,
     log:
-        f"{RESULTS}/logs/environment/{tables.OUTLOOKS}_{{hours}}h.log",
+        OUTLOOKS.log,
     benchmark:
-        f"{RESULTS}/benchmarks/environment/{tables.OUTLOOKS}_{{hours}}h.tsv"
+        OUTLOOKS.benchmark
     wildcard_constraints:
         hours="1|3|6|12|24",
     conda:
         "../envs/opml.yaml"
     params:
-        settings=lambda wildcards: {key: config[key] for key in ("epoch", "duration_days")}
+        settings=lambda wildcards: PARAMS.span
         | {
-            "source": config["environment"]["solar_activity"],
-            "forecast": forecast_settings(),
+            "source": ENVIRONMENT.sources["solar_activity"],
+            "forecast": ENVIRONMENT.forecast,
             "issue_hours": int(wildcards.hours),
             "max_days": config["prediction"]["max_days"],
         },
@@ -150,25 +158,25 @@ rule outlooks:
 
 rule futures:
     input:
-        source("solar_activity"),
-        [local(path) for path in methods.files(forecast_settings())],
+        users(ENVIRONMENT.source_files("solar_activity")),
+        users(ENVIRONMENT.forecast_files),
     output:
-        f"{RESULTS}/environment/futures_{{members}}.parquet",
+        FUTURES.table,
     log:
-        f"{RESULTS}/logs/environment/futures_{{members}}.log",
+        FUTURES.log,
     benchmark:
-        f"{RESULTS}/benchmarks/environment/futures_{{members}}.tsv"
+        FUTURES.benchmark
     wildcard_constraints:
         members=naming.MEMBERS,
     conda:
         "../envs/opml.yaml"
     params:
-        settings=lambda wildcards: {key: config[key] for key in ("epoch", "duration_days")}
+        settings=lambda wildcards: PARAMS.span
         | {
-            "source": config["environment"]["solar_activity"],
-            "forecast": forecast_settings(),
+            "source": ENVIRONMENT.sources["solar_activity"],
+            "forecast": ENVIRONMENT.forecast,
             "members": int(wildcards.members),
-            "issue_hours": config["environment"].get("issue_hours"),
+            "issue_hours": ENVIRONMENT.sources.get("issue_hours"),
             "max_days": config["prediction"]["max_days"],
         },
         code=code("futures.py"),
@@ -180,19 +188,19 @@ rule futures:
 
 rule gravity_field:
     input:
-        source("gravity_field"),
+        users(ENVIRONMENT.source_files("gravity_field")),
     output:
-        ENVIRONMENT["gravity_field"],
+        GRAVITY_FIELD.table,
     log:
-        f"{RESULTS}/logs/environment/gravity_field.log",
+        GRAVITY_FIELD.log,
     benchmark:
-        f"{RESULTS}/benchmarks/environment/gravity_field.tsv"
+        GRAVITY_FIELD.benchmark
     conda:
         "../envs/opml.yaml"
     params:
         settings={
             "epoch": config["epoch"],
-            "source": config["environment"]["gravity_field"],
+            "source": ENVIRONMENT.sources["gravity_field"],
             "degree": max(model["degree"] for model in config["force_models"].values()),
             "order": max(model["order"] for model in config["force_models"].values()),
         },

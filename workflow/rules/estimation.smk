@@ -1,19 +1,24 @@
 # The paper's 'Estimation Models'.
+ESTIMATES = product("estimates/{rso}/{stations}{window}")
+# Fits start from the truth, or from the first orbit of tracks that were measured.
+STARTS = rules.truth.output[0]
+if PLAN.tracks:
+    STARTS = INPUTS.truth_or(rules.truth.output[0], rules.first_orbit.output[0])
 
 
 rule estimation:
     input:
-        **FIT_ENVIRONMENT,
-        start=first_states,
+        **ENVIRONMENT.fits,
+        start=STARTS,
         tracking=rules.tracking.output[0],
     output:
-        f"{RESULTS}/estimates/{{rso}}/{{stations}}{{window}}.parquet",
+        ESTIMATES.table,
     log:
-        f"{RESULTS}/logs/estimates/{{rso}}/{{stations}}{{window}}.log",
+        ESTIMATES.log,
     benchmark:
-        f"{RESULTS}/benchmarks/estimates/{{rso}}/{{stations}}{{window}}.tsv"
+        ESTIMATES.benchmark
     wildcard_constraints:
-        window=f"(?:{WINDOW}|{naming.BOTH_SIDES})",
+        window=f"(?:{PLAN.window_pattern}|{naming.BOTH_SIDES})",
     conda:
         "../envs/opml.yaml"
     resources:
@@ -22,18 +27,12 @@ rule estimation:
     params:
         settings=lambda wildcards: {
             "epoch": config["epoch"],
-            "seed": noise_seed(wildcards),
+            "seed": PARAMS.noise_seed(wildcards),
             "force_model": config["force_models"]["assumed"],
             "integrator": config["integrator"],
-            "estimation": config["estimation"]
-            | {
-                "window_hours": window_hours(wildcards),
-                "cd_bounds": cd_bounds(),
-            }
-            | after_hours(wildcards)
-            | naming.parse_fit(wildcards.window),
-            "rso": rso(wildcards),
-            "stations": stations(wildcards),
+            "estimation": PARAMS.estimation(wildcards),
+            "rso": PARAMS.rso(wildcards),
+            "stations": PARAMS.stations(wildcards),
         },
         code=code("estimation.py"),
     message:

@@ -1,15 +1,19 @@
-# Into and out of the ecosystem: orbits as CCSDS OEM, tracks as CCSDS TDM, and an orbit of one's own in the place of the simulated truth.
+# Messages: orbits as CCSDS OEM, tracks as CCSDS TDM. An orbit from files in the place of the simulated truth.
+TRUTH_OEM = product("exports/truth/{rso}")
+ESTIMATES_OEM = product("exports/estimates/{rso}/{stations}{window}")
+PREDICTIONS_OEM = product("exports/predictions/{rso}/{stations}{window}")
+TRACKING_TDM = product("exports/tracking/{rso}/{stations}")
 
 
 rule export_truth:
     input:
         rules.truth.output[0],
     output:
-        f"{RESULTS}/exports/truth/{{rso}}.oem",
+        TRUTH_OEM.file("oem"),
     log:
-        f"{RESULTS}/logs/exports/truth/{{rso}}.log",
+        TRUTH_OEM.log,
     benchmark:
-        f"{RESULTS}/benchmarks/exports/truth/{{rso}}.tsv"
+        TRUTH_OEM.benchmark
     conda:
         "../envs/opml.yaml"
     params:
@@ -25,11 +29,11 @@ use rule export_truth as export_estimates with:
     input:
         rules.estimation.output[0],
     output:
-        f"{RESULTS}/exports/estimates/{{rso}}/{{stations}}{{window}}.oem",
+        ESTIMATES_OEM.file("oem"),
     log:
-        f"{RESULTS}/logs/exports/estimates/{{rso}}/{{stations}}{{window}}.log",
+        ESTIMATES_OEM.log,
     benchmark:
-        f"{RESULTS}/benchmarks/exports/estimates/{{rso}}/{{stations}}{{window}}.tsv"
+        ESTIMATES_OEM.benchmark
     params:
         settings=lambda wildcards: {"epoch": config["epoch"], "table": "estimates", "rso": wildcards.rso},
         code=code("export_oem.py"),
@@ -41,11 +45,11 @@ use rule export_truth as export_predictions with:
     input:
         rules.prediction.output[0],
     output:
-        f"{RESULTS}/exports/predictions/{{rso}}/{{stations}}{{window}}.oem",
+        PREDICTIONS_OEM.file("oem"),
     log:
-        f"{RESULTS}/logs/exports/predictions/{{rso}}/{{stations}}{{window}}.log",
+        PREDICTIONS_OEM.log,
     benchmark:
-        f"{RESULTS}/benchmarks/exports/predictions/{{rso}}/{{stations}}{{window}}.tsv"
+        PREDICTIONS_OEM.benchmark
     params:
         settings=lambda wildcards: {"epoch": config["epoch"], "table": "predictions", "rso": wildcards.rso},
         code=code("export_oem.py"),
@@ -57,11 +61,11 @@ rule export_tracking:
     input:
         rules.tracking.output[0],
     output:
-        f"{RESULTS}/exports/tracking/{{rso}}/{{stations}}.tdm",
+        TRACKING_TDM.file("tdm"),
     log:
-        f"{RESULTS}/logs/exports/tracking/{{rso}}/{{stations}}.log",
+        TRACKING_TDM.log,
     benchmark:
-        f"{RESULTS}/benchmarks/exports/tracking/{{rso}}/{{stations}}.tsv"
+        TRACKING_TDM.benchmark
     conda:
         "../envs/opml.yaml"
     params:
@@ -73,19 +77,19 @@ rule export_tracking:
         "../scripts/export_tdm.py"
 
 
-if SETTINGS.orbits:
+if PLAN.orbits:
 
     rule truth_from_orbit:
         input:
-            lambda wildcards: [local(path) for path in SETTINGS.orbits[wildcards.rso]],
+            lambda wildcards: users(PLAN.orbits[wildcards.rso]),
         output:
-            f"{RESULTS}/truth/{{rso}}.parquet",
+            TRUTH.table,
         log:
-            f"{RESULTS}/logs/truth/{{rso}}.log",
+            TRUTH.log,
         benchmark:
-            f"{RESULTS}/benchmarks/truth/{{rso}}.tsv"
+            TRUTH.benchmark
         wildcard_constraints:
-            rso=naming.alternatives(SETTINGS.orbits),
+            rso=naming.alternatives(PLAN.orbits),
         conda:
             "../envs/opml.yaml"
         resources:

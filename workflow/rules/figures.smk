@@ -1,31 +1,44 @@
-# Figures. The first rule draws the errors of any evaluation by its name. All others inherit its environment and its
-# `script`, whose name their params give. Each part of the paper's study has its own rules.
+# Figures. The first rule draws the errors of any evaluation by its name. All others inherit its environment and
+# its `script`, whose name their params give. Each part of the paper's study has its own rules.
+ERRORS = product(f"figs/errors/{TEST}")
+ESTIMATION_WINDOW = product("figs/estimation_window")
+ORBIT = product("figs/orbit")
+WORLD = product("figs/maps/{rso}/{stations}")
+ERROR_DISTRIBUTION = product("figs/error_distribution")
+SVR = product("figs/{evaluation}")
+PARTITION = product("figs/partition_{ratio}")
+PARTITION_CURVE = product("figs/partition_curve")
+INDIVIDUAL = product("figs/individual")
+RSO_GRID = product("figs/{grid}_grid")
+RSO = product("figs/{grid}_{rso}")
+TRANSFER_CURVE = product("figs/{curve}_curve")
+KERNEL_SCALE_SENSITIVITY = product("figs/kernel_scale_sensitivity")
+FAN = product("figs/fans/{rso}/{stations}{window}_n{members}/{track}")
 
-
-wildcard_constraints:
-    ratio=r"[1-9]\d?",
-    grid=naming.alternatives(PAPER.grids),
-    curve=naming.alternatives(PAPER.curves),
+ERROR_TABLES = {
+    "evaluation": rules.evaluate.output.evaluation,
+    "metrics": rules.evaluate.output.metrics,
+    "dataset": rules.evaluate.input.target,
+}
 
 
 rule errors:
     input:
-        evaluation=[rules.evaluate.output.evaluation],
-        metrics=[rules.evaluate.output.metrics],
-        dataset=[rules.evaluate.input.target],
+        **{name: [pattern] for name, pattern in ERROR_TABLES.items()},
     output:
-        pdf=[f"{RESULTS}/figs/errors/{EXPERIMENT}/{{target}}/{{test}}.pdf"],
-        png=[f"{RESULTS}/figs/errors/{EXPERIMENT}/{{target}}/{{test}}.png"],
+        pdf=[ERRORS.file("pdf")],
+        png=[ERRORS.file("png")],
     log:
-        f"{RESULTS}/logs/figs/errors/{EXPERIMENT}/{{target}}/{{test}}.log",
+        ERRORS.log,
     benchmark:
-        f"{RESULTS}/benchmarks/figs/errors/{EXPERIMENT}/{{target}}/{{test}}.tsv"
+        ERRORS.benchmark
     conda:
         "../envs/opml.yaml"
     params:
-        draw="error_bars",
-        settings=lambda wildcards: told_of(naming.Experiment(**dict(wildcards.items()))),
-        code=code("error_bars.py"),
+        **drawing(
+            "error_bars",
+            lambda wildcards: PARAMS.errors(naming.Experiment(**dict(wildcards.items()))),
+        ),
     message:
         "Figure: errors before and after the correction of {wildcards.target} by {wildcards.learner}"
     script:
@@ -38,17 +51,20 @@ if "orbit" in STUDY:
         input:
             path_of(rules.tracking.output[0], **STUDY.defaults),
         output:
-            **figures("estimation_window", section=SECTIONS["simulation"]),
+            **figures(ESTIMATION_WINDOW, section=SECTIONS["simulation"]),
         log:
-            f"{RESULTS}/logs/figs/estimation_window.log",
+            ESTIMATION_WINDOW.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/estimation_window.tsv"
+            ESTIMATION_WINDOW.benchmark
         params:
             **drawing(
                 "estimation_window",
-                window_hours=config["estimation"]["window_hours"],
-                window_day=STUDY.entry("orbit")["window_day"],
-                **STUDY.defaults,
+                {
+                    "epoch": config["epoch"],
+                    "window_hours": config["estimation"]["window_hours"],
+                    "window_day": STUDY.entry("orbit")["window_day"],
+                    **STUDY.defaults,
+                },
             ),
         message:
             "Figure: the tracks that an estimate is made of"
@@ -57,19 +73,24 @@ if "orbit" in STUDY:
         input:
             truth=path_of(rules.truth.output[0], **STUDY.defaults),
             tracking=path_of(rules.tracking.output[0], **STUDY.defaults),
-            gravity_field=ENVIRONMENT["gravity_field"],
+            gravity_field=GRAVITY_FIELD.table,
         output:
-            **figures("orbit_3d", "orbital_elements", section=SECTIONS["numerical"]),
+            **figures(
+                product("figs/orbit_3d"), product("figs/orbital_elements"), section=SECTIONS["numerical"]
+            ),
         log:
-            f"{RESULTS}/logs/figs/orbit.log",
+            ORBIT.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/orbit.tsv"
+            ORBIT.benchmark
         params:
             **drawing(
                 "orbit",
-                days=STUDY.span_days,
-                zoom_days=STUDY.entry("orbit")["zoom_days"],
-                **STUDY.defaults,
+                {
+                    "epoch": config["epoch"],
+                    "days": STUDY.span_days,
+                    "zoom_days": STUDY.entry("orbit")["zoom_days"],
+                    **STUDY.defaults,
+                },
             ),
         message:
             "Figures: orbit in 3D with observations, osculating elements"
@@ -79,22 +100,23 @@ use rule errors as world with:
     input:
         truth=rules.truth.output[0],
         tracking=rules.tracking.output[0],
-        earth_orientation=ENVIRONMENT["earth_orientation"],
+        earth_orientation=EARTH_ORIENTATION.table,
     output:
-        **figures("maps/{rso}/{stations}", caption="world", section=SECTIONS["simulation"]),
+        **figures(WORLD, caption="world", section=SECTIONS["simulation"]),
     log:
-        f"{RESULTS}/logs/figs/maps/{{rso}}/{{stations}}.log",
+        WORLD.log,
     benchmark:
-        f"{RESULTS}/benchmarks/figs/maps/{{rso}}/{{stations}}.tsv"
+        WORLD.benchmark
     params:
-        draw="world",
-        settings=lambda wildcards: {
-            "epoch": config["epoch"],
-            "radars": stations(wildcards),
-            "first_day": max(0, int(config["duration_days"] / 2) - 1),
-            **dict(wildcards.items()),
-        },
-        code=code("world.py"),
+        **drawing(
+            "world",
+            lambda wildcards: {
+                "epoch": config["epoch"],
+                "radars": PARAMS.stations(wildcards),
+                "first_day": max(0, int(config["duration_days"] / 2) - 1),
+                **dict(wildcards.items()),
+            },
+        ),
     message:
         "Figure: where {wildcards.rso} flies in a day, and where {wildcards.stations} see it"
 
@@ -111,17 +133,22 @@ if "distribution" in STUDY:
             ),
         output:
             **figures(
-                "error_distribution_position", "error_distribution_velocity", section=SECTIONS["numerical"]
+                product("figs/error_distribution_position"),
+                product("figs/error_distribution_velocity"),
+                section=SECTIONS["numerical"],
             ),
         log:
-            f"{RESULTS}/logs/figs/error_distribution.log",
+            ERROR_DISTRIBUTION.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/error_distribution.tsv"
+            ERROR_DISTRIBUTION.benchmark
         params:
             **drawing(
                 "error_distribution",
-                days=STUDY.span_days,
-                **(STUDY.defaults | dict(STUDY.entry("distribution"))),
+                {
+                    "epoch": config["epoch"],
+                    "days": STUDY.span_days,
+                    **(STUDY.defaults | dict(STUDY.entry("distribution"))),
+                },
             ),
         message:
             "Figures: true prediction error against the prediction duration"
@@ -131,25 +158,26 @@ if "evaluations" in STUDY:
 
     use rule errors as svr with:
         input:
-            unpack(lambda wildcards: drawn_from(PAPER.evaluations[wildcards.evaluation])),
+            unpack(lambda wildcards: tables_of(ERROR_TABLES, PAPER.evaluations[wildcards.evaluation])),
         output:
             **figures(
-                "{evaluation}_absolute",
-                "{evaluation}_signed",
+                product("figs/{evaluation}_absolute"),
+                product("figs/{evaluation}_signed"),
                 caption="svr",
                 section=lambda wildcards: section_of(PAPER.evaluations[wildcards.evaluation]),
             ),
         log:
-            f"{RESULTS}/logs/figs/{{evaluation}}.log",
+            SVR.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/{{evaluation}}.tsv"
+            SVR.benchmark
         params:
-            draw="svr",
-            settings=lambda wildcards: told_of(
-                PAPER.evaluations[wildcards.evaluation],
-                published=STUDY.entry("evaluations")[wildcards.evaluation].get("published"),
+            **drawing(
+                "svr",
+                lambda wildcards: PARAMS.errors(
+                    PAPER.evaluations[wildcards.evaluation],
+                    published=STUDY.entry("evaluations")[wildcards.evaluation].get("published"),
+                ),
             ),
-            code=code("svr.py"),
         message:
             "Figures: errors before and after the correction, {wildcards.evaluation}"
 
@@ -158,20 +186,21 @@ if "partition" in STUDY:
 
     use rule errors as partition with:
         input:
-            unpack(lambda wildcards: drawn_from(PAPER.partition(wildcards.ratio))),
+            unpack(lambda wildcards: tables_of(ERROR_TABLES, PAPER.partition(wildcards.ratio))),
         output:
-            **figures("partition_{ratio}", caption="partition", section=SECTIONS["numerical"]),
+            **figures(PARTITION, caption="partition", section=SECTIONS["numerical"]),
         log:
-            f"{RESULTS}/logs/figs/partition_{{ratio}}.log",
+            PARTITION.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/partition_{{ratio}}.tsv"
+            PARTITION.benchmark
         params:
-            draw="error_bars",
-            settings=lambda wildcards: told_of(
-                PAPER.partition(wildcards.ratio),
-                published=STUDY.entry("partition").get("published", {}).get(wildcards.ratio),
+            **drawing(
+                "error_bars",
+                lambda wildcards: PARAMS.errors(
+                    PAPER.partition(wildcards.ratio),
+                    published=STUDY.entry("partition").get("published", {}).get(wildcards.ratio),
+                ),
             ),
-            code=code("error_bars.py"),
         message:
             "Figure: errors after training on {wildcards.ratio} % of the dataset"
 
@@ -179,16 +208,19 @@ if "partition" in STUDY:
         input:
             paths_of(rules.evaluate.output.metrics, *PAPER.partitions),
         output:
-            **figures("partition_curve", section=SECTIONS["numerical"]),
+            **figures(PARTITION_CURVE, section=SECTIONS["numerical"]),
         log:
-            f"{RESULTS}/logs/figs/partition_curve.log",
+            PARTITION_CURVE.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/partition_curve.tsv"
+            PARTITION_CURVE.benchmark
         params:
             **drawing(
                 "partition_curve",
-                component=PAPER.partitions[0].component,
-                published=STUDY.entry("partition").get("published", {}),
+                {
+                    "epoch": config["epoch"],
+                    "component": PAPER.partitions[0].component,
+                    "published": STUDY.entry("partition").get("published", {}),
+                },
             ),
         message:
             "Figure: performance metric P_ML against the size of the training data"
@@ -201,27 +233,30 @@ if "individual" in STUDY:
             paths_of(rules.evaluate.output.evaluation, PAPER.individual),
         output:
             **figures(
-                "individual_reduced",
-                "individual_increased",
-                "individual_distribution",
+                product("figs/individual_reduced"),
+                product("figs/individual_increased"),
+                product("figs/individual_distribution"),
                 section=SECTIONS["future"],
             ),
         log:
-            f"{RESULTS}/logs/figs/individual.log",
+            INDIVIDUAL.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/individual.tsv"
+            INDIVIDUAL.benchmark
         params:
             **drawing(
                 "individual",
-                **PAPER.individual.names(),
-                published=next(
-                    (
-                        claim["limit"]
-                        for claim in STUDY.entry("individual").get("claims", [])
-                        if claim["holds"] == "share_of_points_near"
+                {
+                    "epoch": config["epoch"],
+                    **PAPER.individual.names(),
+                    "published": next(
+                        (
+                            claim["limit"]
+                            for claim in STUDY.entry("individual").get("claims", [])
+                            if claim["holds"] == "share_of_points_near"
+                        ),
+                        None,
                     ),
-                    None,
-                ),
+                },
             ),
         message:
             "Figures: individual performance metric p_ML"
@@ -231,38 +266,42 @@ if "grids" in STUDY:
 
     use rule errors as rso_grid with:
         input:
-            unpack(lambda wildcards: drawn_from(*PAPER.grids[wildcards.grid].values())),
+            unpack(lambda wildcards: tables_of(ERROR_TABLES, *PAPER.grids[wildcards.grid].values())),
         output:
-            **figures("{grid}_grid", caption="rso_grid", section=SECTIONS["future"]),
+            **figures(RSO_GRID, caption="rso_grid", section=SECTIONS["future"]),
         log:
-            f"{RESULTS}/logs/figs/{{grid}}_grid.log",
+            RSO_GRID.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/{{grid}}_grid.tsv"
+            RSO_GRID.benchmark
         params:
-            draw="rso_grid",
-            settings=lambda wildcards: {
-                "epoch": config["epoch"],
-                "cleaning": dict(STUDY.entry("cleaning")),
-                "experiments": [one.names() for one in PAPER.grids[wildcards.grid].values()],
-                "component": next(iter(PAPER.grids[wildcards.grid].values())).component,
-            },
-            code=code("rso_grid.py"),
+            **drawing(
+                "rso_grid",
+                lambda wildcards: {
+                    "epoch": config["epoch"],
+                    "cleaning": dict(STUDY.entry("cleaning")),
+                    "experiments": [
+                        experiment.names() for experiment in PAPER.grids[wildcards.grid].values()
+                    ],
+                    "component": next(iter(PAPER.grids[wildcards.grid].values())).component,
+                },
+            ),
         message:
             "Figure: the correction on other RSOs, {wildcards.grid}"
 
     use rule errors as rso with:
         input:
-            unpack(lambda wildcards: drawn_from(PAPER.grids[wildcards.grid][wildcards.rso])),
+            unpack(lambda wildcards: tables_of(ERROR_TABLES, PAPER.grids[wildcards.grid][wildcards.rso])),
         output:
-            **figures("{grid}_{rso}", caption="one_rso", section=SECTIONS["future"]),
+            **figures(RSO, caption="one_rso", section=SECTIONS["future"]),
         log:
-            f"{RESULTS}/logs/figs/{{grid}}_{{rso}}.log",
+            RSO.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/{{grid}}_{{rso}}.tsv"
+            RSO.benchmark
         params:
-            draw="error_bars",
-            settings=lambda wildcards: told_of(PAPER.grids[wildcards.grid][wildcards.rso]),
-            code=code("error_bars.py"),
+            **drawing(
+                "error_bars",
+                lambda wildcards: PARAMS.errors(PAPER.grids[wildcards.grid][wildcards.rso]),
+            ),
         message:
             "Figure: the correction on {wildcards.rso}"
 
@@ -275,21 +314,22 @@ if "curves" in STUDY:
                 rules.evaluate.output.metrics, *PAPER.curves[wildcards.curve].experiments
             ),
         output:
-            **figures("{curve}_curve", caption="transfer_curve", section=SECTIONS["nearby"]),
+            **figures(TRANSFER_CURVE, caption="transfer_curve", section=SECTIONS["nearby"]),
         log:
-            f"{RESULTS}/logs/figs/{{curve}}_curve.log",
+            TRANSFER_CURVE.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/{{curve}}_curve.tsv"
+            TRANSFER_CURVE.benchmark
         params:
-            draw="transfer_curve",
-            settings=lambda wildcards: {
-                "epoch": config["epoch"],
-                "curve": wildcards.curve,
-                "targets": PAPER.curves[wildcards.curve].targets,
-                "component": PAPER.curves[wildcards.curve].experiments[0].component,
-                "published": PAPER.curves[wildcards.curve].published,
-            },
-            code=code("transfer_curve.py"),
+            **drawing(
+                "transfer_curve",
+                lambda wildcards: {
+                    "epoch": config["epoch"],
+                    "curve": wildcards.curve,
+                    "targets": PAPER.curves[wildcards.curve].targets,
+                    "component": PAPER.curves[wildcards.curve].experiments[0].component,
+                    "published": PAPER.curves[wildcards.curve].published,
+                },
+            ),
         message:
             "Figure: performance metric P_ML on nearby RSOs, {wildcards.curve}"
 
@@ -301,48 +341,52 @@ if "kernel_scale" in STUDY:
             metrics=paths_of(rules.evaluate.output.metrics, *PAPER.kernel_scales),
             models=paths_of(rules.train.output[0], *PAPER.kernel_rules),
         output:
-            **figures("kernel_scale_sensitivity", section=SECTIONS["learning"]),
+            **figures(KERNEL_SCALE_SENSITIVITY, section=SECTIONS["learning"]),
         log:
-            f"{RESULTS}/logs/figs/kernel_scale_sensitivity.log",
+            KERNEL_SCALE_SENSITIVITY.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/kernel_scale_sensitivity.tsv"
+            KERNEL_SCALE_SENSITIVITY.benchmark
         params:
             **drawing(
                 "kernel_scale_sensitivity",
-                scales=STUDY.entry("kernel_scale")["scales"],
-                rules=[
-                    [rule.stations, config["learners"][rule.learner]["kernel_scale"]]
-                    for rule in PAPER.kernel_rules
-                ],
-                component=PAPER.kernel_scales[0].component,
+                {
+                    "epoch": config["epoch"],
+                    "scales": STUDY.entry("kernel_scale")["scales"],
+                    "rules": [
+                        [rule.stations, config["learners"][rule.learner]["kernel_scale"]]
+                        for rule in PAPER.kernel_rules
+                    ],
+                    "component": PAPER.kernel_scales[0].component,
+                },
             ),
         message:
             "Figure: performance metric P_ML against the kernel scale"
 
 
-if KNOWLEDGE == knowledge.FORECAST:
+if ENVIRONMENT.is_forecast:
 
     use rule errors as fan with:
         input:
             fan=rules.ensemble.output.fan,
             sample=rules.ensemble.output.sample,
         output:
-            pdf=f"{RESULTS}/figs/fans/{{rso}}/{{stations}}{{window}}_n{{members}}/{{track}}.pdf",
-            png=f"{RESULTS}/figs/fans/{{rso}}/{{stations}}{{window}}_n{{members}}/{{track}}.png",
+            pdf=FAN.file("pdf"),
+            png=FAN.file("png"),
         log:
-            f"{RESULTS}/logs/figs/fans/{{rso}}/{{stations}}{{window}}_n{{members}}/{{track}}.log",
+            FAN.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/fans/{{rso}}/{{stations}}{{window}}_n{{members}}/{{track}}.tsv"
+            FAN.benchmark
         wildcard_constraints:
             members=naming.MEMBERS,
             track=naming.TRACK,
         params:
-            draw="fan",
-            settings=lambda wildcards: {
-                "epoch": config["epoch"],
-                "level": config["intervals"]["level"],
-                **dict(wildcards.items()) | {"track": int(wildcards.track)},
-            },
-            code=code("fan.py"),
+            **drawing(
+                "fan",
+                lambda wildcards: {
+                    "epoch": config["epoch"],
+                    "level": config["intervals"]["level"],
+                    **dict(wildcards.items()) | {"track": int(wildcards.track)},
+                },
+            ),
         message:
             "Figure: the prediction of {wildcards.rso} from track {wildcards.track} under {wildcards.members} futures"

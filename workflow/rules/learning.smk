@@ -1,20 +1,29 @@
 # The paper's 'Support Vector Machine' and the validation of the trained models.
 EXPERIMENT = "{rso}/{stations}{window}{reading}{label}/{train}/{learner}/{component}"
+TEST = f"{EXPERIMENT}/{{target}}/{{test}}"
+TARGET_DATASET = product("dataset/{target}/{stations}{window}{reading}{label}")
+MODEL = product(f"models/{EXPERIMENT}")
+MODEL_TOGETHER = product(f"models/{TEST}")
+EVALUATION = product(f"evaluation/{TEST}")
+METRICS = product(f"metrics/{TEST}")
+ROLLING = product("rolling/{rso}/{stations}{window}{reading}{label}/{learner}/{component}")
+INTERVALS = product(f"intervals/{TEST}")
+COVERAGE = product(f"coverage/{TEST}")
 
 
 rule train:
     input:
-        dataset=f"{RESULTS}/dataset/{{rso}}/{{stations}}{{window}}{{reading}}{{label}}.parquet",
-        beside=beside("rso"),
-        asked=checked_names(split),
+        dataset=DATASET.table,
+        beside=INPUTS.learner_tables("rso"),
+        check=checks(PARAMS.split),
     output:
-        f"{RESULTS}/models/{EXPERIMENT}.parquet",
+        MODEL.table,
     log:
-        f"{RESULTS}/logs/models/{EXPERIMENT}.log",
+        MODEL.log,
     benchmark:
-        f"{RESULTS}/benchmarks/models/{EXPERIMENT}.tsv"
+        MODEL.benchmark
     wildcard_constraints:
-        rso=TRAINED_ON,
+        rso=PLAN.training_pattern,
     conda:
         "../envs/opml.yaml"
     resources:
@@ -22,10 +31,8 @@ rule train:
         runtime=16,
     params:
         settings=lambda wildcards: {
-            "epoch": config["epoch"],
-            **split(wildcards),
-            "span_days": STUDY.span_days,
-            "learner": learner(wildcards),
+            **PARAMS.training(wildcards),
+            "learner": PARAMS.learner(wildcards),
             "component": wildcards.component,
         },
         code=code("train.py"),
@@ -38,19 +45,19 @@ rule train:
 rule train_together:
     input:
         dataset=rules.train.input.dataset,
-        beside=beside("rso"),
-        target=f"{RESULTS}/dataset/{{target}}/{{stations}}{{window}}{{reading}}{{label}}.parquet",
-        judge=judge(rules.dataset.output[0]),
-        beside_target=beside("target"),
-        asked=checked_names(split, experiment),
+        beside=INPUTS.learner_tables("rso"),
+        target=TARGET_DATASET.table,
+        judge=INPUTS.true_errors(rules.dataset.output[0]),
+        beside_target=INPUTS.learner_tables("target"),
+        check=checks(PARAMS.split, PARAMS.experiment),
     output:
-        f"{RESULTS}/models/{EXPERIMENT}/{{target}}/{{test}}.parquet",
+        MODEL_TOGETHER.table,
     log:
-        f"{RESULTS}/logs/models/{EXPERIMENT}/{{target}}/{{test}}.log",
+        MODEL_TOGETHER.log,
     benchmark:
-        f"{RESULTS}/benchmarks/models/{EXPERIMENT}/{{target}}/{{test}}.tsv"
+        MODEL_TOGETHER.benchmark
     wildcard_constraints:
-        rso=TRAINED_ON,
+        rso=PLAN.training_pattern,
         test=naming.TEST_TOGETHER,
     conda:
         "../envs/opml.yaml"
@@ -59,11 +66,9 @@ rule train_together:
         runtime=16,
     params:
         settings=lambda wildcards: {
-            "epoch": config["epoch"],
-            **split(wildcards),
-            "span_days": STUDY.span_days,
-            "learner": learner(wildcards),
-            "experiment": experiment(wildcards),
+            **PARAMS.training(wildcards),
+            "learner": PARAMS.learner(wildcards),
+            "experiment": PARAMS.experiment(wildcards),
         },
         code=code("train_together.py"),
     message:
@@ -74,29 +79,27 @@ rule train_together:
 
 rule evaluate:
     input:
-        model=trained,
-        target=f"{RESULTS}/dataset/{{target}}/{{stations}}{{window}}{{reading}}{{label}}.parquet",
-        judge=judge(rules.dataset.output[0]),
-        beside=beside("target"),
-        asked=checked_names(split, experiment),
+        model=INPUTS.model(rules.train.output[0], rules.train_together.output[0]),
+        target=TARGET_DATASET.table,
+        judge=INPUTS.true_errors(rules.dataset.output[0]),
+        beside=INPUTS.learner_tables("target"),
+        check=checks(PARAMS.split, PARAMS.experiment),
     output:
-        evaluation=f"{RESULTS}/evaluation/{EXPERIMENT}/{{target}}/{{test}}.parquet",
-        metrics=f"{RESULTS}/metrics/{EXPERIMENT}/{{target}}/{{test}}.parquet",
+        evaluation=EVALUATION.table,
+        metrics=METRICS.table,
     log:
-        f"{RESULTS}/logs/evaluation/{EXPERIMENT}/{{target}}/{{test}}.log",
+        EVALUATION.log,
     benchmark:
-        f"{RESULTS}/benchmarks/evaluation/{EXPERIMENT}/{{target}}/{{test}}.tsv"
+        EVALUATION.benchmark
     wildcard_constraints:
-        rso=TRAINED_ON,
+        rso=PLAN.training_pattern,
     conda:
         "../envs/opml.yaml"
     params:
         settings=lambda wildcards: {
-            "epoch": config["epoch"],
-            **split(wildcards),
-            "noise": noise_seed(wildcards),
-            "span_days": STUDY.span_days,
-            "experiment": experiment(wildcards),
+            **PARAMS.training(wildcards),
+            "noise": PARAMS.noise_seed(wildcards),
+            "experiment": PARAMS.experiment(wildcards),
         },
         code=code("evaluate.py"),
     message:
@@ -108,14 +111,14 @@ rule evaluate:
 rule rolling:
     input:
         dataset=rules.train.input.dataset,
-        beside=beside("rso"),
-        judge=judge(rules.dataset.output[0]),
+        beside=INPUTS.learner_tables("rso"),
+        judge=INPUTS.true_errors(rules.dataset.output[0]),
     output:
-        f"{RESULTS}/rolling/{{rso}}/{{stations}}{{window}}{{reading}}{{label}}/{{learner}}/{{component}}.parquet",
+        ROLLING.table,
     log:
-        f"{RESULTS}/logs/rolling/{{rso}}/{{stations}}{{window}}{{reading}}{{label}}/{{learner}}/{{component}}.log",
+        ROLLING.log,
     benchmark:
-        f"{RESULTS}/benchmarks/rolling/{{rso}}/{{stations}}{{window}}{{reading}}{{label}}/{{learner}}/{{component}}.tsv"
+        ROLLING.benchmark
     conda:
         "../envs/opml.yaml"
     resources:
@@ -124,8 +127,8 @@ rule rolling:
     params:
         settings=lambda wildcards: {
             "epoch": config["epoch"],
-            "seed": SEED["split"],
-            "learner": learner(wildcards),
+            "seed": PLAN.seeds["split"],
+            "learner": PARAMS.learner(wildcards),
             "component": wildcards.component,
             "rolling": STUDY.rolling,
         },
@@ -139,20 +142,20 @@ rule rolling:
 rule intervals:
     input:
         dataset=rules.train.input.dataset,
-        beside=beside("rso"),
+        beside=INPUTS.learner_tables("rso"),
         target=rules.evaluate.input.target,
-        judge=judge(rules.dataset.output[0]),
-        beside_target=beside("target"),
-        asked=checked_names(split, experiment),
+        judge=INPUTS.true_errors(rules.dataset.output[0]),
+        beside_target=INPUTS.learner_tables("target"),
+        check=checks(PARAMS.split, PARAMS.experiment),
     output:
-        intervals=f"{RESULTS}/intervals/{EXPERIMENT}/{{target}}/{{test}}.parquet",
-        coverage=f"{RESULTS}/coverage/{EXPERIMENT}/{{target}}/{{test}}.parquet",
+        intervals=INTERVALS.table,
+        coverage=COVERAGE.table,
     log:
-        f"{RESULTS}/logs/intervals/{EXPERIMENT}/{{target}}/{{test}}.log",
+        INTERVALS.log,
     benchmark:
-        f"{RESULTS}/benchmarks/intervals/{EXPERIMENT}/{{target}}/{{test}}.tsv"
+        INTERVALS.benchmark
     wildcard_constraints:
-        rso=TRAINED_ON,
+        rso=PLAN.training_pattern,
         test=naming.TEST_BY_ROW,
     conda:
         "../envs/opml.yaml"
@@ -161,12 +164,10 @@ rule intervals:
         runtime=8,
     params:
         settings=lambda wildcards: {
-            "epoch": config["epoch"],
-            **split(wildcards),
-            "span_days": STUDY.span_days,
-            "learner": learner(wildcards),
+            **PARAMS.training(wildcards),
+            "learner": PARAMS.learner(wildcards),
             "intervals": config["intervals"],
-            "experiment": experiment(wildcards),
+            "experiment": PARAMS.experiment(wildcards),
         },
         code=code("intervals.py"),
     message:

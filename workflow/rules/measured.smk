@@ -1,24 +1,26 @@
-# Tracks that were really measured in the place of simulated ones, and a first orbit that needs no truth.
-if SETTINGS.tracks:
+# Measured tracks in the place of simulated ones, and a first orbit that needs no truth.
+FIRST_ORBIT = product("starts/{rso}/{stations}")
+
+if PLAN.tracks:
 
     rule tracking_from_tdm:
         input:
-            lambda wildcards: [local(path) for path in SETTINGS.tracks[wildcards.rso]],
+            lambda wildcards: users(PLAN.tracks[wildcards.rso]),
         output:
-            f"{RESULTS}/tracking/{{rso}}/{{stations}}.parquet",
+            TRACKING.table,
         log:
-            f"{RESULTS}/logs/tracking/{{rso}}/{{stations}}.log",
+            TRACKING.log,
         benchmark:
-            f"{RESULTS}/benchmarks/tracking/{{rso}}/{{stations}}.tsv"
+            TRACKING.benchmark
         wildcard_constraints:
-            rso=naming.alternatives(SETTINGS.tracks),
-            stations=naming.stations_pattern(SETTINGS.stations),
+            rso=naming.alternatives(PLAN.tracks),
+            stations=naming.stations_pattern(PLAN.settings.stations),
         conda:
             "../envs/opml.yaml"
         params:
             settings=lambda wildcards: {
                 "epoch": config["epoch"],
-                "stations": stations(wildcards),
+                "stations": PARAMS.stations(wildcards),
                 "manoeuvres": config.get("manoeuvres", {}).get(wildcards.rso, []),
             },
             code=code("tracking_from_tdm.py"),
@@ -29,20 +31,20 @@ if SETTINGS.tracks:
 
     rule first_orbit:
         input:
-            **FIT_ENVIRONMENT,
+            **ENVIRONMENT.fits,
             tracking=rules.tracking.output[0],
             start=lambda wildcards: (
-                local(SETTINGS.starts[wildcards.rso]) if wildcards.rso in SETTINGS.starts else []
+                local(PLAN.settings.starts[wildcards.rso]) if wildcards.rso in PLAN.settings.starts else []
             ),
         output:
-            f"{RESULTS}/starts/{{rso}}/{{stations}}.parquet",
+            FIRST_ORBIT.table,
         log:
-            f"{RESULTS}/logs/starts/{{rso}}/{{stations}}.log",
+            FIRST_ORBIT.log,
         benchmark:
-            f"{RESULTS}/benchmarks/starts/{{rso}}/{{stations}}.tsv"
+            FIRST_ORBIT.benchmark
         wildcard_constraints:
-            rso=naming.alternatives(SETTINGS.tracks),
-            stations=naming.stations_pattern(SETTINGS.stations),
+            rso=naming.alternatives(PLAN.tracks),
+            stations=naming.stations_pattern(PLAN.settings.stations),
         conda:
             "../envs/opml.yaml"
         resources:
@@ -50,12 +52,10 @@ if SETTINGS.tracks:
             runtime=5,
         params:
             settings=lambda wildcards: {
-                "epoch": config["epoch"],
-                "force_model": config["force_models"]["assumed"],
-                "integrator": config["integrator"],
+                **PARAMS.assumed_model,
                 "estimation": config["estimation"],
-                "rso": rso(wildcards),
-                "stations": stations(wildcards),
+                "rso": PARAMS.rso(wildcards),
+                "stations": PARAMS.stations(wildcards),
             },
             code=code("first_orbit.py"),
         message:

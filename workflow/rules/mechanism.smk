@@ -1,18 +1,27 @@
-# Beyond the paper: what a catalogue knows of why its predictions err, and RSOs pooled to learn from together.
-LONG = naming.window_suffix(config["mechanism"]["long_window_hours"], default=config["estimation"]["window_hours"])
+# Beyond the paper: the causes of prediction errors that a catalogue knows, and datasets of several RSOs.
+from opml.learning.models.contract import ARC_MEMORY_DAYS
+
+SENSITIVITIES = product("sensitivities/{rso}/{stations}{window}")
+MECHANISM = product("mechanism/{rso}/{stations}{window}")
+ARCS = product("arcs/{rso}/{stations}{window}{arc}")
+THERMOMETER = product("thermometer/{rso}/{stations}{window}")
+PERFECT_ESTIMATES = product(f"estimates/{{rso}}/{{stations}}{naming.PERFECT}")
+ORACLE = product("oracle/{rso}/{stations}")
+POOL = product("{table}/{pool}/{rest}")
+LONG = PLAN.window(config["mechanism"]["long_window_hours"])
 
 
 rule sensitivities:
     input:
-        **ENVIRONMENT,
+        **ENVIRONMENT.predictions,
         estimates=rules.estimation.output[0],
         predictions=rules.prediction.output[0],
     output:
-        f"{RESULTS}/sensitivities/{{rso}}/{{stations}}{{window}}.parquet",
+        SENSITIVITIES.table,
     log:
-        f"{RESULTS}/logs/sensitivities/{{rso}}/{{stations}}{{window}}.log",
+        SENSITIVITIES.log,
     benchmark:
-        f"{RESULTS}/benchmarks/sensitivities/{{rso}}/{{stations}}{{window}}.tsv"
+        SENSITIVITIES.benchmark
     conda:
         "../envs/opml.yaml"
     resources:
@@ -20,11 +29,9 @@ rule sensitivities:
         runtime=8,
     params:
         settings=lambda wildcards: {
-            "epoch": config["epoch"],
-            "force_model": config["force_models"]["assumed"],
-            "integrator": config["integrator"],
-            "cd_bounds": cd_bounds(),
-            "rso": rso(wildcards),
+            **PARAMS.assumed_model,
+            "cd_bounds": PARAMS.cd_bounds,
+            "rso": PARAMS.rso(wildcards),
         },
         code=code("sensitivities.py"),
     message:
@@ -41,23 +48,19 @@ rule mechanism:
         long_estimates=at_window(LONG, rules.estimation.output[0]),
         long_predictions=at_window(LONG, rules.prediction.output[0]),
         long_sensitivities=at_window(LONG, rules.sensitivities.output[0]),
-        gravity_field=ENVIRONMENT["gravity_field"],
+        gravity_field=GRAVITY_FIELD.table,
     output:
-        f"{RESULTS}/mechanism/{{rso}}/{{stations}}{{window}}.parquet",
+        MECHANISM.table,
     log:
-        f"{RESULTS}/logs/mechanism/{{rso}}/{{stations}}{{window}}.log",
+        MECHANISM.log,
     benchmark:
-        f"{RESULTS}/benchmarks/mechanism/{{rso}}/{{stations}}{{window}}.tsv"
+        MECHANISM.benchmark
     conda:
         "../envs/opml.yaml"
     resources:
         mem_mb=1000,
     params:
-        settings={
-            "epoch": config["epoch"],
-            "cd_bounds": cd_bounds(),
-            **config["mechanism"],
-        },
+        settings={"epoch": config["epoch"], "cd_bounds": PARAMS.cd_bounds, **config["mechanism"]},
         code=code("mechanism.py"),
     message:
         "Mechanism: sensitivities, long arcs and resonances of the predictions of {wildcards.rso} by {wildcards.stations}"
@@ -67,17 +70,17 @@ rule mechanism:
 
 rule arcs:
     input:
-        **ENVIRONMENT,
-        manoeuvres=known_manoeuvres,
+        **ENVIRONMENT.predictions,
+        manoeuvres=INPUTS.truth_or(rules.truth.output[0], rules.tracking.output[0]),
         predictions=rules.prediction.output[0],
-        arc_estimates=arc_at(rules.estimation.output[0]),
-        arc_predictions=arc_at(rules.prediction.output[0]),
+        arc_estimates=INPUTS.at_arc(rules.estimation.output[0]),
+        arc_predictions=INPUTS.at_arc(rules.prediction.output[0]),
     output:
-        f"{RESULTS}/arcs/{{rso}}/{{stations}}{{window}}{{arc}}.parquet",
+        ARCS.table,
     log:
-        f"{RESULTS}/logs/arcs/{{rso}}/{{stations}}{{window}}{{arc}}.log",
+        ARCS.log,
     benchmark:
-        f"{RESULTS}/benchmarks/arcs/{{rso}}/{{stations}}{{window}}{{arc}}.tsv"
+        ARCS.benchmark
     conda:
         "../envs/opml.yaml"
     resources:
@@ -85,11 +88,9 @@ rule arcs:
         runtime=8,
     params:
         settings=lambda wildcards: {
-            "epoch": config["epoch"],
-            "force_model": config["force_models"]["assumed"],
-            "integrator": config["integrator"],
-            **dict(zip(("window_hours", "memory_days"), naming.parse_arc(wildcards.arc), strict=True)),
-            "rso": rso(wildcards),
+            **PARAMS.assumed_model,
+            **PARAMS.arc(wildcards),
+            "rso": PARAMS.rso(wildcards),
         },
         code=code("arcs.py"),
     message:
@@ -98,14 +99,14 @@ rule arcs:
         "../scripts/arcs.py"
 
 
-if CATALOGUE:
-    FIT_WINDOW = naming.window_suffix(THERMOMETER["window_hours"], default=config["estimation"]["window_hours"])
+if PLAN.catalogue:
+    FIT_WINDOW = PLAN.window(PLAN.thermometer["window_hours"])
 
     rule thermometer:
         input:
             catalogue=lambda wildcards: [
                 path_of(rules.estimation.output[0], rso=name, stations=wildcards.stations, window=FIT_WINDOW)
-                for name in THERMOMETER["rsos"]
+                for name in PLAN.thermometer["rsos"]
             ],
             estimates=at_window(FIT_WINDOW, rules.estimation.output[0]),
             predictions=rules.prediction.output[0],
@@ -113,14 +114,14 @@ if CATALOGUE:
             arcs=lambda wildcards: path_of(
                 rules.arcs.output[0],
                 **dict(wildcards.items()),
-                arc=naming.arc_suffix(THERMOMETER["window_hours"], ARC_MEMORY_DAYS),
+                arc=naming.arc_suffix(PLAN.thermometer["window_hours"], ARC_MEMORY_DAYS),
             ),
         output:
-            f"{RESULTS}/thermometer/{{rso}}/{{stations}}{{window}}.parquet",
+            THERMOMETER.table,
         log:
-            f"{RESULTS}/logs/thermometer/{{rso}}/{{stations}}{{window}}.log",
+            THERMOMETER.log,
         benchmark:
-            f"{RESULTS}/benchmarks/thermometer/{{rso}}/{{stations}}{{window}}.tsv"
+            THERMOMETER.benchmark
         conda:
             "../envs/opml.yaml"
         resources:
@@ -128,14 +129,7 @@ if CATALOGUE:
         params:
             settings=lambda wildcards: {
                 "epoch": config["epoch"],
-                "thermometer": {
-                    key: value for key, value in THERMOMETER.items() if key not in ("rsos", "left_out")
-                },
-                "member": (
-                    THERMOMETER["rsos"].index(wildcards.rso)
-                    if wildcards.rso in THERMOMETER["rsos"]
-                    else None
-                ),
+                **PARAMS.thermometer(wildcards),
             },
             code=code("thermometer.py"),
         message:
@@ -149,15 +143,15 @@ rule perfect_estimates:
         truth=rules.truth.output[0],
         estimates=at_window("", rules.estimation.output[0]),
     output:
-        f"{RESULTS}/estimates/{{rso}}/{{stations}}{naming.PERFECT}.parquet",
+        PERFECT_ESTIMATES.table,
     log:
-        f"{RESULTS}/logs/estimates/{{rso}}/{{stations}}{naming.PERFECT}.log",
+        PERFECT_ESTIMATES.log,
     benchmark:
-        f"{RESULTS}/benchmarks/estimates/{{rso}}/{{stations}}{naming.PERFECT}.tsv"
+        PERFECT_ESTIMATES.benchmark
     conda:
         "../envs/opml.yaml"
     params:
-        settings=lambda wildcards: {"epoch": config["epoch"], "cd": rso(wildcards)["cd"]},
+        settings=lambda wildcards: {"epoch": config["epoch"], "cd": PARAMS.rso(wildcards)["cd"]},
         code=code("perfect_estimates.py"),
     message:
         "Perfect estimates: the true states of {wildcards.rso} in the place of those by {wildcards.stations}"
@@ -171,13 +165,13 @@ rule oracle:
         predictions=at_window("", rules.prediction.output[0]),
         perfect=rules.perfect_estimates.output[0],
         perfect_predictions=at_window(naming.PERFECT, rules.prediction.output[0]),
-        gravity_field=ENVIRONMENT["gravity_field"],
+        gravity_field=GRAVITY_FIELD.table,
     output:
-        f"{RESULTS}/oracle/{{rso}}/{{stations}}.parquet",
+        ORACLE.table,
     log:
-        f"{RESULTS}/logs/oracle/{{rso}}/{{stations}}.log",
+        ORACLE.log,
     benchmark:
-        f"{RESULTS}/benchmarks/oracle/{{rso}}/{{stations}}.tsv"
+        ORACLE.benchmark
     conda:
         "../envs/opml.yaml"
     params:
@@ -192,18 +186,18 @@ rule oracle:
 rule pool:
     input:
         lambda wildcards: [
-            f"{RESULTS}/{wildcards.table}/{rso}/{wildcards.rest}.parquet"
+            product(f"{wildcards.table}/{rso}/{wildcards.rest}").table
             for rso in naming.parse_pool(wildcards.pool, STUDY.entry("pools"))
         ],
     output:
-        f"{RESULTS}/{{table}}/{{pool}}/{{rest}}.parquet",
+        POOL.table,
     log:
-        f"{RESULTS}/logs/{{table}}/{{pool}}/{{rest}}.log",
+        POOL.log,
     benchmark:
-        f"{RESULTS}/benchmarks/{{table}}/{{pool}}/{{rest}}.tsv"
+        POOL.benchmark
     wildcard_constraints:
         table="dataset|mechanism",
-        pool=naming.pool_pattern(STUDY.entry("pools"), SETTINGS.rsos),
+        pool=PLAN.pool_pattern,
         rest="[^/]+",
     conda:
         "../envs/opml.yaml"

@@ -1,28 +1,30 @@
 # The paper's 'Orbit Prediction'.
+PREDICTIONS = product("predictions/{rso}/{stations}{window}")
+ENSEMBLES = product("ensembles/{rso}/{stations}{window}_n{members}")
+FANS = product("fans/{rso}/{stations}{window}_n{members}")
+SCORES = product("scores/{rso}/{stations}{window}_n{members}")
 
 
 rule prediction:
     input:
-        **ENVIRONMENT,
-        truth=true_orbit,
+        **ENVIRONMENT.predictions,
+        truth=INPUTS.truth(rules.truth.output[0]),
         estimates=rules.estimation.output[0],
     output:
-        f"{RESULTS}/predictions/{{rso}}/{{stations}}{{window}}.parquet",
+        PREDICTIONS.table,
     log:
-        f"{RESULTS}/logs/predictions/{{rso}}/{{stations}}{{window}}.log",
+        PREDICTIONS.log,
     benchmark:
-        f"{RESULTS}/benchmarks/predictions/{{rso}}/{{stations}}{{window}}.tsv"
+        PREDICTIONS.benchmark
     conda:
         "../envs/opml.yaml"
     resources:
         runtime=5,
     params:
         settings=lambda wildcards: {
-            "epoch": config["epoch"],
-            "force_model": config["force_models"]["assumed"],
-            "integrator": config["integrator"],
+            **PARAMS.assumed_model,
             "max_days": config["prediction"]["max_days"],
-            "rso": rso(wildcards),
+            "rso": PARAMS.rso(wildcards),
         },
         code=code("prediction.py"),
     message:
@@ -31,22 +33,22 @@ rule prediction:
         "../scripts/prediction.py"
 
 
-if KNOWLEDGE == knowledge.FORECAST:
+if ENVIRONMENT.is_forecast:
 
     rule ensemble:
         input:
-            **ENVIRONMENT,
+            **ENVIRONMENT.predictions,
             futures=rules.futures.output[0],
             estimates=rules.estimation.output[0],
             predictions=rules.prediction.output[0],
         output:
-            sample=f"{RESULTS}/ensembles/{{rso}}/{{stations}}{{window}}_n{{members}}.parquet",
-            fan=f"{RESULTS}/fans/{{rso}}/{{stations}}{{window}}_n{{members}}.parquet",
-            scores=f"{RESULTS}/scores/{{rso}}/{{stations}}{{window}}_n{{members}}.parquet",
+            sample=ENSEMBLES.table,
+            fan=FANS.table,
+            scores=SCORES.table,
         log:
-            f"{RESULTS}/logs/ensembles/{{rso}}/{{stations}}{{window}}_n{{members}}.log",
+            ENSEMBLES.log,
         benchmark:
-            f"{RESULTS}/benchmarks/ensembles/{{rso}}/{{stations}}{{window}}_n{{members}}.tsv"
+            ENSEMBLES.benchmark
         wildcard_constraints:
             members=naming.MEMBERS,
         conda:
@@ -56,13 +58,11 @@ if KNOWLEDGE == knowledge.FORECAST:
             runtime=20,
         params:
             settings=lambda wildcards: {
-                "epoch": config["epoch"],
-                "force_model": config["force_models"]["assumed"],
-                "integrator": config["integrator"],
+                **PARAMS.assumed_model,
                 "level": config["intervals"]["level"],
-                "window_hours": window_hours(wildcards),
-                "seed": noise_seed(wildcards),
-                "rso": rso(wildcards),
+                "window_hours": PARAMS.window_hours(wildcards),
+                "seed": PARAMS.noise_seed(wildcards),
+                "rso": PARAMS.rso(wildcards),
             },
             code=code("ensemble.py"),
         message:

@@ -1,30 +1,32 @@
-# The mornings that are over again: what an operator would have got, and how far it was off.
+# Replays of past mornings: the ephemerides that an operator would have had, and their errors.
 EPHEMERIS = "{rso}/{stations}{window}{reading}{label}/{train}/{learner}"
+SPREAD = product("spreads/{rso}/{stations}{window}{reading}")
+REPLAY = product(f"replays/{EPHEMERIS}")
 
 
 rule spread:
     input:
-        **ENVIRONMENT,
-        futures=futures,
+        **ENVIRONMENT.predictions,
+        futures=INPUTS.futures(rules.futures.output[0]),
         estimates=rules.estimation.output[0],
         predictions=rules.prediction.output[0],
         tracking=rules.tracking.output[0],
-        manoeuvres=told_manoeuvres,
+        manoeuvres=INPUTS.user_manoeuvres(rules.truth.output[0], rules.tracking.output[0]),
     output:
-        f"{RESULTS}/spreads/{{rso}}/{{stations}}{{window}}{{reading}}.parquet",
+        SPREAD.table,
     log:
-        f"{RESULTS}/logs/spreads/{{rso}}/{{stations}}{{window}}{{reading}}.log",
+        SPREAD.log,
     benchmark:
-        f"{RESULTS}/benchmarks/spreads/{{rso}}/{{stations}}{{window}}{{reading}}.tsv"
+        SPREAD.benchmark
     wildcard_constraints:
-        window=WINDOW,
+        window=PLAN.window_pattern,
     conda:
         "../envs/opml.yaml"
     resources:
         mem_mb=1750,
         runtime=8,
     params:
-        settings=lambda wildcards: departure_settings(wildcards)
+        settings=lambda wildcards: PARAMS.departures(wildcards)
         | {"every_hours": config["uncertainty"]["every_hours"]},
         code=code("spread.py"),
     message:
@@ -35,33 +37,33 @@ rule spread:
 
 rule replay:
     input:
-        **ENVIRONMENT,
+        **ENVIRONMENT.predictions,
         estimates=rules.estimation.output[0],
         predictions=rules.prediction.output[0],
         tracking=rules.tracking.output[0],
-        long_estimates=fits_over("mechanism"),
-        arc_estimates=fits_over("arcs"),
-        manoeuvres=told_manoeuvres,
+        long_estimates=INPUTS.long_estimates(rules.estimation.output[0]),
+        arc_estimates=INPUTS.arc_estimates(rules.estimation.output[0]),
+        manoeuvres=INPUTS.user_manoeuvres(rules.truth.output[0], rules.tracking.output[0]),
         dataset=rules.train.input.dataset,
-        beside=beside("rso"),
-        later=later_states,
+        beside=INPUTS.learner_tables("rso"),
+        later=INPUTS.later_estimates(rules.estimation.output[0]),
         spread=rules.spread.output[0],
-        asked=checked_names(split, train_days, without_truth),
+        check=checks(PARAMS.split, PARAMS.train_days, PARAMS.check_without_truth),
     output:
-        f"{RESULTS}/replays/{EPHEMERIS}.parquet",
+        REPLAY.table,
     log:
-        f"{RESULTS}/logs/replays/{EPHEMERIS}.log",
+        REPLAY.log,
     benchmark:
-        f"{RESULTS}/benchmarks/replays/{EPHEMERIS}.tsv"
+        REPLAY.benchmark
     wildcard_constraints:
-        window=WINDOW,
+        window=PLAN.window_pattern,
     conda:
         "../envs/opml.yaml"
     resources:
         mem_mb=2500,
         runtime=15,
     params:
-        settings=lambda wildcards: lesson_settings(wildcards)
+        settings=lambda wildcards: PARAMS.daily_training(wildcards)
         | {"every_hours": config["uncertainty"]["every_hours"]},
         code=code("replay.py"),
     message:

@@ -1,25 +1,30 @@
-# The paper's tables from what ran, and its numbers beside ours.
+# The paper's tables with the settings of the run, and its numbers beside ours.
+TABLES = product("tables/settings")
+COMPONENTS = product("tables/components")
+REPRODUCTION = product("reproduction")
 
 
 rule tables:
     output:
         **documents(
-            "tables/models", "tables/stations", "tables/rso", "tables/rsos", section=SECTIONS["simulation"]
+            product("tables/models"),
+            product("tables/stations"),
+            product("tables/rso"),
+            product("tables/rsos"),
+            section=SECTIONS["simulation"],
         ),
     log:
-        f"{RESULTS}/logs/tables/settings.log",
+        TABLES.log,
     benchmark:
-        f"{RESULTS}/benchmarks/tables/settings.tsv"
+        TABLES.benchmark
     conda:
         "../envs/opml.yaml"
     params:
-        settings={key: config[key] for key in ("epoch", "environment", "force_models")}
-        | {
-            "stations": [asdict(station) for station in SETTINGS.stations.values()],
-            "rso": asdict(sheets.parse_rso(STUDY.defaults["rso"], SETTINGS.rsos)),
-            "rsos": [
-                asdict(sheets.parse_rso(rso, SETTINGS.rsos)) for grid in PAPER.grids.values() for rso in grid
-            ],
+        settings={
+            **{key: config[key] for key in ("epoch", "environment", "force_models")},
+            "stations": PARAMS.all_stations,
+            "rso": PARAMS.rso_named(STUDY.defaults["rso"]),
+            "rsos": [PARAMS.rso_named(rso) for grid in PAPER.grids.values() for rso in grid],
         },
         code=code("tables.py"),
     message:
@@ -33,16 +38,17 @@ if "components" in STUDY:
     use rule errors as components with:
         input:
             paths_of(
-                rules.evaluate.output.metrics, *(one for own in PAPER.components.values() for one in own)
+                rules.evaluate.output.metrics,
+                *(experiment for experiments in PAPER.components.values() for experiment in experiments),
             ),
         output:
-            **documents("tables/components", section=SECTIONS["numerical"]),
+            **documents(COMPONENTS, section=SECTIONS["numerical"]),
         log:
-            f"{RESULTS}/logs/tables/components.log",
+            COMPONENTS.log,
         benchmark:
-            f"{RESULTS}/benchmarks/tables/components.tsv"
+            COMPONENTS.benchmark
         params:
-            **drawing("components", evaluations=list(PAPER.components)),
+            **drawing("components", {"epoch": config["epoch"], "evaluations": list(PAPER.components)}),
         message:
             "Table: performance metric P_ML of all six components"
 
@@ -62,17 +68,15 @@ if "reproduction" in STUDY:
                 for rso, stations in PAPER.datasets
             ],
         output:
-            **documents("reproduction", section="0 The paper's numbers and ours"),
+            **documents(REPRODUCTION, section="0 The paper's numbers and ours"),
         log:
-            f"{RESULTS}/logs/reproduction.log",
+            REPRODUCTION.log,
         benchmark:
-            f"{RESULTS}/benchmarks/reproduction.tsv"
+            REPRODUCTION.benchmark
         resources:
             mem_mb=1000,
             runtime=5,
         params:
-            draw="reproduction",
-            settings=config,
-            code=code("reproduction.py"),
+            **drawing("reproduction", config),
         message:
             "Reproduction: the paper's numbers beside ours"

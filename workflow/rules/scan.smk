@@ -1,5 +1,8 @@
-# Combinations of readings of what the paper leaves open, held against its numbers and sentences.
+# Combinations of readings, where the paper leaves a choice, compared with its numbers and sentences.
 from opml.readings.scan import scan as scanned
+
+SCAN_REPORT = product("scan")
+SCAN_CURVES = product("figs/scan")
 
 if "scan" in STUDY:
     SCAN = scanned(PAPER)
@@ -8,15 +11,13 @@ if "scan" in STUDY:
         input:
             paths_of(rules.evaluate.output.metrics, *SCAN.experiments),
         output:
-            **documents("scan", section=SECTIONS["beyond"]),
+            **documents(SCAN_REPORT, section=SECTIONS["beyond"]),
         log:
-            f"{RESULTS}/logs/scan.log",
+            SCAN_REPORT.log,
         benchmark:
-            f"{RESULTS}/benchmarks/scan.tsv"
+            SCAN_REPORT.benchmark
         params:
-            draw="scan",
-            settings=config,
-            code=code("scan.py"),
+            **drawing("scan", config),
         message:
             "Scan: combinations of readings against the paper's numbers and sentences"
 
@@ -24,14 +25,12 @@ if "scan" in STUDY:
         input:
             rules.scan_report.input,
         output:
-            **figures("scan", section=SECTIONS["beyond"]),
+            **figures(SCAN_CURVES, section=SECTIONS["beyond"]),
         log:
-            f"{RESULTS}/logs/figs/scan.log",
+            SCAN_CURVES.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/scan.tsv"
+            SCAN_CURVES.benchmark
         params:
-            draw="scan_curves",
-            settings=config,
-            code=code("scan_curves.py"),
+            **drawing("scan_curves", config),
         message:
             "Figure: the paper's numbers and combinations of readings"

@@ -3,6 +3,16 @@ from snakemake.logging import logger
 
 from opml.workflow import extras
 
+STUDY_REPORT = product("study")
+STUDY_ERRORS = product("figs/study/{rso}/{stations}_errors")
+STUDY_RESIDUALS = product("figs/study/{rso}/{stations}_residuals")
+EXPLORE = product("figs/study/{rso}/{stations}_explore")
+STUDY_CALIBRATION = product("figs/study/{rso}/{stations}_calibration")
+STUDY_DRAG = product("figs/study/{rso}/{stations}_drag")
+STUDY_MODELS = product("figs/study/{rso}/models")
+STUDY_ROLLING = product("figs/study/{rso}/{stations}_rolling")
+STUDY_ROWS = product("figs/study/rows")
+
 if OWN.is_asked:
 
     use rule errors as study_report with:
@@ -25,15 +35,13 @@ if OWN.is_asked:
             replays=[path_of(rules.replay.output[0], **parts) for parts in OWN.replayed.values()],
             fits=paths_of(rules.fit_calibration.output[0], *OWN.fits.values()),
         output:
-            **documents("study", section=SECTIONS["study"]),
+            **documents(STUDY_REPORT, section=SECTIONS["study"]),
         log:
-            f"{RESULTS}/logs/study.log",
+            STUDY_REPORT.log,
         benchmark:
-            f"{RESULTS}/benchmarks/study.tsv"
+            STUDY_REPORT.benchmark
         params:
-            draw="study",
-            settings=config,
-            code=code("study.py"),
+            **drawing("study", config),
         message:
             "Study: models against splits, errors before and after, rows used"
 
@@ -44,15 +52,16 @@ if OWN.is_asked:
                 *OWN.corrections(wildcards.rso, wildcards.stations).values(),
             ),
         output:
-            **figures("study/{rso}/{stations}_errors", caption="study_errors", section=SECTIONS["study"]),
+            **figures(STUDY_ERRORS, caption="study_errors", section=SECTIONS["study"]),
         log:
-            f"{RESULTS}/logs/figs/study/{{rso}}/{{stations}}_errors.log",
+            STUDY_ERRORS.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/study/{{rso}}/{{stations}}_errors.tsv"
+            STUDY_ERRORS.benchmark
         params:
-            draw="study_errors",
-            settings=lambda wildcards: all_of(OWN.corrections(wildcards.rso, wildcards.stations), "learners"),
-            code=code("study_errors.py"),
+            **drawing(
+                "study_errors",
+                lambda wildcards: PARAMS.comparison(OWN.corrections(wildcards.rso, wildcards.stations)),
+            ),
         message:
             "Figure: errors of {wildcards.rso} by {wildcards.stations} before and after correction"
 
@@ -63,17 +72,13 @@ if OWN.is_asked:
                 for parts in OWN.mornings(wildcards.rso, wildcards.stations).values()
             ],
         output:
-            **figures(
-                "study/{rso}/{stations}_residuals", caption="study_residuals", section=SECTIONS["study"]
-            ),
+            **figures(STUDY_RESIDUALS, caption="study_residuals", section=SECTIONS["study"]),
         log:
-            f"{RESULTS}/logs/figs/study/{{rso}}/{{stations}}_residuals.log",
+            STUDY_RESIDUALS.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/study/{{rso}}/{{stations}}_residuals.tsv"
+            STUDY_RESIDUALS.benchmark
         params:
-            draw="study_residuals",
-            settings=mornings_settings,
-            code=code("study_residuals.py"),
+            **drawing("study_residuals", PARAMS.mornings),
         message:
             "Figure: errors of {wildcards.rso} by {wildcards.stations}, and what each model leaves of them"
 
@@ -84,20 +89,21 @@ if OWN.is_asked:
                 rules.dataset.output[0], **dict(wildcards.items()) | {"window": "", "reading": ""}
             ),
             truth=rules.truth.output[0],
-            earth_orientation=ENVIRONMENT["earth_orientation"],
+            earth_orientation=EARTH_ORIENTATION.table,
         output:
-            shown_in_report("figs/study/{rso}/{stations}_explore", ".html", SECTIONS["study"], "explore"),
+            in_report(EXPLORE, "html", SECTIONS["study"], "explore"),
         log:
-            f"{RESULTS}/logs/figs/study/{{rso}}/{{stations}}_explore.log",
+            EXPLORE.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/study/{{rso}}/{{stations}}_explore.tsv"
+            EXPLORE.benchmark
         params:
-            draw="explore",
-            settings=lambda wildcards: {
-                **all_of(OWN.corrections(wildcards.rso, wildcards.stations), "learners"),
-                "radars": stations(wildcards),
-            },
-            code=code("explore.py"),
+            **drawing(
+                "explore",
+                lambda wildcards: {
+                    **PARAMS.comparison(OWN.corrections(wildcards.rso, wildcards.stations)),
+                    "radars": PARAMS.stations(wildcards),
+                },
+            ),
         message:
             "Page: turn the orbit of {wildcards.rso}, pick an estimate of {wildcards.stations}"
 
@@ -112,19 +118,17 @@ if OWN.is_asked:
             replays=rules.study_residuals.input[0],
         output:
             **figures(
-                "study/{rso}/{stations}_intervals",
-                "study/{rso}/{stations}_ellipsoids",
+                product("figs/study/{rso}/{stations}_intervals"),
+                product("figs/study/{rso}/{stations}_ellipsoids"),
                 caption="study_calibration",
                 section=SECTIONS["study"],
             ),
         log:
-            f"{RESULTS}/logs/figs/study/{{rso}}/{{stations}}_calibration.log",
+            STUDY_CALIBRATION.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/study/{{rso}}/{{stations}}_calibration.tsv"
+            STUDY_CALIBRATION.benchmark
         params:
-            draw="study_calibration",
-            settings=mornings_settings,
-            code=code("study_calibration.py"),
+            **drawing("study_calibration", PARAMS.mornings),
         message:
             "Figure: nominal and achieved coverage of {wildcards.rso} by {wildcards.stations}"
 
@@ -134,31 +138,30 @@ if OWN.is_asked:
                 path_of(rules.estimation.output[0], **dict(wildcards.items()), window=window)
                 for window in OWN.windows.values()
             ],
-            activity=lambda wildcards: (
-                ENVIRONMENT if wildcards.rso in SETTINGS.tracks else TRUE_ENVIRONMENT
-            )["solar_activity"],
+            activity=INPUTS.activity,
             dataset=lambda wildcards: path_of(
                 rules.labelled_dataset.output[0],
                 **dict(wildcards.items()) | {"window": "", "reading": ""},
                 label=naming.LABELS[STUDY.label],
             ),
         output:
-            **figures("study/{rso}/{stations}_drag", caption="study_drag", section=SECTIONS["study"]),
+            **figures(STUDY_DRAG, caption="study_drag", section=SECTIONS["study"]),
         log:
-            f"{RESULTS}/logs/figs/study/{{rso}}/{{stations}}_drag.log",
+            STUDY_DRAG.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/study/{{rso}}/{{stations}}_drag.tsv"
+            STUDY_DRAG.benchmark
         params:
-            draw="study_drag",
-            settings=lambda wildcards: {
-                "epoch": config["epoch"],
-                "windows": list(OWN.windows),
-                "component": STUDY.defaults["component"],
-                "marks": OWN.marks,
-                "weather": WEATHER,
-                **dict(wildcards.items()),
-            },
-            code=code("study_drag.py"),
+            **drawing(
+                "study_drag",
+                lambda wildcards: {
+                    "epoch": config["epoch"],
+                    "windows": list(OWN.windows),
+                    "component": STUDY.defaults["component"],
+                    "marks": OWN.marks,
+                    "weather": PLAN.weather,
+                    **dict(wildcards.items()),
+                },
+            ),
         message:
             "Figure: drag coefficients of {wildcards.rso} by {wildcards.stations} beside the solar activity"
 
@@ -166,24 +169,27 @@ if OWN.is_asked:
         input:
             lambda wildcards: paths_of(
                 rules.evaluate.output.metrics,
-                *(one for (rso, *_), one in OWN.experiments.items() if rso == wildcards.rso),
+                *(experiment for (rso, *_), experiment in OWN.experiments.items() if rso == wildcards.rso),
             ),
         output:
-            **figures("study/{rso}/models", caption="study_models", section=SECTIONS["study"]),
+            **figures(STUDY_MODELS, caption="study_models", section=SECTIONS["study"]),
         log:
-            f"{RESULTS}/logs/figs/study/{{rso}}/models.log",
+            STUDY_MODELS.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/study/{{rso}}/models.tsv"
+            STUDY_MODELS.benchmark
         params:
             **drawing(
                 "beyond_splits",
-                component=STUDY.defaults["component"],
-                published=[],
-                station_sets=OWN.panels,
-                learners=OWN.learners,
-                splits=OWN.splits,
-                models=OWN.report.learners,
-                weather=WEATHER,
+                {
+                    "epoch": config["epoch"],
+                    "component": STUDY.defaults["component"],
+                    "published": [],
+                    "station_sets": OWN.panels,
+                    "learners": OWN.learners,
+                    "splits": OWN.splits,
+                    "models": OWN.report.learners,
+                    "weather": PLAN.weather,
+                },
             ),
         message:
             "Figure: performance metric P_ML of models against splits, {wildcards.rso}"
@@ -193,27 +199,28 @@ if OWN.is_asked:
             lambda wildcards: paths_of(
                 rules.rolling.output[0],
                 *(
-                    one
-                    for (rso, stations, _), one in OWN.rolling.items()
+                    experiment
+                    for (rso, stations, _), experiment in OWN.rolling.items()
                     if (rso, stations) == (wildcards.rso, wildcards.stations)
                 ),
             ),
         output:
-            **figures("study/{rso}/{stations}_rolling", caption="study_rolling", section=SECTIONS["study"]),
+            **figures(STUDY_ROLLING, caption="study_rolling", section=SECTIONS["study"]),
         log:
-            f"{RESULTS}/logs/figs/study/{{rso}}/{{stations}}_rolling.log",
+            STUDY_ROLLING.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/study/{{rso}}/{{stations}}_rolling.tsv"
+            STUDY_ROLLING.benchmark
         params:
-            draw="study_rolling",
-            settings=lambda wildcards: {
-                "epoch": config["epoch"],
-                "learners": list(STUDY.entry("rolling").get("learners", [])),
-                "weather": WEATHER,
-                **STUDY.rolling,
-                **dict(wildcards.items()),
-            },
-            code=code("study_rolling.py"),
+            **drawing(
+                "study_rolling",
+                lambda wildcards: {
+                    "epoch": config["epoch"],
+                    "learners": list(STUDY.entry("rolling").get("learners", [])),
+                    "weather": PLAN.weather,
+                    **STUDY.rolling,
+                    **dict(wildcards.items()),
+                },
+            ),
         message:
             "Figure: P_ML of {wildcards.rso} by {wildcards.stations} day by day, learners trained anew and once"
 
@@ -221,12 +228,18 @@ if OWN.is_asked:
         input:
             rules.study_report.input.datasets,
         output:
-            **figures("study/rows", caption="study_rows", section=SECTIONS["study"]),
+            **figures(STUDY_ROWS, caption="study_rows", section=SECTIONS["study"]),
         log:
-            f"{RESULTS}/logs/figs/study/rows.log",
+            STUDY_ROWS.log,
         benchmark:
-            f"{RESULTS}/benchmarks/figs/study/rows.tsv"
+            STUDY_ROWS.benchmark
         params:
-            **drawing("study_rows", datasets=[f"{rso}, {stations}" for rso, stations in OWN.datasets]),
+            **drawing(
+                "study_rows",
+                {
+                    "epoch": config["epoch"],
+                    "datasets": [f"{rso}, {stations}" for rso, stations in OWN.datasets],
+                },
+            ),
         message:
             "Figure: rows used, and why others are not"

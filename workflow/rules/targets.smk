@@ -1,4 +1,4 @@
-# What the targets make, part by part of the study.
+# Files of the targets, by the parts of the study.
 PAPER_PARTS = {
     "reproduction": lambda: rules.reproduction.output,
     "evaluations": lambda: [

@@ -1,25 +1,27 @@
 # The paper's 'Measurement Models'.
+TRACKING = product("tracking/{rso}/{stations}")
+CATALOGUE_TRACKING = product("tracking/catalogue/{stations}")
 
 
 rule tracking:
     input:
         truth=rules.truth.output[0],
-        earth_orientation=ENVIRONMENT["earth_orientation"],
-        asked=checked_names(stations),
+        earth_orientation=EARTH_ORIENTATION.table,
+        check=checks(PARAMS.stations),
     output:
-        f"{RESULTS}/tracking/{{rso}}/{{stations}}.parquet",
+        TRACKING.table,
     log:
-        f"{RESULTS}/logs/tracking/{{rso}}/{{stations}}.log",
+        TRACKING.log,
     benchmark:
-        f"{RESULTS}/benchmarks/tracking/{{rso}}/{{stations}}.tsv"
+        TRACKING.benchmark
     conda:
         "../envs/opml.yaml"
     params:
         settings=lambda wildcards: {
             "epoch": config["epoch"],
-            "seed": noise_seed(wildcards),
+            "seed": PARAMS.noise_seed(wildcards),
             "rso": wildcards.rso,
-            "stations": stations(wildcards),
+            "stations": PARAMS.stations(wildcards),
         },
         code=code("tracking.py"),
     message:
@@ -28,28 +30,28 @@ rule tracking:
         "../scripts/tracking.py"
 
 
-if CATALOGUE:
+if PLAN.catalogue:
 
-    # A fifth of a second for each RSO, where the start of a job takes a whole one.
+    # One job: an RSO takes a fifth of a second, the start of a job a whole one.
     rule trackings:
         input:
-            truth=[path_of(rules.truth.output[0], rso=name) for name in CATALOGUE],
-            earth_orientation=ENVIRONMENT["earth_orientation"],
-            asked=checked_names(stations),
+            truth=[path_of(rules.truth.output[0], rso=name) for name in PLAN.catalogue],
+            earth_orientation=EARTH_ORIENTATION.table,
+            check=checks(PARAMS.stations),
         output:
-            [f"{RESULTS}/tracking/{name}/{{stations}}.parquet" for name in CATALOGUE],
+            [product(f"tracking/{name}/{{stations}}").table for name in PLAN.catalogue],
         log:
-            f"{RESULTS}/logs/tracking/catalogue/{{stations}}.log",
+            CATALOGUE_TRACKING.log,
         benchmark:
-            f"{RESULTS}/benchmarks/tracking/catalogue/{{stations}}.tsv"
+            CATALOGUE_TRACKING.benchmark
         conda:
             "../envs/opml.yaml"
         params:
             settings=lambda wildcards: {
                 "epoch": config["epoch"],
-                "seed": noise_seed(wildcards),
-                "rsos": CATALOGUE,
-                "stations": stations(wildcards),
+                "seed": PARAMS.noise_seed(wildcards),
+                "rsos": PLAN.catalogue,
+                "stations": PARAMS.stations(wildcards),
             },
             code=code("trackings.py"),
         message:

@@ -1,32 +1,24 @@
-# The paper's 'Truth Dynamic Models'. RSOs that the study names fly together, any other one alone.
-NAMED = [*CATALOGUE, *shared_truths.named_rsos(PAPER, BEYOND, OWN)]
-TRUTH_GROUPS = shared_truths.groups(STUDY, dict.fromkeys(NAMED), results=Path(RESULTS))
-FLOWN_BY = {
-    "epoch": config["epoch"],
-    "duration_days": config["duration_days"],
-    "step_s": config["tracking"]["step_s"],
-    "force_model": config["force_models"]["truth"],
-    "integrator": config["integrator"],
-}
+# The paper's 'Truth Dynamic Models'. RSOs that the study names fly together, all others alone.
+TRUTH = product("truth/{rso}")
 
 
 rule truth:
     input:
-        **TRUE_ENVIRONMENT,
-        asked=checked_names(rso, simulated),
+        **ENVIRONMENT.truth,
+        check=checks(PARAMS.rso, PARAMS.check_simulated),
     output:
-        f"{RESULTS}/truth/{{rso}}.parquet",
+        TRUTH.table,
     log:
-        f"{RESULTS}/logs/truth/{{rso}}.log",
+        TRUTH.log,
     benchmark:
-        f"{RESULTS}/benchmarks/truth/{{rso}}.tsv"
+        TRUTH.benchmark
     conda:
         "../envs/opml.yaml"
     resources:
         mem_mb=1000,
         runtime=6,
     params:
-        settings=lambda wildcards: FLOWN_BY | {"rso": rso(wildcards)},
+        settings=lambda wildcards: PARAMS.true_model | {"rso": PARAMS.rso(wildcards)},
         code=code("truth.py"),
     message:
         "Truth dynamic model: the true orbit of {wildcards.rso}"
@@ -34,28 +26,30 @@ rule truth:
         "../scripts/truth.py"
 
 
-for number, together in enumerate(TRUTH_GROUPS, start=1):
+for number, together in enumerate(PLAN.truth_groups, start=1):
 
-    # A rule for each group, as no wildcard tells what flies together. Its files are preferred to those of `truth`.
+    TRUTHS = product(f"truth/together/{together[0]}")
+
+    # A rule for each group, as no wildcard names its RSOs. Its files are preferred to those of `truth`.
     rule:
         name:
             "truths" if number == 1 else f"truths_{number}"
         input:
-            **TRUE_ENVIRONMENT,
+            **ENVIRONMENT.truth,
         output:
-            truth=[f"{RESULTS}/truth/{name}.parquet" for name in together],
-            group=f"{RESULTS}/{tables.TRUTH_GROUPS}/{together[0]}.parquet",
+            truth=[product(f"truth/{name}").table for name in together],
+            group=product(f"{tables.TRUTH_GROUPS}/{together[0]}").table,
         log:
-            f"{RESULTS}/logs/truth/together/{together[0]}.log",
+            TRUTHS.log,
         benchmark:
-            f"{RESULTS}/benchmarks/truth/together/{together[0]}.tsv"
+            TRUTHS.benchmark
         conda:
             "../envs/opml.yaml"
         resources:
             mem_mb=3000,
             runtime=20,
         params:
-            settings=FLOWN_BY | {"rsos": [asdict(sheets.parse_rso(name, SETTINGS.rsos)) for name in together]},
+            settings=PARAMS.true_model | {"rsos": [PARAMS.rso_named(name) for name in together]},
             code=code("truths.py"),
         message:
             f"Truth dynamic model: the true orbits of {', '.join(together)}"

@@ -1,29 +1,29 @@
-# The fits' own covariances, and whether they are true.
+# The covariances of the fits, and whether they are true.
+from opml.learning.data import components
+
+COVARIANCES = product("covariances/{rso}/{stations}{window}")
+TARGET_COVARIANCES = product("covariances/{target}/{stations}{window}")
+FIT_CALIBRATION = product(f"fit_calibration/{TEST}")
 
 
 rule covariances:
     input:
-        **ENVIRONMENT,
+        **ENVIRONMENT.predictions,
         estimates=rules.estimation.output[0],
         predictions=rules.prediction.output[0],
     output:
-        f"{RESULTS}/covariances/{{rso}}/{{stations}}{{window}}.parquet",
+        COVARIANCES.table,
     log:
-        f"{RESULTS}/logs/covariances/{{rso}}/{{stations}}{{window}}.log",
+        COVARIANCES.log,
     benchmark:
-        f"{RESULTS}/benchmarks/covariances/{{rso}}/{{stations}}{{window}}.tsv"
+        COVARIANCES.benchmark
     conda:
         "../envs/opml.yaml"
     resources:
         mem_mb=1000,
         runtime=12,
     params:
-        settings=lambda wildcards: {
-            "epoch": config["epoch"],
-            "force_model": config["force_models"]["assumed"],
-            "integrator": config["integrator"],
-            "rso": rso(wildcards),
-        },
+        settings=lambda wildcards: PARAMS.assumed_model | {"rso": PARAMS.rso(wildcards)},
         code=code("covariances.py"),
     message:
         "Covariances: each fit's own, of {wildcards.rso} by {wildcards.stations}, carried to its predictions"
@@ -34,23 +34,27 @@ rule covariances:
 rule fit_calibration:
     input:
         target=rules.evaluate.input.target,
-        judge=judge(rules.dataset.output[0]),
-        covariances=f"{RESULTS}/covariances/{{target}}/{{stations}}{{window}}.parquet",
-        asked=checked_names(split, experiment),
+        judge=INPUTS.true_errors(rules.dataset.output[0]),
+        covariances=TARGET_COVARIANCES.table,
+        check=checks(PARAMS.split, PARAMS.experiment),
     output:
-        f"{RESULTS}/fit_calibration/{EXPERIMENT}/{{target}}/{{test}}.parquet",
+        FIT_CALIBRATION.table,
     log:
-        f"{RESULTS}/logs/fit_calibration/{EXPERIMENT}/{{target}}/{{test}}.log",
+        FIT_CALIBRATION.log,
     benchmark:
-        f"{RESULTS}/benchmarks/fit_calibration/{EXPERIMENT}/{{target}}/{{test}}.tsv"
+        FIT_CALIBRATION.benchmark
     wildcard_constraints:
         test=naming.TEST_BY_ROW,
-        learner="none",
+        learner=components.UNCORRECTED,
         component=components.CORRECTED,
     conda:
         "../envs/opml.yaml"
     params:
-        settings=tested_settings,
+        settings=lambda wildcards: {
+            **PARAMS.training(wildcards),
+            "max_days": config["prediction"]["max_days"],
+            "experiment": PARAMS.experiment(wildcards),
+        },
         code=code("fit_calibration.py"),
     message:
         "Calibration of the fits of {wildcards.target} by {wildcards.stations}, {wildcards.test}"

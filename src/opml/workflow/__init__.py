@@ -1,1 +1,1 @@
-"""The workflow's side of the package: what jobs need, the inputs of rules, a run as an archive."""
+"""The workflow's side of the package: plan, inputs and params of rules, jobs, a run as an archive."""

@@ -1,0 +1,92 @@
+"""Which tables of the environment each step of the chain reads."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from opml import tables
+from opml.environment import knowledge, nrlmsis
+from opml.environment.forecasts import methods
+
+
+@dataclass(frozen=True)
+class EnvironmentFiles:
+    """Paths of the environment's tables by their names, for the truth, for fits and for predictions.
+
+    settings: of the run
+    """
+
+    settings: Mapping[str, Any]
+
+    def path(self, table: str) -> str:
+        """Return the path of a table."""
+        return f"{self.settings['results']}/environment/{table}.parquet"
+
+    @property
+    def sources(self) -> Mapping[str, Any]:
+        """The settings of the environment: where each table comes from, and what is known when."""
+        sources: Mapping[str, Any] = self.settings["environment"]
+        return sources
+
+    @property
+    def knowledge(self) -> str | None:
+        """What fits and predictions know of the solar activity; None where they know all of it."""
+        return self.sources.get("knowledge")
+
+    @property
+    def is_forecast(self) -> bool:
+        """Whether predictions fly under a forecast of the space weather."""
+        return self.knowledge == knowledge.FORECAST
+
+    @property
+    def true_activity(self) -> str:
+        """Name of the solar activity that the truth flies under."""
+        return "true_solar_activity" if "true_solar_activity" in self.sources else "solar_activity"
+
+    @cached_property
+    def truth(self) -> dict[str, str]:
+        """Tables that the truth reads; another activity and atmosphere than the assumed ones, where set."""
+        paths = self._all | {"solar_activity": self.path(self.true_activity)}
+        if self.settings["force_models"]["truth"].get("atmosphere") == nrlmsis.NAME:
+            paths[tables.THERMOSPHERE] = self.path(tables.THERMOSPHERE)
+        return paths
+
+    @cached_property
+    def fits(self) -> dict[str, str]:
+        """Tables that fits read; with a forecast, all that was measured by the time of each fit."""
+        return self._known(outlooks_every=knowledge.FIT_HOURS)
+
+    @cached_property
+    def predictions(self) -> dict[str, str]:
+        """Tables that predictions read; those of a day share an outlook, as arcs under one fly together."""
+        return self._known(outlooks_every=self.sources.get("issue_hours"))
+
+    def _known(self, *, outlooks_every: int | None) -> dict[str, str]:
+        paths = self._all
+        if self.knowledge in knowledge.KNOWN:
+            paths["solar_activity"] = self.path("hindcast")
+        if self.is_forecast:
+            paths[tables.OUTLOOKS] = self.path(f"{tables.OUTLOOKS}_{outlooks_every}h")
+        return paths
+
+    @property
+    def _all(self) -> dict[str, str]:
+        return {table: self.path(table) for table in tables.ENVIRONMENT}
+
+    @property
+    def forecast(self) -> Mapping[str, Any]:
+        """Settings of the forecast that predictions fly under; persistence where the run has none."""
+        forecasts: Mapping[str, Mapping[str, Any]] = self.settings.get("forecasts", {})
+        return forecasts.get(self.sources.get("forecast", ""), {"kind": "persistence"})
+
+    @property
+    def forecast_files(self) -> list[str]:
+        """The user's own files behind the forecast."""
+        return methods.files(self.forecast)
+
+    def source_files(self, table: str) -> list[str]:
+        """Return the user's own file behind a table; none where the source is a packaged one."""
+        source = self.sources[table]
+        return [source] if Path(source).suffix else []

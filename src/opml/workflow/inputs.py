@@ -1,0 +1,238 @@
+"""Input functions: the files that a job reads, by the wildcards of what it makes.
+
+Functions and methods that find something return such an input function. They take patterns, which are the
+outputs of other rules.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from opml import naming
+from opml.base.errors import InputError
+from opml.learning.models import learners
+from opml.naming import Experiment
+from opml.workflow.params import Params, Wildcards
+from opml.workflow.plan import Plan, end_plan
+
+Paths = str | list[str]
+InputFunction = Callable[[Wildcards], Paths]
+
+
+class Pattern(Protocol):
+    """The output of a rule, which holds wildcards and knows the storage that it is kept in."""
+
+    def apply_wildcards(self, wildcards: Mapping[str, str]) -> str:
+        """Return the path for values of the wildcards."""
+        ...
+
+
+def path_of(pattern: Pattern, **parts: str) -> str:
+    """Return the path of a pattern for values of its wildcards.
+
+    Not by `str.format`, which would lose the storage that the file is kept in.
+    """
+    return pattern.apply_wildcards(parts)
+
+
+def paths_of(pattern: Pattern, *experiments: Experiment) -> list[str]:
+    """Return the paths of a pattern for experiments, each once."""
+    return list(dict.fromkeys(path_of(pattern, **experiment.names()) for experiment in experiments))
+
+
+def tables_of(patterns: Mapping[str, Pattern], *experiments: Experiment) -> dict[str, list[str]]:
+    """Return the paths of several patterns for experiments, by the patterns' names."""
+    return {
+        name: [path_of(pattern, **experiment.names()) for experiment in experiments]
+        for name, pattern in patterns.items()
+    }
+
+
+def at_window(window: str, pattern: Pattern) -> InputFunction:
+    """Find a file of estimates that has another suffix for their window."""
+    return lambda wildcards: path_of(pattern, **dict(wildcards.items()) | {"window": window})
+
+
+def target(files: Sequence[str], part: str) -> InputFunction:
+    """Find the files of a target; end the plan where there are none.
+
+    part: what the study would have to hold, as its settings call it
+    """
+
+    def find(_: Wildcards) -> Paths:
+        if not files:
+            end_plan(f"study: expected {part} to train and to test on, got none; docs/howto.md shows a study")
+        return list(files)
+
+    return find
+
+
+def checks(*functions: Callable[[Wildcards], object]) -> InputFunction:
+    """Find no file, but end the plan in one line where a function raises InputError.
+
+    functions: each raises InputError for a name that is wrong or impossible
+    """
+
+    def check(wildcards: Wildcards) -> Paths:
+        try:
+            for function in functions:
+                function(wildcards)
+        except InputError as error:
+            end_plan(error)
+        return []
+
+    return check
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Input functions that depend on the settings of a run."""
+
+    plan: Plan
+    params: Params
+
+    def activity(self, wildcards: Wildcards) -> str:
+        """Return the path of the solar activity that an RSO flew under, or of the assumed one if unknown."""
+        environment = self.plan.environment
+        tables = environment.predictions if wildcards.rso in self.plan.tracks else environment.truth
+        return tables["solar_activity"]
+
+    def truth(self, truth: Pattern) -> InputFunction:
+        """Find the truth of an RSO; none where its tracks were measured."""
+
+        def find(wildcards: Wildcards) -> Paths:
+            return [] if wildcards.rso in self.plan.tracks else path_of(truth, rso=wildcards.rso)
+
+        return find
+
+    def truth_or(self, truth: Pattern, measured: Pattern) -> InputFunction:
+        """Find the truth of an RSO, or a table in its place where its tracks were measured.
+
+        measured: the table in its place, of an RSO and stations
+        """
+
+        def find(wildcards: Wildcards) -> Paths:
+            if wildcards.rso in self.plan.tracks:
+                return path_of(measured, rso=wildcards.rso, stations=wildcards.stations)
+            return path_of(truth, rso=wildcards.rso)
+
+        return find
+
+    def user_manoeuvres(self, truth: Pattern, tracking: Pattern) -> InputFunction:
+        """Find the table whose metadata hold the manoeuvres of an RSO; no table where it is simulated.
+
+        truth: holds those of an orbit from files
+        tracking: holds those of measured tracks
+        """
+        find_any = self.truth_or(truth, tracking)
+
+        def find(wildcards: Wildcards) -> Paths:
+            base, *_ = naming.rso_parts(wildcards.rso, self.plan.settings.rsos)
+            return find_any(wildcards) if base in {*self.plan.orbits, *self.plan.tracks} else []
+
+        return find
+
+    def later_estimates(self, estimates: Pattern) -> InputFunction:
+        """Find the later estimates that labels are made of; none where the truth is known."""
+
+        def find(wildcards: Wildcards) -> Paths:
+            if not wildcards.label:
+                return []
+            return self._estimates(estimates, wildcards, self.params.label_window(wildcards))
+
+        return find
+
+    def true_errors(self, dataset: Pattern) -> InputFunction:
+        """Find the dataset with the true errors behind labels; none without labels or without a truth.
+
+        It is of the RSO under test, where the name has one.
+        """
+
+        def find(wildcards: Wildcards) -> Paths:
+            parts = dict(wildcards.items())
+            rso = parts.get("target", wildcards.rso)
+            if not wildcards.label or self.plan.study.is_measured(rso):
+                return []
+            return path_of(dataset, **parts | {"rso": rso})
+
+        return find
+
+    def learner_tables(self, part: str) -> InputFunction:
+        """Find the tables beside the dataset that have the variables of a learner.
+
+        part: wildcard of the RSO, `rso` or `target`
+        """
+
+        def find(wildcards: Wildcards) -> Paths:
+            rso = dict(wildcards.items())[part]
+            name = f"{rso}/{wildcards.stations}{wildcards.window}"
+            suffixes = {"arcs": naming.arc_suffix(*self.params.learner_arc(wildcards))}
+            return [
+                self.plan.product(f"{kind}/{name}{suffixes.get(kind, '')}").table
+                for kind in self._learner_kinds(wildcards)
+            ]
+
+        return find
+
+    def long_estimates(self, estimates: Pattern) -> InputFunction:
+        """Find the estimates over the long window; none where the learner reads no mechanism."""
+
+        def find(wildcards: Wildcards) -> Paths:
+            if "mechanism" not in self._learner_kinds(wildcards):
+                return []
+            hours = self.plan.values["mechanism"]["long_window_hours"]
+            return self._estimates(estimates, wildcards, self.plan.window(hours))
+
+        return find
+
+    def arc_estimates(self, estimates: Pattern) -> InputFunction:
+        """Find the estimates over the window of the learner's arcs; none where it reads no arcs."""
+
+        def find(wildcards: Wildcards) -> Paths:
+            if "arcs" not in self._learner_kinds(wildcards):
+                return []
+            hours, _ = self.params.learner_arc(wildcards)
+            return self._estimates(estimates, wildcards, self.plan.window(hours))
+
+        return find
+
+    def _learner_kinds(self, wildcards: Wildcards) -> list[str]:
+        """Return the kinds of tables beside the dataset that have the variables of a learner."""
+        return learners.tables_asked(self.params.learner(wildcards)["variables"])
+
+    def at_arc(self, pattern: Pattern) -> InputFunction:
+        """Find a file of estimates over the window of the wildcard `arc`."""
+
+        def find(wildcards: Wildcards) -> Paths:
+            hours, _ = naming.parse_arc(wildcards.arc)
+            return self._estimates(pattern, wildcards, self.plan.window(hours))
+
+        return find
+
+    def _estimates(self, pattern: Pattern, wildcards: Wildcards, window: str) -> str:
+        """Return the path of a file of estimates of the wildcards' RSO and stations."""
+        return path_of(pattern, rso=wildcards.rso, stations=wildcards.stations, window=window)
+
+    def model(self, alone: Pattern, together: Pattern) -> InputFunction:
+        """Find the model of a test.
+
+        alone: trained on its own rows
+        together: trained for one test, whose rows standardise its variables too
+        """
+
+        def find(wildcards: Wildcards) -> Paths:
+            is_together = wildcards.test.endswith(naming.STANDARDISATIONS["together"])
+            return path_of(together if is_together else alone, **dict(wildcards.items()))
+
+        return find
+
+    def futures(self, futures: Pattern) -> InputFunction:
+        """Find the courses that the weather may take; none where predictions fly under no forecast."""
+
+        def find(_: Wildcards) -> Paths:
+            if not self.plan.environment.is_forecast:
+                return []
+            members = self.plan.values["uncertainty"]["futures"]
+            return path_of(futures, members=str(members))
+
+        return find

@@ -1,0 +1,252 @@
+"""Params of jobs: the settings that the wildcards of a file's name choose."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Protocol
+
+from opml import naming
+from opml.base.errors import InputError
+from opml.learning.data import components
+from opml.learning.models import learners
+from opml.naming import Experiment
+from opml.orbits import sheets
+from opml.workflow.plan import Plan, end_plan
+
+
+class Wildcards(Protocol):
+    """The parts of a file's name, as Snakemake hands them to functions of rules."""
+
+    def __getattr__(self, name: str) -> str: ...
+
+    def items(self) -> Iterable[tuple[str, str]]:
+        """Return names and values."""
+        ...
+
+
+@dataclass(frozen=True)
+class Params:
+    """Params of jobs; the methods raise InputError for a name that is wrong or impossible."""
+
+    plan: Plan
+
+    @property
+    def span(self) -> dict[str, Any]:
+        """Epoch and length of the run."""
+        return {key: self.plan.values[key] for key in ("epoch", "duration_days")}
+
+    @property
+    def assumed_model(self) -> dict[str, Any]:
+        """Epoch, and the force model and integrator of fits and predictions."""
+        values = self.plan.values
+        return {
+            "epoch": values["epoch"],
+            "force_model": values["force_models"]["assumed"],
+            "integrator": values["integrator"],
+        }
+
+    @property
+    def true_model(self) -> dict[str, Any]:
+        """Epoch, length and step, force model and integrator of truths."""
+        values = self.plan.values
+        return self.span | {
+            "step_s": values["tracking"]["step_s"],
+            "force_model": values["force_models"]["truth"],
+            "integrator": values["integrator"],
+        }
+
+    @property
+    def cd_bounds(self) -> list[float] | None:
+        """Bounds on Cd of the estimates that fits start from and means are taken of; None without any."""
+        bounds = self.plan.study.cleaning.cd_bounds
+        return None if bounds is None else list(bounds)
+
+    def rso_named(self, name: str) -> dict[str, Any]:
+        """Return the elements and the body of an RSO by its name."""
+        return asdict(sheets.parse_rso(name, self.plan.settings.rsos))
+
+    def rso(self, wildcards: Wildcards) -> dict[str, Any]:
+        """Return the elements and the body of the wildcard `rso`."""
+        return self.rso_named(wildcards.rso)
+
+    @property
+    def all_stations(self) -> list[dict[str, Any]]:
+        """All stations of the run."""
+        return [asdict(station) for station in self.plan.settings.stations.values()]
+
+    def stations(self, wildcards: Wildcards) -> list[dict[str, Any]]:
+        """Return the stations of the wildcard `stations`."""
+        names = naming.strip_seed(wildcards.stations, naming.NOISE)
+        return [asdict(station) for station in sheets.parse_stations(names, self.plan.settings.stations)]
+
+    def noise_seed(self, wildcards: Wildcards) -> int:
+        """Return the seed of the measurement noise, which the wildcard `stations` may end in."""
+        default = self.plan.seeds["noise"]
+        return naming.parse_seed(wildcards.stations, naming.NOISE, default=default)[1]
+
+    def window_hours(self, wildcards: Wildcards) -> float:
+        """Return the hours of tracks that each estimate is made of."""
+        return naming.parse_window(wildcards.window, default=self.plan.window_hours)
+
+    def estimation(self, wildcards: Wildcards) -> dict[str, Any]:
+        """Return the settings of the fits, with what the suffix of the estimates changes."""
+        after_hours = naming.parse_both_sides(wildcards.window)
+        return (
+            dict(self.plan.values["estimation"])
+            | {"window_hours": self.window_hours(wildcards), "cd_bounds": self.cd_bounds}
+            | ({"after_hours": after_hours} if after_hours else {})
+            | naming.parse_fit(wildcards.window)
+        )
+
+    def label_window(self, wildcards: Wildcards) -> str:
+        """Return the suffix of the later estimates that labels are made of."""
+        return naming.label_window(wildcards.label, hours=self.plan.window_hours)
+
+    def arc(self, wildcards: Wildcards) -> dict[str, float]:
+        """Return window [h] and memory [days] of arcs."""
+        hours, days = naming.parse_arc(wildcards.arc)
+        return {"window_hours": hours, "memory_days": days}
+
+    def thermometer(self, wildcards: Wildcards) -> dict[str, Any]:
+        """Return the settings of the thermometer, and the place of the RSO in its catalogue, if any."""
+        settings = self.plan.thermometer
+        rsos = settings["rsos"]
+        return {
+            "thermometer": {key: settings[key] for key in settings if key not in ("rsos", "left_out")},
+            "member": rsos.index(wildcards.rso) if wildcards.rso in rsos else None,
+        }
+
+    def cleaning(self, wildcards: Wildcards) -> dict[str, Any]:
+        """Return the settings of the cleaning, with the reading of t_b that the wildcards ask for."""
+        study = self.plan.study
+        previous = naming.parse_reading(wildcards.reading, previous=study.cleaning.previous)
+        return dict(study.entry("cleaning")) | {"previous": previous}
+
+    def learner(self, wildcards: Wildcards) -> dict[str, Any]:
+        """Return the settings of a learner with its variables; for e_y where the name has no component."""
+        values = self.plan.values
+        return learners.resolved(
+            naming.parse_learner(wildcards.learner, values["learners"]),
+            component=dict(wildcards.items()).get("component", components.CORRECTED),
+            variables=values["learning"]["variables"],
+        )
+
+    def learner_arc(self, wildcards: Wildcards) -> tuple[float, float]:
+        """Return window [h] and memory [days] of the arcs that a learner reads, 0 and 0 without arcs."""
+        return learners.arc_of(self.learner(wildcards)) or (0.0, 0.0)
+
+    def split(self, wildcards: Wildcards) -> dict[str, Any]:
+        """Return the training split and its seed."""
+        default = self.plan.seeds["split"]
+        train, seed = naming.parse_seed(wildcards.train, naming.SPLIT, default=default)
+        naming.check_split(naming.parse_train(train), duration_days=self.plan.values["duration_days"])
+        return {"train": train, "seed": seed}
+
+    def train_days(self, wildcards: Wildcards) -> list[float]:
+        """Return first and last day of the training; raise InputError where it is no window of days."""
+        train = self.split(wildcards)["train"]
+        split = naming.parse_train(train)
+        if split.kind != "days":
+            raise InputError(f"training split '{train}': expected a window of days, such as days-0-20")
+        return list(split.days)
+
+    def training(self, wildcards: Wildcards) -> dict[str, Any]:
+        """Return the params of all jobs that split a dataset: epoch, split, seed and span."""
+        return {
+            "epoch": self.plan.values["epoch"],
+            **self.split(wildcards),
+            "span_days": self.plan.study.span_days,
+        }
+
+    def experiment(self, wildcards: Wildcards) -> dict[str, str]:
+        """Return the experiment in the columns of `metrics`."""
+        experiment = Experiment(**dict(wildcards.items()))
+        naming.check_split(
+            naming.parse_test(experiment.test), duration_days=self.plan.values["duration_days"]
+        )
+        if experiment.test == "seen" and experiment.rso != experiment.target:
+            expected = f"expected the RSO that was trained on, {experiment.rso}"
+            raise InputError(f"split 'seen': {expected}, got {experiment.target}")
+        return experiment.columns()
+
+    def check_simulated(self, wildcards: Wildcards) -> None:
+        """Raise InputError for the truth of an RSO whose tracks were measured."""
+        if wildcards.rso in self.plan.tracks:
+            known = "what was measured has no truth, and no seed of the noise"
+            raise InputError(
+                f"truth of '{wildcards.rso}': expected an RSO without tracks of its own, as {known}"
+            )
+
+    def check_without_truth(self, wildcards: Wildcards) -> None:
+        """Raise InputError for a learner that knows what only a simulation does."""
+        learners.check_without_truth(wildcards.learner, self.learner(wildcards))
+
+    def departures(self, wildcards: Wildcards) -> dict[str, Any]:
+        """Return the params that choose the estimates that ephemerides start from, and fly them."""
+        values = self.plan.values
+        return self.assumed_model | {
+            "rso": self.rso(wildcards),
+            "cleaning": self.cleaning(wildcards),
+            "window_hours": self.window_hours(wildcards),
+            "cd_bounds": self.cd_bounds,
+            "mechanism": values["mechanism"],
+            "arc": [0, 0],
+            "max_days": values["prediction"]["max_days"],
+        }
+
+    def daily_training(self, wildcards: Wildcards) -> dict[str, Any]:
+        """Return the params of departures, and of the learner that is trained anew each morning."""
+        return self.departures(wildcards) | {
+            "arc": self.learner_arc(wildcards),
+            "learner": self.learner(wildcards),
+            "seed": self.split(wildcards)["seed"],
+            "train_days": self.train_days(wildcards),
+        }
+
+    def ephemeris(self, wildcards: Wildcards) -> dict[str, Any]:
+        """Return the start and the time grid of ephemerides."""
+        values = self.plan.values
+        return {
+            "known_until_days": self.train_days(wildcards)[1],
+            "from": values["ephemeris"]["from"],
+            "grid": [
+                values["ephemeris"]["step_s"],
+                values["prediction"]["max_days"],
+                values["duration_days"],
+            ],
+        }
+
+    def errors(self, experiment: Experiment, **more: Any) -> dict[str, Any]:
+        """Return the params of a figure of errors: epoch, cleaning, parts of the experiment's name."""
+        return {
+            "epoch": self.plan.values["epoch"],
+            "cleaning": dict(self.plan.study.entry("cleaning")),
+            **experiment.names(),
+            **more,
+        }
+
+    def comparison(self, experiments: Mapping[str, Experiment]) -> dict[str, Any]:
+        """Return the params of a figure that compares models on one test.
+
+        experiments: by the model's name; the plan ends where there is none
+        """
+        if not experiments:
+            end_plan("study: learners: expected at least one model that corrects, got none")
+        names = next(iter(experiments.values())).names() | {"learner": "models"}
+        return {
+            "epoch": self.plan.values["epoch"],
+            "weather": self.plan.weather,
+            "learners": list(experiments),
+            **names,
+        }
+
+    def mornings(self, wildcards: Wildcards) -> dict[str, Any]:
+        """Return the params of a figure of a study's replayed mornings."""
+        study = self.plan.own_study
+        return {
+            "epoch": self.plan.values["epoch"],
+            "learners": list(study.mornings(wildcards.rso, wildcards.stations)),
+            "laws": study.laws,
+            "seed": self.plan.seeds["split"],
+            "days": study.report.durations,
+            "note": f"{wildcards.rso} by {wildcards.stations}. {self.plan.weather}",
+        }

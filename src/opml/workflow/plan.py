@@ -1,0 +1,159 @@
+"""What a run's settings mean for all rules: studies, products, and the patterns of wildcards."""
+
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NoReturn
+
+from opml import naming, tables
+from opml.report.settings_tables import weather
+from opml.study import shared_truths
+from opml.study.beyond import Beyond
+from opml.study.experiments import Study
+from opml.study.own_study import OwnStudy
+from opml.study.paper import Paper
+from opml.study.settings.merging import Settings
+from opml.workflow.environment_files import EnvironmentFiles
+from opml.workflow.products import Product
+
+
+def end_plan(error: object) -> NoReturn:
+    """End the plan with one line, where Snakemake would put its own frame around the message."""
+    sys.exit(f"opml: {error}")
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The settings of a run, and what follows from them for more than one rule."""
+
+    settings: Settings
+
+    @property
+    def values(self) -> Mapping[str, Any]:
+        """The settings as a mapping."""
+        return self.settings.values
+
+    @cached_property
+    def study(self) -> Study:
+        """The study that is asked of the run."""
+        return Study(self.settings)
+
+    @cached_property
+    def paper(self) -> Paper:
+        """The experiments of the paper."""
+        return Paper(self.study)
+
+    @cached_property
+    def beyond(self) -> Beyond:
+        """The experiments beyond the paper."""
+        return Beyond(self.paper)
+
+    @cached_property
+    def own_study(self) -> OwnStudy:
+        """The experiments of a study of any RSO."""
+        return OwnStudy(self.study)
+
+    @cached_property
+    def orbits(self) -> Mapping[str, list[str]]:
+        """Files of the orbits that stand in for a simulated truth, by RSO."""
+        return self.settings.orbits
+
+    @cached_property
+    def tracks(self) -> Mapping[str, list[str]]:
+        """Files of tracks that were measured, by RSO."""
+        return self.settings.tracks
+
+    @cached_property
+    def environment(self) -> EnvironmentFiles:
+        """The tables of the environment."""
+        return EnvironmentFiles(self.values)
+
+    @cached_property
+    def thermometer(self) -> Mapping[str, Any]:
+        """Settings of the catalogue that measures the thermosphere; empty where there is none."""
+        thermometer: Mapping[str, Any] = self.values.get("thermometer", {})
+        return thermometer
+
+    @cached_property
+    def catalogue(self) -> list[str]:
+        """The RSOs of the thermometer's catalogue, those that are left out included."""
+        return [*self.thermometer.get("rsos", []), *self.thermometer.get("left_out", [])]
+
+    @cached_property
+    def truth_groups(self) -> list[tuple[str, ...]]:
+        """The RSOs of the catalogue and of the studies, by the job that flies their truths together."""
+        rsos = [*self.catalogue, *shared_truths.named_rsos(self.paper, self.beyond, self.own_study)]
+        return shared_truths.groups(self.study, dict.fromkeys(rsos), results=Path(self.values["results"]))
+
+    @cached_property
+    def weather(self) -> str:
+        """What fits and predictions know of the space weather, as a line of a figure."""
+        return weather(self.values).replace("`", "").rstrip(".")
+
+    @property
+    def seeds(self) -> Mapping[str, int]:
+        """The run's seeds of noise and splits."""
+        return self.study.own_seeds
+
+    @property
+    def window_hours(self) -> float:
+        """Hours of tracks that an estimate is made of, where its name says no other."""
+        hours: float = self.values["estimation"]["window_hours"]
+        return hours
+
+    def product(self, name: str) -> Product:
+        """Return the paths of a product by its name below the results; wildcards in single braces."""
+        return Product(self.values["results"], name)
+
+    def window(self, hours: float) -> str:
+        """Return the suffix of estimates over a window [h]."""
+        return naming.window_suffix(hours, default=self.window_hours)
+
+    @cached_property
+    def constraints(self) -> dict[str, str]:
+        """Regular expressions of the wildcards that rules share, by the wildcards' names."""
+        rso = naming.rso_pattern(self.settings.rsos)
+        noise = naming.seed_pattern(naming.NOISE, default=self.seeds["noise"])
+        split = naming.seed_pattern(naming.SPLIT, default=self.seeds["split"])
+        return {
+            "rso": rso,
+            "target": rso,
+            "stations": naming.stations_pattern(self.settings.stations) + noise,
+            "window": f"(?:{self.window_pattern}|{naming.PERFECT})",
+            "arc": naming.ARC,
+            "reading": f"(?:{naming.other_reading(self.study.cleaning.previous)})?",
+            "label": f"(?:{self.label_pattern})?",
+            "train": f"(?:{naming.TRAIN}){split}",
+            "test": naming.TEST,
+            "learner": naming.learner_pattern(self.values["learners"]),
+            "component": "|".join(tables.COMPONENTS),
+            "evaluation": naming.alternatives(self.paper.evaluations),
+            "ratio": r"[1-9]\d?",
+            "grid": naming.alternatives(self.paper.grids),
+            "curve": naming.alternatives(self.paper.curves),
+        }
+
+    @cached_property
+    def window_pattern(self) -> str:
+        """Regular expression of the suffix of estimates: window and settings of the fit, or none."""
+        estimation = self.values["estimation"]
+        return naming.window_pattern(default=self.window_hours) + naming.fit_pattern(
+            convergence=estimation["convergence"], light_time=estimation.get("light_time", False)
+        )
+
+    @cached_property
+    def label_pattern(self) -> str:
+        """Regular expression of the suffix of labels from later estimates."""
+        return naming.alternatives(filter(None, naming.LABELS.values()))
+
+    @cached_property
+    def pool_pattern(self) -> str:
+        """Regular expression of a pool of RSOs without one of them."""
+        return naming.pool_pattern(self.study.entry("pools"), self.settings.rsos)
+
+    @cached_property
+    def training_pattern(self) -> str:
+        """Regular expression of what a model is trained on: an RSO or a pool."""
+        return f"(?:{naming.rso_pattern(self.settings.rsos)}|{self.pool_pattern})"

@@ -1,0 +1,29 @@
+"""What a run does before its first job."""
+
+import os
+import time
+from pathlib import Path
+from typing import Any
+
+from opml.base.files import FilePath
+
+
+def date_back_to_now(folder: FilePath) -> None:
+    """Give tables of a folder that are dated in the future the present time.
+
+    After a clock was set back, Snakemake would refuse what is made from them, as it would be older.
+    """
+    now = time.time()
+    for path in Path(folder).rglob("[!.]*.parquet"):
+        if path.stat().st_mtime > now:
+            os.utime(path, (now, now))
+
+
+def lift_job_rate(workflow: Any) -> None:
+    """Lift Snakemake's limit of a hundred jobs a second, which is meant for queues, where jobs run here.
+
+    With the limit, each look at the jobs that are ready causes another one a second later, and each job that
+    ends causes one more a second, for good. Behind five hundred jobs they take half a core (Snakemake 9.27).
+    """
+    if not workflow.non_local_exec:
+        workflow.scheduler.job_rate_limiter = None
