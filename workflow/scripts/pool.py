@@ -8,6 +8,6 @@ with job(snakemake) as metadata:
     settings = snakemake.params.settings
     kind = read_kind(snakemake.input[0])
     schema = mechanism_schema(settings["resonances"]) if kind == "mechanism" else SCHEMAS[kind]
-    table = dataset.pooled([read_table(path, schema) for path in snakemake.input])
+    table = dataset.pool([read_table(path, schema) for path in snakemake.input])
     metadata |= {"resonances": settings["resonances"]}
     write_table(snakemake.output[0], table, schema, metadata=metadata)

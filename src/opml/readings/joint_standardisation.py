@@ -12,7 +12,7 @@ import pandas as pd
 from opml.base.errors import InputError
 from opml.learning.models import learners
 from opml.learning.models.contract import Model, Settings
-from opml.learning.models.inputs import Training, checked_rows, columns_of
+from opml.learning.models.inputs import Training, check_rows, columns_of
 from opml.readings.own_standardisation import Standardising
 
 
@@ -27,7 +27,7 @@ def train(
     learner that does not standardise.
     """
     variables = settings["variables"]
-    beside = checked_rows(columns_of(tested, variables), variables)
+    beside = check_rows(columns_of(tested, variables), variables)
     training = Training.from_rows(rows, variables, component=component, seed=seed)
     model = learners.fit(replace(training, standardised_with=beside), settings)
     if not isinstance(model, Standardising):

@@ -12,7 +12,7 @@ import numpy as np
 
 from opml.base.errors import InputError
 from opml.learning.models.contract import Model, Predictor
-from opml.learning.models.inputs import checked_rows, standardisation
+from opml.learning.models.inputs import check_rows, standardisation
 from opml.naming import parse_test
 
 
@@ -46,7 +46,7 @@ class Rescaled:
 
     def predict(self, x: np.ndarray) -> np.ndarray:
         """Return predicted errors (n,) of rows x (n, variables); each depends on all rows."""
-        x = checked_rows(x, self.variables)
+        x = check_rows(x, self.variables)
         mean, scale = standardisation(x)
         return self.model.predict(self.mean + self.scale * (x - mean) / scale)
 

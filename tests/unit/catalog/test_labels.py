@@ -156,7 +156,7 @@ def chain(assumed_model, orbit, earth_orientation, three_stations, iss):
             known = labels.build(pairs, later, tracks, after=after)
             table = dataset.build(short, pairs, tracks, gm=assumed_model.gm, cleaning=CLEANING, labels=known)
             for other in beside:
-                table = dataset.beside_it(table, other)
+                table = dataset.join_beside(table, other)
             made[label] = table
         return made
 
@@ -194,7 +194,7 @@ def test_what_is_measured_after_the_training_changes_no_byte_of_a_model(label, k
 
 @pytest.mark.parametrize("label", ["later", "smoothed"])
 def test_what_is_measured_later_would_show_if_it_were_used(label, known, moved, tmp_path):
-    early = {of: table[label].assign(t_known=0.0) for of, table in (("known", known), ("moved", moved))}
+    early = {name: table[label].assign(t_known=0.0) for name, table in (("known", known), ("moved", moved))}
     after = known[label]["t_known"] > END_OF_TRAINING
     assert not after[splits.training_rows(known[label], TRAIN, span_days=[0, 1], seed=1)].any()
     shift = np.abs(known[label]["e_y"] - moved[label]["e_y"])

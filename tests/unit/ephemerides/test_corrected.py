@@ -15,7 +15,7 @@ from opml.ephemerides import corrected
 from opml.figures import later_errors
 from opml.interop import oem
 from opml.learning.judge.error_sizes import Sizes
-from opml.learning.models.linear_law import MechanismModel
+from opml.learning.models.linear_law import LinearLaw
 from opml.orbits.elements import cartesian_from_coe, in_rsw
 from opml.orbits.rsw_covariance import rates
 from opml.tables import (
@@ -34,7 +34,7 @@ EPOCH = "2016-09-28T12:09:45"
 TIMES = np.array([0.0, 0.3, 0.61, 1.1, 1.5]) * DAY
 CD = [2.25, 2.1, 2.4, 2.3, 2.2]
 GRID = corrected.Grid(step=60.0, max_days=0.8, end=2.0 * DAY)
-LAW = MechanismModel(("l_y", "v_y", "l_arc_y"), ("l_y", "v_y", "l_arc_y"), np.array([0.7, 0.02, 0.1]))
+LAW = LinearLaw(("l_y", "v_y", "l_arc_y"), ("l_y", "v_y", "l_arc_y"), np.array([0.7, 0.02, 0.1]))
 
 
 class Taught:

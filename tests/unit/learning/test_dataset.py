@@ -345,22 +345,22 @@ def pairs(**columns):
 
 
 def test_columns_of_another_table_of_the_same_pairs_come_beside():
-    own = pairs(keep=[True, True, False], reason=["", "", "why"], e_y=[1.0, 2.0, 3.0])
+    rows = pairs(keep=[True, True, False], reason=["", "", "why"], e_y=[1.0, 2.0, 3.0])
     other = pairs(v_y=[10.0, np.nan, np.nan]).iloc[::-1]
-    found = dataset.beside_it(own, other)
+    found = dataset.join_beside(rows, other)
     assert list(found["v_y"].fillna(0.0)) == [10.0, 0.0, 0.0]
     assert list(found["keep"]) == [True, False, False]
     assert list(found["reason"]) == ["", dataset.NO_NUMBERS, "why"]
 
 
 def test_a_table_that_lacks_a_pair_is_told():
-    own = pairs(keep=True, reason="", e_y=0.0)
+    rows = pairs(keep=True, reason="", e_y=0.0)
     with pytest.raises(InputError, match="expected every pair of the dataset, got none of 1, 2"):
-        dataset.beside_it(own, pairs(v_y=0.0).iloc[:2])
+        dataset.join_beside(rows, pairs(v_y=0.0).iloc[:2])
 
 
 def test_pooled_rsos_keep_their_estimates_apart():
-    found = dataset.pooled([pairs(b=-1, e_y=1.0), pairs(b=0, e_y=2.0)])
+    found = dataset.pool([pairs(b=-1, e_y=1.0), pairs(b=0, e_y=2.0)])
     assert list(found["i"]) == [0, 0, 1, 3, 3, 4]
     assert list(found["j"]) == [1, 2, 2, 4, 5, 5]
     assert list(found["b"]) == [-1, -1, -1, 3, 3, 3]

@@ -64,12 +64,12 @@ def test_the_doubt_of_later_estimates_is_no_part_of_a_size():
     past = replays(days=40)
     noise = 40.0 * np.random.default_rng(4).normal(size=len(past))
     held = past.assign(e_z=past["e_z"] + noise, doubt_z=40.0)
-    plain, told, untold = (
+    plain, doubted, trusted = (
         Sizes.learned(one, now=40.0 * DAY).sigmas(AHEAD)[0, 2]
         for one in (past, held, held.assign(doubt_z=0.0))
     )
-    assert told == pytest.approx(plain, rel=0.3)
-    assert untold > 1.4 * plain
+    assert doubted == pytest.approx(plain, rel=0.3)
+    assert trusted > 1.4 * plain
 
 
 def test_the_newest_errors_weigh_most():
@@ -82,16 +82,16 @@ def test_the_newest_errors_weigh_most():
 def test_ellipsoids_of_another_month_hold_their_share():
     past, ahead = replays(days=40), replays(days=40, seed=7)
     sigma = Sizes.learned(past, now=40.0 * DAY).sigmas(ahead)
-    told = ahead.assign(**dict(zip(SIGMA_STATE, sigma.T, strict=True)))
-    shares = calibration.of_replay(told, days=[1.0, 3.0, 7.0])
+    stated = ahead.assign(**dict(zip(SIGMA_STATE, sigma.T, strict=True)))
+    shares = calibration.of_replay(stated, days=[1.0, 3.0, 7.0])
     main = shares[shares["level"] == 0.9].set_index(["quantity", "day"])["inside"]
     # 160 errors at each duration tell a share to 2.4 %, and so do those that the sizes are from.
     for quantity in ("e_x", "e_y", "e_z", "plane", "ellipsoid", "state"):
         np.testing.assert_allclose(main[quantity], 0.9, atol=0.1)
-    tested = calibration.goodness(told, days=[1.0, 3.0, 7.0])
+    tested = calibration.goodness(stated, days=[1.0, 3.0, 7.0])
     assert (tested["mornings"] == 40).all()
     assert (tested["p"] > 0.01).all()
-    narrow = told.assign(**{name: 0.4 * told[name] for name in SIGMA_STATE})
+    narrow = stated.assign(**{name: 0.4 * stated[name] for name in SIGMA_STATE})
     assert (calibration.goodness(narrow, days=[1.0, 3.0])["p"] < 1e-3).all()
     assert (calibration.goodness(narrow, days=[1.0])["score"] > tested["score"].iloc[0]).all()
 

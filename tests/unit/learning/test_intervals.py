@@ -16,8 +16,8 @@ def sample(estimates, seed, *, spread=1.0):
     rng = np.random.default_rng(seed)
     groups = np.repeat(np.arange(estimates), rng.integers(5, 40, estimates))
     duration = rng.uniform(HOUR, 168 * HOUR, len(groups))
-    own = rng.normal(size=estimates)[groups]
-    residual = spread * (duration / HOUR) ** 2 * (own + 0.3 * rng.normal(size=len(groups)))
+    offset = rng.normal(size=estimates)[groups]
+    residual = spread * (duration / HOUR) ** 2 * (offset + 0.3 * rng.normal(size=len(groups)))
     return duration, residual, groups
 
 

@@ -157,11 +157,11 @@ def test_the_arcs_that_a_learner_asks_for():
     assert arc_of(**SETTINGS["running"]) == (96.0, 30.0)
     assert arc_of(kind="refitted", window_hours=48) == (48.0, 30.0)
     assert arc_of(**MECHANISM) is None
-    own = {"kind": "linear_law", "terms": ["l_arc", "v_arc*cd_arc"], "window_hours": 24, "memory_days": 8}
-    assert arc_of(**own) == (24.0, 8.0)
-    assert arc_of(kind="stacked", first=own, second=BOOSTING) == (24.0, 8.0)
+    law = {"kind": "linear_law", "terms": ["l_arc", "v_arc*cd_arc"], "window_hours": 24, "memory_days": 8}
+    assert arc_of(**law) == (24.0, 8.0)
+    assert arc_of(kind="stacked", first=law, second=BOOSTING) == (24.0, 8.0)
     with pytest.raises(InputError, match="expected one window for both parts, got 2"):
-        arc_of(kind="stacked", first=own, second=own | {"window_hours": 48})
+        arc_of(kind="stacked", first=law, second=law | {"window_hours": 48})
     with pytest.raises(InputError, match="expected window_hours beside columns of the arcs"):
         arc_of(kind="linear_law", terms=["l_arc"])
 
@@ -351,8 +351,8 @@ def test_every_kind_is_tested_and_described():
 @pytest.fixture
 def validator():
     shared = read_yaml(REPOSITORY / "workflow" / "schemas" / "config.schema.yaml")["$defs"]
-    own = {"learner": learners.settings_schema()}
-    return Draft202012Validator({"$ref": "#/$defs/learner", "$defs": shared | own})
+    definition = {"learner": learners.settings_schema()}
+    return Draft202012Validator({"$ref": "#/$defs/learner", "$defs": shared | definition})
 
 
 @KINDS
@@ -456,15 +456,15 @@ def test_the_recipe_for_a_new_kind_makes_its_settings_known(quantile, monkeypatc
         learners_ = source.values["learners"] | {"mine": {"kind": "quantile"} | settings}
         return checks.load(Source(source.values | {"learners": learners_}, source.layers), schema=schema)
 
-    def told(**settings):
+    def complaint(**settings):
         with pytest.raises(InputError) as raised:
             load(**settings)
         return str(raised.value).partition("learners.mine.")[2]
 
     load(**QUANTILE)
-    assert told(share=2) == "share: expected a number between 0 and 1, got 2"
-    assert told() == "share: expected a value, got none"
-    assert told(share=0.5, shares=1) == "shares: unknown key; did you mean share?"
+    assert complaint(share=2) == "share: expected a number between 0 and 1, got 2"
+    assert complaint() == "share: expected a value, got none"
+    assert complaint(share=0.5, shares=1) == "shares: unknown key; did you mean share?"
 
 
 def test_the_recipe_for_a_new_kind_makes_its_words_and_its_table_known(quantile):

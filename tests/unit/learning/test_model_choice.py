@@ -68,7 +68,7 @@ def stated(table, sigma):
 
 
 @pytest.fixture(scope="module")
-def told(errors):
+def replayed(errors):
     """Mornings of two plain models and of a law that begins later."""
     table = stated(errors, 400.0)
     law = scaled(table, 0.6)
@@ -79,13 +79,13 @@ def told(errors):
     )
 
 
-def test_mornings_hold_the_same_predictions_of_every_model(told, errors):
-    pairs = [list(zip(table["i"], table["j"], strict=True)) for table in told.tables.values()]
+def test_mornings_hold_the_same_predictions_of_every_model(replayed, errors):
+    pairs = [list(zip(table["i"], table["j"], strict=True)) for table in replayed.tables.values()]
     assert pairs[0] == pairs[1] == pairs[2]
-    assert min(told.choices) == 5.0 * DAY
-    assert told.earlier == (errors["t_i"] < 5.0 * DAY).sum()
-    assert len(told.flown) == len(pairs[0])
-    flown = [one.chosen for one in told.choices.values()]
+    assert min(replayed.choices) == 5.0 * DAY
+    assert replayed.earlier == (errors["t_i"] < 5.0 * DAY).sum()
+    assert len(replayed.flown) == len(pairs[0])
+    flown = [one.chosen for one in replayed.choices.values()]
     assert flown[0] == "running"
     assert flown[-1] == "law"
 
@@ -96,23 +96,28 @@ def test_models_without_a_morning_in_common_are_told(errors):
         Mornings.from_replays({"running": errors, "law": late}, ["law"], seed=1)
 
 
-def test_the_report_leads_with_what_was_flown(told):
+def test_the_report_leads_with_what_was_flown(replayed):
     key = ("lares", "eglin")
     text = document.markdown(
-        [*mornings.section({key: told}, [1, 7], ["law"]), *uncertainty.section({key: told}, {}, [1.0, 7.0])]
+        [
+            *mornings.section({key: replayed}, [1, 7], ["law"]),
+            *uncertainty.section({key: replayed}, {}, [1.0, 7.0]),
+        ]
     )
-    best, share = mornings.compare(told, ["law"])
+    best, share = mornings.compare(replayed, ["law"])
     assert best == "running"
     assert 60.0 < share < 100.0
     assert f"What the past chose left {share:.0f} % of what `running` left" in text
     assert "| chosen by the past |" in text
     assert "| no correction |" in text
-    assert f"{told.earlier} more began before all models" in text
+    assert f"{replayed.earlier} more began before all models" in text
     assert "## Is the uncertainty true?" in text
     assert "the 90 % ellipsoid holds" in text
     assert "nan" not in text
-    untold = Mornings.from_replays({"running": told.tables["running"].assign(sigma_x=np.nan)}, [], seed=1)
-    short = document.markdown(uncertainty.section({key: untold}, {}, [1.0]))
+    unstated = Mornings.from_replays(
+        {"running": replayed.tables["running"].assign(sigma_x=np.nan)}, [], seed=1
+    )
+    short = document.markdown(uncertainty.section({key: unstated}, {}, [1.0]))
     assert uncertainty.TOO_SHORT in short
 
 

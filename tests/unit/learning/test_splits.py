@@ -185,12 +185,12 @@ def test_a_test_without_fences_takes_what_only_they_dropped(table):
     )
     errors = np.where(fenced, 1e5, np.arange(len(table)) % 11)
     table = table.assign(reason=reasons, e_y=errors)
-    kept, free, own = (
+    kept, free, refenced = (
         splits.test_rows(table, f"days-30-40{fence}", span_days=SPAN, trained=None)
         for fence in ("", "-unfenced", "-fence3")
     )
     assert set(table["reason"][free & ~kept]) == {OUTSIDE_FENCES}
     assert (free | ~kept).all()
-    assert (own == kept).all()  # their errors are far outside of the others'
+    assert (refenced == kept).all()  # their errors are far outside of the others'
     wide = splits.test_rows(table, "days-30-40-fence1000000", span_days=SPAN, trained=None)
     assert (wide == free).all()

@@ -72,12 +72,12 @@ def test_the_default_combination_changes_nothing(asked):
 
 
 def test_the_nearest_comes_first(asked):
-    published = {own.path(""): number for own, number in asked.numbers.values()}
+    published = {experiment.path(""): number for experiment, number in asked.numbers.values()}
 
     def p_ml(one):
         """The paper's own numbers, five points off but for one combination, which is one point off."""
-        own = published.get(Combination("svr").applied_to(one).path("").replace("-unfenced", ""), 50.0)
-        return own + (1.0 if one.learner == "svr_s5.6" and not one.window else 5.0)
+        number = published.get(Combination("svr").applied_to(one).path("").replace("-unfenced", ""), 50.0)
+        return number + (1.0 if one.learner == "svr_s5.6" and not one.window else 5.0)
 
     found = scan_report.outcomes(asked, metrics(asked, p_ml))
     assert len(found) == 16

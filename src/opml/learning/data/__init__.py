@@ -1,1 +1,1 @@
-"""What is learned from: the dataset, its cleaning, the rows of a split."""
+"""What models learn from: the dataset, its cleaning, the rows of a split."""

@@ -54,8 +54,9 @@ def build(
     gm: for the orbital elements [m3/s2]
     labels: that table, whose errors replace those of the predictions; the table is `labelled` then
 
-    Learning variables are NaN where they do not exist. t_b is the time of the last earlier estimate that
-    converged with Cd inside the bounds (`kept_estimate`), or of the track just before if it did (`track`).
+    Learning variables are NaN where they do not exist. With `kept_estimate` as `cleaning.previous`, t_b is
+    the time of the last earlier estimate that converged with Cd inside the bounds. With `track` it is the
+    time of the track just before, if its estimate did so.
 
     A row without a true error, or without a label, is dropped for that reason unless another holds first. A
     row is dropped where a manoeuvre lies between the oldest measurement of its earlier estimate and the time
@@ -98,11 +99,11 @@ def read(path: str | PathLike[str], beside: Iterable[str | PathLike[str]] = ()) 
             schema = mechanism_schema(read_metadata(other)["resonances"])
         else:
             schema = SCHEMAS[kind]
-        dataset = beside_it(dataset, read_table(other, schema))
+        dataset = join_beside(dataset, read_table(other, schema))
     return dataset
 
 
-def beside_it(dataset: pd.DataFrame, other: pd.DataFrame) -> pd.DataFrame:
+def join_beside(dataset: pd.DataFrame, other: pd.DataFrame) -> pd.DataFrame:
     """Return the dataset with the columns of a table of the same pairs beside its own.
 
     A row without numbers in the other table (a neighbour of its arc decayed) is dropped for that reason, if
@@ -119,7 +120,7 @@ def beside_it(dataset: pd.DataFrame, other: pd.DataFrame) -> pd.DataFrame:
     return joined.assign(keep=joined["keep"] & ~lost, reason=joined["reason"].mask(lost, NO_NUMBERS))
 
 
-def pooled(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
+def pool(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
     """Return tables of pairs (i, j) of several RSOs below each other, with their tracks numbered through.
 
     So estimates of different RSOs stay apart in splits by estimate and in their bootstrap.

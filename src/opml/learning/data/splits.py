@@ -66,7 +66,7 @@ def training_rows(dataset: pd.DataFrame, name: str, *, span_days: Sequence[float
             rows = _grouped_share(candidates, dataset["i"].to_numpy(), percent=split.percent, seed=seed)
         case _:
             rows = candidates
-    return _not_empty(rows, f"training split '{name}'")
+    return _check_not_empty(rows, f"training split '{name}'")
 
 
 def test_rows(
@@ -82,7 +82,7 @@ def test_rows(
     split = parse_test(name)
     seen = np.zeros(len(dataset), dtype=bool) if trained is None else trained
     if split.kind == "seen":
-        return _not_empty(seen & dataset["keep"].to_numpy(), f"test split '{name}'")
+        return _check_not_empty(seen & dataset["keep"].to_numpy(), f"test split '{name}'")
     window = split.days if split.kind == "days" else span_days
     usable = dataset["keep"] if split.fence is None else dataset["reason"].isin(["", OUTSIDE_FENCES])
     rows = usable.to_numpy() & in_days(dataset["t_j"].to_numpy(), window) & ~seen
@@ -90,7 +90,7 @@ def test_rows(
         rows &= in_days(dataset["t_i"].to_numpy(), window)
     if split.fence is not None and math.isfinite(split.fence) and rows.any():
         rows &= _within_own_fences(dataset["e_y"].to_numpy(), rows, fence=split.fence)
-    return _not_empty(rows, f"test split '{name}'")
+    return _check_not_empty(rows, f"test split '{name}'")
 
 
 def rows_tested(
@@ -135,7 +135,7 @@ def _within_own_fences(e_y: np.ndarray, rows: np.ndarray, *, fence: float) -> np
     return inside
 
 
-def _not_empty(rows: np.ndarray, what: str) -> np.ndarray:
+def _check_not_empty(rows: np.ndarray, what: str) -> np.ndarray:
     if not rows.any():
         raise InputError(f"{what}: expected at least one kept row of the dataset, got none")
     return rows

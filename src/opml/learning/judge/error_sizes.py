@@ -121,7 +121,7 @@ class Sizes:
         days, reach = (now - past["t_i"].min()) / DAY, float(past["duration"].max())
         past = past.iloc[:: -(-len(past) // _MOST_ROWS)]
         weight = np.exp((past["t_j"].to_numpy() - now) / (MEMORY_DAYS * DAY))
-        constant, rate, drag = np.array([_fitted(past, axis, weight) for axis in AXES]).T
+        constant, rate, drag = np.array([_fit_axis(past, axis, weight) for axis in AXES]).T
         plain = cls(constant, rate, drag, np.ones(3), 1.0, days, reach)
         parts = free_parts(past[list(COMPONENTS)].to_numpy(), past["rate"].to_numpy())
         doubt, narrow = past[DOUBT].to_numpy(), np.ones(len(past))
@@ -154,7 +154,7 @@ def weighted_quantile(values: np.ndarray, weight: np.ndarray, level: float) -> f
     return float(values[order][min(int(np.searchsorted(share, level * share[-1])), len(values) - 1)])
 
 
-def _fitted(past: pd.DataFrame, axis: str, weight: np.ndarray) -> tuple[float, float, float]:
+def _fit_axis(past: pd.DataFrame, axis: str, weight: np.ndarray) -> tuple[float, float, float]:
     """Return a, b and c of an axis by quantile regression.
 
     weight: (n,); an error counts in units of the typical error of its day of duration

@@ -13,8 +13,8 @@ from threadpoolctl import threadpool_limits
 
 from opml.base.seeds import derive
 from opml.learning.models.contract import CHOICE, COUNT, POSITIVE, Learner, Metadata, Settings, table_of
-from opml.learning.models.inputs import Training, checked_rows
-from opml.learning.models.metadata import described, restored
+from opml.learning.models.inputs import Training, check_rows
+from opml.learning.models.metadata import describe, restore
 from opml.tables import count, real
 
 if TYPE_CHECKING:
@@ -41,8 +41,8 @@ class BoostingModel:
     offset: float
 
     def predict(self, x: np.ndarray) -> np.ndarray:
-        """Return the predicted target (n,) in its own unit; raise InputError as `checked_rows` does."""
-        x = checked_rows(x, self.variables)
+        """Return the predicted target (n,) in its own unit; raise InputError as `check_rows` does."""
+        x = check_rows(x, self.variables)
         rows = np.arange(len(x))
         predicted = np.full(len(x), self.offset)
         for root in self.roots:
@@ -58,7 +58,7 @@ class BoostingModel:
         table = pd.DataFrame({"tree": np.searchsorted(self.roots, np.arange(len(self.value)), "right") - 1})
         for name in _NODE:
             table[name] = getattr(self, name)
-        return table, described(self, KIND, "offset")
+        return table, describe(self, KIND, "offset")
 
     @classmethod
     def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
@@ -69,7 +69,7 @@ class BoostingModel:
         roots = np.unique(table["tree"].to_numpy(), return_index=True)[1]
         nodes = {name: table[name].to_numpy() for name in _NODE}
         _check_branches(nodes, variables=len(metadata["variables"]))
-        return cls(roots=roots, **nodes, **restored(metadata, "offset"))
+        return cls(roots=roots, **nodes, **restore(metadata, "offset"))
 
 
 def _check_branches(nodes: Mapping[str, np.ndarray], *, variables: int) -> None:
@@ -91,7 +91,7 @@ def fit(training: Training, settings: Settings) -> BoostingModel:
     # Imported only to train: it takes a second, more than most models need to predict.
     from sklearn.ensemble import HistGradientBoostingRegressor
 
-    training = training.checked(least=2)
+    training = training.validate(least=2)
     weights = training.weights
     machine = HistGradientBoostingRegressor(
         loss="absolute_error",

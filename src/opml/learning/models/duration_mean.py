@@ -8,8 +8,8 @@ import pandas as pd
 
 from opml.base.constants import HOUR
 from opml.learning.models.contract import POSITIVE, Learner, Metadata, Settings, fixed, table_of
-from opml.learning.models.inputs import Training, checked_rows
-from opml.learning.models.metadata import described, restored
+from opml.learning.models.inputs import Training, check_rows
+from opml.learning.models.metadata import describe, restore
 from opml.tables import real
 
 KIND = "durationmean"
@@ -31,19 +31,19 @@ class DurationMean:
 
         It is linear between the bins and constant past the ends.
         """
-        durations = checked_rows(x, self.variables)[:, 0]
+        durations = check_rows(x, self.variables)[:, 0]
         predicted: np.ndarray = np.interp(durations, self.duration, self.mean)
         return predicted
 
     def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
         """Return a table with one row per bin, and the model's metadata."""
-        return pd.DataFrame({"duration": self.duration, "mean": self.mean}), described(self, KIND)
+        return pd.DataFrame({"duration": self.duration, "mean": self.mean}), describe(self, KIND)
 
     @classmethod
     def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
         """Return the model that `to_table` wrote, bit for bit."""
         columns = {name: table[name].to_numpy() for name in ("duration", "mean")}
-        return cls(**restored(metadata), **columns)
+        return cls(**restore(metadata), **columns)
 
 
 def fit(training: Training, settings: Settings) -> DurationMean:
@@ -51,7 +51,7 @@ def fit(training: Training, settings: Settings) -> DurationMean:
 
     Raises InputError for values that are not finite.
     """
-    training = training.checked(least=1)
+    training = training.validate(least=1)
     duration = training.x[:, 0]
     bins = np.unique(np.floor(duration / (HOUR * settings["bin_hours"])), return_inverse=True)[1]
     weights = training.row_weights()

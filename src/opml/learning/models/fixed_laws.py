@@ -12,8 +12,8 @@ import numpy as np
 import pandas as pd
 
 from opml.learning.models.contract import POSITIVE, Learner, Metadata, Settings, fixed, table_of
-from opml.learning.models.inputs import Training, checked_rows
-from opml.learning.models.metadata import described, restored
+from opml.learning.models.inputs import Training, check_rows
+from opml.learning.models.metadata import describe, restore
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,8 +24,8 @@ class FixedLaw:
     variables: tuple[str, ...]
 
     def predict(self, x: np.ndarray) -> np.ndarray:
-        """Return the predicted error (n,) in its own unit; raise InputError as `checked_rows` does."""
-        x = checked_rows(x, self.variables)
+        """Return the predicted error (n,) in its own unit; raise InputError as `check_rows` does."""
+        x = check_rows(x, self.variables)
         if len(self.variables) == 1:
             return x[:, 0].copy()
         difference, answer, cd, past = x.T
@@ -34,12 +34,12 @@ class FixedLaw:
 
     def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
         """Return an empty table, and the law's metadata."""
-        return pd.DataFrame(), described(self, self.kind)
+        return pd.DataFrame(), describe(self, self.kind)
 
     @classmethod
     def from_table(cls, _: pd.DataFrame, metadata: Metadata) -> Self:
         """Return the law that `to_table` wrote."""
-        return cls(metadata["kind"], **restored(metadata))
+        return cls(metadata["kind"], **restore(metadata))
 
 
 class NoCorrection(FixedLaw):
@@ -54,7 +54,7 @@ def _law(
     kind: str, description: str, settings: Sequence[str], *variables: str, law: type[FixedLaw] = FixedLaw
 ) -> Learner:
     def fit(training: Training, _: Settings) -> FixedLaw:
-        checked_rows(training.x, training.variables)
+        check_rows(training.x, training.variables)
         return law(kind, tuple(training.variables))
 
     return Learner(

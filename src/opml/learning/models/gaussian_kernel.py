@@ -40,6 +40,6 @@ def vector_table(row: str, weight: Column) -> Table:
     return table
 
 
-def vectors_with(vectors: np.ndarray, variables: Sequence[str], **weights: np.ndarray) -> pd.DataFrame:
+def vector_rows(vectors: np.ndarray, variables: Sequence[str], **weights: np.ndarray) -> pd.DataFrame:
     """Return the rows of such a table: columns of weights (k,), then the vectors (k, variables)."""
     return pd.DataFrame(weights).join(pd.DataFrame(vectors, columns=list(variables)))

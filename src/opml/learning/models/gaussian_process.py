@@ -15,9 +15,9 @@ from threadpoolctl import threadpool_limits
 
 from opml.base.seeds import derive
 from opml.learning.models.contract import CHOICE, COUNT, Learner, Metadata, Settings
-from opml.learning.models.gaussian_kernel import expansion, vector_table, vectors_with
-from opml.learning.models.inputs import Training, checked_rows, subsample
-from opml.learning.models.metadata import described, restored
+from opml.learning.models.gaussian_kernel import expansion, vector_rows, vector_table
+from opml.learning.models.inputs import Training, check_rows, subsample
+from opml.learning.models.metadata import describe, restore
 from opml.tables import real
 
 if TYPE_CHECKING:
@@ -48,8 +48,8 @@ class GaussianProcessModel:
     seed: int
 
     def predict(self, x: np.ndarray) -> np.ndarray:
-        """Return the predicted target (n,) in its own unit; raise InputError as `checked_rows` does."""
-        x = checked_rows(x, self.variables)
+        """Return the predicted target (n,) in its own unit; raise InputError as `check_rows` does."""
+        x = check_rows(x, self.variables)
         width = np.sqrt(2.0) * self.length
         z = (x - self.x_mean) / (self.x_scale * width)
         predicted = expansion(z, self.vectors / width, self.weight)
@@ -57,7 +57,7 @@ class GaussianProcessModel:
 
     def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
         """Return a table with one row per row of the subsample, and the model's metadata."""
-        return vectors_with(self.vectors, self.variables, weight=self.weight), described(self, KIND, *_FIELDS)
+        return vector_rows(self.vectors, self.variables, weight=self.weight), describe(self, KIND, *_FIELDS)
 
     @classmethod
     def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
@@ -65,7 +65,7 @@ class GaussianProcessModel:
         return cls(
             vectors=table[list(metadata["variables"])].to_numpy(dtype=float),
             weight=table["weight"].to_numpy(dtype=float),
-            **restored(metadata, *_FIELDS),
+            **restore(metadata, *_FIELDS),
         )
 
 
@@ -75,7 +75,7 @@ def fit(training: Training, settings: Settings) -> GaussianProcessModel:
     The process has one noise for all rows, so weights are not used. Raises InputError for too few rows or
     values that are not finite.
     """
-    training = training.checked(least=2)
+    training = training.validate(least=2)
     x, y = training.x, training.y
     drawn = subsample(len(x), settings["rows"], derive(training.seed, "gaussian_process", "rows"))
     mean, scale = training.standardisation()

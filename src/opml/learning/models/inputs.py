@@ -49,22 +49,22 @@ class Training:
             weights=None if sigma is None else inverse_variances(sigma.to_numpy()),
         )
 
-    def checked(self, *, least: int) -> Self:
+    def validate(self, *, least: int) -> Self:
         """Return the training with x and y as floats.
 
         Raises InputError for fewer rows than `least`, another shape, or values that are not finite.
         """
-        x = checked_rows(self.x, self.variables)
-        return replace(self, x=x, y=_checked_target(self.y, len(x), least=least))
+        x = check_rows(self.x, self.variables)
+        return replace(self, x=x, y=_check_target(self.y, len(x), least=least))
 
-    def narrowed(self, names: Sequence[str]) -> Self:
+    def narrow(self, names: Sequence[str]) -> Self:
         """Return the training with these variables only."""
         beside = self.standardised_with
         return replace(
             self,
-            x=picked(self.x, self.variables, names),
+            x=pick_columns(self.x, self.variables, names),
             variables=names,
-            standardised_with=None if beside is None else picked(beside, self.variables, names),
+            standardised_with=None if beside is None else pick_columns(beside, self.variables, names),
         )
 
     def row_weights(self) -> np.ndarray:
@@ -88,12 +88,12 @@ def columns_of(rows: pd.DataFrame, variables: Sequence[str]) -> np.ndarray:
     return columns
 
 
-def picked(x: np.ndarray, variables: Sequence[str], names: Sequence[str]) -> np.ndarray:
+def pick_columns(x: np.ndarray, variables: Sequence[str], names: Sequence[str]) -> np.ndarray:
     """Return the columns `names` of x (n, variables)."""
     return np.asarray(x)[:, [list(variables).index(name) for name in names]]
 
 
-def checked_rows(x: np.ndarray, variables: Sequence[str]) -> np.ndarray:
+def check_rows(x: np.ndarray, variables: Sequence[str]) -> np.ndarray:
     """Return rows x (n, variables) as floats.
 
     Raises InputError for another shape or a value that is not finite.
@@ -111,7 +111,7 @@ def checked_rows(x: np.ndarray, variables: Sequence[str]) -> np.ndarray:
     return x
 
 
-def _checked_target(y: np.ndarray, count: int, *, least: int) -> np.ndarray:
+def _check_target(y: np.ndarray, count: int, *, least: int) -> np.ndarray:
     """Return y (count,) as floats; raise InputError for fewer than `least`, or one that is not finite."""
     y = np.asarray(y, dtype=float)
     if count < least:

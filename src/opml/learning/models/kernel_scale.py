@@ -38,16 +38,16 @@ def distance_quantile(x: np.ndarray, quantile: float, *, rng: np.random.Generato
     return float(np.quantile(distances, quantile))
 
 
-def cross_validated(
+def cross_validate(
     training: Training,
     *,
-    predicted: Callable[[float, Training, np.ndarray], np.ndarray],
+    predict: Callable[[float, Training, np.ndarray], np.ndarray],
     rng: np.random.Generator,
 ) -> float:
     """Return the scale of least absolute error on groups held out, from a grid around the scale of sigest.
 
     training: standardised; weights do not count
-    predicted: trains at a scale and predicts new rows
+    predict: trains at a scale and predicts new rows
 
     Rows of one estimate stay in one fold. They share all learning variables but the duration, so a scale
     tuned on rows of the same estimate would be too small. Raises InputError with fewer groups than folds.
@@ -67,7 +67,7 @@ def cross_validated(
     ]
 
     def error(scale: float) -> float:
-        held_out = (np.sum(np.abs(true - predicted(scale, part, new))) for part, new, true in folds)
+        held_out = (np.sum(np.abs(true - predict(scale, part, new))) for part, new, true in folds)
         return float(sum(held_out))
 
     return min((base * factor for factor in CV_FACTORS), key=error)

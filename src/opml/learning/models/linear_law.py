@@ -15,8 +15,8 @@ from threadpoolctl import threadpool_limits
 
 from opml.base.errors import InputError
 from opml.learning.models.contract import ARC, Learner, Metadata, Settings, component_columns, table_of
-from opml.learning.models.inputs import Training, checked_rows
-from opml.learning.models.metadata import described, restored
+from opml.learning.models.inputs import Training, check_rows
+from opml.learning.models.metadata import describe, restore
 from opml.tables import real, text
 
 KIND = "linear_law"
@@ -36,8 +36,8 @@ class LinearLaw:
     coefficient: np.ndarray  # (terms,)
 
     def predict(self, x: np.ndarray) -> np.ndarray:
-        """Return the predicted target (n,) in its own unit; raise InputError as `checked_rows` does."""
-        x = checked_rows(x, self.variables)
+        """Return the predicted target (n,) in its own unit; raise InputError as `check_rows` does."""
+        x = check_rows(x, self.variables)
         terms = products(x, self.variables, self.terms)
         predicted: np.ndarray = np.einsum("nk,k->n", terms, self.coefficient)
         return predicted
@@ -45,13 +45,13 @@ class LinearLaw:
     def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
         """Return a table with one row per term, and the law's metadata."""
         table = pd.DataFrame({"term": list(self.terms), "coefficient": self.coefficient})
-        return table, described(self, KIND)
+        return table, describe(self, KIND)
 
     @classmethod
     def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
         """Return the law that `to_table` wrote, bit for bit."""
         return cls(
-            terms=tuple(table["term"]), coefficient=table["coefficient"].to_numpy(), **restored(metadata)
+            terms=tuple(table["term"]), coefficient=table["coefficient"].to_numpy(), **restore(metadata)
         )
 
 
@@ -61,7 +61,7 @@ def fit(training: Training, settings: Settings) -> LinearLaw:
     Raises InputError for too few rows, values that are not finite or a factor that is no variable.
     """
     terms = tuple(settings["terms"])
-    training = training.checked(least=len(terms))
+    training = training.validate(least=len(terms))
     root = np.sqrt(training.row_weights())
     values = products(training.x, training.variables, terms)
     coefficient = least_absolute_deviations(root[:, None] * values, root * training.y)

@@ -10,8 +10,8 @@ from threadpoolctl import threadpool_limits
 
 from opml.base.seeds import derive
 from opml.learning.models.contract import CHOICE, COUNT, POSITIVE, Learner, Metadata, Settings, table_of
-from opml.learning.models.inputs import Training, checked_rows
-from opml.learning.models.metadata import described, restored
+from opml.learning.models.inputs import Training, check_rows
+from opml.learning.models.metadata import describe, restore
 from opml.tables import count, real
 
 KIND = "mlp"
@@ -33,8 +33,8 @@ class MlpModel:
     seed: int
 
     def predict(self, x: np.ndarray) -> np.ndarray:
-        """Return the predicted target (n,) in its own unit; raise InputError as `checked_rows` does."""
-        signal: np.ndarray = (checked_rows(x, self.variables) - self.x_mean) / self.x_scale
+        """Return the predicted target (n,) in its own unit; raise InputError as `check_rows` does."""
+        signal: np.ndarray = (check_rows(x, self.variables) - self.x_mean) / self.x_scale
         with threadpool_limits(limits=1, user_api="blas"):  # sums in one order, whatever the machine
             for weight, bias in zip(self.weights[:-1], self.biases[:-1], strict=True):
                 signal = np.tanh(signal @ weight + bias)
@@ -52,7 +52,7 @@ class MlpModel:
                 {"layer": layer, "source": source + _BIAS, "neuron": neuron, "weight": stacked.ravel()}
             )
         table = pd.concat([pd.DataFrame(row) for row in rows], ignore_index=True)
-        return table, described(self, KIND, *_FIELDS)
+        return table, describe(self, KIND, *_FIELDS)
 
     @classmethod
     def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
@@ -62,7 +62,7 @@ class MlpModel:
             stacked = layer["weight"].to_numpy(dtype=float).reshape(-1, layer["neuron"].max() + 1)
             biases.append(stacked[0])
             weights.append(stacked[1:])
-        return cls(weights=tuple(weights), biases=tuple(biases), **restored(metadata, *_FIELDS))
+        return cls(weights=tuple(weights), biases=tuple(biases), **restore(metadata, *_FIELDS))
 
 
 def fit(training: Training, settings: Settings) -> MlpModel:
@@ -73,7 +73,7 @@ def fit(training: Training, settings: Settings) -> MlpModel:
     # Imported only to train: it takes a second, more than most models need to predict.
     from sklearn.neural_network import MLPRegressor
 
-    training = training.checked(least=2)
+    training = training.validate(least=2)
     x, y = training.x, training.y
     mean, scale = training.standardisation()
     offset, y_scale = float(y.mean()), float(y.std()) or 1.0

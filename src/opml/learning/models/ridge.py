@@ -8,8 +8,8 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from opml.learning.models.contract import CHOICE, POSITIVE, Learner, Metadata, Settings, table_of
-from opml.learning.models.inputs import Training, checked_rows
-from opml.learning.models.metadata import described, restored
+from opml.learning.models.inputs import Training, check_rows
+from opml.learning.models.metadata import describe, restore
 from opml.tables import real, text
 
 KIND = "ridge"
@@ -26,8 +26,8 @@ class RidgeModel:
     offset: float
 
     def predict(self, x: np.ndarray) -> np.ndarray:
-        """Return the predicted target (n,) in its own unit; raise InputError as `checked_rows` does."""
-        z = (checked_rows(x, self.variables) - self.x_mean) / self.x_scale
+        """Return the predicted target (n,) in its own unit; raise InputError as `check_rows` does."""
+        z = (check_rows(x, self.variables) - self.x_mean) / self.x_scale
         predicted: np.ndarray = self.offset + np.einsum("nk,k->n", z, self.coefficient)
         return predicted
 
@@ -41,13 +41,13 @@ class RidgeModel:
                 "coefficient": self.coefficient,
             }
         )
-        return table, described(self, KIND, "offset")
+        return table, describe(self, KIND, "offset")
 
     @classmethod
     def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
         """Return the model that `to_table` wrote, bit for bit."""
         columns = {name: table[name].to_numpy() for name in ("x_mean", "x_scale", "coefficient")}
-        return cls(**columns, **restored(metadata, "offset"))
+        return cls(**columns, **restore(metadata, "offset"))
 
 
 def fit(training: Training, settings: Settings) -> RidgeModel:
@@ -55,7 +55,7 @@ def fit(training: Training, settings: Settings) -> RidgeModel:
 
     `settings` holds alpha. Raises InputError for too few rows or values that are not finite.
     """
-    training = training.checked(least=2)
+    training = training.validate(least=2)
     x, y, weights = training.x, training.y, training.weights
     scale = training.standardisation()[1]
     mean, offset = np.average(x, axis=0, weights=weights), float(np.average(y, weights=weights))

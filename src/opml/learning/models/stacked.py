@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from opml.learning.models.contract import Learner, Metadata, Model, Settings
-from opml.learning.models.inputs import Training, picked
+from opml.learning.models.inputs import Training, pick_columns
 from opml.tables import Schema
 
 KIND = "stacked"
@@ -27,7 +27,8 @@ class StackedModel:
     def predict(self, x: np.ndarray) -> np.ndarray:
         """Return the predicted target (n,) for rows x (n, variables), all in their own units."""
         first, second = (
-            part.predict(picked(x, self.variables, part.variables)) for part in (self.first, self.second)
+            part.predict(pick_columns(x, self.variables, part.variables))
+            for part in (self.first, self.second)
         )
         predicted: np.ndarray = first + second
         return predicted
@@ -55,7 +56,7 @@ class _Stacking:
         """Train the first, then the second on what the first leaves, each on its own variables."""
         models: list[Model] = []
         for part in (settings[name] for name in PARTS):
-            narrowed = training.narrowed(part["variables"])
+            narrowed = training.narrow(part["variables"])
             models.append(self.by_kind(part["kind"]).fit(narrowed, part))
             training = replace(training, y=training.y - models[-1].predict(narrowed.x))
         return StackedModel(tuple(training.variables), *models)

@@ -19,9 +19,9 @@ from opml.base.seeds import derive
 from opml.learning.data.cleaning import quartiles
 from opml.learning.models import kernel_scale as scales
 from opml.learning.models.contract import CHOICE, POSITIVE, Learner, Metadata, Settings
-from opml.learning.models.gaussian_kernel import expansion, vector_table, vectors_with
-from opml.learning.models.inputs import Training, checked_rows
-from opml.learning.models.metadata import described, restored
+from opml.learning.models.gaussian_kernel import expansion, vector_rows, vector_table
+from opml.learning.models.inputs import Training, check_rows
+from opml.learning.models.metadata import describe, restore
 from opml.tables import real
 
 if TYPE_CHECKING:
@@ -60,16 +60,16 @@ class SvrModel:
     seed: int
 
     def predict(self, x: np.ndarray) -> np.ndarray:
-        """Return the predicted target (n,) in its own unit; raise InputError as `checked_rows` does."""
-        x = checked_rows(x, self.variables)
+        """Return the predicted target (n,) in its own unit; raise InputError as `check_rows` does."""
+        x = check_rows(x, self.variables)
         z = (x - self.x_mean) / (self.x_scale * self.kernel_scale)
         predicted = expansion(z, self.support_vectors / self.kernel_scale, self.dual_coef)
         return self.y_scale * (predicted + self.offset)
 
     def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
         """Return a table with one row per support vector, and the model's metadata."""
-        table = vectors_with(self.support_vectors, self.variables, dual_coef=self.dual_coef)
-        return table, described(self, KIND, *_FIELDS)
+        table = vector_rows(self.support_vectors, self.variables, dual_coef=self.dual_coef)
+        return table, describe(self, KIND, *_FIELDS)
 
     @classmethod
     def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
@@ -77,7 +77,7 @@ class SvrModel:
         return cls(
             support_vectors=table[list(metadata["variables"])].to_numpy(dtype=float),
             dual_coef=table["dual_coef"].to_numpy(dtype=float),
-            **restored(metadata, *_FIELDS),
+            **restore(metadata, *_FIELDS),
         )
 
 
@@ -87,7 +87,7 @@ def fit(training: Training, settings: Settings) -> SvrModel:
     `cv` holds out groups of the training. Raises InputError for too few rows, values that are not finite or
     an unknown kernel_scale.
     """
-    training = training.checked(least=MIN_ROWS)
+    training = training.validate(least=MIN_ROWS)
     x_mean, x_scale = training.standardisation()
     z = (training.x - x_mean) / x_scale
     q1, q3 = quartiles(training.y)
@@ -120,7 +120,7 @@ def _kernel_scale(scaled: Training, settings: Settings) -> float:
     if rule in scales.QUANTILES:
         return scales.distance_quantile(scaled.x, scales.QUANTILES[rule], rng=rng)
     if rule == "cv":
-        return scales.cross_validated(scaled, predicted=partial(_predicted, settings), rng=rng)
+        return scales.cross_validate(scaled, predict=partial(_predict, settings), rng=rng)
     if isinstance(rule, int | float) and not isinstance(rule, bool) and 0.0 < rule < np.inf:
         return float(rule)
     raise InputError(f"kernel_scale: expected {', '.join(scales.RULES)} or a positive number, got {rule!r}")
@@ -136,7 +136,7 @@ def _solve(scaled: Training, scale: float, settings: Settings) -> "Solution":
     return smo.solve(scaled.x / scale, scaled.y, limits, epsilon=epsilon, tol=tol)
 
 
-def _predicted(settings: Settings, scale: float, scaled: Training, new: np.ndarray) -> np.ndarray:
+def _predict(settings: Settings, scale: float, scaled: Training, new: np.ndarray) -> np.ndarray:
     """Return predictions (n,) of new rows by a machine trained at this kernel scale."""
     solution = _solve(scaled, scale, settings)
     support = solution.beta != 0.0
