@@ -1,8 +1,19 @@
-"""Fixtures shared by all tests; `support.py` beside this file holds plain functions for them."""
+"""Fixtures shared by all tests; `support.py` beside this file holds plain functions for them.
+
+No test may change in place what tests share: `unchanged.py` sees to it.
+"""
 
 import numpy as np
 import pytest
 from support import ASSUMED_BODIES, environment, force_model, rsos, stations
+from unchanged import pytest_fixture_setup, shared_values_stay  # noqa: F401
+
+
+def pytest_collection_modifyitems(items):
+    """Keep tests that share fixtures in one process: those of a module, and those of the finished run."""
+    for item in items:
+        group = "finished" if "finished" in item.fixturenames else item.path.stem
+        item.add_marker(pytest.mark.xdist_group(group))
 
 
 @pytest.fixture(scope="session")

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from unchanged import made_once
 
 from opml.base.constants import BODIES, DAY
 from opml.catalog.fit.estimation import Estimation
@@ -72,7 +73,7 @@ def in_rows(values):
     return np.pad(values, (0, -len(values) % WIDTH), mode="edge").reshape(-1, WIDTH).copy()
 
 
-@cache
+@made_once
 def environment(days=50.0):
     """The tables of Earth's orientation, the third bodies and the solar activity over the run."""
     t = nodes(EPOCH, days * DAY)
@@ -83,7 +84,7 @@ def environment(days=50.0):
     }
 
 
-@cache
+@made_once
 def force_model(degree, bodies=BODIES, field="EGM2008"):
     """A force model under a field given by its name or path."""
     read = gravity_field.read_icgem(gravity_field.resolve(field))
@@ -144,13 +145,13 @@ def _leaves(values, key=()):
             yield *key, name
 
 
-@cache
+@made_once
 def stations():
     """The paper's stations, by name."""
     return read_stations(REPOSITORY / "config" / "stations.tsv")
 
 
-@cache
+@made_once
 def rsos():
     """The paper's RSOs, by name."""
     return read_rsos(REPOSITORY / "config" / "rsos.tsv")

@@ -44,12 +44,14 @@ def site(tmp_path_factory):
     return folder / "html"
 
 
+@pytest.mark.slow
 def test_every_page_is_in_the_site(site):
     assert {page.stem for page in site.glob("*.html")} >= {
         page.stem for page in (REPOSITORY / "docs").glob("*.md")
     }
 
 
+@pytest.mark.slow
 def test_what_the_readme_links_to_is_a_page(site):
     first = (site / "index.html").read_text(encoding="utf-8")
     assert 'href="install.html"' in first
@@ -58,18 +60,21 @@ def test_what_the_readme_links_to_is_a_page(site):
     assert "README.md" not in re.findall(r'href="([^"]+)"', first)
 
 
+@pytest.mark.slow
 def test_the_site_fetches_nothing_from_elsewhere(site):
     fetched = r'<(?:script|img|iframe)[^>]* src="\w*:?//[^"]*"|<link[^>]* href="\w*:?//[^"]*"'
     for page in site.glob("*.html"):
         assert re.findall(fetched, page.read_text(encoding="utf-8")) == [], page.name
 
 
+@pytest.mark.slow
 def test_equations_are_typeset_in_the_page(site):
     text = (site / "physics.html").read_text(encoding="utf-8")
     assert text.count('<math xmlns="http://www.w3.org/1998/Math/MathML" display="block">') > 20
     assert "merror" not in text
 
 
+@pytest.mark.slow
 def test_the_reference_tells_every_function_of_the_library(site):
     text = (site / "reference.html").read_text(encoding="utf-8")
     assert [name for name in opml.__all__ if not re.search(rf'id="opml\.(api\.)?{name}"', text)] == []

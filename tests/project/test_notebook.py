@@ -40,11 +40,13 @@ def run(tmp_path_factory):
     return printed, folder
 
 
+@pytest.mark.slow
 def test_each_cell_prints_what_the_page_says(run):
     assert run[0] == [shown for _, shown in CELLS]
     assert sum(map(bool, run[0])) >= 5
 
 
+@pytest.mark.slow
 def test_the_figures_that_it_draws_are_those_of_the_page(run):
     shown = re.findall(r"\]\(images/([^)]+)\)", TEXT)
     assert sorted(path.name for path in run[1].iterdir()) == sorted(shown)

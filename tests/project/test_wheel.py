@@ -8,6 +8,7 @@ import sys
 import pytest
 from project import ROOT, jobs
 
+pytestmark = pytest.mark.slow
 SOURCES = ("pyproject.toml", "README.md", "LICENSE", "Snakefile", "src", "workflow", "config", "profiles")
 # What the extra `workflow` brings cannot be imported.
 LIBRARY = """

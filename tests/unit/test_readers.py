@@ -129,6 +129,7 @@ def test_the_sound_file_is_read(files, folder, name):
     READ[name](path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", READ)
 @settings(max_examples=300, deadline=None, derandomize=True)
 @given(damage=DAMAGES)

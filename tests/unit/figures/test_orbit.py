@@ -154,6 +154,7 @@ def test_a_zoom_outside(truth):
         orbit.orbital_elements(truth, gm=GM, zoom_days=(25.0, 25.4))
 
 
+@pytest.mark.slow
 def test_stable_bytes_and_nothing_clipped(truth, tracking, tmp_path):
     def figures():
         yield orbit.estimation_window(tracking, track=3, window_hours=12.0)

@@ -311,13 +311,13 @@ def test_the_context_stands_in_the_figure(evaluation, told):
     assert title.endswith("mean size up to 0.5 d: 3000 m, corrected 500 m")
 
 
-def test_a_legend_shows_each_thing_once_under_the_note_within_the_width(evaluation, told, tmp_path):
+def test_a_legend_shows_each_thing_once_under_the_note_within_the_width(evaluation, told):
     figure = prediction_errors.rso_grid({"a": evaluation, "b": evaluation}, contexts={"a": told, "b": told})
     (legend,) = figure.legends
     assert len(legend.get_texts()) == 3
     assert legend.get_title().get_text().count("trained on") == 1
     narrow = prediction_errors.errorbar_absolute(evaluation, context=told)
-    style.save(narrow, tmp_path / "f.pdf", tmp_path / "f.png")
+    narrow.draw_without_rendering()
     assert narrow.legends[0].get_window_extent().x1 <= narrow.bbox.x1
 
 
@@ -336,7 +336,7 @@ def test_nothing_to_draw(evaluation, pairs):
         prediction_errors.distribution_position(pairs.iloc[2:3])
 
 
-def test_everything_stays_inside(evaluation, pairs, tmp_path):
+def test_everything_stays_inside(evaluation, pairs):
     for width, figure in (
         (180.0, prediction_errors.svr_absolute(evaluation)),
         (180.0, prediction_errors.svr_signed(evaluation, component="e_vx")),
@@ -346,7 +346,7 @@ def test_everything_stays_inside(evaluation, pairs, tmp_path):
         (88.0, prediction_errors.individual_increased(evaluation, component="e_vx")),
         (88.0, prediction_errors.individual_distribution(evaluation)),
     ):
-        style.save(figure, tmp_path / "f.pdf", tmp_path / "f.png")
+        figure.draw_without_rendering()
         box = figure.get_tightbbox()  # inches
         assert figure.get_figwidth() == pytest.approx(width / 25.4)
         assert min(box.x0, box.y0) >= 0.0
@@ -354,6 +354,7 @@ def test_everything_stays_inside(evaluation, pairs, tmp_path):
         assert box.y1 <= figure.get_figheight()
 
 
+@pytest.mark.slow
 def test_same_bytes_in_another_process(evaluation, tmp_path):
     names = ("svr_absolute", "individual_increased")
     for name in names:

@@ -409,6 +409,7 @@ def refusal(path):
         return str(error)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["sp3", "cpf", "oem"])
 @settings(max_examples=150, deadline=None, derandomize=True)
 @given(change=CHANGES)
@@ -455,6 +456,7 @@ def real():
     return of
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", REAL)
 def test_a_real_orbit_is_read(real, name):
     table, told = real(name)

@@ -128,6 +128,7 @@ def test_truncated_file_is_noticed(truth, kept):
         read_table(truth, "truth")
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None)
 @given(place=st.floats(0, 1, exclude_max=True), bit=st.integers(0, 7))
 def test_a_flipped_bit_is_noticed_or_harmless(place, bit, tmp_path_factory):

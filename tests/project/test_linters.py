@@ -1,0 +1,67 @@
+"""The source as the linters, the rules of the house and the pins would have it."""
+
+import re
+import subprocess
+import sys
+import tomllib
+
+import pytest
+from support import REPOSITORY
+
+
+def run(*command):
+    return subprocess.run(
+        command, cwd=REPOSITORY, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["-m", "snakemake", "--lint"],
+        ["-m", "ruff", "check"],
+        ["-m", "snakefmt", "--check", "Snakefile", "workflow"],
+        ["-m", "mypy"],
+    ],
+    ids=lambda command: command[1],
+)
+def test_linters_are_content(command):
+    done = run(sys.executable, *command)
+    assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.slow
+def test_imports_run_downwards():
+    done = run(
+        sys.executable, "-c", "from importlinter.cli import lint_imports_command; lint_imports_command()"
+    )
+    assert done.returncode == 0, done.stdout
+
+
+def test_every_rule_has_log_benchmark_message_and_code():
+    for path in (REPOSITORY / "workflow" / "rules").glob("*.smk"):
+        for rule in re.split(r"^ *(?:use )?rule ", path.read_text(), flags=re.MULTILINE)[1:]:
+            missing = [part for part in ("log:", "benchmark:", "message:") if part not in rule]
+            assert not missing, f"{path.name}: {rule.split(':')[0]}: {missing}"
+            assert re.search(r"code=code|\*\*drawing\(", rule), f"{path.name}: {rule.split(':')[0]}"
+
+
+def test_scripts_are_short():
+    for path in (REPOSITORY / "workflow" / "scripts").glob("*.py"):
+        assert len(path.read_text().splitlines()) <= 35, path.name
+
+
+def test_one_set_of_pins():
+    pins = dict(
+        re.findall(r"^([\w.-]+)==(\S+)$", (REPOSITORY / "requirements.lock").read_text(), re.MULTILINE)
+    )
+    project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())["project"]
+    extras = project["optional-dependencies"]
+    needed = [*project["dependencies"], *extras["workflow"]]
+    wanted = [*needed, *extras["crate"], *extras["test"]]
+    assert {re.match(r"[\w-]+", text)[0] for text in wanted} <= set(pins)
+    conda = (REPOSITORY / "workflow" / "envs" / "opml.yaml").read_text()
+    conda_pins = dict(re.findall(r"- ([\w-]+)==(\S+)", conda))
+    assert {re.match(r"[\w-]+", text)[0] for text in needed} <= set(conda_pins)
+    assert conda_pins.items() <= pins.items()
