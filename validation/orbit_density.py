@@ -21,18 +21,18 @@ class OrbitDensity:
         self._season = np.ascontiguousarray(dtm2000.seasons(self._coefficients, np.array([80]))[0])
         self._points = _points()
 
-    def of(self, activity: np.ndarray) -> np.ndarray:
-        """Densities (n,) [kg/m3] under activities (n, 4): F10.7, its mean [sfu], Kp of 3 h and of 24 h."""
+    def densities(self, activity: np.ndarray) -> np.ndarray:
+        """Return densities (n,) [kg/m3]; activity: (n, 4) F10.7, its mean [sfu], Kp of 3 h, of 24 h."""
         means = np.zeros((len(activity), WIDTH))
         work = rows(dtm2000.FACTORS), rows(SCRATCH_ROWS)
-        asked = np.ascontiguousarray(activity, float)
-        _sum(asked, self._coefficients, self._season, self._points, means, *work)
-        found: np.ndarray = means.sum(axis=1) / _POINTS
-        return found
+        activity = np.ascontiguousarray(activity, float)
+        _sum(activity, self._coefficients, self._season, self._points, means, *work)
+        densities: np.ndarray = means.sum(axis=1) / _POINTS
+        return densities
 
 
 def _points() -> np.ndarray:
-    """Sines and cosines of latitude and of local time of the orbit's points, (blocks, 4, WIDTH)."""
+    """Return sines and cosines of latitude and of local time of the orbit's points, (blocks, 4, WIDTH)."""
     u = 2.0 * np.pi * np.arange(_POINTS) / _POINTS
     sin_lat = np.sin(_INCLINATION) * np.sin(u)
     time = np.arctan2(np.cos(_INCLINATION) * np.sin(u), np.cos(u))
