@@ -54,7 +54,7 @@ def main() -> int:
 
 
 def _race(arguments: argparse.Namespace) -> Made:
-    """The same arcs by every tool."""
+    """Fly the same arcs by every tool."""
     results, absent = race.run(arguments.orekit_data, rounds=arguments.rounds, progress=_progress)
     text = (
         f"{race.ARCS} arcs of the paper's RSO, 7 days, 20x20 gravity, drag, third bodies: each tool's "
@@ -65,7 +65,7 @@ def _race(arguments: argparse.Namespace) -> Made:
 
 
 def _precision(arguments: argparse.Namespace) -> Made:
-    """Work against own error, each tool at five settings; also draws the figure."""
+    """Measure work against own error, each tool at five settings, and draw the figure."""
     panels, absent = precision.run(arguments.orekit_data, progress=_progress)
     diagram.save(diagram.work_precision(panels), FIGURE)
     _progress(f"wrote {FIGURE.name}")
@@ -73,7 +73,7 @@ def _precision(arguments: argparse.Namespace) -> Made:
 
 
 def _scaling(arguments: argparse.Namespace) -> Made:
-    """Threads, arcs, RSOs, least squares, the start of a job."""
+    """Measure threads, arcs, RSOs, least squares and the start of a job."""
     sentence, cost = scaling.rsos(_progress)
     week = CATALOGUE * 7.0 * cost / 1000.0
     texts = {
@@ -90,19 +90,19 @@ def _scaling(arguments: argparse.Namespace) -> Made:
 
 
 def _kernels(arguments: argparse.Namespace) -> Made:
-    """Each kernel beside what its arithmetic must cost."""
+    """Measure each kernel beside what its arithmetic must cost."""
     _progress("kernels")
     return {"Kernels": kernels.report()}, True
 
 
 def _svr(arguments: argparse.Namespace) -> Made:
-    """Support vector regression by two libraries."""
+    """Measure support vector regression by two libraries."""
     _progress("support vector regression")
     return {"Support vector regression": svr.report()}, True
 
 
 def _paper(arguments: argparse.Namespace) -> Made:
-    """The whole paper stage by stage, where it has been run."""
+    """Tabulate the cost of the whole paper stage by stage, where it has been run."""
     try:
         text = paper.report(paper.costs(arguments.results))
     except InputError as reason:

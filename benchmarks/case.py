@@ -27,7 +27,7 @@ _SPREAD = np.repeat([100.0, 0.1], 3)
 
 
 def spread(total: int, count: int) -> np.ndarray:
-    """Indices of `count` of `total` things, evenly spread."""
+    """Return the indices of `count` of `total` things, evenly spread."""
     return np.linspace(0, total - 1, count).round().astype(int)
 
 
@@ -53,7 +53,7 @@ class Arcs:
         return len(self) * self.duration / DAY
 
     def stops(self, begin: float) -> np.ndarray:
-        """Times [s] at which to stop on the arc that begins at a time: about midnights (UTC), and its end.
+        """Return the times [s] to stop at on an arc from its beginning: about midnights (UTC), and its end.
 
         Models of the atmosphere jump at midnight, so a step ends just before it: it sees the old day only.
         """
@@ -62,33 +62,33 @@ class Arcs:
         stops, end = np.ravel([midnights - _BEFORE, midnights], order="F"), begin + self.duration
         return np.append(stops[(stops > begin) & (stops < end)], end)
 
-    def some(self, count: int) -> Self:
-        """`count` of the arcs, evenly spread."""
+    def sample(self, count: int) -> Self:
+        """Return `count` of the arcs, evenly spread."""
         picked = spread(len(self), count)
         return replace(self, t=self.t[picked], states=self.states[picked])
 
     def lasting(self, duration: float) -> Self:
-        """The same arcs of another length [s]."""
+        """Return the same arcs of another length [s]."""
         return replace(self, duration=duration)
 
     def without_drag(self) -> Self:
-        """The same arcs in a vacuum."""
+        """Return the same arcs in a vacuum."""
         return replace(self, ballistic=0.0)
 
     def without_pressure(self) -> Self:
-        """The same arcs without radiation pressure."""
+        """Return the same arcs without radiation pressure."""
         return replace(self, reflection=0.0)
 
 
 @cache
 def paper() -> Case:
-    """The paper's case, from the settings."""
+    """Return the paper's case, from the settings."""
     return Case.read()
 
 
 @cache
 def environment(days: float) -> dict:
-    """The environment's tables over `days` from the epoch, without the gravity field."""
+    """Return the environment's tables over `days` from the epoch, without the gravity field."""
     epoch, settings = paper().epoch, paper().values["environment"]
     t = nodes(epoch, days * DAY)
     return {
@@ -102,7 +102,7 @@ def environment(days: float) -> dict:
 
 @cache
 def force_model(name: str, *, days: float = 2 * DAYS, field: str = "EGM2008") -> ForceModel:
-    """The paper's force model 'truth' or 'assumed' over `days`, under a field given by its name or path."""
+    """Return the paper's force model 'truth' or 'assumed' over `days`; field: its name or path."""
     read, settings = gravity_field.read_icgem(gravity_field.resolve(field)), paper().force_models[name]
     return forces.build(
         **environment(days),
@@ -119,7 +119,7 @@ def force_model(name: str, *, days: float = 2 * DAYS, field: str = "EGM2008") ->
 
 
 def arcs(count: int) -> Arcs:
-    """`count` arcs of the paper's RSO, beginning one after the other in the first week."""
+    """Return `count` arcs of the paper's RSO, beginning one after the other in the first week."""
     rso, model = paper().rsos["iss"], force_model("assumed")
     t = np.arange(count) * (DAYS * DAY / count)
     ballistic, reflection = rso.cd * rso.area_to_mass, rso.cr * rso.area_to_mass
@@ -141,7 +141,7 @@ def arcs(count: int) -> Arcs:
 def fly(
     model: ForceModel, arcs: Arcs, *, integrator: Integrator | None = None, threads: int = 1
 ) -> np.ndarray:
-    """States (n, 6) at the ends of the arcs, by opml's ensemble.
+    """Fly the arcs by opml's ensemble; return the states (n, 6) at their ends.
 
     As the workflow does it: every arc also stops where others begin or end.
     """

@@ -23,7 +23,7 @@ LOOKS = {
 
 
 def work_precision(panels: Panels) -> Figure:
-    """Milliseconds per arc-day against own error [m]; a panel for what is flown, a line for each tool."""
+    """Draw milliseconds per arc-day against own error [m]; a panel for what is flown, a line per tool."""
     figure = page_figure(height_mm=96.0)
     for axes, (title, lines) in zip(
         figure.subplots(1, len(panels), sharex=True, sharey=True, squeeze=False)[0],
@@ -60,7 +60,7 @@ def _draw(axes: Axes, name: str, line: Line) -> None:
 
 
 def _name(axes: Axes, line: Line) -> None:
-    """The settings of a line's points, in turns below and above it, as neighbours may be near."""
+    """Write the settings of a line's points in turns below and above it, as neighbours may be near."""
     for point, (ha, va, aside) in zip(line.points, cycle([("right", "top", -4.0), ("left", "bottom", 4.0)])):
         axes.annotate(
             point.setting,

@@ -60,31 +60,31 @@ class Machine:
         return 2.0 * REGISTER / self.fused
 
     def least(self, work: Work) -> float:
-        """Time [ns] that the arithmetic takes for one arc, with the two units one after the other."""
+        """Return the time [ns] of the arithmetic for one arc, with the two units one after the other."""
         fused = work.instructions * self.fused
         return (fused + work.divisions * self.division + work.roots * self.root) / REGISTER
 
 
 def gravity_work(model: ForceModel) -> Work:
-    """Six fused sums and a recursion of four operations a harmonic; six sums and a turn an order."""
+    """Return the work: six fused sums and four operations a harmonic; six sums and a turn an order."""
     terms, orders = len(model.weights), model.columns
     return Work(operations=16 * terms + 18 * orders + 6, instructions=9 * terms + 10 * orders + 6)
 
 
 def third_body_work(model: ForceModel) -> Work:
-    """For each body."""
+    """Return the work of one body after the other."""
     count = len(model.gms)
     return Work(operations=33 * count, instructions=24 * count, divisions=count, roots=count)
 
 
 def density_work() -> Work:
-    """Nine sums, the harmonics they are over, seven exponentials and a logarithm."""
+    """Return the work: nine sums, the harmonics they are over, seven exponentials and a logarithm."""
     sums = len(dtm2000.QUANTITIES) * dtm2000.FACTORS
     return Work(operations=2 * sums + 27 + 108 + 341, instructions=sums + 18 + 90 + 266, divisions=5)
 
 
 def stage_work() -> Work:
-    """The part of a step's sums that falls on one evaluation, error estimate included."""
+    """Return the part of a step's sums that falls on one evaluation, error estimate included."""
     products = 6 * (np.count_nonzero(dop853.INNER) + np.count_nonzero(dop853.OUTER) + EVALUATIONS)
     estimate = 6 * (np.count_nonzero(dop853.ERROR_3) + np.count_nonzero(dop853.ERROR_5)) + 60
     count = round((products + estimate) / EVALUATIONS)
@@ -99,7 +99,7 @@ REST = Work(operations=61, instructions=42, divisions=1, roots=1)
 
 
 def machine() -> Machine:
-    """The processor's throughput, from independent chains of one instruction."""
+    """Measure the processor's throughput by independent chains of one instruction."""
     data, count = rows(2), 20_000
     data[0] = 1.5
     times = [
@@ -255,7 +255,7 @@ class Timing:
 
 
 def timings() -> list[Timing]:
-    """Every kernel of an evaluation under the assumed model, and what differs under the true one."""
+    """Time every kernel of an evaluation under the assumed model, and what differs under the true one."""
     assumed, true = case.force_model("assumed"), case.force_model("truth")
     state, scratch, slopes = rows(9), rows(SCRATCH_ROWS), rows(RATES * (dop853.STAGES + 1))
     state[:6] = case.arcs(WIDTH).states.T
@@ -302,7 +302,7 @@ def _sum_of_forces(model):
 
 
 def report() -> str:
-    """The processor's peak and the table of kernels, in Markdown."""
+    """Return the processor's peak and the table of kernels, in Markdown."""
     found = machine()
     text = (
         f"One thread does a fused instruction on 8 doubles in {found.fused:.3f} ns at best "

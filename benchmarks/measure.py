@@ -9,17 +9,17 @@ from opml.orbits.elements import rsw_rotation
 
 
 def per_arc_day(seconds: float, arc_days: float) -> float:
-    """Milliseconds for each day of each arc."""
+    """Return the milliseconds for each day of each arc."""
     return 1e3 * seconds / arc_days
 
 
 def paired_ratio(theirs: Sequence[float], ours: Sequence[float]) -> float:
-    """Median over the rounds of their time by ours in the same round, so that slow spells cancel."""
+    """Return the median of their time by ours in the same round, so that slow spells cancel."""
     return float(np.median(np.divide(theirs, ours)))
 
 
 def best(call: Callable[[], object], *, repeats: int) -> float:
-    """The shortest of some calls [s]: what disturbs a short one only ever lengthens it."""
+    """Return the shortest of some calls [s]: what disturbs a short one only ever lengthens it."""
     times = []
     for _ in range(repeats):
         begin = perf_counter()
@@ -29,29 +29,29 @@ def best(call: Callable[[], object], *, repeats: int) -> float:
 
 
 def distances(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Distance [m] between the positions of states (n, 6)."""
+    """Return the distance [m] between the positions of states (n, 6)."""
     return np.linalg.norm(a[:, :3] - b[:, :3], axis=1)
 
 
 def apart(a: np.ndarray, b: np.ndarray) -> float:
-    """Median of these distances [m]."""
+    """Return the median distance [m] between the positions of states (n, 6)."""
     return float(np.median(distances(a, b)))
 
 
 def along_track(states: np.ndarray, reference: np.ndarray) -> np.ndarray:
-    """Angle [rad] by which states (n, 6) are ahead of reference states, about the latter's orbit normal."""
+    """Return the angles [rad] that states (n, 6) are ahead of others by, about the orbit normal of those."""
     radial, ahead, _ = np.moveaxis(rsw_rotation(reference), 1, 0)
     return np.arctan2(np.sum(states[:, :3] * ahead, axis=1), np.sum(states[:, :3] * radial, axis=1))
 
 
 def table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A table of Markdown; the first column is text, the others are set flush right."""
+    """Return a table of Markdown; the first column is text, the others are set flush right."""
     lines = [headings, ["---", *["---:"] * (len(headings) - 1)], *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
 
 
 def figures(value: float, digits: int = 2) -> str:
-    """A number to some significant digits, in plain notation."""
+    """Return a number to some significant digits, in plain notation."""
     if value == 0.0 or not np.isfinite(value):
         return f"{value:.0f}"
     places = max(digits - 1 - int(np.floor(np.log10(abs(value)))), 0)

@@ -42,7 +42,7 @@ class Cost:
 
 
 def costs(results: Path) -> list[Cost]:
-    """What each stage of a finished run cost, in its order, and all together.
+    """Return what each stage of a finished run cost, in its order, and all together.
 
     Raises InputError where `results` holds no benchmarks or one cannot be read.
     """
@@ -56,7 +56,7 @@ def costs(results: Path) -> list[Cost]:
 
 
 def _mark(path: Path, folder: str) -> tuple[str, float, float]:
-    """Stage, processor and wall time [s] of a job; where Snakemake saw none, the latter."""
+    """Return stage, processor and wall time [s] of a job; the wall time twice where there is no other."""
     try:
         row = pd.read_csv(path, sep="\t").iloc[-1]
         return STAGES.get(folder, REST), float(row["cpu_time"] or row["s"]), float(row["s"])
@@ -69,7 +69,7 @@ def _cost(stage: str, rows: pd.DataFrame) -> Cost:
 
 
 def report(found: Sequence[Cost]) -> str:
-    """A table in Markdown, one row for each stage."""
+    """Return a table in Markdown, one row for each stage."""
     head = ["| stage | jobs | core-seconds | a job [s] | core-minutes |", "| --- | --- | --- | --- | --- |"]
     rows = [
         f"| {one.stage} | {one.jobs} | {one.processor:.0f} | {one.processor / one.jobs:.2f} "

@@ -54,7 +54,7 @@ class Line:
         return f"{self.about['title']}, {self.about['method']}"
 
     def cheapest(self, error: float) -> Point | None:
-        """The cheapest of the points that are as precise as this own error [m], if there is one."""
+        """Return the cheapest of the points with this own error [m] or less, None without one."""
         near = [point for point in self.points if point.own_error <= max(error, FINEST)]
         return min(near, key=lambda point: point.cost, default=None)
 
@@ -64,7 +64,7 @@ Panels = dict[str, dict[str, Line]]
 
 
 def run(orekit_data: Path | None, *, progress: Callable[[str], None]) -> tuple[Panels, dict[str, str]]:
-    """(lines without and with radiation pressure, reasons of the peers that did not take part)."""
+    """Return the lines without and with radiation pressure, and why peers did not take part."""
     arcs = case.arcs(ARCS)
     with turns.started(orekit_data) as (workers, absent):
         under_pressure = {name: worker for name, worker in workers.items() if worker.about["pressure"]}
@@ -76,11 +76,11 @@ def run(orekit_data: Path | None, *, progress: Callable[[str], None]) -> tuple[P
 
 
 def _lines(workers, arcs, progress):
-    """Each tool's line; the flights that are timed are those whose ends are checked."""
-    some = {name: arcs.some(worker.about["sample"]) for name, worker in workers.items()}
-    tight = {name: _tight(worker, some[name], progress) for name, worker in workers.items()}
+    """Return each tool's line; the flights that are timed are those whose ends are checked."""
+    samples = {name: arcs.sample(worker.about["sample"]) for name, worker in workers.items()}
+    tight = {name: _tight(worker, samples[name], progress) for name, worker in workers.items()}
     flights = {
-        (name, setting): Flight(worker, some[name], setting)
+        (name, setting): Flight(worker, samples[name], setting)
         for name, worker in workers.items()
         for setting in worker.about["settings"]
     }
@@ -91,7 +91,7 @@ def _lines(workers, arcs, progress):
     return {
         name: Line(
             worker.about,
-            len(some[name]),
+            len(samples[name]),
             [_point(setting, flown[name, setting], tight[name][-1]) for setting in worker.about["settings"]],
             measure.apart(*tight[name]),
         )
@@ -100,26 +100,26 @@ def _lines(workers, arcs, progress):
 
 
 def _tight(worker, arcs, progress):
-    """States at the ends of the checked arcs, at each of a tool's tight settings."""
+    """Fly the checked arcs at each of a tool's tight settings; return the states at their ends."""
     progress("{title}, {method}: tight settings".format_map(worker.about))
-    checked = arcs.some(min(CHECKED, len(arcs)))
+    checked = arcs.sample(min(CHECKED, len(arcs)))
     return [Flight(worker, checked, setting).fly().result for setting in worker.about["tight"]]
 
 
 def _point(setting, flown, truth):
-    """Of a flight, beside the truth of its checked arcs."""
+    """Return the point of a flight, held against the truth of its checked arcs."""
     ends = flown.states[case.spread(len(flown.states), len(truth))]
     return Point(setting, float(np.median(flown.cpu)), measure.apart(ends, truth))
 
 
 def times_opml(point: Point, ours: Line) -> float:
-    """How many times longer than opml's cheapest setting that is as precise; 0 where it has none."""
+    """Return how many times longer than opml's cheapest setting that is as precise; 0 where it has none."""
     rival = ours.cheapest(point.own_error)
     return point.cost / rival.cost if rival else 0.0
 
 
 def leads(panels: Panels) -> dict[str, float]:
-    """`times_opml` of every setting of every peer, by a text that names it."""
+    """Return `times_opml` of every setting of every peer, by a text that names it."""
     return {
         f"{line.name}, {point.setting}, {title}": times_opml(point, lines[OURS])
         for title, lines in panels.items()
@@ -130,7 +130,7 @@ def leads(panels: Panels) -> dict[str, float]:
 
 
 def report(panels: Panels, absent: dict[str, str]) -> str:
-    """The tables of work and precision, in Markdown, with the answer to whether opml is ahead everywhere."""
+    """Return the tables of work and precision in Markdown, and whether opml is ahead everywhere."""
     parts = [INTRODUCTION]
     parts += [_table(title, lines) for title, lines in panels.items()]
     parts += [_answer(leads(panels)), _truths(panels)]
@@ -185,7 +185,7 @@ def _answer(leads):
 
 
 def _truths(panels):
-    """How well own errors are known: the distance between a tool's results at its two tight settings."""
+    """Return how well own errors are known: how far results at a tool's two tight settings are apart."""
     tools = next(iter(panels.values()))
     rows = [
         [

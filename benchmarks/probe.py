@@ -11,11 +11,11 @@ _STATUS = Path("/proc/self/status")
 
 
 def memory(count: int) -> dict[str, float]:
-    """Time and growth of memory while `count` arcs are flown on one thread."""
+    """Measure time and growth of memory while `count` arcs are flown on one thread."""
     from benchmarks import case
 
     model, arcs = case.force_model("assumed"), case.arcs(count)
-    case.fly(model, arcs.some(1))
+    case.fly(model, arcs.sample(1))
     before = _resident("VmRSS")
     _forget_peak()
     begin = time.process_time()
@@ -29,7 +29,7 @@ def memory(count: int) -> dict[str, float]:
 
 
 def first_step(folder: str) -> dict[str, float]:
-    """What a job does before it flies, from tables in `folder`, and one step."""
+    """Do what a job does before it flies, from tables in `folder`, and one step."""
     from opml.catalog.simulate import truth
     from opml.dynamics import force_model
     from opml.dynamics.ensemble import Integrator
@@ -45,7 +45,7 @@ def first_step(folder: str) -> dict[str, float]:
 
 
 def _resident(name):
-    """A figure of the process's memory [MiB]; not a number where the system does not tell."""
+    """Return a figure of the process's memory [MiB], NaN where the system does not tell."""
     lines = _STATUS.read_text().splitlines() if _STATUS.exists() else []
     return next((int(line.split()[1]) / 1024.0 for line in lines if line.startswith(name)), float("nan"))
 

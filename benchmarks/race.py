@@ -39,7 +39,7 @@ class Bound:
     drag: float  # part of the effect of drag
 
     def holds(self, result: Result) -> bool:
-        """Whether the answers agree that far."""
+        """Return whether the answers agree that far."""
         return result.vacuum < self.vacuum and abs(result.drag - 1.0) < self.drag
 
 
@@ -57,7 +57,7 @@ BOUNDS = {
 def run(
     orekit_data: Path | None, *, rounds: int, progress: Callable[[str], None]
 ) -> tuple[dict[str, Result], dict[str, str]]:
-    """(results by peer, reasons of the peers that did not take part)."""
+    """Return the results by peer, and why peers did not take part."""
     arcs = case.arcs(ARCS)
     with turns.started(orekit_data) as (workers, absent):
         results = {}
@@ -65,7 +65,7 @@ def run(
             progress(f"{worker.about['title']}: answers")
             results[name] = _answers(worker, arcs)
         flights = {
-            name: Flight(worker, arcs.some(results[name].arcs), worker.about["raced"])
+            name: Flight(worker, arcs.sample(results[name].arcs), worker.about["raced"])
             for name, worker in workers.items()
         }
         for name, flown in turns.fly(flights, rounds=rounds, progress=progress).items():
@@ -74,19 +74,19 @@ def run(
 
 
 def _answers(worker, arcs):
-    """A tool's answers beside its own tight ones and beside opml's; this also warms it up."""
+    """Hold a tool's answers against its own tight ones and against opml's; this also warms it up."""
     count = min(worker.about["share"], ARCS)
-    some = arcs.some(min(CHECKED, count))
-    vacuum = some.without_drag()
+    sample = arcs.sample(min(CHECKED, count))
+    vacuum = sample.without_drag()
     found, found_vacuum, tight = (
         Flight(worker, flown, setting).fly().result
         for flown, setting in [
-            (some, worker.about["raced"]),
+            (sample, worker.about["raced"]),
             (vacuum, worker.about["raced"]),
-            (some, worker.about["tight"][-1]),
+            (sample, worker.about["tight"][-1]),
         ]
     )
-    twin, twin_vacuum = worker.call("twin", some).result, worker.call("twin", vacuum).result
+    twin, twin_vacuum = worker.call("twin", sample).result, worker.call("twin", vacuum).result
     effect, twin_effect = measure.along_track(found, found_vacuum), measure.along_track(twin, twin_vacuum)
     return Result(
         about=worker.about,
@@ -99,12 +99,12 @@ def _answers(worker, arcs):
 
 
 def disagreements(results: dict[str, Result]) -> list[str]:
-    """Tools whose answers are farther from opml's than their models explain."""
+    """Return the tools whose answers are farther from opml's than their models explain."""
     return [name for name, result in results.items() if not BOUNDS[name].holds(result)]
 
 
 def report(results: dict[str, Result], absent: dict[str, str]) -> str:
-    """The tables of speed and of answers, in Markdown."""
+    """Return the tables of speed and of answers, in Markdown."""
     ours = results[OURS].cpu
     speed = [
         [

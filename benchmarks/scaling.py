@@ -28,9 +28,9 @@ _BLOCKS = 20
 
 
 def threads(progress: Callable[[str], None]) -> str:
-    """One thread and two, in turns."""
+    """Compare one thread and two, in turns."""
     model, arcs = case.force_model("assumed"), case.arcs(16 * _BLOCKS)
-    case.fly(model, arcs.some(32), threads=2)
+    case.fly(model, arcs.sample(32), threads=2)
     seconds = {1: [], 2: []}
     for number in range(PAIRS):
         progress(f"threads: pair {number + 1} of {PAIRS}")
@@ -50,7 +50,7 @@ def threads(progress: Callable[[str], None]) -> str:
 
 
 def arcs(progress: Callable[[str], None]) -> str:
-    """Few arcs and many on one thread, each number in a process of its own."""
+    """Compare few arcs and many on one thread, each number in a process of its own."""
     rows = []
     for count in COUNTS:
         progress(f"{count} arcs")
@@ -69,7 +69,7 @@ def arcs(progress: Callable[[str], None]) -> str:
 
 
 def rsos(progress: Callable[[str], None]) -> tuple[str, float]:
-    """(a sentence on a thousand different orbits as one ensemble, its ms per arc-day)."""
+    """Return a sentence on a thousand different orbits as one ensemble, and its ms per arc-day."""
     progress(f"{RSOS} RSOs")
     model = case.force_model("assumed")
     states = _population(model.gm)
@@ -96,7 +96,7 @@ def rsos(progress: Callable[[str], None]) -> tuple[str, float]:
 
 
 def _population(gm):
-    """States (RSOS, 6) of circular-like orbits that a low catalogue holds, drawn with the run's seed."""
+    """Return states (RSOS, 6) of circular-like orbits of a low catalogue, drawn with the run's seed."""
     rng = derive(case.paper().values["seed"]["noise"], "benchmarks", "rsos")
     perigee, e = rng.uniform(300e3, 2000e3, RSOS), rng.uniform(0.0, 0.02, RSOS)
     a = (6378137.0 + perigee) / (1.0 - e)
@@ -106,7 +106,7 @@ def _population(gm):
 
 
 def least_squares(progress: Callable[[str], None]) -> str:
-    """All estimates of the paper's three-station case, on two threads."""
+    """Time all estimates of the paper's three-station case, on two threads."""
     paper, days = case.paper(), case.paper().values["duration_days"]
     rso, stations = paper.rsos["iss"], list(paper.stations.values())
     progress(f"truth of {days} days")
@@ -148,7 +148,7 @@ def least_squares(progress: Callable[[str], None]) -> str:
 
 
 def start(progress: Callable[[str], None]) -> str:
-    """A job's time before its first step, with kernels compiled before and without."""
+    """Time a job's start up to its first step, with kernels compiled before and without."""
     progress("start of a job")
     with tempfile.TemporaryDirectory() as folder:
         _write_environment(Path(folder))

@@ -19,7 +19,7 @@ TITLES = (
 
 
 def replaced(page: str, introduction: str, made: Mapping[str, str]) -> str:
-    """The page under a new introduction, with the sections `made`, texts by title, among those that stay."""
+    """Return the page under a new introduction; the sections `made`, texts by title, replace its own."""
     _, *old = re.split(r"^## (.+)\n+", page, flags=re.MULTILINE)
     texts = dict(zip(old[::2], old[1::2], strict=True)) | dict(made)
     parts = [f"## {title}\n\n{texts[title].strip()}\n" for title in TITLES if title in texts]

@@ -46,7 +46,7 @@ class Data:
 
 
 def read(path: Path) -> Data:
-    """The rows of the paper's split 80 to 20, of a dataset of the workflow or, without one, made up."""
+    """Return the rows of the paper's split 80 to 20, of a dataset of the workflow, or made up."""
     values = case.paper().values
     if not path.exists():
         return _made_up()
@@ -58,7 +58,7 @@ def read(path: Path) -> Data:
 
 
 def _made_up(rows: int = 20_000, count: int = 24) -> Data:
-    """Rows that resemble the dataset: errors that grow with the square of one variable, with heavy tails."""
+    """Make up rows like the dataset's: heavy-tailed errors that grow with the square of one variable."""
     rng = derive(case.paper().values["seed"]["split"], "benchmarks", "svr")
     x = rng.normal(size=(rows, count))
     growth = (2.0 + x[:, :1]) ** 2 * x[:, 1:2]
@@ -78,7 +78,7 @@ def _timed(call: Callable[[], object]) -> tuple[object, float]:
 
 
 def _engines() -> dict[str, type]:
-    """Classes with scikit-learn's face."""
+    """Return the classes with scikit-learn's face."""
     from sklearn.svm import SVR
 
     engines = {"scikit-learn (libsvm)": SVR}
@@ -92,7 +92,7 @@ def _engines() -> dict[str, type]:
 
 
 def compare(data: Data, settings: dict) -> str:
-    """Fits and predictions of e_y side by side, in turns."""
+    """Time fits and predictions of e_y side by side, in turns."""
     y, true = data.y[:, 1], data.y_test[:, 1]
     model = _fit(data, y, settings)
     settings = settings | {"kernel_scale": model.kernel_scale}
@@ -135,12 +135,12 @@ def _fit(data: Data, y: np.ndarray, settings: dict) -> svr.SvrModel:
 
 
 def _beside(reference, found):
-    """Median time, and how much faster than the reference."""
+    """Return the median time, and how much faster it is than the reference."""
     return f"{np.median(found):.2f}", f"{measure.paired_ratio(reference, found):.1f}"
 
 
 def shared(data: Data, settings: dict) -> str:
-    """What six targets on the same rows could share, and what it would save."""
+    """Return what six targets on the same rows could share, and what it would save."""
     picked = np.linspace(0, len(data.x) - 1, min(SHARED_ROWS, len(data.x))).astype(int)
     rows = replace(data, x=data.x[picked], y=data.y[picked])
     (mean, deviation), standardise = _timed(lambda: standardisation(rows.x))
@@ -163,7 +163,7 @@ def _exponents(z):
 
 
 def report(path: Path = DATASET) -> str:
-    """Both tables, in Markdown."""
+    """Return both tables, in Markdown."""
     data, settings = read(path), case.paper().values["learners"]["svr"]
     return compare(data, settings) + "\n" + shared(data, settings)
 

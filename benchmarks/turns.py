@@ -25,7 +25,7 @@ class Flight:
     setting: str
 
     def fly(self) -> Timed:
-        """The states (n, 6) at the ends of the arcs, timed. Raises Absent with what went wrong."""
+        """Return the timed states (n, 6) at the ends of the arcs. Raises Absent with what went wrong."""
         return self.worker.call("fly", self.arcs, self.setting)
 
 
@@ -40,7 +40,7 @@ class Flown:
 
 @contextmanager
 def started(orekit_data: Path | None) -> Iterator[tuple[dict[str, Worker], dict[str, str]]]:
-    """(the peers' workers by name, reasons of those that did not start); all end with the context."""
+    """Yield the peers' workers by name, and why others did not start; all end with the context."""
     workers, absent = {}, {}
     for name in PEERS:
         try:
@@ -65,7 +65,7 @@ def _start(name, orekit_data):
 def fly(
     flights: Mapping[Key, Flight], *, rounds: int, progress: Callable[[str], None], longest: float = np.inf
 ) -> dict[Key, Flown]:
-    """All flights once in every round; but one that took longer than `longest` [s] is not flown again."""
+    """Fly all flights once in every round, but a flight that took longer than `longest` [s] only once."""
     flown = {key: Flown() for key in flights}
     again = dict(flights)
     for number in range(rounds):

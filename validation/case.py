@@ -36,7 +36,7 @@ class Case:
 
     @classmethod
     def read(cls) -> "Case":
-        """The paper's case. Raises InputError where a file is missing or malformed."""
+        """Return the paper's case. Raises InputError where a file is missing or malformed."""
         values = read_yaml(ROOT / "config" / "config.yaml")
         study = read_yaml(ROOT / "config" / "studies" / "paper.yaml")["study"]
         rsos, stations = (ROOT / values["sheets"][kind] for kind in ("rsos", "stations"))
@@ -75,6 +75,6 @@ class Case:
         return Estimation(**self.values["estimation"], cd_bounds=self.cleaning.cd_bounds)
 
     def random_times(self, count: int) -> np.ndarray:
-        """`count` times within the run [s], ascending."""
+        """Draw `count` times within the run [s], ascending."""
         seed = self.values["seed"]["split"]
         return np.sort(np.random.default_rng(seed).uniform(0.0, self.duration, count))

@@ -41,15 +41,15 @@ def run(case: Case, data: Data, *, progress: Callable[[str], None]) -> None:
     with Workers(data, case.epoch, progress=progress) as workers:
         flights = trajectories.orekits(workers, case, environment.gm)
         both = _Both(case, orekit, environment, models, workers, progress)
-        results = {
+        results = report.Results(
             **both.terms(source),
             **both.light(source),
             **both.orbits(),
             **both.steps(),
             **both.fits(source),
             **both.orekits_orbits(flights, source),
-        }
-    text = report.write(case, orekit=version(), kernel=kernel, **results)
+        )
+    text = report.markdown(case, results, orekit=version(), kernel=kernel)
     REPORT.write_text(text, encoding="utf-8")
     progress(f"Wrote {REPORT}")
 
@@ -66,7 +66,7 @@ class _Both:
     progress: Callable[[str], None]
 
     def terms(self, source: str) -> dict:
-        """Forces, rotation and measurements at random states."""
+        """Compare forces, rotation and measurements at random states."""
         self.progress("Forces, rotation and measurements at random states")
         case, gm = self.case, self.environment.gm
         t = case.random_times(terms.TIMES)
@@ -80,7 +80,7 @@ class _Both:
         return {"places": places, "differences": terms.differences(case, theirs, mine)}
 
     def light(self, source: str) -> dict:
-        """Edges of the shadow and the light between them."""
+        """Compare edges of the shadow and the light between them."""
         self.progress("Edges of the shadow")
         starts = self.case.random_times(terms.TIMES)[_EVERY]
         edges, light = shadow.crossings(self.orekit, self.case, self.models["truth"], starts)
@@ -92,7 +92,7 @@ class _Both:
         return {"edges": edges, "light": light}
 
     def orbits(self) -> dict:
-        """Our orbits, converged, at half the steps and at the paper's settings; and with DE440."""
+        """Fly our orbits, converged, at half the steps and at the paper's settings; and with DE440."""
         case, with_de440 = self.case, self.environment.with_de440()
         converged = {trajectories.CONVERGED: OURS_CONVERGED}
         others = {
@@ -106,18 +106,18 @@ class _Both:
         return {"our_orbits": mine, "de440_orbits": trajectories.opmls(case, models, converged)}
 
     def orekits_orbits(self, flights: Sequence["Future[list[dict]]"], source: str) -> dict:
-        """Orekit's, as they come in from the workers."""
+        """Collect Orekit's orbits as they come in from the workers."""
         theirs = trajectories.collected(flights)
         tables.write("orbits", theirs[theirs["integrator"] == trajectories.CONVERGED], source, "GCRF")
         return {"orekit_orbits": theirs}
 
     def steps(self) -> dict:
-        """The paper's steps in the errors to be learned."""
+        """Measure the paper's steps in the errors to be learned."""
         self.progress("Predictions at the paper's steps and at fine ones")
         return {"effect": steps.effect(self.case, self.models, self.environment.tables["earth_orientation"])}
 
     def fits(self, source: str) -> dict:
-        """Least squares on the same measurements."""
+        """Compare least squares on the same measurements."""
         self.progress("Our estimates")
         case, assumed = self.case, self.models["assumed"]
         orientation = self.environment.tables["earth_orientation"]

@@ -41,7 +41,7 @@ _MOST_ITERATIONS = 25
 def simulated(
     case: Case, truth: ForceModel, earth_orientation: pd.DataFrame, integrator: Integrator
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """The truth and tracking tables of RSO over DAYS, all stations."""
+    """Return the truth and tracking tables of RSO over DAYS, all stations."""
     rso, settings = case.rsos[RSO], case.values
     step = settings["tracking"]["step_s"]
     states = simulate(truth, rso, duration=DAYS * DAY, step=step, integrator=integrator)
@@ -58,7 +58,7 @@ def opmls(
     earth_orientation: pd.DataFrame,
     integrator: Integrator = INTEGRATOR,
 ) -> pd.DataFrame:
-    """Our estimates at the start of every track."""
+    """Return our estimates at the start of every track."""
     seed = case.values["seed"]["noise"]
     return estimation.estimate_all(
         assumed,
@@ -73,13 +73,13 @@ def opmls(
 
 
 def chosen(estimates: pd.DataFrame, window: float) -> pd.DataFrame:
-    """WINDOWS converged estimates spread evenly over the time after the first whole window [s]."""
+    """Return WINDOWS converged estimates spread evenly over the time after the first whole window [s]."""
     usable = estimates[estimates["converged"] & (estimates["t"] > window)]
     return usable.iloc[np.linspace(0, len(usable) - 1, WINDOWS).round().astype(int)]
 
 
 def side_by_side(mine: pd.DataFrame, theirs: pd.DataFrame, truth: pd.DataFrame) -> pd.DataFrame:
-    """Both sides' estimates where both converged (one row per track): how far apart, how far from the truth.
+    """Return how far apart and how far from the truth both sides are, one row per track where both converged.
 
     Columns track, position [m], velocity [m/s], cd (differences), error_opml, error_orekit [m], cd_opml,
     cd_orekit.
@@ -102,7 +102,7 @@ def side_by_side(mine: pd.DataFrame, theirs: pd.DataFrame, truth: pd.DataFrame) 
 
 
 def window_of(case: Case, measured: pd.DataFrame, track: int) -> pd.DataFrame:
-    """The measurements to which the estimate at the start of a track is fitted."""
+    """Return the measurements to which the estimate at the start of a track is fitted."""
     window = HOUR * case.values["estimation"]["window_hours"]
     begins = measured.groupby("track")["t"].min()
     members = begins.index[(begins >= begins[track] - window) & (begins.index <= track)]
@@ -112,7 +112,7 @@ def window_of(case: Case, measured: pd.DataFrame, track: int) -> pd.DataFrame:
 def for_tests(
     rows: pd.DataFrame, truth: pd.DataFrame, estimates: pd.DataFrame
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """One window's measurements; the true state at the start of each of its tracks, with Orekit's estimate.
+    """Return one window's measurements, and true states at its tracks' starts with Orekit's estimate.
 
     Tracks are numbered from 0 in both; only the last has an estimate ({name}_orekit).
     """
@@ -164,7 +164,7 @@ class _Problem:
         }
 
     def fit(self, t: float, start: np.ndarray, measured: pd.DataFrame) -> dict:
-        """State and Cd at t [s] from rows of the tracking table, from `start` (6,)."""
+        """Fit state and Cd at t [s] to rows of the tracking table, from `start` (6,)."""
         estimation, hipparchus = ok.org.orekit.estimation, ok.org.hipparchus
         decomposer = hipparchus.linear.QRDecomposer(1e-15)
         optimizer = hipparchus.optim.nonlinear.vector.leastsquares.GaussNewtonOptimizer(decomposer, False)
@@ -261,11 +261,11 @@ class _WithoutLightTime:
 
 
 def _angles(seen, observed):
-    """Azimuth, in the turn of the observed one, and elevation [rad]."""
+    """Return azimuth, in the turn of the observed one, and elevation [rad]."""
     azimuth = observed[0] + wrap_half_turn(seen.getAzimuth() - observed[0])
     return jpype.JArray(jpype.JDouble)([azimuth, seen.getElevation()])
 
 
 def _distance(seen, observed):
-    """Range [m]."""
+    """Return the range [m]."""
     return jpype.JArray(jpype.JDouble)([seen.getRange()])

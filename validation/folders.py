@@ -49,15 +49,15 @@ def compare(before: Path, after: Path) -> Comparison:
     earlier, later = results(before), results(after)
     comparison = Comparison(only_before=sorted(earlier - later), only_after=sorted(later - earlier))
     for name in sorted(earlier & later):
-        told = differences(before / name, after / name)
-        comparison.differences += [f"{name}: {difference}" for difference in told]
+        found = differences(before / name, after / name)
+        comparison.differences += [f"{name}: {difference}" for difference in found]
         comparison.new_columns += [f"{name}: {column}" for column in new_columns(before / name, after / name)]
-        (comparison.different if told else comparison.same)[kind(name)] += 1
+        (comparison.different if found else comparison.same)[kind(name)] += 1
     return comparison
 
 
 def results(folder: Path) -> set[str]:
-    """Paths of the results in a folder, relative to it. Raises InputError where there are none."""
+    """Return the paths of the results in a folder, relative to it. Raises InputError where there are none."""
     paths = [path.relative_to(folder) for path in folder.rglob("[!.]*") if path.is_file()]
     names = {path.as_posix() for path in paths if not set(LEFT_OUT) & set(path.parts)}
     if not names:
@@ -66,19 +66,19 @@ def results(folder: Path) -> set[str]:
 
 
 def kind(name: str) -> str:
-    """What a file counts as in the summary."""
+    """Return what a file counts as in the summary."""
     return next((kind for kind, suffixes in KINDS.items() if Path(name).suffix in suffixes), "other")
 
 
 def differences(before: Path, after: Path) -> list[str]:
-    """What differs between two files, in words; nothing where they hold the same."""
+    """Return what differs between two files, in words; nothing where they hold the same."""
     if before.read_bytes() == after.read_bytes():
         return []
     return _BY_CONTENT.get(before.suffix, _other_bytes)(before, after)
 
 
 def new_columns(before: Path, after: Path) -> list[str]:
-    """Columns that only the later of two tables has; none where they cannot be read or are no tables."""
+    """Return the columns that only the later of two tables has; none where one cannot be read."""
     if before.suffix != ".parquet" or before.read_bytes() == after.read_bytes():
         return []
     try:
@@ -125,12 +125,12 @@ def _column_differences(before: pa.Table, after: pa.Table) -> Iterator[str]:
             yield f"{name}: column of before alone"
         elif before[name].type != after[name].type:
             yield f"{name}: {before[name].type} before, {after[name].type} after"
-        elif told := _value_difference(before[name].to_numpy(), after[name].to_numpy()):
-            yield f"{name}: {told}"
+        elif difference := _value_difference(before[name].to_numpy(), after[name].to_numpy()):
+            yield f"{name}: {difference}"
 
 
 def _value_difference(before: np.ndarray, after: np.ndarray) -> str:
-    """How many of two columns' values differ, and by how much; '' where none does. NaN equals NaN."""
+    """Return how many of two columns' values differ, and by how much; '' where none does. NaN equals NaN."""
     unequal = before != after
     if np.issubdtype(before.dtype, np.floating):
         unequal &= ~(np.isnan(before) & np.isnan(after))
@@ -141,7 +141,7 @@ def _value_difference(before: np.ndarray, after: np.ndarray) -> str:
 
 
 def _largest_step(before: np.ndarray, after: np.ndarray) -> str:
-    """By how much real numbers differ at most; '' of all else, which has no distance that tells anything."""
+    """Return by how much real numbers differ at most; '' for all else, which has no distance."""
     if not np.issubdtype(before.dtype, np.floating):
         return ""
     steps = np.abs(after - before)
@@ -155,7 +155,7 @@ _BY_CONTENT: dict[str, Callable[[Path, Path], list[str]]] = {
 
 
 def summary(comparison: Comparison) -> str:
-    """What a comparison found, to be printed: counts by kind, then each difference on a line."""
+    """Return a comparison as lines to print: counts by kind, then each difference."""
     counts = [f"{'':8}{'same':>8}{'different':>11}"]
     for name in (*KINDS, "other"):
         counts.append(f"{name:8}{comparison.same[name]:8}{comparison.different[name]:11}")
@@ -174,7 +174,7 @@ def _list(head: str, lines: Sequence[str]) -> list[str]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Compare two folders of results; 1 where AFTER lacks something or holds it with another content."""
+    """Compare two folders of results; return 1 where AFTER lacks a file or has another content."""
     parser = argparse.ArgumentParser(prog="python -m validation.folders", description=main.__doc__)
     parser.add_argument("before", type=Path, metavar="BEFORE")
     parser.add_argument("after", type=Path, metavar="AFTER")

@@ -44,7 +44,7 @@ class Data:
 
     @classmethod
     def find(cls, directory: Path) -> "Data":
-        """The files below `directory`. Raises InputError where it is no folder or lacks one."""
+        """Find the files below `directory`. Raises InputError where it is no folder or lacks one."""
         if not directory.is_dir():
             raise InputError(f"{directory}: expected a folder with Orekit's data, got none")
         files = {what: sorted(directory.rglob(pattern)) for what, pattern in _PATTERNS.items()}
@@ -54,7 +54,7 @@ class Data:
         return cls(files)
 
     def path(self, what: str) -> Path:
-        """The file of a kind of which one is enough."""
+        """Return the file of a kind of which one is enough."""
         return self.files[what][0]
 
 
@@ -68,7 +68,7 @@ def start(data: Data) -> None:
 
 
 def version() -> str:
-    """Version of the package that carries Orekit; its first three numbers are Orekit's."""
+    """Return the version of the package that carries Orekit; its first three numbers are Orekit's."""
     return metadata.version("orekit-jpype")
 
 
@@ -100,33 +100,33 @@ class Orekit:
 
     @staticmethod
     def array(vector) -> np.ndarray:
-        """A Vector3D as an array (3,)."""
+        """Return a Vector3D as an array (3,)."""
         return np.array([vector.getX(), vector.getY(), vector.getZ()])
 
     @staticmethod
     def vector(values: np.ndarray):
-        """An array (3,) as a Vector3D."""
+        """Return an array (3,) as a Vector3D."""
         return org.hipparchus.geometry.euclidean.threed.Vector3D(*map(float, values))
 
     def state(self, pv) -> np.ndarray:
-        """PVCoordinates as an array (6,)."""
+        """Return PVCoordinates as an array (6,)."""
         return np.append(self.array(pv.getPosition()), self.array(pv.getVelocity()))
 
     def date(self, t: float):
-        """The date t [s] after the epoch."""
+        """Return the date t [s] after the epoch."""
         return self.epoch.shiftedBy(float(t))
 
     def rotation(self, t: float) -> np.ndarray:
-        """Rotation matrix (3, 3) from GCRF to ITRF."""
+        """Return the rotation matrix (3, 3) from GCRF to ITRF."""
         transform = self.gcrf.getStaticTransformTo(self.itrf, self.date(t))
         return np.array([list(row) for row in transform.getRotation().getMatrix()])
 
     def body_position(self, name: str, t: float) -> np.ndarray:
-        """Geocentric position (3,) of a third body in GCRF [m]."""
+        """Return the geocentric position (3,) of a third body in GCRF [m]."""
         return self.array(self.bodies[name].getPosition(self.date(t), self.gcrf))
 
     def activity_at(self, t: float) -> dict[str, float]:
-        """F10.7, its mean [sfu] and the two Kp that DTM2000 is given."""
+        """Return F10.7, its mean [sfu] and the two Kp that DTM2000 is given."""
         date = self.date(t)
         return {
             "f107": self.activity.getInstantFlux(date),
@@ -136,26 +136,26 @@ class Orekit:
         }
 
     def field(self, degree: int, order: int):
-        """The coefficients, frozen at the epoch."""
+        """Return the coefficients, frozen at the epoch."""
         factory = org.orekit.forces.gravity.potential.GravityFieldFactory
         return factory.getConstantNormalizedProvider(degree, order, self.epoch)
 
     def gravity(self, degree: int, order: int):
-        """The field without its central term, frozen at the epoch."""
+        """Return the field without its central term, frozen at the epoch."""
         model = org.orekit.forces.gravity.HolmesFeatherstoneAttractionModel
         return model(self.itrf, self.field(degree, order))
 
     def third_body(self, name: str):
-        """The pull of one body, relative to the Earth's centre."""
+        """Return the pull of one body, relative to the Earth's centre."""
         return org.orekit.forces.gravity.ThirdBodyAttraction(self.bodies[name])
 
     def drag(self, rso: Rso):
-        """Drag of a sphere in DTM2000."""
+        """Return the drag of a sphere in DTM2000."""
         shape = org.orekit.forces.drag.IsotropicDrag(rso.area_to_mass * MASS, rso.cd)
         return org.orekit.forces.drag.DragForce(self.atmosphere, shape)
 
     def radiation_pressure(self, rso: Rso):
-        """Radiation pressure on a sphere, with the shadow of the ellipsoid."""
+        """Return the radiation pressure on a sphere, with the shadow of the ellipsoid."""
         radiation = org.orekit.forces.radiation
         return radiation.SolarRadiationPressure(
             constants.SRP_DISTANCE,
@@ -166,7 +166,7 @@ class Orekit:
         )
 
     def forces(self, settings: Mapping[str, Any], rso: Rso) -> list:
-        """The force models of degree, order and third_bodies in `settings`, drag and pressure unless zero."""
+        """Return the force models of `settings`: degree, order, third_bodies; drag and pressure if not 0."""
         surface = [(rso.cd, self.drag), (rso.cr, self.radiation_pressure)]
         return [
             self.gravity(settings["degree"], settings["order"]),
@@ -175,20 +175,20 @@ class Orekit:
         ]
 
     def orbit(self, t: float, state: np.ndarray, gm: float):
-        """A GCRF state (6,) [m, m/s] as an orbit."""
+        """Return a GCRF state (6,) [m, m/s] as an orbit."""
         pv = org.orekit.utils.PVCoordinates(self.vector(state[:3]), self.vector(state[3:]))
         return org.orekit.orbits.CartesianOrbit(pv, self.gcrf, self.date(t), gm)
 
     def spacecraft(self, t: float, state: np.ndarray, gm: float):
-        """A GCRF state (6,) [m, m/s] of a body of mass MASS."""
+        """Return a GCRF state (6,) [m, m/s] of a body of mass MASS."""
         return org.orekit.propagation.SpacecraftState(self.orbit(t, state, gm)).withMass(MASS)
 
     def acceleration(self, force, spacecraft) -> np.ndarray:
-        """Acceleration (3,) by one force model, in GCRF [m/s2]."""
+        """Return the acceleration (3,) by one force model, in GCRF [m/s2]."""
         return self.array(force.acceleration(spacecraft, force.getParameters(spacecraft.getDate())))
 
     def topocentric(self, station: Station):
-        """The horizon of a station."""
+        """Return the horizon of a station."""
         place = org.orekit.bodies.GeodeticPoint(station.latitude, station.longitude, station.altitude)
         return org.orekit.frames.TopocentricFrame(self.earth, place, station.name)
 
@@ -202,7 +202,7 @@ class Orekit:
         *,
         begin: float = 0.0,
     ) -> np.ndarray:
-        """GCRF states (n, 6) at ascending times t [s] of an orbit that starts from `state` at `begin` [s]."""
+        """Return GCRF states (n, 6) at ascending times t [s] of an orbit from `state` at `begin` [s] on."""
         propagator = self._propagator(begin, state, gm, forces, integrator)
         return np.array([self._state_at(propagator, time) for time in t])
 
@@ -216,7 +216,7 @@ class Orekit:
         *,
         begin: float = 0.0,
     ) -> np.ndarray:
-        """The same, interpolated along one flight that stops at none of the times: for many of them."""
+        """Propagate by interpolation along one flight that stops at none of the times: for many times."""
         propagator = self._propagator(begin, state, gm, forces, integrator)
         generator = propagator.getEphemerisGenerator()
         propagator.propagate(self.date(t[-1]))
@@ -233,7 +233,7 @@ class Orekit:
         *,
         begin: float = 0.0,
     ) -> np.ndarray:
-        """The same as `propagate`, with a step's end at each edge of the shadow.
+        """Propagate as `propagate` does, with a step's end at each edge of the shadow.
 
         By itself Orekit steps over an edge, then goes back to it by interpolation in that step, which the
         bend of the acceleration has spoilt. So a first flight notes the edges' times; a second stops there.

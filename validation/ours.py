@@ -33,7 +33,7 @@ class Environment:
     gms: Mapping[str, float]
 
     def model(self, settings: Mapping[str, Any]) -> ForceModel:
-        """The force model of degree, order and third_bodies in `settings`."""
+        """Return the force model of degree, order and third_bodies in `settings`."""
         return forces.build(
             **self.tables,
             epoch=self.epoch,
@@ -46,14 +46,14 @@ class Environment:
         )
 
     def with_de440(self) -> "Environment":
-        """The same, but for the third bodies, which come from DE440 as in the product."""
+        """Return these settings' environment, but with the third bodies of DE440, as in the product."""
         t = self.tables["ephemerides"]["t"].to_numpy()
         table = celestial_bodies.tabulate(celestial_bodies.DE440, self.epoch, t)
         return replace(self, tables={**self.tables, "ephemerides": table}, gms=GM)
 
 
 def from_orekit(orekit, data, *, epoch: str, t: np.ndarray, degree: int) -> Environment:
-    """The environment at nodes t [s] from the files that Orekit reads.
+    """Return the environment at nodes t [s] from the files that Orekit reads.
 
     Earth orientation and gravity field are read by opml itself; the third bodies and the solar activity are
     Orekit's, taken at the nodes, so that both sides have one kernel and one table of activity.
@@ -81,7 +81,7 @@ def from_orekit(orekit, data, *, epoch: str, t: np.ndarray, degree: int) -> Envi
 def fly(
     model: ForceModel, rsos: Sequence[Rso], starts: np.ndarray, t: np.ndarray, integrator: Integrator
 ) -> np.ndarray:
-    """GCRF states (rsos, n, 6) at ascending times t [s]; they start at the epoch from `starts` (rsos, 6)."""
+    """Return GCRF states (rsos, n, 6) at ascending times t [s], from `starts` (rsos, 6) at the epoch."""
     count = len(rsos)
     arcs = propagate(
         model,
@@ -97,7 +97,7 @@ def fly(
 
 
 def terms(model: ForceModel, t: float, state: np.ndarray, rso: Rso) -> dict[str, Any]:
-    """Each force's acceleration [m/s2] in GCRF, and what it is made of, at a GCRF state (6,).
+    """Return each force's acceleration [m/s2] in GCRF, and what it is made of, at a GCRF state (6,).
 
     Keys: rotation (3, 3), density [kg/m3], lit, drag (3,), srp (3,) and bodies (bodies of the model, 3).
     """
@@ -117,7 +117,7 @@ def terms(model: ForceModel, t: float, state: np.ndarray, rso: Rso) -> dict[str,
 
 
 def gravity_beyond_central(model: ForceModel, position: np.ndarray) -> np.ndarray:
-    """Acceleration (3,) [m/s2] of the field without its central term, at an ITRF position (3,) [m]."""
+    """Return the field's acceleration (3,) [m/s2] but its central term, at an ITRF position (3,) [m]."""
     out = rows(3)
     _gravity(model, _in_lanes(position), out)
     return out[:, 0]

@@ -1,6 +1,7 @@
 """docs/validation.md: the words of report.md with the numbers of a run."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import erfa
@@ -15,28 +16,34 @@ _WGS84 = 1
 _EDGE_BOUND, _LIGHT_BOUND = 1.0, 1e-7
 
 
-def write(
-    case: Case,
-    *,
-    orekit: str,
-    kernel: str,
-    places: np.ndarray,
-    differences: Sequence[Difference],
-    edges: pd.DataFrame,
-    light: pd.DataFrame,
-    our_orbits: pd.DataFrame,
-    orekit_orbits: pd.DataFrame,
-    de440_orbits: pd.DataFrame,
-    fits: pd.DataFrame,
-    fits_made: int,
-    effect: pd.DataFrame,
-) -> str:
-    """The report as Markdown."""
-    own = {
-        "opml": trajectories.moved(our_orbits, trajectories.PAPER),
-        "Orekit": trajectories.moved(orekit_orbits, trajectories.PAPER),
+@dataclass(frozen=True)
+class Results:
+    """What the parts of the comparison found."""
+
+    places: np.ndarray  # (n, 3) in ITRF [m], of the terms
+    differences: Sequence[Difference]
+    edges: pd.DataFrame
+    light: pd.DataFrame
+    our_orbits: pd.DataFrame
+    orekit_orbits: pd.DataFrame
+    de440_orbits: pd.DataFrame
+    fits: pd.DataFrame
+    fits_made: int
+    effect: pd.DataFrame
+
+
+def markdown(case: Case, results: Results, *, orekit: str, kernel: str) -> str:
+    """Return the report as Markdown.
+
+    orekit: version of Orekit
+    kernel: name of the ephemerides that both sides read
+    """
+    steps_error = {
+        "opml": trajectories.moved(results.our_orbits, trajectories.PAPER),
+        "Orekit": trajectories.moved(results.orekit_orbits, trajectories.PAPER),
     }
-    altitudes = erfa.gc2gd(_WGS84, places)[2] / 1e3
+    altitudes = erfa.gc2gd(_WGS84, results.places)[2] / 1e3
+    effect = results.effect
     errors, changes = effect["paper"].abs(), (effect["fine"] - effect["paper"]).abs()
     words = Path(__file__).with_name("report.md").read_text(encoding="utf-8")
     return words.format(
@@ -46,15 +53,15 @@ def write(
         days=case.values["duration_days"],
         ours_converged=_settings(OURS_CONVERGED),
         orekits_converged=_settings(OREKITS_CONVERGED),
-        states=len(places),
+        states=len(results.places),
         lowest=altitudes.min(),
         highest=altitudes.max(),
-        terms=_terms(differences),
-        shaded=", ".join(f"`{rso}`" for rso in edges["rso"].unique()),
-        shadow=_shadow(edges, light),
-        orbits=_orbits(our_orbits, orekit_orbits, de440_orbits),
-        integrators=_integrators(own),
-        converged=_converged(our_orbits, orekit_orbits),
+        terms=_terms(results.differences),
+        shaded=", ".join(f"`{rso}`" for rso in results.edges["rso"].unique()),
+        shadow=_shadow(results.edges, results.light),
+        orbits=_orbits(results.our_orbits, results.orekit_orbits, results.de440_orbits),
+        integrators=_integrators(steps_error),
+        converged=_converged(results.our_orbits, results.orekit_orbits),
         checked=trajectories.CHECKED,
         rso=estimation.RSO,
         pairs=len(effect),
@@ -64,11 +71,11 @@ def write(
         change=changes.median(),
         change_most=np.percentile(changes, 95),
         share=steps.share(effect),
-        fits_made=fits_made,
-        fits_both=len(fits),
+        fits_made=results.fits_made,
+        fits_both=len(results.fits),
         fit_days=f"{estimation.DAYS:g}",
-        fits=_fits(fits),
-        sides=_sides(fits),
+        fits=_fits(results.fits),
+        sides=_sides(results.fits),
     )
 
 
@@ -140,25 +147,27 @@ def _orbits(mine, theirs, with_de440):
 
 
 def _converged(mine, theirs):
-    own = trajectories.moved(mine, trajectories.HALVED)
-    other = trajectories.moved(theirs, trajectories.HALVED)
+    ours = trajectories.moved(mine, trajectories.HALVED)
+    orekits = trajectories.moved(theirs, trajectories.HALVED)
     spans = [(bound.model, bound.day) for bound in trajectories.BOUNDS]
-    sides = [("opml", rso, own) for rso in own.index.unique(level="rso")]
-    sides.append(("Orekit", trajectories.CHECKED, other))
+    sides = [("opml", rso, ours) for rso in ours.index.unique(level="rso")]
+    sides.append(("Orekit", trajectories.CHECKED, orekits))
     rows = [
         [side, rso, *(f"{moved[rso, model, day]:.4f}" for model, day in spans)] for side, rso, moved in sides
     ]
     return _table(["side", "RSO", *(f"{model}, {day} days" for model, day in spans)], rows)
 
 
-def _integrators(own):
-    index = own["opml"].index
+def _integrators(steps_error):
+    index = steps_error["opml"].index
     spans = [(bound.model, bound.day) for bound in trajectories.BOUNDS]
     rows = [
-        [rso, *(f"{side[rso, model, day]:.3g}" for model, day in spans for side in own.values())]
+        [rso, *(f"{side[rso, model, day]:.3g}" for model, day in spans for side in steps_error.values())]
         for rso in index.unique(level="rso")
     ]
-    return _table(["RSO", *(f"{model}, {day} days, {side}" for model, day in spans for side in own)], rows)
+    return _table(
+        ["RSO", *(f"{model}, {day} days, {side}" for model, day in spans for side in steps_error)], rows
+    )
 
 
 def _fits(fits):

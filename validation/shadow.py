@@ -33,7 +33,7 @@ SAMPLES = len(_WITHIN) + 2
 def crossings(
     orekit: "Orekit", case: Case, truth: ForceModel, starts: np.ndarray
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Penumbras crossed within LENGTH after times `starts`, as each side sees them on the same path.
+    """Return penumbras crossed within LENGTH after times `starts`, as each side sees them on the same path.
 
     Returns the edges (rso, edge, t_orekit, t_ours [s]) and the light in between and a second outside
     (rso, t, GCRF state, lit_orekit, lit_ours).
@@ -64,19 +64,19 @@ class _Stretch:
         self.pressure = orekit.radiation_pressure(rso)
 
     def state(self, t: float) -> np.ndarray:
-        """GCRF state (6,) on the path."""
+        """Return the GCRF state (6,) on the path."""
         return np.append(self.path(t), self.path(t, 1))
 
     def by_orekit(self, t: float) -> float:
-        """Part of the Sun in sight, by Orekit."""
+        """Return the part of the Sun in sight, by Orekit."""
         return self.pressure.getLightingRatio(self.orekit.spacecraft(t, self.state(t), self.truth.gm))
 
     def by_opml(self, t: float) -> float:
-        """Part of the Sun in sight, by opml."""
+        """Return the part of the Sun in sight, by opml."""
         return ours.terms(self.truth, t, self.state(t), self.rso)["lit"]
 
     def penumbras(self) -> Iterator[tuple[dict, dict]]:
-        """The edges towards sunlight and towards the umbra of each penumbra that is crossed to its end."""
+        """Return the edges towards sunlight and the umbra of each penumbra that is crossed to its end."""
         lit = np.array([self.by_opml(t) for t in self.t])
         whole = np.flatnonzero((lit >= 1.0) | (lit <= 0.0))
         for one, other in pairwise(whole):
@@ -85,14 +85,14 @@ class _Stretch:
                 yield self._edge(_is_dimmed, bright, dark), self._edge(_is_dark, bright, dark)
 
     def _edge(self, is_past: Callable[[float], bool], bright: float, dark: float) -> dict[str, float]:
-        """When each side sees `is_past` of the light come true between two times [s]."""
+        """Return when each side sees `is_past` of the light come true between two times [s]."""
         return {
             "t_orekit": _change(lambda t: is_past(self.by_orekit(t)), bright, dark),
             "t_ours": _change(lambda t: is_past(self.by_opml(t)), bright, dark),
         }
 
     def light(self, sunlight: float, umbra: float) -> list[dict]:
-        """The light within a penumbra and a second outside it, by either side."""
+        """Return the light within a penumbra and a second outside it, by either side."""
         outwards = np.sign(sunlight - umbra)
         times = [
             sunlight + outwards,
@@ -120,7 +120,7 @@ def _is_dark(lit: float) -> bool:
 
 
 def _change(holds: Callable[[float], bool], low: float, high: float) -> float:
-    """Time at which `holds` turns true between low, where it does not, and high, by bisection [s]."""
+    """Return the time [s] at which `holds` turns true between low and high, by bisection."""
     while abs(high - low) > _PRECISION:
         middle = 0.5 * (low + high)
         if holds(middle):

@@ -19,7 +19,7 @@ FINE = Integrator(position_tolerance=1e-6, min_step=1e-4, max_step=10.0)
 
 
 def effect(case: Case, models: Mapping[str, ForceModel], earth_orientation: pd.DataFrame) -> pd.DataFrame:
-    """Along-track errors [m] of the same predictions of estimation.RSO, at the paper's steps and at FINE.
+    """Return along-track errors [m] of the same predictions of RSO, at the paper's steps and at FINE.
 
     Truth, estimation and prediction all fly at one or the other; the noise is the same. Columns days
     (length), paper, fine.
@@ -40,12 +40,12 @@ def effect(case: Case, models: Mapping[str, ForceModel], earth_orientation: pd.D
 
 
 def share(effect: pd.DataFrame) -> float:
-    """What the steps change of the errors, measured as P_ML measures what learning leaves of them [%]."""
+    """Return what the steps change of the errors [%], measured as P_ML measures what learning leaves."""
     return 100.0 * np.abs(effect["fine"] - effect["paper"]).sum() / np.abs(effect["paper"]).sum()
 
 
 def _with_noise_of(noisy, measured):
-    """The measurements that both tables hold: true values of `measured`, noise and tracks of `noisy`."""
+    """Return measurements that both tables hold: true values of `measured`, noise and tracks of `noisy`."""
     both = measured.merge(noisy, on=["t", "station"], suffixes=("", "_noisy"), validate="one_to_one")
     for name in QUANTITIES:
         both[name] = both[f"{name}_true"] + (both[f"{name}_noisy"] - both[f"{name}_true_noisy"])

@@ -30,7 +30,7 @@ def read(name: str) -> pd.DataFrame:
 
 
 def gravity(orekit: "Orekit", degree: int) -> pd.DataFrame:
-    """Orekit's coefficients (n, m, c, s), fully normalised, frozen at the epoch."""
+    """Return Orekit's coefficients (n, m, c, s), fully normalised, frozen at the epoch."""
     field = orekit.field(degree, degree).onDate(orekit.epoch)
     n, m = np.tril_indices(degree + 1)
     return pd.DataFrame(
@@ -44,7 +44,7 @@ def gravity(orekit: "Orekit", degree: int) -> pd.DataFrame:
 
 
 def nodes(environment: Environment, t: np.ndarray) -> pd.DataFrame:
-    """The nodes of third bodies and solar activity between which the kernels look up times t [s]."""
+    """Return the nodes of third bodies and solar activity between which the kernels look up times t [s]."""
     tables = environment.tables
     every = tables["ephemerides"].merge(tables["solar_activity"], on="t", validate="one_to_one")
     at = np.searchsorted(every["t"], t, side="right") - 1
@@ -53,5 +53,5 @@ def nodes(environment: Environment, t: np.ndarray) -> pd.DataFrame:
 
 
 def bodies(gms: Mapping[str, float]) -> pd.DataFrame:
-    """Gravitational parameters [m3/s2] of the third bodies."""
+    """Return the gravitational parameters [m3/s2] of the third bodies."""
     return pd.DataFrame({"body": BODIES, "gm": [gms[name] for name in BODIES]})

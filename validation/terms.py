@@ -29,12 +29,12 @@ MEASURED = ["azimuth", "elevation", "range"]
 
 
 def axes(term: str) -> list[str]:
-    """Columns of a term's acceleration."""
+    """Return the columns of a term's acceleration."""
     return [f"{term}_{axis}" for axis in "xyz"]
 
 
 def states(case: Case, truth: ForceModel, t: np.ndarray) -> pd.DataFrame:
-    """GCRF states of every RSO at times t [s], from the true orbit at the paper's settings."""
+    """Return the GCRF states of every RSO at times t [s], from the true orbit at the paper's settings."""
     rsos = list(case.rsos.values())
     starts = np.array([initial_state(rso, truth.gm) for rso in rsos])
     flown = ours.fly(truth, rsos, starts, t, case.integrator)
@@ -45,7 +45,7 @@ def states(case: Case, truth: ForceModel, t: np.ndarray) -> pd.DataFrame:
 
 
 def orekits(orekit: "Orekit", case: Case, states: pd.DataFrame, gm: float) -> pd.DataFrame:
-    """Orekit's terms at the states; it also says where these are in ITRF."""
+    """Return Orekit's terms at the states, and where these are in ITRF."""
     fields = {
         f"gravity_{name}": orekit.gravity(model["degree"], model["order"])
         for name, model in case.force_models.items()
@@ -82,7 +82,7 @@ def opmls(
     states: pd.DataFrame,
     places: np.ndarray,
 ) -> pd.DataFrame:
-    """Our terms at the states; gravity and measurements at ITRF positions `places` (n, 3)."""
+    """Return our terms at the states; gravity and measurements at ITRF positions `places` (n, 3)."""
     sites = {name: site(station) for name, station in stations.items()}
     rows = []
     for (rso, t, state), place in zip(_each(rsos, states), places, strict=True):
@@ -135,7 +135,7 @@ class Difference:
 
 
 def differences(case: Case, theirs: pd.DataFrame, mine: pd.DataFrame) -> list[Difference]:
-    """The terms of both tables, side by side."""
+    """Return the terms of both tables, side by side."""
     found = [
         Difference(
             f"gravity beyond the central term, {model['degree']}x{model['order']}",
@@ -157,7 +157,7 @@ def differences(case: Case, theirs: pd.DataFrame, mine: pd.DataFrame) -> list[Di
 
 
 def measured(stations: Sequence[str], theirs: pd.DataFrame, mine: pd.DataFrame) -> list[Difference]:
-    """The measurements of all stations."""
+    """Return the measurements of all stations."""
     found = []
     for name, bound, unit in zip(MEASURED, [1e-10, 1e-10, 1e-3], ["rad", "rad", "m"], strict=True):
         columns = [f"{station}_{name}" for station in stations]
@@ -172,7 +172,7 @@ def _relative(theirs, mine, columns):
 
 
 def _turn(theirs, mine):
-    """Angle of the rotation between the two sides' rotations [rad]."""
+    """Return the angle of the rotation between the two sides' rotations [rad]."""
     a, b = (side[ROTATION].to_numpy().reshape(-1, 3, 3) for side in (theirs, mine))
     between = np.einsum("nij,nkj->nik", b, a)
     axis = [between[:, 2, 1] - between[:, 1, 2], between[:, 0, 2] - between[:, 2, 0]]

@@ -77,14 +77,14 @@ def _orekits(orekit, rso, settings, gm, keys, integrator):
 
 
 def collected(flights: Sequence["Future[list[dict]]"]) -> pd.DataFrame:
-    """The states (KEYS, GCRF state) of all flights."""
+    """Return the states (KEYS, GCRF state) of all flights."""
     return pd.DataFrame([row for flight in flights for row in flight.result()])
 
 
 def opmls(
     case: Case, models: Mapping[str, ForceModel], integrators: Mapping[str, Integrator]
 ) -> pd.DataFrame:
-    """Our states (KEYS, GCRF state) of every RSO under force models by name, with integrators by name."""
+    """Fly every RSO under force models and integrators by name; return our states (KEYS, GCRF state)."""
     rsos = list(case.rsos.values())
     rows = []
     for name, model in models.items():
@@ -104,20 +104,20 @@ def _rows(rso, model, kind, states):
 
 
 def apart(one: pd.DataFrame, other: pd.DataFrame, keys: list[str]) -> pd.Series:
-    """Distance [m] between the states of two tables that share `keys`, by these."""
+    """Return the distance [m] between the states of two tables that share `keys`, by these."""
     both = one.merge(other, on=keys, suffixes=("", "_other"))
     across = both[STATE[:3]].to_numpy() - both[[f"{axis}_other" for axis in STATE[:3]]].to_numpy()
     return pd.Series(np.linalg.norm(across, axis=1), index=pd.MultiIndex.from_frame(both[keys]))
 
 
 def halved(integrator: Integrator) -> Integrator:
-    """Half the longest step, a tenth of the tolerance."""
+    """Return settings of half the longest step and a tenth of the tolerance."""
     return replace(
         integrator, position_tolerance=integrator.position_tolerance / 10, max_step=integrator.max_step / 2
     )
 
 
 def moved(states: pd.DataFrame, settings: str) -> pd.Series:
-    """Distance [m] of one side's states at other settings of the integrator from its converged ones."""
+    """Return how far [m] one side's states at other settings of the integrator are from converged ones."""
     kinds = {kind: part.drop(columns="integrator") for kind, part in states.groupby("integrator")}
     return apart(kinds[settings], kinds[CONVERGED], ["rso", "model", "day"])

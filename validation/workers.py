@@ -28,7 +28,7 @@ class Workers:
         self._pool.shutdown(cancel_futures=reason is not None)
 
     def submit(self, label: str, function: Callable, *arguments) -> Future:
-        """Have function(orekit, *arguments) run in turn; `label` is told as it ends."""
+        """Run function(orekit, *arguments) in turn; `label` is told as it ends."""
         future = self._pool.submit(_call, function, arguments)
         future.add_done_callback(lambda done: self._tell(label, done))
         return future

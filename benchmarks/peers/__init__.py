@@ -29,13 +29,13 @@ PEERS = {
 
 
 def load(name: str) -> type:
-    """The class of a peer. Raises ImportError where its tool is not installed."""
+    """Return the class of a peer. Raises ImportError where its tool is not installed."""
     module, cls = PEERS[name].split(":")
     return getattr(import_module(module), cls)
 
 
 def about(peer: Any) -> dict[str, Any]:
-    """What a report needs to know of a peer; of its settings, what they are called."""
+    """Return what a report needs to know of a peer, and the names of its settings."""
     words = ("title", "model", "method", "way", "raced", "pressure", "share", "sample")
     return {word: getattr(peer, word) for word in words} | {
         kind: list(getattr(peer, kind)) for kind in ("settings", "tight")

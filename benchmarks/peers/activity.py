@@ -14,7 +14,7 @@ MARGIN = 60
 
 
 def daily() -> Iterator[tuple[datetime.date, float, float]]:
-    """(date, F10.7 [sfu], Ap) of each day around the run."""
+    """Return date, F10.7 [sfu] and Ap of each day around the run."""
     epoch, settings = case.paper().epoch, case.paper().values["environment"]
     first = datetime.date.fromisoformat(epoch[:10])
     last = int(2 * case.DAYS)
@@ -27,5 +27,5 @@ def daily() -> Iterator[tuple[datetime.date, float, float]]:
 
 
 def ap_from_kp(kp: float) -> float:
-    """The inverse of `solar_activity.kp_from_ap`."""
+    """Return the inverse of `solar_activity.kp_from_ap`."""
     return float(np.sinh(kp / 1.89) / 0.154)

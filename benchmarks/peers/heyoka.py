@@ -35,7 +35,7 @@ class Heyoka:
         self.epoch = _tt(case.paper().epoch)
 
     def fly(self, arcs: Arcs, setting: str) -> np.ndarray:
-        """At one of the settings; its first flight compiles the equations."""
+        """Fly at one of the settings; its first flight compiles the equations."""
         taylor = _taylor((self.settings | self.tight)[setting], self.epoch)
         ends = np.empty((len(arcs), 6))
         for begin in range(0, len(arcs), _BATCH):
@@ -49,13 +49,13 @@ class Heyoka:
         return ends
 
     def twin(self, arcs: Arcs) -> np.ndarray:
-        """Ours without radiation pressure."""
+        """Fly ours without radiation pressure."""
         return case.fly(case.force_model("assumed"), arcs.without_pressure())
 
 
 @cache
 def _taylor(tolerance, epoch):
-    """The equations, compiled for a tolerance."""
+    """Compile the equations for a tolerance."""
     dynamics = heyoka.model.eo_dynamics(
         max_geo_degree=20,
         max_geo_order=20,
@@ -77,7 +77,7 @@ def _taylor(tolerance, epoch):
 
 
 def _tt(epoch):
-    """Seconds of Terrestrial Time from J2000 to an epoch in UTC text."""
+    """Return the seconds of Terrestrial Time from J2000 to an epoch in UTC text."""
     year, month, day = map(int, epoch[:10].split("-"))
     hour, minute, second = epoch[11:].split(":")
     utc = erfa.dtf2d("UTC", year, month, day, int(hour), int(minute), float(second))
@@ -86,7 +86,7 @@ def _tt(epoch):
 
 
 def _activity():
-    """The run's solar activity as heyoka's space weather."""
+    """Return the run's solar activity as heyoka's space weather."""
     days = list(activity.daily())
     table = np.zeros(len(days), dtype=heyoka.sw_data_row)
     table["mjd"] = [date.toordinal() - 678576.0 for date, _, _ in days]

@@ -12,7 +12,7 @@ from validation import orekit
 
 
 def _to_edges(*limits):
-    """Settings whose steps also end at the edges of the shadow, by what a report calls them."""
+    """Return the settings whose steps also end at the edges of the shadow, by what a report calls them."""
     return {f"{name}, edges": integrator for name, integrator in step_limits(*limits).items()}
 
 
@@ -36,7 +36,7 @@ class Orekit:
         self.field = str(self.data.path("gravity field"))
 
     def fly(self, arcs: Arcs, setting: str) -> np.ndarray:
-        """At one of the settings."""
+        """Fly at one of the settings."""
         propagate = self.models.propagate_by_edges if setting in self.tight else self.models.propagate
         integrator = (self.settings | self.tight)[setting]
         forces, gm = self._forces(arcs), self.models.field(0, 0).getMu()
@@ -53,5 +53,5 @@ class Orekit:
         return self.models.forces(case.paper().force_models["assumed"], rso)
 
     def twin(self, arcs: Arcs) -> np.ndarray:
-        """Ours on the same gravity field."""
+        """Fly ours on the same gravity field."""
         return case.fly(case.force_model("assumed", field=self.field), arcs)

@@ -25,9 +25,9 @@ class Opml:
         self.forces = case.force_model("assumed")
 
     def fly(self, arcs: Arcs, setting: str) -> np.ndarray:
-        """At one of the settings."""
+        """Fly at one of the settings."""
         return case.fly(self.forces, arcs, integrator=(self.settings | self.tight)[setting])
 
     def twin(self, arcs: Arcs) -> np.ndarray:
-        """At the paper's settings."""
+        """Fly at the paper's settings."""
         return self.fly(arcs, self.raced)

@@ -24,7 +24,7 @@ _ACTIVITY = "Kp_ap_Ap_SN_F107_since_1932.txt"
 
 
 def _verner(*digits):
-    """Options of Verner's method by what a report calls them."""
+    """Return the options of Verner's method by what a report calls them."""
     return {
         name: {"integrator": satkit.integrator.rkv98, "abs_error": tolerance, "rel_error": tolerance}
         for name, tolerance in tolerances(*digits).items()
@@ -32,7 +32,7 @@ def _verner(*digits):
 
 
 def _gauss_jackson(*lengths):
-    """Options of the multistep method."""
+    """Return the options of the multistep method."""
     return {
         name: {"integrator": satkit.integrator.gauss_jackson8, "gj_step_seconds": length}
         for name, length in steps(*lengths).items()
@@ -60,7 +60,7 @@ class _Satkit:
         self.made = {name: self._with(options) for name, options in (self.settings | self.tight).items()}
 
     def _with(self, options):
-        """The force model, with the options of an integrator."""
+        """Return the force model, with the options of an integrator."""
         settings = satkit.propsettings(
             gravity_model=satkit.gravmodel.egm2008,
             gravity_degree=20,
@@ -75,7 +75,7 @@ class _Satkit:
         return settings
 
     def fly(self, arcs: Arcs, setting: str) -> np.ndarray:
-        """At one of the settings; the tight ones are Verner's, for either method."""
+        """Fly at one of the settings; the tight ones are Verner's, for either method."""
         settings = self.made[setting]
         body = satkit.satproperties(cdaoverm=arcs.ballistic, craoverm=arcs.reflection)
         return np.array(
@@ -97,7 +97,7 @@ class _Satkit:
         return state
 
     def twin(self, arcs: Arcs) -> np.ndarray:
-        """Ours, whose Jupiter and limb of the shadow satkit lacks: both are below a metre."""
+        """Fly ours, whose Jupiter and limb of the shadow satkit lacks: both are below a metre."""
         return case.fly(case.force_model("assumed"), arcs)
 
 
@@ -120,14 +120,14 @@ class GaussJackson(_Satkit):
 
 
 def _stops(arcs, t, settings):
-    """The ends of an arc's legs: midnights too, but where the method would have to begin anew at each."""
+    """Return the ends of an arc's legs: midnights too, but for a method that begins anew at each."""
     if settings.integrator == satkit.integrator.gauss_jackson8:
         return [t + arcs.duration]
     return arcs.stops(t)
 
 
 def _activity_file():
-    """The run's solar activity in the format of GFZ's file of Kp, ap, Ap, SN and F10.7, day by day."""
+    """Return the run's solar activity in GFZ's format of Kp, ap, Ap, SN and F10.7, day by day."""
     origin = datetime.date(1932, 1, 1)
     lines = [
         "# year month day, days since 1932, rotation, 8 Kp, 8 ap, Ap, SN, F10.7 observed, adjusted, status"

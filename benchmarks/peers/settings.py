@@ -7,15 +7,15 @@ from opml.dynamics.ensemble import Integrator
 
 
 def step_limits(*limits: float) -> dict[str, Integrator]:
-    """The paper's integrator with steps up to each of these limits [s]."""
+    """Return the paper's integrator with steps up to each of these limits [s]."""
     return {f"≤ {limit:g} s": replace(case.paper().integrator, max_step=limit) for limit in limits}
 
 
 def steps(*lengths: float) -> dict[str, float]:
-    """Steps of these lengths [s]."""
+    """Return steps of these lengths [s]."""
     return {f"{length:g} s": length for length in lengths}
 
 
 def tolerances(*digits: int) -> dict[str, float]:
-    """Tolerances of one in the last of so many decimal digits."""
+    """Return tolerances of one in the last of so many decimal digits."""
     return {f"tolerance 1e-{number}": float(f"1e-{number}") for number in digits}

@@ -1,18 +1,14 @@
 """Draw mean and spread of the absolute errors of one evaluation."""
 
 from opml.figures import notes, prediction_errors, style
-from opml.learning.data.cleaning import Cleaning
 from opml.tables import read_table
 from opml.workflow.jobs import job
 
 with job(snakemake):
     settings, files = snakemake.params.settings, snakemake.input
-    context = notes.experiment_context(
-        settings,
-        read_table(files.metrics[0], "metrics"),
-        read_table(files.dataset[0], "dataset"),
-        Cleaning.from_settings(settings["cleaning"]),
+    figure = prediction_errors.errorbar_absolute(
+        read_table(files.evaluation[0], "evaluation"),
+        component=settings["component"],
+        context=notes.read_context(settings, files.metrics[0], files.dataset[0]),
     )
-    evaluation = read_table(files.evaluation[0], "evaluation")
-    figure = prediction_errors.errorbar_absolute(evaluation, component=settings["component"], context=context)
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

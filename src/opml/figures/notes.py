@@ -8,10 +8,12 @@ from typing import Any
 import pandas as pd
 
 from opml.base.constants import DAY
+from opml.base.files import FilePath
 from opml.figures.axis_labels import describe_experiment
 from opml.learning.data.cleaning import OUTSIDE_FENCES, Cleaning, tukey_fences
 from opml.learning.data.splits import in_days, known_at
 from opml.naming import parse_test
+from opml.tables import read_table
 
 SHORT_DAYS = 0.5
 """Durations up to which a figure gives errors in numbers, as a linear axis cannot show them [d]."""
@@ -43,6 +45,20 @@ def experiment_context(
         interval=(float(metrics["p_ml_low"].iloc[0]), float(metrics["p_ml_high"].iloc[0])),
         fences=fences(dataset, cleaning) if has_fences else None,
         kept=100.0 * kept_share(dataset, names["test"]),
+    )
+
+
+def read_context(settings: Mapping[str, Any], metrics: FilePath, dataset: FilePath) -> Context:
+    """Return the context of a figure of one experiment, reading its tables.
+
+    settings: the experiment's parts by name, and its `cleaning`
+    metrics, dataset: files of the tables that `experiment_context` takes
+    """
+    return experiment_context(
+        settings,
+        read_table(metrics, "metrics"),
+        read_table(dataset, "dataset"),
+        Cleaning.from_settings(settings["cleaning"]),
     )
 
 
