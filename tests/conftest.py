@@ -9,11 +9,12 @@ from support import ASSUMED_BODIES, environment, force_model, rsos, stations
 from unchanged import pytest_fixture_setup, shared_values_stay  # noqa: F401
 
 
-def pytest_collection_modifyitems(items):
-    """Keep tests that share fixtures in one process: those of a module, and those of the finished run."""
-    for item in items:
-        group = "finished" if "finished" in item.fixturenames else item.path.stem
-        item.add_marker(pytest.mark.xdist_group(group))
+def pytest_collection_modifyitems(config, items):
+    """Keep tests that share fixtures in one worker: those of a module, and those of the finished run."""
+    if hasattr(config, "workerinput"):  # of pytest-xdist
+        for item in items:
+            group = "finished" if "finished" in item.fixturenames else item.path.stem
+            item.add_marker(pytest.mark.xdist_group(group))
 
 
 @pytest.fixture(scope="session")

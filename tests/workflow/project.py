@@ -23,9 +23,7 @@ def command(*arguments, source: Path = ROOT) -> list[str]:
 # Most of the tests start Snakemake to see it refuse or plan, and half of such a start are imports. Processes
 # that are forked from one that has them begin at the first line of Snakemake's own main.
 _STARTS = multiprocessing.get_context("forkserver")
-_STARTS.set_forkserver_preload(
-    ["snakemake.cli", "snakemake.dag", "opml.study.checks", "opml.study.beyond", "opml.study.own_study"]
-)
+_STARTS.set_forkserver_preload(["warm"])
 
 
 def _start(folder: Path, environment: dict[str, str], arguments: list[str], output: str) -> None:
