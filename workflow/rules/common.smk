@@ -45,7 +45,7 @@ else:
     FILES, ON_TOP = [PROJECT / "config" / "config.yaml"], Layer("config", with_numbers(config))
 try:
     SOURCE = merged(FILES, ON_TOP)
-    SETTINGS = load(SOURCE, schema=workflow.source_path("../schemas/config.schema.yaml"))
+    SETTINGS = load(SOURCE)
     if workflow.is_main_process:  # each job parses this file anew
         check_data(SOURCE, SETTINGS)
 except InputError as error:

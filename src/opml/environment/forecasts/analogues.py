@@ -6,8 +6,9 @@ the days to come. F10.7 then changes by the factor that it changed by then, Kp i
 
 import numpy as np
 
+from opml.base.setting_types import Count
 from opml.environment.forecasts.bursts import without_bursts
-from opml.environment.forecasts.method import COUNT, Forecast, Future, Method, Settings, Tell
+from opml.environment.forecasts.method import Forecast, Future, Method, Settings, Tell
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import Weather, trailing_mean
 
@@ -106,7 +107,7 @@ def _course(log_flux: np.ndarray, kp_means: np.ndarray, day: np.ndarray, interva
 METHOD = Method(
     "analogues",
     "the median of the futures of the days most like today",
-    {"members": COUNT},
+    {"members": Count},
     fit,
     least_days=lambda settings: PAST + 4 * APART * int(settings["members"]),
     past_days=lambda settings: PAST,

@@ -10,8 +10,6 @@ from opml.environment.weather import Weather
 
 Settings = Mapping[str, Any]
 
-COUNT = {"$ref": "#/$defs/count"}
-
 
 class Future(NamedTuple):
     """What is said to follow the last measurements."""
@@ -47,7 +45,7 @@ class Method:
 
     kind : its name in the settings.
     description : what it is, in words, for the table of skill.
-    settings : JSON schema of each of its own keys, all of which must be given.
+    settings : type of each of its own keys (`opml.base.setting_types`); an `Absent` one may be left out.
     fit : makes a forecast of the history.
     least_days : of history that its settings ask for.
     past_days : of weather up to the issue that a forecast starts from.
@@ -63,11 +61,3 @@ class Method:
     past_days: Callable[[Settings], int] = lambda settings: 1
     files: Callable[[Settings], list[str]] = lambda settings: []
     repeatable: bool = True
-
-    def settings_schema(self) -> dict[str, Any]:
-        """The JSON schema of its settings."""
-        return {
-            "additionalProperties": False,
-            "required": ["kind", *self.settings],
-            "properties": {"kind": True, **self.settings},
-        }

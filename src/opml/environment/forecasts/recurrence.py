@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from opml.environment.forecasts.method import COUNT, Forecast, Future, Method, Settings
+from opml.base.setting_types import Count
+from opml.environment.forecasts.method import Forecast, Future, Method, Settings
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import Weather
 
@@ -21,7 +22,7 @@ def fit(history: Weather, *, days: int, settings: Settings) -> Forecast:
 METHOD = Method(
     "recurrence",
     "the weather of one turn of the Sun before",
-    {"turn_days": COUNT},
+    {"turn_days": Count},
     fit,
     past_days=lambda settings: int(settings["turn_days"]),
 )

@@ -8,7 +8,8 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import HOUR
-from opml.learning.models.contract import POSITIVE, Learner, Metadata, Settings, fixed, table_of
+from opml.base.setting_types import Positive
+from opml.learning.models.contract import Learner, Metadata, Settings, fixed, table_of
 from opml.learning.models.inputs import checked, checked_target, weighing
 from opml.tables import real
 
@@ -159,7 +160,7 @@ REPREDICT = Learner(
 DURATION_MEAN = Learner(
     kind="durationmean",
     description="mean error by duration (Rivera & Bai 2016)",
-    settings={"bin_hours": POSITIVE},
+    settings={"bin_hours": Positive},
     table=table_of(
         "a bin of prediction durations",
         real("duration", "s", "mean duration of the bin's rows"),

@@ -11,7 +11,8 @@ from typing import Any, Self
 import numpy as np
 import pandas as pd
 
-from opml.learning.models.contract import POSITIVE, Fit, Learner, Metadata, Model, Settings, fixed, table_of
+from opml.base.setting_types import Positive
+from opml.learning.models.contract import Fit, Learner, Metadata, Model, Settings, fixed, table_of
 from opml.learning.models.inputs import checked
 
 
@@ -63,7 +64,7 @@ def _law(kind: str, description: str, settings: Sequence[str], *variables: str) 
     return Learner(
         kind=kind,
         description=description,
-        settings=dict.fromkeys(settings, POSITIVE),
+        settings=dict.fromkeys(settings, Positive),
         table=table_of("nothing: there is no number to keep"),
         fit=_fit_of(kind),
         load=CatalogueLaw.from_table,

@@ -7,13 +7,15 @@ the law has no intercept and very few terms, and its coefficients can be read; d
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 import pandas as pd
+from annotated_types import MinLen
 from threadpoolctl import threadpool_limits
 
 from opml.base.errors import InputError
+from opml.base.setting_types import Expected, Pattern, Unique
 from opml.learning.models.contract import ARC, Learner, Metadata, Settings, own, table_of
 from opml.learning.models.inputs import checked, checked_target, weighing
 from opml.tables import real, text
@@ -113,23 +115,18 @@ def least_absolute_deviations(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return coefficient
 
 
+_Term = Annotated[
+    str, Pattern(r"^[a-z0-9_]+(\*[a-z0-9_]+)*$"), Expected("a product of variables, such as v*cd")
+]
+
 LEARNER = Learner(
     kind="linear_law",
     description="robust linear law",
-    optional=frozenset(ARC),
     settings={
         **ARC,
-        "terms": {
-            "description": "a list of products of variables, such as v*cd",
-            "type": "array",
-            "minItems": 1,
-            "uniqueItems": True,
-            "items": {
-                "description": "a product of variables, such as v*cd",
-                "type": "string",
-                "pattern": r"^[a-z0-9_]+(\*[a-z0-9_]+)*$",
-            },
-        },
+        "terms": Annotated[
+            list[_Term], MinLen(1), Unique(), Expected("a list of products of variables, such as v*cd")
+        ],
     },
     table=table_of(
         "a term of the linear law",

@@ -8,7 +8,8 @@ import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from opml.learning.models.contract import CHOICE, POSITIVE, Learner, Metadata, Settings, table_of
+from opml.base.setting_types import Positive
+from opml.learning.models.contract import CHOICE, Learner, Metadata, Settings, table_of
 from opml.learning.models.inputs import checked, checked_target, standardisation, weighing
 from opml.tables import real, text
 
@@ -77,7 +78,7 @@ def fit(
 LEARNER = Learner(
     kind="ridge",
     description="ridge regression",
-    settings={**CHOICE, "alpha": POSITIVE},
+    settings={**CHOICE, "alpha": Positive},
     table=table_of(
         "a learning variable",
         text("variable", "learning variable"),

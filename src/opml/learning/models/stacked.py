@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from opml.learning.models.contract import Learner, Metadata, Model, Settings
+from opml.learning.models.contract import AnyLearner, Learner, Metadata, Model, Settings
 from opml.tables import Schema
 
 KIND = "stacked"
 PARTS = ("first", "second")
-_ANY = {"$ref": "#/$defs/learner"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +103,7 @@ def learner(by_kind: Callable[[str], Learner]) -> Learner:
     return Learner(
         kind=KIND,
         description="robust linear law, then another learner on what it leaves",
-        settings=dict.fromkeys(PARTS, _ANY),
+        settings=dict.fromkeys(PARTS, AnyLearner),
         table=stacking.table,
         fit=stacking.fit,
         load=stacking.load,
