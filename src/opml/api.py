@@ -46,41 +46,29 @@ from opml.orbits.sheets import Rso, Station
 from opml.orbits.sheets import read_rsos as _read_rsos
 from opml.orbits.sheets import read_stations as _read_stations
 from opml.readings.own_standardisation import as_tested
+from opml.study.settings import packaged
 from opml.tables import COMPONENTS, LEARNING_VARIABLES
 
 __all__ = ["InputError", "Rso", "Station"]
 
-TRUTH: Mapping[str, Any] = {"degree": 40, "order": 40, "third_bodies": BODIES}
+TRUTH: Mapping[str, Any] = packaged.RUN["force_models"]["truth"]
 """The paper's truth model, as options of `force_model`."""
 
-ASSUMED: Mapping[str, Any] = {"degree": 20, "order": 20, "third_bodies": ("sun", "moon", "jupiter")}
+ASSUMED: Mapping[str, Any] = packaged.RUN["force_models"]["assumed"]
 """The paper's assumed model, as options of `force_model`."""
 
-ESTIMATION: Mapping[str, float] = {
-    "window_hours": 12,
-    "max_iterations": 30,
-    "convergence": 0.001,
-    "start_position_sigma_m": 1000.0,
-    "start_velocity_sigma_mps": 1.0,
-    "least_drag_m": 0.1,
-    "cd_min": 1.2,
-    "cd_max": 3.2,
+CLEANING: Mapping[str, Any] = packaged.PAPER["cleaning"]
+"""Settings of the cleaning in `dataset`; config/README.md explains them."""
+
+ESTIMATION: Mapping[str, float] = packaged.RUN["estimation"] | {
+    bound: CLEANING[bound] for bound in ("cd_min", "cd_max")
 }
 """Settings of `estimate`; config/README.md explains them."""
 
-CLEANING: Mapping[str, Any] = {
-    "cd_min": 1.2,
-    "cd_max": 3.2,
-    "fence": 3.0,
-    "fence_days": (0, 30),
-    "previous": "kept_estimate",
-}
-"""Settings of the cleaning in `dataset`; config/README.md explains them."""
-
-LEARNER: Mapping[str, Any] = {"kind": "svr", "kernel_scale": "sigest", "c": 1.0, "epsilon": 0.1, "tol": 0.001}
+LEARNER: Mapping[str, Any] = packaged.RUN["learners"]["svr"]
 """The paper's learner, for `learn`."""
 
-_SPAN_DAYS = (0.0, 30.0)
+_SPAN_DAYS: Sequence[float] = packaged.PAPER["span_days"]
 
 
 @dataclass(frozen=True)

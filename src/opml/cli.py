@@ -88,8 +88,8 @@ def _sheet(options: argparse.Namespace) -> str:
     return random_sheet.sheet(options.prefix, options.count, options.seed).rstrip("\n")
 
 
-def _add_tables(parser: argparse.ArgumentParser) -> None:
-    """Add nothing: the page has no options."""
+def _add_nothing(parser: argparse.ArgumentParser) -> None:
+    """Add no argument to a command that has none."""
 
 
 def _tables(_: argparse.Namespace) -> str:
@@ -97,6 +97,13 @@ def _tables(_: argparse.Namespace) -> str:
     from opml.learning.models import learners
 
     return tables.markdown(learners.schemas())
+
+
+def _settings(_: argparse.Namespace) -> str:
+    from opml.study.settings import documents
+
+    documents.write()
+    return f"{documents.SCHEMA} and the tables of {documents.README} are written"
 
 
 def _add_pack(parser: argparse.ArgumentParser) -> None:
@@ -118,7 +125,8 @@ COMMANDS = (
     Command("init", "write a project that can be run, with a study to begin with", _add_init, _init),
     Command("rso", "print the line of the sheet of RSOs for a file of mean elements", _add_rso, _rso),
     Command("sheet", "print a sheet of RSOs drawn at random", _add_sheet, _sheet),
-    Command("tables", "print the page that describes every table, column by column", _add_tables, _tables),
+    Command("tables", "print the page that describes every table, column by column", _add_nothing, _tables),
+    Command("settings", "write schema and tables of settings from their models", _add_nothing, _settings),
     Command("pack", "pack a finished run into one archive that tells its making", _add_pack, _pack),
 )
 """The subcommands, in the order of the help."""

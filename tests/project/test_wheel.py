@@ -13,7 +13,7 @@ SOURCES = ("pyproject.toml", "README.md", "LICENSE", "Snakefile", "src", "workfl
 # What the extra `workflow` brings cannot be imported.
 LIBRARY = """
 import sys
-sys.modules |= dict.fromkeys(("jsonschema", "matplotlib", "pygments", "snakemake"))
+sys.modules |= dict.fromkeys(("matplotlib", "pydantic", "pygments", "snakemake"))
 import opml
 assert all(hasattr(opml, name) for name in opml.__all__)
 print(opml.__file__)

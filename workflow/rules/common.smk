@@ -29,7 +29,7 @@ else:
     FILES, ON_TOP = [PROJECT / "config" / "config.yaml"], Layer("config", with_numbers(config))
 try:
     SOURCE = merged(FILES, ON_TOP)
-    PLAN = Plan(load(SOURCE, schema=workflow.source_path("../schemas/config.schema.yaml")))
+    PLAN = Plan(load(SOURCE))
     if workflow.is_main_process:  # each job parses this file anew
         check_data(SOURCE, PLAN.settings)
 except InputError as error:

@@ -1,8 +1,6 @@
 """What a schema cannot say: settings held against each other, the sheets, the files and the study's parts."""
 
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 from opml import naming
@@ -16,18 +14,17 @@ from opml.orbits import sheets
 from opml.study.experiments import Study
 from opml.study.paper import Paper
 from opml.study.settings.merging import Settings, with_sheets
-from opml.study.settings.overlay import MISSING, Key, Source, leaves, mappings, value_at
-from opml.study.settings.schema import check_schema, read_schema
+from opml.study.settings.overlay import MISSING, Key, Source, mappings, value_at
+from opml.study.settings.validation import validated
 
 
-def load(source: Source, *, schema: str | Path) -> Settings:
+def load(source: Source) -> Settings:
     """Check merged settings and read the sheets that they name.
 
     Raises InputError: one line with file and key, for the first thing that is wrong.
     """
     _check_keys(source)
-    check_schema(source, read_schema(schema))
-    _check_finite(source)
+    validated(source)
     _check_order(source)
     settings = with_sheets(source.values, source)
     check_study(source, settings)
@@ -61,17 +58,11 @@ def check_study(source: Source, settings: Settings) -> None:
 
 
 def _check_keys(source: Source) -> None:
-    """YAML allows keys that are no text, which a JSON schema does not foresee."""
+    """Raise InputError for a key that is no text, as YAML allows."""
     for key in mappings(source.values):
         for name in value_at(source.values, key):
             if not isinstance(name, str):
                 raise source.wrong((*key, name), "expected a key that is text")
-
-
-def _check_finite(source: Source) -> None:
-    for key, value in leaves(source.values):
-        if isinstance(value, float) and not math.isfinite(value):
-            raise source.wrong(key, f"expected a finite number, got {value}")
 
 
 def _check_order(source: Source) -> None:

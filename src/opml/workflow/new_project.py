@@ -12,6 +12,7 @@ STUDY = "mine.yaml"
 
 _STUDY = """\
 # mine.yaml
+# yaml-language-server: $schema=workflow/schemas/config.schema.json
 results: results/mine
 duration_days: 12
 rsos:

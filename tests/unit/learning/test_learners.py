@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pandas as pd
 import pytest
-from jsonschema import Draft202012Validator
+from pydantic import ValidationError
 from sklearn.ensemble import HistGradientBoostingRegressor
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
@@ -16,11 +16,11 @@ from sklearn.linear_model import QuantileRegressor, Ridge
 from support import REPOSITORY, paper_source
 
 from opml.base.errors import InputError
-from opml.base.yaml_files import read_yaml
 from opml.learning.judge.evaluation import evaluate
 from opml.learning.models import boosting, gaussian_process, learners, linear_law, mlp, ridge
 from opml.learning.models.inputs import Training
 from opml.study import checks
+from opml.study.settings.model.kinds import LEARNERS
 from opml.study.settings.overlay import Source
 from opml.tables import read_metadata, read_table, write_table
 
@@ -348,20 +348,22 @@ def test_every_kind_is_tested_and_described():
     assert len({learners.description(kind) for kind in SETTINGS}) == len(SETTINGS)
 
 
-@pytest.fixture
-def validator():
-    shared = read_yaml(REPOSITORY / "workflow" / "schemas" / "config.schema.yaml")["$defs"]
-    definition = {"learner": learners.settings_schema()}
-    return Draft202012Validator({"$ref": "#/$defs/learner", "$defs": shared | definition})
+def is_taken(settings):
+    """Whether settings of a learner hold against their model."""
+    try:
+        return LEARNERS.validated(settings).kind == settings["kind"]
+    except ValidationError:
+        return False
 
 
 @KINDS
-def test_settings_of_a_kind_are_all_needed_and_take_no_other_key(validator, kind):
-    assert validator.is_valid(SETTINGS[kind])
-    assert not validator.is_valid(SETTINGS[kind] | {"speed": 1})
-    for key in SETTINGS[kind]:
-        assert not validator.is_valid({name: SETTINGS[kind][name] for name in SETTINGS[kind] if name != key})
-        assert not validator.is_valid(SETTINGS[kind] | {key: [[]]})
+def test_settings_of_a_kind_are_all_needed_and_take_no_other_key(kind):
+    settings = SETTINGS[kind]
+    assert is_taken(settings)
+    assert not is_taken(settings | {"speed": 1})
+    for key in settings:
+        assert not is_taken({name: settings[name] for name in settings if name != key})
+        assert not is_taken(settings | {key: [[]]})
 
 
 def saved(path, model, changes=None):
@@ -449,12 +451,11 @@ def test_the_recipe_for_a_new_kind_gives_a_model_that_is_its_file(quantile, tmp_
 
 def test_the_recipe_for_a_new_kind_makes_its_settings_known(quantile, monkeypatch):
     monkeypatch.chdir(REPOSITORY)  # the sheets' paths are relative to it
-    schema = "workflow/schemas/config.schema.yaml"
 
     def load(**settings):
         source = paper_source()
         learners_ = source.values["learners"] | {"mine": {"kind": "quantile"} | settings}
-        return checks.load(Source(source.values | {"learners": learners_}, source.layers), schema=schema)
+        return checks.load(Source(source.values | {"learners": learners_}, source.layers))
 
     def complaint(**settings):
         with pytest.raises(InputError) as raised:

@@ -1,30 +1,28 @@
 """Settings: the paper's are valid, and each wrong one is told in one line with its file and key."""
 
-from functools import cache
+import json
 
 import pytest
+import yaml
+from jsonschema import Draft202012Validator
 from support import EXCERPTS, REPOSITORY, paper_source, setting_keys
 
-from opml import naming, tables
-from opml.base.constants import BODIES
 from opml.base.errors import InputError
 from opml.base.yaml_files import read_yaml
 from opml.study import checks
 from opml.study.experiments import Study
-from opml.study.settings.merging import merged, with_sheets
+from opml.study.settings import documents
+from opml.study.settings.json_schema import json_schema
+from opml.study.settings.merging import Settings, merged, with_sheets
+from opml.study.settings.model.whole import Run
 from opml.study.settings.overlay import COMMAND_LINE, Layer, Source, laid_over, with_numbers
-from opml.study.settings.schema import read_schema
 
-SCHEMA = REPOSITORY / "workflow" / "schemas" / "config.schema.yaml"
 PAPER = paper_source().values
-
-read_once = cache(read_schema)  # a third of the time of a check
 
 
 @pytest.fixture(autouse=True)
 def _in_root(monkeypatch):
     monkeypatch.chdir(REPOSITORY)  # the sheets' paths are relative to it
-    monkeypatch.setattr(checks, "read_schema", read_once)
 
 
 def edited(key, value):
@@ -39,7 +37,7 @@ def edited(key, value):
 
 def checked(source):
     """Settings as the plan takes them."""
-    settings = checks.load(source, schema=SCHEMA)
+    settings = checks.load(source)
     checks.check_data(source, settings)
     return settings
 
@@ -64,7 +62,7 @@ def given(tmp_path, text, **command_line):
 
 
 def test_papers_settings_are_valid():
-    settings = checks.load(paper_source(), schema=SCHEMA)
+    settings = checks.load(paper_source())
     assert settings.values == PAPER
     assert (len(settings.stations), len(settings.rsos)) == (3, 7)
 
@@ -75,35 +73,61 @@ def test_every_setting_of_another_type_is_told_with_its_key():
         assert said.startswith(f"--config: {'.'.join(key)}"), said
 
 
-def test_learning_variables_are_the_tables_columns():
-    schema = read_yaml(SCHEMA)["$defs"]["variable"]["enum"]
-    assert set(schema) == {*tables.LEARNING_VARIABLES, "gap"}
-    assert PAPER["learning"]["variables"] == list(tables.LEARNING_VARIABLES)
-
-
-def test_third_bodies_are_the_tables_columns():
-    schema = read_yaml(SCHEMA)["$defs"]["force_model"]["properties"]["third_bodies"]["items"]["enum"]
-    assert tuple(schema) == BODIES
-    assert read_yaml(SCHEMA)["$defs"]["component"]["enum"] == list(tables.COMPONENTS)
-
-
-def test_splits_are_those_of_the_names():
-    schema = read_schema(SCHEMA)["$defs"]
-    assert schema["train"]["pattern"] == f"^(?:{naming.TRAIN})$"
-    assert schema["test"]["pattern"] == f"^(?:{naming.TEST})$"
-
-
-def objects(schema):
-    if isinstance(schema, dict):
-        if schema.get("type") == "object":
-            yield schema
-        for part in schema.values():
+def objects(node):
+    """Every mapping of a schema."""
+    if isinstance(node, dict):
+        if node.get("type") == "object":
+            yield node
+        for part in node.values():
             yield from objects(part)
 
 
 def test_no_object_of_the_schema_takes_unknown_keys():
     # A learner's keys depend on its kind: each kind's own object is closed.
-    assert all({"additionalProperties", "allOf"} & set(found) for found in objects(read_yaml(SCHEMA)))
+    assert all({"additionalProperties", "allOf"} & set(found) for found in objects(json_schema(Run)))
+
+
+@pytest.fixture(scope="module")
+def editor():
+    """What an editor holds a file of settings against: the schema that is written."""
+    return Draft202012Validator(json.loads((REPOSITORY / documents.SCHEMA).read_text(encoding="utf-8")))
+
+
+def test_the_schema_of_editors_is_that_of_the_models():
+    written = (REPOSITORY / documents.SCHEMA).read_text(encoding="utf-8")
+    assert written == documents.editor_schema(), "opml settings"
+
+
+@pytest.mark.parametrize("path", sorted((REPOSITORY / "config").rglob("*.yaml")), ids=lambda path: path.stem)
+def test_an_editor_takes_every_file_of_settings(editor, path):
+    Draft202012Validator.check_schema(editor.schema)
+    assert [error.message for error in editor.iter_errors(read_yaml(path))] == []
+
+
+@pytest.mark.parametrize(
+    ("text", "is_taken"),
+    [
+        ("study: {}", True),
+        ("study: null", True),
+        ("study: paper", True),
+        ("learners: {svr: {c: 2}}", True),
+        ("learners: {svr: {kind: svr, d: 2}}", False),
+        ("learners: {mine: {kind: stacked, first: {kind: ridge, alpha: 0}}}", False),
+        ("study: {evaluations: {mine: {claims: [{says: it is small}]}}}", False),
+        ("tracking: {step: 20}", False),
+        ("tracking: {step_s: '20'}", False),
+    ],
+)
+def test_an_editor_asks_for_no_key_that_config_yaml_has(editor, text, is_taken):
+    assert editor.is_valid(yaml.safe_load(text)) is is_taken
+
+
+def test_the_typed_run_has_the_values():
+    run = Settings(PAPER, {}, {}).run
+    assert run.estimation.model_dump(exclude_unset=True) == PAPER["estimation"]
+    assert run.learners["stacked"].second.trees == PAPER["learners"]["stacked"]["second"]["trees"]
+    assert run.study.evaluations["future_5days"].train == "days-0-30"
+    assert run.model_dump(mode="json", by_alias=True, exclude_unset=True, serialize_as_any=True) == PAPER
 
 
 @pytest.mark.parametrize(
@@ -382,7 +406,7 @@ study:
 def test_a_study_of_ones_own_has_nothing_of_the_papers(tmp_path):
     source = given(tmp_path, OWN)
     assert set(source.values["study"]) == {"rsos", "station_sets", "days"}
-    assert checks.load(source, schema=SCHEMA).asked == source.values["study"]
+    assert checks.load(source).asked == source.values["study"]
 
 
 def test_a_study_that_extends_others_is_laid_over_them(tmp_path):
@@ -401,7 +425,7 @@ def test_a_study_may_be_a_file_elsewhere(tmp_path):
 @pytest.mark.parametrize("nothing", ["{}", "null"])
 def test_no_study_is_no_study(tmp_path, nothing):
     source = given(tmp_path, f"study: {nothing}\n")
-    assert checks.load(source, schema=SCHEMA).asked == {}
+    assert checks.load(source).asked == {}
 
 
 @pytest.mark.parametrize(
@@ -467,7 +491,7 @@ def test_rows_of_ones_own_join_the_sheets(tmp_path):
     text = (
         f"rsos: {{mine: {row} area_to_mass_m2pkg: 0.02, cd: 2.2, cr: 1.25}}}}\nstudy: {{rsos: [mine_i50]}}\n"
     )
-    settings = checks.load(given(tmp_path, text), schema=SCHEMA)
+    settings = checks.load(given(tmp_path, text))
     assert settings.rsos["mine"].a == 6900e3
     assert list(settings.rsos)[-1] == "mine"
 
@@ -481,7 +505,7 @@ orbits: {{mine: "*.sp3"}}
 rsos: {{mine: {{area_to_mass_m2pkg: 0.01, cd: 2.2, cr: 1.3}}}}
 study: {{rsos: [mine]}}
 """
-    settings = checks.load(given(tmp_path, text), schema=SCHEMA)
+    settings = checks.load(given(tmp_path, text))
     assert settings.orbits == {"mine": [f"{tmp_path}/a.sp3", f"{tmp_path}/b.sp3"]}
     assert settings.rsos["mine"].area_to_mass == 0.01
     assert settings.rsos["mine"].a != settings.rsos["mine"].a  # not known, and not asked for

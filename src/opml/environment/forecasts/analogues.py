@@ -6,8 +6,9 @@ the Sun. F10.7 changes by the same factor as it did then; Kp has the same values
 
 import numpy as np
 
+from opml.base.setting_types import Count
 from opml.environment.forecasts.bursts import remove_bursts
-from opml.environment.forecasts.method import COUNT, Forecast, Future, FutureForecast, Method, Settings
+from opml.environment.forecasts.method import Forecast, Future, FutureForecast, Method, Settings
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import Weather, trailing_mean
 
@@ -118,7 +119,7 @@ def _course(log_flux: np.ndarray, kp_means: np.ndarray, day: np.ndarray, interva
 
 METHOD = Method(
     "analogues",
-    {"members": COUNT},
+    {"members": Count},
     fit,
     least_days=lambda settings: PAST + 4 * APART * int(settings["members"]),
     past_days=lambda _: PAST,

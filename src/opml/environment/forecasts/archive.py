@@ -10,12 +10,14 @@ from collections.abc import Iterator, Mapping
 from glob import glob
 from itertools import groupby
 from operator import attrgetter
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
+from annotated_types import MinLen
 
 from opml.base import epochs
 from opml.base.errors import InputError
+from opml.base.setting_types import Text
 from opml.environment import solar_activity, space_weather
 from opml.environment.forecasts.method import Forecast, Future, Method, Settings
 from opml.environment.space_weather import INTERVALS, MEASURED, ROUNDING
@@ -139,7 +141,7 @@ def _figure(where: str, name: str, text: str, least: float, most: float) -> floa
 
 METHOD = Method(
     "archive",
-    {"files": {"type": "array", "minItems": 1, "items": {"$ref": "#/$defs/source"}}},
+    {"files": Annotated[list[Text], MinLen(1)]},
     fit,
     files=files,
     repeatable=False,

@@ -56,7 +56,7 @@ class Method:
     """A kind of forecast, declared by its module and listed in `methods.METHODS`.
 
     kind: name in the settings
-    settings: JSON schema of each key, all of which are required
+    settings: type of each of its own keys (`opml.base.setting_types`); an `Absent` one may be left out
     fit: makes a forecast from the history
     least_days: days of history that the settings require
     past_days: days of weather before the issue that a forecast starts from
@@ -71,11 +71,3 @@ class Method:
     past_days: Callable[[Settings], int] = lambda _: 1
     files: Callable[[Settings], list[str]] = lambda _: []
     repeatable: bool = True
-
-    def settings_schema(self) -> dict[str, Any]:
-        """Return the JSON schema of the method's settings."""
-        return {
-            "additionalProperties": False,
-            "required": ["kind", *self.settings],
-            "properties": {"kind": True, **self.settings},
-        }

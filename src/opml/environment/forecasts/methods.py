@@ -13,17 +13,9 @@ METHODS = (persistence.METHOD, regression.METHOD, analogues.METHOD, archive.METH
 _BY_KIND: Mapping[str, Method] = {method.kind: method for method in METHODS}
 
 
-def settings_schema() -> dict[str, Any]:
-    """Return the JSON schema of a forecast's settings: the definition `forecast` of config.schema.yaml."""
-    return {
-        "type": "object",
-        "required": ["kind"],
-        "properties": {"kind": {"enum": list(_BY_KIND)}},
-        "allOf": [
-            {"if": {"properties": {"kind": {"const": kind}}}, "then": method.settings_schema()}
-            for kind, method in _BY_KIND.items()
-        ],
-    }
+def settings_types() -> dict[str, Mapping[str, Any]]:
+    """Return the type of each key that the settings of a kind have beside `kind`, by kind."""
+    return {kind: method.settings for kind, method in _BY_KIND.items()}
 
 
 def fit(history: Weather, *, days: int, settings: Settings) -> Forecast:

@@ -8,8 +8,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from opml.base.setting_types import Count, Positive
 from opml.environment.forecasts.bursts import remove_bursts
-from opml.environment.forecasts.method import COUNT, Forecast, Future, Method, Settings
+from opml.environment.forecasts.method import Forecast, Future, Method, Settings
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import HIGHEST_KP, Weather, trailing_mean
 
@@ -74,7 +75,7 @@ class _Ridge:
 
 METHOD = Method(
     "regression",
-    {"lags": COUNT, "ridge": {"$ref": "#/$defs/positive"}},
+    {"lags": Count, "ridge": Positive},
     fit,
     least_days=lambda settings: 5 * int(settings["lags"]),
     past_days=lambda settings: int(settings["lags"]),

@@ -12,7 +12,8 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from opml.base.seeds import derive
-from opml.learning.models.contract import CHOICE, COUNT, POSITIVE, Learner, Metadata, Settings, table_of
+from opml.base.setting_types import Count, Positive
+from opml.learning.models.contract import CHOICE, Learner, Metadata, Settings, table_of
 from opml.learning.models.inputs import Training, check_rows
 from opml.learning.models.metadata import describe, restore
 from opml.tables import count, real
@@ -133,10 +134,10 @@ LEARNER = Learner(
     description="gradient boosting, absolute loss",
     settings={
         **CHOICE,
-        "trees": COUNT,
-        "leaves": COUNT,
-        "learning_rate": POSITIVE,
-        "min_rows": COUNT,
+        "trees": Count,
+        "leaves": Count,
+        "learning_rate": Positive,
+        "min_rows": Count,
     },
     table=table_of(
         "a node of a regression tree",

@@ -2,24 +2,27 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Annotated, Any, Protocol
 
 import numpy as np
 import pandas as pd
 
+from opml.base.setting_types import Absent, Expected, OneOf, Positive, Unique
 from opml.learning.models.inputs import Training
-from opml.tables import MECHANISM_AXES, Column, Schema
+from opml.tables import LEARNING_VARIABLES, MECHANISM_AXES, Column, Schema
 
 Settings = Mapping[str, Any]
 Metadata = Mapping[str, Any]
 
-POSITIVE = {"$ref": "#/$defs/positive"}
-COUNT = {"$ref": "#/$defs/count"}
+Variable = Annotated[str, OneOf((*LEARNING_VARIABLES, "gap"))]
+"""Type of a setting that is a learning variable."""
 
-CHOICE = {
-    "variables": {"$ref": "#/$defs/learned"},
-    "without": {"type": "array", "uniqueItems": True, "items": {"$ref": "#/$defs/variable"}},
-}
+_Chosen = Absent[
+    Annotated[list[str], Unique(), Expected("a list of learning variables or columns of the mechanism")]
+]
+_LeftOut = Absent[Annotated[list[Variable], Unique()]]
+
+CHOICE = {"variables": _Chosen, "without": _LeftOut}
 """Keys by which settings may choose variables: those to learn from, or those of the default to leave out."""
 
 
@@ -97,8 +100,14 @@ def table_of(row: str, *columns: Column) -> Table:
 ARC_MEMORY_DAYS = 30.0
 """Memory of the arcs' mean Cd where a learner does not ask for another [days]: about a turn of the Sun."""
 
-ARC = {"window_hours": POSITIVE, "memory_days": POSITIVE}
-"""Keys of learners whose variables are columns of the `arcs` table, which is made for them."""
+_Length = Absent[Positive]
+
+ARC = {"window_hours": _Length, "memory_days": _Length}
+"""Keys of learners whose variables may be columns of the `arcs` table, which is made for them."""
+
+
+class AnyLearner:
+    """Type of a setting that holds the settings of another learner, of whatever kind."""
 
 
 @dataclass(frozen=True)
@@ -107,8 +116,7 @@ class Learner:
 
     kind: its name in the settings
     description: what it is, in words, for the table of models
-    settings: JSON schema of each of its own keys, which may refer to definitions of config.schema.yaml.
-        Required are all keys but those of `CHOICE` and the `optional` ones.
+    settings: type of each of its own keys (`opml.base.setting_types`); an `Absent` one may be left out
     table: returns the schema of a model's table from the metadata beside it; `table_of` makes a plain one
     fit: trains a model; raises InputError for rows that it cannot learn from
     load: makes the model again from its table and metadata, bit for bit
@@ -123,13 +131,4 @@ class Learner:
     fit: Fit
     load: Load
     resolve: Resolve = choose_variables
-    optional: frozenset[str] = frozenset(CHOICE)
     learns: bool = True
-
-    def settings_schema(self) -> dict[str, Any]:
-        """Return the JSON schema of its settings."""
-        return {
-            "additionalProperties": False,
-            "required": ["kind", *(key for key in self.settings if key not in self.optional)],
-            "properties": {"kind": True, **self.settings},
-        }

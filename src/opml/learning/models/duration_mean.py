@@ -7,7 +7,8 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import HOUR
-from opml.learning.models.contract import POSITIVE, Learner, Metadata, Settings, fixed, table_of
+from opml.base.setting_types import Positive
+from opml.learning.models.contract import Learner, Metadata, Settings, fixed, table_of
 from opml.learning.models.inputs import Training, check_rows
 from opml.learning.models.metadata import describe, restore
 from opml.tables import real
@@ -63,7 +64,7 @@ def fit(training: Training, settings: Settings) -> DurationMean:
 LEARNER = Learner(
     kind=KIND,
     description="mean error by duration (Rivera & Bai 2016)",
-    settings={"bin_hours": POSITIVE},
+    settings={"bin_hours": Positive},
     table=table_of(
         "a bin of prediction durations",
         real("duration", "s", "mean duration of the bin's rows"),

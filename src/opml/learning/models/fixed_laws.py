@@ -11,7 +11,8 @@ from typing import Any, Self
 import numpy as np
 import pandas as pd
 
-from opml.learning.models.contract import POSITIVE, Learner, Metadata, Settings, fixed, table_of
+from opml.base.setting_types import Positive
+from opml.learning.models.contract import Learner, Metadata, Settings, fixed, table_of
 from opml.learning.models.inputs import Training, check_rows
 from opml.learning.models.metadata import describe, restore
 
@@ -60,7 +61,7 @@ def _law(
     return Learner(
         kind=kind,
         description=description,
-        settings=dict.fromkeys(settings, POSITIVE),
+        settings=dict.fromkeys(settings, Positive),
         table=table_of("nothing: there is no number to keep"),
         fit=fit,
         load=law.from_table,

@@ -14,7 +14,8 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from opml.base.seeds import derive
-from opml.learning.models.contract import CHOICE, COUNT, Learner, Metadata, Settings
+from opml.base.setting_types import Count
+from opml.learning.models.contract import CHOICE, Learner, Metadata, Settings
 from opml.learning.models.gaussian_kernel import expansion, vector_rows, vector_table
 from opml.learning.models.inputs import Training, check_rows, subsample
 from opml.learning.models.metadata import describe, restore
@@ -112,7 +113,7 @@ def _machine() -> "GaussianProcessRegressor":
 LEARNER = Learner(
     kind=KIND,
     description="Gaussian process",
-    settings={**CHOICE, "rows": COUNT},
+    settings={**CHOICE, "rows": Count},
     table=vector_table("a row learned from", real("weight", "1", "weight of the row's kernel")),
     fit=fit,
     load=GaussianProcessModel.from_table,

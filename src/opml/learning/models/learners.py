@@ -72,18 +72,9 @@ def learns(settings: Settings) -> bool:
     return by_kind(settings["kind"]).learns
 
 
-def settings_schema() -> dict[str, Any]:
-    """Return the JSON schema of a learner's settings, `learner` in the definitions of config.schema.yaml."""
-    known = _by_kind()
-    return {
-        "type": "object",
-        "required": ["kind"],
-        "properties": {"kind": {"enum": list(known)}},
-        "allOf": [
-            {"if": {"properties": {"kind": {"const": kind}}}, "then": learner.settings_schema()}
-            for kind, learner in known.items()
-        ],
-    }
+def settings_types() -> dict[str, Mapping[str, Any]]:
+    """Return the type of each key that the settings of a kind have beside `kind`, by kind."""
+    return {kind: learner.settings for kind, learner in _by_kind().items()}
 
 
 def fit(training: Training, settings: Settings) -> Model:

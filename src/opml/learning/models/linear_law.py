@@ -7,13 +7,15 @@ of Cd. So the law has no intercept and few terms, and its coefficients have a me
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 import pandas as pd
+from annotated_types import MinLen
 from threadpoolctl import threadpool_limits
 
 from opml.base.errors import InputError
+from opml.base.setting_types import Expected, Pattern, Unique
 from opml.learning.models.contract import ARC, Learner, Metadata, Settings, component_columns, table_of
 from opml.learning.models.inputs import Training, check_rows
 from opml.learning.models.metadata import describe, restore
@@ -109,23 +111,18 @@ def least_absolute_deviations(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return coefficient
 
 
+_Term = Annotated[
+    str, Pattern(r"^[a-z0-9_]+(\*[a-z0-9_]+)*$"), Expected("a product of variables, such as v*cd")
+]
+
 LEARNER = Learner(
     kind=KIND,
     description="robust linear law",
-    optional=frozenset(ARC),
     settings={
         **ARC,
-        "terms": {
-            "description": "a list of products of variables, such as v*cd",
-            "type": "array",
-            "minItems": 1,
-            "uniqueItems": True,
-            "items": {
-                "description": "a product of variables, such as v*cd",
-                "type": "string",
-                "pattern": r"^[a-z0-9_]+(\*[a-z0-9_]+)*$",
-            },
-        },
+        "terms": Annotated[
+            list[_Term], MinLen(1), Unique(), Expected("a list of products of variables, such as v*cd")
+        ],
     },
     table=table_of(
         "a term of the linear law",

@@ -2,14 +2,16 @@
 
 import warnings
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 import pandas as pd
+from annotated_types import MinLen
 from threadpoolctl import threadpool_limits
 
 from opml.base.seeds import derive
-from opml.learning.models.contract import CHOICE, COUNT, POSITIVE, Learner, Metadata, Settings, table_of
+from opml.base.setting_types import Count, Expected, Positive
+from opml.learning.models.contract import CHOICE, Learner, Metadata, Settings, table_of
 from opml.learning.models.inputs import Training, check_rows
 from opml.learning.models.metadata import describe, restore
 from opml.tables import count, real
@@ -104,14 +106,9 @@ LEARNER = Learner(
     description="neural network",
     settings={
         **CHOICE,
-        "neurons": {
-            "description": "a list of whole numbers above 0",
-            "type": "array",
-            "minItems": 1,
-            "items": COUNT,
-        },
-        "alpha": POSITIVE,
-        "epochs": COUNT,
+        "neurons": Annotated[list[Count], MinLen(1), Expected("a list of whole numbers above 0")],
+        "alpha": Positive,
+        "epochs": Count,
     },
     table=table_of(
         "a weight",

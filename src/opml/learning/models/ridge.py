@@ -7,7 +7,8 @@ import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from opml.learning.models.contract import CHOICE, POSITIVE, Learner, Metadata, Settings, table_of
+from opml.base.setting_types import Positive
+from opml.learning.models.contract import CHOICE, Learner, Metadata, Settings, table_of
 from opml.learning.models.inputs import Training, check_rows
 from opml.learning.models.metadata import describe, restore
 from opml.tables import real, text
@@ -70,7 +71,7 @@ def fit(training: Training, settings: Settings) -> RidgeModel:
 LEARNER = Learner(
     kind=KIND,
     description="ridge regression",
-    settings={**CHOICE, "alpha": POSITIVE},
+    settings={**CHOICE, "alpha": Positive},
     table=table_of(
         "a learning variable",
         text("variable", "learning variable"),

@@ -7,13 +7,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from opml.learning.models.contract import Learner, Metadata, Model, Settings
+from opml.learning.models.contract import AnyLearner, Learner, Metadata, Model, Settings
 from opml.learning.models.inputs import Training, pick_columns
 from opml.tables import Schema
 
 KIND = "stacked"
 PARTS = ("first", "second")
-_ANY = {"$ref": "#/$defs/learner"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +90,7 @@ def learner(by_kind: Callable[[str], Learner]) -> Learner:
     return Learner(
         kind=KIND,
         description="robust linear law, then another learner on what it leaves",
-        settings=dict.fromkeys(PARTS, _ANY),
+        settings=dict.fromkeys(PARTS, AnyLearner),
         table=stacking.table,
         fit=stacking.fit,
         load=stacking.load,

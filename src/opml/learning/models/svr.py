@@ -9,16 +9,17 @@ second.
 
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
 import pandas as pd
 
 from opml.base.errors import InputError
 from opml.base.seeds import derive
+from opml.base.setting_types import Expected, NotNegative, OneOf, Positive
 from opml.learning.data.cleaning import quartiles
 from opml.learning.models import kernel_scale as scales
-from opml.learning.models.contract import CHOICE, POSITIVE, Learner, Metadata, Settings
+from opml.learning.models.contract import CHOICE, Learner, Metadata, Settings
 from opml.learning.models.gaussian_kernel import expansion, vector_rows, vector_table
 from opml.learning.models.inputs import Training, check_rows
 from opml.learning.models.metadata import describe, restore
@@ -148,13 +149,12 @@ LEARNER = Learner(
     description="SVR, as in the paper",
     settings={
         **CHOICE,
-        "kernel_scale": {
-            "description": "sigest, median, cv or a number above 0",
-            "anyOf": [{"enum": list(scales.RULES)}, {"type": "number", "exclusiveMinimum": 0}],
-        },
-        "c": POSITIVE,
-        "epsilon": {"description": "a number from 0", "type": "number", "minimum": 0},
-        "tol": POSITIVE,
+        "kernel_scale": Annotated[
+            Annotated[str, OneOf(scales.RULES)] | Positive, Expected("sigest, median, cv or a number above 0")
+        ],
+        "c": Positive,
+        "epsilon": NotNegative,
+        "tol": Positive,
     },
     table=vector_table("a support vector", real("dual_coef", "1", "dual coefficient alpha - alpha*")),
     fit=fit,

@@ -4,14 +4,17 @@ import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from glob import glob
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath, project_file
 from opml.orbits.sheets import Rso, Station, read_rsos, read_stations, rsos_from_rows, stations_from_rows
 from opml.study.settings.overlay import MISSING, Key, Layer, Source, laid_over, read_layer
+
+if TYPE_CHECKING:
+    from opml.study.settings.model.whole import Run
 
 STUDIES = "config/studies"
 """Folder of the studies that are called by their names."""
@@ -26,6 +29,14 @@ class Settings:
     values: Mapping[str, Any]
     stations: Mapping[str, Station]
     rsos: Mapping[str, Rso]
+
+    @cached_property
+    def run(self) -> "Run":
+        """The settings as typed attributes. Raises InputError for a value that is none of a run's."""
+        # Scripts that need no more than the plain values do not wait for the models.
+        from opml.study.settings.validation import validated
+
+        return validated(Source(self.values, []))
 
     @property
     def orbits(self) -> dict[str, list[str]]:

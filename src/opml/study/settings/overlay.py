@@ -91,16 +91,6 @@ def value_at(values: Any, key: Key) -> Any:
         return MISSING
 
 
-def leaves(values: Any, key: Key = ()) -> Iterator[tuple[Key, Any]]:
-    """Yield every value that is no mapping and no list, with its key."""
-    items = values.items() if isinstance(values, Mapping) else enumerate(values)
-    for part, value in items:
-        if isinstance(value, Mapping | list):
-            yield from leaves(value, (*key, part))
-        else:
-            yield (*key, part), value
-
-
 def mappings(values: Mapping[str, Any], key: Key = ()) -> Iterator[Key]:
     """Yield the key of every mapping, the outermost first."""
     yield key

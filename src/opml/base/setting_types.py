@@ -1,0 +1,94 @@
+"""Types of settings: what may stand under a key, and how a refusal calls it.
+
+Pydantic reads them where settings are checked (`opml.study.settings.model`); nothing here imports it.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, Any, TypeVar
+
+from annotated_types import Ge, Gt, Lt, MinLen
+
+Schema = dict[str, Any]
+"""A core schema or a JSON schema of pydantic's."""
+
+Handler = Callable[[Any], Schema]
+"""What makes the schema of the type that a mark stands on."""
+
+
+@dataclass(frozen=True)
+class Expected:
+    """Mark of a type: the words that follow `expected` in a refusal, and in an editor."""
+
+    words: str
+
+    def __get_pydantic_json_schema__(self, core: Schema, handler: Handler) -> Schema:
+        return handler(core) | {"errorMessage": self.words}
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """Mark of a text that a regular expression describes."""
+
+    regex: str
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Handler) -> Schema:
+        return handler(source) | {"pattern": self.regex}
+
+
+@dataclass(frozen=True)
+class OneOf:
+    """Mark of a text that is one of some names."""
+
+    names: tuple[str, ...]
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Handler) -> Schema:
+        return {"type": "literal", "expected": list(self.names)}
+
+
+@dataclass(frozen=True)
+class Unique:
+    """Mark of a list that has no item twice."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Handler) -> Schema:
+        check = {"type": "no-info", "function": _without_repetition}
+        return {"type": "function-after", "function": check, "schema": handler(source)}
+
+    def __get_pydantic_json_schema__(self, core: Schema, handler: Handler) -> Schema:
+        return handler(core) | {"uniqueItems": True}
+
+
+class _Given:
+    """Mark of a type that stands for None where its key is left out, and takes no None from a file."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Handler) -> Schema:
+        inner: Schema = handler(source)["schema"]
+        return inner
+
+
+T = TypeVar("T")
+
+Absent = Annotated[T | None, _Given()]
+"""Type of a setting that may be left out; it is None then."""
+
+
+def may_be_absent(declared: Any) -> bool:
+    """Return whether a type is that of a setting that may be left out."""
+    return any(isinstance(mark, _Given) for mark in getattr(declared, "__metadata__", ()))
+
+
+def _without_repetition(items: list[Any]) -> list[Any]:
+    if len(set(items)) < len(items):
+        raise ValueError("no item twice")
+    return items
+
+
+Positive = Annotated[float, Gt(0), Expected("a number above 0")]
+
+NotNegative = Annotated[float, Ge(0), Expected("a number from 0")]
+
+Share = Annotated[float, Gt(0), Lt(1), Expected("a number between 0 and 1")]
+
+Count = Annotated[int, Ge(1), Expected("a whole number above 0")]
+
+Text = Annotated[str, MinLen(1)]

@@ -1,0 +1,121 @@
+"""What is written of the settings from their models: the schema that editors read, and tables of their keys.
+
+``opml settings`` writes both, in the project's folder.
+"""
+
+import json
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from opml.base.setting_types import Schema
+from opml.study.settings.json_schema import json_schema, resolved
+from opml.study.settings.model.run import RunAlone
+from opml.study.settings.model.section import Section
+from opml.study.settings.model.study_parts import BeyondStudy, Claim, Entry, OwnStudy, PaperStudy
+from opml.study.settings.model.whole import SettingsFile
+
+SCHEMA = Path("workflow/schemas/config.schema.json")
+"""File of the schema that completes and checks settings in an editor."""
+
+README = Path("config/README.md")
+"""Page with the tables of keys."""
+
+TABLES: Mapping[str, tuple[str, type[Section]]] = {
+    "run": ("", RunAlone),
+    "study": ("study", OwnStudy),
+    "entry": ("<entry>", Entry),
+    "paper": ("study", PaperStudy),
+    "beyond": ("study", BeyondStudy),
+    "claims": ("claims", Claim),
+}
+"""Mapping that keys stand in, and model, of each table."""
+
+_MARKED = re.compile(r"(<!-- table of settings: (\w+) -->\n).*?(<!-- end of table -->)", re.DOTALL)
+
+_FORTABLES = ("unit", "see", "shared", "placeholder")
+
+
+def editor_schema() -> str:
+    """Return the JSON schema of a file of settings, whose mappings may all be incomplete."""
+    return json.dumps(_described(json_schema(SettingsFile)), indent=1) + "\n"
+
+
+def with_tables(page: str) -> str:
+    """Return a page with every table of settings made anew between its marks."""
+    return _MARKED.sub(lambda mark: f"{mark[1]}\n{_table(mark[2])}\n{mark[3]}", page)
+
+
+def _described(node: Any) -> Any:
+    """Return a schema whose descriptions have the units, without what only the tables read."""
+    if isinstance(node, list):
+        return [_described(item) for item in node]
+    if not isinstance(node, dict):
+        return node
+    unit = node.get("unit")
+    text = {"description": f"{node['description']} [{unit}]"} if isinstance(unit, str) else {}
+    return {key: _described(value) for key, value in node.items() if key not in _FORTABLES} | text
+
+
+def _table(name: str) -> str:
+    mapping, model = TABLES[name]
+    schema = json_schema(model)
+    heading = "| key | meaning | unit, values |\n| --- | --- | --- |\n"
+    rows = [
+        row
+        for key, node in schema["properties"].items()
+        for row in _rows(schema, node, f"{mapping}.{key}".removeprefix("."))
+    ]
+    return heading + "".join(f"{row}\n" for row in rows)
+
+
+def _rows(schema: Schema, node: Schema, key: str) -> Iterator[str]:
+    """Yield the row of a setting, or those of the mapping that it is.
+
+    Keys that every entry may have stand in a table of their own.
+    """
+    inner = resolved(schema, node)
+    if word := inner.get("propertyNames", {}).get("placeholder"):
+        key, inner = f"{key}.<{word}>", resolved(schema, inner["additionalProperties"])
+    if "properties" in inner and "allOf" not in inner:
+        for name, below in inner["properties"].items():
+            if not below.get("shared"):
+                yield from _rows(schema, below, f"{key}.{name}")
+    else:
+        yield f"| `{key}` | {_meaning(node)} | {_values(node, inner)} |"
+
+
+def _meaning(node: Schema) -> str:
+    """Return what a setting means, with a link to what tells more."""
+    text: str = node["description"]
+    if see := node.get("see", ""):
+        page, _, heading = see.partition("#")
+        link = f"../docs/{see}" if page else see
+        text += f" ([{(heading or Path(page).stem).replace('-', ' ')}]({link}))"
+    return text
+
+
+def _values(node: Schema, inner: Schema) -> str:
+    """Return what may stand under a key, with its unit and its default."""
+    unit, words = node.get("unit", ""), _words(inner)
+    text = f"{words} [{unit}]" if words and unit else words or unit
+    if "default" in node:
+        default = node["default"]
+        text += f"; by default `{default if isinstance(default, str) else json.dumps(default)}`"
+    return text
+
+
+def _words(node: Schema) -> str:
+    if node.get("errorMessage"):
+        return str(node["errorMessage"]).replace("<", "\\<")
+    one = [node["const"]] if "const" in node else []
+    kinds = node.get("properties", {}).get("kind", {}).get("enum", one)
+    names = ["true", "false"] if node.get("type") == "boolean" else node.get("enum", kinds)
+    return ", ".join(f"`{name}`" for name in names) or ("a number" if node.get("type") == "number" else "")
+
+
+def write() -> None:
+    """Write the schema and the tables of the project in the present folder."""
+    SCHEMA.write_text(editor_schema(), encoding="utf-8")
+    README.write_text(with_tables(README.read_text(encoding="utf-8")), encoding="utf-8")

@@ -1,0 +1,99 @@
+"""The models of the settings as JSON schema, and what a key is in it."""
+
+from typing import Any
+
+from pydantic.json_schema import GenerateJsonSchema
+from pydantic_core import core_schema
+
+from opml.base.setting_types import Schema
+from opml.study.settings.model.kinds import FORECASTS, KINDS, LEARNERS, OfItsKind
+from opml.study.settings.model.section import Item, Section
+
+_REFERENCE = "#/$defs/"
+
+
+class _Generator(GenerateJsonSchema):
+    """Pydantic's generator, for settings that are laid over others: what they leave out stands there."""
+
+    def dict_schema(self, schema: core_schema.DictSchema) -> Schema:
+        """Return the schema of a mapping whose keys are names that a user gives."""
+        limits = {"minProperties": schema["min_length"]} if "min_length" in schema else {}
+        names, values = (self.generate_inner(schema[part]) for part in ("keys_schema", "values_schema"))
+        return {"type": "object", "propertyNames": names, "additionalProperties": values, **limits}
+
+    def model_schema(self, schema: core_schema.ModelSchema) -> Schema:
+        """Return the schema of a section; nothing but an item of a list has to be complete."""
+        generated = super().model_schema(schema)
+        untold = {"title"} if issubclass(schema["cls"], Item) else {"title", "required"}
+        return {key: value for key, value in generated.items() if key not in untold}
+
+    def default_schema(self, schema: core_schema.WithDefaultSchema) -> Schema:
+        """Return the schema of a setting that may be left out, with its default where that says something."""
+        generated = super().default_schema(schema)
+        untold = "default" in generated and generated["default"] in (None, "", [], {})
+        return {key: value for key, value in generated.items() if not (untold and key == "default")}
+
+    def field_title_should_be_set(self, schema: Any) -> bool:
+        """Return False: a field's title would be its key once more."""
+        return False
+
+
+def json_schema(model: type[Section]) -> Schema:
+    """Return a model's JSON schema; learners and forecasts are of the kinds that there are."""
+    schema = _generated(model)
+    definitions = schema.setdefault("$defs", {})
+    definitions |= {kinds.name: _of_any_kind(kinds) for kinds in (LEARNERS, FORECASTS)}
+    return schema
+
+
+def resolved(schema: Schema, node: Schema, value: Any = None) -> Schema:
+    """Return what a node of a schema stands for: what it refers to, and of several kinds that of a value."""
+    references = [choice["$ref"] for choice in (node, *node.get("anyOf", [])) if "$ref" in choice]
+    if references:
+        return resolved(schema, schema["$defs"][references[0].removeprefix(_REFERENCE)], value)
+    kind = value.get("kind") if isinstance(value, dict) else None
+    for choice in node.get("allOf", []):
+        if choice["if"]["properties"]["kind"]["const"] == kind:
+            then: Schema = choice["then"]
+            return then
+    return node
+
+
+def child(node: Schema, key: str | int) -> Schema | None:
+    """Return the node of a key or an index below a resolved node, None where there is none."""
+    if isinstance(key, str):
+        below: Schema | None = node.get("properties", {}).get(key)
+        others = node.get("additionalProperties")
+        return below if below is not None else others if isinstance(others, dict) else None
+    items = node.get("prefixItems", [])
+    return items[key] if key < len(items) else node.get("items")
+
+
+def _generated(model: type[Section]) -> Schema:
+    schema: Schema = _with_references(model.model_json_schema(schema_generator=_Generator))
+    return schema
+
+
+def _of_any_kind(kinds: OfItsKind) -> Schema:
+    models = kinds.models()
+    return {
+        "type": "object",
+        "properties": {"kind": {"enum": list(models)}},
+        "allOf": [
+            {
+                "if": {"properties": {"kind": {"const": kind}}, "required": ["kind"]},
+                "then": _generated(model),
+            }
+            for kind, model in models.items()
+        ],
+    }
+
+
+def _with_references(node: Any) -> Any:
+    """Return a schema in which settings of any kind refer to their definition, which may hold itself."""
+    if isinstance(node, list):
+        return [_with_references(item) for item in node]
+    if not isinstance(node, dict):
+        return node
+    named = {"$ref": f"{_REFERENCE}{node[KINDS]}"} if KINDS in node else {}
+    return {key: _with_references(value) for key, value in node.items() if key != KINDS} | named

@@ -1,0 +1,132 @@
+"""Types of settings that are names, windows of days, splits and paths."""
+
+from typing import Annotated, Literal
+
+from annotated_types import Ge, Le, MinLen
+from pydantic import Strict
+
+from opml import naming
+from opml.base.constants import BODIES
+from opml.base.setting_types import Count, Expected, OneOf, Pattern, Positive, Text, Unique
+from opml.learning.models.contract import Variable
+from opml.report import claims
+from opml.study.settings.model.section import Placeholder
+from opml.tables import COMPONENTS
+
+Name = Annotated[
+    str, Pattern("^[a-z][a-z0-9]*$"), Expected("a name of lower-case letters and digits"), Placeholder("name")
+]
+
+EntryName = Annotated[
+    str,
+    Pattern("^[a-z][a-z0-9_]*$"),
+    Expected("a name of lower-case letters, digits and _"),
+    Placeholder("name"),
+]
+
+FigureName = Annotated[EntryName, Placeholder("figure")]
+
+RsoName = Annotated[str, Placeholder("rso")]
+
+Folder = Annotated[
+    str,
+    # Snakemake reads braces as wildcards, and shells end a word at a space.
+    Pattern(r"^(?!~)[\w./~+@-]*[\w~+@-]$"),
+    Expected("a folder's path without spaces, braces or a leading ~"),
+]
+
+Paths = Annotated[
+    Text | Annotated[list[Text], MinLen(1)],
+    Expected("a file's path, a pattern of paths, or a list of them"),
+]
+
+Epoch = Annotated[
+    str,
+    Pattern(r"^\d{4}-\d{2}-\d{2}T\d{2}:\d{2}:\d{2}(\.\d+)?$"),
+    Expected('UTC text in quotes, like "2016-09-28T12:09:45"'),
+]
+
+Epochs = Annotated[list[str], Expected("a list of UTC texts in quotes")]
+
+Names = Annotated[list[str], MinLen(1), Unique(), Expected("a list of names")]
+
+RsoNames = Annotated[list[str], Unique(), Expected("names of RSOs")]
+
+Pool = Annotated[list[str], MinLen(2), Unique(), Expected("a list of at least two RSOs")]
+
+Seed = Annotated[int, Ge(0), Expected("a whole number from 0")]
+
+SeedList = Annotated[list[Seed], MinLen(1), Unique(), Expected("a list of seeds")]
+
+Degree = Annotated[int, Ge(0), Expected("a whole number from 0")]
+
+Body = Annotated[str, OneOf(BODIES)]
+
+Bodies = Annotated[list[Body], Unique()]
+
+Variables = Annotated[list[Variable], MinLen(1), Unique()]
+
+Component = Annotated[str, OneOf(COMPONENTS)]
+
+Label = Annotated[str, OneOf(tuple(naming.LABELS)), Expected("truth, later or smoothed")]
+
+Previous = Literal["kept_estimate", "track"]
+
+Standardisation = Annotated[str, OneOf(tuple(naming.STANDARDISATIONS))]
+
+Fence = Annotated[Literal["dataset", "none"] | Positive, Expected("dataset, none or a number above 0")]
+
+Holds = Annotated[str, OneOf(tuple(claims.TESTS))]
+
+Day = Annotated[float, Ge(0), Expected("a day, a number from 0")]
+
+# YAML has lists only: they stand for tuples, whose items stay as strict as all else.
+Days = Annotated[tuple[Day, Day], Strict(False), Expected("two numbers, first and last day")]
+
+Resonance = Annotated[tuple[Count, Count], Strict(False), Expected("a pair of whole numbers above 0")]
+
+Resonances = Annotated[list[Resonance], Unique()]
+
+Train = Annotated[
+    str,
+    Pattern(f"^(?:{naming.TRAIN})$"),
+    Expected("random-<percent>, grouped-<percent> or days-<first>-<last>"),
+]
+
+Test = Annotated[
+    str,
+    Pattern(f"^(?:{naming.TEST})$"),
+    Expected("seen, rest, days-<first>-<last> or days-<first>-<last>-unseen"),
+]
+
+Tests = Annotated[list[Test], MinLen(1), Unique(), Expected("a list of days-<first>-<last>")]
+
+Split = Annotated[tuple[Train, Test], Strict(False), Expected("a pair of a training and a test split")]
+
+Splits = Annotated[dict[EntryName, Split], MinLen(1)]
+
+Degrees = Annotated[
+    list[Annotated[float, Ge(0), Le(180), Expected("degrees from 0 to 180")]],
+    MinLen(1),
+    Unique(),
+    Expected("a list of inclinations in degrees"),
+]
+
+Kilometres = Annotated[list[float], MinLen(1), Unique(), Expected("a list of kilometres")]
+
+Scales = Annotated[list[Positive], MinLen(1), Unique(), Expected("a list of kernel scales")]
+
+Ratio = Annotated[int, Ge(1), Le(99), Expected("a whole percentage from 1 to 99")]
+
+Ratios = Annotated[list[Ratio], MinLen(1), Unique(), Expected("a list of percentages")]
+
+RatioKey = Annotated[str, Pattern("^[1-9][0-9]?$"), Expected("a whole percentage from 1 to 99, in quotes")]
+
+PublishedByRatio = Annotated[dict[RatioKey, Positive], Expected("P_ML by ratio, the ratio in quotes")]
+
+ValueKey = Annotated[str, Pattern(r"^-?[0-9]+(\.[0-9]+)?$"), Expected("a number in quotes")]
+
+PublishedByValue = Annotated[
+    dict[Test, Annotated[dict[ValueKey, Positive], Expected("P_ML by value, the value in quotes")]],
+    Expected("P_ML by test and value, the value in quotes"),
+]

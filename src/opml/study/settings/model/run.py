@@ -1,0 +1,311 @@
+"""The run: what is simulated, and how learners learn. Every key, what it means, its unit and its limits."""
+
+from typing import Annotated, Literal
+
+from annotated_types import Ge, Le, MinLen
+
+from opml.base.setting_types import Absent, Expected, NotNegative, Positive, Share, Text
+from opml.study.settings.model.kinds import Forecast, Learner
+from opml.study.settings.model.names import (
+    Bodies,
+    Degree,
+    Epoch,
+    Epochs,
+    Folder,
+    Name,
+    Paths,
+    Resonances,
+    RsoName,
+    RsoNames,
+    Seed,
+    Variables,
+)
+from opml.study.settings.model.section import Section, setting
+
+
+class RandomSeeds(Section):
+    """Where random numbers begin."""
+
+    noise: Seed = setting(
+        "seed of the measurement noise, and of the perturbed states that first fits start from"
+    )
+    split: Seed = setting("seed of the random splits and of the learners' subsamples")
+
+
+class Environment(Section):
+    """What Earth, Sun and Moon do, and what is known of it."""
+
+    gravity_field: Text = setting(
+        "`EGM2008` (to degree 70, in the package), `EIGEN-6S` (the paper's, fetched once and checked) or an"
+        " ICGEM file",
+        unit="name or path",
+    )
+    ephemerides: Text = setting("`DE440` or an SPK kernel", unit="name or path")
+    solar_activity: Text = setting(
+        "`MSAFE`, `OBSERVED` or a file of either kind", unit="name or path", see="#solar-activity"
+    )
+    true_solar_activity: Absent[Text] = setting(
+        "what the truth flies under, where it is not `solar_activity`", unit="name or path", default=None
+    )
+    percentile: Literal[95, 50, 5] = setting("column of an MSAFE bulletin")
+    knowledge: Absent[Literal["monthly", "hindcast", "forecast"]] = setting(
+        "what the assumed model knows of the weather: `monthly` figures, the weather up to t_j (`hindcast`),"
+        " or up to t_i and a `forecast`; left out, it flies under `solar_activity` as it stands",
+        see="weather.md",
+        default=None,
+    )
+    forecast: Absent[str] = setting(
+        "forecast of `knowledge: forecast`, about which the futures of an ensemble lie",
+        unit="name under `forecasts`",
+        see="weather.md#ensembles",
+        default=None,
+    )
+    issue_hours: Absent[Literal[1, 3, 6, 12, 24]] = setting(
+        "time between the issues of forecasts, counted from 00:00 UTC; predictions fly under the newest one",
+        unit="h",
+        default=None,
+    )
+
+
+class ForceModel(Section):
+    """A force model."""
+
+    degree: Degree = setting("highest degree of the gravity field")
+    order: Degree = setting("highest order of the gravity field")
+    third_bodies: Bodies = setting("bodies that pull beside Earth", unit="names")
+
+
+class TrueForceModel(ForceModel):
+    """The force model of the truth."""
+
+    atmosphere: Literal["DTM2000", "NRLMSIS"] = setting(
+        "what the truth flies through; `NRLMSIS` is tabulated under measured weather",
+        see="physics.md#drag",
+        default="DTM2000",
+    )
+
+
+class ForceModels(Section):
+    """The truth's force model, and that of fits and predictions."""
+
+    truth: TrueForceModel = setting("force model of the truth")
+    assumed: ForceModel = setting("force model of fits and predictions")
+
+
+class Integrator(Section):
+    """The Dormand-Prince 8(5,3) method."""
+
+    position_tolerance_m: Positive = setting(
+        "absolute tolerance of each position component, by Dormand-Prince 8(5,3)", unit="m"
+    )
+    min_step_s: Positive = setting("shortest step", unit="s")
+    max_step_s: Positive = setting(
+        "longest step; 90 s is the paper's, and 120 s the better choice for a study of one's own: it takes"
+        " three quarters of the time, and after seven days orbits above 300 km are within a metre",
+        unit="s",
+        see="performance.md#how-long-a-step",
+    )
+
+
+class Tracking(Section):
+    """Measurements."""
+
+    step_s: Positive = setting("time between measurements, and of the truth's grid", unit="s")
+
+
+class Estimation(Section):
+    """Fits of an orbit and a drag coefficient to tracks."""
+
+    window_hours: Positive = setting("measurements before a track that its fit uses", unit="h")
+    max_iterations: Annotated[int, Ge(1), Expected("a whole number from 1")] = setting(
+        "iterations after which a fit counts as not converged"
+    )
+    convergence: Positive = setting("part of the formal uncertainty that a last step may still move")
+    start_position_sigma_m: Positive = setting(
+        "standard deviation by which the true position is perturbed where a first fit starts", unit="m"
+    )
+    start_velocity_sigma_mps: Positive = setting(
+        "standard deviation by which the true velocity is perturbed where a first fit starts", unit="m/s"
+    )
+    least_drag_m: Positive = setting(
+        "shift of a window's end per unit of Cd below which Cd is held at the RSO's own value", unit="m"
+    )
+    cd_sigma: Absent[Positive] = setting(
+        "standard deviation of Cd about the RSO's own value, where that is known beforehand", default=None
+    )
+    light_time: bool = setting(
+        "whether fits read measurements as received at their time, after the light's way; simulated ones are"
+        " always geometric",
+        see="physics.md#light-time",
+        default=False,
+    )
+
+
+class Prediction(Section):
+    """Predictions."""
+
+    max_days: Positive = setting("longest prediction", unit="days")
+
+
+class Learning(Section):
+    """What all learners share."""
+
+    variables: Variables = setting(
+        "variables that learners learn from, where their own settings name none",
+        unit="names",
+        see="data.md#dataset",
+    )
+
+
+class Thermometer(Section):
+    """A catalogue that measures the density by its fits; deviations are of logarithms."""
+
+    rsos: RsoNames = setting(
+        "RSOs whose fits make the thermometer", see="weather.md#the-catalogue-as-a-thermometer"
+    )
+    left_out: Absent[RsoNames] = setting("other RSOs that the thermometer is tried on", default=None)
+    window_hours: Positive = setting("window of the fits", unit="h")
+    step_hours: Positive = setting("length of one value of the density's factor", unit="h")
+    decay_days: Positive = setting("memory of the factor", unit="days")
+    factor_sigma: Positive = setting("standard deviation of the factor's logarithm, before any fit")
+    body_sigma: Positive = setting(
+        "standard deviation of the logarithm of a body's Cd about 2.2, before any fit"
+    )
+    drift_sigma: Positive = setting("change of a body's Cd in a day, in its logarithm")
+    noise_sigma: Positive = setting("error of a fit's Cd, in its logarithm, beside the formal one")
+    excess: Positive = setting(
+        "how many times its formal error a fit errs by the assumed forces", default=1.0
+    )
+    level_sigma: NotNegative = setting(
+        "standard deviation of the logarithm of an error of the density that lasts; with 0 there is none",
+        default=0.0,
+    )
+
+
+class Mechanism(Section):
+    """Columns that laws learn from."""
+
+    long_window_hours: Positive = setting("window of the long arc beside each estimate", unit="h")
+    resonances: Resonances = setting(
+        "resonances that may be learned from: nodal days and revolutions", unit="pairs (k, m)"
+    )
+
+
+class Intervals(Section):
+    """Prediction intervals."""
+
+    level: Share = setting("share of the errors that a prediction interval is to hold")
+    share: Share = setting("share of the training estimates that are held out to calibrate the intervals")
+    bin_hours: Positive = setting("bins of the prediction duration that have a width each", unit="h")
+
+
+class Ephemeris(Section):
+    """Corrected ephemerides."""
+
+    start: Literal["newest", "each"] = setting(
+        "an ephemeris starts from the `newest` estimate before the training ends, or from it and `each`"
+        " later one, trained anew each morning",
+        see="operations.md",
+        alias="from",
+    )
+    step_s: Annotated[float, Ge(1), Le(300), Expected("seconds from 1 to 300")] = setting(
+        "time between its epochs, which are counted from the run's; it reaches `prediction.max_days` ahead,"
+        " as far as the run does"
+    )
+
+
+class Uncertainty(Section):
+    """How far corrected orbits may be off."""
+
+    every_hours: Positive = setting(
+        "mornings that are over are run again from the first estimate of every so many hours",
+        unit="h",
+        see="uncertainty.md",
+    )
+    futures: Annotated[int, Ge(2), Expected("a whole number of 2 or more")] = setting(
+        "futures of the weather that covariances know of, with `knowledge: forecast`"
+    )
+
+
+class Sheets(Section):
+    """The sheets."""
+
+    stations: str = setting("sheet of the stations", unit="path", see="#sheets")
+    rsos: str = setting("sheet of the RSOs", unit="path", see="#sheets")
+
+
+class RunAlone(Section):
+    """A run, without what is asked of it."""
+
+    results: Folder = setting("folder of all that is written")
+    seed: RandomSeeds = setting("where random numbers begin")
+    epoch: Epoch = setting("epoch of the RSOs' elements and start of the run")
+    duration_days: Positive = setting("how long the truth is propagated", unit="days")
+    environment: Environment = setting("what Earth, Sun and Moon do, and what is known of it")
+    forecasts: dict[Name, Forecast] = setting(
+        "a way to say the weather of the days ahead: its `kind`, and that kind's own settings",
+        see="weather.md#methods",
+        default={},
+    )
+    force_models: ForceModels = setting("the truth's force model, and that of fits and predictions")
+    integrator: Integrator = setting("the Dormand-Prince 8(5,3) method")
+    tracking: Tracking = setting("measurements")
+    estimation: Estimation = setting("fits of an orbit and a drag coefficient to tracks")
+    prediction: Prediction = setting("predictions")
+    learning: Learning = setting("what all learners share")
+    thermometer: Absent[Thermometer] = setting(
+        "a catalogue that measures the density by its fits", default=None
+    )
+    learners: Annotated[dict[Name, Learner], MinLen(1)] = setting(
+        "a learner: its `kind`, and that kind's own settings; `variables` replaces the default ones,"
+        " `without` leaves some of them out",
+        see="howto.md#a-learner",
+    )
+    mechanism: Mechanism = setting("columns that laws learn from")
+    intervals: Intervals = setting("prediction intervals")
+    ephemeris: Ephemeris = setting("corrected ephemerides")
+    uncertainty: Uncertainty = setting("how far corrected orbits may be off")
+    sheets: Sheets = setting("the sheets")
+    stations: dict[Name, dict[str, float]] = setting(
+        "a station beside those of the sheet: the columns of a sheet's row as keys",
+        unit="mapping",
+        see="#sheets",
+        default={},
+    )
+    rsos: dict[Name, dict[str, float]] = setting(
+        "an RSO beside those of the sheet: the columns of a sheet's row as keys",
+        unit="mapping",
+        see="#sheets",
+        default={},
+    )
+    data: Text = setting(
+        "folder that relative paths of `orbits`, `oem`, `tracks` and `starts` start from; the project's by"
+        " default",
+        unit="path",
+        default="",
+    )
+    orbits: dict[RsoName, Paths] = setting(
+        "files of an orbit that replaces the RSO's simulated truth (SP3, CPF or OEM), one orbit together;"
+        " the RSO's entry then needs its body only",
+        see="orbits.md",
+        default={},
+    )
+    oem: dict[RsoName, Text] = setting(
+        "the same, for a single ephemeris message (CCSDS OEM)", unit="path", default={}
+    )
+    tracks: dict[RsoName, Paths] = setting(
+        "tracks that were really measured, in place of simulated ones (CCSDS TDM); the RSO's entry may be"
+        " its body only",
+        see="tracks.md",
+        default={},
+    )
+    starts: dict[RsoName, Text] = setting(
+        "where the first orbit of an RSO with `tracks` starts: a TLE, OMM or OEM; by default its elements,"
+        " or it is determined from the tracks",
+        unit="path",
+        see="tracks.md",
+        default={},
+    )
+    manoeuvres: dict[RsoName, Epochs] = setting(
+        "manoeuvres of an RSO with `tracks` that are known of", default={}
+    )

@@ -1,0 +1,62 @@
+"""What every mapping of settings is: keys with a meaning, a unit and limits, and no others."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field
+from pydantic_core import PydanticUndefined
+
+from opml.base.setting_types import Handler, Schema
+
+
+class Section(BaseModel):
+    """A mapping of settings. A whole number may stand for a real one; nothing else is converted."""
+
+    model_config = ConfigDict(
+        strict=True,
+        extra="forbid",
+        frozen=True,
+        allow_inf_nan=False,
+        # Rust's own engine has no lookahead.
+        regex_engine="python-re",
+        # The run's model is built as a whole.
+        defer_build=True,
+    )
+
+
+class Item(Section):
+    """A mapping that is an item of a list, and so replaced as a whole by whatever is laid over it."""
+
+
+def setting(
+    meaning: str,
+    *,
+    unit: str = "",
+    see: str = "",
+    default: Any = PydanticUndefined,
+    alias: str | None = None,
+    shared: bool = False,
+) -> Any:
+    """Declare a setting.
+
+    meaning: in one sentence
+    unit: of its numbers, or the kind of its text
+    see: the page of docs/ that tells more, or a heading of config/README.md
+    default: its value where a file leaves it out; without one it has to stand in a file
+    alias: its key, where Python has another meaning for that word
+    shared: whether many mappings have it, so that documentation tells it once
+    """
+    extra: dict[str, Any] = {
+        name: value for name, value in (("unit", unit), ("see", see), ("shared", shared)) if value
+    }
+    return Field(default, description=meaning, alias=alias, json_schema_extra=extra or None)
+
+
+@dataclass(frozen=True)
+class Placeholder:
+    """Mark of names that a user gives: the word that stands for them in documentation, as in `<rso>`."""
+
+    word: str
+
+    def __get_pydantic_json_schema__(self, core: Schema, handler: Handler) -> Schema:
+        return handler(core) | {"placeholder": self.word}

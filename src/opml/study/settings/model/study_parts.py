@@ -1,0 +1,404 @@
+"""The study: what is asked of a run. Every key, what it means, its unit and its limits."""
+
+from typing import Annotated, Literal
+
+from annotated_types import MinLen
+
+from opml.base.setting_types import Absent, Expected, Positive, Share, Text
+from opml.study.settings.model.names import (
+    Component,
+    Days,
+    Degrees,
+    EntryName,
+    Fence,
+    FigureName,
+    Holds,
+    Kilometres,
+    Label,
+    Name,
+    Names,
+    Pool,
+    Previous,
+    PublishedByRatio,
+    PublishedByValue,
+    Ratios,
+    Scales,
+    SeedList,
+    Split,
+    Splits,
+    Standardisation,
+    Test,
+    Tests,
+    Train,
+)
+from opml.study.settings.model.section import Item, Section, setting
+
+
+class Claim(Item):
+    """What the paper says in words of an entry's numbers."""
+
+    says: Text = setting("what the paper says", unit="text")
+    holds: Holds = setting("what then holds of our numbers")
+    limit: Absent[float] = setting("number that they are held against", unit="% or km", default=None)
+    start: Absent[Positive] = setting("mean error before the correction", unit="km", default=None)
+    share: Absent[Share] = setting("how far a number may be off, or what is left of it", default=None)
+    beside: Absent[Names] = setting("evaluations whose numbers stand beside the entry's own", default=None)
+    beyond: Absent[float] = setting("value of a curve from which on the numbers count", default=None)
+
+
+Claims = Annotated[list[Claim], Expected("a list of claims")]
+
+
+class OfRso(Section):
+    """An entry that may name its RSO."""
+
+    rso: Absent[str] = setting("RSO, in place of the default one", unit="name", default=None, shared=True)
+
+
+class ByStations(Section):
+    """An entry that may name its stations."""
+
+    stations: Absent[str] = setting(
+        "station set, in place of the default one", unit="name", default=None, shared=True
+    )
+
+
+class OfModel(Section):
+    """An entry that may name its model."""
+
+    learner: Absent[str] = setting(
+        "learner, in place of the default one", unit="name", default=None, shared=True
+    )
+    component: Absent[Component] = setting(
+        "error component, in place of the default one", default=None, shared=True
+    )
+
+
+class Trained(Section):
+    """What a model is trained on."""
+
+    train: Train = setting("training split", see="wildcards.md", shared=True)
+
+
+class Tested(Trained):
+    """What a model is trained and tested on."""
+
+    test: Test = setting("rows to test on", see="wildcards.md", shared=True)
+
+
+class Claimed(Section):
+    """An entry that the paper says something of."""
+
+    claims: Claims = setting("what the paper says in words", see="#claims", default=[], shared=True)
+
+
+class Entry(Claimed, Tested, OfModel, ByStations, OfRso):
+    """A model on a test."""
+
+
+class TrainAndTestDays(Section):
+    """Days of t_j."""
+
+    train: Days = setting("days of t_j to train on")
+    test: Days = setting("days of t_j to test on; they follow those to train on")
+
+
+class Rolling(Section):
+    """Learners that are trained anew day by day."""
+
+    learners: Names = setting("learners that are trained anew on each of the `days`, or once in `every_days`")
+    days: Absent[Days] = setting("days of the trainings; by default those to test on", default=None)
+    every_days: Positive = setting("time between two trainings", unit="days", default=1)
+    last_days: Positive = setting("how far back the labels go that are learned from", unit="days", default=30)
+
+
+class Cleaning(Section):
+    """Rows that are dropped; none by default."""
+
+    cd_min: Absent[float] = setting(
+        "least drag coefficient of an estimate that is used; any where it is left out", default=None
+    )
+    cd_max: Absent[float] = setting(
+        "largest drag coefficient of an estimate that is used; any where it is left out", default=None
+    )
+    fence: Absent[Positive] = setting(
+        "Tukey's fences on e_y, from the quartiles; none where it is left out", unit="IQR", default=None
+    )
+    fence_days: Absent[Days] = setting("window of t_j whose rows set the fences", default=None)
+    previous: Absent[Previous] = setting(
+        "t_b is that of the previous `kept_estimate`, or of the previous `track`", default=None
+    )
+
+
+class Defaults(Section):
+    """What entries do not name."""
+
+    rso: Absent[str] = setting(
+        "RSO of every entry that names none; by default the first of `study.rsos`", unit="name", default=None
+    )
+    stations: Absent[str] = setting(
+        "station set of every entry that names none; by default the last of `study.station_sets`",
+        unit="name",
+        default=None,
+    )
+    learner: str = setting("learner of every entry that names none", unit="name", default="svr")
+    component: Component = setting("error component of every entry that names none", default="e_y")
+
+
+class Orbit(Section):
+    """Figures of an orbit and its fit."""
+
+    window_day: Positive = setting("day whose next track shows the estimation window", unit="days")
+    zoom_days: Days = setting("window of the zoom into the elements")
+
+
+class Distribution(ByStations, OfRso):
+    """A figure of true errors against the prediction's duration."""
+
+    stations: str = setting("station set whose true errors are drawn", unit="name")
+
+
+class Evaluation(Entry):
+    """One model on one test."""
+
+    target: Absent[str] = setting("RSO to test on, where it is another one", unit="name", default=None)
+    label: Absent[Label] = setting("what errors are held against, in place of `study.label`", default=None)
+    published: Absent[Positive] = setting("the paper's P_ML", unit="%", default=None)
+
+
+class Partition(Claimed, OfModel, ByStations, OfRso):
+    """A curve of P_ML against the share that is trained on."""
+
+    ratios: Ratios = setting("shares that are trained on", unit="%")
+    shown: Absent[Ratios] = setting("ratios that are figures of their own", unit="%", default=None)
+    published: PublishedByRatio = setting("the paper's P_ML", unit="%", default={})
+
+
+class Individual(Claimed):
+    """An evaluation, drawn point by point."""
+
+    evaluation: str = setting("evaluation that is drawn point by point", unit="name")
+
+
+class Grid(Claimed, Tested, OfModel, ByStations):
+    """RSOs side by side."""
+
+    rsos: Names = setting("RSOs that are drawn side by side, each trained on itself")
+
+
+class Curve(Claimed, Trained, OfModel, ByStations, OfRso):
+    """One model on other RSOs."""
+
+    tests: Tests = setting("windows to test on, a curve each", see="wildcards.md")
+    published: PublishedByValue = setting("the paper's P_ML", unit="%", default={})
+
+
+class InclinationCurve(Curve):
+    """One model on other inclinations."""
+
+    inclinations: Degrees = setting("inclinations of the curve")
+
+
+class AxisCurve(Curve):
+    """One model on other semi-major axes."""
+
+    offsets: Kilometres = setting("offsets of the semi-major axis")
+
+
+class Curves(Section):
+    """One model on other RSOs."""
+
+    inclination: Absent[InclinationCurve] = setting("one model on other inclinations", default=None)
+    semi_major_axis: Absent[AxisCurve] = setting("one model on other semi-major axes", default=None)
+
+
+class KernelScale(OfModel, OfRso):
+    """How P_ML answers to the kernel scale."""
+
+    scales: Scales = setting("kernel scales of the figure")
+    rules: Names = setting("learners whose kernel scale is marked")
+    splits: Annotated[list[Split], MinLen(1)] = setting(
+        "training and test splits", unit="list of pairs", see="wildcards.md"
+    )
+    station_sets: Names = setting("station sets of the figure")
+
+
+class Transfers(Tested):
+    """Models on the curves' RSOs, and out of pools."""
+
+    learners: Names = setting("models that are carried over to the curves' RSOs and out of pools")
+
+
+class BeyondIntervals(Section):
+    """Prediction intervals."""
+
+    learners: Names = setting("models with prediction intervals")
+    splits: Names = setting("names of `study.beyond.splits` to state them for")
+
+
+class Budget(Section):
+    """Laws that take the error apart."""
+
+    learners: Names = setting("laws that take the error apart, one cause after the other")
+    split: Split = setting("training and test split", see="wildcards.md")
+
+
+class Beyond(Section):
+    """What goes beyond the paper."""
+
+    station_sets: Names = setting("station sets that models are compared for")
+    learners: Names = setting("models to compare")
+    splits: Splits = setting("training and test split", see="wildcards.md")
+    transfers: Transfers = setting("models on the curves' RSOs, and out of pools")
+    intervals: BeyondIntervals = setting("prediction intervals")
+    budget: Budget = setting("laws that take the error apart")
+
+
+class SpreadSeeds(Section):
+    """Seeds of the spreads in the reproduction."""
+
+    split: Absent[SeedList] = setting(
+        "seeds of the splits that the reproduction states a spread over", default=None
+    )
+    noise: Absent[SeedList] = setting(
+        "seeds of the noise that the reproduction states a spread over", default=None
+    )
+
+
+class StudySeeds(Section):
+    """Seeds of the curves and spreads."""
+
+    split: Absent[SeedList] = setting(
+        "seeds of the splits that curves are drawn with; several give mean and band", default=None
+    )
+    noise: Absent[SeedList] = setting(
+        "seeds of the noise that curves are drawn with; several give mean and band", default=None
+    )
+    spread: Absent[SpreadSeeds] = setting("seeds of the spreads in the reproduction", default=None)
+
+
+class Reading(Section):
+    """A reading of what the paper leaves open."""
+
+    text: Text = setting("the reading in words", unit="text")
+    previous: Absent[Previous] = setting("where t_b is taken from", default=None)
+    learner: Absent[str] = setting("learner in place of the entries' own", unit="name", default=None)
+    windows: Absent[Literal["unseen"]] = setting("windows to test on count by t_i, too", default=None)
+    split: Absent[Literal["random", "grouped"]] = setting(
+        "what random splits draw: rows or estimates", default=None
+    )
+    fence: Absent[Fence] = setting(
+        "fences of future tests: none, or of so many IQR from the rows tested", default=None
+    )
+    standardisation: Absent[Standardisation] = setting(
+        "rows that standardise the variables: those of the `training`, the test's `own`, or both `together`",
+        default=None,
+    )
+
+
+class Reproduction(Section):
+    """The table of the paper's numbers beside ours."""
+
+    fixed: str = setting("learner with one fixed kernel scale", unit="name")
+    calibrated: str = setting("evaluation that this scale was chosen to meet", unit="name")
+    readings: dict[EntryName, Reading] = setting("a reading of what the paper leaves open")
+
+
+class OtherFit(Item):
+    """Settings of the estimation that differ."""
+
+    convergence: Absent[Positive] = setting("as `estimation.convergence`", default=None)
+    cd_sigma: Absent[Positive] = setting("as `estimation.cd_sigma`", default=None)
+    light_time: Absent[bool] = setting("as `estimation.light_time`", default=None)
+
+
+class Axes(Section):
+    """Readings that are combined, a product of axes."""
+
+    learners: Names = setting("learners that are combined with all other axes")
+    estimations: Absent[Annotated[list[OtherFit], MinLen(1)]] = setting(
+        "estimations, each with any of `convergence`, `cd_sigma` and `light_time`", unit="list", default=None
+    )
+    previous: Absent[Annotated[list[Previous], MinLen(1)]] = setting(
+        "where t_b is taken from: `kept_estimate`, `track`", unit="list", default=None
+    )
+    fences: Absent[Annotated[list[Fence], MinLen(1)]] = setting(
+        "fences of future tests: `dataset`, `none` or a number", unit="list", default=None
+    )
+    standardisations: Absent[Annotated[list[Standardisation], MinLen(1)]] = setting(
+        "rows that standardise the variables: `training`, `own`, `together`", unit="list", default=None
+    )
+
+
+class OwnStudy(Section):
+    """A study of any RSO: models against splits."""
+
+    rsos: Absent[Names] = setting(
+        "RSOs that the study is about; by default that of `defaults`, or the first of the sheet", default=None
+    )
+    station_sets: Absent[Names] = setting(
+        "station sets that see them; by default that of `defaults`, or all stations together", default=None
+    )
+    days: Absent[TrainAndTestDays] = setting("days of t_j to train and to test on", default=None)
+    splits: Absent[Splits] = setting(
+        "in place of `days`, a training and a test split", see="wildcards.md", default=None
+    )
+    learners: Absent[Names] = setting(
+        "models to compare; by default the baselines, `svr`, `covariance`, `mechanism` and `twoarcs`",
+        default=None,
+    )
+    label: Absent[Label] = setting(
+        "what errors are held against to learn from: `truth`, or estimates, `later` or `smoothed`; by default"
+        " `truth`, or `later` where an RSO of the study has `tracks`",
+        see="labels.md",
+        default=None,
+    )
+    rolling: Absent[Rolling] = setting("learners that are trained anew day by day", default=None)
+    replayed: Absent[Names] = setting(
+        "models whose mornings are run again, and among which each morning chooses; by default those of the"
+        " study that are trained in seconds",
+        see="uncertainty.md",
+        default=None,
+    )
+    cleaning: Absent[Cleaning] = setting("rows that are dropped; none by default", default=None)
+    span_days: Absent[Days] = setting(
+        "window of t_j that random splits draw from; by default the days to train on, or the run",
+        default=None,
+    )
+
+
+class PaperStudy(Section):
+    """The paper's figures and tables."""
+
+    defaults: Absent[Defaults] = setting("what entries do not name", default=None)
+    orbit: Absent[Orbit] = setting("figures of an orbit and its fit", default=None)
+    distribution: Absent[Distribution] = setting("a figure of true errors by duration", default=None)
+    evaluations: Absent[Annotated[dict[FigureName, Evaluation], MinLen(1)]] = setting(
+        "one model on one test", default=None
+    )
+    partition: Absent[Partition] = setting("P_ML against the share that is trained on", default=None)
+    individual: Absent[Individual] = setting("an evaluation, drawn point by point", default=None)
+    grids: Absent[dict[EntryName, Grid]] = setting("RSOs side by side", default=None)
+    curves: Absent[Curves] = setting("one model on other RSOs", default=None)
+    kernel_scale: Absent[KernelScale] = setting("how P_ML answers to the kernel scale", default=None)
+    components: Absent[Names] = setting(
+        "evaluations whose six components are trained and tabulated", default=None
+    )
+    seeds: Absent[StudySeeds] = setting("seeds of the curves and spreads", default=None)
+    reproduction: Absent[Reproduction] = setting("the paper's numbers beside ours", default=None)
+    scan: Absent[Annotated[dict[EntryName, Axes], MinLen(1)]] = setting(
+        "combinations of readings for `snakemake scan`", default=None
+    )
+
+
+class BeyondStudy(Section):
+    """What goes beyond the paper."""
+
+    pools: Absent[Annotated[dict[Name, Pool], MinLen(1)]] = setting(
+        "RSOs to learn from together, all but the one left out", default=None
+    )
+    beyond: Absent[Beyond] = setting("what goes beyond the paper", default=None)
+
+
+class Study(BeyondStudy, PaperStudy, OwnStudy):
+    """What is asked of a run."""

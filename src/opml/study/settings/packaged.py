@@ -1,0 +1,13 @@
+"""The paper's run and study, as they come with the package."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from opml.base.files import PROJECT
+from opml.base.yaml_files import read_yaml
+
+RUN: Mapping[str, Any] = read_yaml(PROJECT / "config" / "config.yaml")
+"""Settings of the run; `study` names what is asked of it."""
+
+PAPER: Mapping[str, Any] = read_yaml(PROJECT / "config" / "studies" / "paper.yaml")["study"]
+"""The paper's study."""

@@ -1,0 +1,108 @@
+"""Settings held against their models; the first thing that is wrong with them is told in one line."""
+
+import difflib
+import reprlib
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from opml.base.setting_types import Schema
+from opml.study.settings.json_schema import child, json_schema, resolved
+from opml.study.settings.model.whole import Run
+from opml.study.settings.overlay import Key, Source, value_at
+
+_NAME = "[key]"
+"""Last part of the location of an error about a name, by pydantic."""
+
+
+class _Refusal(NamedTuple):
+    """What is wrong with a value; the outermost sorts first."""
+
+    mapping: Sequence[str]  # key of the mapping or value that a model does not take
+    is_known: bool  # an unknown key is told before one that is missing, which it may stand for
+    key: Key
+    what: str
+
+
+def validated(source: Source) -> Run:
+    """Return settings as a typed run. Raises InputError for the first value that is none of a run's."""
+    try:
+        return Run.model_validate(source.values)
+    except ValidationError as error:
+        errors = error.errors(include_url=False)
+    schema = json_schema(Run)
+    refusals = [_refusal(error, schema, source.values) for error in errors]
+    first = min(refusals, key=lambda refusal: refusal[:2])
+    raise source.wrong(first.key, first.what)
+
+
+def _refusal(error: ErrorDetails, schema: Schema, values: Any) -> _Refusal:
+    """Return what an error of pydantic's says of a value, in the words of the schema."""
+    location = error["loc"]
+    if error["type"] == "extra_forbidden":
+        mapping, node = _place(location[:-1], schema, values)
+        return _Refusal(_text(mapping), False, location, f"unknown key; {_hint(location[-1], node)}")
+    if location[-1] == _NAME:
+        mapping, node = _place(location[:-2], schema, values)
+        what = f"expected {_expected(error, node['propertyNames'])}, got {location[-2]!r}"
+        return _Refusal(_text(mapping), True, location[:-1], what)
+    if error["type"] == "missing" and isinstance(location[-1], str):
+        return _Refusal(_text(location[:-1]), True, location, "expected a value, got none")
+    # A pair that lacks an item is no pair.
+    place, node = _place(location[:-1] if error["type"] == "missing" else location, schema, values)
+    what = f"expected {_expected(error, node)}, got {reprlib.repr(value_at(values, place))}"
+    return _Refusal(_text(place), True, place, what)
+
+
+def _place(location: Key, schema: Schema, values: Any) -> tuple[Key, Schema]:
+    """Return the key that a location is in, without pydantic's words for kinds of values, and its node."""
+    key: Key = ()
+    node = resolved(schema, schema, values)
+    for part in location:
+        below = child(node, part)
+        if below is None:
+            break
+        key = (*key, part)
+        node = resolved(schema, below, value_at(values, key))
+    return key, node
+
+
+def _text(key: Key) -> Sequence[str]:
+    return list(map(str, key))
+
+
+def _hint(unknown: str | int, node: Schema) -> str:
+    """Return which key may have been meant by one that is unknown."""
+    known = list(node["properties"])
+    close = difflib.get_close_matches(str(unknown), known, n=1)
+    return f"did you mean {close[0]}?" if close else f"expected one of {', '.join(known)}"
+
+
+def _expected(error: ErrorDetails, node: Schema) -> str:
+    """Return what is expected at a node."""
+    context = error.get("ctx", {})
+    match error["type"]:
+        case "value_error":
+            return str(context["error"])
+        case "finite_number":
+            return "a finite number"
+    if "errorMessage" in node:
+        return str(node["errorMessage"])
+    if choices := node.get("enum", [node["const"]] if "const" in node else []):
+        return f"one of {', '.join(map(str, choices))}"
+    return _EXPECTED.get(error["type"], error["msg"]).format(**context)
+
+
+_EXPECTED: Mapping[str, str] = {
+    "bool_type": "true or false",
+    "dict_type": "a mapping",
+    "float_type": "a number",
+    "invalid_key": "keys that are text",
+    "list_type": "a list",
+    "model_type": "a mapping",
+    "string_too_short": "text of at least {min_length} letter",
+    "string_type": "text",
+    "too_short": "at least {min_length}",
+}
