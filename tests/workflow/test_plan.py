@@ -253,6 +253,25 @@ def test_any_product_needs_no_study(project):
     assert jobs(plan)["truth"] == 1
 
 
+SHORT = ("--config", "duration_days=27")
+
+
+def test_a_product_of_a_run_that_is_too_short_for_the_default_study_is_planned(project):
+    plan = project.snakemake("-n", "results/dataset/lares/eglin.parquet", *SHORT).stdout
+    assert jobs(plan) == dict.fromkeys([*ONCE, *CHAIN], 1)
+
+
+@pytest.mark.parametrize("target", ["default", "all", "beyond", "results/figs/orbit_3d.pdf"])
+def test_the_default_study_of_a_run_that_is_too_short_is_refused_with_the_way_out(project, target):
+    done = project.snakemake("-n", target, *SHORT, check=False)
+    assert done.returncode != 0
+    assert [line for line in done.stdout.splitlines() if line.startswith("opml:")] == [
+        "opml: config/studies/paper.yaml: study.span_days: expected ascending days up to duration_days, 27, "
+        'got 0 and 30; a file with "study: {}" asks for no study'
+    ]
+    assert "Traceback" not in done.stdout
+
+
 def test_mornings_need_days_to_train_on(project):
     done = project.snakemake("-n", "results/replays/iss/eglin/random-80/svr.parquet", check=False)
     assert done.returncode != 0

@@ -1,6 +1,8 @@
 """What a schema cannot say: settings held against each other, the sheets, the files and the study's parts."""
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from opml import naming
@@ -27,9 +29,9 @@ def load(source: Source) -> Settings:
     validated(source)
     _check_order(source)
     settings = with_sheets(source.values, source)
-    check_study(source, settings)
+    misfit = _misfit(source, settings)
     learners.check(source.values)
-    return settings
+    return replace(settings, misfit=misfit)
 
 
 def check_data(source: Source, settings: Settings) -> None:
@@ -43,9 +45,12 @@ def check_data(source: Source, settings: Settings) -> None:
     _check_starts(source, settings)
 
 
-def check_study(source: Source, settings: Settings) -> None:
-    """Hold the parts of the study against the sheets, the learners, the days of the run and each other."""
-    checks = _Checks(settings).of
+def check_study(source: Source, settings: Settings, *, last_day: float | None = None) -> None:
+    """Hold the parts of the study against the sheets, the learners, the days of the run and each other.
+
+    last_day: up to which the study may ask for days; None for the run's own. Raises InputError.
+    """
+    checks = _Checks(settings, settings.values["duration_days"] if last_day is None else last_day).of
     for key, kind, value in _parts(settings.asked):
         try:
             checks.get(kind, bool)(value)
@@ -55,6 +60,21 @@ def check_study(source: Source, settings: Settings) -> None:
     _check_seen(source, settings)
     _check_references(source, settings)
     _check_label(source, Study(settings))
+
+
+def _misfit(source: Source, settings: Settings) -> str:
+    """Return what the default study asks of days that the run has not; empty where it fits.
+
+    Raises InputError for anything else that is wrong with it, and for any other study that is wrong.
+    """
+    try:
+        check_study(source, settings)
+    except InputError as error:
+        if not source.has_default_study:
+            raise
+        check_study(source, settings, last_day=math.inf)
+        return f'{error}; a file with "study: {{}}" asks for no study'
+    return ""
 
 
 def _check_keys(source: Source) -> None:
@@ -261,9 +281,9 @@ def _mapping(values: Mapping[str, Any], key: Key) -> Mapping[str, Any]:
 class _Checks:
     """How each kind of part is held against what there is; raises InputError for what is not."""
 
-    def __init__(self, settings: Settings) -> None:
+    def __init__(self, settings: Settings, duration: float) -> None:
         self._settings = settings
-        self._duration = settings.values["duration_days"]
+        self._duration = duration
         self.of: Mapping[str, Callable[[Any], object]] = {
             "rso": self._rso,
             "target": self._rso,

@@ -428,6 +428,30 @@ def test_no_study_is_no_study(tmp_path, nothing):
     assert checks.load(source).asked == {}
 
 
+MISFIT = (
+    "config/studies/paper.yaml: study.span_days: expected ascending days up to duration_days, 27, got 0 and 30"
+    '; a file with "study: {}" asks for no study'
+)
+
+
+def test_a_run_may_be_too_short_for_a_study_that_nobody_asked_for(tmp_path):
+    assert checks.load(given(tmp_path, "duration_days: 27")).misfit == MISFIT
+    assert checks.load(given(tmp_path, "", duration_days=27)).misfit == MISFIT
+    assert checks.load(given(tmp_path, "study: {}", duration_days=27)).misfit == ""
+    assert checks.load(given(tmp_path, "duration_days: 60")).misfit == ""
+
+
+@pytest.mark.parametrize("study", ["paper", "[paper, beyond]", "{extends: [paper]}"])
+def test_a_run_that_is_too_short_for_a_study_of_a_users_file_is_refused(tmp_path, study):
+    refusal = refused(given(tmp_path, f"duration_days: 27\nstudy: {study}\n"))
+    assert "study.span_days: expected ascending days up to duration_days, 27, got 0 and 30" in refusal
+
+
+def test_what_else_is_wrong_with_the_default_study_of_a_short_run_is_told(tmp_path):
+    refusal = refused(given(tmp_path, "duration_days: 27\nsheets: {rsos: config/catalogue.tsv}\n"))
+    assert "study.defaults.rso: RSO 'iss': expected one of sky01" in refusal
+
+
 @pytest.mark.parametrize(
     ("text", "expected"),
     [

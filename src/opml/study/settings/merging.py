@@ -24,11 +24,15 @@ _NAME = re.compile(r"[\w-]+")
 
 @dataclass(frozen=True)
 class Settings:
-    """What a run needs to know: the settings, with the study in full, the stations and the RSOs."""
+    """What a run needs to know: the settings, with the study in full, the stations and the RSOs.
+
+    misfit: what the default study asks of days that the run has not; empty where it fits
+    """
 
     values: Mapping[str, Any]
     stations: Mapping[str, Station]
     rsos: Mapping[str, Rso]
+    misfit: str = ""
 
     @cached_property
     def run(self) -> "Run":
@@ -72,7 +76,8 @@ def merged(files: Sequence[FilePath], on_top: Layer | None = None) -> Source:
     for layer in layers:
         values = laid_over(values, layer.values or values)
     extended, study = _study(values.get("study"), Source(values, layers))
-    return Source({**values, "study": study}, [*extended, *layers])
+    is_default = not any("study" in layer.values for layer in layers[1:])
+    return Source({**values, "study": study}, [*extended, *layers], is_default)
 
 
 def with_sheets(values: Mapping[str, Any], source: Source | None = None) -> Settings:

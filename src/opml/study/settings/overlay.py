@@ -29,10 +29,14 @@ class Layer:
 
 @dataclass(frozen=True)
 class Source:
-    """Merged values and the layers that they were merged from, later ones on top."""
+    """Merged values and the layers that they were merged from, later ones on top.
+
+    has_default_study: the first file alone says what is asked, and nothing that was laid over it
+    """
 
     values: Mapping[str, Any]
     layers: Sequence[Layer]
+    has_default_study: bool = False
 
     def wrong(self, key: Key, what: str) -> InputError:
         """Return the error about a key, with the file that set it."""
