@@ -68,7 +68,7 @@ def inputs(**changes):
     return Inputs(plan(**changes), params(**changes))
 
 
-def of_users():
+def user_inputs():
     """Inputs of a run where `flown` has an orbit from a file and `mine` has measured tracks."""
     return inputs(rsos={"flown": BODY, "mine": BODY}, study={"rsos": ["mine"]}, **USERS)
 
@@ -230,10 +230,10 @@ def test_stations_in_another_order_are_refused():
     ],
 )
 def test_the_suffix_of_estimates_changes_the_fit(window, changed):
-    own = params()
-    bounds = own.plan.study.cleaning.cd_bounds
-    plain = own.plan.values["estimation"] | {"cd_bounds": list(bounds)}
-    assert own.estimation(wildcards(window=window)) == plain | changed
+    jobs = params()
+    bounds = jobs.plan.study.cleaning.cd_bounds
+    plain = jobs.plan.values["estimation"] | {"cd_bounds": list(bounds)}
+    assert jobs.estimation(wildcards(window=window)) == plain | changed
 
 
 def test_a_study_without_bounds_on_cd_has_none():
@@ -251,22 +251,22 @@ def test_an_arc_has_a_window_and_a_memory():
 
 @pytest.mark.parametrize(("rso", "member"), [("lares", 1), ("iss", None)])
 def test_a_thermometer_knows_its_members(rso, member):
-    own = params(thermometer={"rsos": ["egp", "lares"], "left_out": ["iss"], "window_hours": 24})
-    assert own.thermometer(wildcards(rso=rso)) == {"thermometer": {"window_hours": 24}, "member": member}
+    jobs = params(thermometer={"rsos": ["egp", "lares"], "left_out": ["iss"], "window_hours": 24})
+    assert jobs.thermometer(wildcards(rso=rso)) == {"thermometer": {"window_hours": 24}, "member": member}
 
 
 def test_the_reading_of_t_b_is_the_studys_or_that_of_the_name():
-    own = params()
-    read = [own.cleaning(wildcards(reading=suffix)) for suffix in ("", "_track")]
+    jobs = params()
+    read = [jobs.cleaning(wildcards(reading=suffix)) for suffix in ("", "_track")]
     assert [cleaning["previous"] for cleaning in read] == ["kept_estimate", "track"]
     assert read[0] | {"previous": "track"} == read[1]
 
 
 def test_a_learner_of_no_component_corrects_along_the_path():
-    own = params()
-    of_path = own.learner(experiment(learner="covariance", component="e_y"))
-    assert own.learner(wildcards(learner="covariance")) == of_path
-    assert own.learner(experiment(learner="covariance", component="e_x")) != of_path
+    jobs = params()
+    of_path = jobs.learner(experiment(learner="covariance", component="e_y"))
+    assert jobs.learner(wildcards(learner="covariance")) == of_path
+    assert jobs.learner(experiment(learner="covariance", component="e_x")) != of_path
 
 
 def test_only_some_learners_read_arcs():
@@ -299,38 +299,38 @@ def test_names_that_are_impossible_are_refused(read, name, message):
 
 
 def test_an_experiment_is_told_in_the_columns_of_its_metrics():
-    told = params().experiment(experiment(window="_w24", reading="_track", label="_later"))
-    assert told["stations"] == "eglin_w24_track_later"
-    assert told.keys() == {"rso", "stations", "train", "learner", "component", "target", "test"}
+    columns = params().experiment(experiment(window="_w24", reading="_track", label="_later"))
+    assert columns["stations"] == "eglin_w24_track_later"
+    assert columns.keys() == {"rso", "stations", "train", "learner", "component", "target", "test"}
 
 
 def test_what_was_measured_has_no_truth():
-    own = of_users().params
-    own.check_simulated(wildcards(rso="flown"))
+    jobs = user_inputs().params
+    jobs.check_simulated(wildcards(rso="flown"))
     with pytest.raises(InputError, match="truth of 'mine': expected an RSO without tracks of its own"):
-        own.check_simulated(wildcards(rso="mine"))
+        jobs.check_simulated(wildcards(rso="mine"))
 
 
 def test_ephemerides_start_from_what_is_known_at_the_end_of_the_training():
-    own, name = params(), experiment(learner="twoarcs", train="days-0-20")
-    assert own.ephemeris(name)["known_until_days"] == 20.0
-    assert own.departures(name)["arc"] == [0, 0]
-    daily = own.daily_training(name)
-    assert daily == own.departures(name) | {
-        "arc": own.learner_arc(name),
-        "learner": own.learner(name),
+    jobs, name = params(), experiment(learner="twoarcs", train="days-0-20")
+    assert jobs.ephemeris(name)["known_until_days"] == 20.0
+    assert jobs.departures(name)["arc"] == [0, 0]
+    daily = jobs.daily_training(name)
+    assert daily == jobs.departures(name) | {
+        "arc": jobs.learner_arc(name),
+        "learner": jobs.learner(name),
         "seed": 42,
         "train_days": [0.0, 20.0],
     }
 
 
 def test_models_are_compared_on_one_test():
-    own = params()
+    jobs = params()
     one = Experiment(**dict(experiment().items()))
-    compared = own.comparison({"svr": one, "ridge": one})
+    compared = jobs.comparison({"svr": one, "ridge": one})
     assert compared["learners"] == ["svr", "ridge"]
     assert compared["learner"] == "models"
-    assert own.errors(one, published=30.0).items() >= {"learner": "svr", "published": 30.0}.items()
+    assert jobs.errors(one, published=30.0).items() >= {"learner": "svr", "published": 30.0}.items()
 
 
 def test_without_a_model_that_corrects_the_plan_ends():
@@ -339,10 +339,10 @@ def test_without_a_model_that_corrects_the_plan_ends():
 
 
 def test_mornings_are_noted_with_the_weather():
-    own = params(study={"rsos": ["lares"], "days": {"train": [0, 30], "test": [30, 40]}})
-    told = own.mornings(wildcards(rso="lares", stations="eglin-clear-kaena"))
-    assert told["note"] == f"lares by eglin-clear-kaena. {own.plan.weather}"
-    assert set(told["laws"]) <= set(told["learners"])
+    jobs = params(study={"rsos": ["lares"], "days": {"train": [0, 30], "test": [30, 40]}})
+    mornings = jobs.mornings(wildcards(rso="lares", stations="eglin-clear-kaena"))
+    assert mornings["note"] == f"lares by eglin-clear-kaena. {jobs.plan.weather}"
+    assert set(mornings["laws"]) <= set(mornings["learners"])
 
 
 # ---- inputs
@@ -393,17 +393,17 @@ TRUTH, TRACKING = Pattern("truth/{rso}.parquet"), Pattern("tracking/{rso}/{stati
     ],
 )
 def test_measured_tracks_stand_for_the_truth(rso, truth, truth_or, manoeuvres):
-    own, name = of_users(), wildcards(rso=rso)
-    assert own.truth(TRUTH)(name) == truth
-    assert own.truth_or(TRUTH, TRACKING)(name) == truth_or
-    assert own.user_manoeuvres(TRUTH, TRACKING)(name) == manoeuvres
+    files, name = user_inputs(), wildcards(rso=rso)
+    assert files.truth(TRUTH)(name) == truth
+    assert files.truth_or(TRUTH, TRACKING)(name) == truth_or
+    assert files.user_manoeuvres(TRUTH, TRACKING)(name) == manoeuvres
 
 
 def test_the_activity_of_a_measured_rso_is_the_assumed_one():
-    own = of_users()
-    own.plan.values["environment"] |= {"true_solar_activity": "OBSERVED"}
-    assert own.activity(wildcards(rso="mine")) == table("solar_activity")
-    assert own.activity(wildcards(rso="iss")) == table("true_solar_activity")
+    files = user_inputs()
+    files.plan.values["environment"] |= {"true_solar_activity": "OBSERVED"}
+    assert files.activity(wildcards(rso="mine")) == table("solar_activity")
+    assert files.activity(wildcards(rso="iss")) == table("true_solar_activity")
 
 
 @pytest.mark.parametrize(("label", "window"), [("_later", ""), ("_smoothed", "_b12")])
@@ -421,7 +421,7 @@ def test_labels_are_judged_by_the_truth_of_the_rso_under_test():
 
 
 def test_labels_of_measured_tracks_have_no_true_errors():
-    assert of_users().true_errors(Pattern(DATASET))(wildcards(rso="mine", label="_later")) == []
+    assert user_inputs().true_errors(Pattern(DATASET))(wildcards(rso="mine", label="_later")) == []
 
 
 @pytest.mark.parametrize(
@@ -441,8 +441,8 @@ def test_a_learner_reads_the_tables_of_its_variables(learner, files):
     ("learner", "long", "arcs"), [("svr", None, None), ("mechanism", 96, None), ("twoarcs", 96, 48)]
 )
 def test_a_learner_reads_the_estimates_behind_its_tables(learner, long, arcs):
-    own, name = inputs(mechanism={"long_window_hours": 96}), wildcards(learner=learner)
-    for find, hours in ((own.long_estimates, long), (own.arc_estimates, arcs)):
+    files, name = inputs(mechanism={"long_window_hours": 96}), wildcards(learner=learner)
+    for find, hours in ((files.long_estimates, long), (files.arc_estimates, arcs)):
         expected = f"estimates/iss/eglin_w{hours}.parquet" if hours else []
         assert find(Pattern(ESTIMATES))(name) == expected
 
@@ -462,8 +462,8 @@ def test_a_test_that_standardises_together_has_a_model_of_its_own():
 def test_futures_are_drawn_under_a_forecast_only():
     pattern = Pattern("futures_{members}.parquet")
     assert inputs().futures(pattern)(wildcards()) == []
-    own = inputs(environment={"knowledge": "forecast"}, uncertainty={"futures": 4})
-    assert own.futures(pattern)(wildcards()) == "futures_4.parquet"
+    files = inputs(environment={"knowledge": "forecast"}, uncertainty={"futures": 4})
+    assert files.futures(pattern)(wildcards()) == "futures_4.parquet"
 
 
 # ---- before the first job
