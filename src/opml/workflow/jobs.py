@@ -51,7 +51,8 @@ def job(snakemake: Any) -> Iterator[dict[str, Any]]:
 def metadata_of_each(settings: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Return the metadata of the tables of a job for several RSOs, in the order of the settings' `rsos`.
 
-    Each is that of a job for its RSO alone, so that a table's bytes do not tell what was made with it.
+    The metadata of an RSO are those of a job for this RSO alone. So the bytes of a table do not depend on
+    what was made with it.
     """
     common = {name: value for name, value in settings.items() if name != "rsos"}
     return [_metadata(common | {"rso": rso}) for rso in settings["rsos"]]

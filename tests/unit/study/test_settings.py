@@ -429,8 +429,8 @@ def test_no_study_is_no_study(tmp_path, nothing):
 
 
 MISFIT = (
-    "config/studies/paper.yaml: study.span_days: expected ascending days up to duration_days, 27, got 0 and 30"
-    '; a file with "study: {}" asks for no study'
+    "config/studies/paper.yaml: study.span_days: expected ascending days up to duration_days, 27, "
+    'got 0 and 30; a file with "study: {}" asks for no study'
 )
 
 

@@ -1,0 +1,488 @@
+"""What rules are made of: products, the plan of a run, and params and inputs by a file's name."""
+
+import os
+import re
+import time
+from types import SimpleNamespace
+
+import pytest
+from snakemake.io import IOFile, flag
+from support import paper_values
+
+from opml import tables
+from opml.base.errors import InputError
+from opml.naming import Experiment
+from opml.study.settings.merging import with_sheets
+from opml.workflow.environment_files import EnvironmentFiles
+from opml.workflow.inputs import Inputs, at_window, checks, path_of, paths_of, tables_of, target
+from opml.workflow.params import Params
+from opml.workflow.plan import Plan
+from opml.workflow.products import Product
+from opml.workflow.starting import date_back_to_now, lift_job_rate
+
+BODY = {"area_to_mass_m2pkg": 0.05, "cd": 2.2, "cr": 1.25}
+USERS = {"orbits": {"flown": "flown.sp3"}, "tracks": {"mine": "mine.tdm"}}
+ESTIMATES = "estimates/{rso}/{stations}{window}.parquet"
+DATASET = "dataset/{rso}/{stations}{window}{reading}.parquet"
+
+
+class Wildcards(SimpleNamespace):
+    """The parts of a file's name, as Snakemake hands them over."""
+
+    def items(self):
+        return vars(self).items()
+
+
+class Pattern(str):
+    """The output of a rule."""
+
+    def apply_wildcards(self, wildcards):
+        return self.format(**wildcards)
+
+
+def wildcards(**parts):
+    """Wildcards of the ISS seen by Eglin, with other `parts`."""
+    plain = {"rso": "iss", "stations": "eglin", "window": "", "reading": "", "label": ""}
+    return Wildcards(**plain | parts)
+
+
+def experiment(**parts):
+    """Wildcards of a test on later days, with other `parts`."""
+    test = {"train": "days-0-30", "learner": "svr", "component": "e_y", "target": "iss", "test": "days-30-40"}
+    return wildcards(**test | parts)
+
+
+def plan(**changes):
+    """The plan of the paper's settings; `changes` replace a setting, or are laid over a mapping of them."""
+    values = paper_values()
+    for name, change in changes.items():
+        values[name] = values.get(name, {}) | change if isinstance(change, dict) else change
+    return Plan(with_sheets(values))
+
+
+def params(**changes):
+    return Params(plan(**changes))
+
+
+def inputs(**changes):
+    return Inputs(plan(**changes), params(**changes))
+
+
+def user_inputs():
+    """Inputs of a run where `flown` has an orbit from a file and `mine` has measured tracks."""
+    return inputs(rsos={"flown": BODY, "mine": BODY}, study={"rsos": ["mine"]}, **USERS)
+
+
+def test_a_product_says_all_its_paths():
+    product = Product("results/mine", "estimates/{rso}/{stations}")
+    assert product.table == "results/mine/estimates/{rso}/{stations}.parquet"
+    assert product.file("oem") == "results/mine/estimates/{rso}/{stations}.oem"
+    assert product.log == "results/mine/logs/estimates/{rso}/{stations}.log"
+    assert product.benchmark == "results/mine/benchmarks/estimates/{rso}/{stations}.tsv"
+    assert (product.title, Product("results", "study").title) == ("{stations}", "study")
+
+
+# ---- the tables of the environment
+
+
+def environment(sources=(), **settings):
+    """The tables' files of a run whose environment has other `sources`."""
+    values = paper_values() | settings
+    return EnvironmentFiles(values | {"environment": values["environment"] | dict(sources)})
+
+
+def table(name):
+    return f"results/environment/{name}.parquet"
+
+
+def test_all_steps_share_the_tables_of_one_environment():
+    files = environment()
+    everything = {name: table(name) for name in tables.ENVIRONMENT}
+    assert files.truth == files.fits == files.predictions == everything
+    assert not files.is_forecast
+
+
+def test_a_hindcast_is_for_all_but_the_truth():
+    files = environment({"knowledge": "hindcast"})
+    assert files.fits["solar_activity"] == files.predictions["solar_activity"] == table("hindcast")
+    assert files.truth["solar_activity"] == table("solar_activity")
+
+
+def test_fits_have_an_outlook_every_three_hours_and_predictions_one_of_the_run():
+    files = environment({"knowledge": "forecast", "issue_hours": 24})
+    assert files.is_forecast
+    assert files.fits["outlooks"] == table("outlooks_3h")
+    assert files.predictions["outlooks"] == table("outlooks_24h")
+    assert "outlooks" not in files.truth
+
+
+def test_the_truth_may_have_another_activity_and_another_atmosphere():
+    models = paper_values()["force_models"]
+    models["truth"] = models["truth"] | {"atmosphere": "NRLMSIS"}
+    files = environment({"true_solar_activity": "OBSERVED"}, force_models=models)
+    assert files.true_activity == "true_solar_activity"
+    assert files.truth["solar_activity"] == table("true_solar_activity")
+    assert files.truth["thermosphere"] == table("thermosphere")
+    assert "thermosphere" not in files.predictions
+
+
+@pytest.mark.parametrize(("source", "paths"), [("EGM2008", []), ("own/field.gfc", ["own/field.gfc"])])
+def test_only_a_path_is_a_file_of_the_users(source, paths):
+    assert environment({"gravity_field": source}).source_files("gravity_field") == paths
+
+
+def test_the_forecast_is_the_named_one_or_persistence():
+    named = environment({"forecast": "mine"}, forecasts={"mine": {"kind": "recurrence"}})
+    assert named.forecast == {"kind": "recurrence"}
+    assert environment({"forecast": None}, forecasts={}).forecast == {"kind": "persistence"}
+    assert named.forecast_files == []
+
+
+# ---- the plan
+
+
+@pytest.mark.parametrize(
+    ("wildcard", "right", "wrong"),
+    [
+        ("rso", ["iss", "iss_i50_a+50"], ["mir", "iss_i050", "inclinations-without-iss"]),
+        ("stations", ["eglin", "kaena-eglin", "eglin_noise43"], ["atlantis", "eglin_noise42"]),
+        ("window", ["", "_w24", "_w24_tol1_cd0.5_light", "_true"], ["_w12", "_b12", "_light_cd1"]),
+        ("arc", ["_l48_m30"], ["", "_l48"]),
+        ("reading", ["", "_track"], ["_kept"]),
+        ("label", ["", "_later", "_smoothed"], ["_early"]),
+        ("train", ["random-80", "days-0-30_split43"], ["random-80_split42", "rest"]),
+        ("test", ["rest", "days-30-40-unseen", "rest-together"], ["random-80"]),
+        ("learner", ["svr", "svr_s2"], ["svr_s2.0", "mechanism_s2"]),
+        ("component", ["e_y", "e_vz"], ["e_w"]),
+        ("evaluation", ["svr_testing_1station"], ["mine"]),
+        ("ratio", ["40"], ["040", "100"]),
+    ],
+)
+def test_constraints_let_canonical_names_pass(wildcard, right, wrong):
+    pattern = plan().constraints[wildcard]
+    assert [name for name in right if not re.fullmatch(pattern, name)] == []
+    assert [name for name in wrong if re.fullmatch(pattern, name)] == []
+
+
+def test_a_study_without_curves_and_grids_has_no_names_of_them():
+    constraints = plan(study={"rsos": ["iss"]}).constraints
+    empty = plan(study=None).constraints
+    for wildcard in ("evaluation", "grid", "curve"):
+        assert not re.fullmatch(empty[wildcard], "inclination")
+        assert empty.keys() == constraints.keys()
+
+
+def test_a_model_is_trained_on_an_rso_or_on_a_pool():
+    pattern = plan(study={"pools": {"near": ["iss", "iss_i50"]}}).training_pattern
+    assert re.fullmatch(pattern, "iss_i50")
+    assert re.fullmatch(pattern, "near-without-iss_i50")
+    assert not re.fullmatch(pattern, "near")
+
+
+def test_the_runs_own_window_has_no_suffix():
+    assert [plan().window(hours) for hours in (12, 48)] == ["", "_w48"]
+
+
+def test_the_weather_is_a_line_of_a_figure():
+    line = plan(environment={"knowledge": "forecast"}).weather
+    assert "forecast (regression, every" in line
+    assert not line.endswith(".")
+
+
+def test_the_catalogue_holds_the_rsos_that_are_left_out():
+    assert plan().catalogue == []
+    assert plan(thermometer={"rsos": ["iss"], "left_out": ["lares"]}).catalogue == ["iss", "lares"]
+
+
+def test_truths_of_a_study_fly_in_groups(tmp_path):
+    groups = plan(results=str(tmp_path)).truth_groups
+    assert groups[0][0] == "iss"
+    assert sum(map(len, groups)) == 21
+
+
+# ---- params
+
+
+def test_an_rso_is_varied_as_its_name_says():
+    base, varied = (params().rso(wildcards(rso=name)) for name in ("iss", "iss_a+50"))
+    assert varied == base | {"name": "iss_a+50", "a": base["a"] + 50e3}
+
+
+@pytest.mark.parametrize(("stations", "seed"), [("eglin-kaena", 42), ("eglin-kaena_noise7", 7)])
+def test_stations_and_their_noise(stations, seed):
+    names = [station["name"] for station in params().stations(wildcards(stations=stations))]
+    assert names == ["eglin", "kaena"]
+    assert params().noise_seed(wildcards(stations=stations)) == seed
+
+
+def test_stations_in_another_order_are_refused():
+    with pytest.raises(InputError, match="expected 'eglin-kaena'"):
+        params().stations(wildcards(stations="kaena-eglin"))
+
+
+@pytest.mark.parametrize(
+    ("window", "changed"),
+    [
+        ("", {}),
+        ("_w24", {"window_hours": 24.0}),
+        ("_b6", {"window_hours": 6.0, "after_hours": 6.0}),
+        ("_tol1_cd0.5_light", {"convergence": 1.0, "cd_sigma": 0.5, "light_time": True}),
+    ],
+)
+def test_the_suffix_of_estimates_changes_the_fit(window, changed):
+    jobs = params()
+    bounds = jobs.plan.study.cleaning.cd_bounds
+    plain = jobs.plan.values["estimation"] | {"cd_bounds": list(bounds)}
+    assert jobs.estimation(wildcards(window=window)) == plain | changed
+
+
+def test_a_study_without_bounds_on_cd_has_none():
+    assert params(study=None).cd_bounds is None
+
+
+def test_labels_are_made_of_estimates_with_tracks_on_both_sides():
+    assert params().label_window(wildcards(label="_later")) == ""
+    assert params().label_window(wildcards(label="_smoothed")) == "_b12"
+
+
+def test_an_arc_has_a_window_and_a_memory():
+    assert params().arc(wildcards(arc="_l48_m30")) == {"window_hours": 48.0, "memory_days": 30.0}
+
+
+@pytest.mark.parametrize(("rso", "member"), [("lares", 1), ("iss", None)])
+def test_a_thermometer_knows_its_members(rso, member):
+    jobs = params(thermometer={"rsos": ["egp", "lares"], "left_out": ["iss"], "window_hours": 24})
+    assert jobs.thermometer(wildcards(rso=rso)) == {"thermometer": {"window_hours": 24}, "member": member}
+
+
+def test_the_reading_of_t_b_is_the_studys_or_that_of_the_name():
+    jobs = params()
+    read = [jobs.cleaning(wildcards(reading=suffix)) for suffix in ("", "_track")]
+    assert [cleaning["previous"] for cleaning in read] == ["kept_estimate", "track"]
+    assert read[0] | {"previous": "track"} == read[1]
+
+
+def test_a_learner_of_no_component_corrects_along_the_path():
+    jobs = params()
+    of_path = jobs.learner(experiment(learner="covariance", component="e_y"))
+    assert jobs.learner(wildcards(learner="covariance")) == of_path
+    assert jobs.learner(experiment(learner="covariance", component="e_x")) != of_path
+
+
+def test_only_some_learners_read_arcs():
+    assert params().learner_arc(wildcards(learner="twoarcs"))[0] == 48.0
+    assert params().learner_arc(wildcards(learner="svr")) == (0.0, 0.0)
+
+
+def test_a_split_has_a_seed():
+    assert params().split(wildcards(train="random-80")) == {"train": "random-80", "seed": 42}
+    assert params().split(wildcards(train="random-80_split3")) == {"train": "random-80", "seed": 3}
+
+
+@pytest.mark.parametrize(
+    ("read", "name", "message"),
+    [
+        ("split", {"train": "days-0-60"}, "expected ascending days up to duration_days, 50"),
+        ("train_days", {"train": "random-80"}, "expected a window of days, such as days-0-20"),
+        ("experiment", {"test": "days-40-60"}, "expected ascending days up to duration_days, 50"),
+        (
+            "experiment",
+            {"test": "seen", "target": "lares"},
+            "split 'seen': expected the RSO that was trained on, iss, got lares",
+        ),
+        ("check_without_truth", {"learner": "knownmodel"}, "expected one that needs no truth to predict"),
+    ],
+)
+def test_names_that_are_impossible_are_refused(read, name, message):
+    with pytest.raises(InputError, match=message):
+        getattr(params(), read)(experiment(**name))
+
+
+def test_an_experiment_is_told_in_the_columns_of_its_metrics():
+    columns = params().experiment(experiment(window="_w24", reading="_track", label="_later"))
+    assert columns["stations"] == "eglin_w24_track_later"
+    assert columns.keys() == {"rso", "stations", "train", "learner", "component", "target", "test"}
+
+
+def test_what_was_measured_has_no_truth():
+    jobs = user_inputs().params
+    jobs.check_simulated(wildcards(rso="flown"))
+    with pytest.raises(InputError, match="truth of 'mine': expected an RSO without tracks of its own"):
+        jobs.check_simulated(wildcards(rso="mine"))
+
+
+def test_ephemerides_start_from_what_is_known_at_the_end_of_the_training():
+    jobs, name = params(), experiment(learner="twoarcs", train="days-0-20")
+    assert jobs.ephemeris(name)["known_until_days"] == 20.0
+    assert jobs.departures(name)["arc"] == [0, 0]
+    daily = jobs.daily_training(name)
+    assert daily == jobs.departures(name) | {
+        "arc": jobs.learner_arc(name),
+        "learner": jobs.learner(name),
+        "seed": 42,
+        "train_days": [0.0, 20.0],
+    }
+
+
+def test_models_are_compared_on_one_test():
+    jobs = params()
+    one = Experiment(**dict(experiment().items()))
+    compared = jobs.comparison({"svr": one, "ridge": one})
+    assert compared["learners"] == ["svr", "ridge"]
+    assert compared["learner"] == "models"
+    assert jobs.errors(one, published=30.0).items() >= {"learner": "svr", "published": 30.0}.items()
+
+
+def test_without_a_model_that_corrects_the_plan_ends():
+    with pytest.raises(SystemExit, match="opml: study: learners: expected at least one model that corrects"):
+        params().comparison({})
+
+
+def test_mornings_are_noted_with_the_weather():
+    jobs = params(study={"rsos": ["lares"], "days": {"train": [0, 30], "test": [30, 40]}})
+    mornings = jobs.mornings(wildcards(rso="lares", stations="eglin-clear-kaena"))
+    assert mornings["note"] == f"lares by eglin-clear-kaena. {jobs.plan.weather}"
+    assert set(mornings["laws"]) <= set(mornings["learners"])
+
+
+# ---- inputs
+
+
+def test_a_path_keeps_the_flags_of_its_pattern():
+    pattern = IOFile(flag("truth/{rso}.parquet", "local"), rule=None)
+    path = path_of(pattern, rso="iss")
+    assert path == "truth/iss.parquet"
+    assert path.flags["local"]
+
+
+def test_each_experiment_is_read_once():
+    one, other = (Experiment(**dict(experiment(target=rso).items())) for rso in ("iss", "lares"))
+    pattern = Pattern("metrics/{rso}/{target}.parquet")
+    assert paths_of(pattern, one, other, one) == ["metrics/iss/iss.parquet", "metrics/iss/lares.parquet"]
+    assert tables_of({"metrics": pattern}, other) == {"metrics": ["metrics/iss/lares.parquet"]}
+
+
+def test_another_window():
+    assert (
+        at_window("_w48", Pattern(ESTIMATES))(wildcards(window="_w24")) == "estimates/iss/eglin_w48.parquet"
+    )
+
+
+def test_a_target_without_files_ends_the_plan():
+    assert target(["study.md"], "days")(wildcards()) == ["study.md"]
+    with pytest.raises(SystemExit, match="opml: study: expected days to train and to test on, got none"):
+        target([], "days")(wildcards())
+
+
+def test_a_wrong_name_ends_the_plan_in_one_line():
+    check = checks(params().stations, params().rso)
+    assert check(wildcards()) == []
+    with pytest.raises(SystemExit, match=r"^opml: stations 'kaena-eglin': expected"):
+        check(wildcards(stations="kaena-eglin"))
+
+
+TRUTH, TRACKING = Pattern("truth/{rso}.parquet"), Pattern("tracking/{rso}/{stations}.parquet")
+
+
+@pytest.mark.parametrize(
+    ("rso", "truth", "truth_or", "manoeuvres"),
+    [
+        ("iss", "truth/iss.parquet", "truth/iss.parquet", []),
+        ("flown", "truth/flown.parquet", "truth/flown.parquet", "truth/flown.parquet"),
+        ("mine", [], "tracking/mine/eglin.parquet", "tracking/mine/eglin.parquet"),
+    ],
+)
+def test_measured_tracks_stand_for_the_truth(rso, truth, truth_or, manoeuvres):
+    files, name = user_inputs(), wildcards(rso=rso)
+    assert files.truth(TRUTH)(name) == truth
+    assert files.truth_or(TRUTH, TRACKING)(name) == truth_or
+    assert files.user_manoeuvres(TRUTH, TRACKING)(name) == manoeuvres
+
+
+def test_the_activity_of_a_measured_rso_is_the_assumed_one():
+    files = user_inputs()
+    files.plan.values["environment"] |= {"true_solar_activity": "OBSERVED"}
+    assert files.activity(wildcards(rso="mine")) == table("solar_activity")
+    assert files.activity(wildcards(rso="iss")) == table("true_solar_activity")
+
+
+@pytest.mark.parametrize(("label", "window"), [("_later", ""), ("_smoothed", "_b12")])
+def test_labels_read_later_estimates(label, window):
+    find = inputs().later_estimates(Pattern(ESTIMATES))
+    assert find(wildcards(label=label)) == f"estimates/iss/eglin{window}.parquet"
+    assert find(wildcards()) == []
+
+
+def test_labels_are_judged_by_the_truth_of_the_rso_under_test():
+    find = inputs().true_errors(Pattern(DATASET))
+    assert find(wildcards(label="_later")) == "dataset/iss/eglin.parquet"
+    assert find(experiment(label="_later", target="lares")) == "dataset/lares/eglin.parquet"
+    assert find(experiment(target="lares")) == []
+
+
+def test_labels_of_measured_tracks_have_no_true_errors():
+    assert user_inputs().true_errors(Pattern(DATASET))(wildcards(rso="mine", label="_later")) == []
+
+
+@pytest.mark.parametrize(
+    ("learner", "files"),
+    [
+        ("svr", []),
+        ("mechanism", ["mechanism/lares/eglin_w24"]),
+        ("twoarcs", ["arcs/lares/eglin_w24_l48_m30", "mechanism/lares/eglin_w24"]),
+    ],
+)
+def test_a_learner_reads_the_tables_of_its_variables(learner, files):
+    name = experiment(learner=learner, target="lares", window="_w24")
+    assert inputs().learner_tables("target")(name) == [f"results/{file}.parquet" for file in files]
+
+
+@pytest.mark.parametrize(
+    ("learner", "long", "arcs"), [("svr", None, None), ("mechanism", 96, None), ("twoarcs", 96, 48)]
+)
+def test_a_learner_reads_the_estimates_behind_its_tables(learner, long, arcs):
+    files, name = inputs(mechanism={"long_window_hours": 96}), wildcards(learner=learner)
+    for find, hours in ((files.long_estimates, long), (files.arc_estimates, arcs)):
+        expected = f"estimates/iss/eglin_w{hours}.parquet" if hours else []
+        assert find(Pattern(ESTIMATES))(name) == expected
+
+
+def test_arcs_are_made_of_estimates_over_their_window():
+    find = inputs().at_arc(Pattern(ESTIMATES))
+    assert find(wildcards(arc="_l48_m30")) == "estimates/iss/eglin_w48.parquet"
+    assert find(wildcards(arc="_l12_m30")) == "estimates/iss/eglin.parquet"
+
+
+def test_a_test_that_standardises_together_has_a_model_of_its_own():
+    find = inputs().model(Pattern("{learner}.parquet"), Pattern("{learner}/{target}/{test}.parquet"))
+    assert find(experiment()) == "svr.parquet"
+    assert find(experiment(test="rest-together")) == "svr/iss/rest-together.parquet"
+
+
+def test_futures_are_drawn_under_a_forecast_only():
+    pattern = Pattern("futures_{members}.parquet")
+    assert inputs().futures(pattern)(wildcards()) == []
+    files = inputs(environment={"knowledge": "forecast"}, uncertainty={"futures": 4})
+    assert files.futures(pattern)(wildcards()) == "futures_4.parquet"
+
+
+# ---- before the first job
+
+
+def test_tables_from_the_future_get_the_present_time(tmp_path):
+    paths = [tmp_path / name for name in ("late.parquet", "early.parquet", "late.log")]
+    now = time.time()
+    for path, seconds in zip(paths, (now + 1e4, now - 1e4, now + 1e4), strict=True):
+        path.touch()
+        os.utime(path, (seconds, seconds))
+    date_back_to_now(tmp_path)
+    late, early, log = (path.stat().st_mtime - now for path in paths)
+    assert 0.0 <= late < 100.0
+    assert (early, log) == pytest.approx((-1e4, 1e4))
+
+
+@pytest.mark.parametrize(("queue", "limit"), [(True, 100), (False, None)])
+def test_jobs_that_run_here_have_no_limit(queue, limit):
+    workflow = SimpleNamespace(non_local_exec=queue, scheduler=SimpleNamespace(job_rate_limiter=100))
+    lift_job_rate(workflow)
+    assert workflow.scheduler.job_rate_limiter == limit
