@@ -15,6 +15,7 @@ from opml.tables.columns import (
     T,
     count,
     covariance,
+    covariance_names,
     flag,
     real,
     state,
@@ -24,7 +25,7 @@ from opml.tables.columns import (
 TRUTH_GROUPS = "truth_groups"
 """The tables of which truths one job made."""
 
-POSITION_COVARIANCES = [f"cov_{a}_{b}" for a, b in (*("xx", "yx", "yy"), *("zx", "zy", "zz"))]
+POSITION_COVARIANCES = covariance_names("xyz")
 """Columns of the lower triangle, row by row, of a position's covariance."""
 
 SIGMAS = [f"sigma_{name}" for name in COMPONENTS]
