@@ -10,6 +10,6 @@ with job(snakemake):
     first = table[table["i"] == table["i"].min()]
     errors = held_against(first, read_table(snakemake.input.estimates, "estimates"))
     settings = snakemake.params.settings
-    told = "{rso} by {stations}; corrected by {learner} trained on {train}"
-    figure = later_errors.later_errors(errors, level=settings["level"], note=told.format(**settings))
+    note = "{rso} by {stations}; corrected by {learner} trained on {train}".format(**settings)
+    figure = later_errors.later_errors(errors, level=settings["level"], note=note)
     style.save_all([figure], [snakemake.output.pdf], [snakemake.output.png])

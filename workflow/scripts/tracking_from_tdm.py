@@ -14,5 +14,5 @@ with job(snakemake) as metadata:
         [Station(**station) for station in settings["stations"]],
     )
     times = sorted(epochs.elapsed(settings["epoch"], time) for time in settings["manoeuvres"])
-    told = {"manoeuvres": [{"t": t} for t in times]}
-    write_table(snakemake.output[0], table, "tracking", metadata=metadata | told)
+    metadata |= {"manoeuvres": [{"t": t} for t in times]}
+    write_table(snakemake.output[0], table, "tracking", metadata=metadata)
