@@ -11,7 +11,7 @@ from opml.base.epochs import seconds_between
 from opml.base.seeds import derive
 from opml.catalog.simulate.truth import initial_state
 from opml.dynamics import forces
-from opml.dynamics.ensemble import Integrator, propagate
+from opml.dynamics.ensemble import Departures, Integrator, propagate
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.environment import celestial_bodies, earth_orientation, gravity_field, nodes, solar_activity
 from validation.case import Case
@@ -104,17 +104,15 @@ def environment(days: float) -> dict:
 def force_model(name: str, *, days: float = 2 * DAYS, field: str = "EGM2008") -> ForceModel:
     """Return the paper's force model 'truth' or 'assumed' over `days`; field: its name or path."""
     read, settings = gravity_field.read_icgem(gravity_field.resolve(field)), paper().force_models[name]
+    table = gravity_field.table(read.truncate(settings["degree"], settings["order"]), paper().epoch)
+    surroundings = forces.Environment(
+        paper().epoch, **environment(days), gravity_field=table, gm=read.gm, radius=read.radius
+    )
     return forces.build(
-        **environment(days),
-        gravity_field=gravity_field.table(
-            read.truncate(settings["degree"], settings["order"]), paper().epoch
-        ),
-        epoch=paper().epoch,
+        surroundings,
         degree=settings["degree"],
         order=settings["order"],
         bodies=settings["third_bodies"],
-        gm=read.gm,
-        radius=read.radius,
     )
 
 
@@ -127,11 +125,7 @@ def arcs(count: int) -> Arcs:
     flown = propagate(
         model,
         t,
-        start[None],
-        first=[0],
-        last=[count - 1],
-        ballistic=[ballistic],
-        reflection=[reflection],
+        Departures(start[None], first=[0], last=[count - 1], ballistic=[ballistic], reflection=[reflection]),
         integrator=paper().integrator,
     ).states
     noise = derive(paper().values["seed"]["noise"], "benchmarks", "starts").normal(size=(count, 6))
@@ -150,11 +144,13 @@ def fly(
     flown = propagate(
         model,
         epochs,
-        arcs.states,
-        first=np.searchsorted(epochs, np.round(arcs.t, 6)),
-        last=np.searchsorted(epochs, np.round(ends, 6)),
-        ballistic=np.full(len(arcs), arcs.ballistic),
-        reflection=np.full(len(arcs), arcs.reflection),
+        Departures(
+            arcs.states,
+            first=np.searchsorted(epochs, np.round(arcs.t, 6)),
+            last=np.searchsorted(epochs, np.round(ends, 6)),
+            ballistic=np.full(len(arcs), arcs.ballistic),
+            reflection=np.full(len(arcs), arcs.reflection),
+        ),
         integrator=integrator or paper().integrator,
         threads=threads,
     )

@@ -29,10 +29,10 @@ def memory(count: int) -> dict[str, float]:
 
 
 def first_step(folder: str) -> dict[str, float]:
-    """Do what a job does before it flies, from tables in `folder`, and one step."""
+    """What a job does before it flies, from tables in `folder`, and one step."""
+    from opml.catalog.flight import Flight
     from opml.catalog.simulate import truth
     from opml.dynamics import force_model
-    from opml.dynamics.ensemble import Integrator
     from opml.orbits.sheets import read_rsos
     from opml.tables import ENVIRONMENT
 
@@ -40,7 +40,7 @@ def first_step(folder: str) -> dict[str, float]:
     paths = {name: str(Path(folder) / f"{name}.parquet") for name in ENVIRONMENT}
     settings = {"degree": 40, "order": 40, "third_bodies": ["sun", "moon"]}
     model = force_model.read(paths, epoch="2016-09-28T12:09:45", settings=settings)
-    truth.simulate(model, rso, duration=90.0, step=90.0, integrator=Integrator())
+    truth.simulate(Flight(model, rso), duration=90.0, step=90.0)
     return {}
 
 

@@ -15,8 +15,9 @@ from benchmarks import case, measure
 from opml.base.constants import DAY
 from opml.base.seeds import derive
 from opml.catalog.fit import estimation, start_states
+from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
-from opml.dynamics.ensemble import REASONS, propagate
+from opml.dynamics.ensemble import REASONS, Departures, propagate
 from opml.environment import celestial_bodies, gravity_field
 from opml.orbits.elements import TURN, cartesian_from_coe
 from opml.tables import write_table
@@ -79,11 +80,13 @@ def rsos(progress: Callable[[str], None]) -> tuple[str, float]:
     flown = propagate(
         model,
         epochs,
-        states,
-        first=np.zeros(RSOS, int),
-        last=np.full(RSOS, 100),
-        ballistic=np.full(RSOS, rso.cd * rso.area_to_mass),
-        reflection=np.full(RSOS, rso.cr * rso.area_to_mass),
+        Departures(
+            states,
+            first=np.zeros(RSOS, int),
+            last=np.full(RSOS, 100),
+            ballistic=np.full(RSOS, rso.cd * rso.area_to_mass),
+            reflection=np.full(RSOS, rso.cr * rso.area_to_mass),
+        ),
         integrator=case.paper().integrator,
     )
     cost = measure.per_arc_day(time.process_time() - begin, RSOS * case.DAYS)
@@ -112,11 +115,9 @@ def least_squares(progress: Callable[[str], None]) -> str:
     progress(f"truth of {days} days")
     begin = time.perf_counter()
     true = truth.simulate(
-        case.force_model("truth", days=days),
-        rso,
+        Flight(case.force_model("truth", days=days), rso, paper.integrator),
         duration=paper.duration,
         step=paper.values["tracking"]["step_s"],
-        integrator=paper.integrator,
     )
     truth_seconds = time.perf_counter() - begin
     seed, orientation = paper.values["seed"]["noise"], case.environment(days)["earth_orientation"]
@@ -124,15 +125,10 @@ def least_squares(progress: Callable[[str], None]) -> str:
     progress("least squares")
     begin = time.perf_counter()
     found = estimation.estimate_all(
-        case.force_model("assumed", days=days),
+        Flight(case.force_model("assumed", days=days), rso, paper.integrator, threads=2),
         start_states.perturbed(true, tracks, rso=rso.name, settings=paper.estimation, seed=seed),
-        tracks,
-        orientation,
-        stations,
-        rso,
+        estimation.Measured(tracks, orientation, stations),
         settings=paper.estimation,
-        integrator=paper.integrator,
-        threads=2,
     )
     seconds = time.perf_counter() - begin
     iterations = int(found["iterations"].sum())

@@ -88,16 +88,14 @@ def environment(days=50.0):
 def force_model(degree, bodies=BODIES, field="EGM2008"):
     """A force model under a field given by its name or path."""
     read = gravity_field.read_icgem(gravity_field.resolve(field))
-    return forces.build(
+    surroundings = forces.Environment(
+        EPOCH,
         **environment(),
         gravity_field=gravity_field.table(read, EPOCH),
-        epoch=EPOCH,
-        degree=degree,
-        order=degree,
-        bodies=bodies,
         gm=read.gm,
         radius=read.radius,
     )
+    return forces.build(surroundings, degree=degree, order=degree, bodies=bodies)
 
 
 @cache

@@ -9,6 +9,7 @@ import pandas as pd
 from opml.base.constants import DAY, HOUR
 from opml.base.seeds import derive
 from opml.catalog.fit import estimation, start_states
+from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking
 from opml.catalog.simulate.truth import simulate
 from opml.dynamics.ensemble import Integrator
@@ -41,10 +42,9 @@ _MOST_ITERATIONS = 25
 def simulated(
     case: Case, truth: ForceModel, earth_orientation: pd.DataFrame, integrator: Integrator
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return the truth and tracking tables of RSO over DAYS, all stations."""
-    rso, settings = case.rsos[RSO], case.values
-    step = settings["tracking"]["step_s"]
-    states = simulate(truth, rso, duration=DAYS * DAY, step=step, integrator=integrator)
+    """The truth and tracking tables of RSO over DAYS, all stations."""
+    settings, flight = case.values, Flight(truth, case.rsos[RSO], integrator)
+    states = simulate(flight, duration=DAYS * DAY, step=settings["tracking"]["step_s"])
     stations = list(case.stations.values())
     seed = settings["seed"]["noise"]
     return states, tracking.simulate(states, earth_orientation, stations, rso=RSO, seed=seed)
@@ -61,14 +61,10 @@ def opmls(
     """Return our estimates at the start of every track."""
     seed = case.values["seed"]["noise"]
     return estimation.estimate_all(
-        assumed,
+        Flight(assumed, case.rsos[RSO], integrator),
         start_states.perturbed(truth, measured, rso=RSO, settings=case.estimation, seed=seed),
-        measured,
-        earth_orientation,
-        list(case.stations.values()),
-        case.rsos[RSO],
+        estimation.Measured(measured, earth_orientation, list(case.stations.values())),
         settings=case.estimation,
-        integrator=integrator,
     )
 
 

@@ -9,7 +9,7 @@ import pandas as pd
 
 from opml.base.constants import BODIES, GM
 from opml.dynamics import forces
-from opml.dynamics.ensemble import Integrator, propagate
+from opml.dynamics.ensemble import Departures, Integrator, propagate
 from opml.dynamics.kernels import surroundings
 from opml.dynamics.kernels.acceleration import SCRATCH_ROWS, density
 from opml.dynamics.kernels.drag import drag
@@ -33,16 +33,15 @@ class Environment:
     gms: Mapping[str, float]
 
     def model(self, settings: Mapping[str, Any]) -> ForceModel:
-        """Return the force model of degree, order and third_bodies in `settings`."""
+        """The force model of degree, order and third_bodies in `settings`."""
+        environment = forces.Environment(
+            self.epoch, **self.tables, gm=self.gm, radius=self.radius, gms=self.gms
+        )
         return forces.build(
-            **self.tables,
-            epoch=self.epoch,
+            environment,
             degree=settings["degree"],
             order=settings["order"],
             bodies=settings["third_bodies"],
-            gm=self.gm,
-            radius=self.radius,
-            gms=self.gms,
         )
 
     def with_de440(self) -> "Environment":
@@ -86,14 +85,16 @@ def fly(
     arcs = propagate(
         model,
         np.append(0.0, t),
-        starts,
-        first=np.zeros(count, int),
-        last=np.full(count, len(t)),
-        ballistic=[rso.cd * rso.area_to_mass for rso in rsos],
-        reflection=[rso.cr * rso.area_to_mass for rso in rsos],
+        Departures(
+            starts,
+            first=np.zeros(count, int),
+            last=np.full(count, len(t)),
+            ballistic=[rso.cd * rso.area_to_mass for rso in rsos],
+            reflection=[rso.cr * rso.area_to_mass for rso in rsos],
+        ),
         integrator=integrator,
     )
-    return np.array([arcs.of(k) for k in range(count)])
+    return np.array([arcs.path(k) for k in range(count)])
 
 
 def terms(model: ForceModel, t: float, state: np.ndarray, rso: Rso) -> dict[str, Any]:

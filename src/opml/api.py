@@ -6,7 +6,8 @@ example goes on where the one before it stopped, in the order of this file.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +18,12 @@ from opml.base.errors import InputError
 from opml.catalog.fit import estimation, start_states
 from opml.catalog.fit import first_orbit as first_orbits
 from opml.catalog.fit import measured_tracks as from_measurements
+from opml.catalog.flight import Flight
 from opml.catalog.predict import labels, prediction, spread
 from opml.catalog.simulate import tracking, truth
 from opml.dynamics import forces
 from opml.dynamics.ensemble import Integrator
+from opml.dynamics.forces import Environment
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.environment import (
     MARGIN_S,
@@ -31,6 +34,9 @@ from opml.environment import (
     solar_activity,
 )
 from opml.ephemerides import corrected, replays
+from opml.ephemerides import task as tasks
+from opml.ephemerides.known import Known
+from opml.ephemerides.task import Grid, Task
 from opml.interop import mean_elements, tdm
 from opml.learning.data import dataset as datasets
 from opml.learning.data import splits
@@ -49,7 +55,7 @@ from opml.readings.own_standardisation import as_tested
 from opml.study.settings import packaged
 from opml.tables import COMPONENTS, LEARNING_VARIABLES
 
-__all__ = ["InputError", "Rso", "Station"]
+__all__ = ["Environment", "Flight", "InputError", "Integrator", "Rso", "Station"]
 
 TRUTH: Mapping[str, Any] = packaged.RUN["force_models"]["truth"]
 """The paper's truth model, as options of `force_model`."""
@@ -60,10 +66,12 @@ ASSUMED: Mapping[str, Any] = packaged.RUN["force_models"]["assumed"]
 CLEANING: Mapping[str, Any] = packaged.PAPER["cleaning"]
 """Settings of the cleaning in `dataset`; config/README.md explains them."""
 
-ESTIMATION: Mapping[str, float] = packaged.RUN["estimation"] | {
-    bound: CLEANING[bound] for bound in ("cd_min", "cd_max")
-}
-"""Settings of `estimate`; config/README.md explains them."""
+ESTIMATION: Mapping[str, float] = (
+    packaged.RUN["estimation"]
+    | {bound: CLEANING[bound] for bound in ("cd_min", "cd_max")}
+    | {"after_hours": 0.0}
+)
+"""Settings of `estimate`, which explains after_hours; config/README.md explains the others."""
 
 LEARNER: Mapping[str, Any] = packaged.RUN["learners"]["svr"]
 """The paper's learner, for `learn`."""
@@ -72,21 +80,19 @@ _SPAN_DAYS: Sequence[float] = packaged.PAPER["span_days"]
 
 
 @dataclass(frozen=True)
-class Environment:
-    """What Earth, Sun and Moon do around a run that starts at `epoch` (UTC text).
+class Catalogue:
+    """What a catalogue holds of one RSO: its tracks, estimates from them, and predictions from these.
 
-    The four tables are those of docs/data.md; gm [m3/s2] and radius [m] are the gravity field's, and gms
-    [m3/s2] the bodies', by name.
+    estimates, predictions, tracks: the tables; environment: that they were made in; cleaning: settings that
+    differ from `CLEANING`; window_hours: of the estimates.
     """
 
-    epoch: str
-    earth_orientation: pd.DataFrame
-    ephemerides: pd.DataFrame
-    solar_activity: pd.DataFrame
-    gravity_field: pd.DataFrame
-    gm: float
-    radius: float
-    gms: Mapping[str, float]
+    estimates: pd.DataFrame
+    predictions: pd.DataFrame
+    tracks: pd.DataFrame
+    environment: Environment
+    cleaning: Mapping[str, Any] = field(default_factory=dict)
+    window_hours: float = ESTIMATION["window_hours"]
 
 
 def make_environment(
@@ -141,19 +147,7 @@ def force_model(
         )
     if unknown := [name for name in third_bodies if name not in BODIES]:
         raise InputError(f"force_model: third_bodies: expected {', '.join(BODIES)}, got {unknown[0]}")
-    return forces.build(
-        environment.earth_orientation,
-        environment.ephemerides,
-        environment.solar_activity,
-        environment.gravity_field,
-        epoch=environment.epoch,
-        degree=degree,
-        order=order,
-        bodies=third_bodies,
-        gm=environment.gm,
-        radius=environment.radius,
-        gms=environment.gms,
-    )
+    return forces.build(environment, degree=degree, order=order, bodies=third_bodies)
 
 
 def read_stations(path: str | Path) -> dict[str, Station]:
@@ -200,19 +194,17 @@ def read_elements(
     return mean_elements.rso(satellite, name=name, epoch=epoch, area_to_mass=area_to_mass, cd=cd, cr=cr)
 
 
-def propagate(
-    model: ForceModel, rso: Rso, *, days: float, step: float = 20.0, integrator: Integrator | None = None
-) -> pd.DataFrame:
+def propagate(flight: Flight, *, days: float, step: float = 20.0) -> pd.DataFrame:
     """Propagate an RSO from the epoch: the table `truth`, a GCRF state every `step` [s] for `days`.
 
-    integrator: Dormand-Prince 8(5,3) with the paper's tolerance and step limits by default.
-    Raises InputError where the RSO does not stay in orbit that long. Source: sec. Truth Dynamic Models.
+    flight: the RSO under the true model. Raises InputError where the RSO does not stay in orbit that long.
+    Source: sec. Truth Dynamic Models.
 
-    >>> truth = opml.propagate(true_model, iss, days=2)
+    >>> truth = opml.propagate(opml.Flight(true_model, iss), days=2)
     >>> len(truth)
     8641
     """
-    return truth.simulate(model, rso, duration=DAY * days, step=step, integrator=integrator or Integrator())
+    return truth.simulate(flight, duration=DAY * days, step=step)
 
 
 def track(
@@ -242,7 +234,7 @@ def read_tracks(*paths: str | Path, epoch: str, stations: Sequence[Station]) -> 
     """Read what stations measured of an RSO from TDMs: the table `tracking`, where `*_true` is NaN.
 
     epoch: UTC text that times count from. Measurements of other stations are left out. Raises InputError,
-    naming file and line, for what is malformed, or what a station cannot see and an orbit cannot be.
+    naming file and line, for what is malformed, or what a station cannot see or an orbit cannot be.
 
     >>> measured = opml.read_tracks("iss.tdm", epoch=environment.epoch, stations=stations)
     >>> list(measured["range"]) == list(tracks["range"])
@@ -252,110 +244,74 @@ def read_tracks(*paths: str | Path, epoch: str, stations: Sequence[Station]) -> 
 
 
 def first_orbit(
-    model: ForceModel,
+    flight: Flight,
     tracks: pd.DataFrame,
     environment: Environment,
     stations: Sequence[Station],
     *,
-    rso: Rso,
     start: Rso | None = None,
-    integrator: Integrator | None = None,
 ) -> pd.DataFrame:
     """Find a first orbit without a truth: the table `starts`, a state at each track's start, for `estimate`.
 
-    model: the assumed one; start: an RSO whose elements at the epoch are carried to the tracks, such as that
-    of `read_elements`; where None, an orbit is determined from the tracks of the first day. Raises InputError
-    where none gives one, and where tracks are far from the elements.
+    flight: under the assumed model; start: an RSO whose elements at the epoch are carried to the tracks, such
+    as that of `read_elements`; where None, an orbit is determined from the tracks of the first day. Raises
+    InputError where no track gives an orbit, and where tracks are far from the elements.
 
-    >>> starts = opml.first_orbit(assumed_model, measured, environment, stations, rso=iss)
+    >>> flight = opml.Flight(assumed_model, iss)
+    >>> starts = opml.first_orbit(flight, measured, environment, stations)
     >>> len(starts)
     29
     """
-    used = _laid_over(ESTIMATION, None, "first_orbit")
-    bounds = used.pop("cd_min"), used.pop("cd_max")
     return first_orbits.starts(
-        model,
-        tracks,
-        environment.earth_orientation,
-        stations,
-        rso,
-        given=first_orbits.of_sheet(start, model.gm) if start else None,
-        settings=estimation.Estimation(**used, cd_bounds=bounds),
-        integrator=integrator or Integrator(),
+        flight,
+        estimation.Measured(tracks, environment.earth_orientation, stations),
+        known=first_orbits.of_sheet(start, flight.model.gm) if start else None,
+        settings=_estimation(None, "first_orbit"),
     )
 
 
 def estimate(
-    model: ForceModel,
+    flight: Flight,
     truth: pd.DataFrame,
     tracks: pd.DataFrame,
     environment: Environment,
     stations: Sequence[Station],
     *,
-    rso: Rso,
     settings: Mapping[str, float] | None = None,
-    after_hours: float = 0.0,
-    integrator: Integrator | None = None,
     seed: int = 42,
-    threads: int = 1,
 ) -> pd.DataFrame:
     """Estimate state and drag coefficient at each track's start: the table `estimates`, one row per track.
 
-    model: the assumed one; truth: perturbed with `seed`, where a first fit starts, or the table `starts` of
-    `first_orbit`, which is taken as it is; settings: those that differ from `ESTIMATION`; after_hours: tracks
-    that begin so long after an estimate are used, too, for labels: nothing may be predicted from it. A fit
-    that fails is a row with its reason. Raises InputError for an unknown setting. Source: sec. Estimation
-    Models.
+    flight: under the assumed model; truth: perturbed with `seed`, where a first fit starts, or the table
+    `starts` of `first_orbit`, which is taken as it is; settings: those that differ from `ESTIMATION`. With
+    after_hours, for labels, tracks that begin up to so long after an estimate are used, too, and nothing may
+    be predicted from it. A fit that fails is a row with its reason. Raises InputError for an unknown setting.
+    Source: sec. Estimation Models.
 
-    >>> estimates = opml.estimate(assumed_model, truth, tracks, environment, stations, rso=iss)
+    >>> estimates = opml.estimate(flight, truth, tracks, environment, stations)
     >>> bool(estimates["converged"].all())
     True
     """
-    used = _laid_over(ESTIMATION, settings, "estimate")
-    bounds = used.pop("cd_min"), used.pop("cd_max")
-    asked = estimation.Estimation(**used, cd_bounds=bounds, after_hours=after_hours)
-    return estimation.estimate_all(
-        model,
-        start_states.chosen(truth, tracks, rso=rso.name, settings=asked, seed=seed),
-        tracks,
-        environment.earth_orientation,
-        stations,
-        rso,
-        settings=asked,
-        integrator=integrator or Integrator(),
-        threads=threads,
-    )
+    method = _estimation(settings, "estimate")
+    starts = start_states.chosen(truth, tracks, rso=flight.rso.name, settings=method, seed=seed)
+    measured = estimation.Measured(tracks, environment.earth_orientation, stations)
+    return estimation.estimate_all(flight, starts, measured, settings=method)
 
 
 def predict(
-    model: ForceModel,
-    truth: pd.DataFrame | None,
-    estimates: pd.DataFrame,
-    *,
-    rso: Rso,
-    max_days: float = 7.0,
-    integrator: Integrator | None = None,
-    threads: int = 1,
+    flight: Flight, truth: pd.DataFrame | None, estimates: pd.DataFrame, *, max_days: float = 7.0
 ) -> pd.DataFrame:
     """Predict from each estimate to every later track start: the table `predictions`, with the true errors.
 
-    model: the assumed one; truth: None where there is none, the true states and errors are NaN then;
+    flight: under the assumed model; truth: None where there is none, the true states and errors are NaN then;
     max_days: longest prediction. A pair that the arc does not reach has its reason.
     Source: sec. Orbit Prediction and Machine Learning Model of the Prediction Error.
 
-    >>> predictions = opml.predict(assumed_model, truth, estimates, rso=iss)
+    >>> predictions = opml.predict(flight, truth, estimates)
     >>> bool((predictions["t_j"] > predictions["t_i"]).all())
     True
     """
-    return prediction.predict_all(
-        model,
-        truth,
-        estimates,
-        rso,
-        max_days=max_days,
-        integrator=integrator or Integrator(),
-        threads=threads,
-    )
+    return prediction.predict_all(flight, truth, estimates, max_days=max_days)
 
 
 def label(
@@ -374,33 +330,25 @@ def label(
     return labels.build(predictions, estimates, tracks, after=HOUR * after_hours)
 
 
-def dataset(
-    estimates: pd.DataFrame,
-    predictions: pd.DataFrame,
-    tracks: pd.DataFrame,
-    environment: Environment,
-    *,
-    cleaning: Mapping[str, Any] | None = None,
-    labels: pd.DataFrame | None = None,
-) -> pd.DataFrame:
+def dataset(catalogue: Catalogue, *, labels: pd.DataFrame | None = None) -> pd.DataFrame:
     """Capture the error model: the table `dataset`, learning variables and true errors of every pair.
 
-    cleaning: settings that differ from `CLEANING`; a dropped row stays, with `keep` false and the reason;
-    labels: of `label`, in the place of the true errors; the table is `labelled` then.
+    A row that is dropped by the catalogue's cleaning stays, with `keep` false and the reason; labels: of
+    `label`, in the place of the true errors; the table is `labelled` then.
     Raises InputError for an unknown setting and for tables that do not belong together.
     Source: sec. Dataset Capturing the Orbit Prediction Error Model.
 
-    >>> rows = opml.dataset(estimates, predictions, tracks, environment)
+    >>> catalogue = opml.Catalogue(estimates, predictions, tracks, environment)
+    >>> rows = opml.dataset(catalogue)
     >>> len(rows) == len(predictions)
     True
     """
-    settings = _laid_over(CLEANING, cleaning, "dataset")
     return datasets.build(
-        estimates,
-        predictions,
-        tracks,
-        gm=environment.gm,
-        cleaning=Cleaning.from_settings(settings),
+        catalogue.estimates,
+        catalogue.predictions,
+        catalogue.tracks,
+        gm=catalogue.environment.gm,
+        cleaning=_cleaning(catalogue, "dataset"),
         labels=labels,
     )
 
@@ -460,7 +408,9 @@ def correct(
 
 
 def p_ml(evaluation: pd.DataFrame) -> float:
-    """Performance metric P_ML [%] of a correction: what is left of the summed error; 100 is no better.
+    """Return the performance metric P_ML [%] of a correction: what is left of the summed error.
+
+    100 is no better than no correction.
 
     Raises InputError where there is no error to correct. Source: sec. Validation of the Trained SVM Model.
 
@@ -486,122 +436,101 @@ def lessons(
 
 
 def replay(
-    force_model: ForceModel,
+    flight: Flight,
     lessons: Lessons,
-    estimates: pd.DataFrame,
-    predictions: pd.DataFrame,
-    tracks: pd.DataFrame,
-    environment: Environment,
+    catalogue: Catalogue,
     *,
-    rso: Rso,
     train_days: Sequence[float],
     max_days: float = 7.0,
     every_hours: float = 6.0,
-    cleaning: Mapping[str, Any] | None = None,
-    window_hours: float = 12.0,
-    integrator: Integrator | None = None,
-    threads: int = 1,
 ) -> pd.DataFrame:
     """Run the mornings that are over again: the table `replay`, what each ephemeris was off by.
 
-    force_model: the assumed one; train_days: first and last day to train on, of which a learner sees half
+    flight: under the assumed model; train_days: first and last day to train on, of which a learner sees half
     before its first morning; every_hours: between the estimates that ephemerides start from. Raises
     InputError where nothing can be held against.
 
-    >>> mornings = opml.replay(
-    ...     assumed_model, daily, estimates, predictions, tracks, environment,
-    ...     rso=iss, train_days=(0, 1.5), every_hours=1,
-    ... )
+    >>> mornings = opml.replay(flight, daily, catalogue, train_days=(0, 1.5), every_hours=1)
     >>> bool((mornings["t_i"] >= mornings["morning"]).all())
     True
     """
-    flight = corrected.Flight(force_model, rso, integrator or Integrator(), threads)
-    known = _known(estimates, predictions, tracks, environment, cleaning, window_hours)
+    known = _known(catalogue)
     first_day = replays.first_day(lessons, known, train_days=train_days)
     starts = replays.departures(known, every_hours=every_hours, first_day=first_day)
-    pairs = predictions[predictions["i"].isin(starts["track"])]
-    return replays.build(
-        flight,
-        known,
-        lessons,
-        starts,
-        replays.judge(lessons.dataset, predictions, None),
-        _spreading(flight, known, environment)(pairs),
-        max_days=max_days,
-    )
+    predictions = catalogue.predictions
+    spread = _spreads(flight, catalogue)(predictions[predictions["i"].isin(starts["track"])])
+    judge = replays.at_starts(replays.judge(lessons.dataset, predictions, None), starts, spread)
+    task = Task(flight, known, starts, replays.grid(judge, max_days=max_days))
+    return replays.build(task, lessons, judge)
 
 
 def ephemeris(
-    force_model: ForceModel,
+    flight: Flight,
     lessons: Lessons,
     replay: pd.DataFrame,
-    estimates: pd.DataFrame,
-    predictions: pd.DataFrame,
-    tracks: pd.DataFrame,
-    environment: Environment,
+    catalogue: Catalogue,
     *,
-    rso: Rso,
     until_days: float,
     max_days: float = 7.0,
     step: float = 60.0,
     each: bool = False,
-    window_hours: float = 12.0,
-    cleaning: Mapping[str, Any] | None = None,
-    integrator: Integrator | None = None,
-    threads: int = 1,
 ) -> pd.DataFrame:
     """Correct the newest prediction: the table `corrected`, states and covariances every `step` [s].
 
-    force_model: the assumed one; replay: of the same lessons, from which the covariances come; until_days: up
-    to when errors are known, the ephemeris starts from the newest estimate by then, or from it and `each`
+    flight: under the assumed model; replay: of the same lessons, from which the covariances come; until_days:
+    up to when errors are known, the ephemeris starts from the newest estimate by then, or from it and `each`
     later one, trained anew each morning. It reaches max_days ahead, as far as the environment does. Raises
     InputError where nothing can be made.
 
-    >>> ahead = opml.ephemeris(
-    ...     assumed_model, daily, mornings, estimates, predictions, tracks, environment,
-    ...     rso=iss, until_days=1.5,
-    ... )
+    >>> ahead = opml.ephemeris(flight, daily, mornings, catalogue, until_days=1.5)
     >>> bool((ahead["t"].diff().dropna() == 60.0).all())
     True
     """
-    flight = corrected.Flight(force_model, rso, integrator or Integrator(), threads)
-    known = _known(estimates, predictions, tracks, environment, cleaning, window_hours)
-    end = float(environment.earth_orientation["t"].iloc[-1]) - MARGIN_S
+    known, until = _known(catalogue), DAY * until_days
+    starts = tasks.departures(known, known_until=until, each=each)
+    end = float(catalogue.environment.earth_orientation["t"].iloc[-1]) - MARGIN_S
     return corrected.build(
-        flight,
-        known,
+        Task(flight, known, starts, Grid(step, max_days, end)),
         lessons,
         replay,
-        corrected.departures(known, known_until=DAY * until_days, each=each),
-        corrected.Grid(step, max_days, end),
-        spreads=_spreading(flight, known, environment),
-        first_morning=DAY * until_days,
+        spreads=_spreads(flight, catalogue),
+        first_morning=until,
     )
 
 
-def _known(
-    estimates: pd.DataFrame,
-    predictions: pd.DataFrame,
-    tracks: pd.DataFrame,
-    environment: Environment,
-    cleaning: Mapping[str, Any] | None,
-    window_hours: float,
-) -> corrected.Known:
-    cleaned = Cleaning.from_settings(_laid_over(CLEANING, cleaning, "ephemeris"))
-    at = datasets.of_estimates(estimates, predictions, tracks, gm=environment.gm, cleaning=cleaned)
-    return corrected.Known(estimates, at, window_hours, environment.gm, bounds=cleaned.cd_bounds)
+def _known(catalogue: Catalogue) -> Known:
+    """Return what is known of an RSO at its estimates; raises InputError for an unknown setting."""
+    estimates, gm, cleaning = catalogue.estimates, catalogue.environment.gm, _cleaning(catalogue, "ephemeris")
+    at = datasets.of_estimates(estimates, catalogue.predictions, catalogue.tracks, gm=gm, cleaning=cleaning)
+    return Known(estimates, at, catalogue.window_hours, gm, bounds=cleaning.cd_bounds)
 
 
-def _spreading(
-    flight: corrected.Flight, known: corrected.Known, environment: Environment
-) -> corrected.Spread:
-    flat = force_model(environment, **spread.FLATTENED)
-    options = flight.options | {"model": flat}
-    return lambda pairs: spread.build(estimates=known.estimates, pairs=pairs, futures=None, **options)
+def _spreads(flight: Flight, catalogue: Catalogue) -> corrected.Spreads:
+    """Return how far drag may take pairs of predictions; the weather ahead is taken for known."""
+    flattened = force_model(catalogue.environment, **spread.FLATTENED)
+    return partial(
+        spread.build,
+        replace(flight.without_progress(), model=flattened),
+        catalogue.estimates,
+        futures=None,
+    )
 
 
-def _laid_over(defaults: Mapping[str, Any], given: Mapping[str, Any] | None, what: str) -> dict[str, Any]:
-    """The defaults with the given settings over them; raises InputError for one that there is not."""
-    if unknown := sorted(set(given or {}) - set(defaults)):
+def _cleaning(catalogue: Catalogue, what: str) -> Cleaning:
+    """Return a catalogue's cleaning; raises InputError for an unknown setting."""
+    return Cleaning.from_settings(_laid_over(CLEANING, catalogue.cleaning, what))
+
+
+def _estimation(settings: Mapping[str, float] | None, what: str) -> estimation.Estimation:
+    """Return the paper's estimation with settings laid over it; raises InputError for an unknown setting."""
+    used = _laid_over(ESTIMATION, settings, what)
+    bounds = used.pop("cd_min"), used.pop("cd_max")
+    return estimation.Estimation(**used, cd_bounds=bounds)
+
+
+def _laid_over(defaults: Mapping[str, Any], settings: Mapping[str, Any] | None, what: str) -> dict[str, Any]:
+    """Return the defaults with settings laid over them; raises InputError for an unknown setting."""
+    settings = settings or {}
+    if unknown := sorted(set(settings) - set(defaults)):
         raise InputError(f"{what}: settings: expected {', '.join(defaults)}, got {unknown[0]}")
-    return {**defaults, **(given or {})}
+    return {**defaults, **settings}

@@ -7,9 +7,10 @@ import pytest
 from support import ASSUMED_BODIES, EPOCH, EXCERPTS, environment, force_model, shared, stations
 
 from opml.base.constants import DAY
+from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import observe, site
-from opml.dynamics.ensemble import Integrator, propagate
+from opml.dynamics.ensemble import Departures, Integrator, propagate
 from opml.dynamics.frames import gcrf_to_itrf
 from opml.dynamics.kernels import dtm2000
 from opml.dynamics.kernels.acceleration import SCRATCH_ROWS, acceleration, density
@@ -197,14 +198,16 @@ def flown(model, orbit):
     arcs = propagate(
         model,
         orbit["t"].to_numpy(),
-        states[:1],
-        first=np.array([0]),
-        last=np.array([len(orbit) - 1]),
-        ballistic=np.array([BALLISTIC]),
-        reflection=np.array([REFLECTION]),
+        Departures(
+            states[:1],
+            first=np.array([0]),
+            last=np.array([len(orbit) - 1]),
+            ballistic=np.array([BALLISTIC]),
+            reflection=np.array([REFLECTION]),
+        ),
         integrator=Integrator(),
     )
-    return lengths(arcs.of(0)[:, :3] - states[1:, :3])
+    return lengths(arcs.path(0)[:, :3] - states[1:, :3])
 
 
 def test_two_days_in_another_field():
@@ -238,7 +241,7 @@ def test_the_orbit_begins_where_orekits_does(iss):
 
 
 def test_eglins_tracks_of_five_days(iss, earth_orientation):
-    orbit = truth.simulate(force_model(40), iss, duration=5.05 * DAY, step=20.0, integrator=Integrator())
+    orbit = truth.simulate(Flight(force_model(40), iss), duration=5.05 * DAY, step=20.0)
     found = tracking.simulate(orbit, earth_orientation, [stations()["eglin"]], rso="iss", seed=1)
     found = found.groupby("track")["t"].agg(["min", "max", "count"])
     expected = excerpt("tracks")
@@ -267,7 +270,7 @@ def test_measurements_of_the_first_day(iss, earth_orientation):
     expected = pd.read_parquet(shared("reference/measurements_1d_noisefree.parquet"))
     expected["station"] = expected["station"].str.lower()
     model = force_model(40, field=str(shared(EIGEN_6S)))
-    orbit = truth.simulate(model, iss, duration=DAY, step=20.0, integrator=Integrator())
+    orbit = truth.simulate(Flight(model, iss), duration=DAY, step=20.0)
     found = tracking.simulate(orbit, earth_orientation, list(stations().values()), rso="iss", seed=1)
     both = expected.merge(found, left_on=["t_s", "station"], right_on=["t", "station"], how="outer")
     assert both.notna().all(axis=None)

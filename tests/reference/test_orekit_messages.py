@@ -7,10 +7,9 @@ from support import EPOCH, EXCERPTS, shared
 
 from opml.base.errors import InputError
 from opml.ephemerides.along_track_shift import corrected
-from opml.ephemerides.corrected import COVARIANCES
 from opml.interop import mean_elements, oem, tdm
 from opml.orbits.elements import cartesian_from_coe, true_from_mean_anomaly
-from opml.tables import SCHEMAS, STATE
+from opml.tables import SCHEMAS, STATE, STATE_COVARIANCES
 
 T = 20.0 * np.arange(4)
 TLE = (
@@ -101,7 +100,7 @@ def ephemeris():
     return pd.DataFrame(
         {"i": 3, "t": t}
         | dict(zip(STATE, corrected(t, predicted, 2000.0 - 0.05 * t).T, strict=True))
-        | dict(zip(COVARIANCES, covariances[:, *np.tril_indices(6)].T, strict=True))
+        | dict(zip(STATE_COVARIANCES, covariances[:, *np.tril_indices(6)].T, strict=True))
     )
 
 
@@ -118,7 +117,7 @@ def test_orekit_reads_an_ephemeris_with_covariances_in_rsw(org, ephemeris, tmp_p
     lower = [
         [one.getCovarianceMatrix().getEntry(k, m) for k in range(6) for m in range(k + 1)] for one in found
     ]
-    np.testing.assert_allclose(lower, told[COVARIANCES], rtol=1e-14)
+    np.testing.assert_allclose(lower, told[STATE_COVARIANCES], rtol=1e-14)
 
 
 def test_orekit_propagates_from_a_corrected_ephemeris(org, ephemeris, tmp_path):

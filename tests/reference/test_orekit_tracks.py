@@ -7,8 +7,8 @@ from support import ASSUMED_BODIES, EPOCH, ESTIMATION, EXCERPTS, force_model
 
 from opml.base.constants import DAY
 from opml.catalog.fit import estimation, first_orbit, measured_tracks
+from opml.catalog.flight import Flight
 from opml.catalog.predict import prediction
-from opml.dynamics.ensemble import Integrator
 from opml.interop import tdm
 from opml.tables import STATE
 
@@ -28,19 +28,23 @@ def tracking(three_stations):
 
 
 @pytest.fixture(scope="module")
-def starts(tracking, earth_orientation, three_stations, iss):
-    return first_orbit.determined(
-        force_model(20, ASSUMED_BODIES), tracking, earth_orientation, three_stations, iss,
-        settings=ESTIMATION, integrator=Integrator(),
-    )  # fmt: skip
+def flight(iss):
+    return Flight(force_model(20, ASSUMED_BODIES), iss)
 
 
 @pytest.fixture(scope="module")
-def estimates(starts, tracking, earth_orientation, three_stations, iss):
-    return estimation.estimate_all(
-        force_model(20, ASSUMED_BODIES), starts, tracking, earth_orientation, three_stations, iss,
-        settings=ESTIMATION, integrator=Integrator(),
-    )  # fmt: skip
+def measured(tracking, earth_orientation, three_stations):
+    return estimation.Measured(tracking, earth_orientation, three_stations)
+
+
+@pytest.fixture(scope="module")
+def starts(flight, measured):
+    return first_orbit.determined(flight, measured, settings=ESTIMATION)
+
+
+@pytest.fixture(scope="module")
+def estimates(flight, starts, measured):
+    return estimation.estimate_all(flight, starts, measured, settings=ESTIMATION)
 
 
 def errors(table, orbit):
@@ -69,10 +73,8 @@ def test_estimates_are_where_orekit_has_the_rso(estimates, orbit):
     assert 0.8 < estimates["weighted_rms"][many].mean() < 1.2
 
 
-def test_predictions_need_no_truth(estimates, orbit, iss):
-    found = prediction.predict_all(
-        force_model(20, ASSUMED_BODIES), None, estimates, iss, max_days=1.0, integrator=Integrator()
-    )
+def test_predictions_need_no_truth(flight, estimates, orbit):
+    found = prediction.predict_all(flight, None, estimates, max_days=1.0)
     assert found.filter(like="_true").isna().all(axis=None)
     assert found.filter(regex="^e_").isna().all(axis=None)
     assert (found["reason"] == "").mean() > 0.9

@@ -8,6 +8,7 @@ from support import ASSUMED_BODIES, EPOCH, environment, rsos, stations
 from opml.base.constants import BODIES, GM, HOUR
 from opml.base.errors import InputError
 from opml.catalog.fit import estimation, start_states
+from opml.catalog.flight import Flight
 from opml.dynamics.ensemble import Integrator
 from opml.environment import earth_orientation
 from opml.tables import STATE
@@ -103,14 +104,10 @@ def test_orbits_are_orekits_after_a_week(product):
 def test_the_estimate_from_the_same_measurements_is_orekits(product):
     case, rows, expected = Case.read(), tables.read("measurements"), tables.read("estimate")
     found = estimation.estimate_all(
-        product.model(MODELS["assumed"]),
+        Flight(product.model(MODELS["assumed"]), rsos()["iss"], Integrator(position_tolerance=1e-4)),
         start_states.perturbed(expected, rows, rso="iss", settings=case.estimation, seed=1),
-        rows,
-        environment()["earth_orientation"],
-        list(stations().values()),
-        rsos()["iss"],
+        estimation.Measured(rows, environment()["earth_orientation"], list(stations().values())),
         settings=case.estimation,
-        integrator=Integrator(position_tolerance=1e-4),
     ).iloc[-1]
     last = expected.iloc[-1]
     assert found["converged"]

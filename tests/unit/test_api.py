@@ -80,7 +80,7 @@ def test_defaults_are_those_of_the_settings():
             **settings,
             "third_bodies": set(settings["third_bodies"]),
         }
-    assert SETTINGS["estimation"] | limits == opml.ESTIMATION
+    assert SETTINGS["estimation"] | limits | {"after_hours": 0.0} == opml.ESTIMATION
     assert {**opml.CLEANING, "fence_days": list(opml.CLEANING["fence_days"])} == cleaning
     assert SETTINGS["learners"]["svr"] == opml.LEARNER
     assert list(api._SPAN_DAYS) == STUDY["span_days"]
@@ -97,11 +97,13 @@ def _coarse(degree):
     [
         (lambda: opml.learn(None, component="e_r"), "learn: component: expected e_x, .*, got e_r"),
         (
-            lambda: opml.estimate(*[None] * 5, rso=None, settings={"hours": 1}),
+            lambda: opml.estimate(*[None] * 5, settings={"hours": 1}),
             "estimate: settings: expected window_hours, .*, got hours",
         ),
         (
-            lambda: opml.dataset(*[None] * 3, SimpleNamespace(gm=1.0), cleaning={"fences": 1}),
+            lambda: opml.dataset(
+                opml.Catalogue(*[None] * 3, SimpleNamespace(gm=1.0), cleaning={"fences": 1})
+            ),
             "dataset: settings: expected cd_min, .*, got fences",
         ),
         (

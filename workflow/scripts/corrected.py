@@ -2,6 +2,7 @@
 
 from opml.base.constants import DAY
 from opml.ephemerides import corrected
+from opml.ephemerides.task import Task
 from opml.learning.data import dataset
 from opml.learning.models.daily_training import Lessons
 from opml.tables import read_table, write_table
@@ -9,23 +10,15 @@ from opml.workflow.jobs import job, progress
 
 with job(snakemake) as metadata:
     settings, files = snakemake.params.settings, snakemake.input
-    flight, known, starts, grid = corrected.task(files, settings, threads=snakemake.threads)
+    task = Task.read(files, settings, threads=snakemake.threads, progress=progress)
+    labelled = dataset.read(files.dataset, files.beside)
     replay = read_table(files.replay, "replay")
     table = corrected.build(
-        flight,
-        known,
-        Lessons(
-            dataset.read(files.dataset, files.beside),
-            settings["learner"],
-            settings["seed"],
-            settings["train_days"][0],
-        ),
+        task,
+        Lessons(labelled, settings["learner"], settings["seed"], settings["train_days"][0]),
         replay,
-        starts,
-        grid,
-        spreads=corrected.spreading(files, settings, known, threads=snakemake.threads),
+        spreads=corrected.spreading(files, settings, task.known, threads=snakemake.threads),
         first_morning=DAY * settings["known_until_days"],
-        progress=progress,
     )
     metadata |= {"covariance": corrected.basis(replay, DAY * settings["known_until_days"])}
     write_table(snakemake.output[0], table, "corrected", metadata=metadata)

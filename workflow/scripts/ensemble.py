@@ -1,9 +1,8 @@
 """Predict under each of the futures of the space weather, and tell their spread."""
 
 from opml.base.constants import HOUR
+from opml.catalog.flight import Flight
 from opml.catalog.predict import weather_futures
-from opml.dynamics import force_model
-from opml.orbits.sheets import Rso
 from opml.tables import read_table, write_table
 from opml.workflow.jobs import job, progress
 
@@ -11,16 +10,12 @@ with job(snakemake) as metadata:
     settings, files = snakemake.params.settings, snakemake.input
     predictions = read_table(files.predictions, "predictions")
     sample = weather_futures.sample(
-        force_model.read(files, epoch=settings["epoch"], settings=settings["force_model"]),
+        Flight.read(files, settings, threads=snakemake.threads, progress=progress),
         read_table(files.futures, "futures"),
         read_table(files.estimates, "estimates"),
         predictions,
-        Rso(**settings["rso"]),
         window=HOUR * settings["window_hours"],
         seed=settings["seed"],
-        integrator=force_model.integrator(settings["integrator"]),
-        threads=snakemake.threads,
-        progress=progress,
     )
     write_table(snakemake.output.sample, sample, "ensemble", metadata=metadata)
     fan = weather_futures.fan(sample, predictions, level=settings["level"])

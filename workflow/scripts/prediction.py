@@ -1,21 +1,16 @@
 """Predict from each estimate to every later track start within reach."""
 
+from opml.catalog.flight import Flight
 from opml.catalog.predict import prediction
-from opml.dynamics import force_model
-from opml.orbits.sheets import Rso
 from opml.tables import read_table, write_table
 from opml.workflow.jobs import job, progress
 
 with job(snakemake) as metadata:
-    settings = snakemake.params.settings
+    settings, files = snakemake.params.settings, snakemake.input
     table = prediction.predict_all(
-        force_model.read(snakemake.input, epoch=settings["epoch"], settings=settings["force_model"]),
-        read_table(snakemake.input.truth, "truth") if snakemake.input.truth else None,
-        read_table(snakemake.input.estimates, "estimates"),
-        Rso(**settings["rso"]),
+        Flight.read(files, settings, threads=snakemake.threads, progress=progress),
+        read_table(files.truth, "truth") if files.truth else None,
+        read_table(files.estimates, "estimates"),
         max_days=settings["max_days"],
-        integrator=force_model.integrator(settings["integrator"]),
-        threads=snakemake.threads,
-        progress=progress,
     )
     write_table(snakemake.output[0], table, "predictions", metadata=metadata)

@@ -1,6 +1,9 @@
 """Run the mornings that are over again, and hold their ephemerides against what came."""
 
-from opml.ephemerides import corrected, replays
+from opml.catalog.flight import Flight
+from opml.ephemerides import replays
+from opml.ephemerides.known import Known
+from opml.ephemerides.task import Task
 from opml.learning.data import dataset
 from opml.learning.models.daily_training import Lessons
 from opml.tables import read_table, write_table
@@ -8,25 +11,14 @@ from opml.workflow.jobs import job, progress
 
 with job(snakemake) as metadata:
     settings, files = snakemake.params.settings, snakemake.input
-    known = corrected.read(files, settings)
+    known = Known.read(files, settings)
     labelled = dataset.read(files.dataset, files.beside)
     lessons = Lessons(labelled, settings["learner"], settings["seed"], settings["train_days"][0])
-    table = replays.build(
-        corrected.Flight.read(files, settings, threads=snakemake.threads),
-        known,
-        lessons,
-        replays.departures(
-            known,
-            every_hours=settings["every_hours"],
-            first_day=replays.first_day(lessons, known, train_days=settings["train_days"]),
-        ),
-        replays.judge(
-            labelled,
-            read_table(files.predictions, "predictions"),
-            read_table(files.later, "estimates") if files.later else None,
-        ),
-        read_table(files.spread, "spread"),
-        max_days=settings["max_days"],
-        progress=progress,
-    )
-    write_table(snakemake.output[0], table, "replay", metadata=metadata)
+    first_day = replays.first_day(lessons, known, train_days=settings["train_days"])
+    starts = replays.departures(known, every_hours=settings["every_hours"], first_day=first_day)
+    later = read_table(files.later, "estimates") if files.later else None
+    judge = replays.judge(labelled, read_table(files.predictions, "predictions"), later)
+    judge = replays.at_starts(judge, starts, read_table(files.spread, "spread"))
+    flight = Flight.read(files, settings, threads=snakemake.threads, progress=progress)
+    task = Task(flight, known, starts, replays.grid(judge, max_days=settings["max_days"]))
+    write_table(snakemake.output[0], replays.build(task, lessons, judge), "replay", metadata=metadata)

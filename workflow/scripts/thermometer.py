@@ -6,14 +6,14 @@ from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     files, settings = snakemake.input, snakemake.params.settings
-    asked = thermometer.Thermometer(**settings["thermometer"])
+    method = thermometer.Thermometer(**settings["thermometer"])
     fits = [read_table(path, "estimates") for path in files.catalogue]
-    own = thermometer.read(read_table(files.estimates, "estimates"), fits, settings["member"], asked)
+    readings = thermometer.read(read_table(files.estimates, "estimates"), fits, settings["member"], method)
     table = thermometer.corrections(
         read_table(files.predictions, "predictions"),
-        own,
+        readings,
         read_table(files.arcs, "arcs"),
         read_table(files.sensitivities, "sensitivities"),
-        asked,
+        method,
     )
     write_table(snakemake.output[0], table, "thermometer", metadata=metadata)

@@ -3,26 +3,23 @@
 import pandas as pd
 
 from opml.base.constants import DAY
+from opml.catalog.flight import Flight
 from opml.catalog.simulate import truth
-from opml.dynamics import force_model
 from opml.orbits.sheets import Rso
 from opml.tables import TRUTH_GROUPS, write_table
 from opml.workflow.jobs import job, metadata_of_each, progress
 
 with job(snakemake) as metadata:
     settings = snakemake.params.settings
-    rsos = [Rso(**rso) for rso in settings["rsos"]]
+    first, *others = settings["rsos"]
     tables = truth.simulate_together(
-        force_model.read(snakemake.input, epoch=settings["epoch"], settings=settings["force_model"]),
-        rsos,
+        Flight.read(snakemake.input, settings | {"rso": first}, threads=snakemake.threads, progress=progress),
+        [Rso(**rso) for rso in others],
         duration=DAY * settings["duration_days"],
         step=settings["step_s"],
-        integrator=force_model.integrator(settings["integrator"]),
-        threads=snakemake.threads,
-        progress=progress,
     )
     # First, as a truth that was there without it would count as one that flew alone.
-    group = pd.DataFrame({"rso": [rso.name for rso in rsos]})
+    group = pd.DataFrame({"rso": [rso["name"] for rso in settings["rsos"]]})
     write_table(snakemake.output.group, group, TRUTH_GROUPS, metadata=metadata)
     for path, table, alone in zip(snakemake.output.truth, tables, metadata_of_each(settings), strict=True):
         write_table(path, table, "truth", metadata=alone)

@@ -1,88 +1,112 @@
-"""Arcs of an RSO under a force model: what its body feels, as the ensemble takes it."""
+"""An RSO under a force model, and the arcs that it flies."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from opml.dynamics.ensemble import Arcs, Integrator, propagate
+from opml.dynamics import force_model
+from opml.dynamics.ensemble import Arcs, Departures, Integrator, propagate
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.orbits.sheets import Rso
 
+Progress = Callable[[float], None]
+"""Takes the share of the work that is done."""
 
-def fly(
-    model: ForceModel,
-    rso: Rso,
-    epochs: ArrayLike,
-    states: np.ndarray,
-    *,
-    cd: np.ndarray | float,
-    first: ArrayLike,
-    last: ArrayLike,
-    integrator: Integrator,
-    threads: int = 1,
-    progress: Callable[[float], None] | None = None,
-) -> Arcs:
-    """Propagate arcs of an RSO, each with its own drag coefficient; the rest is as in `ensemble.propagate`.
 
-    states: (arcs, 6) GCRF [m, m/s]; cd: (arcs,), or one for all. Area, mass and Cr are the RSO's.
+@dataclass(frozen=True)
+class Flight:
+    """An RSO under a force model, and how it is integrated.
+
+    Area, mass and Cr of all arcs are the RSO's. threads: arcs fly on so many; progress: is told, None where
+    nobody asks.
     """
-    count = len(states)
-    return propagate(
-        model,
-        epochs,
-        states,
-        first=first,
-        last=last,
-        ballistic=np.full(count, cd) * rso.area_to_mass,
-        reflection=np.full(count, rso.cr * rso.area_to_mass),
-        integrator=integrator,
-        threads=threads,
-        progress=progress,
-    )
 
+    model: ForceModel
+    rso: Rso
+    integrator: Integrator = field(default_factory=Integrator)
+    threads: int = 1
+    progress: Progress | None = None
 
-def fly_pairs(
-    model: ForceModel,
-    rso: Rso,
-    pairs: pd.DataFrame,
-    states: np.ndarray,
-    *,
-    cd: np.ndarray,
-    integrator: Integrator,
-    threads: int = 1,
-    progress: Callable[[float], None] | None = None,
-) -> tuple[np.ndarray, np.ndarray]:
-    """(states, status) at t_j of pairs (n,), of one arc per estimate i that begins at t_i.
+    @classmethod
+    def read(
+        cls, files: Any, settings: Mapping[str, Any], *, threads: int = 1, progress: Progress | None = None
+    ) -> Self:
+        """Read the flight of a job.
 
-    pairs: rows of i, t_i and t_j in the order of i; states: (arcs, 6) GCRF [m, m/s] and cd: (arcs,), in the
-    order of i. Returns GCRF states (n, 6), not finite where an arc does not reach, and indices (n,) into
-    `ensemble.REASONS`.
-    """
-    epochs = np.unique(pairs[["t_i", "t_j"]])
-    arc = np.unique(pairs["i"], return_inverse=True)[1]
-    of_arc = pairs.groupby("i", sort=True)
-    first = np.searchsorted(epochs, of_arc["t_i"].first())
-    last = np.searchsorted(epochs, of_arc["t_j"].max())
-    arcs = fly(
-        model,
-        rso,
-        epochs,
-        states,
-        cd=cd,
-        first=first,
-        last=last,
-        integrator=integrator,
-        threads=threads,
-        progress=progress,
-    )
-    place = arcs.start[arc] + np.searchsorted(epochs, pairs["t_j"]) - first[arc] - 1
-    return arcs.states[place], arcs.status[arc]
+        files: the job's input, with the tables of the environment; settings: epoch, force_model, rso and
+        integrator. Raises InputError where a table is missing or damaged.
+        """
+        return cls(
+            force_model.read(files, epoch=settings["epoch"], settings=settings["force_model"]),
+            Rso(**settings["rso"]),
+            force_model.integrator(settings["integrator"]),
+            threads,
+            progress,
+        )
 
+    def part(self, number: int, parts: int) -> Self:
+        """Return this flight with the progress of one of several equal parts."""
+        whole = self.progress
+        return replace(self, progress=whole and (lambda share: whole((number + share) / parts)))
 
-def part_of(
-    progress: Callable[[float], None] | None, part: int, parts: int
-) -> Callable[[float], None] | None:
-    """Progress of one of several equal parts."""
-    return progress and (lambda share: progress((part + share) / parts))
+    def without_progress(self) -> Self:
+        """Return this flight for work whose caller tells the progress itself."""
+        return replace(self, progress=None)
+
+    def fly(
+        self,
+        epochs: ArrayLike,
+        states: np.ndarray,
+        *,
+        cd: np.ndarray | float,
+        first: ArrayLike,
+        last: ArrayLike,
+    ) -> Arcs:
+        """Propagate arcs, each with its own drag coefficient.
+
+        epochs: (n,) times [s], ascending or descending
+        states: (arcs, 6) GCRF [m, m/s]
+        cd: (arcs,) or one for all
+        first, last: (arcs,) index of the epoch at which an arc begins and ends
+        """
+        count = len(states)
+        departures = Departures(
+            states,
+            first=first,
+            last=last,
+            ballistic=np.full(count, cd) * self.rso.area_to_mass,
+            reflection=np.full(count, self.rso.cr * self.rso.area_to_mass),
+        )
+        return propagate(
+            self.model,
+            epochs,
+            departures,
+            integrator=self.integrator,
+            threads=self.threads,
+            progress=self.progress,
+        )
+
+    def fly_pairs(
+        self, pairs: pd.DataFrame, states: np.ndarray, *, cd: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return (states, status) at t_j of pairs (n,), of one arc per estimate i that begins at t_i.
+
+        pairs: rows of i, t_i and t_j in the order of i
+        states: (arcs, 6) GCRF [m, m/s] in the order of i
+        cd: (arcs,) in the order of i
+
+        The states returned are (n, 6) in GCRF, not finite where an arc does not reach; the status (n,) is an
+        index into `ensemble.REASONS`.
+        """
+        epochs = np.unique(pairs[["t_i", "t_j"]])
+        arc = np.unique(pairs["i"], return_inverse=True)[1]
+        by_arc = pairs.groupby("i", sort=True)
+        first = np.searchsorted(epochs, by_arc["t_i"].first())
+        last = np.searchsorted(epochs, by_arc["t_j"].max())
+        arcs = self.fly(epochs, states, cd=cd, first=first, last=last)
+        place = arcs.start[arc] + np.searchsorted(epochs, pairs["t_j"]) - first[arc] - 1
+        return arcs.states[place], arcs.status[arc]

@@ -34,6 +34,21 @@ class Integrator:
 
 
 @dataclass(frozen=True)
+class Departures:
+    """Arcs as they begin, and how far they go.
+
+    states: (arcs, 6) GCRF [m, m/s]; first, last: (arcs,) index of the epoch at which an arc begins and ends,
+    first <= last; ballistic: (arcs,) Cd A/m, reflection: (arcs,) Cr A/m [m2/kg].
+    """
+
+    states: ArrayLike
+    first: ArrayLike
+    last: ArrayLike
+    ballistic: ArrayLike
+    reflection: ArrayLike
+
+
+@dataclass(frozen=True)
 class Arcs:
     """States of propagated arcs: arc k passes its epochs in states[start[k]:start[k + 1]].
 
@@ -45,47 +60,43 @@ class Arcs:
     start: np.ndarray
     status: np.ndarray
 
-    def of(self, arc: int) -> np.ndarray:
-        """States of one arc, from the epoch after its first to its last: (epochs, 6)."""
+    def path(self, arc: int) -> np.ndarray:
+        """Return the states (epochs, 6) of one arc, from the epoch after its first to its last."""
         return self.states[self.start[arc] : self.start[arc + 1]]
 
 
 def propagate(
     model: ForceModel,
     epochs: ArrayLike,
-    states: ArrayLike,
+    departures: Departures,
     *,
-    first: ArrayLike,
-    last: ArrayLike,
-    ballistic: ArrayLike,
-    reflection: ArrayLike,
     integrator: Integrator,
     threads: int = 1,
     progress: Callable[[float], None] | None = None,
 ) -> Arcs:
-    """Propagate arcs between epochs that they share.
+    """Propagate arcs between epochs that they share, and return their states there.
 
-    epochs: (n,) times at which states are wanted [s], all ascending, or all descending for arcs
-    backward in time; states: (arcs, 6) GCRF [m, m/s]; first, last: (arcs,) index of the epoch at which
-    an arc begins and ends, first <= last; ballistic: (arcs,) Cd A/m, reflection: (arcs,) Cr A/m [m2/kg];
-    progress: called with the share of arcs done. Returns Arcs with the states at epochs first + 1 to
-    last of each arc.
+    epochs: (n,) times at which states are wanted [s], all ascending, or all descending for arcs backward in
+    time
+    progress: called with the share of arcs done
     """
-    first, last = np.asarray(first, np.int64), np.asarray(last, np.int64)
     epochs = np.asarray(epochs, float)
+    first, last = np.asarray(departures.first, np.int64), np.asarray(departures.last, np.int64)
     grid = _Grid(epochs, model.jumps(epochs[0], epochs[-1]), integrator.max_step)
-    begun = _Begun(
-        states=np.asarray(states, float),
-        coefficients=np.array([ballistic, reflection], float),
+    start = np.concatenate([[0], np.cumsum(last - first)])
+    ensemble = _Ensemble(
+        states=np.asarray(departures.states, float),
+        coefficients=np.array([departures.ballistic, departures.reflection], float),
         join=grid.index[first],
         leave=grid.index[last],
+        grid=grid,
+        arcs=Arcs(np.full((start[-1], 6), np.nan), start, np.zeros(len(first), np.int64)),
+        integrator=integrator,
     )
-    start = np.concatenate([[0], np.cumsum(last - first)])
-    arcs = Arcs(np.full((start[-1], 6), np.nan), start, np.zeros(len(first), np.int64))
     outlook = model.known_at(epochs[first])
 
     def fly(members: np.ndarray) -> int:
-        _fly(model.under(outlook[members[0]]), grid, begun, members, arcs, integrator)
+        ensemble.fly(members, model.under(outlook[members[0]]))
         return len(members)
 
     done = 0
@@ -94,7 +105,7 @@ def propagate(
             done += count
             if progress:
                 progress(done / len(first))
-    return arcs
+    return ensemble.arcs
 
 
 class _Grid:
@@ -118,46 +129,47 @@ class _Grid:
 
 
 @dataclass(frozen=True)
-class _Begun:
-    """Arcs as they begin, and where on the grid they join and leave.
+class _Ensemble:
+    """Arcs on their grid: how they begin, where they join and leave it, and what has become of them.
 
-    states: (arcs, 6); coefficients: (2, arcs) ballistic and reflection; join, leave: (arcs,).
+    states: (arcs, 6); coefficients: (2, arcs) ballistic and reflection; join, leave: (arcs,); arcs: filled as
+    blocks of them fly.
     """
 
     states: np.ndarray
     coefficients: np.ndarray
     join: np.ndarray
     leave: np.ndarray
+    grid: _Grid
+    arcs: Arcs
+    integrator: Integrator
+
+    def fly(self, members: np.ndarray, model: ForceModel) -> None:
+        """Fly one block; spare lanes repeat its first arc and leave where they join."""
+        lanes = np.concatenate([members, np.repeat(members[:1], WIDTH - len(members))])
+        used = np.arange(WIDTH) < len(members)
+        state, coefficients, status = rows(6), rows(2), np.zeros(WIDTH, np.int64)
+        state[:], coefficients[:] = self.states[lanes].T, self.coefficients[:, lanes]
+        advance(
+            model,
+            self.grid.times,
+            self.grid.wanted,
+            state,
+            coefficients,
+            self.join[lanes],
+            np.where(used, self.leave[lanes], self.join[lanes]),
+            self.arcs.start[lanes],
+            self.arcs.states,
+            status,
+            self.integrator.position_tolerance,
+            self.integrator.min_step,
+            workspace(model),
+        )
+        self.arcs.status[members] = status[: len(members)]
 
 
 def _blocks(first: np.ndarray, last: np.ndarray, outlook: np.ndarray) -> Iterator[np.ndarray]:
-    """The arcs of each block: of one outlook, and at the same time, so that few of its lanes stand idle."""
+    """Yield the arcs of each block: of one outlook, and at the same time, so that few lanes stand idle."""
     order = np.lexsort((last, first, outlook))
     for together in np.split(order, np.flatnonzero(np.diff(outlook[order])) + 1):
         yield from (together[k : k + WIDTH] for k in range(0, len(together), WIDTH))
-
-
-def _fly(
-    model: ForceModel, grid: _Grid, begun: _Begun, members: np.ndarray, arcs: Arcs, integrator: Integrator
-) -> None:
-    """Fly one block; spare lanes repeat its first arc and leave where they join."""
-    lanes = np.concatenate([members, np.repeat(members[:1], WIDTH - len(members))])
-    used = np.arange(WIDTH) < len(members)
-    state, coefficients, status = rows(6), rows(2), np.zeros(WIDTH, np.int64)
-    state[:], coefficients[:] = begun.states[lanes].T, begun.coefficients[:, lanes]
-    advance(
-        model,
-        grid.times,
-        grid.wanted,
-        state,
-        coefficients,
-        begun.join[lanes],
-        np.where(used, begun.leave[lanes], begun.join[lanes]),
-        arcs.start[lanes],
-        arcs.states,
-        status,
-        integrator.position_tolerance,
-        integrator.min_step,
-        workspace(model),
-    )
-    arcs.status[members] = status[: len(members)]

@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from typing import Any
 
-from opml.dynamics import forces
 from opml.dynamics.ensemble import Integrator
+from opml.dynamics.forces import Environment, build, with_outlooks
 from opml.dynamics.kernels.surroundings import ForceModel
-from opml.tables import ENVIRONMENT, OPTIONAL, read_metadata, read_table
+from opml.tables import ENVIRONMENT, OPTIONAL, OUTLOOKS, THERMOSPHERE, read_metadata, read_table
 
 
 def read(paths: Mapping[str, str], *, epoch: str, settings: Mapping[str, Any]) -> ForceModel:
@@ -17,17 +17,22 @@ def read(paths: Mapping[str, str], *, epoch: str, settings: Mapping[str, Any]) -
     damaged.
     """
     field = read_metadata(paths["gravity_field"])
-    return forces.build(
+    environment = Environment(
+        epoch,
         **{name: read_table(paths[name], name) for name in ENVIRONMENT},
-        epoch=epoch,
-        degree=settings["degree"],
-        order=settings["order"],
-        bodies=settings["third_bodies"],
         gm=field["gm"],
         radius=field["radius"],
         gms=read_metadata(paths["ephemerides"])["gm"],
-        **{name: read_table(paths[name], name) for name in OPTIONAL if name in dict(paths.items())},
     )
+    optional = {name: read_table(paths[name], name) for name in OPTIONAL if name in dict(paths.items())}
+    model = build(
+        environment,
+        degree=settings["degree"],
+        order=settings["order"],
+        bodies=settings["third_bodies"],
+        thermosphere=optional.get(THERMOSPHERE),
+    )
+    return with_outlooks(model, optional[OUTLOOKS]) if OUTLOOKS in optional else model
 
 
 def integrator(settings: Mapping[str, float]) -> Integrator:

@@ -1,6 +1,7 @@
 """A force model as the kernels read it, from the environment's tables."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
@@ -17,71 +18,83 @@ from opml.environment.weather import ACTIVITY
 _EMPTY = np.empty((0, len(LOCAL_TIMES), len(LATITUDES), len(ALTITUDES)), np.float32)
 
 
+@dataclass(frozen=True)
+class Environment:
+    """What Earth, Sun and Moon do around a run that starts at `epoch` (UTC text).
+
+    The four tables are those of docs/data.md; gm [m3/s2] and radius [m] are the gravity field's, and gms
+    [m3/s2] the bodies', by name.
+    """
+
+    epoch: str
+    earth_orientation: pd.DataFrame
+    ephemerides: pd.DataFrame
+    solar_activity: pd.DataFrame
+    gravity_field: pd.DataFrame
+    gm: float
+    radius: float
+    gms: Mapping[str, float] = field(default_factory=lambda: GM)
+
+
 def build(
-    earth_orientation: pd.DataFrame,
-    ephemerides: pd.DataFrame,
-    solar_activity: pd.DataFrame,
-    gravity_field: pd.DataFrame,
+    environment: Environment,
     *,
-    epoch: str,
     degree: int,
     order: int,
     bodies: Sequence[str],
-    gm: float,
-    radius: float,
-    gms: Mapping[str, float] = GM,
     thermosphere: pd.DataFrame | None = None,
-    outlooks: pd.DataFrame | None = None,
 ) -> ForceModel:
-    """Make a force model from the environment's tables.
+    """Make a force model from an environment.
 
-    earth_orientation, ephemerides, solar_activity: DataFrames at the same uniform nodes;
-    gravity_field: DataFrame n, m, c, s (fully normalised); epoch: UTC text; degree, order: of the
-    field used; bodies: names of the third bodies that pull; gm [m3/s2], radius [m]: of the field;
-    gms: of the bodies [m3/s2]; thermosphere: densities at the same nodes, DTM2000's where there are none;
-    outlooks: the table, where arcs fly under what was known when they start.
+    environment: the tables of Earth orientation, third bodies and solar activity have the same uniform nodes,
+    that of the gravity field is fully normalised
+    degree, order: of the part of the field that is used
+    bodies: names of the third bodies that pull
+    thermosphere: densities at the same nodes; DTM2000's where there are none
     """
+    earth_orientation = environment.earth_orientation
     t = earth_orientation["t"].to_numpy()
-    activity = np.ascontiguousarray(solar_activity[ACTIVITY].to_numpy(float))
+    activity = np.ascontiguousarray(environment.solar_activity[ACTIVITY].to_numpy(float))
     names = ["sun", *(name for name in BODIES if name in bodies and name != "sun")]
     columns = [f"{name}_{axis}" for name in names for axis in "xyz"]
-    midnight, days = days_of_year(epoch, t[-1])
+    midnight, days = days_of_year(environment.epoch, t[-1])
     coefficients = dtm2000.coefficients()
-    model = ForceModel(
+    return ForceModel(
         first=float(t[0]),
         step=float(t[1] - t[0]),
         orientation=np.ascontiguousarray(earth_orientation[ORIENTATION].to_numpy(float)),
         spin=np.ascontiguousarray(spin(earth_orientation)),
-        bodies=np.ascontiguousarray(ephemerides[columns].to_numpy(float)),
-        gms=np.array([gms[name] if name in bodies else 0.0 for name in names]),
+        bodies=np.ascontiguousarray(environment.ephemerides[columns].to_numpy(float)),
+        gms=np.array([environment.gms[name] if name in bodies else 0.0 for name in names]),
         activity=activity,
         midnight=float(midnight),
         seasons=np.ascontiguousarray(dtm2000.seasons(coefficients, days)),
         thermosphere=coefficients,
         tabulated=_EMPTY if thermosphere is None else logarithms(thermosphere),
-        weights=weights(*_coefficients(gravity_field, degree, order)),
+        weights=weights(*_coefficients(environment.gravity_field, degree, order)),
         columns=order + 2,
         degree=degree + 1,
-        gm=float(gm),
-        radius=float(radius),
+        gm=float(environment.gm),
+        radius=float(environment.radius),
         issued=np.empty(0),
         outlooks=np.empty((0, *activity.shape)),
     )
-    return model if outlooks is None else with_outlooks(model, outlooks)
 
 
 def logarithms(thermosphere: pd.DataFrame) -> np.ndarray:
-    """A tabulated thermosphere as the kernels read it, in single precision: 2e-6 of a density."""
+    """Return a tabulated thermosphere as the kernels read it, in single precision: 2e-6 of a density."""
     shape = (-1, len(LOCAL_TIMES), len(LATITUDES), len(ALTITUDES))
     logarithms = np.log(thermosphere[list(DENSITIES)].to_numpy()).astype(np.float32)
     return np.ascontiguousarray(logarithms).reshape(shape)
 
 
 def with_outlooks(model: ForceModel, table: pd.DataFrame) -> ForceModel:
-    """The model whose arcs fly under what was known when they start, by a table `outlooks` of its nodes.
+    """Return a model whose arcs fly under what was known when they start.
 
-    Up to an issue the activity is the model's own. Beyond the forecast it is not finite, so that no arc flies
-    there unnoticed.
+    table: `outlooks`, at the model's nodes
+
+    Up to an issue the activity is that of the model. Beyond the forecast it is not finite, so that no arc
+    flies there unnoticed.
     """
     t = model.first + model.step * np.arange(len(model.activity))
     issued, outlook = np.unique(table["issued"].to_numpy(), return_inverse=True)
@@ -92,7 +105,7 @@ def with_outlooks(model: ForceModel, table: pd.DataFrame) -> ForceModel:
 
 
 def _coefficients(gravity_field: pd.DataFrame, degree: int, order: int) -> tuple[np.ndarray, np.ndarray]:
-    """Cosine and sine coefficients (degree + 1, order + 1) of a field, 0 where the table has none."""
+    """Return cosine and sine coefficients (degree + 1, order + 1) of a field, 0 where the table has none."""
     c, s = np.zeros((degree + 1, order + 1)), np.zeros((degree + 1, order + 1))
     used = gravity_field[(gravity_field["n"] <= degree) & (gravity_field["m"] <= order)]
     c[used["n"], used["m"]] = used["c"]

@@ -6,7 +6,7 @@ off by. So nothing behind a row was known after its t_i, but the row's own error
 from has been through all that the next ephemeris will go through.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import pandas as pd
@@ -14,10 +14,10 @@ import pandas as pd
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.catalog.predict.prediction import TRUE
-from opml.ephemerides import corrected
 from opml.ephemerides.along_track_shift import through
-from opml.ephemerides.corrected import Flight, Grid, Known
-from opml.learning.data.dataset import may_depart
+from opml.ephemerides.corrected import expected, morning, moved
+from opml.ephemerides.known import Known
+from opml.ephemerides.task import Grid, Task, reached
 from opml.learning.data.splits import known_at
 from opml.learning.judge.error_sizes import as_known
 from opml.learning.models.daily_training import Lessons
@@ -30,20 +30,34 @@ STEP = 120.0
 
 
 def departures(known: Known, *, every_hours: float, first_day: float = 0.0) -> pd.DataFrame:
-    """The estimates that mornings start from: the first usable one of every so many hours, from a day on."""
-    usable = may_depart(
-        known.estimates, known.at_estimates, manoeuvres=known.manoeuvres, window=HOUR * known.window_hours
-    )
-    found = known.estimates[usable]
-    found = found[~np.floor(found["t"] / (HOUR * every_hours)).duplicated().to_numpy()]
-    return found[found["t"] >= DAY * first_day]
+    """Return the estimates that mornings start from: the first usable one of every so many hours.
+
+    first_day: estimates before that day are left out
+    """
+    usable = known.estimates[known.may_depart()]
+    first = usable[~np.floor(usable["t"] / (HOUR * every_hours)).duplicated().to_numpy()]
+    return first[first["t"] >= DAY * first_day]
+
+
+def first_day(lessons: Lessons, known: Known, *, train_days: Sequence[float]) -> float:
+    """Return the day of the first morning.
+
+    A learner that learns waits until half of the days to train on are over, any other until a window of
+    tracks is full.
+    """
+    begin, end = train_days
+    if lessons.learns:
+        return float(np.ceil(begin + 0.5 * (end - begin)))
+    others = [other.window_hours for other in (known.long, known.arc) if other is not None]
+    return begin + max([known.window_hours, *others]) / 24.0
 
 
 def judge(dataset: pd.DataFrame, predictions: pd.DataFrame, later: pd.DataFrame | None) -> pd.DataFrame:
-    """What ephemerides are held against, for each kept pair of a dataset: i, j, t_j, t_known and a state.
+    """Return what ephemerides are held against: i, j, t_j, t_known and a state for each pair of a dataset.
 
-    predictions: the table, whose true states it is; later: in its place, the estimates that labels are from,
-    with their doubt.
+    Pairs that were dropped are left out.
+    predictions: the table, whose true states are taken where `later` is None
+    later: the estimates that labels are from, which come with their doubt
     """
     kept = dataset[dataset["keep"]]
     doubt = {name: kept.get(f"sigma_e_{name[-1]}", 0.0) for name in DOUBT}
@@ -54,63 +68,53 @@ def judge(dataset: pd.DataFrame, predictions: pd.DataFrame, later: pd.DataFrame 
     return pairs.join(true, on=["i", "j"])
 
 
-def first_day(lessons: Lessons, known: Known, *, train_days: Sequence[float]) -> float:
-    """Day of the first morning.
+def at_starts(judge: pd.DataFrame, starts: pd.DataFrame, spread: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of `judge` that ephemerides from the `starts` can be held against, with their spread.
 
-    A learner that learns waits until half of the days to train on are over, any other until a window of
-    tracks is full.
+    spread: the table of these pairs. Raises InputError where there are none.
     """
-    begin, end = train_days
-    if lessons.learns:
-        return float(np.ceil(begin + 0.5 * (end - begin)))
-    longer = [one.window_hours for one in (known.long, known.arc) if one is not None]
-    return begin + max([known.window_hours, *longer]) / 24.0
-
-
-def build(
-    flight: Flight,
-    known: Known,
-    lessons: Lessons,
-    starts: pd.DataFrame,
-    judge: pd.DataFrame,
-    spread: pd.DataFrame,
-    *,
-    max_days: float,
-    progress: Callable[[float], None] | None = None,
-) -> pd.DataFrame:
-    """The `replay` table of ephemerides from the `starts`, rows of the estimates.
-
-    judge: rows i, j, t_j, t_known, DOUBT and a state (STATE) that the ephemeris is held against, of each pair
-    that may be; spread: the table of these pairs. Raises InputError where there is nothing to hold against.
-    """
-    judge = judge[judge["i"].isin(starts["track"])].join(spread.set_index(["i", "j"]), on=["i", "j"])
-    judge = judge[np.isfinite(judge[[*STATE, *SPREAD]].to_numpy()).all(axis=1)]
-    if judge.empty:
+    rows = judge[judge["i"].isin(starts["track"])].join(spread.set_index(["i", "j"]), on=["i", "j"])
+    rows = rows[np.isfinite(rows[[*STATE, *SPREAD]].to_numpy()).all(axis=1)]
+    if rows.empty:
         raise InputError("replay: expected later tracks to hold ephemerides against, got none")
+    return rows
+
+
+def grid(judge: pd.DataFrame, *, max_days: float) -> Grid:
+    """Return the epochs of replayed ephemerides, as far as there is a judge, `at_starts`."""
+    return Grid(STEP, max_days, float(judge["t_j"].max()) + STEP)
+
+
+def build(task: Task, lessons: Lessons, judge: pd.DataFrame) -> pd.DataFrame:
+    """Return the `replay` table of ephemerides.
+
+    lessons: the learner as of a morning
+    judge: rows i, j, t_j, t_known, DOUBT, SPREAD and a state (STATE), `at_starts` of the task
+    """
     by_start = dict(tuple(judge.groupby("i")))
-    grid = Grid(STEP, max_days, float(judge["t_j"].max()) + STEP)
 
-    def some(chosen: pd.DataFrame) -> Iterator[pd.DataFrame]:
-        columns = corrected.rows(flight, known, chosen, lessons.variables, grid)
-        for own in corrected.reached(columns, (*STATE, *lessons.variables)):
-            if own["i"].iloc[0] in by_start:
-                yield _held(own, by_start[own["i"].iloc[0]], lessons)
+    def held(part: Task) -> Iterator[pd.DataFrame]:
+        columns = part.columns(lessons.variables)
+        for rows in reached(columns, (*STATE, *lessons.variables)):
+            track = rows["i"].iloc[0]
+            if track in by_start:
+                yield _held(rows, by_start[track], lessons)
 
-    found = corrected.by_parts(some, starts, grid, progress=progress)
-    sigma = as_known(found, found["morning"].to_numpy())
-    return found.assign(**dict(zip(SIGMA_STATE, sigma.T, strict=True)))[SCHEMAS["replay"].names]
+    table = task.by_parts(held)
+    sigma = as_known(table, table["morning"].to_numpy())
+    return table.assign(**dict(zip(SIGMA_STATE, sigma.T, strict=True)))[SCHEMAS["replay"].names]
 
 
-def _held(own: pd.DataFrame, later: pd.DataFrame, lessons: Lessons) -> pd.DataFrame:
-    """What one ephemeris is off from the states of later tracks."""
-    t, t_i = own["t_j"].to_numpy(), float(own["t_i"].iloc[0])
-    now = corrected.morning(t_i)
+def _held(rows: pd.DataFrame, later: pd.DataFrame, lessons: Lessons) -> pd.DataFrame:
+    """Return how far one ephemeris is off the states of later tracks."""
+    t, t_i = rows["t_j"].to_numpy(), float(rows["t_i"].iloc[0])
+    now = morning(t_i)
     model = lessons(now)
     later = later[later["t_j"].between(t[0], t[-1])]
     at, states = later["t_j"].to_numpy(), np.ascontiguousarray(later[STATE])
     before, after = (
         in_rsw(through(t, path)(at) - states, states)
-        for path in (np.ascontiguousarray(own[STATE]), corrected.moved(own, corrected.said(own, model)))
+        for path in (np.ascontiguousarray(rows[STATE]), moved(rows, expected(rows, model)))
     )
     return later[["i", "j", "t_j", "t_known", *DOUBT, *SPREAD]].assign(
         t_i=t_i,

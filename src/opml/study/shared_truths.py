@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from opml import naming
+from opml.base.constants import LANES
 from opml.base.errors import InputError
 from opml.naming import Experiment
 from opml.orbits import sheets
@@ -12,9 +13,6 @@ from opml.study.experiments import Study
 from opml.study.own_study import OwnStudy
 from opml.study.paper import Paper
 from opml.tables import TRUTH_GROUPS, read_table
-
-LANES = 16
-"""Most truths of one job: they take the time of one, as a kernel has that many lanes."""
 
 
 def named_rsos(paper: Paper, beyond: Beyond, own_study: OwnStudy) -> list[str]:

@@ -14,9 +14,11 @@ from opml.tables.catalog_tables import (
 )
 from opml.tables.columns import (
     COMPONENTS,
+    PARAMETER_COVARIANCES,
     PARAMETERS,
     SPREAD,
     STATE,
+    STATE_COVARIANCES,
     Column,
     Schema,
     count,
@@ -67,6 +69,7 @@ __all__ = [
     "OPTIONAL",
     "OUTLOOKS",
     "PARAMETERS",
+    "PARAMETER_COVARIANCES",
     "PLANE",
     "POSITION_COVARIANCES",
     "SCHEMAS",
@@ -74,6 +77,7 @@ __all__ = [
     "SIGMA_STATE",
     "SPREAD",
     "STATE",
+    "STATE_COVARIANCES",
     "THERMOSPHERE",
     "TRUTH_GROUPS",
     "WHOLE",

@@ -15,6 +15,7 @@ from opml.tables.columns import (
     T,
     count,
     covariance,
+    covariance_names,
     flag,
     real,
     state,
@@ -24,8 +25,8 @@ from opml.tables.columns import (
 TRUTH_GROUPS = "truth_groups"
 """Kind of the tables that list the RSOs whose truths one job made."""
 
-POSITION_COVARIANCES = [f"cov_{a}_{b}" for a, b in (*("xx", "yx", "yy"), *("zx", "zy", "zz"))]
-"""Columns of a position's covariance: the lower triangle, row by row."""
+POSITION_COVARIANCES = covariance_names("xyz")
+"""Columns of the lower triangle, row by row, of a position's covariance."""
 
 SIGMAS = [f"sigma_{name}" for name in COMPONENTS]
 """Columns of a label's uncertainty, by error component."""

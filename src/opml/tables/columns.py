@@ -76,12 +76,24 @@ def state(frame: str, meaning: str, *, prefix: str = "", suffix: str = "") -> tu
 def covariance(parameters: Sequence[str], frame: str) -> tuple[Column, ...]:
     """Return the columns of the covariance of parameters: the lower triangle, row by row."""
     columns = []
-    for row, a in enumerate(parameters):
-        for b in parameters[: row + 1]:
-            units = [unit for unit in (_unit(a), _unit(b)) if unit != "1"]
-            columns.append(real(f"cov_{a}_{b}", " ".join(units) or "1", f"covariance of {a} and {b}", frame))
+    for name, (a, b) in zip(covariance_names(parameters), _lower_triangle(parameters), strict=True):
+        units = [unit for unit in (_unit(a), _unit(b)) if unit != "1"]
+        columns.append(real(name, " ".join(units) or "1", f"covariance of {a} and {b}", frame))
     return tuple(columns)
 
+
+def covariance_names(parameters: Sequence[str]) -> list[str]:
+    """Return the names of the columns of `covariance`."""
+    return [f"cov_{a}_{b}" for a, b in _lower_triangle(parameters)]
+
+
+def _lower_triangle(parameters: Sequence[str]) -> list[tuple[str, str]]:
+    return [(a, b) for row, a in enumerate(parameters) for b in parameters[: row + 1]]
+
+
+STATE_COVARIANCES = covariance_names(STATE)
+
+PARAMETER_COVARIANCES = covariance_names(PARAMETERS)
 
 SINCE = "elapsed SI seconds since the epoch"
 

@@ -4,13 +4,11 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.catalog.fit.estimation import COVARIANCES
-from opml.catalog.flight import fly
+from opml.catalog.flight import Flight
 from opml.catalog.predict import prediction
 from opml.catalog.predict.covariance import of_positions, propagated
-from opml.dynamics.ensemble import Integrator
 from opml.orbits.elements import cartesian_from_coe, in_rsw
-from opml.tables import POSITION_COVARIANCES, SCHEMAS, STATE, symmetric_matrices
+from opml.tables import PARAMETER_COVARIANCES, POSITION_COVARIANCES, SCHEMAS, STATE, symmetric_matrices
 
 TIMES = np.array([0.0, 0.4, 1.0]) * DAY
 DRAWS = 400
@@ -31,25 +29,21 @@ def test_carried_covariances_are_those_of_many_arcs(assumed_model, iss):
     fit = covariance_of_a_fit()
     table = pd.DataFrame({"track": 10 + np.arange(3), "t": TIMES, "converged": True, "cd": 2.2})
     table[STATE] = cartesian_from_coe(coe, assumed_model.gm)
-    table = table.assign(**dict(zip(COVARIANCES, fit[np.tril_indices(7)], strict=True)))
-    pairs = prediction.predict_all(
-        assumed_model, table[["t", *STATE]], table, iss, max_days=2.0, integrator=Integrator()
-    )
-    carried = propagated(assumed_model, table, pairs, iss, integrator=Integrator())
+    table = table.assign(**dict(zip(PARAMETER_COVARIANCES, fit[np.tril_indices(7)], strict=True)))
+    flight = Flight(assumed_model, iss)
+    pairs = prediction.predict_all(flight, table[["t", *STATE]], table, max_days=2.0)
+    carried = propagated(flight, table, pairs)
     found = of_positions(pairs, carried)
     assert list(found.columns) == SCHEMAS["covariances"].names
     assert found[["i", "j"]].to_numpy().tolist() == [[10, 11], [10, 12], [11, 12]]
 
     draws = np.random.default_rng(1).multivariate_normal(np.zeros(7), fit, DRAWS)
-    arcs = fly(
-        assumed_model,
-        iss,
+    arcs = flight.fly(
         TIMES,
         table.loc[0, STATE].to_numpy(float) + draws[:, :6],
         cd=2.2 + draws[:, 6],
         first=np.zeros(DRAWS, int),
         last=np.full(DRAWS, 2),
-        integrator=Integrator(),
     )
     for k in (0, 1):
         predicted = pairs[STATE].to_numpy()[k]

@@ -11,11 +11,10 @@ from support import rsos
 
 from opml.base.constants import DAY, HOUR
 from opml.catalog.fit import estimation, start_states
-from opml.catalog.fit.estimation import COVARIANCES
 from opml.catalog.fit.least_squares import NOT_CONVERGED, UNDERDETERMINED, Fit, Method
+from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
-from opml.dynamics.ensemble import Integrator
-from opml.tables import PARAMETERS, STATE
+from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE
 
 SIGMAS = [f"sigma_{name}" for name in tracking.QUANTITIES]
 TRUE = {name: f"{name}_true" for name in tracking.QUANTITIES}
@@ -24,10 +23,8 @@ TRUE = {name: f"{name}_true" for name in tracking.QUANTITIES}
 def estimates(model, orbit, rows, earth_orientation, stations, rso, *, threads=1, seed=42, **settings):
     settings = replace(SETTINGS, **settings)
     starts = start_states.perturbed(orbit, rows, rso=rso.name, settings=settings, seed=seed)
-    return estimation.estimate_all(
-        model, starts, rows, earth_orientation, stations, rso,
-        settings=settings, integrator=Integrator(), threads=threads,
-    )  # fmt: skip
+    measured = estimation.Measured(rows, earth_orientation, stations)
+    return estimation.estimate_all(Flight(model, rso, threads=threads), starts, measured, settings=settings)
 
 
 def without_noise(rows):
@@ -44,14 +41,14 @@ def covariances(table):
     """Covariances (n, 7, 7) from their lower triangles."""
     full = np.zeros((len(table), 7, 7))
     low = np.tril_indices(7)
-    full[:, low[0], low[1]] = full[:, low[1], low[0]] = table[COVARIANCES].to_numpy()
+    full[:, low[0], low[1]] = full[:, low[1], low[0]] = table[PARAMETER_COVARIANCES].to_numpy()
     return full
 
 
 @pytest.fixture(scope="module")
 def orbit(assumed_model, iss):
     """Two days of the paper's RSO under the assumed model itself."""
-    return truth.simulate(assumed_model, iss, duration=2 * DAY, step=20.0, integrator=Integrator())
+    return truth.simulate(Flight(assumed_model, iss), duration=2 * DAY, step=20.0)
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +64,7 @@ def table(assumed_model, orbit, rows, earth_orientation, three_stations, iss):
 def test_perfect_measurements_give_the_truth(assumed_model, earth_orientation, three_stations, iss):
     """Without radiation pressure: the shadow's edge inside a step makes two grids differ by a decimetre."""
     smooth = replace(iss, cr=0.0)
-    orbit = truth.simulate(assumed_model, smooth, duration=DAY, step=20.0, integrator=Integrator())
+    orbit = truth.simulate(Flight(assumed_model, smooth), duration=DAY, step=20.0)
     rows = without_noise(tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1))
     found = estimates(assumed_model, orbit, rows, earth_orientation, three_stations, smooth, convergence=1e-6)
     many = found["tracks_used"] >= 3
@@ -136,13 +133,12 @@ def measured(rows, earth_orientation, three_stations):
 @pytest.fixture
 def evaluated(assumed_model, iss, measured):
     """The evaluation of a window at parameters (7,)."""
-    flight = estimation.Flight(assumed_model, iss, Integrator(), 1)
+    flight = Flight(assumed_model, iss)
 
     def evaluate(window, parameters):
         method = Method(np.ones(7), np.ones(7, bool), 1e-3)
-        (states,), (lost,) = flight.around(
-            measured.epochs, [estimation.Estimate(window, Fit(parameters, method))]
-        )
+        trial = estimation.Estimate(window, Fit(parameters, method))
+        (states,), (lost,) = estimation.fly_around(flight, measured.epochs, [trial])
         assert not lost
         return measured.evaluation(window, states)
 
@@ -216,7 +212,7 @@ def test_a_hopeless_window_is_a_row(assumed_model, orbit, rows, earth_orientatio
     few = rows[rows["track"] == 0].iloc[:4]
     found = estimates(assumed_model, orbit, few, earth_orientation, three_stations, iss).iloc[0]
     assert (found["tracks_used"], found["measurements_used"]) == (1, 4)
-    assert np.isfinite(found[[*PARAMETERS, *COVARIANCES]].to_numpy(float)).all()
+    assert np.isfinite(found[[*PARAMETERS, *PARAMETER_COVARIANCES]].to_numpy(float)).all()
     # A minute of measurements says nothing of drag.
     assert found["cov_cd_cd"] ** 0.5 > 100.0
     assert found["converged"] == (found["reason"] == "")
@@ -228,7 +224,7 @@ def test_too_few_measurements_for_seven_parameters(
     found = estimates(assumed_model, orbit, rows.iloc[:2], earth_orientation, three_stations, iss).iloc[0]
     assert not found["converged"]
     assert found["reason"] == UNDERDETERMINED
-    assert np.isfinite(found[[*PARAMETERS, *COVARIANCES]].to_numpy(float)).all()
+    assert np.isfinite(found[[*PARAMETERS, *PARAMETER_COVARIANCES]].to_numpy(float)).all()
 
 
 def test_no_time_to_converge(assumed_model, orbit, rows, earth_orientation, three_stations, iss):
@@ -250,7 +246,7 @@ def test_a_start_that_decays_is_a_row_and_spoils_no_other(
     # Whether it is lost on the way to the oldest measurement or to the newest.
     assert lost.sum() > 1
     assert (found["reason"][lost] == "start arc decayed below 120 km").all()
-    assert found.loc[lost, COVARIANCES].isna().all(axis=None)
+    assert found.loc[lost, PARAMETER_COVARIANCES].isna().all(axis=None)
     assert np.isfinite(found.loc[lost, PARAMETERS].to_numpy(float)).all()
     assert found["track"].tolist() == [0, 1, 2, 3, 4]
     assert found["converged"].iloc[0]
@@ -268,12 +264,12 @@ def test_a_start_that_decays_is_a_row_and_spoils_no_other(
 
 def test_high_orbits_leave_cd_at_its_a_priori_value(assumed_model, earth_orientation, three_stations):
     lageos = rsos()["lageos1"]
-    high = truth.simulate(assumed_model, lageos, duration=0.6 * DAY, step=20.0, integrator=Integrator())
+    high = truth.simulate(Flight(assumed_model, lageos), duration=0.6 * DAY, step=20.0)
     rows = tracking.simulate(high, earth_orientation, three_stations, rso="lageos1", seed=1)
     found = estimates(assumed_model, high, rows, earth_orientation, three_stations, lageos)
     assert found["converged"].all()
     assert (found["cd"] == lageos.cd).all()
-    assert (found[[name for name in COVARIANCES if "cd" in name]] == 0.0).all(axis=None)
+    assert (found[[name for name in PARAMETER_COVARIANCES if "cd" in name]] == 0.0).all(axis=None)
     assert (found["cov_x_x"] > 0.0).all()
     assert errors(found, high).max() < 300.0
 
@@ -310,13 +306,12 @@ def test_a_fit_without_a_start_takes_the_newest_estimate_whatever_it_says_of_cd(
     first = rows[rows["track"] < 12]
     starts = start_states.perturbed(orbit, first, rso="iss", settings=SETTINGS, seed=1)
     lost = starts.assign(**{name: starts[name].where(starts["track"] < 4) for name in STATE})
+    measured = estimation.Measured(first, earth_orientation, three_stations)
+    settings = replace(SETTINGS, cd_bounds=(9.0, 9.1))
     found, known, none = (
-        estimation.estimate_all(
-            assumed_model, table, first, earth_orientation, three_stations, iss,
-            settings=replace(SETTINGS, cd_bounds=(9.0, 9.1)), integrator=Integrator(),
-        )
+        estimation.estimate_all(Flight(assumed_model, iss), table, measured, settings=settings)
         for table in (lost, starts, lost.assign(x=np.nan))
-    )  # fmt: skip
+    )
     assert found["converged"].all()
     moved = np.linalg.norm((found[["x", "y", "z"]] - known[["x", "y", "z"]]), axis=1)
     assert moved.max() < 0.1
@@ -324,7 +319,7 @@ def test_a_fit_without_a_start_takes_the_newest_estimate_whatever_it_says_of_cd(
 
 
 def test_an_absurd_estimate_is_nobodys_start(assumed_model, iss):
-    run = estimation.Run(None, estimation.Flight(assumed_model, iss, Integrator(), 1), None, SETTINGS)
+    run = estimation.Run(None, Flight(assumed_model, iss), None, SETTINGS)
     normal = np.linalg.inv(np.diag([1e4] * 3 + [1e-2] * 3 + [1.0]) + 0.9 * (_tied() + _tied().T))
     for cd, kept in ((4.2, True), (-424469.0, False)):
         fit = Fit(np.append(np.full(6, 7e6), cd), run.method(np.ones(7, bool)))

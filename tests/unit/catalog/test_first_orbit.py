@@ -12,9 +12,9 @@ from support import EPOCH, rsos
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.catalog.fit import estimation, first_orbit, measured_tracks, start_states
-from opml.catalog.fit.estimation import Flight, Measured, Run
+from opml.catalog.fit.estimation import Measured, Run
+from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
-from opml.dynamics.ensemble import Integrator
 from opml.interop import first_state, oem, tdm
 from opml.tables import STATE
 
@@ -22,7 +22,7 @@ from opml.tables import STATE
 @pytest.fixture(scope="module")
 def orbit(truth_model, iss):
     """Two days of the paper's RSO under another model than the assumed one."""
-    return truth.simulate(truth_model, iss, duration=2 * DAY, step=20.0, integrator=Integrator())
+    return truth.simulate(Flight(truth_model, iss), duration=2 * DAY, step=20.0)
 
 
 @pytest.fixture(scope="module")
@@ -31,17 +31,18 @@ def rows(orbit, earth_orientation, three_stations):
 
 
 @pytest.fixture(scope="module")
-def starts(assumed_model, rows, earth_orientation, three_stations, iss):
-    return first_orbit.determined(
-        assumed_model, rows, earth_orientation, three_stations, iss,
-        settings=SETTINGS, integrator=Integrator(),
-    )  # fmt: skip
+def flight(assumed_model, iss):
+    return Flight(assumed_model, iss)
 
 
-def carried(model, rows, earth_orientation, stations, rso, t, given):
-    return first_orbit.carried(
-        model, rows, earth_orientation, stations, rso, t=t, given=given, integrator=Integrator()
-    )
+@pytest.fixture(scope="module")
+def measured(rows, earth_orientation, three_stations):
+    return Measured(rows, earth_orientation, three_stations)
+
+
+@pytest.fixture(scope="module")
+def starts(flight, measured):
+    return first_orbit.determined(flight, measured, settings=SETTINGS)
 
 
 def apart(table, orbit):
@@ -55,11 +56,11 @@ def test_almost_every_single_track_gives_an_orbit(
     assumed_model, truth_model, earth_orientation, three_stations, name
 ):
     rso = rsos()[name]
-    orbit = truth.simulate(truth_model, rso, duration=DAY, step=20.0, integrator=Integrator())
+    orbit = truth.simulate(Flight(truth_model, rso), duration=DAY, step=20.0)
     rows = tracking.simulate(orbit, earth_orientation, three_stations, rso=name, seed=1)
     run = Run(
         Measured(rows, earth_orientation, three_stations),
-        Flight(assumed_model, rso, Integrator(), 1),
+        Flight(assumed_model, rso),
         np.empty((0, 6)),
         SETTINGS,
     )
@@ -77,14 +78,10 @@ def test_the_first_orbit_is_near_the_true_one_at_every_track(starts, rows, orbit
     assert apart(starts, orbit).max() < 5e3
 
 
-def test_fits_from_it_are_those_from_the_perturbed_truth(
-    assumed_model, starts, rows, orbit, earth_orientation, three_stations, iss
-):
-    given = rows, earth_orientation, three_stations, iss
+def test_fits_from_it_are_those_from_the_perturbed_truth(flight, starts, measured, rows, orbit):
     with_truth = start_states.perturbed(orbit, rows, rso="iss", settings=SETTINGS, seed=1)
     ours, theirs = (
-        estimation.estimate_all(assumed_model, one, *given, settings=SETTINGS, integrator=Integrator())
-        for one in (starts, with_truth)
+        estimation.estimate_all(flight, one, measured, settings=SETTINGS) for one in (starts, with_truth)
     )
     assert ours["converged"].all()
     assert theirs["converged"].all()
@@ -93,29 +90,21 @@ def test_fits_from_it_are_those_from_the_perturbed_truth(
 
 
 def test_what_was_exported_and_read_gives_the_same_estimates_to_the_bit(
-    assumed_model, starts, rows, earth_orientation, three_stations, iss, tmp_path
+    flight, starts, rows, earth_orientation, three_stations, tmp_path
 ):
     tdm.write(tmp_path / "iss.tdm", rows, epoch=EPOCH, rso="iss")
     back = measured_tracks.tracks(tdm.measurements([tmp_path / "iss.tdm"], epoch=EPOCH), three_stations)
-    found = [
-        estimation.estimate_all(
-            assumed_model, starts, one, earth_orientation, three_stations, iss,
-            settings=SETTINGS, integrator=Integrator(),
-        )
-        for one in (rows, back)
-    ]  # fmt: skip
+    both = (Measured(one, earth_orientation, three_stations) for one in (rows, back))
+    found = [estimation.estimate_all(flight, starts, one, settings=SETTINGS) for one in both]
     pd.testing.assert_frame_equal(*found, check_exact=True)
 
 
-def test_elements_are_carried_to_every_track(
-    assumed_model, rows, orbit, earth_orientation, three_stations, iss
-):
-    t, state = first_orbit.of_sheet(iss, assumed_model.gm)
-    table = carried(assumed_model, rows, earth_orientation, three_stations, iss, t, state)
+def test_elements_are_carried_to_every_track(flight, measured, orbit):
+    table = first_orbit.carried(flight, measured, first_orbit.of_sheet(flight.rso, flight.model.gm))
     assert apart(table, orbit).max() < 50e3
     # From a state in the middle, forward and backward.
     middle = orbit[STATE].iloc[4320].to_numpy()
-    table = carried(assumed_model, rows, earth_orientation, three_stations, iss, DAY, middle)
+    table = first_orbit.carried(flight, measured, (DAY, middle))
     assert apart(table, orbit).max() < 20e3
     assert apart(table[np.abs(table["t"] - DAY) < 20e3], orbit).max() < 2e3
 
@@ -124,29 +113,23 @@ def test_elements_that_are_not_known_are_none(assumed_model, iss):
     assert first_orbit.of_sheet(replace(iss, a=np.nan), assumed_model.gm) is None
 
 
-def test_tracks_of_another_rso_are_told(assumed_model, rows, earth_orientation, three_stations, iss):
-    t, state = first_orbit.of_sheet(replace(iss, mean_anomaly=1.0), assumed_model.gm)
+def test_tracks_of_another_rso_are_told(flight, measured):
+    other = first_orbit.of_sheet(replace(flight.rso, mean_anomaly=1.0), flight.model.gm)
     with pytest.raises(
         InputError, match=r"iss: expected tracks near the orbit .*, got tracks that are \d+ km"
     ):
-        carried(assumed_model, rows, earth_orientation, three_stations, iss, t, state)
+        first_orbit.carried(flight, measured, other)
 
 
-def test_tracks_that_give_no_orbit_are_told(assumed_model, rows, earth_orientation, three_stations, iss):
-    short = rows.groupby("track").head(3)
+def test_tracks_that_give_no_orbit_are_told(flight, rows, earth_orientation, three_stations):
+    short = Measured(rows.groupby("track").head(3), earth_orientation, three_stations)
     with pytest.raises(InputError, match="iss: expected a track of at least 5 measurements over 30 s"):
-        first_orbit.determined(
-            assumed_model, short, earth_orientation, three_stations, iss,
-            settings=SETTINGS, integrator=Integrator(),
-        )  # fmt: skip
+        first_orbit.determined(flight, short, settings=SETTINGS)
 
 
-def test_the_log_tells_what_was_done(
-    starts, assumed_model, rows, earth_orientation, three_stations, iss, caplog
-):
+def test_the_log_tells_what_was_done(flight, measured, caplog):
     caplog.set_level(logging.INFO)
-    t, state = first_orbit.of_sheet(iss, assumed_model.gm)
-    carried(assumed_model, rows, earth_orientation, three_stations, iss, t, state)
+    first_orbit.carried(flight, measured, first_orbit.of_sheet(flight.rso, flight.model.gm))
     assert "km from the first day's tracks" in caplog.text
 
 

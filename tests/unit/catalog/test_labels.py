@@ -9,15 +9,22 @@ from support import BOUNDED_ESTIMATION as SETTINGS
 
 from opml.base.constants import DAY, HOUR
 from opml.catalog.fit import estimation, start_states
-from opml.catalog.fit.estimation import COVARIANCES
+from opml.catalog.flight import Flight
 from opml.catalog.predict import labels, other_windows, prediction, sensitivity
 from opml.catalog.simulate import tracking, truth
-from opml.dynamics.ensemble import Integrator
 from opml.learning.data import dataset, splits
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models import learners
 from opml.learning.models.inputs import Training, inverse_variances
-from opml.tables import COMPONENTS, LEARNING_VARIABLES, SCHEMAS, SIGMAS, STATE, write_table
+from opml.tables import (
+    COMPONENTS,
+    LEARNING_VARIABLES,
+    PARAMETER_COVARIANCES,
+    SCHEMAS,
+    SIGMAS,
+    STATE,
+    write_table,
+)
 
 END_OF_TRAINING = DAY
 TRAIN = "days-0-1"
@@ -49,7 +56,7 @@ def four():
     estimates[STATE] = orbits(3.986e14)
     covariance = np.diag([9.0, 4.0, 1.0, 9e-6, 4e-6, 1e-6, 0.01])[np.tril_indices(7)]
     estimates.loc[2, STATE] = 1e300  # no orbit: must neither warn nor spread
-    estimates[COVARIANCES] = np.tile(covariance, (4, 1))
+    estimates[PARAMETER_COVARIANCES] = np.tile(covariance, (4, 1))
     estimates["reason"] = ["", "", "not converged", ""]
     tracks = pd.DataFrame({"track": np.repeat(range(4), 2), "t": np.repeat(t, 2) + np.tile([0.0, 60.0], 4)})
     pairs = [(0, 1), (0, 2), (0, 3), (1, 3)]
@@ -112,7 +119,7 @@ def test_equal_weights_change_nothing_and_useless_rows_no_model(name):
 
 @pytest.fixture(scope="module")
 def orbit(truth_model, iss):
-    return truth.simulate(truth_model, iss, duration=1.7 * DAY, step=20.0, integrator=Integrator())
+    return truth.simulate(Flight(truth_model, iss), duration=1.7 * DAY, step=20.0)
 
 
 @pytest.fixture(scope="module")
@@ -123,32 +130,25 @@ def rows(orbit, earth_orientation, three_stations):
 @pytest.fixture(scope="module")
 def chain(assumed_model, orbit, earth_orientation, three_stations, iss):
     """From tracks to datasets by label: what the workflow does without a truth."""
-    common = {"integrator": Integrator()}
+    flight = Flight(assumed_model, iss)
 
     def estimated(tracks, **settings):
-        asked = replace(SETTINGS, cd_bounds=None, **settings)
-        starts = start_states.perturbed(orbit, tracks, rso="iss", settings=asked, seed=42)
-        return estimation.estimate_all(
-            assumed_model, starts, tracks, earth_orientation, three_stations, iss, settings=asked, **common
-        )
+        settings = replace(SETTINGS, cd_bounds=None, **settings)
+        starts = start_states.perturbed(orbit, tracks, rso="iss", settings=settings, seed=42)
+        measured = estimation.Measured(tracks, earth_orientation, three_stations)
+        return estimation.estimate_all(flight, starts, measured, settings=settings)
 
     def predicted(estimates):
-        return prediction.predict_all(assumed_model, orbit, estimates, iss, max_days=0.5, **common)
+        return prediction.predict_all(flight, orbit, estimates, max_days=0.5)
 
     def chained(tracks):
         short, long = estimated(tracks), estimated(tracks, window_hours=24)
         smoothed = estimated(tracks, after_hours=6)
         pairs = predicted(short)
         beside = (
-            sensitivity.sensitivities(assumed_model, short, pairs, iss, bounds=None, **common),
+            sensitivity.sensitivities(flight, short, pairs, bounds=None),
             other_windows.build(
-                assumed_model,
-                pairs,
-                iss,
-                arc_estimates=long,
-                arc_predictions=predicted(long),
-                memory_days=30,
-                **common,
+                flight, pairs, arc_estimates=long, arc_predictions=predicted(long), memory_days=30
             ),
         )
         made = {}

@@ -10,9 +10,9 @@ from support import BOUNDED_ESTIMATION as SETTINGS
 from opml.base.constants import DAY, EARTH_RATE, HOUR, SPEED_OF_LIGHT
 from opml.catalog.fit import estimation, start_states
 from opml.catalog.fit.estimation import Measured
+from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import observe, retarded, site
-from opml.dynamics.ensemble import Integrator
 from opml.dynamics.frames import gcrf_to_itrf
 from opml.tables import STATE
 
@@ -27,7 +27,7 @@ def smooth(iss):
 
 @pytest.fixture(scope="module")
 def orbit(assumed_model, smooth):
-    return truth.simulate(assumed_model, smooth, duration=DAY, step=20.0, integrator=Integrator())
+    return truth.simulate(Flight(assumed_model, smooth), duration=DAY, step=20.0)
 
 
 @pytest.fixture(scope="module")
@@ -70,9 +70,8 @@ def received(geometric, followed, sites):
 def estimates(model, orbit, rows, earth_orientation, stations, rso, **settings):
     settings = replace(SETTINGS, convergence=1e-6, **settings)
     starts = start_states.perturbed(orbit, rows, rso=rso.name, settings=settings, seed=42)
-    found = estimation.estimate_all(
-        model, starts, rows, earth_orientation, stations, rso, settings=settings, integrator=Integrator()
-    )
+    measured = Measured(rows, earth_orientation, stations)
+    found = estimation.estimate_all(Flight(model, rso), starts, measured, settings=settings)
     return found[found["tracks_used"] >= 3]
 
 
@@ -107,28 +106,27 @@ def test_half_a_two_way_range_is_another_one_by_metres(geometric, sites, followe
 def test_a_fit_predicts_what_is_received(
     orbit, geometric, received, sites, earth_orientation, three_stations
 ):
-    plain, light = (
-        Measured(geometric, earth_orientation, three_stations, light_time=one) for one in (False, True)
-    )
-    window = light.window(4, 12 * HOUR)
-    states = orbit.set_index("t").loc[light.epochs[window.first : window.last + 1], STATE].to_numpy()
+    measured = Measured(geometric, earth_orientation, three_stations)
+    window = measured.window(4, 12 * HOUR)
+    states = orbit.set_index("t").loc[measured.epochs[window.first : window.last + 1], STATE].to_numpy()
     rows, states = window.rows, np.repeat(states[None], 8, axis=0)
-    residuals = light.evaluation(window, states).residuals.reshape(-1, 3) * light.sigmas[rows]
+    light = measured.evaluation(window, states, light_time=True)
+    residuals = light.residuals.reshape(-1, 3) * measured.sigmas[rows]
     expected = (
         geometric[tracking.QUANTITIES].to_numpy()[rows] - received[tracking.QUANTITIES].to_numpy()[rows]
     )
     np.testing.assert_allclose(residuals[:, 2], expected[:, 2], atol=2e-3)
     np.testing.assert_allclose(residuals[:, :2], expected[:, :2], atol=1e-8)
     # What it is: the range's rate, of a station at rest, times the light's travel.
-    t = light.epochs[light.epoch_of_row[rows]]
-    flown = states[0, light.epoch_of_row[rows] - window.first].reshape(-1, 2, 3)
+    t = measured.epochs[measured.epoch_of_row[rows]]
+    flown = states[0, measured.epoch_of_row[rows] - window.first].reshape(-1, 2, 3)
     position, velocity = np.einsum("nij,nkj->kni", gcrf_to_itrf(earth_orientation, t), flown)
     away = position - sites[0][rows]
     distance = np.linalg.norm(away, axis=1)
     rate = np.sum(away * velocity, axis=1) / distance
     np.testing.assert_allclose(residuals[:, 2], rate * distance / SPEED_OF_LIGHT, atol=0.2)
     assert np.abs(residuals[:, 2]).max() > 30.0
-    np.testing.assert_allclose(plain.evaluation(window, states).residuals, 0.0, atol=1e-6)
+    np.testing.assert_allclose(measured.evaluation(window, states).residuals, 0.0, atol=1e-6)
 
 
 def test_light_time_on_both_sides_gives_the_truth(

@@ -11,9 +11,9 @@ from support import EPOCH, stations
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.catalog.fit import measured_tracks
+from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import observe, place, site
-from opml.dynamics.ensemble import Integrator
 from opml.interop import tdm
 
 A_DAY = DAY
@@ -22,7 +22,7 @@ A_DAY = DAY
 @pytest.fixture(scope="module")
 def table(kepler_model, iss, earth_orientation, three_stations):
     """A day of the paper's RSO over the paper's stations."""
-    orbit = truth.simulate(kepler_model, iss, duration=A_DAY, step=20.0, integrator=Integrator())
+    orbit = truth.simulate(Flight(kepler_model, iss), duration=A_DAY, step=20.0)
     return tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=42)
 
 

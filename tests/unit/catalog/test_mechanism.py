@@ -5,6 +5,8 @@ import pandas as pd
 import pytest
 
 from opml.catalog.predict import mechanism
+from opml.catalog.predict.mechanism import FittedArcs
+from opml.catalog.predict.resonance import Resonances
 from opml.orbits.elements import cartesian_from_coe, rsw_rotation
 from opml.tables import STATE, mechanism_schema, write_table
 
@@ -40,18 +42,13 @@ def sensitivities(value):
 
 def build(long_cd=(2.1, 2.2, 2.3, 2.4), converged=True, drop=(), bounds=(1.2, 3.2)):
     long_predictions = predictions([1.0, -200.0, 3.0, 0.1, 0.0, 0.0])
-    return mechanism.build(
-        estimates([2.0, 2.5, 2.2, 2.2]),
-        predictions(np.zeros(6)),
-        sensitivities(7.0),
-        long_estimates=estimates(list(long_cd), converged),
-        long_predictions=long_predictions.drop(index=list(drop)),
-        long_sensitivities=sensitivities(11.0).drop(index=list(drop)),
-        bounds=bounds,
-        resonances=PAIRS,
-        long_window_hours=12,
-        gm=GM,
+    short = FittedArcs(estimates([2.0, 2.5, 2.2, 2.2]), predictions(np.zeros(6)), sensitivities(7.0))
+    long = FittedArcs(
+        estimates(list(long_cd), converged),
+        long_predictions.drop(index=list(drop)),
+        sensitivities(11.0).drop(index=list(drop)),
     )
+    return mechanism.build(short, long, bounds=bounds, resonances=Resonances(PAIRS, 12, GM))
 
 
 def test_the_long_arcs_difference_is_in_rsw_of_the_prediction():

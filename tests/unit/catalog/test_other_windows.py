@@ -5,11 +5,10 @@ import pandas as pd
 import pytest
 
 from opml.base.constants import DAY
-from opml.catalog.fit.estimation import COVARIANCES
+from opml.catalog.flight import Flight
 from opml.catalog.predict import other_windows, prediction
-from opml.dynamics.ensemble import Integrator
 from opml.orbits.elements import cartesian_from_coe
-from opml.tables import SCHEMAS, STATE
+from opml.tables import PARAMETER_COVARIANCES, SCHEMAS, STATE
 
 TIMES = np.array([0.0, 0.3, 1.1, 2.0, 2.9]) * DAY
 
@@ -21,24 +20,22 @@ def estimates(gm, cd, *, sigma=0.1, converged=True, shift=0.0):
     covariance = np.diag([1.0, 1.0, 1.0, 1e-6, 1e-6, 1e-6, 1.0])[np.tril_indices(7)]
     table = pd.DataFrame({"track": 10 + np.arange(len(TIMES)), "t": TIMES, "converged": converged})
     table[STATE] = cartesian_from_coe(coe, gm)
-    table = table.assign(cd=cd, **dict(zip(COVARIANCES, covariance, strict=True)))
+    table = table.assign(cd=cd, **dict(zip(PARAMETER_COVARIANCES, covariance, strict=True)))
     return table.assign(cov_cd_cd=np.broadcast_to(np.square(sigma), len(TIMES)))
 
 
 def predicted(model, table, iss):
     truth = estimates(model.gm, 2.2)[["t", *STATE]]
-    return prediction.predict_all(model, truth, table, iss, max_days=2.5, integrator=Integrator())
+    return prediction.predict_all(Flight(model, iss), truth, table, max_days=2.5)
 
 
 def built(model, iss, short, arc, memory_days=30.0):
     return other_windows.build(
-        model,
+        Flight(model, iss),
         predicted(model, short, iss),
-        iss,
         arc_estimates=arc,
         arc_predictions=predicted(model, arc, iss),
         memory_days=memory_days,
-        integrator=Integrator(),
     )
 
 
@@ -85,20 +82,8 @@ def test_an_arc_that_did_not_converge_says_nothing(assumed_model, iss):
 
 def test_an_arc_across_a_manoeuvre_says_nothing(assumed_model, iss):
     short, arc = estimates(assumed_model.gm, 3.0), estimates(assumed_model.gm, 2.2)
-    quiet, disturbed = (
-        other_windows.build(
-            assumed_model,
-            predicted(assumed_model, short, iss),
-            iss,
-            arc_estimates=arc,
-            arc_predictions=predicted(assumed_model, arc, iss),
-            memory_days=30.0,
-            integrator=Integrator(),
-            manoeuvres=burns,
-            window=DAY,
-        )
-        for burns in ([], [1.0 * DAY])
-    )
+    arcs = (other_windows.undisturbed(arc, manoeuvres=burns, window=DAY) for burns in ([], [1.0 * DAY]))
+    quiet, disturbed = (built(assumed_model, iss, short, one) for one in arcs)
     across = quiet["i"] == 12  # a tenth of a day after it; the next is a whole day later
     assert (disturbed.loc[across, "l_arc_y"] == 0.0).all()
     assert (quiet.loc[across, "l_arc_y"] != 0.0).all()

@@ -7,8 +7,9 @@ from support import ASSUMED_BODIES, EPOCH, environment
 
 from opml.base.constants import DAY, EARTH_RATE, HOUR
 from opml.catalog.predict import resonance
+from opml.catalog.predict.resonance import Resonances
 from opml.dynamics import forces
-from opml.dynamics.ensemble import Integrator, propagate
+from opml.dynamics.ensemble import Departures, Integrator, propagate
 from opml.environment import gravity_field
 from opml.orbits.elements import cartesian_from_coe, rsw_rotation
 from opml.tables import STATE
@@ -40,7 +41,7 @@ def test_names_say_the_pair():
 def test_drift_is_the_double_integral_less_the_line_through_the_window(hours):
     t = np.array([0.0, 0.4, 1.3, 2.2, 3.9, 5.0]) * DAY
     estimates, pairs = tables(t)
-    found = resonance.drifts(estimates, pairs, pairs=PAIRS, window_hours=hours, gm=GM)
+    found = resonance.drifts(estimates, pairs, Resonances(PAIRS, hours, GM))
     assert list(found) == resonance.columns(PAIRS)
     n = np.sqrt(GM / A**3)
     for k, m in PAIRS:
@@ -60,10 +61,10 @@ def test_drift_is_the_double_integral_less_the_line_through_the_window(hours):
 def test_knows_nothing_that_comes_after_the_prediction():
     t = np.array([0.0, 0.4, 1.3, 2.2, 3.9, 5.0]) * DAY
     estimates, pairs = tables(t)
-    whole = resonance.drifts(estimates, pairs, pairs=PAIRS, window_hours=24, gm=GM)
+    whole = resonance.drifts(estimates, pairs, Resonances(PAIRS, 24, GM))
     later = estimates["track"] >= 3
     estimates.loc[later, STATE] *= 1.001
-    again = resonance.drifts(estimates, pairs, pairs=PAIRS, window_hours=24, gm=GM)
+    again = resonance.drifts(estimates, pairs, Resonances(PAIRS, 24, GM))
     pd.testing.assert_frame_equal(whole[pairs["i"] < 3], again[pairs["i"] < 3], check_exact=True)
 
 
@@ -72,16 +73,14 @@ def field(*, order):
     read = gravity_field.read_icgem(gravity_field.resolve("EGM2008"))
     table = gravity_field.table(read, EPOCH)
     kept = (table["n"] <= 20) | (table["m"] == order)
-    return forces.build(
+    surroundings = forces.Environment(
+        EPOCH,
         **environment(),
         gravity_field=table[kept & (table["n"] <= 40)],
-        epoch=EPOCH,
-        degree=40,
-        order=40,
-        bodies=ASSUMED_BODIES,
         gm=read.gm,
         radius=read.radius,
     )
+    return forces.build(surroundings, degree=40, order=40, bodies=ASSUMED_BODIES)
 
 
 @pytest.mark.parametrize(("k", "m"), [(1, 15), (2, 31)])
@@ -96,14 +95,10 @@ def test_a_left_out_order_makes_the_drift_that_the_columns_describe(k, m, iss):
         arc = propagate(
             model,
             epochs,
-            start[None],
-            first=[0],
-            last=[len(epochs) - 1],
-            ballistic=[0.0],
-            reflection=[0.0],
+            Departures(start[None], first=[0], last=[len(epochs) - 1], ballistic=[0.0], reflection=[0.0]),
             integrator=Integrator(),
         )
-        return np.vstack([start, arc.of(0)])
+        return np.vstack([start, arc.path(0)])
 
     at = 2.0 * DAY
     back = at - np.arange(0.0, hours * HOUR + 1.0, 900.0)
@@ -121,7 +116,7 @@ def test_a_left_out_order_makes_the_drift_that_the_columns_describe(k, m, iss):
     estimates[STATE] = arrived
     pairs = pd.DataFrame({"i": 0, "j": np.arange(1, len(t)), "t_i": at, "t_j": ahead[1:]})
     pairs[STATE] = arrived[1:]
-    found = resonance.drifts(estimates, pairs, pairs=[(k, m)], window_hours=hours, gm=GM)
+    found = resonance.drifts(estimates, pairs, Resonances([(k, m)], hours, GM))
     coefficient = np.linalg.lstsq(found.to_numpy(), drift[1:])[0]
     left = drift[1:] - found.to_numpy() @ coefficient
     assert np.abs(drift).max() > 200.0

@@ -5,11 +5,10 @@ import pandas as pd
 import pytest
 
 from opml.base.constants import DAY
-from opml.catalog.fit.estimation import COVARIANCES
+from opml.catalog.flight import Flight
 from opml.catalog.predict import prediction, sensitivity
-from opml.dynamics.ensemble import Integrator, propagate
 from opml.orbits.elements import cartesian_from_coe, rsw_rotation
-from opml.tables import SCHEMAS, STATE
+from opml.tables import PARAMETER_COVARIANCES, SCHEMAS, STATE
 
 TIMES = np.array([0.0, 0.3, 1.1, 2.0, 2.9]) * DAY
 CD = np.array([2.25, 2.1, 4.0, 2.3, 2.2])
@@ -25,7 +24,7 @@ def estimates(gm, covariance=ALONE, **columns):
     table = pd.DataFrame({"track": 10 + np.arange(len(TIMES)), "t": TIMES, "converged": True})
     table[STATE] = cartesian_from_coe(coe, gm)
     table["cd"] = CD
-    return table.assign(**dict(zip(COVARIANCES, lower, strict=True)), **columns)
+    return table.assign(**dict(zip(PARAMETER_COVARIANCES, lower, strict=True)), **columns)
 
 
 @pytest.fixture(scope="module")
@@ -35,12 +34,9 @@ def run(assumed_model, iss):
     def make(covariance=ALONE, keep=lambda pairs: pairs):
         table = estimates(assumed_model.gm, covariance)
         truth = table[["t", *STATE]]
-        pairs = keep(
-            prediction.predict_all(assumed_model, truth, table, iss, max_days=2.5, integrator=Integrator())
-        )
-        found = sensitivity.sensitivities(
-            assumed_model, table, pairs, iss, bounds=BOUNDS, integrator=Integrator()
-        )
+        flight = Flight(assumed_model, iss)
+        pairs = keep(prediction.predict_all(flight, truth, table, max_days=2.5))
+        found = sensitivity.sensitivities(flight, table, pairs, bounds=BOUNDS)
         return table, pairs, found
 
     return make
@@ -48,17 +44,7 @@ def run(assumed_model, iss):
 
 def flown(model, rso, state, cd, span):
     """State after `span` [s] of an arc."""
-    arc = propagate(
-        model,
-        np.array([span[0], span[1]]),
-        state[None],
-        first=[0],
-        last=[1],
-        ballistic=[cd * rso.area_to_mass],
-        reflection=[rso.cr * rso.area_to_mass],
-        integrator=Integrator(),
-    )
-    return arc.of(0)[-1]
+    return Flight(model, rso).fly(np.array(span), state[None], cd=cd, first=[0], last=[1]).path(0)[-1]
 
 
 def turned(pairs, row, difference):

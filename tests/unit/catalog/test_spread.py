@@ -6,16 +6,14 @@ import pytest
 from support import EPOCH, environment, force_model
 
 from opml.base.constants import DAY, HOUR
-from opml.catalog.fit.estimation import COVARIANCES
-from opml.catalog.flight import fly_pairs
+from opml.catalog.flight import Flight
 from opml.catalog.predict import spread
 from opml.catalog.simulate.truth import initial_state
-from opml.dynamics.ensemble import Integrator
 from opml.dynamics.forces import with_outlooks
 from opml.environment import knowledge
 from opml.environment.knowledge import Issues
 from opml.orbits.elements import in_rsw
-from opml.tables import PARAMETERS, SCHEMAS, SPREAD, STATE
+from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, SCHEMAS, SPREAD, STATE
 
 
 @pytest.fixture(scope="module")
@@ -23,8 +21,7 @@ def estimates(iss):
     """One estimate whose Cd is known well, another that says nothing of it."""
     model = force_model(2)
     state = dict(zip(STATE, initial_state(iss, model.gm), strict=True))
-    lower = [(a, b) for k, a in enumerate(PARAMETERS) for b in PARAMETERS[: k + 1]]
-    fit = {name: float(a == b) for name, (a, b) in zip(COVARIANCES, lower, strict=True)}
+    fit = dict.fromkeys(PARAMETER_COVARIANCES, 0.0) | {f"cov_{name}_{name}": 1.0 for name in PARAMETERS}
     table = pd.DataFrame({"track": [0, 1], "t": [0.0, HOUR], "converged": True, **state, **fit})
     return table.assign(cd=[2.2, 900.0], cov_cd_cd=[1e-6, 1e6])
 
@@ -35,9 +32,7 @@ def pairs():
 
 
 def built(iss, estimates, pairs, futures=None, model=None):
-    return spread.build(
-        model or force_model(2), estimates, pairs, iss, futures=futures, integrator=Integrator()
-    )
+    return spread.build(Flight(model or force_model(2), iss), estimates, pairs, futures=futures)
 
 
 def test_a_tenth_more_drag_takes_it_as_far_as_under_all_forces(iss, estimates, pairs, assumed_model):
@@ -45,8 +40,7 @@ def test_a_tenth_more_drag_takes_it_as_far_as_under_all_forces(iss, estimates, p
     assert list(found.columns) == SCHEMAS["spread"].names
     started = estimates[STATE].to_numpy()
     plain, more = (
-        fly_pairs(assumed_model, iss, pairs, started, cd=cd * np.ones(2), integrator=Integrator())[0]
-        for cd in (2.2, 2.42)
+        Flight(assumed_model, iss).fly_pairs(pairs, started, cd=cd * np.ones(2))[0] for cd in (2.2, 2.42)
     )
     expected = np.abs(in_rsw(more - plain, plain)[:, :3])
     np.testing.assert_allclose(found["drag_y"], expected[:, 1], rtol=0.03)

@@ -9,9 +9,9 @@ import pytest
 
 from opml.base.constants import DAY, WGS84_A
 from opml.base.errors import InputError
+from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import observe, site
-from opml.dynamics.ensemble import Integrator
 from opml.dynamics.frames import gcrf_to_itrf
 from opml.orbits.elements import wrap_half_turn
 
@@ -19,7 +19,7 @@ from opml.orbits.elements import wrap_half_turn
 @pytest.fixture(scope="module")
 def orbit(truth_model, iss):
     """Three days of the paper's RSO."""
-    return truth.simulate(truth_model, iss, duration=3 * DAY, step=20.0, integrator=Integrator())
+    return truth.simulate(Flight(truth_model, iss), duration=3 * DAY, step=20.0)
 
 
 @pytest.fixture(scope="module")

@@ -6,14 +6,13 @@ import pytest
 from support import EPOCH, environment, force_model
 
 from opml.base.constants import DAY, HOUR
-from opml.catalog.fit.estimation import COVARIANCES
+from opml.catalog.flight import Flight
 from opml.catalog.predict import prediction, weather_futures
 from opml.catalog.simulate.truth import initial_state
-from opml.dynamics.ensemble import Integrator
 from opml.dynamics.forces import with_outlooks
 from opml.environment import knowledge
 from opml.environment.knowledge import Issues
-from opml.tables import SCHEMAS, STATE
+from opml.tables import PARAMETER_COVARIANCES, SCHEMAS, STATE
 
 RNG = np.random.default_rng(3)
 
@@ -73,15 +72,13 @@ def test_the_future_that_was_forecast_has_no_difference_and_a_calmer_one_leads(i
     start = initial_state(iss, model.gm)
     times = np.array([0.0, 6.0, 20.0]) * HOUR
     states = dict(zip(STATE, np.tile(start, (3, 1)).T, strict=True))
-    known = dict.fromkeys(COVARIANCES, 0.0)
+    known = dict.fromkeys(PARAMETER_COVARIANCES, 0.0)
     estimates = pd.DataFrame({"track": range(3), "t": times, **states, "cd": 2.2, "converged": True, **known})
     truth = estimates[["t", *STATE]]
-    predictions = prediction.predict_all(
-        with_outlooks(model, outlook), truth, estimates, iss, max_days=1, integrator=Integrator()
-    )
-    found = weather_futures.sample(
-        model, futures, estimates, predictions, iss, window=DAY, seed=1, integrator=Integrator()
-    )
+    forecasting = Flight(with_outlooks(model, outlook), iss)
+    predictions = prediction.predict_all(forecasting, truth, estimates, max_days=1)
+    flight = Flight(model, iss)
+    found = weather_futures.sample(flight, futures, estimates, predictions, window=DAY, seed=1)
     assert list(found.columns) == SCHEMAS["ensemble"].names
     forecast, calmer = (found[found["member"] == k] for k in (0, 1))
     assert (forecast[["d_x", "d_y", "d_z"]] == 0.0).all(axis=None)
@@ -91,9 +88,7 @@ def test_the_future_that_was_forecast_has_no_difference_and_a_calmer_one_leads(i
     uncertain = estimates.assign(cov_cd_cd=0.1**2)
     same = pd.concat([outlook.assign(member=k) for k in range(2)], ignore_index=True)
     draws = [
-        weather_futures.sample(
-            model, same, uncertain, predictions, iss, window=DAY, seed=seed, integrator=Integrator()
-        )
+        weather_futures.sample(flight, same, uncertain, predictions, window=DAY, seed=seed)
         for seed in (1, 1, 2)
     ]
     pd.testing.assert_frame_equal(draws[0], draws[1], check_exact=True)

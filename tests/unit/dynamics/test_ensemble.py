@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 from opml.base.constants import DAY, HOUR, WGS84_A
 from opml.dynamics import ensemble
-from opml.dynamics.ensemble import REASONS, Integrator, propagate
+from opml.dynamics.ensemble import REASONS, Departures, Integrator, propagate
 from opml.dynamics.kernels.gravity import weights
 from opml.orbits.elements import TURN, cartesian_from_coe, coe_from_cartesian, true_from_mean_anomaly
 
@@ -37,11 +37,13 @@ def fly(
     return propagate(
         model,
         np.asarray(epochs, float),
-        np.asarray(states),
-        first=np.zeros(count, int) if first is None else first,
-        last=np.full(count, len(epochs) - 1) if last is None else last,
-        ballistic=np.broadcast_to(ballistic, count),
-        reflection=np.full(count, reflection),
+        Departures(
+            np.asarray(states),
+            first=np.zeros(count, int) if first is None else first,
+            last=np.full(count, len(epochs) - 1) if last is None else last,
+            ballistic=np.broadcast_to(ballistic, count),
+            reflection=np.full(count, reflection),
+        ),
         integrator=integrator or Integrator(),
         threads=threads,
     )
@@ -67,15 +69,15 @@ def test_kepler_orbits(kepler_model):
         elements = np.repeat(coe[None], len(mean), axis=0)
         elements[:, 5] = true_from_mean_anomaly(np.mod(mean, TURN), coe[1])
         expected = cartesian_from_coe(elements, gm)
-        assert np.abs(arcs.of(k)[:, :3] - expected[:, :3]).max() < 0.02
-        assert np.abs(arcs.of(k)[:, 3:] - expected[:, 3:]).max() < 2e-5
-        assert np.abs(arcs.of(k)[:2, :3] - expected[:2, :3]).max() < 1e-6
+        assert np.abs(arcs.path(k)[:, :3] - expected[:, :3]).max() < 0.02
+        assert np.abs(arcs.path(k)[:, 3:] - expected[:, 3:]).max() < 2e-5
+        assert np.abs(arcs.path(k)[:2, :3] - expected[:2, :3]).max() < 1e-6
 
 
 def test_the_tolerance_is_felt(kepler_model):
     states, epochs = np.array([orbit(250e3, e=0.73)]), np.array([0.0, DAY])
     loose, tight, tightest = (
-        fly_freely(kepler_model, epochs, states, position_tolerance=tolerance, max_step=900.0).of(0)[-1, :3]
+        fly_freely(kepler_model, epochs, states, position_tolerance=tolerance, max_step=900.0).path(0)[-1, :3]
         for tolerance in (10.0, 1e-2, 1e-5)
     )
     assert np.linalg.norm(tight - tightest) < 0.1 * np.linalg.norm(loose - tightest)
@@ -112,10 +114,10 @@ def test_small_steps_at_perigee_agree_with_scipys(assumed_model):
     states = np.array([orbit(8e6), start, orbit(7e6)])
     for ceiling in (90.0, 600.0):
         arcs = fly_freely(model, epochs, states, position_tolerance=1e-4, max_step=ceiling)
-        assert np.linalg.norm(arcs.of(1)[:, :3] - expected[:, :3], axis=1).max() < 0.05
+        assert np.linalg.norm(arcs.path(1)[:, :3] - expected[:, :3], axis=1).max() < 0.05
     # Without the smaller steps it would be lost: 600 s are a seventh of a circular orbit at perigee's height.
     blind = fly_freely(model, epochs, states, position_tolerance=1e12, max_step=600.0)
-    assert np.linalg.norm(blind.of(1)[-1, :3] - expected[-1, :3]) > 1e3
+    assert np.linalg.norm(blind.path(1)[-1, :3] - expected[-1, :3]) > 1e3
 
 
 @pytest.mark.parametrize(("reflection", "within"), [(0.0, 0.01), (REFLECTION, 0.05)])
@@ -123,12 +125,12 @@ def test_back_to_where_it_began(assumed_model, reflection, within):
     """To a centimetre where forces are smooth; each edge of the shadow inside a step of 90 s costs little."""
     states, epochs = np.array([orbit(400e3), orbit(800e3, e=0.02, i=1.7)]), np.linspace(0.0, DAY, 20)
     forward = fly(assumed_model, epochs, states, reflection=reflection)
-    ends = np.array([forward.of(k)[-1] for k in range(2)])
+    ends = np.array([forward.path(k)[-1] for k in range(2)])
     backward = fly(assumed_model, epochs[::-1], ends, reflection=reflection)
     for k in range(2):
-        assert np.linalg.norm(backward.of(k)[-1, :3] - states[k, :3]) < within
+        assert np.linalg.norm(backward.path(k)[-1, :3] - states[k, :3]) < within
         # The way back passes the same places.
-        assert np.linalg.norm(backward.of(k)[:-1, :3] - forward.of(k)[-2::-1, :3], axis=1).max() < within
+        assert np.linalg.norm(backward.path(k)[:-1, :3] - forward.path(k)[-2::-1, :3], axis=1).max() < within
 
 
 @pytest.fixture(scope="module")
@@ -164,9 +166,9 @@ def test_states_lie_where_the_arcs_say(crowd, together):
     _, _, _, first, last = crowd
     assert together.start.tolist() == np.concatenate([[0], np.cumsum(last - first)]).tolist()
     assert together.states.shape == (together.start[-1], 6)
-    assert together.of(29).shape == (0, 6)
+    assert together.path(29).shape == (0, 6)
     assert np.all(np.isfinite(together.states), axis=1).tolist() == [
-        bool(fine) for k in range(41) for fine in np.isfinite(together.of(k)[:, 0])
+        bool(fine) for k in range(41) for fine in np.isfinite(together.path(k)[:, 0])
     ]
 
 
@@ -176,9 +178,9 @@ def test_lost_arcs_say_why_and_nobody_else_is_touched(together):
     assert REASONS[together.status[5]] == "decayed below 120 km"
     for arc in (11, 23):
         assert together.status[arc] in (2, 3)
-    assert np.all(np.isnan(together.of(23)))
+    assert np.all(np.isnan(together.path(23)))
     for arc in set(range(41)) - set(lost):
-        assert np.all(np.isfinite(together.of(arc)))
+        assert np.all(np.isfinite(together.path(arc)))
 
 
 @pytest.mark.parametrize("arc", [0, 4, 5, 6, 11, 12, 15, 16, 17, 23, 24, 31, 33, 37, 40])
@@ -188,7 +190,7 @@ def test_an_arc_flies_alone_as_among_others(assumed_model, crowd, together, arc)
     alone = fly(
         assumed_model, epochs, states[one], first=first[one], last=last[one], ballistic=ballistic[one]
     )
-    assert alone.states.tobytes() == together.of(arc).tobytes()
+    assert alone.states.tobytes() == together.path(arc).tobytes()
     assert alone.status[0] == together.status[arc]
 
 
@@ -206,7 +208,7 @@ def test_order_and_threads_change_nothing(assumed_model, crowd, together, thread
         threads=threads,
     )
     for place, arc in enumerate(order):
-        assert shuffled.of(place).tobytes() == together.of(arc).tobytes()
+        assert shuffled.path(place).tobytes() == together.path(arc).tobytes()
         assert shuffled.status[place] == together.status[arc]
 
 
@@ -216,9 +218,9 @@ def test_joining_late_is_starting_there(assumed_model):
     states = np.array([orbit(500e3), orbit(420e3, nu=2.0)])
     both = fly(assumed_model, epochs, states, first=[0, 1], last=[3, 3])
     later = fly(assumed_model, epochs[1:], states[1:])
-    assert both.of(1).tobytes() == later.states.tobytes()
+    assert both.path(1).tobytes() == later.states.tobytes()
     sooner = fly(assumed_model, epochs[:3], states[:1])
-    assert both.of(0)[:2].tobytes() == sooner.states.tobytes()
+    assert both.path(0)[:2].tobytes() == sooner.states.tobytes()
 
 
 def test_inputs_are_left_alone(assumed_model, crowd):
@@ -232,7 +234,7 @@ def test_inputs_are_left_alone(assumed_model, crowd):
 def test_a_decaying_arc_has_states_until_it_decays(assumed_model):
     epochs = np.arange(0.0, 5 * HOUR, 300.0)
     arcs = fly(assumed_model, epochs, np.array([orbit(160e3, e=0.0005)]), ballistic=0.6)
-    found = arcs.of(0)
+    found = arcs.path(0)
     flown = np.isfinite(found[:, 0])
     assert REASONS[arcs.status[0]] == "decayed below 120 km"
     assert 0 < flown.sum() < len(flown)
@@ -249,8 +251,8 @@ def test_an_orbit_that_dips_below_the_floor_is_lost_without_any_drag(kepler_mode
     epochs = [0.0, 900.0, 1800.0, 2600.0, 5400.0]
     arcs = fly_freely(kepler_model, epochs, states, max_step=ceiling)
     assert [REASONS[status] for status in arcs.status] == ["decayed below 120 km", ""]
-    assert np.isfinite(arcs.of(0)[:, 0]).tolist() == [True, True, False, False]
-    assert np.all(np.isfinite(arcs.of(1)))
+    assert np.isfinite(arcs.path(0)[:, 0]).tolist() == [True, True, False, False]
+    assert np.all(np.isfinite(arcs.path(1)))
 
 
 def test_more_drag_comes_down_sooner_and_lower(assumed_model):
@@ -305,12 +307,12 @@ def test_no_step_has_midnight_in_it(assumed_model, way):
     epochs = (midnights[0] + np.array([-5000.0, -4000.0, 0.0, 40.0, DAY + 20_000.0]))[::way]
     states = np.array([orbit(300e3)])
     coarse, fine = (
-        fly(assumed_model, epochs, states, reflection=0.0, integrator=Integrator(max_step=step)).of(0)
+        fly(assumed_model, epochs, states, reflection=0.0, integrator=Integrator(max_step=step)).path(0)
         for step in (90.0, 15.0)
     )
     assert np.linalg.norm(coarse[:, :3] - fine[:, :3], axis=1).max() < 1e-3
     over = assumed_model._replace(midnight=assumed_model.midnight + 0.5 * DAY)  # the same sky at noon
-    assert np.linalg.norm(fly(over, epochs, states, reflection=0.0).of(0)[-1, :3] - fine[-1, :3]) > 1.0
+    assert np.linalg.norm(fly(over, epochs, states, reflection=0.0).path(0)[-1, :3] - fine[-1, :3]) > 1.0
 
 
 def test_progress_ends_at_one(assumed_model):
@@ -318,11 +320,13 @@ def test_progress_ends_at_one(assumed_model):
     propagate(
         assumed_model,
         np.array([0.0, 60.0]),
-        np.repeat(orbit(500e3)[None], 40, axis=0),
-        first=np.zeros(40, int),
-        last=np.ones(40, int),
-        ballistic=np.zeros(40),
-        reflection=np.zeros(40),
+        Departures(
+            np.repeat(orbit(500e3)[None], 40, axis=0),
+            first=np.zeros(40, int),
+            last=np.ones(40, int),
+            ballistic=np.zeros(40),
+            reflection=np.zeros(40),
+        ),
         integrator=Integrator(),
         progress=seen.append,
     )

@@ -6,7 +6,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from opml.base.constants import SRP_DISTANCE, SRP_PRESSURE, WGS84_A
-from opml.dynamics.ensemble import Integrator, propagate
+from opml.dynamics.ensemble import Departures, Integrator, propagate
 from opml.dynamics.kernels import shadow_edges, surroundings
 from opml.dynamics.kernels.radiation_pressure import lit_part
 from opml.dynamics.kernels.surroundings import BODIES, SUN_ITRF
@@ -74,13 +74,9 @@ def test_long_steps_are_as_good_as_short_ones(kepler_model, altitude, across, ho
     found = propagate(
         kepler_model,
         epochs,
-        state[None],
-        first=[0],
-        last=[2],
-        ballistic=[0.0],
-        reflection=[REFLECTION],
+        Departures(state[None], first=[0], last=[2], ballistic=[0.0], reflection=[REFLECTION]),
         integrator=Integrator(max_step=step),
-    ).of(0)
+    ).path(0)
     assert np.linalg.norm(found[:, :3] - expected[:, :3], axis=1).max() < within
 
 

@@ -10,11 +10,11 @@ from opml.base import epochs
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.catalog.fit import estimation, start_states
+from opml.catalog.flight import Flight
 from opml.catalog.predict import prediction
 from opml.catalog.simulate import tracking
 from opml.catalog.simulate import truth as truths
 from opml.dynamics import forces
-from opml.dynamics.ensemble import Integrator
 from opml.environment import gravity_field, knowledge, nodes, solar_activity, space_weather
 from opml.environment.knowledge import Issues
 from opml.environment.weather import Weather
@@ -99,34 +99,30 @@ def model(source, **settings):
     """A small force model that forecasts, under the weather of a source."""
     field = gravity_field.read_icgem(gravity_field.resolve("EGM2008"))
     tables = environment(3.0) | {"solar_activity": knowledge.hindcast(source, EPOCH, T)}
-    return forces.build(
+    surroundings = forces.Environment(
+        EPOCH,
         **tables,
         gravity_field=gravity_field.table(field.truncate(2, 2), EPOCH),
-        epoch=EPOCH,
-        degree=2,
-        order=2,
-        bodies=[],
         gm=field.gm,
         radius=field.radius,
-        outlooks=outlooks(source, **settings),
     )
+    known = forces.build(surroundings, degree=2, order=2, bodies=[])
+    return forces.with_outlooks(known, outlooks(source, **settings))
 
 
 def test_fits_and_predictions_know_nothing_measured_after_they_start(tmp_path, iss, three_stations):
-    integrator = Integrator()
     settings = estimation.Estimation(6, 30, 0.001, 1000.0, 1.0, 0.1)
     orientation = environment(3.0)["earth_orientation"]
     own = model("OBSERVED")
-    truth = truths.simulate(own.under(0), iss, duration=DAY, step=20.0, integrator=integrator)
+    truth = truths.simulate(Flight(own.under(0), iss), duration=DAY, step=20.0)
     tracks = tracking.simulate(truth, orientation, three_stations, rso="iss", seed=1)
     utc = "2016-09-29T03:00:00"
     results = []
     for one in (own, model(other_after(tmp_path / "other.csv", mjd(utc)))):
         starts = start_states.perturbed(truth, tracks, rso="iss", settings=settings, seed=1)
-        estimates = estimation.estimate_all(
-            one, starts, tracks, orientation, three_stations, iss, settings=settings, integrator=integrator
-        )
-        predictions = prediction.predict_all(one, truth, estimates, iss, max_days=1, integrator=integrator)
+        flight, measured = Flight(one, iss), estimation.Measured(tracks, orientation, three_stations)
+        estimates = estimation.estimate_all(flight, starts, measured, settings=settings)
+        predictions = prediction.predict_all(flight, truth, estimates, max_days=1)
         results.append((estimates, predictions))
     (estimates, predictions), (other_estimates, other_predictions) = results
     known = estimates["t"] <= epochs.seconds_between(EPOCH, utc)

@@ -8,10 +8,14 @@ import pytest
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.catalog.fit.estimation import COVARIANCES
-from opml.catalog.predict import covariance, mechanism, other_windows, prediction, sensitivity
-from opml.dynamics.ensemble import Integrator
+from opml.catalog.flight import Flight
+from opml.catalog.predict import covariance, mechanism, other_windows, prediction
+from opml.catalog.predict.mechanism import FittedArcs
+from opml.catalog.predict.resonance import Resonances
+from opml.catalog.predict.sensitivity import sensitivities
 from opml.ephemerides import corrected
+from opml.ephemerides.known import Known, OtherWindow
+from opml.ephemerides.task import Grid, Task, departures
 from opml.figures import later_errors
 from opml.interop import oem
 from opml.learning.judge.error_sizes import Sizes
@@ -21,10 +25,12 @@ from opml.orbits.rsw_covariance import rates
 from opml.tables import (
     COMPONENTS,
     DOUBT,
+    PARAMETER_COVARIANCES,
     PARAMETERS,
     SCHEMAS,
     SPREAD,
     STATE,
+    STATE_COVARIANCES,
     read_table,
     symmetric_matrices,
     write_table,
@@ -33,7 +39,7 @@ from opml.tables import (
 EPOCH = "2016-09-28T12:09:45"
 TIMES = np.array([0.0, 0.3, 0.61, 1.1, 1.5]) * DAY
 CD = [2.25, 2.1, 2.4, 2.3, 2.2]
-GRID = corrected.Grid(step=60.0, max_days=0.8, end=2.0 * DAY)
+GRID = Grid(step=60.0, max_days=0.8, end=2.0 * DAY)
 LAW = LinearLaw(("l_y", "v_y", "l_arc_y"), ("l_y", "v_y", "l_arc_y"), np.array([0.7, 0.02, 0.1]))
 
 
@@ -80,12 +86,14 @@ def estimates(gm, cd, ahead=0.0):
     covariance[6, 3] = covariance[3, 6] = 5e-5
     table = pd.DataFrame({"track": np.arange(len(TIMES)), "t": TIMES, "converged": True})
     table[STATE] = cartesian_from_coe(coe, gm)
-    return table.assign(cd=cd, **dict(zip(COVARIANCES, covariance[np.tril_indices(7)], strict=True)))
+    return table.assign(
+        cd=cd, **dict(zip(PARAMETER_COVARIANCES, covariance[np.tril_indices(7)], strict=True))
+    )
 
 
 @pytest.fixture(scope="module")
 def flight(assumed_model, iss):
-    return corrected.Flight(assumed_model, iss, Integrator())
+    return Flight(assumed_model, iss)
 
 
 @pytest.fixture(scope="module")
@@ -99,48 +107,35 @@ def known(assumed_model):
             "t_b": TIMES - 0.3 * DAY,
         }
     )
-    long = corrected.Longer(estimates(gm, 2.2, ahead=40.0), 24.0)
-    return corrected.Known(
-        own, at_estimates, 12.0, gm, long=long, arc=long, resonances=[(1, 15)], memory_days=30.0
-    )
+    long = OtherWindow(estimates(gm, 2.2, ahead=40.0), 24.0)
+    return Known(own, at_estimates, 12.0, gm, long=long, arc=long, resonances=[(1, 15)], memory_days=30.0)
+
+
+def built(flight, known, starts, *, grid=GRID, replay=REPLAY):
+    """Ephemerides from the `starts` that are taught the law."""
+    return corrected.build(Task(flight, known, starts, grid), Taught(), replay, **OPTIONS)
 
 
 @pytest.fixture(scope="module")
 def table(flight, known):
-    return corrected.build(flight, known, Taught(), REPLAY, known.estimates.iloc[[1, 2]], GRID, **OPTIONS)
+    return built(flight, known, known.estimates.iloc[[1, 2]])
 
 
 def test_columns_on_the_grid_are_those_at_tracks(flight, known):
     """What the tables say of pairs of tracks, they say of the grid's epochs, too."""
-    starts = known.estimates.iloc[1:3]
-    grid = corrected.Grid(step=0.01 * DAY, max_days=0.8, end=2.0 * DAY)
-    dense = corrected.rows(flight, known, starts, ("v_y", "h_arc_y"), grid).set_index(["i", "j"])
-    at_tracks = {"arrivals": known.estimates.set_index("track")["t"], "max_days": 0.8, **flight.options}
-    pairs, long = (
-        prediction.predict(estimates=one, **at_tracks) for one in (known.estimates, known.long.estimates)
+    grid = Grid(step=0.01 * DAY, max_days=0.8, end=2.0 * DAY)
+    task = Task(flight, known, known.estimates.iloc[1:3], grid)
+    dense = task.columns(("v_y", "h_arc_y")).set_index(["i", "j"])
+    at_tracks = {"arrivals": known.estimates.set_index("track")["t"], "max_days": 0.8}
+    fits = known.estimates, known.long.estimates
+    pairs, long = (prediction.predict(flight, fit, **at_tracks) for fit in fits)
+    arcs = (
+        FittedArcs(fit, predicted, sensitivities(flight, fit, predicted, bounds=None))
+        for fit, predicted in zip(fits, (pairs, long), strict=True)
     )
-    of, options = {"estimates": known.estimates}, {**flight.options, "bounds": None}
-    own = mechanism.build(
-        known.estimates,
-        pairs,
-        sensitivity.sensitivities(predictions=pairs, **of, **options),
-        long_estimates=known.long.estimates,
-        long_predictions=long,
-        long_sensitivities=sensitivity.sensitivities(
-            estimates=known.long.estimates, predictions=long, **options
-        ),
-        bounds=None,
-        resonances=known.resonances,
-        long_window_hours=24.0,
-        gm=known.gm,
-    )
+    own = mechanism.build(*arcs, bounds=None, resonances=Resonances(known.resonances, 24.0, known.gm))
     beside = other_windows.build(
-        predictions=pairs,
-        arc_estimates=known.arc.estimates,
-        arc_predictions=long,
-        memory_days=30.0,
-        window=DAY,
-        **flight.options,
+        flight, pairs, arc_estimates=known.arc.estimates, arc_predictions=long, memory_days=30.0
     )
     for row in np.flatnonzero(pairs["i"].isin([1, 2])):
         there = dense.loc[(pairs["i"][row], round(pairs["t_j"][row] / grid.step))]
@@ -170,7 +165,7 @@ def test_the_grid_is_regular_and_begins_after_the_estimate(table):
 
 
 def test_the_orbit_is_moved_by_what_the_model_says(table, flight, known):
-    rows = corrected.rows(flight, known, known.estimates.iloc[[1, 2]], LAW.variables, GRID)
+    rows = Task(flight, known, known.estimates.iloc[[1, 2]], GRID).columns(LAW.variables)
     said = LAW.predict(rows[list(LAW.variables)].to_numpy())
     states = table[STATE].to_numpy()
     moved = in_rsw(table[[f"{name}_predicted" for name in STATE]].to_numpy() - states, states)
@@ -179,13 +174,11 @@ def test_the_orbit_is_moved_by_what_the_model_says(table, flight, known):
 
 
 def test_it_ends_with_the_run(flight, known):
-    last, options = known.estimates.iloc[[4]], OPTIONS
-    cut = corrected.build(flight, known, Taught(), REPLAY, last, replace(GRID, end=1.6 * DAY), **options)
+    last = known.estimates.iloc[[4]]
+    cut = built(flight, known, last, grid=replace(GRID, end=1.6 * DAY))
     assert cut["t"].max() <= 1.6 * DAY
     with pytest.raises(InputError, match=r"expected 16 epochs 60 s apart .* before the run ends, got fewer"):
-        corrected.build(
-            flight, known, Taught(), REPLAY, last, replace(GRID, end=1.5 * DAY + 600.0), **options
-        )
+        built(flight, known, last, grid=replace(GRID, end=1.5 * DAY + 600.0))
 
 
 def test_what_comes_after_t_i_changes_nothing(table, flight, known):
@@ -204,32 +197,30 @@ def test_what_comes_after_t_i_changes_nothing(table, flight, known):
     # Mornings that were over after t_i were off by ten times as much.
     unknown = REPLAY.assign(t_known=2.0 * DAY, **{name: 10.0 * REPLAY[name] for name in COMPONENTS})
     told = pd.concat([REPLAY, unknown], ignore_index=True)
-    again = corrected.build(flight, moved, Taught(), told, moved.estimates.iloc[[1, 2]], GRID, **OPTIONS)
+    again = built(flight, moved, moved.estimates.iloc[[1, 2]], replay=told)
     pd.testing.assert_frame_equal(again, table, check_exact=True)
 
 
 def test_it_starts_from_the_newest_usable_estimate(known):
-    newest = corrected.departures(known, known_until=1.2 * DAY, each=False)
+    newest = departures(known, known_until=1.2 * DAY, each=False)
     assert newest["track"].tolist() == [2]  # none has a previous one to be held against at 3
-    assert corrected.departures(known, known_until=1.2 * DAY, each=True)["track"].tolist() == [2, 4]
+    assert departures(known, known_until=1.2 * DAY, each=True)["track"].tolist() == [2, 4]
     burnt = replace(known, manoeuvres=[0.5 * DAY])
-    assert corrected.departures(burnt, known_until=1.2 * DAY, each=False)["track"].tolist() == [1]
+    assert departures(burnt, known_until=1.2 * DAY, each=False)["track"].tolist() == [1]
     with pytest.raises(
         InputError, match=r"expected a usable estimate up to day 0\.2, the last to learn from"
     ):
-        corrected.departures(known, known_until=0.2 * DAY, each=True)
+        departures(known, known_until=0.2 * DAY, each=True)
 
 
 def test_a_learner_needs_the_fits_that_it_asks_for(flight, known):
     with pytest.raises(InputError, match="expected fits over a longer window"):
-        corrected.build(
-            flight, replace(known, long=None), Taught(), REPLAY, known.estimates.iloc[[1]], GRID, **OPTIONS
-        )
+        built(flight, replace(known, long=None), known.estimates.iloc[[1]])
 
 
 def test_covariances_have_the_sizes_of_the_past_and_no_shape_of_the_fits(table):
     """Axes know nothing of each other; a velocity follows its position."""
-    covariance = symmetric_matrices(table, corrected.COVARIANCES)
+    covariance = symmetric_matrices(table, STATE_COVARIANCES)
     assert (np.linalg.eigvalsh(covariance / covariance.max(axis=(1, 2), keepdims=True)) > -1e-12).all()
     states = table[STATE].to_numpy()
     rows = table.assign(duration=table["t"] - table["t_i"], rate=rates(states), t_j=table["t"])
@@ -245,14 +236,14 @@ def test_covariances_have_the_sizes_of_the_past_and_no_shape_of_the_fits(table):
 
 def test_a_formal_covariance_is_that_of_many_perturbed_arcs(flight, known):
     starts = known.estimates.iloc[[1]]
-    grid = {"arrivals": pd.Series([TIMES[1] + 0.5 * DAY], index=[7]), "max_days": 1.0, **flight.options}
-    pairs = prediction.predict(estimates=starts, **grid)
-    (formal,) = covariance.propagated(estimates=known.estimates, predictions=pairs, **flight.options)
+    grid = {"arrivals": pd.Series([TIMES[1] + 0.5 * DAY], index=[7]), "max_days": 1.0}
+    pairs = prediction.predict(flight, starts, **grid)
+    (formal,) = covariance.propagated(flight, known.estimates, pairs)
     drawn = np.random.default_rng(1).multivariate_normal(
-        starts[PARAMETERS].to_numpy(float)[0], symmetric_matrices(starts, COVARIANCES)[0], size=400
+        starts[PARAMETERS].to_numpy(float)[0], symmetric_matrices(starts, PARAMETER_COVARIANCES)[0], size=400
     )
     perturbed = pd.DataFrame(drawn, columns=PARAMETERS).assign(track=np.arange(400), t=TIMES[1])
-    arrived = prediction.predict(estimates=perturbed, **grid)[STATE].to_numpy()
+    arrived = prediction.predict(flight, perturbed, **grid)[STATE].to_numpy()
     predicted = np.repeat(pairs[STATE].to_numpy(), 400, axis=0)
     sample = in_rsw(arrived - predicted, predicted).std(axis=0)
     np.testing.assert_allclose(np.sqrt(np.diag(formal)), sample, rtol=0.15)
@@ -273,7 +264,7 @@ def test_an_oem_holds_the_table_to_its_digits(table, tmp_path):
         np.testing.assert_array_equal(segment.covariance_t, told["t"])
         np.testing.assert_array_equal(segment.states, own[STATE])
         lower = segment.covariances[:, *np.tril_indices(6)]
-        np.testing.assert_array_equal(lower, told[corrected.COVARIANCES])
+        np.testing.assert_array_equal(lower, told[STATE_COVARIANCES])
     assert "COMMENT covariances in RSW: axes of the states only" in (tmp_path / "c.oem").read_text(
         encoding="utf-8"
     )

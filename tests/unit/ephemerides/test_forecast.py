@@ -6,18 +6,28 @@ import pytest
 from support import EPOCH, environment, force_model
 
 from opml.base.constants import DAY, HOUR
-from opml.catalog.fit.estimation import COVARIANCES
+from opml.catalog.flight import Flight
 from opml.catalog.simulate.truth import initial_state
-from opml.dynamics.ensemble import Integrator
 from opml.dynamics.forces import with_outlooks
 from opml.environment import knowledge
 from opml.environment.knowledge import Issues
-from opml.ephemerides import corrected, forecast
+from opml.ephemerides import forecast
+from opml.ephemerides.known import Known
+from opml.ephemerides.task import Grid, Task
 from opml.interop import oem
-from opml.tables import PARAMETERS, SCHEMAS, STATE, read_table, symmetric_matrices, write_table
+from opml.tables import (
+    PARAMETER_COVARIANCES,
+    PARAMETERS,
+    SCHEMAS,
+    STATE,
+    STATE_COVARIANCES,
+    read_table,
+    symmetric_matrices,
+    write_table,
+)
 
 TIMES = np.array([0.0, 6.0]) * HOUR
-GRID = corrected.Grid(step=600.0, max_days=0.5, end=2.0 * DAY)
+GRID = Grid(step=600.0, max_days=0.5, end=2.0 * DAY)
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +38,7 @@ def outlook():
 
 @pytest.fixture(scope="module")
 def flight(iss, outlook):
-    return corrected.Flight(with_outlooks(force_model(2), outlook), iss, Integrator())
+    return Flight(with_outlooks(force_model(2), outlook), iss)
 
 
 @pytest.fixture(scope="module")
@@ -37,41 +47,45 @@ def known(iss):
     model = force_model(2)
     sigma = dict(zip(PARAMETERS, [10.0] * 3 + [1e-4] * 3 + [1e-3], strict=True))
     at = dict(zip(STATE, np.tile(initial_state(iss, model.gm), (2, 1)).T, strict=True))
-    lower = [(a, b) for k, a in enumerate(PARAMETERS) for b in list(PARAMETERS)[: k + 1]]
-    fit = {name: sigma[a] ** 2 if a == b else 0.0 for name, (a, b) in zip(COVARIANCES, lower, strict=True)}
+    fit = dict.fromkeys(PARAMETER_COVARIANCES, 0.0) | {f"cov_{a}_{a}": sigma[a] ** 2 for a in PARAMETERS}
     estimates = pd.DataFrame({"track": range(2), "t": TIMES, "converged": True, **at, "cd": 2.2, **fit})
-    return corrected.Known(estimates, pd.DataFrame({"cd_inside": [True, True]}), 12.0, model.gm)
+    return Known(estimates, pd.DataFrame({"cd_inside": [True, True]}), 12.0, model.gm)
 
 
-def built(flight, known, outlook, storms):
+@pytest.fixture(scope="module")
+def task(flight, known):
+    return Task(flight, known, known.estimates, GRID)
+
+
+def built(task, outlook, storms):
     """Ephemerides from both estimates; Kp of each of the futures is that of the outlook and so much more."""
     members = [
         outlook.assign(kp_3h=outlook["kp_3h"] + more, kp_24h=outlook["kp_24h"] + more, member=k)
         for k, more in enumerate(storms)
     ]
     futures = pd.concat(members, ignore_index=True)
-    return forecast.build(flight, known, futures, known.estimates, GRID, seed=1)
+    return forecast.build(task, futures, seed=1)
 
 
 @pytest.fixture(scope="module")
-def table(flight, known, outlook):
-    return built(flight, known, outlook, [0.0, 3.0] * 8)
+def table(task, outlook):
+    return built(task, outlook, [0.0, 3.0] * 8)
 
 
-def test_states_are_the_predictions(flight, known, table, tmp_path):
-    pairs = corrected.rows(flight, known, known.estimates, (), GRID)
+def test_states_are_the_predictions(task, table, tmp_path):
+    pairs = task.columns(())
     np.testing.assert_allclose(table[STATE], pairs[STATE], rtol=0.0, atol=1e-6)
     write_table(tmp_path / "f.parquet", table, "forecast", metadata={})
     assert list(read_table(tmp_path / "f.parquet", "forecast").columns) == SCHEMAS["forecast"].names
 
 
-def test_positions_are_known_by_the_fit_at_first_and_by_the_weather_in_the_end(flight, known, outlook, table):
-    calm = built(flight, known, outlook, [0.0] * 16)
+def test_positions_are_known_by_the_fit_at_first_and_by_the_weather_in_the_end(task, outlook, table):
+    calm = built(task, outlook, [0.0] * 16)
     for one in (table, calm):
         first = one.groupby("i").first()
         # Sixteen draws tell a deviation of 10 m to a fifth.
         assert np.sqrt(first["cov_y_y"]).tolist() == pytest.approx([10.0, 10.0], rel=0.5)
-        assert (np.linalg.eigvalsh(symmetric_matrices(one, corrected.COVARIANCES)) > 0.0).all()
+        assert (np.linalg.eigvalsh(symmetric_matrices(one, STATE_COVARIANCES)) > 0.0).all()
     stormy, quiet = (np.sqrt(one.groupby("i")["cov_y_y"].last()) for one in (table, calm))
     assert (stormy > 2.0 * quiet).all()
 

@@ -10,10 +10,12 @@ from support import EPOCH, ESTIMATION
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.catalog.fit import estimation, start_states
+from opml.catalog.flight import Flight
 from opml.catalog.predict import prediction, spread
 from opml.catalog.simulate import tracking, truth
-from opml.dynamics.ensemble import Integrator
 from opml.ephemerides import corrected, replays
+from opml.ephemerides.known import Known
+from opml.ephemerides.task import Grid, Task
 from opml.interop import oem
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
@@ -28,31 +30,26 @@ TRAIN = (0.0, 2.0)
 @pytest.fixture(scope="module")
 def tables(truth_model, assumed_model, iss, earth_orientation, three_stations):
     """Three days of the paper's RSO: estimates, predictions, tracks and labelled rows."""
-    orbit = truth.simulate(truth_model, iss, duration=3 * DAY, step=20.0, integrator=Integrator())
+    orbit = truth.simulate(Flight(truth_model, iss), duration=3 * DAY, step=20.0)
     tracks = tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1)
+    flight = Flight(assumed_model, iss)
     estimates = estimation.estimate_all(
-        assumed_model,
+        flight,
         start_states.perturbed(orbit, tracks, rso="iss", settings=ESTIMATION, seed=1),
-        tracks,
-        earth_orientation,
-        three_stations,
-        iss,
+        estimation.Measured(tracks, earth_orientation, three_stations),
         settings=ESTIMATION,
-        integrator=Integrator(),
     )
-    predictions = prediction.predict_all(
-        assumed_model, orbit, estimates, iss, max_days=1.0, integrator=Integrator()
-    )
+    predictions = prediction.predict_all(flight, orbit, estimates, max_days=1.0)
     options = {"gm": assumed_model.gm, "cleaning": Cleaning()}
     rows = dataset.build(estimates, predictions, tracks, **options)
     at = dataset.of_estimates(estimates, predictions, tracks, **options)
-    known = corrected.Known(estimates, at, 12.0, assumed_model.gm)
+    known = Known(estimates, at, 12.0, assumed_model.gm)
     return {"known": known, "predictions": predictions, "rows": rows}
 
 
 @pytest.fixture(scope="module")
 def flight(assumed_model, iss):
-    return corrected.Flight(assumed_model, iss, Integrator())
+    return Flight(assumed_model, iss)
 
 
 def replayed(flight, tables, learner=LAW, rows=None, every_hours=3.0):
@@ -60,16 +57,11 @@ def replayed(flight, tables, learner=LAW, rows=None, every_hours=3.0):
     lessons = Lessons(tables["rows"] if rows is None else rows, learner, seed=1)
     first = replays.first_day(lessons, known, train_days=TRAIN)
     starts = replays.departures(known, every_hours=every_hours, first_day=first)
-    spreads = spread.build(
-        flight.model,
-        known.estimates,
-        predictions[predictions["i"].isin(starts["track"])],
-        flight.rso,
-        futures=None,
-        integrator=Integrator(),
-    )
-    judge = replays.judge(tables["rows"], predictions, None)
-    return replays.build(flight, known, lessons, starts, judge, spreads, max_days=1.0)
+    pairs = predictions[predictions["i"].isin(starts["track"])]
+    spreads = spread.build(flight, known.estimates, pairs, futures=None)
+    judge = replays.at_starts(replays.judge(tables["rows"], predictions, None), starts, spreads)
+    task = Task(flight, known, starts, replays.grid(judge, max_days=1.0))
+    return replays.build(task, lessons, judge)
 
 
 @pytest.fixture(scope="module")
@@ -135,15 +127,10 @@ def test_the_message_of_a_morning_has_the_errors_and_the_covariance_that_were_re
     lessons = Lessons(tables["rows"], LAW, seed=1)
     starts = replays.departures(known, every_hours=3.0, first_day=2.0)[:1]
     made = corrected.build(
-        flight,
-        known,
+        Task(flight, known, starts, Grid(replays.STEP, 1.0, 3.0 * DAY)),
         lessons,
         table,
-        starts,
-        corrected.Grid(replays.STEP, 1.0, 3.0 * DAY),
-        spreads=lambda pairs: spread.build(
-            flight.model, known.estimates, pairs, flight.rso, futures=None, integrator=Integrator()
-        ),
+        spreads=lambda pairs: spread.build(flight, known.estimates, pairs, futures=None),
         first_morning=now,
     )
     oem.write(tmp_path / "m.oem", oem.corrected_segments(made, rso="iss"), epoch=EPOCH)
@@ -160,12 +147,12 @@ def test_the_message_of_a_morning_has_the_errors_and_the_covariance_that_were_re
         np.testing.assert_allclose(written, told[f"sigma_{name}"], rtol=0.04)
 
 
-def test_nothing_to_hold_against_is_told(flight, tables):
+def test_nothing_to_hold_against_is_told(tables):
     known, lessons = tables["known"], Lessons(tables["rows"], LAW, seed=1)
     starts = replays.departures(known, every_hours=3.0, first_day=1.0)
     judge = replays.judge(tables["rows"], tables["predictions"], None)[:0]
     empty = pd.DataFrame(columns=SCHEMAS["spread"].names, dtype=float)
     with pytest.raises(InputError, match="replay: expected later tracks to hold ephemerides against"):
-        replays.build(flight, known, lessons, starts, judge, empty, max_days=1.0)
+        replays.at_starts(judge, starts, empty)
     with pytest.raises(InputError, match=r"training: expected errors that were known by day 0, got none"):
         lessons(0.0)

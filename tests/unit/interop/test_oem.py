@@ -12,8 +12,8 @@ from support import EPOCH
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
+from opml.catalog.flight import Flight
 from opml.catalog.simulate import truth
-from opml.dynamics.ensemble import Integrator
 from opml.interop import ccsds, oem
 from opml.tables import PARAMETERS, SCHEMAS, STATE
 
@@ -23,7 +23,7 @@ DOUBLES = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e290, max
 @pytest.fixture(scope="module")
 def orbit(kepler_model, iss):
     """Ten minutes of the paper's RSO."""
-    return truth.simulate(kepler_model, iss, duration=600.0, step=20.0, integrator=Integrator())
+    return truth.simulate(Flight(kepler_model, iss), duration=600.0, step=20.0)
 
 
 @pytest.fixture

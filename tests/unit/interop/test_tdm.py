@@ -6,15 +6,15 @@ import pytest
 from support import EPOCH
 
 from opml.base.errors import InputError
+from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
-from opml.dynamics.ensemble import Integrator
 from opml.interop import ccsds, tdm
 
 
 @pytest.fixture(scope="module")
 def table(kepler_model, iss, earth_orientation, three_stations):
     """Half a day of the paper's RSO over the paper's stations."""
-    orbit = truth.simulate(kepler_model, iss, duration=43200.0, step=20.0, integrator=Integrator())
+    orbit = truth.simulate(Flight(kepler_model, iss), duration=43200.0, step=20.0)
     return tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=42)
 
 

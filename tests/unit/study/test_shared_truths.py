@@ -4,8 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from opml.base.constants import LANES
 from opml.orbits.sheets import Rso
-from opml.study.shared_truths import LANES, groups
+from opml.study.shared_truths import groups
 from opml.tables import STATE, TRUTH_GROUPS, write_table
 
 BODY = Rso(

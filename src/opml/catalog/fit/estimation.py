@@ -3,11 +3,11 @@
 At the start of each track, all measurements of that track and of those that began in the window before it
 are fitted under the assumed model (paper, sec. Estimation Models). A window may reach beyond the track, too:
 such an estimate is smoothed and known later, which serves labels. The partial derivatives come from
-neighbouring arcs: the nominal one and seven that differ in one parameter fly as eight lanes of an ensemble,
+neighbouring arcs: the nominal arc and seven that differ in one parameter fly as eight lanes of an ensemble,
 so no variational equations are needed.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,27 +16,28 @@ import pandas as pd
 
 from opml.base.constants import HOUR
 from opml.catalog.fit.least_squares import Evaluation, Fit, Method
-from opml.catalog.flight import fly
+from opml.catalog.flight import Flight
 from opml.catalog.simulate.observing import observe, retarded, sigmas, site
 from opml.catalog.simulate.tracking import QUANTITIES
-from opml.dynamics.ensemble import REASONS, Arcs, Integrator
+from opml.dynamics.ensemble import REASONS, Arcs
 from opml.dynamics.frames import gcrf_to_itrf
-from opml.dynamics.kernels.surroundings import ForceModel
 from opml.orbits.elements import wrap_half_turn
-from opml.orbits.sheets import Rso, Station
-from opml.tables import PARAMETERS, STATE
-
-COVARIANCES = [f"cov_{a}_{b}" for k, a in enumerate(PARAMETERS) for b in PARAMETERS[: k + 1]]
+from opml.orbits.sheets import Station
+from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE
 
 BATCH = 16
-"""Windows fitted side by side; each starts from the newest usable estimate before its batch."""
+"""Windows fitted side by side; each starts from the newest usable estimate before its batch.
+
+No matter of the kernels' lanes, of which a window takes eight: more windows keep more threads busy, but start
+from an older estimate.
+"""
 
 _CD = PARAMETERS.index("cd")
 NUDGES = np.array([1.0, 1.0, 1.0, 1e-3, 1e-3, 1e-3, 1e-2])
 """Differences [m, m/s, -] of the neighbouring arcs: small against the orbit, large against rounding."""
 
 _NEIGHBOURS = np.vstack([np.zeros(7), np.diag(NUDGES)])
-"""The arcs of one evaluation, as differences from the nominal one, which is the first."""
+"""The arcs of one evaluation, as differences from the nominal arc, which is the first."""
 
 _SCALES = np.array([1e3, 1e3, 1e3, 1.0, 1.0, 1.0, 1.0])
 """A-priori uncertainty [m, m/s, -] in which the damping measures a step."""
@@ -52,14 +53,15 @@ _LINEAR = 10e3
 class Estimation:
     """Settings of the estimation.
 
-    window_hours: measurements before a track that its fit uses [h]; max_iterations, convergence: of the
-    least squares, the latter as in `least_squares.Method`; start_position_sigma_m, start_velocity_sigma_mps:
-    of the perturbed truth that a first fit of a simulated RSO starts from; least_drag_m: displacement of a
-    window per unit of Cd below which Cd is held at its a-priori value; cd_bounds: Cd of an estimate that
-    others may start from, None where its formal uncertainty decides; after_hours: tracks that begin up to so
-    long after the estimate are used, too [h]; cd_sigma: standard deviation of Cd about its a-priori value, as
-    known beforehand, None where it is not; light_time: measurements are read as received at their time, after
-    the light's way down, not as geometric.
+    window_hours: measurements so long before a track are fitted with its own [h]
+    max_iterations: of the least squares
+    convergence: as in `least_squares.Method`
+    start_position_sigma_m, start_velocity_sigma_mps: of the perturbed truth that a first fit starts from
+    least_drag_m: displacement of a window per unit of Cd below which Cd is held at its a-priori value
+    cd_bounds: Cd of an estimate that others may start from; None where its formal uncertainty decides
+    after_hours: tracks that begin up to so long after the estimate are used, too [h]
+    cd_sigma: standard deviation of Cd about its a-priori value; None where nothing is known beforehand
+    light_time: measurements are read as received at their time, after the light's way down, not as geometric
     """
 
     window_hours: float
@@ -74,49 +76,9 @@ class Estimation:
     light_time: bool = False
 
 
-def estimate_all(
-    model: ForceModel,
-    starts: pd.DataFrame,
-    tracking: pd.DataFrame,
-    earth_orientation: pd.DataFrame,
-    stations: Sequence[Station],
-    rso: Rso,
-    *,
-    settings: Estimation,
-    integrator: Integrator,
-    threads: int = 1,
-    progress: Callable[[float], None] | None = None,
-) -> pd.DataFrame:
-    """The `estimates` table: one row per track, converged or with the reason why not.
-
-    model: the assumed one; starts: the table, a state at each track's start for fits where no estimate is at
-    hand; tracking: the measurements; stations: those that made them.
-    """
-    run = Run(
-        Measured(tracking, earth_orientation, stations, light_time=settings.light_time),
-        Flight(model, rso, integrator, threads),
-        starts[STATE].to_numpy(),
-        settings,
-        starts["age"].to_numpy(),
-    )
-    method = run.method(run.free_parameters())
-    count = run.measured.tracks
-    rows: list[dict[str, Any]] = []
-    usable: Known | None = None
-    spare: Known | None = None
-    for begin in range(0, count, BATCH):
-        estimates = run.fitted(range(begin, min(begin + BATCH, count)), usable, spare, method)
-        usable = next((run.known(one) for one in reversed(estimates) if run.is_usable(one)), usable)
-        spare = next((one for one in map(run.with_known_cd, reversed(estimates)) if one), spare)
-        rows += [run.row(one) for one in estimates]
-        if progress:
-            progress(len(rows) / count)
-    return pd.DataFrame(rows)
-
-
 @dataclass(frozen=True)
 class _Window:
-    """The measurements of one fit: those of its track and of the tracks that began in the window."""
+    """The measurements of one fit: of its track and of the tracks that began in the window."""
 
     track: int
     tracks: int
@@ -127,6 +89,7 @@ class _Window:
 
     @property
     def measurements(self) -> int:
+        """Number of the measurements."""
         return int(self.rows.stop - self.rows.start)
 
 
@@ -146,14 +109,9 @@ class Measured:
     """The measurements of a run by row, their epochs, and where each track begins and ends."""
 
     def __init__(
-        self,
-        tracking: pd.DataFrame,
-        earth_orientation: pd.DataFrame,
-        stations: Sequence[Station],
-        *,
-        light_time: bool = False,
+        self, tracking: pd.DataFrame, earth_orientation: pd.DataFrame, stations: Sequence[Station]
     ) -> None:
-        self.light_time = light_time
+        """Take the tables of tracking and Earth orientation, and the stations that measured."""
         self.epochs, self.epoch_of_row = np.unique(tracking["t"].to_numpy(), return_inverse=True)
         self.rotations = gcrf_to_itrf(earth_orientation, self.epochs)
         self.values = tracking[QUANTITIES].to_numpy()
@@ -170,7 +128,7 @@ class Measured:
         self.ends = self.epoch_of_row[self.first_row[1:] - 1]
 
     def window(self, track: int, length: float, after: float = 0.0) -> _Window:
-        """The window of `length` [s] before the start of a track, and of `after` [s] behind it."""
+        """Return the window from `length` [s] before the start of a track to `after` [s] behind it."""
         begins = self.epochs[self.begins]
         oldest = int(np.searchsorted(begins, begins[track] - length))
         newest = int(np.searchsorted(begins, begins[track] + after, side="right")) - 1
@@ -183,14 +141,16 @@ class Measured:
             last=int(self.ends[newest]),
         )
 
-    def evaluation(self, window: _Window, states: np.ndarray) -> Evaluation:
-        """Residuals and partial derivatives of a window.
+    def evaluation(self, window: _Window, states: np.ndarray, *, light_time: bool = False) -> Evaluation:
+        """Return residuals and partial derivatives of a window.
 
         states: (8, epochs, 6) GCRF [m, m/s] of the nominal arc and its neighbours, at the epochs from
-        window.first to window.last.
+        window.first to window.last
+        light_time: as in `Estimation`
         """
         rows = window.rows
-        positions = self._seen(rows, states[:, self.epoch_of_row[rows] - window.first])
+        at_rows = states[:, self.epoch_of_row[rows] - window.first]
+        positions = self._received(rows, at_rows) if light_time else self._in_itrf(rows, at_rows[..., :3])
         place = self.positions[rows], self.to_horizon[rows]
         residual = self.values[rows] - observe(positions[0], *place)
         residual[:, 0] = wrap_half_turn(residual[:, 0])
@@ -202,68 +162,55 @@ class Measured:
         weighted = 0.5 * change / self.sigmas[rows] / NUDGES[:, None, None]
         return Evaluation((residual / self.sigmas[rows]).ravel(), weighted.reshape(7, -1).T)
 
-    def _seen(self, rows: slice, states: np.ndarray) -> np.ndarray:
-        """Positions (arcs, rows, 3) in ITRF that are measured of an RSO in GCRF states (arcs, rows, 6)."""
-        to_itrf = self.rotations[self.epoch_of_row[rows]]
-        positions: np.ndarray = np.einsum("nij,lnj->lni", to_itrf, states[..., :3])
-        if not self.light_time:
-            return positions
-        velocities = np.einsum("nij,lnj->lni", to_itrf, states[..., 3:])
+    def _in_itrf(self, rows: slice, vectors: np.ndarray) -> np.ndarray:
+        """Return GCRF vectors (arcs, rows, 3) at the rows' epochs in the axes of ITRF."""
+        turned: np.ndarray = np.einsum("nij,lnj->lni", self.rotations[self.epoch_of_row[rows]], vectors)
+        return turned
+
+    def _received(self, rows: slice, states: np.ndarray) -> np.ndarray:
+        """Return positions (arcs, rows, 3) in ITRF that the light of GCRF states (arcs, rows, 6) shows."""
+        positions, velocities = self._in_itrf(rows, states[..., :3]), self._in_itrf(rows, states[..., 3:])
         return retarded(positions, velocities, self.positions[rows])
 
 
-@dataclass(frozen=True)
-class Flight:
-    """An RSO under the assumed model."""
+def fly_parameters(
+    flight: Flight, epochs: np.ndarray, parameters: np.ndarray, first: np.ndarray, last: np.ndarray
+) -> Arcs:
+    """Propagate arcs from parameters (arcs, 7) at epochs[first] to epochs[last]."""
+    return flight.fly(epochs, parameters[:, :6], cd=parameters[:, _CD], first=first, last=last)
 
-    model: ForceModel
-    rso: Rso
-    integrator: Integrator
-    threads: int
 
-    def fly(self, epochs: np.ndarray, parameters: np.ndarray, first: np.ndarray, last: np.ndarray) -> Arcs:
-        """Arcs from parameters (arcs, 7) at epochs[first] to epochs[last]."""
-        return fly(
-            self.model,
-            self.rso,
-            epochs,
-            parameters[:, :6],
-            cd=parameters[:, _CD],
-            first=first,
-            last=last,
-            integrator=self.integrator,
-            threads=self.threads,
-        )
+def fly_around(
+    flight: Flight, epochs: np.ndarray, estimates: Sequence[Estimate]
+) -> tuple[list[np.ndarray], np.ndarray]:
+    """Return (states of each trial and its neighbours, their worst status).
 
-    def around(
-        self, epochs: np.ndarray, estimates: Sequence[Estimate]
-    ) -> tuple[list[np.ndarray], np.ndarray]:
-        """(states of each trial and its neighbours, their worst status).
-
-        States: (8, epochs, 6) GCRF [m, m/s] at the epochs of the window; status: an index into REASONS.
-        """
-        lanes = np.concatenate([one.fit.trial + _NEIGHBOURS for one in estimates])
-        first, at, last = (
-            np.repeat([getattr(one.window, name) for one in estimates], len(_NEIGHBOURS))
-            for name in ("first", "at", "last")
-        )
-        newest = len(epochs) - 1
-        forward = self.fly(epochs, lanes, at, last)
-        backward = self.fly(epochs[::-1], lanes, newest - at, newest - first)
-        arcs = [
-            np.vstack([backward.of(k)[::-1], lanes[k : k + 1, :6], forward.of(k)]) for k in range(len(lanes))
-        ]
-        states = [np.stack(arcs[k : k + len(_NEIGHBOURS)]) for k in range(0, len(arcs), len(_NEIGHBOURS))]
-        status = np.maximum(forward.status, backward.status)
-        return states, status.reshape(-1, len(_NEIGHBOURS)).max(axis=1)
+    The states are (8, epochs, 6) GCRF [m, m/s] at the epochs of the window; the status is an index into
+    REASONS.
+    """
+    lanes = np.concatenate([estimate.fit.trial + _NEIGHBOURS for estimate in estimates])
+    first, at, last = (
+        np.repeat([getattr(estimate.window, name) for estimate in estimates], len(_NEIGHBOURS))
+        for name in ("first", "at", "last")
+    )
+    newest = len(epochs) - 1
+    forward = fly_parameters(flight, epochs, lanes, at, last)
+    backward = fly_parameters(flight, epochs[::-1], lanes, newest - at, newest - first)
+    paths = [
+        np.vstack([backward.path(k)[::-1], lanes[k : k + 1, :6], forward.path(k)]) for k in range(len(lanes))
+    ]
+    states = [np.stack(paths[k : k + len(_NEIGHBOURS)]) for k in range(0, len(paths), len(_NEIGHBOURS))]
+    status = np.maximum(forward.status, backward.status)
+    return states, status.reshape(-1, len(_NEIGHBOURS)).max(axis=1)
 
 
 @dataclass(frozen=True)
 class Run:
     """All that the windows of a run share.
 
-    starts (tracks, 6): GCRF states at the tracks' starts; ages (tracks,): how long before each its orbit was
-    known [s].
+    flight: under the assumed model
+    starts: (tracks, 6) GCRF states at the tracks' starts
+    ages: (tracks,) how long before each start its orbit was known [s]
     """
 
     measured: Measured
@@ -273,19 +220,19 @@ class Run:
     ages: np.ndarray = field(default_factory=lambda: np.empty(0))
 
     def method(self, free: np.ndarray) -> Method:
-        """How the parameters that are free (7,) are fitted."""
+        """Return how the parameters that are free (7,) are fitted."""
         return Method(_SCALES, free, self.settings.convergence)
 
     def free_parameters(self) -> np.ndarray:
-        """Which parameters are estimated (7,): Cd is not where an orbit is too high for a window to show it.
+        """Return which parameters (7,) are estimated: not Cd where no window can show it, as in high orbits.
 
-        A short track leaves Cd as uncertain as that, but there the orbit has drag, and the fit says so.
+        A short track leaves Cd as uncertain, but there the orbit has drag, and the fit says so.
         """
         begin = self.measured.epochs[self.measured.begins[0]]
         start = np.append(self.starts[0], self.flight.rso.cd)
         pair = np.stack([start, start + np.eye(7)[_CD]])
         epochs = np.array([begin, begin + self._window])
-        flown = self.flight.fly(epochs, pair, np.zeros(2, int), np.ones(2, int)).states[:, :3]
+        flown = fly_parameters(self.flight, epochs, pair, np.zeros(2, int), np.ones(2, int)).states[:, :3]
         free = np.ones(7, bool)
         # An arc that comes down on the way has no displacement, and feels drag all the more.
         free[_CD] = not np.linalg.norm(flown[1] - flown[0]) < self.settings.least_drag_m
@@ -298,63 +245,72 @@ class Run:
         spare: Known | None,
         method: Method,
     ) -> list[Estimate]:
-        """Estimates at the start of `tracks`, each from the best start that its arc can be flown from.
+        """Return estimates at the start of `tracks`, each from the best start that its arc can be flown from.
 
-        usable: of the newest estimate whose Cd is known, spare: of the newest that has a state at least.
+        usable: of the newest estimate whose Cd is known
+        spare: of the newest estimate that has a state at least
         """
         after = self.settings.after_hours * HOUR
         windows = [self.measured.window(track, self._window, after) for track in tracks]
-        found = [Estimate(window, Fit(np.full(7, np.nan), method)) for window in windows]
+        estimates = [Estimate(window, Fit(np.full(7, np.nan), method)) for window in windows]
         for starts in self._starts_in_turn(windows, usable, spare):
-            tried = [
-                k for k, one in enumerate(found) if not one.fit.started and np.all(np.isfinite(starts[k]))
+            waiting = [
+                k
+                for k, estimate in enumerate(estimates)
+                if not estimate.fit.started and np.all(np.isfinite(starts[k]))
             ]
-            for k in tried:
-                found[k] = Estimate(windows[k], Fit(starts[k], method))
-            self.fit([found[k] for k in tried])
-            if all(one.fit.started for one in found):
+            for k in waiting:
+                estimates[k] = Estimate(windows[k], Fit(starts[k], method))
+            self.fit([estimates[k] for k in waiting])
+            if all(estimate.fit.started for estimate in estimates):
                 break
-        for one in found:
-            if one.fit.running and not one.fit.started:
-                one.fit.reject(NO_START)
-        return found
+        for estimate in estimates:
+            if estimate.fit.running and not estimate.fit.started:
+                estimate.fit.reject(NO_START)
+        return estimates
 
     def _starts_in_turn(
         self, windows: Sequence[_Window], usable: Known | None, spare: Known | None
     ) -> Iterator[np.ndarray]:
-        """Parameters (windows, 7) to start from, the best first; not finite where there are none.
+        """Yield parameters (windows, 7) to start from, the best first; not finite where there are none.
 
-        The newest usable estimate, carried to each track's start; then the newer of the given state and of
-        the spare estimate; then the other one.
+        First those of the newest usable estimate, carried to each track's start; then the newer of the state
+        in `starts` and the spare estimate; then the older.
         """
         at = np.array([window.at for window in windows])
         if usable is not None:
             yield self.carried(*usable, at)
         tracks = [window.track for window in windows]
-        given = np.column_stack([self.starts[tracks], np.full(len(tracks), self.flight.rso.cd)])
+        first = np.column_stack([self.starts[tracks], np.full(len(tracks), self.flight.rso.cd)])
         if spare is None:
-            yield given
+            yield first
             return
         kept, epochs = self.carried(*spare, at), self.measured.epochs
         is_newer = (epochs[at] - epochs[spare[0]] < self.ages[tracks])[:, None]
-        yield np.where(is_newer, kept, given)
-        yield np.where(is_newer, given, kept)
+        yield np.where(is_newer, kept, first)
+        yield np.where(is_newer, first, kept)
 
     def fit(self, estimates: Sequence[Estimate]) -> None:
         """Iterate all fits side by side until they end, or the settings' number of iterations is reached."""
         for _ in range(self.settings.max_iterations):
-            running = [one for one in estimates if one.fit.running]
+            running = [estimate for estimate in estimates if estimate.fit.running]
             if not running:
                 break
-            states, status = self.flight.around(self.measured.epochs, running)
-            for one, flown, lost in zip(running, states, status, strict=True):
+            paths, status = fly_around(self.flight, self.measured.epochs, running)
+            for estimate, states, lost in zip(running, paths, status, strict=True):
                 if lost:
-                    one.fit.reject(f"start arc {REASONS[lost]}")
+                    estimate.fit.reject(f"start arc {REASONS[lost]}")
                 else:
-                    one.fit.take(self.believed(self.measured.evaluation(one.window, flown), one.fit.trial))
+                    estimate.fit.take(self._evaluation(estimate, states))
 
-    def believed(self, evaluation: Evaluation, trial: np.ndarray) -> Evaluation:
-        """An evaluation at a trial (7,), and what is known of Cd beforehand as one more residual."""
+    def _evaluation(self, estimate: Estimate, states: np.ndarray) -> Evaluation:
+        """Return the evaluation of a trial, from states (8, epochs, 6) of its arc and the neighbours."""
+        light_time = self.settings.light_time
+        evaluation = self.measured.evaluation(estimate.window, states, light_time=light_time)
+        return self.with_apriori_cd(evaluation, estimate.fit.trial)
+
+    def with_apriori_cd(self, evaluation: Evaluation, trial: np.ndarray) -> Evaluation:
+        """Return an evaluation at a trial (7,) with one more residual, if Cd is known beforehand."""
         if self.settings.cd_sigma is None:
             return evaluation
         weighted = np.eye(7)[_CD] / self.settings.cd_sigma
@@ -364,7 +320,7 @@ class Run:
         )
 
     def is_usable(self, estimate: Estimate) -> bool:
-        """Whether others may start from it: converged, its Cd within the bounds, or else well determined.
+        """Whether others may start from an estimate: converged, with Cd within the bounds or well determined.
 
         A fit of one short track may converge on a Cd of thousands, from which no other would find back.
         """
@@ -376,14 +332,14 @@ class Run:
         return bool(low <= estimate.fit.best[_CD] <= high)
 
     def row(self, estimate: Estimate) -> dict[str, Any]:
-        """The estimate as a row of the table."""
+        """Return the estimate as a row of the table."""
         window, fit = estimate.window, estimate.fit
         rms = np.sqrt(fit.cost / (3.0 * window.measurements)) if np.isfinite(fit.cost) else np.nan
         return {
             "track": window.track,
             "t": self.measured.epochs[window.at],
             **dict(zip(PARAMETERS, fit.best, strict=True)),
-            **dict(zip(COVARIANCES, fit.covariance[np.tril_indices(7)], strict=True)),
+            **dict(zip(PARAMETER_COVARIANCES, fit.covariance[np.tril_indices(7)], strict=True)),
             "iterations": fit.iterations,
             "converged": fit.converged,
             "reason": fit.reason,
@@ -397,20 +353,20 @@ class Run:
         return self.settings.window_hours * HOUR
 
     def carried(self, begin: int, parameters: np.ndarray, at: np.ndarray) -> np.ndarray:
-        """Parameters (n, 7) at epochs `at` of those (7,) at an epoch `begin`, not finite beyond its reach."""
+        """Return parameters (7,) at an epoch `begin` carried to epochs `at`: (n, 7), lost ones not finite."""
         epochs = self.measured.epochs[np.append(begin, at)]
-        arcs = self.flight.fly(epochs, parameters[None], np.array([0]), np.array([len(at)]))
-        return np.column_stack([arcs.of(0), np.full(len(at), parameters[_CD])])
+        arcs = fly_parameters(self.flight, epochs, parameters[None], np.array([0]), np.array([len(at)]))
+        return np.column_stack([arcs.path(0), np.full(len(at), parameters[_CD])])
 
     def known(self, estimate: Estimate) -> Known:
-        """What others may start from of an estimate."""
+        """Return what others may start from."""
         return estimate.window.at, estimate.fit.best
 
     def with_known_cd(self, estimate: Estimate) -> Known | None:
-        """The same had Cd been known beforehand, at its a-priori value.
+        """Return what others may start from, had Cd been known beforehand at its a-priori value.
 
-        A short fit may say nothing of Cd, and all of it of the state. None where it did not converge, or its
-        Cd is so far off that the state would not move in a straight line.
+        A short fit may tell nothing of Cd, but the whole state. None where it did not converge, or its Cd is
+        so far off that the state would not move in a straight line.
         """
         if not estimate.fit.converged:
             return None
@@ -421,3 +377,28 @@ class Run:
         else:
             moved = best + missing * np.eye(7)[_CD]
         return (estimate.window.at, moved) if np.linalg.norm((moved - best)[:3]) < _LINEAR else None
+
+
+def estimate_all(
+    flight: Flight, starts: pd.DataFrame, measured: Measured, *, settings: Estimation
+) -> pd.DataFrame:
+    """Return the `estimates` table: one row per track, converged or with the reason why not.
+
+    flight: under the assumed model
+    starts: the table, a state at each track's start for fits where no estimate is at hand
+    """
+    run = Run(
+        measured, flight.without_progress(), starts[STATE].to_numpy(), settings, starts["age"].to_numpy()
+    )
+    method = run.method(run.free_parameters())
+    rows: list[dict[str, Any]] = []
+    usable: Known | None = None
+    spare: Known | None = None
+    for begin in range(0, measured.tracks, BATCH):
+        estimates = run.fitted(range(begin, min(begin + BATCH, measured.tracks)), usable, spare, method)
+        usable = next((run.known(one) for one in reversed(estimates) if run.is_usable(one)), usable)
+        spare = next((one for one in map(run.with_known_cd, reversed(estimates)) if one), spare)
+        rows += [run.row(one) for one in estimates]
+        if flight.progress:
+            flight.progress(len(rows) / measured.tracks)
+    return pd.DataFrame(rows)

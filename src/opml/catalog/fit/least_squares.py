@@ -14,9 +14,9 @@ With r = (measured - predicted) / sigma, the weighted residuals, and A, the deri
     l = sqrt(g' dp),  d -> 0             what the full step moves, in formal uncertainties
     P = N^-1                             formal covariance
 
-A step is accepted where r'r does not grow; the next one is then damped less, else more. A parameter that is
-held has no row in N. What is known of one beforehand is one more residual, (mean - p) / sigma, with 1 / sigma
-in the parameter's column of A.
+A step is accepted where r'r does not grow; the next step is then damped less, else more. A parameter that is
+held has no row in N. What is known of a parameter beforehand is one more residual, (mean - p) / sigma, with
+1 / sigma in its column of A.
 
 Levenberg 1944, Quarterly of Applied Mathematics 2, 164-168; Marquardt 1963, Journal of SIAM 11, 431-441;
 Tapley, Schutz & Born 2004, Statistical Orbit Determination, ch. 4.
@@ -36,16 +36,16 @@ _FIRST_DAMPING = 1e-3
 _LEAST_DAMPING = 1e-12
 _MOST_DAMPING = 1e12
 _LESS, _MORE = 0.1, 10.0
-"""Factors of the damping after a step that was accepted, and after one that was not."""
+"""Factors of the damping after a step that was accepted, and after a step that was not."""
 
 
 @dataclass(frozen=True)
 class Method:
     """How n parameters are fitted.
 
-    scales: (n,) units in which the damping measures a step, such as a-priori uncertainties; free: (n,) bool,
-    False where a parameter is held at its start; convergence: part of the formal uncertainty that a last step
-    may still move.
+    scales: (n,) units in which the damping measures a step, such as a-priori uncertainties
+    free: (n,) bool, False where a parameter is held at its start
+    convergence: part of the formal uncertainty that a last step may still move
     """
 
     scales: np.ndarray
@@ -53,7 +53,7 @@ class Method:
     convergence: float
 
     def step(self, normal: np.ndarray, gradient: np.ndarray, damping: float = _LEAST_DAMPING) -> np.ndarray:
-        """Step (n,) of the parameters, the full one unless it is damped; 0 where a parameter is held."""
+        """Return the step (n,) of the parameters, full unless damped; 0 where a parameter is held."""
         scales = self.scales[self.free]
         scaled = np.linalg.solve(self._scaled(normal, damping), scales * gradient[self.free])
         step = np.zeros(len(self.scales))
@@ -61,7 +61,7 @@ class Method:
         return step
 
     def covariance(self, normal: np.ndarray) -> np.ndarray:
-        """Formal covariance (n, n); 0 where a parameter is held."""
+        """Return the formal covariance (n, n); 0 where a parameter is held."""
         scales = self.scales[self.free]
         scaled = np.linalg.inv(self._scaled(normal, _LEAST_DAMPING))
         covariance = np.zeros(normal.shape)
@@ -69,7 +69,7 @@ class Method:
         return covariance
 
     def _scaled(self, normal: np.ndarray, damping: float) -> np.ndarray:
-        """The free parameters' normal matrix in units of their scales, damped."""
+        """Return the free parameters' normal matrix in units of their scales, damped."""
         scales = self.scales[self.free]
         scaled: np.ndarray = normal[np.ix_(self.free, self.free)] * np.outer(scales, scales)
         return scaled + damping * np.eye(len(scales))

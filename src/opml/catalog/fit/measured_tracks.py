@@ -1,11 +1,12 @@
 """Tracks that radars really measured, from the measurements of messages to the `tracking` table.
 
 A message names its stations and times as it likes. Here they are held against the stations of the sheet, the
-run, and what an orbit can be, so that a wrong unit is told before anything is fitted to it.
+run, and what an orbit can be, so that a wrong unit is an error before anything is fitted to it.
 """
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
@@ -28,19 +29,20 @@ ENOUGH = 20
 """Measurements of which no angle is as large as a turn in radians by chance."""
 
 _SHORTEST = 60.0
-"""Shortest track whose velocity tells whether it is one of an orbit [s]."""
+"""Shortest track whose velocity tells whether it belongs to an orbit [s]."""
 
 _ORBITAL = 0.2, 1.95
-"""Squared speeds of an orbit, in those of a circular one at its height: eccentricities up to 0.8."""
+"""Squared speeds of an orbit, in those of a circular orbit at its height: eccentricities up to 0.8."""
 
 
 def tracks(measurements: pd.DataFrame, stations: Sequence[Station]) -> pd.DataFrame:
-    """The `tracking` table of what the stations measured; nothing is known of values without noise.
+    """Return the `tracking` table of the stations' measurements; values without noise are NaN.
 
-    measurements: as `interop.tdm.measurements` gives them; those of other stations are left out. A track is
-    a run of measurements without a gap of more than LONGEST_GAP, of one TRACK_ID where there are any; tracks
-    that overlap are one. Raises InputError, naming file and line, for what an orbit cannot be, or a station
-    not see, and where nothing is left.
+    measurements: as `interop.tdm.measurements` returns them; those of other stations are left out
+
+    A track is a run of measurements without a gap of more than LONGEST_GAP, of one TRACK_ID where there are
+    any; tracks that overlap are one. Raises InputError, naming file and line, for what an orbit cannot be, or
+    a station not see, and where nothing is left.
     """
     table = _checked(measurements, {station.name: station for station in stations})
     if table.empty:
@@ -56,10 +58,14 @@ def tracks(measurements: pd.DataFrame, stations: Sequence[Station]) -> pd.DataFr
 def check(
     measurements: pd.DataFrame, stations: Mapping[str, Station], *, epoch: str, duration: float
 ) -> None:
-    """Raise InputError, naming file and line, where no tracks could be made of measurements.
+    """Raise InputError, naming file and line, where no tracks can be made of measurements.
 
-    stations: all that there are; duration: of the run [s]. A station is unknown, a time is outside of the
-    run, a station measured twice at a time, or what it cannot see, or what is no orbit.
+    stations: all that there are, by name
+    epoch: UTC text
+    duration: of the run [s]
+
+    The reasons are an unknown station, a time outside of the run, a station that measured twice at a time,
+    and measurements that the station cannot see or no orbit can have.
     """
     unknown = measurements[~_keys(measurements["station"]).isin(stations)]
     if not unknown.empty:
@@ -74,7 +80,7 @@ def check(
 
 
 def _checked(measurements: pd.DataFrame, stations: Mapping[str, Station]) -> pd.DataFrame:
-    """The measurements of known stations, by the sheet's names, and seen to be ones of an orbit."""
+    """Return the measurements of known stations, by the sheet's names; raise InputError for a wrong one."""
     table = measurements.assign(station=_keys(measurements["station"]))
     table = table[table["station"].isin(stations)].reset_index(drop=True)
     if not table.empty:
@@ -86,12 +92,13 @@ def _checked(measurements: pd.DataFrame, stations: Mapping[str, Station]) -> pd.
 
 
 def _keys(names: pd.Series) -> pd.Series:
-    """Names as a sheet may have them: DSS-14 is dss14 there."""
-    found: pd.Series = names.map(lambda name: re.sub(r"[^a-z0-9]", "", name.lower()))
-    return found
+    """Return names as a sheet may have them: DSS-14 is dss14 there."""
+    keys: pd.Series = names.map(lambda name: re.sub(r"[^a-z0-9]", "", name.lower()))
+    return keys
 
 
 def _check_once(table: pd.DataFrame) -> None:
+    """Raise InputError where a station measured twice at a time."""
     again = table.duplicated(["station", "t"])
     if again.any():
         row = table[again].iloc[0]
@@ -109,25 +116,43 @@ def _check_degrees(table: pd.DataFrame) -> None:
 def _check_limits(table: pd.DataFrame, stations: Mapping[str, Station]) -> None:
     """Raise InputError for the first measurement of what its station cannot see."""
     for name, rows in table.groupby("station", sort=False):
-        one = stations[str(name)]
-        elevation = one.min_elevation, one.max_elevation
-        _check_within(rows, "elevation", elevation, one.sigma_elevation, "deg", np.degrees(1.0))
-        _check_within(rows, "range", (0.0, one.max_range), one.sigma_range, "km", 1e-3)
+        for limit in _limits(stations[str(name)]):
+            _check_within(rows, limit)
 
 
-def _check_within(
-    rows: pd.DataFrame, name: str, limits: tuple[float, float], sigma: float, unit: str, scale: float
-) -> None:
-    """Raise InputError for the first row beyond limits; `scale` is from SI to the unit that is told."""
-    beyond = rows[~rows[name].between(limits[0] - BEYOND_LIMITS * sigma, limits[1] + BEYOND_LIMITS * sigma)]
+@dataclass(frozen=True)
+class _Limit:
+    """From where to where a station sees a quantity, with which noise; scale: from SI to the unit shown."""
+
+    quantity: str
+    low: float
+    high: float
+    sigma: float
+    unit: str
+    scale: float
+
+
+def _limits(station: Station) -> tuple[_Limit, _Limit]:
+    low, high, sigma = station.min_elevation, station.max_elevation, station.sigma_elevation
+    return (
+        _Limit("elevation", low, high, sigma, "deg", np.degrees(1.0)),
+        _Limit("range", 0.0, station.max_range, station.sigma_range, "km", 1e-3),
+    )
+
+
+def _check_within(rows: pd.DataFrame, limit: _Limit) -> None:
+    """Raise InputError for the first row of one station beyond a limit."""
+    margin = BEYOND_LIMITS * limit.sigma
+    beyond = rows[~rows[limit.quantity].between(limit.low - margin, limit.high + margin)]
     if not beyond.empty:
-        low, high, got = (scale * value for value in (*limits, beyond[name].iloc[0]))
-        expected = f"{name} of {low:g} to {high:g} {unit}, as {rows['station'].iloc[0]} sees"
+        values = limit.low, limit.high, beyond[limit.quantity].iloc[0]
+        low, high, got = (limit.scale * value for value in values)
+        expected = f"{limit.quantity} of {low:g} to {high:g} {limit.unit}, as {rows['station'].iloc[0]} sees"
         raise _wrong(beyond, expected, f"{got:.6g}")
 
 
 def _check_orbit(table: pd.DataFrame, stations: Mapping[str, Station]) -> None:
-    """Raise InputError where places are too low for an orbit, or the usual speed is none."""
+    """Raise InputError where places are too low for an orbit, or the usual speed is not that of an orbit."""
     places = _places(table, stations)
     height = np.linalg.norm(places, axis=1) - WGS84_A
     low = height < LOWEST_PERIGEE - _margins(table, stations)
@@ -141,21 +166,21 @@ def _check_orbit(table: pd.DataFrame, stations: Mapping[str, Station]) -> None:
 
 
 def _places(table: pd.DataFrame, stations: Mapping[str, Station]) -> np.ndarray:
-    """Places (n, 3) in ITRF [m] where the RSO was measured."""
+    """Return places (n, 3) in ITRF [m] where the RSO was measured."""
     sites = {name: site(stations[name]) for name in table["station"].unique()}
     position, to_horizon = (np.array([sites[name][k] for name in table["station"]]) for k in (0, 1))
     return place(table[QUANTITIES].to_numpy(), position, to_horizon)
 
 
 def _margins(table: pd.DataFrame, stations: Mapping[str, Station]) -> np.ndarray:
-    """How far noise may take a place up or down (n,) [m]."""
+    """Return how far noise may take a place up or down (n,) [m]."""
     sigma = np.array([stations[name].sigma_elevation for name in table["station"]])
     return np.asarray(BEYOND_LIMITS * sigma * table["range"].to_numpy())
 
 
 def _speeds(table: pd.DataFrame, places: np.ndarray) -> list[float]:
-    """Squared speed of each long track of one station, in that of a circular orbit at its height."""
-    found = []
+    """Return the squared speed of each long track of one station, as a part of that of a circular orbit."""
+    speeds = []
     for _, rows in table.groupby(["station", _runs(table)]):
         rows = rows.sort_values("t")
         t = rows["t"].to_numpy()
@@ -164,19 +189,19 @@ def _speeds(table: pd.DataFrame, places: np.ndarray) -> list[float]:
             times, three = smoothed(t, unturned(t, places[rows.index]))
             # By their times, as Gibbs's method would make an orbit of any three places.
             velocity = herrick_gibbs(three, times, EARTH_GM)
-            found.append(float(velocity @ velocity * np.linalg.norm(three[1]) / EARTH_GM))
-    return found
+            speeds.append(float(velocity @ velocity * np.linalg.norm(three[1]) / EARTH_GM))
+    return speeds
 
 
 def _runs(table: pd.DataFrame) -> pd.Series:
-    """Number of each row's run of one station's measurements without a long gap."""
+    """Return the number of each row's run of one station's measurements without a long gap."""
     ordered = table.sort_values(["station", "t"])
     breaks = (ordered["t"].diff().abs() > LONGEST_GAP) | (ordered["station"] != ordered["station"].shift())
     return breaks.cumsum().reindex(table.index)
 
 
 def _numbered(table: pd.DataFrame) -> np.ndarray:
-    """Number (n,) of each row's track, of rows by time."""
+    """Return the number (n,) of each row's track, of rows by time."""
     pieces = [
         (piece["t"].iloc[0], piece["t"].iloc[-1])
         for _, rows in table.groupby([table["path"].where(table["track_id"] != "", ""), "track_id"])
@@ -189,6 +214,6 @@ def _numbered(table: pd.DataFrame) -> np.ndarray:
 
 
 def _wrong(rows: pd.DataFrame, expected: str, got: str) -> InputError:
-    """The error of the first of some rows."""
+    """Return the error of the first row."""
     row = rows.iloc[0]
     return InputError(f"{row['path']}: line {row['line']}: expected {expected}, got {got}")

@@ -1,7 +1,7 @@
 """States from which first fits start: the `starts` table, one at the start of each track.
 
-Of a simulated RSO they are the true ones, perturbed, in the place of an initial orbit determination (paper,
-sec. Estimation Models). Of tracks that were measured, `first_orbit` has them.
+Those of a simulated RSO are true states, perturbed, in the place of an initial orbit determination (paper,
+sec. Estimation Models). Those of measured tracks are from `first_orbit`.
 """
 
 import numpy as np
@@ -13,20 +13,23 @@ from opml.tables import STATE
 
 
 def chosen(
-    given: pd.DataFrame, tracking: pd.DataFrame, *, rso: str, settings: Estimation, seed: int
+    states: pd.DataFrame, tracking: pd.DataFrame, *, rso: str, settings: Estimation, seed: int
 ) -> pd.DataFrame:
-    """The `starts` table of an RSO's tracks: the one that is given, or the truth that is given, perturbed."""
-    if "track" in given:
-        return given
-    return perturbed(given, tracking, rso=rso, settings=settings, seed=seed)
+    """Return the `starts` table of an RSO's tracks.
+
+    states: that table, which is returned as it is, or the `truth`, which is perturbed
+    """
+    if "track" in states:
+        return states
+    return perturbed(states, tracking, rso=rso, settings=settings, seed=seed)
 
 
 def perturbed(
     truth: pd.DataFrame, tracking: pd.DataFrame, *, rso: str, settings: Estimation, seed: int
 ) -> pd.DataFrame:
-    """The `starts` table of a simulated RSO: true states with noise of the settings' sigmas.
+    """Return the `starts` table of a simulated RSO: true states with noise of the settings' sigmas.
 
-    seed: of the noise, from which each track's own follows by the RSO's name and its number.
+    seed: of the noise; that of each track follows from it, the RSO's name and the track's number
     """
     begins = tracking.groupby("track")["t"].min()
     spread = np.repeat([settings.start_position_sigma_m, settings.start_velocity_sigma_mps], 3)
@@ -36,9 +39,11 @@ def perturbed(
 
 
 def table(begins: pd.Series, states: np.ndarray, *, known: np.ndarray | float) -> pd.DataFrame:
-    """The `starts` table of the tracks' beginnings [s] by number, and states (tracks, 6) there.
+    """Return a `starts` table.
 
-    known: when the orbits were [s]; a state before it is as old as one that long after it.
+    begins: of the tracks, by number [s]
+    states: (tracks, 6) at their beginnings
+    known: when the orbits were known [s]; a state before that time is as old as a state equally long after it
     """
     columns = dict(zip(STATE, states.T, strict=True))
     age = np.abs(begins.to_numpy() - known)

@@ -11,7 +11,7 @@ import numpy as np
 from opml.base.constants import EARTH_RATE
 
 SMALL_ANGLE = np.radians(5.0)
-"""Angle between neighbouring positions below which Gibbs's method feels their noise more than the other."""
+"""Angle between neighbouring positions below which Gibbs's method feels noise more than the other method."""
 
 _DEGREE = 4
 _KNOTS = np.array([-0.8, 0.0, 0.8])
@@ -19,7 +19,7 @@ _KNOTS = np.array([-0.8, 0.0, 0.8])
 
 
 def gibbs(positions: np.ndarray, gm: float) -> np.ndarray:
-    """Velocity (3,) at the second of three positions (3, 3) of a Kepler orbit; no times are needed."""
+    """Return the velocity (3,) at the second of three positions (3, 3) of a Kepler orbit, without times."""
     r1, r2, r3 = positions
     d1, d2, d3 = np.linalg.norm(positions, axis=1)
     n = d1 * np.cross(r2, r3) + d2 * np.cross(r3, r1) + d3 * np.cross(r1, r2)
@@ -31,7 +31,7 @@ def gibbs(positions: np.ndarray, gm: float) -> np.ndarray:
 
 
 def herrick_gibbs(positions: np.ndarray, t: np.ndarray, gm: float) -> np.ndarray:
-    """Velocity (3,) at the second of three positions (3, 3) at times t (3,) [s], by Taylor's series."""
+    """Return the velocity (3,) at the second of three positions (3, 3) at t (3,) [s], by Taylor's series."""
     r1, r2, r3 = positions
     c1, c2, c3 = gm / (12.0 * np.linalg.norm(positions, axis=1) ** 3)
     t31, t32, t21 = t[2] - t[0], t[2] - t[1], t[1] - t[0]
@@ -44,7 +44,7 @@ def herrick_gibbs(positions: np.ndarray, t: np.ndarray, gm: float) -> np.ndarray
 
 
 def velocity(positions: np.ndarray, t: np.ndarray, gm: float) -> np.ndarray:
-    """Velocity (3,) at the second of three positions (3, 3), by the method that suits their angles."""
+    """Return the velocity (3,) at the second of three positions (3, 3), by the method for their angles."""
     ahead, behind = positions[:-1], positions[1:]
     cosine = np.sum(ahead * behind, axis=1) / np.linalg.norm(ahead, axis=1) / np.linalg.norm(behind, axis=1)
     if np.arccos(np.clip(cosine, -1.0, 1.0)).min() < SMALL_ANGLE:
@@ -53,7 +53,7 @@ def velocity(positions: np.ndarray, t: np.ndarray, gm: float) -> np.ndarray:
 
 
 def state(t: np.ndarray, positions: np.ndarray, gm: float) -> tuple[float, np.ndarray]:
-    """Time [s] and state (6,) in the middle of a track, of which noisy positions (n, 3) at t (n,) are known.
+    """Return time [s] and state (6,) in the middle of a track of noisy positions (n, 3) at t (n,).
 
     At least 3 times have to be distinct.
     """
@@ -62,7 +62,7 @@ def state(t: np.ndarray, positions: np.ndarray, gm: float) -> tuple[float, np.nd
 
 
 def smoothed(t: np.ndarray, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Three times (3,) [s] within those of positions (n, 3) at t (n,), and where a curve through all is then.
+    """Return three times (3,) [s] within t (n,), and where a curve through positions (n, 3) is then.
 
     The curve is a polynomial of degree 4 at most, fitted by least squares.
     """
@@ -74,7 +74,7 @@ def smoothed(t: np.ndarray, positions: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def unturned(t: np.ndarray, positions: np.ndarray) -> np.ndarray:
-    """Positions (n, 3) in ITRF at times t (n,) [s] in a frame that stands still, the ITRF of t = 0."""
+    """Return positions (n, 3) in ITRF at times t (n,) [s] in a frame that stands still, the ITRF of t = 0."""
     angle = EARTH_RATE * t
     x, y, z = positions.T
     return np.stack(

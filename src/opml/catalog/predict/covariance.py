@@ -4,59 +4,43 @@ It is what a catalogue states at t_i without a truth: noise of the measurements 
 of the force model.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 import pandas as pd
 
-from opml.catalog.fit.estimation import COVARIANCES, NUDGES
-from opml.catalog.flight import fly_pairs, part_of
-from opml.dynamics.ensemble import Integrator
-from opml.dynamics.kernels.surroundings import ForceModel
+from opml.catalog.fit.estimation import NUDGES
+from opml.catalog.flight import Flight
 from opml.orbits.elements import in_rsw
-from opml.orbits.sheets import Rso
-from opml.tables import PARAMETERS, POSITION_COVARIANCES, STATE, symmetric_matrices
+from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, POSITION_COVARIANCES, STATE, symmetric_matrices
 
 
 def of_positions(predictions: pd.DataFrame, carried: np.ndarray) -> pd.DataFrame:
-    """The `covariances` table: of the positions, for each pair of the predictions, from `propagated`."""
+    """Return the `covariances` table: that of the position, for each pair of the predictions.
+
+    carried: (n, 6, 6) from `propagated`
+    """
     row, column = np.tril_indices(3)
     table = {"i": predictions["i"].to_numpy(), "j": predictions["j"].to_numpy()}
     return pd.DataFrame(table | dict(zip(POSITION_COVARIANCES, carried[:, row, column].T, strict=True)))
 
 
-def propagated(
-    model: ForceModel,
-    estimates: pd.DataFrame,
-    predictions: pd.DataFrame,
-    rso: Rso,
-    *,
-    integrator: Integrator,
-    threads: int = 1,
-    progress: Callable[[float], None] | None = None,
-) -> np.ndarray:
-    """Formal covariances (n, 6, 6) of predictions in RSW of the predicted state [m, m/s].
+def propagated(flight: Flight, estimates: pd.DataFrame, predictions: pd.DataFrame) -> np.ndarray:
+    """Return formal covariances (n, 6, 6) of predictions in RSW of the predicted state [m, m/s].
 
-    The fit's covariance of state and Cd, F P F' with F the differences of seven arcs that begin beside the
-    estimate's, one per parameter. model: the assumed one; estimates, predictions: the tables; rso: whose
-    area, mass and Cr the arcs have. Not finite where a neighbour does not reach.
+    flight: under the assumed model
+    estimates, predictions: the tables
+
+    The fit's covariance P of state and Cd becomes F P F', with F the differences of seven arcs that begin
+    beside the estimate's, one per parameter. It is not finite where a neighbour does not reach.
     """
     tracks, arc = np.unique(predictions["i"], return_inverse=True)
     started = estimates.set_index("track").loc[tracks]
     predicted = predictions[STATE].to_numpy()
     change = np.empty((len(predictions), len(STATE), len(PARAMETERS)))
     for k, nudge in enumerate(np.diag(NUDGES)):
-        flown, _ = fly_pairs(
-            model,
-            rso,
-            predictions,
-            started[STATE].to_numpy() + nudge[:6],
-            cd=started["cd"].to_numpy() + nudge[6],
-            integrator=integrator,
-            threads=threads,
-            progress=part_of(progress, k, len(PARAMETERS)),
-        )
+        states, cd = started[STATE].to_numpy() + nudge[:6], started["cd"].to_numpy() + nudge[6]
+        flown, _ = flight.part(k, len(PARAMETERS)).fly_pairs(predictions, states, cd=cd)
         change[:, :, k] = in_rsw(flown - predicted, predicted) / NUDGES[k]
-    formal: np.ndarray = change @ symmetric_matrices(started, COVARIANCES)[arc] @ change.transpose(0, 2, 1)
+    fitted = symmetric_matrices(started, PARAMETER_COVARIANCES)[arc]
+    formal: np.ndarray = change @ fitted @ change.transpose(0, 2, 1)
     even: np.ndarray = 0.5 * (formal + formal.transpose(0, 2, 1))
     return even

@@ -1,45 +1,49 @@
 """Labels from later estimates: what a catalogue without a truth holds its predictions against.
 
-The prediction from t_i to t_j is held against the estimate at t_j, which is known when its last track is
-over: that of t_j itself, or a later one where the estimate is smoothed.
+The prediction from t_i to t_j is held against the estimate at t_j. That estimate is known when its last track
+is over: the track of t_j, or a later track where the estimate is smoothed.
 """
 
 import numpy as np
 import pandas as pd
 
-from opml.catalog.fit.estimation import COVARIANCES
 from opml.orbits.elements import in_rsw, rsw_rotation
-from opml.tables import COMPONENTS, SCHEMAS, SIGMAS, STATE, symmetric_matrices
+from opml.tables import COMPONENTS, PARAMETER_COVARIANCES, SCHEMAS, SIGMAS, STATE, symmetric_matrices
 
 NO_LATER_ESTIMATE = "later estimate"
-"""What a label's reason begins with; the fit's own follows."""
+"""What a label's reason begins with; the reason of the fit follows."""
 
 
 def build(
     predictions: pd.DataFrame, estimates: pd.DataFrame, tracking: pd.DataFrame, *, after: float = 0.0
 ) -> pd.DataFrame:
-    """The `labels` table: one row per pair of `predictions`, in their order.
+    """Return the `labels` table: one row per pair of `predictions`, in their order.
 
-    estimates: of the tracks that are predicted to; after: how long after an estimate the tracks that it is
-    made of begin at most [s]. The error is the predicted state less the estimate, in RSW of the estimate
-    [m, m/s], with the formal uncertainty of the estimate in that frame. A pair without a prediction or
-    without an estimate that converged has the reason.
+    estimates: of the tracks that are predicted to
+    after: an estimate is made of tracks that begin at most so long after it [s]
+
+    The error is the predicted state less the estimate, in RSW of the estimate [m, m/s], with the formal
+    uncertainty of the estimate in that frame. A pair without a prediction or without an estimate that
+    converged has the reason.
     """
     at_end = _turned(_states_of_fits(estimates)).assign(t_known=known_at(estimates, tracking, after=after))
     later = at_end.set_index("track").reindex(predictions["j"]).reset_index(drop=True)
     error = in_rsw(predictions[STATE].to_numpy() - later[STATE].to_numpy(), later[STATE].to_numpy())
-    found = later.assign(
+    table = later.assign(
         i=predictions["i"].to_numpy(),
         j=predictions["j"].to_numpy(),
         **dict(zip(COMPONENTS, error.T, strict=True)),
     )
-    found["reason"] = _reasons(predictions["reason"].to_numpy(), later)
-    found.loc[found["reason"] != "", [*COMPONENTS, *SIGMAS]] = np.nan
-    return found[SCHEMAS["labels"].names]
+    table["reason"] = _reasons(predictions["reason"].to_numpy(), later)
+    table.loc[table["reason"] != "", [*COMPONENTS, *SIGMAS]] = np.nan
+    return table[SCHEMAS["labels"].names]
 
 
 def known_at(estimates: pd.DataFrame, tracking: pd.DataFrame, *, after: float) -> np.ndarray:
-    """When each estimate (n,) is known [s]: the last track that begins up to `after` [s] past it is over."""
+    """Return when each estimate (n,) is known [s]: when the last track is over that it is made of.
+
+    after: as in `build`
+    """
     tracks = tracking.groupby("track", sort=True)["t"]
     begins, ends = tracks.min().to_numpy(), tracks.max().to_numpy()
     known: np.ndarray = ends[np.searchsorted(begins, estimates["t"].to_numpy() + after, side="right") - 1]
@@ -47,15 +51,15 @@ def known_at(estimates: pd.DataFrame, tracking: pd.DataFrame, *, after: float) -
 
 
 def _states_of_fits(estimates: pd.DataFrame) -> pd.DataFrame:
-    """The estimates without the states of fits that failed, which may be no orbits at all."""
+    """Return the estimates without the states of fits that failed, which may be no orbits at all."""
     failed = estimates["reason"].to_numpy() != ""
     return estimates.assign(**{name: estimates[name].mask(failed) for name in STATE})
 
 
 def _turned(estimates: pd.DataFrame) -> pd.DataFrame:
-    """The estimates with their formal standard deviations in RSW [m, m/s]."""
+    """Return the estimates with their formal standard deviations in RSW [m, m/s]."""
     rotation = rsw_rotation(estimates[STATE].to_numpy())
-    covariance = symmetric_matrices(estimates, COVARIANCES)
+    covariance = symmetric_matrices(estimates, PARAMETER_COVARIANCES)
     deviations = [
         np.sqrt(np.einsum("nij,njk,nik->ni", rotation, covariance[:, part, part], rotation))
         for part in (slice(0, 3), slice(3, 6))
@@ -64,7 +68,7 @@ def _turned(estimates: pd.DataFrame) -> pd.DataFrame:
 
 
 def _reasons(unpredicted: np.ndarray, later: pd.DataFrame) -> np.ndarray:
-    """Why each pair (n,) has no label, empty where it has one."""
+    """Return why each pair (n,) has no label, empty where it has one."""
     failed = np.where(
         later["reason"].isin([""]), "", f"{NO_LATER_ESTIMATE}: " + later["reason"].fillna("none")
     )

@@ -5,62 +5,64 @@ difference of the two predictions shows most of the short arc's error; and the d
 that the assumed model leaves out.
 """
 
-from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
-from opml.catalog.predict import resonance
+from opml.catalog.predict.resonance import Resonances, drifts
 from opml.catalog.predict.sensitivity import running_mean, usable
 from opml.orbits.elements import in_rsw
 from opml.tables import STATE
 
 
-def build(
-    estimates: pd.DataFrame,
-    predictions: pd.DataFrame,
-    sensitivities: pd.DataFrame,
-    *,
-    long_estimates: pd.DataFrame,
-    long_predictions: pd.DataFrame,
-    long_sensitivities: pd.DataFrame,
-    bounds: tuple[float, float] | None,
-    resonances: Sequence[tuple[int, int]],
-    long_window_hours: float,
-    gm: float,
-) -> pd.DataFrame:
-    """The `mechanism` table: one row per pair of `predictions`, in their order.
+@dataclass(frozen=True)
+class FittedArcs:
+    """Arcs fitted over one window: the estimates, their predictions, and how these answer to Cd (tables)."""
 
-    The `long_` tables are of the same tracks, estimated with a longer window. l_* is the predicted state less
-    that from the long arc, in RSW of the predicted state [m, m/s]; d_cd_long is the long arc's Cd less the
-    running mean of all long arcs' so far. Where the long arc did not converge, has its Cd outside `bounds`
-    (if any are given) or does not reach t_j, the short one stands for it: l_* is 0, and v_long_*, cd_long its
-    own. The columns of `resonances`, pairs (k, m), are those of `resonance.drifts` for arcs of
-    long_window_hours; gm [m3/s2].
+    estimates: pd.DataFrame
+    predictions: pd.DataFrame
+    sensitivities: pd.DataFrame
+
+
+def build(
+    short: FittedArcs, long: FittedArcs, *, bounds: tuple[float, float] | None, resonances: Resonances
+) -> pd.DataFrame:
+    """Return the `mechanism` table: one row per pair of the short arcs' predictions, in their order.
+
+    long: of the same tracks, estimated with a longer window
+    bounds: on Cd, None for any
+    resonances: met by the long arcs; their columns are those of `resonance.drifts`
+
+    l_* is the predicted state less that from the long arc, in RSW of the predicted state [m, m/s]; d_cd_long
+    is the long arc's Cd less the running mean of all long arcs' so far. Where the long arc did not converge,
+    has its Cd outside `bounds` or does not reach t_j, the short arc stands for it: l_* is 0, and v_long_*,
+    cd_long are the short arc's.
     """
+    predictions = short.predictions
     pairs = pd.MultiIndex.from_frame(predictions[["i", "j"]])
-    own = estimates.set_index("track").loc[predictions["i"]]
-    table = sensitivities.set_index(["i", "j"]).loc[pairs].assign(cd=own["cd"].to_numpy())
+    cd = short.estimates.set_index("track").loc[predictions["i"], "cd"].to_numpy()
+    table = short.sensitivities.set_index(["i", "j"]).loc[pairs].assign(cd=cd)
     d_cd = table["cd"] - table["cd_mean"]
 
-    ends = _ends(long_estimates, bounds).reindex(predictions["i"])
+    ends = _ends(long.estimates, bounds).reindex(predictions["i"])
     predicted = predictions[STATE].to_numpy()
-    arrived = long_predictions.set_index(["i", "j"])[STATE].reindex(pairs).to_numpy()
+    arrived = long.predictions.set_index(["i", "j"])[STATE].reindex(pairs).to_numpy()
     gap = in_rsw(predicted - arrived, predicted)
-    answers = long_sensitivities.set_index(["i", "j"]).reindex(pairs)
+    answers = long.sensitivities.set_index(["i", "j"]).reindex(pairs)
     reached = np.isfinite(gap).all(axis=1) & np.isfinite(answers["v_y"].to_numpy())
-    long = ends["usable"].eq(True).to_numpy() & reached
+    is_known = ends["usable"].eq(True).to_numpy() & reached
 
-    table["cd_long"] = np.where(long, ends["cd"], table["cd"])
-    table["d_cd_long"] = np.where(long, ends["cd"] - ends["mean"], d_cd)
+    table["cd_long"] = np.where(is_known, ends["cd"], table["cd"])
+    table["d_cd_long"] = np.where(is_known, ends["cd"] - ends["mean"], d_cd)
     for k, axis in enumerate(STATE):
-        table[f"l_{axis}"] = np.where(long, gap[:, k], 0.0)
-        table[f"v_long_{axis}"] = np.where(long, answers[f"v_{axis}"], table[f"v_{axis}"])
-    drifts = resonance.drifts(estimates, predictions, pairs=resonances, window_hours=long_window_hours, gm=gm)
-    return table.reset_index().join(drifts.reset_index(drop=True))
+        table[f"l_{axis}"] = np.where(is_known, gap[:, k], 0.0)
+        table[f"v_long_{axis}"] = np.where(is_known, answers[f"v_{axis}"], table[f"v_{axis}"])
+    drift = drifts(short.estimates, predictions, resonances)
+    return table.reset_index().join(drift.reset_index(drop=True))
 
 
 def _ends(estimates: pd.DataFrame, bounds: tuple[float, float] | None) -> pd.DataFrame:
-    """The estimates by track, with the running mean of their Cd and whether they are usable."""
-    found = estimates.assign(mean=running_mean(estimates, bounds), usable=usable(estimates, bounds))
-    return found.set_index("track")
+    """Return the estimates by track, with the running mean of their Cd and whether they are usable."""
+    ends = estimates.assign(mean=running_mean(estimates, bounds), usable=usable(estimates, bounds))
+    return ends.set_index("track")

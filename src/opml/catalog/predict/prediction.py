@@ -1,49 +1,31 @@
 """Predictions from every estimate to every later track, and their true errors."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.catalog.flight import fly_pairs
-from opml.dynamics.ensemble import REASONS, Integrator
-from opml.dynamics.kernels.surroundings import ForceModel
+from opml.catalog.flight import Flight
+from opml.dynamics.ensemble import REASONS
 from opml.orbits.elements import in_rsw
-from opml.orbits.sheets import Rso
 from opml.tables import COMPONENTS, STATE
 
 TRUE = [f"{name}_true" for name in STATE]
 
 
 def predict_all(
-    model: ForceModel,
-    truth: pd.DataFrame | None,
-    estimates: pd.DataFrame,
-    rso: Rso,
-    *,
-    max_days: float,
-    integrator: Integrator,
-    threads: int = 1,
-    progress: Callable[[float], None] | None = None,
+    flight: Flight, truth: pd.DataFrame | None, estimates: pd.DataFrame, *, max_days: float
 ) -> pd.DataFrame:
-    """The `predictions` table: every pair of an estimate t_i and a later track start t_j.
+    """Return the `predictions` table: every pair of an estimate t_i and a later track start t_j.
 
-    model: the assumed one; t_j is at most max_days after t_i. The true error is the predicted state less the
-    true one, in RSW of the true state (paper, sec. Orbit Prediction and Machine Learning Model of the
-    Prediction Error). Where there is no truth, as of tracks that were measured, true states and errors are
-    NaN. A pair that the arc does not reach has no numbers, but the reason.
+    flight: under the assumed model
+    truth: the table; None where there is none, as of measured tracks: true states and errors are NaN then
+    max_days: t_j is at most so long after t_i
+
+    The true error is the predicted state less the true state, in RSW of the true state (paper, sec. Orbit
+    Prediction and Machine Learning Model of the Prediction Error). A pair that the arc does not reach has no
+    numbers, but the reason.
     """
-    pairs = predict(
-        model,
-        estimates,
-        rso,
-        arrivals=estimates.set_index("track")["t"],
-        max_days=max_days,
-        integrator=integrator,
-        threads=threads,
-        progress=progress,
-    )
+    pairs = predict(flight, estimates, arrivals=estimates.set_index("track")["t"], max_days=max_days)
     true = _true_states(truth, pairs["t_j"])
     # Row by row in memory, as sums of other layouts round differently.
     errors = in_rsw(np.ascontiguousarray(pairs[STATE]) - true, true)
@@ -53,46 +35,27 @@ def predict_all(
 
 
 def _true_states(truth: pd.DataFrame | None, t: pd.Series) -> np.ndarray:
-    """True states (n, 6) at times t (n,) [s], NaN where there is no truth."""
+    """Return true states (n, 6) at times t (n,) [s], NaN where there is no truth."""
     if truth is None:
         return np.full((len(t), 6), np.nan)
     return np.ascontiguousarray(truth.set_index("t")[STATE].loc[t])
 
 
-def predict(
-    model: ForceModel,
-    estimates: pd.DataFrame,
-    rso: Rso,
-    *,
-    arrivals: pd.Series,
-    max_days: float,
-    integrator: Integrator,
-    threads: int = 1,
-    progress: Callable[[float], None] | None = None,
-) -> pd.DataFrame:
-    """The columns of `predictions` that need no truth: i, j, t_i, t_j, the state at t_j and the reason.
+def predict(flight: Flight, estimates: pd.DataFrame, *, arrivals: pd.Series, max_days: float) -> pd.DataFrame:
+    """Return the columns of `predictions` that need no truth: i, j, t_i, t_j, the state at t_j, the reason.
 
-    arrivals: epochs [s] to predict to, ascending, by the number j that they have in the table; the rest is as
-    in `predict_all`.
+    flight, estimates, max_days: as in `predict_all`
+    arrivals: epochs to predict to [s], ascending, by their numbers j in the table
     """
     pairs = _pairs(estimates, arrivals, max_days)
     started = estimates.set_index("track").loc[np.unique(pairs["i"])]
-    states, status = fly_pairs(
-        model,
-        rso,
-        pairs,
-        started[STATE].to_numpy(),
-        cd=started["cd"].to_numpy(),
-        integrator=integrator,
-        threads=threads,
-        progress=progress,
-    )
+    states, status = flight.fly_pairs(pairs, started[STATE].to_numpy(), cd=started["cd"].to_numpy())
     reason = np.where(np.isfinite(states[:, 0]), "", np.array(REASONS, object)[status])
     return pairs.assign(**dict(zip(STATE, states.T, strict=True)), reason=reason)
 
 
 def _pairs(estimates: pd.DataFrame, arrivals: pd.Series, max_days: float) -> pd.DataFrame:
-    """Each estimate with every arrival after it, up to max_days."""
+    """Return each estimate with every arrival after it, up to max_days."""
     t, ends = estimates["t"].to_numpy(), arrivals.to_numpy()
     first, end = (np.searchsorted(ends, reach, side="right") for reach in (t, t + max_days * DAY))
     i = np.repeat(np.arange(len(t)), end - first)

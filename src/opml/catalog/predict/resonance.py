@@ -4,12 +4,12 @@ Of all harmonics beyond its degree, those matter that an orbit meets again and a
 k (w + M) + m (W - theta) turns slowly, as m revolutions take about k turns of the Earth below the node. For
 each such pair the harmonics of all degrees act together as one along-track acceleration, A cos + B sin of
 that phase, with lumped coefficients A and B (Kaula 1966, Theory of Satellite Geodesy; King-Hele 1987,
-Satellite Orbits in an Atmosphere, on resonance). They belong to the field, the inclination and the height,
-not to
-an arc, so they can be learned. This module gives what they multiply.
+Satellite Orbits in an Atmosphere, on resonance). The coefficients belong to the field, the inclination and
+the height, not to an arc, so they can be learned. This module computes what they multiply.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
@@ -22,81 +22,123 @@ STEP = 1800.0
 """Step of the sums that replace integrals [s]: about a hundred per turn of the fastest phase, two days."""
 
 
+@dataclass(frozen=True)
+class Resonances:
+    """Which resonances are met, and by which fits.
+
+    pairs: (k, m) of each resonance
+    window_hours: of the fits
+    gm: of the elements [m3/s2]
+    """
+
+    pairs: Sequence[tuple[int, int]]
+    window_hours: float
+    gm: float
+
+
 def columns(pairs: Sequence[tuple[int, int]]) -> list[str]:
-    """Names of the columns of `drifts`, two per pair (k, m)."""
+    """Return the names of the columns of `drifts`, two per pair (k, m)."""
     return [f"{part}_{k}_{m}" for k, m in pairs for part in ("cos", "sin")]
 
 
-def drifts(
-    estimates: pd.DataFrame,
-    predictions: pd.DataFrame,
-    *,
-    pairs: Sequence[tuple[int, int]],
-    window_hours: float,
-    gm: float,
-) -> pd.DataFrame:
-    """Along-track drift [s2] of each prediction per unit of a lumped acceleration, in `columns(pairs)`.
+def drifts(estimates: pd.DataFrame, predictions: pd.DataFrame, resonances: Resonances) -> pd.DataFrame:
+    """Return the drift along-track [s2] of each prediction per unit of a lumped acceleration.
 
-    A prediction that lacks an acceleration a(t) drifts off by y, y'' = 3 a (the factor is left to the
-    coefficient: a drift forwards costs height and so falls behind). The fit over the window before t_i has
-    met the same y and put a straight line through it, from which the prediction goes on; so the line is taken
-    off. Its curvature is not: that went into Cd, and V (Cd - c) has it. The phase is that of the prediction
-    itself, a parabola in time through its pairs. gm [m3/s2] is for the elements.
+    Columns: `columns` of the resonances. A prediction that lacks an acceleration a(t) drifts off by y,
+    y'' = 3 a (the factor is left to the coefficient: a drift forwards costs height and so falls behind). The
+    fit over the window before t_i has met the same y and put a straight line through it, from which the
+    prediction goes on; so the line is taken off. Its curvature is not: that went into Cd, and V (Cd - c) has
+    it.
     """
-    reach = float((predictions["t_j"] - predictions["t_i"]).max())
-    before = int(np.ceil(window_hours * HOUR / STEP))
-    grid = STEP * np.arange(-before, int(np.ceil(reach / STEP)) + 1)
-    window = grid <= 0.0
-    line = np.stack([np.ones(len(grid)), grid], axis=1)
-    through_window = line @ np.linalg.pinv(line[window])
-
     started = estimates.set_index("track").loc[predictions["i"].unique()]
     row = pd.Index(started.index).get_indexer(predictions["i"])
-    place = (predictions["t_j"] - predictions["t_i"]).to_numpy() / STEP + before
-    low = np.minimum(place.astype(int), len(grid) - 2)
-    found: dict[str, np.ndarray] = {}
-    for (k, m), names in zip(pairs, np.reshape(columns(pairs), (-1, 2)), strict=True):
-        phase = _phases(started, predictions, row, k, m, gm) @ np.stack([np.ones(len(grid)), grid, grid**2])
-        moved = _twice_integrated(np.exp(1j * phase), origin=before)
-        moved = moved - moved[:, window] @ through_window[:, : window.sum()].T
+    duration = predictions["t_j"] - predictions["t_i"]
+    course = _Course(window=resonances.window_hours * HOUR, reach=float(duration.max()))
+    table: dict[str, np.ndarray] = {}
+    for pair in resonances.pairs:
+        phase = course.polynomials(_phases(started, predictions, row, pair, resonances.gm))
+        # Real and imaginary part are what cosine and sine of the phase do.
+        moved = course.without_line(course.twice_integrated(np.exp(1j * phase)))
+        drift = course.interpolated(moved, row, duration.to_numpy())
+        cosine, sine = columns([pair])
+        table |= {cosine: drift.real, sine: drift.imag}
+    return pd.DataFrame(table, index=predictions.index)
+
+
+class _Course:
+    """Time about t_i on an even grid s [s]: from where a fit's window begins to the longest prediction."""
+
+    def __init__(self, *, window: float, reach: float) -> None:
+        """Take the length of the window and of the longest prediction [s]."""
+        self._origin = int(np.ceil(window / STEP))
+        self._s = STEP * np.arange(-self._origin, int(np.ceil(reach / STEP)) + 1)
+        self._in_window = self._s <= 0.0
+        line = np.stack([np.ones(len(self._s)), self._s], axis=1)
+        # The least squares of a straight line, as a matrix from values in the window to the line everywhere.
+        self._line = line @ np.linalg.pinv(line[self._in_window])
+
+    def polynomials(self, coefficients: np.ndarray) -> np.ndarray:
+        """Return the values (n, grid) of polynomials with coefficients (n, 3) of 1, s and s^2."""
+        values: np.ndarray = coefficients @ np.stack([np.ones(len(self._s)), self._s, self._s**2])
+        return values
+
+    def twice_integrated(self, f: np.ndarray) -> np.ndarray:
+        """Return the double integral in time of f (n, grid), zero with its slope at s = 0."""
+        return self._integrated(self._integrated(f))
+
+    def _integrated(self, f: np.ndarray) -> np.ndarray:
+        """Return the integral in time of f (n, grid) by the trapezoidal rule, zero at s = 0."""
+        integral = np.zeros_like(f)
+        integral[:, 1:] = np.cumsum(0.5 * STEP * (f[:, 1:] + f[:, :-1]), axis=1)
+        integral -= integral[:, [self._origin]]
+        return integral
+
+    def without_line(self, moved: np.ndarray) -> np.ndarray:
+        """Return values (n, grid) less the straight line through those in the window."""
+        left: np.ndarray = moved - moved[:, self._in_window] @ self._line.T
+        return left
+
+    def interpolated(self, values: np.ndarray, row: np.ndarray, s: np.ndarray) -> np.ndarray:
+        """Return values (n, grid) in rows `row` (m,) at times s (m,) [s], linear between the grid's."""
+        place = s / STEP + self._origin
+        low = np.minimum(place.astype(int), len(self._s) - 2)
         part = place - low
-        drift = (1.0 - part) * moved[row, low] + part * moved[row, low + 1]
-        found |= {names[0]: drift.real, names[1]: drift.imag}
-    return pd.DataFrame(found, index=predictions.index)
-
-
-def _twice_integrated(f: np.ndarray, *, origin: int) -> np.ndarray:
-    """Double integral in time of f (n, grid), zero with its slope at the grid's index `origin`."""
-    speed = np.zeros_like(f)
-    speed[:, 1:] = np.cumsum(0.5 * STEP * (f[:, 1:] + f[:, :-1]), axis=1)
-    speed -= speed[:, [origin]]
-    moved = np.zeros_like(f)
-    moved[:, 1:] = np.cumsum(0.5 * STEP * (speed[:, 1:] + speed[:, :-1]), axis=1)
-    moved -= moved[:, [origin]]
-    return moved
+        between: np.ndarray = (1.0 - part) * values[row, low] + part * values[row, low + 1]
+        return between
 
 
 def _phases(
-    started: pd.DataFrame, predictions: pd.DataFrame, row: np.ndarray, k: int, m: int, gm: float
+    started: pd.DataFrame, predictions: pd.DataFrame, row: np.ndarray, pair: tuple[int, int], gm: float
 ) -> np.ndarray:
-    """Coefficients (estimates, 3) of 1, s, s^2 of each estimate's phase, s [s] since its epoch."""
-    at_start, a = _phase(started[STATE].to_numpy(), started["t"].to_numpy(), k, m, gm)
-    at_end, _ = _phase(predictions[STATE].to_numpy(), predictions["t_j"].to_numpy(), k, m, gm)
+    """Return coefficients (estimates, 3) of 1, s, s^2 of each estimate's phase, s [s] since its epoch.
+
+    The parabola begins at the phase of the estimate and is fitted to the phases of its predictions.
+    row: (predictions,) place in `started` of the estimate that each starts from
+    """
+    k, m = pair
+    at_start, a = _phase(started[STATE].to_numpy(), started["t"].to_numpy(), pair, gm)
+    at_end, _ = _phase(predictions[STATE].to_numpy(), predictions["t_j"].to_numpy(), pair, gm)
     rate = k * np.sqrt(gm / a**3) - m * EARTH_RATE
     s = (predictions["t_j"] - predictions["t_i"]).to_numpy()
     # What the phase is ahead of its rate at the start: slow, so unwrapping along the arc is safe.
     ahead = np.angle(np.exp(1j * (at_end - at_start[row] - rate[row] * s)))
-    found = np.zeros((len(started), 3))
+    coefficients = np.zeros((len(started), 3))
     for n in range(len(started)):
-        own = (row == n) & np.isfinite(ahead)
-        basis = np.stack([s[own], s[own] ** 2], axis=1)
-        scale = np.array([reach := s[own].max(initial=1.0), reach**2])
-        slope = np.linalg.lstsq(basis / scale, np.unwrap(ahead[own]))[0] / scale
-        found[n] = [at_start[n], rate[n] + slope[0], slope[1]]
-    return found
+        along = (row == n) & np.isfinite(ahead)
+        basis = np.stack([s[along], s[along] ** 2], axis=1)
+        scale = np.array([reach := s[along].max(initial=1.0), reach**2])
+        slope = np.linalg.lstsq(basis / scale, np.unwrap(ahead[along]))[0] / scale
+        coefficients[n] = [at_start[n], rate[n] + slope[0], slope[1]]
+    return coefficients
 
 
-def _phase(states: np.ndarray, t: np.ndarray, k: int, m: int, gm: float) -> tuple[np.ndarray, np.ndarray]:
-    """Phase [rad], the Earth's turn counted from the epoch, and semi-major axis [m] of GCRF states (n, 6)."""
+def _phase(
+    states: np.ndarray, t: np.ndarray, pair: tuple[int, int], gm: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return phase [rad] and semi-major axis [m] of GCRF states (n, 6).
+
+    The Earth's turn is counted from the epoch.
+    """
+    k, m = pair
     coe = coe_from_cartesian(states, gm)
     return k * (coe[:, 3] + coe[:, 5]) + m * (coe[:, 4] - EARTH_RATE * t), coe[:, 0]

@@ -3,40 +3,34 @@
 A catalogue can compute all of this: it needs the estimates and the assumed model, not the truth.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 import pandas as pd
 
-from opml.catalog.flight import fly_pairs, part_of
-from opml.dynamics.ensemble import Integrator
-from opml.dynamics.kernels.surroundings import ForceModel
+from opml.catalog.flight import Flight
 from opml.orbits.elements import in_rsw
-from opml.orbits.sheets import Rso
 from opml.tables import STATE
 
-_NUDGE = 0.01
+CD_NUDGE = 0.01
 """Change of Cd between neighbouring arcs: small against Cd, large against rounding."""
 
 
 def sensitivities(
-    model: ForceModel,
+    flight: Flight,
     estimates: pd.DataFrame,
     predictions: pd.DataFrame,
-    rso: Rso,
     *,
     bounds: tuple[float, float] | None,
-    integrator: Integrator,
-    threads: int = 1,
-    progress: Callable[[float], None] | None = None,
 ) -> pd.DataFrame:
-    """The `sensitivities` table: for each pair of the predictions, in RSW of the predicted state.
+    """Return the `sensitivities` table: for each pair of the predictions, in RSW of the predicted state.
 
-    s_*: change of the predicted state per unit of Cd, the estimated state held. v_*: the same where
-    the state moves along with Cd as the fit's own covariance has it, P_xc / P_cc. r_*: the
-    prediction less the one made again with the running mean of all Cd estimated so far within
-    `bounds` (all of them where it is None), which is in cd_mean. A pair without a prediction has no numbers.
-    model: the assumed one; estimates, predictions: the tables; rso: whose area, mass and Cr the arcs have.
+    flight: under the assumed model
+    estimates, predictions: the tables
+    bounds: on the Cd that the running mean takes; None where it takes any
+
+    s_*: change of the predicted state per unit of Cd, the estimated state held. v_*: the same where the state
+    moves along with Cd as the fit's own covariance has it, P_xc / P_cc. r_*: the prediction less a prediction
+    with the running mean of all Cd estimated so far, which is in cd_mean. A pair without a prediction has no
+    numbers.
     """
     tracks, arc = np.unique(predictions["i"], return_inverse=True)
     first = np.searchsorted(estimates["track"], tracks)
@@ -46,33 +40,24 @@ def sensitivities(
     table = {"i": predictions["i"], "j": predictions["j"], "cd_mean": mean[arc]}
     neighbours = _neighbours(started, mean)
     for turn, (name, (states, cd, scale)) in enumerate(neighbours.items()):
-        flown, _ = fly_pairs(
-            model,
-            rso,
-            predictions,
-            states,
-            cd=cd,
-            integrator=integrator,
-            threads=threads,
-            progress=part_of(progress, turn, len(neighbours)),
-        )
+        flown, _ = flight.part(turn, len(neighbours)).fly_pairs(predictions, states, cd=cd)
         change = scale * in_rsw(flown - predicted, predicted)
         table |= {f"{name}_{axis}": change[:, k] for k, axis in enumerate(STATE)}
     return pd.DataFrame(table)
 
 
 def _neighbours(started: pd.DataFrame, mean: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray, float]]:
-    """(states, Cd, scale of the change) of the arcs beside those of the estimates, by family of columns."""
+    """Return (states, Cd, scale of the change) of arcs beside the estimates', by family of columns."""
     states, cd = started[STATE].to_numpy(), started["cd"].to_numpy()
     return {
-        "s": (states, cd + _NUDGE, 1.0 / _NUDGE),
-        "v": (states + _NUDGE * shift_with_cd(started), cd + _NUDGE, 1.0 / _NUDGE),
+        "s": (states, cd + CD_NUDGE, 1.0 / CD_NUDGE),
+        "v": (states + CD_NUDGE * shift_with_cd(started), cd + CD_NUDGE, 1.0 / CD_NUDGE),
         "r": (states, mean, -1.0),
     }
 
 
 def running_mean(estimates: pd.DataFrame, bounds: tuple[float, float] | None) -> np.ndarray:
-    """Mean of the Cd of all usable estimates up to and with each one; its own where there was none.
+    """Return the mean of the Cd of all usable estimates up to each (n,); its own where there was none.
 
     Without bounds, wild values of fits that tell little of Cd count, too: the weights are then 1/variance.
     """
@@ -88,18 +73,18 @@ def running_mean(estimates: pd.DataFrame, bounds: tuple[float, float] | None) ->
 
 
 def usable(estimates: pd.DataFrame, bounds: tuple[float, float] | None) -> np.ndarray:
-    """Which estimates converged with their Cd within `bounds`, if any are given (bool, one per estimate)."""
+    """Return which estimates (n,) converged with their Cd within `bounds`, None for any Cd."""
     low, high = bounds or (-np.inf, np.inf)
     return np.asarray(estimates["converged"] & estimates["cd"].between(low, high))
 
 
 def shift_with_cd(estimates: pd.DataFrame) -> np.ndarray:
-    """Change of the estimated state per unit of Cd along the fit's covariance, (n, 6); 0 where Cd was held.
+    """Return the change (n, 6) of the estimated state per unit of Cd along the fit's covariance.
 
-    It is what the fit would have found for the state had Cd been given: the conditional mean of
-    the state given Cd.
+    It is the conditional mean of the state given Cd: what the fit would have estimated had Cd been known; 0
+    where Cd was held.
     """
     shared = estimates[[f"cov_cd_{name}" for name in STATE]].to_numpy()
-    own = estimates["cov_cd_cd"].to_numpy()[:, None]
-    shift: np.ndarray = np.divide(shared, own, out=np.zeros_like(shared), where=own > 0.0)
+    variance = estimates["cov_cd_cd"].to_numpy()[:, None]
+    shift: np.ndarray = np.divide(shared, variance, out=np.zeros_like(shared), where=variance > 0.0)
     return shift

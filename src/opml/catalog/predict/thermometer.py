@@ -3,12 +3,12 @@
 Where the assumed density is wrong by a factor, the fits of all RSOs take it up in their Cd at the same time.
 So ln Cd of RSO k over a window is c_k, of its body, plus what all share of the density: a level, which lasts,
 and a mean over the window of x, one value per step, with a memory (Ornstein-Uhlenbeck). A Kalman filter
-finds all of them, from what was estimated before each time (Doornbos, Klinkrad & Visser 2008, Adv. Space Res.
-41, 1115-1125, for TLEs; Storz et al. 2005, HASDM).
+estimates all of them, from the fits before each time (Doornbos, Klinkrad & Visser 2008, Adv. Space Res. 41,
+1115-1125, for TLEs; Storz et al. 2005, HASDM).
 
-That mean is not an even one. Drag moves an RSO along its track by its double integral, and a fit lays a
-parabola through what its tracks see of that: Cd is the parabola's curvature. It weighs the middle of the
-window most and the last hours hardly, whose drag is in the error of the state instead.
+The steps' weights in that mean are not even. Drag moves an RSO along its track by its double integral, and a
+fit lays a parabola through what its tracks see of that: Cd is the parabola's curvature. It weighs the middle
+of the window most and the last hours hardly; their drag is in the error of the state instead.
 """
 
 import math
@@ -23,20 +23,25 @@ from opml.base.constants import DAY, HOUR
 from opml.tables import STATE
 
 COMMON_CD = 2.2
-"""Cd of a body of which nothing is known: that of most satellites (Vallado 2013, sec. 8.6.2)."""
+"""Cd of an unknown body: that of most satellites (Vallado 2013, sec. 8.6.2)."""
 
 WORST = 0.3
-"""Relative formal error of a Cd beyond which a fit says nothing: its logarithm would be biased."""
+"""Relative formal error of a Cd beyond which a fit does not count: its logarithm would be biased."""
 
 
 @dataclass(frozen=True)
 class Thermometer:
     """How the factor of the density and the bodies vary: settings of the filter, deviations in ln Cd.
 
-    window_hours: of the fits; step_hours: of one value of the factor; decay_days: its memory; factor_sigma:
-    how far it goes; body_sigma: of a body's Cd before any fit; drift_sigma: its change in a day; noise_sigma:
-    of a fit, beside its formal error; excess: by how much the assumed forces make a fit err more than its
-    formal error says; level_sigma: how far the level may be from nothing, 0 for none.
+    window_hours: of the fits
+    step_hours: of one value of the factor
+    decay_days: memory of the factor
+    factor_sigma: how far the factor goes
+    body_sigma: of a body's Cd before any fit
+    drift_sigma: change of a body's Cd in a day
+    noise_sigma: of a fit, beside its formal error
+    excess: by how much the assumed forces make a fit err more than its formal error says
+    level_sigma: how far the level may be from nothing, 0 for none
     """
 
     window_hours: float
@@ -70,23 +75,27 @@ class Thermometer:
         return math.exp(-self.step_hours / (24.0 * self.decay_days))
 
     def step_of(self, t: np.ndarray) -> np.ndarray:
-        """Numbers of the steps of times t (n,) [s]."""
-        found: np.ndarray = np.floor(t / self.step).astype(int)
-        return found
+        """Return the numbers of the steps of times t (n,) [s]."""
+        numbers: np.ndarray = np.floor(t / self.step).astype(int)
+        return numbers
 
     def ahead(self, duration: np.ndarray) -> np.ndarray:
-        """What is left of the factor over a prediction: its mean, where earlier drag counts more (n,)."""
+        """Return the part (n,) of the factor that is left over predictions of `duration` (n,) [s].
+
+        It is a mean in which earlier drag counts more.
+        """
         z = np.maximum(duration / (DAY * self.decay_days), 1e-4)
-        found: np.ndarray = 2.0 * (z - 1.0 + np.exp(-z)) / z**2
-        return found
+        left: np.ndarray = 2.0 * (z - 1.0 + np.exp(-z)) / z**2
+        return left
 
 
 @dataclass(frozen=True)
 class Seen:
     """How a fit saw the drag of each step that its window touches, the newest first; times in windows.
 
-    begins, ends: (lags,) of the steps, from t_i, within the window; parabola: (3, lags) what the tracks made
-    of a unit of drag in each: place, rate and curvature at t_i. A unit in all of them has the curvature 1.
+    begins, ends: (lags,) of the steps, from t_i, within the window
+    parabola: (3, lags) place, rate and curvature at t_i that the tracks made of a unit of drag in each step;
+    a unit in all steps has the curvature 1
     """
 
     begins: np.ndarray
@@ -96,19 +105,22 @@ class Seen:
     @property
     def shares(self) -> np.ndarray:
         """Parts (lags,) of the steps in Cd; they add up to 1."""
-        found: np.ndarray = self.parabola[2]
-        return found
+        curvature: np.ndarray = self.parabola[2]
+        return curvature
 
     def within(self, reach: np.ndarray) -> np.ndarray:
-        """Error of predictions over `reach` (n,) windows by drag in each step, as by one of Cd: (n, lags)."""
+        """Return the error (n, lags) of predictions over `reach` (n,) windows by drag in each step.
+
+        Its unit is the error of a prediction by an error of Cd.
+        """
         half = 0.5 * reach[:, None] ** 2
         predicted = _powers(reach) @ self.parabola
-        found: np.ndarray = (predicted - _moved(reach, self.begins, self.ends)) / half
-        return found
+        error: np.ndarray = (predicted - _moved(reach, self.begins, self.ends)) / half
+        return error
 
 
 def seen(t: float, tracks: np.ndarray, settings: Thermometer) -> Seen:
-    """How a fit at t [s] saw the drag by the tracks that began at `tracks` (n,) [s], those of its window."""
+    """Return how a fit at t [s] saw the drag, by the tracks of its window; tracks: (n,) beginnings [s]."""
     at = (tracks[(tracks > t - settings.window) & (tracks <= t)] - t) / settings.window
     length = settings.step_hours / settings.window_hours
     newest = t // settings.step * length - t / settings.window
@@ -119,15 +131,15 @@ def seen(t: float, tracks: np.ndarray, settings: Thermometer) -> Seen:
 
 
 def _powers(t: np.ndarray) -> np.ndarray:
-    """Displacement at times t (n,) by place, rate and curvature at 0: (n, 3)."""
+    """Return the displacement (n, 3) at times t (n,) by a unit of place, rate and curvature at 0."""
     return np.column_stack([np.ones(len(t)), t, 0.5 * t**2])
 
 
 def _moved(t: np.ndarray, begins: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """Displacement at times t (n,) by a unit of drag from `begins` to `ends` (m,): (n, m)."""
+    """Return the displacement (n, m) at times t (n,) by a unit of drag from `begins` to `ends` (m,)."""
     since = np.maximum(t[:, None] - begins, 0.0), np.maximum(t[:, None] - ends, 0.0)
-    found: np.ndarray = 0.5 * (since[0] ** 2 - since[1] ** 2)
-    return found
+    displacement: np.ndarray = 0.5 * (since[0] ** 2 - since[1] ** 2)
+    return displacement
 
 
 @dataclass(frozen=True)
@@ -138,13 +150,13 @@ class Belief:
     covariance: np.ndarray
 
     def updated(self, row: np.ndarray, value: float, variance: float) -> "Belief":
-        """The belief after a measurement of row (n,) times the state (Kalman 1960)."""
+        """Return the belief after a measurement of row (n,) times the state (Kalman 1960)."""
         toward = self.covariance @ row
         gain = toward / (row @ toward + variance)
         return Belief(self.mean + gain * (value - row @ self.mean), self.covariance - np.outer(gain, toward))
 
     def later(self, settings: Thermometer) -> "Belief":
-        """The belief a step later: the factor decays towards 0, bodies may have changed."""
+        """Return the belief a step later: the factor decays towards 0, bodies may have changed."""
         count, lags, memory = len(self.mean), settings.lags, settings.memory
         move = np.eye(count)
         move[:lags, :lags] = np.eye(lags, k=-1)
@@ -154,8 +166,8 @@ class Belief:
         noise[0] = settings.factor_sigma**2 * (1.0 - memory**2)
         return Belief(move @ self.mean, move @ self.covariance @ move.T + np.diag(noise))
 
-    def of(self, body: int | None, settings: Thermometer) -> "Belief":
-        """The belief of the factor and one body alone; None is a body of which nothing is known."""
+    def about(self, body: int | None, settings: Thermometer) -> "Belief":
+        """Return the belief of the factor, the level and one body alone; None for an unknown body."""
         shared = settings.lags + 1
         if body is not None:
             chosen = [*range(shared), shared + body]
@@ -166,7 +178,7 @@ class Belief:
 
 
 def at_first(bodies: int, settings: Thermometer) -> Belief:
-    """The belief before any fit: a factor as it may be at any time, bodies as any."""
+    """Return the belief before any fit: a factor as at any time, bodies as any."""
     lags = settings.lags
     apart = np.abs(np.subtract.outer(np.arange(lags), np.arange(lags)))
     covariance = np.diag(np.full(lags + 1 + bodies, settings.body_sigma**2))
@@ -178,10 +190,13 @@ def at_first(bodies: int, settings: Thermometer) -> Belief:
 def beliefs(
     catalogue: Sequence[pd.DataFrame], times: np.ndarray, body: int | None, settings: Thermometer
 ) -> Iterator[Belief]:
-    """What is believed of the factor and one body at each of `times` (n,) [s], from the fits before it.
+    """Yield the belief of the factor and one body at each of `times` (n,) [s], from the fits before it.
 
-    catalogue: the tables of estimates over the settings' window, a row per track; times: ascending; body: as
-    in `Belief.of`. Of each RSO one fit counts in half a window.
+    catalogue: the tables of estimates over the settings' window, a row per track
+    times: ascending
+    body: as in `Belief.about`
+
+    Of each RSO one fit counts in half a window.
     """
     tracks = [table["t"].to_numpy() for table in catalogue]
     fits = pd.concat(
@@ -199,23 +214,23 @@ def beliefs(
             belief = belief.updated(row, fit.value, fit.variance)
         now = int(t // settings.step)
         belief, step = _until(belief, step, now, settings), now
-        yield belief.of(body, settings)
+        yield belief.about(body, settings)
 
 
 def _until(belief: Belief, step: int, end: int, settings: Thermometer) -> Belief:
-    """The belief of a step at a later one."""
+    """Return the belief of a step carried to a later step `end`."""
     for _ in range(step, end):
         belief = belief.later(settings)
     return belief
 
 
 def _counted(fits: pd.DataFrame, settings: Thermometer) -> pd.DataFrame:
-    """The first fit of each half window: more of them would share most of their tracks, and their errors."""
+    """Return the first fit of each half window: others share most of its tracks, and of its errors."""
     return fits.groupby(np.floor(fits["t"] / (0.5 * settings.window))).head(1)
 
 
 def _fits(estimates: pd.DataFrame, settings: Thermometer) -> pd.DataFrame:
-    """What fits say of ln Cd: track, t, step, value and variance; the useless left out."""
+    """Return what fits tell of ln Cd: track, t, step, value and variance; useless fits are left out."""
     t, cd = estimates["t"].to_numpy(), estimates["cd"].to_numpy()
     relative = np.divide(estimates["cov_cd_cd"], cd**2, out=np.zeros(len(cd)), where=cd > 0.0)
     use = estimates["converged"].to_numpy() & (relative > 0.0) & (relative < WORST**2)
@@ -232,63 +247,67 @@ def _fits(estimates: pd.DataFrame, settings: Thermometer) -> pd.DataFrame:
 
 @dataclass(frozen=True)
 class Reading:
-    """What the thermometer says at an estimate: the factor of each step of its window, and Cd over it."""
+    """What the thermometer shows at an estimate: the factor of each step of its window, and Cd over it."""
 
     factors: np.ndarray
     cd_window: float
     seen: Seen
 
     def cd_ahead(self, duration: np.ndarray, settings: Thermometer) -> np.ndarray:
-        """Cd (n,) that makes up for what the factor does to predictions over `duration` (n,) [s].
+        """Return Cd (n,) that makes up for what the factor does to predictions over `duration` (n,) [s].
 
-        They err by the drag that is to come, of which the decaying factor is known, and by the drag in the
-        window, as far as the state at t_i took it up. That is no Cd, and over a short time as good as a large
-        change of it.
+        Predictions err by the drag that is to come, of which the decaying factor is known, and by the drag in
+        the window, as far as the state at t_i took it up. The error of the state is not one of Cd, but over a
+        short time as good as a large change of it.
         """
         within = self.seen.within(duration / settings.window) @ self.factors
-        found: np.ndarray = self.cd_window * (1.0 + self.factors[0] * settings.ahead(duration) - within)
-        return found
+        cd: np.ndarray = self.cd_window * (1.0 + self.factors[0] * settings.ahead(duration) - within)
+        return cd
 
 
 def read(
     estimates: pd.DataFrame, catalogue: Sequence[pd.DataFrame], body: int | None, settings: Thermometer
 ) -> dict[int, Reading]:
-    """What the thermometer says of an RSO at each of its estimates, by their tracks.
+    """Return the readings for an RSO at each of its estimates, by their tracks.
 
-    catalogue: as in `beliefs`; body: its number there, None for one left out, of which only the fit at t_i is
-    used. Of the other RSOs nothing counts that was estimated at t_i or later.
+    catalogue: as in `beliefs`
+    body: number of the RSO there; None where it is left out, so that only its fit at t_i is used
+
+    Of the other RSOs nothing counts that was estimated at t_i or later.
     """
     fits = _fits(estimates, settings).set_index("track")
     t = estimates["t"].to_numpy()
-    found = {}
-    told = beliefs(catalogue, t, body, settings)
-    for track, when, belief in zip(estimates["track"], t, told, strict=True):
-        saw = seen(when, t, settings)
-        row = np.append(saw.shares, [1.0, 1.0])
+    readings = {}
+    for track, when, belief in zip(estimates["track"], t, beliefs(catalogue, t, body, settings), strict=True):
+        drag = seen(when, t, settings)
+        row = np.append(drag.shares, [1.0, 1.0])
         if track in fits.index:
             belief = belief.updated(row, fits.at[track, "value"], fits.at[track, "variance"])
         factors = belief.mean[: settings.lags]
-        found[track] = Reading(factors, math.exp(row @ belief.mean), saw)
-    return found
+        readings[track] = Reading(factors, math.exp(row @ belief.mean), drag)
+    return readings
 
 
 def corrections(
     predictions: pd.DataFrame,
-    told: Mapping[int, Reading],
+    readings: Mapping[int, Reading],
     arcs: pd.DataFrame,
     sensitivities: pd.DataFrame,
     settings: Thermometer,
 ) -> pd.DataFrame:
-    """The `thermometer` table: one row per pair of `predictions`, in their order.
+    """Return the `thermometer` table: one row per pair of `predictions`, in their order.
 
-    told: from `read`; arcs: over the settings' window; sensitivities: of the predictions. The arc's Cd is
-    moved to what the thermometer makes of it, with the state along the fit's covariance; from t_i on it is
-    that which makes up for the factor.
+    readings: from `read`
+    arcs: the table, over the settings' window
+    sensitivities: the table of the predictions
+
+    The arc's Cd is moved to that of the reading, with the state along the fit's covariance. From t_i on, it
+    is the Cd that makes up for the factor.
     """
     duration = (predictions["t_j"] - predictions["t_i"]).to_numpy()
     factor, within, ahead = (np.zeros(len(predictions)) for _ in range(3))
     for track, rows in predictions.groupby("i").indices.items():
-        reading = told[track]
+        reading = readings[track]
         factor[rows], within[rows] = reading.factors[0], reading.cd_window
         ahead[rows] = reading.cd_ahead(duration[rows], settings)
     table = {"i": predictions["i"].to_numpy(), "j": predictions["j"].to_numpy()}

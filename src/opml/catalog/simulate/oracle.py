@@ -11,7 +11,7 @@ from opml.tables import STATE
 
 
 def perfect(estimates: pd.DataFrame, truth: pd.DataFrame, *, cd: float) -> pd.DataFrame:
-    """The `estimates` table of the same tracks with the true states and drag coefficient."""
+    """Return the `estimates` table of the same tracks with the true states and drag coefficient."""
     states = truth.set_index("t")[STATE].loc[estimates["t"]].to_numpy()
     covariance = dict.fromkeys(estimates.filter(like="cov_").columns, 0.0)
     return estimates.assign(
@@ -33,12 +33,14 @@ def build(
     *,
     gm: float,
 ) -> pd.DataFrame:
-    """The `oracle` table: one row per pair of `predictions`, in their order.
+    """Return the `oracle` table: one row per pair of `predictions`, in their order.
 
-    drift [m] is how far along-track the estimate's own error of semi-major axis da takes the prediction by
-    t_j, -3/2 v da/a (t_j - t_i); floor_* is the error [m, m/s] of the prediction from the true state and Cd,
-    which is that of the assumed model alone, in RSW of the true state. `perfect` is as the function of that
-    name returns, gm [m3/s2] for the elements.
+    perfect, perfect_predictions: the estimates of the function `perfect`, and the predictions from them
+    gm: of the elements [m3/s2]
+
+    drift [m] is how far along-track the error da of the estimate's semi-major axis takes the prediction by
+    t_j, -3/2 v da/a (t_j - t_i). floor_* is the error [m, m/s] of the prediction from the true state and Cd,
+    in RSW of the true state: that of the assumed model alone.
     """
     pairs = pd.MultiIndex.from_frame(predictions[["i", "j"]])
     floor = perfect_predictions.set_index(["i", "j"])[[f"e_{axis}" for axis in STATE]].reindex(pairs)
@@ -52,6 +54,6 @@ def build(
 
 
 def _semi_major_axis(estimates: pd.DataFrame, tracks: pd.Series, gm: float) -> np.ndarray:
-    """Osculating semi-major axis [m] of the estimates at `tracks`."""
+    """Return the osculating semi-major axis [m] of the estimates at `tracks`."""
     states = estimates.set_index("track").loc[tracks, STATE].to_numpy()
     return coe_from_cartesian(states, gm)[:, 0]

@@ -23,16 +23,22 @@ def simulate(
     rso: str,
     seed: int,
 ) -> pd.DataFrame:
-    """The `tracking` table: every measurement of the stations, numbered by track.
+    """Return the `tracking` table: every measurement of the stations, numbered by track.
 
-    truth: states on an even grid of times, in whose gaps there is no track; stations: `sheets.Station`s;
-    rso: its name; seed: of the noise, from which each station's own follows, so that a station measures the
-    same alone and among others. A track is a run of grid epochs at which any of the stations sees the RSO
-    (paper, sec. Measurement Models). Raises InputError where no station ever sees the RSO.
+    truth: states on an even grid of times, in whose gaps there is no track
+    earth_orientation: the environment's table
+    rso: name of the RSO
+    seed: of the noise; that of each station follows from it, so that others change no measurement
+
+    A track is a run of grid epochs at which any of the stations sees the RSO. Raises InputError where no
+    station ever sees the RSO. Source: paper, sec. Measurement Models.
     """
     t = truth["t"].to_numpy()
     positions = np.einsum("nij,nj->ni", gcrf_to_itrf(earth_orientation, t), truth[["x", "y", "z"]].to_numpy())
-    parts = [_measure(k, station, t, positions, rso, seed) for k, station in enumerate(stations)]
+    parts = [
+        _measured(station, t, positions, derive(seed, "noise", rso, station.name)).assign(order=k)
+        for k, station in enumerate(stations)
+    ]
     if all(part.empty for part in parts):
         names = ", ".join(station.name for station in stations)
         raise InputError(f"{rso}: expected a pass over {names}, but it is never in sight")
@@ -43,10 +49,13 @@ def simulate(
     return table[["track", "t", "station", *QUANTITIES, *(f"{name}_true" for name in QUANTITIES)]]
 
 
-def _measure(
-    order: int, station: Station, t: np.ndarray, positions: np.ndarray, rso: str, seed: int
+def _measured(
+    station: Station, t: np.ndarray, positions: np.ndarray, noise: np.random.Generator
 ) -> pd.DataFrame:
-    """One station's measurements, at the epochs at which it sees the RSO."""
+    """Return one station's measurements, at the epochs at which it sees the RSO.
+
+    positions: (n, 3) of the RSO in ITRF [m] at t (n,) [s]
+    """
     true = observe(positions, *site(station))
     epochs = np.flatnonzero(
         (true[:, 1] >= station.min_elevation)
@@ -54,9 +63,9 @@ def _measure(
         & (true[:, 2] <= station.max_range)
     )
     true = true[epochs]
-    noisy = true + derive(seed, "noise", rso, station.name).normal(size=true.shape) * sigmas(station)
+    noisy = true + noise.normal(size=true.shape) * sigmas(station)
     noisy[:, 0] = wrap_turn(noisy[:, 0])
-    columns = {"epoch": epochs, "order": order, "t": t[epochs], "station": station.name}
+    columns = {"epoch": epochs, "t": t[epochs], "station": station.name}
     for k, name in enumerate(QUANTITIES):
         columns[name], columns[f"{name}_true"] = noisy[:, k], true[:, k]
     return pd.DataFrame(columns)

@@ -1,80 +1,77 @@
 """The true orbits of RSOs: one arc of each under the truth model."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.dynamics.ensemble import REASONS, Arcs, Integrator, propagate
-from opml.dynamics.kernels.surroundings import ForceModel
+from opml.catalog.flight import Flight
+from opml.dynamics.ensemble import REASONS, Departures, propagate
 from opml.orbits.elements import cartesian_from_coe, true_from_mean_anomaly
 from opml.orbits.sheets import Rso
 from opml.tables import STATE
 
 
 def initial_state(rso: Rso, gm: float) -> np.ndarray:
-    """GCRF state (6,) [m, m/s] at the epoch, from the RSO's osculating elements (paper, table of RSOs)."""
+    """Return the GCRF state (6,) [m, m/s] of an RSO's osculating elements at the epoch; gm [m3/s2].
+
+    Source: the paper's table of RSOs.
+    """
     nu = float(true_from_mean_anomaly(np.array(rso.mean_anomaly), np.array(rso.e)))
     return cartesian_from_coe(np.array([rso.a, rso.e, rso.i, rso.argp, rso.raan, nu]), gm)
 
 
-def simulate(
-    model: ForceModel,
-    rso: Rso,
-    *,
-    duration: float,
-    step: float,
-    integrator: Integrator,
-    progress: Callable[[float], None] | None = None,
-) -> pd.DataFrame:
-    """The `truth` table of an RSO: GCRF states every `step` from the epoch to `duration` [s].
+def simulate(flight: Flight, *, duration: float, step: float) -> pd.DataFrame:
+    """Return the `truth` table of a flight: GCRF states every `step` from the epoch to `duration` [s].
 
-    model: the true one. Raises InputError where the RSO does not stay in
-    orbit that long (paper, sec. Truth Dynamic Models).
+    flight: under the true model. Raises InputError where the RSO does not stay in orbit that long. Source:
+    paper, sec. Truth Dynamic Models.
     """
-    [table] = simulate_together(
-        model, [rso], duration=duration, step=step, integrator=integrator, progress=progress
-    )
+    [table] = simulate_together(flight, [], duration=duration, step=step)
     return table
 
 
 def simulate_together(
-    model: ForceModel,
-    rsos: Sequence[Rso],
-    *,
-    duration: float,
-    step: float,
-    integrator: Integrator,
-    threads: int = 1,
-    progress: Callable[[float], None] | None = None,
+    flight: Flight, others: Sequence[Rso], *, duration: float, step: float
 ) -> list[pd.DataFrame]:
-    """The `truth` tables of RSOs that fly side by side, each as `simulate` gives it, in less time."""
+    """Return the `truth` tables of a flight and of other RSOs beside it, in about the time of one.
+
+    Each table is that of `simulate`, to the bit.
+    """
+    rsos = [flight.rso, *others]
     t = np.arange(0.0, duration + 0.5 * step, step)
-    starts = np.array([initial_state(rso, model.gm) for rso in rsos])
-    arcs = propagate(
-        model,
-        t,
+    starts = np.array([initial_state(rso, flight.model.gm) for rso in rsos])
+    departures = Departures(
         starts,
         first=[0] * len(rsos),
         last=[len(t) - 1] * len(rsos),
         ballistic=[rso.cd * rso.area_to_mass for rso in rsos],
         reflection=[rso.cr * rso.area_to_mass for rso in rsos],
-        integrator=integrator,
-        threads=threads,
-        progress=progress,
     )
-    return [_table(rso, t, start, arcs, k) for k, (rso, start) in enumerate(zip(rsos, starts, strict=True))]
+    arcs = propagate(
+        flight.model,
+        t,
+        departures,
+        integrator=flight.integrator,
+        threads=flight.threads,
+        progress=flight.progress,
+    )
+    for k, rso in enumerate(rsos):
+        _check_lasting(rso, t, arcs.path(k), REASONS[arcs.status[k]])
+    return [_table(t, np.vstack([start, arcs.path(k)])) for k, start in enumerate(starts)]
 
 
-def _table(rso: Rso, t: np.ndarray, start: np.ndarray, arcs: Arcs, arc: int) -> pd.DataFrame:
-    """The table of one arc; raises InputError where it was retired."""
-    if arcs.status[arc]:
-        flown = np.isfinite(arcs.of(arc)[:, 0]).sum() * t[1] / DAY
+def _check_lasting(rso: Rso, t: np.ndarray, path: np.ndarray, reason: str) -> None:
+    """Raise InputError where an arc was retired for a `reason`; path: its states after t[0]."""
+    if reason:
+        flown = np.isfinite(path[:, 0]).sum() * t[1] / DAY
         raise InputError(
             f"{rso.name}: expected an orbit that lasts {t[-1] / DAY:g} days, "
-            f"but it {REASONS[arcs.status[arc]]} after {flown:.2f} days"
+            f"but it {reason} after {flown:.2f} days"
         )
-    states = np.vstack([start, arcs.of(arc)])
+
+
+def _table(t: np.ndarray, states: np.ndarray) -> pd.DataFrame:
     return pd.DataFrame({"t": t, **dict(zip(STATE, states.T, strict=True))})

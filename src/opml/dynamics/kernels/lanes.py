@@ -17,9 +17,10 @@ from numba.core.datamodel import models, register_default
 from numba.extending import intrinsic, overload
 
 from opml.base.compiled import decorators
+from opml.base.constants import LANES
 
-WIDTH = 16
-"""Lanes in one vector: two AVX-512 registers, enough independent work to hide an FMA's latency."""
+WIDTH = LANES
+"""Lanes in one vector."""
 
 FLAGS = ("contract", "nsz")
 """What the compiler may do to a formula: fuse multiply and add, and ignore the sign of zero."""
