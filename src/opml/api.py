@@ -34,9 +34,8 @@ from opml.environment import (
     solar_activity,
 )
 from opml.ephemerides import corrected, replays
-from opml.ephemerides import task as tasks
 from opml.ephemerides.known import Known
-from opml.ephemerides.task import Grid, Task
+from opml.ephemerides.task import Grid, Task, departures
 from opml.interop import mean_elements, tdm
 from opml.learning.data import dataset as datasets
 from opml.learning.data import splits
@@ -487,7 +486,7 @@ def ephemeris(
     True
     """
     known, until = _known(catalogue), DAY * until_days
-    starts = tasks.departures(known, known_until=until, each=each)
+    starts = departures(known, known_until=until, each=each)
     end = float(catalogue.environment.earth_orientation["t"].iloc[-1]) - MARGIN_S
     return corrected.build(
         Task(flight, known, starts, Grid(step, max_days, end)),

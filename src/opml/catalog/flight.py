@@ -14,15 +14,15 @@ from opml.dynamics.kernels.surroundings import ForceModel
 from opml.orbits.sheets import Rso
 
 Progress = Callable[[float], None]
-"""Takes the share of the work that is done."""
+"""Called with the share of the work that is done, from 0 to 1."""
 
 
 @dataclass(frozen=True)
 class Flight:
     """An RSO under a force model, and how it is integrated.
 
-    Area, mass and Cr of all arcs are the RSO's. threads: arcs fly on so many; progress: is told, None where
-    nobody asks.
+    Area, mass and Cr of all arcs are the RSO's. threads: number that arcs fly on; progress: called with the
+    share of the work that is done, if not None.
     """
 
     model: ForceModel

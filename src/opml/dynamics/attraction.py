@@ -14,8 +14,11 @@ class Attraction:
     def __init__(
         self, c: np.ndarray, s: np.ndarray, *, gm: float, radius: float, earth_orientation: pd.DataFrame
     ) -> None:
-        """Take fully normalised coefficients (degree + 1, degree + 1) [n, m], gm [m3/s2] and radius [m] of a
-        field, and the Earth orientation table of the times asked for.
+        """Take a field, and the Earth orientation table of the times at which it pulls.
+
+        c, s: fully normalised coefficients (degree + 1, degree + 1) [n, m]
+        gm: [m3/s2]
+        radius: [m]
         """
         self._degree = len(c) - 1
         self._weights = weights(c, s)
@@ -23,17 +26,20 @@ class Attraction:
         self._orientation = earth_orientation
 
     def rotation(self, t: np.ndarray) -> np.ndarray:
-        """Rotation matrices GCRF to ITRF (n, 3, 3) at times t (n,) [s]."""
+        """Return rotation matrices GCRF to ITRF (n, 3, 3) at times t (n,) [s]."""
         return gcrf_to_itrf(self._orientation, t)
 
     def acceleration(self, positions: np.ndarray, rotation: np.ndarray) -> np.ndarray:
-        """Accelerations (n, 3) [m/s2] at positions (n, 3) [m], both in GCRF, under `rotation` (n, 3, 3)."""
+        """Return accelerations (n, 3) [m/s2] at positions (n, 3) [m], both in GCRF.
+
+        rotation: (n, 3, 3) GCRF to ITRF
+        """
         pull = self._in_itrf(np.einsum("nij,nj->in", rotation, positions))
         turned: np.ndarray = np.einsum("nji,jn->ni", rotation, pull)
         return turned
 
     def _in_itrf(self, positions: np.ndarray) -> np.ndarray:
-        """Accelerations (3, n) at positions (3, n) in the frame of the field."""
+        """Return accelerations (3, n) at positions (3, n) in the frame of the field."""
         count = positions.shape[1]
         blocks = -(-count // WIDTH)
         # The last position fills the lanes that are left over.

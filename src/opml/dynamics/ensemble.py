@@ -3,9 +3,9 @@
 All arcs share a grid of times: the epochs at which any state is wanted, the jumps of the force
 model, and even steps between them that are no longer than the integrator's ceiling. So what depends
 on time alone is looked up once for all, and nothing is interpolated. An arc joins the grid at its
-first epoch and leaves it at its last. One whose own error estimate fails a step repeats that step
-alone in smaller ones; one that decays or loses its numbers is retired with its reason. So no arc's
-result depends on the others.
+first epoch and leaves it at its last. An arc whose error is too large in a step repeats that step
+alone in smaller ones; an arc that decays or loses its numbers is retired with its reason. So no
+arc's result depends on the others.
 
 Where the force model has outlooks, each arc flies under the newest at its first epoch, so that no arc knows
 what was measured later. Arcs under one outlook fly together.
@@ -111,7 +111,7 @@ def propagate(
 class _Grid:
     """Times from the first epoch to the last, in even steps of at most max_step between nodes [s].
 
-    Nodes are the epochs, and the times about the force model's jumps, so that no step has one in it.
+    Nodes are the epochs, and the times about the force model's jumps, so that no step has a jump in it.
     """
 
     def __init__(self, epochs: np.ndarray, jumps: np.ndarray, max_step: float) -> None:

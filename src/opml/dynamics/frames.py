@@ -14,7 +14,7 @@ _, _entry = decorators(nogil=True, error_model="numpy")
 
 
 def gcrf_to_itrf(earth_orientation: pd.DataFrame, t: np.ndarray) -> np.ndarray:
-    """Rotation matrices (n, 3, 3) at times t (n,) [s], from the Earth orientation table."""
+    """Return rotation matrices (n, 3, 3) at times t (n,) [s], from the Earth orientation table."""
     nodes = earth_orientation["t"].to_numpy()
     orientation = np.ascontiguousarray(earth_orientation[ORIENTATION].to_numpy(float))
     rotations: np.ndarray = _rotations(np.asarray(t, float), nodes[0], nodes[1] - nodes[0], orientation)
@@ -22,7 +22,7 @@ def gcrf_to_itrf(earth_orientation: pd.DataFrame, t: np.ndarray) -> np.ndarray:
 
 
 def spin(earth_orientation: pd.DataFrame) -> np.ndarray:
-    """Rotation vector of the Earth (nodes, 3) in GCRF [rad/s], at the nodes of the Earth orientation table.
+    """Return the Earth's rotation vector (nodes, 3) in GCRF [rad/s], at the nodes of its orientation table.
 
     The Earth turns about the CIP at the rate of its rotation angle, while the CIP moves without turning
     about itself: w = rate p + p x dp/dt (IERS Conventions 2010, sec. 5.2.3). The motion of the pole in the

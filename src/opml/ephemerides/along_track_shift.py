@@ -1,6 +1,6 @@
 """A predicted orbit that is ahead or behind, brought to where it should be, position and velocity together.
 
-Nearly all of a prediction's error lies along its own path, e_y. So the correction follows the path instead of
+Nearly all of a prediction's error lies along its path, e_y. So the correction follows the path instead of
 its tangent: the orbit of a moment tau earlier, tau = asin(e_y / r) / w, with w the rate at which the position
 turns. What tau tells of the radial error x follows from the motion beside a circular orbit without drag
 (Clohessy & Wiltshire 1960, J. Aerospace Sci. 27; Vallado, ch. 6), in which y = r w tau:
@@ -33,11 +33,13 @@ _PATH = 7  # so that a path sampled every minute is interpolated to a millimetre
 
 
 def corrected(t: np.ndarray, states: np.ndarray, along_track: np.ndarray) -> np.ndarray:
-    """Corrected states (n, 6) GCRF [m, m/s] of one predicted path.
+    """Return corrected states (n, 6) GCRF [m, m/s] of one predicted path.
 
-    t: (n,) ascending [s], a minute or so apart; states: (n, 6) as predicted, GCRF [m, m/s]; along_track: (n,)
-    predicted less true position [m], the component e_y in RSW of the true state. Raises InputError for fewer
-    than LEAST_EPOCHS.
+    t: (n,) ascending [s], a minute or so apart
+    states: (n, 6) as predicted, GCRF [m, m/s]
+    along_track: (n,) predicted less true position [m], the component e_y in RSW of the true state
+
+    Raises InputError for fewer than LEAST_EPOCHS.
     """
     if len(t) < LEAST_EPOCHS:
         raise InputError(f"ephemeris: expected at least {LEAST_EPOCHS} epochs to correct, got {len(t)}")
@@ -54,13 +56,13 @@ def corrected(t: np.ndarray, states: np.ndarray, along_track: np.ndarray) -> np.
 
 
 def through(t: np.ndarray, states: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """The path through states (n, 6) at t (n,): a function of times that returns states."""
+    """Return the path through states (n, 6) at t (n,): a function of times that returns states."""
     path: Callable[[np.ndarray], np.ndarray] = make_interp_spline(t, states, _PATH)
     return path
 
 
 def radial_part(t: np.ndarray, late: np.ndarray, radius: np.ndarray) -> np.ndarray:
-    """Radial error (n,) [m] that goes with being `late` (n,) [s] on an orbit of `radius` (n,) [m].
+    """Return the radial error (n,) [m] that goes with being `late` (n,) [s] on an orbit of `radius` (n,) [m].
 
     What a cubic spline with a knot a day can follow is the slow drift, the rest a matter of revolutions.
     """

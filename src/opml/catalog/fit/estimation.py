@@ -396,9 +396,10 @@ def estimate_all(
     spare: Known | None = None
     for begin in range(0, measured.tracks, BATCH):
         estimates = run.fitted(range(begin, min(begin + BATCH, measured.tracks)), usable, spare, method)
-        usable = next((run.known(one) for one in reversed(estimates) if run.is_usable(one)), usable)
-        spare = next((one for one in map(run.with_known_cd, reversed(estimates)) if one), spare)
-        rows += [run.row(one) for one in estimates]
+        newest = estimates[::-1]
+        usable = next((run.known(estimate) for estimate in newest if run.is_usable(estimate)), usable)
+        spare = next((known for known in map(run.with_known_cd, newest) if known), spare)
+        rows += [run.row(estimate) for estimate in estimates]
         if flight.progress:
             flight.progress(len(rows) / measured.tracks)
     return pd.DataFrame(rows)
