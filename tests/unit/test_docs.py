@@ -22,7 +22,10 @@ PAGES = [
     ROOT / "config" / "README.md",
     ROOT / "src" / "opml" / "data" / "README.md",
     *(ROOT / "docs").glob("*.md"),
+    *(ROOT / "notes").glob("*.md"),
 ]
+NOT_BY_HAND = {"data.md", "reference.md", "changes.md", "contributing.md"}
+"""Pages of docs/ that a program writes, or that only include a file from elsewhere."""
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
@@ -170,3 +173,14 @@ def test_what_the_architecture_names_is_there():
 def test_lines_have_one_width(page):
     lines = page.read_text(encoding="utf-8").splitlines()
     assert [line for line in lines if len(line) > 110 and not line.startswith("|")] == []
+
+
+def words(*pages):
+    """Return how many words pages have, as `wc -w` counts them."""
+    return sum(len(page.read_text(encoding="utf-8").split()) for page in pages)
+
+
+def test_the_pages_are_short_enough():
+    pages = [page for page in (ROOT / "docs").glob("*.md") if page.name not in NOT_BY_HAND]
+    assert words(*pages, ROOT / "config" / "README.md", ROOT / "CONTRIBUTING.md") <= 28_000
+    assert words(ROOT / "README.md") <= 600
