@@ -21,7 +21,10 @@ PAGES = [
     REPOSITORY / "config" / "README.md",
     REPOSITORY / "src" / "opml" / "data" / "README.md",
     *(REPOSITORY / "docs").glob("*.md"),
+    *(REPOSITORY / "notes").glob("*.md"),
 ]
+NOT_BY_HAND = {"data.md", "reference.md", "changes.md", "contributing.md"}
+"""Pages of docs/ that a program writes, or that only include a file from elsewhere."""
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(REPOSITORY).as_posix())
@@ -144,3 +147,19 @@ def test_what_the_architecture_names_is_there():
 def test_lines_have_one_width(page):
     lines = page.read_text(encoding="utf-8").splitlines()
     assert [line for line in lines if len(line) > 110 and not line.startswith("|")] == []
+
+
+TABLE_OF_SETTINGS = re.compile(r"<!-- table of settings.*?<!-- end of table -->", re.DOTALL)
+"""A table in config/README.md that a program writes."""
+
+
+def words(*pages):
+    """Return how many words pages have, as `wc -w` counts them, without tables that a program writes."""
+    texts = (TABLE_OF_SETTINGS.sub("", page.read_text(encoding="utf-8")) for page in pages)
+    return sum(len(text.split()) for text in texts)
+
+
+def test_the_pages_are_short_enough():
+    pages = [page for page in (REPOSITORY / "docs").glob("*.md") if page.name not in NOT_BY_HAND]
+    assert words(*pages, REPOSITORY / "config" / "README.md", REPOSITORY / "CONTRIBUTING.md") <= 28_000
+    assert words(REPOSITORY / "README.md") <= 600
