@@ -82,10 +82,10 @@ def propagate(
     )
     start = np.concatenate([[0], np.cumsum(last - first)])
     arcs = Arcs(np.full((start[-1], 6), np.nan), start, np.zeros(len(first), np.int64))
-    outlook = model.known_at(epochs[first])
+    outlook = model.newest_outlook(epochs[first])
 
     def fly(members: np.ndarray) -> int:
-        _fly(model.under(outlook[members[0]]), grid, begun, members, arcs, integrator)
+        _fly(model.use_outlook(outlook[members[0]]), grid, begun, members, arcs, integrator)
         return len(members)
 
     done = 0
