@@ -260,8 +260,8 @@ def timings() -> list[Timing]:
     state, scratch, slopes = rows(9), rows(SCRATCH_ROWS), rows(RATES * (dop853.STAGES + 1))
     state[:6] = case.arcs(WIDTH).states.T
     state[6], state[7] = 0.11, 0.0625
-    values, factors = surroundings.blank(assumed)
-    true_values, true_factors = surroundings.blank(true)
+    values, factors = surroundings.allocate(assumed)
+    true_values, true_factors = surroundings.allocate(true)
     _look_up(1, DAY, assumed, values, factors)
     _look_up(1, DAY, true, true_values, true_factors)
 

@@ -102,7 +102,7 @@ def terms(model: ForceModel, t: float, state: np.ndarray, rso: Rso) -> dict[str,
 
     Keys: rotation (3, 3), density [kg/m3], lit, drag (3,), srp (3,) and bodies (bodies of the model, 3).
     """
-    values, factors = surroundings.blank(model)
+    values, factors = surroundings.allocate(model)
     scratch, out = rows(SCRATCH_ROWS), rows(8 + 3 * len(model.gms))
     ballistic, reflection = rso.cd * rso.area_to_mass, rso.cr * rso.area_to_mass
     _terms(model, t, _in_lanes(state), ballistic, reflection, values, factors, scratch, out)
@@ -135,7 +135,7 @@ def _gravity(model, place, out):
     x, y, z = load(place, 0), load(place, 1), load(place, 2)
     r2 = x * x + y * y + z * z
     acceleration = gravity(
-        x, y, z, r2, 1.0 / sqrt(r2), model.weights, model.columns, model.degree, model.gm, model.radius
+        x, y, z, 1.0 / sqrt(r2), model.weights, model.columns, model.degree, model.gm, model.radius
     )
     _store_vector(out, 0, acceleration)
 

@@ -190,7 +190,8 @@ def read_elements(
     True
     """
     satellite = mean_elements.read(path)
-    return mean_elements.rso(satellite, name=name, epoch=epoch, area_to_mass=area_to_mass, cd=cd, cr=cr)
+    body = mean_elements.Body(area_to_mass, cd, cr)
+    return mean_elements.rso(satellite, name=name, epoch=epoch, body=body)
 
 
 def propagate(flight: Flight, *, days: float, step: float = 20.0) -> pd.DataFrame:

@@ -72,7 +72,7 @@ def _add_rso(parser: argparse.ArgumentParser) -> None:
 def _rso(options: argparse.Namespace) -> str:
     from opml.interop import mean_elements
 
-    body = {"area_to_mass_m2pkg": options.area_to_mass, "cd": options.cd, "cr": options.cr}
+    body = mean_elements.Body(options.area_to_mass, options.cd, options.cr)
     return mean_elements.line_of_sheet(options.file, options.name, options.epoch, body)
 
 

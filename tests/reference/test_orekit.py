@@ -42,7 +42,7 @@ def _terms(t, rows, model, values, factors, scratch, out):
         r[6] * x + r[7] * y + r[8] * z,
     )
     gx, gy, gz = gravity(
-        px, py, pz, r2, inverse, model.weights, model.columns, model.degree, model.gm, model.radius
+        px, py, pz, inverse, model.weights, model.columns, model.degree, model.gm, model.radius
     )
     store(out, 0, r[0] * gx + r[3] * gy + r[6] * gz)
     store(out, 1, r[1] * gx + r[4] * gy + r[7] * gz)

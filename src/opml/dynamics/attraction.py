@@ -58,7 +58,7 @@ def _pull(places, pulls, weights, columns, degree, gm, radius):
         x, y, z = load(places[0], k), load(places[1], k), load(places[2], k)
         r2 = x * x + y * y + z * z
         inverse_r = 1.0 / sqrt(r2)
-        ax, ay, az = gravity(x, y, z, r2, inverse_r, weights, columns, degree, gm, radius)
+        ax, ay, az = gravity(x, y, z, inverse_r, weights, columns, degree, gm, radius)
         central = -gm * inverse_r * inverse_r * inverse_r
         store(pulls[0], k, ax + central * x)
         store(pulls[1], k, ay + central * y)

@@ -93,10 +93,10 @@ def propagate(
         arcs=Arcs(np.full((start[-1], 6), np.nan), start, np.zeros(len(first), np.int64)),
         integrator=integrator,
     )
-    outlook = model.known_at(epochs[first])
+    outlook = model.newest_outlook(epochs[first])
 
     def fly(members: np.ndarray) -> int:
-        ensemble.fly(members, model.under(outlook[members[0]]))
+        ensemble.fly(members, model.use_outlook(outlook[members[0]]))
         return len(members)
 
     done = 0

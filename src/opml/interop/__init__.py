@@ -1,1 +1,1 @@
-"""Into and out of the ecosystem: CCSDS's orbit and tracking messages, and mean elements of SGP4."""
+"""Readers and writers of other software's formats: CCSDS messages, SP3, CPF and SGP4's mean elements."""

@@ -1,9 +1,9 @@
-"""The orbit between its nodes: in each interval the polynomial that falls as the Earth's gravity says.
+"""Interpolation of an orbit between its nodes by polynomials that obey the Earth's gravity.
 
-A polynomial in time cannot follow an orbit from nodes minutes apart, as harmonics of the field change faster
-than that. So each interval has a polynomial of its own, through the positions at both of its ends, whose
-second derivative is the acceleration of gravity at as many times as it has freedom left (collocation). What
-else pulls is small and smooth: the velocities at the nodes tell of it, and a cubic takes them in.
+A polynomial in time alone cannot follow an orbit between nodes minutes apart, as the harmonics of the field
+change faster. So each interval has its own polynomial through the positions at both ends. Its second
+derivative equals the acceleration of gravity at as many times as it has free coefficients (collocation).
+Other forces are small and smooth: they show in the velocities at the nodes, which a cubic adds.
 
 Source: Bai & Junkins 2011, Modified Chebyshev-Picard iteration methods for solution of boundary value
 problems, Journal of the Astronautical Sciences 58.
@@ -21,22 +21,23 @@ from numpy.polynomial import chebyshev
 from opml.dynamics.attraction import Attraction
 
 CONVERGED = 1e-6
-"""Largest change of a position [m] in the last iteration; gravity shrinks it 9-fold or more in each one."""
+"""Largest change of a position [m] in the last iteration; each iteration divides the change by 9 or more."""
 
 _MOST_ITERATIONS = 25
-_BLOCK = 4096  # intervals solved at once, for the sake of memory
+_BLOCK = 4096  # intervals solved at once, a limit on memory
 
-# Chebyshev coefficients of the cubics that vanish at both ends with slope 1 at the first, or the last.
+# Chebyshev coefficients of the cubics that are 0 at both ends, with slope 1 at the first or at the last end.
 _FIRST_SLOPE = np.array([2.0, -1.0, -2.0, 1.0]) / 16.0
 _LAST_SLOPE = np.array([-2.0, -1.0, 2.0, 1.0]) / 16.0
 
 
 @dataclass(frozen=True)
 class Bridges:
-    """Polynomials from node to node.
+    """Polynomials between the nodes of an orbit.
 
-    t (n,): times of the nodes [s]; coefficients (n - 1, degree + 1, 3): Chebyshev's, of positions in GCRF [m]
-    from -1 at a node to 1 at the next, not finite where an interval is not bridged.
+    t: (n,) times of the nodes [s]
+    coefficients: (n - 1, degree + 1, 3) Chebyshev's, of positions in GCRF [m], from -1 at a node to 1 at the
+        next one; not finite where an interval is not bridged
     """
 
     t: np.ndarray
@@ -44,9 +45,8 @@ class Bridges:
 
     @property
     def bridged(self) -> np.ndarray:
-        """Which intervals (n - 1,) have a polynomial."""
-        found: np.ndarray = np.isfinite(self.coefficients[:, 0, 0])
-        return found
+        """Whether each interval (n - 1,) has a polynomial."""
+        return np.asarray(np.isfinite(self.coefficients[:, 0, 0]))
 
     @property
     def departures(self) -> np.ndarray:
@@ -60,20 +60,20 @@ class Bridges:
 
     @property
     def jumps(self) -> np.ndarray:
-        """Steps (n, 3) of the velocity at the nodes [m/s], 0 where it is known on one side at most."""
+        """Jumps (n, 3) of the velocity at the nodes [m/s], 0 where not both sides are bridged."""
         jumps = np.zeros((len(self.t), 3))
         jumps[1:-1] = np.nan_to_num(self.departures[1:] - self.arrivals[:-1])
         return jumps
 
-    def without(self, broken: np.ndarray) -> Self:
-        """Return the polynomials but those of some intervals (n - 1,)."""
+    def drop(self, broken: np.ndarray) -> Self:
+        """Return the polynomials without those of the intervals `broken` (n - 1,)."""
         return type(self)(self.t, np.where(broken[:, None, None], np.nan, self.coefficients))
 
     def mean_velocities(self) -> np.ndarray:
-        """Velocities (n, 3) [m/s] at the nodes, from those on both sides or on the one that is bridged.
+        """Return the velocities (n, 3) [m/s] at the nodes, from both sides or from the bridged one.
 
-        What pulls beside gravity, if it is constant, moves the two to either side by as much as the interval
-        there is long. On one side alone it is taken to be what it is at the next node.
+        A constant force beside gravity shifts the velocities of the two sides apart, in proportion to the
+        lengths of the two intervals. Where one side alone is bridged, the shift of the next node is used.
         """
         width, none = np.diff(self.t), np.full((1, 3), np.nan)
         before, after = np.append(width[:1], width), np.append(width, width[-1:])
@@ -84,11 +84,14 @@ class Bridges:
         from_first = departures - np.vstack([earlier[1:], none])
         to_last = arrivals + np.vstack([none, later[:-1]])
         one_side = np.where(np.isfinite(from_first), from_first, to_last)
-        mean: np.ndarray = np.where(np.isfinite(arrivals) & np.isfinite(departures), between, one_side)
-        return mean
+        return np.asarray(np.where(np.isfinite(arrivals) & np.isfinite(departures), between, one_side))
 
-    def through(self, velocities: np.ndarray, free: np.ndarray) -> Self:
-        """Return polynomials that have velocities (n, 3) [m/s] at the nodes, but for those `free` (n,)."""
+    def match_velocities(self, velocities: np.ndarray, free: np.ndarray) -> Self:
+        """Return polynomials with given velocities at the nodes.
+
+        velocities: (n, 3) [m/s]
+        free: (n,) nodes whose velocities stay as they are
+        """
         first = np.where(free[:-1, None], 0.0, velocities[:-1] - self.departures)
         last = np.where(free[1:, None], 0.0, velocities[1:] - self.arrivals)
         half = np.diff(self.t)[:, None, None] / 2.0
@@ -98,16 +101,16 @@ class Bridges:
         )
         return type(self)(self.t, coefficients)
 
-    def states(self, at: np.ndarray) -> np.ndarray:
-        """States (m, 6) [m, m/s] in GCRF at times `at` (m,) [s], not finite where there is no bridge."""
-        interval = np.clip(np.searchsorted(self.t, at, side="right") - 1, 0, len(self.t) - 2)
+    def states(self, times: np.ndarray) -> np.ndarray:
+        """Return the states (m, 6) [m, m/s] in GCRF at times (m,) [s], not finite without a bridge."""
+        interval = np.clip(np.searchsorted(self.t, times, side="right") - 1, 0, len(self.t) - 2)
         start, width = self.t[interval], np.diff(self.t)[interval]
-        x = (2.0 * (at - start) / width - 1.0)[:, None]
+        x = (2.0 * (times - start) / width - 1.0)[:, None]
         coefficients = self.coefficients[interval].transpose(1, 0, 2)
         position = chebyshev.chebval(x, coefficients, tensor=False)
         velocity = chebyshev.chebval(x, chebyshev.chebder(coefficients), tensor=False)
         states = np.concatenate([position, velocity * (2.0 / width)[:, None]], axis=1)
-        states[(at < self.t[0]) | (at > self.t[-1])] = np.nan
+        states[(times < self.t[0]) | (times > self.t[-1])] = np.nan
         return states
 
     def _end_velocities(self, end: float) -> np.ndarray:
@@ -118,9 +121,14 @@ class Bridges:
 
 
 def bridge(t: np.ndarray, positions: np.ndarray, attraction: Attraction, *, wanted: np.ndarray) -> Bridges:
-    """Bridge the intervals `wanted` (n - 1,) between nodes: t (n,) [s], ascending, positions (n, 3) GCRF [m].
+    """Return the polynomials of the intervals between nodes.
 
-    An interval that no orbit bridges, as its ends are too far from each other, is left open.
+    t: (n,) times of the nodes [s], ascending
+    positions: (n, 3) in GCRF [m]
+    attraction: the Earth's gravity
+    wanted: (n - 1,) intervals to bridge
+
+    An interval whose ends are too far apart for any orbit is left open.
     """
     index = np.flatnonzero(wanted)
     width = np.diff(t)
@@ -128,7 +136,7 @@ def bridge(t: np.ndarray, positions: np.ndarray, attraction: Attraction, *, want
     coefficients = np.full((len(width), points + 2, 3), np.nan)
     for part in _parts(index):
         ends = positions[part], positions[part + 1]
-        coefficients[part] = _solved(t[part], width[part], ends, attraction, points)
+        coefficients[part] = _solve(t[part], width[part], ends, attraction, points)
     return Bridges(t, coefficients)
 
 
@@ -138,14 +146,19 @@ def _parts(index: np.ndarray) -> Iterator[np.ndarray]:
 
 
 def _points(width: float) -> int:
-    """How many points an interval of some width [s] needs: with these, 1 mm of 600 s at an ISS is lost."""
+    """Return the number of points for intervals of a width [s]; an ISS then errs by 1 mm over 600 s."""
     return min(16, 5 + math.ceil(width / 40.0))
 
 
-def _solved(
+def _solve(
     t: np.ndarray, width: np.ndarray, ends: tuple[np.ndarray, np.ndarray], attraction: Attraction, points: int
 ) -> np.ndarray:
-    """Coefficients (n, points + 2, 3) of intervals that begin at t (n,) [s], between two ends (n, 3) [m]."""
+    """Return the coefficients (n, points + 2, 3) of intervals, by Picard iteration.
+
+    t: (n,) beginnings of the intervals [s]
+    width: (n,) [s]
+    ends: positions (n, 3) at the beginnings and at the ends, GCRF [m]
+    """
     abscissae, values, falls = _collocation(points)
     times = t[:, None] + width[:, None] * (abscissae + 1.0) / 2.0
     rotation = attraction.rotation(times.ravel())
@@ -166,10 +179,10 @@ def _solved(
 
 @cache
 def _collocation(points: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Times (p,) between -1 and 1, and matrices that hold for accelerations at them.
+    """Return the times of collocation (p,) between -1 and 1, and two matrices.
 
-    The first (p, p + 2) gives positions at these times from Chebyshev coefficients; the second (p + 2, p)
-    gives the coefficients of the fall that begins and ends at 0 from the accelerations.
+    The first, (p, p + 2), maps Chebyshev coefficients to positions at these times. The second, (p + 2, p),
+    maps accelerations at these times to the coefficients of the fall that is 0 at both ends.
     """
     abscissae = chebyshev.chebpts1(points)
     falls = chebyshev.chebint(np.linalg.inv(chebyshev.chebvander(abscissae, points - 1)), 2)

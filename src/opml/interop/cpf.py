@@ -1,6 +1,6 @@
-"""Orbits in the ILRS's consolidated prediction format (CPF), versions 1 and 2.
+"""Reader of orbits in the ILRS's consolidated prediction format (CPF), versions 1 and 2.
 
-Positions are in m in the ITRF, times in UTC; velocities, in m/s, are rare.
+Positions are in m in the ITRF, times in UTC. Velocities, in m/s, are rare.
 Source: Ricklefs 2006, Consolidated Laser Ranging Prediction Format, version 1.01; the same, version 2, 2018.
 """
 
@@ -13,9 +13,17 @@ import numpy as np
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.interop.orbit_arcs import Arc, NoSuchTime, ascending, chosen, elapsed, numbers, wrong
+from opml.interop.orbit_arcs import (
+    Arc,
+    NoSuchTime,
+    check_ascending,
+    choose_satellite,
+    line_error,
+    numbers,
+    seconds_since,
+)
 
-_NAME = {"1": 9, "2": 10}  # word of the first line that names the satellite, by version
+_NAME = {"1": 9, "2": 10}  # word of the first line with the satellite's name, by version
 _IDS = slice(1, 4)  # words of the second line: COSPAR, SIC and NORAD number
 _FRAME = 19  # word of the second line: 0 for the ITRF
 _MJD_ZERO = np.datetime64("1858-11-17")
@@ -29,16 +37,21 @@ class _Records:
     velocities: list[_Row | None]  # of each position
 
 
-def is_one(content: bytes) -> bool:
-    """Whether a file looks like CPF."""
+def matches(content: bytes) -> bool:
+    """Return whether a file looks like CPF."""
     return re.match(rb"H1\s+CPF\b", content, re.IGNORECASE) is not None
 
 
 def read(path: FilePath, content: bytes, *, epoch: str, satellite: str | None = None) -> list[Arc]:
-    """Read a CPF file: one arc, with times from the UTC text `epoch`.
+    """Read the arc of a CPF file.
 
-    satellite: its name, COSPAR, SIC or NORAD number, None for whatever it is. Raises InputError, naming the
-    line, for what is malformed, cut, of another satellite or in another frame.
+    path: of the file, for messages
+    content: of the file
+    epoch: UTC text from which times count
+    satellite: name, COSPAR, SIC or NORAD number; None: any satellite
+
+    Raises InputError, naming the line, for a malformed or truncated file, another satellite and another
+    frame.
     """
     rows = [(n, line.split()) for n, line in enumerate(content.decode("latin-1").splitlines(), 1)]
     rows = [(n, words) for n, words in rows if words]
@@ -62,23 +75,23 @@ def read(path: FilePath, content: bytes, *, epoch: str, satellite: str | None = 
 
 
 def _satellite(path: FilePath, rows: Sequence[_Row], wanted: str | None) -> str:
-    """Name of the satellite, from the first two lines; their version and frame have to be known."""
+    """Return the satellite's name. Raises InputError for another version, frame or satellite."""
     number, first = rows[0]
     version = first[2].lstrip("0") if len(first) > 2 else ""
     if version not in _NAME or len(first) <= _NAME[version]:
-        raise wrong(path, number, "H1 CPF of version 1 or 2, with the satellite's name", " ".join(first))
+        raise line_error(path, number, "H1 CPF of version 1 or 2, with the satellite's name", " ".join(first))
     number, second = rows[1] if len(rows) > 1 else (number + 1, [""])
     if len(second) <= _FRAME or second[0].upper() != "H2":
-        raise wrong(path, number, "H2 with ids, times and reference frame", " ".join(second))
+        raise line_error(path, number, "H2 with ids, times and reference frame", " ".join(second))
     if second[_FRAME] != "0":
-        raise wrong(path, number, "reference frame 0, the ITRF", second[_FRAME])
+        raise line_error(path, number, "reference frame 0, the ITRF", second[_FRAME])
     name = first[_NAME[version]]
-    chosen(path, [[name, *second[_IDS]]], wanted)
+    choose_satellite(path, [[name, *second[_IDS]]], wanted)
     return name
 
 
 def _records(path: FilePath, rows: Sequence[_Row]) -> _Records:
-    """Positions and velocities, which end in a line 99."""
+    """Return the positions and velocities up to the line 99 at the end."""
     positions: list[_Row] = []
     velocities: list[_Row | None] = []
     for number, words in rows:
@@ -91,42 +104,43 @@ def _records(path: FilePath, rows: Sequence[_Row]) -> _Records:
             case "99" if number == rows[-1][0] and positions:
                 return _Records(positions, velocities)
             case kind if _PASSED_OVER.fullmatch(kind) is None:
-                raise wrong(path, number, "a record 10 or 20, or 99 at the end", " ".join(words))
+                raise line_error(path, number, "a record 10 or 20, or 99 at the end", " ".join(words))
     raise InputError(f"{path}: expected positions and a line 99 at the end, got neither")
 
 
 def _times(path: FilePath, positions: Sequence[_Row], lines: np.ndarray, epoch: str) -> np.ndarray:
     for number, (_, flag, _, _, leap, *_) in positions:
         if (flag, leap) != ("0", "0"):
-            raise wrong(path, number, "direction flag 0 and leap second flag 0", f"{flag} and {leap}")
+            raise line_error(path, number, "direction flag 0 and leap second flag 0", f"{flag} and {leap}")
     day, second = numbers(path, np.array([words[2:4] for _, words in positions]), lines).T
     strange = np.flatnonzero(
         (day % 1.0 != 0.0) | (day < 4e4) | (day > 9e4) | (second < 0.0) | (second >= DAY)
     )
     if strange.size:
-        raise wrong(path, *_shown(positions[strange[0]]))
+        raise _time_error(path, positions[strange[0]])
     date = (_MJD_ZERO + day.astype(int)).astype("M8[D]")
     year, month = date.astype("M8[Y]"), date.astype("M8[M]")
     calendar = [year.astype(int) + 1970, (month - year).astype(int) + 1, (date - month).astype(int) + 1]
     clock = [second // 3600.0, second % 3600.0 // 60.0, second % 60.0]
     try:
-        t = elapsed(epoch, np.stack([*calendar, *clock], axis=1), "UTC")
+        t = seconds_since(epoch, np.stack([*calendar, *clock], axis=1), "UTC")
     except NoSuchTime as time:
-        raise wrong(path, *_shown(positions[time.index])) from None
-    ascending(path, t, lines)
+        raise _time_error(path, positions[time.index]) from None
+    check_ascending(path, t, lines)
     return t
 
 
-def _shown(row: _Row) -> tuple[int, str, str]:
-    return row[0], "a modified Julian date and second of the day", " ".join(row[1][2:4])
+def _time_error(path: FilePath, row: _Row) -> InputError:
+    number, words = row
+    return line_error(path, number, "a modified Julian date and second of the day", " ".join(words[2:4]))
 
 
 def _velocities(path: FilePath, rows: Sequence[_Row | None]) -> np.ndarray:
-    """Velocities (n, 3) [m/s], not finite where there is none."""
+    """Return the velocities (n, 3) [m/s], not finite where absent."""
     velocities = np.full((len(rows), 3), np.nan)
-    given = [(k, row) for k, row in enumerate(rows) if row is not None]
-    if given:
-        lines = np.array([number for _, (number, _) in given])
-        texts = np.array([words[2:5] for _, (_, words) in given])
-        velocities[[k for k, _ in given]] = numbers(path, texts, lines)
+    records = [(k, row) for k, row in enumerate(rows) if row is not None]
+    if records:
+        lines = np.array([number for _, (number, _) in records])
+        texts = np.array([words[2:5] for _, (_, words) in records])
+        velocities[[k for k, _ in records]] = numbers(path, texts, lines)
     return velocities

@@ -1,11 +1,11 @@
-"""An RSO from mean elements: a TLE, or an OMM in KVN, JSON or XML, flown by SGP4.
+"""Reader of RSOs from mean elements flown by SGP4: a TLE, or an OMM in KVN, JSON or XML.
 
     opml rso iss.tle --name mine --epoch 2016-09-28T12:09:45 \\
         --area-to-mass 0.05 --cd 2.2 --cr 1.25 >> config/rsos.tsv
 
-adds one to the sheet. SGP4's states are in TEME, which turns with the mean equinox; the rotation to GCRF is
-through the Earth's rotation: Greenwich mean sidereal time of 1982 against the Earth rotation angle about the
-CIP of IAU 2006/2000A. UT1 enters both angles and cancels, so UTC does and no bulletin is needed.
+adds an RSO to the sheet. SGP4's states are in TEME, which turns with the mean equinox. The rotation to GCRF
+goes through the Earth's rotation: Greenwich mean sidereal time of 1982 against the Earth rotation angle about
+the CIP of IAU 2006/2000A. UT1 enters both angles and cancels, so UTC will do and no bulletin is needed.
 Source: Vallado, Crawford, Hujsak & Kelso 2006, Revisiting Spacetrack Report #3 (AIAA 2006-6753), appendix C;
 IERS Conventions 2010, section 5.4; CCSDS 502.0-B-2, section 4 (OMM).
 """
@@ -17,7 +17,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from xml.etree.ElementTree import ParseError
 
 import erfa
@@ -35,14 +35,14 @@ from opml.orbits.elements import coe_from_cartesian, mean_from_true_anomaly
 from opml.orbits.sheets import Rso
 
 WARN_DAYS = 7.0
-"""Days from their own epoch beyond which elements are flown with a warning.
+"""Days from the elements' epoch beyond which SGP4 flies them with a warning.
 
-A satellite leaves the orbit of its TLE by 1 to 3 km per day (documentation of the package sgp4). After a week
-that is more than the median error of the paper case's predictions, 5 km.
+A satellite departs from the orbit of its TLE by 1 to 3 km per day (documentation of the package sgp4), in a
+week by more than the median error of the paper case's predictions, 5 km.
 """
 
 MOST_DAYS = 30.0
-"""Days from their own epoch beyond which elements are refused: drag has moved a low orbit too far by then."""
+"""Days from the elements' epoch beyond which they are refused: drag has moved a low orbit too far by then."""
 
 _log = logging.getLogger(__name__)
 
@@ -55,7 +55,7 @@ _NUMBERS = (
     "MEAN_ANOMALY",
     "BSTAR",
 )
-# What SGP4 does not fly by, and messages may leave out.
+# SGP4 does not need these, and messages may leave them out.
 _OPTIONAL = {
     "MEAN_MOTION_DOT": "0",
     "MEAN_MOTION_DDOT": "0",
@@ -71,9 +71,9 @@ _OMM_VERSION = "CCSDS_OMM_VERS"
 
 
 def read(path: FilePath) -> Satrec:
-    """Read the one set of mean elements of a file: a TLE (with or without a name), or an OMM.
+    """Read the mean elements of a file: a TLE (with or without a name), or an OMM.
 
-    Raises InputError, naming file and line or key, for what is malformed or no single set.
+    Raises InputError, naming file and line or key, for a malformed file and one with several sets.
     """
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
@@ -95,17 +95,17 @@ def read(path: FilePath) -> Satrec:
     return satellite
 
 
-def own_epoch(satellite: Satrec) -> str:
-    """UTC text of a set's own epoch, to the microsecond."""
+def elements_epoch(satellite: Satrec) -> str:
+    """Return the epoch of mean elements as UTC text, to the microsecond."""
     year, month, day, clock = erfa.d2dtf("UTC", 6, satellite.jdsatepoch, satellite.jdsatepochF)
     h, m, s, f = (int(clock[name]) for name in "hmsf")
     return f"{int(year):04d}-{int(month):02d}-{int(day):02d}T{h:02d}:{m:02d}:{s:02d}.{f:06d}"
 
 
 def state(satellite: Satrec, *, epoch: str) -> np.ndarray:
-    """Osculating GCRF state (6,) [m, m/s] at a UTC text, carried there by SGP4.
+    """Return the osculating GCRF state (6,) [m, m/s] at a UTC text, by SGP4.
 
-    Raises InputError where SGP4 cannot (decayed, elements out of range).
+    Raises InputError where SGP4 fails (decayed, elements out of range).
     """
     day, fraction = (float(part) for part in epochs.utc(epoch, 0.0))
     error, position, velocity = satellite.sgp4(day, fraction)
@@ -116,42 +116,40 @@ def state(satellite: Satrec, *, epoch: str) -> np.ndarray:
 
 
 def teme_to_gcrf(epoch: str) -> np.ndarray:
-    """Rotation (3, 3) of TEME to GCRF at a UTC text; its own turning, 7e-12 rad/s, moves no velocity."""
+    """Return the rotation (3, 3) of TEME to GCRF at a UTC text; at 7e-12 rad/s it moves no velocity."""
     utc, tt = epochs.utc(epoch, 0.0), epochs.tt(epoch, 0.0)
     to_cirs = erfa.rz(erfa.gmst82(*utc) - erfa.era00(*utc), np.eye(3))
-    to_gcrf: np.ndarray = erfa.c2ixys(*erfa.xys06a(*tt)).T @ to_cirs
-    return to_gcrf
+    return np.asarray(erfa.c2ixys(*erfa.xys06a(*tt)).T @ to_cirs)
 
 
-def rso(
-    satellite: Satrec,
-    *,
-    name: str,
-    epoch: str,
-    area_to_mass: float,
-    cd: float,
-    cr: float,
-    gm: float = EARTH_GM,
-) -> Rso:
-    """The RSO that SGP4 has at the UTC text `epoch`: osculating elements, and the body's A/m [m2/kg], Cd, Cr.
+class Body(NamedTuple):
+    """The part of an RSO that mean elements lack."""
 
-    B* is left aside: it is fitted together with SGP4's own atmosphere. gm [m3/s2] is that of the run's field.
-    Warns through `logging` where the epoch is more than WARN_DAYS from the elements' own.
-    Raises InputError where it is more than MOST_DAYS from it, and where SGP4 cannot reach it.
+    area_to_mass: float  # [m2/kg]
+    cd: float
+    cr: float
+
+
+def rso(satellite: Satrec, *, name: str, epoch: str, body: Body) -> Rso:
+    """Return the RSO of mean elements at the UTC text `epoch`, with osculating elements by SGP4.
+
+    B* is not used: it is fitted together with SGP4's own atmosphere. Warns through `logging` where the epoch
+    is more than WARN_DAYS from that of the mean elements. Raises InputError where it is more than MOST_DAYS
+    away, and where SGP4 fails.
     """
     check_age(satellite, epoch)
-    a, e, i, argp, raan, nu = coe_from_cartesian(state(satellite, epoch=epoch), gm).tolist()
+    a, e, i, argp, raan, nu = coe_from_cartesian(state(satellite, epoch=epoch), EARTH_GM).tolist()
     mean_anomaly = float(mean_from_true_anomaly(nu, e))
-    return Rso(name, a, e, i, argp, raan, mean_anomaly, area_to_mass=area_to_mass, cd=cd, cr=cr)
+    return Rso(name, a, e, i, argp, raan, mean_anomaly, **body._asdict())
 
 
 def check_age(satellite: Satrec, epoch: str) -> None:
-    """Raise InputError, or warn, where SGP4 would carry elements too far from their own epoch."""
-    own = own_epoch(satellite)
-    days = abs(epochs.seconds_between(own, epoch)) / DAY
+    """Raise InputError, or warn, where the UTC text `epoch` is too far from that of the mean elements."""
+    start = elements_epoch(satellite)
+    days = abs(epochs.seconds_between(start, epoch)) / DAY
     if days > MOST_DAYS:
         raise InputError(
-            f"mean elements: expected an epoch at most {MOST_DAYS:g} days from theirs, {own}, "
+            f"mean elements: expected an epoch at most {MOST_DAYS:g} days from theirs, {start}, "
             f"got {epoch}, {days:.1f} days away"
         )
     if days > WARN_DAYS:
@@ -159,13 +157,13 @@ def check_age(satellite: Satrec, epoch: str) -> None:
             "mean elements: SGP4 carries them %.1f days, from their epoch %s to %s; "
             "it errs by kilometres per day",
             days,
-            own,
+            start,
             epoch,
         )
 
 
 def sheet_row(rso: Rso) -> str:
-    """The RSO's line of the sheet of RSOs, in its units and the order of its columns."""
+    """Return the RSO's line for the sheet of RSOs, in the sheet's units and order of columns."""
     to_sheet: Mapping[str, Callable[[float], float]] = {"a": lambda value: value / 1e3} | dict.fromkeys(
         ("i", "argp", "raan", "mean_anomaly"), math.degrees
     )
@@ -219,12 +217,12 @@ def _json(path: FilePath, text: str) -> dict[str, str]:
     except ValueError as reason:
         number = getattr(reason, "lineno", 1)
         raise InputError(f"{path}: line {number}: expected an OMM in JSON, got {reason}") from None
-    return _only(path, values if isinstance(values, list) else [values])
+    return _single_set(path, values if isinstance(values, list) else [values])
 
 
 def _xml(path: FilePath) -> dict[str, str]:
     try:
-        return _only(path, list(omm.parse_xml(path)))
+        return _single_set(path, list(omm.parse_xml(path)))
     except ParseError as reason:
         raise InputError(f"{path}: line {reason.position[0]}: expected an OMM in XML, got {reason}") from None
     except (AttributeError, TypeError):
@@ -239,12 +237,12 @@ def _kvn(path: FilePath) -> dict[str, str]:
     while message.peek():
         number, key, value = message.pair()
         if key in values:
-            raise message.wrong(f"{key} once", "it twice", number)
+            raise message.error(f"{key} once", "it twice", number)
         values[key] = value.split("[")[0].rstrip()
     return values
 
 
-def _only(path: FilePath, sets: Sequence[Any]) -> dict[str, str]:
+def _single_set(path: FilePath, sets: Sequence[Any]) -> dict[str, str]:
     if len(sets) != 1 or not isinstance(sets[0], dict):
         raise InputError(f"{path}: expected the mean elements of one RSO, got {len(sets)}")
     return {str(key): "" if value is None else str(value).strip() for key, value in sets[0].items()}
@@ -269,7 +267,7 @@ def _from_omm(path: FilePath, values: Mapping[str, str]) -> Satrec:
 
 
 def _omm_epoch(path: FilePath, elements: Mapping[str, str]) -> str:
-    """The epoch in the one spelling that sgp4 takes: with six decimals and without a Z."""
+    """Return the epoch as sgp4 reads it, with six decimals and no Z. Raises InputError for no epoch."""
     epoch = elements.get("EPOCH", "").removesuffix("Z")
     try:
         epochs.parse(epoch)
@@ -300,23 +298,13 @@ def _is_whole(text: str) -> bool:
         return False
 
 
-def line_of_sheet(path: FilePath, name: str, epoch: str, body: Mapping[str, float]) -> str:
+def line_of_sheet(path: FilePath, name: str, epoch: str, body: Body) -> str:
     """Return the line of the sheet of RSOs for a file of mean elements.
 
     name: in the sheet
     epoch: of the run, UTC text
-    body: area_to_mass_m2pkg [m2/kg], cd, cr
 
     Raises InputError as `read` and `rso` do, and for a name or a body that the sheet would refuse.
     """
-    sheets.check_body(name, body)
-    return sheet_row(
-        rso(
-            read(path),
-            name=name,
-            epoch=epoch,
-            area_to_mass=body["area_to_mass_m2pkg"],
-            cd=body["cd"],
-            cr=body["cr"],
-        )
-    )
+    sheets.check_body(name, dict(zip(("area_to_mass_m2pkg", "cd", "cr"), body, strict=True)))
+    return sheet_row(rso(read(path), name=name, epoch=epoch, body=body))

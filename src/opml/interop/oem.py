@@ -1,8 +1,8 @@
-"""Orbits as CCSDS orbit ephemeris messages (OEM 2.0, KVN), out and in.
+"""Writer and readers of orbits as CCSDS orbit ephemeris messages (OEM 2.0, KVN).
 
-A message holds what a table of opml holds: the truth is one segment, the estimates are one with their
-covariances, and each estimate's predictions are a segment of their own. Drag coefficients have no place in an
-OEM. Source: CCSDS 502.0-B-2, section 5.
+A message holds a table of opml: the truth is one segment, the estimates with their covariances are one
+segment, and the predictions are one segment per estimate. An OEM has no drag coefficients.
+Source: CCSDS 502.0-B-2, section 5.
 """
 
 import re
@@ -15,7 +15,7 @@ import pandas as pd
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import ccsds
-from opml.interop.orbit_arcs import MOST_APART, Arc, ascending, chosen
+from opml.interop.orbit_arcs import MOST_APART, Arc, check_ascending, choose_satellite
 from opml.tables import STATE
 
 _KEY = "CCSDS_OEM_VERS"
@@ -27,20 +27,24 @@ _COVARIANCES = [f"cov_{STATE[a]}_{STATE[b]}" for a, b in zip(*_LOWER, strict=Tru
 _RSW = "RSW"
 _AXES_ONLY = "covariances in RSW: axes of the states only, velocities are inertial, not in a turning frame"
 _COVARIANCE_STEP = 600.0
-"""Time between the covariances of an ephemeris [s]: they change by the hour, and take most of the file."""
+"""Time between covariances of an ephemeris [s]: they change over hours, and take up most of the file."""
 
-_DEGREE = 7  # what a state a minute needs to be interpolated to a millimetre
+_DEGREE = 7  # of the interpolation; a state each minute is then good to a millimetre
 _FRAMES = (*ccsds.FRAMES, "ITRF")
 _TERRESTRIAL = re.compile(r"ITRF[-_]?\d*", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
 class Segment:
-    """States, and some covariances, of one object.
+    """States of an object, with covariances at some of the times.
 
-    t (n,) [s since the epoch]; states (n, 6) GCRF [m, m/s]; covariance_t (m,) [s]; covariances (m, 6, 6)
-    [m, m/s] in covariance_frame, GCRF or RSW of the states; degree: of the Hermite interpolation that it is
-    meant for, 0 tells none.
+    t: (n,) times of the states [s since the epoch]
+    states: (n, 6) in GCRF [m, m/s]
+    covariance_t: (m,) times of the covariances [s since the epoch]
+    covariances: (m, 6, 6) [m, m/s]
+    covariance_frame: GCRF, or RSW of the states
+    remark: comment in the metadata
+    degree: of the Hermite interpolation of the states; 0 leaves it open
     """
 
     name: str
@@ -54,14 +58,14 @@ class Segment:
 
 
 def truth_segments(truth: pd.DataFrame, *, rso: str) -> list[Segment]:
-    """Segments of a `truth` table: one."""
+    """Return the segment of a table `truth`."""
     return [Segment(rso, truth["t"].to_numpy(), truth[STATE].to_numpy(), remark="true orbit")]
 
 
 def estimate_segments(estimates: pd.DataFrame, *, rso: str) -> list[Segment]:
-    """Segments of an `estimates` table: one, with a state and a covariance for each estimate that converged.
+    """Return the segment of a table `estimates`: state and covariance of each estimate that converged.
 
-    Raises InputError where none did.
+    Raises InputError where no estimate converged.
     """
     usable = estimates[estimates["converged"]]
     if usable.empty:
@@ -71,9 +75,9 @@ def estimate_segments(estimates: pd.DataFrame, *, rso: str) -> list[Segment]:
 
 
 def prediction_segments(predictions: pd.DataFrame, *, rso: str) -> list[Segment]:
-    """Segments of a `predictions` table: one per estimate that has some; failed predictions are left out.
+    """Return the segments of a table `predictions`, one per estimate, without failed predictions.
 
-    Raises InputError where there is no prediction at all.
+    Raises InputError where there is no prediction.
     """
     usable = predictions[predictions["reason"] == ""]
     if usable.empty:
@@ -90,33 +94,38 @@ def prediction_segments(predictions: pd.DataFrame, *, rso: str) -> list[Segment]
 
 
 def corrected_segments(corrected: pd.DataFrame, *, rso: str) -> list[Segment]:
-    """Segments of a `corrected` table: one per estimate, with a covariance in RSW every ten minutes."""
-    return _with_covariances(corrected, rso, "corrected prediction")
+    """Return the segments of a table `corrected`, one per estimate, with a covariance every ten minutes."""
+    return _ephemeris_segments(corrected, rso, "corrected prediction")
 
 
 def forecast_segments(forecast: pd.DataFrame, *, rso: str) -> list[Segment]:
-    """The same of a `forecast` table."""
-    return _with_covariances(forecast, rso, "prediction, with the weather's covariances,")
+    """Return the segments of a table `forecast`, one per estimate, with a covariance every ten minutes."""
+    return _ephemeris_segments(forecast, rso, "prediction, with the weather's covariances,")
 
 
-def _with_covariances(table: pd.DataFrame, rso: str, what: str) -> list[Segment]:
-    return [
-        Segment(
-            rso,
-            t := rows["t"].to_numpy(),
-            rows[STATE].to_numpy(),
-            t[told := _sparse(t)],
-            _matrices(rows.iloc[told]),
-            covariance_frame=_RSW,
-            remark=f"{what} from the estimate of track {i}",
-            degree=_DEGREE,
+def _ephemeris_segments(table: pd.DataFrame, rso: str, content: str) -> list[Segment]:
+    """Return a segment per estimate with covariances in RSW; `content` begins its remark."""
+    segments = []
+    for i, rows in table.groupby("i", sort=True):
+        t = rows["t"].to_numpy()
+        sparse = _covariance_rows(t)
+        segments.append(
+            Segment(
+                rso,
+                t,
+                rows[STATE].to_numpy(),
+                t[sparse],
+                _matrices(rows.iloc[sparse]),
+                covariance_frame=_RSW,
+                remark=f"{content} from the estimate of track {i}",
+                degree=_DEGREE,
+            )
         )
-        for i, rows in table.groupby("i", sort=True)
-    ]
+    return segments
 
 
-def _sparse(t: np.ndarray) -> np.ndarray:
-    """Which of ascending times (n,) [s] have a covariance: one in _COVARIANCE_STEP, and the last."""
+def _covariance_rows(t: np.ndarray) -> np.ndarray:
+    """Return the indices of those ascending times (n,) [s] that have a covariance; the last one has."""
     step = max(1, round(_COVARIANCE_STEP / float(np.median(np.diff(t)))))
     return np.unique(np.append(np.arange(0, len(t), step), len(t) - 1))
 
@@ -128,22 +137,26 @@ SEGMENTS = {
     "corrected": corrected_segments,
     "forecast": forecast_segments,
 }
-"""How each table that has a message becomes its segments."""
+"""Makers of the segments of a message, by the table."""
 
 
 def write(path: FilePath, segments: Sequence[Segment], *, epoch: str, comment: str = "") -> None:
     """Write segments as an OEM, whole or not at all.
 
-    epoch: the UTC text that their times count from; comment: a line on all of the message.
+    epoch: UTC text from which their times count
+    comment: line for the whole message
     """
     ccsds.write(path, _lines(segments, epoch, comment))
 
 
 def read(path: FilePath, *, epoch: str) -> list[Segment]:
-    """Read the segments of an OEM, with times from the UTC text `epoch`.
+    """Read the segments of an OEM, with states in GCRF.
 
-    Time systems: `ccsds.SCALES`; frames: `ccsds.FRAMES`, turned to GCRF. Accelerations are passed over.
-    Raises InputError, naming file and line, for what is malformed, not centred on Earth or in another frame.
+    epoch: UTC text from which times count
+
+    The message may use the time systems of `ccsds.SCALES` and the frames of `ccsds.FRAMES`. Accelerations
+    are ignored. Raises InputError, naming file and line, for a malformed message, one that is not centred on
+    Earth and another frame.
     """
     message = _open(path)
     message.skip_header()
@@ -153,33 +166,36 @@ def read(path: FilePath, *, epoch: str) -> list[Segment]:
     return segments
 
 
-def is_one(content: bytes) -> bool:
-    """Whether a file looks like an OEM in KVN, of any version."""
+def matches(content: bytes) -> bool:
+    """Return whether a file looks like an OEM in KVN, of any version."""
     return re.match(rb"(?:\s|COMMENT\b.*)*CCSDS_OEM_VERS\b", content) is not None
 
 
 def arcs(path: FilePath, *, epoch: str, satellite: str | None = None) -> list[Arc]:
-    """Read one object of an OEM: an arc per segment, with times from the UTC text `epoch`, in its own frame.
+    """Read the arcs of an object in an OEM, one per segment, each in the segment's frame.
 
-    satellite: its name or id, None is the only one there is. Frames: those of `ccsds.FRAMES` and realisations
-    of the ITRF. What lies outside of the useable times is left out. Raises InputError, naming the line, for
-    what is malformed, cut, not centred on Earth or in another frame.
+    epoch: UTC text from which times count
+    satellite: name or id of the object; None: the message has only one
+
+    The message may use the frames of `ccsds.FRAMES` and realisations of the ITRF. States outside the useable
+    times are left out. Raises InputError, naming the line, for a malformed or truncated message, one that is
+    not centred on Earth and another frame.
     """
     message = _open(path)
     message.skip_header()
-    found = [_named_arc(message, epoch)]
+    named_arcs = [_named_arc(message, epoch)]
     while message.peek():
-        found.append(_named_arc(message, epoch))
-    names = list(dict.fromkeys(names for names, _ in found))
-    wanted = names[chosen(path, names, satellite)]
-    arcs = [arc for names, arc in found if names == wanted and arc.t.size]
+        named_arcs.append(_named_arc(message, epoch))
+    objects = list(dict.fromkeys(names for names, _ in named_arcs))
+    wanted = objects[choose_satellite(path, objects, satellite)]
+    arcs = [arc for names, arc in named_arcs if names == wanted and arc.t.size]
     if not arcs:
         raise InputError(f"{path}: expected states within the useable times, got none")
     return arcs
 
 
 def _matrices(table: pd.DataFrame) -> np.ndarray:
-    """Covariances (n, 6, 6) of the columns of their lower triangles."""
+    """Return covariances (n, 6, 6) from the columns of their lower triangles."""
     covariances = np.empty((len(table), 6, 6))
     covariances[:, _LOWER[0], _LOWER[1]] = covariances[:, _LOWER[1], _LOWER[0]] = table[_COVARIANCES]
     return covariances
@@ -231,14 +247,14 @@ def _open(path: FilePath) -> ccsds.Message:
 def _segment(message: ccsds.Message, epoch: str) -> Segment:
     message.expect("META_START")
     metadata = message.pairs("META_STOP")
-    metadata.one_of("CENTER_NAME", ("EARTH",))
-    frame = metadata.one_of("REF_FRAME", tuple(ccsds.FRAMES))
-    scale = metadata.one_of("TIME_SYSTEM", ccsds.SCALES)
+    metadata.choice("CENTER_NAME", ("EARTH",))
+    frame = metadata.choice("REF_FRAME", tuple(ccsds.FRAMES))
+    scale = metadata.choice("TIME_SYSTEM", ccsds.SCALES)
     lines, times, texts = _state_texts(message)
     covariance_t, covariances, covariance_frame = _covariances(message, frame, scale, epoch)
     return Segment(
         name=metadata.text("OBJECT_NAME"),
-        t=message.elapsed(times, lines, epoch=epoch, scale=scale),
+        t=message.times(times, lines, epoch=epoch, scale=scale),
         states=_numbers(message, lines, texts) @ _state_rotation(frame).T,
         covariance_t=covariance_t,
         covariances=covariances,
@@ -247,19 +263,19 @@ def _segment(message: ccsds.Message, epoch: str) -> Segment:
 
 
 def _named_arc(message: ccsds.Message, epoch: str) -> tuple[tuple[str, str], Arc]:
-    """An object's name and id, and its states in a segment; covariances are passed over."""
+    """Return name and id of a segment's object, and the arc of its states; covariances are ignored."""
     message.expect("META_START")
     metadata = message.pairs("META_STOP")
-    metadata.one_of("CENTER_NAME", ("EARTH",))
+    metadata.choice("CENTER_NAME", ("EARTH",))
     realisation = metadata.text("REF_FRAME")
-    frame = "ITRF" if _TERRESTRIAL.fullmatch(realisation) else metadata.one_of("REF_FRAME", _FRAMES)
-    scale = metadata.one_of("TIME_SYSTEM", ccsds.SCALES)
+    frame = "ITRF" if _TERRESTRIAL.fullmatch(realisation) else metadata.choice("REF_FRAME", _FRAMES)
+    scale = metadata.choice("TIME_SYSTEM", ccsds.SCALES)
     lines, times, texts = _state_texts(message)
     message.skip("COVARIANCE_START", "COVARIANCE_STOP")
-    t = message.elapsed(times, lines, epoch=epoch, scale=scale)
-    ascending(message.path, t, np.array(lines))
+    t = message.times(times, lines, epoch=epoch, scale=scale)
+    check_ascending(message.path, t, np.array(lines))
     if t[-1] < metadata.time("STOP_TIME", t[-1], epoch=epoch, scale=scale) - MOST_APART:
-        raise message.wrong(f"states up to STOP_TIME = {metadata.text('STOP_TIME')}", times[-1], lines[-1])
+        raise message.error(f"states up to STOP_TIME = {metadata.text('STOP_TIME')}", times[-1], lines[-1])
     useable = t >= metadata.time("USEABLE_START_TIME", t[0], epoch=epoch, scale=scale)
     useable &= t <= metadata.time("USEABLE_STOP_TIME", t[-1], epoch=epoch, scale=scale)
     states = _numbers(message, lines, texts)[useable]
@@ -279,76 +295,79 @@ def _named_arc(message: ccsds.Message, epoch: str) -> tuple[tuple[str, str], Arc
 
 
 def _state_texts(message: ccsds.Message) -> tuple[list[int], list[str], list[list[str]]]:
-    """Line numbers, times, and positions and velocities of the states of a segment, which has some."""
+    """Return line numbers, times, and positions and velocities of a segment's states, as texts.
+
+    Raises InputError where the segment has no state.
+    """
     lines, times, texts = [], [], []
     while message.peek() not in ("", "META_START", "COVARIANCE_START"):
         number, line = message.take()
         time, *values = line.split()
         if len(values) not in (6, 9):
-            raise message.wrong("a time, position and velocity", line, number)
+            raise message.error("a time, position and velocity", line, number)
         lines.append(number)
         times.append(time)
         texts.append(values[:6])
     if not lines:
-        raise message.wrong("a state", message.peek())
+        raise message.error("a state", message.peek())
     return lines, times, texts
 
 
 def _numbers(message: ccsds.Message, lines: Sequence[int], texts: Sequence[Sequence[str]]) -> np.ndarray:
-    """Positions and velocities (n, 6) [m, m/s] from their texts in km and km/s."""
+    """Return positions and velocities (n, 6) [m, m/s] from their texts in km and km/s."""
     return np.array(
-        [[message.scaled(text, _KILO, n) for text in row] for n, row in zip(lines, texts, strict=True)]
+        [[message.scale(text, _KILO, n) for text in row] for n, row in zip(lines, texts, strict=True)]
     )
 
 
 def _covariances(
     message: ccsds.Message, frame: str, scale: str, epoch: str
 ) -> tuple[np.ndarray, np.ndarray, str]:
-    """Times (m,) [s], covariances (m, 6, 6) and their frame of the block that may follow the states."""
+    """Return times (m,) [s], covariances (m, 6, 6) and their frame from the block after the states."""
     numbers, times, covariances, frames = [], [], [], set()
     if message.peek() == "COVARIANCE_START":
         message.take()
         while message.peek() != "COVARIANCE_STOP":
             number, key, value = message.pair()
             if key != "EPOCH":
-                raise message.wrong("EPOCH = time", f"{key} = {value}", number)
+                raise message.error("EPOCH = time", f"{key} = {value}", number)
             numbers.append(number)
             times.append(value)
             frame = _covariance_frame(message, frame)
             frames.add(_RSW if frame == _RSW else "GCRF")
             if len(frames) > 1:
-                raise message.wrong("one COV_REF_FRAME for all covariances of a segment", frame, number)
+                raise message.error("one COV_REF_FRAME for all covariances of a segment", frame, number)
             turn = np.eye(6) if frame == _RSW else _state_rotation(frame)
             covariances.append(turn @ _covariance(message) @ turn.T)
         message.take()
     shape = (len(covariances), 6, 6)
-    t = message.elapsed(times, numbers, epoch=epoch, scale=scale)
+    t = message.times(times, numbers, epoch=epoch, scale=scale)
     return t, np.reshape(covariances, shape), frames.pop() if frames else "GCRF"
 
 
 def _covariance_frame(message: ccsds.Message, frame: str) -> str:
-    """The frame that a line tells, if there is one, else that of before."""
+    """Return the frame of a covariance: that of its line COV_REF_FRAME, without this line `frame`."""
     if not message.peek().startswith("COV_REF_FRAME"):
         return frame
     number, _, frame = message.pair()
     if frame not in (*ccsds.FRAMES, _RSW):
-        raise message.wrong(f"COV_REF_FRAME = {' or '.join((*ccsds.FRAMES, _RSW))}", frame, number)
+        raise message.error(f"COV_REF_FRAME = {' or '.join((*ccsds.FRAMES, _RSW))}", frame, number)
     return frame
 
 
 def _covariance(message: ccsds.Message) -> np.ndarray:
-    """A covariance (6, 6) from the lines of its lower triangle."""
+    """Return a covariance (6, 6) from the lines of its lower triangle."""
     covariance = np.empty((6, 6))
     for k in range(6):
         number, line = message.take()
         values = line.split()
         if len(values) != k + 1:
-            raise message.wrong(f"row {k + 1} of a covariance's lower triangle", line, number)
-        row = [message.scaled(value, 2 * _KILO, number) for value in values]
+            raise message.error(f"row {k + 1} of a covariance's lower triangle", line, number)
+        row = [message.scale(value, 2 * _KILO, number) for value in values]
         covariance[k, : k + 1] = covariance[: k + 1, k] = row
     return covariance
 
 
 def _state_rotation(frame: str) -> np.ndarray:
-    """Rotation (6, 6) of states in a frame to GCRF."""
+    """Return the rotation (6, 6) of states in a frame to GCRF."""
     return np.kron(np.eye(2), ccsds.FRAMES[frame])

@@ -1,4 +1,4 @@
-"""What the readers of orbits share: the arcs they return, files plain or gzipped, numbers and times."""
+"""Common parts of the readers of orbits: arcs, files plain or gzipped, numbers and times."""
 
 import gzip
 import zlib
@@ -15,10 +15,10 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 
 MOST_APART = 300.0
-"""Longest time between two nodes that an orbit is interpolated between [s]."""
+"""Longest time between two nodes for interpolation [s]."""
 
 BEHIND_TAI = {"TAI": 0.0, "TT": -32.184, "GPS": 19.0, "GAL": 19.0, "QZS": 19.0}
-"""Seconds by which the clocks of a time system are behind TAI; UTC's leap seconds are ERFA's."""
+"""Seconds by which the clocks of a time system are behind TAI; UTC's leap seconds come from ERFA."""
 
 _GZIPPED = b"\x1f\x8b"
 _NO_SUCH_TIME = (erfa.ErfaError, erfa.ErfaWarning, ValueError)
@@ -26,11 +26,15 @@ _NO_SUCH_TIME = (erfa.ErfaError, erfa.ErfaWarning, ValueError)
 
 @dataclass(frozen=True)
 class Arc:
-    """Nodes of one orbit, as a file or one of its segments has them.
+    """Nodes of an orbit, from a file or one of its segments.
 
-    frame: ITRF, GCRF or EME2000; realisation: how the file calls it; scale: the file's time system; t (n,)
-    [s since the run's epoch], ascending; positions (n, 3) [m]; velocities (n, 3) [m/s], not finite where
-    there are none; lines (n,): where the nodes stand in the file.
+    frame: ITRF, GCRF or EME2000
+    realisation: name of the frame in the file
+    scale: time system of the file
+    t: (n,) [s since the run's epoch], ascending
+    positions: (n, 3) [m]
+    velocities: (n, 3) [m/s], not finite where absent
+    lines: (n,) line numbers of the nodes
     """
 
     path: FilePath
@@ -50,21 +54,21 @@ class NoSuchTime(ValueError):
     def __init__(self, index: int) -> None:
         super().__init__(f"time {index}")
         self.index = index
-        """Number of the time among those that were given."""
+        """Index of the time in the array."""
 
 
 def contents(path: FilePath) -> bytes:
-    """Return what a file holds, unpacked if it is gzipped. Raises InputError where it cannot be read."""
+    """Return the bytes of a file, plain or gzipped. Raises InputError where it cannot be read."""
     try:
-        held = Path(path).read_bytes()
-        return gzip.decompress(held) if held.startswith(_GZIPPED) else held
+        packed = Path(path).read_bytes()
+        return gzip.decompress(packed) if packed.startswith(_GZIPPED) else packed
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
     except (EOFError, OSError, zlib.error) as reason:
         raise InputError(f"{path}: expected a file that is whole, got {reason}") from None
 
 
-def wrong(path: FilePath, line: int, expected: str, got: str | bytes) -> InputError:
+def line_error(path: FilePath, line: int, expected: str, got: str | bytes) -> InputError:
     """Return the error of a line, counted from 1."""
     text = got.decode("latin-1") if isinstance(got, bytes) else got
     shown = " ".join("".join(c if c.isprintable() else "?" for c in text).split())
@@ -72,7 +76,7 @@ def wrong(path: FilePath, line: int, expected: str, got: str | bytes) -> InputEr
 
 
 def numbers(path: FilePath, texts: np.ndarray, lines: np.ndarray) -> np.ndarray:
-    """Numbers (n, k) of texts (n, k) in lines (n,). Raises InputError for what is no finite number."""
+    """Return the numbers (n, k) of texts (n, k) in lines (n,). Raises InputError for no finite number."""
     try:
         values = texts.astype(float)
     except ValueError:
@@ -80,34 +84,38 @@ def numbers(path: FilePath, texts: np.ndarray, lines: np.ndarray) -> np.ndarray:
     bad = np.argwhere(~np.isfinite(values))
     if bad.size:
         row, column = bad[0]
-        raise wrong(path, int(lines[row]), "a finite number", texts[row, column])
+        raise line_error(path, int(lines[row]), "a finite number", texts[row, column])
     return values
 
 
-def ascending(path: FilePath, t: np.ndarray, lines: np.ndarray) -> None:
-    """Raise InputError where a time (n,) [s] is not later than the one before."""
+def check_ascending(path: FilePath, t: np.ndarray, lines: np.ndarray) -> None:
+    """Raise InputError where a time (n,) [s] is not later than the time before it."""
     back = np.flatnonzero(np.diff(t) <= 0.0)
     if back.size:
-        raise wrong(path, int(lines[back[0] + 1]), "a later epoch than before", "none")
+        raise line_error(path, int(lines[back[0] + 1]), "a later epoch than before", "none")
 
 
-def elapsed(epoch: str, calendar: np.ndarray, scale: str) -> np.ndarray:
-    """Times (n,) [s since the UTC text `epoch`] of year, month, day, hour, minute, second (n, 6).
+def seconds_since(epoch: str, calendar: np.ndarray, scale: str) -> np.ndarray:
+    """Return the seconds (n,) from an epoch to calendar times.
 
-    scale: UTC or a key of BEHIND_TAI. Raises NoSuchTime.
+    epoch: UTC text
+    calendar: (n, 6) year, month, day, hour, minute, second
+    scale: time system of `calendar`, UTC or a key of BEHIND_TAI
+
+    Raises NoSuchTime.
     """
     try:
-        return _elapsed(epoch, calendar, scale)
+        return _seconds_since(epoch, calendar, scale)
     except _NO_SUCH_TIME:
         for index in range(len(calendar)):
             try:
-                _elapsed("2000-01-01T00:00:00", calendar[index : index + 1], scale)
+                _seconds_since("2000-01-01T00:00:00", calendar[index : index + 1], scale)
             except _NO_SUCH_TIME:
                 raise NoSuchTime(index) from None
         raise
 
 
-def _elapsed(epoch: str, calendar: np.ndarray, scale: str) -> np.ndarray:
+def _seconds_since(epoch: str, calendar: np.ndarray, scale: str) -> np.ndarray:
     fields = calendar[:, :5].astype(int)
     with epochs.strict_erfa():
         day, part = erfa.dtf2d("UTC" if scale == "UTC" else "TAI", *fields.T, calendar[:, 5])
@@ -116,25 +124,27 @@ def _elapsed(epoch: str, calendar: np.ndarray, scale: str) -> np.ndarray:
         else:
             part = part + BEHIND_TAI[scale] / DAY
     first, first_part = epochs.tai(epoch, 0.0)
-    # Two-part dates hold about 1e-11 s; the sum over a run holds 1e-9 s, and what was printed comes back.
-    t: np.ndarray = np.round((day - first) * DAY + (part - first_part) * DAY, 8)
-    return t
+    # Two-part dates resolve about 1e-11 s, their sum over a run 1e-9 s, so that printed times come back.
+    return np.asarray(np.round((day - first) * DAY + (part - first_part) * DAY, 8))
 
 
-def chosen(path: FilePath, found: Sequence[Sequence[str]], wanted: str | None) -> int:
-    """Which of the satellites of a file, each known by one or more names, is wanted.
+def choose_satellite(path: FilePath, satellites: Sequence[Sequence[str]], wanted: str | None) -> int:
+    """Return the index of the wanted satellite of a file.
 
-    Raises InputError where there are several to choose from, or none of that name.
+    satellites: names of each satellite
+    wanted: one of its names; None: the file has only one satellite
+
+    Raises InputError where no satellite has the name, or several are there without a name.
     """
-    names = ", ".join(known[0] for known in found)
+    first_names = ", ".join(names[0] for names in satellites)
     if wanted is None:
-        if len(found) != 1:
-            raise InputError(f"{path}: expected the name of one of its satellites, {names}, got none")
+        if len(satellites) != 1:
+            raise InputError(f"{path}: expected the name of one of its satellites, {first_names}, got none")
         return 0
-    for k, known in enumerate(found):
-        if wanted.upper() in (name.upper() for name in known):
+    for k, names in enumerate(satellites):
+        if wanted.upper() in (name.upper() for name in names):
             return k
-    raise InputError(f"{path}: expected satellite {wanted}, got {names}")
+    raise InputError(f"{path}: expected satellite {wanted}, got {first_names}")
 
 
 def _number(text: bytes | str) -> float:

@@ -1,11 +1,11 @@
-"""Where an orbit breaks: a seam between two solutions, a manoeuvre, a node that is wrong.
+"""Detection of breaks in an orbit: seams between two solutions, manoeuvres and wrong nodes.
 
-Between two nodes the Earth's gravity says how the velocity changes (opml.interop.bridging). At a node, what
-comes from the left and what goes to the right differ by little: by what else pulls, times the length of an
-interval, and by the noise of the positions, divided by it. A node where they differ by far more marks a
-break. A change of velocity makes one jump, or several in the same direction; a step s of the position makes
-two opposite ones, s / T each, at the ends of its interval of length T; a wrong node makes three that cancel.
-Where many jump to and fro, the orbit has become noisy, and does not break.
+Each interval between two nodes has a velocity at both ends, by the Earth's gravity (opml.interop.bridging).
+At a node the velocities of the two intervals differ little: by the other forces times the length of an
+interval, and by the noise of the positions divided by this length. A much larger difference, a jump, marks a
+break. A manoeuvre makes one jump, or several in the same direction. A step s of the position makes two
+opposite jumps of s / T at the ends of its interval of length T. A wrong node makes three jumps that cancel.
+Many jumps to and fro are noise, not a break.
 """
 
 from collections.abc import Iterator
@@ -20,66 +20,70 @@ LEAST_JUMP = 5e-4
 """Smallest jump of the velocity that counts [m/s]; in a day it moves a low orbit by 130 m along its track."""
 
 TIMES_USUAL = 10.0
-"""By how much a jump has to exceed what is usual in USUAL_HOURS before it, or in as many after it."""
+"""Least ratio of a jump to the usual jump in USUAL_HOURS before it or after it, whichever is smaller."""
 
 USUAL_HOURS = 12
-_MOST_NODES = 4  # of a break that is no manoeuvre: two wrong nodes jump at four
-_MOST_NOISE = 30.0  # swing of it [m]; larger ones are nodes that are wrong, side by side
-_OF_SWING = 0.2  # part of it that is a step; after wrong nodes less than a hundredth stays
-_UNLIKE = 30.0  # ratio of jumps side by side that have nothing to do with each other
+"""Hours before and after a jump whose jumps are its usual ones."""
+
+_MOST_NODES = 4  # of a break other than a manoeuvre: two wrong nodes make four jumps
+_MOST_NOISE = 30.0  # largest swing of noise [m]; a larger swing comes from adjacent wrong nodes
+_OF_SWING = 0.2  # least ratio of a seam's step to its swing; wrong nodes leave less than a hundredth
+_UNLIKE = 30.0  # ratio of adjacent jumps of different causes
 _FEWEST_HOURS = 3  # with nodes, for a side to count
 
 LEAST_SEAM = 0.05
-"""Smallest step between two solutions that is told [m], the accuracy of precise orbits."""
+"""Smallest step between two solutions that is reported [m], the accuracy of precise orbits."""
 
 BRIDGED = 0.05
-"""How wrong an interval at a break may become when it is bridged nevertheless [m]."""
+"""Largest error of an interval at a break that is bridged nevertheless [m]."""
 
 
 @dataclass(frozen=True)
 class Break:
-    """Jumps that belong together, at the nodes `first` to `last`."""
+    """A group of jumps with one cause, at the nodes `first` to `last`."""
 
     first: int
     last: int
-    t: float  # [s]
-    velocity: float  # change of velocity, all jumps together [m/s]
+    t: float  # middle of the group [s]
+    velocity: float  # sum of the sizes of the jumps [m/s]
     step: float  # of the position at t [m]
-    swing: float  # position that the largest jump alone tells of [m]
-    one_way: bool  # whether the jumps add up, as those of a manoeuvre do
+    swing: float  # shift of the position that the largest jump alone would mean [m]
+    one_way: bool  # whether the jumps add up, as in a manoeuvre
 
     @property
     def is_noise(self) -> bool:
-        """Whether there are small jumps up and down, more than two solutions or a few wrong nodes make."""
+        """Whether the jumps are small, opposite, and too many for two solutions or a few wrong nodes."""
         return not self.one_way and self.last - self.first >= _MOST_NODES and self.swing < _MOST_NOISE
 
     @property
     def is_seam(self) -> bool:
-        """Whether the orbit goes on elsewhere than it came from."""
+        """Whether the position after the break differs from that before it."""
         return not self.one_way and self.step >= max(LEAST_SEAM, _OF_SWING * self.swing)
 
 
 def find(t: np.ndarray, jumps: np.ndarray) -> tuple[list[Break], np.ndarray, np.ndarray]:
-    """Breaks of an orbit with nodes at t (n,) [s], where its velocity jumps by `jumps` (n, 3) [m/s].
+    """Return the breaks of an orbit, which nodes (n,) jump, and which intervals (n - 1,) to leave open.
 
-    Returns them, the nodes that jump (n,), and the intervals (n - 1,) that cannot be bridged because of them.
+    t: (n,) times of the nodes [s]
+    jumps: (n, 3) of the velocity at the nodes [m/s]
     """
     size = np.linalg.norm(jumps, axis=1)
-    large = size > np.maximum(LEAST_JUMP, TIMES_USUAL * _usual(t, size))
-    breaks = [one for one in (_break(t, jumps, nodes) for nodes in _groups(size, large)) if not one.is_noise]
+    large = size > np.maximum(LEAST_JUMP, TIMES_USUAL * _usual_size(t, size))
+    groups = [_break(t, jumps, nodes) for nodes in _groups(size, large)]
+    breaks = [group for group in groups if not group.is_noise]
     jumping, broken = np.zeros(len(t), bool), np.zeros(len(t) - 1, bool)
-    for one in breaks:
-        jumping[one.first : one.last + 1] = large[one.first : one.last + 1]
-        first, last = _with_ends(size, one)
+    for event in breaks:
+        jumping[event.first : event.last + 1] = large[event.first : event.last + 1]
+        first, last = _extend_to_ends(size, event)
         worse = np.maximum(size[first:last], size[first + 1 : last + 1])
         broken[first:last] = worse * np.diff(t[first : last + 1]) / 4.0 > BRIDGED
     return breaks, jumping, broken
 
 
-def _usual(t: np.ndarray, size: np.ndarray) -> np.ndarray:
-    """The usual size (n,) [m/s] of a jump at each node: of the median acceleration behind those around it.
+def _usual_size(t: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """Return the usual size (n,) [m/s] of a jump at each node, by the median acceleration around it.
 
-    Medians by the hour first, so that the close nodes about a manoeuvre do not outvote half a day.
+    The median is that of hourly medians, so that the close nodes at a manoeuvre do not outvote half a day.
     """
     width = np.gradient(t)
     hour = np.floor(t / HOUR).astype(int)
@@ -88,12 +92,11 @@ def _usual(t: np.ndarray, size: np.ndarray) -> np.ndarray:
     before = hourly.rolling(USUAL_HOURS, min_periods=_FEWEST_HOURS).median()
     after = hourly[::-1].rolling(USUAL_HOURS, min_periods=_FEWEST_HOURS).median()[::-1]
     smaller = np.fmin(before, after).fillna(hourly.median())
-    usual: np.ndarray = np.nan_to_num(smaller.reindex(hour).to_numpy()) * width
-    return usual
+    return np.asarray(np.nan_to_num(smaller.reindex(hour).to_numpy()) * width)
 
 
 def _groups(size: np.ndarray, large: np.ndarray) -> Iterator[np.ndarray]:
-    """Nodes with a large jump, group by group: up to one quiet node lies between those of a group."""
+    """Yield the nodes with a large jump, group by group; a group has at most one quiet node in a row."""
     nodes = np.flatnonzero(large)
     if nodes.size:
         ratio = np.abs(np.diff(np.log(size[nodes])))
@@ -102,19 +105,19 @@ def _groups(size: np.ndarray, large: np.ndarray) -> Iterator[np.ndarray]:
 
 def _break(t: np.ndarray, jumps: np.ndarray, nodes: np.ndarray) -> Break:
     middle = (t[nodes[0]] + t[nodes[-1]]) / 2.0
-    own = jumps[nodes]
-    size, change = np.linalg.norm(own, axis=1), float(np.linalg.norm(own.sum(axis=0)))
+    group = jumps[nodes]
+    size, change = np.linalg.norm(group, axis=1), float(np.linalg.norm(group.sum(axis=0)))
     return Break(
         first=int(nodes[0]),
         last=int(nodes[-1]),
         t=float(middle),
         velocity=float(size.sum()),
-        step=float(np.linalg.norm((middle - t[nodes]) @ own)),
+        step=float(np.linalg.norm((middle - t[nodes]) @ group)),
         swing=float((size * np.minimum(t[nodes] - t[nodes - 1], t[nodes + 1] - t[nodes])).max()),
         one_way=bool(change > 0.5 * size.sum()),
     )
 
 
-def _with_ends(size: np.ndarray, one: Break) -> tuple[int, int]:
-    """First and last node of a break; an end of the orbit beside it, where no jump shows, belongs to it."""
-    return one.first - (size[one.first - 1] == 0.0), one.last + (size[one.last + 1] == 0.0)
+def _extend_to_ends(size: np.ndarray, event: Break) -> tuple[int, int]:
+    """Return the first and last node of a break, with an adjacent end of the orbit, which has no jump."""
+    return event.first - (size[event.first - 1] == 0.0), event.last + (size[event.last + 1] == 0.0)

@@ -1,4 +1,4 @@
-"""A curve through the nodes of a real orbit: GCRF, bridged by gravity, broken where the orbit breaks."""
+"""A curve in GCRF through the nodes of a real orbit, bridged by gravity, open where the orbit breaks."""
 
 import logging
 from collections.abc import Sequence
@@ -15,17 +15,17 @@ from opml.interop.bridging import Bridges, bridge
 from opml.interop.orbit_arcs import MOST_APART, Arc
 
 ON_NODE = 1e-6
-"""How far from a node a time may lie where the node's state is taken as it stands [s]."""
+"""Largest distance of a time from a node whose state is taken unchanged [s]."""
 
 ALIEN = 10.0
-"""Usual difference [m/s] between velocities and those that the positions tell, of another unit or frame."""
+"""Usual difference [m/s] from the velocities of the positions that means another unit or frame."""
 
 STRAYING = 0.05
-"""Difference [m/s] below which a single velocity counts as right whatever the others are."""
+"""Difference [m/s] below which a single velocity counts as right, whatever is usual."""
 
-_TIMES_USUAL = 10.0  # above both this many times what is usual, a single velocity is left out
-_EXACT = 1e-4  # usual difference [m/s] that is as good as none
-_MOST_TOLD = 10
+_TIMES_USUAL = 10.0  # least ratio of the difference to the usual one for a wrong single velocity
+_EXACT = 1e-4  # usual difference [m/s] that counts as none
+_MOST_LOGGED = 10
 _SLACK = 1e-3  # [s], for times rounded to the millisecond
 
 _log = logging.getLogger(__name__)
@@ -33,56 +33,66 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Curve:
-    """An orbit in GCRF, through nodes that ascend.
+    """An orbit in GCRF through ascending nodes.
 
-    t (n,) [s]; states (n, 6) [m, m/s], not finite for a node that is wrong; found: the breaks; missed (m,):
-    what nodes that were left out are missed by [m]; left_out: how many positions and velocities do not fit.
+    t: (n,) times of the nodes [s]
+    states: (n, 6) of the nodes [m, m/s], not finite at a wrong node
+    bridges: the orbit between the nodes
+    breaks: of the orbit
+    misses: (m,) distances by which the curve through every second node misses the others [m]
+    left_out: numbers of positions and of velocities that do not fit
     """
 
     t: np.ndarray
     states: np.ndarray
     bridges: Bridges
-    found: list[orbit_breaks.Break]
-    missed: np.ndarray
+    breaks: list[orbit_breaks.Break]
+    misses: np.ndarray
     left_out: tuple[int, int]
 
-    def at(self, t: np.ndarray) -> np.ndarray:
-        """States (m, 6) at times (m,) [s], not finite where unknown; at a node its own as it stands."""
+    def interpolate(self, t: np.ndarray) -> np.ndarray:
+        """Return the states (m, 6) at times (m,) [s], not finite where unknown; at a node, its state."""
         states = self.bridges.states(t)
         after = np.clip(np.searchsorted(self.t, t), 1, len(self.t) - 1)
         nearest = np.where(t - self.t[after - 1] < self.t[after] - t, after - 1, after)
-        own = np.abs(self.t[nearest] - t) <= ON_NODE
-        states[own] = self.states[nearest[own]]
+        on_node = np.abs(self.t[nearest] - t) <= ON_NODE
+        states[on_node] = self.states[nearest[on_node]]
         return states
 
 
-def through(arcs: Sequence[Arc], orientation: pd.DataFrame, attraction: Attraction) -> Curve:
-    """The curve through arcs that follow each other; orientation: the Earth orientation table of their times.
+def fit_curve(arcs: Sequence[Arc], orientation: pd.DataFrame, attraction: Attraction) -> Curve:
+    """Return the curve through arcs.
 
-    Nothing is bridged over more than MOST_APART or over a break. Raises InputError where velocities are in
-    another unit or frame than they should be.
+    arcs: one after the other, without overlap
+    orientation: table `earth_orientation` over their times
+    attraction: the Earth's gravity
+
+    Intervals longer than MOST_APART and breaks stay open. Raises InputError where velocities are in another
+    unit or frame than the positions.
     """
     t = np.concatenate([arc.t for arc in arcs])
-    states = np.concatenate([in_gcrf(arc, orientation) for arc in arcs])
+    states = np.concatenate([rotate_to_gcrf(arc, orientation) for arc in arcs])
     near = np.diff(t) <= MOST_APART + _SLACK
     bridges = bridge(t, states[:, :3], attraction, wanted=near)
-    found, jumping, broken = orbit_breaks.find(t, bridges.jumps)
+    breaks, jumping, broken = orbit_breaks.find(t, bridges.jumps)
     broken |= near & ~bridges.bridged
-    bridges = bridges.without(broken)
+    bridges = bridges.drop(broken)
+    # Velocities that the positions contradict give way to those of the bridges.
     strange = _strange_velocities(arcs, states[:, 3:], bridges)
     states[strange, 3:] = np.nan
-    missed = _missed(t, states, attraction, smooth=bridges.bridged & ~jumping[:-1] & ~jumping[1:])
-    given = np.isfinite(states[:, 3:])
-    states[:, 3:] = np.where(given, states[:, 3:], bridges.mean_velocities())
-    bridges = bridges.through(states[:, 3:], free=jumping & ~given[:, 0])
-    wrong = _alone(bridges.bridged)
+    misses = _misses(t, states, attraction, smooth=bridges.bridged & ~jumping[:-1] & ~jumping[1:])
+    has_velocity = np.isfinite(states[:, 3:])
+    states[:, 3:] = np.where(has_velocity, states[:, 3:], bridges.mean_velocities())
+    bridges = bridges.match_velocities(states[:, 3:], free=jumping & ~has_velocity[:, 0])
+    # No interval confirms an isolated node.
+    wrong = _isolated_nodes(bridges.bridged)
     states[wrong] = np.nan
-    _tell(arcs, wrong)
-    return Curve(t, states, bridges, found, missed, (int(wrong.sum()), int(strange.sum())))
+    _log_wrong_nodes(arcs, wrong)
+    return Curve(t, states, bridges, breaks, misses, (int(wrong.sum()), int(strange.sum())))
 
 
-def in_gcrf(arc: Arc, orientation: pd.DataFrame) -> np.ndarray:
-    """States (n, 6) [m, m/s] of an arc in GCRF.
+def rotate_to_gcrf(arc: Arc, orientation: pd.DataFrame) -> np.ndarray:
+    """Return the states (n, 6) [m, m/s] of an arc in GCRF.
 
     v_GCRF = R^T v_ITRF + w x r_GCRF, with the rotation R from GCRF to ITRF and the Earth's rotation vector w.
     """
@@ -98,15 +108,16 @@ def in_gcrf(arc: Arc, orientation: pd.DataFrame) -> np.ndarray:
 
 
 def _strange_velocities(arcs: Sequence[Arc], velocities: np.ndarray, bridges: Bridges) -> np.ndarray:
-    """Which velocities (n, 3) [m/s] of the files tell less than the positions do: (n,).
+    """Return which of the files' velocities (n, 3) [m/s] are worse than those of the bridges: (n,).
 
-    All of them, where they usually differ from those before and after a node by more than these two do from
-    each other; else single ones. Raises InputError where they are not of the positions' orbit at all.
+    These are all, where velocities usually differ from the nearer side of a bridged node by more than the
+    two sides differ; otherwise single ones that stray. Raises InputError where velocities and positions are
+    not of one orbit.
     """
     none = np.full((1, 3), np.nan)
     sides = np.stack([np.vstack([bridges.departures, none]), np.vstack([none, bridges.arrivals])])
     apart = np.fmin(*np.linalg.norm(velocities - sides, axis=2))
-    given: np.ndarray = np.isfinite(velocities[:, 0])
+    strange: np.ndarray = np.isfinite(velocities[:, 0])
     usual = _median(apart)
     if usual > ALIEN:
         raise InputError(
@@ -114,44 +125,42 @@ def _strange_velocities(arcs: Sequence[Arc], velocities: np.ndarray, bridges: Br
             "(another unit or frame?)"
         )
     if usual <= max(_EXACT, _median(np.linalg.norm(bridges.jumps, axis=1))):
-        given &= apart > max(STRAYING, _TIMES_USUAL * usual)
-    return given
+        strange &= apart > max(STRAYING, _TIMES_USUAL * usual)
+    return strange
 
 
 def _median(sizes: np.ndarray) -> float:
-    """Median of those sizes (n,) that are finite and not 0; 0 where there are none."""
+    """Return the median of the sizes (n,) that are finite and above 0; 0 without such sizes."""
     known = sizes[np.isfinite(sizes) & (sizes > 0.0)]
     return float(np.median(known)) if known.size else 0.0
 
 
-def _missed(t: np.ndarray, states: np.ndarray, attraction: Attraction, smooth: np.ndarray) -> np.ndarray:
-    """Distances (m,) [m] by which bridges between every second node miss the nodes that are left out.
+def _misses(t: np.ndarray, states: np.ndarray, attraction: Attraction, smooth: np.ndarray) -> np.ndarray:
+    """Return the distances (m,) [m] by which bridges between every second node miss the other nodes.
 
-    smooth: intervals (n - 1,) that have no break at an end.
+    smooth: (n - 1,) intervals without a break at either end
     """
     pairs = (len(t) - 1) // 2
     if not pairs:
         return np.empty(0)
-    kept, left = states[: 2 * pairs + 1 : 2], states[1 : 2 * pairs : 2]
+    kept, omitted = states[: 2 * pairs + 1 : 2], states[1 : 2 * pairs : 2]
     both = smooth[: 2 * pairs : 2] & smooth[1 : 2 * pairs : 2]
     bridges = bridge(t[: 2 * pairs + 1 : 2], kept[:, :3], attraction, wanted=both)
     velocities = np.where(np.isfinite(kept[:, 3:]), kept[:, 3:], bridges.mean_velocities())
-    bridges = bridges.through(velocities, free=np.zeros(len(kept), bool))
-    missed = np.linalg.norm(bridges.states(t[1 : 2 * pairs : 2])[:, :3] - left[:, :3], axis=1)
-    known: np.ndarray = missed[np.isfinite(missed)]
-    return known
+    bridges = bridges.match_velocities(velocities, free=np.zeros(len(kept), bool))
+    misses = np.linalg.norm(bridges.states(t[1 : 2 * pairs : 2])[:, :3] - omitted[:, :3], axis=1)
+    return np.asarray(misses[np.isfinite(misses)])
 
 
-def _alone(bridged: np.ndarray) -> np.ndarray:
-    """Which nodes (n,) stand alone, bridged on neither side: nothing tells that they are right."""
-    alone: np.ndarray = ~np.append(False, bridged) & ~np.append(bridged, False)
-    return alone
+def _isolated_nodes(bridged: np.ndarray) -> np.ndarray:
+    """Return which nodes (n,) are bridged on neither side."""
+    return np.asarray(~np.append(False, bridged) & ~np.append(bridged, False))
 
 
-def _tell(arcs: Sequence[Arc], wrong: np.ndarray) -> None:
-    """Log the first few nodes that are left out."""
+def _log_wrong_nodes(arcs: Sequence[Arc], wrong: np.ndarray) -> None:
+    """Log the first few wrong nodes."""
     lines = np.concatenate([arc.lines for arc in arcs])
-    arc_of = np.repeat(np.arange(len(arcs)), [len(arc.t) for arc in arcs])
-    for node in np.flatnonzero(wrong)[:_MOST_TOLD]:
-        path = arcs[arc_of[node]].path
+    arc_numbers = np.repeat(np.arange(len(arcs)), [len(arc.t) for arc in arcs])
+    for node in np.flatnonzero(wrong)[:_MOST_LOGGED]:
+        path = arcs[arc_numbers[node]].path
         _log.warning("%s: line %d: left out, no orbit leads to this position", path, lines[node])

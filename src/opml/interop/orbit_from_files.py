@@ -1,9 +1,10 @@
-"""The files of one orbit, in SP3, CPF or OEM, gathered into arcs and held against each other and the run.
+"""Reader of an orbit from files in SP3, CPF or OEM: arcs, checked against each other and the run.
 
-It needs no dynamics, so that a plan can look at files of orbits without loading compiled kernels.
+It needs no dynamics, so that a plan can check files of orbits without loading compiled kernels.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -18,29 +19,44 @@ from opml.interop.orbit_arcs import MOST_APART, Arc, contents
 _Read = Callable[..., list[Arc]]
 
 
-def check(
-    paths: Sequence[FilePath], *, epoch: str, step: float, duration: float, satellite: str | None = None
-) -> None:
-    """Raise InputError, naming file and line, where no truth could be made of these files.
+@dataclass(frozen=True)
+class OrbitFiles:
+    """Files of a satellite's orbit over a run.
 
-    A file is missing, damaged or of another format, satellite, frame or time system than the others, or none
-    has the orbit within the run. Files are read whole: a second for a month of SP3 every 10 s.
+    paths: of one format, in any order
+    epoch: of the run, UTC text
+    duration: of the run [s]
+    satellite: name or id in the files; None: the files have only one
     """
-    gathered(paths, epoch=epoch, duration=duration, satellite=satellite)
+
+    paths: Sequence[FilePath]
+    epoch: str
+    duration: float
+    satellite: str | None = None
 
 
-def gathered(
-    paths: Sequence[FilePath], *, epoch: str, duration: float, satellite: str | None = None
-) -> list[Arc]:
-    """Arcs of all files that reach into the run, by their beginnings. Raises InputError as `check` does."""
+def check(files: OrbitFiles) -> None:
+    """Raise InputError where no truth could be made of these files, as `read_arcs` does.
+
+    Files are read as a whole: a second for a month of SP3 every 10 s.
+    """
+    read_arcs(files)
+
+
+def read_arcs(files: OrbitFiles) -> list[Arc]:
+    """Read the arcs that reach into the run, in the order of their beginnings.
+
+    Raises InputError, naming file and line, for a missing or damaged file, one of another format, satellite,
+    frame or time system than the others, and files without the orbit within the run.
+    """
     arcs: list[Arc] = []
     first_read: _Read | None = None
-    for path in paths:
+    for path in files.paths:
         content = contents(path)
         read = _reader(path, content)
         if read is not (first_read := first_read or read):
-            raise InputError(f"{path}: expected the format of {paths[0]}, got another")
-        arcs += read(path, content, epoch=epoch, satellite=satellite)
+            raise InputError(f"{path}: expected the format of {files.paths[0]}, got another")
+        arcs += read(path, content, epoch=files.epoch, satellite=files.satellite)
     for arc in arcs:
         _check_alike(arcs[0], arc)
         _check_spacing(arc)
@@ -50,16 +66,16 @@ def gathered(
             raise InputError(
                 f"{after.path}: expected another beginning than that of {before.path}, got the same"
             )
-    return _within_run(arcs, epoch, duration)
+    return _cut_to_run(arcs, files)
 
 
 def _reader(path: FilePath, content: bytes) -> _Read:
-    """What reads a file, by its first line."""
-    if sp3.is_one(content):
+    """Return the reader for a file, by its first line. Raises InputError for an unknown format."""
+    if sp3.matches(content):
         return sp3.read
-    if cpf.is_one(content):
+    if cpf.matches(content):
         return cpf.read
-    if oem.is_one(content):
+    if oem.matches(content):
         return _read_oem
     raise InputError(f"{path}: expected an orbit in SP3, CPF or OEM, got neither by its first line")
 
@@ -78,23 +94,23 @@ def _check_alike(first: Arc, other: Arc) -> None:
 
 
 def _check_spacing(arc: Arc) -> None:
-    """Raise InputError where the nodes of an arc are too far from each other, all in all."""
+    """Raise InputError where the median distance between the nodes of an arc is too long."""
     spacing = float(np.median(np.diff(arc.t))) if len(arc.t) > 1 else 0.0
     if spacing > MOST_APART:
         raise InputError(f"{arc.path}: expected positions at most {MOST_APART:g} s apart, got {spacing:g} s")
 
 
-def _within_run(arcs: Sequence[Arc], epoch: str, duration: float) -> list[Arc]:
-    """Arcs cut to the run and MARGIN_S around it."""
+def _cut_to_run(arcs: Sequence[Arc], files: OrbitFiles) -> list[Arc]:
+    """Return the arcs within the run and MARGIN_S around it. Raises InputError where none is left."""
     cut = []
     for arc in arcs:
-        inside = (arc.t >= -MARGIN_S) & (arc.t <= duration + MARGIN_S)
-        if inside.sum() > 1 and np.any((arc.t[inside] >= 0.0) & (arc.t[inside] <= duration)):
+        inside = (arc.t >= -MARGIN_S) & (arc.t <= files.duration + MARGIN_S)
+        if inside.sum() > 1 and np.any((arc.t[inside] >= 0.0) & (arc.t[inside] <= files.duration)):
             cut.append(_part(arc, inside))
     if not cut:
         first, last = arcs[0].t[0], max(arc.t[-1] for arc in arcs)
-        reach = " to ".join(ccsds.utc_texts(epoch, np.array([first, last])))
-        run = f"{epoch} and {duration / DAY:g} days later"
+        reach = " to ".join(ccsds.utc_texts(files.epoch, np.array([first, last])))
+        run = f"{files.epoch} and {files.duration / DAY:g} days later"
         raise InputError(f"{arcs[0].path}: expected an orbit between {run}, got one from {reach}")
     return cut
 

@@ -1,8 +1,8 @@
-"""Tracks as CCSDS tracking data messages (TDM 1.0 and 2.0, KVN), out and in.
+"""Writer and reader of tracks as CCSDS tracking data messages (TDM 1.0 and 2.0, KVN).
 
-What is written has a segment for each station and track: azimuth, elevation and range. What is read may come
-from any software: which participant is the station follows from the path, whose last one receives.
-Measurements are taken as geometric: the range is the distance at the time tag, one way.
+The writer makes a segment of azimuth, elevation and range for each station and track. The reader takes
+messages of any software; the station is the participant that receives, the last one in the path.
+Measurements count as geometric: the range is the distance at the time tag, one way.
 Source: CCSDS 503.0-B-2.
 """
 
@@ -23,54 +23,61 @@ _VERSIONS = ("1.0", "2.0")
 _KILO = 3  # kilometres in the message, metres here
 _TYPES = ("ANGLE_1", "ANGLE_2", "RANGE")
 _PATHS = ("2,1", "1,2", "1,2,1", "2,1,2")
-"""Paths that are read: to the receiver from the other participant, or there and back."""
+"""Paths for reading: from the other participant to the receiver, or there and back."""
 
 _PASSED_OVER = re.compile(
     r"CARRIER_POWER|CLOCK_(BIAS|DRIFT)|DOPPLER_(INSTANTANEOUS|INTEGRATED|COUNT)|DOR|MAG|P[CR]_N0|PRESSURE|RCS"
     r"|(RECEIVE|TRANSMIT)_(FREQ|FREQ_RATE|PHASE_CT)(_\d)?|RHUMIDITY|STEC|TEMPERATURE|TROPO_(DRY|WET)"
     r"|VLBI_DELAY"
 )
-"""Types of data that nothing here is estimated from."""
+"""Types of data that the estimation does not use."""
 
 COLUMNS = ["track", "t", "station", "azimuth", "elevation", "range"]
-"""Columns of the `tracking` table that a message carries; it knows nothing of noise-free values."""
+"""Columns of the table `tracking` in a message, which has no noise-free values."""
 
 
 def write(path: FilePath, tracking: pd.DataFrame, *, epoch: str, rso: str) -> None:
-    """Write the measurements of a `tracking` table as a TDM, whole or not at all; `epoch` is UTC text."""
+    """Write the measurements of a table `tracking` as a TDM, whole or not at all.
+
+    epoch: UTC text from which the table's times count
+    rso: name of the RSO
+    """
     ccsds.write(path, _lines(tracking, epoch, rso))
 
 
 def read(path: FilePath, *, epoch: str) -> pd.DataFrame:
-    """Read the measurements of a TDM: `COLUMNS`, with times from the UTC text `epoch`, by time.
+    """Read the measurements of a TDM in order of time, as a table of `COLUMNS`.
 
-    Tracks are numbered from 0 by time. A track is the segments of one TRACK_ID, or a segment without one.
+    epoch: UTC text from which times count
+
+    Tracks are numbered from 0 by time. A track is all segments of a TRACK_ID, or a segment without TRACK_ID.
     Raises InputError as `measurements` does.
     """
     table = measurements([path], epoch=epoch).sort_values("t", kind="stable", ignore_index=True)
-    own = "segment " + table["segment"].astype(str)
-    table["track"] = pd.factorize(table["track_id"].where(table["track_id"] != "", own))[0]
+    segment = "segment " + table["segment"].astype(str)
+    table["track"] = pd.factorize(table["track_id"].where(table["track_id"] != "", segment))[0]
     return table[COLUMNS]
 
 
 def measurements(paths: Sequence[FilePath], *, epoch: str) -> pd.DataFrame:
     """Read the measurements of TDMs of one RSO, in the order of the files.
 
-    Columns: t [s from the UTC text `epoch`]; azimuth, elevation [rad]; range [m]; station, as it is called
-    there; rso; scale; track_id, empty where there is none; segment, its number among all; path and line.
-    Raises InputError, naming file and line, for what is malformed, an epoch without all three measurements,
-    other units and paths, and another RSO or time system than before.
+    epoch: UTC text
+
+    Columns: t [s since `epoch`]; azimuth, elevation [rad]; range [m]; station and rso, the names in the file;
+    scale, the time system; track_id, empty without TRACK_ID; segment, numbered through all files; path and
+    line. Raises InputError, naming file and line, for a malformed message, an epoch without all three
+    measurements, other units and paths, and an RSO or time system that differs from the first.
     """
-    parts: list[pd.DataFrame] = []
+    segments: list[pd.DataFrame] = []
     numbers = count()
     for path in paths:
         message = ccsds.Message(path, version_key=_KEY, versions=_VERSIONS)
         message.skip_header()
-        found = [_segment(message, epoch, next(numbers))]
+        segments.append(_segment(message, epoch, next(numbers)))
         while message.peek():
-            found.append(_segment(message, epoch, next(numbers)))
-        parts += found
-    table = pd.concat(parts, ignore_index=True)
+            segments.append(_segment(message, epoch, next(numbers)))
+    table = pd.concat(segments, ignore_index=True)
     if table.empty:
         raise InputError(f"{paths[0]}: expected azimuth, elevation and range, got none")
     _check_alike(table)
@@ -106,22 +113,22 @@ def _lines(tracking: pd.DataFrame, epoch: str, rso: str) -> Iterator[str]:
 
 
 def _segment(message: ccsds.Message, epoch: str, number: int) -> pd.DataFrame:
-    """The measurements of a segment; none where it holds other types of data only."""
+    """Return the measurements of a segment; an empty table where it holds other types of data only."""
     message.expect("META_START")
     metadata = message.pairs("META_STOP")
     data = _data(message)
     if not data:
         return pd.DataFrame()
     station, rso = _participants(metadata)
-    metadata.one_of("ANGLE_TYPE", ("AZEL",))
-    metadata.one_of("RANGE_UNITS", ("KM",), default="km")
-    scale = metadata.one_of("TIME_SYSTEM", ccsds.SCALES)
+    metadata.choice("ANGLE_TYPE", ("AZEL",))
+    metadata.choice("RANGE_UNITS", ("KM",), default="km")
+    scale = metadata.choice("TIME_SYSTEM", ccsds.SCALES)
     lines = [next(iter(measured.values()))[1] for measured in data.values()]
     values = np.array([[measured[kind][0] for kind in _TYPES] for measured in data.values()])
     values += _corrections(message, metadata)
     return pd.DataFrame(
         {
-            "t": message.elapsed(list(data), lines, epoch=epoch, scale=scale),
+            "t": message.times(list(data), lines, epoch=epoch, scale=scale),
             "station": station,
             "rso": rso,
             "scale": scale,
@@ -137,34 +144,37 @@ def _segment(message: ccsds.Message, epoch: str, number: int) -> pd.DataFrame:
 
 
 def _participants(metadata: ccsds.Pairs) -> tuple[str, str]:
-    """Names of the station, which receives, and of the RSO."""
-    metadata.one_of("MODE", ("SEQUENTIAL",), default="SEQUENTIAL")
-    receiver = metadata.one_of("PATH", _PATHS)[-1]
+    """Return the names of the station, which receives, and of the RSO."""
+    metadata.choice("MODE", ("SEQUENTIAL",), default="SEQUENTIAL")
+    receiver = metadata.choice("PATH", _PATHS)[-1]
     other = "2" if receiver == "1" else "1"
     return metadata.text(f"PARTICIPANT_{receiver}"), metadata.text(f"PARTICIPANT_{other}")
 
 
 def _corrections(message: ccsds.Message, metadata: ccsds.Pairs) -> np.ndarray:
-    """What is still to be added to each type of a segment (3,) [rad, rad, m]."""
-    given = [metadata.text(f"CORRECTION_{kind}", "") for kind in _TYPES]
-    if not any(given) or metadata.one_of("CORRECTIONS_APPLIED", ("YES", "NO")) == "YES":
+    """Return the corrections that are not applied yet to each type of a segment (3,) [rad, rad, m]."""
+    texts = [metadata.text(f"CORRECTION_{kind}", "") for kind in _TYPES]
+    if not any(texts) or metadata.choice("CORRECTIONS_APPLIED", ("YES", "NO")) == "YES":
         return np.zeros(3)
     numbers = [metadata.line(f"CORRECTION_{kind}") for kind in _TYPES]
     return np.array(
-        [_value(message, k, text or "0", n) for k, text, n in zip(_TYPES, given, numbers, strict=True)]
+        [_value(message, k, text or "0", n) for k, text, n in zip(_TYPES, texts, numbers, strict=True)]
     )
 
 
 def _value(message: ccsds.Message, kind: str, text: str, number: int) -> float:
-    """A measurement [rad, m] from its text in degrees or kilometres."""
-    return message.scaled(text, _KILO, number) if kind == "RANGE" else message.radians(text, number)
+    """Return a measurement [rad, m] from its text in degrees or kilometres."""
+    return message.scale(text, _KILO, number) if kind == "RANGE" else message.radians(text, number)
 
 
 def _data(message: ccsds.Message) -> dict[str, dict[str, tuple[float, int]]]:
-    """Values [rad, m] and their lines of a segment's data, by time and type; every time has all types."""
+    """Return the values [rad, m] and lines of a segment's data, by time and type.
+
+    Raises InputError for a time without all types.
+    """
     message.expect("DATA_START")
     if message.peek() == "DATA_STOP":
-        raise message.wrong("a measurement", message.peek())
+        raise message.error("a measurement", message.peek())
     data: dict[str, dict[str, tuple[float, int]]] = {}
     while message.peek() != "DATA_STOP":
         number, kind, text = message.pair()
@@ -172,15 +182,15 @@ def _data(message: ccsds.Message) -> dict[str, dict[str, tuple[float, int]]]:
         if _PASSED_OVER.fullmatch(kind):
             continue
         if kind not in _TYPES or len(values) != 1:
-            raise message.wrong(f"{' or '.join(_TYPES)} = time value", f"{kind} = {text}", number)
+            raise message.error(f"{' or '.join(_TYPES)} = time value", f"{kind} = {text}", number)
         measured = data.setdefault(time, {})
         if kind in measured:
-            raise message.wrong(f"{kind} once at a time", f"{kind} = {text}", number)
+            raise message.error(f"{kind} once at a time", f"{kind} = {text}", number)
         measured[kind] = _value(message, kind, values[0], number), number
     message.take()
     for time, measured in data.items():
         if missing := [kind for kind in _TYPES if kind not in measured]:
-            raise message.wrong(f"{missing[0]} at {time}", "none", next(iter(measured.values()))[1])
+            raise message.error(f"{missing[0]} at {time}", "none", next(iter(measured.values()))[1])
     return data
 
 

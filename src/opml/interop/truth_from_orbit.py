@@ -1,9 +1,9 @@
-"""A real orbit in the place of the simulated truth: from files in SP3, CPF or OEM to the `truth` table.
+"""The table `truth` from a real orbit in SP3, CPF or OEM, in place of a simulated one.
 
-The nodes of all files are turned to GCRF with the package's own Earth orientation, bridged by the Earth's
-gravity from node to node (opml.interop.bridging) and looked up on the run's grid. Nothing is bridged over
-more than MOST_APART, nor over a break of the orbit (opml.interop.orbit_breaks); rows there are absent. Where
-two files or segments overlap, the one that begins later counts.
+The nodes of all files are rotated to GCRF with the package's Earth orientation, bridged by the Earth's
+gravity from node to node (opml.interop.bridging) and interpolated on the run's grid. Intervals longer than
+MOST_APART and breaks of the orbit (opml.interop.orbit_breaks) stay open; the table has no rows there. Where
+files or segments overlap, that with the later beginning counts.
 """
 
 import logging
@@ -16,19 +16,18 @@ import numpy as np
 import pandas as pd
 
 from opml.base.errors import InputError
-from opml.base.files import FilePath
 from opml.dynamics.attraction import Attraction
 from opml.environment import earth_orientation, gravity_field, nodes
 from opml.interop import ccsds, orbit_breaks
 from opml.interop.orbit_arcs import Arc
-from opml.interop.orbit_curve import ON_NODE, Curve, through
-from opml.interop.orbit_from_files import gathered
+from opml.interop.orbit_curve import ON_NODE, Curve, fit_curve
+from opml.interop.orbit_from_files import OrbitFiles, read_arcs
 from opml.tables import STATE
 
 LIMIT = 3.0
-"""Largest error of the interpolation that is accepted [m], a tenth of the noise of the paper's ranges.
+"""Largest accepted error of the interpolation [m], a tenth of the noise of the paper's ranges.
 
-It is the root mean square of what nodes, every second one left out, are missed by.
+The error is the root mean square distance by which the curve through every second node misses the others.
 """
 
 LARGEST_STEP = 20e3
@@ -40,65 +39,62 @@ FIELD = "EGM2008"
 _log = logging.getLogger(__name__)
 
 
-def truth(
-    paths: Sequence[FilePath],
-    *,
-    epoch: str,
-    step: float,
-    duration: float,
-    satellite: str | None = None,
-    limit: float = LIMIT,
-) -> tuple[pd.DataFrame, dict[str, Any]]:
-    """The `truth` table of an orbit in files: GCRF states every `step` from the epoch to `duration` [s].
+def truth(files: OrbitFiles, *, step: float, limit: float = LIMIT) -> tuple[pd.DataFrame, dict[str, Any]]:
+    """Return the table `truth` of an orbit in files, and facts about the orbit for the table's metadata.
 
-    paths: files of one format, in any order; satellite: its name or id there, None is the only one there is;
-    limit: of the interpolation's error [m]. Rows are absent where the orbit is not known. Returns the table,
-    and what is to be told of it as JSON values: times in s since the epoch, and gaps, seams and manoeuvres.
-    Raises InputError, naming file and line, for what `gathering.check` tells, and for too rough an orbit.
+    step: between rows [s], from the epoch to the end of the run
+    limit: of the interpolation's error [m]
+
+    Rows are absent where the orbit is unknown. The facts are JSON values: origin, error, gaps, seams and
+    manoeuvres, with times in s since the epoch. Raises InputError, naming file and line, as `read_arcs` does,
+    and for an orbit that is too rough.
     """
-    arcs = gathered(paths, epoch=epoch, duration=duration, satellite=satellite)
-    curves = _curves(arcs, epoch, duration)
-    grid = np.arange(0.0, duration + 0.5 * step, step)
-    states, owner = _on_grid(curves, grid)
+    arcs = read_arcs(files)
+    curves = _curves(arcs, files.epoch, files.duration)
+    grid = np.arange(0.0, files.duration + 0.5 * step, step)
+    states, owner = _sample(curves, grid)
     known = np.isfinite(states).all(axis=1)
     if not known.any():
         raise InputError(f"{arcs[0].path}: expected an orbit on the run's grid, got none that is smooth")
-    told = {
+    facts = {
         **_origin(arcs),
-        "interpolation_error_m": _error(curves),
+        "interpolation_error_m": _interpolation_error(curves),
         **_left_out(curves),
-        "gaps": _gaps(grid, known, duration),
-        **_told_breaks(curves, grid, owner),
+        "gaps": _gaps(grid, known, files.duration),
+        **_breaks(curves, grid, owner),
     }
-    _tell(told)
-    _check_steps(arcs, told["seams"], epoch)
-    _check_error(arcs, told["interpolation_error_m"], limit)
+    _log_facts(facts)
+    _check_steps(arcs, facts["seams"], files.epoch)
+    _check_error(arcs, facts["interpolation_error_m"], limit)
     columns = dict(zip(STATE, states[known].T, strict=True))
-    return pd.DataFrame({"t": grid[known], **columns}), told
+    return pd.DataFrame({"t": grid[known], **columns}), facts
 
 
 def _curves(arcs: Sequence[Arc], epoch: str, duration: float) -> list[Curve]:
-    """Curves through the arcs, each of arcs that follow each other without overlap."""
+    """Return curves through the arcs, one for each sequence of arcs without overlap."""
     field = gravity_field.read_icgem(gravity_field.resolve(FIELD)).freeze(epoch)
     orientation = earth_orientation.tabulate(epoch, nodes(epoch, duration))
     attraction = Attraction(field.c, field.s, gm=field.gm, radius=field.radius, earth_orientation=orientation)
     ends = np.maximum.accumulate([arc.t[-1] for arc in arcs])
     begins = [k == 0 or arc.t[0] <= ends[k - 1] for k, arc in enumerate(arcs)]
     runs = groupby(zip(np.cumsum(begins), arcs, strict=True), key=lambda pair: pair[0])
-    return [through([arc for _, arc in run], orientation, attraction) for _, run in runs]
+    return [fit_curve([arc for _, arc in run], orientation, attraction) for _, run in runs]
 
 
-def _on_grid(curves: Sequence[Curve], grid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """States (m, 6) on the grid, not finite where unknown, and the curve that each is of, -1 for none."""
+def _sample(curves: Sequence[Curve], grid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the states (m, 6) on the grid, not finite where unknown, and the index of each state's curve.
+
+    The last curve that covers a time counts; -1 stands for no curve.
+    """
     states, owner = np.full((len(grid), 6), np.nan), np.full(len(grid), -1)
-    for k, one in enumerate(curves):
-        inside = (grid >= one.t[0] - ON_NODE) & (grid <= one.t[-1] + ON_NODE)
-        states[inside], owner[inside] = one.at(grid[inside]), k
+    for k, curve in enumerate(curves):
+        inside = (grid >= curve.t[0] - ON_NODE) & (grid <= curve.t[-1] + ON_NODE)
+        states[inside], owner[inside] = curve.interpolate(grid[inside]), k
     return states, owner
 
 
 def _origin(arcs: Sequence[Arc]) -> dict[str, Any]:
-    """Where the orbit is from."""
+    """Return files, satellite, frame and time system of the orbit."""
     return {
         "files": list(dict.fromkeys(Path(arc.path).name for arc in arcs)),
         "satellite": arcs[0].satellite,
@@ -107,22 +103,22 @@ def _origin(arcs: Sequence[Arc]) -> dict[str, Any]:
     }
 
 
-def _error(curves: Sequence[Curve]) -> dict[str, float | None]:
-    """Root mean square and maximum of what left out nodes are missed by [m]; None where there were none."""
-    missed = np.concatenate([curve.missed for curve in curves])
-    if not missed.size:
+def _interpolation_error(curves: Sequence[Curve]) -> dict[str, float | None]:
+    """Return root mean square and maximum of the curves' misses [m]; None without misses."""
+    misses = np.concatenate([curve.misses for curve in curves])
+    if not misses.size:
         return {"rms": None, "max": None}
-    return {"rms": float(np.sqrt(np.mean(missed**2))), "max": float(missed.max())}
+    return {"rms": float(np.sqrt(np.mean(misses**2))), "max": float(misses.max())}
 
 
 def _left_out(curves: Sequence[Curve]) -> dict[str, int]:
-    """How many positions and velocities of the files do not fit the others."""
+    """Return the numbers of positions and velocities in the files that do not fit the others."""
     positions, velocities = np.sum([curve.left_out for curve in curves], axis=0)
     return {"positions_left_out": int(positions), "velocities_left_out": int(velocities)}
 
 
 def _gaps(grid: np.ndarray, known: np.ndarray, duration: float) -> list[list[float]]:
-    """Times between which the orbit is not known, from the last row before to the first one after [s]."""
+    """Return the gaps of the orbit, each from the last row before it to the first row after it [s]."""
     fenced = np.concatenate([[True], known, [True]])
     times = np.concatenate([[0.0], grid, [duration]])
     rows = np.flatnonzero(fenced)
@@ -130,17 +126,17 @@ def _gaps(grid: np.ndarray, known: np.ndarray, duration: float) -> list[list[flo
     return [[float(times[rows[k]]), float(times[rows[k + 1]])] for k in wide]
 
 
-def _told_breaks(curves: Sequence[Curve], grid: np.ndarray, owner: np.ndarray) -> dict[str, Any]:
-    """Seams and manoeuvres within the run, each by time [s]."""
+def _breaks(curves: Sequence[Curve], grid: np.ndarray, owner: np.ndarray) -> dict[str, Any]:
+    """Return seams and manoeuvres within the run, in order of time [s]."""
     seams, manoeuvres = _changeovers(curves, grid, owner), []
     for k, curve in enumerate(curves):
-        for one in curve.found:
-            if owner[np.argmin(np.abs(grid - one.t))] != k or not grid[0] <= one.t <= grid[-1]:
+        for event in curve.breaks:
+            if owner[np.argmin(np.abs(grid - event.t))] != k or not grid[0] <= event.t <= grid[-1]:
                 continue
-            if one.one_way:
-                manoeuvres.append({"t": one.t, "dv_mps": one.velocity})
-            elif one.is_seam:
-                seams.append({"t": one.t, "step_m": one.step})
+            if event.one_way:
+                manoeuvres.append({"t": event.t, "dv_mps": event.velocity})
+            elif event.is_seam:
+                seams.append({"t": event.t, "step_m": event.step})
     return {
         "seams": sorted(seams, key=lambda seam: seam["t"]),
         "manoeuvres": sorted(manoeuvres, key=lambda manoeuvre: manoeuvre["t"]),
@@ -148,42 +144,42 @@ def _told_breaks(curves: Sequence[Curve], grid: np.ndarray, owner: np.ndarray) -
 
 
 def _changeovers(curves: Sequence[Curve], grid: np.ndarray, owner: np.ndarray) -> list[dict[str, float]]:
-    """Seams where one curve takes over from another that reaches there as well."""
+    """Return the seams where the grid changes from one curve to another that overlaps it."""
     seams = []
     for row in np.flatnonzero(np.diff(owner)) + 1:
         if min(owner[row - 1], owner[row]) < 0:
             continue
-        before, after = (curves[owner[k]].at(grid[row : row + 1])[0, :3] for k in (row - 1, row))
+        before, after = (curves[owner[k]].interpolate(grid[row : row + 1])[0, :3] for k in (row - 1, row))
         step = float(np.linalg.norm(after - before))
         if step >= orbit_breaks.LEAST_SEAM:
             seams.append({"t": float(grid[row]), "step_m": step})
     return seams
 
 
-def _tell(told: dict[str, Any]) -> None:
-    """Log what is told of an orbit."""
-    error = told["interpolation_error_m"]
-    _log.info("orbit of %s in %s, %s", told["satellite"], told["frame"], told["time_system"])
+def _log_facts(facts: dict[str, Any]) -> None:
+    """Log the facts about an orbit."""
+    error = facts["interpolation_error_m"]
+    _log.info("orbit of %s in %s, %s", facts["satellite"], facts["frame"], facts["time_system"])
     if error["rms"] is not None:
         _log.info("each second node is predicted to %.2g m rms, %.2g m at most", error["rms"], error["max"])
-    if told["velocities_left_out"]:
-        _log.info("%d velocities are left out, as positions tell more", told["velocities_left_out"])
-    for start, end in told["gaps"]:
+    if facts["velocities_left_out"]:
+        _log.info("%d velocities are left out, as positions tell more", facts["velocities_left_out"])
+    for start, end in facts["gaps"]:
         _log.info("no orbit is known between %.0f s and %.0f s", start, end)
-    for seam in told["seams"]:
+    for seam in facts["seams"]:
         _log.info("seam at %.0f s: a step of %.2f m", seam["t"], seam["step_m"])
-    for manoeuvre in told["manoeuvres"]:
+    for manoeuvre in facts["manoeuvres"]:
         _log.info("manoeuvre at %.0f s: %.4f m/s", manoeuvre["t"], manoeuvre["dv_mps"])
 
 
 def _check_steps(arcs: Sequence[Arc], seams: Sequence[dict[str, float]], epoch: str) -> None:
-    """Raise InputError where the orbit goes on so far away that it cannot be the same."""
+    """Raise InputError where a seam's step is too long for one orbit."""
     for seam in seams:
         if seam["step_m"] > LARGEST_STEP:
             path = [arc.path for arc in arcs if arc.t[0] <= seam["t"]][-1]
-            at = ccsds.utc_texts(epoch, np.array([seam["t"]]))[0]
+            time = ccsds.utc_texts(epoch, np.array([seam["t"]]))[0]
             raise InputError(
-                f"{path}: expected one orbit, got a step of {seam['step_m'] / 1e3:.0f} km at {at}"
+                f"{path}: expected one orbit, got a step of {seam['step_m'] / 1e3:.0f} km at {time}"
             )
 
 

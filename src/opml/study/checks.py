@@ -148,10 +148,7 @@ def _check_orbits(source: Source, settings: Settings) -> None:
         try:
             sheets.parse_rso(name, settings.rsos)
             orbit_from_files.check(
-                paths,
-                epoch=values["epoch"],
-                step=values["tracking"]["step_s"],
-                duration=DAY * values["duration_days"],
+                orbit_from_files.OrbitFiles(paths, values["epoch"], DAY * values["duration_days"])
             )
         except InputError as error:
             kind = "orbits" if name in values.get("orbits", {}) else "oem"

@@ -20,7 +20,7 @@ def _gravity(x, y, z, table, columns, degree, gm, radius, out):
     for row in range(x.shape[0]):
         px, py, pz = load(x, row), load(y, row), load(z, row)
         r2 = px * px + py * py + pz * pz
-        ax, ay, az = gravity(px, py, pz, r2, 1.0 / sqrt(r2), table, columns, degree, gm, radius)
+        ax, ay, az = gravity(px, py, pz, 1.0 / sqrt(r2), table, columns, degree, gm, radius)
         store(out[0], row, ax)
         store(out[1], row, ay)
         store(out[2], row, az)

@@ -27,7 +27,7 @@ def _sunlight(t, x, y, z, model, values, factors):
 
 def by_scipy(model, epochs, state):
     """States (epochs - 1, 6) under central gravity and radiation pressure; the part in sight on the way."""
-    values, factors = surroundings.blank(model)
+    values, factors = surroundings.allocate(model)
 
     def light(t, r):
         return _sunlight(t, *r, model, values, factors)

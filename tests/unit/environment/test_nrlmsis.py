@@ -13,7 +13,7 @@ from opml.dynamics import forces
 from opml.dynamics.kernels import acceleration
 from opml.dynamics.kernels.acceleration import SCRATCH_ROWS
 from opml.dynamics.kernels.lanes import WIDTH, load, rows, sqrt, store
-from opml.dynamics.kernels.surroundings import blank, look_up
+from opml.dynamics.kernels.surroundings import allocate, look_up
 from opml.environment import nrlmsis
 from opml.environment.coverage import check
 from opml.tables import SCHEMAS
@@ -47,7 +47,7 @@ def table_and_direct(t, positions):
     """
     flown, out, block = model(), rows(2), rows(3)
     block[:] = positions
-    _density_at(t, block, flown, *blank(flown), rows(SCRATCH_ROWS), out)
+    _density_at(t, block, flown, *allocate(flown), rows(SCRATCH_ROWS), out)
     before = np.searchsorted(NODES, t, side="right") - 1
     part = (t - NODES[before]) / HOUR
     places = list(zip(*geodetic(positions), out[0], strict=True))

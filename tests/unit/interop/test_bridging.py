@@ -29,7 +29,7 @@ def bridged(orbit, attraction, cadence, velocities):
     t, states = orbit[0][nodes], orbit[1][nodes]
     bridges = bridge(t, states[:, :3], attraction, wanted=np.ones(len(t) - 1, bool))
     found = states[:, 3:] if velocities else bridges.mean_velocities()
-    return bridges.through(found, free=np.zeros(len(t), bool))
+    return bridges.match_velocities(found, free=np.zeros(len(t), bool))
 
 
 @pytest.mark.parametrize(

@@ -45,7 +45,7 @@ OMM = {
 THREE_DAYS_ON = "2000-06-30T18:50:19.733571"
 TEN_DAYS_ON = "2000-07-07T18:50:19.733568"
 A_MONTH_ON = "2000-07-28T18:50:19.733568"
-BODY = {"name": "mine", "area_to_mass": 0.05, "cd": 2.2, "cr": 1.25}
+BODY = mean_elements.Body(area_to_mass=0.05, cd=2.2, cr=1.25)
 
 
 COMMAND = ["--name", "mine", "--area-to-mass", "0.05", "--cd", "2.2", "--cr", "1.25"]
@@ -93,7 +93,7 @@ def written(tmp_path):
 @pytest.mark.parametrize("text", SPELLINGS.values(), ids=SPELLINGS)
 def test_every_spelling_gives_vallados_states(written, text):
     satellite = mean_elements.read(written(text))
-    assert mean_elements.own_epoch(satellite) == "2000-06-27T18:50:19.733568"
+    assert mean_elements.elements_epoch(satellite) == "2000-06-27T18:50:19.733568"
     error, position, velocity = satellite.sgp4_tsince(4320.0)
     assert error == 0
     # His table of results in TEME, printed to 1e-8 km; a spelling's epoch may be 4 microseconds off.
@@ -118,7 +118,7 @@ def test_teme_turns_to_gcrf(written):
 
 def test_an_rso_starts_where_sgp4_has_it(written):
     satellite = mean_elements.read(written(tle()))
-    rso = mean_elements.rso(satellite, epoch=THREE_DAYS_ON, **BODY)
+    rso = mean_elements.rso(satellite, name="mine", epoch=THREE_DAYS_ON, body=BODY)
     expected = mean_elements.state(satellite, epoch=THREE_DAYS_ON)
     np.testing.assert_allclose(initial_state(rso, mean_elements.EARTH_GM), expected, rtol=1e-13)
     assert (rso.name, rso.area_to_mass, rso.cd, rso.cr) == ("mine", 0.05, 2.2, 1.25)
@@ -180,7 +180,7 @@ def test_the_command_warns_of_old_elements_in_one_line_on_stderr(written):
 
 @pytest.mark.parametrize("epoch", [THREE_DAYS_ON, "2000-06-21T00:00:00"])
 def test_elements_of_a_few_days_are_flown_without_a_warning(written, caplog, epoch):
-    mean_elements.rso(mean_elements.read(written(tle())), epoch=epoch, **BODY)
+    mean_elements.rso(mean_elements.read(written(tle())), name="mine", epoch=epoch, body=BODY)
     assert caplog.records == []
 
 

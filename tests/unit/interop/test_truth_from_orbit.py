@@ -22,10 +22,11 @@ from opml.environment import nodes as environment_nodes
 from opml.interop import ccsds, cpf, oem, orbit_curve, orbit_from_files, sp3, truth_from_orbit
 from opml.interop.bridging import bridge
 from opml.interop.orbit_arcs import contents
+from opml.interop.orbit_from_files import OrbitFiles
 from opml.tables import STATE
 
 STEP = 5.0
-RUN = {"epoch": EPOCH, "step": 20.0, "duration": 14400.0}
+DURATION = 14400.0
 BIAS = ccsds.FRAMES["EME2000"].T  # GCRF to EME2000
 
 
@@ -70,6 +71,11 @@ def in_eme2000(orbit, cadence, start=0.0):
     return orbit[0][kept], orbit[1][kept] @ np.kron(np.eye(2), BIAS).T
 
 
+def read_truth(paths, *, epoch=EPOCH, duration=DURATION, satellite=None, **limit):
+    """The truth of files every 20 s, and the facts about it."""
+    return truth_from_orbit.truth(OrbitFiles(paths, epoch, duration, satellite), step=20.0, **limit)
+
+
 WRITERS = {
     "sp3": lambda path, orbit, nodes: orbit_files.sp3(path, *nodes(60.0, 5.0)),
     "sp3.gz": lambda path, orbit, nodes: orbit_files.sp3(path, *nodes(300.0, 5.0), scale="TAI", version="d"),
@@ -86,20 +92,20 @@ WRITERS = {
 @pytest.mark.parametrize("kind", WRITERS)
 def test_every_format_gives_the_orbit_back(tmp_path, orbit, nodes, deviations, kind):
     path = WRITERS[kind](tmp_path / f"orbit.{kind}", orbit, nodes)
-    table, told = truth_from_orbit.truth([path], **RUN)
+    table, told = read_truth([path])
     assert table["t"].tolist() == np.arange(20.0 if table["t"][0] else 0.0, 14401.0, 20.0).tolist()
     assert worst(deviations(table)) < 0.02
     assert np.abs(deviations(table)[:, 3:]).max() < 0.001
     assert told["interpolation_error_m"]["rms"] < 0.1
     assert (told["seams"], told["manoeuvres"], told["positions_left_out"]) == ([], [], 0)
     assert json.loads(json.dumps(told)) == told
-    orbit_from_files.check([path], **RUN)
+    orbit_from_files.check(OrbitFiles([path], EPOCH, DURATION))
 
 
 def test_an_oem_on_the_grid_comes_through_bit_for_bit(tmp_path, orbit):
     frame = pd.DataFrame({"t": orbit[0][::4], **dict(zip(STATE, orbit[1][::4].T, strict=True))})
     oem.write(tmp_path / "iss.oem", oem.truth_segments(frame, rso="iss"), epoch=EPOCH)
-    table, _ = truth_from_orbit.truth([tmp_path / "iss.oem"], epoch=EPOCH, step=20.0, duration=18000.0)
+    table, _ = read_truth([tmp_path / "iss.oem"], duration=18000.0)
     pd.testing.assert_frame_equal(table, frame, check_exact=True)
 
 
@@ -122,7 +128,7 @@ def independent(t, position):
 def test_itrf_is_turned_as_erfa_turns_it(tmp_path, nodes, earth_orientation):
     path = orbit_files.sp3(tmp_path / "orbit.sp3", *nodes(60.0))
     (arc,) = sp3.read(path, contents(path), epoch=EPOCH)
-    states = orbit_curve.in_gcrf(arc, earth_orientation)
+    states = orbit_curve.rotate_to_gcrf(arc, earth_orientation)
     off = np.linalg.norm(states[:, :3] - independent(arc.t, arc.positions), axis=1)
     assert off.max() < 0.01
 
@@ -133,7 +139,7 @@ def test_the_velocity_is_the_rate_of_the_position(tmp_path, nodes, earth_orienta
     states = np.tile([4e6, 3e6, 4e6, 0.0, 0.0, 1e-9], (len(t), 1))
     path = orbit_files.cpf(tmp_path / "ground.cpf", t, states, velocities=True)
     (arc,) = cpf.read(path, contents(path), epoch=EPOCH)
-    turned = orbit_curve.in_gcrf(arc, earth_orientation)
+    turned = orbit_curve.rotate_to_gcrf(arc, earth_orientation)
     rate = (turned[2:, :3] - turned[:-2, :3]) / 2.0
     np.testing.assert_allclose(turned[1:-1, 3:], rate, rtol=0, atol=1e-6)
     assert np.linalg.norm(turned[0, 3:]) == pytest.approx(EARTH_RATE * 5e6, rel=1e-3)
@@ -142,9 +148,7 @@ def test_the_velocity_is_the_rate_of_the_position(tmp_path, nodes, earth_orienta
 def test_rows_without_an_orbit_are_absent(tmp_path, nodes, deviations):
     t, states = nodes(60.0, 5.0, 12000.0)
     kept = (t < 4000.0) | (t > 4400.0)
-    table, told = truth_from_orbit.truth(
-        [orbit_files.sp3(tmp_path / "orbit.sp3", t[kept], states[kept])], **RUN
-    )
+    table, told = read_truth([orbit_files.sp3(tmp_path / "orbit.sp3", t[kept], states[kept])])
     absent = sorted(set(np.arange(0.0, 14401.0, 20.0)) - set(table["t"]))
     assert absent == [0.0, *np.arange(3980.0, 4441.0, 20.0), *np.arange(11960.0, 14401.0, 20.0)]
     assert told["gaps"] == [[0.0, 20.0], [3960.0, 4460.0], [11940.0, 14400.0]]
@@ -154,9 +158,7 @@ def test_rows_without_an_orbit_are_absent(tmp_path, nodes, deviations):
 def test_a_hole_of_a_few_minutes_is_bridged(tmp_path, nodes, deviations):
     t, states = nodes(10.0)
     kept = (t < 4000.0) | (t > 4250.0)
-    table, told = truth_from_orbit.truth(
-        [orbit_files.sp3(tmp_path / "orbit.sp3", t[kept], states[kept])], **RUN
-    )
+    table, told = read_truth([orbit_files.sp3(tmp_path / "orbit.sp3", t[kept], states[kept])])
     assert told["gaps"] == []
     assert worst(deviations(table)) < 0.01
 
@@ -165,8 +167,8 @@ def test_files_that_abut_are_one_orbit_in_any_order(tmp_path, nodes, deviations)
     first = orbit_files.sp3(tmp_path / "a.sp3", *nodes(60.0, 0.0, 7140.0))
     second = orbit_files.sp3(tmp_path / "b.sp3", *nodes(60.0, 7200.0))
     both = orbit_files.sp3(tmp_path / "both.sp3", *nodes(60.0))
-    table, told = truth_from_orbit.truth([second, first], **RUN)
-    whole, _ = truth_from_orbit.truth([both], **RUN)
+    table, told = read_truth([second, first])
+    whole, _ = read_truth([both])
     pd.testing.assert_frame_equal(table, whole, check_exact=True)
     assert told["files"] == ["a.sp3", "b.sp3"]
 
@@ -180,7 +182,7 @@ def test_nothing_is_bridged_over_a_seam(tmp_path, nodes, deviations):
     first = orbit_files.cpf(tmp_path / "a.cpf", *nodes(180.0, 0.0, 7199.0))
     t, states = nodes(180.0, 7200.0)
     second = orbit_files.cpf(tmp_path / "b.cpf", t, moved(states, [0.0, 14.0, 0.0]))
-    table, told = truth_from_orbit.truth([first, second], **RUN)
+    table, told = read_truth([first, second])
     assert [seam["t"] for seam in told["seams"]] == [7110.0]
     assert told["seams"][0]["step_m"] == pytest.approx(14.0, rel=0.02)
     assert told["gaps"] == [[7020.0, 7200.0]]
@@ -193,7 +195,7 @@ def test_where_files_overlap_the_one_that_begins_later_counts(tmp_path, nodes, d
     first = orbit_files.sp3(tmp_path / "a.sp3", *nodes(60.0, 0.0, 10000.0))
     t, states = nodes(60.0, 7205.0)
     second = orbit_files.sp3(tmp_path / "b.sp3", t, moved(states, [3.0, 0.0, 4.0]))
-    table, told = truth_from_orbit.truth([first, second], **RUN)
+    table, told = read_truth([first, second])
     assert told["gaps"] == []
     assert told["seams"] == [{"t": 7220.0, "step_m": pytest.approx(5.0, rel=1e-3)}]
     size = np.linalg.norm(deviations(table)[:, :3], axis=1)
@@ -203,7 +205,7 @@ def test_where_files_overlap_the_one_that_begins_later_counts(tmp_path, nodes, d
 def test_files_that_share_an_epoch_follow_each_other(tmp_path, nodes, deviations):
     first = orbit_files.sp3(tmp_path / "a.sp3", *nodes(60.0, 0.0, 7200.0))
     second = orbit_files.sp3(tmp_path / "b.sp3", *nodes(60.0, 7200.0))
-    table, told = truth_from_orbit.truth([first, second], **RUN)
+    table, told = read_truth([first, second])
     assert (told["gaps"], told["seams"]) == ([], [])
     assert worst(deviations(table)) < 0.01
 
@@ -227,7 +229,7 @@ def burn(orbit, attraction, start, length, size):
 def test_a_burn_is_told_with_its_size_and_stays_in_the_orbit(tmp_path, orbit, attraction):
     t, states = burn(orbit, attraction, 7200.0, 600.0, 1.7)
     path = orbit_files.oem(tmp_path / "iss.oem", [(t, states)], frame="GCRF")
-    table, told = truth_from_orbit.truth([path], **RUN)
+    table, told = read_truth([path])
     assert told["manoeuvres"] == [{"t": pytest.approx(7500.0), "dv_mps": pytest.approx(1.7, rel=0.005)}]
     assert (told["gaps"], told["seams"]) == ([], [])
     within = table[(table["t"] > 7200.0) & (table["t"] < 7800.0)]
@@ -244,7 +246,7 @@ def test_a_wrong_position_is_left_out_and_named(tmp_path, nodes, deviations, cap
     states[100, :3] += 1000.0
     path = orbit_files.sp3(tmp_path / "orbit.sp3", t, states)
     with caplog.at_level("WARNING", "opml"):
-        table, told = truth_from_orbit.truth([path], **RUN)
+        table, told = read_truth([path])
     assert told["positions_left_out"] == 1
     assert told["gaps"][1:] == [[5940.0, 6080.0]]
     assert f"{path}: line {23 + 3 * 100 + 1}: left out" in caplog.text
@@ -254,7 +256,7 @@ def test_a_wrong_position_is_left_out_and_named(tmp_path, nodes, deviations, cap
 def test_a_wrong_velocity_is_left_out(tmp_path, nodes, deviations):
     t, states = nodes(60.0)
     states[100, 3] += 5.0
-    table, told = truth_from_orbit.truth([orbit_files.sp3(tmp_path / "orbit.sp3", t, states)], **RUN)
+    table, told = read_truth([orbit_files.sp3(tmp_path / "orbit.sp3", t, states)])
     assert told["velocities_left_out"] == 1
     assert worst(deviations(table)) < 0.01
     assert np.abs(deviations(table)[:, 3:]).max() < 0.01
@@ -263,7 +265,7 @@ def test_a_wrong_velocity_is_left_out(tmp_path, nodes, deviations):
 def test_velocities_that_tell_less_than_the_positions_are_left_out(tmp_path, nodes, deviations):
     t, states = nodes(180.0)
     states[:, 3:] += np.random.default_rng(1).normal(0.0, 0.02, (len(t), 3))
-    table, told = truth_from_orbit.truth([orbit_files.sp3(tmp_path / "orbit.sp3", t, states)], **RUN)
+    table, told = read_truth([orbit_files.sp3(tmp_path / "orbit.sp3", t, states)])
     assert told["velocities_left_out"] == len(t)
     assert worst(deviations(table)) < 0.05
     assert np.abs(deviations(table)[:, 3:]).max() < 0.002
@@ -274,7 +276,7 @@ def test_velocities_in_another_unit_are_refused(tmp_path, nodes):
     states[:, 3:] *= 10.0
     path = orbit_files.sp3(tmp_path / "orbit.sp3", t, states)
     with pytest.raises(InputError, match=r"expected velocities that fit the positions, got .*unit"):
-        truth_from_orbit.truth([path], **RUN)
+        read_truth([path])
 
 
 def test_an_orbit_that_is_too_rough_is_refused(tmp_path, nodes):
@@ -282,8 +284,8 @@ def test_an_orbit_that_is_too_rough_is_refused(tmp_path, nodes):
     states[:, :3] += np.random.default_rng(1).normal(0.0, 10.0, (len(t), 3))
     path = orbit_files.cpf(tmp_path / "orbit.cpf", t, states)
     with pytest.raises(InputError, match=r"orbit.cpf: expected nodes that predict each other to 3 m, got 1"):
-        truth_from_orbit.truth([path], **RUN)
-    table, told = truth_from_orbit.truth([path], **RUN, limit=100.0)
+        read_truth([path])
+    table, told = read_truth([path], limit=100.0)
     assert 5.0 < told["interpolation_error_m"]["rms"] < 50.0
     assert len(table) == 721
 
@@ -293,21 +295,21 @@ def test_another_orbit_is_no_seam(tmp_path, nodes):
     t, states = nodes(60.0, 7200.0)
     second = orbit_files.sp3(tmp_path / "b.sp3", t, moved(states, [0.0, 5e4, 0.0]))
     with pytest.raises(InputError, match=r"expected one orbit, got a step of 50 km at 2016-09-28T14:09:15"):
-        truth_from_orbit.truth([first, second], **RUN)
+        read_truth([first, second])
 
 
 def test_a_wrong_velocity_beside_a_wrong_position_is_left_out(tmp_path, nodes, deviations):
     t, states = nodes(60.0)
     states[100, :3] += 1000.0
     states[99, 3:] += 5.0
-    table, told = truth_from_orbit.truth([orbit_files.sp3(tmp_path / "orbit.sp3", t, states)], **RUN)
+    table, told = read_truth([orbit_files.sp3(tmp_path / "orbit.sp3", t, states)])
     assert (told["positions_left_out"], told["velocities_left_out"]) == (1, 1)
     assert worst(deviations(table)) < 0.01
 
 
 def test_a_satellite_is_chosen(tmp_path, nodes, deviations):
     path = orbit_files.sp3(tmp_path / "two.sp3", *nodes(60.0), satellite=None)
-    table, told = truth_from_orbit.truth([path], **RUN, satellite="L01")
+    table, told = read_truth([path], satellite="L01")
     assert told["satellite"] == "L01"
     assert worst(deviations(table)) < 0.01
 
@@ -354,9 +356,9 @@ def unfit(tmp_path, orbit, nodes):
 def test_what_does_not_fit_is_told_before_alike(unfit, what):
     paths, epoch = unfit(what)
     with pytest.raises(InputError, match=REFUSED[what]) as told:
-        orbit_from_files.check(paths, **{**RUN, "epoch": epoch})
+        orbit_from_files.check(OrbitFiles(paths, epoch, DURATION))
     with pytest.raises(InputError) as read:
-        truth_from_orbit.truth(paths, **{**RUN, "epoch": epoch})
+        read_truth(paths, epoch=epoch)
     assert str(told.value) == str(read.value)
     assert "\n" not in str(told.value)
 
@@ -404,7 +406,7 @@ def sound(tmp_path_factory, orbit, nodes):
 def refusal(path):
     """What is told of a file that is refused, or else its truth table."""
     try:
-        return truth_from_orbit.truth([path], epoch=EPOCH, step=20.0, duration=7200.0)[0]
+        return read_truth([path], duration=7200.0)[0]
     except InputError as error:
         return str(error)
 
@@ -449,9 +451,9 @@ def real():
     def of(name):
         pattern, epoch, days, _ = REAL[name]
         paths = sorted(shared("real").glob(pattern))
-        run = {"epoch": epoch, "step": 20.0, "duration": days * DAY}
-        orbit_from_files.check(paths, **run)
-        return truth_from_orbit.truth(paths, **run)
+        files = OrbitFiles(paths, epoch, days * DAY)
+        orbit_from_files.check(files)
+        return truth_from_orbit.truth(files, step=20.0)
 
     return of
 
@@ -502,10 +504,10 @@ def test_swarm_between_nodes_is_right_within_two_centimetres():
     epoch, t = "2019-09-03T00:00:00", np.arange(0.0, 5.0 * DAY, 10.0) - 18.0
     orientation = eop.tabulate(epoch, environment_nodes(epoch, 5.0 * DAY))
     arcs = [sp3.read(path, contents(path), epoch=epoch)[0] for path in paths]
-    states = np.concatenate([orbit_curve.in_gcrf(arc, orientation) for arc in arcs])
+    states = np.concatenate([orbit_curve.rotate_to_gcrf(arc, orientation) for arc in arcs])
     wanted = np.ones(len(t) // 2 - 1, bool)
     bridges = bridge(t[::2], states[::2, :3], orbit_files.attraction_of(orientation, epoch), wanted=wanted)
-    bridges = bridges.through(states[::2, 3:], free=np.zeros(len(t) // 2, bool))
+    bridges = bridges.match_velocities(states[::2, 3:], free=np.zeros(len(t) // 2, bool))
     missed = np.linalg.norm(bridges.states(t[1:-1:2])[:, :3] - states[1:-1:2, :3], axis=1)
     assert missed.max() < 0.02
     assert np.sqrt(np.mean(missed**2)) < 5e-4

@@ -1,1 +1,1 @@
-"""The compiled kernels: forces, the integrator's step, a block of arcs. They know arrays alone."""
+"""Compiled kernels, which know arrays and numbers alone: forces, the integrator's step, a block of arcs."""

@@ -1,4 +1,4 @@
-"""The acceleration of arcs under a force model: the sum of all forces."""
+"""Acceleration of arcs under a force model, the sum of all forces, and the density along them."""
 
 from opml.dynamics.kernels import dtm2000, tabulated
 from opml.dynamics.kernels.drag import drag
@@ -10,15 +10,19 @@ from opml.dynamics.kernels.surroundings import BODIES, CLOCK, ROTATION, SPIN, SU
 from opml.dynamics.kernels.third_body import third_bodies
 
 SCRATCH_ROWS = 40
-"""Rows that `acceleration` needs to put intermediate lanes down."""
+"""Rows of lanes that `acceleration` needs for intermediate results."""
 
 
 @compiled
 def acceleration(x, y, z, vx, vy, vz, ballistic, reflection, model, values, factors, scratch):
-    """(ax, ay, az [m/s2], geodetic altitude [m], part of the Sun in sight) of arcs in GCRF.
+    """Return ax, ay, az in GCRF [m/s2], geodetic altitude [m] and the part of the Sun in sight.
 
-    x to vz: position [m] and velocity [m/s]; ballistic: Cd A/m, reflection: Cr A/m [m2/kg];
-    values, factors: from `surroundings.look_up` at the same time; scratch: (SCRATCH_ROWS, WIDTH).
+    x to vz: position [m] and velocity [m/s] in GCRF
+    ballistic: Cd times area over mass [m2/kg]
+    reflection: Cr times area over mass [m2/kg]
+    model: the force model
+    values, factors: from `surroundings.look_up` at the same time
+    scratch: (SCRATCH_ROWS, WIDTH)
     """
     r = values[ROTATION : ROTATION + 9]
     r2 = x * x + y * y + z * z
@@ -27,7 +31,7 @@ def acceleration(x, y, z, vx, vy, vz, ballistic, reflection, model, values, fact
     py = r[3] * x + r[4] * y + r[5] * z
     pz = r[6] * x + r[7] * y + r[8] * z
     gx, gy, gz = gravity(
-        px, py, pz, r2, inverse_r, model.weights, model.columns, model.degree, model.gm, model.radius
+        px, py, pz, inverse_r, model.weights, model.columns, model.degree, model.gm, model.radius
     )
     central = -model.gm * inverse_r * inverse_r * inverse_r
     ax = central * x + (r[0] * gx + r[3] * gy + r[6] * gz)
@@ -48,7 +52,12 @@ def acceleration(x, y, z, vx, vy, vz, ballistic, reflection, model, values, fact
 
 @compiled
 def density(px, py, pz, inverse_r, model, values, factors, scratch):
-    """(geodetic altitude [m], density [kg/m3]) at ITRF positions [m], by the table or else by DTM2000."""
+    """Return geodetic altitude [m] and density [kg/m3], by the model's table, without one by DTM2000.
+
+    px, py, pz: position in ITRF [m]
+    inverse_r: inverse distance from the geocentre [1/m]
+    model, values, factors, scratch: as in `acceleration`
+    """
     altitude, sin_lat, cos_lat, sin_lon, cos_lon = geodetic(px, py, pz, inverse_r)
     if model.tabulated.shape[0] > 0:
         node, part, clock = int(values[CLOCK]), values[CLOCK + 1], values[CLOCK + 2]
@@ -57,7 +66,7 @@ def density(px, py, pz, inverse_r, model, values, factors, scratch):
         )
     sun_x, sun_y = values[SUN_ITRF], values[SUN_ITRF + 1]
     norm = (sun_x * sun_x + sun_y * sun_y) ** -0.5
-    # Local solar time, counted from midnight: opposite the Sun's meridian.
+    # Local solar time from midnight, the meridian opposite to the Sun's.
     cos_time = -norm * (sun_x * cos_lon + sun_y * sin_lon)
     sin_time = -norm * (sun_x * sin_lon - sun_y * cos_lon)
     a = model.thermosphere

@@ -1,4 +1,4 @@
-"""One block of arcs flown along a grid of times: the kernel under `ensemble`."""
+"""Flight of a block of arcs along a grid of times, the kernel below `opml.dynamics.ensemble`."""
 
 from typing import NamedTuple
 
@@ -9,36 +9,36 @@ from opml.dynamics.kernels.acceleration import SCRATCH_ROWS
 from opml.dynamics.kernels.dtm2000 import LOWEST_ALTITUDE
 from opml.dynamics.kernels.lanes import WIDTH, compiled, entry, lanes_set, load, rows, store
 from opml.dynamics.kernels.shadow_edges import RATES
-from opml.dynamics.kernels.surroundings import ForceModel, blank, look_up
+from opml.dynamics.kernels.surroundings import ForceModel, allocate, look_up
 
 REASONS = ("", "decayed below 120 km", "state not finite", "step below the minimum")
-"""Why an arc was retired, by its status; the first says that it was not."""
+"""Reasons for retiring an arc, by its status; the first one stands for an arc in flight."""
 
 _FLYING, _DECAYED, _NOT_FINITE, _STEP_TOO_SMALL = range(4)
 _FARTHEST = 1e12
-"""Distance [m] beyond which an arc's numbers are taken as lost."""
+"""Altitude [m] above which an arc's numbers count as lost."""
 
 
 class Workspace(NamedTuple):
-    """Room for what the kernels put down while they fly a block."""
+    """Memory for the intermediate results of a block's flight; rows have WIDTH lanes."""
 
     values: np.ndarray  # of the surroundings
-    factors: np.ndarray
-    scratch: np.ndarray
-    new: np.ndarray  # state at the end of a step
-    slopes: np.ndarray
-    height: np.ndarray  # altitude [m]
-    solo: np.ndarray  # the same for an arc that flies a step alone
-    solo_new: np.ndarray
-    solo_slopes: np.ndarray
-    solo_coefficients: np.ndarray
-    solo_result: np.ndarray  # altitude [m] and error ratio
-    passed: np.ndarray  # epochs that each lane has passed
+    factors: np.ndarray  # of DTM2000
+    scratch: np.ndarray  # (SCRATCH_ROWS, WIDTH)
+    new: np.ndarray  # (6, WIDTH) states at the end of a step
+    slopes: np.ndarray  # rates of a step's stages and of its end, RATES rows each
+    height: np.ndarray  # (1, WIDTH) altitudes [m]
+    solo: np.ndarray  # (6, WIDTH) state of an arc that repeats a step alone, in all lanes
+    solo_new: np.ndarray  # its state at the end of a step
+    solo_slopes: np.ndarray  # its rates
+    solo_coefficients: np.ndarray  # (2, WIDTH) its Cd A/m and Cr A/m [m2/kg]
+    solo_result: np.ndarray  # (2, WIDTH) its altitude [m] and error ratio
+    passed: np.ndarray  # (WIDTH,) number of states that each lane has put out
 
 
 def workspace(model: ForceModel) -> Workspace:
-    """Room for one block under a force model."""
-    values, factors = blank(model)
+    """Return the memory for one block under a force model."""
+    values, factors = allocate(model)
     slopes = RATES * (dop853.STAGES + 1)
     return Workspace(
         values=values,
@@ -60,13 +60,30 @@ def workspace(model: ForceModel) -> Workspace:
 def advance(
     model, times, wanted, state, coefficients, join, leave, offsets, out, status, tolerance, min_step, work
 ):
-    """Fly one block along the grid from its first lane's joining to its last one's leaving."""
+    """Fly the lanes of a block along the grid, each from where it joins to where it leaves.
+
+    model: the force model
+    times: (n,) of the grid [s], ascending or descending
+    wanted: (n,) whether to put out the states at each time
+    state: (6, WIDTH) GCRF [m, m/s], at the lanes' first times; takes those at their last times
+    coefficients: (2, WIDTH) Cd A/m and Cr A/m [m2/kg]
+    join: (WIDTH,) indices of the lanes' first times
+    leave: (WIDTH,) indices of the lanes' last times; a lane that leaves where it joins stays idle
+    offsets: (WIDTH,) first rows of the lanes in `out`
+    out: (total, 6) takes the states at the wanted times after the first, GCRF [m, m/s]
+    status: (WIDTH,) indices into REASONS, 0 at first; takes the reason of a retired lane
+    tolerance: error of a position component over a step [m]
+    min_step: shortest step of a lane that repeats a step alone [s]
+    work: memory for one block
+    """
     values, factors, scratch, new, slopes = work.values, work.factors, work.scratch, work.new, work.slopes
+    # The part of the grid on which any lane flies.
     begin, end = join[0], leave[0]
     for lane in range(WIDTH):
         begin, end = min(begin, join[lane]), max(end, leave[lane])
     for g in range(begin, end):
         t, h = times[g], times[g + 1] - times[g]
+        # Arrivals: the lanes that fly this step, as bits, and whether one of them joins here.
         active = 0
         joining = False
         for lane in range(WIDTH):
@@ -75,14 +92,16 @@ def advance(
                 joining |= join[lane] == g
         if active == 0:
             continue
+        # Refill: rates at the beginning, for lanes that join. Lanes in flight have theirs from the end of the
+        # last step, so the rates of all lanes go to rows that the step will overwrite, and are copied.
         if joining:
             look_up(t, model, values, factors)
-            # Through rows that the step will overwrite: the lanes in flight keep the slopes they have.
             dop853.derivative(state, 0, model, coefficients, values, factors, scratch, slopes, RATES)
             for lane in range(WIDTH):
                 if join[lane] == g:
                     for k in range(RATES):
                         slopes[k, lane] = slopes[RATES + k, lane]
+        # Step and error, of all lanes at once; those of idle and retired lanes are ignored.
         altitude = dop853.step(t, h, state, new, model, coefficients, values, factors, scratch, slopes)
         store(work.height, 0, altitude)
         ratio = dop853.error(h, new, slopes, tolerance, model.gm)
@@ -90,6 +109,8 @@ def advance(
         for lane in range(WIDTH):
             if not (active >> lane) & 1:
                 continue
+            # Retirement, for a lane whose error is too large also in smaller steps, or whose orbit is lost.
+            # `not ... <` is true of NaN, too.
             if not (good >> lane) & 1:
                 status[lane] = _repeat_in_smaller_steps(
                     lane, t, h, state, model, coefficients, tolerance, min_step, work
@@ -100,10 +121,12 @@ def advance(
                 status[lane] = _DECAYED
             if status[lane] != _FLYING:
                 continue
+            # The end of the step, with its rates, begins the next one.
             for k in range(6):
                 state[k, lane] = new[k, lane]
             for k in range(RATES):
                 slopes[k, lane] = slopes[RATES * dop853.STAGES + k, lane]
+            # Output.
             if wanted[g + 1]:
                 for k in range(6):
                     out[offsets[lane] + work.passed[lane], k] = state[k, lane]
@@ -112,29 +135,39 @@ def advance(
 
 @compiled
 def _repeat_in_smaller_steps(lane, t, h, state, model, coefficients, tolerance, min_step, work):
-    """Fly one arc over a grid step in steps of its own; its end replaces the lane in new and slopes.
+    """Repeat a step of the grid for one lane in smaller steps, and return the lane's status.
 
-    The arc fills all lanes of a block of its own. Returns the arc's status.
+    lane: index of the lane
+    t, h: beginning and length of the step [s]
+    state, coefficients: of all lanes, as in `advance`
+    model, tolerance, min_step, work: as in `advance`
+
+    The arc fills all lanes of a second block. State and rates at its end replace those of the lane in `work`.
     """
     values, factors, scratch = work.values, work.factors, work.scratch
-    solo, new, slopes, own = work.solo, work.solo_new, work.solo_slopes, work.solo_coefficients
+    solo, new, slopes, solo_body = work.solo, work.solo_new, work.solo_slopes, work.solo_coefficients
+    # The arc into all lanes.
     for other in range(WIDTH):
         for k in range(6):
             solo[k, other] = state[k, lane]
         for k in range(RATES):
             slopes[k, other] = work.slopes[k, lane]
-        own[0, other], own[1, other] = coefficients[0, lane], coefficients[1, lane]
+        solo_body[0, other], solo_body[1, other] = coefficients[0, lane], coefficients[1, lane]
     end = t + h
     trial = 0.5 * h
     while True:
+        # A step that reaches the end but for rounding ends there.
         last = abs(end - t) <= abs(trial) * (1.0 + 1e-9)
         if last:
             trial = end - t
-        altitude = dop853.step(t, trial, solo, new, model, own, values, factors, scratch, slopes)
+        altitude = dop853.step(t, trial, solo, new, model, solo_body, values, factors, scratch, slopes)
         store(work.solo_result, 0, altitude)
         store(work.solo_result, 1, dop853.error(trial, new, slopes, tolerance, model.gm))
         high, ratio = work.solo_result[0, 0], work.solo_result[1, 0]
+        # The step that would just do, less a margin, as a multiple of this one, from a fifth to five times; a
+        # fifth for NaN, which alone differs from itself.
         factor = min(max(0.9 * ratio ** (-1.0 / dop853.ORDER_OF_ERROR), 0.2), 5.0) if ratio == ratio else 0.2
+        # Again from the same time, in a shorter step.
         if not ratio < 1.0:
             trial *= factor
             if abs(trial) < min_step:
@@ -146,12 +179,14 @@ def _repeat_in_smaller_steps(lane, t, h, state, model, coefficients, tolerance, 
             return _DECAYED
         if last:
             break
+        # On to the next step, at most as long as the grid's and in its direction.
         t += trial
         trial = min(abs(trial) * factor, abs(h)) * (1.0 if h > 0.0 else -1.0)
         for k in range(6):
             store(solo, k, load(new, k))
         for k in range(RATES):
             store(slopes, k, load(slopes, RATES * dop853.STAGES + k))
+    # Back into the lane.
     for k in range(6):
         work.new[k, lane] = new[k, 0]
     for k in range(RATES):

@@ -1,7 +1,7 @@
-"""The coefficients of the Dormand-Prince 8(5,3) method.
+"""Coefficients of the Dormand-Prince 8(5,3) method.
 
-Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, 1993, sec. II.5 and II.10. They are the
-doubles of SciPy's `DOP853`, whose import takes a job as long as that of numpy and pandas together.
+Source: Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, 1993, sec. II.5 and II.10; the
+same doubles as in SciPy's `DOP853`, whose import takes as long as that of numpy and pandas together.
 """
 
 import numpy as np
@@ -24,10 +24,10 @@ NODES = np.array(
         1.0,
     ]
 )
-"""When each stage is, as a share of the step (STAGES,)."""
+"""Times of the stages, as shares of the step (STAGES,)."""
 
 INNER = np.zeros((STAGES, STAGES))
-"""How much of each earlier stage's derivatives leads to a stage (STAGES, STAGES), row by row."""
+"""Weights of the earlier stages' derivatives in each stage (STAGES, STAGES), row by row."""
 INNER[1, :1] = [0.05260015195876773]
 INNER[2, :2] = [0.0197250569845379, 0.0591751709536137]
 INNER[3, :3] = [0.02958758547680685, 0.0, 0.08876275643042054]
@@ -106,7 +106,7 @@ OUTER = np.array(
         0.04471061572777259,
     ]
 )
-"""How much of each stage's derivatives leads to the end of the step (STAGES,)."""
+"""Weights of the stages' derivatives in the end of the step (STAGES,)."""
 
 ERROR_3 = np.array(
     [
@@ -125,7 +125,7 @@ ERROR_3 = np.array(
         0.0,
     ]
 )
-"""The same of the estimated error of third order, the end's derivatives last (STAGES + 1,)."""
+"""Weights in the estimated error of third order, the derivatives at the end last (STAGES + 1,)."""
 
 ERROR_5 = np.array(
     [
@@ -144,4 +144,4 @@ ERROR_5 = np.array(
         0.0,
     ]
 )
-"""The same of the estimated error of fifth order (STAGES + 1,)."""
+"""Weights in the estimated error of fifth order, the derivatives at the end last (STAGES + 1,)."""

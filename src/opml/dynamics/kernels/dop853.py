@@ -1,7 +1,7 @@
-"""One step of the Dormand-Prince 8(5,3) method for a block of arcs.
+"""A step of the Dormand-Prince 8(5,3) method for a block of arcs.
 
-Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, 1993, sec. II.5 and II.10. A block's
-rates are rows of one array, seven per stage.
+Source: Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, 1993, sec. II.5 and II.10. A
+block's rates are rows of one array, `slopes`, seven per stage.
 """
 
 from opml.dynamics.kernels.acceleration import acceleration
@@ -11,35 +11,51 @@ from opml.dynamics.kernels.shadow_edges import LIT, RATES, count_light
 from opml.dynamics.kernels.surroundings import look_up
 
 ORDER_OF_ERROR = 8.0
-"""A step h errs in proportion to h**8, by the method's own estimate."""
+"""Power of the step's length to which the estimated error is proportional."""
 
 
 @compiled
-def derivative(state, row, model, coefficients, values, factors, scratch, slopes, at):
-    """Write the rates of state rows row..row+5 to rows at..at+6 of slopes; returns the altitude [m]."""
+def derivative(state, row, model, coefficients, values, factors, scratch, slopes, target):
+    """Write the rates of states to slopes, and return the geodetic altitude [m].
+
+    state, row: rows row to row + 5 are position [m] and velocity [m/s] in GCRF
+    model: the force model
+    coefficients: (2, WIDTH) Cd A/m and Cr A/m [m2/kg]
+    values, factors: surroundings at the time of the states
+    scratch: (SCRATCH_ROWS, WIDTH)
+    slopes, target: rows target to target + 6 take velocity, acceleration and illumination
+    """
     x, y, z = load(state, row), load(state, row + 1), load(state, row + 2)
     vx, vy, vz = load(state, row + 3), load(state, row + 4), load(state, row + 5)
     ballistic, reflection = load(coefficients, 0), load(coefficients, 1)
     ax, ay, az, altitude, lit = acceleration(
         x, y, z, vx, vy, vz, ballistic, reflection, model, values, factors, scratch
     )
-    store(slopes, at, vx)
-    store(slopes, at + 1, vy)
-    store(slopes, at + 2, vz)
-    store(slopes, at + 3, ax)
-    store(slopes, at + 4, ay)
-    store(slopes, at + 5, az)
-    store(slopes, at + LIT, lit)
+    store(slopes, target, vx)
+    store(slopes, target + 1, vy)
+    store(slopes, target + 2, vz)
+    store(slopes, target + 3, ax)
+    store(slopes, target + 4, ay)
+    store(slopes, target + 5, az)
+    store(slopes, target + LIT, lit)
     return altitude
 
 
 @compiled
 def step(t, h, state, new, model, coefficients, values, factors, scratch, slopes):
-    """Advance `state` (6, WIDTH) by h [s] into `new`; returns the altitude [m] at its end.
+    """Advance states from t to t + h, and return the geodetic altitude [m] at the end.
 
-    slopes: (91, WIDTH), the first seven rows holding the rates at t; the last seven will hold those at
-    t + h, and `values` and `factors` the surroundings there.
+    t, h: beginning and length of the step [s]
+    state: (6, WIDTH) at the beginning, GCRF [m, m/s]
+    new: (6, WIDTH) takes the states at the end
+    model: the force model
+    coefficients: (2, WIDTH) Cd A/m and Cr A/m [m2/kg]
+    values, factors: take the surroundings at the end
+    scratch: (SCRATCH_ROWS, WIDTH)
+    slopes: (91, WIDTH), rates of the stages; the first seven rows hold those at the beginning, the last seven
+        take those at the end
     """
+    # Each inner stage: a state from the rates so far, the surroundings at its time, its rates.
     for stage in range(1, STAGES):
         for k in range(6):
             total = splat(0.0)
@@ -49,6 +65,7 @@ def step(t, h, state, new, model, coefficients, values, factors, scratch, slopes
             store(new, k, load(state, k) + h * total)
         look_up(t + NODES[stage] * h, model, values, factors)
         derivative(new, 0, model, coefficients, values, factors, scratch, slopes, RATES * stage)
+    # The end of the step from the rates of all stages, then the light at edges of the shadow.
     for k in range(6):
         total = splat(0.0)
         for j in range(STAGES):
@@ -56,21 +73,28 @@ def step(t, h, state, new, model, coefficients, values, factors, scratch, slopes
                 total = total + OUTER[j] * load(slopes, RATES * j + k)
         store(new, k, load(state, k) + h * total)
     count_light(t, h, state, new, model, coefficients, values, slopes, scratch)
-    # The last stage stands at t + h already, so the surroundings there are at hand.
+    # The last stage was at t + h, so the surroundings are those of the end already.
     return derivative(new, 0, model, coefficients, values, factors, scratch, slopes, RATES * STAGES)
 
 
 @compiled
 def error(h, new, slopes, tolerance, gm):
-    """Estimated error of a step over its tolerance: at most 1 where the step is good.
+    """Return the estimated error of a step relative to its tolerance; below 1 the step is good.
 
-    tolerance: of each position component [m]; that of the velocity follows from a circular orbit's
-    energy, dv = GM dr / (v r^2) (paper, sec. 'Building the SVM model'; Orekit's rule).
+    h: length of the step [s]
+    new: (6, WIDTH) states at the end, GCRF [m, m/s]
+    slopes: rates of the stages and of the end
+    tolerance: of each position component [m]
+    gm: the Earth's [m3/s2]
+
+    The tolerance of the velocity follows from the energy of a circular orbit, dv = GM dr / (v r^2) (paper,
+    sec. 'Building the SVM model'; Orekit's rule).
     """
     x, y, z = load(new, 0), load(new, 1), load(new, 2)
     vx, vy, vz = load(new, 3), load(new, 4), load(new, 5)
     r2 = x * x + y * y + z * z
     speed_tolerance = (tolerance * gm) / (r2 * sqrt(vx * vx + vy * vy + vz * vz))
+    # Squared sums over the six components, each in units of its tolerance.
     fifth, third = splat(0.0), splat(0.0)
     for k in range(6):
         e5, e3 = splat(0.0), splat(0.0)
@@ -84,5 +108,5 @@ def error(h, new, slopes, tolerance, gm):
             e5, e3 = e5 / speed_tolerance, e3 / speed_tolerance
         fifth = fifth + e5 * e5
         third = third + e3 * e3
-    # Both estimates vanish together only where there is no motion to speak of.
+    # The method's blend of both estimates; 1e-300 keeps it finite where both are 0.
     return absolute(h * fifth / sqrt(6.0 * (fifth + 0.01 * third) + 1e-300))

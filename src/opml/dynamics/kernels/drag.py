@@ -1,14 +1,16 @@
-"""Drag against an atmosphere that turns with the Earth."""
+"""Acceleration by drag in an atmosphere that turns with the Earth."""
 
 from opml.dynamics.kernels.lanes import compiled, sqrt
 
 
 @compiled
 def drag(x, y, z, vx, vy, vz, rotation, density, ballistic):
-    """Acceleration [m/s2] of a sphere, in the frame of the state (GCRF).
+    """Return the acceleration [m/s2] of a sphere by drag, in the frame of the state (GCRF).
 
-    x to vz: position [m] and velocity [m/s]; rotation: the Earth's rotation vector [rad/s];
-    density [kg/m3]; ballistic: Cd times area over mass [m2/kg] (Vallado 2013, sec. 8.6.2).
+    x to vz: position [m] and velocity [m/s]
+    rotation: the Earth's rotation vector [rad/s]
+    density: [kg/m3]
+    ballistic: Cd times area over mass [m2/kg] (Vallado 2013, sec. 8.6.2)
     """
     wx, wy, wz = rotation
     ux = vx - (wy * z - wz * y)

@@ -1,11 +1,9 @@
 """Density of the thermosphere by DTM2000 (Bruinsma, Thuillier & Barlier 2003, JASTP 65, 1053-1070).
 
-For each of nine quantities (exospheric temperature, temperature and its gradient at 120 km, six
-constituents) the model is a sum over spherical harmonics of latitude, longitude and local time
-whose factors depend on the date and the activity. Those factors are the same for every arc, so
-`reduce_to_date` folds the date and the activity in once, and the kernel only sums over the position.
-
-There the nine quantities lie side by side in one row of lanes, where the kernels have arcs.
+For each of nine quantities (exospheric temperature, temperature and its gradient at 120 km, six constituents)
+the model is a sum over spherical harmonics of latitude, longitude and local time. Their factors depend on
+date and activity, and are the same for every arc. So `reduce_to_date` computes them once, with the nine
+quantities in the lanes of a row, and the kernel sums over the position alone.
 """
 
 import math
@@ -16,20 +14,25 @@ import numpy as np
 from opml.dynamics.kernels.lanes import WIDTH, compiled, exp, load, log, rows, select, splat, store
 
 QUANTITIES = ("tt", "t0", "tp", "h", "he", "o", "n2", "o2", "n")
+"""Names of the nine quantities in the file of coefficients."""
+
 FLUX_COUPLED = rows(1)
-"""A row with 1 where the solar flux also scales the periodic terms."""
+"""A row with 1 for each quantity whose periodic terms the solar flux scales, too."""
 FLUX_COUPLED[0, : len(QUANTITIES)] = 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0
 
 LATITUDE_TERMS = 9
-"""P10 to P60 with a constant before them, and P20 and P40 about the magnetic pole."""
+"""Number of terms of the latitude: a constant, P10 to P60, and P20 and P40 about the magnetic pole."""
+
 TESSERAL_TERMS = 30
+"""Number of terms of the local time and the longitude."""
+
 _STEADY = 5  # after the terms of the flux
 _ANNUAL = _STEADY + LATITUDE_TERMS
 _DIURNAL = _ANNUAL + LATITUDE_TERMS
 _SEMIDIURNAL = _DIURNAL + 8
 _TERDIURNAL = _SEMIDIURNAL + 10
 FACTORS = _DIURNAL + TESSERAL_TERMS
-"""Rows of factors, and where each kind of term begins among them."""
+"""Number of rows of factors; the names above are the first rows of each kind of term."""
 
 LOWEST_ALTITUDE = 120e3
 """The model's lower boundary [m]."""
@@ -47,7 +50,7 @@ _DIFFUSION = (-0.40, -0.38, 0.0, 0.0, 0.0, 0.0)
 
 
 def coefficients() -> np.ndarray:
-    """The model's coefficients (97, WIDTH), rows counted from 1 as in the paper, columns as QUANTITIES."""
+    """Return the model's coefficients (97, WIDTH): rows from 1 as in the paper, columns as QUANTITIES."""
     text = resources.files("opml.data").joinpath("dtm2000.csv").read_text()
     lines = [line for line in text.splitlines() if line and not line.startswith("#")]
     names = lines[0].split(",")
@@ -59,11 +62,13 @@ def coefficients() -> np.ndarray:
 
 
 def seasons(a: np.ndarray, days_of_year: np.ndarray) -> np.ndarray:
-    """What depends on the day alone, for each day and quantity: (days, SEASONAL_TERMS, WIDTH).
+    """Return the factors that depend on the day alone, for each day and quantity: (days, 5, WIDTH).
 
-    Annual and semi-annual cosines of the even and of the odd terms, and the sign of the terms that
+    a: from `coefficients`
+    days_of_year: (days,) from 1
+
+    They are annual and semi-annual cosines of the even and of the odd terms, and the sign of the terms that
     change with the hemisphere's season, which only the temperature profile at 120 km has.
-    a: from `coefficients`.
     """
     days = np.asarray(days_of_year, float)[:, None]
     cosines = [
@@ -78,7 +83,7 @@ def seasons(a: np.ndarray, days_of_year: np.ndarray) -> np.ndarray:
 
 
 def _season(day):
-    """1 in northern summer, -1 in winter, and a straight line of time between them."""
+    """Return 1 in northern summer, -1 in winter, and a linear change between them."""
     if 99 < day < 244:
         return 1.0
     if day < 59 or day > 284:
@@ -88,9 +93,13 @@ def _season(day):
 
 @compiled
 def reduce_to_date(a, season, f107, f107_mean, kp_3h, kp_24h, factors):
-    """Fold the date and the activity into the factors of the position: fills `factors` (FACTORS, WIDTH).
+    """Compute the factors of the position's terms from the date and the activity.
 
-    a: from `coefficients`; season: that of the day from `seasons`; f107, f107_mean [sfu]; kp_3h, kp_24h.
+    a: from `coefficients`
+    season: (5, WIDTH) of the day, from `seasons`
+    f107, f107_mean: flux and its mean [sfu]
+    kp_3h, kp_24h: Kp of 3 hours and its mean of 24 hours
+    factors: (FACTORS, WIDTH) takes the factors
     """
     flux = _flux(a, f107 - f107_mean, f107_mean - 150.0)
     coupled = load(FLUX_COUPLED, 0)
@@ -106,7 +115,11 @@ def reduce_to_date(a, season, f107, f107_mean, kp_3h, kp_24h, factors):
 
 @compiled
 def _flux(a, df, dm):
-    """Terms of the solar flux, on the constant and P10 to P40. df: of the day, dm: its mean [sfu]."""
+    """Return the factors of the constant and P10 to P40 by the solar flux.
+
+    df: flux minus its mean [sfu]
+    dm: mean flux minus 150 sfu [sfu]
+    """
     return (
         load(a, 4) * df + load(a, 5) * df * df + load(a, 6) * dm + load(a, 69) * dm * dm,
         load(a, 82) * df,
@@ -117,84 +130,94 @@ def _flux(a, df, dm):
 
 
 @compiled
-def _fold_steady(a, flux, sign, kp, km, factors, at):
-    """Terms without a period: latitude, flux and geomagnetic activity."""
+def _fold_steady(a, flux, sign, kp, km, factors, first):
+    """Store the factors without a period, by latitude, flux and geomagnetic activity, from row `first` on."""
     activity = (
         (load(a, 7) * kp + load(a, 60) * kp**2 + load(a, 75) * kp**4)
         + load(a, 64) * km
         + load(a, 66) * km**2
         + load(a, 76) * km**4
     )
-    store(factors, at, flux[0] + activity)
-    store(factors, at + 1, flux[1] + sign * load(a, 74))
-    store(factors, at + 2, flux[2] + load(a, 2))
-    store(factors, at + 3, flux[3] + sign * load(a, 77))
-    store(factors, at + 4, flux[4] + load(a, 3))
-    store(factors, at + 5, sign * load(a, 78))
-    store(factors, at + 6, load(a, 79))
-    store(factors, at + 7, load(a, 8) * kp + load(a, 61) * kp**2 + load(a, 65) * km + load(a, 73) * km**2)
-    store(factors, at + 8, load(a, 68) * kp + load(a, 72) * km)
+    store(factors, first, flux[0] + activity)
+    store(factors, first + 1, flux[1] + sign * load(a, 74))
+    store(factors, first + 2, flux[2] + load(a, 2))
+    store(factors, first + 3, flux[3] + sign * load(a, 77))
+    store(factors, first + 4, flux[4] + load(a, 3))
+    store(factors, first + 5, sign * load(a, 78))
+    store(factors, first + 6, load(a, 79))
+    store(factors, first + 7, load(a, 8) * kp + load(a, 61) * kp**2 + load(a, 65) * km + load(a, 73) * km**2)
+    store(factors, first + 8, load(a, 68) * kp + load(a, 72) * km)
 
 
 @compiled
-def _fold_annual(a, season, kp, factors, at):
-    """Annual and semi-annual terms."""
+def _fold_annual(a, season, kp, factors, first):
+    """Store the annual and semi-annual factors from row `first` on."""
     even, even2, odd, odd2 = load(season, 0), load(season, 1), load(season, 2), load(season, 3)
-    store(factors, at, load(a, 9) * even + load(a, 12) * even2)
-    store(factors, at + 1, load(a, 15) * odd + load(a, 19) * odd2 + load(a, 40) * odd * kp)
-    store(factors, at + 2, load(a, 10) * even + load(a, 13) * even2)
-    store(factors, at + 3, load(a, 16) * odd + load(a, 39) * odd2 + load(a, 41) * odd * kp)
-    store(factors, at + 4, splat(0.0))
-    store(factors, at + 5, load(a, 17) * odd + load(a, 59) * odd2 + load(a, 42) * odd * kp)
-    store(factors, at + 6, splat(0.0))
-    store(factors, at + 7, splat(0.0))
-    store(factors, at + 8, splat(0.0))
+    store(factors, first, load(a, 9) * even + load(a, 12) * even2)
+    store(factors, first + 1, load(a, 15) * odd + load(a, 19) * odd2 + load(a, 40) * odd * kp)
+    store(factors, first + 2, load(a, 10) * even + load(a, 13) * even2)
+    store(factors, first + 3, load(a, 16) * odd + load(a, 39) * odd2 + load(a, 41) * odd * kp)
+    store(factors, first + 4, splat(0.0))
+    store(factors, first + 5, load(a, 17) * odd + load(a, 59) * odd2 + load(a, 42) * odd * kp)
+    store(factors, first + 6, splat(0.0))
+    store(factors, first + 7, splat(0.0))
+    store(factors, first + 8, splat(0.0))
 
 
 @compiled
-def _fold_diurnal(a, odd, kp, factors, at):
-    """Cosine, then sine of the local time, on P11, P31, P51, P21."""
-    store(factors, at, load(a, 21) + load(a, 24) * odd + load(a, 43) * kp)
-    store(factors, at + 1, load(a, 22) + load(a, 44) * kp)
-    store(factors, at + 2, load(a, 23) + load(a, 45) * kp)
-    store(factors, at + 3, load(a, 25) * odd)
-    store(factors, at + 4, load(a, 26) + load(a, 29) * odd + load(a, 46) * kp)
-    store(factors, at + 5, load(a, 27) + load(a, 47) * kp)
-    store(factors, at + 6, load(a, 28) + load(a, 48) * kp)
-    store(factors, at + 7, load(a, 30) * odd)
+def _fold_diurnal(a, odd, kp, factors, first):
+    """Store the factors of cosine, then sine of the local time on P11, P31, P51, P21 from row `first` on."""
+    store(factors, first, load(a, 21) + load(a, 24) * odd + load(a, 43) * kp)
+    store(factors, first + 1, load(a, 22) + load(a, 44) * kp)
+    store(factors, first + 2, load(a, 23) + load(a, 45) * kp)
+    store(factors, first + 3, load(a, 25) * odd)
+    store(factors, first + 4, load(a, 26) + load(a, 29) * odd + load(a, 46) * kp)
+    store(factors, first + 5, load(a, 27) + load(a, 47) * kp)
+    store(factors, first + 6, load(a, 28) + load(a, 48) * kp)
+    store(factors, first + 7, load(a, 30) * odd)
 
 
 @compiled
-def _fold_semidiurnal(a, odd, sign, factors, at):
-    """Cosine, then sine of twice the local time, on P22, P42, P32, P52, P62."""
-    store(factors, at, load(a, 31))
-    store(factors, at + 1, load(a, 37))
-    store(factors, at + 2, load(a, 32) * odd + sign * load(a, 88))
-    store(factors, at + 3, sign * load(a, 90))
-    store(factors, at + 4, load(a, 92))
-    store(factors, at + 5, load(a, 33))
-    store(factors, at + 6, load(a, 38))
-    store(factors, at + 7, load(a, 34) * odd + sign * load(a, 89))
-    store(factors, at + 8, sign * load(a, 91))
-    store(factors, at + 9, load(a, 93))
+def _fold_semidiurnal(a, odd, sign, factors, first):
+    """Store the factors of cosine, then sine of twice the local time, from row `first` on.
+
+    They belong to P22, P42, P32, P52, P62.
+    """
+    store(factors, first, load(a, 31))
+    store(factors, first + 1, load(a, 37))
+    store(factors, first + 2, load(a, 32) * odd + sign * load(a, 88))
+    store(factors, first + 3, sign * load(a, 90))
+    store(factors, first + 4, load(a, 92))
+    store(factors, first + 5, load(a, 33))
+    store(factors, first + 6, load(a, 38))
+    store(factors, first + 7, load(a, 34) * odd + sign * load(a, 89))
+    store(factors, first + 8, sign * load(a, 91))
+    store(factors, first + 9, load(a, 93))
 
 
 @compiled
-def _fold_terdiurnal_and_longitude(a, factors, at):
-    """Cosine and sine of three times the local time on P33, then longitude on P11, P21, P31, P41, P51."""
-    store(factors, at, load(a, 35))
-    store(factors, at + 1, load(a, 36))
+def _fold_terdiurnal_and_longitude(a, factors, first):
+    """Store the factors of three times the local time, then of the longitude, from row `first` on.
+
+    The first two belong to P33, the others to P11, P21, P31, P41, P51 with cosine, then sine.
+    """
+    store(factors, first, load(a, 35))
+    store(factors, first + 1, load(a, 36))
     for n in range(10):
-        store(factors, at + 2 + n, load(a, 49 + n))
+        store(factors, first + 2 + n, load(a, 49 + n))
 
 
 @compiled
 def density(altitude, sin_lat, cos_lat, sin_lon, cos_lon, sin_time, cos_time, a, factors, basis):
-    """Density [kg/m3] above 120 km; below, what it is there.
+    """Return the density [kg/m3]; below 120 km that at 120 km.
 
-    altitude: geodetic [m]; latitude: geodetic, longitude: east, and local solar time as an angle
-    (0 at midnight), each by its sine and cosine; a: coefficients; factors: from `reduce_to_date`;
-    basis: scratch rows.
+    altitude: geodetic [m]
+    sin_lat, cos_lat: of the geodetic latitude
+    sin_lon, cos_lon: of the longitude, eastwards
+    sin_time, cos_time: of the local solar time as an angle, 0 at midnight
+    a: from `coefficients`
+    factors: from `reduce_to_date`
+    basis: LATITUDE_TERMS + TESSERAL_TERMS rows of scratch lanes
     """
     _fill_basis(sin_lat, cos_lat, sin_lon, cos_lon, sin_time, cos_time, basis)
     g0, g1, g2, g3, g4, g5, g6, g7, g8 = _sum_terms(factors, basis)
@@ -220,21 +243,21 @@ def density(altitude, sin_lat, cos_lat, sin_lon, cos_lon, sin_time, cos_time, a,
 
 @compiled
 def _constituent(k, at_base, g, gamma, cooling, height):
-    """Mass density [g/cm3] of one constituent, in diffusive equilibrium above 120 km."""
+    """Return the mass density [g/cm3] of constituent `k`, in diffusive equilibrium above 120 km."""
     gamma = _WEIGHT[k] * gamma
     return (_MASS[k] * at_base) * exp(g + (1.0 + _DIFFUSION[k] + gamma) * cooling - height * gamma)
 
 
 @compiled
 def _fill_basis(c, s, sin_lon, cos_lon, sh, ch, basis):
-    """Latitude terms, then tesseral terms, row by row. c, s: sine and cosine of the latitude."""
+    """Store latitude terms, then tesseral terms, row by row; c, s: sine and cosine of the latitude."""
     _fill_zonal(c, s, sin_lon, cos_lon, basis)
     _fill_tesseral(c, s, sin_lon, cos_lon, sh, ch, basis, LATITUDE_TERMS)
 
 
 @compiled
 def _fill_zonal(c, s, sin_lon, cos_lon, basis):
-    """The constant, P10 to P60, and P20 and P40 about the magnetic pole."""
+    """Store the constant, P10 to P60, and P20 and P40 about the magnetic pole."""
     c2 = c * c
     c4 = c2 * c2
     p40 = 4.375 * c4 - 3.75 * c2 + 0.375
@@ -254,8 +277,8 @@ def _fill_zonal(c, s, sin_lon, cos_lon, basis):
 
 
 @compiled
-def _fill_tesseral(c, s, sin_lon, cos_lon, sh, ch, basis, at):
-    """Terms of the local time, once, twice and three times, and of the longitude."""
+def _fill_tesseral(c, s, sin_lon, cos_lon, sh, ch, basis, first):
+    """Store the terms of the local time, once, twice and three times, and of the longitude."""
     c2, s2 = c * c, s * s
     c4 = c2 * c2
     p21 = 3.0 * c * s
@@ -270,33 +293,33 @@ def _fill_tesseral(c, s, sin_lon, cos_lon, sh, ch, basis, at):
     p33 = 15.0 * s * s2
     c2h, s2h = ch * ch - sh * sh, 2.0 * ch * sh
     c3h, s3h = c2h * ch - s2h * sh, s2h * ch + c2h * sh
-    _store_four(s, p31, p51, p21, ch, basis, at)
-    _store_four(s, p31, p51, p21, sh, basis, at + 4)
-    _store_five(p22, p42, p32, p52, p62, c2h, basis, at + 8)
-    _store_five(p22, p42, p32, p52, p62, s2h, basis, at + 13)
-    store(basis, at + 18, p33 * c3h)
-    store(basis, at + 19, p33 * s3h)
-    _store_five(s, p21, p31, p41, p51, cos_lon, basis, at + 20)
-    _store_five(s, p21, p31, p41, p51, sin_lon, basis, at + 25)
+    _store_four(s, p31, p51, p21, ch, basis, first)
+    _store_four(s, p31, p51, p21, sh, basis, first + 4)
+    _store_five(p22, p42, p32, p52, p62, c2h, basis, first + 8)
+    _store_five(p22, p42, p32, p52, p62, s2h, basis, first + 13)
+    store(basis, first + 18, p33 * c3h)
+    store(basis, first + 19, p33 * s3h)
+    _store_five(s, p21, p31, p41, p51, cos_lon, basis, first + 20)
+    _store_five(s, p21, p31, p41, p51, sin_lon, basis, first + 25)
 
 
 @compiled
-def _store_four(p, q, r, s, factor, basis, at):
-    store(basis, at, p * factor)
-    store(basis, at + 1, q * factor)
-    store(basis, at + 2, r * factor)
-    store(basis, at + 3, s * factor)
+def _store_four(p, q, r, s, factor, basis, first):
+    store(basis, first, p * factor)
+    store(basis, first + 1, q * factor)
+    store(basis, first + 2, r * factor)
+    store(basis, first + 3, s * factor)
 
 
 @compiled
-def _store_five(p, q, r, s, t, factor, basis, at):
-    _store_four(p, q, r, s, factor, basis, at)
-    store(basis, at + 4, t * factor)
+def _store_five(p, q, r, s, t, factor, basis, first):
+    _store_four(p, q, r, s, factor, basis, first)
+    store(basis, first + 4, t * factor)
 
 
 @compiled
 def _sum(factors, row, count, basis):
-    """Sums of the nine quantities at once, over the first `count` rows of the basis."""
+    """Return the sums of the nine quantities over the first `count` rows of the basis."""
     s0, s1, s2 = splat(0.0), splat(0.0), splat(0.0)
     s3, s4, s5 = splat(0.0), splat(0.0), splat(0.0)
     s6, s7, s8 = splat(0.0), splat(0.0), splat(0.0)
@@ -316,7 +339,7 @@ def _sum(factors, row, count, basis):
 
 @compiled
 def _sum_terms(factors, basis):
-    """The nine quantities: constant terms plus periodic ones scaled by the flux."""
+    """Return the nine quantities: constant terms plus periodic terms scaled by the flux."""
     f = _sum(factors, 0, _STEADY, basis)
     c = _sum(factors, _STEADY, LATITUDE_TERMS, basis)
     p = _sum(factors, _ANNUAL, LATITUDE_TERMS + TESSERAL_TERMS, basis)

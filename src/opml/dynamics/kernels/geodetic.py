@@ -1,4 +1,4 @@
-"""Geodetic altitude and directions of arcs over the WGS84 ellipsoid, without trigonometry."""
+"""Geodetic altitude, latitude and longitude on the WGS84 ellipsoid, without trigonometry."""
 
 from opml.base.constants import WGS84_A, WGS84_F
 from opml.dynamics.kernels.lanes import compiled, select, splat, sqrt
@@ -7,14 +7,17 @@ _B = WGS84_A * (1.0 - WGS84_F)
 _E2 = WGS84_F * (2.0 - WGS84_F)
 _EP2 = _E2 / (1.0 - _E2)
 _ON_AXIS = 1e-3
-"""Distance from the axis [m] below which the longitude is taken as that of the x axis."""
+"""Distance from the polar axis [m] below which the longitude counts as 0."""
 
 
 @compiled
 def geodetic(x, y, z, inverse_r):
-    """(altitude [m], sin latitude, cos latitude, sin longitude, cos longitude) of ITRF positions [m].
+    """Return altitude [m], sine and cosine of the latitude, sine and cosine of the longitude.
 
-    Bowring's parametric latitude with his better start, once: good to a tenth of a micrometre in
+    x, y, z: position in ITRF [m]
+    inverse_r: inverse distance from the geocentre [1/m]
+
+    One iteration of Bowring's parametric latitude with his better start is good to a tenth of a micrometre in
     altitude for every orbit around the Earth (Bowring 1985, Survey Review 28, 202-206).
     """
     p = sqrt(x * x + y * y)

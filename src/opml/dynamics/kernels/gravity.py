@@ -1,9 +1,9 @@
-"""Acceleration of the Earth's gravity field beyond its central term.
+"""Acceleration by the harmonics of the Earth's gravity field, without the central term.
 
-Every component of the acceleration is a linear function of the solid harmonics one degree higher
-(Cunningham 1970; Montenbruck & Gill, Satellite Orbits, 2000, sec. 3.2.5). Its factors do not depend
-on the position, so they are worked out once, for fully normalised harmonics, and the kernel sums
-order by order: one recursion in the degree and six sums in registers.
+Each component of the acceleration is a linear function of the solid harmonics one degree higher (Cunningham
+1970; Montenbruck & Gill, Satellite Orbits, 2000, sec. 3.2.5). The factors do not depend on the position, so
+they are computed once, for fully normalised harmonics. The kernel sums order by order: one recursion in the
+degree and six sums in registers.
 """
 
 import math
@@ -14,13 +14,13 @@ from opml.dynamics.kernels.lanes import compiled, splat
 
 
 def weights(c: np.ndarray, s: np.ndarray) -> np.ndarray:
-    """Factors of the solid harmonics in the acceleration, order by order.
+    """Return the factors of the solid harmonics in the acceleration, order by order.
 
-    c, s: fully normalised coefficients (degree + 1, order + 1); c[0, 0] is left out, the central term
-    being added elsewhere. Returns the rows (terms, 7): the factor of the recursion towards the next
-    degree, then those of the x, y and z sums for cosine and sine harmonics, all per GM / radius^2.
-    The kernel's harmonics are free of norms, each with 1 as the factor of its highest power of z, which
-    saves multiplications; so a harmonic's norm stands in its factors.
+    c, s: (degree + 1, order + 1) fully normalised coefficients; c[0, 0], the central term, is ignored
+
+    The rows (terms, 7) hold the factor of the recursion to the next degree, then those of the x, y and z sums
+    for cosine and sine harmonics, all per GM / radius^2. The kernel's harmonics have no norms, with 1 as the
+    factor of the highest power of z, which saves multiplications; so the factors include the norms.
     """
     degree, order = c.shape[0] - 1, c.shape[1] - 1
     c = c.copy()
@@ -37,12 +37,12 @@ def weights(c: np.ndarray, s: np.ndarray) -> np.ndarray:
 
 
 def _recursion(n, m):
-    """Factor of harmonic (n - 1, m) in (n + 1, m), that of (n, m) being 1 (Montenbruck & Gill 3.30)."""
+    """Return the factor of harmonic (n - 1, m) in (n + 1, m); (n, m) has 1 (Montenbruck & Gill 3.30)."""
     return (n - m) * (n + m) / ((2 * n + 1) * (2 * n - 1))
 
 
 def _sums(c, s, n, m):
-    """Factors of harmonic (n, m) in the six sums (Montenbruck & Gill 3.33, normalised)."""
+    """Return the factors of harmonic (n, m) in the six sums (Montenbruck & Gill 3.33, normalised)."""
 
     def coefficient(part, order):
         inside = 0 <= order < c.shape[1] and order <= n - 1 and n - 1 < c.shape[0]
@@ -67,16 +67,20 @@ def _sums(c, s, n, m):
 
 
 @compiled
-def gravity(x, y, z, r2, inverse_r, weights, columns, degree, gm, radius):
-    """Acceleration [m/s2] without the central term, in the frame of the field (ITRF).
+def gravity(x, y, z, inverse_r, weights, columns, degree, gm, radius):
+    """Return the acceleration [m/s2] without the central term, in the frame of the field (ITRF).
 
-    x, y, z: position [m]; r2, inverse_r: its square and inverse length; weights: from `weights`;
-    columns, degree: how many orders it holds, and the highest degree of a harmonic in it.
+    x, y, z: position [m]
+    inverse_r: inverse distance from the geocentre [1/m]
+    weights: from `weights`
+    columns: number of orders in the weights
+    degree: highest degree of a harmonic in the weights
+    gm, radius: of the field [m3/s2, m]
     """
     scale = radius * inverse_r * inverse_r
     xs, ys, zs = x * scale, y * scale, z * scale
     q = radius * scale
-    # The sectoral harmonic (m, m), from which the recursion in the degree starts.
+    # The sectoral harmonic (m, m), the start of the recursion in the degree.
     cosine = radius * inverse_r
     sine = splat(0.0)
     ax, ay, az = splat(0.0), splat(0.0), splat(0.0)

@@ -1,9 +1,9 @@
-"""A short vector of doubles, one arc in each, as a value that compiled kernels compute with.
+"""Lanes: vectors of doubles, one arc in each, as a type of values in compiled kernels.
 
-Numba's loop vectoriser gives up on the many arrays of a force model, so the kernels here say what is
-vector and what is not: a `lanes` value maps to one LLVM vector of `WIDTH` doubles, and the formulas
-of the force modules read as they would for a single arc. Every lane sees the same sequence of
-operations, so a lane's result depends neither on its place nor on its neighbours.
+Numba's loop vectoriser gives up on the many arrays of a force model. So the kernels declare their vectors: a
+`lanes` value is one LLVM vector of `WIDTH` doubles, and the formulas of the force modules read as for a
+single arc. All lanes go through the same operations, so a lane's result depends neither on its place nor on
+its neighbours.
 """
 
 import operator
@@ -23,7 +23,7 @@ WIDTH = LANES
 """Lanes in one vector."""
 
 FLAGS = ("contract", "nsz")
-"""What the compiler may do to a formula: fuse multiply and add, and ignore the sign of zero."""
+"""Freedoms of the compiler with a formula: to fuse multiply and add, and to ignore the sign of zero."""
 
 OPTIONS: dict[str, Any] = {
     "error_model": "numpy",
@@ -32,11 +32,14 @@ OPTIONS: dict[str, Any] = {
     "fastmath": set(FLAGS),
     "_nrt": False,
 }
-"""How kernels are compiled. They allocate nothing, so no reference to an array needs to be counted: the
-atomic increments of Numba's counts took a fifth of the time, and threads waited for each other's."""
+"""Numba's options for the kernels.
+
+They allocate nothing, so references to arrays need no counts: Numba's atomic increments took a fifth of the
+time, and threads waited for each other.
+"""
 
 compiled, entry = decorators(**OPTIONS)
-"""Decorators of the kernels that other kernels call, and of those that Python calls."""
+"""Decorators of kernels that other kernels call, and of kernels that Python calls."""
 
 _CACHE_LINE = 64
 
@@ -64,7 +67,7 @@ mask = Mask()
 
 
 def rows(count: int) -> np.ndarray:
-    """Zeros (count, WIDTH) for lanes to lie in, so placed in memory that a register is one cache line."""
+    """Return zeros (count, WIDTH) for lanes, aligned in memory so that a register is one cache line."""
     block = np.zeros(count * WIDTH + _CACHE_LINE // 8)
     start = -block.ctypes.data % _CACHE_LINE // 8
     return block[start : start + count * WIDTH].reshape(count, WIDTH)
@@ -99,7 +102,11 @@ def _is_operand(typ):
 
 
 def _binary(symbol, emit, result):
-    """Give `symbol` a meaning between lanes, or between lanes and a number."""
+    """Define an operator between lanes, or between lanes and a number.
+
+    emit: makes its LLVM instruction
+    result: its Numba type
+    """
 
     @intrinsic
     def operate(typingctx, a, b):
@@ -171,7 +178,7 @@ nearest = _unary("rint")
 
 @intrinsic
 def select(typingctx, condition, yes, no):
-    """Lane by lane: `yes` where `condition` holds, else `no` (lanes or numbers)."""
+    """Return, lane by lane, `yes` where `condition` holds, else `no` (lanes or numbers)."""
 
     def codegen(context, builder, signature, args):
         chosen = [_as_vector(context, builder, args[k], signature.args[k]) for k in (1, 2)]
@@ -182,7 +189,7 @@ def select(typingctx, condition, yes, no):
 
 @intrinsic
 def lanes_set(typingctx, condition):
-    """The lanes in which `condition` holds, as the bits of an integer."""
+    """Return the lanes in which `condition` holds, as the bits of an integer."""
 
     def codegen(context, builder, signature, args):
         bits = builder.bitcast(args[0], ir.IntType(WIDTH))
@@ -193,7 +200,7 @@ def lanes_set(typingctx, condition):
 
 @intrinsic
 def splat(typingctx, number):
-    """The same number in every lane."""
+    """Return lanes that all hold the same number."""
 
     def codegen(context, builder, signature, args):
         return _as_vector(context, builder, args[0], signature.args[0])
@@ -209,7 +216,7 @@ def _row_pointer(context, builder, array_type, array, row):
 
 @intrinsic
 def load(typingctx, array, row):
-    """Row `row` of a contiguous float64 array (n, WIDTH) as lanes."""
+    """Return row `row` of a contiguous float64 array (n, WIDTH) as lanes."""
 
     def codegen(context, builder, signature, args):
         pointer = _row_pointer(context, builder, signature.args[0], *args)
@@ -232,7 +239,7 @@ def store(typingctx, array, row, value):
 
 @intrinsic
 def _scale_by_power_of_two(typingctx, value, exponent):
-    """value * 2**exponent for whole exponents between -1022 and 1023, held in lanes."""
+    """Return value * 2**exponent; exponents are lanes of whole numbers from -1022 to 1023."""
 
     def codegen(context, builder, signature, args):
         whole = builder.fptosi(args[1], _BITS)
@@ -245,14 +252,14 @@ def _scale_by_power_of_two(typingctx, value, exponent):
 
 @intrinsic
 def _split_exponent(typingctx, value):
-    """(mantissa, exponent) of positive normal numbers, the mantissa in [sqrt(1/2), sqrt(2))."""
+    """Return mantissa, in [sqrt(1/2), sqrt(2)), and exponent of lanes of positive normal numbers."""
 
     def codegen(context, builder, signature, args):
         def whole(number):
             return ir.Constant(_BITS, [number] * WIDTH)
 
         bits = builder.bitcast(args[0], _BITS)
-        # Shifting the bit pattern by that of sqrt(1/2) moves the break of the exponent there.
+        # Subtracting the bit pattern of sqrt(1/2) makes the exponent change there.
         shifted = builder.sub(bits, whole(0x3FE6A09E667F3BCD))
         exponent = builder.ashr(shifted, whole(52))
         mantissa = builder.bitcast(builder.sub(bits, builder.shl(exponent, whole(52))), _VECTOR)
@@ -269,10 +276,10 @@ _LOG2_E = 1.44269504088896338700
 
 @compiled
 def exp(x):
-    """exp(x) for lanes up to 700, to 2 units in the last place; what lies below -700 counts as -700.
+    """Return exp(x) of lanes up to 700, to 2 units in the last place; values below -700 count as -700.
 
-    Cody and Waite's reduction to |r| <= ln(2)/2, then the Taylor series to degree 13, whose
-    remainder there is 4e-18 (Muller, Elementary Functions, 2016, ch. 11).
+    Cody and Waite's reduction to |r| <= ln(2)/2, then the Taylor series to degree 13, whose remainder there
+    is 4e-18 (Muller, Elementary Functions, 2016, ch. 11).
     """
     x = select(x < -700.0, splat(-700.0), x)
     k = nearest(x * _LOG2_E)
@@ -294,9 +301,9 @@ def exp(x):
 
 @compiled
 def log(x):
-    """Natural logarithm of positive normal lanes, to 2 units in the last place.
+    """Return the natural logarithm of lanes of positive normal numbers, to 2 units in the last place.
 
-    ln(m) = 2 artanh((m - 1)/(m + 1)) by its series, ln(2) added for each power of two.
+    ln(m) = 2 artanh((m - 1)/(m + 1)) by its series, and ln(2) for each power of two.
     """
     m, k = _split_exponent(x)
     s = (m - 1.0) / (m + 1.0)

@@ -1,4 +1,4 @@
-"""Solar radiation pressure on a sphere, with the shadow of the ellipsoidal Earth."""
+"""Acceleration of a sphere by solar radiation pressure, with the shadow of the ellipsoidal Earth."""
 
 import math
 
@@ -6,17 +6,20 @@ from opml.base.constants import SRP_DISTANCE, SRP_PRESSURE, SUN_RADIUS, WGS84_A,
 from opml.dynamics.kernels.lanes import WIDTH, compiled, lanes_set, load, select, splat, sqrt, store
 
 WGS84_B = WGS84_A * (1.0 - WGS84_F)
+"""Polar radius of the WGS84 ellipsoid [m]."""
 
 _CLEARANCE = 0.006
-"""Tangent of an angle wider than the Sun's half disc as seen from the Earth (0.0047)."""
+"""Tangent of an angle larger than the Sun's angular radius (0.0047)."""
 
 
 @compiled
 def radiation_pressure(x, y, z, sun, illumination, coefficient):
-    """Acceleration [m/s2] away from the Sun, in the frame of the position (GCRF).
+    """Return the acceleration [m/s2] away from the Sun, in the frame of the position (GCRF).
 
-    x, y, z: position [m]; sun: geocentric position of the Sun [m]; illumination: part of the Sun's
-    disc in sight; coefficient: Cr times area over mass [m2/kg] (paper, sec. Truth Dynamic Models).
+    x, y, z: position [m]
+    sun: geocentric position of the Sun [m]
+    illumination: part of the Sun's disc in sight
+    coefficient: Cr times area over mass [m2/kg] (paper, sec. Truth Dynamic Models)
     """
     dx, dy, dz = x - sun[0], y - sun[1], z - sun[2]
     d2 = dx * dx + dy * dy + dz * dz
@@ -26,10 +29,15 @@ def radiation_pressure(x, y, z, sun, illumination, coefficient):
 
 @compiled
 def illumination(x, y, z, r2, sun, scratch):
-    """Part of the Sun's disc in sight, 0 to 1. x, y, z and sun: in ITRF [m]; scratch: four rows.
+    """Return the part of the Sun's disc in sight, 0 to 1.
 
-    Most arcs are plainly in the light or in the dark, which takes a few multiplications to see;
-    only those near the edge of the shadow are worked out, one by one.
+    x, y, z: position in ITRF [m]
+    r2: squared distance from the geocentre [m2]
+    sun: position of the Sun in ITRF [m]
+    scratch: four rows of lanes
+
+    A few multiplications find most arcs clearly in light or in shadow. Only arcs near the edge of the shadow
+    are computed, one by one.
     """
     distance = math.sqrt(sun[0] ** 2 + sun[1] ** 2 + sun[2] ** 2)
     ux, uy, uz = sun[0] / distance, sun[1] / distance, sun[2] / distance
@@ -55,16 +63,18 @@ def illumination(x, y, z, r2, sun, scratch):
 
 @compiled
 def lit_part(x, y, z, sun):
-    """Part of the Sun's disc in sight of one point, 0 to 1 (ITRF, m)."""
+    """Return the part of the Sun's disc in sight of a point, 0 to 1 (ITRF, m)."""
     separation, earth, disc = limb(x, y, z, sun)
     return part_in_sight(separation, earth, disc)
 
 
 @compiled
 def limb(x, y, z, sun):
-    """(angle between Sun and Earth, angular radius of the Earth, of the Sun [rad]) at one point (ITRF, m).
+    """Return the angle between Sun and Earth, and the angular radii of Earth and Sun [rad], from a point.
 
-    The Earth's is that of the ellipsoid's limb in the plane of the point, the Earth's centre and the Sun.
+    x, y, z, sun: in ITRF [m]
+
+    The Earth's radius is that of the ellipsoid's limb in the plane of point, geocentre and Sun.
     """
     tx, ty, tz = sun[0] - x, sun[1] - y, sun[2] - z
     to_sun = math.sqrt(tx * tx + ty * ty + tz * tz)
@@ -76,7 +86,9 @@ def limb(x, y, z, sun):
 
 @compiled
 def part_in_sight(separation, earth, disc):
-    """Part of the Sun's disc that the Earth leaves in sight, 0 to 1, from angles as `limb` gives them [rad].
+    """Return the part of the Sun's disc in sight, 0 to 1.
+
+    separation, earth, disc: from `limb` [rad]
 
     The Sun's disc and the Earth's limb are circles on the sky (Montenbruck & Gill 2000, sec. 3.4.2, with
     the limb of the ellipsoid in place of the sphere's).
@@ -100,7 +112,7 @@ def part_in_sight(separation, earth, disc):
 
 @compiled
 def _limb_point(x, y, z, sun):
-    """Where the line of sight towards the Sun's side grazes the ellipsoid, from a point outside it.
+    """Return the point of the ellipsoid on the tangent from a point outside, on the Sun's side.
 
     Stretching the polar axis turns the ellipsoid into a sphere and keeps planes and tangents.
     """
@@ -119,6 +131,6 @@ def _limb_point(x, y, z, sun):
 
 @compiled
 def _angle(ax, ay, az, bx, by, bz):
-    """Angle between two vectors [rad], accurate for small ones."""
+    """Return the angle between two vectors [rad], accurate for small angles, too."""
     cx, cy, cz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
     return math.atan2(math.sqrt(cx * cx + cy * cy + cz * cz), ax * bx + ay * by + az * bz)

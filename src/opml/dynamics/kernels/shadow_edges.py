@@ -1,14 +1,14 @@
-"""What a step makes of an edge of the Earth's shadow that lies within it.
+"""Correction of a step for the edges of the Earth's shadow within it.
 
 At the edges of penumbra and umbra radiation pressure sets in or ends within seconds. A Runge-Kutta rule of
-high order takes a step's few samples for a smooth course, and errs by seconds of sunlight. So where the
-illumination is not the same at all stages, the light that falls on the step is added up finely, along the
-path that the step has found, and what the rule made of it is put right. What falls at u, a part of the step,
-moves its end as gravity has it, with the Earth as a point and G its gradient there (w = 1 - u):
+high order assumes a smooth course between its few stages, and errs by seconds of sunlight. So where the
+illumination differs between stages, the light over the step is integrated finely along the path of the step,
+and the difference to the light in the rule corrects the end of the step. Light at u, a part of the step,
+moves the end by gravity with the Earth as a point (w = 1 - u):
 
     dv = h int (1 + G h^2 w^2 / 2) f a du        dr = h^2 int (w + G h^2 w^3 / 6) f a du
 
-f being the part of the Sun in sight and a the acceleration in full light.
+f is the part of the Sun in sight, a the acceleration in full light and G the gradient of gravity at the end.
 """
 
 from math import factorial
@@ -24,49 +24,61 @@ RATES = 7
 """Rows of a stage: the derivatives of the state, then the illumination."""
 
 LIT = 6
-"""The illumination's place among them."""
+"""Row of the illumination in a stage."""
 
 _SAMPLES = 4
-"""Places along the step, evenly spaced, at which Sun and limb are worked out; a cubic joins them."""
+"""Number of places along the step, evenly spaced, with Sun and limb; a cubic joins them."""
 
 _CELLS = 64
-"""Parts of a step over which light is added up: of 90 s each 1.4 s, where a penumbra takes 8 s or more."""
+"""Number of cells of the integrals over a step: 1.4 s each of 90 s, where a penumbra takes 8 s or more."""
 
 _LAST = RATES * (STAGES - 1)
-"""Where the rows of the last stage begin; it stands at the end of the step."""
+"""First row of the last stage, which is at the end of the step."""
 
 _MOMENTS = 4
-"""Integrals of f w^k over a step that are missing, k from 0; in the scratch lanes after the samples."""
+"""Number of integrals of f w^k over a step, k from 0; they are in the scratch lanes after the samples."""
 
 
-def _through_both_ends(places):
-    """How much of r, h v and h^2 a at both ends of a step makes the path at `places`, parts of it (n, 6)."""
+def _hermite_weights(places):
+    """Return the weights (n, 6) of r, h v and h^2 a at both ends of a step in the path at `places` (n,).
+
+    places: parts of the step, 0 to 1
+    """
     powers = np.arange(6)
+    # A quintic's value and two derivatives at 0 and at 1.
     falling = np.array([powers**0, powers, powers * (powers - 1)])  # of u^k, differentiated 0 to 2 times
     begin = falling * (powers == np.arange(3)[:, None])
     return np.power.outer(places, powers) @ np.linalg.inv(np.vstack([begin, falling]))
 
 
-# A stage's light enters the end of the step as often as the rule has it: b, b A, 2 b A^2, 6 b A^3.
+# Weights of a stage's light in the rule's own integrals of f w^k: b, b A, 2 b A^2, 6 b A^3.
 _COUNTED = np.array([factorial(k) * OUTER @ np.linalg.matrix_power(INNER, k) for k in range(_MOMENTS)])
 _PLACES = np.linspace(0.0, 1.0, _SAMPLES)
-_PATH = _through_both_ends(_PLACES)
+_PATH = _hermite_weights(_PLACES)
 _CUBIC = np.linalg.inv(np.vander(_PLACES, increasing=True))
 
 
 @compiled
 def count_light(t, h, state, new, model, coefficients, values, slopes, scratch):
-    """Put right in `new` what edges of the shadow within a step did to it.
+    """Correct the end of a step for edges of the shadow within it.
 
-    t, h: where the step begins and its length [s]; state, new: (6, WIDTH) before and after it, GCRF; values:
-    the surroundings at t + h; slopes: of the step's stages, RATES rows each; scratch: eight rows.
+    t, h: beginning and length of the step [s]
+    state: (6, WIDTH) at the beginning, GCRF [m, m/s]
+    new: (6, WIDTH) at the end; takes the correction
+    model: the force model
+    coefficients: (2, WIDTH) Cd A/m and Cr A/m [m2/kg]
+    values: surroundings at the end
+    slopes: rates of the stages, RATES rows each
+    scratch: eight rows of lanes
     """
+    # An edge shows where the stages are neither all in full light nor all in the dark.
     total = splat(0.0)
     for stage in range(STAGES):
         total = total + load(slopes, RATES * stage + LIT)
     crossing = lanes_set((total > 0.0) & (total < float(STAGES)))
     if not crossing:
         return
+    # The missing integrals: the fine ones less those of the rule; 0 for lanes without an edge.
     for k in range(_MOMENTS):
         store(scratch, _SAMPLES + k, splat(0.0))
     before, after = sun(t, model), (values[BODIES], values[BODIES + 1], values[BODIES + 2])
@@ -74,6 +86,7 @@ def count_light(t, h, state, new, model, coefficients, values, slopes, scratch):
         if (crossing >> lane) & 1:
             _add_up(lane, h, state, new, before, after, values, slopes, scratch)
             _take_off(lane, slopes, scratch)
+    # The acceleration in full light at the end, and the products with the gradient of gravity there.
     x, y, z = load(new, 0), load(new, 1), load(new, 2)
     r2 = x * x + y * y + z * z
     px, py, pz = radiation_pressure(x, y, z, after, splat(1.0), load(coefficients, 1))
@@ -89,14 +102,18 @@ def count_light(t, h, state, new, model, coefficients, values, slopes, scratch):
 
 @compiled
 def _add_up(lane, h, state, new, before, after, values, slopes, scratch):
-    """Put the integrals of f w^k over the step of one lane in its scratch."""
+    """Write the integrals of f w^k over the step of one lane into its scratch.
+
+    before, after: positions of the Sun at both ends of the step, GCRF [m]
+    """
+    # The angle of the Sun above the Earth's limb [rad] at a few places.
     earth = disc = 0.0
     for place in range(_SAMPLES):
         u = place / (_SAMPLES - 1)
         x = _on_the_way(place, 0, lane, h, state, new, slopes)
         y = _on_the_way(place, 1, lane, h, state, new, slopes)
         z = _on_the_way(place, 2, lane, h, state, new, slopes)
-        # The Earth is turned as it is at the end: about its axis, which changes nothing.
+        # The Earth's rotation is that at the end of the step: a turn about its axis changes no shadow.
         x, y, z = _turned(values, x, y, z)
         towards = _turned(
             values,
@@ -106,11 +123,13 @@ def _add_up(lane, h, state, new, before, after, values, slopes, scratch):
         )
         separation, earth, disc = limb(x, y, z, towards)
         scratch[place, lane] = separation - earth
+    # Its cubic.
     c0 = c1 = c2 = c3 = 0.0
     for place in range(_SAMPLES):
         above = scratch[place, lane]
         c0, c1 = c0 + _CUBIC[0, place] * above, c1 + _CUBIC[1, place] * above
         c2, c3 = c2 + _CUBIC[2, place] * above, c3 + _CUBIC[3, place] * above
+    # The integrals by the midpoint rule.
     m0 = m1 = m2 = m3 = 0.0
     for cell in range(_CELLS):
         u = (cell + 0.5) / _CELLS
@@ -123,7 +142,7 @@ def _add_up(lane, h, state, new, before, after, values, slopes, scratch):
 
 @compiled
 def _take_off(lane, slopes, scratch):
-    """Take what the Runge-Kutta rule has counted of them from the integrals of one lane."""
+    """Subtract from a lane's light integrals what the Runge-Kutta stages have already counted."""
     for stage in range(STAGES):
         light = slopes[RATES * stage + LIT, lane]
         for k in range(_MOMENTS):
@@ -132,7 +151,7 @@ def _take_off(lane, slopes, scratch):
 
 @compiled
 def _on_the_way(place, k, lane, h, state, new, slopes):
-    """Coordinate `k` of the path at one of the places [m]."""
+    """Return coordinate `k` of a lane's path at one of the places [m]."""
     w = _PATH[place]
     return (
         (w[0] * state[k, lane] + w[3] * new[k, lane])
@@ -143,7 +162,7 @@ def _on_the_way(place, k, lane, h, state, new, slopes):
 
 @compiled
 def _turned(values, x, y, z):
-    """A vector in GCRF as ITRF has it."""
+    """Return a vector in GCRF rotated to ITRF."""
     r = values[ROTATION : ROTATION + 9]
     return (
         r[0] * x + r[1] * y + r[2] * z,

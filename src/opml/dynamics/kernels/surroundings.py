@@ -1,7 +1,7 @@
-"""What every arc meets at one time: the Earth's rotation, Sun, Moon, planets and the thermosphere.
+"""Surroundings of all arcs at a time: the Earth's rotation, Sun, Moon, planets and the thermosphere.
 
-All of it depends on time alone, so it is looked up once per stage of the integrator, between the uniform
-nodes of the force model, and shared by the lanes.
+They depend on time alone. So they are interpolated between the uniform nodes of the force model once per
+stage of the integrator, and the lanes share them.
 """
 
 import math
@@ -14,16 +14,16 @@ from opml.dynamics.kernels.dtm2000 import FACTORS, reduce_to_date
 from opml.dynamics.kernels.lanes import compiled, rows
 
 ROTATION, SPIN, SUN_ITRF, CLOCK, BODIES = 0, 9, 12, 15, 18
-"""Where the parts of the looked-up values begin; the clock: a node, the part of a step since, UTC [d]."""
+"""First indices of the parts of the values; the clock is a node, the part of a step since, and UTC [d]."""
 
 _ASIDE = 5e-4
-"""How far [s] from a jump steps end: far enough for both sides to be told apart."""
+"""Distance [s] from a jump at which steps end, so that each step sees one side of it only."""
 
 _SixWeights = tuple[float, float, float, float, float, float]
 
 
 class ForceModel(NamedTuple):
-    """A force model as the kernels read it, arrays and numbers; `forces.build` makes it."""
+    """A force model in arrays and numbers, for the kernels; `forces.build` makes it."""
 
     first: float  # time of the first node [s since the epoch]
     step: float  # between nodes [s]
@@ -41,27 +41,30 @@ class ForceModel(NamedTuple):
     degree: int  # highest degree of a harmonic in the weights
     gm: float  # of the Earth, as the field gives it [m3/s2]
     radius: float  # of the field [m]
-    issued: np.ndarray  # (outlooks,) times from which each is known, ascending [s]; none: activity is for all
-    outlooks: np.ndarray  # (outlooks, nodes, 4): activity as it was known then and is forecast from there on
+    issued: np.ndarray  # (outlooks,) times of issue of the outlooks, ascending [s]; none: activity is for all
+    outlooks: np.ndarray  # (outlooks, nodes, 4): activity known at each issue, and its forecast after that
 
     def jumps(self, begin: float, end: float) -> np.ndarray:
-        """Times between two [s] on both sides of each midnight, where DTM2000's day and its density jump."""
+        """Return the times between two times [s] on both sides of each midnight.
+
+        DTM2000's day of the year, and so its density, jumps there.
+        """
         low, high = min(begin, end), max(begin, end)
         days = np.arange(np.ceil((low - self.midnight) / DAY), np.floor((high - self.midnight) / DAY) + 1.0)
         around = self.midnight + np.add.outer(days * DAY, [-_ASIDE, _ASIDE]).ravel()
         return around[(around > low) & (around < high)]
 
-    def known_at(self, t: np.ndarray) -> np.ndarray:
-        """The newest outlook at times t [s], an index; -1 where there is none."""
+    def newest_outlook(self, t: np.ndarray) -> np.ndarray:
+        """Return the index of the newest outlook at times t [s], -1 before the first issue."""
         return np.searchsorted(self.issued, t, side="right") - 1
 
-    def under(self, outlook: int) -> "ForceModel":
-        """The model with the activity of an outlook; with its own where that is -1."""
+    def use_outlook(self, outlook: int) -> "ForceModel":
+        """Return the model with the activity of an outlook; -1 keeps the model's activity."""
         return self if outlook < 0 else self._replace(activity=self.outlooks[outlook])
 
 
-def blank(model: ForceModel) -> tuple[np.ndarray, np.ndarray]:
-    """Values and factors, for `look_up` to fill."""
+def allocate(model: ForceModel) -> tuple[np.ndarray, np.ndarray]:
+    """Return empty values and factors for `look_up` to fill."""
     return np.zeros(BODIES + model.bodies.shape[1]), rows(FACTORS)
 
 
@@ -94,7 +97,11 @@ def look_up(t: float, model: ForceModel, values: np.ndarray, factors: np.ndarray
 
 @compiled
 def orient(t: float, first: float, step: float, orientation: np.ndarray, values: np.ndarray) -> None:
-    """Fill the rotation in `values` at time t [s], from the nodes of the orientation."""
+    """Fill the rotation in `values` at time t [s].
+
+    first, step: of the nodes [s]
+    orientation: (nodes, 6) as in ForceModel
+    """
     node, u = _locate(t, first, step, orientation.shape[0])
     w = _weights(u)
     earth_rotation(
@@ -110,7 +117,7 @@ def orient(t: float, first: float, step: float, orientation: np.ndarray, values:
 
 @compiled
 def sun(t: float, model: ForceModel) -> tuple[float, float, float]:
-    """The Sun's geocentric position in GCRF [m] at time t [s]."""
+    """Return the Sun's geocentric position in GCRF [m] at time t [s]."""
     node, u = _locate(t, model.first, model.step, model.bodies.shape[0])
     w = _weights(u)
     return (
@@ -122,7 +129,7 @@ def sun(t: float, model: ForceModel) -> tuple[float, float, float]:
 
 @compiled
 def _locate(t: float, first: float, step: float, nodes: int) -> tuple[int, float]:
-    """The node before t with two more before it and three after, and the part of a step from it to t."""
+    """Return the node before t, moved to have two nodes before it and three after it, and the steps since."""
     where = (t - first) / step
     node = min(max(math.floor(where), 2), nodes - 4)
     return node, where - node
@@ -130,7 +137,10 @@ def _locate(t: float, first: float, step: float, nodes: int) -> tuple[int, float
 
 @compiled
 def _weights(u: float) -> _SixWeights:
-    """Lagrange's polynomial through six nodes: at hourly ones 10 micrometres for the Moon."""
+    """Return the weights of Lagrange's polynomial at u through nodes at -2 to 3.
+
+    Hourly nodes give the Moon to 10 micrometres.
+    """
     a, b, c, d, e, f = u + 2.0, u + 1.0, u, u - 1.0, u - 2.0, u - 3.0
     return (
         -b * c * d * e * f / 120.0,
@@ -165,15 +175,19 @@ def _linear(nodes: np.ndarray, node: int, column: int, u: float) -> float:
 def earth_rotation(
     x: float, y: float, s: float, x_pole: float, y_pole: float, angle: float, values: np.ndarray
 ) -> None:
-    """Rotation GCRF to ITRF into values[0:9], row by row.
+    """Write the rotation from GCRF to ITRF into values[0:9], row by row.
 
-    x, y: CIP in GCRF; s: CIO locator; x_pole, y_pole: polar motion; angle: Earth rotation angle
-    [rad] (IERS Conventions 2010, sec. 5.4.4, 5.4.1). The TIO locator s', 5e-11 rad in 2017, is left out.
+    x, y: CIP in GCRF [rad]
+    s: CIO locator [rad]
+    x_pole, y_pole: polar motion [rad]
+    angle: Earth rotation angle [rad]
+
+    Source: IERS Conventions 2010, sec. 5.4.4, 5.4.1. The TIO locator s', 5e-11 rad in 2017, is left out.
     """
     z = math.sqrt(1.0 - x * x - y * y)
     a = 1.0 / (1.0 + z)
     cs, sn = math.cos(angle - s), math.sin(angle - s)
-    # Celestial motion of the pole, without the turn by s, which joins the rotation angle.
+    # Celestial motion of the pole; the rotation by s is part of that by the Earth rotation angle.
     q00, q01, q02 = 1.0 - a * x * x, -a * x * y, -x
     q11, q12 = 1.0 - a * y * y, -y
     r00, r01, r02 = cs * q00 + sn * q01, cs * q01 + sn * q11, cs * q02 + sn * q12

@@ -1,15 +1,18 @@
-"""Attraction of the Sun, the Moon and the planets on an arc, relative to the Earth's centre."""
+"""Acceleration by the Sun, the Moon and the planets, relative to the Earth's centre."""
 
 from opml.dynamics.kernels.lanes import compiled, splat, sqrt
 
 
 @compiled
 def third_bodies(x, y, z, bodies, gms, count):
-    """Acceleration [m/s2] by `count` point masses, in the frame of the positions (GCRF).
+    """Return the acceleration [m/s2] by `count` point masses, in the frame of the positions (GCRF).
 
-    x, y, z: position [m]; bodies: geocentric positions [m], three a body; gms: [m3/s2]. The direct
-    and the indirect term are combined by Battin's f(q), which has no cancellation for far bodies
-    (Battin, Mathematics and Methods of Astrodynamics, 1999, sec. 8.4).
+    x, y, z: position [m]
+    bodies: geocentric positions [m], three numbers a body
+    gms: gravitational parameters [m3/s2]
+
+    Battin's f(q) combines the direct and the indirect term without cancellation for far bodies (Battin,
+    Mathematics and Methods of Astrodynamics, 1999, sec. 8.4).
     """
     ax, ay, az = splat(0.0), splat(0.0), splat(0.0)
     for k in range(count):
@@ -19,7 +22,7 @@ def third_bodies(x, y, z, bodies, gms, count):
         ratio = 1.0 + q
         cube = ratio * sqrt(ratio)
         beyond = 1.0 + cube
-        # One division serves two quotients: it costs the processor as much as thirty multiplications.
+        # One division makes two quotients, as a division costs as much as thirty multiplications.
         inverse = 1.0 / (cube * beyond)
         f = q * (3.0 + q * (3.0 + q)) * (cube * inverse)
         pull = (gms[k] / (s2 * s2**0.5)) * (beyond * inverse)
