@@ -132,8 +132,8 @@ def test_only_a_path_is_a_file_of_the_users(source, paths):
 
 
 def test_the_forecast_is_the_named_one_or_persistence():
-    named = environment({"forecast": "mine"}, forecasts={"mine": {"kind": "recurrence"}})
-    assert named.forecast == {"kind": "recurrence"}
+    named = environment({"forecast": "mine"}, forecasts={"mine": {"kind": "regression"}})
+    assert named.forecast == {"kind": "regression"}
     assert environment({"forecast": None}, forecasts={}).forecast == {"kind": "persistence"}
     assert named.forecast_files == []
 
