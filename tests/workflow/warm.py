@@ -1,4 +1,4 @@
-"""What each start of Snakemake imports and looks up: done once, in the process that the others are forked from."""
+"""What each start of Snakemake imports and looks up, done once in the process that others are forked from."""
 
 import snakemake.cli
 import snakemake.dag
