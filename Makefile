@@ -1,5 +1,6 @@
 # make        the paper's partition curve, from a full simulation
-# make test   the tests, of the documentation's site too
+# make check  types, style and imports, and the tests that take no seconds (a minute and a half)
+# make test   all tests, of the documentation's site too, and how much of the package they reach
 # make faults runs that are killed and damaged at 50 random moments (half an hour)
 # make docs   the documentation as a site, in build/site
 # make wheel  the package as others install it, in build/wheel
@@ -24,13 +25,22 @@ MAKE_VENV := $(UV) venv --quiet --seed --allow-existing --python $(PYTHON)
 INSTALL := $(UV) pip install --quiet --python $(BIN)/python
 endif
 
-.PHONY: all test faults lint docs wheel crate validate weather bench clean
+.PHONY: all check test faults lint docs wheel crate validate weather bench clean
 
 all: $(INSTALLED)
 	$(BIN)/snakemake -j2 results/figs/partition_curve.pdf
 
+# A process a core, the longest tests first; tests/conftest.py keeps those together that share what they make.
+PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist loadgroup --no-loadscope-reorder
+
+check: $(INSTALLED)
+	$(BIN)/ruff check
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(PYTEST) -m "not slow" tests/unit tests/project
+
 test: $(VENV)/.docs
-	$(BIN)/python -m pytest
+	$(PYTEST) --cov tests/workflow tests/reference tests/project tests/unit
 
 faults: $(INSTALLED)
 	$(BIN)/python -m pytest tests/faults

@@ -26,8 +26,13 @@ _STARTS = multiprocessing.get_context("forkserver")
 _STARTS.set_forkserver_preload(["warm"])
 
 
-def _start(folder: Path, environment: dict[str, str], arguments: list[str], output: str) -> None:
+def _start(
+    folder: Path, environment: dict[str, str], arguments: list[str], output: str, package: Path
+) -> None:
     """What a forked process does: the command line in a folder, both streams into a file."""
+    if package != ROOT / "src":
+        _forget_opml()
+        sys.path.insert(0, str(package))
     os.chdir(folder)
     os.environ.clear()
     os.environ.update(environment)
@@ -40,10 +45,18 @@ def _start(folder: Path, environment: dict[str, str], arguments: list[str], outp
     main()
 
 
-def forked(arguments: list[str], *, cwd: Path, env: dict[str, str], timeout: float) -> tuple[int, str]:
-    """Exit code and output of Snakemake in a forked process."""
+def _forget_opml() -> None:
+    """Have the package imported anew, from wherever it is found first."""
+    for name in [name for name in sys.modules if name.partition(".")[0] == "opml"]:
+        del sys.modules[name]
+
+
+def forked(
+    arguments: list[str], *, cwd: Path, env: dict[str, str], timeout: float, package: Path = ROOT / "src"
+) -> tuple[int, str]:
+    """Exit code and output of Snakemake in a forked process, which finds opml in the folder `package`."""
     with tempfile.NamedTemporaryFile() as output:
-        process = _STARTS.Process(target=_start, args=(cwd, env, arguments, output.name))
+        process = _STARTS.Process(target=_start, args=(cwd, env, arguments, output.name, package))
         process.start()
         process.join(timeout)
         if process.exitcode is None:
@@ -85,16 +98,12 @@ class Project:
 
     def snakemake(self, *arguments, check=True):
         """Run snakemake here; its output, both streams together, is in `.stdout`."""
-        run = forked if self.source == ROOT else started
-        line = command(*arguments, source=self.source)
-        code, output = run(line[len(SNAKEMAKE) :], cwd=self.folder, env=self._environment, timeout=900)
+        line, package = command(*arguments, source=self.source), self.source / "src"
+        env = os.environ | {"PYTHONPATH": str(package), "NO_COLOR": "1"}
+        code, output = forked(line[len(SNAKEMAKE) :], cwd=self.folder, env=env, timeout=900, package=package)
         if check:
             assert code == 0, output
         return subprocess.CompletedProcess(line, code, output)
-
-    @property
-    def _environment(self) -> dict[str, str]:
-        return os.environ | {"PYTHONPATH": str(self.source / "src"), "NO_COLOR": "1"}
 
     def products(self):
         """Path -> bytes of all results but logs and benchmarks, which hold times."""

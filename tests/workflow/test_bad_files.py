@@ -10,7 +10,7 @@ import pyarrow.parquet as pq
 import pytest
 from jplephem.excerpter import write_excerpt
 from jplephem.spk import SPK
-from project import Project
+from project import Project, jobs
 from refusals import amiss
 
 from opml.base.errors import InputError
@@ -144,7 +144,11 @@ def test_the_sound_data_files_are_taken(project, sound):
     for setting, kind in files.items():
         (project.folder / NAMES[setting]).write_bytes(sound[kind])
     overlay = ", ".join(f"{setting}: {name}" for setting, name in NAMES.items())
-    project.snakemake("-n", CI, "--config", f"environment={{{overlay}}}")
+    told = project.snakemake("-n", CI, "--config", f"environment={{{overlay}}}").stdout
+    assert "opml: " not in told
+    assert "Gravity field of Earth: field.gfc" in told
+    assert "Solar activity: sun.txt" in told
+    assert {name: jobs(told)[name] for name in files} == dict.fromkeys(files, 1)
 
 
 def rewritten(path, change):

@@ -8,7 +8,7 @@ from opml.catalog.predict import mechanism
 from opml.catalog.predict.mechanism import FittedArcs
 from opml.catalog.predict.resonance import Resonances
 from opml.orbits.elements import cartesian_from_coe, rsw_rotation
-from opml.tables import STATE, mechanism_schema, write_table
+from opml.tables import STATE, mechanism_schema, read_table, write_table
 
 GM = 3.986004415e14
 PAIRS = ((1, 15), (2, 31))
@@ -91,4 +91,6 @@ def test_without_bounds_a_long_arc_of_any_cd_is_of_use():
 
 
 def test_is_written_as_its_schema_says(tmp_path):
-    write_table(tmp_path / "mechanism.parquet", build(), mechanism_schema(PAIRS), metadata={})
+    path, table, schema = tmp_path / "mechanism.parquet", build(), mechanism_schema(PAIRS)
+    write_table(path, table, schema, metadata={})
+    pd.testing.assert_frame_equal(read_table(path, schema), table[schema.names], check_exact=True)

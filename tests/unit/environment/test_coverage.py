@@ -3,11 +3,14 @@
 import pytest
 from support import EPOCH, REPOSITORY
 
+from opml.base import epochs
+from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.yaml_files import read_yaml
-from opml.environment import coverage, solar_activity
+from opml.environment import coverage, nodes, solar_activity
 
 VALUES = read_yaml(REPOSITORY / "config" / "config.yaml")
+REACH = {name: solar_activity.reach(name) for name in solar_activity.PACKAGED}
 
 
 def refusal(*, epoch=EPOCH, **sources):
@@ -16,8 +19,20 @@ def refusal(*, epoch=EPOCH, **sources):
     return str(error.value)
 
 
-def test_the_papers_run_is_covered():
-    coverage.check(VALUES)
+def check_within_reach(values):
+    """Assert that a run is covered, and that what is told of the packaged activity says so too."""
+    coverage.check(values)
+    ends = nodes(values["epoch"], DAY * values["duration_days"])[[0, -1]]
+    begin, end = (epochs.calendar_day(values["epoch"], t) for t in ends)
+    for first, last in REACH.values():
+        assert first <= begin
+        assert end <= last
+
+
+def test_the_papers_run_is_covered_and_one_of_thirty_years_is_not():
+    check_within_reach(VALUES)
+    with pytest.raises(InputError, match="finals2000A"):
+        coverage.check(VALUES | {"duration_days": 30 * 365.25})
 
 
 def test_packaged_activity_that_ends_too_early_is_told_with_its_setting_and_what_to_do():
@@ -33,7 +48,7 @@ def test_packaged_activity_that_ends_too_early_is_told_with_its_setting_and_what
 @pytest.mark.parametrize("year", range(1999, 2026))
 def test_a_run_of_any_year_since_the_first_bulletin_is_covered(year):
     sources = VALUES["environment"] | {"true_solar_activity": "OBSERVED"}
-    coverage.check(VALUES | {"epoch": f"{year}-06-15T06:00:00", "environment": sources})
+    check_within_reach(VALUES | {"epoch": f"{year}-06-15T06:00:00", "environment": sources})
 
 
 def test_observed_weather_is_told_alike():
