@@ -2,13 +2,13 @@
 
 import importlib.util
 import tomllib
-from pathlib import Path
 
 import pytest
+from support import REPOSITORY
 
 from opml.workflow import extras
 
-PROJECT = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+PROJECT = tomllib.loads((REPOSITORY / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
 
 @pytest.mark.parametrize("spec", [None, importlib.util.spec_from_loader("plotly", loader=None)])
