@@ -35,7 +35,7 @@ def test_an_exported_truth_stands_in_for_the_simulated_one(project):
     tracked = "results/ci/predictions/mine/eglin-clear-kaena.parquet"
     shutil.copy(ROOT / "tests" / "reference" / "orekit.tdm", project.folder)
     body = "{mine: {area_to_mass_m2pkg: 0.05, cd: 2.2, cr: 1.25}}"
-    settings = ["oem={iss: iss.oem}", "tracks={mine: orekit.tdm}", f"rsos={body}"]
+    settings = ["orbits={iss: iss.oem}", "tracks={mine: orekit.tdm}", f"rsos={body}"]
     done = project.snakemake("-j1", TRIMMED, truth, tracked, "--config", *settings)
     assert "Truth: the orbit of iss from iss.oem" in done.stdout
     assert "Truth dynamic model" not in done.stdout
@@ -51,9 +51,9 @@ def test_an_exported_truth_stands_in_for_the_simulated_one(project):
 def test_an_unfit_message_is_told_in_one_line(project):
     (project.folder / "iss.oem").write_text("CCSDS_OEM_VERS = 2.0\nORIGINATOR\n")
     truth = "results/ci/truth/iss.parquet"
-    done = project.snakemake("-j1", TRIMMED, truth, "--config", "oem={iss: iss.oem}", check=False)
+    done = project.snakemake("-j1", TRIMMED, truth, "--config", "orbits={iss: iss.oem}", check=False)
     assert done.returncode != 0
-    assert "opml: --config: oem.iss: iss.oem: line 2: expected KEY = value, got ORIGINATOR" in done.stdout
+    assert "opml: --config: orbits.iss: iss.oem: line 2: expected KEY = value, got ORIGINATOR" in done.stdout
     assert "Traceback" not in done.stdout
     assert not (project.folder / "results" / "ci" / "truth" / "iss.parquet").exists()
 

@@ -80,7 +80,7 @@ STUDY_FILES = (
     else []
 )
 
-if SETTINGS.misfit:
+if PLAN.settings.misfit:
     # A run that is too short for the default study is wrong only where something of that study is asked for.
     for maker in {file.rule for file in [*PAPER_FILES, *BEYOND_FILES]} - {rules.world.rule}:
-        maker.set_input(fits=lambda wildcards: end(SETTINGS.misfit))
+        maker.set_input(fits=lambda wildcards: end_plan(PLAN.settings.misfit))

@@ -30,16 +30,16 @@ rule tracking:
         "../scripts/tracking.py"
 
 
-if PLAN.catalogue:
+if PLAN.simulated_catalogue:
 
     # One job: an RSO takes a fifth of a second, the start of a job a whole one.
     rule trackings:
         input:
-            truth=[path_of(rules.truth.output[0], rso=name) for name in PLAN.catalogue],
+            truth=[path_of(rules.truth.output[0], rso=name) for name in PLAN.simulated_catalogue],
             earth_orientation=EARTH_ORIENTATION.table,
             check=checks(PARAMS.stations),
         output:
-            [product(f"tracking/{name}/{{stations}}").table for name in PLAN.catalogue],
+            [product(f"tracking/{name}/{{stations}}").table for name in PLAN.simulated_catalogue],
         log:
             CATALOGUE_TRACKING.log,
         benchmark:
@@ -50,7 +50,7 @@ if PLAN.catalogue:
             settings=lambda wildcards: {
                 "epoch": config["epoch"],
                 "seed": PARAMS.noise_seed(wildcards),
-                "rsos": PLAN.catalogue,
+                "rsos": PLAN.simulated_catalogue,
                 "stations": PARAMS.stations(wildcards),
             },
             code=code("trackings.py"),

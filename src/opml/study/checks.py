@@ -151,8 +151,7 @@ def _check_orbits(source: Source, settings: Settings) -> None:
                 orbit_from_files.OrbitFiles(paths, values["epoch"], DAY * values["duration_days"])
             )
         except InputError as error:
-            kind = "orbits" if name in values.get("orbits", {}) else "oem"
-            raise source.wrong((kind, name), str(error)) from None
+            raise source.wrong(("orbits", name), str(error)) from None
 
 
 def _check_tracks(source: Source, settings: Settings) -> None:
@@ -167,7 +166,7 @@ def _check_tracks(source: Source, settings: Settings) -> None:
         try:
             sheets.parse_rso(name, settings.rsos)
             if name in settings.orbits:
-                raise InputError("expected tracks, or an orbit under orbits or oem, got both")
+                raise InputError("expected tracks, or an orbit under orbits, got both")
             found = tdm.measurements(paths, epoch=values["epoch"])
             measured_tracks.check(
                 found, settings.stations, epoch=values["epoch"], duration=DAY * values["duration_days"]
@@ -199,8 +198,6 @@ def _check_catalogue(source: Source, settings: Settings) -> None:
         for name in given.get(part, []):
             try:
                 sheets.parse_rso(name, settings.rsos)
-                if name in {*settings.orbits, *settings.tracks}:
-                    raise InputError(f"expected a simulated RSO, got {name}, whose orbit or tracks are given")
                 if part == "left_out" and name in given["rsos"]:
                     raise InputError(f"expected an RSO that is none of rsos, got {name}")
             except InputError as error:

@@ -82,6 +82,12 @@ class Plan:
         return [*self.thermometer.get("rsos", []), *self.thermometer.get("left_out", [])]
 
     @cached_property
+    def simulated_catalogue(self) -> list[str]:
+        """The RSOs of that catalogue without an orbit or tracks of their own."""
+        given = {*self.settings.orbits, *self.settings.tracks}
+        return [rso for rso in self.catalogue if rso not in given]
+
+    @cached_property
     def truth_groups(self) -> list[tuple[str, ...]]:
         """The RSOs of the catalogue and of the studies, by the job that flies their truths together."""
         rsos = [*self.catalogue, *shared_truths.named_rsos(self.paper, self.beyond, self.own_study)]

@@ -329,8 +329,8 @@ def test_the_typed_run_has_the_values():
             "split 'days-90-95': expected",
         ),
         ("sheets.rsos", "config/none.tsv", "config/none.tsv: no such file"),
-        ("oem", {"mir": "mir.oem"}, "oem.mir: RSO 'mir': expected one of iss,"),
-        ("oem", {"iss": ""}, "oem.iss: expected text of at least 1 letter, got ''"),
+        ("orbits", {"mir": "mir.oem"}, "orbits.mir: RSO 'mir': expected one of iss,"),
+        ("orbits", {"iss": ""}, "orbits.iss: expected text of at least 1 letter, got ''"),
     ],
 )
 def test_wrong_setting_is_named(key, value, expected):
@@ -487,7 +487,7 @@ def test_what_else_is_wrong_with_the_default_study_of_a_short_run_is_told(tmp_pa
         ("rsos: {mine: {a_km: 7000}}", "mine.yaml: rsos.mine: expected the keys a_km, e, i_deg,"),
         ("stations: {here: {}}", "mine.yaml: stations.here: expected the keys latitude_deg"),
         ("rsos: {Mine: {}}", "mine.yaml: rsos.Mine: expected a name of lower-case letters and digits"),
-        ("oem: {iss: none.oem}", "mine.yaml: oem.iss: none.oem: no such file"),
+        ("orbits: {iss: none.oem}", "mine.yaml: orbits.iss: none.oem: no such file"),
         ("- a list", "mine.yaml: expected a mapping of settings, got list"),
     ],
 )
@@ -613,7 +613,7 @@ def test_files_that_hold_no_tracks_are_told(tmp_path, content):
 def test_tracks_and_an_orbit_of_one_rso_are_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(checks.orbit_from_files, "check", lambda *_, **__: None)
     refusal = refused(with_tracks(tmp_path, "orbits: {mine: a.tdm}"))
-    assert "tracks.mine: expected tracks, or an orbit under orbits or oem, got both" in refusal
+    assert "tracks.mine: expected tracks, or an orbit under orbits, got both" in refusal
 
 
 def test_layers_are_laid_key_by_key():

@@ -45,8 +45,8 @@ class Settings:
     @property
     def orbits(self) -> dict[str, list[str]]:
         """Files of the orbits that stand in for a simulated truth, by RSO; a pattern without files stays."""
-        given = {**self.values.get("oem", {}), **self.values.get("orbits", {})}
-        return {rso: _files(named, self.values.get("data", "")) for rso, named in given.items()}
+        given, folder = self.values.get("orbits", {}), self.values.get("data", "")
+        return {rso: _files(named, folder) for rso, named in given.items()}
 
     @property
     def tracks(self) -> dict[str, list[str]]:
@@ -89,7 +89,7 @@ def with_sheets(values: Mapping[str, Any], source: Source | None = None) -> Sett
     stations = read_stations(project_file(values["sheets"]["stations"]))
     rsos = read_rsos(project_file(values["sheets"]["rsos"]))
     own_stations = _inline(source, "stations", stations_from_rows, known=stations)
-    flown = {name for kind in ("oem", "orbits", "tracks") for name in values.get(kind, {})}
+    flown = {name for kind in ("orbits", "tracks") for name in values.get(kind, {})}
     own_rsos = _inline(source, "rsos", partial(rsos_from_rows, flown=flown), known=rsos)
     return Settings(values, stations | own_stations, rsos | own_rsos)
 

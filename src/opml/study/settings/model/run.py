@@ -171,13 +171,15 @@ class Thermometer(Section):
     body_sigma: Positive = setting(
         "standard deviation of the logarithm of a body's Cd about 2.2, before any fit"
     )
-    drift_sigma: Positive = setting("change of a body's Cd in a day, in its logarithm")
-    noise_sigma: Positive = setting("error of a fit's Cd, in its logarithm, beside the formal one")
+    drift_sigma: Positive = setting("standard deviation of the daily change of a body's ln Cd")
+    noise_sigma: Positive = setting(
+        "standard deviation of the error of a fit's ln Cd, in addition to its formal error"
+    )
     excess: Positive = setting(
-        "how many times its formal error a fit errs by the assumed forces", default=1.0
+        "factor on the formal error of a fit for errors of the assumed forces", default=1.0
     )
     level_sigma: NotNegative = setting(
-        "standard deviation of the logarithm of an error of the density that lasts; with 0 there is none",
+        "standard deviation of the logarithm of a lasting error of the density, 0 for none",
         default=0.0,
     )
 
@@ -279,7 +281,7 @@ class RunAlone(Section):
         default={},
     )
     data: Text = setting(
-        "folder that relative paths of `orbits`, `oem`, `tracks` and `starts` start from; the project's by"
+        "folder that relative paths of `orbits`, `tracks` and `starts` start from; the project's by"
         " default",
         unit="path",
         default="",
@@ -289,9 +291,6 @@ class RunAlone(Section):
         " the RSO's entry then needs its body only",
         see="orbits.md",
         default={},
-    )
-    oem: dict[RsoName, Text] = setting(
-        "the same, for a single ephemeris message (CCSDS OEM)", unit="path", default={}
     )
     tracks: dict[RsoName, Paths] = setting(
         "tracks that were really measured, in place of simulated ones (CCSDS TDM); the RSO's entry may be"
