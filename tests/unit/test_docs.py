@@ -108,11 +108,11 @@ def untold(node, key, table):
     """Keys of the schema below a node that no table has and that no row names of the mapping they are in."""
     entry = {"rso", "stations", "learner", "component"} if key[:1] == ("study",) else set()
     for name, child in below(node).items():
-        own = (*key, name)
-        if any(other[: len(own)] == own for other in table):
-            yield from untold(child, own, table)
+        path = (*key, name)
+        if any(other[: len(path)] == path for other in table):
+            yield from untold(child, path, table)
         elif name not in {ANY} | entry | table.get(key, set()):
-            yield ".".join(own)
+            yield ".".join(path)
 
 
 def test_every_setting_of_the_schema_stands_in_a_table():
@@ -124,8 +124,8 @@ def test_every_setting_of_the_schema_stands_in_a_table():
 def test_every_column_of_a_sheet_is_told(sheet):
     lines = (ROOT / "config" / f"{sheet}.tsv").read_text(encoding="utf-8").splitlines()
     columns = next(line for line in lines if not line.startswith("#")).split("\t")
-    told = re.search(rf"^\* `{sheet}.tsv`.*?\.$", SETTINGS, re.MULTILINE | re.DOTALL)[0]
-    assert set(columns) <= set(re.findall(r"`(\w+)`", told))
+    text = re.search(rf"^\* `{sheet}.tsv`.*?\.$", SETTINGS, re.MULTILINE | re.DOTALL)[0]
+    assert set(columns) <= set(re.findall(r"`(\w+)`", text))
 
 
 @pytest.mark.parametrize("name", solar_activity.PACKAGED)

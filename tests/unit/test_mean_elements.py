@@ -151,10 +151,10 @@ def test_the_command_prints_no_line_that_the_sheet_would_refuse(written, capsys,
     given = ["--epoch", THREE_DAYS_ON, *COMMAND]
     given[given.index(option) + 1] = value
     assert mean_elements.main([str(written(tle())), *given]) == 1
-    told = capsys.readouterr()
-    assert told.out == ""
-    assert told.err.startswith(f"opml: {expected}")
-    assert told.err.count("\n") == 1
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.startswith(f"opml: {expected}")
+    assert printed.err.count("\n") == 1
 
 
 @pytest.mark.parametrize("option", ["--epoch", "--area-to-mass", "--cd", "--cr"])
@@ -195,7 +195,7 @@ def test_elements_of_another_month_are_refused(written, capsys, epoch):
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("", "expected one TLE of two lines, or an OMM, got 0 lines"),
         (tle() * 2, "expected one TLE of two lines, or an OMM, got 4 lines"),
@@ -221,11 +221,11 @@ def test_elements_of_another_month_are_refused(written, capsys, epoch):
         (xml().replace("meanElements", "elements"), "expected metadata, meanElements and tleParameters"),
     ],
 )
-def test_what_is_malformed_is_named(written, text, said):
+def test_what_is_malformed_is_named(written, text, message):
     path = written(text)
     with pytest.raises(InputError) as error:
         mean_elements.read(path)
-    assert str(error.value).startswith(f"{path}: {said}")
+    assert str(error.value).startswith(f"{path}: {message}")
 
 
 def test_an_orbit_that_decayed_is_an_input_error(written):

@@ -84,9 +84,9 @@ def test_long_steps_are_as_good_as_short_ones(kepler_model, altitude, across, ho
     assert np.linalg.norm(found[:, :3] - expected[:, :3], axis=1).max() < within
 
 
-def test_the_path_goes_through_both_ends():
+def test_the_path_goes_hermite_weights():
     """A polynomial of fifth degree is met exactly, from its values, slopes and curvatures at 0 and 1."""
     course = np.polynomial.Polynomial([1.0, -2.0, 0.5, 3.0, -1.0, 0.7])
     ends = [value for u in (0.0, 1.0) for value in (course(u), course.deriv(1)(u), course.deriv(2)(u))]
     places = np.linspace(0.0, 1.0, 7)
-    np.testing.assert_allclose(shadow_edges._through_both_ends(places) @ ends, course(places), rtol=1e-12)
+    np.testing.assert_allclose(shadow_edges._hermite_weights(places) @ ends, course(places), rtol=1e-12)
