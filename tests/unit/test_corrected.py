@@ -26,7 +26,7 @@ from opml.tables import (
     SPREAD,
     STATE,
     read_table,
-    symmetric,
+    symmetric_matrices,
     write_table,
 )
 
@@ -229,7 +229,7 @@ def test_a_learner_needs_the_fits_that_it_asks_for(flight, known):
 
 def test_covariances_have_the_sizes_of_the_past_and_no_shape_of_the_fits(table):
     """Axes know nothing of each other; a velocity follows its position."""
-    covariance = symmetric(table, corrected.COVARIANCES)
+    covariance = symmetric_matrices(table, corrected.COVARIANCES)
     assert (np.linalg.eigvalsh(covariance / covariance.max(axis=(1, 2), keepdims=True)) > -1e-12).all()
     states = table[STATE].to_numpy()
     rows = table.assign(duration=table["t"] - table["t_i"], rate=rates(states), t_j=table["t"])
@@ -249,7 +249,7 @@ def test_a_formal_covariance_is_that_of_many_perturbed_arcs(flight, known):
     pairs = prediction.predict(estimates=starts, **grid)
     (formal,) = covariance.propagated(estimates=known.estimates, predictions=pairs, **flight.options)
     drawn = np.random.default_rng(1).multivariate_normal(
-        starts[PARAMETERS].to_numpy(float)[0], symmetric(starts, COVARIANCES)[0], size=400
+        starts[PARAMETERS].to_numpy(float)[0], symmetric_matrices(starts, COVARIANCES)[0], size=400
     )
     perturbed = pd.DataFrame(drawn, columns=PARAMETERS).assign(track=np.arange(400), t=TIMES[1])
     arrived = prediction.predict(estimates=perturbed, **grid)[STATE].to_numpy()

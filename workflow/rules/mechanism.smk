@@ -1,5 +1,7 @@
 # Beyond the paper: what a catalogue knows of why its predictions err, and RSOs pooled to learn from together.
-LONG = naming.window_suffix(config["mechanism"]["long_window_hours"], default=config["estimation"]["window_hours"])
+LONG = naming.window_suffix(
+    config["mechanism"]["long_window_hours"], default=config["estimation"]["window_hours"]
+)
 
 
 rule sensitivities:
@@ -99,7 +101,9 @@ rule arcs:
 
 
 if CATALOGUE:
-    FIT_WINDOW = naming.window_suffix(THERMOMETER["window_hours"], default=config["estimation"]["window_hours"])
+    FIT_WINDOW = naming.window_suffix(
+        THERMOMETER["window_hours"], default=config["estimation"]["window_hours"]
+    )
 
     rule thermometer:
         input:
