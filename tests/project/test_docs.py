@@ -102,8 +102,8 @@ def test_every_setting_of_the_tables_has_a_sentence():
 def test_every_column_of_a_sheet_is_told(sheet):
     lines = (REPOSITORY / "config" / f"{sheet}.tsv").read_text(encoding="utf-8").splitlines()
     columns = next(line for line in lines if not line.startswith("#")).split("\t")
-    told = re.search(rf"^\* `{sheet}.tsv`.*?\.$", SETTINGS, re.MULTILINE | re.DOTALL)[0]
-    assert set(columns) <= set(re.findall(r"`(\w+)`", told))
+    text = re.search(rf"^\* `{sheet}.tsv`.*?\.$", SETTINGS, re.MULTILINE | re.DOTALL)[0]
+    assert set(columns) <= set(re.findall(r"`(\w+)`", text))
 
 
 @pytest.mark.parametrize("name", solar_activity.PACKAGED)

@@ -23,7 +23,7 @@ def regular(days=DAYS):
     return Weather(FIRST, flux, kp)
 
 
-def told(name, history, past, ahead=AHEAD):
+def forecast_by(name, history, past, ahead=AHEAD):
     forecast = methods.fit(history, days=ahead, settings=FORECASTS[name])
     return forecast(past, past.first + len(past.kp) / 8.0)
 
@@ -32,7 +32,7 @@ def told(name, history, past, ahead=AHEAD):
 def test_a_sun_that_repeats_itself_is_foretold(name, error):
     weather = regular()
     known = weather.keep_known(FIRST + 1200.0)
-    found = told(name, weather.keep_known(FIRST + 1100.0), known)
+    found = forecast_by(name, weather.keep_known(FIRST + 1100.0), known)
     np.testing.assert_allclose(found.flux, weather.flux[1200 : 1200 + AHEAD], atol=20.0 * error)
     np.testing.assert_allclose(found.kp, weather.kp[9600 : 9600 + 8 * AHEAD], atol=error)
     assert (len(found.flux), len(found.kp)) == (AHEAD, 8 * AHEAD)
@@ -40,7 +40,7 @@ def test_a_sun_that_repeats_itself_is_foretold(name, error):
 
 def test_persistence_is_the_last_flux_and_the_mean_kp_of_a_day():
     known = regular().keep_known(FIRST + 1200.5)
-    found = told("persistence", regular(0), known)
+    found = forecast_by("persistence", regular(0), known)
     assert set(found.flux) == {known.flux[-1]}
     assert set(found.kp) == {known.kp[-8:].mean()}
     assert len(found.kp) == 8 * AHEAD
@@ -54,12 +54,12 @@ def test_futures_are_the_forecast_moved_by_its_errors_on_such_days():
     settings = {"kind": "persistence"}
     rough = Weather(FIRST, flux, kp).keep_known(FIRST + 1100.0)
     found = methods.futures(rough, days=2, settings=settings, members=20)(known, FIRST + 1200.0)
-    said = told("persistence", history, known, 2)
+    forecast = forecast_by("persistence", history, known, 2)
     assert len(found) == 20
     assert min(future.kp.min() for future in found) >= 0.0
     assert max(future.kp.max() for future in found) == 9.0
     # Tomorrow has half as much again, or as much less, as persistence says.
-    ratios = np.array([future.flux[0] / said.flux[0] for future in found])
+    ratios = np.array([future.flux[0] / forecast.flux[0] for future in found])
     np.testing.assert_allclose(np.minimum(abs(ratios - 1.5), abs(ratios - 1 / 1.5)), 0.0, atol=0.15)
 
 
@@ -81,13 +81,13 @@ def test_a_burst_of_one_day_is_left_out():
     history = regular()
     burst = Weather(history.first, history.flux.copy(), history.kp)
     burst.flux[-1] += 500.0
-    assert told("regression", history, burst).flux.max() < 250.0
+    assert forecast_by("regression", history, burst).flux.max() < 250.0
 
 
 @pytest.mark.parametrize("name", ["regression", "analogues"])
 def test_too_little_to_learn_from_is_told(name):
     with pytest.raises(InputError, match=r"^forecast: expected \d+ days of packaged weather"):
-        told(name, regular(200), regular())
+        forecast_by(name, regular(200), regular())
 
 
 TABLE = """# forecasts that were made

@@ -126,9 +126,9 @@ def test_table_lists_the_triangle_at_the_epoch(read):
 
 def test_coefficients_are_read_only(read):
     field = read(HEAD + ROWS)
-    for some in (field, field.freeze("2016-09-28T12:09:45"), field.truncate(1, 1)):
+    for variant in (field, field.freeze("2016-09-28T12:09:45"), field.truncate(1, 1)):
         with pytest.raises(ValueError, match="read-only"):
-            some.c[0, 0] = 2.0
+            variant.c[0, 0] = 2.0
 
 
 @pytest.mark.parametrize(("degree", "order"), [(3, 3), (-1, 0), (2, 3)])
@@ -281,7 +281,7 @@ def fetched(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("handler", "said"),
+    ("handler", "message"),
     [
         (Lies, "expected SHA-256 .* got another"),
         (Truncates, "expected http.* within reach, got "),
@@ -290,8 +290,8 @@ def fetched(tmp_path, monkeypatch):
         (Refuses, "expected http.* within reach, got HTTPError"),
     ],
 )
-def test_a_fetch_that_goes_wrong_is_said_and_leaves_nothing(tmp_path, fetched, handler, said):
-    with pytest.raises(InputError, match=rf"^EIGEN-6S: {said}"):
+def test_a_fetch_that_goes_wrong_is_said_and_leaves_nothing(tmp_path, fetched, handler, message):
+    with pytest.raises(InputError, match=rf"^EIGEN-6S: {message}"):
         fetched(handler)
     assert not [path for path in tmp_path.rglob("*") if path.is_file()]
 

@@ -113,12 +113,12 @@ def model(source, **settings):
 def test_fits_and_predictions_know_nothing_measured_after_they_start(tmp_path, iss, three_stations):
     settings = estimation.Estimation(6, 30, 0.001, 1000.0, 1.0, 0.1)
     orientation = environment(3.0)["earth_orientation"]
-    own = model("OBSERVED")
-    truth = truths.simulate(Flight(own.use_outlook(0), iss), duration=DAY, step=20.0)
+    observed = model("OBSERVED")
+    truth = truths.simulate(Flight(observed.use_outlook(0), iss), duration=DAY, step=20.0)
     tracks = tracking.simulate(truth, orientation, three_stations, rso="iss", seed=1)
     utc = "2016-09-29T03:00:00"
     results = []
-    for one in (own, model(other_after(tmp_path / "other.csv", mjd(utc)))):
+    for one in (observed, model(other_after(tmp_path / "other.csv", mjd(utc)))):
         starts = start_states.perturbed(truth, tracks, rso="iss", settings=settings, seed=1)
         flight, measured = Flight(one, iss), estimation.Measured(tracks, orientation, three_stations)
         estimates = estimation.estimate_all(flight, starts, measured, settings=settings)

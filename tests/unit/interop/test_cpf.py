@@ -50,7 +50,7 @@ def test_another_satellite_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "message"),
     [
         (
             "CPF  1",
@@ -70,14 +70,14 @@ def test_another_satellite_is_refused(tmp_path):
         ("\n99\n", "\n99\n99\n", "line 8: expected a record 10 or 20, or 99 at the end, got 99"),
     ],
 )
-def test_what_is_malformed_is_named_by_file_and_line(tmp_path, old, new, said):
+def test_what_is_malformed_is_named_by_file_and_line(tmp_path, old, new, message):
     path = written(tmp_path / "orbit.cpf", T, STATES)
     text = path.read_text()
     assert old in text
     path.write_text(text.replace(old, new, 1))
     with pytest.raises(InputError) as error:
         read(path)
-    assert str(error.value).startswith(f"{path}: {said}")
+    assert str(error.value).startswith(f"{path}: {message}")
 
 
 @pytest.mark.parametrize(

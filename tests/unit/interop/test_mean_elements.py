@@ -196,7 +196,7 @@ def test_elements_of_another_month_are_refused(written, capsys, epoch):
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("", "expected one TLE of two lines, or an OMM, got 0 lines"),
         (tle() * 2, "expected one TLE of two lines, or an OMM, got 4 lines"),
@@ -222,11 +222,11 @@ def test_elements_of_another_month_are_refused(written, capsys, epoch):
         (xml().replace("meanElements", "elements"), "expected metadata, meanElements and tleParameters"),
     ],
 )
-def test_what_is_malformed_is_named(written, text, said):
+def test_what_is_malformed_is_named(written, text, message):
     path = written(text)
     with pytest.raises(InputError) as error:
         mean_elements.read(path)
-    assert str(error.value).startswith(f"{path}: {said}")
+    assert str(error.value).startswith(f"{path}: {message}")
 
 
 def test_an_orbit_that_decayed_is_an_input_error(written):

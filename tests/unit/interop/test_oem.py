@@ -151,7 +151,7 @@ def test_days_of_the_year_zulus_and_accelerations_are_read(message, orbit):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "line"),
     [
         ("CCSDS_OEM_VERS = 2.0", "CCSDS_OPM_VERS = 2.0", "line 1: expected CCSDS_OEM_VERS = 1.0 or 2.0, got"),
         ("CCSDS_OEM_VERS = 2.0", "", "line 3: expected CCSDS_OEM_VERS"),
@@ -175,11 +175,11 @@ def test_days_of_the_year_zulus_and_accelerations_are_read(message, orbit):
         ("\n2016-09-28T12:10:05.000000 ", "\n2016-09-28T12:10:05 nan ", "line 17: expected a time, position"),
     ],
 )
-def test_what_is_malformed_is_named_by_file_and_line(message, old, new, said):
+def test_what_is_malformed_is_named_by_file_and_line(message, old, new, line):
     edited(message, old, new)
     with pytest.raises(InputError) as error:
         oem.read(message, epoch=EPOCH)
-    assert str(error.value).startswith(f"{message}: {said}")
+    assert str(error.value).startswith(f"{message}: {line}")
 
 
 @pytest.mark.parametrize("text", ["nan", "inf", "1e999", "1_000", "0x1p3", "7,5", "\u0661"])
@@ -192,18 +192,18 @@ def test_numbers_have_to_be_finite_and_plain(message, text):
 
 
 @pytest.mark.parametrize(
-    ("cut", "said"),
+    ("cut", "line"),
     [
         ("COVARIANCE_STOP", "expected KEY = value, got nothing"),
         ("EPOCH = ", "expected EPOCH = time, got TIME"),
         ("COV_REF_FRAME = GCRF", "expected COV_REF_FRAME = GCRF or ICRF or EME2000 or RSW, got RTN"),
     ],
 )
-def test_a_malformed_covariance_is_named(tmp_path, cut, said):
+def test_a_malformed_covariance_is_named(tmp_path, cut, line):
     path = tmp_path / "e.oem"
     oem.write(path, oem.estimate_segments(estimates(), rso="iss"), epoch=EPOCH)
     edited(path, cut, {"COVARIANCE_STOP": "", "EPOCH = ": "TIME = "}.get(cut, "COV_REF_FRAME = RTN"))
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=line):
         oem.read(path, epoch=EPOCH)
 
 
@@ -301,7 +301,7 @@ def test_covariances_are_passed_over_by_arcs(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "line"),
     [
         ("REF_FRAME = GCRF", "REF_FRAME = TOD", "REF_FRAME = GCRF or ICRF or EME2000 or ITRF, got TOD"),
         (
@@ -318,7 +318,7 @@ def test_covariances_are_passed_over_by_arcs(tmp_path):
         ),
     ],
 )
-def test_arcs_that_are_cut_or_malformed_are_named(message, old, new, said):
+def test_arcs_that_are_cut_or_malformed_are_named(message, old, new, line):
     edited(message, old, new)
-    with pytest.raises(InputError, match=f"iss.oem: .*expected {said}"):
+    with pytest.raises(InputError, match=f"iss.oem: .*expected {line}"):
         oem.arcs(message, epoch=EPOCH)

@@ -66,7 +66,7 @@ def test_realisations_of_the_itrf_are_taken_for_it(tmp_path, frame):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "message"),
     [
         ("#cV2016", "#aV2016", "line 1: expected the first line of SP3-c or SP3-d, got #aV2016"),
         ("      4 ORBIT", "      x ORBIT", "line 1: expected the first line of SP3-c"),
@@ -93,14 +93,14 @@ def test_realisations_of_the_itrf_are_taken_for_it(tmp_path, frame):
         ("EOF", "#cV2016", "line 35: expected an epoch, position or velocity, got #cV2016"),
     ],
 )
-def test_what_is_malformed_is_named_by_file_and_line(tmp_path, old, new, said):
+def test_what_is_malformed_is_named_by_file_and_line(tmp_path, old, new, message):
     path = written(tmp_path / "orbit.sp3", T, STATES)
     text = path.read_text()
     assert old in text
     path.write_text(text.replace(old, new, 1))
     with pytest.raises(InputError) as error:
         read(path)
-    assert str(error.value).startswith(f"{path}: {said}")
+    assert str(error.value).startswith(f"{path}: {message}")
 
 
 def test_a_position_without_an_epoch_or_twice_in_one_is_refused(tmp_path):

@@ -46,7 +46,7 @@ def test_segments_without_an_id_are_tracks_of_their_own(message):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "line"),
     [
         ("CCSDS_TDM_VERS = 2.0", "CCSDS_OEM_VERS = 2.0", "line 1: expected CCSDS_TDM_VERS = 1.0 or 2.0"),
         (
@@ -68,13 +68,13 @@ def test_segments_without_an_id_are_tracks_of_their_own(message):
         ("RANGE = 2016-", "RANGE = 2016_", "line 21: expected RANGE at 2016-"),
     ],
 )
-def test_what_is_malformed_is_named_by_file_and_line(message, old, new, said):
+def test_what_is_malformed_is_named_by_file_and_line(message, old, new, line):
     text = message.read_text()
     assert old in text
     message.write_text(text.replace(old, new, 1))
     with pytest.raises(InputError) as error:
         tdm.read(message, epoch=EPOCH)
-    assert str(error.value).startswith(f"{message}: {said}")
+    assert str(error.value).startswith(f"{message}: {line}")
 
 
 def test_a_cut_file_is_noticed(message):
@@ -138,20 +138,20 @@ def test_corrections_that_were_not_applied_are_added(table, message):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "expected"),
     [
         ("TIME_SYSTEM = UTC", "TIME_SYSTEM = GPS", "expected time system GPS, as in {}, got UTC"),
         ("PARTICIPANT_2 = iss", "PARTICIPANT_2 = mir", "expected tracks of mir, as in {}, got iss"),
     ],
 )
-def test_messages_that_are_mixed_up_are_named_by_file_and_line(message, old, new, said):
+def test_messages_that_are_mixed_up_are_named_by_file_and_line(message, old, new, expected):
     message.write_text(message.read_text().replace(old, new, 1))
     with pytest.raises(InputError) as error:
         tdm.measurements([message], epoch=EPOCH)
     where, _, what = str(error.value).partition(": expected")
     line = message.read_text().splitlines()[int(where.split("line ")[1]) - 1]
     assert line.startswith("ANGLE_1")
-    assert f"expected{what}" == said.format(message)
+    assert f"expected{what}" == expected.format(message)
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-12, 0.1, 1.0, np.pi, 6.283185307179586, 1.2345678901234567e-5])

@@ -41,12 +41,12 @@ def orbit(iss):
 def nodes(orbit, earth_orientation):
     """The orbit in ITRF at a cadence [s], from a time [s]."""
 
-    def of(cadence, start=0.0, end=18000.0):
+    def cut(cadence, start=0.0, end=18000.0):
         kept = (orbit[0] >= start) & (orbit[0] <= end) & ((orbit[0] - start) % cadence == 0.0)
         t, states = orbit[0][kept], orbit[1][kept]
         return t, orbit_files.in_itrf(states, t, earth_orientation)
 
-    return of
+    return cut
 
 
 @pytest.fixture(scope="module")
@@ -92,13 +92,13 @@ WRITERS = {
 @pytest.mark.parametrize("kind", WRITERS)
 def test_every_format_gives_the_orbit_back(tmp_path, orbit, nodes, deviations, kind):
     path = WRITERS[kind](tmp_path / f"orbit.{kind}", orbit, nodes)
-    table, told = read_truth([path])
+    table, facts = read_truth([path])
     assert table["t"].tolist() == np.arange(20.0 if table["t"][0] else 0.0, 14401.0, 20.0).tolist()
     assert worst(deviations(table)) < 0.02
     assert np.abs(deviations(table)[:, 3:]).max() < 0.001
-    assert told["interpolation_error_m"]["rms"] < 0.1
-    assert (told["seams"], told["manoeuvres"], told["positions_left_out"]) == ([], [], 0)
-    assert json.loads(json.dumps(told)) == told
+    assert facts["interpolation_error_m"]["rms"] < 0.1
+    assert (facts["seams"], facts["manoeuvres"], facts["positions_left_out"]) == ([], [], 0)
+    assert json.loads(json.dumps(facts)) == facts
     orbit_from_files.check(OrbitFiles([path], EPOCH, DURATION))
 
 
@@ -148,18 +148,18 @@ def test_the_velocity_is_the_rate_of_the_position(tmp_path, nodes, earth_orienta
 def test_rows_without_an_orbit_are_absent(tmp_path, nodes, deviations):
     t, states = nodes(60.0, 5.0, 12000.0)
     kept = (t < 4000.0) | (t > 4400.0)
-    table, told = read_truth([orbit_files.sp3(tmp_path / "orbit.sp3", t[kept], states[kept])])
+    table, facts = read_truth([orbit_files.sp3(tmp_path / "orbit.sp3", t[kept], states[kept])])
     absent = sorted(set(np.arange(0.0, 14401.0, 20.0)) - set(table["t"]))
     assert absent == [0.0, *np.arange(3980.0, 4441.0, 20.0), *np.arange(11960.0, 14401.0, 20.0)]
-    assert told["gaps"] == [[0.0, 20.0], [3960.0, 4460.0], [11940.0, 14400.0]]
+    assert facts["gaps"] == [[0.0, 20.0], [3960.0, 4460.0], [11940.0, 14400.0]]
     assert worst(deviations(table)) < 0.01
 
 
 def test_a_hole_of_a_few_minutes_is_bridged(tmp_path, nodes, deviations):
     t, states = nodes(10.0)
     kept = (t < 4000.0) | (t > 4250.0)
-    table, told = read_truth([orbit_files.sp3(tmp_path / "orbit.sp3", t[kept], states[kept])])
-    assert told["gaps"] == []
+    table, facts = read_truth([orbit_files.sp3(tmp_path / "orbit.sp3", t[kept], states[kept])])
+    assert facts["gaps"] == []
     assert worst(deviations(table)) < 0.01
 
 
@@ -167,10 +167,10 @@ def test_files_that_abut_are_one_orbit_in_any_order(tmp_path, nodes, deviations)
     first = orbit_files.sp3(tmp_path / "a.sp3", *nodes(60.0, 0.0, 7140.0))
     second = orbit_files.sp3(tmp_path / "b.sp3", *nodes(60.0, 7200.0))
     both = orbit_files.sp3(tmp_path / "both.sp3", *nodes(60.0))
-    table, told = read_truth([second, first])
+    table, facts = read_truth([second, first])
     whole, _ = read_truth([both])
     pd.testing.assert_frame_equal(table, whole, check_exact=True)
-    assert told["files"] == ["a.sp3", "b.sp3"]
+    assert facts["files"] == ["a.sp3", "b.sp3"]
 
 
 def moved(states, by):
@@ -182,10 +182,10 @@ def test_nothing_is_bridged_over_a_seam(tmp_path, nodes, deviations):
     first = orbit_files.cpf(tmp_path / "a.cpf", *nodes(180.0, 0.0, 7199.0))
     t, states = nodes(180.0, 7200.0)
     second = orbit_files.cpf(tmp_path / "b.cpf", t, moved(states, [0.0, 14.0, 0.0]))
-    table, told = read_truth([first, second])
-    assert [seam["t"] for seam in told["seams"]] == [7110.0]
-    assert told["seams"][0]["step_m"] == pytest.approx(14.0, rel=0.02)
-    assert told["gaps"] == [[7020.0, 7200.0]]
+    table, facts = read_truth([first, second])
+    assert [seam["t"] for seam in facts["seams"]] == [7110.0]
+    assert facts["seams"][0]["step_m"] == pytest.approx(14.0, rel=0.02)
+    assert facts["gaps"] == [[7020.0, 7200.0]]
     before = (table["t"] < 7100.0).to_numpy()
     assert worst(deviations(table)[before]) < 0.05
     np.testing.assert_allclose(np.linalg.norm(deviations(table)[~before, :3], axis=1), 14.0, rtol=0, atol=0.1)
@@ -195,9 +195,9 @@ def test_where_files_overlap_the_one_that_begins_later_counts(tmp_path, nodes, d
     first = orbit_files.sp3(tmp_path / "a.sp3", *nodes(60.0, 0.0, 10000.0))
     t, states = nodes(60.0, 7205.0)
     second = orbit_files.sp3(tmp_path / "b.sp3", t, moved(states, [3.0, 0.0, 4.0]))
-    table, told = read_truth([first, second])
-    assert told["gaps"] == []
-    assert told["seams"] == [{"t": 7220.0, "step_m": pytest.approx(5.0, rel=1e-3)}]
+    table, facts = read_truth([first, second])
+    assert facts["gaps"] == []
+    assert facts["seams"] == [{"t": 7220.0, "step_m": pytest.approx(5.0, rel=1e-3)}]
     size = np.linalg.norm(deviations(table)[:, :3], axis=1)
     np.testing.assert_allclose(size, np.where(table["t"] < 7205.0, 0.0, 5.0), rtol=0, atol=0.02)
 
@@ -205,8 +205,8 @@ def test_where_files_overlap_the_one_that_begins_later_counts(tmp_path, nodes, d
 def test_files_that_share_an_epoch_follow_each_other(tmp_path, nodes, deviations):
     first = orbit_files.sp3(tmp_path / "a.sp3", *nodes(60.0, 0.0, 7200.0))
     second = orbit_files.sp3(tmp_path / "b.sp3", *nodes(60.0, 7200.0))
-    table, told = read_truth([first, second])
-    assert (told["gaps"], told["seams"]) == ([], [])
+    table, facts = read_truth([first, second])
+    assert (facts["gaps"], facts["seams"]) == ([], [])
     assert worst(deviations(table)) < 0.01
 
 
@@ -229,9 +229,9 @@ def burn(orbit, attraction, start, length, size):
 def test_a_burn_is_told_with_its_size_and_stays_in_the_orbit(tmp_path, orbit, attraction):
     t, states = burn(orbit, attraction, 7200.0, 600.0, 1.7)
     path = orbit_files.oem(tmp_path / "iss.oem", [(t, states)], frame="GCRF")
-    table, told = read_truth([path])
-    assert told["manoeuvres"] == [{"t": pytest.approx(7500.0), "dv_mps": pytest.approx(1.7, rel=0.005)}]
-    assert (told["gaps"], told["seams"]) == ([], [])
+    table, facts = read_truth([path])
+    assert facts["manoeuvres"] == [{"t": pytest.approx(7500.0), "dv_mps": pytest.approx(1.7, rel=0.005)}]
+    assert (facts["gaps"], facts["seams"]) == ([], [])
     within = table[(table["t"] > 7200.0) & (table["t"] < 7800.0)]
     np.testing.assert_allclose(within[STATE], states[np.isin(t, within["t"])], rtol=0, atol=1e-6)
     # Just before and after it, no row feels the burn of the other side.
@@ -246,9 +246,9 @@ def test_a_wrong_position_is_left_out_and_named(tmp_path, nodes, deviations, cap
     states[100, :3] += 1000.0
     path = orbit_files.sp3(tmp_path / "orbit.sp3", t, states)
     with caplog.at_level("WARNING", "opml"):
-        table, told = read_truth([path])
-    assert told["positions_left_out"] == 1
-    assert told["gaps"][1:] == [[5940.0, 6080.0]]
+        table, facts = read_truth([path])
+    assert facts["positions_left_out"] == 1
+    assert facts["gaps"][1:] == [[5940.0, 6080.0]]
     assert f"{path}: line {23 + 3 * 100 + 1}: left out" in caplog.text
     assert worst(deviations(table)) < 0.01
 
@@ -256,8 +256,8 @@ def test_a_wrong_position_is_left_out_and_named(tmp_path, nodes, deviations, cap
 def test_a_wrong_velocity_is_left_out(tmp_path, nodes, deviations):
     t, states = nodes(60.0)
     states[100, 3] += 5.0
-    table, told = read_truth([orbit_files.sp3(tmp_path / "orbit.sp3", t, states)])
-    assert told["velocities_left_out"] == 1
+    table, facts = read_truth([orbit_files.sp3(tmp_path / "orbit.sp3", t, states)])
+    assert facts["velocities_left_out"] == 1
     assert worst(deviations(table)) < 0.01
     assert np.abs(deviations(table)[:, 3:]).max() < 0.01
 
@@ -265,8 +265,8 @@ def test_a_wrong_velocity_is_left_out(tmp_path, nodes, deviations):
 def test_velocities_that_tell_less_than_the_positions_are_left_out(tmp_path, nodes, deviations):
     t, states = nodes(180.0)
     states[:, 3:] += np.random.default_rng(1).normal(0.0, 0.02, (len(t), 3))
-    table, told = read_truth([orbit_files.sp3(tmp_path / "orbit.sp3", t, states)])
-    assert told["velocities_left_out"] == len(t)
+    table, facts = read_truth([orbit_files.sp3(tmp_path / "orbit.sp3", t, states)])
+    assert facts["velocities_left_out"] == len(t)
     assert worst(deviations(table)) < 0.05
     assert np.abs(deviations(table)[:, 3:]).max() < 0.002
 
@@ -285,8 +285,8 @@ def test_an_orbit_that_is_too_rough_is_refused(tmp_path, nodes):
     path = orbit_files.cpf(tmp_path / "orbit.cpf", t, states)
     with pytest.raises(InputError, match=r"orbit.cpf: expected nodes that predict each other to 3 m, got 1"):
         read_truth([path])
-    table, told = read_truth([path], limit=100.0)
-    assert 5.0 < told["interpolation_error_m"]["rms"] < 50.0
+    table, facts = read_truth([path], limit=100.0)
+    assert 5.0 < facts["interpolation_error_m"]["rms"] < 50.0
     assert len(table) == 721
 
 
@@ -302,15 +302,15 @@ def test_a_wrong_velocity_beside_a_wrong_position_is_left_out(tmp_path, nodes, d
     t, states = nodes(60.0)
     states[100, :3] += 1000.0
     states[99, 3:] += 5.0
-    table, told = read_truth([orbit_files.sp3(tmp_path / "orbit.sp3", t, states)])
-    assert (told["positions_left_out"], told["velocities_left_out"]) == (1, 1)
+    table, facts = read_truth([orbit_files.sp3(tmp_path / "orbit.sp3", t, states)])
+    assert (facts["positions_left_out"], facts["velocities_left_out"]) == (1, 1)
     assert worst(deviations(table)) < 0.01
 
 
 def test_a_satellite_is_chosen(tmp_path, nodes, deviations):
     path = orbit_files.sp3(tmp_path / "two.sp3", *nodes(60.0), satellite=None)
-    table, told = read_truth([path], satellite="L01")
-    assert told["satellite"] == "L01"
+    table, facts = read_truth([path], satellite="L01")
+    assert facts["satellite"] == "L01"
     assert worst(deviations(table)) < 0.01
 
 
@@ -332,8 +332,8 @@ def unfit(tmp_path, orbit, nodes):
     """Files that no truth can be made of, and the epoch of the run, by what is wrong."""
     first, second = nodes(60.0, 0.0, 7140.0), nodes(60.0, 7200.0)
 
-    def a(name="a.sp3", of=first, **how):
-        return orbit_files.sp3(tmp_path / name, *of, **how)
+    def a(name="a.sp3", orbit=first, **how):
+        return orbit_files.sp3(tmp_path / name, *orbit, **how)
 
     made = {
         "none": lambda: [tmp_path / "a.sp3"],
@@ -347,7 +347,7 @@ def unfit(tmp_path, orbit, nodes):
         ],
         "start": lambda: [a(), a("b.sp3")],
         "run": lambda: [a()],
-        "spacing": lambda: [a(of=nodes(600.0))],
+        "spacing": lambda: [a(orbit=nodes(600.0))],
     }
     return lambda what: (made[what](), EPOCH if what != "run" else "2016-09-29T12:09:45")
 
@@ -355,12 +355,12 @@ def unfit(tmp_path, orbit, nodes):
 @pytest.mark.parametrize("what", REFUSED)
 def test_what_does_not_fit_is_told_before_alike(unfit, what):
     paths, epoch = unfit(what)
-    with pytest.raises(InputError, match=REFUSED[what]) as told:
+    with pytest.raises(InputError, match=REFUSED[what]) as checked:
         orbit_from_files.check(OrbitFiles(paths, epoch, DURATION))
     with pytest.raises(InputError) as read:
         read_truth(paths, epoch=epoch)
-    assert str(told.value) == str(read.value)
-    assert "\n" not in str(told.value)
+    assert str(checked.value) == str(read.value)
+    assert "\n" not in str(checked.value)
 
 
 CHANGES = st.one_of(
@@ -448,22 +448,22 @@ def real():
     """Truth table of a real orbit, and what is told of it."""
 
     @cache
-    def of(name):
+    def read(name):
         pattern, epoch, days, _ = REAL[name]
         paths = sorted(shared("real").glob(pattern))
         files = OrbitFiles(paths, epoch, days * DAY)
         orbit_from_files.check(files)
         return truth_from_orbit.truth(files, step=20.0)
 
-    return of
+    return read
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", REAL)
 def test_a_real_orbit_is_read(real, name):
-    table, told = real(name)
-    assert told["interpolation_error_m"]["rms"] < REAL[name][3]
-    assert told["positions_left_out"] == 0
+    table, facts = real(name)
+    assert facts["interpolation_error_m"]["rms"] < REAL[name][3]
+    assert facts["positions_left_out"] == 0
     assert len(table) > 0.998 * REAL[name][2] * DAY / 20.0
     speed, distance = (np.linalg.norm(table[axes], axis=1) for axes in (STATE[3:], STATE[:3]))
     energy = 0.5 * speed**2 - 3.986004415e14 / distance
@@ -491,12 +491,12 @@ def test_the_seams_of_joined_predictions_are_found_day_by_day(real):
 
 
 def test_the_days_of_swarm_are_joined_and_its_one_break_is_told(real):
-    told = real("swarm")[1]
-    (seam,) = told["seams"]
+    facts = real("swarm")[1]
+    (seam,) = facts["seams"]
     assert seam["t"] == pytest.approx(2376377.0, abs=10.0)  # 2019-09-30T12:06
     assert seam["step_m"] == pytest.approx(0.08, abs=0.01)
     # GPS time is ahead of UTC, so the last seconds of the last day are missing.
-    assert told["gaps"] == [[2419160.0, 2419200.0]]
+    assert facts["gaps"] == [[2419160.0, 2419200.0]]
 
 
 def test_swarm_between_nodes_is_right_within_two_centimetres():

@@ -178,7 +178,7 @@ nearest = _unary("rint")
 
 @intrinsic
 def select(typingctx, condition, yes, no):
-    """Return, lane by lane, `yes` where `condition` holds, else `no` (lanes or numbers)."""
+    """Return `yes` in the lanes where `condition` holds, else `no` (lanes or numbers)."""
 
     def codegen(context, builder, signature, args):
         chosen = [_as_vector(context, builder, args[k], signature.args[k]) for k in (1, 2)]
