@@ -2,10 +2,11 @@
 
 from opml.report import document, settings_tables
 from opml.tables import COMPONENTS, read_tables
+from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job
 
 with job(snakemake):
-    names = snakemake.params.settings["evaluations"]
+    names = FigureSettings(snakemake.params.settings).evaluations
     p_ml = read_tables(snakemake.input, "metrics")["p_ml"].to_numpy().reshape(len(names), len(COMPONENTS))
     output = snakemake.output
     document.write(

@@ -6,19 +6,20 @@ from opml.ephemerides.task import Task
 from opml.learning.data import dataset
 from opml.learning.models.daily_training import Lessons
 from opml.tables import read_table, write_table
+from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job, progress
 
 with job(snakemake) as metadata:
-    settings, files = snakemake.params.settings, snakemake.input
-    task = Task.read(files, settings, threads=snakemake.threads, progress=progress)
+    settings, files = JobSettings(snakemake.params.settings), snakemake.input
+    task = Task.read(files, settings.values, threads=snakemake.threads, progress=progress)
     labelled = dataset.read(files.dataset, files.beside)
     replay = read_table(files.replay, "replay")
     table = corrected.build(
         task,
-        Lessons(labelled, settings["learner"], settings["seed"], settings["train_days"][0]),
+        Lessons(labelled, settings.learner, settings.seed, settings.train_days[0]),
         replay,
-        spreads=corrected.spreading(files, settings, task.known, threads=snakemake.threads),
-        first_morning=DAY * settings["known_until_days"],
+        spreads=corrected.spreading(files, settings.values, task.known, threads=snakemake.threads),
+        first_morning=DAY * settings.known_until_days,
     )
-    metadata |= {"covariance": corrected.basis(replay, DAY * settings["known_until_days"])}
+    metadata |= {"covariance": corrected.basis(replay, DAY * settings.known_until_days)}
     write_table(snakemake.output[0], table, "corrected", metadata=metadata)

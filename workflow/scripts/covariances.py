@@ -6,10 +6,9 @@ from opml.tables import read_table, write_table
 from opml.workflow.jobs import job, progress
 
 with job(snakemake) as metadata:
-    settings = snakemake.params.settings
     predictions = read_table(snakemake.input.predictions, "predictions")
     carried = covariance.propagated(
-        Flight.read(snakemake.input, settings, threads=snakemake.threads, progress=progress),
+        Flight.read(snakemake.input, snakemake.params.settings, threads=snakemake.threads, progress=progress),
         read_table(snakemake.input.estimates, "estimates"),
         predictions,
     )

@@ -6,10 +6,11 @@ from opml.base.constants import HOUR
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.tables import read_metadata, read_table, write_table
+from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
-    settings, labels = snakemake.params.settings, snakemake.input.get("labels")
+    settings, labels = JobSettings(snakemake.params.settings), snakemake.input.get("labels")
     manoeuvres = read_metadata(snakemake.input.manoeuvres).get("manoeuvres", [])
     table = dataset.build(
         read_table(snakemake.input.estimates, "estimates"),
@@ -17,9 +18,9 @@ with job(snakemake) as metadata:
         read_table(snakemake.input.tracking, "tracking"),
         gm=read_metadata(snakemake.input.gravity_field)["gm"],
         cleaning=replace(
-            Cleaning.from_settings(settings["cleaning"]),
+            Cleaning.from_settings(settings.cleaning),
             manoeuvres=tuple(manoeuvre["t"] for manoeuvre in manoeuvres),
-            window=HOUR * settings["window_hours"],
+            window=HOUR * settings.window_hours,
         ),
         labels=labels and read_table(labels, "labels"),
     )

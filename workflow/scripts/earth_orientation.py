@@ -3,11 +3,12 @@
 from opml.base.constants import DAY
 from opml.environment import earth_orientation, nodes
 from opml.tables import write_table
+from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
-    settings = snakemake.params.settings
-    t = nodes(settings["epoch"], DAY * settings["duration_days"])
-    table = earth_orientation.tabulate(settings["epoch"], t)
+    settings = JobSettings(snakemake.params.settings)
+    t = nodes(settings.epoch, DAY * settings.duration_days)
+    table = earth_orientation.tabulate(settings.epoch, t)
     metadata |= earth_orientation.metadata()
     write_table(snakemake.output[0], table, "earth_orientation", metadata=metadata)

@@ -4,21 +4,22 @@ from opml.base.constants import HOUR
 from opml.catalog.flight import Flight
 from opml.catalog.predict import weather_futures
 from opml.tables import read_table, write_table
+from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job, progress
 
 with job(snakemake) as metadata:
-    settings, files = snakemake.params.settings, snakemake.input
+    settings, files = JobSettings(snakemake.params.settings), snakemake.input
     predictions = read_table(files.predictions, "predictions")
     sample = weather_futures.sample(
-        Flight.read(files, settings, threads=snakemake.threads, progress=progress),
+        Flight.read(files, settings.values, threads=snakemake.threads, progress=progress),
         read_table(files.futures, "futures"),
         read_table(files.estimates, "estimates"),
         predictions,
-        window=HOUR * settings["window_hours"],
-        seed=settings["seed"],
+        window=HOUR * settings.window_hours,
+        seed=settings.seed,
     )
     write_table(snakemake.output.sample, sample, "ensemble", metadata=metadata)
-    fan = weather_futures.fan(sample, predictions, level=settings["level"])
-    metadata |= {"level": settings["level"]}
+    fan = weather_futures.fan(sample, predictions, level=settings.level)
+    metadata |= {"level": settings.level}
     write_table(snakemake.output.fan, fan, "fan", metadata=metadata)
     write_table(snakemake.output.scores, weather_futures.scores(fan), "scores", metadata=metadata)

@@ -3,11 +3,12 @@
 from opml.base.constants import DAY
 from opml.environment import celestial_bodies, nodes
 from opml.tables import write_table
+from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
-    settings = snakemake.params.settings
-    t = nodes(settings["epoch"], DAY * settings["duration_days"])
-    table = celestial_bodies.tabulate(settings["kernel"], settings["epoch"], t)
-    metadata |= celestial_bodies.metadata(settings["kernel"])
+    settings = JobSettings(snakemake.params.settings)
+    t = nodes(settings.epoch, DAY * settings.duration_days)
+    table = celestial_bodies.tabulate(settings.kernel, settings.epoch, t)
+    metadata |= celestial_bodies.metadata(settings.kernel)
     write_table(snakemake.output[0], table, "ephemerides", metadata=metadata)

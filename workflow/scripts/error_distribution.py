@@ -3,13 +3,14 @@
 from opml.figures import prediction_errors, style
 from opml.learning.data.splits import in_days
 from opml.tables import read_table
+from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job
 
 with job(snakemake):
-    settings = snakemake.params.settings
+    settings = FigureSettings(snakemake.params.settings)
     dataset = read_table(snakemake.input[0], "dataset")
-    pairs = dataset[dataset["keep"] & in_days(dataset["t_j"], settings["days"])]
-    note = prediction_errors.pairs_note(pairs, settings)
+    pairs = dataset[dataset["keep"] & in_days(dataset["t_j"], settings.days)]
+    note = prediction_errors.pairs_note(pairs, settings.values)
     figures = [
         prediction_errors.distribution_position(pairs, note=note),
         prediction_errors.distribution_velocity(pairs, note=note),

@@ -3,14 +3,15 @@
 from opml.base.constants import DAY
 from opml.figures import orbit, style
 from opml.tables import read_table
+from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job
 
 with job(snakemake):
-    settings = snakemake.params.settings
+    settings = FigureSettings(snakemake.params.settings)
     tracking = read_table(snakemake.input[0], "tracking")
-    track = tracking.loc[tracking["t"] >= DAY * settings["window_day"], "track"].min()
-    note = f"{settings['rso']} by {settings['stations']}; bars: tracks, from first to last measurement"
+    track = tracking.loc[tracking["t"] >= DAY * settings.window_day, "track"].min()
+    note = f"{settings.rso} by {settings.stations}; bars: tracks, from first to last measurement"
     figure = orbit.estimation_window(
-        tracking, track=int(track), window_hours=settings["window_hours"], note=note
+        tracking, track=int(track), window_hours=settings.window_hours, note=note
     )
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

@@ -8,19 +8,20 @@ from opml.learning.judge.evaluation import evaluate
 from opml.learning.models import learners
 from opml.readings.own_standardisation import as_tested
 from opml.tables import read_metadata, write_table
+from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
-    settings, files, output = snakemake.params.settings, snakemake.input, snakemake.output
-    experiment = settings["experiment"]
-    table, rows, learned = job_rows.read(files, settings, beside=files.beside)
+    settings, files, output = JobSettings(snakemake.params.settings), snakemake.input, snakemake.output
+    experiment = settings.experiment
+    table, rows, learned = job_rows.read(files, settings.values, beside=files.beside)
     model = as_tested(learners.read(files.model), experiment["test"])
     corrected = evaluate(model, table, rows, component=experiment["component"])
     write_table(output.evaluation, corrected, "evaluation", metadata=metadata)
     summary = metrics.summary(
         corrected,
-        seed_noise=settings["noise"],
-        seed_split=settings["seed"],
+        seed_noise=settings.noise,
+        seed_split=settings.seed,
         p_ml_later=metrics.against_labels(corrected, learned, component=experiment["component"]),
         kernel_scale=read_metadata(files.model).get("kernel_scale", math.nan),
         **experiment,

@@ -2,9 +2,10 @@
 
 from opml.interop import tdm
 from opml.tables import read_table
+from opml.workflow.job_settings import SheetJobSettings
 from opml.workflow.jobs import job
 
 with job(snakemake):
-    settings = snakemake.params.settings
+    settings = SheetJobSettings(snakemake.params.settings)
     tracking = read_table(snakemake.input[0], "tracking")
-    tdm.write(snakemake.output[0], tracking, epoch=settings["epoch"], rso=settings["rso"])
+    tdm.write(snakemake.output[0], tracking, epoch=settings.epoch, rso=settings.rso)

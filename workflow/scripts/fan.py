@@ -2,15 +2,16 @@
 
 from opml.figures import fan, style
 from opml.tables import read_table
+from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job
 
 with job(snakemake):
-    settings = snakemake.params.settings
+    settings = FigureSettings(snakemake.params.settings)
     figure = fan.chart(
         read_table(snakemake.input.fan, "fan"),
         read_table(snakemake.input.sample, "ensemble"),
-        track=settings["track"],
-        level=settings["level"],
-        note=f"{settings['rso']} by {settings['stations']}, from track {settings['track']}",
+        track=settings.track,
+        level=settings.level,
+        note=f"{settings.rso} by {settings.stations}, from track {settings.track}",
     )
     style.save_all([figure], [snakemake.output.pdf], [snakemake.output.png])

@@ -6,20 +6,21 @@ from opml.catalog.flight import Flight
 from opml.interop import first_state
 from opml.orbits.sheets import Station
 from opml.tables import read_table, write_table
+from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
-    settings, files = snakemake.params.settings, snakemake.input
-    flight = Flight.read(files, settings, threads=snakemake.threads)
+    settings, files = JobSettings(snakemake.params.settings), snakemake.input
+    flight = Flight.read(files, settings.values, threads=snakemake.threads)
     tracking = read_table(files.tracking, "tracking")
     if files.start:
-        known = first_state.read(files.start, epoch=settings["epoch"], t=tracking["t"].iloc[0])
+        known = first_state.read(files.start, epoch=settings.epoch, t=tracking["t"].iloc[0])
     else:
         known = first_orbit.of_sheet(flight.rso, flight.model.gm)
     measured = Measured(
         tracking,
         read_table(files.earth_orientation, "earth_orientation"),
-        [Station(**station) for station in settings["stations"]],
+        [Station(**station) for station in settings.stations],
     )
-    table = first_orbit.starts(flight, measured, known=known, settings=Estimation(**settings["estimation"]))
+    table = first_orbit.starts(flight, measured, known=known, settings=Estimation(**settings.estimation))
     write_table(snakemake.output[0], table, "starts", metadata=metadata)

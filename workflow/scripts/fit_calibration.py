@@ -4,17 +4,16 @@ from opml.learning.data import job_rows
 from opml.learning.data.components import POSITION
 from opml.learning.judge import calibration
 from opml.tables import POSITION_COVARIANCES, symmetric_matrices, write_table
+from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
-    settings, files = snakemake.params.settings, snakemake.input
-    table, rows, _ = job_rows.read(files, settings, beside=[files.covariances])
+    settings, files = JobSettings(snakemake.params.settings), snakemake.input
+    table, rows, _ = job_rows.read(files, settings.values, beside=[files.covariances])
     shares = calibration.of_covariances(
         symmetric_matrices(table[rows], POSITION_COVARIANCES),
         table.loc[rows, POSITION].to_numpy(),
         table.loc[rows, "duration"].to_numpy(),
-        days=calibration.marks(settings["max_days"]),
+        days=calibration.marks(settings.max_days),
     )
-    write_table(
-        snakemake.output[0], shares.assign(**settings["experiment"]), "calibration", metadata=metadata
-    )
+    write_table(snakemake.output[0], shares.assign(**settings.experiment), "calibration", metadata=metadata)

@@ -3,18 +3,19 @@
 from opml.base.constants import DAY
 from opml.environment import knowledge, nodes
 from opml.tables import write_table
+from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
-    settings = snakemake.params.settings
+    settings = JobSettings(snakemake.params.settings)
     issues = knowledge.Issues(
-        source=settings["source"],
-        epoch=settings["epoch"],
-        forecast=settings["forecast"],
-        hours=settings["issue_hours"],
-        max_days=settings["max_days"],
+        source=settings.source,
+        epoch=settings.epoch,
+        forecast=settings.forecast,
+        hours=settings.issue_hours,
+        max_days=settings.max_days,
     )
-    t = nodes(issues.epoch, DAY * settings["duration_days"])
-    table = knowledge.futures(issues, t, members=settings["members"])
-    metadata |= {name: settings[name] for name in ("source", "forecast", "members")}
+    t = nodes(issues.epoch, DAY * settings.duration_days)
+    table = knowledge.futures(issues, t, members=settings.members)
+    metadata |= {"source": settings.source, "forecast": settings.forecast, "members": settings.members}
     write_table(snakemake.output[0], table, "futures", metadata=metadata)

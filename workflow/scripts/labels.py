@@ -3,6 +3,7 @@
 from opml.base.constants import HOUR
 from opml.catalog.predict import labels
 from opml.tables import read_table, write_table
+from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
@@ -10,6 +11,6 @@ with job(snakemake) as metadata:
         read_table(snakemake.input.predictions, "predictions"),
         read_table(snakemake.input.estimates, "estimates"),
         read_table(snakemake.input.tracking, "tracking"),
-        after=HOUR * snakemake.params.settings["after_hours"],
+        after=HOUR * JobSettings(snakemake.params.settings).after_hours,
     )
     write_table(snakemake.output[0], table, "labels", metadata=metadata)

@@ -2,19 +2,20 @@
 
 from opml.figures import orbit, style
 from opml.tables import read_metadata, read_table
+from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job
 
 with job(snakemake):
-    settings = snakemake.params.settings
+    settings = FigureSettings(snakemake.params.settings)
     truth, tracking = (
-        orbit.select_days(read_table(snakemake.input[name], name), settings["days"])
+        orbit.select_days(read_table(snakemake.input[name], name), settings.days)
         for name in ("truth", "tracking")
     )
     gm = read_metadata(snakemake.input.gravity_field)["gm"]
-    observed = f"{settings['rso']}, observed by {settings['stations']}"
-    elements = f"{settings['rso']}: osculating elements in GCRF"
+    observed = f"{settings.rso}, observed by {settings.stations}"
+    elements = f"{settings.rso}: osculating elements in GCRF"
     figures = [
         orbit.orbit_3d(truth, tracking, note=observed),
-        orbit.orbital_elements(truth, gm=gm, zoom_days=settings["zoom_days"], note=elements),
+        orbit.orbital_elements(truth, gm=gm, zoom_days=settings.zoom_days, note=elements),
     ]
     style.save_all(figures, snakemake.output.pdf, snakemake.output.png)

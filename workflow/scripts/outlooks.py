@@ -3,17 +3,18 @@
 from opml.base.constants import DAY
 from opml.environment import knowledge, nodes
 from opml.tables import OUTLOOKS, write_table
+from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
-    settings = snakemake.params.settings
+    settings = JobSettings(snakemake.params.settings)
     issues = knowledge.Issues(
-        source=settings["source"],
-        epoch=settings["epoch"],
-        forecast=settings["forecast"],
-        hours=settings["issue_hours"],
-        max_days=settings["max_days"],
+        source=settings.source,
+        epoch=settings.epoch,
+        forecast=settings.forecast,
+        hours=settings.issue_hours,
+        max_days=settings.max_days,
     )
-    table = knowledge.outlooks(issues, nodes(issues.epoch, DAY * settings["duration_days"]))
-    metadata |= {"source": settings["source"], "forecast": settings["forecast"]}
+    table = knowledge.outlooks(issues, nodes(issues.epoch, DAY * settings.duration_days))
+    metadata |= {"source": settings.source, "forecast": settings.forecast}
     write_table(snakemake.output[0], table, OUTLOOKS, metadata=metadata)

@@ -3,11 +3,12 @@
 from opml.figures import p_ml_curves, style
 from opml.learning.judge.metrics import by_seed
 from opml.tables import read_tables
+from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job
 
 with job(snakemake):
-    settings = snakemake.params.settings
+    settings = FigureSettings(snakemake.params.settings)
     metrics = by_seed(read_tables(snakemake.input, "metrics"))
-    published = {float(ratio): p_ml for ratio, p_ml in settings["published"].items()}
-    figure = p_ml_curves.partition_curve(metrics, component=settings["component"], published=published)
+    published = {float(ratio): p_ml for ratio, p_ml in settings.published.items()}
+    figure = p_ml_curves.partition_curve(metrics, component=settings.component, published=published)
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

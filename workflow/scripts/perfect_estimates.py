@@ -2,12 +2,13 @@
 
 from opml.catalog.simulate import oracle
 from opml.tables import read_table, write_table
+from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     table = oracle.perfect(
         read_table(snakemake.input.estimates, "estimates"),
         read_table(snakemake.input.truth, "truth"),
-        cd=snakemake.params.settings["cd"],
+        cd=JobSettings(snakemake.params.settings).cd,
     )
     write_table(snakemake.output[0], table, "estimates", metadata=metadata)

@@ -2,12 +2,13 @@
 
 from opml.learning.data import dataset
 from opml.tables import SCHEMAS, mechanism_schema, read_kind, read_table, write_table
+from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
-    settings = snakemake.params.settings
+    settings = JobSettings(snakemake.params.settings)
     kind = read_kind(snakemake.input[0])
-    schema = mechanism_schema(settings["resonances"]) if kind == "mechanism" else SCHEMAS[kind]
+    schema = mechanism_schema(settings.resonances) if kind == "mechanism" else SCHEMAS[kind]
     table = dataset.pool([read_table(path, schema) for path in snakemake.input])
-    metadata |= {"resonances": settings["resonances"]}
+    metadata |= {"resonances": settings.resonances}
     write_table(snakemake.output[0], table, schema, metadata=metadata)

@@ -6,21 +6,22 @@ from opml.learning.data import dataset
 from opml.learning.judge import rolling_origins
 from opml.learning.models import learners
 from opml.tables import write_table
+from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
-    settings, files = snakemake.params.settings, snakemake.input
+    settings, files = JobSettings(snakemake.params.settings), snakemake.input
     learned = dataset.read(files.dataset, files.beside)
     table = rolling_origins.roll(
         partial(
             learners.train,
-            component=settings["component"],
-            settings=settings["learner"],
-            seed=settings["seed"],
+            component=settings.component,
+            settings=settings.learner,
+            seed=settings.seed,
         ),
         learned,
         dataset.read(files.judge, files.beside) if files.judge else learned,
-        rolling_origins.Rolling(**settings["rolling"]),
-        component=settings["component"],
+        rolling_origins.Rolling(**settings.rolling),
+        component=settings.component,
     )
     write_table(snakemake.output[0], table, "rolling", metadata=metadata)

@@ -5,13 +5,14 @@ from opml.catalog.predict import spread
 from opml.ephemerides import replays
 from opml.ephemerides.known import Known
 from opml.tables import read_table, write_table
+from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job, progress
 
 with job(snakemake) as metadata:
-    settings, files = snakemake.params.settings, snakemake.input
-    flattened = settings | {"force_model": spread.FLATTENED}
-    known = Known.read(files, settings)
-    starts = replays.departures(known, every_hours=settings["every_hours"])
+    settings, files = JobSettings(snakemake.params.settings), snakemake.input
+    flattened = settings.values | {"force_model": spread.FLATTENED}
+    known = Known.read(files, settings.values)
+    starts = replays.departures(known, every_hours=settings.every_hours)
     predictions = read_table(files.predictions, "predictions")
     table = spread.build(
         Flight.read(files, flattened, threads=snakemake.threads, progress=progress),

@@ -5,18 +5,19 @@ import pandas as pd
 from opml.figures import own_study, style
 from opml.figures.axis_labels import add_weather
 from opml.tables import read_table
+from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job, read_by_key
 
 with job(snakemake):
-    settings, files = snakemake.params.settings, snakemake.input
+    settings, files = FigureSettings(snakemake.params.settings), snakemake.input
     dataset = read_table(files.dataset, "dataset")
     errors = [
-        own_study.daily_errors(dataset, component=settings["component"], day=day) for day in settings["marks"]
+        own_study.daily_errors(dataset, component=settings.component, day=day) for day in settings.marks
     ]
     figure = own_study.drag(
-        read_by_key(settings["windows"], files.estimates, "estimates"),
+        read_by_key(settings.windows, files.estimates, "estimates"),
         read_table(files.activity, "solar_activity"),
         pd.concat(errors),
-        note=add_weather(f"{settings['rso']} by {settings['stations']}; {own_study.UNCORRECTED}", settings),
+        note=add_weather(f"{settings.rso} by {settings.stations}; {own_study.UNCORRECTED}", settings.values),
     )
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

@@ -3,14 +3,13 @@
 from opml.figures import own_study, style
 from opml.figures.axis_labels import add_weather
 from opml.learning.judge.rolling_origins import by_day
+from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job, read_by_key
 
 with job(snakemake):
-    settings = snakemake.params.settings
-    tables = read_by_key(settings["learners"], snakemake.input, "rolling")
+    settings = FigureSettings(snakemake.params.settings)
+    tables = read_by_key(settings.learners, snakemake.input, "rolling")
     days = {learner: by_day(table) for learner, table in tables.items()}
-    note = (
-        f"{settings['rso']} by {settings['stations']}, {settings['last_days']:g} days to learn from at most"
-    )
-    figure = own_study.rolling(days, every_days=settings["every_days"], note=add_weather(note, settings))
+    note = f"{settings.rso} by {settings.stations}, {settings.last_days:g} days to learn from at most"
+    figure = own_study.rolling(days, every_days=settings.every_days, note=add_weather(note, settings))
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

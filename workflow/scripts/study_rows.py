@@ -2,9 +2,10 @@
 
 from opml.figures import own_study, style
 from opml.report.own_study import row_shares
+from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job, read_by_key
 
 with job(snakemake):
-    tables = read_by_key(snakemake.params.settings["datasets"], snakemake.input, "dataset")
+    tables = read_by_key(FigureSettings(snakemake.params.settings).datasets, snakemake.input, "dataset")
     shares = {name: row_shares(table) for name, table in tables.items()}
     style.save_all([own_study.rows(shares)], snakemake.output.pdf, snakemake.output.png)

@@ -2,13 +2,14 @@
 
 from opml.catalog.predict import thermometer
 from opml.tables import read_table, write_table
+from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
-    files, settings = snakemake.input, snakemake.params.settings
-    method = thermometer.Thermometer(**settings["thermometer"])
+    files, settings = snakemake.input, JobSettings(snakemake.params.settings)
+    method = thermometer.Thermometer(**settings.thermometer)
     fits = [read_table(path, "estimates") for path in files.catalogue]
-    readings = thermometer.read(read_table(files.estimates, "estimates"), fits, settings["member"], method)
+    readings = thermometer.read(read_table(files.estimates, "estimates"), fits, settings.member, method)
     table = thermometer.corrections(
         read_table(files.predictions, "predictions"),
         readings,

@@ -3,11 +3,12 @@
 from opml.base.constants import DAY
 from opml.environment import nodes, nrlmsis
 from opml.tables import write_table
+from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
-    settings = snakemake.params.settings
-    t = nodes(settings["epoch"], DAY * settings["duration_days"])
-    table = nrlmsis.tabulate(settings["source"], settings["epoch"], t)
-    metadata |= {"source": settings["source"], **nrlmsis.SOURCES}
+    settings = JobSettings(snakemake.params.settings)
+    t = nodes(settings.epoch, DAY * settings.duration_days)
+    table = nrlmsis.tabulate(settings.source, settings.epoch, t)
+    metadata |= {"source": settings.source, **nrlmsis.SOURCES}
     write_table(snakemake.output[0], table, "thermosphere", metadata=metadata)

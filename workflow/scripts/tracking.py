@@ -3,15 +3,16 @@
 from opml.catalog.simulate import tracking
 from opml.orbits.sheets import Station
 from opml.tables import read_table, write_table
+from opml.workflow.job_settings import SheetJobSettings
 from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
-    settings = snakemake.params.settings
+    settings = SheetJobSettings(snakemake.params.settings)
     table = tracking.simulate(
         read_table(snakemake.input.truth, "truth"),
         read_table(snakemake.input.earth_orientation, "earth_orientation"),
-        [Station(**station) for station in settings["stations"]],
-        rso=settings["rso"],
-        seed=settings["seed"],
+        [Station(**station) for station in settings.stations],
+        rso=settings.rso,
+        seed=settings.seed,
     )
     write_table(snakemake.output[0], table, "tracking", metadata=metadata)

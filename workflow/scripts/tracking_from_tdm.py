@@ -5,14 +5,15 @@ from opml.catalog.fit import measured_tracks
 from opml.interop import tdm
 from opml.orbits.sheets import Station
 from opml.tables import write_table
+from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
-    settings = snakemake.params.settings
+    settings = JobSettings(snakemake.params.settings)
     table = measured_tracks.tracks(
-        tdm.measurements(list(snakemake.input), epoch=settings["epoch"]),
-        [Station(**station) for station in settings["stations"]],
+        tdm.measurements(list(snakemake.input), epoch=settings.epoch),
+        [Station(**station) for station in settings.stations],
     )
-    times = sorted(epochs.elapsed(settings["epoch"], time) for time in settings["manoeuvres"])
+    times = sorted(epochs.elapsed(settings.epoch, time) for time in settings.manoeuvres)
     metadata |= {"manoeuvres": [{"t": t} for t in times]}
     write_table(snakemake.output[0], table, "tracking", metadata=metadata)

@@ -3,17 +3,16 @@
 from opml.learning.data import dataset, splits
 from opml.learning.models import learners
 from opml.tables import write_table
+from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
-    settings = snakemake.params.settings
+    settings = JobSettings(snakemake.params.settings)
     table = dataset.read(snakemake.input.dataset, snakemake.input.beside)
-    rows = splits.training_rows(
-        table, settings["train"], span_days=settings["span_days"], seed=settings["seed"]
-    )
+    rows = splits.training_rows(table, settings.train, span_days=settings.span_days, seed=settings.seed)
     model = learners.train(
-        table[rows], component=settings["component"], settings=settings["learner"], seed=settings["seed"]
+        table[rows], component=settings.component, settings=settings.learner, seed=settings.seed
     )
     weights, described = model.to_table()
-    metadata |= described | {"component": settings["component"]}
+    metadata |= described | {"component": settings.component}
     write_table(snakemake.output[0], weights, learners.schema(described), metadata=metadata)

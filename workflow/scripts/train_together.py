@@ -4,13 +4,15 @@ from opml.learning.data import job_rows
 from opml.learning.models import learners
 from opml.readings import joint_standardisation
 from opml.tables import write_table
+from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
-    settings, component = snakemake.params.settings, snakemake.params.settings["experiment"]["component"]
-    rows, test = job_rows.read_with_training(snakemake.input, settings)
+    settings = JobSettings(snakemake.params.settings)
+    component = settings.experiment["component"]
+    rows, test = job_rows.read_with_training(snakemake.input, settings.values)
     model = joint_standardisation.train(
-        rows, test, component=component, settings=settings["learner"], seed=settings["seed"]
+        rows, test, component=component, settings=settings.learner, seed=settings.seed
     )
     weights, described = model.to_table()
     metadata |= described | {"component": component}

@@ -3,19 +3,20 @@
 from opml.figures import p_ml_curves, style
 from opml.learning.judge.metrics import by_seed
 from opml.tables import read_tables
+from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job
 
 with job(snakemake):
-    settings = snakemake.params.settings
+    settings = FigureSettings(snakemake.params.settings)
     published = {
         test: {float(value): p_ml for value, p_ml in points.items()}
-        for test, points in settings["published"].items()
+        for test, points in settings.published.items()
     }
     figure = p_ml_curves.transfer_curve(
         by_seed(read_tables(snakemake.input, "metrics")),
-        settings["curve"],
-        settings["targets"],
-        component=settings["component"],
+        settings.curve,
+        settings.targets,
+        component=settings.component,
         published=published,
     )
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

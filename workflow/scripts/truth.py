@@ -4,10 +4,11 @@ from opml.base.constants import DAY
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import truth
 from opml.tables import write_table
+from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job, progress
 
 with job(snakemake) as metadata:
-    settings = snakemake.params.settings
-    flight = Flight.read(snakemake.input, settings, progress=progress)
-    table = truth.simulate(flight, duration=DAY * settings["duration_days"], step=settings["step_s"])
+    settings = JobSettings(snakemake.params.settings)
+    flight = Flight.read(snakemake.input, settings.values, progress=progress)
+    table = truth.simulate(flight, duration=DAY * settings.duration_days, step=settings.step_s)
     write_table(snakemake.output[0], table, "truth", metadata=metadata)

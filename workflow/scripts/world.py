@@ -3,19 +3,20 @@
 from opml.figures import ground, style
 from opml.orbits.sheets import Station
 from opml.tables import read_table
+from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job
 
 with job(snakemake):
-    settings, files = snakemake.params.settings, snakemake.input
+    settings, files = FigureSettings(snakemake.params.settings), snakemake.input
     orbit = ground.ObservedOrbit(
         read_table(files.truth, "truth"),
         read_table(files.earth_orientation, "earth_orientation"),
-        [Station(**station) for station in settings["radars"]],
+        [Station(**station) for station in settings.radars],
     )
     figure = ground.world(
         orbit,
         read_table(files.tracking, "tracking"),
-        first_day=settings["first_day"],
-        note=f"{settings['rso']} by {settings['stations']}",
+        first_day=settings.first_day,
+        note=f"{settings.rso} by {settings.stations}",
     )
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

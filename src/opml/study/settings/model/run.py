@@ -281,8 +281,7 @@ class RunAlone(Section):
         default={},
     )
     data: Text = setting(
-        "folder that relative paths of `orbits`, `tracks` and `starts` start from; the project's by"
-        " default",
+        "folder that relative paths of `orbits`, `tracks` and `starts` start from; the project's by default",
         unit="path",
         default="",
     )
