@@ -1,4 +1,4 @@
-"""Digests of code and of settings, by which a table tells what made it and a change in either is noticed."""
+"""Digests of code and settings: tables keep them as their provenance, and a change reruns the rules."""
 
 import ast
 import hashlib
@@ -108,7 +108,7 @@ def _imports(path: Path, *, package: str) -> set[str]:
 
 
 def _imported_from(node: ast.ImportFrom, package: str) -> Iterator[str]:
-    """Yield what ``from base import a, b`` may import: base, base.a and base.b."""
+    """Yield the modules that ``from base import a, b`` may import: base, base.a and base.b."""
     above = package.split(".")[: len(package.split(".")) - node.level + 1] if node.level else []
     base = ".".join([*above, *([node.module] if node.module else [])])
     yield base

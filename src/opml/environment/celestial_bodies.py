@@ -41,7 +41,7 @@ def tabulate(kernel: str | Path | None, epoch: str, t: np.ndarray) -> pd.DataFra
     t: (n,) [s since `epoch`]
 
     Columns: t [s], and {body}_x, {body}_y, {body}_z [m] for each body. Raises InputError for a missing file,
-    one that is no SPK, a body that it lacks, and dates that it does not cover.
+    a file that is no SPK, a body that the file lacks, and dates outside the file's.
     """
     path = resolve(kernel)
     t = np.asarray(t, dtype=float)

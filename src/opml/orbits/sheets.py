@@ -94,7 +94,7 @@ _STATION_FIELDS = {
     "sigma_elevation_deg": _Field("sigma_elevation", 0, 90, math.radians, above_low=True),
 }
 _RSO_FIELDS = {
-    "a_km": _Field("a", WGS84_A / 1e3, 300_000, _kilo),  # what is larger is meant in metres
+    "a_km": _Field("a", WGS84_A / 1e3, 300_000, _kilo),  # a larger number is one in metres
     "e": _Field("e", 0, 0.99),
     "i_deg": _Field("i", 0, 180, math.radians),
     "argp_deg": _Field("argp", -360, 360, math.radians),
