@@ -5,8 +5,12 @@ No test may change in place what tests share: `unchanged.py` sees to it.
 
 import numpy as np
 import pytest
+import threadpoolctl
 from support import ASSUMED_BODIES, environment, force_model, rsos, stations
 from unchanged import pytest_fixture_setup, shared_values_stay  # noqa: F401
+
+# As in a job; there are as many processes of tests as cores.
+threadpoolctl.threadpool_limits(1, user_api="blas")
 
 
 def pytest_collection_modifyitems(config, items):

@@ -128,6 +128,7 @@ def test_every_script_has_a_digest_of_its_own_modules(script):
     assert "opml.workflow.jobs" in imports(script)
 
 
+@pytest.mark.slow
 def test_nothing_that_python_really_loads_is_missed():
     # The truth is in the interpreter: load what a script imports, and look at what came with it.
     for name in ("estimation", "evaluate", "gravity_field"):

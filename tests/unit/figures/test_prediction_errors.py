@@ -377,6 +377,7 @@ def test_same_bytes_in_another_process(evaluation, tmp_path):
             assert ours.read_bytes() == theirs.read_bytes()
 
 
+@pytest.mark.slow
 def test_many_points_make_a_small_file(tmp_path):
     rng = np.random.default_rng(1)
     true = rng.normal(size=20_000) * 1e4

@@ -471,6 +471,7 @@ def test_a_real_orbit_is_read(real, name):
     assert np.abs(energy / energy.mean() - 1.0).max() < 5e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "announced"), [("iss_2023_02", [1.7]), ("iss_2023_09", [0.7]), ("iss_2024_05", [1.1, 1.4])]
 )
@@ -479,17 +480,20 @@ def test_the_burns_of_the_iss_are_those_that_nasa_announces(real, name, announce
     assert sizes == pytest.approx(announced, abs=0.05)  # announced to 0.1 m/s
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in REAL if not name.startswith("iss")])
 def test_no_manoeuvre_is_told_of_a_satellite_that_made_none(real, name):
     assert real(name)[1]["manoeuvres"] == []
 
 
+@pytest.mark.slow
 def test_the_seams_of_joined_predictions_are_found_day_by_day(real):
     seams = pd.DataFrame(real("larets")[1]["seams"])
     assert np.rint(np.diff(seams["t"]) / DAY).tolist() == [1.0] * 59
     assert seams["step_m"].median() == pytest.approx(14.0, abs=2.0)
 
 
+@pytest.mark.slow
 def test_the_days_of_swarm_are_joined_and_its_one_break_is_told(real):
     facts = real("swarm")[1]
     (seam,) = facts["seams"]
