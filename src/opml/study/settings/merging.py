@@ -45,14 +45,14 @@ class Settings:
     @property
     def orbits(self) -> dict[str, list[str]]:
         """Files of the orbits that stand in for a simulated truth, by RSO; a pattern without files stays."""
-        given = {**self.values.get("oem", {}), **self.values.get("orbits", {})}
-        return {rso: _files(named, self.values.get("data", "")) for rso, named in given.items()}
+        orbits = {**self.values.get("oem", {}), **self.values.get("orbits", {})}
+        return {rso: _files(paths, self.values.get("data", "")) for rso, paths in orbits.items()}
 
     @property
     def tracks(self) -> dict[str, list[str]]:
         """Files of tracks that were really measured, by RSO; a pattern without files stays."""
-        given, folder = self.values.get("tracks", {}), self.values.get("data", "")
-        return {rso: _files(named, folder) for rso, named in given.items()}
+        tracks, folder = self.values.get("tracks", {}), self.values.get("data", "")
+        return {rso: _files(paths, folder) for rso, paths in tracks.items()}
 
     @property
     def starts(self) -> dict[str, str]:
@@ -67,7 +67,7 @@ class Settings:
 
 
 def merged(files: Sequence[FilePath], on_top: Layer | None = None) -> Source:
-    """Return settings merged from files, later ones on top, and what was given otherwise; the study in full.
+    """Return settings merged from files, later ones on top, and from a layer above them; the study in full.
 
     Raises InputError for a file that is missing or not YAML.
     """
@@ -94,46 +94,46 @@ def with_sheets(values: Mapping[str, Any], source: Source | None = None) -> Sett
     return Settings(values, stations | own_stations, rsos | own_rsos)
 
 
-def _files(named: str | Sequence[str], folder: str) -> list[str]:
-    """Files of paths and patterns, those that are relative below the folder; a path that is none stays."""
-    found: list[str] = []
-    for pattern in [named] if isinstance(named, str) else named:
+def _files(paths: str | Sequence[str], folder: str) -> list[str]:
+    """Return the files of paths and patterns, relative ones in a folder; a path without a file stays."""
+    files: list[str] = []
+    for pattern in [paths] if isinstance(paths, str) else paths:
         path = os.path.join(folder, pattern)
-        found += sorted(glob(path)) or [path]
-    return found
+        files += sorted(glob(path)) or [path]
+    return files
 
 
 def _inline(source: Source, kind: str, parse: Any, *, known: Mapping[str, Any]) -> dict[str, Any]:
-    """Rows of a sheet that stand in the settings."""
-    found: dict[str, Any] = {}
+    """Return what a sheet's rows hold that stand in the settings."""
+    parsed: dict[str, Any] = {}
     for name, row in source.values.get(kind, {}).items():
         if name in known:
             raise source.wrong((kind, name), f"expected a name that {source.values['sheets'][kind]} has not")
         try:
-            found |= parse({name: row})
+            parsed |= parse({name: row})
         except InputError as error:
             raise source.wrong((kind, name), str(error)) from None
-    return found
+    return parsed
 
 
 def _study(
-    given: Any, source: Source, key: Key = ("study",), above: tuple[str, ...] = ()
+    study: Any, source: Source, key: Key = ("study",), above: tuple[str, ...] = ()
 ) -> tuple[list[Layer], Any]:
     """Return the layers that a study extends, and the study in full: None where there is none."""
-    if given is None or given == {}:
+    if study is None or study == {}:
         return [], None
-    names, own = (given.get("extends", []), given) if isinstance(given, Mapping) else (given, {})
+    names, on_top = (study.get("extends", []), study) if isinstance(study, Mapping) else (study, {})
     layers: list[Layer] = []
-    study: Any = MISSING
+    whole: Any = MISSING
     for name in [names] if isinstance(names, str) else names if isinstance(names, list) else [names]:
         layer = _study_file(name, source, key, above)
         below, extended = _study(
             layer.values["study"], Source(layer.values, [layer]), key, (*above, layer.name)
         )
         layers += [*below, layer]
-        study = laid_over(study, extended)
-    parts = {part: value for part, value in own.items() if part != "extends"}
-    return layers, laid_over(study, parts) if parts else study
+        whole = laid_over(whole, extended)
+    parts = {part: value for part, value in on_top.items() if part != "extends"}
+    return layers, laid_over(whole, parts) if parts else whole
 
 
 def _study_file(name: Any, source: Source, key: Key, above: Sequence[str]) -> Layer:
