@@ -18,7 +18,7 @@ from opml.study import checks
 from opml.study.experiments import ROLLING, Study
 from opml.study.settings import documents
 from opml.study.settings.json_schema import json_schema
-from opml.study.settings.merging import Settings, merged, with_sheets
+from opml.study.settings.merging import merged, with_sheets
 from opml.study.settings.model import run, study_parts
 from opml.study.settings.model.whole import Run
 from opml.study.settings.overlay import COMMAND_LINE, Layer, Source, laid_over, with_numbers
@@ -156,7 +156,7 @@ def test_an_editor_asks_for_no_key_that_config_yaml_has(editor, text, is_taken):
 
 
 def test_the_typed_run_has_the_values():
-    typed = Settings(PAPER, {}, {}).run
+    typed = checks.load(paper_source()).run
     assert typed.estimation.model_dump(exclude_unset=True) == PAPER["estimation"]
     assert typed.learners["stacked"].second.trees == PAPER["learners"]["stacked"]["second"]["trees"]
     assert typed.study.evaluations["future_5days"].train == "days-0-30"

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 from typing import Any
 
 from opml import naming
@@ -16,22 +16,35 @@ from opml.orbits import sheets
 from opml.study.experiments import Study
 from opml.study.paper import Paper
 from opml.study.settings.merging import Settings, with_sheets
+from opml.study.settings.model.whole import Run
 from opml.study.settings.overlay import MISSING, Key, Source, mappings, value_at
 from opml.study.settings.validation import validated
 
 
-def load(source: Source) -> Settings:
+@dataclass(frozen=True)
+class CheckedSettings(Settings):
+    """Settings that hold.
+
+    run: the same values as typed attributes
+    misfit: what the default study asks of days that the run has not; empty where it fits
+    """
+
+    run: Run
+    misfit: str
+
+
+def load(source: Source) -> CheckedSettings:
     """Check merged settings and read the sheets that they name.
 
     Raises InputError: one line with file and key, for the first thing that is wrong.
     """
     _check_keys(source)
-    validated(source)
+    run = validated(source)
     _check_order(source)
     settings = with_sheets(source.values, source)
     misfit = _misfit(source, settings)
     learners.check(source.values)
-    return replace(settings, misfit=misfit)
+    return CheckedSettings(settings.values, settings.stations, settings.rsos, run, misfit)
 
 
 def check_data(source: Source, settings: Settings) -> None:

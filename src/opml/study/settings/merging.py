@@ -4,17 +4,14 @@ import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 from glob import glob
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath, in_project
 from opml.orbits.sheets import Rso, Station, read_rsos, read_stations, rsos_of, stations_of
 from opml.study.settings.overlay import MISSING, Key, Layer, Source, laid_over, read_layer
-
-if TYPE_CHECKING:
-    from opml.study.settings.model.whole import Run
 
 STUDIES = "config/studies"
 """Folder of the studies that are called by their names."""
@@ -24,23 +21,11 @@ _NAME = re.compile(r"[\w-]+")
 
 @dataclass(frozen=True)
 class Settings:
-    """What a run needs to know: the settings, with the study in full, the stations and the RSOs.
-
-    misfit: what the default study asks of days that the run has not; empty where it fits
-    """
+    """What a run needs to know: the settings, with the study in full, the stations and the RSOs."""
 
     values: Mapping[str, Any]
     stations: Mapping[str, Station]
     rsos: Mapping[str, Rso]
-    misfit: str = ""
-
-    @cached_property
-    def run(self) -> "Run":
-        """The settings as typed attributes. Raises InputError for a value that is none of a run's."""
-        # Scripts that need no more than the plain values do not wait for the models.
-        from opml.study.settings.validation import validated
-
-        return validated(Source(self.values, []))
 
     @property
     def orbits(self) -> dict[str, list[str]]:
