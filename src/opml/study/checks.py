@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 from typing import Any
 
 from opml import naming
@@ -16,26 +16,39 @@ from opml.orbits import sheets
 from opml.study.experiments import Study
 from opml.study.paper import Paper
 from opml.study.settings.merging import Settings, with_sheets
+from opml.study.settings.model.whole import Run
 from opml.study.settings.overlay import MISSING, Key, Source, mappings, value_at
 from opml.study.settings.validation import validated
 
 
-def load(source: Source) -> Settings:
+@dataclass(frozen=True)
+class CheckedSettings(Settings):
+    """Settings that hold.
+
+    run: the same values as typed attributes
+    misfit: what the default study asks of days that the run has not; empty where it fits
+    """
+
+    run: Run
+    misfit: str
+
+
+def load(source: Source) -> CheckedSettings:
     """Check merged settings and read the sheets that they name.
 
     Raises InputError: one line with file and key, for the first thing that is wrong.
     """
     _check_keys(source)
-    validated(source)
+    run = validated(source)
     _check_order(source)
     settings = with_sheets(source.values, source)
     misfit = _misfit(source, settings)
     learners.check(source.values)
-    return replace(settings, misfit=misfit)
+    return CheckedSettings(settings.values, settings.stations, settings.rsos, run, misfit)
 
 
 def check_data(source: Source, settings: Settings) -> None:
-    """Look at the data that a run needs: do they reach, and are orbits of one's own what they should be?
+    """Look at the data that a run needs: how far they reach, and whether a user's own files fit the run.
 
     Takes seconds where there are many files of orbits. Raises InputError for the first thing that is wrong.
     """
@@ -50,7 +63,7 @@ def check_study(source: Source, settings: Settings, *, last_day: float | None = 
 
     last_day: up to which the study may ask for days; None for the run's own. Raises InputError.
     """
-    checks = _Checks(settings, settings.values["duration_days"] if last_day is None else last_day).of
+    checks = _Checks(settings, settings.values["duration_days"] if last_day is None else last_day).by_kind
     for key, kind, value in _parts(settings.asked):
         try:
             checks.get(kind, bool)(value)
@@ -132,13 +145,13 @@ def _check_forecast(source: Source) -> None:
         raise source.wrong(("environment", "issue_hours"), "expected a value, got none")
 
 
-def _both(source: Source, one: Key, other: Key) -> tuple[Any, Any]:
+def _both(source: Source, first: Key, second: Key) -> tuple[Any, Any]:
     """Return two values of which neither makes sense alone; MISSING where there are none."""
-    found = value_at(source.values, one), value_at(source.values, other)
-    if (found[0] is MISSING) != (found[1] is MISSING):
-        missing, given = (one, other) if found[0] is MISSING else (other, one)
-        raise source.wrong(missing, f"expected a value beside {given[-1]}, got none")
-    return found
+    values = value_at(source.values, first), value_at(source.values, second)
+    if (values[0] is MISSING) != (values[1] is MISSING):
+        missing, present = (first, second) if values[0] is MISSING else (second, first)
+        raise source.wrong(missing, f"expected a value beside {present[-1]}, got none")
+    return values
 
 
 def _check_orbits(source: Source, settings: Settings) -> None:
@@ -167,25 +180,25 @@ def _check_tracks(source: Source, settings: Settings) -> None:
             sheets.parse_rso(name, settings.rsos)
             if name in settings.orbits:
                 raise InputError("expected tracks, or an orbit under orbits, got both")
-            found = tdm.measurements(paths, epoch=values["epoch"])
+            measurements = tdm.measurements(paths, epoch=values["epoch"])
             measured_tracks.check(
-                found, settings.stations, epoch=values["epoch"], duration=DAY * values["duration_days"]
+                measurements, settings.stations, epoch=values["epoch"], duration=DAY * values["duration_days"]
             )
         except InputError as error:
             raise source.wrong(("tracks", name), str(error)) from None
 
 
 def _check_starts(source: Source, settings: Settings) -> None:
-    """Look at what is told of tracks that were measured: first states, and when there were manoeuvres."""
+    """Look at first states and times of manoeuvres, which stand beside tracks that were measured."""
     for kind in ("starts", "manoeuvres"):
-        for name, given in source.values.get(kind, {}).items():
+        for name, entry in source.values.get(kind, {}).items():
             try:
                 if name not in settings.tracks:
                     raise InputError("expected an RSO that has tracks")
                 if kind == "starts":
                     first_state.check(settings.starts[name])
                 else:
-                    for time in given:
+                    for time in entry:
                         epochs.parse(time)
             except InputError as error:
                 raise source.wrong((kind, name), str(error)) from None
@@ -212,7 +225,7 @@ def _check_seen(source: Source, settings: Settings) -> None:
 
 
 def _check_label(source: Source, study: Study) -> None:
-    """What was really measured has no truth to learn from."""
+    """Raise InputError where a study learns from the truth of what was really measured."""
     for rso in study.rsos:
         if study.label == "truth" and study.is_measured(rso):
             message = f"expected later or smoothed, as {rso} has tracks and no truth, got truth"
@@ -268,8 +281,8 @@ def _parts(asked: Mapping[str, Any]) -> Iterator[tuple[Key, str, Any]]:
 
 
 def _mapping(values: Mapping[str, Any], key: Key) -> Mapping[str, Any]:
-    found = value_at(values, key)
-    return {} if found is MISSING else found
+    mapping = value_at(values, key)
+    return {} if mapping is MISSING else mapping
 
 
 class _Checks:
@@ -278,12 +291,12 @@ class _Checks:
     def __init__(self, settings: Settings, duration: float) -> None:
         self._settings = settings
         self._duration = duration
-        self.of: Mapping[str, Callable[[Any], object]] = {
+        self.by_kind: Mapping[str, Callable[[Any], object]] = {
             "rso": self._rso,
             "target": self._rso,
             "rsos": _each(self._rso),
-            "inclinations": lambda of: self._varied(sheets.name_at_inclination, *of),
-            "offsets": lambda of: self._varied(sheets.name_at_offset, *of),
+            "inclinations": lambda pair: self._varied(sheets.name_at_inclination, *pair),
+            "offsets": lambda pair: self._varied(sheets.name_at_offset, *pair),
             "stations": self._stations,
             "station_sets": _each(self._stations),
             "learner": self._learner,

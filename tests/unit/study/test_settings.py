@@ -1,19 +1,24 @@
 """Settings: the paper's are valid, and each wrong one is told in one line with its file and key."""
 
 import json
+from dataclasses import MISSING, asdict, fields
 
 import pytest
 import yaml
 from jsonschema import Draft202012Validator
-from support import EXCERPTS, REPOSITORY, paper_source, setting_keys
+from support import EXCERPTS, REPOSITORY, paper_source, paper_values, setting_keys, study_of
 
 from opml.base.errors import InputError
 from opml.base.yaml_files import read_yaml
+from opml.catalog.fit.estimation import Estimation
+from opml.catalog.predict.thermometer import Thermometer
+from opml.dynamics.ensemble import Integrator
 from opml.study import checks
-from opml.study.experiments import Study
+from opml.study.experiments import ROLLING, Study
 from opml.study.settings import documents
 from opml.study.settings.json_schema import json_schema
-from opml.study.settings.merging import Settings, merged, with_sheets
+from opml.study.settings.merging import merged, with_sheets
+from opml.study.settings.model import run, study_parts
 from opml.study.settings.model.whole import Run
 from opml.study.settings.overlay import COMMAND_LINE, Layer, Source, laid_over, with_numbers
 
@@ -87,6 +92,32 @@ def test_no_object_of_the_schema_takes_unknown_keys():
     assert all({"additionalProperties", "allOf"} & set(found) for found in objects(json_schema(Run)))
 
 
+@pytest.mark.parametrize(
+    ("dataclass", "model", "elsewhere"),
+    [
+        (Estimation, run.Estimation, {"cd_bounds", "after_hours"}),
+        (Thermometer, run.Thermometer, {"rsos", "left_out"}),
+    ],
+)
+def test_dataclasses_of_the_library_have_the_keys_and_defaults_of_the_models(dataclass, model, elsewhere):
+    ours = {field.name: field.default for field in fields(dataclass)}
+    keys = {
+        name: MISSING if field.is_required() else field.default for name, field in model.model_fields.items()
+    }
+    assert {name: value for name, value in ours.items() if name not in elsewhere} == {
+        name: value for name, value in keys.items() if name not in elsewhere
+    }
+
+
+def test_defaults_of_the_library_are_those_of_the_models():
+    assert list(asdict(Integrator()).values()) == list(PAPER["integrator"].values())
+    rolling = study_parts.Rolling.model_fields
+    assert {name: rolling[name].default for name in ROLLING} == ROLLING
+    defaults = study_of(paper_values() | {"study": {}}).defaults
+    for name in ("learner", "component"):
+        assert defaults[name] == study_parts.Defaults.model_fields[name].default
+
+
 @pytest.fixture(scope="module")
 def editor():
     """What an editor holds a file of settings against: the schema that is written."""
@@ -123,11 +154,11 @@ def test_an_editor_asks_for_no_key_that_config_yaml_has(editor, text, is_taken):
 
 
 def test_the_typed_run_has_the_values():
-    run = Settings(PAPER, {}, {}).run
-    assert run.estimation.model_dump(exclude_unset=True) == PAPER["estimation"]
-    assert run.learners["stacked"].second.trees == PAPER["learners"]["stacked"]["second"]["trees"]
-    assert run.study.evaluations["future_5days"].train == "days-0-30"
-    assert run.model_dump(mode="json", by_alias=True, exclude_unset=True, serialize_as_any=True) == PAPER
+    typed = checks.load(paper_source()).run
+    assert typed.estimation.model_dump(exclude_unset=True) == PAPER["estimation"]
+    assert typed.learners["stacked"].second.trees == PAPER["learners"]["stacked"]["second"]["trees"]
+    assert typed.study.evaluations["future_5days"].train == "days-0-30"
+    assert typed.model_dump(mode="json", by_alias=True, exclude_unset=True, serialize_as_any=True) == PAPER
 
 
 @pytest.mark.parametrize(

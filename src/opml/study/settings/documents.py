@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from opml.base.setting_types import Schema
-from opml.study.settings.json_schema import json_schema, resolved
+from opml.study.settings.json_schema import choices, json_schema, resolved
 from opml.study.settings.model.run import RunAlone
 from opml.study.settings.model.section import Section
 from opml.study.settings.model.study_parts import BeyondStudy, Claim, Entry, OwnStudy, PaperStudy
@@ -34,7 +34,7 @@ TABLES: Mapping[str, tuple[str, type[Section]]] = {
 
 _MARKED = re.compile(r"(<!-- table of settings: (\w+) -->\n).*?(<!-- end of table -->)", re.DOTALL)
 
-_FORTABLES = ("unit", "see", "shared", "placeholder")
+_ONLY_IN_TABLES = ("unit", "see", "shared", "placeholder")
 
 
 def editor_schema() -> str:
@@ -53,9 +53,10 @@ def _described(node: Any) -> Any:
         return [_described(item) for item in node]
     if not isinstance(node, dict):
         return node
-    unit = node.get("unit")
-    text = {"description": f"{node['description']} [{unit}]"} if isinstance(unit, str) else {}
-    return {key: _described(value) for key, value in node.items() if key not in _FORTABLES} | text
+    described = {key: _described(value) for key, value in node.items() if key not in _ONLY_IN_TABLES}
+    if isinstance(unit := node.get("unit"), str):
+        described["description"] += f" [{unit}]"
+    return described
 
 
 def _table(name: str) -> str:
@@ -87,32 +88,32 @@ def _rows(schema: Schema, node: Schema, key: str) -> Iterator[str]:
 
 
 def _meaning(node: Schema) -> str:
-    """Return what a setting means, with a link to what tells more."""
-    text: str = node["description"]
-    if see := node.get("see", ""):
+    """Return what a setting means, with a link to the page that tells more."""
+    meaning: str = node["description"]
+    if see := node.get("see"):
         page, _, heading = see.partition("#")
         link = f"../docs/{see}" if page else see
-        text += f" ([{(heading or Path(page).stem).replace('-', ' ')}]({link}))"
-    return text
+        meaning += f" ([{(heading or Path(page).stem).replace('-', ' ')}]({link}))"
+    return meaning
 
 
 def _values(node: Schema, inner: Schema) -> str:
     """Return what may stand under a key, with its unit and its default."""
     unit, words = node.get("unit", ""), _words(inner)
-    text = f"{words} [{unit}]" if words and unit else words or unit
+    values = f"{words} [{unit}]" if words and unit else words or unit
     if "default" in node:
         default = node["default"]
-        text += f"; by default `{default if isinstance(default, str) else json.dumps(default)}`"
-    return text
+        values += f"; by default `{default if isinstance(default, str) else json.dumps(default)}`"
+    return values
 
 
 def _words(node: Schema) -> str:
-    if node.get("errorMessage"):
+    """Return what is expected at a node, or the names that it takes."""
+    if "errorMessage" in node:
         return str(node["errorMessage"]).replace("<", "\\<")
-    one = [node["const"]] if "const" in node else []
-    kinds = node.get("properties", {}).get("kind", {}).get("enum", one)
-    names = ["true", "false"] if node.get("type") == "boolean" else node.get("enum", kinds)
-    return ", ".join(f"`{name}`" for name in names) or ("a number" if node.get("type") == "number" else "")
+    if names := choices(node) or choices(node.get("properties", {}).get("kind", {})):
+        return ", ".join(f"`{name}`" for name in names)
+    return {"boolean": "`true`, `false`", "number": "a number"}.get(node.get("type", ""), "")
 
 
 def write() -> None:

@@ -69,6 +69,11 @@ def child(node: Schema, key: str | int) -> Schema | None:
     return items[key] if key < len(items) else node.get("items")
 
 
+def choices(node: Schema) -> list[Any]:
+    """Return the values that a node takes; none where it takes others."""
+    return node.get("enum") or [node[key] for key in ("const",) if key in node]
+
+
 def _generated(model: type[Section]) -> Schema:
     schema: Schema = _with_references(model.model_json_schema(schema_generator=_Generator))
     return schema

@@ -4,17 +4,14 @@ import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 from glob import glob
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath, project_file
 from opml.orbits.sheets import Rso, Station, read_rsos, read_stations, rsos_from_rows, stations_from_rows
 from opml.study.settings.overlay import MISSING, Key, Layer, Source, laid_over, read_layer
-
-if TYPE_CHECKING:
-    from opml.study.settings.model.whole import Run
 
 STUDIES = "config/studies"
 """Folder of the studies that are called by their names."""
@@ -24,35 +21,23 @@ _NAME = re.compile(r"[\w-]+")
 
 @dataclass(frozen=True)
 class Settings:
-    """What a run needs to know: the settings, with the study in full, the stations and the RSOs.
-
-    misfit: what the default study asks of days that the run has not; empty where it fits
-    """
+    """What a run needs to know: the settings, with the study in full, the stations and the RSOs."""
 
     values: Mapping[str, Any]
     stations: Mapping[str, Station]
     rsos: Mapping[str, Rso]
-    misfit: str = ""
-
-    @cached_property
-    def run(self) -> "Run":
-        """The settings as typed attributes. Raises InputError for a value that is none of a run's."""
-        # Scripts that need no more than the plain values do not wait for the models.
-        from opml.study.settings.validation import validated
-
-        return validated(Source(self.values, []))
 
     @property
     def orbits(self) -> dict[str, list[str]]:
         """Files of the orbits that stand in for a simulated truth, by RSO; a pattern without files stays."""
         given, folder = self.values.get("orbits", {}), self.values.get("data", "")
-        return {rso: _files(named, folder) for rso, named in given.items()}
+        return {rso: _files(paths, folder) for rso, paths in given.items()}
 
     @property
     def tracks(self) -> dict[str, list[str]]:
         """Files of tracks that were really measured, by RSO; a pattern without files stays."""
-        given, folder = self.values.get("tracks", {}), self.values.get("data", "")
-        return {rso: _files(named, folder) for rso, named in given.items()}
+        tracks, folder = self.values.get("tracks", {}), self.values.get("data", "")
+        return {rso: _files(paths, folder) for rso, paths in tracks.items()}
 
     @property
     def starts(self) -> dict[str, str]:
@@ -67,7 +52,7 @@ class Settings:
 
 
 def merged(files: Sequence[FilePath], on_top: Layer | None = None) -> Source:
-    """Return settings merged from files, later ones on top, and what was given otherwise; the study in full.
+    """Return settings merged from files, later ones on top, and from a layer above them; the study in full.
 
     Raises InputError for a file that is missing or not YAML.
     """
@@ -94,46 +79,46 @@ def with_sheets(values: Mapping[str, Any], source: Source | None = None) -> Sett
     return Settings(values, stations | own_stations, rsos | own_rsos)
 
 
-def _files(named: str | Sequence[str], folder: str) -> list[str]:
-    """Files of paths and patterns, those that are relative below the folder; a path that is none stays."""
-    found: list[str] = []
-    for pattern in [named] if isinstance(named, str) else named:
+def _files(paths: str | Sequence[str], folder: str) -> list[str]:
+    """Return the files of paths and patterns, relative ones in a folder; a path without a file stays."""
+    files: list[str] = []
+    for pattern in [paths] if isinstance(paths, str) else paths:
         path = os.path.join(folder, pattern)
-        found += sorted(glob(path)) or [path]
-    return found
+        files += sorted(glob(path)) or [path]
+    return files
 
 
 def _inline(source: Source, kind: str, parse: Any, *, known: Mapping[str, Any]) -> dict[str, Any]:
-    """Rows of a sheet that stand in the settings."""
-    found: dict[str, Any] = {}
+    """Return what a sheet's rows hold that stand in the settings."""
+    parsed: dict[str, Any] = {}
     for name, row in source.values.get(kind, {}).items():
         if name in known:
             raise source.wrong((kind, name), f"expected a name that {source.values['sheets'][kind]} has not")
         try:
-            found |= parse({name: row})
+            parsed |= parse({name: row})
         except InputError as error:
             raise source.wrong((kind, name), str(error)) from None
-    return found
+    return parsed
 
 
 def _study(
-    given: Any, source: Source, key: Key = ("study",), above: tuple[str, ...] = ()
+    study: Any, source: Source, key: Key = ("study",), above: tuple[str, ...] = ()
 ) -> tuple[list[Layer], Any]:
     """Return the layers that a study extends, and the study in full: None where there is none."""
-    if given is None or given == {}:
+    if study is None or study == {}:
         return [], None
-    names, own = (given.get("extends", []), given) if isinstance(given, Mapping) else (given, {})
+    names, on_top = (study.get("extends", []), study) if isinstance(study, Mapping) else (study, {})
     layers: list[Layer] = []
-    study: Any = MISSING
+    whole: Any = MISSING
     for name in [names] if isinstance(names, str) else names if isinstance(names, list) else [names]:
         layer = _study_file(name, source, key, above)
         below, extended = _study(
             layer.values["study"], Source(layer.values, [layer]), key, (*above, layer.name)
         )
         layers += [*below, layer]
-        study = laid_over(study, extended)
-    parts = {part: value for part, value in own.items() if part != "extends"}
-    return layers, laid_over(study, parts) if parts else study
+        whole = laid_over(whole, extended)
+    parts = {part: value for part, value in on_top.items() if part != "extends"}
+    return layers, laid_over(whole, parts) if parts else whole
 
 
 def _study_file(name: Any, source: Source, key: Key, above: Sequence[str]) -> Layer:

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from opml.base.setting_types import Schema
-from opml.study.settings.json_schema import child, json_schema, resolved
+from opml.study.settings.json_schema import child, choices, json_schema, resolved
 from opml.study.settings.model.whole import Run
 from opml.study.settings.overlay import Key, Source, value_at
 
@@ -90,8 +90,8 @@ def _expected(error: ErrorDetails, node: Schema) -> str:
             return "a finite number"
     if "errorMessage" in node:
         return str(node["errorMessage"])
-    if choices := node.get("enum", [node["const"]] if "const" in node else []):
-        return f"one of {', '.join(map(str, choices))}"
+    if names := choices(node):
+        return f"one of {', '.join(map(str, names))}"
     return _EXPECTED.get(error["type"], error["msg"]).format(**context)
 
 
