@@ -361,7 +361,7 @@ def test_the_typed_run_has_the_values():
         ),
         ("sheets.rsos", "config/none.tsv", "config/none.tsv: no such file"),
         ("orbits", {"mir": "mir.oem"}, "orbits.mir: RSO 'mir': expected one of iss,"),
-        ("orbits", {"iss": ""}, "orbits.iss: expected text of at least 1 letter, got ''"),
+        ("orbits", {"iss": ""}, "orbits.iss: expected a file's path, a pattern of paths, or a list"),
     ],
 )
 def test_wrong_setting_is_named(key, value, expected):
