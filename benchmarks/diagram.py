@@ -10,13 +10,22 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from benchmarks.precision import Line, Panels
 from benchmarks.race import OURS
 from opml.base.files import replacing
-from opml.figures.style import ESTIMATE, NOTE_SIZE, OBSERVED, PREDICTED, RESIDUAL, TRACK, legend, page_figure
+from opml.figures.style import (
+    ESTIMATE,
+    NOTE_SIZE,
+    OBSERVED_COLOR,
+    PREDICTED_COLOR,
+    RESIDUAL,
+    TRACK_COLOR,
+    legend,
+    page_figure,
+)
 
 LOOKS = {
     OURS: {"color": RESIDUAL, "marker": "o", "lw": 2.0, "zorder": 3},
-    "satkit_gauss_jackson": {"color": PREDICTED, "marker": "s"},
-    "satkit": {"color": TRACK, "marker": "D"},
-    "heyoka": {"color": OBSERVED, "marker": "^"},
+    "satkit_gauss_jackson": {"color": PREDICTED_COLOR, "marker": "s"},
+    "satkit": {"color": TRACK_COLOR, "marker": "D"},
+    "heyoka": {"color": OBSERVED_COLOR, "marker": "^"},
     "orekit": {"color": ESTIMATE, "marker": "v"},
 }
 """Of each peer's line."""

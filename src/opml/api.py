@@ -62,7 +62,7 @@ TRUTH: Mapping[str, Any] = packaged.RUN["force_models"]["truth"]
 ASSUMED: Mapping[str, Any] = packaged.RUN["force_models"]["assumed"]
 """The paper's assumed model, as options of `force_model`."""
 
-CLEANING: Mapping[str, Any] = packaged.PAPER["cleaning"]
+CLEANING: Mapping[str, Any] = packaged.PAPER_STUDY["cleaning"]
 """Settings of the cleaning in `dataset`; config/README.md explains them."""
 
 ESTIMATION: Mapping[str, float] = (
@@ -75,7 +75,7 @@ ESTIMATION: Mapping[str, float] = (
 LEARNER: Mapping[str, Any] = packaged.RUN["learners"]["svr"]
 """The paper's learner, for `learn`."""
 
-_SPAN_DAYS: Sequence[float] = packaged.PAPER["span_days"]
+_SPAN_DAYS: Sequence[float] = packaged.PAPER_STUDY["span_days"]
 
 
 @dataclass(frozen=True)
@@ -456,7 +456,7 @@ def replay(
     """
     known = _known(catalogue)
     first_day = replays.first_day(lessons, known, train_days=train_days)
-    starts = replays.departures(known, every_hours=every_hours, first_day=first_day)
+    starts = replays.morning_departures(known, every_hours=every_hours, first_day=first_day)
     predictions = catalogue.predictions
     spread = _spreads(flight, catalogue)(predictions[predictions["i"].isin(starts["track"])])
     judge = replays.at_starts(replays.judge(lessons.dataset, predictions, None), starts, spread)

@@ -96,7 +96,7 @@ def _tables(_: argparse.Namespace) -> str:
     from opml import tables
     from opml.learning.models import learners
 
-    return tables.markdown(learners.schemas())
+    return tables.tables_page(learners.schemas())
 
 
 def _settings(_: argparse.Namespace) -> str:

@@ -89,7 +89,7 @@ SETTINGS = (REPOSITORY / "config" / "README.md").read_text(encoding="utf-8")
 def test_the_tables_of_settings_are_those_of_the_models():
     assert documents.with_tables(SETTINGS) == SETTINGS, "opml settings"
     named = set(re.findall(r"^<!-- table of settings: (\w+) -->$", SETTINGS, re.MULTILINE))
-    assert named == set(documents.TABLES)
+    assert named == set(documents.SETTINGS_TABLES)
 
 
 def test_every_setting_of_the_tables_has_a_sentence():

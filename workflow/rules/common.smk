@@ -8,7 +8,7 @@ from opml.base.errors import InputError
 from opml.base.files import PROJECT
 from opml.base.provenance import script_digest
 from opml.report.sections import SECTIONS, section_of
-from opml.study.checks import check_data, load
+from opml.study.checks import check_data, load_settings
 from opml.study.settings.merging import merged
 from opml.study.settings.overlay import COMMAND_LINE, Layer, with_numbers
 from opml.workflow.inputs import Inputs, at_window, checks, path_of, paths_of, tables_of, target
@@ -29,7 +29,7 @@ else:
     FILES, ON_TOP = [PROJECT / "config" / "config.yaml"], Layer("config", with_numbers(config))
 try:
     SOURCE = merged(FILES, ON_TOP)
-    PLAN = Plan(load(SOURCE))
+    PLAN = Plan(load_settings(SOURCE))
     if workflow.is_main_process:  # each job parses this file anew
         check_data(SOURCE, PLAN.settings)
 except InputError as error:

@@ -16,6 +16,6 @@ with job(snakemake) as metadata:
         max_days=settings.max_days,
     )
     t = nodes(issues.epoch, DAY * settings.duration_days)
-    table = knowledge.futures(issues, t, members=settings.members)
+    table = knowledge.tabulate_futures(issues, t, members=settings.members)
     metadata |= {"source": settings.source, "forecast": settings.forecast, "members": settings.members}
     write_table(snakemake.output[0], table, "futures", metadata=metadata)

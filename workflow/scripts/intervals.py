@@ -23,5 +23,5 @@ with job(snakemake) as metadata:
         seed=seed,
     )
     write_table(snakemake.output.intervals, table, "intervals", metadata=metadata)
-    summary = intervals.summary(table, level=settings.intervals["level"], **experiment)
+    summary = intervals.coverage_summary(table, level=settings.intervals["level"], **experiment)
     write_table(snakemake.output.coverage, summary, "coverage", metadata=metadata)

@@ -16,7 +16,7 @@ with job(snakemake) as metadata:
     labelled = dataset.read(files.dataset, files.beside)
     lessons = Lessons(labelled, settings.learner, settings.seed, settings.train_days[0])
     first_day = replays.first_day(lessons, known, train_days=settings.train_days)
-    starts = replays.departures(known, every_hours=settings.every_hours, first_day=first_day)
+    starts = replays.morning_departures(known, every_hours=settings.every_hours, first_day=first_day)
     later = read_table(files.later, "estimates") if files.later else None
     judge = replays.judge(labelled, read_table(files.predictions, "predictions"), later)
     judge = replays.at_starts(judge, starts, read_table(files.spread, "spread"))

@@ -12,7 +12,7 @@ with job(snakemake) as metadata:
     settings, files = JobSettings(snakemake.params.settings), snakemake.input
     flattened = settings.values | {"force_model": spread.FLATTENED}
     known = Known.read(files, settings.values)
-    starts = replays.departures(known, every_hours=settings.every_hours)
+    starts = replays.morning_departures(known, every_hours=settings.every_hours)
     predictions = read_table(files.predictions, "predictions")
     table = spread.build(
         Flight.read(files, flattened, threads=snakemake.threads, progress=progress),

@@ -16,7 +16,7 @@ with job(snakemake):
     tables = calibration.of_replays(flown, days=settings.days)
     tables["the fit's own covariance"] = read_table(files.fit, "calibration")
     figures = [
-        reliability.coverage(tables, quantity=quantity, note=settings.note)
+        reliability.coverage_curves(tables, quantity=quantity, note=settings.note)
         for quantity in (CORRECTED, ELLIPSOID)
     ]
     style.save_all(figures, snakemake.output.pdf, snakemake.output.png)

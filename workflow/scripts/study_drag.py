@@ -14,10 +14,12 @@ with job(snakemake):
     errors = [
         own_study.daily_errors(dataset, component=settings.component, day=day) for day in settings.marks
     ]
-    figure = own_study.drag(
+    figure = own_study.drag_figure(
         read_by_key(settings.windows, files.estimates, "estimates"),
         read_table(files.activity, "solar_activity"),
         pd.concat(errors),
-        note=add_weather(f"{settings.rso} by {settings.stations}; {own_study.UNCORRECTED}", settings.values),
+        note=add_weather(
+            f"{settings.rso} by {settings.stations}; {own_study.UNCORRECTED_NOTE}", settings.values
+        ),
     )
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

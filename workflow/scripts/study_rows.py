@@ -8,4 +8,4 @@ from opml.workflow.jobs import job, read_by_key
 with job(snakemake):
     tables = read_by_key(FigureSettings(snakemake.params.settings).datasets, snakemake.input, "dataset")
     shares = {name: row_shares(table) for name, table in tables.items()}
-    style.save_all([own_study.rows(shares)], snakemake.output.pdf, snakemake.output.png)
+    style.save_all([own_study.rows_figure(shares)], snakemake.output.pdf, snakemake.output.png)

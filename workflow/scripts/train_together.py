@@ -11,7 +11,7 @@ with job(snakemake) as metadata:
     settings = JobSettings(snakemake.params.settings)
     component = settings.experiment["component"]
     rows, test = job_rows.read_with_training(snakemake.input, settings.values)
-    model = joint_standardisation.train(
+    model = joint_standardisation.train_jointly(
         rows, test, component=component, settings=settings.learner, seed=settings.seed
     )
     weights, described = model.to_table()

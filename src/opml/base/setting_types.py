@@ -9,10 +9,10 @@ from typing import Annotated, Any, TypeVar
 
 from annotated_types import Ge, Gt, Lt, MinLen
 
-Schema = dict[str, Any]
+TypeSchema = dict[str, Any]
 """A core schema or a JSON schema of pydantic's."""
 
-Handler = Callable[[Any], Schema]
+Handler = Callable[[Any], TypeSchema]
 """What makes the schema of the type that a mark stands on."""
 
 
@@ -22,7 +22,7 @@ class Expected:
 
     words: str
 
-    def __get_pydantic_json_schema__(self, core: Schema, handler: Handler) -> Schema:
+    def __get_pydantic_json_schema__(self, core: TypeSchema, handler: Handler) -> TypeSchema:
         return handler(core) | {"errorMessage": self.words}
 
 
@@ -32,7 +32,7 @@ class Pattern:
 
     regex: str
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: Handler) -> Schema:
+    def __get_pydantic_core_schema__(self, source: Any, handler: Handler) -> TypeSchema:
         return handler(source) | {"pattern": self.regex}
 
 
@@ -42,7 +42,7 @@ class OneOf:
 
     names: tuple[str, ...]
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: Handler) -> Schema:
+    def __get_pydantic_core_schema__(self, source: Any, handler: Handler) -> TypeSchema:
         return {"type": "literal", "expected": list(self.names)}
 
 
@@ -50,19 +50,19 @@ class OneOf:
 class Unique:
     """Mark of a list that has no item twice."""
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: Handler) -> Schema:
+    def __get_pydantic_core_schema__(self, source: Any, handler: Handler) -> TypeSchema:
         check = {"type": "no-info", "function": _without_repetition}
         return {"type": "function-after", "function": check, "schema": handler(source)}
 
-    def __get_pydantic_json_schema__(self, core: Schema, handler: Handler) -> Schema:
+    def __get_pydantic_json_schema__(self, core: TypeSchema, handler: Handler) -> TypeSchema:
         return handler(core) | {"uniqueItems": True}
 
 
 class _Given:
     """Mark of a type that stands for None where its key is left out, and takes no None from a file."""
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: Handler) -> Schema:
-        inner: Schema = handler(source)["schema"]
+    def __get_pydantic_core_schema__(self, source: Any, handler: Handler) -> TypeSchema:
+        inner: TypeSchema = handler(source)["schema"]
         return inner
 
 

@@ -67,7 +67,9 @@ def _check_atmosphere(values: Mapping[str, Any], ends: np.ndarray) -> None:
     if values["force_models"]["truth"].get("atmosphere") != nrlmsis.NAME:
         return
     try:
-        nrlmsis.weather(sources.get("true_solar_activity", sources["solar_activity"]), values["epoch"], ends)
+        nrlmsis.read_weather(
+            sources.get("true_solar_activity", sources["solar_activity"]), values["epoch"], ends
+        )
     except InputError as error:
         raise InputError(f"force_models.truth.atmosphere: {nrlmsis.NAME}: {error}") from None
 

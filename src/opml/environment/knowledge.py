@@ -125,7 +125,7 @@ def outlooks(issues: Issues, t: np.ndarray) -> pd.DataFrame:
     return _tabulate(issues, t, single_future).drop(columns="member")
 
 
-def futures(issues: Issues, t: np.ndarray, *, members: int) -> pd.DataFrame:
+def tabulate_futures(issues: Issues, t: np.ndarray, *, members: int) -> pd.DataFrame:
     """Return the table `futures`: as `outlooks`, for each member of an ensemble about the forecast.
 
     The members are those of `methods.futures`.

@@ -46,12 +46,12 @@ def tabulate(source: str | Path, epoch: str, t: np.ndarray) -> pd.DataFrame:
 
     Raises InputError where the source is unreadable, holds monthly figures or does not cover the times.
     """
-    figures = weather(source, epoch, t)
+    figures = read_weather(source, epoch, t)
     parts = map(_rows_at_time, t, clocks(epoch, t), figures)
     return pd.concat(parts, ignore_index=True)
 
 
-def weather(source: str | Path, epoch: str, t: np.ndarray) -> np.ndarray:
+def read_weather(source: str | Path, epoch: str, t: np.ndarray) -> np.ndarray:
     """Return F10.7, its 81-day mean [sfu] and seven ap, the model's inputs, at times `t`: (n, 9).
 
     The ap are the mean of the day before; those of the interval and of 3, 6 and 9 hours before; and the means

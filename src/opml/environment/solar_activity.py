@@ -22,13 +22,13 @@ from opml.environment import space_weather
 
 MSAFE = "MSAFE"
 OBSERVED = "OBSERVED"
-PERCENTILES = (95, 50, 5)
+_PERCENTILES = (95, 50, 5)
 """Percentiles of MSAFE's estimates [%]."""
 
 PACKAGED = {MSAFE: "msafe.tsv", OBSERVED: "space_weather.csv"}
 """Files of the package by their names in the settings."""
 
-_COLUMNS = [f"{index}_{percentile}" for index in ("f107", "ap") for percentile in PERCENTILES]
+_COLUMNS = [f"{index}_{percentile}" for index in ("f107", "ap") for percentile in _PERCENTILES]
 _MONTHS = ("JAN", "FEB", "MAR", "APR", "MAY", "JUN", "JUL", "AUG", "SEP", "OCT", "NOV", "DEC")
 _BULLETIN_TITLE = "13-MONTH SMOOTH SOLAR ACTIVITY"
 _FIGURES = 6 * r"\s+(\d+(?:\.\d+)?)"
@@ -49,7 +49,7 @@ def tabulate(source: str | Path, epoch: str, t: np.ndarray, percentile: int) -> 
     the mean flux, its one Ap both the three-hourly and the daily Kp. Raises InputError for an unreadable
     file and for dates outside the file's.
     """
-    if percentile not in PERCENTILES:
+    if percentile not in _PERCENTILES:
         raise InputError(f"percentile: expected 95, 50 or 5, got {percentile!r}")
     path = resolve(source)
     text = read_text(path)

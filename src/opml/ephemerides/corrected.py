@@ -16,7 +16,7 @@ from opml.catalog.flight import Flight
 from opml.catalog.predict import spread
 from opml.ephemerides.along_track_shift import check_smooth, corrected, through
 from opml.ephemerides.known import Known
-from opml.ephemerides.task import Grid, Task, reached, table
+from opml.ephemerides.task import Grid, Task, ephemeris_table, reached
 from opml.learning.judge.error_sizes import Sizes
 from opml.learning.models.contract import Model
 from opml.learning.models.daily_training import Lessons
@@ -67,7 +67,7 @@ def build(
             states = moved(rows, along)
             rate = rates(states)
             caused = _between(rows, causes[causes["i"] == rows["i"].iloc[0]]).assign(rate=rate)
-            yield table(rows, states, rsw_covariances(sizes(now).sigmas(caused), rate))
+            yield ephemeris_table(rows, states, rsw_covariances(sizes(now).sigmas(caused), rate))
 
     return task.by_parts(ephemerides)
 

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from opml.catalog.predict import weather_futures
-from opml.ephemerides.task import Task, reached, table
+from opml.ephemerides.task import Task, ephemeris_table, reached
 from opml.orbits.rsw_covariance import AXES, rates, rsw_covariances
 from opml.tables import SCHEMAS, STATE
 
@@ -37,7 +37,7 @@ def build(task: Task, futures: pd.DataFrame, *, seed: int) -> pd.DataFrame:
         pairs[_SIGMAS] = distances(sample, len(pairs))
         for rows in reached(pairs, (*STATE, *_SIGMAS)):
             states = np.ascontiguousarray(rows[STATE])
-            yield table(rows, states, _covariances(states, rows[_SIGMAS].to_numpy()))
+            yield ephemeris_table(rows, states, _covariances(states, rows[_SIGMAS].to_numpy()))
 
     return task.by_parts(ephemerides)[SCHEMAS["forecast"].names]
 

@@ -29,7 +29,7 @@ STEP = 120.0
 """Time between the epochs of the ephemerides that are replayed [s]: a centimetre from those of a minute."""
 
 
-def departures(known: Known, *, every_hours: float, first_day: float = 0.0) -> pd.DataFrame:
+def morning_departures(known: Known, *, every_hours: float, first_day: float = 0.0) -> pd.DataFrame:
     """Return the estimates that mornings start from: the first usable one of every so many hours.
 
     first_day: estimates before that day are left out

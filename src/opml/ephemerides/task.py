@@ -172,7 +172,7 @@ def reached(columns: pd.DataFrame, names: Sequence[str]) -> Iterator[pd.DataFram
             yield columns.iloc[before]
 
 
-def table(rows: pd.DataFrame, states: np.ndarray, covariances: np.ndarray) -> pd.DataFrame:
+def ephemeris_table(rows: pd.DataFrame, states: np.ndarray, covariances: np.ndarray) -> pd.DataFrame:
     """Return the table of one ephemeris.
 
     rows: `Task.columns` of one estimate

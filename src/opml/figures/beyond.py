@@ -17,11 +17,11 @@ from opml.figures.style import (
     MARKERS,
     MUTED,
     NOTE_SIZE,
-    PREDICTED,
+    PREDICTED_COLOR,
     PUBLISHED,
     RESIDUAL,
     SERIES,
-    TRUE,
+    TRUE_COLOR,
     legend,
     page_figure,
 )
@@ -161,13 +161,13 @@ def intervals(tables: Mapping[str, pd.DataFrame], *, level: float, component: st
         days, half = table["duration"] / DAY, scale * table["half_width"]
         outside = table["residual"].abs() > table["half_width"]
         look = {"ls": "", "marker": ".", "ms": 1.6, "mew": 0.0, "rasterized": True}
-        axes.plot(days, scale * table["true"], color=TRUE, alpha=0.3, label="true error", **look)
+        axes.plot(days, scale * table["true"], color=TRUE_COLOR, alpha=0.3, label="true error", **look)
         axes.plot(days, scale * table["residual"], color=RESIDUAL, label="what is left", **look)
         axes.fill_between(
             days,
             -half,
             half,
-            color=PREDICTED,
+            color=PREDICTED_COLOR,
             alpha=0.25,
             lw=0.0,
             zorder=1,

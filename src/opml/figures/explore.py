@@ -14,14 +14,14 @@ from opml.base.constants import DAY, WGS84_A
 from opml.base.errors import InputError
 from opml.figures import ground
 from opml.figures.axis_labels import axis, si_unit
-from opml.figures.style import MUTED, OBSERVED, PREDICTED, PUBLISHED, RAMP, RESIDUAL, TRUE
+from opml.figures.style import MUTED, OBSERVED_COLOR, PREDICTED_COLOR, PUBLISHED, RAMP, RESIDUAL, TRUE_COLOR
 from opml.orbits.sheets import Station
 
-MOST = 150
+_MOST = 150
 """Estimates to pick from: more would make the page slow to load."""
 
 REVOLUTION_S = 5700.0
-STEP_S = 60.0
+_STEP_S = 60.0
 """Length and step of the path that is shown from an estimate on [s]."""
 
 DIV = "explore"
@@ -40,7 +40,7 @@ NARROW = {
 ON_A_PHONE = f"if (window.innerWidth < 800) Plotly.relayout('{DIV}', {json.dumps(NARROW)});"
 """Put the orbit above the errors on a screen that has no room for both side by side."""
 
-COLORS = (RESIDUAL, PREDICTED, OBSERVED, *RAMP)
+COLORS = (RESIDUAL, PREDICTED_COLOR, OBSERVED_COLOR, *RAMP)
 EARTH, PATH, START, BEFORE = "Earth", "its next 95 minutes", "estimate", "no correction"
 
 
@@ -90,7 +90,7 @@ def _picks(evaluation: pd.DataFrame, dataset: pd.DataFrame) -> pd.DataFrame:
     epochs = dataset.drop_duplicates("i").set_index("i")["t_i"]
     counts = evaluation["i"].value_counts()
     tracks = np.sort(counts.index[counts >= 0.5 * counts.max()])
-    picks = tracks[np.unique(np.linspace(0, len(tracks) - 1, MOST).round().astype(int))]
+    picks = tracks[np.unique(np.linspace(0, len(tracks) - 1, _MOST).round().astype(int))]
     return pd.DataFrame({"i": picks, "t_i": epochs.loc[picks].to_numpy()})
 
 
@@ -116,7 +116,7 @@ def _sizes(rows: pd.DataFrame, column: str) -> dict[str, list[float]]:
 def _path(orbit: ground.ObservedOrbit, epoch: float) -> np.ndarray:
     """Return positions (n, 3) in ITRF [km] of one revolution from an epoch on."""
     span = orbit.truth[orbit.truth["t"].between(epoch, epoch + REVOLUTION_S)]
-    step = max(1, round(STEP_S / float(np.diff(orbit.truth["t"].to_numpy()[:2])[0])))
+    step = max(1, round(_STEP_S / float(np.diff(orbit.truth["t"].to_numpy()[:2])[0])))
     places = orbit.itrf(span.iloc[::step]) * KM
     return places.round(1)
 
@@ -150,7 +150,7 @@ def _stations(stations: Sequence[Station]) -> dict[str, Any]:
     )
     x, y, z = (part.round(1).tolist() for part in _sphere_points(longitude, latitude, 1.02))
     names = [station.name for station in stations]
-    look = {"mode": "markers+text", "marker": {"size": 4, "color": OBSERVED}, "showlegend": False}
+    look = {"mode": "markers+text", "marker": {"size": 4, "color": OBSERVED_COLOR}, "showlegend": False}
     return {"type": "scatter3d", "name": "stations", "x": x, "y": y, "z": z, "text": names, **look}
 
 
@@ -174,9 +174,13 @@ def _with_gaps(*parts: np.ndarray) -> dict[str, list[float | None]]:
 
 def _looks(models: Sequence[str]) -> list[dict[str, Any]]:
     """Return the looks of the moving traces; the last model is shown, the others wait in the legend."""
-    path: dict[str, Any] = {"mode": "lines", "line": {"color": PREDICTED, "width": 5}, "showlegend": False}
+    path: dict[str, Any] = {
+        "mode": "lines",
+        "line": {"color": PREDICTED_COLOR, "width": 5},
+        "showlegend": False,
+    }
     start: dict[str, Any] = {"mode": "markers", "marker": {"size": 5, "color": RESIDUAL}, "showlegend": False}
-    before: dict[str, Any] = {"mode": "lines+markers", "line": {"color": TRUE}, "name": BEFORE}
+    before: dict[str, Any] = {"mode": "lines+markers", "line": {"color": TRUE_COLOR}, "name": BEFORE}
     after: list[dict[str, Any]] = [
         {
             "mode": "lines+markers",

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.figures.style import MUTED, PREDICTED, TRUE, add_note, column_figure
+from opml.figures.style import MUTED, PREDICTED_COLOR, TRUE_COLOR, add_note, column_figure
 
 _KM = 1e-3
 
@@ -31,10 +31,10 @@ def chart(fans: pd.DataFrame, ensemble: pd.DataFrame, *, track: int, level: floa
         axes.plot(days, _start_at_zero(-future["d_y"]), color=MUTED, lw=0.4, alpha=0.5)
     low, median, high, true = (_start_at_zero(fan[name]) for name in ("low", "median", "high", "e_y"))
     axes.fill_between(
-        days, low, high, color=PREDICTED, alpha=0.2, lw=0.0, label=f"{100.0 * level:g} % of the futures"
+        days, low, high, color=PREDICTED_COLOR, alpha=0.2, lw=0.0, label=f"{100.0 * level:g} % of the futures"
     )
-    axes.plot(days, median, color=PREDICTED, label="their median")
-    axes.plot(days, true, color=TRUE, ls="", marker="o", ms=2.2, label="true error")
+    axes.plot(days, median, color=PREDICTED_COLOR, label="their median")
+    axes.plot(days, true, color=TRUE_COLOR, ls="", marker="o", ms=2.2, label="true error")
     axes.set_xlabel(r"prediction duration $\Delta t$ [d]")
     axes.set_ylabel(r"along-track error $e_y$ [km]")
     add_note(figure, note)

@@ -20,8 +20,8 @@ from opml.figures.style import (
     HIGHLIGHT,
     MARKERS,
     MUTED,
-    OBSERVED,
-    PREDICTED,
+    OBSERVED_COLOR,
+    PREDICTED_COLOR,
     PUBLISHED,
     RESIDUAL,
     legend,
@@ -31,7 +31,7 @@ from opml.orbits.sheets import Station
 
 LAND = files("opml") / "data" / "land.csv"
 LAND_COLOR = "#EFEFEA"
-STATIONS = (RESIDUAL, PREDICTED, ESTIMATE, HIGHLIGHT)
+STATIONS = (RESIDUAL, PREDICTED_COLOR, ESTIMATE, HIGHLIGHT)
 WGS84 = 1
 
 AZIMUTHS = np.radians(np.arange(0.0, 361.0, 2.0))
@@ -66,14 +66,14 @@ def world(orbit: ObservedOrbit, tracking: pd.DataFrame, *, first_day: float, not
     rows = orbit.truth[orbit.truth["t"].between(first_day * DAY, (first_day + 1.0) * DAY)]
     if rows.empty:
         raise InputError(f"world map: expected epochs of day {first_day:g}, got none")
-    longitude, latitude, height = geodetic(orbit.itrf(rows))
+    longitude, latitude, height = geodetic_places(orbit.itrf(rows))
     figure = page_figure(height_mm=108.0)
     axes = figure.add_subplot()
     _draw_land(axes)
     axes.plot(*_split_line(longitude, latitude), color=MUTED, lw=0.7, label="ground track")
     is_tracked = rows["t"].isin(tracking["t"]).to_numpy()
     tracked = np.where(is_tracked, latitude, np.nan)
-    axes.plot(*_split_line(longitude, tracked), color=OBSERVED, lw=1.8, label="tracked")
+    axes.plot(*_split_line(longitude, tracked), color=OBSERVED_COLOR, lw=1.8, label="tracked")
     for k, station in enumerate(orbit.stations):
         _draw_station(axes, station, float(height.mean()), k)
     _frame(axes)
@@ -82,13 +82,13 @@ def world(orbit: ObservedOrbit, tracking: pd.DataFrame, *, first_day: float, not
     return figure
 
 
-def geodetic(positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def geodetic_places(positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return longitude, latitude [deg] and height [m] on WGS84, (n,) each, of ITRF positions (n, 3) [m]."""
     longitude, latitude, height = erfa.gc2gd(WGS84, positions)
     return np.degrees(longitude), np.degrees(latitude), height
 
 
-def reach(station: Station, height: float) -> float:
+def sight_angle(station: Station, height: float) -> float:
     """Return the angle at the Earth's centre [rad] up to which a station sees an RSO, on a sphere.
 
     It is the lesser of what the station's lowest elevation and its longest range leave.
@@ -125,7 +125,7 @@ def _draw_land(axes: Axes) -> None:
 
 def _draw_station(axes: Axes, station: Station, height: float, k: int) -> None:
     color = STATIONS[k % len(STATIONS)]
-    axes.plot(*_split_line(*circle(station, reach(station, height))), color=color, lw=1.0, zorder=3.0)
+    axes.plot(*_split_line(*circle(station, sight_angle(station, height))), color=color, lw=1.0, zorder=3.0)
     place = np.degrees([station.longitude, station.latitude])
     look: dict[str, Any] = {"ls": "", "color": color, "mec": "white", "mew": 0.5, "ms": 6.0, "zorder": 4.0}
     axes.plot(*place[:, None], marker=MARKERS[k % len(MARKERS)], label=station.name, **look)

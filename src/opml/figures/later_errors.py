@@ -8,12 +8,12 @@ from matplotlib.figure import Figure
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.figures.style import MUTED, RESIDUAL, TRUE, legend, page_figure
+from opml.figures.style import MUTED, RESIDUAL, TRUE_COLOR, legend, page_figure
 from opml.orbits.rsw_covariance import half_width
 
 _AXES = {"x": "radial", "y": "along-track", "z": "cross-track"}
 _KM = 1e-3
-_BEFORE: dict[str, Any] = {"color": TRUE, "marker": "o", "label": "no correction"}
+_BEFORE: dict[str, Any] = {"color": TRUE_COLOR, "marker": "o", "label": "no correction"}
 _AFTER: dict[str, Any] = {"color": RESIDUAL, "marker": "^", "label": "corrected"}
 
 

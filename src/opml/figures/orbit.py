@@ -18,10 +18,10 @@ from opml.figures.axis_labels import clauses
 from opml.figures.style import (
     ESTIMATE,
     HIGHLIGHT,
-    OBSERVED,
+    OBSERVED_COLOR,
     PUBLISHED,
-    TRACK,
-    TRUE,
+    TRACK_COLOR,
+    TRUE_COLOR,
     add_note,
     legend,
     page_figure,
@@ -81,7 +81,7 @@ def estimation_window(tracking: pd.DataFrame, *, track: int, window_hours: float
     figure = page_figure(height_mm=30.0 + 8.0 * len(stations))
     axes = figure.add_subplot()
     window = axes.axvspan(-window_hours, 0.0, color="#EBEBEB", lw=0.0)
-    colors = np.where(used, HIGHLIGHT, TRACK)[near]
+    colors = np.where(used, HIGHLIGHT, TRACK_COLOR)[near]
     # The edge keeps a track of a single measurement visible.
     axes.barh(
         lane[near],
@@ -94,7 +94,7 @@ def estimation_window(tracking: pd.DataFrame, *, track: int, window_hours: float
         zorder=2,
     )
     (dots,) = axes.plot(start[near], lane[near] + 0.37, "o", color=ESTIMATE, ms=3.0, mew=0.0)
-    axes.axvline(0.0, color=TRUE, lw=0.8, zorder=1.5)
+    axes.axvline(0.0, color=TRUE_COLOR, lw=0.8, zorder=1.5)
     axes.annotate(
         "$t_i$",
         (0.0, 1.0),
@@ -113,7 +113,7 @@ def estimation_window(tracking: pd.DataFrame, *, track: int, window_hours: float
     labels = {
         f"estimation window, {window_hours:g} h": window,
         "track used": Patch(color=HIGHLIGHT),
-        "track not used": Patch(color=TRACK),
+        "track not used": Patch(color=TRACK_COLOR),
         "epoch of an estimate": dots,
     }
     legend(figure, columns=4, labels=labels, note=note)
@@ -159,7 +159,7 @@ def orbit_3d(truth: pd.DataFrame, tracking: pd.DataFrame, *, note: str = "") -> 
     axes.scatter(
         *observed.T,
         s=1.0,
-        color=OBSERVED,
+        color=OBSERVED_COLOR,
         linewidths=0.0,
         depthshade=False,
         zorder=3,
@@ -209,9 +209,9 @@ def orbital_elements(
     for (left, right), name in zip(panels, elements, strict=True):
         label, factor = _ELEMENTS[name]
         values = _break_turns(coe[name]) * factor if name in _TURNING else coe[name] * factor
-        left.plot(days, values, color=TRUE, lw=0.4, rasterized=True)
+        left.plot(days, values, color=TRUE_COLOR, lw=0.4, rasterized=True)
         left.axvspan(first, last, color=HIGHLIGHT, alpha=0.6, lw=0.0, zorder=3)
-        right.plot(days[zoomed], values[zoomed], color=TRUE, lw=1.0)
+        right.plot(days[zoomed], values[zoomed], color=TRUE_COLOR, lw=1.0)
         left.set_ylabel(label)
         for axes in (left, right):
             axes.ticklabel_format(axis="y", useOffset=False)

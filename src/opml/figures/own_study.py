@@ -18,13 +18,13 @@ from opml.figures.style import (
     MARKERS,
     MUTED,
     NOTE_SIZE,
-    PREDICTED,
+    PREDICTED_COLOR,
     RAMP,
-    REASONS,
+    REASON_COLORS,
     RESIDUAL,
     SERIES,
-    TRACK,
-    TRUE,
+    TRACK_COLOR,
+    TRUE_COLOR,
     legend,
     page_figure,
     panel_figure,
@@ -32,20 +32,22 @@ from opml.figures.style import (
 from opml.learning.judge.errors_by_duration import REACH_DAYS, by_duration
 from opml.learning.judge.model_choice import Mornings
 
-COLUMNS = 3
+_COLUMNS = 3
 """Panels side by side."""
 
 BIN_DAYS = 0.5
 LEAST_ROWS = 5
 """Rows that a bin of durations needs for its quantiles to say something."""
 
-UNCORRECTED = "errors without correction: medians and middle halves by the day that a prediction starts on"
+UNCORRECTED_NOTE = (
+    "errors without correction: medians and middle halves by the day that a prediction starts on"
+)
 """Note on the errors below Cd."""
 
-BASELINE = PREDICTED
+BASELINE = PREDICTED_COLOR
 """Colour of the models beside the one that a figure shows."""
 
-SHADES = (TRACK, *REASONS)
+_SHADES = (TRACK_COLOR, *REASON_COLORS)
 """Colours of rows that are used, then of rows that are not, reason by reason."""
 
 
@@ -63,7 +65,7 @@ def errors(evaluations: Mapping[str, pd.DataFrame], *, component: str, note: str
     figure = panel_figure(
         list(evaluations),
         lambda axes, model: _draw_growth(axes, evaluations[model]),
-        columns=COLUMNS,
+        columns=_COLUMNS,
         heights_mm=(20.0, 50.0),
     )
     figure.supxlabel(DURATION_LABEL, fontsize=8.0)
@@ -84,7 +86,7 @@ def residuals(mornings: Mornings, *, laws: Collection[str], note: str = "") -> F
     figure = page_figure(height_mm=100.0)
     axes = figure.add_subplot()
     before, after = (sizes(mornings.flown, column) for column in ("before", "e_y"))
-    _draw_bands(axes, before, TRUE, "o", "no correction")
+    _draw_bands(axes, before, TRUE_COLOR, "o", "no correction")
     _draw_bands(axes, after, RESIDUAL, "^", "corrected by what the past chose")
     others = {name: sizes(table, "e_y") for name, table in mornings.tables.items() if name != "none"}
     for name, median in others.items():
@@ -164,7 +166,7 @@ def _draw_growth(axes: Axes, evaluation: pd.DataFrame) -> None:
     growth = by_duration(evaluation, width_days=min(BIN_DAYS, reach / 4.0))
     growth = growth[growth["rows"] >= LEAST_ROWS]
     for when, color, marker, label in (
-        ("before", TRUE, "o", "no correction"),
+        ("before", TRUE_COLOR, "o", "no correction"),
         ("after", RESIDUAL, "^", "corrected"),
     ):
         median, most = growth[f"{when}_50"], growth[f"{when}_95"]
@@ -175,7 +177,7 @@ def _draw_growth(axes: Axes, evaluation: pd.DataFrame) -> None:
     axes.set_yscale("log")
 
 
-def drag(
+def drag_figure(
     estimates: Mapping[str, pd.DataFrame],
     activity: pd.DataFrame,
     errors: pd.DataFrame | None = None,
@@ -227,10 +229,12 @@ def _draw_cd(axes: Axes, usable: Mapping[str, pd.DataFrame]) -> None:
 def _draw_activity(upper: Axes, lower: Axes, activity: pd.DataFrame) -> None:
     """Draw F10.7 with its mean above Kp."""
     days = activity["t"] / DAY
-    upper.plot(days, activity["f107"], color=TRUE, label="F10.7")
+    upper.plot(days, activity["f107"], color=TRUE_COLOR, label="F10.7")
     upper.plot(days, activity["f107_mean"], color=MUTED, ls="--", label="81-day mean")
     upper.set_ylabel("F10.7 [sfu]")
-    lower.plot(days, activity["kp_3h"], color=PREDICTED, lw=0.9, drawstyle="steps-post", label="$K_p$, 3 h")
+    lower.plot(
+        days, activity["kp_3h"], color=PREDICTED_COLOR, lw=0.9, drawstyle="steps-post", label="$K_p$, 3 h"
+    )
     lower.set_ylabel("$K_p$")
 
 
@@ -244,9 +248,9 @@ def daily_errors(dataset: pd.DataFrame, *, component: str, day: float) -> pd.Dat
     day: duration of the predictions [d]; durations up to a quarter of a day from it count
     """
     near = (dataset["duration"] / DAY - day).abs() <= REACH_DAYS
-    rows = dataset[near & dataset["keep"]]
-    calendar = np.floor(rows["t_i"] / DAY)
-    groups = rows[component].abs().groupby(calendar)
+    rows_figure = dataset[near & dataset["keep"]]
+    calendar = np.floor(rows_figure["t_i"] / DAY)
+    groups = rows_figure[component].abs().groupby(calendar)
     quartiles = pd.DataFrame({f"{100.0 * share:.0f}": groups.quantile(share) for share in (0.25, 0.5, 0.75)})
     middle = (quartiles.index.to_numpy(float) + 0.5) * DAY
     return quartiles.assign(t=middle, day=day).reset_index(drop=True)
@@ -288,7 +292,7 @@ def rolling(days: Mapping[str, pd.DataFrame], *, every_days: float, note: str = 
     return figure
 
 
-def rows(shares: Mapping[str, Mapping[str, float]]) -> Figure:
+def rows_figure(shares: Mapping[str, Mapping[str, float]]) -> Figure:
     """Draw the share of the rows that are used, and of those that are not by reason; one bar per dataset.
 
     Raises InputError without a dataset.
@@ -298,13 +302,13 @@ def rows(shares: Mapping[str, Mapping[str, float]]) -> Figure:
     if not shares:
         raise InputError("rows of a study: expected at least one dataset, got none")
     reasons = list(dict.fromkeys(reason for parts in shares.values() for reason in parts))
-    figure = page_figure(height_mm=26.0 + 8.0 * len(shares) + 4.0 * math.ceil(len(reasons) / COLUMNS))
+    figure = page_figure(height_mm=26.0 + 8.0 * len(shares) + 4.0 * math.ceil(len(reasons) / _COLUMNS))
     axes = figure.add_subplot()
     place = np.arange(len(shares))[::-1]
     left = np.zeros(len(shares))
     for k, reason in enumerate(reasons):
         widths = np.array([parts.get(reason, 0.0) for parts in shares.values()])
-        look: dict[str, Any] = {"color": SHADES[k % len(SHADES)], "label": _reason_label(reason, widths)}
+        look: dict[str, Any] = {"color": _SHADES[k % len(_SHADES)], "label": _reason_label(reason, widths)}
         axes.barh(place, widths, left=left, height=0.6, **look)
         left += widths
     axes.set_yticks(place, list(shares))
@@ -312,7 +316,7 @@ def rows(shares: Mapping[str, Mapping[str, float]]) -> Figure:
     axes.xaxis.set_major_formatter(PercentFormatter(1.0))
     axes.set_xlabel("share of the predictions")
     axes.grid(visible=False, axis="y")
-    legend(figure, columns=COLUMNS)
+    legend(figure, columns=_COLUMNS)
     return figure
 
 

@@ -28,12 +28,12 @@ from opml.figures.style import (
 )
 from opml.naming import Split
 
-PARTS = {"rest": "test part", "seen": "training part"}
+_PARTS = {"rest": "test part", "seen": "training part"}
 INTERVAL = "bars: 5th to 95th percentile over resampled estimates"
 """Note on the bars of P_ML."""
 
 RULE_STYLES = (":", "-.", (0, (6, 1.5)), (0, (1, 3)))
-RULES = (
+_RULES = (
     "scales by quantiles of the distances (sigest), their median, cross-validation on held-out estimates (cv)"
 )
 """Note on the public rules of the kernel scale."""
@@ -147,7 +147,7 @@ def kernel_scale_sensitivity(
         axes.set_xlabel("kernel scale $s$, on standardised variables")
         axes.yaxis.set_tick_params(labelleft=True)
         _label(axes, component)
-    rule_lines = f"vertical lines: {RULES}" if rules else ""
+    rule_lines = f"vertical lines: {_RULES}" if rules else ""
     legend(figure, columns=3, note=lines(_training_note(points), _bars_note(points), rule_lines))
     return figure
 
@@ -228,7 +228,7 @@ def _split_label(train: str, test: str) -> str:
     split = _training_split(train)
     if split.kind == "days":
         return _window_label(test)
-    return f"{split.kind} {split.percent:g} %, {PARTS.get(test, test)}"
+    return f"{split.kind} {split.percent:g} %, {_PARTS.get(test, test)}"
 
 
 def _window_label(test: str) -> str:

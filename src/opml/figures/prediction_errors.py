@@ -24,10 +24,10 @@ from opml.figures.notes import SHORT_DAYS, Context, short_errors
 from opml.figures.style import (
     HIGHLIGHT,
     MUTED,
-    PREDICTED,
+    PREDICTED_COLOR,
     PUBLISHED,
     RESIDUAL,
-    TRUE,
+    TRUE_COLOR,
     add_note,
     column_figure,
     legend,
@@ -74,8 +74,8 @@ class _Curve:
 
 
 _CURVES = (
-    _Curve("true", "true $e_{{{axis}}}$", TRUE, "o", -0.22),
-    _Curve("predicted", r"ML-predicted $\hat{{e}}_{{\mathrm{{ML}},{axis}}}$", PREDICTED, "s", 0.0),
+    _Curve("true", "true $e_{{{axis}}}$", TRUE_COLOR, "o", -0.22),
+    _Curve("predicted", r"ML-predicted $\hat{{e}}_{{\mathrm{{ML}},{axis}}}$", PREDICTED_COLOR, "s", 0.0),
     _Curve("residual", r"residual $e_{{\mathrm{{res}}}}$", RESIDUAL, "^", 0.22),
 )
 
@@ -265,7 +265,7 @@ def _distribution(pairs: pd.DataFrame, components: tuple[str, ...], note: str, *
             days,
             np.abs(values) if absolute else values,
             s=1.2,
-            color=TRUE,
+            color=TRUE_COLOR,
             alpha=float(np.clip(3000.0 / len(pairs), 0.15, 0.5)),  # the fainter, the more there are
             linewidths=0.0,
             rasterized=True,
@@ -435,7 +435,7 @@ def _individual(
         errors["true"],
         s=6.0,
         facecolors="none",
-        edgecolors=TRUE,
+        edgecolors=TRUE_COLOR,
         linewidths=0.35,
         alpha=float(np.clip(1000.0 / max(1, len(errors)), 0.25, 1.0)),
         rasterized=True,

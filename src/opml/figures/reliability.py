@@ -11,11 +11,11 @@ from opml.figures.axis_labels import clauses, symbol
 from opml.figures.style import MARKERS, MUTED, RAMP, legend, panel_figure
 from opml.tables import ELLIPSOID
 
-COLUMNS = 3
+_COLUMNS = 3
 """Panels side by side."""
 
 
-def coverage(tables: Mapping[str, pd.DataFrame], *, quantity: str, note: str = "") -> Figure:
+def coverage_curves(tables: Mapping[str, pd.DataFrame], *, quantity: str, note: str = "") -> Figure:
     """Draw the share of errors inside [%] against the nominal share, a panel per model, a line per duration.
 
     Raises InputError without a table.
@@ -31,7 +31,7 @@ def coverage(tables: Mapping[str, pd.DataFrame], *, quantity: str, note: str = "
         table = tables[name]
         _draw_coverage(axes, table[table["quantity"] == quantity])
 
-    figure = panel_figure(list(tables), draw, columns=COLUMNS, heights_mm=(18.0, 54.0))
+    figure = panel_figure(list(tables), draw, columns=_COLUMNS, heights_mm=(18.0, 54.0))
     bounds = "ellipsoids of the position" if quantity == ELLIPSOID else f"intervals of {symbol(quantity)}"
     figure.supxlabel("nominal share inside [%]", fontsize=8.0)
     figure.supylabel(f"share inside {bounds} [%]", fontsize=8.0)

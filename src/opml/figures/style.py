@@ -23,22 +23,22 @@ PAGE_WIDTH_MM = 180.0  # both columns
 MM_PER_INCH = 25.4
 
 # Okabe & Ito's palette (Color Universal Design, 2008): told apart under every common colour blindness.
-TRUE = "#000000"
-PREDICTED = "#0072B2"
+TRUE_COLOR = "#000000"
+PREDICTED_COLOR = "#0072B2"
 RESIDUAL = "#D55E00"
 MUTED = "#8A8A8A"  # context behind the subject
 PUBLISHED = "#4D4D4D"  # numbers from a publication, always as hollow markers
-OBSERVED = "#009E73"  # where a station saw the RSO
+OBSERVED_COLOR = "#009E73"  # where a station saw the RSO
 ESTIMATE = "#CC79A7"
-TRACK = "#56B4E9"
+TRACK_COLOR = "#56B4E9"
 HIGHLIGHT = "#E69F00"  # what a figure points at: tracks used, days enlarged, values beyond a limit
 # Several curves of corrected errors, by colours of the palette and by marker.
-SERIES = (RESIDUAL, PREDICTED, OBSERVED, ESTIMATE)
+SERIES = (RESIDUAL, PREDICTED_COLOR, OBSERVED_COLOR, ESTIMATE)
 MARKERS = "osD^"
 # Curves in an order, such as durations, from light to dark.
 RAMP = ("#F5B887", "#E07B28", "#A84400", "#4F2000")
 # Reasons why rows are not used.
-REASONS = (RESIDUAL, HIGHLIGHT, ESTIMATE, "#7A3200", MUTED)
+REASON_COLORS = (RESIDUAL, HIGHLIGHT, ESTIMATE, "#7A3200", MUTED)
 
 NOTE_SIZE = 6.5
 """Size of the type of a figure's note [pt]."""

@@ -20,7 +20,7 @@ from numpy.polynomial import chebyshev
 
 from opml.dynamics.attraction import Attraction
 
-CONVERGED = 1e-6
+_CONVERGED = 1e-6
 """Largest change of a position [m] in the last iteration; each iteration divides the change by 9 or more."""
 
 _MOST_ITERATIONS = 25
@@ -171,9 +171,9 @@ def _solve(
         coefficients = chord + scale * (falls @ pull)
         before, places = places, values @ coefficients
         change = np.abs(places - before).max(axis=(1, 2))
-        if not np.any(change > CONVERGED):
+        if not np.any(change > _CONVERGED):
             break
-    coefficients[~(change <= CONVERGED)] = np.nan
+    coefficients[~(change <= _CONVERGED)] = np.nan
     return coefficients
 
 

@@ -21,7 +21,7 @@ from opml.interop.orbit_arcs import (
     seconds_since,
 )
 
-SCALES = ("GPS", "UTC", "TAI", "GAL", "QZS")
+_SCALES = ("GPS", "UTC", "TAI", "GAL", "QZS")
 """Time systems for reading."""
 
 _WIDTH = 80  # of a line
@@ -94,8 +94,8 @@ def _header(path: FilePath, lines: list[bytes]) -> _Header:
         ((n, line) for n, line in enumerate(lines, 1) if line.startswith(b"%c")), (len(lines), b"")
     )
     scale = line[9:12].decode("latin-1")
-    if scale not in SCALES:
-        raise line_error(path, number, f"a line %c with time system {' or '.join(SCALES)}", line)
+    if scale not in _SCALES:
+        raise line_error(path, number, f"a line %c with time system {' or '.join(_SCALES)}", line)
     return _Header(int(first[1]), realisation, scale, _satellites(path, lines))
 
 

@@ -18,7 +18,7 @@ product has two names:
 """
 
 from opml.naming.estimates import (
-    ARC,
+    ARC_PATTERN,
     BOTH_SIDES,
     LABELS,
     LIGHT,
@@ -86,7 +86,7 @@ from opml.naming.spelling import (
 )
 
 __all__ = [
-    "ARC",
+    "ARC_PATTERN",
     "BOTH_SIDES",
     "LABELS",
     "LIGHT",

@@ -19,7 +19,7 @@ MEMBERS = r"[2-9]|[1-9][0-9]{1,2}"
 TRACK = r"0|[1-9][0-9]*"
 """Regular expression of the number of a track."""
 
-ARC = f"_l{POSITIVE}_m{POSITIVE}"
+ARC_PATTERN = f"_l{POSITIVE}_m{POSITIVE}"
 """Regular expression of the suffix of arcs."""
 
 BOTH_SIDES = f"_b{POSITIVE}"

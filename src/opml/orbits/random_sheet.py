@@ -5,7 +5,7 @@ import numpy as np
 from opml.base.constants import WGS84_A
 from opml.base.seeds import derive
 
-COLUMNS = (
+_COLUMNS = (
     "name",
     "a_km",
     "e",
@@ -44,5 +44,5 @@ def draw(name: str, seed: int) -> list[str]:
 
 def sheet(prefix: str, count: int, seed: int) -> str:
     """Return a sheet of `count` RSOs, whose names are `prefix` and a number from 01 on."""
-    lines = [COLUMNS, *(draw(f"{prefix}{number:02d}", seed) for number in range(1, count + 1))]
+    lines = [_COLUMNS, *(draw(f"{prefix}{number:02d}", seed) for number in range(1, count + 1))]
     return "".join("\t".join(line) + "\n" for line in lines)

@@ -16,7 +16,7 @@ from opml.learning.models.inputs import Training, check_rows, columns_of
 from opml.readings.own_standardisation import Standardising
 
 
-def train(
+def train_jointly(
     rows: pd.DataFrame, tested: pd.DataFrame, *, component: str, settings: Settings, seed: int
 ) -> Model:
     """Train a learner on rows of a dataset, with variables standardised over these and the rows tested.

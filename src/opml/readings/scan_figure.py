@@ -6,13 +6,13 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from opml.base.errors import InputError
-from opml.figures.style import MUTED, PREDICTED, PUBLISHED, RESIDUAL, add_note, page_figure
+from opml.figures.style import MUTED, PREDICTED_COLOR, PUBLISHED, RESIDUAL, add_note, page_figure
 
-MOST = 130.0
+_MOST = 130.0
 """End of the axis [%]: corrections that leave more than this are equally bad."""
 
 
-def scan(
+def scan_curves(
     combinations: Mapping[str, Mapping[str, float]],
     published: Mapping[str, float],
     *,
@@ -34,7 +34,7 @@ def scan(
     nearest = next(iter(combinations))
     looks: dict[str, dict[str, Any]] = {
         nearest: {"color": RESIDUAL, "zorder": 3, "label": f"{nearest}, the nearest"},
-        default: {"color": PREDICTED, "zorder": 3, "label": f"{default}, the default"},
+        default: {"color": PREDICTED_COLOR, "zorder": 3, "label": f"{default}, the default"},
     }
     others: dict[str, Any] = {"color": MUTED, "lw": 0.7, "alpha": 0.6, "zorder": 1}
     for name, numbers in combinations.items():
@@ -49,7 +49,7 @@ def scan(
         zorder=4,
         label=published_name,
     )
-    axes.set_ylim(0.0, MOST)
+    axes.set_ylim(0.0, _MOST)
     axes.set_ylabel(r"$P_{\mathrm{ML}}$ [%]")
     axes.set_xticks(range(len(published)), list(published), rotation=20, ha="right")
     axes.legend(loc="upper left")

@@ -10,7 +10,7 @@ from itertools import product
 import pandas as pd
 
 from opml.naming import STANDARDISATIONS, Experiment, fence_suffix, treat_test
-from opml.report.claims import Claim, judge
+from opml.report.claims import Claim, judge_claim
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.results import Results, percent
 
@@ -100,7 +100,7 @@ def _outcome(combination: Combination, scan: Scan, results: Results) -> Outcome:
     return Outcome(
         combination,
         numbers,
-        held=[judge(_under(combination, claim), results)[2] for claim in scan.claims],
+        held=[judge_claim(_under(combination, claim), results)[2] for claim in scan.claims],
         distance=sum(off) / len(off),
         near=sum(distance <= NEAR for distance in off),
     )

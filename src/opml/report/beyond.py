@@ -12,9 +12,9 @@ import pandas as pd
 from opml.learning.models import learners
 from opml.naming import Experiment
 from opml.report.document import Block, Heading, Paragraph, Table
-from opml.report.results import NONE, Results, percent
+from opml.report.results import NO_VALUE, Results, percent
 
-Key = tuple[str, str, str]
+_Key = tuple[str, str, str]
 Pair = tuple[str, str]
 
 
@@ -22,13 +22,13 @@ Pair = tuple[str, str]
 class BeyondReport:
     """What the document tells."""
 
-    splits: Mapping[Key, Experiment]  # by station set, learner and split
+    splits: Mapping[_Key, Experiment]  # by station set, learner and split
     pairs: Mapping[str, Pair]  # training and test rows, by split
-    transfers: Mapping[Key, Experiment]  # by curve, learner and target
-    left_out: Mapping[Key, Experiment]  # by pool, learner and the RSO left out
+    transfers: Mapping[_Key, Experiment]  # by curve, learner and target
+    left_out: Mapping[_Key, Experiment]  # by pool, learner and the RSO left out
     budget: Mapping[Pair, Experiment]  # by station set and learner
     budget_split: Pair
-    published: Mapping[Key, float]  # the paper's P_ML [%] by a key of splits or transfers
+    published: Mapping[_Key, float]  # the paper's P_ML [%] by a key of splits or transfers
     learners: Mapping[str, Mapping[str, Any]]  # settings by name
     level: float  # of the prediction intervals
 
@@ -103,7 +103,7 @@ def _transfers(report: BeyondReport, results: Results) -> Iterator[Block]:
         yield Table(["RSO", "Peng & Bai", *(f"`{learner}`" for learner in names)], rows)
 
 
-def _left_out(experiments: Mapping[Key, Experiment], results: Results) -> Iterator[Block]:
+def _left_out(experiments: Mapping[_Key, Experiment], results: Results) -> Iterator[Block]:
     if not experiments:
         return
     names = list(dict.fromkeys(learner for _, learner, _ in experiments))
@@ -168,7 +168,7 @@ def _budget(report: BeyondReport, results: Results, floors: Mapping[str, float])
 def model_table(models: Mapping[str, Mapping[str, Any]]) -> Iterator[Block]:
     """Yield a section on what each model is; models: settings of learners by name."""
     rows = [
-        [f"`{name}`", learners.description(settings["kind"]), " ".join(_terms(settings)) or NONE]
+        [f"`{name}`", learners.description(settings["kind"]), " ".join(_terms(settings)) or NO_VALUE]
         for name, settings in models.items()
     ]
     yield Heading("The models")
@@ -179,7 +179,7 @@ def _terms(settings: Mapping[str, Any]) -> Sequence[str]:
     return [f"`{term}`" for term in settings.get("terms", [])]
 
 
-def _by_first(experiments: Mapping[Key, Experiment]) -> dict[str, dict[Pair, Experiment]]:
+def _by_first(experiments: Mapping[_Key, Experiment]) -> dict[str, dict[Pair, Experiment]]:
     """Return the experiments by the first part of their key, then by the rest of it."""
     groups: dict[str, dict[Pair, Experiment]] = {}
     for (first, *rest), experiment in experiments.items():

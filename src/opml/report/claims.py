@@ -20,7 +20,7 @@ class Claim:
     start: float = 0.0
 
 
-def judge(claim: Claim, results: Results) -> tuple[str, str, bool]:
+def judge_claim(claim: Claim, results: Results) -> tuple[str, str, bool]:
     """Return a claim's sentence, our numbers as text, and whether the claim holds."""
     numbers = _numbers(claim, results)
     text = ", ".join(f"{number:.1f} ({label})" for label, number in numbers.items())

@@ -39,7 +39,7 @@ def markdown(blocks: Iterable[Block]) -> str:
     return "\n\n".join(_markdown(block) for block in blocks) + "\n"
 
 
-def page(blocks: Iterable[Block], *, title: str) -> str:
+def html_page(blocks: Iterable[Block], *, title: str) -> str:
     """Return the document as one HTML page without references to anything outside."""
     body = "\n".join(_html(block) for block in blocks)
     return (
@@ -68,7 +68,7 @@ def write(
     table = next(block for block in blocks if isinstance(block, Table))
     for path, text in (
         (path_md, markdown(blocks)),
-        (path_html, page(blocks, title=title)),
+        (path_html, html_page(blocks, title=title)),
         (path_tsv, tab_separated(table)),
     ):
         with replacing(path) as temporary:

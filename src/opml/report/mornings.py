@@ -9,7 +9,7 @@ from opml.base.constants import DAY
 from opml.learning.judge.errors_by_duration import at_days
 from opml.learning.judge.model_choice import CONFIDENCE, Mornings
 from opml.report.document import Block, Heading, Paragraph, Table
-from opml.report.results import NONE, length
+from opml.report.results import NO_VALUE, length
 
 Dataset = tuple[str, str]
 """RSO and station set."""
@@ -37,13 +37,13 @@ def section(
         f"with {100.0 * CONFIDENCE:g} % confidence, over blocks of days, that it leaves less."
     )
     for (rso, stations), mornings in replays.items():
-        yield Paragraph(f"**{rso}, {stations}.** {verdict(mornings, laws)}")
+        yield Paragraph(f"**{rso}, {stations}.** {_verdict(mornings, laws)}")
         yield Table(["model", *(f"{day:g} d" for day in marks), "sum, %"], _rows(mornings, marks, laws))
 
 
-def verdict(mornings: Mornings, laws: Sequence[str]) -> str:
+def _verdict(mornings: Mornings, laws: Sequence[str]) -> str:
     """Return as text what was flown, and what it left beside the best model without learning."""
-    best, share = compare(mornings, laws)
+    best, share = compare_models(mornings, laws)
     names = [choice.chosen for choice in mornings.choices.values()]
     flown = ", ".join(f"`{name}` {number}" for name, number in Counter(names).most_common())
     sure = sum(name in laws for name in names)
@@ -56,7 +56,7 @@ def verdict(mornings: Mornings, laws: Sequence[str]) -> str:
     )
 
 
-def compare(mornings: Mornings, laws: Sequence[str]) -> tuple[str, float]:
+def compare_models(mornings: Mornings, laws: Sequence[str]) -> tuple[str, float]:
     """Return the best model without learning, and in % of its summed |e_y| what was flown left.
 
     The best is known in hindsight only.
@@ -67,7 +67,7 @@ def compare(mornings: Mornings, laws: Sequence[str]) -> tuple[str, float]:
 
 
 def _rows(mornings: Mornings, marks: Sequence[float], laws: Sequence[str]) -> list[list[str]]:
-    best, _ = compare(mornings, laws)
+    best, _ = compare_models(mornings, laws)
     least = mornings.tables[best]["e_y"].abs().sum()
     before = mornings.flown.assign(e_y=mornings.flown["before"])
     tables = {"no correction": before} | {
@@ -83,7 +83,7 @@ def _row(name: str, table: pd.DataFrame, marks: Sequence[float], least: float) -
     )
     sizes = {row["day"]: row for row in grown.to_dict("records")}
     cells = [
-        f"{length(sizes[day]['after_50'])} / {length(sizes[day]['after_95'])}" if day in sizes else NONE
+        f"{length(sizes[day]['after_50'])} / {length(sizes[day]['after_95'])}" if day in sizes else NO_VALUE
         for day in marks
     ]
     return [name, *cells, f"{100.0 * table['e_y'].abs().sum() / least:.0f}"]

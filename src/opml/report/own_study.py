@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 
 import pandas as pd
 
-from opml.learning.data.cleaning import PAPER, PAPER_BOUNDS, PAPER_FENCE
+from opml.learning.data.cleaning import PAPER_BOUNDS, PAPER_CLEANING, PAPER_FENCE
 from opml.learning.data.dataset import survives
 from opml.learning.judge.errors_by_duration import at_days
 from opml.learning.judge.metrics import p_ml
@@ -17,7 +17,7 @@ from opml.report import mornings, uncertainty
 from opml.report.beyond import model_table
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.mornings import Dataset
-from opml.report.results import NONE, Results, length, percent
+from opml.report.results import NO_VALUE, Results, length, percent
 from opml.report.settings_tables import assumed_model, force_models, weather
 
 ModelKey = tuple[str, str, str]
@@ -68,7 +68,7 @@ def document(report: OwnStudyReport, tables: OwnStudyTables) -> list[Block]:
         for dataset, replayed in _by_dataset(tables.replays).items()
     }
     papers = {
-        dataset: table.loc[survives(table, tables.estimates[dataset], PAPER), ["i", "j"]]
+        dataset: table.loc[survives(table, tables.estimates[dataset], PAPER_CLEANING), ["i", "j"]]
         for dataset, table in tables.datasets.items()
     }
     return [
@@ -178,7 +178,7 @@ def _errors(
             sizes, evaluation = growth[*dataset, learner], evaluations[*dataset, learner]
             kept = evaluation.merge(papers[dataset], on=["i", "j"])
             if k == 0:
-                whole = ["100.0", NONE if kept.empty else "100.0"]
+                whole = ["100.0", NO_VALUE if kept.empty else "100.0"]
                 rows.append([*dataset, "no correction", *_size_cells(sizes, days, "before"), *whole])
             cells = [*_size_cells(sizes, days, "after"), _p_ml_cell(evaluation), _p_ml_cell(kept)]
             rows.append([*dataset, f"`{learner}`", *cells])
@@ -220,7 +220,7 @@ def _rolling(report: OwnStudyReport, tables: Mapping[ModelKey, pd.DataFrame]) ->
 def _p_ml_cell(evaluation: pd.DataFrame) -> str:
     """Return P_ML of an `evaluation` table as a cell, NONE without rows."""
     if evaluation.empty:
-        return NONE
+        return NO_VALUE
     return f"{p_ml(evaluation['true'].to_numpy(), evaluation['predicted'].to_numpy()):.1f}"
 
 
@@ -228,7 +228,7 @@ def _size_cells(sizes: pd.DataFrame, days: Sequence[float], when: str) -> list[s
     """Return the sizes of the errors at the days as cells, NONE where a day has no rows."""
     rows = {row["day"]: row for row in sizes.to_dict("records")}
     return [
-        " / ".join(length(rows[day][f"{when}_{share}"]) for share in (50, 95)) if day in rows else NONE
+        " / ".join(length(rows[day][f"{when}_{share}"]) for share in (50, 95)) if day in rows else NO_VALUE
         for day in days
     ]
 
@@ -255,7 +255,7 @@ def _rows(
         why = "; ".join(f"{reason} {100.0 * share:.1f} %" for reason, share in shares.items())
         counts = [str(len(fits)), str(int(fits["converged"].sum())), str(len(table))]
         kept = [f"{100.0 * share:.1f} %" for share in (used, len(papers[dataset]) / len(table))]
-        rows.append([*dataset, *counts, *kept, why or NONE])
+        rows.append([*dataset, *counts, *kept, why or NO_VALUE])
     yield Heading("Rows used")
     yield Paragraph("A row is the prediction of one estimate to one later track.")
     yield Table(header, rows)

@@ -12,10 +12,10 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.naming import Experiment
-from opml.report.claims import Claim, judge
+from opml.report.claims import Claim, judge_claim
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.doubts import DOUBTS
-from opml.report.results import NONE, Results, extent_cell, percent
+from opml.report.results import NO_VALUE, Results, extent_cell, percent
 
 EXPLAINED = 0.5
 """Share of a difference that a run must remove to count as its likeliest cause."""
@@ -142,7 +142,8 @@ def counts(
         "pairs": len(dataset),
         "kept": int(dataset["keep"].sum()),
         f"kept to day {days[1]:g}": int((dataset["keep"] & (dataset["t_j"] <= DAY * days[1])).sum()),
-        "why dropped": "; ".join(f"{reason} {count}" for reason, count in reasons.items() if reason) or NONE,
+        "why dropped": "; ".join(f"{reason} {count}" for reason, count in reasons.items() if reason)
+        or NO_VALUE,
     }
 
 
@@ -221,7 +222,7 @@ def _causes(comparisons: Sequence[Comparison], results: Results) -> list[Block]:
             "what the paper leaves open. It is named as the likeliest cause where it removes at least "
             f"{EXPLAINED:.0%} of the difference. What comes nearest need not be what the paper did."
         ),
-        Table(["number", "ours - paper", "likeliest cause", "P_ML then", "run"], rows or [[NONE] * 5]),
+        Table(["number", "ours - paper", "likeliest cause", "P_ML then", "run"], rows or [[NO_VALUE] * 5]),
     ]
 
 
@@ -237,7 +238,9 @@ def _readings(reproduction: Reproduction, results: Results) -> list[Block]:
     names = [name for name in reproduction.evaluations if name in shown]
 
     def row(text: str, experiments: Mapping[str, Experiment]) -> list[str]:
-        cells = (percent(results.p_ml(experiments[name])) if name in experiments else NONE for name in names)
+        cells = (
+            percent(results.p_ml(experiments[name])) if name in experiments else NO_VALUE for name in names
+        )
         return [text, *cells]
 
     rows = [row(text, experiments) for text, experiments in reproduction.readings.items()]
@@ -271,7 +274,7 @@ def _kernel_scales(scales: Mapping[Experiment, float], results: Results) -> list
 
 
 def _claims(claims: Sequence[Claim], results: Results) -> list[Block]:
-    judgements = [judge(claim, results) for claim in claims if claim.points]
+    judgements = [judge_claim(claim, results) for claim in claims if claim.points]
     return [
         Heading("What the paper says in words"),
         Table(

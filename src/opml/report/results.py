@@ -7,7 +7,7 @@ import pandas as pd
 
 from opml.naming import Experiment
 
-NONE = "-"
+NO_VALUE = "-"
 """The cell of a number that is not there."""
 
 
@@ -45,9 +45,9 @@ def length(value: float) -> str:
 
 def percent(value: float | None) -> str:
     """Return a percentage as a cell, NONE for None."""
-    return NONE if value is None else f"{value:.1f}"
+    return NO_VALUE if value is None else f"{value:.1f}"
 
 
 def extent_cell(extent: tuple[float, float] | None) -> str:
     """Return a range of percentages as a cell, NONE for None."""
-    return NONE if extent is None else f"{extent[0]:.1f} to {extent[1]:.1f}"
+    return NO_VALUE if extent is None else f"{extent[0]:.1f} to {extent[1]:.1f}"

@@ -11,12 +11,12 @@ from opml.learning.judge.errors_by_duration import REACH_DAYS
 from opml.learning.judge.model_choice import Mornings
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.mornings import CHOSEN, Dataset
-from opml.report.results import NONE, length
+from opml.report.results import NO_VALUE, length
 from opml.tables import ELLIPSOID, PLANE, WHOLE
 
 TITLE = "Is the uncertainty true?"
 
-QUANTITIES = ("e_x", "e_y", "e_z", PLANE, ELLIPSOID, WHOLE)
+_QUANTITIES = ("e_x", "e_y", "e_z", PLANE, ELLIPSOID, WHOLE)
 
 TOO_SHORT = "No morning had a past that was long enough to state a covariance from."
 
@@ -65,13 +65,13 @@ def section(
         rows = [row for name in shares for row in _rows(name, tables[name], shares[name], days)]
         if (rso, stations) in fits:
             fit = fits[rso, stations].groupby("day")
-            rows += [[*_cells("fit", day, table), NONE, NONE, NONE] for day, table in fit]
-        flown = verdict(mornings.flown, shares[CHOSEN], days) if CHOSEN in shares else TOO_SHORT
+            rows += [[*_cells("fit", day, table), NO_VALUE, NO_VALUE, NO_VALUE] for day, table in fit]
+        flown = _verdict(mornings.flown, shares[CHOSEN], days) if CHOSEN in shares else TOO_SHORT
         yield Paragraph(f"**{rso}, {stations}.** {flown}")
         yield Table(header, rows)
 
 
-def verdict(flown: pd.DataFrame, shares: pd.DataFrame, days: Sequence[float]) -> str:
+def _verdict(flown: pd.DataFrame, shares: pd.DataFrame, days: Sequence[float]) -> str:
     """Return as text whether the covariances of what was flown are true.
 
     flown: `replay` table
@@ -97,14 +97,14 @@ def _rows(name: str, table: pd.DataFrame, shares: pd.DataFrame, days: Sequence[f
         near = (table["duration"] / DAY - day).abs() <= REACH_DAYS
         futures = length(table.loc[near, "weather_y"].median())
         p, score = tested.loc[day, "p"], tested.loc[day, "score"]
-        yield [*_cells(name, day, rows), futures, NONE if pd.isna(p) else f"{p:.2f}", f"{score:.1f}"]
+        yield [*_cells(name, day, rows), futures, NO_VALUE if pd.isna(p) else f"{p:.2f}", f"{score:.1f}"]
 
 
 def _cells(name: str, day: float, shares: pd.DataFrame) -> list[str]:
     """Return name, duration, shares inside, and the deviation along-track, from one day's shares."""
     main = shares[shares["level"] == LEVEL].set_index("quantity")
     inside = [
-        f"{100.0 * main.loc[quantity, 'inside']:.0f}" if quantity in main.index else NONE
-        for quantity in QUANTITIES
+        f"{100.0 * main.loc[quantity, 'inside']:.0f}" if quantity in main.index else NO_VALUE
+        for quantity in _QUANTITIES
     ]
     return [name, f"{day:g}", *inside, length(main.loc["e_y", "stated"] / INSIDE)]

@@ -16,7 +16,7 @@ from opml.orbits import sheets
 from opml.study.experiments import Study
 from opml.study.paper import Paper
 from opml.study.settings.merging import Settings, with_sheets
-from opml.study.settings.model.whole import Run
+from opml.study.settings.model.whole import RunSettings
 from opml.study.settings.overlay import MISSING, Key, Source, mappings, value_at
 from opml.study.settings.validation import validated
 
@@ -29,11 +29,11 @@ class CheckedSettings(Settings):
     misfit: what the default study asks of days that the run has not; empty where it fits
     """
 
-    run: Run
+    run: RunSettings
     misfit: str
 
 
-def load(source: Source) -> CheckedSettings:
+def load_settings(source: Source) -> CheckedSettings:
     """Check merged settings and read the sheets that they name.
 
     Raises InputError: one line with file and key, for the first thing that is wrong.

@@ -46,7 +46,7 @@ from opml.tables.learning_tables import (
     WHOLE,
 )
 from opml.tables.page import (
-    markdown,
+    tables_page,
 )
 from opml.tables.parquet import (
     read_kind,
@@ -85,7 +85,6 @@ __all__ = [
     "Schema",
     "count",
     "flag",
-    "markdown",
     "mechanism_schema",
     "read_kind",
     "read_metadata",
@@ -93,6 +92,7 @@ __all__ = [
     "read_tables",
     "real",
     "symmetric_matrices",
+    "tables_page",
     "text",
     "write_table",
 ]

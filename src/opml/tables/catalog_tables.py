@@ -11,14 +11,14 @@ from opml.tables.columns import (
     PREDICTED,
     SINCE,
     SPREAD_COLUMNS,
+    TIME,
     Schema,
-    T,
     count,
     covariance,
     covariance_names,
     flag,
     real,
-    state,
+    state_columns,
     text,
 )
 
@@ -36,22 +36,22 @@ MECHANISM_AXES = ("s", "v", "r", "l", "v_long", "floor", "l_arc", "v_arc", "h_ar
 
 _HELD_AGAINST = "RSW of the later estimate at t_j"
 
-LABELS = state(_HELD_AGAINST, "predicted state minus later estimate at t_j", prefix="e_")
+LABEL_COLUMNS = state_columns(_HELD_AGAINST, "predicted state minus later estimate at t_j", prefix="e_")
 
 LABELLED = (
-    *state(_HELD_AGAINST, "formal standard deviation of the estimate at t_j", prefix="sigma_e_"),
+    *state_columns(_HELD_AGAINST, "formal standard deviation of the estimate at t_j", prefix="sigma_e_"),
     real("t_known", "s", f"end of the last track that the later estimate is made of, {SINCE}"),
 )
 
 _SENSITIVITIES = (
     real("cd_mean", "1", "running mean of the drag coefficients estimated up to t_i"),
-    *state(PREDICTED, "change of the prediction per unit of Cd, state at t_i held", prefix="s_"),
-    *state(
+    *state_columns(PREDICTED, "change of the prediction per unit of Cd, state at t_i held", prefix="s_"),
+    *state_columns(
         PREDICTED,
         "change per unit of Cd, state at t_i moved with Cd along the fit's covariance",
         prefix="v_",
     ),
-    *state(PREDICTED, "prediction minus the one repeated with cd_mean", prefix="r_"),
+    *state_columns(PREDICTED, "prediction minus the one repeated with cd_mean", prefix="r_"),
 )
 
 _MECHANISM = (
@@ -59,8 +59,8 @@ _MECHANISM = (
     *_SENSITIVITIES,
     real("cd_long", "1", "drag coefficient of the long arc that ends at t_i"),
     real("d_cd_long", "1", "cd_long minus the running mean of the long arcs' drag coefficients"),
-    *state(PREDICTED, "prediction minus the one from the long arc", prefix="l_"),
-    *state(PREDICTED, "as v, for the prediction from the long arc", prefix="v_long_"),
+    *state_columns(PREDICTED, "prediction minus the one from the long arc", prefix="l_"),
+    *state_columns(PREDICTED, "as v, for the prediction from the long arc", prefix="v_long_"),
 )
 
 _ARCS = (
@@ -68,9 +68,11 @@ _ARCS = (
     real(
         "cd_past", "1", "mean of the arcs' drag coefficients up to t_i, weighted by 1/variance, with memory"
     ),
-    *state(PREDICTED, "prediction minus that of the arc", prefix="l_arc_"),
-    *state(PREDICTED, "change of the arc's prediction per unit of Cd along its covariance", prefix="v_arc_"),
-    *state(PREDICTED, "prediction minus that of the arc with Cd held by its past", prefix="h_arc_"),
+    *state_columns(PREDICTED, "prediction minus that of the arc", prefix="l_arc_"),
+    *state_columns(
+        PREDICTED, "change of the arc's prediction per unit of Cd along its covariance", prefix="v_arc_"
+    ),
+    *state_columns(PREDICTED, "prediction minus that of the arc with Cd held by its past", prefix="h_arc_"),
 )
 
 _THERMOMETER = (
@@ -79,7 +81,7 @@ _THERMOMETER = (
     ),
     real("cd_window", "1", "drag coefficient of the arc's window, as the catalogue's fits together have it"),
     real("cd_ahead", "1", "drag coefficient from t_i on that makes up for what the factor did and will do"),
-    *state(PREDICTED, "prediction minus that of the arc with these", prefix="thermo_"),
+    *state_columns(PREDICTED, "prediction minus that of the arc with these", prefix="thermo_"),
 )
 
 
@@ -96,14 +98,14 @@ def mechanism_schema(resonances: Sequence[tuple[int, int]]) -> Schema:
 
 
 CATALOG_SCHEMAS = (
-    Schema("truth", "an epoch of the tracking grid", (T, *state("GCRF", "true state"))),
+    Schema("truth", "an epoch of the tracking grid", (TIME, *state_columns("GCRF", "true state"))),
     Schema(TRUTH_GROUPS, "an RSO of those whose truths one job made", (text("rso", "name"),)),
     Schema(
         "tracking",
         f"a measurement by one station{NO_TRUTH}",
         (
             count("track", "number of the track, from 0"),
-            T,
+            TIME,
             text("station", "station"),
             real("azimuth", "rad", "measured azimuth, from north eastwards", "topocentric"),
             real("elevation", "rad", "measured elevation", "topocentric"),
@@ -119,7 +121,7 @@ CATALOG_SCHEMAS = (
         (
             count("track", "number of the track"),
             real("t", "s", f"start of the track, {SINCE}"),
-            *state("GCRF", "first orbit at the track's start, NaN where it does not last"),
+            *state_columns("GCRF", "first orbit at the track's start, NaN where it does not last"),
             real("age", "s", "time between the track's start and the one that the orbit was known at"),
         ),
     ),
@@ -129,7 +131,7 @@ CATALOG_SCHEMAS = (
         (
             count("track", "number of the track"),
             real("t", "s", f"start of the track, {SINCE}"),
-            *state("GCRF", "estimated state at the track's start"),
+            *state_columns("GCRF", "estimated state at the track's start"),
             real("cd", "1", "estimated drag coefficient"),
             *covariance(PARAMETERS, "GCRF"),
             count("iterations", "iterations of the least squares"),
@@ -147,8 +149,8 @@ CATALOG_SCHEMAS = (
             *PAIR,
             real("t_i", "s", f"epoch of the estimate, {SINCE}"),
             real("t_j", "s", f"epoch predicted to, {SINCE}"),
-            *state("GCRF", "predicted state at t_j"),
-            *state("GCRF", "true state at t_j", suffix="_true"),
+            *state_columns("GCRF", "predicted state at t_j"),
+            *state_columns("GCRF", "true state at t_j", suffix="_true"),
             *ERRORS,
             text("reason", "why there is no prediction (state and errors are NaN then), else empty"),
         ),
@@ -158,7 +160,7 @@ CATALOG_SCHEMAS = (
         "a pair of an estimate i and a later track start j",
         (
             *PAIR,
-            *LABELS,
+            *LABEL_COLUMNS,
             *LABELLED,
             text("reason", "why there is no label (its numbers are NaN then), else empty"),
         ),
@@ -174,7 +176,7 @@ CATALOG_SCHEMAS = (
         (
             *PAIR,
             real("drift", "m", "along-track error due to the error of the estimate's semi-major axis"),
-            *state(
+            *state_columns(
                 "RSW of the true state at t_j",
                 "error of the prediction from the true state and Cd at t_i",
                 prefix="floor_",

@@ -68,7 +68,7 @@ def _unit(parameter: str) -> str:
     return "1" if parameter == "cd" else "m/s" if parameter.startswith("v") else "m"
 
 
-def state(frame: str, meaning: str, *, prefix: str = "", suffix: str = "") -> tuple[Column, ...]:
+def state_columns(frame: str, meaning: str, *, prefix: str = "", suffix: str = "") -> tuple[Column, ...]:
     """Return the six columns of position and velocity."""
     return tuple(real(f"{prefix}{axis}{suffix}", _unit(axis), f"{meaning}, {axis}", frame) for axis in STATE)
 
@@ -97,7 +97,7 @@ PARAMETER_COVARIANCES = covariance_names(PARAMETERS)
 
 SINCE = "elapsed SI seconds since the epoch"
 
-T = real("t", "s", SINCE)
+TIME = real("t", "s", SINCE)
 
 PAIR = (
     count("i", "track of the estimate the prediction starts from"),
@@ -112,7 +112,7 @@ SPREAD_COLUMNS = (
     ),
 )
 
-ERRORS = state("RSW of the true state at t_j", "predicted minus true state at t_j", prefix="e_")
+ERRORS = state_columns("RSW of the true state at t_j", "predicted minus true state at t_j", prefix="e_")
 
 NO_TRUTH = "; NaN where there is no truth"
 

@@ -2,7 +2,7 @@
 
 from opml.base.constants import BODIES
 from opml.base.thermosphere_grid import ALTITUDES, DENSITIES
-from opml.tables.columns import Schema, T, count, real
+from opml.tables.columns import TIME, Schema, count, real
 
 ENVIRONMENT = ("earth_orientation", "ephemerides", "solar_activity", "gravity_field")
 """Tables from which every force model is made."""
@@ -28,7 +28,7 @@ ENVIRONMENT_SCHEMAS = (
         "earth_orientation",
         "a node of the environment's time grid",
         (
-            T,
+            TIME,
             real("x_cip", "rad", "x of the celestial intermediate pole, IERS corrections included", "GCRF"),
             real("y_cip", "rad", "y of the celestial intermediate pole, IERS corrections included", "GCRF"),
             real("s_cio", "rad", "CIO locator s"),
@@ -41,7 +41,7 @@ ENVIRONMENT_SCHEMAS = (
         "ephemerides",
         "a node of the environment's time grid",
         (
-            T,
+            TIME,
             *(
                 real(f"{body}_{axis}", "m", f"geocentric position of {body}, {axis}", "GCRF")
                 for body in BODIES
@@ -52,14 +52,14 @@ ENVIRONMENT_SCHEMAS = (
     Schema(
         "solar_activity",
         "a node of the environment's time grid",
-        (T, *_ACTIVITY),
+        (TIME, *_ACTIVITY),
     ),
     Schema(
         OUTLOOKS,
         "a node of the environment's time grid as it was forecast at a time of issue before",
         (
             real("issued", "s", "when the forecast was made, in elapsed SI seconds since the epoch"),
-            T,
+            TIME,
             *_ACTIVITY,
         ),
     ),
@@ -69,7 +69,7 @@ ENVIRONMENT_SCHEMAS = (
         (
             count("member", "number of the future, that of the most similar day first"),
             real("issued", "s", "when it was told, in elapsed SI seconds since the epoch"),
-            T,
+            TIME,
             *_ACTIVITY,
         ),
     ),
@@ -77,7 +77,7 @@ ENVIRONMENT_SCHEMAS = (
         THERMOSPHERE,
         "a node of the environment's time grid, a local time and a latitude",
         (
-            T,
+            TIME,
             real("local_time", "rad", "mean local solar time, 0 at midnight"),
             real("latitude", "rad", "geodetic latitude", "ITRF"),
             *(

@@ -1,6 +1,17 @@
 """Schemas of the tables of ephemerides, and of the replay of earlier mornings."""
 
-from opml.tables.columns import PAIR, SINCE, SPREAD_COLUMNS, STATE, Schema, T, count, covariance, real, state
+from opml.tables.columns import (
+    PAIR,
+    SINCE,
+    SPREAD_COLUMNS,
+    STATE,
+    TIME,
+    Schema,
+    count,
+    covariance,
+    real,
+    state_columns,
+)
 
 DOUBT = [f"doubt_{axis}" for axis in "xyz"]
 """Columns of the standard deviation of the reference state that an ephemeris is compared with."""
@@ -23,13 +34,13 @@ EPHEMERIS_SCHEMAS = (
             real("duration", "s", "prediction duration t_j - t_i"),
             real("rate", "rad/s", "rate at which the position turns"),
             real("before", "m", "along-track error of the prediction before correction", _KNOWN_STATE),
-            *state(_KNOWN_STATE, "error of the ephemeris at t_j", prefix="e_"),
+            *state_columns(_KNOWN_STATE, "error of the ephemeris at t_j", prefix="e_"),
             *(
                 real(name, "m", "standard deviation of that state, 0 of a truth", _KNOWN_STATE)
                 for name in DOUBT
             ),
             *SPREAD_COLUMNS,
-            *state(
+            *state_columns(
                 "RSW of the ephemeris",
                 "standard deviation stated that morning, of velocities beside positions; NaN without a past",
                 prefix="sigma_",
@@ -42,9 +53,9 @@ EPHEMERIS_SCHEMAS = (
         (
             count("i", "track of the estimate the ephemeris starts from"),
             real("t_i", "s", f"epoch of the estimate, {SINCE}"),
-            T,
-            *state("GCRF", "corrected state"),
-            *state("GCRF", "predicted state, before correction", suffix="_predicted"),
+            TIME,
+            *state_columns("GCRF", "corrected state"),
+            *state_columns("GCRF", "predicted state, before correction", suffix="_predicted"),
             *covariance(STATE, "RSW of the corrected state"),
         ),
     ),
@@ -54,8 +65,8 @@ EPHEMERIS_SCHEMAS = (
         (
             count("i", "track of the estimate the ephemeris starts from"),
             real("t_i", "s", f"epoch of the estimate, {SINCE}"),
-            T,
-            *state("GCRF", "predicted state"),
+            TIME,
+            *state_columns("GCRF", "predicted state"),
             *covariance(STATE, "RSW of the predicted state"),
         ),
     ),

@@ -1,7 +1,7 @@
 """Schemas of the tables from the dataset to P_ML."""
 
-from opml.tables.catalog_tables import LABELLED, LABELS
-from opml.tables.columns import ERRORS, NO_TRUTH, PAIR, SINCE, Schema, count, flag, real, state, text
+from opml.tables.catalog_tables import LABEL_COLUMNS, LABELLED
+from opml.tables.columns import ERRORS, NO_TRUTH, PAIR, SINCE, Schema, count, flag, real, state_columns, text
 
 PLANE, ELLIPSOID, WHOLE = "plane", "ellipsoid", "state"
 """Quantities of a calibration with several components: e_x and e_y, the position, the whole state."""
@@ -27,7 +27,9 @@ LEARNING_COLUMNS = (
         real(f"d_{name}", unit, f"{meaning}: predicted to t_i from t_b minus estimated at t_i", "GCRF")
         for name, unit, meaning in _ELEMENTS
     ),
-    *state("RSW of the estimate at t_i", "state predicted to t_i from t_b minus estimate", prefix="eps_"),
+    *state_columns(
+        "RSW of the estimate at t_i", "state predicted to t_i from t_b minus estimate", prefix="eps_"
+    ),
     *(
         real(_ABSOLUTE.get(name, name), unit, f"{meaning} of the estimate at t_i", "GCRF")
         for name, unit, meaning in _ELEMENTS
@@ -87,7 +89,7 @@ LEARNING_SCHEMAS = (
     Schema(
         "labelled",
         "a pair of an estimate i and a later track start j, before cleaning, with a catalogue's errors",
-        (*_DATASET, *LABELS, *LABELLED, *_KEPT),
+        (*_DATASET, *LABEL_COLUMNS, *LABELLED, *_KEPT),
     ),
     Schema(
         "evaluation",

@@ -14,7 +14,7 @@ seed, settings digest and version (file metadata, as JSON values). This page is 
 `opml tables > docs/data.md`."""
 
 
-def markdown(models: Iterable[Schema]) -> str:
+def tables_page(models: Iterable[Schema]) -> str:
     """Return the text of docs/data.md, the description of every table; `models` are the models' schemas."""
     tables = list(SCHEMAS.values())
     before = tables.index(SCHEMAS["evaluation"])

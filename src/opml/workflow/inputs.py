@@ -15,11 +15,11 @@ from opml.naming import Experiment
 from opml.workflow.params import Params, Wildcards
 from opml.workflow.plan import Plan, end_plan
 
-Paths = str | list[str]
-InputFunction = Callable[[Wildcards], Paths]
+_Paths = str | list[str]
+InputFunction = Callable[[Wildcards], _Paths]
 
 
-class Pattern(Protocol):
+class _Pattern(Protocol):
     """The output of a rule, which holds wildcards and knows the storage that it is kept in."""
 
     def apply_wildcards(self, wildcards: Mapping[str, str]) -> str:
@@ -27,7 +27,7 @@ class Pattern(Protocol):
         ...
 
 
-def path_of(pattern: Pattern, **parts: str) -> str:
+def path_of(pattern: _Pattern, **parts: str) -> str:
     """Return the path of a pattern for values of its wildcards.
 
     Not by `str.format`, which would lose the storage that the file is kept in.
@@ -35,12 +35,12 @@ def path_of(pattern: Pattern, **parts: str) -> str:
     return pattern.apply_wildcards(parts)
 
 
-def paths_of(pattern: Pattern, *experiments: Experiment) -> list[str]:
+def paths_of(pattern: _Pattern, *experiments: Experiment) -> list[str]:
     """Return the paths of a pattern for experiments, each once."""
     return list(dict.fromkeys(path_of(pattern, **experiment.names()) for experiment in experiments))
 
 
-def tables_of(patterns: Mapping[str, Pattern], *experiments: Experiment) -> dict[str, list[str]]:
+def tables_of(patterns: Mapping[str, _Pattern], *experiments: Experiment) -> dict[str, list[str]]:
     """Return the paths of several patterns for experiments, by the patterns' names."""
     return {
         name: [path_of(pattern, **experiment.names()) for experiment in experiments]
@@ -48,7 +48,7 @@ def tables_of(patterns: Mapping[str, Pattern], *experiments: Experiment) -> dict
     }
 
 
-def at_window(window: str, pattern: Pattern) -> InputFunction:
+def at_window(window: str, pattern: _Pattern) -> InputFunction:
     """Find a file of estimates that has another suffix for their window."""
     return lambda wildcards: path_of(pattern, **dict(wildcards.items()) | {"window": window})
 
@@ -59,7 +59,7 @@ def target(files: Sequence[str], part: str) -> InputFunction:
     part: what the study would have to hold, as its settings call it
     """
 
-    def find(_: Wildcards) -> Paths:
+    def find(_: Wildcards) -> _Paths:
         if not files:
             end_plan(f"study: expected {part} to train and to test on, got none; docs/howto.md shows a study")
         return list(files)
@@ -73,7 +73,7 @@ def checks(*functions: Callable[[Wildcards], object]) -> InputFunction:
     functions: each raises InputError for a name that is wrong or impossible
     """
 
-    def check(wildcards: Wildcards) -> Paths:
+    def check(wildcards: Wildcards) -> _Paths:
         try:
             for function in functions:
                 function(wildcards)
@@ -97,28 +97,28 @@ class Inputs:
         tables = environment.predictions if wildcards.rso in self.plan.tracks else environment.truth
         return tables["solar_activity"]
 
-    def truth(self, truth: Pattern) -> InputFunction:
+    def truth(self, truth: _Pattern) -> InputFunction:
         """Find the truth of an RSO; none where its tracks were measured."""
 
-        def find(wildcards: Wildcards) -> Paths:
+        def find(wildcards: Wildcards) -> _Paths:
             return [] if wildcards.rso in self.plan.tracks else path_of(truth, rso=wildcards.rso)
 
         return find
 
-    def truth_or(self, truth: Pattern, measured: Pattern) -> InputFunction:
+    def truth_or(self, truth: _Pattern, measured: _Pattern) -> InputFunction:
         """Find the truth of an RSO, or a table in its place where its tracks were measured.
 
         measured: the table in its place, of an RSO and stations
         """
 
-        def find(wildcards: Wildcards) -> Paths:
+        def find(wildcards: Wildcards) -> _Paths:
             if wildcards.rso in self.plan.tracks:
                 return path_of(measured, rso=wildcards.rso, stations=wildcards.stations)
             return path_of(truth, rso=wildcards.rso)
 
         return find
 
-    def user_manoeuvres(self, truth: Pattern, tracking: Pattern) -> InputFunction:
+    def user_manoeuvres(self, truth: _Pattern, tracking: _Pattern) -> InputFunction:
         """Find the table whose metadata hold the manoeuvres of an RSO; no table where it is simulated.
 
         truth: holds those of an orbit from files
@@ -126,29 +126,29 @@ class Inputs:
         """
         find_any = self.truth_or(truth, tracking)
 
-        def find(wildcards: Wildcards) -> Paths:
+        def find(wildcards: Wildcards) -> _Paths:
             base, *_ = naming.rso_parts(wildcards.rso, self.plan.settings.rsos)
             return find_any(wildcards) if base in {*self.plan.orbits, *self.plan.tracks} else []
 
         return find
 
-    def later_estimates(self, estimates: Pattern) -> InputFunction:
+    def later_estimates(self, estimates: _Pattern) -> InputFunction:
         """Find the later estimates that labels are made of; none where the truth is known."""
 
-        def find(wildcards: Wildcards) -> Paths:
+        def find(wildcards: Wildcards) -> _Paths:
             if not wildcards.label:
                 return []
             return self._estimates(estimates, wildcards, self.params.label_window(wildcards))
 
         return find
 
-    def true_errors(self, dataset: Pattern) -> InputFunction:
+    def true_errors(self, dataset: _Pattern) -> InputFunction:
         """Find the dataset with the true errors behind labels; none without labels or without a truth.
 
         It is of the RSO under test, where the name has one.
         """
 
-        def find(wildcards: Wildcards) -> Paths:
+        def find(wildcards: Wildcards) -> _Paths:
             parts = dict(wildcards.items())
             rso = parts.get("target", wildcards.rso)
             if not wildcards.label or self.plan.study.is_measured(rso):
@@ -163,7 +163,7 @@ class Inputs:
         part: wildcard of the RSO, `rso` or `target`
         """
 
-        def find(wildcards: Wildcards) -> Paths:
+        def find(wildcards: Wildcards) -> _Paths:
             rso = dict(wildcards.items())[part]
             name = f"{rso}/{wildcards.stations}{wildcards.window}"
             suffixes = {"arcs": naming.arc_suffix(*self.params.learner_arc(wildcards))}
@@ -174,10 +174,10 @@ class Inputs:
 
         return find
 
-    def long_estimates(self, estimates: Pattern) -> InputFunction:
+    def long_estimates(self, estimates: _Pattern) -> InputFunction:
         """Find the estimates over the long window; none where the learner reads no mechanism."""
 
-        def find(wildcards: Wildcards) -> Paths:
+        def find(wildcards: Wildcards) -> _Paths:
             if "mechanism" not in self._learner_kinds(wildcards):
                 return []
             hours = self.plan.values["mechanism"]["long_window_hours"]
@@ -185,10 +185,10 @@ class Inputs:
 
         return find
 
-    def arc_estimates(self, estimates: Pattern) -> InputFunction:
+    def arc_estimates(self, estimates: _Pattern) -> InputFunction:
         """Find the estimates over the window of the learner's arcs; none where it reads no arcs."""
 
-        def find(wildcards: Wildcards) -> Paths:
+        def find(wildcards: Wildcards) -> _Paths:
             if "arcs" not in self._learner_kinds(wildcards):
                 return []
             hours, _ = self.params.learner_arc(wildcards)
@@ -200,36 +200,36 @@ class Inputs:
         """Return the kinds of tables beside the dataset that have the variables of a learner."""
         return learners.tables_asked(self.params.learner(wildcards)["variables"])
 
-    def at_arc(self, pattern: Pattern) -> InputFunction:
+    def at_arc(self, pattern: _Pattern) -> InputFunction:
         """Find a file of estimates over the window of the wildcard `arc`."""
 
-        def find(wildcards: Wildcards) -> Paths:
+        def find(wildcards: Wildcards) -> _Paths:
             hours, _ = naming.parse_arc(wildcards.arc)
             return self._estimates(pattern, wildcards, self.plan.window(hours))
 
         return find
 
-    def _estimates(self, pattern: Pattern, wildcards: Wildcards, window: str) -> str:
+    def _estimates(self, pattern: _Pattern, wildcards: Wildcards, window: str) -> str:
         """Return the path of a file of estimates of the wildcards' RSO and stations."""
         return path_of(pattern, rso=wildcards.rso, stations=wildcards.stations, window=window)
 
-    def model(self, alone: Pattern, together: Pattern) -> InputFunction:
+    def model(self, alone: _Pattern, together: _Pattern) -> InputFunction:
         """Find the model of a test.
 
         alone: trained on its own rows
         together: trained for one test, whose rows standardise its variables too
         """
 
-        def find(wildcards: Wildcards) -> Paths:
+        def find(wildcards: Wildcards) -> _Paths:
             is_together = wildcards.test.endswith(naming.STANDARDISATIONS["together"])
             return path_of(together if is_together else alone, **dict(wildcards.items()))
 
         return find
 
-    def futures(self, futures: Pattern) -> InputFunction:
+    def futures(self, futures: _Pattern) -> InputFunction:
         """Find the courses that the weather may take; none where predictions fly under no forecast."""
 
-        def find(_: Wildcards) -> Paths:
+        def find(_: Wildcards) -> _Paths:
             if not self.plan.environment.is_forecast:
                 return []
             members = self.plan.values["uncertainty"]["futures"]

@@ -18,7 +18,7 @@ from opml.tables import read_table
 _log = logging.getLogger("opml")
 _warnings = logging.getLogger("py.warnings")
 
-Key = TypeVar("Key")
+TableKey = TypeVar("TableKey")
 
 
 @contextmanager
@@ -58,7 +58,9 @@ def metadata_of_each(settings: Mapping[str, Any]) -> list[dict[str, Any]]:
     return [_metadata(common | {"rso": rso}) for rso in settings["rsos"]]
 
 
-def read_by_key(keys: Iterable[Key], paths: Iterable[FilePath], kind: str) -> dict[Key, pd.DataFrame]:
+def read_by_key(
+    keys: Iterable[TableKey], paths: Iterable[FilePath], kind: str
+) -> dict[TableKey, pd.DataFrame]:
     """Read a job's tables of one kind; return them by the key in a path's place.
 
     Raises InputError as `read_table` does, ValueError for another number of paths than of keys.

@@ -128,7 +128,7 @@ class Plan:
             "target": rso,
             "stations": naming.stations_pattern(self.settings.stations) + noise,
             "window": f"(?:{self.window_pattern}|{naming.PERFECT})",
-            "arc": naming.ARC,
+            "arc": naming.ARC_PATTERN,
             "reading": f"(?:{naming.other_reading(self.study.cleaning.previous)})?",
             "label": f"(?:{self.label_pattern})?",
             "train": f"(?:{naming.TRAIN}){split}",

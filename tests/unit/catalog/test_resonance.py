@@ -50,7 +50,7 @@ def test_drift_is_the_double_integral_less_the_line_through_the_window(hours):
             # In closed form, up to a line, which is taken off anyway.
             rate = k * n - m * EARTH_RATE
             start = k * (0.3 + n * t[i]) + m * (1.2 - EARTH_RATE * t[i])
-            s = np.arange(-hours * HOUR, 1.0, resonance.STEP)
+            s = np.arange(-hours * HOUR, 1.0, resonance.PHASE_STEP)
             line = np.polyfit(s, -np.exp(1j * (start + rate * s)) / rate**2, 1)
             span = t[j] - t[i]
             expected = -np.exp(1j * (start + rate * span)) / rate**2 - np.polyval(line, span)

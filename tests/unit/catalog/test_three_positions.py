@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from opml.base.constants import EARTH_GM, EARTH_RATE
-from opml.catalog.fit.three_positions import gibbs, herrick_gibbs, state, unturned, velocity
+from opml.catalog.fit.three_positions import gibbs, herrick_gibbs, orbit_state, unturned, velocity
 from opml.orbits.elements import cartesian_from_coe, coe_from_cartesian, true_from_mean_anomaly
 
 
@@ -51,7 +51,7 @@ def test_a_curve_through_a_noisy_track_gives_its_orbit():
     t = np.arange(0.0, 400.0, 20.0)
     states = kepler(t + 30.0)
     noise = np.random.default_rng(1).normal(size=(len(t), 3)) * 300.0
-    middle, found = state(t, states[:, :3] + noise, EARTH_GM)
+    middle, found = orbit_state(t, states[:, :3] + noise, EARTH_GM)
     expected = kepler([middle + 30.0])[0]
     assert np.linalg.norm((found - expected)[:3]) < 500.0
     assert np.linalg.norm((found - expected)[3:]) < 20.0
@@ -60,7 +60,7 @@ def test_a_curve_through_a_noisy_track_gives_its_orbit():
 
 def test_three_measurements_are_enough_without_noise():
     t = np.array([0.0, 60.0, 130.0])
-    middle, found = state(t, kepler(t)[:, :3], EARTH_GM)
+    middle, found = orbit_state(t, kepler(t)[:, :3], EARTH_GM)
     np.testing.assert_allclose(found[3:], kepler([middle])[0, 3:], atol=20.0)
 
 

@@ -54,10 +54,10 @@ def test_no_outlook_knows_what_was_measured_after_its_issue(tmp_path, monkeypatc
 def test_no_future_knows_what_was_measured_after_its_issue(tmp_path, monkeypatch, forecast):
     utc = "2016-09-29T20:00:00"
     issues = Issues("OBSERVED", EPOCH, FORECASTS[forecast], hours=6, max_days=1)
-    expected = knowledge.futures(issues, T, members=3)
+    expected = knowledge.tabulate_futures(issues, T, members=3)
     other = other_after(tmp_path / "other.csv", mjd(utc))
     monkeypatch.setitem(solar_activity.PACKAGED, "OBSERVED", str(other))
-    found = knowledge.futures(issues, T, members=3)
+    found = knowledge.tabulate_futures(issues, T, members=3)
     known = expected["issued"] <= epochs.seconds_between(EPOCH, utc)
     pd.testing.assert_frame_equal(found[known], expected[known], check_exact=True)
     assert not found[~known].equals(expected[~known])

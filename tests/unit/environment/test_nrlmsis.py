@@ -20,7 +20,7 @@ from opml.tables import SCHEMAS
 
 NODES = environment()["solar_activity"]["t"].to_numpy()[:12]
 TABLE = nrlmsis.tabulate("OBSERVED", EPOCH, NODES)
-WEATHER = nrlmsis.weather("OBSERVED", EPOCH, NODES)
+WEATHER = nrlmsis.read_weather("OBSERVED", EPOCH, NODES)
 RNG = np.random.default_rng(11)
 
 
@@ -113,14 +113,14 @@ def test_above_the_table_there_is_nothing_and_below_it_the_lowest_density():
 def test_activity_of_the_storm_comes_three_hourly():
     # Kp of 2016-10-13: 2+ 3o 4+ 5- 5- 6+ 6+ 5o.
     t = (pd.Timestamp("2016-10-13T22:00:00") - pd.Timestamp(EPOCH)).total_seconds()
-    daily, *recent = nrlmsis.weather("OBSERVED", EPOCH, np.array([t]))[0, 2:7]
+    daily, *recent = nrlmsis.read_weather("OBSERVED", EPOCH, np.array([t]))[0, 2:7]
     assert recent == [48.0, 94.0, 94.0, 39.0]
     assert daily == pytest.approx(np.mean([9, 15, 32, 39, 39, 94, 94, 48]))
 
 
 def test_weather_of_an_interval_holds_from_its_start():
     start = (pd.Timestamp("2016-10-13T21:00:00") - pd.Timestamp(EPOCH)).total_seconds()
-    before, after = nrlmsis.weather("OBSERVED", EPOCH, np.array([start - 60.0, start + 60.0]))[:, 3]
+    before, after = nrlmsis.read_weather("OBSERVED", EPOCH, np.array([start - 60.0, start + 60.0]))[:, 3]
     assert (before, after) == (94.0, 48.0)
 
 

@@ -56,7 +56,7 @@ def replayed(flight, tables, learner=LAW, rows=None, every_hours=3.0):
     known, predictions = tables["known"], tables["predictions"]
     lessons = Lessons(tables["rows"] if rows is None else rows, learner, seed=1)
     first = replays.first_day(lessons, known, train_days=TRAIN)
-    starts = replays.departures(known, every_hours=every_hours, first_day=first)
+    starts = replays.morning_departures(known, every_hours=every_hours, first_day=first)
     pairs = predictions[predictions["i"].isin(starts["track"])]
     spreads = spread.build(flight, known.estimates, pairs, futures=None)
     judge = replays.at_starts(replays.judge(tables["rows"], predictions, None), starts, spreads)
@@ -103,12 +103,12 @@ def test_what_is_known_later_changes_no_morning(flight, tables, table):
 
 
 def test_starts_are_the_first_usable_ones_of_their_hours(tables):
-    starts = replays.departures(tables["known"], every_hours=6.0, first_day=1.0)
+    starts = replays.morning_departures(tables["known"], every_hours=6.0, first_day=1.0)
     slots = np.floor(starts["t"] / (6.0 * HOUR))
     assert slots.is_unique
     assert slots.min() >= 4
     burnt = replace(tables["known"], manoeuvres=[1.5 * DAY])
-    assert len(replays.departures(burnt, every_hours=6.0, first_day=1.0)) < len(starts)
+    assert len(replays.morning_departures(burnt, every_hours=6.0, first_day=1.0)) < len(starts)
 
 
 def test_it_is_held_against_later_estimates_where_errors_are_labels(tables):
@@ -125,7 +125,7 @@ def test_the_message_of_a_morning_has_the_errors_and_the_covariance_that_were_re
     """What is tested is what is written: the file, read back, gives the same errors and the same matrices."""
     known, now = tables["known"], 2.0 * DAY
     lessons = Lessons(tables["rows"], LAW, seed=1)
-    starts = replays.departures(known, every_hours=3.0, first_day=2.0)[:1]
+    starts = replays.morning_departures(known, every_hours=3.0, first_day=2.0)[:1]
     made = corrected.build(
         Task(flight, known, starts, Grid(replays.STEP, 1.0, 3.0 * DAY)),
         lessons,
@@ -149,7 +149,7 @@ def test_the_message_of_a_morning_has_the_errors_and_the_covariance_that_were_re
 
 def test_nothing_to_hold_against_is_told(tables):
     known, lessons = tables["known"], Lessons(tables["rows"], LAW, seed=1)
-    starts = replays.departures(known, every_hours=3.0, first_day=1.0)
+    starts = replays.morning_departures(known, every_hours=3.0, first_day=1.0)
     judge = replays.judge(tables["rows"], tables["predictions"], None)[:0]
     empty = pd.DataFrame(columns=SCHEMAS["spread"].names, dtype=float)
     with pytest.raises(InputError, match="replay: expected later tracks to hold ephemerides against"):

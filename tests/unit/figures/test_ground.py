@@ -24,19 +24,19 @@ def orbit_of(truth):
 
 
 def test_points_below_a_polar_orbit(truth):
-    _, latitude, height = ground.geodetic(orbit_of(truth).itrf(truth.iloc[:90]))
+    _, latitude, height = ground.geodetic_places(orbit_of(truth).itrf(truth.iloc[:90]))
     assert latitude.max() == pytest.approx(90.0, abs=4.0)
     assert height.min() == pytest.approx(400e3, abs=100.0)  # above the equator
     assert height.max() == pytest.approx(421.4e3, abs=100.0)  # above the poles, where the Earth is flatter
 
 
 def test_a_circle_ends_at_the_horizon_or_at_the_longest_range():
-    angle = ground.reach(RADAR, 400e3)
+    angle = ground.sight_angle(RADAR, 400e3)
     assert angle == pytest.approx(np.arccos(WGS84_A / (WGS84_A + 400e3)))
-    near = ground.reach(replace(RADAR, max_range=500e3), 400e3)
+    near = ground.sight_angle(replace(RADAR, max_range=500e3), 400e3)
     chord = WGS84_A**2 + (WGS84_A + 400e3) ** 2 - 2 * WGS84_A * (WGS84_A + 400e3) * np.cos(near)
     assert np.sqrt(chord) == pytest.approx(500e3)
-    high = ground.reach(replace(RADAR, min_elevation=np.radians(30.0)), 400e3)
+    high = ground.sight_angle(replace(RADAR, min_elevation=np.radians(30.0)), 400e3)
     assert np.degrees(high) == pytest.approx(5.4, abs=0.2)
 
 

@@ -49,7 +49,7 @@ def truth():
 def test_tracks_of_the_window(tracking):
     axes = orbit.estimation_window(tracking, track=3, window_hours=12.0).axes[0]
     boxes = {round(box.get_x(), 6): to_hex(box.get_facecolor()) for box in axes.containers[0]}
-    used, unused = style.HIGHLIGHT.lower(), style.TRACK.lower()
+    used, unused = style.HIGHLIGHT.lower(), style.TRACK_COLOR.lower()
     assert boxes == {-13.0: unused, -12.0: used, -5.0: used, 0.0: used, 3.0: unused}
     widths = [box.get_width() for box in axes.containers[0]]
     assert widths == pytest.approx([0.05, 0.05, 0.0, 0.05, 0.05])  # ten measurements, 20 s apart; one alone

@@ -96,12 +96,12 @@ def test_all_points_on_the_left(evaluation):
 def test_one_colour_one_meaning(evaluation):
     figure = prediction_errors.svr_absolute(evaluation)
     right = figure.axes[-1]
-    colors = [style.TRUE, style.PREDICTED, style.RESIDUAL]
+    colors = [style.TRUE_COLOR, style.PREDICTED_COLOR, style.RESIDUAL]
     assert [container[0].get_color() for container in right.containers] == colors
     true, predicted, residual = points(figure)
     assert len(true.get_facecolor()) == 0  # hollow
-    assert tuple(true.get_edgecolor()[0]) == to_rgba(style.TRUE)
-    assert tuple(predicted.get_facecolor()[0]) == to_rgba(style.PREDICTED)
+    assert tuple(true.get_edgecolor()[0]) == to_rgba(style.TRUE_COLOR)
+    assert tuple(predicted.get_facecolor()[0]) == to_rgba(style.PREDICTED_COLOR)
     assert tuple(residual.get_facecolor()[0]) == to_rgba(style.RESIDUAL)
 
 

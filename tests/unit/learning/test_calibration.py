@@ -63,14 +63,14 @@ def test_durations_end_with_the_longest_prediction():
 
 
 def test_figure_has_a_panel_per_model_and_a_line_per_duration():
-    figure = figures.coverage({"fit": of_normal(), "wide": of_normal(2.0)}, quantity="e_y")
+    figure = figures.coverage_curves({"fit": of_normal(), "wide": of_normal(2.0)}, quantity="e_y")
     assert [axes.get_title(loc="left") for axes in figure.axes] == ["fit", "wide"]
     true, one, three = figure.axes[0].lines
     np.testing.assert_allclose(one.get_ydata(), one.get_xdata(), atol=3.0)
     assert (three.get_label(), true.get_label()) == ("3 d", "true")
     assert (figure.axes[1].lines[1].get_ydata() > one.get_ydata()).all()
     with pytest.raises(InputError, match="at least one model"):
-        figures.coverage({}, quantity="e_y")
+        figures.coverage_curves({}, quantity="e_y")
 
 
 def test_full_covariances_are_symmetric():

@@ -8,7 +8,13 @@ from support import REPOSITORY
 
 from opml.base.errors import InputError
 from opml.base.yaml_files import read_yaml
-from opml.learning.data.cleaning import PAPER, Cleaning, drag_coefficient_inside, quartiles, tukey_fences
+from opml.learning.data.cleaning import (
+    PAPER_CLEANING,
+    Cleaning,
+    drag_coefficient_inside,
+    quartiles,
+    tukey_fences,
+)
 
 
 def test_drag_coefficient_bounds_belong_to_the_interval():
@@ -61,4 +67,4 @@ def test_one_bound_needs_the_other(settings):
 
 def test_the_papers_cleaning_is_that_of_its_study():
     asked = Cleaning.from_settings(read_yaml(REPOSITORY / "config/studies/paper.yaml")["study"]["cleaning"])
-    assert replace(PAPER, fence_days=(0, 30)) == asked
+    assert replace(PAPER_CLEANING, fence_days=(0, 30)) == asked

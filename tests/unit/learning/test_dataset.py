@@ -100,7 +100,7 @@ def test_every_pair_stays_with_its_reason(rows):
     expected = {(0, j): dataset.NO_PREVIOUS_ESTIMATE for j in range(1, 6)}
     expected |= {(1, j): dataset.CD_OUTSIDE for j in range(2, 6)}
     expected |= {(2, 3): "", (2, 4): "", (2, 5): "no prediction: below 120 km"}
-    expected |= {(3, j): dataset.NOT_CONVERGED for j in (4, 5)}
+    expected |= {(3, j): dataset.FIT_NOT_CONVERGED for j in (4, 5)}
     expected |= {(4, 5): "", (6, 7): dataset.NO_RELATIVE_ERROR}
     assert reasons == expected
     assert rows["keep"].to_dict() == {pair: reason == "" for pair, reason in expected.items()}
@@ -132,7 +132,7 @@ def test_previous_track_or_none(estimates, predictions, tracking):
         **{(1, j): dataset.CD_OUTSIDE for j in range(2, 6)},
         **{(2, j): dataset.NO_PREVIOUS_ESTIMATE for j in (3, 4)},
         (2, 5): "no prediction: below 120 km",
-        **{(3, j): dataset.NOT_CONVERGED for j in (4, 5)},
+        **{(3, j): dataset.FIT_NOT_CONVERGED for j in (4, 5)},
         (4, 5): dataset.NO_PREVIOUS_ESTIMATE,
         (6, 7): dataset.NO_RELATIVE_ERROR,
     }
@@ -220,7 +220,7 @@ def test_no_cleaning_drops_only_what_lacks_something(estimates, predictions, tra
     expected = {(0, j): dataset.NO_PREVIOUS_ESTIMATE for j in range(1, 6)}
     expected |= {(1, j): "" for j in range(2, 6)}  # Cd 5 is an estimate as any other
     expected |= {(2, 3): "", (2, 4): "", (2, 5): "no prediction: below 120 km"}
-    expected |= {(3, j): dataset.NOT_CONVERGED for j in (4, 5)}
+    expected |= {(3, j): dataset.FIT_NOT_CONVERGED for j in (4, 5)}
     expected |= {(4, 5): "", (6, 7): dataset.NO_RELATIVE_ERROR}
     assert rows["reason"].to_dict() == expected
 

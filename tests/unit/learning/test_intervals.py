@@ -96,7 +96,7 @@ def test_summary_tells_what_lies_inside():
         }
     )
     names = dict.fromkeys(("rso", "stations", "train", "learner", "component", "target", "test"), "x")
-    row = intervals.summary(table, level=0.9, **names)
+    row = intervals.coverage_summary(table, level=0.9, **names)
     assert list(row.columns) == SCHEMAS["coverage"].names
     found = row.iloc[0]
     assert (found["rows_inside"], found["estimates_inside"]) == (0.5, pytest.approx((1 / 3 + 1) / 2))

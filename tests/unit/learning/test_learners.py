@@ -20,7 +20,7 @@ from opml.learning.judge.evaluation import evaluate
 from opml.learning.models import boosting, gaussian_process, learners, linear_law, mlp, ridge
 from opml.learning.models.inputs import Training
 from opml.study import checks
-from opml.study.settings.model.kinds import LEARNERS
+from opml.study.settings.model.kinds import LEARNER_KINDS
 from opml.study.settings.overlay import Source
 from opml.tables import read_metadata, read_table, write_table
 
@@ -351,7 +351,7 @@ def test_every_kind_is_tested_and_described():
 def is_taken(settings):
     """Whether settings of a learner hold against their model."""
     try:
-        return LEARNERS.validated(settings).kind == settings["kind"]
+        return LEARNER_KINDS.validated(settings).kind == settings["kind"]
     except ValidationError:
         return False
 
@@ -455,7 +455,7 @@ def test_the_recipe_for_a_new_kind_makes_its_settings_known(quantile, monkeypatc
     def load(**settings):
         source = paper_source()
         learners_ = source.values["learners"] | {"mine": {"kind": "quantile"} | settings}
-        return checks.load(Source(source.values | {"learners": learners_}, source.layers))
+        return checks.load_settings(Source(source.values | {"learners": learners_}, source.layers))
 
     def complaint(**settings):
         with pytest.raises(InputError) as raised:

@@ -104,7 +104,7 @@ def test_the_report_leads_with_what_was_flown(replayed):
             *uncertainty.section({key: replayed}, {}, [1.0, 7.0]),
         ]
     )
-    best, share = mornings.compare(replayed, ["law"])
+    best, share = mornings.compare_models(replayed, ["law"])
     assert best == "running"
     assert 60.0 < share < 100.0
     assert f"What the past chose left {share:.0f} % of what `running` left" in text

@@ -25,7 +25,7 @@ TRAINED, TESTED = rows(120, 0, around=[10.0, 50.0]), rows(60, 1, around=[14.0, 5
 
 
 def train(settings, tested=TESTED):
-    return joint_standardisation.train(TRAINED, tested, component="e_y", settings=settings, seed=42)
+    return joint_standardisation.train_jointly(TRAINED, tested, component="e_y", settings=settings, seed=42)
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from opml.readings import scan_report
 from opml.readings.scan import scan as scanned
 from opml.readings.scan_report import Combination
 from opml.report import document
-from opml.study.checks import load
+from opml.study.checks import load_settings
 from opml.study.experiments import Study
 from opml.study.paper import Paper
 from opml.study.settings.merging import merged
@@ -93,7 +93,7 @@ def test_the_nearest_comes_first(asked):
 def test_the_figure_has_a_line_for_each_and_the_papers_marks():
     published = {"one": 20.0, "other": 40.0}
     found = {"near": {"one": 21.0, "other": 44.0}, "svr": {"one": 50.0, "other": 90.0}, "far": published}
-    axes = figures.scan(found, published, default="svr").axes[0]
+    axes = figures.scan_curves(found, published, default="svr").axes[0]
     assert [line.get_ydata()[0] for line in axes.lines] == [21.0, 50.0, 20.0, 20.0]
     labels = axes.get_legend_handles_labels()[1]
     assert labels == ["near, the nearest", "svr, the default", "Peng & Bai"]
@@ -101,7 +101,7 @@ def test_the_figure_has_a_line_for_each_and_the_papers_marks():
 
 def test_the_scan_that_comes_with_the_settings_is_one():
     source = merged([f"{REPOSITORY}/config/config.yaml", f"{REPOSITORY}/config/scan.yaml"], {})
-    found = scanned(Paper(Study(load(source))))
+    found = scanned(Paper(Study(load_settings(source))))
     names = [*map(str, found.combinations)]
     assert len(names) == 27
     assert "svrnoplane10_cd1-zscore" in names

@@ -25,7 +25,7 @@ def test_markdown():
 
 
 def test_page_is_html_that_needs_nothing_else():
-    page = document.page(BLOCKS, title="A & B")
+    page = document.html_page(BLOCKS, title="A & B")
     seen = []
 
     class Parser(HTMLParser):
@@ -161,7 +161,8 @@ def test_claims_follow_the_numbers(paper):
 
     results = Results(metrics(paper, p_ml))
     found = {
-        said: (ours, holds) for said, ours, holds in (claims.judge(one, results) for one in paper.claims)
+        said: (ours, holds)
+        for said, ours, holds in (claims.judge_claim(one, results) for one in paper.claims)
     }
     assert len(found) == 10
     assert all(holds for _, holds in found.values()), found

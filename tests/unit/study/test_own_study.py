@@ -361,7 +361,7 @@ def test_errors_by_the_day_that_a_prediction_starts_on():
 
 def test_figure_of_rows_adds_up_to_all():
     shares = {"lares, eglin": {"used": 0.75, "no prediction": 0.25}, "iss, eglin": {"used": 1.0}}
-    (axes,) = figures.rows(shares).axes
+    (axes,) = figures.rows_figure(shares).axes
     widths = np.array([[bar.get_width() for bar in bars] for bars in axes.containers])
     assert widths.sum(axis=0).tolist() == [1.0, 1.0]
     assert [label.get_text() for label in axes.get_yticklabels()] == list(shares)
@@ -373,19 +373,19 @@ def test_figure_of_drag_shows_every_window_and_the_weather():
     t = np.arange(0.0, 5.0, 0.1) * DAY
     table = pd.DataFrame({"t": t, "cd": 2.2 + 0.1 * np.sin(t / DAY), "converged": t > 0.0})
     weather = pd.DataFrame({"t": t, "f107": 70.0, "f107_mean": 72.0, "kp_3h": 1.0})
-    figure = figures.drag({"12-hour fits": table, "48-hour fits": table.assign(cd=2.2)}, weather)
+    figure = figures.drag_figure({"12-hour fits": table, "48-hour fits": table.assign(cd=2.2)}, weather)
     cd, flux, kp = figure.axes
     assert [line.get_label() for line in cd.lines] == ["12-hour fits", "48-hour fits"]
     assert len(cd.lines[0].get_xdata()) == len(t) - 1  # what did not converge is left out
     assert "sfu" in flux.get_ylabel()
     assert kp.get_xlabel() == "time [d]"
     daily = pd.DataFrame({"t": [DAY, 2 * DAY], "25": 1.0, "50": [2.0, 4.0], "75": 8.0, "day": 1.0})
-    *_, last = figures.drag({"12-hour fits": table}, weather, daily, note="lares").axes
+    *_, last = figures.drag_figure({"12-hour fits": table}, weather, daily, note="lares").axes
     assert last.lines[0].get_label() == "error after 1 d"
     assert last.lines[0].get_ydata().tolist() == [2.0, 4.0]
     assert last.get_xlabel() == "time [d]"
     with pytest.raises(InputError, match="expected an estimate that converged"):
-        figures.drag({"12-hour fits": table.assign(converged=False)}, weather)
+        figures.drag_figure({"12-hour fits": table.assign(converged=False)}, weather)
 
 
 def test_windows_of_the_fits_that_models_ask_for():

@@ -19,7 +19,7 @@ from opml.study.settings import documents
 from opml.study.settings.json_schema import json_schema
 from opml.study.settings.merging import merged, with_sheets
 from opml.study.settings.model import run, study_parts
-from opml.study.settings.model.whole import Run
+from opml.study.settings.model.whole import RunSettings
 from opml.study.settings.overlay import COMMAND_LINE, Layer, Source, laid_over, with_numbers
 
 PAPER = paper_source().values
@@ -42,7 +42,7 @@ def edited(key, value):
 
 def checked(source):
     """Settings as the plan takes them."""
-    settings = checks.load(source)
+    settings = checks.load_settings(source)
     checks.check_data(source, settings)
     return settings
 
@@ -67,7 +67,7 @@ def given(tmp_path, text, **command_line):
 
 
 def test_papers_settings_are_valid():
-    settings = checks.load(paper_source())
+    settings = checks.load_settings(paper_source())
     assert settings.values == PAPER
     assert (len(settings.stations), len(settings.rsos)) == (3, 7)
 
@@ -89,14 +89,14 @@ def objects(node):
 
 def test_no_object_of_the_schema_takes_unknown_keys():
     # A learner's keys depend on its kind: each kind's own object is closed.
-    assert all({"additionalProperties", "allOf"} & set(found) for found in objects(json_schema(Run)))
+    assert all({"additionalProperties", "allOf"} & set(found) for found in objects(json_schema(RunSettings)))
 
 
 @pytest.mark.parametrize(
     ("dataclass", "model", "elsewhere"),
     [
-        (Estimation, run.Estimation, {"cd_bounds", "after_hours"}),
-        (Thermometer, run.Thermometer, {"rsos", "left_out"}),
+        (Estimation, run.EstimationSettings, {"cd_bounds", "after_hours"}),
+        (Thermometer, run.ThermometerSettings, {"rsos", "left_out"}),
     ],
 )
 def test_dataclasses_of_the_library_have_the_keys_and_defaults_of_the_models(dataclass, model, elsewhere):
@@ -111,7 +111,7 @@ def test_dataclasses_of_the_library_have_the_keys_and_defaults_of_the_models(dat
 
 def test_defaults_of_the_library_are_those_of_the_models():
     assert list(asdict(Integrator()).values()) == list(PAPER["integrator"].values())
-    rolling = study_parts.Rolling.model_fields
+    rolling = study_parts.RollingSettings.model_fields
     assert {name: rolling[name].default for name in ROLLING} == ROLLING
     defaults = study_of(paper_values() | {"study": {}}).defaults
     for name in ("learner", "component"):
@@ -154,7 +154,7 @@ def test_an_editor_asks_for_no_key_that_config_yaml_has(editor, text, is_taken):
 
 
 def test_the_typed_run_has_the_values():
-    typed = checks.load(paper_source()).run
+    typed = checks.load_settings(paper_source()).run
     assert typed.estimation.model_dump(exclude_unset=True) == PAPER["estimation"]
     assert typed.learners["stacked"].second.trees == PAPER["learners"]["stacked"]["second"]["trees"]
     assert typed.study.evaluations["future_5days"].train == "days-0-30"
@@ -437,7 +437,7 @@ study:
 def test_a_study_of_ones_own_has_nothing_of_the_papers(tmp_path):
     source = given(tmp_path, OWN)
     assert set(source.values["study"]) == {"rsos", "station_sets", "days"}
-    assert checks.load(source).asked == source.values["study"]
+    assert checks.load_settings(source).asked == source.values["study"]
 
 
 def test_a_study_that_extends_others_is_laid_over_them(tmp_path):
@@ -456,7 +456,7 @@ def test_a_study_may_be_a_file_elsewhere(tmp_path):
 @pytest.mark.parametrize("nothing", ["{}", "null"])
 def test_no_study_is_no_study(tmp_path, nothing):
     source = given(tmp_path, f"study: {nothing}\n")
-    assert checks.load(source).asked == {}
+    assert checks.load_settings(source).asked == {}
 
 
 MISFIT = (
@@ -466,10 +466,10 @@ MISFIT = (
 
 
 def test_a_run_may_be_too_short_for_a_study_that_nobody_asked_for(tmp_path):
-    assert checks.load(given(tmp_path, "duration_days: 27")).misfit == MISFIT
-    assert checks.load(given(tmp_path, "", duration_days=27)).misfit == MISFIT
-    assert checks.load(given(tmp_path, "study: {}", duration_days=27)).misfit == ""
-    assert checks.load(given(tmp_path, "duration_days: 60")).misfit == ""
+    assert checks.load_settings(given(tmp_path, "duration_days: 27")).misfit == MISFIT
+    assert checks.load_settings(given(tmp_path, "", duration_days=27)).misfit == MISFIT
+    assert checks.load_settings(given(tmp_path, "study: {}", duration_days=27)).misfit == ""
+    assert checks.load_settings(given(tmp_path, "duration_days: 60")).misfit == ""
 
 
 @pytest.mark.parametrize("study", ["paper", "[paper, beyond]", "{extends: [paper]}"])
@@ -546,7 +546,7 @@ def test_rows_of_ones_own_join_the_sheets(tmp_path):
     text = (
         f"rsos: {{mine: {row} area_to_mass_m2pkg: 0.02, cd: 2.2, cr: 1.25}}}}\nstudy: {{rsos: [mine_i50]}}\n"
     )
-    settings = checks.load(given(tmp_path, text))
+    settings = checks.load_settings(given(tmp_path, text))
     assert settings.rsos["mine"].a == 6900e3
     assert list(settings.rsos)[-1] == "mine"
 
@@ -560,7 +560,7 @@ orbits: {{mine: "*.sp3"}}
 rsos: {{mine: {{area_to_mass_m2pkg: 0.01, cd: 2.2, cr: 1.3}}}}
 study: {{rsos: [mine]}}
 """
-    settings = checks.load(given(tmp_path, text))
+    settings = checks.load_settings(given(tmp_path, text))
     assert settings.orbits == {"mine": [f"{tmp_path}/a.sp3", f"{tmp_path}/b.sp3"]}
     assert settings.rsos["mine"].area_to_mass == 0.01
     assert settings.rsos["mine"].a != settings.rsos["mine"].a  # not known, and not asked for

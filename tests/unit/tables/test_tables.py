@@ -172,5 +172,5 @@ def test_model_schema_follows_the_variables(tmp_path):
 
 def test_data_page_describes_the_schemas():
     page = REPOSITORY / "docs" / "data.md"
-    expected = tables.markdown(learners.schemas()) + "\n"
+    expected = tables.tables_page(learners.schemas()) + "\n"
     assert page.read_text() == expected, "run: opml tables > docs/data.md"

@@ -101,7 +101,7 @@ class Estimate:
     fit: Fit
 
 
-Known = tuple[int, np.ndarray]
+_Known = tuple[int, np.ndarray]
 """An epoch of a run's measurements, by its number, and the parameters (7,) of an orbit there."""
 
 
@@ -241,8 +241,8 @@ class Run:
     def fitted(
         self,
         tracks: Sequence[int],
-        usable: Known | None,
-        spare: Known | None,
+        usable: _Known | None,
+        spare: _Known | None,
         method: Method,
     ) -> list[Estimate]:
         """Return estimates at the start of `tracks`, each from the best start that its arc can be flown from.
@@ -270,7 +270,7 @@ class Run:
         return estimates
 
     def _starts_in_turn(
-        self, windows: Sequence[_Window], usable: Known | None, spare: Known | None
+        self, windows: Sequence[_Window], usable: _Known | None, spare: _Known | None
     ) -> Iterator[np.ndarray]:
         """Yield parameters (windows, 7) to start from, the best first; not finite where there are none.
 
@@ -358,11 +358,11 @@ class Run:
         arcs = fly_parameters(self.flight, epochs, parameters[None], np.array([0]), np.array([len(at)]))
         return np.column_stack([arcs.path(0), np.full(len(at), parameters[_CD])])
 
-    def known(self, estimate: Estimate) -> Known:
+    def known(self, estimate: Estimate) -> _Known:
         """Return what others may start from."""
         return estimate.window.at, estimate.fit.best
 
-    def with_known_cd(self, estimate: Estimate) -> Known | None:
+    def with_known_cd(self, estimate: Estimate) -> _Known | None:
         """Return what others may start from, had Cd been known beforehand at its a-priori value.
 
         A short fit may tell nothing of Cd, but the whole state. None where it did not converge, or its Cd is
@@ -392,8 +392,8 @@ def estimate_all(
     )
     method = run.method(run.free_parameters())
     rows: list[dict[str, Any]] = []
-    usable: Known | None = None
-    spare: Known | None = None
+    usable: _Known | None = None
+    spare: _Known | None = None
     for begin in range(0, measured.tracks, BATCH):
         estimates = run.fitted(range(begin, min(begin + BATCH, measured.tracks)), usable, spare, method)
         newest = estimates[::-1]

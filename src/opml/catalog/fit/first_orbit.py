@@ -16,7 +16,7 @@ from opml.base.errors import InputError
 from opml.catalog.fit import start_states
 from opml.catalog.fit.estimation import Estimate, Estimation, Measured, Run, fly_parameters
 from opml.catalog.fit.least_squares import Fit
-from opml.catalog.fit.three_positions import state
+from opml.catalog.fit.three_positions import orbit_state
 from opml.catalog.flight import Flight
 from opml.catalog.simulate.observing import place
 from opml.catalog.simulate.truth import initial_state
@@ -71,7 +71,7 @@ def carried(flight: Flight, measured: Measured, known: TimedState) -> pd.DataFra
             f"{rso.name}: expected tracks near the orbit of the given elements or state, "
             f"got tracks that are {miss / 1e3:.0f} km from it: another RSO, or another epoch"
         )
-    return start_states.table(begins, states, known=t)
+    return start_states.starts_table(begins, states, known=t)
 
 
 def determined(flight: Flight, measured: Measured, *, settings: Estimation) -> pd.DataFrame:
@@ -94,7 +94,7 @@ def determined(flight: Flight, measured: Measured, *, settings: Estimation) -> p
     _log.info("first orbit: %d tracks fitted together", best.window.tracks)
     t = measured.epochs[best.window.at]
     states = _everywhere(run.flight, begins.to_numpy(), t, best.fit.best)
-    return start_states.table(begins, states, known=t)
+    return start_states.starts_table(begins, states, known=t)
 
 
 def single_tracks(run: Run) -> list[Estimate]:
@@ -106,7 +106,7 @@ def single_tracks(run: Run) -> list[Estimate]:
         t, positions = measured.epochs[measured.epoch_of_row[window.rows]], _places(measured, window.rows)
         if len(np.unique(t)) < FEWEST or t[-1] - t[0] < SHORTEST:
             continue
-        middle, there = state(t, positions, run.flight.model.gm)
+        middle, there = orbit_state(t, positions, run.flight.model.gm)
         start = _everywhere(run.flight, t[:1], middle, np.append(there, run.flight.rso.cd))[0]
         begun.append(Estimate(window, Fit(np.append(start, run.flight.rso.cd), run.method(_without_cd()))))
     run.fit(begun)

@@ -35,10 +35,10 @@ def perturbed(
     spread = np.repeat([settings.start_position_sigma_m, settings.start_velocity_sigma_mps], 3)
     noise = [derive(seed, "start", rso, str(track)).normal(size=6) * spread for track in begins.index]
     states = truth.set_index("t")[STATE].loc[begins].to_numpy() + np.array(noise)
-    return table(begins, states, known=begins.to_numpy())
+    return starts_table(begins, states, known=begins.to_numpy())
 
 
-def table(begins: pd.Series, states: np.ndarray, *, known: np.ndarray | float) -> pd.DataFrame:
+def starts_table(begins: pd.Series, states: np.ndarray, *, known: np.ndarray | float) -> pd.DataFrame:
     """Return a `starts` table.
 
     begins: of the tracks, by number [s]

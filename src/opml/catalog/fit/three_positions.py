@@ -52,7 +52,7 @@ def velocity(positions: np.ndarray, t: np.ndarray, gm: float) -> np.ndarray:
     return gibbs(positions, gm)
 
 
-def state(t: np.ndarray, positions: np.ndarray, gm: float) -> tuple[float, np.ndarray]:
+def orbit_state(t: np.ndarray, positions: np.ndarray, gm: float) -> tuple[float, np.ndarray]:
     """Return time [s] and state (6,) in the middle of a track of noisy positions (n, 3) at t (n,).
 
     At least 3 times have to be distinct.

@@ -26,7 +26,7 @@ def build(
     uncertainty of the estimate in that frame. A pair without a prediction or without an estimate that
     converged has the reason.
     """
-    at_end = _turned(_states_of_fits(estimates)).assign(t_known=known_at(estimates, tracking, after=after))
+    at_end = _turned(_states_of_fits(estimates)).assign(t_known=_known_at(estimates, tracking, after=after))
     later = at_end.set_index("track").reindex(predictions["j"]).reset_index(drop=True)
     error = in_rsw(predictions[STATE].to_numpy() - later[STATE].to_numpy(), later[STATE].to_numpy())
     table = later.assign(
@@ -39,7 +39,7 @@ def build(
     return table[SCHEMAS["labels"].names]
 
 
-def known_at(estimates: pd.DataFrame, tracking: pd.DataFrame, *, after: float) -> np.ndarray:
+def _known_at(estimates: pd.DataFrame, tracking: pd.DataFrame, *, after: float) -> np.ndarray:
     """Return when each estimate (n,) is known [s]: when the last track is over that it is made of.
 
     after: as in `build`

@@ -15,7 +15,7 @@ from opml.orbits.elements import in_rsw
 from opml.orbits.manoeuvres import contain_any
 from opml.tables import STATE
 
-SPREAD = 0.1
+CD_SPREAD = 0.1
 """How much the Cd of a body varies as a model feels it, beside the fits' noise, as a part of it.
 
 Models of the thermosphere err by 10 to 15 % (Emmert 2015, Thermospheric mass density: A review, sec. 5).
@@ -106,13 +106,13 @@ def past_cd(estimates: pd.DataFrame, *, apriori: float, memory_days: float) -> p
     values = np.where(trusted, estimates["cd"].to_numpy(), 0.0)
     age = (t[:, None] - t[None, :]) / (memory_days * DAY)
     fading = np.where(trusted & (age >= 0.0), np.exp(-np.maximum(age, 0.0)), 0.0)
-    weight = fading / (np.where(trusted, formal, 0.0) + (SPREAD * apriori) ** 2)
+    weight = fading / (np.where(trusted, formal, 0.0) + (CD_SPREAD * apriori) ** 2)
     earlier, apriori_weight = np.tril(weight, -1), (APRIORI_SIGMA * apriori) ** -2.0
     mean, prior = (
         (weights @ values + apriori_weight * apriori) / (weights.sum(axis=1) + apriori_weight)
         for weights in (weight, earlier)
     )
-    variance = (SPREAD * apriori) ** 2 + 1.0 / (earlier.sum(axis=1) + apriori_weight)
+    variance = (CD_SPREAD * apriori) ** 2 + 1.0 / (earlier.sum(axis=1) + apriori_weight)
     return pd.DataFrame({"mean": mean, "prior": prior, "variance": variance})
 
 

@@ -18,7 +18,7 @@ from opml.base.constants import EARTH_RATE, HOUR
 from opml.orbits.elements import coe_from_cartesian
 from opml.tables import STATE
 
-STEP = 1800.0
+PHASE_STEP = 1800.0
 """Step of the sums that replace integrals [s]: about a hundred per turn of the fastest phase, two days."""
 
 
@@ -70,8 +70,8 @@ class _Course:
 
     def __init__(self, *, window: float, reach: float) -> None:
         """Take the length of the window and of the longest prediction [s]."""
-        self._origin = int(np.ceil(window / STEP))
-        self._s = STEP * np.arange(-self._origin, int(np.ceil(reach / STEP)) + 1)
+        self._origin = int(np.ceil(window / PHASE_STEP))
+        self._s = PHASE_STEP * np.arange(-self._origin, int(np.ceil(reach / PHASE_STEP)) + 1)
         self._in_window = self._s <= 0.0
         line = np.stack([np.ones(len(self._s)), self._s], axis=1)
         # The least squares of a straight line, as a matrix from values in the window to the line everywhere.
@@ -89,7 +89,7 @@ class _Course:
     def _integrated(self, f: np.ndarray) -> np.ndarray:
         """Return the integral in time of f (n, grid) by the trapezoidal rule, zero at s = 0."""
         integral = np.zeros_like(f)
-        integral[:, 1:] = np.cumsum(0.5 * STEP * (f[:, 1:] + f[:, :-1]), axis=1)
+        integral[:, 1:] = np.cumsum(0.5 * PHASE_STEP * (f[:, 1:] + f[:, :-1]), axis=1)
         integral -= integral[:, [self._origin]]
         return integral
 
@@ -100,7 +100,7 @@ class _Course:
 
     def interpolated(self, values: np.ndarray, row: np.ndarray, s: np.ndarray) -> np.ndarray:
         """Return values (n, grid) in rows `row` (m,) at times s (m,) [s], linear between the grid's."""
-        place = s / STEP + self._origin
+        place = s / PHASE_STEP + self._origin
         low = np.minimum(place.astype(int), len(self._s) - 2)
         part = place - low
         between: np.ndarray = (1.0 - part) * values[row, low] + part * values[row, low + 1]

@@ -8,7 +8,7 @@ import numpy as np
 
 from opml.base.setting_types import Count
 from opml.environment.forecasts.bursts import remove_bursts
-from opml.environment.forecasts.method import Forecast, Future, FutureForecast, Method, Settings
+from opml.environment.forecasts.method import Forecast, ForecastSettings, Future, FutureForecast, Method
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import Weather, trailing_mean
 
@@ -41,7 +41,7 @@ def fit_futures(history: Weather, *, days: int, members: int) -> FutureForecast:
     return ensemble
 
 
-def fit(history: Weather, days: int, settings: Settings) -> Forecast:
+def fit(history: Weather, days: int, settings: ForecastSettings) -> Forecast:
     """Return the forecast, the median of the futures of as many nearest days as the setting `members`."""
     ensemble = fit_futures(history, days=days, members=settings["members"])
 

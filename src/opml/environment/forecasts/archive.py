@@ -19,7 +19,7 @@ from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.setting_types import Text
 from opml.environment import solar_activity, space_weather
-from opml.environment.forecasts.method import Forecast, Future, Method, Settings
+from opml.environment.forecasts.method import Forecast, ForecastSettings, Future, Method
 from opml.environment.space_weather import INTERVALS, MEASURED, ROUNDING
 from opml.environment.weather import Weather
 
@@ -38,12 +38,14 @@ class _Issue(NamedTuple):
     kp: np.ndarray  # (n,)
 
 
-def fit(_history: Weather, days: int, settings: Settings) -> Forecast:
+def fit(_history: Weather, days: int, settings: ForecastSettings) -> Forecast:
     """Return the newest forecast of the setting `files`, which learns nothing from the history.
 
     Raises InputError for an unreadable file.
     """
-    issues = sorted((issue for path in files(settings) for issue in read(path)), key=attrgetter("issued"))
+    issues = sorted(
+        (issue for path in archive_files(settings) for issue in read(path)), key=attrgetter("issued")
+    )
     times = np.array([issue.issued for issue in issues])
 
     def forecast(past: Weather, day: float) -> Future:
@@ -59,7 +61,7 @@ def fit(_history: Weather, days: int, settings: Settings) -> Forecast:
     return forecast
 
 
-def files(settings: Settings) -> list[str]:
+def archive_files(settings: ForecastSettings) -> list[str]:
     """Return the files of the paths and patterns in the setting `files`; a path without a file stays."""
     return [path for pattern in settings["files"] for path in sorted(glob(pattern)) or [pattern]]
 
@@ -143,6 +145,6 @@ METHOD = Method(
     "archive",
     {"files": Annotated[list[Text], MinLen(1)]},
     fit,
-    files=files,
+    files=archive_files,
     repeatable=False,
 )

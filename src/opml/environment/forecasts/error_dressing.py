@@ -12,7 +12,7 @@ from opml.environment.forecasts.method import Forecast, Future, FutureForecast
 from opml.environment.weather import HIGHEST_KP, Weather
 
 
-def fit_futures(
+def dress_futures(
     history: Weather, forecast: Forecast, *, days: int, past_days: int, members: int
 ) -> FutureForecast:
     """Return the forecast's futures, one for each of the nearest days, nearest first.

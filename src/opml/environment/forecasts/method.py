@@ -8,7 +8,7 @@ import numpy as np
 
 from opml.environment.weather import Weather
 
-Settings = Mapping[str, Any]
+ForecastSettings = Mapping[str, Any]
 """Settings of a forecast: its kind, and the keys of the method."""
 
 COUNT = {"$ref": "#/$defs/count"}
@@ -39,10 +39,10 @@ FutureForecast = Callable[[Weather, float], list[Future]]
 """A function that forecasts several futures; its parameters are those of `Forecast`."""
 
 
-class Fit(Protocol):
+class MakeForecast(Protocol):
     """A function that makes a forecast from the weather before the run."""
 
-    def __call__(self, history: Weather, days: int, settings: Settings, /) -> Forecast:
+    def __call__(self, history: Weather, days: int, settings: ForecastSettings, /) -> Forecast:
         """Return a forecast.
 
         history: weather before the run, at least the method's `least_days` and `days`
@@ -66,8 +66,8 @@ class Method:
 
     kind: str
     settings: Mapping[str, Any]
-    fit: Fit
-    least_days: Callable[[Settings], int] = lambda _: 0
-    past_days: Callable[[Settings], int] = lambda _: 1
-    files: Callable[[Settings], list[str]] = lambda _: []
+    fit: MakeForecast
+    least_days: Callable[[ForecastSettings], int] = lambda _: 0
+    past_days: Callable[[ForecastSettings], int] = lambda _: 1
+    files: Callable[[ForecastSettings], list[str]] = lambda _: []
     repeatable: bool = True

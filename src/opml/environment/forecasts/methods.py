@@ -5,7 +5,7 @@ from typing import Any
 
 from opml.base.errors import InputError
 from opml.environment.forecasts import analogues, archive, error_dressing, persistence, regression
-from opml.environment.forecasts.method import Forecast, FutureForecast, Method, Settings
+from opml.environment.forecasts.method import Forecast, ForecastSettings, FutureForecast, Method
 from opml.environment.weather import Weather
 
 METHODS = (persistence.METHOD, regression.METHOD, analogues.METHOD, archive.METHOD)
@@ -18,7 +18,7 @@ def settings_types() -> dict[str, Mapping[str, Any]]:
     return {kind: method.settings for kind, method in _BY_KIND.items()}
 
 
-def fit(history: Weather, *, days: int, settings: Settings) -> Forecast:
+def fit(history: Weather, *, days: int, settings: ForecastSettings) -> Forecast:
     """Return the forecast of `days` days of the kind `settings['kind']`.
 
     history: weather before the run
@@ -29,7 +29,7 @@ def fit(history: Weather, *, days: int, settings: Settings) -> Forecast:
     return _BY_KIND[settings["kind"]].fit(history, days, settings)
 
 
-def futures(history: Weather, *, days: int, settings: Settings, members: int) -> FutureForecast:
+def futures(history: Weather, *, days: int, settings: ForecastSettings, members: int) -> FutureForecast:
     """Return the ensemble about the forecast of the kind `settings['kind']`.
 
     history: weather before the run
@@ -45,10 +45,10 @@ def futures(history: Weather, *, days: int, settings: Settings, members: int) ->
     if not method.repeatable:
         return analogues.fit_futures(history, days=days, members=members)
     forecast, past_days = fit(history, days=days, settings=settings), method.past_days(settings)
-    return error_dressing.fit_futures(history, forecast, days=days, past_days=past_days, members=members)
+    return error_dressing.dress_futures(history, forecast, days=days, past_days=past_days, members=members)
 
 
-def check_history(history: Weather, *, days: int, settings: Settings) -> None:
+def check_history(history: Weather, *, days: int, settings: ForecastSettings) -> None:
     """Raise InputError where the history is too short for a method that learns from it."""
     least = _BY_KIND[settings["kind"]].least_days(settings)
     if least and len(history.flux) < least + days:
@@ -56,7 +56,7 @@ def check_history(history: Weather, *, days: int, settings: Settings) -> None:
         raise InputError(f"forecast: expected {expected}, got {len(history.flux)}")
 
 
-def check(history: Weather, past: Weather, day: float, *, settings: Settings) -> None:
+def check(history: Weather, past: Weather, day: float, *, settings: ForecastSettings) -> None:
     """Raise InputError where no forecast can be made at a time.
 
     history: weather before the run
@@ -71,6 +71,6 @@ def check(history: Weather, past: Weather, day: float, *, settings: Settings) ->
         fit(history, days=1, settings=settings)(past, day)
 
 
-def files(settings: Settings) -> list[str]:
+def files(settings: ForecastSettings) -> list[str]:
     """Return the user's own files in the settings of a forecast."""
     return _BY_KIND[settings["kind"]].files(settings)

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from opml.environment.forecasts.method import Forecast, Future, Method, Settings
+from opml.environment.forecasts.method import Forecast, ForecastSettings, Future, Method
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import Weather
 
 
-def fit(_history: Weather, days: int, _settings: Settings) -> Forecast:
+def fit(_history: Weather, days: int, _settings: ForecastSettings) -> Forecast:
     """Return the forecast, which learns nothing from the history."""
 
     def forecast(past: Weather, _day: float) -> Future:

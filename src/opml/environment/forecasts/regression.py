@@ -10,12 +10,12 @@ import numpy as np
 
 from opml.base.setting_types import Count, Positive
 from opml.environment.forecasts.bursts import remove_bursts
-from opml.environment.forecasts.method import Forecast, Future, Method, Settings
+from opml.environment.forecasts.method import Forecast, ForecastSettings, Future, Method
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import HIGHEST_KP, Weather, trailing_mean
 
 
-def fit(history: Weather, days: int, settings: Settings) -> Forecast:
+def fit(history: Weather, days: int, settings: ForecastSettings) -> Forecast:
     """Return the forecast, learned from the history.
 
     settings: `lags`, the number of daily values, the present one included, and `ridge`, the penalty on a

@@ -68,7 +68,7 @@ OUTSIDE_FENCES = "outside Tukey fences"
 PAPER_BOUNDS = (1.2, 3.2)
 PAPER_FENCE = 3.0
 
-PAPER = Cleaning(cd_bounds=PAPER_BOUNDS, fence=PAPER_FENCE)
+PAPER_CLEANING = Cleaning(cd_bounds=PAPER_BOUNDS, fence=PAPER_FENCE)
 """The cleaning of the paper, with fences from all rows that survive its bounds."""
 
 

@@ -29,7 +29,7 @@ NO_PREVIOUS = -1  # in column b: no earlier estimate qualifies
 
 # Why a row is dropped: the first reason that holds, in this order. A failed prediction adds its own reason.
 CROSSES_MANOEUVRE = "crosses a manoeuvre"
-NOT_CONVERGED = "estimate not converged"
+FIT_NOT_CONVERGED = "estimate not converged"
 NO_PREDICTION = "no prediction"
 CD_OUTSIDE = "drag coefficient outside bounds"
 NO_PREVIOUS_ESTIMATE = "no kept previous estimate"
@@ -246,7 +246,7 @@ def _reasons(rows: pd.DataFrame, cleaning: Cleaning) -> pd.Series:
     reason[rows["b"] == NO_PREVIOUS] = NO_PREVIOUS_ESTIMATE
     reason[~rows["cd_inside"]] = CD_OUTSIDE
     reason[failed != ""] = NO_PREDICTION + ": " + failed
-    reason[~rows["converged"]] = NOT_CONVERGED
+    reason[~rows["converged"]] = FIT_NOT_CONVERGED
 
     reason[_outside_fences(rows, (reason == "").to_numpy(), cleaning)] = OUTSIDE_FENCES
     return reason

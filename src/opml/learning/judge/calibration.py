@@ -20,7 +20,7 @@ from opml.learning.judge.errors_by_duration import REACH_DAYS
 from opml.orbits.rsw_covariance import half_width, mahalanobis
 from opml.tables import COMPONENTS, DOUBT, ELLIPSOID, LEVELS, PLANE, SIGMA_STATE, WHOLE
 
-MARKS = (1.0, 3.0, 5.0, 7.0)
+_MARKS = (1.0, 3.0, 5.0, 7.0)
 """Prediction durations that the shares are stated at [days]."""
 
 PASSES = 0.05
@@ -32,7 +32,7 @@ LEAST = 5
 
 def marks(longest_days: float) -> list[float]:
     """Return the durations [days] to state shares at, where predictions last up to longest_days."""
-    return [day for day in MARKS if day <= longest_days] or [longest_days]
+    return [day for day in _MARKS if day <= longest_days] or [longest_days]
 
 
 def of_covariances(

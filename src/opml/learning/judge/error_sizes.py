@@ -46,7 +46,7 @@ MEMORY_DAYS = 8.0
 LEAST_FREEDOM = 2.0
 """Least degrees of freedom: a factor of 1.8."""
 
-LEAST_ROWS = 20
+_LEAST_ROWS = 20
 """Least number of past errors to learn sizes from."""
 
 _MOST_ROWS = 3000
@@ -113,9 +113,9 @@ class Sizes:
         from scipy.stats import chi2
 
         past = past[past["t_known"] <= now]
-        if len(past) < LEAST_ROWS:
+        if len(past) < _LEAST_ROWS:
             raise InputError(
-                f"sizes: expected {LEAST_ROWS} predictions that were over by day {now / DAY:g} to learn "
+                f"sizes: expected {_LEAST_ROWS} predictions that were over by day {now / DAY:g} to learn "
                 f"from, got {len(past)}"
             )
         days, reach = (now - past["t_i"].min()) / DAY, float(past["duration"].max())

@@ -7,7 +7,7 @@ import pandas as pd
 
 from opml.base.constants import DAY
 
-QUANTILES = (0.5, 0.95)
+_QUANTILES = (0.5, 0.95)
 """Shares of the errors that stay below the sizes returned."""
 
 REACH_DAYS = 0.25
@@ -45,5 +45,5 @@ def _quantiles(size: pd.DataFrame) -> dict[str, float]:
     return {
         f"{name}_{100.0 * quantile:.0f}": float(np.quantile(size[name], quantile))
         for name in size
-        for quantile in QUANTILES
+        for quantile in _QUANTILES
     }

@@ -81,7 +81,7 @@ def apply(
     return table.assign(half_width=widths.at(table["duration"].to_numpy()))
 
 
-def summary(table: pd.DataFrame, *, level: float, **experiment: str) -> pd.DataFrame:
+def coverage_summary(table: pd.DataFrame, *, level: float, **experiment: str) -> pd.DataFrame:
     """Return the one-row `coverage` table of an `intervals` table.
 
     experiment: its name, part by part

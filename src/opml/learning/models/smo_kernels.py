@@ -11,15 +11,15 @@ import numpy as np
 
 from opml.base.compiled import decorators
 
-OPTIONS: dict[str, Any] = {
+_OPTIONS: dict[str, Any] = {
     "error_model": "numpy",
     "nogil": True,
     # No NaN gets here, as inputs are finite: without that promise the compiler vectorises no minimum.
     "fastmath": {"contract", "nsz", "nnan"},
 }
-compiled, entry = decorators(**OPTIONS)
+compiled, entry = decorators(**_OPTIONS)
 
-LANES = 64  # running minima kept side by side: one alone would wait for itself at each element
+_LANES = 64  # running minima kept side by side: one alone would wait for itself at each element
 LEAST_CURVATURE = 1e-12  # along a pair of coincident rows, as in libsvm
 
 _SINGLE = np.float32
@@ -115,9 +115,9 @@ def _move(up, down, step, first, second, least, most):
     """Add step (first - second) to all slopes; return the least `up` and the largest `down`."""
     least[:] = np.inf
     most[:] = -np.inf
-    whole = len(up) // LANES * LANES
-    for start in range(0, whole, LANES):
-        for lane in range(LANES):
+    whole = len(up) // _LANES * _LANES
+    for start in range(0, whole, _LANES):
+        for lane in range(_LANES):
             k = start + lane
             change = step * (first[k] - second[k])
             up[k] += change
@@ -142,9 +142,9 @@ def _largest_gain(down, lowest, row, gains, largest):
         slope = max(gains[k], _SINGLE(0.0))
         gains[k] = slope * slope / max(_SINGLE(2.0) - _SINGLE(2.0) * row[k], _SINGLE(LEAST_CURVATURE))
     largest[:] = _SINGLE(0.0)
-    whole = len(gains) // LANES * LANES
-    for start in range(0, whole, LANES):
-        for lane in range(LANES):
+    whole = len(gains) // _LANES * _LANES
+    for start in range(0, whole, _LANES):
+        for lane in range(_LANES):
             largest[lane] = max(largest[lane], gains[start + lane])
     for k in range(whole, len(gains)):
         largest[0] = max(largest[0], gains[k])
@@ -186,7 +186,7 @@ def descend(kernel, beta, gradient, limits, epsilon, tol, most_steps):
     """
     count = len(beta)
     up, down, gains = np.empty(count), np.empty(count), np.empty(count, _SINGLE)
-    least, most, largest = np.empty(LANES), np.empty(LANES), np.empty(LANES, _SINGLE)
+    least, most, largest = np.empty(_LANES), np.empty(_LANES), np.empty(_LANES, _SINGLE)
     slopes(beta, gradient, limits, epsilon, up, down)
     i = j = 0
     step = 0.0

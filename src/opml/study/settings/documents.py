@@ -9,11 +9,17 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from opml.base.setting_types import Schema
-from opml.study.settings.json_schema import choices, json_schema, resolved
+from opml.base.setting_types import TypeSchema
+from opml.study.settings.json_schema import choices, dereferenced, json_schema
 from opml.study.settings.model.run import RunAlone
 from opml.study.settings.model.section import Section
-from opml.study.settings.model.study_parts import BeyondStudy, Claim, Entry, OwnStudy, PaperStudy
+from opml.study.settings.model.study_parts import (
+    BeyondStudy,
+    ClaimSettings,
+    Entry,
+    OwnStudySettings,
+    PaperStudy,
+)
 from opml.study.settings.model.whole import SettingsFile
 
 SCHEMA = Path("workflow/schemas/config.schema.json")
@@ -22,13 +28,13 @@ SCHEMA = Path("workflow/schemas/config.schema.json")
 README = Path("config/README.md")
 """Page with the tables of keys."""
 
-TABLES: Mapping[str, tuple[str, type[Section]]] = {
+SETTINGS_TABLES: Mapping[str, tuple[str, type[Section]]] = {
     "run": ("", RunAlone),
-    "study": ("study", OwnStudy),
+    "study": ("study", OwnStudySettings),
     "entry": ("<entry>", Entry),
     "paper": ("study", PaperStudy),
     "beyond": ("study", BeyondStudy),
-    "claims": ("claims", Claim),
+    "claims": ("claims", ClaimSettings),
 }
 """Mapping that keys stand in, and model, of each table."""
 
@@ -60,7 +66,7 @@ def _described(node: Any) -> Any:
 
 
 def _table(name: str) -> str:
-    mapping, model = TABLES[name]
+    mapping, model = SETTINGS_TABLES[name]
     schema = json_schema(model)
     heading = "| key | meaning | unit, values |\n| --- | --- | --- |\n"
     rows = [
@@ -71,14 +77,14 @@ def _table(name: str) -> str:
     return heading + "".join(f"{row}\n" for row in rows)
 
 
-def _rows(schema: Schema, node: Schema, key: str) -> Iterator[str]:
+def _rows(schema: TypeSchema, node: TypeSchema, key: str) -> Iterator[str]:
     """Yield the row of a setting, or those of the mapping that it is.
 
     Keys that every entry may have stand in a table of their own.
     """
-    inner = resolved(schema, node)
+    inner = dereferenced(schema, node)
     if word := inner.get("propertyNames", {}).get("placeholder"):
-        key, inner = f"{key}.<{word}>", resolved(schema, inner["additionalProperties"])
+        key, inner = f"{key}.<{word}>", dereferenced(schema, inner["additionalProperties"])
     if "properties" in inner and "allOf" not in inner:
         for name, below in inner["properties"].items():
             if not below.get("shared"):
@@ -87,7 +93,7 @@ def _rows(schema: Schema, node: Schema, key: str) -> Iterator[str]:
         yield f"| `{key}` | {_meaning(node)} | {_values(node, inner)} |"
 
 
-def _meaning(node: Schema) -> str:
+def _meaning(node: TypeSchema) -> str:
     """Return what a setting means, with a link to the page that tells more."""
     meaning: str = node["description"]
     if see := node.get("see"):
@@ -97,7 +103,7 @@ def _meaning(node: Schema) -> str:
     return meaning
 
 
-def _values(node: Schema, inner: Schema) -> str:
+def _values(node: TypeSchema, inner: TypeSchema) -> str:
     """Return what may stand under a key, with its unit and its default."""
     unit, words = node.get("unit", ""), _words(inner)
     values = f"{words} [{unit}]" if words and unit else words or unit
@@ -107,7 +113,7 @@ def _values(node: Schema, inner: Schema) -> str:
     return values
 
 
-def _words(node: Schema) -> str:
+def _words(node: TypeSchema) -> str:
     """Return what is expected at a node, or the names that it takes."""
     if "errorMessage" in node:
         return str(node["errorMessage"]).replace("<", "\\<")

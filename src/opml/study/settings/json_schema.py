@@ -5,8 +5,8 @@ from typing import Any
 from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import core_schema
 
-from opml.base.setting_types import Schema
-from opml.study.settings.model.kinds import FORECASTS, KINDS, LEARNERS, OfItsKind
+from opml.base.setting_types import TypeSchema
+from opml.study.settings.model.kinds import FORECASTS, KINDS, LEARNER_KINDS, OfItsKind
 from opml.study.settings.model.section import Item, Section
 
 _REFERENCE = "#/$defs/"
@@ -15,19 +15,19 @@ _REFERENCE = "#/$defs/"
 class _Generator(GenerateJsonSchema):
     """Pydantic's generator, for settings that are laid over others: what they leave out stands there."""
 
-    def dict_schema(self, schema: core_schema.DictSchema) -> Schema:
+    def dict_schema(self, schema: core_schema.DictSchema) -> TypeSchema:
         """Return the schema of a mapping whose keys are names that a user gives."""
         limits = {"minProperties": schema["min_length"]} if "min_length" in schema else {}
         names, values = (self.generate_inner(schema[part]) for part in ("keys_schema", "values_schema"))
         return {"type": "object", "propertyNames": names, "additionalProperties": values, **limits}
 
-    def model_schema(self, schema: core_schema.ModelSchema) -> Schema:
+    def model_schema(self, schema: core_schema.ModelSchema) -> TypeSchema:
         """Return the schema of a section; nothing but an item of a list has to be complete."""
         generated = super().model_schema(schema)
         untold = {"title"} if issubclass(schema["cls"], Item) else {"title", "required"}
         return {key: value for key, value in generated.items() if key not in untold}
 
-    def default_schema(self, schema: core_schema.WithDefaultSchema) -> Schema:
+    def default_schema(self, schema: core_schema.WithDefaultSchema) -> TypeSchema:
         """Return the schema of a setting that may be left out, with its default where that says something."""
         generated = super().default_schema(schema)
         untold = "default" in generated and generated["default"] in (None, "", [], {})
@@ -38,48 +38,48 @@ class _Generator(GenerateJsonSchema):
         return False
 
 
-def json_schema(model: type[Section]) -> Schema:
+def json_schema(model: type[Section]) -> TypeSchema:
     """Return a model's JSON schema; learners and forecasts are of the kinds that there are."""
     schema = _generated(model)
     definitions = schema.setdefault("$defs", {})
-    definitions |= {kinds.name: _of_any_kind(kinds) for kinds in (LEARNERS, FORECASTS)}
+    definitions |= {kinds.name: _of_any_kind(kinds) for kinds in (LEARNER_KINDS, FORECASTS)}
     return schema
 
 
-def resolved(schema: Schema, node: Schema, value: Any = None) -> Schema:
+def dereferenced(schema: TypeSchema, node: TypeSchema, value: Any = None) -> TypeSchema:
     """Return what a node of a schema stands for: what it refers to, and of several kinds that of a value."""
     references = [choice["$ref"] for choice in (node, *node.get("anyOf", [])) if "$ref" in choice]
     if references:
-        return resolved(schema, schema["$defs"][references[0].removeprefix(_REFERENCE)], value)
+        return dereferenced(schema, schema["$defs"][references[0].removeprefix(_REFERENCE)], value)
     kind = value.get("kind") if isinstance(value, dict) else None
     for choice in node.get("allOf", []):
         if choice["if"]["properties"]["kind"]["const"] == kind:
-            then: Schema = choice["then"]
+            then: TypeSchema = choice["then"]
             return then
     return node
 
 
-def child(node: Schema, key: str | int) -> Schema | None:
+def child(node: TypeSchema, key: str | int) -> TypeSchema | None:
     """Return the node of a key or an index below a resolved node, None where there is none."""
     if isinstance(key, str):
-        below: Schema | None = node.get("properties", {}).get(key)
+        below: TypeSchema | None = node.get("properties", {}).get(key)
         others = node.get("additionalProperties")
         return below if below is not None else others if isinstance(others, dict) else None
     items = node.get("prefixItems", [])
     return items[key] if key < len(items) else node.get("items")
 
 
-def choices(node: Schema) -> list[Any]:
+def choices(node: TypeSchema) -> list[Any]:
     """Return the values that a node takes; none where it takes others."""
     return node.get("enum") or [node[key] for key in ("const",) if key in node]
 
 
-def _generated(model: type[Section]) -> Schema:
-    schema: Schema = _with_references(model.model_json_schema(schema_generator=_Generator))
+def _generated(model: type[Section]) -> TypeSchema:
+    schema: TypeSchema = _with_references(model.model_json_schema(schema_generator=_Generator))
     return schema
 
 
-def _of_any_kind(kinds: OfItsKind) -> Schema:
+def _of_any_kind(kinds: OfItsKind) -> TypeSchema:
     models = kinds.models()
     return {
         "type": "object",

@@ -9,5 +9,5 @@ from opml.base.yaml_files import read_yaml
 RUN: Mapping[str, Any] = read_yaml(PROJECT / "config" / "config.yaml")
 """Settings of the run; `study` names what is asked of it."""
 
-PAPER: Mapping[str, Any] = read_yaml(PROJECT / "config" / "studies" / "paper.yaml")["study"]
+PAPER_STUDY: Mapping[str, Any] = read_yaml(PROJECT / "config" / "studies" / "paper.yaml")["study"]
 """The paper's study."""

@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from opml.base.setting_types import Schema
-from opml.study.settings.json_schema import child, choices, json_schema, resolved
-from opml.study.settings.model.whole import Run
+from opml.base.setting_types import TypeSchema
+from opml.study.settings.json_schema import child, choices, dereferenced, json_schema
+from opml.study.settings.model.whole import RunSettings
 from opml.study.settings.overlay import Key, Source, value_at
 
 _NAME = "[key]"
@@ -26,19 +26,19 @@ class _Refusal(NamedTuple):
     what: str
 
 
-def validated(source: Source) -> Run:
+def validated(source: Source) -> RunSettings:
     """Return settings as a typed run. Raises InputError for the first value that is none of a run's."""
     try:
-        return Run.model_validate(source.values)
+        return RunSettings.model_validate(source.values)
     except ValidationError as error:
         errors = error.errors(include_url=False)
-    schema = json_schema(Run)
+    schema = json_schema(RunSettings)
     refusals = [_refusal(error, schema, source.values) for error in errors]
     first = min(refusals, key=lambda refusal: refusal[:2])
     raise source.wrong(first.key, first.what)
 
 
-def _refusal(error: ErrorDetails, schema: Schema, values: Any) -> _Refusal:
+def _refusal(error: ErrorDetails, schema: TypeSchema, values: Any) -> _Refusal:
     """Return what an error of pydantic's says of a value, in the words of the schema."""
     location = error["loc"]
     if error["type"] == "extra_forbidden":
@@ -56,16 +56,16 @@ def _refusal(error: ErrorDetails, schema: Schema, values: Any) -> _Refusal:
     return _Refusal(_text(place), True, place, what)
 
 
-def _place(location: Key, schema: Schema, values: Any) -> tuple[Key, Schema]:
+def _place(location: Key, schema: TypeSchema, values: Any) -> tuple[Key, TypeSchema]:
     """Return the key that a location is in, without pydantic's words for kinds of values, and its node."""
     key: Key = ()
-    node = resolved(schema, schema, values)
+    node = dereferenced(schema, schema, values)
     for part in location:
         below = child(node, part)
         if below is None:
             break
         key = (*key, part)
-        node = resolved(schema, below, value_at(values, key))
+        node = dereferenced(schema, below, value_at(values, key))
     return key, node
 
 
@@ -73,14 +73,14 @@ def _text(key: Key) -> Sequence[str]:
     return list(map(str, key))
 
 
-def _hint(unknown: str | int, node: Schema) -> str:
+def _hint(unknown: str | int, node: TypeSchema) -> str:
     """Return which key may have been meant by one that is unknown."""
     known = list(node["properties"])
     close = difflib.get_close_matches(str(unknown), known, n=1)
     return f"did you mean {close[0]}?" if close else f"expected one of {', '.join(known)}"
 
 
-def _expected(error: ErrorDetails, node: Schema) -> str:
+def _expected(error: ErrorDetails, node: TypeSchema) -> str:
     """Return what is expected at a node."""
     context = error.get("ctx", {})
     match error["type"]:

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from pydantic import ConfigDict, create_model
 
-from opml.base.setting_types import Handler, OneOf, Schema, may_be_absent
+from opml.base.setting_types import Handler, OneOf, TypeSchema, may_be_absent
 from opml.environment.forecasts import methods
 from opml.learning.models import contract, learners
 from opml.study.settings.model.section import Section
@@ -39,10 +39,10 @@ class OfItsKind:
     name: str
     kinds: Callable[[], Mapping[str, Mapping[str, Any]]]
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: Handler) -> Schema:
+    def __get_pydantic_core_schema__(self, source: Any, handler: Handler) -> TypeSchema:
         return {"type": "function-plain", "function": {"type": "no-info", "function": self.validated}}
 
-    def __get_pydantic_json_schema__(self, core: Schema, handler: Handler) -> Schema:
+    def __get_pydantic_json_schema__(self, core: TypeSchema, handler: Handler) -> TypeSchema:
         return {KINDS: self.name}
 
     def validated(self, values: Any) -> OfSomeKind:
@@ -64,18 +64,18 @@ def _kind_alone(kinds: tuple[str, ...]) -> type[OfSomeKind]:
 
 @lru_cache
 def _model(kind: str, keys: tuple[tuple[str, Any], ...]) -> type[OfSomeKind]:
-    types = {key: Learner if declared is contract.AnyLearner else declared for key, declared in keys}
+    types = {key: LearnerSettings if declared is contract.AnyLearner else declared for key, declared in keys}
     fields: dict[str, Any] = {
         key: (declared, None if may_be_absent(declared) else ...) for key, declared in types.items()
     }
     return create_model(kind, __base__=OfSomeKind, **fields)
 
 
-LEARNERS = OfItsKind("learner", learners.settings_types)
+LEARNER_KINDS = OfItsKind("learner", learners.settings_types)
 FORECASTS = OfItsKind("forecast", methods.settings_types)
 
-Learner = Annotated[OfSomeKind, LEARNERS]
+LearnerSettings = Annotated[OfSomeKind, LEARNER_KINDS]
 """Settings of a learner; those of its kind stand beside `kind`."""
 
-Forecast = Annotated[OfSomeKind, FORECASTS]
+ForecastSettings = Annotated[OfSomeKind, FORECASTS]
 """Settings of a forecast of the weather."""

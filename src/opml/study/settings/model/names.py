@@ -35,7 +35,7 @@ Folder = Annotated[
     Expected("a folder's path without spaces, braces or a leading ~"),
 ]
 
-Paths = Annotated[
+PathList = Annotated[
     Text | Annotated[list[Text], MinLen(1)],
     Expected("a file's path, a pattern of paths, or a list of them"),
 ]
@@ -60,9 +60,9 @@ SeedList = Annotated[list[Seed], MinLen(1), Unique(), Expected("a list of seeds"
 
 Degree = Annotated[int, Ge(0), Expected("a whole number from 0")]
 
-Body = Annotated[str, OneOf(BODIES)]
+RsoBody = Annotated[str, OneOf(BODIES)]
 
-Bodies = Annotated[list[Body], Unique()]
+Bodies = Annotated[list[RsoBody], Unique()]
 
 Variables = Annotated[list[Variable], MinLen(1), Unique()]
 
@@ -85,7 +85,7 @@ Days = Annotated[tuple[Day, Day], Strict(False), Expected("two numbers, first an
 
 Resonance = Annotated[tuple[Count, Count], Strict(False), Expected("a pair of whole numbers above 0")]
 
-Resonances = Annotated[list[Resonance], Unique()]
+ResonanceList = Annotated[list[Resonance], Unique()]
 
 Train = Annotated[
     str,
@@ -101,9 +101,9 @@ Test = Annotated[
 
 Tests = Annotated[list[Test], MinLen(1), Unique(), Expected("a list of days-<first>-<last>")]
 
-Split = Annotated[tuple[Train, Test], Strict(False), Expected("a pair of a training and a test split")]
+SplitPair = Annotated[tuple[Train, Test], Strict(False), Expected("a pair of a training and a test split")]
 
-Splits = Annotated[dict[EntryName, Split], MinLen(1)]
+Splits = Annotated[dict[EntryName, SplitPair], MinLen(1)]
 
 Degrees = Annotated[
     list[Annotated[float, Ge(0), Le(180), Expected("degrees from 0 to 180")]],

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from annotated_types import Ge, Le, MinLen
 
 from opml.base.setting_types import Absent, Expected, NotNegative, Positive, Share, Text
-from opml.study.settings.model.kinds import Forecast, Learner
+from opml.study.settings.model.kinds import ForecastSettings, LearnerSettings
 from opml.study.settings.model.names import (
     Bodies,
     Degree,
@@ -13,8 +13,8 @@ from opml.study.settings.model.names import (
     Epochs,
     Folder,
     Name,
-    Paths,
-    Resonances,
+    PathList,
+    ResonanceList,
     RsoName,
     RsoNames,
     Seed,
@@ -32,7 +32,7 @@ class RandomSeeds(Section):
     split: Seed = setting("seed of the random splits and of the learners' subsamples")
 
 
-class Environment(Section):
+class EnvironmentSettings(Section):
     """What Earth, Sun and Moon do, and what is known of it."""
 
     gravity_field: Text = setting(
@@ -67,7 +67,7 @@ class Environment(Section):
     )
 
 
-class ForceModel(Section):
+class ForceModelSettings(Section):
     """A force model."""
 
     degree: Degree = setting("highest degree of the gravity field")
@@ -75,7 +75,7 @@ class ForceModel(Section):
     third_bodies: Bodies = setting("bodies that pull beside Earth", unit="names")
 
 
-class TrueForceModel(ForceModel):
+class TrueForceModel(ForceModelSettings):
     """The force model of the truth."""
 
     atmosphere: Literal["DTM2000", "NRLMSIS"] = setting(
@@ -89,10 +89,10 @@ class ForceModels(Section):
     """The truth's force model, and that of fits and predictions."""
 
     truth: TrueForceModel = setting("force model of the truth")
-    assumed: ForceModel = setting("force model of fits and predictions")
+    assumed: ForceModelSettings = setting("force model of fits and predictions")
 
 
-class Integrator(Section):
+class IntegratorSettings(Section):
     """The Dormand-Prince 8(5,3) method."""
 
     position_tolerance_m: Positive = setting(
@@ -113,7 +113,7 @@ class Tracking(Section):
     step_s: Positive = setting("time between measurements, and of the truth's grid", unit="s")
 
 
-class Estimation(Section):
+class EstimationSettings(Section):
     """Fits of an orbit and a drag coefficient to tracks."""
 
     window_hours: Positive = setting("measurements before a track that its fit uses", unit="h")
@@ -157,7 +157,7 @@ class Learning(Section):
     )
 
 
-class Thermometer(Section):
+class ThermometerSettings(Section):
     """A catalogue that measures the density by its fits; deviations are of logarithms."""
 
     rsos: RsoNames = setting(
@@ -188,7 +188,7 @@ class Mechanism(Section):
     """Columns that laws learn from."""
 
     long_window_hours: Positive = setting("window of the long arc beside each estimate", unit="h")
-    resonances: Resonances = setting(
+    resonances: ResonanceList = setting(
         "resonances that may be learned from: nodal days and revolutions", unit="pairs (k, m)"
     )
 
@@ -243,22 +243,22 @@ class RunAlone(Section):
     seed: RandomSeeds = setting("where random numbers begin")
     epoch: Epoch = setting("epoch of the RSOs' elements and start of the run")
     duration_days: Positive = setting("how long the truth is propagated", unit="days")
-    environment: Environment = setting("what Earth, Sun and Moon do, and what is known of it")
-    forecasts: dict[Name, Forecast] = setting(
+    environment: EnvironmentSettings = setting("what Earth, Sun and Moon do, and what is known of it")
+    forecasts: dict[Name, ForecastSettings] = setting(
         "a way to say the weather of the days ahead: its `kind`, and that kind's own settings",
         see="weather.md#methods",
         default={},
     )
     force_models: ForceModels = setting("the truth's force model, and that of fits and predictions")
-    integrator: Integrator = setting("the Dormand-Prince 8(5,3) method")
+    integrator: IntegratorSettings = setting("the Dormand-Prince 8(5,3) method")
     tracking: Tracking = setting("measurements")
-    estimation: Estimation = setting("fits of an orbit and a drag coefficient to tracks")
+    estimation: EstimationSettings = setting("fits of an orbit and a drag coefficient to tracks")
     prediction: Prediction = setting("predictions")
     learning: Learning = setting("what all learners share")
-    thermometer: Absent[Thermometer] = setting(
+    thermometer: Absent[ThermometerSettings] = setting(
         "a catalogue that measures the density by its fits", default=None
     )
-    learners: Annotated[dict[Name, Learner], MinLen(1)] = setting(
+    learners: Annotated[dict[Name, LearnerSettings], MinLen(1)] = setting(
         "a learner: its `kind`, and that kind's own settings; `variables` replaces the default ones,"
         " `without` leaves some of them out",
         see="howto.md#a-learner",
@@ -285,13 +285,13 @@ class RunAlone(Section):
         unit="path",
         default="",
     )
-    orbits: dict[RsoName, Paths] = setting(
+    orbits: dict[RsoName, PathList] = setting(
         "files of an orbit that replaces the RSO's simulated truth (SP3, CPF or OEM), one orbit together;"
         " the RSO's entry then needs its body only",
         see="orbits.md",
         default={},
     )
-    tracks: dict[RsoName, Paths] = setting(
+    tracks: dict[RsoName, PathList] = setting(
         "tracks that were really measured, in place of simulated ones (CCSDS TDM); the RSO's entry may be"
         " its body only",
         see="tracks.md",

@@ -6,7 +6,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic_core import PydanticUndefined
 
-from opml.base.setting_types import Handler, Schema
+from opml.base.setting_types import Handler, TypeSchema
 
 
 class Section(BaseModel):
@@ -58,5 +58,5 @@ class Placeholder:
 
     word: str
 
-    def __get_pydantic_json_schema__(self, core: Schema, handler: Handler) -> Schema:
+    def __get_pydantic_json_schema__(self, core: TypeSchema, handler: Handler) -> TypeSchema:
         return handler(core) | {"placeholder": self.word}

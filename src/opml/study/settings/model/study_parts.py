@@ -24,7 +24,7 @@ from opml.study.settings.model.names import (
     Ratios,
     Scales,
     SeedList,
-    Split,
+    SplitPair,
     Splits,
     Standardisation,
     Test,
@@ -34,7 +34,7 @@ from opml.study.settings.model.names import (
 from opml.study.settings.model.section import Item, Section, setting
 
 
-class Claim(Item):
+class ClaimSettings(Item):
     """What the paper says in words of an entry's numbers."""
 
     says: Text = setting("what the paper says", unit="text")
@@ -46,7 +46,7 @@ class Claim(Item):
     beyond: Absent[float] = setting("value of a curve from which on the numbers count", default=None)
 
 
-Claims = Annotated[list[Claim], Expected("a list of claims")]
+Claims = Annotated[list[ClaimSettings], Expected("a list of claims")]
 
 
 class OfRso(Section):
@@ -103,7 +103,7 @@ class TrainAndTestDays(Section):
     test: Days = setting("days of t_j to test on; they follow those to train on")
 
 
-class Rolling(Section):
+class RollingSettings(Section):
     """Learners that are trained anew day by day."""
 
     learners: Names = setting("learners that are trained anew on each of the `days`, or once in `every_days`")
@@ -112,7 +112,7 @@ class Rolling(Section):
     last_days: Positive = setting("how far back the labels go that are learned from", unit="days", default=30)
 
 
-class Cleaning(Section):
+class CleaningSettings(Section):
     """Rows that are dropped; none by default."""
 
     cd_min: Absent[float] = setting(
@@ -158,7 +158,7 @@ class Distribution(ByStations, OfRso):
     stations: str = setting("station set whose true errors are drawn", unit="name")
 
 
-class Evaluation(Entry):
+class EvaluationSettings(Entry):
     """One model on one test."""
 
     target: Absent[str] = setting("RSO to test on, where it is another one", unit="name", default=None)
@@ -180,26 +180,26 @@ class Individual(Claimed):
     evaluation: str = setting("evaluation that is drawn point by point", unit="name")
 
 
-class Grid(Claimed, Tested, OfModel, ByStations):
+class GridSettings(Claimed, Tested, OfModel, ByStations):
     """RSOs side by side."""
 
     rsos: Names = setting("RSOs that are drawn side by side, each trained on itself")
 
 
-class Curve(Claimed, Trained, OfModel, ByStations, OfRso):
+class CurveSettings(Claimed, Trained, OfModel, ByStations, OfRso):
     """One model on other RSOs."""
 
     tests: Tests = setting("windows to test on, a curve each", see="wildcards.md")
     published: PublishedByValue = setting("the paper's P_ML", unit="%", default={})
 
 
-class InclinationCurve(Curve):
+class InclinationCurve(CurveSettings):
     """One model on other inclinations."""
 
     inclinations: Degrees = setting("inclinations of the curve")
 
 
-class AxisCurve(Curve):
+class AxisCurve(CurveSettings):
     """One model on other semi-major axes."""
 
     offsets: Kilometres = setting("offsets of the semi-major axis")
@@ -217,7 +217,7 @@ class KernelScale(OfModel, OfRso):
 
     scales: Scales = setting("kernel scales of the figure")
     rules: Names = setting("learners whose kernel scale is marked")
-    splits: Annotated[list[Split], MinLen(1)] = setting(
+    splits: Annotated[list[SplitPair], MinLen(1)] = setting(
         "training and test splits", unit="list of pairs", see="wildcards.md"
     )
     station_sets: Names = setting("station sets of the figure")
@@ -240,10 +240,10 @@ class Budget(Section):
     """Laws that take the error apart."""
 
     learners: Names = setting("laws that take the error apart, one cause after the other")
-    split: Split = setting("training and test split", see="wildcards.md")
+    split: SplitPair = setting("training and test split", see="wildcards.md")
 
 
-class Beyond(Section):
+class BeyondSettings(Section):
     """What goes beyond the paper."""
 
     station_sets: Names = setting("station sets that models are compared for")
@@ -277,7 +277,7 @@ class StudySeeds(Section):
     spread: Absent[SpreadSeeds] = setting("seeds of the spreads in the reproduction", default=None)
 
 
-class Reading(Section):
+class ReadingSettings(Section):
     """A reading of what the paper leaves open."""
 
     text: Text = setting("the reading in words", unit="text")
@@ -296,12 +296,12 @@ class Reading(Section):
     )
 
 
-class Reproduction(Section):
+class ReproductionSettings(Section):
     """The table of the paper's numbers beside ours."""
 
     fixed: str = setting("learner with one fixed kernel scale", unit="name")
     calibrated: str = setting("evaluation that this scale was chosen to meet", unit="name")
-    readings: dict[EntryName, Reading] = setting("a reading of what the paper leaves open")
+    readings: dict[EntryName, ReadingSettings] = setting("a reading of what the paper leaves open")
 
 
 class OtherFit(Item):
@@ -330,7 +330,7 @@ class Axes(Section):
     )
 
 
-class OwnStudy(Section):
+class OwnStudySettings(Section):
     """A study of any RSO: models against splits."""
 
     rsos: Absent[Names] = setting(
@@ -353,14 +353,14 @@ class OwnStudy(Section):
         see="labels.md",
         default=None,
     )
-    rolling: Absent[Rolling] = setting("learners that are trained anew day by day", default=None)
+    rolling: Absent[RollingSettings] = setting("learners that are trained anew day by day", default=None)
     replayed: Absent[Names] = setting(
         "models whose mornings are run again, and among which each morning chooses; by default those of the"
         " study that are trained in seconds",
         see="uncertainty.md",
         default=None,
     )
-    cleaning: Absent[Cleaning] = setting("rows that are dropped; none by default", default=None)
+    cleaning: Absent[CleaningSettings] = setting("rows that are dropped; none by default", default=None)
     span_days: Absent[Days] = setting(
         "window of t_j that random splits draw from; by default the days to train on, or the run",
         default=None,
@@ -373,19 +373,19 @@ class PaperStudy(Section):
     defaults: Absent[Defaults] = setting("what entries do not name", default=None)
     orbit: Absent[Orbit] = setting("figures of an orbit and its fit", default=None)
     distribution: Absent[Distribution] = setting("a figure of true errors by duration", default=None)
-    evaluations: Absent[Annotated[dict[FigureName, Evaluation], MinLen(1)]] = setting(
+    evaluations: Absent[Annotated[dict[FigureName, EvaluationSettings], MinLen(1)]] = setting(
         "one model on one test", default=None
     )
     partition: Absent[Partition] = setting("P_ML against the share that is trained on", default=None)
     individual: Absent[Individual] = setting("an evaluation, drawn point by point", default=None)
-    grids: Absent[dict[EntryName, Grid]] = setting("RSOs side by side", default=None)
+    grids: Absent[dict[EntryName, GridSettings]] = setting("RSOs side by side", default=None)
     curves: Absent[Curves] = setting("one model on other RSOs", default=None)
     kernel_scale: Absent[KernelScale] = setting("how P_ML answers to the kernel scale", default=None)
     components: Absent[Names] = setting(
         "evaluations whose six components are trained and tabulated", default=None
     )
     seeds: Absent[StudySeeds] = setting("seeds of the curves and spreads", default=None)
-    reproduction: Absent[Reproduction] = setting("the paper's numbers beside ours", default=None)
+    reproduction: Absent[ReproductionSettings] = setting("the paper's numbers beside ours", default=None)
     scan: Absent[Annotated[dict[EntryName, Axes], MinLen(1)]] = setting(
         "combinations of readings for `snakemake scan`", default=None
     )
@@ -397,8 +397,8 @@ class BeyondStudy(Section):
     pools: Absent[Annotated[dict[Name, Pool], MinLen(1)]] = setting(
         "RSOs to learn from together, all but the one left out", default=None
     )
-    beyond: Absent[Beyond] = setting("what goes beyond the paper", default=None)
+    beyond: Absent[BeyondSettings] = setting("what goes beyond the paper", default=None)
 
 
-class Study(BeyondStudy, PaperStudy, OwnStudy):
+class StudySettings(BeyondStudy, PaperStudy, OwnStudySettings):
     """What is asked of a run."""

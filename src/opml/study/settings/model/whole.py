@@ -4,16 +4,16 @@ from opml.base.setting_types import Absent
 from opml.study.settings.model.names import Names
 from opml.study.settings.model.run import RunAlone
 from opml.study.settings.model.section import setting
-from opml.study.settings.model.study_parts import Study
+from opml.study.settings.model.study_parts import StudySettings
 
 
-class Run(RunAlone):
+class RunSettings(RunAlone):
     """Merged settings: the run, and the study in full."""
 
-    study: Study | None = setting("what is asked of the run")
+    study: StudySettings | None = setting("what is asked of the run")
 
 
-class ExtendingStudy(Study):
+class ExtendingStudy(StudySettings):
     """A study as it stands in a file."""
 
     extends: Absent[str | Names] = setting(
