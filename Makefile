@@ -40,7 +40,7 @@ check: $(INSTALLED)
 	$(PYTEST) -m "not slow" tests/unit tests/project
 
 test: $(VENV)/.docs
-	$(PYTEST) --cov tests/workflow tests/reference tests/project tests/unit
+	$(PYTEST) tests/workflow tests/reference tests/project tests/unit --cov
 
 faults: $(INSTALLED)
 	$(BIN)/python -m pytest tests/faults
