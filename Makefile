@@ -39,8 +39,10 @@ check: $(INSTALLED)
 	$(BIN)/lint-imports
 	$(PYTEST) -m "not slow" tests/unit tests/project
 
+# Tests of the workflow run jobs on both cores themselves and share one run of the trimmed case.
 test: $(VENV)/.docs
-	$(PYTEST) tests/workflow tests/reference tests/project tests/unit --cov
+	$(BIN)/python -m pytest tests/workflow
+	$(PYTEST) tests/reference tests/project tests/unit --cov
 
 faults: $(INSTALLED)
 	$(BIN)/python -m pytest tests/faults
