@@ -1,6 +1,7 @@
 """Run the real command line in a folder of its own."""
 
 import multiprocessing
+import multiprocessing.forkserver
 import os
 import re
 import shutil
@@ -9,6 +10,7 @@ import sys
 import tempfile
 from collections import Counter
 from pathlib import Path
+from unittest import mock
 
 ROOT = Path(__file__).parents[2]
 SNAKEMAKE = [sys.executable, "-m", "snakemake"]
@@ -23,7 +25,14 @@ def command(*arguments, source: Path = ROOT) -> list[str]:
 # Most of the tests start Snakemake to see it refuse or plan, and half of such a start are imports. Processes
 # that are forked from one that has them begin at the first line of Snakemake's own main.
 _STARTS = multiprocessing.get_context("forkserver")
-_STARTS.set_forkserver_preload(["warm"])
+
+
+def _warm_up() -> None:
+    """Begin the process that the others fork from, once; it finds modules by its environment alone."""
+    _STARTS.set_forkserver_preload(["warm"])
+    path = os.pathsep.join(map(str, (Path(__file__).parent, ROOT / "src")))
+    with mock.patch.dict(os.environ, PYTHONPATH=path):
+        multiprocessing.forkserver.ensure_running()
 
 
 def _start(
@@ -55,6 +64,7 @@ def forked(
     arguments: list[str], *, cwd: Path, env: dict[str, str], timeout: float, package: Path = ROOT / "src"
 ) -> tuple[int, str]:
     """Exit code and output of Snakemake in a forked process, which finds opml in the folder `package`."""
+    _warm_up()
     with tempfile.NamedTemporaryFile() as output:
         process = _STARTS.Process(target=_start, args=(cwd, env, arguments, output.name, package))
         process.start()
