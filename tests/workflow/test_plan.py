@@ -316,12 +316,15 @@ def test_a_catalogue_flies_together_and_reads_one_thermometer(project):
     assert found["prediction"] == 2
 
 
-WARM = TRACKED + """
+WARM = (
+    TRACKED
+    + """
 thermometer:
   {rsos: [iss, mine], window_hours: 48, step_hours: 12, decay_days: 0.5, factor_sigma: 0.15, body_sigma: 0.5,
    drift_sigma: 0.002, noise_sigma: 0.01}
 learners: {thermometer: {kind: thermometer}}
 """
+)
 
 
 def test_tracks_that_were_measured_make_the_thermometer_beside_simulated_ones(project):
