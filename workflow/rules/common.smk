@@ -14,7 +14,8 @@ from opml.study.settings.overlay import COMMAND_LINE, Layer, with_numbers
 from opml.workflow.inputs import Inputs, at_window, checks, path_of, paths_of, tables_of, target
 from opml.workflow.params import Params
 from opml.workflow.plan import Plan, end_plan
-from opml.workflow.starting import date_back_to_now, lift_job_rate
+from opml.workflow.records import compare_tables_with_settings
+from opml.workflow.starting import date_back_to_now, hold_results, lift_job_rate
 
 if sum(option in ("--configfile", "--configfiles") for option in sys.argv) > 1:
     end_plan(
@@ -32,6 +33,7 @@ try:
     PLAN = Plan(load_settings(SOURCE))
     if workflow.is_main_process:  # each job parses this file anew
         check_data(SOURCE, PLAN.settings)
+        compare_tables_with_settings()
 except InputError as error:
     end_plan(error)
 # A new mapping, as that of a module may belong to the workflow around it.

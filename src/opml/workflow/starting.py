@@ -5,7 +5,18 @@ import time
 from pathlib import Path
 from typing import Any
 
+from opml.base.errors import InputError
 from opml.base.files import FilePath
+from opml.workflow import lock
+from opml.workflow.plan import end_plan
+
+
+def hold_results(folder: FilePath) -> None:
+    """Hold a folder of results for this run; end it in one line where another run holds the folder."""
+    try:
+        lock.hold(Path(folder))
+    except InputError as error:
+        end_plan(error)
 
 
 def date_back_to_now(folder: FilePath) -> None:

@@ -1,0 +1,73 @@
+"""A folder of results: whatever happens to it, no table of other settings is taken for one of these."""
+
+import fcntl
+import shutil
+
+import pytest
+
+from opml.tables import read_table
+
+TABLE = "environment/gravity_field.parquet"
+OTHER = "force_models={truth: {degree: 6, order: 6}, assumed: {degree: 4, order: 4}}"
+
+
+def run(project, *arguments, folder="results", check=True):
+    """Make the gravity field's table in a folder of results, or plan to."""
+    settings = [f"results={folder}", *(one for one in arguments if "=" in one)]
+    options = [one for one in arguments if "=" not in one]
+    return project.snakemake(*options, "-j1", f"{folder}/{TABLE}", "--config", *settings, check=check)
+
+
+@pytest.fixture
+def made(project):
+    """A project with the table, made under its settings."""
+    run(project)
+    return project
+
+
+def highest(project, folder="results"):
+    """The highest degree in the table."""
+    return read_table(project.folder / folder / TABLE, "gravity_field")["n"].max()
+
+
+def test_a_folder_that_was_moved_is_made_anew_under_other_settings(made):
+    (made.folder / "results").rename(made.folder / "moved")
+    assert "Nothing to be done" in run(made, "-n", folder="moved").stdout
+    assert "params have changed" in run(made, "-n", OTHER, folder="moved").stdout
+    assert highest(made, "moved") == 40
+    run(made, OTHER, folder="moved")
+    assert highest(made, "moved") == 6
+
+
+def test_a_project_that_was_copied_without_records_is_made_anew_under_other_settings(made):
+    shutil.rmtree(made.folder / ".snakemake")
+    assert "Nothing to be done" in run(made, "-n").stdout
+    run(made, OTHER)
+    assert highest(made) == 6
+
+
+def test_a_table_of_another_run_in_its_place_is_made_anew(made):
+    run(made, OTHER, folder="other")
+    shutil.copy2(made.folder / "other" / TABLE, made.folder / "results" / TABLE)
+    run(made)
+    assert highest(made) == 40
+
+
+def test_a_second_run_in_a_folder_is_told_who_holds_it(made):
+    path = made.folder / "results" / "logs" / ".running"
+    holder = path.read_text().strip()
+    with path.open("a") as held:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        done = run(made, OTHER, check=False)
+    assert done.returncode != 0
+    message = f"opml: results: expected no other run in this folder of results, but {holder} runs in it"
+    assert message in done.stdout
+    assert "Traceback" not in done.stdout
+    run(made, OTHER)  # the lock ended with its holder
+    assert highest(made) == 6
+
+
+def test_plans_need_no_lock(made):
+    with (made.folder / "results" / "logs" / ".running").open("a") as held:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        assert "Nothing to be done" in run(made, "-n").stdout
