@@ -1,7 +1,7 @@
 # make        the paper's partition curve, from a full simulation
 # make check  types, style and imports, and the tests that take no seconds (a minute and a half)
 # make test   all tests, of the documentation's site too, and how much of the package they reach
-# make faults runs that are killed and damaged at 50 random moments (half an hour)
+# make faults runs that are killed and damaged at 600 random moments (an hour and a half)
 # make docs   the documentation as a site, in build/site
 # make wheel  the package as others install it, in build/wheel
 # make crate [CONFIGFILE=mine.yaml]   a finished run as one archive that tells its making (RO-Crate)

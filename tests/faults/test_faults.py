@@ -1,6 +1,6 @@
-"""Runs that are killed, starved and damaged at random moments end with the bytes of an undisturbed one.
+"""Runs that are killed, starved and damaged at random moments end with the bytes of undisturbed ones.
 
-Not part of `make test`: `make faults` takes about half an hour. The moments come from a fixed seed.
+Not part of `make test`: `make faults` takes an hour and a half. The moments come from fixed seeds.
 """
 
 import os
@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import time
+from pathlib import Path
 
 import numpy as np
 import psutil
@@ -18,117 +19,83 @@ from project import ROOT, command
 from opml.base.errors import InputError
 from opml.tables import read_metadata
 
-TARGETS = ["results/ci/figs/partition_curve.pdf", "results/ci/figs/error_distribution_position.pdf"]
-COMMAND = command("-j2", "--configfile=config/ci.yaml", *TARGETS)
-MOMENTS = 50
-SEED = 42
+HERE = Path(__file__).parent
+SEEDS = (42, 43, 44)
+MOMENTS = 200
+FAULTS_IN_A_RUN = 5
+
+STEM = "mine/eglin-clear-kaena"
+RUNS = {
+    "simulated": (
+        ROOT / "config" / "ci.yaml",
+        ["results/ci/figs/partition_curve.pdf", "results/ci/figs/error_distribution_position.pdf"],
+    ),
+    "orbit": (HERE / "orbit.yaml", ["study"]),
+    "tracks": (HERE / "tracks.yaml", [f"results/tracks/corrected/{STEM}_later/days-0-2/fit24.oem"]),
+    "ensemble": (HERE / "tracks.yaml", [f"results/tracks/forecasts/{STEM}_n4/days-0-2.oem"]),
+}
+"""Settings and targets of the runs that are disturbed: each kind of study in a small case."""
 
 
-def begin(folder):
-    """Start the run in a folder, in a session of its own."""
-    if not (folder / "config").exists():
+class Run:
+    """One kind of run, in a folder of its own; `orbit` is the OEM file that a study of an orbit reads."""
+
+    def __init__(self, kind, folder, orbit):
+        settings, targets = RUNS[kind]
+        self.folder, self.command = folder, command("-j2", "--configfile=mine.yaml", "--", *targets)
+        folder.mkdir(parents=True)
         shutil.copytree(ROOT / "config", folder / "config")
-    environment = os.environ | {"PYTHONPATH": str(ROOT / "src"), "NO_COLOR": "1"}
-    with (folder / "log.txt").open("w") as log:
-        return subprocess.Popen(
-            COMMAND, cwd=folder, env=environment, start_new_session=True, stdout=log, stderr=subprocess.STDOUT
-        )
+        shutil.copy(settings, folder / "mine.yaml")
+        shutil.copy(ROOT / "tests" / "reference" / "orekit.tdm", folder / "mine.tdm")
+        shutil.copy(orbit, folder / "mine.oem")
+        self.process = None
 
+    def begin(self):
+        """Start the run, in a session of its own."""
+        environment = os.environ | {"PYTHONPATH": str(ROOT / "src"), "NO_COLOR": "1"}
+        with (self.folder / "log.txt").open("w") as log:
+            self.process = subprocess.Popen(
+                self.command,
+                cwd=self.folder,
+                env=environment,
+                start_new_session=True,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+            )
 
-def complete(folder):
-    """Run to the end; returns what was said."""
-    run = begin(folder)
-    assert run.wait(timeout=900) == 0, (folder / "log.txt").read_text()
-    return (folder / "log.txt").read_text()
+    def log(self):
+        """What the run printed since it began."""
+        return (self.folder / "log.txt").read_text()
 
+    def complete(self):
+        """Run to the end."""
+        self.begin()
+        assert self.process.wait(timeout=900) == 0, self.log()
 
-def finals(folder):
-    """Path -> bytes of what the run leaves but logs and benchmarks, which hold times."""
-    results = folder / "results"
-    return {
-        str(path.relative_to(results)): path.read_bytes()
-        for path in sorted(results.rglob("*"))
-        if path.is_file() and not {"logs", "benchmarks"} & set(path.parts) and not path.name.endswith(".tmp")
-    }
+    def end(self):
+        """Wait until the run and every process it started are gone."""
+        try:
+            self.process.wait(timeout=120)
+        except subprocess.TimeoutExpired:
+            os.killpg(self.process.pid, signal.SIGKILL)
+            self.process.wait()
+        while any(_session(process) == self.process.pid for process in psutil.process_iter()):
+            time.sleep(0.1)
 
+    def tables(self):
+        """Paths of the tables that have their final name."""
+        return sorted((self.folder / "results").rglob("[!.]*.parquet"))
 
-@pytest.fixture(scope="session")
-def undisturbed(tmp_path_factory):
-    """(the results of a run that nothing happened to, how long it took [s])."""
-    folder = tmp_path_factory.mktemp("undisturbed")
-    started = time.monotonic()
-    complete(folder)
-    return finals(folder), time.monotonic() - started
-
-
-def kill_scheduler(run, folder, rng):
-    """SIGKILL to the scheduler alone; its jobs are orphans."""
-    os.kill(run.pid, signal.SIGKILL)
-
-
-def kill_all(run, folder, rng):
-    """SIGKILL to the scheduler and all its jobs, as a machine that goes down."""
-    os.killpg(run.pid, signal.SIGKILL)
-
-
-def kill_job(run, folder, rng):
-    """SIGKILL to one job's process; the scheduler sees it fail."""
-    jobs = psutil.Process(run.pid).children(recursive=True)
-    if jobs:
-        jobs[rng.integers(len(jobs))].kill()
-
-
-def terminate(run, folder, rng):
-    """SIGTERM to the scheduler."""
-    run.terminate()
-
-
-def truncate(run, folder, rng):
-    """Everything is killed, and a table is cut short."""
-    kill_all(run, folder, rng)
-    path, content = _some_table(folder, rng)
-    if path:
-        path.write_bytes(content[: rng.integers(len(content))])
-
-
-def flip(run, folder, rng):
-    """Everything is killed, and a bit of a table is flipped."""
-    kill_all(run, folder, rng)
-    path, content = _some_table(folder, rng)
-    if path:
-        damaged = bytearray(content)
-        damaged[rng.integers(len(damaged))] ^= 1 << rng.integers(8)
-        path.write_bytes(damaged)
-
-
-def set_clock_back(run, folder, rng):
-    """Everything is killed, and what is there has times of tomorrow: the clock was set back."""
-    kill_all(run, folder, rng)
-    tomorrow = time.time() + 86400.0
-    for path in sorted((folder / "results").rglob("*.parquet")):
-        os.utime(path, (tomorrow, tomorrow))
-
-
-def _some_table(folder, rng):
-    tables = sorted((folder / "results").rglob("[!.]*.parquet"))
-    if not tables:
-        return None, b""
-    path = tables[rng.integers(len(tables))]
-    return path, path.read_bytes()
-
-
-FAULTS = (kill_scheduler, kill_all, kill_job, terminate, truncate, flip, set_clock_back)
-
-
-def end(run):
-    """Wait until the run and every process it started are gone."""
-    try:
-        run.wait(timeout=120)
-    except subprocess.TimeoutExpired:
-        os.killpg(run.pid, signal.SIGKILL)
-        run.wait()
-    while any(_session(process) == run.pid for process in psutil.process_iter()):
-        time.sleep(0.1)
+    def finals(self):
+        """Path -> bytes of what the run leaves but logs and benchmarks, which hold times."""
+        results = self.folder / "results"
+        return {
+            str(path.relative_to(results)): path.read_bytes()
+            for path in sorted(results.rglob("*"))
+            if path.is_file()
+            and not {"logs", "benchmarks"} & set(path.parts)
+            and not path.name.endswith(".tmp")
+        }
 
 
 def _session(process):
@@ -138,76 +105,167 @@ def _session(process):
         return None
 
 
+@pytest.fixture(scope="session")
+def orbit(tmp_path_factory):
+    """An OEM file of three and a half days, written by a run of the trimmed case."""
+    folder = tmp_path_factory.mktemp("orbit")
+    shutil.copytree(ROOT / "config", folder / "config")
+    message = "results/ci/exports/truth/iss.oem"
+    settings = ["--config", "duration_days=3.5", "study={}"]
+    line = command("-j2", message, "--configfile=config/ci.yaml", *settings)
+    subprocess.run(line, cwd=folder, env=os.environ | {"PYTHONPATH": str(ROOT / "src")}, check=True)
+    return folder / message
+
+
+@pytest.fixture(scope="session")
+def undisturbed(tmp_path_factory, orbit):
+    """Kind -> (the results of a run that nothing happened to, how long it took [s])."""
+    runs = {}
+    for kind in RUNS:
+        run = Run(kind, tmp_path_factory.mktemp("undisturbed") / kind, orbit)
+        started = time.monotonic()
+        run.complete()
+        runs[kind] = run.finals(), time.monotonic() - started
+    return runs
+
+
+def kill_scheduler(run, rng):
+    """SIGKILL to the scheduler alone; its jobs are orphans."""
+    os.kill(run.process.pid, signal.SIGKILL)
+
+
+def kill_all(run, rng):
+    """SIGKILL to the scheduler and all its jobs, as a machine that goes down."""
+    os.killpg(run.process.pid, signal.SIGKILL)
+
+
+def kill_job(run, rng):
+    """SIGKILL to one job's process; the scheduler sees it fail."""
+    jobs = psutil.Process(run.process.pid).children(recursive=True)
+    if jobs:
+        jobs[rng.integers(len(jobs))].kill()
+
+
+def terminate(run, rng):
+    """SIGTERM to the scheduler."""
+    run.process.terminate()
+
+
+def set_clock_back(run, rng):
+    """Everything is killed, and what is there has times of tomorrow: the clock was set back."""
+    kill_all(run, rng)
+    tomorrow = time.time() + 86400.0
+    for path in run.tables():
+        os.utime(path, (tomorrow, tomorrow))
+
+
+def truncate(run, rng):
+    """Everything is killed, and a table is cut short."""
+    kill_all(run, rng)
+    path, content = _some_table(run, rng)
+    if path:
+        path.write_bytes(content[: rng.integers(len(content))])
+
+
+def flip(run, rng):
+    """Everything is killed, and a bit of a table is flipped."""
+    kill_all(run, rng)
+    path, content = _some_table(run, rng)
+    if path:
+        damaged = bytearray(content)
+        damaged[rng.integers(len(damaged))] ^= 1 << rng.integers(8)
+        path.write_bytes(damaged)
+
+
+def _some_table(run, rng):
+    tables = run.tables()
+    if not tables:
+        return None, b""
+    path = tables[rng.integers(len(tables))]
+    return path, path.read_bytes()
+
+
+KILLS = (kill_scheduler, kill_all, kill_job, terminate, set_clock_back)
+DAMAGES = (truncate, flip)
+
+
 def read(path):
     """Read a table with every check there is on its bytes."""
     read_metadata(path)
     pq.read_table(path, page_checksum_verification=True)
 
 
-def heal(folder, damaged):
-    """Carry on to the end; a damaged table is told by its name, and is taken away as a user would."""
-    run = begin(folder)
-    if run.wait(timeout=900) != 0:
-        said = (folder / "log.txt").read_text()
-        assert damaged, said
-        assert f"opml: {damaged[0].relative_to(folder)}: " in said, said
-        assert "Traceback" not in said, said
-    elif damaged and damaged[0].exists():
-        # No job was left to read it: the next reader tells.
-        with pytest.raises((InputError, OSError)):
-            read(damaged[0])
+def strike(run, fault, seconds, rng):
+    """Carry a run on for some seconds, and let a fault happen unless it is at its end before."""
+    run.begin()
+    try:
+        assert run.process.wait(timeout=seconds) == 0, run.log()
+    except subprocess.TimeoutExpired:
+        fault(run, rng)
+    run.end()
+
+
+def heal(run, expected):
+    """Carry on to the end; returns the products that must be there then.
+
+    A damaged table is made anew, or told by its name and taken away as a user would. Where all that follows
+    from it is there, no job reads it and none makes it anew.
+    """
+    damaged = [path for path in run.tables() if path.read_bytes() != expected[_name(run, path)]]
+    assert len(damaged) <= 1, damaged
     for path in damaged:
-        path.unlink(missing_ok=True)
-    complete(folder)
+        with pytest.raises((InputError, OSError)):
+            read(path)
+    run.begin()
+    if run.process.wait(timeout=900) != 0:
+        assert damaged, run.log()
+        assert f"opml: {damaged[0].relative_to(run.folder)}: " in run.log(), run.log()
+        assert "Traceback" not in run.log(), run.log()
+        damaged[0].unlink()
+        run.complete()
+    unread = {_name(run, path) for path in damaged if path.read_bytes() != expected[_name(run, path)]}
+    return {name: content for name, content in expected.items() if name not in unread}
 
 
-def test_faults_at_random_moments_change_no_byte(undisturbed, tmp_path):
-    expected, seconds = undisturbed
-    rng = np.random.default_rng(SEED)
-    for moment in range(MOMENTS):
-        fault = FAULTS[moment % len(FAULTS)]
-        folder = tmp_path / f"{moment:02d}-{fault.__name__}"
-        folder.mkdir()
-        before = {}
-        run = begin(folder)
-        time.sleep(rng.uniform(0.05, 0.95) * seconds)
-        if run.poll() is None:
-            fault(run, folder, rng)
-        end(run)
-        before = finals(folder) if (folder / "results").exists() else {}
-        damaged = [
-            folder / "results" / name
-            for name, content in before.items()
-            if content != expected.get(name, b"")
-        ]
-        assert len(damaged) <= 1, damaged
-        heal(folder, damaged)
-        found = finals(folder)
-        # What was taken away as damaged is not made again where all that follows from it is there.
-        absent = expected.keys() - found.keys() if damaged else set()
-        assert not any(name.startswith("ci/figs/") for name in absent), (fault.__name__, absent)
-        whole = {name: content for name, content in expected.items() if name not in absent}
-        assert found.keys() == whole.keys(), fault.__name__
-        assert [name for name in found if found[name] != whole[name]] == [], fault.__name__
-        shutil.rmtree(folder)
+def _name(run, path):
+    return str(path.relative_to(run.folder / "results"))
 
 
-def test_a_full_disk_leaves_nothing_half_written(undisturbed, tmp_path):
-    expected, _ = undisturbed
+@pytest.mark.parametrize("seed", SEEDS)
+def test_faults_at_random_moments_change_no_byte(undisturbed, orbit, tmp_path, seed):
+    """Several faults strike each run; the last of them may damage a table."""
+    rng = np.random.default_rng(seed)
+    kinds = list(RUNS)
+    for number in range(MOMENTS // FAULTS_IN_A_RUN):
+        expected, duration = undisturbed[kinds[number % len(kinds)]]
+        run = Run(kinds[number % len(kinds)], tmp_path / f"{number:02d}", orbit)
+        faults = [*rng.choice(KILLS, FAULTS_IN_A_RUN - 1), rng.choice(DAMAGES)]
+        for fault in faults:
+            strike(run, fault, rng.uniform(0.05, 0.3) * duration, rng)
+        whole, products = heal(run, expected), run.finals()
+        names = [fault.__name__ for fault in faults]
+        assert whole.keys() <= products.keys() <= expected.keys(), names
+        assert [name for name in whole if products[name] != whole[name]] == [], names
+        shutil.rmtree(run.folder)
+
+
+def test_a_full_disk_leaves_nothing_half_written(undisturbed, orbit, tmp_path):
+    expected, _ = undisturbed["simulated"]
     disk = tmp_path / "disk"
     disk.mkdir()
-    size = sum(map(len, expected.values())) // 2
+    size = orbit.stat().st_size + sum(map(len, expected.values())) // 2
     mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(disk)], check=False)
     if mounted.returncode != 0:
         pytest.skip("needs the right to mount a small tmpfs")
     try:
-        run = begin(disk)
-        assert run.wait(timeout=900) != 0
-        end(run)
-        for name, content in finals(disk).items():
+        run = Run("simulated", disk / "run", orbit)
+        run.begin()
+        assert run.process.wait(timeout=900) != 0
+        run.end()
+        for name, content in run.finals().items():
             assert content == expected[name], f"{name} is half written"
         subprocess.run(["mount", "-o", "remount,size=500m", str(disk)], check=True)
-        complete(disk)
-        assert finals(disk) == expected
+        run.complete()
+        assert run.finals() == expected
     finally:
         subprocess.run(["umount", str(disk)], check=True)
