@@ -13,6 +13,12 @@ from opml.dynamics.ensemble import Arcs, Departures, Integrator, propagate
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.orbits.sheets import Rso
 
+_LARGE = 21
+"""Degree of the harmonics in the acceleration above which a gravity field is large."""
+
+_NEAR = 8
+"""Degree and order of the part of a large field that neighbours fly under."""
+
 Progress = Callable[[float], None]
 """Called with the share of the work that is done, from 0 to 1."""
 
@@ -52,6 +58,15 @@ class Flight:
         """Return this flight with the progress of one of several equal parts."""
         whole = self.progress
         return replace(self, progress=whole and (lambda share: whole((number + share) / parts)))
+
+    def for_neighbours(self) -> Self:
+        """Return the flight of arcs of which only the distance from an arc beside them is wanted.
+
+        Neighbours part under the first degrees of a large field as they do under all of it. A small field
+        stays as it is: to fly the arc beside them once more would cost as much as it saves.
+        """
+        is_large = self.model.degree > _LARGE
+        return replace(self, model=self.model.truncated(_NEAR)) if is_large else self
 
     def without_progress(self) -> Self:
         """Return this flight for work whose caller tells the progress itself."""

@@ -108,6 +108,12 @@ def in_rsw(differences: np.ndarray, states: np.ndarray) -> np.ndarray:
     return rotated.reshape(-1, 6)
 
 
+def from_rsw(differences: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """Return differences (n, 6) [m, m/s] in GCRF from those in RSW of the states (n, 6)."""
+    rotated: np.ndarray = np.einsum("nji,nkj->nki", rsw_rotation(states), differences.reshape(-1, 2, 3))
+    return rotated.reshape(-1, 6)
+
+
 def true_from_mean_anomaly(mean: np.ndarray, e: np.ndarray) -> np.ndarray:
     """Return the true anomaly in [0, 2 pi) [rad] of a mean anomaly [rad] on an elliptic orbit.
 

@@ -9,6 +9,7 @@ import pandas as pd
 
 from opml.catalog.fit.estimation import NUDGES
 from opml.catalog.flight import Flight
+from opml.catalog.predict.neighbours import Neighbours
 from opml.orbits.elements import in_rsw
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, POSITION_COVARIANCES, STATE, symmetric_matrices
 
@@ -35,10 +36,11 @@ def propagated(flight: Flight, estimates: pd.DataFrame, predictions: pd.DataFram
     tracks, arc = np.unique(predictions["i"], return_inverse=True)
     started = estimates.set_index("track").loc[tracks]
     predicted = predictions[STATE].to_numpy()
+    neighbours = Neighbours.beside(flight, predictions, started)
     change = np.empty((len(predictions), len(STATE), len(PARAMETERS)))
     for k, nudge in enumerate(np.diag(NUDGES)):
         states, cd = started[STATE].to_numpy() + nudge[:6], started["cd"].to_numpy() + nudge[6]
-        flown, _ = flight.part(k, len(PARAMETERS)).fly_pairs(predictions, states, cd=cd)
+        flown = neighbours.part(k, len(PARAMETERS)).fly(states, cd)
         change[:, :, k] = in_rsw(flown - predicted, predicted) / NUDGES[k]
     fitted = symmetric_matrices(started, PARAMETER_COVARIANCES)[arc]
     formal: np.ndarray = change @ fitted @ change.transpose(0, 2, 1)

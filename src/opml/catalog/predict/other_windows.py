@@ -10,6 +10,7 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.catalog.flight import Flight
+from opml.catalog.predict.neighbours import Neighbours
 from opml.catalog.predict.sensitivity import CD_NUDGE, shift_with_cd
 from opml.orbits.elements import in_rsw
 from opml.orbits.manoeuvres import contain_any
@@ -87,11 +88,13 @@ def _neighbours(
     started, before = estimates.iloc[first], past.iloc[first]
     pairs = pd.MultiIndex.from_frame(predictions[["i", "j"]])
     states, cd = started[STATE].to_numpy(), started["cd"].to_numpy()
-    moves = np.full(len(first), CD_NUDGE), held_cd(started, before) - cd
-    for turn, move in enumerate(moves):
-        moved = states + move[:, None] * shift_with_cd(started)
-        flown, _ = flight.part(turn, len(moves)).fly_pairs(predictions, moved, cd=cd + move)
-        yield pd.DataFrame(flown, columns=STATE, index=pairs)
+    shift, held = shift_with_cd(started), held_cd(started, before) - cd
+    neighbours = Neighbours.beside(flight, predictions, started).part(0, 2)
+    yield pd.DataFrame(neighbours.fly(states + CD_NUDGE * shift, cd + CD_NUDGE), columns=STATE, index=pairs)
+    # Cd as held may be far from the estimate's own, so these arcs need the whole field.
+    moved = states + held[:, None] * shift
+    flown, _ = flight.part(1, 2).fly_pairs(predictions, moved, cd=cd + held)
+    yield pd.DataFrame(flown, columns=STATE, index=pairs)
 
 
 def past_cd(estimates: pd.DataFrame, *, apriori: float, memory_days: float) -> pd.DataFrame:

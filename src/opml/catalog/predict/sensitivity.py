@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from opml.catalog.flight import Flight
+from opml.catalog.predict.neighbours import Neighbours
 from opml.orbits.elements import in_rsw
 from opml.tables import STATE
 
@@ -38,22 +39,20 @@ def sensitivities(
     mean = running_mean(estimates, bounds)[first]
     predicted = predictions[STATE].to_numpy()
     table = {"i": predictions["i"], "j": predictions["j"], "cd_mean": mean[arc]}
-    neighbours = _neighbours(started, mean)
-    for turn, (name, (states, cd, scale)) in enumerate(neighbours.items()):
-        flown, _ = flight.part(turn, len(neighbours)).fly_pairs(predictions, states, cd=cd)
-        change = scale * in_rsw(flown - predicted, predicted)
+    neighbours = Neighbours.beside(flight, predictions, started)
+    for turn, (name, (states, cd)) in enumerate(_nudged(started).items()):
+        change = (1.0 / CD_NUDGE) * in_rsw(neighbours.part(turn, 3).fly(states, cd) - predicted, predicted)
         table |= {f"{name}_{axis}": change[:, k] for k, axis in enumerate(STATE)}
-    return pd.DataFrame(table)
+    # The running mean may be far from the estimate's own Cd, so these arcs need the whole field.
+    flown, _ = flight.part(2, 3).fly_pairs(predictions, started[STATE].to_numpy(), cd=mean)
+    change = -in_rsw(flown - predicted, predicted)
+    return pd.DataFrame(table | {f"r_{axis}": change[:, k] for k, axis in enumerate(STATE)})
 
 
-def _neighbours(started: pd.DataFrame, mean: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray, float]]:
-    """Return (states, Cd, scale of the change) of arcs beside the estimates', by family of columns."""
-    states, cd = started[STATE].to_numpy(), started["cd"].to_numpy()
-    return {
-        "s": (states, cd + CD_NUDGE, 1.0 / CD_NUDGE),
-        "v": (states + CD_NUDGE * shift_with_cd(started), cd + CD_NUDGE, 1.0 / CD_NUDGE),
-        "r": (states, mean, -1.0),
-    }
+def _nudged(started: pd.DataFrame) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Return (states, Cd) of arcs with another Cd than the estimates', by family of columns."""
+    states, cd = started[STATE].to_numpy(), started["cd"].to_numpy() + CD_NUDGE
+    return {"s": (states, cd), "v": (states + CD_NUDGE * shift_with_cd(started), cd)}
 
 
 def running_mean(estimates: pd.DataFrame, bounds: tuple[float, float] | None) -> np.ndarray:

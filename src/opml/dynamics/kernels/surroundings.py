@@ -58,6 +58,19 @@ class ForceModel(NamedTuple):
         """Return the index of the newest outlook at times t [s], -1 before the first issue."""
         return np.searchsorted(self.issued, t, side="right") - 1
 
+    def truncated(self, degree: int) -> "ForceModel":
+        """Return the model with its gravity field to a degree and order; itself where it has no more."""
+        if self.degree - 1 <= degree:
+            return self
+        terms = [(n, m) for m in range(self.columns) for n in range(m, self.degree + 1)]
+        # Harmonics of one degree more stand in the weights, as in the acceleration.
+        kept = np.array([n <= degree + 1 for n, _ in terms])
+        return self._replace(
+            weights=np.ascontiguousarray(self.weights[kept]),
+            columns=min(self.columns, degree + 2),
+            degree=degree + 1,
+        )
+
     def use_outlook(self, outlook: int) -> "ForceModel":
         """Return the model with the activity of an outlook; -1 keeps the model's activity."""
         return self if outlook < 0 else self._replace(activity=self.outlooks[outlook])

@@ -1,0 +1,57 @@
+"""Arcs beside those of predictions, under as much of the gravity field as their distances need."""
+
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+import pandas as pd
+
+from opml.catalog.flight import Flight
+from opml.orbits.elements import from_rsw, in_rsw
+from opml.tables import STATE
+
+
+@dataclass(frozen=True)
+class Neighbours:
+    """Arcs that begin near the estimates of predictions.
+
+    flight: of the neighbours
+    predictions: the table
+    origin: (n, 6) what arcs of the same estimates reach in that flight [m, m/s], None where the predictions
+    """
+
+    flight: Flight
+    predictions: pd.DataFrame
+    origin: np.ndarray | None
+
+    @classmethod
+    def beside(cls, flight: Flight, predictions: pd.DataFrame, started: pd.DataFrame) -> Self:
+        """Return the neighbours of predictions.
+
+        flight: of the predictions
+        started: the estimates that they start from, a row per arc
+        """
+        near = flight.for_neighbours()
+        if near is flight:
+            return cls(flight, predictions, None)
+        states, cd = started[STATE].to_numpy(), started["cd"].to_numpy()
+        origin, _ = near.without_progress().fly_pairs(predictions, states, cd=cd)
+        return cls(near, predictions, origin)
+
+    def part(self, number: int, parts: int) -> Self:
+        """Return the same with the progress of one of several equal parts."""
+        return replace(self, flight=self.flight.part(number, parts))
+
+    def fly(self, states: np.ndarray, cd: np.ndarray) -> np.ndarray:
+        """Return the states (n, 6) in GCRF [m, m/s] of neighbours at t_j.
+
+        states: (arcs, 6) GCRF [m, m/s]
+        cd: (arcs,)
+        """
+        flown, _ = self.flight.fly_pairs(self.predictions, states, cd=cd)
+        if self.origin is None:
+            return flown
+        predicted = self.predictions[STATE].to_numpy(float)
+        parted = in_rsw(flown - self.origin, self.origin)
+        moved: np.ndarray = predicted + from_rsw(parted, predicted)
+        return moved

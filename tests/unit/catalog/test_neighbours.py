@@ -1,0 +1,79 @@
+"""Neighbours of arcs in a large gravity field: under its first degrees they part as under all of it."""
+
+import numpy as np
+import pytest
+from support import BOUNDED_ESTIMATION, force_model
+
+from opml.base.constants import DAY
+from opml.catalog import flight as flights
+from opml.catalog.fit import estimation, start_states
+from opml.catalog.flight import Flight
+from opml.catalog.predict import covariance, prediction, sensitivity
+from opml.catalog.simulate import tracking, truth
+from opml.tables import PARAMETERS, STATE
+
+SIGMAS = [f"cov_{name}_{name}" for name in PARAMETERS]
+
+
+@pytest.fixture(scope="module")
+def flight(iss):
+    """The paper's RSO in a field that is large."""
+    return Flight(force_model(28), iss)
+
+
+@pytest.fixture(scope="module")
+def run(flight, earth_orientation, three_stations):
+    """What estimates, sensitivities and covariances of two days are made of."""
+    orbit = truth.simulate(flight, duration=2 * DAY, step=20.0)
+    rows = tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1)
+    starts = start_states.perturbed(orbit, rows, rso="iss", settings=BOUNDED_ESTIMATION, seed=42)
+    measured = estimation.Measured(rows, earth_orientation, three_stations)
+
+    def make():
+        estimates = estimation.estimate_all(flight, starts, measured, settings=BOUNDED_ESTIMATION)
+        return estimates, prediction.predict_all(flight, orbit, estimates, max_days=2.0)
+
+    return make
+
+
+@pytest.fixture
+def whole_field(monkeypatch):
+    """Have neighbours fly under the whole field."""
+    return lambda: monkeypatch.setattr(flights, "_LARGE", 1000)
+
+
+def test_a_part_of_a_field_is_the_field_to_that_degree():
+    part, field = force_model(28).truncated(8), force_model(8)
+    assert (part.columns, part.degree) == (field.columns, field.degree)
+    np.testing.assert_array_equal(part.weights, field.weights)
+    assert field.truncated(8) is field
+
+
+def test_a_small_field_is_that_of_the_neighbours_too(iss):
+    flight = Flight(force_model(20), iss)
+    assert flight.for_neighbours() is flight
+
+
+def test_fits_come_to_the_same_answer(run, whole_field):
+    estimates, _ = run()
+    whole_field()
+    expected, _ = run()
+    sigmas = np.sqrt(expected[SIGMAS].to_numpy())
+    assert not np.array_equal(estimates[PARAMETERS], expected[PARAMETERS])
+    assert np.abs((estimates[PARAMETERS] - expected[PARAMETERS]).to_numpy() / sigmas).max() < 0.01
+    np.testing.assert_allclose(estimates[SIGMAS], expected[SIGMAS], rtol=0.01)
+
+
+def test_sensitivities_and_covariances_are_the_same_but_for_a_part_of_a_percent(flight, run, whole_field):
+    estimates, predictions = run()
+    near = sensitivity.sensitivities(flight, estimates, predictions, bounds=None)
+    carried = covariance.propagated(flight, estimates, predictions)
+    whole_field()
+    whole = sensitivity.sensitivities(flight, estimates, predictions, bounds=None)
+    expected = covariance.propagated(flight, estimates, predictions)
+    for name in (f"{family}_{axis}" for family in "sv" for axis in STATE):
+        assert np.abs(near[name] - whole[name]).max() < 0.01 * np.abs(whole[name]).max(), name
+    sigmas, expected_sigmas = (np.sqrt(np.diagonal(one, axis1=1, axis2=2)) for one in (carried, expected))
+    np.testing.assert_allclose(sigmas, expected_sigmas, rtol=0.02)
+    # What a running mean of Cd would have predicted is no difference, so it flies under the whole field.
+    np.testing.assert_array_equal(near["r_y"], whole["r_y"])
