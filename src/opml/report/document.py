@@ -18,7 +18,7 @@ class Heading:
 
 @dataclass(frozen=True)
 class Paragraph:
-    """A paragraph; `code` stands between backticks."""
+    """A paragraph; `code` stands between backticks, **bold** words between double asterisks."""
 
     text: str
 
@@ -110,4 +110,5 @@ def _row(cells: Sequence[str], tag: str) -> str:
 
 
 def _inline(text: str) -> str:
-    return re.sub(r"`([^`]*)`", r"<code>\1</code>", html.escape(text))
+    bold = re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", html.escape(text))
+    return re.sub(r"`([^`]*)`", r"<code>\1</code>", bold)
