@@ -38,10 +38,10 @@ def section(estimates: Mapping[Dataset, pd.DataFrame], window_hours: float) -> I
     yield Heading("First of all: these fits are absurd")
     yield from warnings
     yield Paragraph(
-        f"The tracks within {window_hours:g} h do not tell Cd, so nobody would fly these predictions, and "
-        "what a model takes off their errors means little. Fit over a longer window, "
+        f"The tracks within {window_hours:g} h do not tell Cd, and nobody would fly such fits: what a model "
+        "leaves of their errors (P_ML) means little, only metres and skill count. Fit over a longer window, "
         f"`estimation: {{window_hours: {max(LONGER_HOURS, 2.0 * window_hours):g}}}`, or hold Cd near the "
-        "RSO's own value, `estimation: {cd_sigma: 0.1}`. Then run the study again."
+        "RSO's own value, `estimation: {cd_sigma: 0.1}`, and run the study again."
     )
 
 
