@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from opml.base.files import FilePath, replacing
+from opml.tables import HOW_TO_CSV
 
 
 @dataclass(frozen=True)
@@ -62,13 +63,15 @@ def write(
 ) -> None:
     """Write a document as Markdown and HTML, and its first table as tab-separated text.
 
+    The pages end with a line on tables as CSV.
     No file is left half written.
     """
+    pages = [*blocks, Paragraph(HOW_TO_CSV)]
     title = next(block.text for block in blocks if isinstance(block, Heading))
     table = next(block for block in blocks if isinstance(block, Table))
     for path, text in (
-        (path_md, markdown(blocks)),
-        (path_html, html_page(blocks, title=title)),
+        (path_md, markdown(pages)),
+        (path_html, html_page(pages, title=title)),
         (path_tsv, tab_separated(table)),
     ):
         with replacing(path) as temporary:

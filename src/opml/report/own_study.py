@@ -130,9 +130,9 @@ def _splits(
         f"P_ML [%] is the paper's measure: what is left of the errors of the {hours:g}-hour fit, in their "
         "summed size. 0 is perfect, 100 no correction. In brackets its 5th and 95th percentile over "
         "resampled estimates, as the rows of one estimate are no independent evidence. The last column has "
-        f"the rows of `{report.shown}` that the paper's cleaning would keep: Cd from {low:g} to {high:g}, e_y "
-        f"inside Tukey's fences of {PAPER_FENCE:g} interquartile ranges. `opml docs beyond` explains models "
-        "and splits."
+        f"the rows of `{report.shown}` that the paper's cleaning would keep: Cd from {low:g} to {high:g}, "
+        f"e_y inside Tukey's fences of {PAPER_FENCE:g} interquartile ranges. `opml docs beyond` explains "
+        "models and splits."
     )
     yield Table(["RSO", "stations", "model", *header, f"{report.shown}, the paper's rows"], rows)
     if report.label != "truth" and set(report.truths) != {"measured"}:
