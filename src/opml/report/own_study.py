@@ -1,4 +1,4 @@
-"""The report of a study of one's own: models against splits, errors in metres, rows used and dropped."""
+"""The report of a study of one's own: errors in metres, skill, models against splits, rows used."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

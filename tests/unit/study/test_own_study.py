@@ -325,7 +325,7 @@ def test_the_best_without_learning_is_the_pasts_where_mornings_were_replayed():
     text = document.markdown(
         report.document(own.report, replace(found, replays={(*key, name): flown[name] for name in flown}))
     )
-    assert "Skill is against `running`, of the models without learning the best on the mornings" in text
+    assert "Skill is against `running`, of the replayed models without learning the best on" in text
     assert rows_of(text, "Errors and skill")["`mechanism`"][-1] == "50"
 
 
