@@ -32,7 +32,8 @@ class Reference:
         name = self.name if self.name == NO_CORRECTION else f"`{self.name}`"
         if self.day is None:
             return f"{name}, the best model without learning, which is known in hindsight only"
-        return f"{name}, of the replayed models without learning the best on the mornings over by day {self.day:g}"
+        mornings = f"the mornings over by day {self.day:g}"
+        return f"{name}, of the replayed models without learning the best on {mornings}"
 
 
 def reference(
