@@ -3,11 +3,12 @@ FROM python:3.11-slim
 WORKDIR /opml
 COPY requirements.lock ./
 RUN python -m pip install --quiet --disable-pip-version-check --requirement requirements.lock
-COPY pyproject.toml README.md LICENSE Snakefile ./
+COPY pyproject.toml README.md CHANGELOG.md CONTRIBUTING.md LICENSE Snakefile ./
 COPY src src
 COPY workflow workflow
 COPY config config
 COPY profiles profiles
+COPY docs docs
 RUN python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
 # Whoever runs it may be no user that the image knows; compiled kernels and fetched files are kept here.
 ENV XDG_CACHE_HOME=/tmp/cache

@@ -1,7 +1,7 @@
 """The chain of the paper as functions: environment, truth, tracks, estimates, predictions, correction.
 
 All of them stand in `opml` itself. Tables are pandas DataFrames in SI units, radians and GCRF, column by
-column as docs/data.md tells; times are seconds since the epoch. Defaults are the paper's settings. Each
+column as ``opml docs data`` tells; times are seconds since the epoch. Defaults are the paper's settings. Each
 example goes on where the one before it stopped, in the order of this file.
 """
 
@@ -321,7 +321,7 @@ def label(
 
     estimates: of the tracks predicted to; after_hours: as `estimate` had it. Errors are in RSW of the later
     estimate [m, m/s], with its formal uncertainty and when it is known; a pair without one has the reason.
-    Source: docs/labels.md.
+    Source: ``opml docs labels``.
 
     >>> labels = opml.label(predictions, estimates, tracks)
     >>> bool((labels["t_known"] > predictions["t_j"]).all())
@@ -364,9 +364,9 @@ def learn(
 ) -> Model:
     """Learn an error component from the kept rows of a dataset; the model has `variables` and `predict(x)`.
 
-    learner: as under `learners` in the settings; train: a split (docs/wildcards.md); span_days: window of t_j
-    that random splits draw from; seed: of the draw. Raises InputError for what is unknown and for no rows.
-    Source: sec. Support Vector Machine.
+    learner: as under `learners` in the settings; train: a split (``opml docs wildcards``); span_days: window
+    of t_j that random splits draw from; seed: of the draw. Raises InputError for what is unknown and for no
+    rows. Source: sec. Support Vector Machine.
 
     >>> model = opml.learn(rows)
     >>> "duration" in model.variables
@@ -392,10 +392,10 @@ def correct(
 ) -> pd.DataFrame:
     """Correct predictions by a model: the table `evaluation`, true, predicted and residual error of each row.
 
-    test: which rows (docs/wildcards.md); train, span_days, seed: as `learn` had them, so that its rows are
-    left out; train is None where the model learned from another RSO; learned: the dataset of the same pairs
-    that the model learned from, where its errors are labels. Raises InputError for no rows, and for a test
-    that takes a model of its own (`-together`). Source: sec. Validation of the Trained SVM Model.
+    test: which rows (``opml docs wildcards``); train, span_days, seed: as `learn` had them, so that its rows
+    are left out; train is None where the model learned from another RSO; learned: the dataset of the same
+    pairs that the model learned from, where its errors are labels. Raises InputError for no rows, and for a
+    test that takes a model of its own (`-together`). Source: sec. Validation of the Trained SVM Model.
 
     >>> corrected = opml.correct(model, rows)
     >>> list(corrected.columns)

@@ -1,7 +1,8 @@
-"""The command `opml`: a new project, lines for the sheet of RSOs, the page of tables, a run as an archive."""
+"""The command `opml`: a new project, lines for the sheet of RSOs, pages, tables, a run as an archive."""
 
 import argparse
 import logging
+import os
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -13,12 +14,12 @@ from opml.base.errors import InputError
 
 @dataclass(frozen=True)
 class Command:
-    """A subcommand: its line in the help, its arguments, and what it prints."""
+    """A subcommand: its line in the help, its arguments, and the function that runs it and prints."""
 
     name: str
     help: str
     add_arguments: Callable[[argparse.ArgumentParser], None]
-    output: Callable[[argparse.Namespace], str]
+    run: Callable[[argparse.Namespace], None]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -26,7 +27,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     logging.basicConfig(format="opml: %(message)s")
     options = _parser().parse_args(arguments)
     try:
-        print(options.output(options))
+        options.run(options)
+        sys.stdout.flush()
+    except BrokenPipeError:  # whoever reads has enough, such as `head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except (InputError, OSError) as error:
         print(f"opml: {error}", file=sys.stderr)
         return 1
@@ -42,7 +46,7 @@ def _parser() -> argparse.ArgumentParser:
     for command in COMMANDS:
         subparser = subparsers.add_parser(command.name, help=command.help, description=command.help)
         command.add_arguments(subparser)
-        subparser.set_defaults(output=command.output)
+        subparser.set_defaults(run=command.run)
     return parser
 
 
@@ -53,11 +57,11 @@ def _add_init(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", help="the project's folder; made where there is none")
 
 
-def _init(options: argparse.Namespace) -> str:
+def _init(options: argparse.Namespace) -> None:
     from opml.workflow import new_project
 
     new_project.write(options.folder)
-    return new_project.next_steps(options.folder)
+    print(new_project.next_steps(options.folder))
 
 
 def _add_rso(parser: argparse.ArgumentParser) -> None:
@@ -69,11 +73,11 @@ def _add_rso(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--cr", type=float, required=True, help="reflectivity coefficient")
 
 
-def _rso(options: argparse.Namespace) -> str:
+def _rso(options: argparse.Namespace) -> None:
     from opml.interop import mean_elements
 
     body = mean_elements.Body(options.area_to_mass, options.cd, options.cr)
-    return mean_elements.line_of_sheet(options.file, options.name, options.epoch, body)
+    print(mean_elements.line_of_sheet(options.file, options.name, options.epoch, body))
 
 
 def _add_sheet(parser: argparse.ArgumentParser) -> None:
@@ -82,28 +86,52 @@ def _add_sheet(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--prefix", default="sky", help="first part of each name (sky)")
 
 
-def _sheet(options: argparse.Namespace) -> str:
+def _sheet(options: argparse.Namespace) -> None:
     from opml.orbits import random_sheet
 
-    return random_sheet.sheet(options.prefix, options.count, options.seed).rstrip("\n")
+    print(random_sheet.sheet(options.prefix, options.count, options.seed).rstrip("\n"))
+
+
+def _add_table(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("file", help="a table of a run, in Parquet")
+    parser.add_argument("--csv", action="store_true", help="all of it, as comma-separated values")
+
+
+def _table(options: argparse.Namespace) -> None:
+    from opml import tables
+
+    if options.csv:
+        tables.write_csv(options.file, sys.stdout)
+    else:
+        print(tables.head(options.file))
+
+
+def _add_docs(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("page", nargs="?", help="name of a page; left out, all pages are listed")
+
+
+def _docs(options: argparse.Namespace) -> None:
+    from opml.workflow import manual
+
+    print(manual.page(options.page) if options.page else manual.contents())
 
 
 def _add_nothing(parser: argparse.ArgumentParser) -> None:
     """Add no argument to a command that has none."""
 
 
-def _tables(_: argparse.Namespace) -> str:
+def _tables(_: argparse.Namespace) -> None:
     from opml import tables
     from opml.learning.models import learners
 
-    return tables.tables_page(learners.schemas())
+    print(tables.tables_page(learners.schemas()))
 
 
-def _settings(_: argparse.Namespace) -> str:
+def _settings(_: argparse.Namespace) -> None:
     from opml.study.settings import documents
 
     documents.write()
-    return f"{documents.SCHEMA} and the tables of {documents.README} are written"
+    print(f"{documents.SCHEMA} and the tables of {documents.README} are written")
 
 
 def _add_pack(parser: argparse.ArgumentParser) -> None:
@@ -113,18 +141,20 @@ def _add_pack(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _pack(options: argparse.Namespace) -> str:
+def _pack(options: argparse.Namespace) -> None:
     if find_spec("rocrate") is None:
         raise InputError("pack: expected the package rocrate, got none: pip install 'opml-orbits[crate]'")
     from opml.workflow import crate
 
-    return str(crate.pack(options.configfile, crate.settings_of(options.config)))
+    print(crate.pack(options.configfile, crate.settings_of(options.config)))
 
 
 COMMANDS = (
     Command("init", "write a project that can be run, with a study to begin with", _add_init, _init),
     Command("rso", "print the line of the sheet of RSOs for a file of mean elements", _add_rso, _rso),
     Command("sheet", "print a sheet of RSOs drawn at random", _add_sheet, _sheet),
+    Command("docs", "list the pages of the documentation, or print one", _add_docs, _docs),
+    Command("table", "print what a table holds, or all of it as CSV", _add_table, _table),
     Command("tables", "print the page that describes every table, column by column", _add_nothing, _tables),
     Command("settings", "write schema and tables of settings from their models", _add_nothing, _settings),
     Command("pack", "pack a finished run into one archive that tells its making", _add_pack, _pack),

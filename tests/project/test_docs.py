@@ -27,6 +27,18 @@ NOT_BY_HAND = {"data.md", "reference.md", "changes.md", "contributing.md"}
 """Pages of docs/ that a program writes, or that only include a file from elsewhere."""
 
 
+@pytest.mark.parametrize("folder", ["src/opml", "workflow"])
+def test_what_is_printed_names_pages_as_installed_users_have_them(folder):
+    ours = {"tables/page.py", "study/settings/documents.py"}  # they write the pages themselves
+    for path in (REPOSITORY / folder).rglob("*.py"):
+        text = path.read_text(encoding="utf-8")
+        docstrings = re.compile(r'^ *""".*?"""$|^ *#.*$', re.DOTALL | re.MULTILINE)
+        if path.relative_to(REPOSITORY / folder).as_posix() not in ours:
+            assert "docs/" not in docstrings.sub("", text), path
+        for page in re.findall(r"`opml docs ([a-z]+)`", text):
+            assert (REPOSITORY / "docs" / f"{page}.md").is_file(), path
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(REPOSITORY).as_posix())
 def test_links_between_files_lead_somewhere(page):
     text = page.read_text(encoding="utf-8")

@@ -17,8 +17,9 @@ PROJECT = tomllib.loads((REPOSITORY / "pyproject.toml").read_text(encoding="utf-
 def test_the_image_copies_files_that_are_there():
     sources = [name for step, text in STEPS if step == "COPY" for name in text.split()[:-1]]
     assert [name for name in sources if not (REPOSITORY / name).exists()] == []
-    links = (REPOSITORY / "src" / "opml" / "workflow" / "project").iterdir()
-    assert {"requirements.lock", "pyproject.toml", *(link.name for link in links)} <= set(sources)
+    folders = (REPOSITORY / "src" / "opml" / name for name in ("workflow/project", "manual"))
+    links = {link.name for folder in folders for link in folder.iterdir() if link.is_symlink()}
+    assert {"requirements.lock", "pyproject.toml", *links} <= set(sources)
 
 
 def test_the_image_installs_as_the_makefile_does():

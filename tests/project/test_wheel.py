@@ -1,15 +1,18 @@
 """The package as others install it: a wheel that holds the workflow, and a project that is begun from it."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from project import ROOT, jobs
 
 pytestmark = pytest.mark.slow
-SOURCES = ("pyproject.toml", "README.md", "LICENSE", "Snakefile", "src", "workflow", "config", "profiles")
+PAGES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "docs")
+SOURCES = ("pyproject.toml", "LICENSE", "Snakefile", *PAGES, "src", "workflow", "config", "profiles")
 # What the extra `workflow` brings cannot be imported.
 LIBRARY = """
 import sys
@@ -61,9 +64,25 @@ def test_the_library_needs_nothing_of_the_workflow(installed, environment, tmp_p
     assert found.strip() == str(installed / "opml" / "__init__.py")
 
 
+def test_the_documentation_travels_in_the_wheel(installed, environment, tmp_path):
+    pages = run(sys.executable, installed / "bin" / "opml", "docs", env=environment, cwd=tmp_path)
+    folder = Path(pages.splitlines()[0].rpartition(" ")[2])
+    assert folder == installed / "opml" / "manual" / "docs"
+    for page in (ROOT / "docs").glob("*.md"):
+        assert (folder / page.name).read_bytes() == page.read_bytes()
+        for image in re.findall(r"\]\((images/[^)]+)", page.read_text(encoding="utf-8")):
+            assert (folder / image).is_file()
+    settings = run(
+        sys.executable, installed / "bin" / "opml", "docs", "settings", env=environment, cwd=tmp_path
+    )
+    assert settings.startswith("# Settings\n")
+
+
 def test_a_project_from_the_wheel_plans_its_study(installed, environment, tmp_path):
     told = run(sys.executable, installed / "bin" / "opml", "init", "new", env=environment, cwd=tmp_path)
-    command = told.splitlines()[-1].replace("-j2", "-n").split()
+    command, pages = told.splitlines()[-2:]
+    assert pages == "opml docs howto"
+    command = command.replace("-j2", "-n").split()
     plan = run(sys.executable, "-m", *command, env=environment, cwd=tmp_path / "new")
     assert jobs(plan)["truth"] == jobs(plan)["study_report"] == 1
     assert "results/mine/study.html" in plan

@@ -1,12 +1,18 @@
 """The command `opml`: what it writes, and when it refuses to."""
 
+import csv
+import os
 import re
+import sys
 
+import numpy as np
+import pandas as pd
 import pytest
 from support import REPOSITORY
 
 from opml import __version__, cli
 from opml.orbits.sheets import read_rsos
+from opml.tables import STATE, write_table
 
 
 def test_a_new_project_holds_the_workflow_and_the_study_of_the_howto(tmp_path, capsys):
@@ -22,7 +28,8 @@ def test_a_new_project_holds_the_workflow_and_the_study_of_the_howto(tmp_path, c
     page = (REPOSITORY / "docs" / "howto.md").read_text(encoding="utf-8")
     study = (tmp_path / "new" / "mine.yaml").read_text(encoding="utf-8")
     assert f"```yaml\n{study}```\n" in page
-    assert "snakemake -j2 study --configfile mine.yaml" in capsys.readouterr().out
+    *_, study, pages = capsys.readouterr().out.splitlines()
+    assert (study, pages) == ("snakemake -j2 study --configfile mine.yaml", "opml docs howto")
 
 
 @pytest.mark.parametrize("name", ["config", "Snakefile", "mine.yaml"])
@@ -58,6 +65,74 @@ def test_a_sheet_of_random_rsos_is_read_as_one(tmp_path, capsys):
 def test_the_page_of_tables_is_the_one_in_the_docs(capsys):
     assert cli.main(["tables"]) == 0
     assert capsys.readouterr().out == (REPOSITORY / "docs" / "data.md").read_text(encoding="utf-8")
+
+
+def test_every_page_of_the_documentation_is_listed_and_printed(capsys):
+    assert cli.main(["docs"]) == 0
+    listed = dict(re.findall(r"^  (\w+) +(.+)$", capsys.readouterr().out, re.MULTILINE))
+    assert set(listed) == {page.stem for page in (REPOSITORY / "docs").glob("*.md")} - {"index"}
+    assert (listed["operations"], listed["settings"]) == ("Operations", "Settings")
+    for page, title in listed.items():
+        assert cli.main(["docs", page]) == 0
+        text = capsys.readouterr().out
+        assert f"# {title}\n" in text
+        assert "{include}" not in text
+    assert text == (REPOSITORY / "CHANGELOG.md").read_text(encoding="utf-8")
+
+
+def test_a_page_that_is_not_there_is_told_in_one_line(capsys):
+    assert cli.main(["docs", "operation"]) == 1
+    error = capsys.readouterr().err
+    assert re.fullmatch(r"opml: docs: expected a page \(install, .*changes\), got operation\n", error)
+
+
+@pytest.fixture
+def table(tmp_path):
+    """A file of a table, and the table."""
+    frame = pd.DataFrame({"i": range(9), "j": 7, "drift": np.linspace(0.1, 1.0, 9)})
+    frame = frame.assign(**{f"floor_{name}": 1.0 / 3.0 for name in STATE})
+    write_table(tmp_path / "oracle.parquet", frame, "oracle", metadata={"seed": 42})
+    return tmp_path / "oracle.parquet", frame
+
+
+def test_a_table_is_printed_with_units_and_metadata(table, capsys):
+    assert cli.main(["table", str(table[0])]) == 0
+    first, seed, _, names, *columns = capsys.readouterr().out.splitlines()
+    assert (first, seed) == (f"{table[0]}: oracle, 9 rows", "seed: 42")
+    assert names.split() == ["column", "unit", "row", "0", "row", "1", "row", "2", "meaning"]
+    assert columns[2].startswith("drift     m     0.1       0.2125    0.325     along-track error")
+    assert len(columns) == table[1].shape[1]
+
+
+def test_a_table_comes_back_from_csv_to_the_last_bit(table, capsys):
+    assert cli.main(["table", str(table[0]), "--csv"]) == 0
+    names, *rows = csv.reader(capsys.readouterr().out.splitlines())
+    assert names == list(table[1].columns)
+    assert [list(map(float, row)) for row in rows] == table[1].to_numpy().tolist()
+
+
+@pytest.mark.parametrize("arguments", [[], ["--csv"]])
+def test_a_damaged_or_missing_table_is_told_in_one_line(table, capsys, arguments):
+    path, _ = table
+    assert cli.main(["table", f"{path}.none", *arguments]) == 1
+    assert capsys.readouterr() == ("", f"opml: {path}.none: no such file\n")
+    path.write_bytes(path.read_bytes()[:-20])
+    assert cli.main(["table", str(path), *arguments]) == 1
+    output, error = capsys.readouterr()
+    assert output == ""
+    assert re.fullmatch(rf"opml: {path}: damaged.*\n", error)
+    table[1].to_parquet(path)
+    assert cli.main(["table", str(path), *arguments]) == 1
+    assert "not written by opml" in capsys.readouterr().err
+
+
+def test_a_reader_that_has_enough_ends_the_command_quietly(table, monkeypatch, capfd):
+    reading, writing = os.pipe()
+    os.close(reading)
+    with open(writing, "w") as output:
+        monkeypatch.setattr(sys, "stdout", output)
+        assert cli.main(["table", str(table[0]), "--csv"]) == 0
+    assert capfd.readouterr().err == ""
 
 
 def test_a_package_that_is_not_there_is_told_in_one_line(monkeypatch, capsys):

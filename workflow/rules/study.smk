@@ -43,7 +43,7 @@ if OWN.is_asked:
         params:
             **drawing("study", config),
         message:
-            "Study: models against splits, errors before and after, rows used"
+            "Study: errors in metres and skill, models against splits, rows used"
 
     use rule errors as study_errors with:
         input:

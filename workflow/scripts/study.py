@@ -1,4 +1,4 @@
-"""Report a study: models against splits, errors in metres, rows used."""
+"""Report a study: errors in metres, skill, models against splits, rows used."""
 
 from opml.report import document, own_study
 from opml.study.experiments import read_study

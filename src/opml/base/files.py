@@ -11,6 +11,9 @@ FilePath = str | os.PathLike[str]
 PROJECT = Path(__file__).parents[1] / "workflow" / "project"
 """Folder of the workflow's files in the package, the settings among them."""
 
+MANUAL = Path(__file__).parents[1] / "manual" / "docs"
+"""Folder of the documentation's pages in the package."""
+
 
 def project_file(path: FilePath) -> Path:
     """Return the path of a project's file; where the project has none, that of the package's own file."""

@@ -49,7 +49,7 @@ def document(
         Paragraph(
             "P_ML [%] is what a correction leaves of the summed absolute error: 0 is perfect, 100 no "
             "correction. In brackets its 5th and 95th percentile over resampled estimates, as the rows of "
-            "one estimate are no independent evidence. `docs/beyond.md` explains models and splits."
+            "one estimate are no independent evidence. `opml docs beyond` explains models and splits."
         ),
         *_splits(report, results),
         *_transfers(report, results),

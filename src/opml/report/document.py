@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from opml.base.files import FilePath, replacing
+from opml.tables import HOW_TO_CSV
 
 
 @dataclass(frozen=True)
@@ -18,7 +19,7 @@ class Heading:
 
 @dataclass(frozen=True)
 class Paragraph:
-    """A paragraph; `code` stands between backticks."""
+    """A paragraph; `code` stands between backticks, **bold** words between double asterisks."""
 
     text: str
 
@@ -62,13 +63,15 @@ def write(
 ) -> None:
     """Write a document as Markdown and HTML, and its first table as tab-separated text.
 
+    The pages end with a line on tables as CSV.
     No file is left half written.
     """
+    pages = [*blocks, Paragraph(HOW_TO_CSV)]
     title = next(block.text for block in blocks if isinstance(block, Heading))
     table = next(block for block in blocks if isinstance(block, Table))
     for path, text in (
-        (path_md, markdown(blocks)),
-        (path_html, html_page(blocks, title=title)),
+        (path_md, markdown(pages)),
+        (path_html, html_page(pages, title=title)),
         (path_tsv, tab_separated(table)),
     ):
         with replacing(path) as temporary:
@@ -110,4 +113,5 @@ def _row(cells: Sequence[str], tag: str) -> str:
 
 
 def _inline(text: str) -> str:
-    return re.sub(r"`([^`]*)`", r"<code>\1</code>", html.escape(text))
+    bold = re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", html.escape(text))
+    return re.sub(r"`([^`]*)`", r"<code>\1</code>", bold)

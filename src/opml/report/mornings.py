@@ -10,6 +10,7 @@ from opml.learning.judge.errors_by_duration import at_days
 from opml.learning.judge.model_choice import CONFIDENCE, Mornings
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.results import NO_VALUE, length
+from opml.report.skill import NO_CORRECTION, skill_cell
 
 Dataset = tuple[str, str]
 """RSO and station set."""
@@ -31,46 +32,50 @@ def section(
     yield Paragraph(
         "Each morning a model is trained anew on the errors known by then, and the day's estimates are "
         "predicted and corrected: no row rests on anything from after its t_i. Size of e_y [m] near some "
-        "prediction durations, median / 95th percentile, and its sum in % of what the best model without "
-        "learning leaves, which is known in hindsight only. Which model to fly is chosen each morning, too: "
-        "of those that learn nothing the one that left least, and one that learned only where the past shows "
+        "prediction durations, median / 95th percentile, and skill [%] against the best model without "
+        "learning, which is known in hindsight only. Which model to fly is chosen each morning, too: of "
+        "those that learn nothing the one that left least, and one that learned only where the past shows "
         f"with {100.0 * CONFIDENCE:g} % confidence, over blocks of days, that it leaves less."
     )
     for (rso, stations), mornings in replays.items():
         yield Paragraph(f"**{rso}, {stations}.** {_verdict(mornings, laws)}")
-        yield Table(["model", *(f"{day:g} d" for day in marks), "sum, %"], _rows(mornings, marks, laws))
+        yield Table(["model", *(f"{day:g} d" for day in marks), "skill, %"], _rows(mornings, marks, laws))
 
 
 def _verdict(mornings: Mornings, laws: Sequence[str]) -> str:
     """Return as text what was flown, and what it left beside the best model without learning."""
-    best, share = compare_models(mornings, laws)
+    best, least = best_model(mornings, laws)
+    skill = skill_cell(_summed(mornings.flown), least)
     names = [choice.chosen for choice in mornings.choices.values()]
     flown = ", ".join(f"`{name}` {number}" for name, number in Counter(names).most_common())
     sure = sum(name in laws for name in names)
     begin, end = (time / DAY for time in (min(mornings.choices), max(mornings.choices)))
     return (
-        f"What the past chose left {share:.0f} % of what `{best}` left, the best without learning. Flown on "
+        f"What the past chose has a skill of {skill} % against `{best}`, the best without learning. Flown on "
         f"{len(mornings.choices)} mornings, days {begin:g} to {end:g}: {flown}; on {sure} the past was sure "
         f"that learning helps. {len(mornings.flown)} predictions; {mornings.earlier} more began before all "
         "models could be flown, and count nowhere."
     )
 
 
-def compare_models(mornings: Mornings, laws: Sequence[str]) -> tuple[str, float]:
-    """Return the best model without learning, and in % of its summed |e_y| what was flown left.
+def best_model(mornings: Mornings, laws: Sequence[str]) -> tuple[str, float]:
+    """Return the best model without learning, which is known in hindsight only, and the |e_y| that it left.
 
-    The best is known in hindsight only.
+    |e_y| is summed over all predictions [m].
     """
-    left = {name: table["e_y"].abs().sum() for name, table in mornings.tables.items() if name not in laws}
+    left = {name: _summed(table) for name, table in mornings.tables.items() if name not in laws}
     best = min(left, key=left.__getitem__)
-    return best, float(100.0 * mornings.flown["e_y"].abs().sum() / left[best])
+    return best, left[best]
+
+
+def _summed(table: pd.DataFrame) -> float:
+    return float(table["e_y"].abs().sum())
 
 
 def _rows(mornings: Mornings, marks: Sequence[float], laws: Sequence[str]) -> list[list[str]]:
-    best, _ = compare_models(mornings, laws)
-    least = mornings.tables[best]["e_y"].abs().sum()
+    _, least = best_model(mornings, laws)
     before = mornings.flown.assign(e_y=mornings.flown["before"])
-    tables = {"no correction": before} | {
+    tables = {NO_CORRECTION: before} | {
         f"`{name}`": table for name, table in mornings.tables.items() if name != "none"
     }
     return [_row(name, table, marks, least) for name, table in (tables | {CHOSEN: mornings.flown}).items()]
@@ -86,4 +91,4 @@ def _row(name: str, table: pd.DataFrame, marks: Sequence[float], least: float) -
         f"{length(sizes[day]['after_50'])} / {length(sizes[day]['after_95'])}" if day in sizes else NO_VALUE
         for day in marks
     ]
-    return [name, *cells, f"{100.0 * table['e_y'].abs().sum() / least:.0f}"]
+    return [name, *cells, skill_cell(_summed(table), least)]

@@ -1,4 +1,4 @@
-"""The report of a study of one's own: models against splits, errors in metres, rows used and dropped."""
+"""The report of a study of one's own: errors in metres, skill, models against splits, rows used."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,13 +12,15 @@ from opml.learning.judge.errors_by_duration import at_days
 from opml.learning.judge.metrics import p_ml
 from opml.learning.judge.model_choice import Mornings
 from opml.learning.judge.rolling_origins import by_day
-from opml.naming import Experiment
-from opml.report import mornings, uncertainty
+from opml.learning.models.learners import learns
+from opml.naming import SPLIT, Experiment, parse_test, parse_train, strip_seed
+from opml.report import absurd_fits, mornings, uncertainty
 from opml.report.beyond import model_table
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.mornings import Dataset
 from opml.report.results import NO_VALUE, Results, length, percent
 from opml.report.settings_tables import assumed_model, force_models, weather
+from opml.report.skill import NO_CORRECTION, Reference, reference, skill_cell
 
 ModelKey = tuple[str, str, str]
 """RSO, station set and model."""
@@ -73,15 +75,16 @@ def document(report: OwnStudyReport, tables: OwnStudyTables) -> list[Block]:
     }
     return [
         Heading("The study", 1),
+        *absurd_fits.section(tables.estimates, report.settings["estimation"]["window_hours"]),
         Paragraph(
             f"Predictions of {', '.join(dict.fromkeys(rso for rso, _ in report.datasets))} from "
             f"{report.settings['epoch']} UTC over {report.settings['duration_days']:g} days, corrected in "
             f"`{report.component}` by models that learned from earlier ones. {weather(report.settings)}"
         ),
+        *_errors(report, tables),
         *mornings.section(replays, report.marks, report.laws),
         *uncertainty.section(replays, tables.calibration, report.durations),
-        *_splits(report, Results(tables.metrics)),
-        *_errors(report, tables.evaluations, papers),
+        *_splits(report, Results(tables.metrics), tables.evaluations, papers),
         *_rolling(report, tables.rolling),
         *_rows(report, tables, papers),
         *model_table(report.learners),
@@ -108,25 +111,31 @@ def _forces(report: OwnStudyReport) -> Iterator[Block]:
     yield assumed_model(report.settings)
 
 
-def _splits(report: OwnStudyReport, results: Results) -> Iterator[Block]:
-    rows = [
-        [rso, stations, f"`{learner}`", *map(results.p_ml_cell, experiments)]
-        for rso, stations, learner, experiments in _by_model(report)
-    ]
+def _splits(
+    report: OwnStudyReport,
+    results: Results,
+    evaluations: Mapping[ModelKey, pd.DataFrame],
+    papers: Mapping[Dataset, pd.DataFrame],
+) -> Iterator[Block]:
+    """Yield P_ML by model and split; papers: i and j of the rows that the paper's cleaning would keep."""
     header = [f"{split}: {', '.join(pair)}" for split, pair in report.pairs.items()]
-    yield Heading("Models against splits")
+    rows = []
+    for rso, stations, learner, experiments in _by_model(report):
+        evaluation = evaluations.get((rso, stations, learner))
+        kept = "100.0" if evaluation is None else _p_ml_cell(evaluation.merge(papers[rso, stations]))
+        rows.append([rso, stations, f"`{learner}`", *map(results.p_ml_cell, experiments), kept])
+    (low, high), hours = PAPER_BOUNDS, report.settings["estimation"]["window_hours"]
+    yield Heading("The paper's measure: models against splits")
     yield Paragraph(
-        "P_ML [%] is what a correction leaves of the summed size of the errors: 0 is perfect, 100 no "
-        "correction. In brackets its 5th and 95th percentile over resampled estimates, as the rows of one "
-        "estimate are no independent evidence. `docs/beyond.md` explains models and splits."
+        f"P_ML [%] is the paper's measure: what is left of the errors of the {hours:g}-hour fit, in their "
+        "summed size. 0 is perfect, 100 no correction. In brackets its 5th and 95th percentile over "
+        "resampled estimates, as the rows of one estimate are no independent evidence. The last column has "
+        f"the rows of `{report.shown}` that the paper's cleaning would keep: Cd from {low:g} to {high:g}, "
+        f"e_y inside Tukey's fences of {PAPER_FENCE:g} interquartile ranges. `opml docs beyond` explains "
+        "models and splits."
     )
-    yield Table(["RSO", "stations", "model", *header], rows)
-    if set(report.truths) == {"measured"}:
-        yield Paragraph(
-            f"No truth is known of these tracks. Errors, here and below, are each prediction less "
-            f"{LATER[report.label]}."
-        )
-    elif report.label != "truth":
+    yield Table(["RSO", "stations", "model", *header, f"{report.shown}, the paper's rows"], rows)
+    if report.label != "truth" and set(report.truths) != {"measured"}:
         yield from _label_table(report, results, header)
 
 
@@ -163,36 +172,72 @@ def _by_model(report: OwnStudyReport) -> Iterator[tuple[str, str, str, list[Expe
         yield rso, stations, learner, experiments
 
 
-def _errors(
-    report: OwnStudyReport,
-    evaluations: Mapping[ModelKey, pd.DataFrame],
-    papers: Mapping[Dataset, pd.DataFrame],
-) -> Iterator[Block]:
-    """Yield the errors in metres; papers: i and j of the rows that the paper's cleaning would keep."""
-    unit = "m/s" if report.component.startswith("e_v") else "m"
-    growth = {key: at_days(table, report.marks) for key, table in evaluations.items()}
-    days = list(dict.fromkeys(day for table in growth.values() for day in table.get("day", [])))
-    rows = []
-    for dataset, models in _by_dataset(report.stated).items():
-        for k, learner in enumerate(models):
-            sizes, evaluation = growth[*dataset, learner], evaluations[*dataset, learner]
-            kept = evaluation.merge(papers[dataset], on=["i", "j"])
-            if k == 0:
-                whole = ["100.0", NO_VALUE if kept.empty else "100.0"]
-                rows.append([*dataset, "no correction", *_size_cells(sizes, days, "before"), *whole])
-            cells = [*_size_cells(sizes, days, "after"), _p_ml_cell(evaluation), _p_ml_cell(kept)]
-            rows.append([*dataset, f"`{learner}`", *cells])
+def _errors(report: OwnStudyReport, tables: OwnStudyTables) -> Iterator[Block]:
+    """Yield the errors in metres, and each model's skill against the best without learning."""
     train, test = report.pairs[report.shown]
-    yield Heading(f"Trained once: errors before and after, {report.shown}")
-    low, high = PAPER_BOUNDS
+    unit = "m/s" if report.component.startswith("e_v") else "m"
+    yield Heading(f"Errors and skill: {report.shown}")
     yield Paragraph(
-        f"Size of `{report.component}` [{unit}] near some prediction durations: median / 95th percentile. "
-        f"Trained on {train}, tested on {test}. P_ML [%] of all rows, and of those that the paper's cleaning "
-        f"would keep: Cd from {low:g} to {high:g}, e_y inside Tukey's fences of {PAPER_FENCE:g} "
-        "interquartile ranges."
+        f"Size of `{report.component}` [{unit}] near some prediction durations, median / 95th percentile. "
+        f"Trained once, on {train}, and tested on {test}: {_touched(report)} Skill [%] is what a model takes "
+        "off the summed size of the errors that the best model without learning leaves: 100 is perfect, 0 no "
+        "better, below 0 worse."
     )
-    header = [*(f"{day:g} d" for day in days), "P_ML", "P_ML, the paper's rows"]
-    yield Table(["RSO", "stations", "model", *header], rows)
+    if set(report.truths) == {"measured"}:
+        yield Paragraph(
+            f"No truth is known of these tracks. Errors, here and below, are each prediction less "
+            f"{LATER[report.label]}."
+        )
+    growth = {key: at_days(table, report.marks) for key, table in tables.evaluations.items()}
+    days = list(dict.fromkeys(day for table in growth.values() for day in table.get("day", [])))
+    replays, rows = _by_dataset(tables.replays), []
+    for dataset, models in _by_dataset(tables.evaluations).items():
+        best = _reference(report, models, replays.get(dataset, {}))
+        yield Paragraph(f"**{', '.join(dataset)}.** Skill is against {best}.")
+        before, sizes = next(iter(models.values()))["true"], growth[*dataset, next(iter(models))]
+        cells = [*_size_cells(sizes, days, "before"), skill_cell(_summed(before), best.left)]
+        rows.append([*dataset, NO_CORRECTION, "no", *cells])
+        for learner, table in models.items():
+            learning = "yes" if learns(report.learners[learner]) else "no"
+            cells = _size_cells(growth[*dataset, learner], days, "after")
+            skill = skill_cell(_summed(table["residual"]), best.left)
+            rows.append([*dataset, f"`{learner}`", learning, *cells, skill])
+    yield Table(["RSO", "stations", "model", "learns", *(f"{day:g} d" for day in days), "skill, %"], rows)
+
+
+def _touched(report: OwnStudyReport) -> str:
+    """Return in words whether training days touch the predictions that errors are stated of."""
+    end, test = _training_end(report), parse_test(report.pairs[report.shown][1])
+    if end is not None and test.unseen and end <= test.days[0]:
+        return "no training day touches these predictions."
+    return "training days touch these predictions, which flatters models that learn."
+
+
+def _training_end(report: OwnStudyReport) -> float | None:
+    """Return the last day of the shown split's training, None where it trains on a share of all rows."""
+    train = parse_train(strip_seed(report.pairs[report.shown][0], SPLIT))
+    return train.days[1] if train.kind == "days" else None
+
+
+def _reference(
+    report: OwnStudyReport, models: Mapping[str, pd.DataFrame], replays: Mapping[str, pd.DataFrame]
+) -> Reference:
+    """Return the best model without learning of a dataset; models: `evaluation` tables by name."""
+    left = {NO_CORRECTION: _summed(next(iter(models.values()))["true"])} | {
+        name: _summed(table["residual"])
+        for name, table in models.items()
+        if not learns(report.learners[name])
+    }
+    past = {
+        name if name in left else NO_CORRECTION: table
+        for name, table in replays.items()
+        if name in (*left, "none")
+    }
+    return reference(left, past, _training_end(report), seed=report.seed)
+
+
+def _summed(errors: pd.Series) -> float:
+    return float(errors.abs().sum())
 
 
 def _rolling(report: OwnStudyReport, tables: Mapping[ModelKey, pd.DataFrame]) -> Iterator[Block]:

@@ -43,7 +43,7 @@ def section(
         "futures: what those of the space weather alone make of it, the least that is stated. p: "
         "goodness of fit of the squared Mahalanobis distances to chi-square(3), one a morning (Cramer and "
         f"von Mises); below {calibration.PASSES:g} the covariance is not true. score: mean of -ln of the "
-        "stated density at the error of the position; less is better. `docs/uncertainty.md` explains."
+        "stated density at the error of the position; less is better. `opml docs uncertainty` explains."
     )
     header = [
         "model",

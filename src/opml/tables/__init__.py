@@ -45,6 +45,11 @@ from opml.tables.learning_tables import (
     PLANE,
     WHOLE,
 )
+from opml.tables.listing import (
+    HOW_TO_CSV,
+    head,
+    write_csv,
+)
 from opml.tables.page import (
     tables_page,
 )
@@ -62,6 +67,7 @@ __all__ = [
     "DOUBT",
     "ELLIPSOID",
     "ENVIRONMENT",
+    "HOW_TO_CSV",
     "LEARNING_COLUMNS",
     "LEARNING_VARIABLES",
     "LEVELS",
@@ -85,6 +91,7 @@ __all__ = [
     "Schema",
     "count",
     "flag",
+    "head",
     "mechanism_schema",
     "read_kind",
     "read_metadata",
@@ -94,5 +101,6 @@ __all__ = [
     "symmetric_matrices",
     "tables_page",
     "text",
+    "write_csv",
     "write_table",
 ]

@@ -10,8 +10,8 @@ _PREAMBLE = """\
 
 Every table is a Parquet file, written once by one rule and read by the next. Units are SI, angles are in
 radians. The file keeps each column's unit, frame and meaning (Arrow field metadata), and epoch, time scale,
-seed, settings digest and version (file metadata, as JSON values). This page is written by
-`opml tables > docs/data.md`."""
+seed, settings digest and version (file metadata, as JSON values). `opml table FILE` prints all this of a
+table, and `opml table FILE --csv` its rows. This page is written by `opml tables > docs/data.md`."""
 
 
 def tables_page(models: Iterable[Schema]) -> str:

@@ -86,6 +86,25 @@ def read_kind(path: FilePath) -> str:
         return str(_metadata(path, file)["table"])
 
 
+def read_schema(path: FilePath) -> Schema:
+    """Read the schema that a table's file keeps itself, whatever its kind; what a row is, stays empty.
+
+    Raises InputError as `read_metadata` does.
+    """
+    with _reading(path), pq.ParquetFile(path) as file:
+        name, arrow = str(_metadata(path, file)["table"]), file.schema_arrow
+        dtypes = {arrow_type: dtype for dtype, arrow_type in _ARROW.items()}
+        texts = [_texts(field.metadata) for field in arrow]
+        return Schema(
+            name,
+            "",
+            tuple(
+                Column(field.name, dtypes[field.type], text["unit"], text["frame"], text["meaning"])
+                for field, text in zip(arrow, texts, strict=True)
+            ),
+        )
+
+
 def _resolve(schema: str | Schema) -> Schema:
     return SCHEMAS[schema] if isinstance(schema, str) else schema
 

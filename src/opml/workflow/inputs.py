@@ -61,7 +61,9 @@ def target(files: Sequence[str], part: str) -> InputFunction:
 
     def find(_: Wildcards) -> _Paths:
         if not files:
-            end_plan(f"study: expected {part} to train and to test on, got none; docs/howto.md shows a study")
+            end_plan(
+                f"study: expected {part} to train and to test on, got none; `opml docs howto` shows a study"
+            )
         return list(files)
 
     return find

@@ -43,9 +43,11 @@ def write(folder: FilePath) -> None:
 
 
 def next_steps(folder: str) -> str:
-    """Return the commands that run the study of a new project."""
+    """Return the commands that run the study of a new project, and the one that prints how to go on."""
     install = [] if find_spec("snakemake") else ["pip install 'opml-orbits[workflow]'"]
-    return "\n".join([*install, f"cd {folder}", f"snakemake -j2 study --configfile {STUDY}"])
+    return "\n".join(
+        [*install, f"cd {folder}", f"snakemake -j2 study --configfile {STUDY}", "opml docs howto"]
+    )
 
 
 def _copy(part: Path, to: Path) -> None:

@@ -9,6 +9,7 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.learning.judge.model_choice import Mornings, choose
 from opml.report import document, mornings, uncertainty
+from opml.report.skill import skill
 from opml.tables import SIGMA_STATE
 
 NOW = 15.0 * DAY
@@ -104,10 +105,11 @@ def test_the_report_leads_with_what_was_flown(replayed):
             *uncertainty.section({key: replayed}, {}, [1.0, 7.0]),
         ]
     )
-    best, share = mornings.compare_models(replayed, ["law"])
+    best, least = mornings.best_model(replayed, ["law"])
     assert best == "running"
-    assert 60.0 < share < 100.0
-    assert f"What the past chose left {share:.0f} % of what `running` left" in text
+    gained = round(skill(replayed.flown["e_y"].abs().sum(), least))
+    assert 0 < gained < 40
+    assert f"What the past chose has a skill of {gained} % against `running`" in text
     assert "| chosen by the past |" in text
     assert "| no correction |" in text
     assert f"{replayed.earlier} more began before all models" in text

@@ -13,6 +13,7 @@ from opml.report.document import Heading, Paragraph, Table
 from opml.report.doubts import DOUBTS
 from opml.report.results import Results
 from opml.study.paper import Paper
+from opml.tables import HOW_TO_CSV
 
 PAPER = paper_values()
 BLOCKS = [Heading("Title", 1), Paragraph("Say `x < y`."), Table(["a", "b"], [["1", "`2`"], ["3", "4"]])]
@@ -40,10 +41,17 @@ def test_page_is_html_that_needs_nothing_else():
     assert seen.count("td") == 4
 
 
+def test_bold_words_are_bold_in_the_page():
+    assert "<p><strong>iss.</strong> 2 * 3</p>" in document.html_page(
+        [Paragraph("**iss.** 2 * 3")], title="A"
+    )
+
+
 def test_documents_are_written_whole(tmp_path):
     paths = [tmp_path / "new" / f"t.{kind}" for kind in ("md", "tsv", "html")]
     document.write(BLOCKS, *paths)
-    assert paths[0].read_text() == document.markdown(BLOCKS)
+    assert paths[0].read_text() == document.markdown([*BLOCKS, Paragraph(HOW_TO_CSV)])
+    assert "<p>Any table as CSV: <code>opml table FILE --csv</code></p>\n</body>" in paths[2].read_text()
     assert paths[1].read_text() == "a\tb\n1\t2\n3\t4\n"
     assert sorted(paths[0].parent.iterdir()) == sorted(paths)
 

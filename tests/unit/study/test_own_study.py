@@ -1,6 +1,7 @@
 """A study of one's own: its experiments, its report and its figures."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -13,7 +14,7 @@ from opml.figures import own_study as figures
 from opml.learning.judge.errors_by_duration import at_days, by_duration
 from opml.learning.judge.model_choice import Mornings
 from opml.learning.judge.rolling_origins import by_day
-from opml.report import document
+from opml.report import absurd_fits, document
 from opml.report import own_study as report
 from opml.report.settings_tables import weather
 from opml.study.own_study import MODELS, REPLAYED, OwnStudy
@@ -179,7 +180,8 @@ def dataset_of(table):
 def estimates_of(table):
     """Its estimates, of which those from the 25th on have a Cd that the paper drops."""
     tracks = np.unique(table["i"])
-    return pd.DataFrame({"track": tracks, "cd": np.where(tracks < 25, 2.2, 4.0), "converged": tracks != 49})
+    cd = {"cd": np.where(tracks < 25, 2.2, 4.0), "cov_cd_cd": 0.01}
+    return pd.DataFrame({"track": tracks, "converged": tracks != 49} | cd)
 
 
 def tables(metrics, evaluations, datasets, estimates, rolling=()):
@@ -187,12 +189,17 @@ def tables(metrics, evaluations, datasets, estimates, rolling=()):
     return report.OwnStudyTables(metrics, evaluations, datasets, estimates, dict(rolling), {}, {})
 
 
+SHARES = {"rows": 100, "estimates": 7, "p_ml": 20.0, "p_ml_low": 18.0, "p_ml_high": 23.0}
+
+SOUND = pd.DataFrame({"cd": [2.2] * 100, "cov_cd_cd": 0.01, "converged": True})
+"""Estimates that somebody would fly."""
+
+
 @pytest.fixture
 def told():
     """A small study's request, with tables of everything that it asks for."""
     own = own_of(learners=["none", "running", "svr"])
-    numbers = {"rows": 100, "estimates": 7, "p_ml": 20.0, "p_ml_low": 18.0, "p_ml_high": 23.0}
-    metrics = pd.DataFrame([one.columns() | numbers for one in own.experiments.values()])
+    metrics = pd.DataFrame([one.columns() | SHARES for one in own.experiments.values()])
     good, poor = evaluation(), evaluation()
     poor["predicted"] *= poor["i"] < 25
     poor["residual"] = poor["true"] - poor["predicted"]
@@ -207,8 +214,8 @@ def told():
 
 def test_the_report_answers_without_the_papers_notions(told):
     assert "| lares | eglin-clear-kaena | `running` | 20.0 (18.0 to 23.0) |" in told
-    assert re.search(r"\| lares \| eglin-clear-kaena \| no correction \| 1\d{3} / 1\d{3} \|", told)
-    assert re.search(r"\| lares \| eglin-clear-kaena \| `running` \| \d\d\d? / 1\d\d \|", told)
+    assert re.search(r"\| lares \| eglin-clear-kaena \| no correction \| no \| 1\d{3} / 1\d{3} \|", told)
+    assert re.search(r"\| lares \| eglin-clear-kaena \| `running` \| no \| \d\d\d? / 1\d\d \|", told)
     assert "| lares | eglin-clear-kaena | 50 | 49 | 401 | 99.8 % | 49.9 % | no prediction 0.2 % |" in told
     assert "| `running` | law without a truth" in told
     assert not re.search(r"\bnan\b|Peng|reading of|slip", told)
@@ -265,16 +272,87 @@ def test_a_study_of_measured_tracks_tells_of_no_truth():
     assert "21.0" not in text  # what later estimates say is P_ML itself
 
 
-def test_the_share_left_is_stated_for_all_rows_and_for_the_papers(told):
-    left = {
-        line.split(" | ")[2]: line.strip(" |").split(" | ")[-2:]
-        for line in told.splitlines()
-        if line.startswith("| lares") and " / " in line
+def rows_of(text, heading):
+    """Cells of the rows on lares in a section's table, by model."""
+    section = next(part for part in text.split("\n## ") if part.startswith(heading))
+    rows = (line.strip(" |").split(" | ") for line in section.splitlines() if line.startswith("| lares"))
+    return {model: cells for _, _, model, *cells in rows}
+
+
+def test_the_share_left_is_stated_for_the_papers_rows_too(told):
+    left = rows_of(told, "The paper's measure")
+    assert left["`none`"][-1] == "100.0"
+    assert left["`running`"][-1] == "10.0"
+    assert left["`svr`"][-1] == "10.0"
+    assert "is the paper's measure: what is left of the errors of the 12-hour fit" in told
+
+
+def test_the_study_leads_with_metres_and_skill_against_the_best_without_learning(told):
+    titles = re.findall("^## (.*)$", told, re.MULTILINE)
+    assert titles[0] == "Errors and skill: unseen"
+    assert titles.index("The paper's measure: models against splits") > 0
+    assert "no training day touches these predictions" in told
+    assert "Skill is against `running`, the best model without learning, which is known in hindsight" in told
+    rows = rows_of(told, "Errors and skill")
+    assert {model: cells[0] for model, cells in rows.items()} == {
+        "no correction": "no",
+        "`running`": "no",
+        "`svr`": "yes",
     }
-    assert left["no correction"] == ["100.0", "100.0"]
-    assert left["`running`"] == ["10.0", "10.0"]
-    assert 45.0 < float(left["`svr`"][0]) < 65.0
-    assert left["`svr`"][1] == "10.0"
+    assert rows["no correction"][-1] == "-900"
+    assert rows["`running`"][-1] == "0"
+    assert -560 < int(rows["`svr`"][-1]) < -400
+
+
+def test_a_split_that_training_days_touch_says_so():
+    text = labelled_report(own_of(splits={"past": ["random-50", "rest"]}, learners=["svr"]))
+    assert "training days touch these predictions, which flatters models that learn" in text
+    assert "Skill is against no correction, the best model without learning" in text
+
+
+def test_the_best_without_learning_is_the_pasts_where_mornings_were_replayed():
+    own = own_of(learners=["running", "fit96", "mechanism"])
+    key, good, poor = ("lares", "eglin-clear-kaena"), evaluation(), evaluation()
+    poor["residual"] = 0.2 * poor["true"]
+    flown = mornings_of("running", "fit96", "mechanism").tables
+    found = tables(
+        pd.DataFrame([one.columns() | SHARES for one in own.experiments.values()]),
+        # On the days tested fit96 is better, in the past running was.
+        {one: poor if one[-1] == "running" else good for one in own.stated},
+        {key: dataset_of(good)},
+        {key: estimates_of(good)},
+    )
+    text = document.markdown(
+        report.document(own.report, replace(found, replays={(*key, name): flown[name] for name in flown}))
+    )
+    assert "Skill is against `running`, of the replayed models without learning the best on" in text
+    assert rows_of(text, "Errors and skill")["`mechanism`"][-1] == "50"
+
+
+@pytest.mark.parametrize(
+    ("changed", "symptom"),
+    [
+        ({"cd": -457.0}, "Of 49 fits that converged, 100 % have a Cd outside 0 to 10; it goes from -457 to"),
+        ({"cov_cd_cd": 9.0}, "Its formal sigma is 3 in the median."),
+    ],
+)
+def test_absurd_fits_are_what_a_study_says_first(changed, symptom):
+    key = ("lares", "eglin-clear-kaena")
+    text = document.markdown(
+        absurd_fits.section({key: estimates_of(evaluation()).assign(**changed), ("iss", "eglin"): SOUND}, 12)
+    )
+    assert text.startswith("## First of all: these fits are absurd\n")
+    assert symptom in text
+    assert "`estimation: {window_hours: 48}`" in text
+    assert "`estimation: {cd_sigma: 0.1}`" in text
+    assert "iss" not in text
+
+
+def test_sound_fits_are_no_reason_for_a_warning(told):
+    assert "absurd" not in told
+    assert not list(absurd_fits.section({("iss", "eglin"): SOUND}, 12))
+    few = SOUND.assign(cd=np.where(SOUND.index < 4, 12.0, 2.2))  # 4 of 100
+    assert not list(absurd_fits.section({("iss", "eglin"): few}, 12))
 
 
 def test_a_duration_that_nothing_reaches_has_no_number():

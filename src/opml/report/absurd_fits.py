@@ -1,0 +1,58 @@
+"""The report's warning of fits that nobody would fly: ratios to such fits make any model look good."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+import pandas as pd
+
+from opml.report.document import Block, Heading, Paragraph
+from opml.report.mornings import Dataset
+from opml.report.results import length
+
+CD_BOUNDS = (0.0, 10.0)
+"""Drag coefficients that a body may have."""
+
+MOST_OUTSIDE = 0.05
+"""Share of the estimates that may have others."""
+
+MOST_SIGMA = 1.0
+"""Largest median formal standard deviation of Cd: above it the tracks tell next to nothing of Cd."""
+
+LONGER_HOURS = 48.0
+"""Least window that is advised [h]."""
+
+
+def section(estimates: Mapping[Dataset, pd.DataFrame], window_hours: float) -> Iterator[Block]:
+    """Yield the warning, nothing where the fits of every dataset are sound.
+
+    estimates: tables of that name
+    window_hours: measurements before a track that its fit used
+    """
+    warnings = [
+        Paragraph(f"**{rso}, {stations}.** {symptoms}")
+        for (rso, stations), table in estimates.items()
+        if (symptoms := _symptoms(table[table["converged"]]))
+    ]
+    if not warnings:
+        return
+    yield Heading("First of all: these fits are absurd")
+    yield from warnings
+    yield Paragraph(
+        f"The tracks within {window_hours:g} h do not tell Cd, and nobody would fly such fits: what a model "
+        "leaves of their errors (P_ML) means little, only metres and skill count. Fit over a longer window, "
+        f"`estimation: {{window_hours: {max(LONGER_HOURS, 2.0 * window_hours):g}}}`, or hold Cd near the "
+        "RSO's own value, `estimation: {cd_sigma: 0.1}`, and run the study again."
+    )
+
+
+def _symptoms(estimates: pd.DataFrame) -> str:
+    """Return in words what is absurd about converged estimates, nothing where they are sound."""
+    cd, sigma = estimates["cd"], float(np.sqrt(estimates["cov_cd_cd"]).median())
+    outside = float((~cd.between(*CD_BOUNDS)).mean())
+    if not (outside > MOST_OUTSIDE or sigma > MOST_SIGMA):
+        return ""
+    low, high = CD_BOUNDS
+    return (
+        f"Of {len(cd)} fits that converged, {100.0 * outside:.0f} % have a Cd outside {low:g} to {high:g}; "
+        f"it goes from {cd.min():.3g} to {cd.max():.3g}. Its formal sigma is {length(sigma)} in the median."
+    )

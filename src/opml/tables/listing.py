@@ -1,0 +1,63 @@
+"""Tables as text for people: what a file holds, and all of it as comma-separated values."""
+
+import json
+from typing import TextIO
+
+import pandas as pd
+
+from opml.base.files import FilePath
+from opml.tables.columns import Column
+from opml.tables.parquet import read_metadata, read_schema, read_table
+
+FIRST_ROWS = 3
+
+HOW_TO_CSV = "Any table as CSV: `opml table FILE --csv`"
+"""What every page of results ends with."""
+
+
+def head(path: FilePath) -> str:
+    """Return a table's kind, its metadata, and of each column the unit, the first values and the meaning.
+
+    Raises InputError where the file is missing or damaged.
+    """
+    schema = read_schema(path)
+    frame = read_table(path, schema)
+    first = frame.head(FIRST_ROWS)
+    cells = [
+        [column.name, column.unit or "-", *map(_cell, first[column.name]), _meaning(column)]
+        for column in schema.columns
+    ]
+    numbers = [f"row {number}" for number in range(len(first))]
+    return "\n".join(
+        [
+            f"{path}: {schema.name}, {len(frame)} rows",
+            *(f"{key}: {_plain(value)}" for key, value in read_metadata(path).items()),
+            "",
+            *_aligned([["column", "unit", *numbers, "meaning"], *cells]),
+        ]
+    )
+
+
+def write_csv(path: FilePath, file: TextIO) -> None:
+    """Write a table as comma-separated values to an open file, a line for the names of the columns first.
+
+    Raises InputError where the table's file is missing or damaged; nothing is written then.
+    """
+    read_table(path, read_schema(path)).to_csv(file, index=False)
+
+
+def _cell(value: object) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value) or "-"
+
+
+def _meaning(column: Column) -> str:
+    return f"{column.meaning} ({column.frame})" if column.frame else column.meaning
+
+
+def _plain(value: object) -> str:
+    return value if isinstance(value, str) else json.dumps(value)
+
+
+def _aligned(rows: list[list[str]]) -> list[str]:
+    widths = pd.DataFrame(rows).map(len).max().tolist()
+    return ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
