@@ -7,7 +7,7 @@ Source: CCSDS 502.0-B-2, section 5.
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -28,7 +28,7 @@ _COVARIANCES = [f"cov_{STATE[a]}_{STATE[b]}" for a, b in zip(*_LOWER, strict=Tru
 _RSW = "RSW"
 _AXES_ONLY = "covariances in RSW: axes of the states only, velocities are inertial, not in a turning frame"
 _COVARIANCE_STEP = 600.0
-"""Time between covariances of an ephemeris [s]: they change over hours; one a state would be most of the file."""
+"""Time between covariances of an ephemeris [s]: they change over hours, and are twice as long as a state."""
 
 _STATE_BYTES, _COVARIANCE_BYTES = 140.0, 295.0
 """Size of a line of a state, and of the lines of a covariance, in ephemerides of one to seven days."""
@@ -169,21 +169,27 @@ def write(path: FilePath, segments: Sequence[Segment], *, epoch: str, comment: s
 
 
 def write_each(
-    folder: FilePath, ephemerides: pd.DataFrame, kind: str, *, rso: str, epoch: str, comment: str = ""
+    folder: FilePath,
+    ephemerides: Iterable[pd.DataFrame],
+    kind: str,
+    *,
+    rso: str,
+    epoch: str,
+    comment: str = "",
 ) -> None:
     """Write ephemerides as a folder of OEM, one of each estimate, all of them or none.
 
     A file has the name of the estimate's time in UTC, as 2016-09-28T120945Z.oem. What the folder held before
     is removed.
 
-    ephemerides: a table `corrected` or `forecast`
+    ephemerides: rows of a table `corrected` or `forecast`, those of one estimate together
     kind: which of the two
     epoch: UTC text from which times count
     comment: line for each message
     """
     with replacing_folder(folder) as new:
-        for (t, _), rows in ephemerides.groupby(["t_i", "i"], sort=True):
-            name = ccsds.utc_texts(epoch, t)[0][:_SECONDS].replace(":", "")
+        for rows in ephemerides:
+            name = ccsds.utc_texts(epoch, rows["t_i"].iloc[:1])[0][:_SECONDS].replace(":", "")
             write(new / f"{name}Z.oem", SEGMENTS[kind](rows, rso=rso), epoch=epoch, comment=comment)
 
 
