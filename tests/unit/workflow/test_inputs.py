@@ -7,13 +7,14 @@ from types import SimpleNamespace
 
 import pytest
 from snakemake.io import IOFile, flag
-from support import EPOCH, EXCERPTS, paper_values, stations
+from support import EPOCH, EXCERPTS, paper_values, rsos, stations
 
 from opml import tables
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.catalog.fit import measured_tracks
-from opml.interop import tdm
+from opml.catalog.simulate.truth import kepler_orbit
+from opml.interop import oem, tdm
 from opml.naming import Experiment
 from opml.study.settings.merging import with_sheets
 from opml.workflow.environment_files import EnvironmentFiles
@@ -376,6 +377,15 @@ def test_ephemerides_from_each_estimate_of_measured_tracks_are_as_many_as_these(
     starts = measured.groupby("track")["t"].min()
     count, _, _ = size_of(experiment(rso="mine", train="days-0-1"), **settings)
     assert count == (starts > DAY).sum() + 1
+
+
+def test_ephemerides_from_each_estimate_of_an_orbit_from_files_are_as_many_as_its_tracks(tmp_path):
+    days = {"duration_days": 3}
+    orbit = kepler_orbit(rsos()["iss"], duration=3 * DAY, step=60.0)
+    oem.write(tmp_path / "iss.oem", oem.truth_segments(orbit, rso="iss"), epoch=EPOCH)
+    users = {"orbits": {"flown": [str(tmp_path / "iss.oem")]}, "rsos": {"flown": BODY}}
+    simulated = size_of(experiment(train="days-0-1"), **days)
+    assert size_of(experiment(rso="flown", train="days-0-1"), **users, **days) == simulated
 
 
 def test_a_line_is_announced_once_for_each_name(capsys):
