@@ -31,8 +31,13 @@ def size_line(params: Params, wildcards: Wildcards) -> str:
     size = oem.ephemeris_bytes(DAY * days.sum(), step)
     return (
         f"ephemerides of {wildcards.rso} from each estimate: about {len(days)} files of about "
-        f"{size / len(days) / 1e6:.1f} MB each ({size / 1e9:.2f} GB in all)"
+        f"{_rounded(size / len(days) / 1e6)} MB each ({_rounded(size / 1e9)} GB in all)"
     )
+
+
+def _rounded(value: float) -> str:
+    """Return the text of a number in two digits, never as a power of ten where it is large."""
+    return f"{float(f'{value:.2g}'):g}"
 
 
 def _tracking(params: Params, wildcards: Wildcards) -> pd.DataFrame:

@@ -358,7 +358,7 @@ def test_ephemerides_from_each_estimate_are_as_many_as_tracks_that_are_to_come()
     count, each, total = size_of(name, duration_days=30)
     assert count == pytest.approx(150, rel=0.1)
     assert each == pytest.approx(1.7 * (3 * 7 + 7 * 3.5) / (10 * 7), rel=0.1)  # the last end with the run
-    assert total == pytest.approx(count * each / 1e3, rel=0.05)
+    assert total == pytest.approx(count * each / 1e3, rel=0.1)
     sparse = size_of(name, duration_days=30, ephemeris={"from": "each", "step_s": 300})
     assert sparse[0] == count
     assert sparse[1] < 0.5 * each
