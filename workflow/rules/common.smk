@@ -11,7 +11,8 @@ from opml.report.sections import SECTIONS, section_of
 from opml.study.checks import check_data, load_settings
 from opml.study.settings.merging import merged
 from opml.study.settings.overlay import COMMAND_LINE, Layer, with_numbers
-from opml.workflow.inputs import Inputs, at_window, checks, path_of, paths_of, tables_of, target
+from opml.workflow.export_sizes import size_line
+from opml.workflow.inputs import Inputs, announcement, at_window, checks, path_of, paths_of, tables_of, target
 from opml.workflow.params import Params
 from opml.workflow.plan import Plan, end_plan
 from opml.workflow.records import compare_tables_with_settings
@@ -53,6 +54,11 @@ wildcard_constraints:
 def code(script):
     """Return the digest of the modules that a script uses: a param that reruns the rule when one changes."""
     return script_digest(workflow.source_path(f"../scripts/{script}"))
+
+
+def announced(line):
+    """Return the input function of what is to be known of a product beforehand; jobs do not say it again."""
+    return announcement(line) if workflow.is_main_process else []
 
 
 def users(paths):

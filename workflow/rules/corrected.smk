@@ -48,6 +48,7 @@ rule corrected:
 use rule export_truth as export_corrected with:
     input:
         rules.corrected.output[0],
+        check=checks(PARAMS.check_from_newest),
     output:
         CORRECTED.file("oem"),
     log:
@@ -61,6 +62,30 @@ use rule export_truth as export_corrected with:
         code=code("export_oem.py"),
     message:
         "Export: corrected ephemeris of {wildcards.rso} by {wildcards.stations}, with covariances, as CCSDS OEM"
+
+
+rule export_each_corrected:
+    input:
+        rules.corrected.output[0],
+        check=checks(PARAMS.check_from_each),
+        amount=announced(lambda wildcards: size_line(PARAMS, wildcards)),
+    output:
+        directory(CORRECTED_OEM.folder),
+    log:
+        CORRECTED_OEM.log,
+    benchmark:
+        CORRECTED_OEM.benchmark
+    wildcard_constraints:
+        window=PLAN.window_pattern,
+    conda:
+        "../envs/opml.yaml"
+    params:
+        settings=lambda wildcards: {"epoch": config["epoch"], "table": "corrected", "rso": wildcards.rso},
+        code=code("export_each_oem.py"),
+    message:
+        "Export: corrected ephemerides of {wildcards.rso} by {wildcards.stations}, one CCSDS OEM per estimate"
+    script:
+        "../scripts/export_each_oem.py"
 
 
 use rule errors as corrected_figure with:
@@ -128,6 +153,7 @@ if ENVIRONMENT.is_forecast:
     use rule export_truth as export_forecast with:
         input:
             rules.forecast.output[0],
+            check=checks(PARAMS.check_from_newest),
         output:
             FORECASTS.file("oem"),
         log:
@@ -141,3 +167,22 @@ if ENVIRONMENT.is_forecast:
             code=code("export_oem.py"),
         message:
             "Export: forecast ephemeris of {wildcards.rso} by {wildcards.stations}, with covariances, as CCSDS OEM"
+
+    use rule export_each_corrected as export_each_forecast with:
+        input:
+            rules.forecast.output[0],
+            check=checks(PARAMS.check_from_each),
+            amount=announced(lambda wildcards: size_line(PARAMS, wildcards)),
+        output:
+            directory(FORECASTS_OEM.folder),
+        log:
+            FORECASTS_OEM.log,
+        benchmark:
+            FORECASTS_OEM.benchmark
+        wildcard_constraints:
+            members=naming.MEMBERS,
+        params:
+            settings=lambda wildcards: {"epoch": config["epoch"], "table": "forecast", "rso": wildcards.rso},
+            code=code("export_each_oem.py"),
+        message:
+            "Export: forecast ephemerides of {wildcards.rso} by {wildcards.stations}, one CCSDS OEM per estimate"

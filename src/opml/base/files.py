@@ -1,6 +1,7 @@
-"""Paths of a project's files, and writing of whole files: a temporary file takes the name when complete."""
+"""Paths of a project's files; whole files and folders: a temporary one takes the name when it is complete."""
 
 import os
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -32,3 +33,17 @@ def replacing(path: FilePath) -> Iterator[Path]:
         os.replace(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+@contextmanager
+def replacing_folder(path: FilePath) -> Iterator[Path]:
+    """Yield a new folder, which takes the place of `path` and all that is in it if nothing is raised."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=f".{path.name}.", suffix=".tmp", dir=path.parent) as temporary:
+        new, old = Path(temporary, "new"), Path(temporary, "old")
+        new.mkdir()
+        yield new
+        if path.exists():
+            os.replace(path, old)
+        os.replace(new, path)

@@ -1,19 +1,20 @@
 """Writer and readers of orbits as CCSDS orbit ephemeris messages (OEM 2.0, KVN).
 
 A message holds a table of opml: the truth is one segment, the estimates with their covariances are one
-segment, and the predictions are one segment per estimate. An OEM has no drag coefficients.
+segment, and the predictions are one segment per estimate. Ephemerides from many estimates are a folder, one
+message per estimate. An OEM has no drag coefficients.
 Source: CCSDS 502.0-B-2, section 5.
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
 
 from opml.base.errors import InputError
-from opml.base.files import FilePath
+from opml.base.files import FilePath, replacing_folder
 from opml.interop import ccsds
 from opml.interop.orbit_arcs import MOST_APART, Arc, check_ascending, choose_satellite
 from opml.tables import STATE
@@ -27,8 +28,12 @@ _COVARIANCES = [f"cov_{STATE[a]}_{STATE[b]}" for a, b in zip(*_LOWER, strict=Tru
 _RSW = "RSW"
 _AXES_ONLY = "covariances in RSW: axes of the states only, velocities are inertial, not in a turning frame"
 _COVARIANCE_STEP = 600.0
-"""Time between covariances of an ephemeris [s]: they change over hours, and take up most of the file."""
+"""Time between covariances of an ephemeris [s]: they change over hours, and are twice as long as a state."""
 
+_STATE_BYTES, _COVARIANCE_BYTES = 140.0, 295.0
+"""Size of a line of a state, and of the lines of a covariance, in ephemerides of one to seven days."""
+
+_SECONDS = len("2016-09-28T12:09:45")
 _DEGREE = 7  # of the interpolation; a state each minute is then good to a millimetre
 _FRAMES = (*ccsds.FRAMES, "ITRF")
 _TERRESTRIAL = re.compile(r"ITRF[-_]?\d*", re.IGNORECASE)
@@ -126,8 +131,22 @@ def _ephemeris_segments(table: pd.DataFrame, rso: str, content: str) -> list[Seg
 
 def _covariance_rows(t: np.ndarray) -> np.ndarray:
     """Return the indices of those ascending times (n,) [s] that have a covariance; the last one has."""
-    step = max(1, round(_COVARIANCE_STEP / float(np.median(np.diff(t)))))
-    return np.unique(np.append(np.arange(0, len(t), step), len(t) - 1))
+    every = _covariance_spacing(float(np.median(np.diff(t))))
+    return np.unique(np.append(np.arange(0, len(t), every), len(t) - 1))
+
+
+def _covariance_spacing(step: float) -> int:
+    """Return how many states, `step` [s] apart, there are to a covariance."""
+    return max(1, round(_COVARIANCE_STEP / step))
+
+
+def ephemeris_bytes(duration: float, step: float) -> float:
+    """Return about how many bytes the message of an ephemeris takes.
+
+    duration: from its first state to its last [s]
+    step: between its states [s]
+    """
+    return duration / step * (_STATE_BYTES + _COVARIANCE_BYTES / _covariance_spacing(step))
 
 
 SEGMENTS = {
@@ -147,6 +166,31 @@ def write(path: FilePath, segments: Sequence[Segment], *, epoch: str, comment: s
     comment: line for the whole message
     """
     ccsds.write(path, _lines(segments, epoch, comment))
+
+
+def write_each(
+    folder: FilePath,
+    ephemerides: Iterable[pd.DataFrame],
+    kind: str,
+    *,
+    rso: str,
+    epoch: str,
+    comment: str = "",
+) -> None:
+    """Write ephemerides as a folder of OEM, one of each estimate, all of them or none.
+
+    A file has the name of the estimate's time in UTC, as 2016-09-28T120945Z.oem. What the folder held before
+    is removed.
+
+    ephemerides: rows of a table `corrected` or `forecast`, those of one estimate together
+    kind: which of the two
+    epoch: UTC text from which times count
+    comment: line for each message
+    """
+    with replacing_folder(folder) as new:
+        for rows in ephemerides:
+            name = ccsds.utc_texts(epoch, rows["t_i"].iloc[:1])[0][:_SECONDS].replace(":", "")
+            write(new / f"{name}Z.oem", SEGMENTS[kind](rows, rso=rso), epoch=epoch, comment=comment)
 
 
 def read(path: FilePath, *, epoch: str) -> list[Segment]:

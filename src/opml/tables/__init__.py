@@ -56,6 +56,7 @@ from opml.tables.page import (
 from opml.tables.parquet import (
     read_kind,
     read_metadata,
+    read_runs,
     read_table,
     read_tables,
     write_table,
@@ -95,6 +96,7 @@ __all__ = [
     "mechanism_schema",
     "read_kind",
     "read_metadata",
+    "read_runs",
     "read_table",
     "read_tables",
     "real",

@@ -55,14 +55,27 @@ def read_table(path: FilePath, schema: str | Schema) -> pd.DataFrame:
     Raises InputError where the file is missing or damaged, or a column is missing or of another type.
     """
     schema = _resolve(schema)
-    with _reading(path), pq.ParquetFile(path, page_checksum_verification=True) as file:
-        for column in schema.columns:
-            _check_column(path, file.schema_arrow, column, schema.name)
-        _metadata(path, file)
+    with _checked(path, schema) as file:
         table = file.read(columns=schema.names, use_threads=False)
         if table.num_rows != file.metadata.num_rows:
             raise InputError(f"{path}: damaged, got {table.num_rows} of {file.metadata.num_rows} rows")
         return table.to_pandas()
+
+
+def read_runs(path: FilePath, schema: str | Schema, key: str) -> Iterator[pd.DataFrame]:
+    """Yield the rows of a table by runs of one value in the column `key`, and hold few of them at a time.
+
+    Raises InputError as `read_table` does.
+    """
+    schema = _resolve(schema)
+    with _checked(path, schema) as file:
+        rest: list[pd.DataFrame] = []  # the run that the next batch may go on with
+        for batch in file.iter_batches(_BATCH_ROWS, columns=schema.names, use_threads=False):
+            rows = pd.concat([*rest, batch.to_pandas()], ignore_index=True)
+            *whole, last = (run for _, run in rows.groupby((rows[key] != rows[key].shift()).cumsum()))
+            yield from whole
+            rest = [last]
+        yield from rest
 
 
 def read_tables(paths: Iterable[FilePath], schema: str | Schema) -> pd.DataFrame:
@@ -141,6 +154,9 @@ def _texts(metadata: Mapping[bytes, bytes] | None) -> dict[str, str]:
     return {key.decode(): value.decode() for key, value in items if not key.startswith(b"PARQUET:")}
 
 
+_BATCH_ROWS = 65536
+"""Rows that are read at once where a table is read by parts."""
+
 _SEAL = b"opmlseal"
 
 _DIGEST_BYTES = hashlib.sha256().digest_size
@@ -177,6 +193,16 @@ def _footer(file: BinaryIO) -> tuple[int, bytes]:
     start = max(end - _TAIL_BYTES - length, 0)
     file.seek(start)
     return start, file.read()
+
+
+@contextmanager
+def _checked(path: FilePath, schema: Schema) -> Iterator[pq.ParquetFile]:
+    """Open a table and check its columns and its metadata."""
+    with _reading(path), pq.ParquetFile(path, page_checksum_verification=True) as file:
+        for column in schema.columns:
+            _check_column(path, file.schema_arrow, column, schema.name)
+        _metadata(path, file)
+        yield file
 
 
 @contextmanager

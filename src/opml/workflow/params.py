@@ -215,6 +215,18 @@ class Params:
             ],
         }
 
+    def check_from_newest(self, _: Wildcards) -> None:
+        """Raise InputError for a message of one ephemeris where one from each estimate is asked for."""
+        if self.plan.values["ephemeris"]["from"] != "newest":
+            expected = "expected newest for one message, .oem"
+            raise InputError(f"ephemeris.from: {expected}, got each, which makes a folder of them, _oem")
+
+    def check_from_each(self, _: Wildcards) -> None:
+        """Raise InputError for a folder of messages where an ephemeris from one estimate is asked for."""
+        if self.plan.values["ephemeris"]["from"] != "each":
+            expected = "expected each for a folder of messages, _oem"
+            raise InputError(f"ephemeris.from: {expected}, got newest, which makes one message, .oem")
+
     def errors(self, experiment: Experiment, **more: Any) -> dict[str, Any]:
         """Return the params of a figure of errors: epoch, cleaning, parts of the experiment's name."""
         return {

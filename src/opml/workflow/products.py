@@ -34,6 +34,11 @@ class Product:
         """Last part of the name."""
         return self.name.rpartition("/")[2]
 
+    @property
+    def folder(self) -> str:
+        """Path of the product as a folder."""
+        return f"{self.results}/{self.name}"
+
     def file(self, suffix: str) -> str:
         """Return the path of the product in the format of a suffix."""
         return f"{self.results}/{self.name}.{suffix}"

@@ -13,7 +13,7 @@ from support import REPOSITORY
 from opml import tables
 from opml.base.errors import InputError
 from opml.learning.models import learners
-from opml.tables import SCHEMAS, parquet, read_metadata, read_table, write_table
+from opml.tables import SCHEMAS, parquet, read_metadata, read_runs, read_table, write_table
 
 TABLES = SCHEMAS | {schema.name: schema for schema in learners.schemas()}
 METADATA = {"epoch": "2016-09-28T12:09:45", "seed": 42, "gm": {"sun": 1.32712440041279419e20}}
@@ -72,6 +72,22 @@ def test_columns_carry_unit_frame_and_meaning(truth):
 def test_same_table_same_bytes(truth, tmp_path):
     write_table(tmp_path / "again", example("truth"), "truth", metadata=dict(reversed(METADATA.items())))
     assert (tmp_path / "again").read_bytes() == truth.read_bytes()
+
+
+@pytest.mark.parametrize("rows_at_once", [1, 3, 4, 100])
+def test_runs_are_whole_wherever_a_batch_ends(rows_at_once, tmp_path, monkeypatch):
+    frame = example("forecast", rows=10).assign(i=[2, 2, 2, 4, 4, 4, 4, 4, 5, 2])
+    write_table(tmp_path / "f.parquet", frame, "forecast", metadata=METADATA)
+    monkeypatch.setattr(parquet, "_BATCH_ROWS", rows_at_once)
+    runs = list(read_runs(tmp_path / "f.parquet", "forecast", "i"))
+    assert [(run["i"].iloc[0], len(run)) for run in runs] == [(2, 3), (4, 5), (5, 1), (2, 1)]
+    pd.testing.assert_frame_equal(pd.concat(runs, ignore_index=True), frame, check_column_type=False)
+
+
+def test_runs_of_a_damaged_table_are_refused(truth):
+    truth.write_bytes(truth.read_bytes()[:-20])
+    with pytest.raises(InputError, match=r"truth\.parquet: damaged"):
+        list(read_runs(truth, "truth", "t"))
 
 
 def test_a_wrong_table_is_refused_and_leaves_nothing(tmp_path):

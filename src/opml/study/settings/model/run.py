@@ -206,8 +206,8 @@ class Ephemeris(Section):
 
     start: Literal["newest", "each"] = setting(
         "an ephemeris starts from the `newest` estimate before the training ends, or from it and `each`"
-        " later one, trained anew each morning",
-        see="operations.md",
+        " later one, trained anew each morning, and then messages are a folder, `_oem`, with a file of each",
+        see="operations.md#the-corrected-ephemeris",
         alias="from",
     )
     step_s: Annotated[float, Ge(1), Le(300), Expected("seconds from 1 to 300")] = setting(

@@ -1,0 +1,17 @@
+"""Write ephemerides as CCSDS's orbit ephemeris messages, one of each estimate that they start from."""
+
+from opml.interop import oem
+from opml.tables import read_metadata, read_runs
+from opml.workflow.job_settings import SheetJobSettings
+from opml.workflow.jobs import job
+
+with job(snakemake):
+    settings = SheetJobSettings(snakemake.params.settings)
+    oem.write_each(
+        snakemake.output[0],
+        read_runs(snakemake.input[0], settings.table, "i"),
+        settings.table,
+        rso=settings.rso,
+        epoch=settings.epoch,
+        comment=read_metadata(snakemake.input[0]).get("covariance", ""),
+    )
