@@ -14,12 +14,9 @@ import pandas as pd
 
 from opml.base import epochs
 from opml.base.constants import EARTH_RATE
-from opml.base.errors import InputError
 from opml.dynamics.frames import gcrf_to_itrf
 from opml.dynamics.kernels.tides import COLUMNS, TERMS
-
-TIDE_FREE, ZERO_TIDE = TIDE_SYSTEMS = ("tide_free", "zero_tide")
-"""Fields that tides can be added to: without their permanent part, and with what it deforms."""
+from opml.environment.gravity_field import ZERO_TIDE, check_tide_system
 
 RAISED_BY = ("moon", "sun")
 """Bodies that raise tides, whether or not they pull at the RSO."""
@@ -67,9 +64,9 @@ def nodes(
     tide_system: of the field, as ICGEM files name it
 
     They are those in a frame that does not turn with the Earth, where they change with the Moon's way alone,
-    so that hourly nodes will do. Raises InputError for a tide system other than TIDE_SYSTEMS.
+    so that hourly nodes will do. Raises InputError for a field that they cannot be added to.
     """
-    check(tide_system)
+    check_tide_system(tide_system)
     t = earth_orientation["t"].to_numpy()
     changes = dict.fromkeys(TERMS, np.zeros(len(t), complex))
     for body in RAISED_BY:
@@ -88,15 +85,6 @@ def nodes(
     if tide_system == ZERO_TIDE:
         out[:, 2 * TERMS.index((2, 0))] -= _PERMANENT
     return out
-
-
-def check(tide_system: str) -> None:
-    """Raise InputError for a field that no tides can be added to."""
-    if tide_system not in TIDE_SYSTEMS:
-        raise InputError(
-            f"gravity field: tide_system: expected {' or '.join(TIDE_SYSTEMS)} to add solid tides, "
-            f"got {tide_system}"
-        )
 
 
 def _equilibrium(places: np.ndarray, mass: float, radius: float) -> dict[tuple[int, int], np.ndarray]:
