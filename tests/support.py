@@ -87,15 +87,32 @@ def environment(days=50.0):
 @made_once
 def force_model(degree, bodies=BODIES, field="EGM2008"):
     """A force model under a field given by its name or path."""
+    return forces.build(_surroundings(field), degree=degree, order=degree, bodies=bodies)
+
+
+@made_once
+def precise_model(degree):
+    """A force model with tides and relativity."""
+    return forces.build(
+        _surroundings("EGM2008"),
+        degree=degree,
+        order=degree,
+        bodies=BODIES,
+        solid_tides=True,
+        relativity=True,
+    )
+
+
+def _surroundings(field):
     read = gravity_field.read_icgem(gravity_field.resolve(field))
-    surroundings = forces.Environment(
+    return forces.Environment(
         EPOCH,
         **environment(),
         gravity_field=gravity_field.table(read, EPOCH),
         gm=read.gm,
         radius=read.radius,
+        tide_system=read.tide_system,
     )
-    return forces.build(surroundings, degree=degree, order=degree, bodies=bodies)
 
 
 @cache

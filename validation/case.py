@@ -18,6 +18,9 @@ ROOT = Path(__file__).parents[1]
 REPORT = ROOT / "docs" / "validation.md"
 TABLES = ROOT / "tests" / "reference"
 
+PRECISE = "precise"
+"""Name of the assumed model with tides and relativity."""
+
 OURS_CONVERGED = Integrator(position_tolerance=1e-6, min_step=1e-4, max_step=10.0)
 """From steps of 20 s on, ours changes by rounding alone."""
 
@@ -57,6 +60,12 @@ class Case:
     def force_models(self) -> dict[str, dict[str, Any]]:
         """Degree, order and third bodies of the models 'truth' and 'assumed'."""
         return self.values["force_models"]
+
+    @property
+    def models(self) -> dict[str, dict[str, Any]]:
+        """The settings' force models, and the assumed one with all that opml has: PRECISE."""
+        more = {"solid_tides": True, "relativity": True}
+        return self.force_models | {PRECISE: self.force_models["assumed"] | more}
 
     @property
     def degree(self) -> int:

@@ -30,7 +30,7 @@ def run(case: Case, data: Data, *, progress: Callable[[str], None]) -> None:
     orekit = Orekit(case.epoch)
     t = nodes(case.epoch, case.duration)
     environment = ours.from_orekit(orekit, data, epoch=case.epoch, t=t, degree=case.degree)
-    models = {name: environment.model(settings) for name, settings in case.force_models.items()}
+    models = {name: environment.model(settings) for name, settings in case.models.items()}
     kernel = data.path("ephemerides").name
     source = (
         f"Orekit {version()}; EIGEN-6S frozen at {case.epoch} UTC; {kernel}; t [s] since that epoch; SI units"
@@ -102,7 +102,7 @@ class _Both:
         self.progress("Our orbits")
         mine = trajectories.opmls(case, self.models, {**converged, **others})
         self.progress("Our orbits with DE440")
-        models = {name: with_de440.model(settings) for name, settings in case.force_models.items()}
+        models = {name: with_de440.model(settings) for name, settings in case.models.items()}
         return {"our_orbits": mine, "de440_orbits": trajectories.opmls(case, models, converged)}
 
     def orekits_orbits(self, flights: Sequence["Future[list[dict]]"], source: str) -> dict:

@@ -149,6 +149,48 @@ class Orekit:
         """Return the pull of one body, relative to the Earth's centre."""
         return org.orekit.forces.gravity.ThirdBodyAttraction(self.bodies[name])
 
+    def solid_tides(self, degree: int, order: int):
+        """Return the tides of the solid Earth by Sun and Moon, without the tide of the pole."""
+        field = self.field(degree, order)
+        conventions = org.orekit.utils.IERSConventions.IERS_2010
+        return org.orekit.forces.gravity.SolidTides(
+            self.itrf,
+            field.getAe(),
+            field.getMu(),
+            field.getTideSystem(),
+            False,
+            org.orekit.forces.gravity.SolidTides.DEFAULT_STEP,
+            org.orekit.forces.gravity.SolidTides.DEFAULT_POINTS,
+            conventions,
+            org.orekit.time.TimeScalesFactory.getUT1(conventions, True),
+            org.orekit.bodies.CelestialBody[:]([self.bodies["sun"], self.bodies["moon"]]),
+        )
+
+    def schwarzschild(self, gm: float):
+        """Return the term of general relativity by the Earth's mass."""
+        return org.orekit.forces.gravity.Relativity(gm)
+
+    def lense_thirring(self, gm: float):
+        """Return the term of general relativity by the Earth's rotation."""
+        return org.orekit.forces.gravity.LenseThirringRelativity(gm, self.itrf)
+
+    @staticmethod
+    def de_sitter():
+        """Return the term of general relativity by the Earth's way around the Sun."""
+        return org.orekit.forces.gravity.DeSitterRelativity()
+
+    def turned_de_sitter(self, t: float, state: np.ndarray, gm: float) -> np.ndarray:
+        """Return the acceleration (3,) of de Sitter's term at a GCRF state (6,), in GCRF [m/s2].
+
+        Orekit multiplies the Earth's way, on axes of the Sun's equator, by a velocity that it takes to be on
+        these axes, too. So the velocity is turned to them, and the acceleration back.
+        """
+        axes = self.bodies["sun"].getInertiallyOrientedFrame()
+        turn = axes.getStaticTransformTo(self.gcrf, self.date(t)).getRotation()
+        matrix = np.array([list(row) for row in turn.getMatrix()])
+        turned = np.append(state[:3], matrix.T @ state[3:])
+        return matrix @ self.acceleration(self.de_sitter(), self.spacecraft(t, turned, gm))
+
     def drag(self, rso: Rso):
         """Return the drag of a sphere in DTM2000."""
         shape = org.orekit.forces.drag.IsotropicDrag(rso.area_to_mass * MASS, rso.cd)
@@ -166,13 +208,22 @@ class Orekit:
         )
 
     def forces(self, settings: Mapping[str, Any], rso: Rso) -> list:
-        """Return the force models of `settings`: degree, order, third_bodies; drag and pressure if not 0."""
+        """Return the force models of `settings`: degree, order, third_bodies, tides and relativity.
+
+        Drag and pressure act where their coefficients are not 0.
+        """
         surface = [(rso.cd, self.drag), (rso.cr, self.radiation_pressure)]
-        return [
+        forces = [
             self.gravity(settings["degree"], settings["order"]),
             *(self.third_body(name) for name in settings["third_bodies"]),
             *(force(rso) for coefficient, force in surface if coefficient),
         ]
+        if settings.get("solid_tides"):
+            forces.append(self.solid_tides(settings["degree"], settings["order"]))
+        if settings.get("relativity"):
+            gm = self.field(settings["degree"], settings["order"]).getMu()
+            forces += [self.schwarzschild(gm), self.lense_thirring(gm), self.de_sitter()]
+        return forces
 
     def orbit(self, t: float, state: np.ndarray, gm: float):
         """Return a GCRF state (6,) [m, m/s] as an orbit."""

@@ -16,10 +16,14 @@ from opml.dynamics.kernels.drag import drag
 from opml.dynamics.kernels.gravity import gravity
 from opml.dynamics.kernels.lanes import entry, load, rows, splat, sqrt, store
 from opml.dynamics.kernels.radiation_pressure import illumination, radiation_pressure
-from opml.dynamics.kernels.surroundings import SPIN, SUN_ITRF, ForceModel, look_up
+from opml.dynamics.kernels.relativity import de_sitter, lense_thirring, schwarzschild
+from opml.dynamics.kernels.surroundings import AXIS, PRECESSION, SPIN, SUN_ITRF, ForceModel, look_up
 from opml.dynamics.kernels.third_body import third_bodies
 from opml.environment import celestial_bodies, earth_orientation, gravity_field
 from opml.orbits.sheets import Rso
+
+PRECISE_TERMS = ("solid_tides", "schwarzschild", "lense_thirring", "de_sitter")
+"""Terms that the settings' force models leave out."""
 
 
 @dataclass(frozen=True)
@@ -31,17 +35,25 @@ class Environment:
     gm: float
     radius: float
     gms: Mapping[str, float]
+    tide_system: str
 
     def model(self, settings: Mapping[str, Any]) -> ForceModel:
-        """The force model of degree, order and third_bodies in `settings`."""
+        """The force model of degree, order, third_bodies, and tides and relativity where on."""
         environment = forces.Environment(
-            self.epoch, **self.tables, gm=self.gm, radius=self.radius, gms=self.gms
+            self.epoch,
+            **self.tables,
+            gm=self.gm,
+            radius=self.radius,
+            gms=self.gms,
+            tide_system=self.tide_system,
         )
         return forces.build(
             environment,
             degree=settings["degree"],
             order=settings["order"],
             bodies=settings["third_bodies"],
+            solid_tides=settings.get("solid_tides", False),
+            relativity=settings.get("relativity", False),
         )
 
     def with_de440(self) -> "Environment":
@@ -74,6 +86,7 @@ def from_orekit(orekit, data, *, epoch: str, t: np.ndarray, degree: int) -> Envi
         gm=field.gm,
         radius=field.radius,
         gms={name: orekit.bodies[name].getGM() for name in BODIES},
+        tide_system=field.tide_system,
     )
 
 
@@ -117,6 +130,22 @@ def terms(model: ForceModel, t: float, state: np.ndarray, rso: Rso) -> dict[str,
     }
 
 
+def precise_terms(model: ForceModel, t: float, state: np.ndarray) -> dict[str, np.ndarray]:
+    """Return the accelerations (3,) [m/s2] in GCRF of PRECISE_TERMS, at a GCRF state (6,)."""
+    values, factors = surroundings.allocate(model)
+    out = rows(3 * len(PRECISE_TERMS))
+    _precise_terms(tides_alone(model), t, _in_lanes(state), values, factors, out)
+    found = dict(zip(PRECISE_TERMS, out[:, 0].reshape(-1, 3), strict=True))
+    return found | {"solid_tides": values[:9].reshape(3, 3).T @ found["solid_tides"]}
+
+
+def tides_alone(model: ForceModel) -> ForceModel:
+    """Return a model whose field beyond the central term is that of the tides."""
+    still = model.weights.copy()
+    still[:, 1:] = 0.0
+    return model._replace(weights=still.copy(), tides=model.tides._replace(still=still))
+
+
 def gravity_beyond_central(model: ForceModel, position: np.ndarray) -> np.ndarray:
     """Return the field's acceleration (3,) [m/s2] but its central term, at an ITRF position (3,) [m]."""
     out = rows(3)
@@ -138,6 +167,23 @@ def _gravity(model, place, out):
         x, y, z, 1.0 / sqrt(r2), model.weights, model.columns, model.degree, model.gm, model.radius
     )
     _store_vector(out, 0, acceleration)
+
+
+@entry
+def _precise_terms(model, t, state, values, factors, out):
+    look_up(t, model, values, factors)
+    x, y, z = load(state, 0), load(state, 1), load(state, 2)
+    vx, vy, vz = load(state, 3), load(state, 4), load(state, 5)
+    inverse_r = 1.0 / sqrt(x * x + y * y + z * z)
+    px = values[0] * x + values[1] * y + values[2] * z
+    py = values[3] * x + values[4] * y + values[5] * z
+    pz = values[6] * x + values[7] * y + values[8] * z
+    tide = gravity(px, py, pz, inverse_r, model.weights, model.columns, model.degree, model.gm, model.radius)
+    _store_vector(out, 0, tide)
+    _store_vector(out, 3, schwarzschild(x, y, z, vx, vy, vz, inverse_r, model.gm))
+    axis = values[AXIS : AXIS + 3]
+    _store_vector(out, 6, lense_thirring(x, y, z, vx, vy, vz, inverse_r, model.gm, axis))
+    _store_vector(out, 9, de_sitter(vx, vy, vz, values[PRECESSION : PRECESSION + 3]))
 
 
 @entry

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from validation import estimation, steps, trajectories
-from validation.case import OREKITS_CONVERGED, OURS_CONVERGED, Case
+from validation.case import OREKITS_CONVERGED, OURS_CONVERGED, PRECISE, Case
 from validation.terms import Difference
 
 _WGS84 = 1
@@ -59,6 +59,7 @@ def markdown(case: Case, results: Results, *, orekit: str, kernel: str) -> str:
         terms=_terms(results.differences),
         shaded=", ".join(f"`{rso}`" for rso in results.edges["rso"].unique()),
         shadow=_shadow(results.edges, results.light),
+        precise=PRECISE,
         orbits=_orbits(results.our_orbits, results.orekit_orbits, results.de440_orbits),
         integrators=_integrators(steps_error),
         converged=_converged(results.our_orbits, results.orekit_orbits),
@@ -140,9 +141,10 @@ def _orbits(mine, theirs, with_de440):
         rows.append([rso, *(f"{value:.3f}" for value in cells), *(f"{value:.4f}" for value in de440)])
     heads = [f"{bound.model}, {bound.day} days" for bound in trajectories.BOUNDS]
     worst = [max(apart[:, bound.model, bound.day]) for bound in trajectories.BOUNDS]
-    rows.append(["bound", *(f"{bound.metres:g}" for bound in trajectories.BOUNDS), "", "", ""])
+    blank = [""] * len(trajectories.BOUNDS)
+    rows.append(["bound", *(f"{bound.metres:g}" for bound in trajectories.BOUNDS), *blank])
     met = [_met(value, bound.metres) for value, bound in zip(worst, trajectories.BOUNDS, strict=True)]
-    rows.append(["met", *met, "", "", ""])
+    rows.append(["met", *met, *blank])
     return _table(["RSO", *heads, *(f"DE440: {head}" for head in heads)], rows)
 
 

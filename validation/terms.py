@@ -15,7 +15,7 @@ from opml.orbits.elements import wrap_half_turn
 from opml.orbits.sheets import Rso, Station
 from opml.tables import STATE
 from validation import ours
-from validation.case import Case
+from validation.case import PRECISE, Case
 
 if TYPE_CHECKING:
     from validation.orekit import Orekit
@@ -51,6 +51,11 @@ def orekits(orekit: "Orekit", case: Case, states: pd.DataFrame, gm: float) -> pd
         for name, model in case.force_models.items()
     }
     pulls = {name: orekit.third_body(name) for name in BODIES}
+    precise = {
+        "solid_tides": orekit.solid_tides(case.degree, case.degree),
+        "schwarzschild": orekit.schwarzschild(gm),
+        "lense_thirring": orekit.lense_thirring(gm),
+    }
     horizons = {name: orekit.topocentric(station) for name, station in case.stations.items()}
     rows = []
     for rso, t, state in _each(case.rsos, states):
@@ -68,6 +73,9 @@ def orekits(orekit: "Orekit", case: Case, states: pd.DataFrame, gm: float) -> pd
         row |= _vector("drag", orekit.acceleration(orekit.drag(rso), spacecraft))
         row["lit"] = pressure.getLightingRatio(spacecraft)
         row |= _vector("srp", orekit.acceleration(pressure, spacecraft))
+        for name, force in precise.items():
+            row |= _vector(name, orekit.acceleration(force, spacecraft))
+        row |= _vector("de_sitter", orekit.turned_de_sitter(t, state, gm))
         for name, horizon in horizons.items():
             seen = horizon.getTrackingCoordinates(place, orekit.itrf, date)
             row |= _seen(name, [seen.getAzimuth(), seen.getElevation(), seen.getRange()])
@@ -89,12 +97,14 @@ def opmls(
         found = ours.terms(models["truth"], t, state, rso)
         row = dict(zip(ITRF, found["rotation"] @ state[:3], strict=True))
         row |= dict(zip(ROTATION, found["rotation"].ravel(), strict=True))
-        for name, model in models.items():
-            row |= _vector(f"gravity_{name}", ours.gravity_beyond_central(model, place))
+        for name in models.keys() - {PRECISE}:
+            row |= _vector(f"gravity_{name}", ours.gravity_beyond_central(models[name], place))
         for name, pull in zip(BODIES, found["bodies"], strict=True):
             row |= _vector(name, pull)
         row |= {"density": found["density"], "lit": found["lit"]}
         row |= _vector("drag", found["drag"]) | _vector("srp", found["srp"])
+        for name, acceleration in ours.precise_terms(models[PRECISE], t, state).items():
+            row |= _vector(name, acceleration)
         for name, (position, to_horizon) in sites.items():
             row |= _seen(name, observe(place, position, to_horizon))
         rows.append(row)
@@ -152,6 +162,10 @@ def differences(case: Case, theirs: pd.DataFrame, mine: pd.DataFrame) -> list[Di
         Difference("drag", _relative(theirs, mine, axes("drag")), 1e-8),
         Difference("radiation pressure, in the light", _relative(theirs[lit], mine[lit], axes("srp")), 1e-7),
         Difference("light, in the dark", np.abs(mine["lit"][~lit].to_numpy()), 0.0),
+        Difference("solid Earth tides", _relative(theirs, mine, axes("solid_tides")), 1e-9),
+        Difference("Schwarzschild", _relative(theirs, mine, axes("schwarzschild")), 1e-11),
+        Difference("Lense-Thirring", _relative(theirs, mine, axes("lense_thirring")), 1e-8),
+        Difference("de Sitter", _relative(theirs, mine, axes("de_sitter")), 1e-6),
     ]
     return found + measured(case.stations, theirs, mine)
 

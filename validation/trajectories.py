@@ -13,14 +13,14 @@ from opml.dynamics.ensemble import Integrator
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.tables import STATE
 from validation import ours
-from validation.case import OREKITS_CONVERGED, Case
+from validation.case import OREKITS_CONVERGED, PRECISE, Case
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
     from validation.workers import Workers
 
-DAYS = {"assumed": [1, 2, 7], "truth": [1, 2, 7, 20, 50]}
+DAYS = {"assumed": [1, 2, 7], "truth": [1, 2, 7, 20, 50], PRECISE: [1, 2, 7]}
 """Days after the epoch at which the states are taken, by force model."""
 
 CONVERGED, HALVED, PAPER = "converged", "halved", "paper"
@@ -41,25 +41,26 @@ class Bound:
     metres: float
 
 
-BOUNDS = [Bound("assumed", 7, 1.0), Bound("truth", 7, 1.0), Bound("truth", 50, 100.0)]
+BOUNDS = [
+    Bound("assumed", 7, 1.0),
+    Bound(PRECISE, 7, 1.0),
+    Bound("truth", 7, 1.0),
+    Bound("truth", 50, 100.0),
+]
 
 
 def orekits(workers: "Workers", case: Case, gm: float) -> list["Future[list[dict]]"]:
     """Have Orekit fly every RSO, the longest flights first; `collected` makes a table of them."""
-    flights = [(HALVED, "truth", CHECKED), (HALVED, "assumed", CHECKED)]
-    flights += [
-        (kind, model, name)
-        for kind in (CONVERGED, PAPER)
-        for model in ("truth", "assumed")
-        for name in case.rsos
-    ]
+    models = sorted(DAYS, key=lambda model: -DAYS[model][-1])
+    flights = [(HALVED, model, CHECKED) for model in models]
+    flights += [(kind, model, name) for kind in (CONVERGED, PAPER) for model in models for name in case.rsos]
     integrators = {CONVERGED: OREKITS_CONVERGED, HALVED: halved(OREKITS_CONVERGED), PAPER: case.integrator}
     return [
         workers.submit(
             f"Orekit's {name}, {model} model, {kind}",
             _orekits,
             case.rsos[name],
-            case.force_models[model],
+            case.models[model],
             gm,
             [name, model, kind],
             integrators[kind],

@@ -125,16 +125,26 @@ def make_environment(
         gm=field.gm,
         radius=field.radius,
         gms=celestial_bodies.metadata(kernel)["gm"],
+        tide_system=field.tide_system,
     )
 
 
 def force_model(
-    environment: Environment, *, degree: int = 40, order: int = 40, third_bodies: Sequence[str] = BODIES
+    environment: Environment,
+    *,
+    degree: int = 40,
+    order: int = 40,
+    third_bodies: Sequence[str] = BODIES,
+    solid_tides: bool = False,
+    relativity: bool = False,
 ) -> ForceModel:
     """Make a force model: the field to a degree and order, bodies that pull, drag and radiation pressure.
 
+    solid_tides, relativity: whether these forces count, too
+
     The defaults are the paper's truth model (`TRUTH`); `ASSUMED` holds those of its assumed one.
-    Raises InputError for a degree above the environment's and for an unknown body.
+    Raises InputError for a degree above the environment's, for an unknown body, and where no tides can be
+    added to the field.
 
     >>> true_model = opml.force_model(environment)
     >>> assumed_model = opml.force_model(environment, **opml.ASSUMED)
@@ -146,7 +156,14 @@ def force_model(
         )
     if unknown := [name for name in third_bodies if name not in BODIES]:
         raise InputError(f"force_model: third_bodies: expected {', '.join(BODIES)}, got {unknown[0]}")
-    return forces.build(environment, degree=degree, order=order, bodies=third_bodies)
+    return forces.build(
+        environment,
+        degree=degree,
+        order=order,
+        bodies=third_bodies,
+        solid_tides=solid_tides,
+        relativity=relativity,
+    )
 
 
 def read_stations(path: str | Path) -> dict[str, Station]:

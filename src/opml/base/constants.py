@@ -34,6 +34,9 @@ BODIES = tuple(GM)
 EARTH_GM = 3.986004415e14
 """Earth's gravitational parameter [m3/s2] of EGM2008 and EIGEN-6S, for the elements of the sheet of RSOs."""
 
+EARTH_ANGULAR_MOMENTUM = 9.8e8
+"""The Earth's angular momentum per mass [m2/s] (IERS Conventions 2010, sec. 10.3)."""
+
 WGS84_A = 6378137.0
 """Equatorial radius of the WGS84 ellipsoid [m] (NGA.STND.0036)."""
 

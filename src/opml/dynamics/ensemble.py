@@ -96,7 +96,7 @@ def propagate(
     outlook = model.newest_outlook(epochs[first])
 
     def fly(members: np.ndarray) -> int:
-        ensemble.fly(members, model.use_outlook(outlook[members[0]]))
+        ensemble.fly(members, model.use_outlook(outlook[members[0]]).for_one_block())
         return len(members)
 
     done = 0

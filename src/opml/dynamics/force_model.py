@@ -13,8 +13,8 @@ def read(paths: Mapping[str, str], *, epoch: str, settings: Mapping[str, Any]) -
     """Read a force model.
 
     paths: of the tables in `tables.ENVIRONMENT`, by name, and those in `tables.OPTIONAL` where there are any;
-    epoch: UTC text; settings: degree, order and third_bodies. Raises InputError where a table is missing or
-    damaged.
+    epoch: UTC text; settings: degree, order, third_bodies, and solid_tides and relativity where they are
+    on. Raises InputError where a table is missing or damaged, and for a field that tides cannot be added to.
     """
     field = read_metadata(paths["gravity_field"])
     environment = Environment(
@@ -23,6 +23,7 @@ def read(paths: Mapping[str, str], *, epoch: str, settings: Mapping[str, Any]) -
         gm=field["gm"],
         radius=field["radius"],
         gms=read_metadata(paths["ephemerides"])["gm"],
+        tide_system=field["tide_system"],
     )
     optional = {name: read_table(paths[name], name) for name in OPTIONAL if name in dict(paths.items())}
     model = build(
@@ -30,6 +31,8 @@ def read(paths: Mapping[str, str], *, epoch: str, settings: Mapping[str, Any]) -
         degree=settings["degree"],
         order=settings["order"],
         bodies=settings["third_bodies"],
+        solid_tides=settings.get("solid_tides", False),
+        relativity=settings.get("relativity", False),
         thermosphere=optional.get(THERMOSPHERE),
     )
     return with_outlooks(model, optional[OUTLOOKS]) if OUTLOOKS in optional else model

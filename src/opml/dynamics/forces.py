@@ -6,13 +6,16 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import BODIES, GM
+from opml.base.constants import BODIES, GM, SPEED_OF_LIGHT
 from opml.base.epochs import days_of_year
 from opml.base.thermosphere_grid import ALTITUDES, DENSITIES, LATITUDES, LOCAL_TIMES
+from opml.dynamics import solid_tides as solid_earth
 from opml.dynamics.frames import ORIENTATION, spin
 from opml.dynamics.kernels import dtm2000
+from opml.dynamics.kernels import tides as kernel
 from opml.dynamics.kernels.gravity import weights
 from opml.dynamics.kernels.surroundings import ForceModel
+from opml.dynamics.kernels.tides import DEGREE, ORDER, Tides, no_tides
 from opml.environment.weather import ACTIVITY
 
 _EMPTY = np.empty((0, len(LOCAL_TIMES), len(LATITUDES), len(ALTITUDES)), np.float32)
@@ -23,7 +26,7 @@ class Environment:
     """What Earth, Sun and Moon do around a run that starts at `epoch` (UTC text).
 
     The four tables are those of docs/data.md; gm [m3/s2] and radius [m] are the gravity field's, and gms
-    [m3/s2] the bodies', by name.
+    [m3/s2] the bodies', by name. tide_system is the field's, as ICGEM files name it.
     """
 
     epoch: str
@@ -34,6 +37,7 @@ class Environment:
     gm: float
     radius: float
     gms: Mapping[str, float] = field(default_factory=lambda: GM)
+    tide_system: str = "unknown"
 
 
 def build(
@@ -42,6 +46,8 @@ def build(
     degree: int,
     order: int,
     bodies: Sequence[str],
+    solid_tides: bool = False,
+    relativity: bool = False,
     thermosphere: pd.DataFrame | None = None,
 ) -> ForceModel:
     """Make a force model from an environment.
@@ -50,7 +56,11 @@ def build(
     that of the gravity field is fully normalised
     degree, order: of the part of the field that is used
     bodies: names of the third bodies that pull
+    solid_tides: whether Moon and Sun deform the Earth
+    relativity: whether the terms of general relativity count
     thermosphere: densities at the same nodes; DTM2000's where there are none
+
+    Raises InputError where the field is of a tide system to which no tides can be added.
     """
     earth_orientation = environment.earth_orientation
     t = earth_orientation["t"].to_numpy()
@@ -59,11 +69,16 @@ def build(
     columns = [f"{name}_{axis}" for name in names for axis in "xyz"]
     midnight, days = days_of_year(environment.epoch, t[-1])
     coefficients = dtm2000.coefficients()
+    c, s = _coefficients(environment.gravity_field, degree, order)
+    if solid_tides:
+        c, s = _padded(c), _padded(s)
+    factors = weights(c, s)
     return ForceModel(
         first=float(t[0]),
         step=float(t[1] - t[0]),
         orientation=np.ascontiguousarray(earth_orientation[ORIENTATION].to_numpy(float)),
         spin=np.ascontiguousarray(spin(earth_orientation)),
+        precession=_precession(environment) if relativity else np.empty((0, 3)),
         bodies=np.ascontiguousarray(environment.ephemerides[columns].to_numpy(float)),
         gms=np.array([environment.gms[name] if name in bodies else 0.0 for name in names]),
         activity=activity,
@@ -71,14 +86,48 @@ def build(
         seasons=np.ascontiguousarray(dtm2000.seasons(coefficients, days)),
         thermosphere=coefficients,
         tabulated=_EMPTY if thermosphere is None else logarithms(thermosphere),
-        weights=weights(*_coefficients(environment.gravity_field, degree, order)),
-        columns=order + 2,
-        degree=degree + 1,
+        weights=factors,
+        tides=_tides(environment, factors, len(c) - 1) if solid_tides else no_tides(),
+        columns=c.shape[1] + 1,
+        degree=len(c),
         gm=float(environment.gm),
         radius=float(environment.radius),
         issued=np.empty(0),
         outlooks=np.empty((0, *activity.shape)),
     )
+
+
+def _tides(environment: Environment, still: np.ndarray, degree: int) -> Tides:
+    """Return the tides of a field with the weights `still`."""
+    nodes = solid_earth.nodes(
+        environment.epoch,
+        environment.earth_orientation,
+        environment.ephemerides,
+        gm=environment.gm,
+        radius=environment.radius,
+        gms=environment.gms,
+        tide_system=environment.tide_system,
+    )
+    return kernel.tides(nodes, still, degree)
+
+
+def _padded(coefficients: np.ndarray) -> np.ndarray:
+    """Return coefficients up to the highest degree and order of a tide at least, 0 where there were none."""
+    missing = np.maximum(np.array([DEGREE + 1, ORDER + 1]) - coefficients.shape, 0)
+    return np.pad(coefficients, [(0, count) for count in missing])
+
+
+def _precession(environment: Environment) -> np.ndarray:
+    """Return the vector (nodes, 3) by which velocities turn about the moving Earth [rad/s].
+
+    Source: IERS Conventions 2010, eq. 10.12, the third term; it is twice the geodesic precession.
+    """
+    t = environment.ephemerides["t"].to_numpy()
+    earth = -environment.ephemerides[["sun_x", "sun_y", "sun_z"]].to_numpy()
+    velocity = np.gradient(earth, t, axis=0, edge_order=2)
+    distance = np.linalg.norm(earth, axis=1, keepdims=True)
+    turning: np.ndarray = np.cross(earth, velocity) / distance**3
+    return 3.0 * environment.gms["sun"] / SPEED_OF_LIGHT**2 * turning
 
 
 def logarithms(thermosphere: pd.DataFrame) -> np.ndarray:

@@ -41,8 +41,9 @@ def check(values: Mapping[str, Any]) -> None:
     _check_atmosphere(values, ends)
     if sources["gravity_field"] != FETCHED:
         field = gravity_field.read_icgem(gravity_field.resolve(sources["gravity_field"])).freeze(epoch)
-        for model in values["force_models"].values():
+        for name, model in values["force_models"].items():
             field.truncate(model["degree"], model["order"])
+            _check_tides(name, model, field.tide_system)
 
 
 def _check_knowledge(values: Mapping[str, Any], ends: np.ndarray) -> None:
@@ -72,6 +73,15 @@ def _check_atmosphere(values: Mapping[str, Any], ends: np.ndarray) -> None:
         )
     except InputError as error:
         raise InputError(f"force_models.truth.atmosphere: {nrlmsis.NAME}: {error}") from None
+
+
+def _check_tides(name: str, model: Mapping[str, Any], tide_system: str) -> None:
+    """Raise InputError where a force model is to have tides that the gravity field does not allow."""
+    if model.get("solid_tides"):
+        try:
+            gravity_field.check_tide_system(tide_system)
+        except InputError as error:
+            raise InputError(f"force_models.{name}.{error}") from None
 
 
 def _check_activity(setting: str, source: str, epoch: str, ends: np.ndarray, percentile: int) -> None:

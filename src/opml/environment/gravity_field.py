@@ -66,6 +66,9 @@ class Variation(NamedTuple):
         return float(np.cos(angle) if self.kind == "acos" else np.sin(angle))
 
 
+TIDE_FREE, ZERO_TIDE = "tide_free", "zero_tide"
+"""Tide systems, as ICGEM files name them: without the Earth's permanent deformation, and with it."""
+
 _RowReader = Callable[[list[str], dict[tuple[int, int], float]], Variation]
 """A reader of the fields of a row, with the reference dates of the degrees and orders read so far."""
 
@@ -144,6 +147,13 @@ def table(field: GravityField, epoch: str) -> pd.DataFrame:
 def metadata(field: GravityField) -> dict[str, str | float]:
     """Return name, gm [m3/s2], radius [m] and tide system of a field, for the table's file metadata."""
     return {"name": field.name, "gm": field.gm, "radius": field.radius, "tide_system": field.tide_system}
+
+
+def check_tide_system(tide_system: str) -> None:
+    """Raise InputError for a field that the tides of the solid Earth cannot be added to."""
+    if tide_system not in (TIDE_FREE, ZERO_TIDE):
+        expected = f"expected a gravity field that is {TIDE_FREE} or {ZERO_TIDE}"
+        raise InputError(f"solid_tides: {expected}, got tide_system {tide_system}")
 
 
 def resolve(name_or_path: str | Path) -> Path:

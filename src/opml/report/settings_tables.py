@@ -36,9 +36,20 @@ def force_models(settings: Mapping[str, Any]) -> Table:
         ["atmosphere", "DTM2000", "DTM2000"],
         ["solar activity", truth + percentile, assumed + percentile + _knowledge(environment)],
         ["radiation pressure", *["sphere, umbra and penumbra"] * 2],
+        *_switched(both),
         ["drag coefficient", "the RSO's", "estimated"],
     ]
     return Table(["parameter", "truth model", "assumed model"], rows)
+
+
+def _switched(models: Sequence[Mapping[str, Any]]) -> list[list[str]]:
+    """Return the rows of forces that at least one of the models has switched on."""
+    forces = {"solid_tides": "tides of the solid Earth", "relativity": "general relativity"}
+    return [
+        [name, *("yes" if model.get(key) else "no" for model in models)]
+        for key, name in forces.items()
+        if any(model.get(key) for model in models)
+    ]
 
 
 def assumed_model(settings: Mapping[str, Any]) -> Table:

@@ -6,7 +6,8 @@ from opml.dynamics.kernels.geodetic import geodetic
 from opml.dynamics.kernels.gravity import gravity
 from opml.dynamics.kernels.lanes import compiled, sqrt
 from opml.dynamics.kernels.radiation_pressure import illumination, radiation_pressure
-from opml.dynamics.kernels.surroundings import BODIES, CLOCK, ROTATION, SPIN, SUN_ITRF
+from opml.dynamics.kernels.relativity import relativity
+from opml.dynamics.kernels.surroundings import AXIS, BODIES, CLOCK, PRECESSION, ROTATION, SPIN, SUN_ITRF
 from opml.dynamics.kernels.third_body import third_bodies
 
 SCRATCH_ROWS = 40
@@ -47,7 +48,13 @@ def acceleration(x, y, z, vx, vy, vz, ballistic, reflection, model, values, fact
     lit = illumination(px, py, pz, r2, values[SUN_ITRF : SUN_ITRF + 3], scratch)
     sun = values[BODIES : BODIES + 3]
     sx, sy, sz = radiation_pressure(x, y, z, sun, lit, reflection)
-    return ax + (bx + (dx + sx)), ay + (by + (dy + sy)), az + (bz + (dz + sz)), altitude, lit
+    ax, ay, az = ax + (bx + (dx + sx)), ay + (by + (dy + sy)), az + (bz + (dz + sz))
+
+    if model.precession.shape[0] > 0:
+        axis, precession = values[AXIS : AXIS + 3], values[PRECESSION : PRECESSION + 3]
+        cx, cy, cz = relativity(x, y, z, vx, vy, vz, inverse_r, model.gm, axis, precession)
+        ax, ay, az = ax + cx, ay + cy, az + cz
+    return ax, ay, az, altitude, lit
 
 
 @compiled

@@ -12,6 +12,9 @@ import numpy as np
 
 from opml.dynamics.kernels.lanes import compiled, splat
 
+PARTS = 7
+"""Columns of the weights: the factor of the recursion, and those of six sums."""
+
 
 def weights(c: np.ndarray, s: np.ndarray) -> np.ndarray:
     """Return the factors of the solid harmonics in the acceleration, order by order.
@@ -34,6 +37,11 @@ def weights(c: np.ndarray, s: np.ndarray) -> np.ndarray:
             norm *= math.sqrt((2 * n + 3) * (2 * n + 1) / ((n + 1 - m) * (n + 1 + m)))
         sectoral *= math.sqrt((2 * m + 3) / (2 * m + 2) if m > 0 else 3.0)
     return np.array(rows)
+
+
+def row(n: int, m: int, degree: int) -> int:
+    """Return the row of harmonic (n, m) in the weights of a field of some degree."""
+    return m * (degree + 2) - m * (m - 1) // 2 + (n - m)
 
 
 def _recursion(n, m):

@@ -10,11 +10,20 @@ from typing import NamedTuple
 import numpy as np
 
 from opml.base.constants import DAY, EARTH_RATE
+from opml.dynamics.kernels import tides
 from opml.dynamics.kernels.dtm2000 import FACTORS, reduce_to_date
 from opml.dynamics.kernels.lanes import compiled, rows
+from opml.dynamics.kernels.tides import Tides
 
-ROTATION, SPIN, SUN_ITRF, CLOCK, BODIES = 0, 9, 12, 15, 18
-"""First indices of the parts of the values; the clock is a node, the part of a step since, and UTC [d]."""
+ROTATION, SPIN, SUN_ITRF, CLOCK, PRECESSION, TIDE = 0, 9, 12, 15, 18, 21
+BODIES = TIDE + tides.COLUMNS
+"""First indices of the parts of the values; the clock is a node, the part of a step since, and UTC [d].
+
+Precession and tide are zero where the force model has none.
+"""
+
+AXIS = ROTATION + 6
+"""First index of the Earth's axis in GCRF: the last row of the rotation."""
 
 _ASIDE = 5e-4
 """Distance [s] from a jump at which steps end, so that each step sees one side of it only."""
@@ -29,6 +38,7 @@ class ForceModel(NamedTuple):
     step: float  # between nodes [s]
     orientation: np.ndarray  # (nodes, 6): CIP x and y, CIO locator, pole x and y, ERA offset [rad]
     spin: np.ndarray  # (nodes, 3): the Earth's rotation vector in GCRF [rad/s]
+    precession: np.ndarray  # (nodes, 3): of velocities, by the Sun [rad/s]; no nodes: no relativity
     bodies: np.ndarray  # (nodes, 3 count): geocentric GCRF positions [m], the Sun first
     gms: np.ndarray  # (count,) [m3/s2], 0 where a body's pull is not in the model
     activity: np.ndarray  # (nodes, 4): F10.7, its mean [sfu], Kp of 3 h and of 24 h
@@ -37,6 +47,7 @@ class ForceModel(NamedTuple):
     thermosphere: np.ndarray  # (97, WIDTH), from dtm2000.coefficients
     tabulated: np.ndarray  # (nodes, local times, latitudes, altitudes): ln of density; no nodes: DTM2000
     weights: np.ndarray  # (terms, 7), from gravity.weights
+    tides: Tides  # of the weights
     columns: int  # orders in the weights
     degree: int  # highest degree of a harmonic in the weights
     gm: float  # of the Earth, as the field gives it [m3/s2]
@@ -75,6 +86,10 @@ class ForceModel(NamedTuple):
         """Return the model with the activity of an outlook; -1 keeps the model's activity."""
         return self if outlook < 0 else self._replace(activity=self.outlooks[outlook])
 
+    def for_one_block(self) -> "ForceModel":
+        """Return the model with weights of its own, where tides change them with each `look_up`."""
+        return self._replace(weights=self.weights.copy()) if len(self.tides.nodes) else self
+
 
 def allocate(model: ForceModel) -> tuple[np.ndarray, np.ndarray]:
     """Return empty values and factors for `look_up` to fill."""
@@ -83,7 +98,10 @@ def allocate(model: ForceModel) -> tuple[np.ndarray, np.ndarray]:
 
 @compiled
 def look_up(t: float, model: ForceModel, values: np.ndarray, factors: np.ndarray) -> None:
-    """Fill `values` (rotation, spin, Sun, clock, bodies) and DTM2000's `factors` at time t [s]."""
+    """Fill `values` and DTM2000's `factors` at time t [s], and add the tides to the weights of the model.
+
+    The values are rotation, spin, Sun, clock, precession, tide and bodies.
+    """
     node, u = _locate(t, model.first, model.step, model.orientation.shape[0])
     w = _weights(u)
     for k in range(model.bodies.shape[1]):
@@ -91,6 +109,14 @@ def look_up(t: float, model: ForceModel, values: np.ndarray, factors: np.ndarray
     for k in range(3):
         values[SPIN + k] = _between(model.spin, node, k, w)
     orient(t, model.first, model.step, model.orientation, values)
+    if model.precession.shape[0] > 0:
+        for k in range(3):
+            values[PRECESSION + k] = _between(model.precession, node, k, w)
+    if model.tides.nodes.shape[0] > 0:
+        for k in range(tides.COLUMNS):
+            values[TIDE + k] = _between(model.tides.nodes, node, k, w)
+        tides.turn(values, TIDE, _between(model.orientation, node, 5, w) + EARTH_RATE * t)
+        tides.add(values, TIDE, model.tides, model.weights)
     sx, sy, sz = values[BODIES], values[BODIES + 1], values[BODIES + 2]
     for k in range(3):
         values[SUN_ITRF + k] = values[3 * k] * sx + values[3 * k + 1] * sy + values[3 * k + 2] * sz

@@ -73,6 +73,12 @@ class ForceModelSettings(Section):
     degree: Degree = setting("highest degree of the gravity field")
     order: Degree = setting("highest order of the gravity field")
     third_bodies: Bodies = setting("bodies that pull beside Earth", unit="names")
+    solid_tides: bool = setting(
+        "whether Moon and Sun deform the Earth", see="physics.md#tides-of-the-solid-earth", default=False
+    )
+    relativity: bool = setting(
+        "whether the terms of general relativity count", see="physics.md#relativity", default=False
+    )
 
 
 class TrueForceModel(ForceModelSettings):

@@ -1,0 +1,175 @@
+"""Tides of the solid Earth: the changes of coefficients, and the weights that they change."""
+
+import numba
+import numpy as np
+import pytest
+from support import EPOCH, environment, precise_model, rsos
+
+from opml.base.constants import DAY, EARTH_RATE, GM, HOUR
+from opml.base.errors import InputError
+from opml.catalog.simulate.truth import initial_state
+from opml.dynamics import solid_tides
+from opml.dynamics.ensemble import Departures, Integrator, propagate
+from opml.dynamics.kernels import surroundings, tides
+from opml.dynamics.kernels.gravity import weights
+from opml.dynamics.kernels.surroundings import TIDE
+from opml.environment import celestial_bodies, earth_orientation
+
+FIELD = {"gm": 3.986004415e14, "radius": 6378136.3}
+C20 = 2 * tides.TERMS.index((2, 0))
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _look_up(t, model, values, factors):
+    surroundings.look_up(t, model, values, factors)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _add(values, first, risen, flown):
+    tides.add(values, first, risen, flown)
+
+
+def nodes(t, tide_system="tide_free"):
+    """Changes of coefficients (n, COLUMNS) at times t (n,) [s], n from 6."""
+    return solid_tides.nodes(
+        EPOCH,
+        earth_orientation.tabulate(EPOCH, t),
+        celestial_bodies.tabulate("DE440", EPOCH, t),
+        **FIELD,
+        gms=GM,
+        tide_system=tide_system,
+    )
+
+
+def at(t):
+    """Changes at a time as complex numbers C - iS (terms,) of the turning Earth."""
+    near = t + 600.0 * np.arange(-2, 4)
+    changes = nodes(near)[2]
+    offset = earth_orientation.tabulate(EPOCH, near)["era_offset"][2]
+    return (changes[::2] - 1j * changes[1::2]) * np.exp(1j * tides.ORDERS * (offset + EARTH_RATE * t))
+
+
+def test_between_hourly_nodes_the_tide_is_that_of_the_time():
+    model = precise_model(8).for_one_block()
+    sizes = []
+    for t in DAY * np.array([0.3, 3.01, 17.25, 28.6, 40.77, 49.9]):
+        values, factors = surroundings.allocate(model)
+        _look_up(t, model, values, factors)
+        found, expected = values[TIDE : TIDE + tides.COLUMNS], at(t)
+        np.testing.assert_allclose(found[::2] - 1j * found[1::2], expected, rtol=0.0, atol=1e-18)
+        sizes.append(np.abs(expected))
+    # The bound is a part in a billion of the largest, and in a million of the smallest, of degree 4.
+    assert np.max(sizes) > 1e-9
+    assert np.max(sizes, axis=0).min() > 1e-12
+
+
+@pytest.mark.parametrize(("degree", "order"), [(4, 3), (6, 6), (9, 5)])
+def test_the_weights_with_tides_are_those_of_the_coefficients_with_tides(degree, order):
+    rng = np.random.default_rng(degree)
+    c, s = rng.normal(size=(2, degree + 1, order + 1))
+    still = weights(c, s)
+    risen = tides.tides(np.empty((0, tides.COLUMNS)), still, degree)
+    changes = rng.normal(size=tides.COLUMNS)
+    for k, (n, m) in enumerate(tides.TERMS):
+        c[n, m] += changes[2 * k]
+        s[n, m] += changes[2 * k + 1] if m > 0 else 0.0
+    flown = still.copy()
+    for _ in range(3):  # each time from the weights without tides
+        _add(np.append(np.zeros(2), changes), 2, risen, flown)
+    np.testing.assert_allclose(flown, weights(c, s), rtol=1e-13, atol=1e-13)
+
+
+def test_the_tide_rises_below_the_moon_and_opposite_to_it():
+    places = np.array([[3.8e8, 0.0, -3.8e8], [0.0, 3.8e8, 0.0], [0.0, 0.0, 0.0]])
+    found = solid_tides._equilibrium(places, GM["moon"] / FIELD["gm"], FIELD["radius"])
+    # A Moon over the equator flattens the Earth, and draws out its equator along the line to it.
+    assert np.all(found[2, 0] < 0.0)
+    assert np.all(found[2, 2].real * [1, -1, 1] > 0.0)
+    expected = 0.30102 / 5 * GM["moon"] / FIELD["gm"] * (FIELD["radius"] / 3.8e8) ** 3 * np.sqrt(15) / 2
+    assert found[2, 2].real[0] == pytest.approx(expected, rel=1e-12)
+    # The even degrees are the same on the other side of the Earth, the odd ones change their sign.
+    for (n, m), change in found.items():
+        np.testing.assert_allclose(
+            change[2], change[0] * (-1) ** n, rtol=1e-12, atol=1e-25, err_msg=f"{n} {m}"
+        )
+    # The bulge of the real Earth lags behind: it stands where the Moon was.
+    assert found[2, 2].imag[0] < 0.0
+
+
+def test_a_zero_tide_field_has_the_permanent_tide_already():
+    t = HOUR * np.arange(6.0)
+    without = nodes(t) - nodes(t, "zero_tide")
+    np.testing.assert_allclose(without[:, C20], -4.2008e-9, rtol=1e-4)
+    np.testing.assert_array_equal(np.delete(without, C20, axis=1), 0.0)
+
+
+def test_the_mean_of_a_year_in_c20_is_the_permanent_tide():
+    t = 6 * HOUR * np.arange(0.0, 365.25 * 4)
+    # In 2016 the Moon stays close to the equator, and pulls more there than in the mean of 18.6 years.
+    assert nodes(t)[:, C20].mean() == pytest.approx(-4.5e-9, rel=0.05)
+
+
+@pytest.mark.parametrize("tide_system", ["mean_tide", "unknown"])
+def test_fields_of_another_tide_system_are_refused(tide_system):
+    with pytest.raises(
+        InputError, match=f"solid_tides: expected .* tide_free or zero_tide, got .*{tide_system}"
+    ):
+        nodes(HOUR * np.arange(6.0), tide_system)
+
+
+def test_corrections_of_a_frequency_have_the_amplitudes_of_the_table():
+    t = HOUR * np.arange(0.0, 365.25 * 24, 12.0)
+    zonal, diurnal, semidiurnal = solid_tides._corrections(EPOCH, t)
+    # K1, 470.9e-12 in phase and -30.2e-12 out of phase, does not move among the stars; its neighbour of
+    # 68.1e-12 goes around it in 18.6 years, P1 (43.4e-12) in half a year.
+    assert np.abs(diurnal.mean()) == pytest.approx(np.hypot(470.9, 30.2) * 1e-12, abs=70e-12)
+    assert np.abs(diurnal).max() < (470.9 + 30.2 + 68.1 + 43.4 + 40.0) * 1e-12
+    assert np.abs(semidiurnal).max() == pytest.approx(1.5e-12, rel=0.01)
+    assert np.isrealobj(zonal)
+    assert 20e-12 < np.abs(zonal).max() < 45e-12
+
+
+def departures(names):
+    starts = np.array([initial_state(rsos()[name], FIELD["gm"]) for name in names])
+    count = len(names)
+    ballistic = [rsos()[name].cd * rsos()[name].area_to_mass for name in names]
+    reflection = [rsos()[name].cr * rsos()[name].area_to_mass for name in names]
+    return Departures(starts, np.zeros(count, int), np.full(count, 3), ballistic, reflection)
+
+
+def flown(model, names, **options):
+    """States (3, 6) of arcs of six hours, by name."""
+    arcs = propagate(model, 2 * HOUR * np.arange(4), departures(names), integrator=Integrator(), **options)
+    return {name: arcs.path(k).copy() for k, name in enumerate(names)}
+
+
+def test_tides_of_zero_change_no_bit():
+    model = precise_model(8)
+    still = model._replace(tides=tides.no_tides())
+    zero = model._replace(tides=model.tides._replace(nodes=np.zeros_like(model.tides.nodes)))
+    np.testing.assert_array_equal(flown(zero, ["iss"])["iss"], flown(still, ["iss"])["iss"])
+    assert np.abs(flown(model, ["iss"])["iss"] - flown(still, ["iss"])["iss"])[:, :3].max() > 0.1
+
+
+def test_arcs_do_not_depend_on_their_neighbours_and_leave_the_model_as_it_is():
+    model = precise_model(8)
+    before = model.weights.copy()
+    names = list(rsos())
+    many = flown(model, [*names, *reversed(names), *names], threads=2)
+    for name in ("iss", names[-1]):
+        np.testing.assert_array_equal(flown(model, [name])[name], many[name])
+    np.testing.assert_array_equal(model.weights, before)
+
+
+def test_a_field_without_harmonics_has_tides_all_the_same():
+    assert precise_model(0).degree == tides.DEGREE + 1
+    assert precise_model(0).weights[:, 1:].any() == np.False_
+    moved = (
+        flown(precise_model(0), ["iss"])["iss"]
+        - flown(precise_model(0)._replace(tides=tides.no_tides()), ["iss"])["iss"]
+    )
+    assert np.abs(moved)[:, :3].max() > 0.1
+
+
+def test_the_tables_of_a_run_are_enough():
+    assert len(precise_model(8).tides.nodes) == len(environment()["ephemerides"])
