@@ -70,7 +70,7 @@ class ForceModel(NamedTuple):
         return np.searchsorted(self.issued, t, side="right") - 1
 
     def truncated(self, degree: int) -> "ForceModel":
-        """Return the model with its gravity field to a degree and order; itself where it has no more."""
+        """Return the model with its field to a degree and order, without tides; itself if it has no more."""
         if self.degree - 1 <= degree:
             return self
         terms = [(n, m) for m in range(self.columns) for n in range(m, self.degree + 1)]
@@ -80,6 +80,7 @@ class ForceModel(NamedTuple):
             weights=np.ascontiguousarray(self.weights[kept]),
             columns=min(self.columns, degree + 2),
             degree=degree + 1,
+            tides=tides.no_tides(),
         )
 
     def use_outlook(self, outlook: int) -> "ForceModel":

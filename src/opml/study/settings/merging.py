@@ -16,6 +16,9 @@ from opml.study.settings.overlay import MISSING, Key, Layer, Source, laid_over, 
 STUDIES = "config/studies"
 """Folder of the studies that are called by their names."""
 
+REAL_SATELLITES = "config/real_satellites.yaml"
+"""Settings under those of a user whose orbits come from files or whose tracks were measured."""
+
 _NAME = re.compile(r"[\w-]+")
 
 
@@ -54,14 +57,17 @@ class Settings:
 def merged(files: Sequence[FilePath], on_top: Layer | None = None) -> Source:
     """Return settings merged from files, later ones on top, and from a layer above them; the study in full.
 
-    Raises InputError for a file that is missing or not YAML.
+    The settings for real satellites lie between the first file and the others, where these name any. Raises
+    InputError for a file that is missing or not YAML.
     """
-    layers = [read_layer(path) for path in files] + ([on_top] if on_top else [])
+    first, *rest = [*map(read_layer, files), *([on_top] if on_top else [])]
+    is_real = any(layer.values.get(kind) for layer in rest for kind in ("orbits", "tracks"))
+    layers = [first, *([read_layer(project_file(REAL_SATELLITES))] if is_real else []), *rest]
     values: Any = {}
     for layer in layers:
         values = laid_over(values, layer.values or values)
     extended, study = _study(values.get("study"), Source(values, layers))
-    is_default = not any("study" in layer.values for layer in layers[1:])
+    is_default = not any("study" in layer.values for layer in rest)
     return Source({**values, "study": study}, [*extended, *layers], is_default)
 
 
