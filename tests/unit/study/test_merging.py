@@ -18,7 +18,7 @@ def assumed(tmp_path, **settings):
 def test_real_satellites_fly_under_what_a_catalogue_has(tmp_path, kind):
     model = assumed(tmp_path, **{kind: {"mine": "a.file"}})
     assert (model["degree"], model["order"], len(model["third_bodies"])) == (70, 70, 10)
-    assert model["solid_tides"] and model["relativity"]
+    assert (model["solid_tides"], model["relativity"]) == (True, True)
 
 
 def test_what_a_user_says_lies_above_it(tmp_path):
