@@ -19,6 +19,9 @@ _LARGE = 21
 _NEAR = 8
 """Degree and order of the part of a large field that neighbours fly under."""
 
+_STEP_NEAR = 150.0
+"""Longest step of their integration at least [s]: this part of a field is smooth."""
+
 Progress = Callable[[float], None]
 """Called with the share of the work that is done, from 0 to 1."""
 
@@ -65,8 +68,10 @@ class Flight:
         Neighbours part under the first degrees of a large field as they do under all of it. A small field
         stays as it is: to fly the arc beside them once more would cost as much as it saves.
         """
-        is_large = self.model.degree > _LARGE
-        return replace(self, model=self.model.truncated(_NEAR)) if is_large else self
+        if self.model.degree <= _LARGE:
+            return self
+        longer = replace(self.integrator, max_step=max(self.integrator.max_step, _STEP_NEAR))
+        return replace(self, model=self.model.truncated(_NEAR), integrator=longer)
 
     def without_progress(self) -> Self:
         """Return this flight for work whose caller tells the progress itself."""
