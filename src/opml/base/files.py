@@ -1,15 +1,24 @@
 """Paths of a project's files, and writing of whole files: a temporary file takes the name when complete."""
 
+import errno
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+
+from opml.base.errors import InputError
+
+_REFUSED = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EPERM)
+"""Reasons of the operating system's not to write a file: no space, no permission."""
 
 FilePath = str | os.PathLike[str]
 """A path as text or as a path object."""
 
 PROJECT = Path(__file__).parents[1] / "workflow" / "project"
 """Folder of the workflow's files in the package, the settings among them."""
+
+PACKAGED = PROJECT / "config" / "config.yaml"
+"""Settings of a run that come with the package."""
 
 
 def project_file(path: FilePath) -> Path:
@@ -20,12 +29,22 @@ def project_file(path: FilePath) -> Path:
 
 @contextmanager
 def replacing(path: FilePath) -> Iterator[Path]:
-    """Make the folder of `path`; yield a temporary path there, which becomes `path` if nothing is raised."""
+    """Make the folder of `path`; yield a temporary path there, which becomes `path` if nothing is raised.
+
+    Raises InputError where the disk takes no more, or the folder cannot be written to.
+    """
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
         yield temporary
         os.replace(temporary, path)
+    except OSError as error:
+        if error.errno not in _REFUSED:
+            raise
+        raise InputError(
+            f"{path}: expected a file that can be written, got {os.strerror(error.errno)}"
+        ) from None
     finally:
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):
+            temporary.unlink(missing_ok=True)
