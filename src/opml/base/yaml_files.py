@@ -1,5 +1,6 @@
 """Reader of YAML files: safe, strict about keys, with errors in one line."""
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +39,9 @@ def read_yaml(path: FilePath) -> Any:
     except (OSError, ValueError) as error:
         raise InputError(f"{path}: expected YAML in UTF-8 ({error})") from None
     try:
-        return yaml.load(text, Loader=_Loader)
+        values = yaml.load(text, Loader=_Loader)
+        json.dumps(values, skipkeys=True, default=str)  # raises where an alias stands for what it is in
+        return values
     except (ValueError, yaml.YAMLError) as error:
         for number, line in enumerate(text.splitlines(), start=1):
             if line.lstrip(" ").startswith("\t"):

@@ -92,7 +92,7 @@ def read(path: FilePath) -> Satrec:
             satellite = _from_omm(path, _xml(path))
         case _ if text.lstrip().startswith(_OMM_VERSION):
             satellite = _from_omm(path, _kvn(path))
-        case _ if "MEAN_MOTION" in next(csv.reader([text.lstrip().partition("\n")[0]]), []):
+        case _ if len(set(_cells(text)) & {*_NUMBERS}) > 1:
             satellite = _from_omm(path, _csv(path, text))
         case _:
             satellite = _from_tle(path, text)
@@ -237,8 +237,16 @@ def _xml(path: FilePath) -> dict[str, str]:
         ) from None
 
 
+def _cells(text: str) -> list[str]:
+    """Return the cells of the first line of a text, as CSV."""
+    return next(csv.reader(text.lstrip().splitlines()[:1]), [])
+
+
 def _csv(path: FilePath, text: str) -> dict[str, str]:
-    rows = list(omm.parse_csv(text.splitlines()))
+    columns = _cells(text)
+    if twice := [name for name in columns if columns.count(name) > 1]:
+        raise InputError(f"{path}: {twice[0]}: expected one such column, got several")
+    rows = list(omm.parse_csv(text.lstrip().splitlines()))
     for row in rows:
         if None in row or None in row.values():
             raise InputError(f"{path}: expected a cell for each column of the first line, got more or fewer")
@@ -281,7 +289,7 @@ def _from_omm(path: FilePath, values: Mapping[str, str]) -> Satrec:
 
 
 def _number(elements: Mapping[str, str]) -> str:
-    """Return the catalogue number as sgp4 takes it: 0 for one that no TLE can hold. No orbit depends on it."""
+    """Return the catalogue number as sgp4 takes it, 0 for one beyond TLEs: no orbit depends on it."""
     number = elements["NORAD_CAT_ID"]
     return number if int(number) <= _LARGEST_NUMBER else "0"
 

@@ -193,7 +193,8 @@ def _rows(path: str | Path, fields: Mapping[str, _Field]) -> dict[str, dict[str,
     if sorted(header) != sorted(expected):
         odd = sorted(set(header) ^ set(expected)) or sorted(name for name in header if header.count(name) > 1)
         raise InputError(
-            f"{path}: header: expected the columns {', '.join(expected)}; look at {', '.join(odd)}"
+            f"{path}: header: expected the columns {', '.join(expected)} between tabs; "
+            f"look at {', '.join(name or 'the one without a name' for name in odd)}"
         )
     rows: dict[str, dict[str, float]] = {}
     numbers: dict[str, int] = {}

@@ -260,3 +260,14 @@ def test_a_catalogue_number_of_nine_digits_changes_nothing(tmp_path):
     np.testing.assert_array_equal(
         *(mean_elements.state(satellite, epoch=THREE_DAYS_ON) for satellite in (short, long))
     )
+
+
+def test_columns_of_csv_that_are_missing_or_there_twice_are_told(tmp_path):
+    path = tmp_path / "odd.csv"
+    for columns, said in (
+        ({name: value for name, value in OMM.items() if name != "BSTAR"}, "BSTAR: expected a finite number"),
+        (OMM | {" BSTAR": "1"}, "BSTAR: expected one such column, got several"),
+    ):
+        path.write_text(f"{','.join(columns).replace(' BSTAR', 'BSTAR')}\n{','.join(columns.values())}\n")
+        with pytest.raises(InputError, match=f"odd.csv: {said}"):
+            mean_elements.read(path)

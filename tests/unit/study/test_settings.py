@@ -730,3 +730,9 @@ def test_a_sheet_that_the_project_lost_is_told(tmp_path, monkeypatch):
     line = "config/config.yaml: sheets.stations: config/stations.tsv: no such file"
     assert refused(merged(["config/config.yaml"])) == line
     checks.load_settings(merged([PACKAGED]))  # settings of the package have its sheets
+
+
+@pytest.mark.parametrize("text", ["'20'", "2e1"])
+def test_a_number_that_yaml_reads_as_text_is_told(tmp_path, text):
+    line = refused(given(tmp_path, f"duration_days: {text}"))
+    assert f"duration_days: expected a number above 0, got '{text.strip(chr(39))}', which YAML reads" in line

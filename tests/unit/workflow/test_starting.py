@@ -5,7 +5,7 @@ import os
 import pytest
 
 from opml.workflow import starting
-from opml.workflow.command_line import check_configfiles
+from opml.workflow.command_line import check_settings
 
 
 def ended(function, *arguments):
@@ -35,6 +35,7 @@ TARGET = "expected a file of settings behind --configfile; targets stand before 
         ("a.yaml", "results: Gr\u00f6\u00dfe\n".encode("latin-1"), "expected YAML in UTF-8 ("),
         ("a.yaml", b"seed:\n\tnoise: 1\n", "expected YAML (a tab begins line 2"),
         ("a.yaml", b"", "expected a mapping of settings, got nothing"),
+        ("a.yaml", b"seed: &s {noise: *s}\n", "expected YAML ("),
         ("a.yaml", b"- epoch\n", "expected a mapping of settings, got list"),
     ],
 )
@@ -42,15 +43,22 @@ def test_a_file_behind_configfile_that_holds_no_settings_is_told(here, name, con
     (here / "good.yaml").write_text("epoch: x\n")
     if content is not None:
         (here / name).write_bytes(content)
-    line = ended(check_configfiles, ["-j2", "--configfile", "good.yaml", name, "-n"])
+    line = ended(check_settings, ["-j2", "--configfile", "good.yaml", name, "-n"])
     assert line.startswith(f"opml: {name}: {told}")
     assert "\n" not in line
 
 
+def test_a_target_behind_config_is_told(here):
+    line = ended(check_settings, ["--config", "duration_days=3", "results/x.pdf", "-n"])
+    assert line == (
+        "opml: results/x.pdf: expected KEY=VALUE behind --config; targets stand before it, or behind --"
+    )
+
+
 def test_other_arguments_are_not_taken_for_settings(here):
     (here / "good.yaml").write_text("epoch: x\n")
-    check_configfiles(["study", "--configfile", "good.yaml", "--", "results/x.pdf"])
-    check_configfiles(["study", "--configfile=good.yaml", "results/x.pdf", "--config", "a=b", "-j", "2"])
+    check_settings(["study", "--configfile", "good.yaml", "--", "results/x.pdf"])
+    check_settings(["study", "--configfile=good.yaml", "results/x.pdf", "--config", "a=b", "-j", "2"])
 
 
 def test_a_folder_without_a_project_is_told_with_the_way_to_one(here):

@@ -43,7 +43,7 @@ class Source:
         return InputError(f"{self.origin(key)}: {'.'.join(map(str, key))}: {what}")
 
     def origin(self, key: Key) -> str:
-        """Return the name of the layer that set a key; for a missing key, of the layer that set what it is in."""
+        """Return the name of the layer that set a key, for a missing key of that which set what it is in."""
         value = value_at(self.values, key)
         if value is MISSING:
             setting = [layer.name for layer in self.layers if value_at(layer.values, key[:-1]) is not MISSING]
