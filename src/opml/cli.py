@@ -65,7 +65,7 @@ def _init(options: argparse.Namespace) -> None:
 
 
 def _add_rso(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("file", help="a TLE, or an OMM in KVN, JSON or XML")
+    parser.add_argument("file", help="a TLE, or an OMM in KVN, JSON, XML or CSV")
     parser.add_argument("--name", required=True, help="name in the sheet: lower-case letters and digits")
     parser.add_argument("--epoch", required=True, help="epoch of the run, UTC: 2016-09-28T12:09:45")
     parser.add_argument("--area-to-mass", type=float, required=True, help="area over mass [m2/kg]")

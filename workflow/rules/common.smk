@@ -5,7 +5,7 @@ import sys
 
 from opml import naming, tables
 from opml.base.errors import InputError
-from opml.base.files import PROJECT
+from opml.base.files import PACKAGED
 from opml.base.provenance import script_digest
 from opml.report.sections import SECTIONS, section_of
 from opml.study.checks import check_data, load_settings
@@ -16,7 +16,7 @@ from opml.workflow.inputs import Inputs, announcement, at_window, checks, path_o
 from opml.workflow.params import Params
 from opml.workflow.plan import Plan, end_plan
 from opml.workflow.records import compare_tables_with_settings
-from opml.workflow.starting import date_back_to_now, hold_results, lift_job_rate
+from opml.workflow.starting import date_back_to_now, hold_results, lift_job_rate, project_settings
 
 if sum(option in ("--configfile", "--configfiles") for option in sys.argv) > 1:
     end_plan(
@@ -24,11 +24,11 @@ if sum(option in ("--configfile", "--configfiles") for option in sys.argv) > 1:
     )
 if workflow.modifier.is_main_snakefile():
     # Files of the command line are laid over the project's, which may be in another folder than this file.
-    FILES = ["config/config.yaml", *map(os.path.relpath, workflow.config_settings.configfiles)]
+    FILES = [project_settings(), *map(os.path.relpath, workflow.config_settings.configfiles)]
     ON_TOP = Layer(COMMAND_LINE, with_numbers(workflow.config_settings.config))
 else:
     # A module: the settings of the workflow around it are laid over those that come with the package.
-    FILES, ON_TOP = [PROJECT / "config" / "config.yaml"], Layer("config", with_numbers(config))
+    FILES, ON_TOP = [PACKAGED], Layer("config", with_numbers(config))
 try:
     SOURCE = merged(FILES, ON_TOP)
     PLAN = Plan(load_settings(SOURCE))

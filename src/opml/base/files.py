@@ -1,10 +1,16 @@
 """Paths of a project's files; whole files and folders: a temporary one takes the name when it is complete."""
 
+import errno
 import os
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+
+from opml.base.errors import InputError
+
+_REFUSED = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EPERM)
+"""Reasons of the operating system's not to write a file: no space, no permission."""
 
 FilePath = str | os.PathLike[str]
 """A path as text or as a path object."""
@@ -15,6 +21,9 @@ PROJECT = Path(__file__).parents[1] / "workflow" / "project"
 MANUAL = Path(__file__).parents[1] / "manual" / "docs"
 """Folder of the documentation's pages in the package."""
 
+PACKAGED = PROJECT / "config" / "config.yaml"
+"""Settings of a run that come with the package."""
+
 
 def project_file(path: FilePath) -> Path:
     """Return the path of a project's file; where the project has none, that of the package's own file."""
@@ -24,15 +33,25 @@ def project_file(path: FilePath) -> Path:
 
 @contextmanager
 def replacing(path: FilePath) -> Iterator[Path]:
-    """Make the folder of `path`; yield a temporary path there, which becomes `path` if nothing is raised."""
+    """Make the folder of `path`; yield a temporary path there, which becomes `path` if nothing is raised.
+
+    Raises InputError where the disk takes no more, or the folder cannot be written to.
+    """
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
         yield temporary
         os.replace(temporary, path)
+    except OSError as error:
+        if error.errno not in _REFUSED:
+            raise
+        raise InputError(
+            f"{path}: expected a file that can be written, got {os.strerror(error.errno)}"
+        ) from None
     finally:
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):
+            temporary.unlink(missing_ok=True)
 
 
 @contextmanager

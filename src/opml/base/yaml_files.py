@@ -1,5 +1,6 @@
 """Reader of YAML files: safe, strict about keys, with errors in one line."""
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -32,8 +33,18 @@ class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[mi
 def read_yaml(path: FilePath) -> Any:
     """Read a YAML file, safely. Raises InputError where it is missing, not YAML or has a key twice."""
     try:
-        return yaml.load(Path(path).read_text(encoding="utf-8"), Loader=_Loader)
+        text = Path(path).read_text(encoding="utf-8")
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
-    except (OSError, ValueError, yaml.YAMLError) as error:
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: expected YAML in UTF-8 ({error})") from None
+    try:
+        values = yaml.load(text, Loader=_Loader)
+        json.dumps(values, skipkeys=True, default=str)  # raises where an alias stands for what it is in
+        return values
+    except (ValueError, yaml.YAMLError) as error:
+        for number, line in enumerate(text.splitlines(), start=1):
+            if line.lstrip(" ").startswith("\t"):
+                message = f"{path}: expected YAML (a tab begins line {number}, where spaces should)"
+                raise InputError(message) from None
         raise InputError(f"{path}: expected YAML ({error})") from None

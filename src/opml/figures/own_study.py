@@ -31,6 +31,7 @@ from opml.figures.style import (
 )
 from opml.learning.judge.errors_by_duration import REACH_DAYS, by_duration
 from opml.learning.judge.model_choice import Mornings
+from opml.tables.convergence import none_converged
 
 _COLUMNS = 3
 """Panels side by side."""
@@ -195,7 +196,7 @@ def drag_figure(
     """
     usable = {name: table[table["converged"]] for name, table in estimates.items()}
     if all(table.empty for table in usable.values()):
-        raise InputError("Cd of a study: expected an estimate that converged, got none")
+        raise none_converged("Cd of a study", estimates.values())
     drawn = errors is not None and not errors.empty
     figure = page_figure(height_mm=(140.0 if drawn else 110.0))
     panels = figure.subplots(3 + drawn, 1, sharex=True, height_ratios=(2.0, 1.0, 1.0, 1.6)[: 3 + drawn])

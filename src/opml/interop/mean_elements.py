@@ -1,4 +1,4 @@
-"""Reader of RSOs from mean elements flown by SGP4: a TLE, or an OMM in KVN, JSON or XML.
+"""Reader of RSOs from mean elements flown by SGP4: a TLE, or an OMM in KVN, JSON, XML or CSV.
 
     opml rso iss.tle --name mine --epoch 2016-09-28T12:09:45 \\
         --area-to-mass 0.05 --cd 2.2 --cr 1.25 >> config/rsos.tsv
@@ -10,6 +10,7 @@ Source: Vallado, Crawford, Hujsak & Kelso 2006, Revisiting Spacetrack Report #3 
 IERS Conventions 2010, section 5.4; CCSDS 502.0-B-2, section 4 (OMM).
 """
 
+import csv
 import json
 import logging
 import math
@@ -67,6 +68,9 @@ _OPTIONAL = {
     "NORAD_CAT_ID": "0",
 }
 _REQUIRED = {"MEAN_ELEMENT_THEORY": ("SGP4", "SGP/SGP4"), "REF_FRAME": ("TEME",), "TIME_SYSTEM": ("UTC",)}
+_LARGEST_NUMBER = 339_999
+"""Largest catalogue number of a TLE, Z9999 there; those of an OMM have up to nine digits."""
+
 _OMM_VERSION = "CCSDS_OMM_VERS"
 
 
@@ -88,6 +92,8 @@ def read(path: FilePath) -> Satrec:
             satellite = _from_omm(path, _xml(path))
         case _ if text.lstrip().startswith(_OMM_VERSION):
             satellite = _from_omm(path, _kvn(path))
+        case _ if len(set(_cells(text)) & {*_NUMBERS}) > 1:
+            satellite = _from_omm(path, _csv(path, text))
         case _:
             satellite = _from_tle(path, text)
     if satellite.error:
@@ -231,6 +237,22 @@ def _xml(path: FilePath) -> dict[str, str]:
         ) from None
 
 
+def _cells(text: str) -> list[str]:
+    """Return the cells of the first line of a text, as CSV."""
+    return next(csv.reader(text.lstrip().splitlines()[:1]), [])
+
+
+def _csv(path: FilePath, text: str) -> dict[str, str]:
+    columns = _cells(text)
+    if twice := [name for name in columns if columns.count(name) > 1]:
+        raise InputError(f"{path}: {twice[0]}: expected one such column, got several")
+    rows = list(omm.parse_csv(text.lstrip().splitlines()))
+    for row in rows:
+        if None in row or None in row.values():
+            raise InputError(f"{path}: expected a cell for each column of the first line, got more or fewer")
+    return _single_set(path, rows)
+
+
 def _kvn(path: FilePath) -> dict[str, str]:
     message = ccsds.Message(path, version_key=_OMM_VERSION, versions=("1.0", "2.0", "3.0"))
     values: dict[str, str] = {}
@@ -260,10 +282,16 @@ def _from_omm(path: FilePath, values: Mapping[str, str]) -> Satrec:
     epoch = _omm_epoch(path, elements)
     satellite = Satrec()
     try:
-        omm.initialize(satellite, elements | {"EPOCH": epoch})
+        omm.initialize(satellite, elements | {"EPOCH": epoch, "NORAD_CAT_ID": _number(elements)})
     except ValueError as reason:
         raise InputError(f"{path}: expected elements that SGP4 can take, got {reason}") from None
     return satellite
+
+
+def _number(elements: Mapping[str, str]) -> str:
+    """Return the catalogue number as sgp4 takes it, 0 for one beyond TLEs: no orbit depends on it."""
+    number = elements["NORAD_CAT_ID"]
+    return number if int(number) <= _LARGEST_NUMBER else "0"
 
 
 def _omm_epoch(path: FilePath, elements: Mapping[str, str]) -> str:

@@ -18,6 +18,7 @@ from opml.base.files import FilePath, replacing_folder
 from opml.interop import ccsds
 from opml.interop.orbit_arcs import MOST_APART, Arc, check_ascending, choose_satellite
 from opml.tables import STATE
+from opml.tables.convergence import none_converged
 
 _KEY = "CCSDS_OEM_VERS"
 _VERSIONS = ("1.0", "2.0")
@@ -74,7 +75,7 @@ def estimate_segments(estimates: pd.DataFrame, *, rso: str) -> list[Segment]:
     """
     usable = estimates[estimates["converged"]]
     if usable.empty:
-        raise InputError(f"{rso}: expected an estimate that converged, got none")
+        raise none_converged(rso, [estimates])
     t, remark = usable["t"].to_numpy(), "estimates at the starts of tracks, not for interpolation"
     return [Segment(rso, t, usable[STATE].to_numpy(), t, _matrices(usable), remark=remark)]
 

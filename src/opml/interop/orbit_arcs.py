@@ -1,5 +1,6 @@
 """Common parts of the readers of orbits: arcs, files plain or gzipped, numbers and times."""
 
+import codecs
 import gzip
 import zlib
 from collections.abc import Sequence
@@ -61,7 +62,8 @@ def contents(path: FilePath) -> bytes:
     """Return the bytes of a file, plain or gzipped. Raises InputError where it cannot be read."""
     try:
         packed = Path(path).read_bytes()
-        return gzip.decompress(packed) if packed.startswith(_GZIPPED) else packed
+        content = gzip.decompress(packed) if packed.startswith(_GZIPPED) else packed
+        return content.removeprefix(codecs.BOM_UTF8)
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
     except (EOFError, OSError, zlib.error) as reason:

@@ -9,12 +9,15 @@ from itertools import pairwise
 
 import numpy as np
 
-from opml.base.constants import DAY
+from opml.base.constants import DAY, WGS84_A, WGS84_F
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.environment import MARGIN_S
 from opml.interop import ccsds, cpf, oem, sp3
 from opml.interop.orbit_arcs import MOST_APART, Arc, contents
+
+_NEAREST, _FARTHEST = WGS84_A * (1.0 - WGS84_F), 600e6
+"""Distances of a satellite from the Earth's centre [m]; others are in another unit."""
 
 _Read = Callable[..., list[Arc]]
 
@@ -60,6 +63,7 @@ def read_arcs(files: OrbitFiles) -> list[Arc]:
     for arc in arcs:
         _check_alike(arcs[0], arc)
         _check_spacing(arc)
+        _check_unit(arc)
     arcs = sorted(arcs, key=lambda arc: float(arc.t[0]))
     for before, after in pairwise(arcs):
         if before.t[0] == after.t[0]:
@@ -98,6 +102,14 @@ def _check_spacing(arc: Arc) -> None:
     spacing = float(np.median(np.diff(arc.t))) if len(arc.t) > 1 else 0.0
     if spacing > MOST_APART:
         raise InputError(f"{arc.path}: expected positions at most {MOST_APART:g} s apart, got {spacing:g} s")
+
+
+def _check_unit(arc: Arc) -> None:
+    """Raise InputError where the usual position is inside the Earth, or farther away than the Moon."""
+    radius = float(np.median(np.linalg.norm(arc.positions, axis=1)))
+    if not _NEAREST <= radius <= _FARTHEST:
+        expected = f"positions {_NEAREST / 1e3:.0f} to {_FARTHEST / 1e3:.0f} km from the Earth's centre"
+        raise InputError(f"{arc.path}: expected {expected}, got {radius / 1e3:.6g} km: is the unit right?")
 
 
 def _cut_to_run(arcs: Sequence[Arc], files: OrbitFiles) -> list[Arc]:

@@ -67,7 +67,10 @@ def read(path: FilePath, content: bytes, *, epoch: str, satellite: str | None = 
     velocities, _ = _vectors(path, rows, f"V{name}", epoch_rows)
     known = np.isfinite(positions[:, 0])
     if not known.any():
-        raise InputError(f"{path}: expected a position of {name}, got none")
+        message = (
+            f"{path}: expected a position of {name}, got none: those at 0 or beyond 999999 km are absent"
+        )
+        raise InputError(message)
     return [
         Arc(
             path=path,

@@ -164,7 +164,12 @@ def _corrections(message: ccsds.Message, metadata: ccsds.Pairs) -> np.ndarray:
 
 def _value(message: ccsds.Message, kind: str, text: str, number: int) -> float:
     """Return a measurement [rad, m] from its text in degrees or kilometres."""
-    return message.scale(text, _KILO, number) if kind == "RANGE" else message.radians(text, number)
+    if kind == "RANGE":
+        return message.scale(text, _KILO, number)
+    angle = message.radians(text, number)
+    if abs(angle) > 2.0 * np.pi:
+        raise message.error("an angle of -360 to 360 deg", text, number)
+    return angle
 
 
 def _data(message: ccsds.Message) -> dict[str, dict[str, tuple[float, int]]]:

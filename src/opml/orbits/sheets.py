@@ -54,13 +54,17 @@ class Rso:
 
 @dataclass(frozen=True)
 class _Field:
-    """A sheet's column: the attribute it fills, its range in the sheet's unit, and the conversion to SI."""
+    """A sheet's column: the attribute it fills, its range in the sheet's unit, and the conversion to SI.
+
+    too_high: what may be the cause of a number above the range
+    """
 
     attribute: str
     low: float
     high: float
     to_si: Callable[[float], float] = float
     above_low: bool = False
+    too_high: str = ""
 
     def parse(self, text: str) -> float:
         """Return the value in SI units. Raises ValueError with what was expected."""
@@ -70,7 +74,8 @@ class _Field:
             value = math.nan
         inside = self.low < value if self.above_low else self.low <= value
         if not (inside and value <= self.high and math.isfinite(value)):
-            raise ValueError(f"expected {self._range()}, got {text!r}")
+            hint = f": {self.too_high}" if value > self.high and self.too_high else ""
+            raise ValueError(f"expected {self._range()}, got {text!r}{hint}")
         return self.to_si(value)
 
     def _range(self) -> str:
@@ -94,7 +99,7 @@ _STATION_FIELDS = {
     "sigma_elevation_deg": _Field("sigma_elevation", 0, 90, math.radians, above_low=True),
 }
 _RSO_FIELDS = {
-    "a_km": _Field("a", WGS84_A / 1e3, 300_000, _kilo),  # a larger number is one in metres
+    "a_km": _Field("a", WGS84_A / 1e3, 300_000, _kilo, too_high="metres in place of kilometres?"),
     "e": _Field("e", 0, 0.99),
     "i_deg": _Field("i", 0, 180, math.radians),
     "argp_deg": _Field("argp", -360, 360, math.radians),
@@ -188,7 +193,8 @@ def _rows(path: str | Path, fields: Mapping[str, _Field]) -> dict[str, dict[str,
     if sorted(header) != sorted(expected):
         odd = sorted(set(header) ^ set(expected)) or sorted(name for name in header if header.count(name) > 1)
         raise InputError(
-            f"{path}: header: expected the columns {', '.join(expected)}; look at {', '.join(odd)}"
+            f"{path}: header: expected the columns {', '.join(expected)} between tabs; "
+            f"look at {', '.join(name or 'the one without a name' for name in odd)}"
         )
     rows: dict[str, dict[str, float]] = {}
     numbers: dict[str, int] = {}

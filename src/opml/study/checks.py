@@ -1,14 +1,17 @@
 """What a schema cannot say: settings held against each other, the sheets, the files and the study's parts."""
 
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from opml import naming
 from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
+from opml.base.files import PACKAGED
 from opml.environment import coverage, knowledge
 from opml.interop import first_state, orbit_from_files, tdm
 from opml.learning.models import learners
@@ -41,6 +44,8 @@ def load_settings(source: Source) -> CheckedSettings:
     _check_keys(source)
     run = validated(source)
     _check_order(source)
+    _check_results(source)
+    _check_sheets(source)
     settings = with_sheets(source.values, source)
     misfit = _misfit(source, settings)
     learners.check(source.values)
@@ -52,6 +57,7 @@ def check_data(source: Source, settings: Settings) -> None:
 
     Takes seconds where there are many files of orbits. Raises InputError for the first thing that is wrong.
     """
+    _check_paths(source, settings)
     coverage.check(source.values)
     _check_orbits(source, settings)
     _check_tracks(source, settings)
@@ -86,7 +92,7 @@ def _misfit(source: Source, settings: Settings) -> str:
         if not source.has_default_study:
             raise
         check_study(source, settings, last_day=math.inf)
-        return f'{error}; a file with "study: {{}}" asks for no study'
+        return f'{error}; "study: {{}}" in a file, or --config study={{}}, asks for no study'
     return ""
 
 
@@ -96,6 +102,21 @@ def _check_keys(source: Source) -> None:
         for name in value_at(source.values, key):
             if not isinstance(name, str):
                 raise source.wrong((*key, name), "expected a key that is text")
+
+
+def _check_results(source: Source) -> None:
+    """Raise InputError where a file stands in the place of the folder of results, or of one above it."""
+    results = Path(source.values["results"])
+    for path in (results, *results.parents):
+        if path.is_file():
+            raise source.wrong(("results",), f"expected a folder, got a file at {path}")
+
+
+def _check_sheets(source: Source) -> None:
+    """Raise InputError where a sheet is missing; the package's own settings alone name the package's own."""
+    for kind, path in source.values["sheets"].items():
+        if source.origin(("sheets", kind)) != str(PACKAGED) and not Path(path).exists():
+            raise source.wrong(("sheets", kind), f"{path}: no such file")
 
 
 def _check_order(source: Source) -> None:
@@ -152,6 +173,21 @@ def _both(source: Source, first: Key, second: Key) -> tuple[Any, Any]:
         missing, present = (first, second) if values[0] is MISSING else (second, first)
         raise source.wrong(missing, f"expected a value beside {present[-1]}, got none")
     return values
+
+
+def _check_paths(source: Source, settings: Settings) -> None:
+    """Raise InputError for a user's file with braces in its path: Snakemake has no escape for them."""
+    kinds: Mapping[str, Mapping[str, Any]] = {
+        "orbits": settings.orbits,
+        "tracks": settings.tracks,
+        "starts": settings.starts,
+        "environment": source.values["environment"],
+    }
+    for kind, entries in kinds.items():
+        for name, paths in entries.items():
+            for path in paths if isinstance(paths, list) else [str(paths)]:
+                if re.search("[{}]", path):
+                    raise source.wrong((kind, name), f"expected a path without braces, got {path}")
 
 
 def _check_orbits(source: Source, settings: Settings) -> None:

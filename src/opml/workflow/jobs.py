@@ -3,7 +3,7 @@
 import logging
 import sys
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any, TypeVar
 
 import pandas as pd
@@ -19,6 +19,18 @@ _log = logging.getLogger("opml")
 _warnings = logging.getLogger("py.warnings")
 
 TableKey = TypeVar("TableKey")
+
+
+class _LogFile(logging.FileHandler):
+    """A log that goes without the lines that a full disk does not take; the job itself tells of the disk."""
+
+    def handleError(self, record: logging.LogRecord) -> None:
+        """Pass over a line that was not written."""
+
+    def close(self) -> None:
+        """Close the file, whether its last lines are written or not."""
+        with suppress(OSError):
+            super().close()
 
 
 @contextmanager
@@ -78,7 +90,7 @@ def _open_log(paths: Any) -> list[logging.Handler]:
     screen = logging.StreamHandler(sys.stderr)
     screen.setLevel(logging.ERROR)
     screen.setFormatter(logging.Formatter("opml: %(message)s"))
-    files = [logging.FileHandler(path, mode="w", encoding="utf-8") for path in paths]
+    files = [_LogFile(path, mode="w", encoding="utf-8") for path in paths]
     for file in files:
         file.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
     handlers: list[logging.Handler] = [screen, *files]

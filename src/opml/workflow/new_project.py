@@ -29,9 +29,14 @@ study:
 def write(folder: FilePath) -> None:
     """Write the workflow, its settings and a study into a folder, which is made where there is none.
 
-    Raises InputError where the folder holds a file or folder of such a name; nothing is written then.
+    Raises InputError for no name, for that of a file, and where the folder holds a file or folder of a
+    project's; nothing is written then.
     """
+    if not str(folder).strip():
+        raise InputError(f"init: expected a folder, got {str(folder)!r}; . is this one")
     folder = Path(folder)
+    if folder.is_file():
+        raise InputError(f"{folder}: expected a folder, got a file")
     parts = sorted(PROJECT.iterdir())
     for name in (*(part.name for part in parts), STUDY):
         if (folder / name).exists():

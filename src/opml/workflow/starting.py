@@ -12,11 +12,24 @@ from opml.workflow.plan import end_plan
 
 
 def hold_results(folder: FilePath) -> None:
-    """Hold a folder of results for this run; end it in one line where another run holds the folder."""
+    """Hold a folder of results for this run.
+
+    Ends the run in one line where another run holds the folder, or nothing can be written there.
+    """
     try:
         lock.hold(Path(folder))
     except InputError as error:
         end_plan(error)
+    except OSError as error:
+        end_plan(f"{folder}: expected a folder that can be written to, got {error.strerror}")
+
+
+def project_settings() -> str:
+    """Return the path of the project's settings; end the plan where this folder has none."""
+    path = "config/config.yaml"
+    if not Path(path).exists():
+        end_plan(f"{path}: no such file in {Path.cwd()}; --directory names the folder of another project")
+    return path
 
 
 def date_back_to_now(folder: FilePath) -> None:

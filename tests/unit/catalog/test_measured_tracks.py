@@ -154,3 +154,23 @@ def test_times_outside_of_the_run_are_told(message):
 def test_a_measurement_twice_is_told(message):
     with pytest.raises(InputError, match="expected one measurement by kaena at a time, got a second one"):
         measured_tracks.check(read(message, message), stations(), epoch=EPOCH, duration=A_DAY)
+
+
+@pytest.mark.parametrize(
+    ("shift", "said"),
+    [(1e-3, "expected other values than those of"), (3600.0, "expected other values than those of")],
+)
+def test_a_copy_with_other_times_is_told(table, message, tmp_path, shift, said):
+    copy = tmp_path / "copy.tdm"
+    tdm.write(copy, table.assign(t=table["t"] + shift), epoch=EPOCH, rso="iss")
+    with pytest.raises(InputError, match=f"copy.tdm: line [0-9]+: {said} .*iss.tdm, line [0-9]+, got"):
+        measured_tracks.check(read(message, copy), stations(), epoch=EPOCH, duration=2 * A_DAY)
+
+
+def test_a_copy_with_other_times_and_roundings_is_told(table, message, tmp_path):
+    copy = tmp_path / "copy.tdm"
+    shifted = table.assign(t=table["t"] + 1e-3, range=table["range"] + 1e-3)
+    tdm.write(copy, shifted, epoch=EPOCH, rso="iss")
+    said = "expected no time so close to that of .*iss.tdm, line [0-9]+, .*got one 0.001 s later: does a file"
+    with pytest.raises(InputError, match=f"copy.tdm: line [0-9]+: {said}"):
+        measured_tracks.check(read(message, copy), stations(), epoch=EPOCH, duration=2 * A_DAY)

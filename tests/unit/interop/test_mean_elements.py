@@ -233,3 +233,41 @@ def test_an_orbit_that_decayed_is_an_input_error(written):
     satellite = mean_elements.read(written(kvn(MEAN_MOTION="16.4", ECCENTRICITY="0.001", BSTAR="0.01")))
     with pytest.raises(InputError, match=r"mean elements: expected an orbit at 2020-01-01T00:00:00, got"):
         mean_elements.state(satellite, epoch="2020-01-01T00:00:00")
+
+
+def test_a_list_as_csv_is_read_and_several_are_told(tmp_path):
+    (tmp_path / "one.csv").write_text(f"{','.join(OMM)}\n{','.join(OMM.values())}\n")
+    (tmp_path / "json.omm").write_text(json.dumps(OMM))
+    states = [
+        mean_elements.state(mean_elements.read(tmp_path / name), epoch=THREE_DAYS_ON)
+        for name in ("one.csv", "json.omm")
+    ]
+    np.testing.assert_array_equal(*states)
+    for rows, said in ((2, "expected the mean elements of one RSO, got 2"), (0, "RSO, got 0")):
+        row = ",".join(OMM.values())
+        (tmp_path / "list.csv").write_text("\n".join([",".join(OMM), *[row] * rows]))
+        with pytest.raises(InputError, match=f"list.csv: .*{said}"):
+            mean_elements.read(tmp_path / "list.csv")
+    (tmp_path / "cut.csv").write_text(f"{','.join(OMM)}\nVANGUARD 1,1958")
+    with pytest.raises(InputError, match=r"cut\.csv: expected a cell for each column"):
+        mean_elements.read(tmp_path / "cut.csv")
+
+
+def test_a_catalogue_number_of_nine_digits_changes_nothing(tmp_path):
+    for number in ("5", "799501234"):
+        (tmp_path / f"{number}.json").write_text(json.dumps([OMM | {"NORAD_CAT_ID": number}]))
+    short, long = (mean_elements.read(tmp_path / f"{number}.json") for number in ("5", "799501234"))
+    np.testing.assert_array_equal(
+        *(mean_elements.state(satellite, epoch=THREE_DAYS_ON) for satellite in (short, long))
+    )
+
+
+def test_columns_of_csv_that_are_missing_or_there_twice_are_told(tmp_path):
+    path = tmp_path / "odd.csv"
+    for columns, said in (
+        ({name: value for name, value in OMM.items() if name != "BSTAR"}, "BSTAR: expected a finite number"),
+        (OMM | {" BSTAR": "1"}, "BSTAR: expected one such column, got several"),
+    ):
+        path.write_text(f"{','.join(columns).replace(' BSTAR', 'BSTAR')}\n{','.join(columns.values())}\n")
+        with pytest.raises(InputError, match=f"odd.csv: {said}"):
+            mean_elements.read(path)

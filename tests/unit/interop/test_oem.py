@@ -115,6 +115,9 @@ def test_predictions_are_a_segment_an_estimate(tmp_path):
 def test_tables_without_anything_to_tell_are_input_errors():
     with pytest.raises(InputError, match="iss: expected an estimate that converged"):
         oem.estimate_segments(estimates().assign(converged=False), rso="iss")
+    lost = estimates().assign(converged=False, weighted_rms=1234.5)
+    with pytest.raises(InputError, match=r"of 1\.23e\+03 times the stations' noise .*: did these stations"):
+        oem.estimate_segments(lost, rso="iss")
     with pytest.raises(InputError, match="iss: expected a prediction"):
         oem.prediction_segments(predictions().assign(reason="decayed below 120 km"), rso="iss")
 

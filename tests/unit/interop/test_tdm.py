@@ -1,5 +1,7 @@
 """TDM: tracks come back, and what is malformed is named by file and line."""
 
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -162,3 +164,12 @@ def test_every_angle_comes_back_from_17_digits(message, angle):
         text = ccsds.degrees_text(one)
         assert reader.radians(text, 1) == one
         assert len(text.partition("E")[0].replace(".", "").lstrip("-0")) <= 17
+
+
+def test_an_angle_beyond_a_turn_is_refused(message):
+    text = message.read_text()
+    message.write_text(
+        re.sub(r"^ANGLE_1 = (\S+) \S+", r"ANGLE_1 = \1 400.5", text, count=1, flags=re.MULTILINE)
+    )
+    with pytest.raises(InputError, match=r"line \d+: expected an angle of -360 to 360 deg, got 400\.5"):
+        tdm.read(message, epoch=EPOCH)

@@ -279,6 +279,23 @@ def test_velocities_in_another_unit_are_refused(tmp_path, nodes):
         read_truth([path])
 
 
+@pytest.mark.parametrize("factor", [1e3, 1e-3])
+def test_positions_in_another_unit_are_refused(tmp_path, nodes, factor):
+    t, states = nodes(60.0)
+    path = tmp_path / "a.oem"
+    oem.write(path, [oem.Segment("mine", t, factor * states)], epoch=EPOCH)
+    with pytest.raises(InputError, match=r"a\.oem: expected positions 6357 to 600000 km .*is the unit right"):
+        orbit_from_files.check(OrbitFiles([path], EPOCH, DURATION))
+
+
+def test_a_mark_of_the_byte_order_is_passed_over(tmp_path, orbit):
+    path = tmp_path / "a.oem"
+    t, states = orbit[0][::12], orbit[1][::12]
+    oem.write(path, [oem.Segment("mine", t, states)], epoch=EPOCH)
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert orbit_from_files.read_arcs(OrbitFiles([path], EPOCH, DURATION))
+
+
 def test_an_orbit_that_is_too_rough_is_refused(tmp_path, nodes):
     t, states = nodes(180.0)
     states[:, :3] += np.random.default_rng(1).normal(0.0, 10.0, (len(t), 3))

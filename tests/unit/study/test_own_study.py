@@ -462,8 +462,9 @@ def test_figure_of_drag_shows_every_window_and_the_weather():
     assert last.lines[0].get_label() == "error after 1 d"
     assert last.lines[0].get_ydata().tolist() == [2.0, 4.0]
     assert last.get_xlabel() == "time [d]"
-    with pytest.raises(InputError, match="expected an estimate that converged"):
-        figures.drag_figure({"12-hour fits": table.assign(converged=False)}, weather)
+    lost = table.assign(converged=False, weighted_rms=2.0)
+    with pytest.raises(InputError, match=r"expected an estimate that converged, got none of \d+$"):
+        figures.drag_figure({"12-hour fits": lost}, weather)
 
 
 def test_windows_of_the_fits_that_models_ask_for():

@@ -1,6 +1,7 @@
 """Settings: the paper's are valid, and each wrong one is told in one line with its file and key."""
 
 import json
+import shutil
 from dataclasses import MISSING, asdict, fields
 
 import pytest
@@ -9,6 +10,7 @@ from jsonschema import Draft202012Validator
 from support import EXCERPTS, REPOSITORY, paper_source, paper_values, setting_keys, study_of
 
 from opml.base.errors import InputError
+from opml.base.files import PACKAGED
 from opml.base.yaml_files import read_yaml
 from opml.catalog.fit.estimation import Estimation
 from opml.catalog.predict.thermometer import Thermometer
@@ -461,7 +463,7 @@ def test_no_study_is_no_study(tmp_path, nothing):
 
 MISFIT = (
     "config/studies/paper.yaml: study.span_days: expected ascending days up to duration_days, 27, "
-    'got 0 and 30; a file with "study: {}" asks for no study'
+    'got 0 and 30; "study: {}" in a file, or --config study={}, asks for no study'
 )
 
 
@@ -658,3 +660,79 @@ def test_layers_are_laid_key_by_key():
 def test_a_value_of_no_file_is_the_command_lines():
     source = Source({"a": 1}, [Layer("file.yaml", {"a": 2})])
     assert str(source.wrong(("a",), "expected 3")) == "--config: a: expected 3"
+
+
+BODY = "area_to_mass_m2pkg: 0.02, cd: 2.2, cr: 1.25"
+ROW = f"a_km: 6900, e: 0.001, i_deg: 97.5, argp_deg: 0, raan_deg: 120, mean_anomaly_deg: 0, {BODY}"
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "expected"),
+    [
+        (f"rsos: {{mine: {{{ROW}}}}}", "rsos: {mine: {cd: -1}}", "b.yaml: rsos.mine.cd: expected a number"),
+        (
+            f"rsos: {{mine: {{{ROW.replace('2.2', '-1')}}}}}",
+            "rsos: {mine: {a_km: 7000}}",
+            "a.yaml: rsos.mine.cd: expected a number",
+        ),
+        (
+            "force_models: {truth: {order: 9}}",
+            "force_models: {truth: {degree: 8}}",
+            "a.yaml: force_models.truth.order: expected at most degree, got 9 and 8",
+        ),
+        (
+            "stations: {here: {}}",
+            "stations: {here: {altitude_m: 3}}",
+            "b.yaml: stations.here: expected the keys",
+        ),
+    ],
+)
+def test_the_file_in_which_a_wrong_value_stands_is_named(tmp_path, monkeypatch, first, second, expected):
+    files = [REPOSITORY / "config" / "config.yaml", tmp_path / "a.yaml", tmp_path / "b.yaml"]
+    files[1].write_text(first)
+    files[2].write_text(second)
+    assert refused(merged(files, Layer(COMMAND_LINE, {}))).startswith(f"{tmp_path}/{expected}")
+
+
+def test_metres_in_place_of_kilometres_are_told(tmp_path):
+    text = f"rsos: {{mine: {{{ROW.replace('6900', '6928137')}}}}}"
+    line = refused(given(tmp_path, text))
+    assert line.endswith(
+        "rsos.mine.a_km: expected a number of at least 6378.14 and at most 300000, "
+        "got '6928137': metres in place of kilometres?"
+    )
+
+
+def test_a_file_in_the_place_of_results_is_told(tmp_path):
+    (tmp_path / "taken").write_text("")
+    for results in ("taken", "taken/deeper"):
+        line = refused(given(tmp_path, f"results: {tmp_path}/{results}"))
+        assert line.endswith(f"mine.yaml: results: expected a folder, got a file at {tmp_path}/taken")
+
+
+@pytest.mark.parametrize(
+    ("key", "values"),
+    [
+        ("orbits.iss", 'orbits: {iss: "a{b}.sp3"}'),
+        ("tracks.iss", 'tracks: {iss: ["{rso}.tdm"]}'),
+        ("starts.iss", 'starts: {iss: "a{b}.tle"}'),
+        ("environment.gravity_field", 'environment: {gravity_field: "a{b}.gfc"}'),
+    ],
+)
+def test_a_path_with_braces_is_told(tmp_path, key, values):
+    assert f"mine.yaml: {key}: expected a path without braces, got " in refused(given(tmp_path, values))
+
+
+def test_a_sheet_that_the_project_lost_is_told(tmp_path, monkeypatch):
+    shutil.copytree(REPOSITORY / "config", tmp_path / "config")
+    (tmp_path / "config" / "stations.tsv").unlink()
+    monkeypatch.chdir(tmp_path)
+    line = "config/config.yaml: sheets.stations: config/stations.tsv: no such file"
+    assert refused(merged(["config/config.yaml"])) == line
+    checks.load_settings(merged([PACKAGED]))  # settings of the package have its sheets
+
+
+@pytest.mark.parametrize("text", ["'20'", "2e1"])
+def test_a_number_that_yaml_reads_as_text_is_told(tmp_path, text):
+    line = refused(given(tmp_path, f"duration_days: {text}"))
+    assert f"duration_days: expected a number above 0, got '{text.strip(chr(39))}', which YAML reads" in line

@@ -1,5 +1,6 @@
 """The frame around every job: log, metadata, and how errors end it."""
 
+import errno
 import logging
 from types import SimpleNamespace
 
@@ -9,6 +10,7 @@ from threadpoolctl import threadpool_info
 
 from opml import __version__
 from opml.base.errors import InputError
+from opml.base.files import replacing
 from opml.base.provenance import settings_digest
 from opml.tables import TRUTH_GROUPS, write_table
 from opml.workflow.jobs import job, metadata_of_each, progress, read_by_key
@@ -101,3 +103,29 @@ def test_tables_stand_under_the_keys_of_their_places(tmp_path):
     }
     with pytest.raises(ValueError, match="longer"):
         read_by_key(["a"], paths, TRUTH_GROUPS)
+
+
+def refuse(*_):
+    """What the system does where the disk is full."""
+    raise OSError(errno.ENOSPC, "no space, says a library")
+
+
+def write_on_a_full_disk(path):
+    with replacing(path) as temporary:
+        temporary.write_text("half")
+        refuse()
+
+
+def test_a_full_disk_is_told_in_one_line(snakemake, capfd, tmp_path, monkeypatch):
+    monkeypatch.setattr(logging.FileHandler, "flush", refuse)
+    table = tmp_path / "table.parquet"
+    with pytest.raises(SystemExit), job(snakemake):
+        write_on_a_full_disk(table)
+    told = f"opml: {table}: expected a file that can be written, got No space left on device\n"
+    assert capfd.readouterr().err == told
+    assert [path.name for path in tmp_path.iterdir()] == ["job.log"]
+
+
+def test_an_error_that_is_none_of_the_disks_stays_what_it_is(tmp_path):
+    with pytest.raises(FileNotFoundError), replacing(tmp_path / "table.parquet"):
+        (tmp_path / "other").read_bytes()

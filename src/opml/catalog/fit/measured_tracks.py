@@ -31,6 +31,9 @@ ENOUGH = 20
 _SHORTEST = 60.0
 """Shortest track whose velocity tells whether it belongs to an orbit [s]."""
 
+_CLOSE = 0.1
+"""Part of the usual step between measurements within which a station does not measure again."""
+
 _ORBITAL = 0.2, 1.95
 """Squared speeds of an orbit, in those of a circular orbit at its height: eccentricities up to 0.8."""
 
@@ -64,8 +67,8 @@ def check(
     epoch: UTC text
     duration: of the run [s]
 
-    The reasons are an unknown station, a time outside of the run, a station that measured twice at a time,
-    and measurements that the station cannot see or no orbit can have.
+    The reasons are an unknown station, a time outside of the run, a station that measured twice at a time or
+    has a copy among its segments, and measurements that the station cannot see or no orbit can have.
     """
     unknown = measurements[~_keys(measurements["station"]).isin(stations)]
     if not unknown.empty:
@@ -98,11 +101,40 @@ def _keys(names: pd.Series) -> pd.Series:
 
 
 def _check_once(table: pd.DataFrame) -> None:
-    """Raise InputError where a station measured twice at a time."""
+    """Raise InputError where a station measured twice at a time, or the same twice."""
     again = table.duplicated(["station", "t"])
     if again.any():
         row = table[again].iloc[0]
         raise _wrong(table[again], f"one measurement by {row['station']} at a time", "a second one")
+    for _, rows in table.groupby("station", sort=False):
+        _check_other(rows)
+        _check_apart(rows)
+
+
+def _check_other(rows: pd.DataFrame) -> None:
+    """Raise InputError where two segments hold the same values of one station, as a copy with other times."""
+    again = rows.duplicated(list(QUANTITIES)) & ~rows.duplicated(["segment", *QUANTITIES])
+    if again.any():
+        row = rows[again].iloc[0]
+        first = rows[(rows[list(QUANTITIES)] == row[list(QUANTITIES)]).all(axis=1)].iloc[0]
+        raise _wrong(rows[again], f"other values than those of {_place_of(first)}", "the same")
+
+
+def _check_apart(rows: pd.DataFrame) -> None:
+    """Raise InputError where segments of one station are within each other's steps, as a copy shifted."""
+    ordered = rows.sort_values("t")
+    gaps, step = ordered["t"].diff(), ordered.groupby("segment")["t"].diff().median()
+    close = (gaps < _CLOSE * step) & (ordered["segment"] != ordered["segment"].shift())
+    if close.any():
+        at = int(close.to_numpy().argmax())
+        before = ordered.iloc[at - 1]
+        expected = f"no time so close to that of {_place_of(before)}, by the same station"
+        got = f"one {gaps.iloc[at]:.3g} s later: does a file stand twice?"
+        raise _wrong(ordered.iloc[at:], expected, got)
+
+
+def _place_of(row: pd.Series) -> str:
+    return f"{row['path']}, line {row['line']}"
 
 
 def _check_degrees(table: pd.DataFrame) -> None:

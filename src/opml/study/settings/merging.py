@@ -103,6 +103,9 @@ def _inline(source: Source, kind: str, parse: Any, *, known: Mapping[str, Any]) 
         try:
             parsed |= parse({name: row})
         except InputError as error:
+            column, _, what = str(error).partition(": ")
+            if column in row:  # the columns of a row may stand in several files
+                raise source.wrong((kind, name, column), what) from None
             raise source.wrong((kind, name), str(error)) from None
     return parsed
 

@@ -40,16 +40,16 @@ class Source:
 
     def wrong(self, key: Key, what: str) -> InputError:
         """Return the error about a key, with the file that set it."""
-        return InputError(f"{self._origin(key)}: {'.'.join(map(str, key))}: {what}")
+        return InputError(f"{self.origin(key)}: {'.'.join(map(str, key))}: {what}")
 
-    def _origin(self, key: Key) -> str:
-        """Name of the layer that set a key; of one that is missing, of the layer that set what it is in."""
+    def origin(self, key: Key) -> str:
+        """Return the name of the layer that set a key, for a missing key of that which set what it is in."""
         value = value_at(self.values, key)
         if value is MISSING:
             setting = [layer.name for layer in self.layers if value_at(layer.values, key[:-1]) is not MISSING]
             return setting[-1] if setting else "settings"
         for layer in reversed(self.layers):
-            if repr(value_at(layer.values, key)) == repr(value):
+            if _sets(value_at(layer.values, key), value):
                 return layer.name
         return COMMAND_LINE
 
@@ -93,6 +93,13 @@ def value_at(values: Any, key: Key) -> Any:
         return reduce(operator.getitem, key, values)
     except (KeyError, IndexError, TypeError):
         return MISSING
+
+
+def _sets(part: Any, whole: Any) -> bool:
+    """Return whether a layer's value stands in a merged one; a mapping may be merged from several layers."""
+    if isinstance(part, Mapping) and isinstance(whole, Mapping):
+        return part == whole or any(_sets(value, whole.get(key, MISSING)) for key, value in part.items())
+    return repr(part) == repr(whole)
 
 
 def mappings(values: Mapping[str, Any], key: Key = ()) -> Iterator[Key]:

@@ -11,7 +11,7 @@ from pydantic_core import ErrorDetails
 from opml.base.setting_types import TypeSchema
 from opml.study.settings.json_schema import child, choices, dereferenced, json_schema
 from opml.study.settings.model.whole import RunSettings
-from opml.study.settings.overlay import Key, Source, value_at
+from opml.study.settings.overlay import Key, Source, value_at, with_numbers
 
 _NAME = "[key]"
 """Last part of the location of an error about a name, by pydantic."""
@@ -52,8 +52,17 @@ def _refusal(error: ErrorDetails, schema: TypeSchema, values: Any) -> _Refusal:
         return _Refusal(_text(location[:-1]), True, location, "expected a value, got none")
     # A pair that lacks an item is no pair.
     place, node = _place(location[:-1] if error["type"] == "missing" else location, schema, values)
-    what = f"expected {_expected(error, node)}, got {reprlib.repr(value_at(values, place))}"
+    value = value_at(values, place)
+    what = f"expected {_expected(error, node)}, got {reprlib.repr(value)}{_cause(error, value)}"
     return _Refusal(_text(place), True, place, what)
+
+
+def _cause(error: ErrorDetails, value: Any) -> str:
+    """Return why a number is none: quotes, or an exponent without a point, make it text."""
+    is_number = (
+        error["type"] == "float_type" and isinstance(value, str) and not isinstance(with_numbers(value), str)
+    )
+    return ", which YAML reads as text (quotes, or 1e1 in place of 1.0e+1)" if is_number else ""
 
 
 def _place(location: Key, schema: TypeSchema, values: Any) -> tuple[Key, TypeSchema]:
