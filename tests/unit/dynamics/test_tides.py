@@ -5,15 +5,16 @@ import numpy as np
 import pytest
 from support import EPOCH, environment, precise_model, rsos
 
-from opml.base.constants import DAY, EARTH_RATE, GM, HOUR
+from opml.base.constants import BODIES, DAY, EARTH_RATE, GM, HOUR
 from opml.base.errors import InputError
 from opml.catalog.simulate.truth import initial_state
-from opml.dynamics import solid_tides
+from opml.dynamics import force_model, solid_tides
 from opml.dynamics.ensemble import Departures, Integrator, propagate
 from opml.dynamics.kernels import surroundings, tides
 from opml.dynamics.kernels.gravity import weights
 from opml.dynamics.kernels.surroundings import TIDE
-from opml.environment import celestial_bodies, earth_orientation
+from opml.environment import celestial_bodies, earth_orientation, gravity_field
+from opml.tables import write_table
 
 FIELD = {"gm": 3.986004415e14, "radius": 6378136.3}
 C20 = 2 * tides.TERMS.index((2, 0))
@@ -171,5 +172,16 @@ def test_a_field_without_harmonics_has_tides_all_the_same():
     assert np.abs(moved)[:, :3].max() > 0.1
 
 
-def test_the_tables_of_a_run_are_enough():
-    assert len(precise_model(8).tides.nodes) == len(environment()["ephemerides"])
+def test_a_run_has_the_forces_of_its_settings(tmp_path):
+    field = gravity_field.read_icgem(gravity_field.resolve("EGM2008")).truncate(8, 8)
+    frames = environment() | {"gravity_field": gravity_field.table(field, EPOCH)}
+    facts = {"gravity_field": gravity_field.metadata(field), "ephemerides": {"gm": GM}}
+    paths = {name: str(tmp_path / f"{name}.parquet") for name in frames}
+    for name, frame in frames.items():
+        write_table(paths[name], frame, name, metadata=facts.get(name, {}))
+    settings = {"degree": 8, "order": 8, "third_bodies": list(BODIES)}
+    plain = force_model.read(paths, epoch=EPOCH, settings=settings)
+    assert len(plain.tides.nodes) == len(plain.precession) == 0
+    both = force_model.read(paths, epoch=EPOCH, settings=settings | {"solid_tides": True, "relativity": True})
+    np.testing.assert_array_equal(both.tides.nodes, precise_model(8).tides.nodes)
+    np.testing.assert_array_equal(both.precession, precise_model(8).precession)

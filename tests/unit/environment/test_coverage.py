@@ -7,7 +7,7 @@ from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.yaml_files import read_yaml
-from opml.environment import coverage, nodes, solar_activity
+from opml.environment import coverage, gravity_field, nodes, solar_activity
 
 VALUES = read_yaml(REPOSITORY / "config" / "config.yaml")
 REACH = {name: solar_activity.reach(name) for name in solar_activity.PACKAGED}
@@ -102,3 +102,24 @@ def test_too_short_a_past_or_history_and_forecasts_that_begin_too_late_are_told(
     with pytest.raises(InputError, match="expected one issued by 2016-09-28, got the first on 2016-10-01"):
         coverage.check(VALUES | {"environment": environment, "forecasts": settings})
     coverage.check(VALUES | {"environment": VALUES["environment"] | asked})
+
+
+@pytest.mark.parametrize("model", ["truth", "assumed"])
+def test_tides_want_a_field_that_tells_its_tide_system(model, tmp_path):
+    path = tmp_path / "field.gfc"
+    text = gravity_field.resolve("EGM2008").read_text()
+    models = VALUES["force_models"] | {model: VALUES["force_models"][model] | {"solid_tides": True}}
+    values = VALUES | {
+        "force_models": models,
+        "environment": VALUES["environment"] | {"gravity_field": str(path)},
+    }
+    for tide_system in ("tide_free", "zero_tide"):
+        path.write_text(text.replace(" tide_free", f" {tide_system}"))
+        coverage.check(values)
+    path.write_text(text.replace(" tide_free", " mean_tide"))
+    with pytest.raises(InputError) as error:
+        coverage.check(values)
+    assert str(error.value) == (
+        f"force_models.{model}.solid_tides: expected a gravity field that is tide_free or zero_tide, "
+        "got tide_system mean_tide"
+    )

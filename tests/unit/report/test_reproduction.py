@@ -269,3 +269,17 @@ def test_what_the_assumed_model_knows_of_the_weather_is_told(knowledge, told):
     environment = PAPER["environment"] | {"solar_activity": "OBSERVED"} | knowledge
     rows = settings_tables.force_models(PAPER | {"environment": environment}).rows
     assert next(row for row in rows if row[0] == "solar activity")[1:] == ["OBSERVED, percentile 50", told]
+
+
+def test_forces_are_told_where_a_model_has_them_switched_on():
+    models = PAPER["force_models"] | {"truth": PAPER["force_models"]["truth"] | {"solid_tides": True}}
+    told, as_ever = (
+        [
+            row
+            for row in settings_tables.force_models(PAPER | {"force_models": flown}).rows
+            if "tides" in row[0]
+        ]
+        for flown in (models, PAPER["force_models"])
+    )
+    assert told == [["tides of the solid Earth", "yes", "no"]]
+    assert as_ever == []

@@ -5,6 +5,7 @@ all lanes whenever the surroundings are looked up, and gravity takes no longer t
 """
 
 import math
+from collections import defaultdict
 from typing import NamedTuple
 
 import numpy as np
@@ -28,9 +29,9 @@ class Tides(NamedTuple):
     """Tides of a force model, and what they do to its weights; no nodes: no tides."""
 
     nodes: np.ndarray  # (nodes, COLUMNS) changes of coefficients, in a frame without the Earth's rotation
-    places: np.ndarray  # (effects, 2): row and column of a weight
-    columns: np.ndarray  # (effects,): the number of a tide that changes it
-    factors: np.ndarray  # (effects,): how much
+    places: np.ndarray  # (places, 2): row and column of each weight that a tide changes
+    columns: np.ndarray  # (places, 2): the numbers of a tide that change it
+    factors: np.ndarray  # (places, 2): how much
     still: np.ndarray  # the weights without tides
 
 
@@ -41,21 +42,21 @@ def tides(nodes: np.ndarray, still: np.ndarray, degree: int) -> Tides:
     still: the weights of the field without tides, of at least DEGREE and ORDER
     degree: of the field
     """
-    places, columns, factors = [], [], []
+    # One order above and one below change a weight of x and y; one order alone changes that of z.
+    effects: defaultdict[tuple[int, int], list[tuple[int, float]]] = defaultdict(list)
     for k, (n, m) in enumerate(TERMS):
         # There is no sine coefficient of order 0.
         for part in (0, 1) if m > 0 else (0,):
             for place, factor in _effects(n, m, part, degree):
-                places.append(place)
-                columns.append(2 * k + part)
-                factors.append(factor)
-    return Tides(nodes, np.array(places), np.array(columns), np.array(factors), still)
+                effects[place].append((2 * k + part, factor))
+    pairs = np.array([[*found, (0, 0.0)][:2] for found in effects.values()])
+    return Tides(nodes, np.array(list(effects)), pairs[..., 0].astype(np.int64), pairs[..., 1].copy(), still)
 
 
 def no_tides() -> Tides:
     """Return the tides of a rigid Earth."""
-    empty = np.empty(0, np.int64)
-    return Tides(np.empty((0, COLUMNS)), np.empty((0, 2), np.int64), empty, np.empty(0), np.empty((0, PARTS)))
+    empty = np.empty((0, 2), np.int64)
+    return Tides(np.empty((0, COLUMNS)), empty, empty, np.empty((0, 2)), np.empty((0, PARTS)))
 
 
 def _effects(n: int, m: int, part: int, degree: int) -> list[tuple[tuple[int, int], float]]:
@@ -81,8 +82,11 @@ def turn(values: np.ndarray, first: int, angle: float) -> None:
     values: those in a frame without its rotation from index `first` on, COLUMNS of them; takes those in ITRF
     angle: of the rotation [rad]
     """
+    c1, s1 = math.cos(angle), math.sin(angle)
+    c2, s2 = c1 * c1 - s1 * s1, 2.0 * s1 * c1
+    cosines, sines = (1.0, c1, c2, c1 * c2 - s1 * s2), (0.0, s1, s2, s1 * c2 + c1 * s2)
     for k in range(len(ORDERS)):
-        cosine, sine = math.cos(ORDERS[k] * angle), math.sin(ORDERS[k] * angle)
+        cosine, sine = cosines[ORDERS[k]], sines[ORDERS[k]]
         c, s = values[first + 2 * k], values[first + 2 * k + 1]
         values[first + 2 * k] = c * cosine + s * sine
         values[first + 2 * k + 1] = s * cosine - c * sine
@@ -96,8 +100,9 @@ def add(values: np.ndarray, first: int, tides: Tides, weights: np.ndarray) -> No
     tides: those of the model
     weights: of the model
     """
-    for k in range(tides.columns.shape[0]):
+    for k in range(tides.places.shape[0]):
         r, part = tides.places[k, 0], tides.places[k, 1]
-        weights[r, part] = tides.still[r, part]
-    for k in range(tides.columns.shape[0]):
-        weights[tides.places[k, 0], tides.places[k, 1]] += tides.factors[k] * values[first + tides.columns[k]]
+        weights[r, part] = tides.still[r, part] + (
+            tides.factors[k, 0] * values[first + tides.columns[k, 0]]
+            + tides.factors[k, 1] * values[first + tides.columns[k, 1]]
+        )
