@@ -7,5 +7,8 @@ import snakemake.report.html_reporter
 import opml.study.beyond
 import opml.study.checks
 import opml.study.own_study  # noqa: F401
+from opml.study.settings.json_schema import json_schema
+from opml.study.settings.model.whole import RunSettings
 
+json_schema(RunSettings)
 snakemake.cli.get_argument_parser()

@@ -1,5 +1,6 @@
 """The models of the settings as JSON schema, and what a key is in it."""
 
+from functools import cache
 from typing import Any
 
 from pydantic.json_schema import GenerateJsonSchema
@@ -38,8 +39,12 @@ class _Generator(GenerateJsonSchema):
         return False
 
 
+@cache
 def json_schema(model: type[Section]) -> TypeSchema:
-    """Return a model's JSON schema; learners and forecasts are of the kinds that there are."""
+    """Return a model's JSON schema; learners and forecasts are of the kinds that there are.
+
+    It is made once, and not to be changed.
+    """
     schema = _generated(model)
     definitions = schema.setdefault("$defs", {})
     definitions |= {kinds.name: _of_any_kind(kinds) for kinds in (LEARNER_KINDS, FORECASTS)}
