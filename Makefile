@@ -25,7 +25,7 @@ MAKE_VENV := $(UV) venv --quiet --seed --allow-existing --python $(PYTHON)
 INSTALL := $(UV) pip install --quiet --python $(BIN)/python
 endif
 
-.PHONY: all check test test-workflow test-package faults lint docs wheel crate validate weather bench clean
+.PHONY: all check test faults lint docs wheel crate validate weather bench clean
 
 all: $(INSTALLED)
 	$(BIN)/snakemake -j2 results/figs/partition_curve.pdf
@@ -39,15 +39,9 @@ check: $(INSTALLED)
 	$(BIN)/lint-imports
 	$(PYTEST) -m "not slow" tests/unit tests/project
 
-# Side by side, as half of the time of the workflow's tests is that of one core. These share one run of the trimmed
-# case, so they are one process.
+# Tests of the workflow run jobs on both cores themselves and share one run of the trimmed case: one process.
 test: $(VENV)/.docs
-	$(MAKE) --jobs=2 --output-sync=target test-workflow test-package
-
-test-workflow: $(VENV)/.docs
 	$(BIN)/python -m pytest tests/workflow
-
-test-package: $(VENV)/.docs
 	$(PYTEST) tests/reference tests/project tests/unit --cov
 
 faults: $(INSTALLED)

@@ -12,6 +12,7 @@ import numpy as np
 from opml.base.constants import DAY, EARTH_RATE
 from opml.dynamics.kernels import tides
 from opml.dynamics.kernels.dtm2000 import FACTORS, reduce_to_date
+from opml.dynamics.kernels.gravity import row
 from opml.dynamics.kernels.lanes import compiled, rows
 from opml.dynamics.kernels.tides import Tides
 
@@ -73,12 +74,12 @@ class ForceModel(NamedTuple):
         """Return the model with its field to a degree and order, without tides; itself if it has no more."""
         if self.degree - 1 <= degree:
             return self
-        terms = [(n, m) for m in range(self.columns) for n in range(m, self.degree + 1)]
+        columns = min(self.columns, degree + 2)
         # Harmonics of one degree more stand in the weights, as in the acceleration.
-        kept = np.array([n <= degree + 1 for n, _ in terms])
+        kept = [row(n, m, self.degree - 1) for m in range(columns) for n in range(m, degree + 2)]
         return self._replace(
             weights=np.ascontiguousarray(self.weights[kept]),
-            columns=min(self.columns, degree + 2),
+            columns=columns,
             degree=degree + 1,
             tides=tides.no_tides(),
         )
