@@ -220,7 +220,7 @@ def _acceleration(count, state, model, values, factors, scratch):
     vx, vy, vz = load(state, 3), load(state, 4), load(state, 5)
     for _ in range(count):
         ax, ay, az, _, _ = acceleration(
-            x, y, z, vx, vy, vz, load(state, 6), load(state, 7), model, values, factors, scratch
+            x, y, z, vx, vy, vz, load(state, 6), load(state, 7), splat(0.0), model, values, factors, scratch
         )
         x, y, z = x + ax, y + ay, z + az
     store(state, 8, x + y + z)
@@ -270,8 +270,8 @@ def timings() -> list[Timing]:
         seconds = measure.best(lambda: kernel(count, *arguments), repeats=_REPEATS)
         return 1e9 * seconds / count / WIDTH
 
-    start, coefficients = rows(6), rows(2)
-    start[:], coefficients[:] = state[:6], state[6:8]
+    start, coefficients = rows(6), rows(3)
+    start[:], coefficients[:2] = state[:6], state[6:8]
     workspace = (assumed, values, factors, scratch, slopes, rows(1))
     step = time(_step, DAY, start, rows(6), coefficients, *workspace, count=60) / EVALUATIONS
     acceleration = time(_acceleration, state, assumed, values, factors, scratch)

@@ -195,7 +195,7 @@ def _terms(model, t, state, ballistic, reflection, values, factors, scratch, out
     px = values[0] * x + values[1] * y + values[2] * z
     py = values[3] * x + values[4] * y + values[5] * z
     pz = values[6] * x + values[7] * y + values[8] * z
-    _, rho = density(px, py, pz, 1.0 / sqrt(r2), model, values, factors, scratch)
+    _, rho = density(px, py, pz, 1.0 / sqrt(r2), splat(0.0), model, values, factors, scratch)
     lit = illumination(px, py, pz, r2, values[SUN_ITRF : SUN_ITRF + 3], scratch)
     store(out, 0, rho)
     store(out, 1, lit)

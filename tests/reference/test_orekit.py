@@ -47,7 +47,7 @@ def _terms(t, rows, model, values, factors, scratch, out):
     store(out, 0, r[0] * gx + r[3] * gy + r[6] * gz)
     store(out, 1, r[1] * gx + r[4] * gy + r[7] * gz)
     store(out, 2, r[2] * gx + r[5] * gy + r[8] * gz)
-    altitude, rho = density(px, py, pz, inverse, model, values, factors, scratch)
+    altitude, rho = density(px, py, pz, inverse, splat(0.0), model, values, factors, scratch)
     spin = (values[SPIN], values[SPIN + 1], values[SPIN + 2])
     dx, dy, dz = drag(x, y, z, vx, vy, vz, spin, rho, splat(BALLISTIC))
     store(out, 3, dx)
@@ -72,7 +72,7 @@ def _total(t, rows, model, values, factors, scratch, out):
     look_up(t, model, values, factors)
     ax, ay, az, altitude, _ = acceleration(
         load(rows, 0), load(rows, 1), load(rows, 2), load(rows, 3), load(rows, 4), load(rows, 5),
-        splat(BALLISTIC), splat(REFLECTION), model, values, factors, scratch,
+        splat(BALLISTIC), splat(REFLECTION), splat(0.0), model, values, factors, scratch,
     )  # fmt: skip
     store(out, 0, ax)
     store(out, 1, ay)

@@ -8,7 +8,7 @@ alone in smaller ones; an arc that decays or loses its numbers is retired with i
 arc's result depends on the others.
 
 Where the force model has outlooks, each arc flies under the newest at its first epoch, so that no arc knows
-what was measured later. Arcs under one outlook fly together.
+what was measured later. Arcs under several outlooks fly together: they differ in the density alone.
 """
 
 from collections.abc import Callable, Iterator
@@ -96,12 +96,13 @@ def propagate(
     outlook = model.newest_outlook(epochs[first])
 
     def fly(members: np.ndarray) -> int:
-        ensemble.fly(members, model.use_outlook(outlook[members[0]]).for_one_block())
+        kinds, kind = np.unique(outlook[members], return_inverse=True)
+        ensemble.fly(members, model.for_block(kinds), kind)
         return len(members)
 
     done = 0
     with ThreadPoolExecutor(threads) as pool:
-        for count in pool.map(fly, _blocks(first, last, outlook)):
+        for count in pool.map(fly, _blocks(first, last)):
             done += count
             if progress:
                 progress(done / len(first))
@@ -144,12 +145,17 @@ class _Ensemble:
     arcs: Arcs
     integrator: Integrator
 
-    def fly(self, members: np.ndarray, model: ForceModel) -> None:
-        """Fly one block; spare lanes repeat its first arc and leave where they join."""
-        lanes = np.concatenate([members, np.repeat(members[:1], WIDTH - len(members))])
+    def fly(self, members: np.ndarray, model: ForceModel, kind: np.ndarray) -> None:
+        """Fly one block; spare lanes repeat its first arc and leave where they join.
+
+        kind: (members,) of the model's activity
+        """
+        spare = WIDTH - len(members)
+        lanes = np.concatenate([members, np.repeat(members[:1], spare)])
         used = np.arange(WIDTH) < len(members)
-        state, coefficients, status = rows(6), rows(2), np.zeros(WIDTH, np.int64)
-        state[:], coefficients[:] = self.states[lanes].T, self.coefficients[:, lanes]
+        state, coefficients, status = rows(6), rows(3), np.zeros(WIDTH, np.int64)
+        state[:], coefficients[:2] = self.states[lanes].T, self.coefficients[:, lanes]
+        coefficients[2] = np.concatenate([kind, np.repeat(kind[:1], spare)])
         advance(
             model,
             self.grid.times,
@@ -168,8 +174,7 @@ class _Ensemble:
         self.arcs.status[members] = status[: len(members)]
 
 
-def _blocks(first: np.ndarray, last: np.ndarray, outlook: np.ndarray) -> Iterator[np.ndarray]:
-    """Yield the arcs of each block: of one outlook, and at the same time, so that few lanes stand idle."""
-    order = np.lexsort((last, first, outlook))
-    for together in np.split(order, np.flatnonzero(np.diff(outlook[order])) + 1):
-        yield from (together[k : k + WIDTH] for k in range(0, len(together), WIDTH))
+def _blocks(first: np.ndarray, last: np.ndarray) -> Iterator[np.ndarray]:
+    """Yield the arcs of each block: of the same time, so that few lanes stand idle."""
+    order = np.lexsort((last, first))
+    yield from (order[k : k + WIDTH] for k in range(0, len(order), WIDTH))

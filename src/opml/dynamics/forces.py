@@ -81,7 +81,7 @@ def build(
         precession=_precession(environment) if relativity else np.empty((0, 3)),
         bodies=np.ascontiguousarray(environment.ephemerides[columns].to_numpy(float)),
         gms=np.array([environment.gms[name] if name in bodies else 0.0 for name in names]),
-        activity=activity,
+        activity=activity[None],
         midnight=float(midnight),
         seasons=np.ascontiguousarray(dtm2000.seasons(coefficients, days)),
         thermosphere=coefficients,
@@ -145,9 +145,9 @@ def with_outlooks(model: ForceModel, table: pd.DataFrame) -> ForceModel:
     Up to an issue the activity is that of the model. Beyond the forecast it is not finite, so that no arc
     flies there unnoticed.
     """
-    t = model.first + model.step * np.arange(len(model.activity))
+    t = model.first + model.step * np.arange(model.activity.shape[1])
     issued, outlook = np.unique(table["issued"].to_numpy(), return_inverse=True)
-    expected = np.where((t <= issued[:, None])[..., None], model.activity, np.nan)
+    expected = np.where((t <= issued[:, None])[..., None], model.activity[0], np.nan)
     node = np.round((table["t"].to_numpy() - model.first) / model.step).astype(int)
     expected[outlook, node] = table[ACTIVITY].to_numpy(float)
     return model._replace(issued=issued, outlooks=expected)

@@ -11,7 +11,7 @@ from support import EXCERPTS, force_model, in_rows, shared
 from opml.base.constants import DAY
 from opml.dynamics.kernels import acceleration, dtm2000
 from opml.dynamics.kernels.acceleration import SCRATCH_ROWS
-from opml.dynamics.kernels.lanes import WIDTH, load, sqrt, store
+from opml.dynamics.kernels.lanes import WIDTH, load, splat, sqrt, store
 from opml.dynamics.kernels.surroundings import BODIES, look_up
 
 COEFFICIENTS = dtm2000.coefficients()
@@ -36,7 +36,7 @@ def _density_at(t, positions, model, values, factors, scratch, out):
     look_up(t, model, values, factors)
     x, y, z = load(positions, 0), load(positions, 1), load(positions, 2)
     altitude, rho = acceleration.density(
-        x, y, z, 1.0 / sqrt(x * x + y * y + z * z), model, values, factors, scratch
+        x, y, z, 1.0 / sqrt(x * x + y * y + z * z), splat(0.0), model, values, factors, scratch
     )
     store(out, 0, altitude)
     store(out, 1, rho)
@@ -239,7 +239,7 @@ def test_local_time_is_counted_from_the_sun():
     rows = np.ascontiguousarray(erfa.gd2gc(1, lon, np.full(WIDTH, 0.3), np.full(WIDTH, 4e5)).T)
     _density_at(t, rows, model, values, factors, scratch, out)
     day = 272 + 4 - 1  # 28 September 2016, a leap year's 272nd day, three days later at the same hour
-    activity = model.activity[int((t - model.first) // model.step)]
+    activity = model.activity[0, int((t - model.first) // model.step)]
     expected = density(
         day=day, altitude=4e5, lat=0.3, lon=lon, time=np.pi + lon - noon,
         f107=activity[0], mean=activity[1], kp=activity[2], kp_mean=activity[3],

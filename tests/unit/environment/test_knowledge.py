@@ -114,7 +114,7 @@ def test_fits_and_predictions_know_nothing_measured_after_they_start(tmp_path, i
     settings = estimation.Estimation(6, 30, 0.001, 1000.0, 1.0, 0.1)
     orientation = environment(3.0)["earth_orientation"]
     observed = model("OBSERVED")
-    truth = truths.simulate(Flight(observed.use_outlook(0), iss), duration=DAY, step=20.0)
+    truth = truths.simulate(Flight(observed.for_block(np.array([0])), iss), duration=DAY, step=20.0)
     tracks = tracking.simulate(truth, orientation, three_stations, rso="iss", seed=1)
     utc = "2016-09-29T03:00:00"
     results = []

@@ -12,7 +12,7 @@ from opml.base.thermosphere_grid import ALTITUDES
 from opml.dynamics import forces
 from opml.dynamics.kernels import acceleration
 from opml.dynamics.kernels.acceleration import SCRATCH_ROWS
-from opml.dynamics.kernels.lanes import WIDTH, load, rows, sqrt, store
+from opml.dynamics.kernels.lanes import WIDTH, load, rows, splat, sqrt, store
 from opml.dynamics.kernels.surroundings import allocate, look_up
 from opml.environment import nrlmsis
 from opml.environment.coverage import check
@@ -29,7 +29,7 @@ def _density_at(t, positions, model, values, factors, scratch, out):
     look_up(t, model, values, factors)
     x, y, z = load(positions, 0), load(positions, 1), load(positions, 2)
     altitude, rho = acceleration.density(
-        x, y, z, 1.0 / sqrt(x * x + y * y + z * z), model, values, factors, scratch
+        x, y, z, 1.0 / sqrt(x * x + y * y + z * z), splat(0.0), model, values, factors, scratch
     )
     store(out, 0, altitude)
     store(out, 1, rho)

@@ -4,7 +4,7 @@ from opml.dynamics.kernels import dtm2000, tabulated
 from opml.dynamics.kernels.drag import drag
 from opml.dynamics.kernels.geodetic import geodetic
 from opml.dynamics.kernels.gravity import gravity
-from opml.dynamics.kernels.lanes import compiled, sqrt
+from opml.dynamics.kernels.lanes import compiled, select, sqrt
 from opml.dynamics.kernels.radiation_pressure import illumination, radiation_pressure
 from opml.dynamics.kernels.relativity import relativity
 from opml.dynamics.kernels.surroundings import AXIS, BODIES, CLOCK, PRECESSION, ROTATION, SPIN, SUN_ITRF
@@ -15,12 +15,13 @@ SCRATCH_ROWS = 40
 
 
 @compiled
-def acceleration(x, y, z, vx, vy, vz, ballistic, reflection, model, values, factors, scratch):
+def acceleration(x, y, z, vx, vy, vz, ballistic, reflection, kind, model, values, factors, scratch):
     """Return ax, ay, az in GCRF [m/s2], geodetic altitude [m] and the part of the Sun in sight.
 
     x to vz: position [m] and velocity [m/s] in GCRF
     ballistic: Cd times area over mass [m2/kg]
     reflection: Cr times area over mass [m2/kg]
+    kind: of the model's activity that an arc flies under
     model: the force model
     values, factors: from `surroundings.look_up` at the same time
     scratch: (SCRATCH_ROWS, WIDTH)
@@ -41,7 +42,7 @@ def acceleration(x, y, z, vx, vy, vz, ballistic, reflection, model, values, fact
 
     bx, by, bz = third_bodies(x, y, z, values[BODIES:], model.gms, model.gms.shape[0])
 
-    altitude, rho = density(px, py, pz, inverse_r, model, values, factors, scratch)
+    altitude, rho = density(px, py, pz, inverse_r, kind, model, values, factors, scratch)
     turning = (values[SPIN], values[SPIN + 1], values[SPIN + 2])
     dx, dy, dz = drag(x, y, z, vx, vy, vz, turning, rho, ballistic)
 
@@ -58,12 +59,12 @@ def acceleration(x, y, z, vx, vy, vz, ballistic, reflection, model, values, fact
 
 
 @compiled
-def density(px, py, pz, inverse_r, model, values, factors, scratch):
+def density(px, py, pz, inverse_r, kind, model, values, factors, scratch):
     """Return geodetic altitude [m] and density [kg/m3], by the model's table, without one by DTM2000.
 
     px, py, pz: position in ITRF [m]
     inverse_r: inverse distance from the geocentre [1/m]
-    model, values, factors, scratch: as in `acceleration`
+    kind, model, values, factors, scratch: as in `acceleration`
     """
     altitude, sin_lat, cos_lat, sin_lon, cos_lon = geodetic(px, py, pz, inverse_r)
     if model.tabulated.shape[0] > 0:
@@ -80,4 +81,7 @@ def density(px, py, pz, inverse_r, model, values, factors, scratch):
     rho = dtm2000.density(
         altitude, sin_lat, cos_lat, sin_lon, cos_lon, sin_time, cos_time, a, factors, scratch
     )
+    for other in range(1, model.activity.shape[0]):
+        of_other = dtm2000.density_again(altitude, a, factors[dtm2000.FACTORS * other :], scratch)
+        rho = select(kind > other - 0.5, of_other, rho)
     return altitude, rho

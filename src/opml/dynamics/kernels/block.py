@@ -31,7 +31,7 @@ class Workspace(NamedTuple):
     solo: np.ndarray  # (6, WIDTH) state of an arc that repeats a step alone, in all lanes
     solo_new: np.ndarray  # its state at the end of a step
     solo_slopes: np.ndarray  # its rates
-    solo_coefficients: np.ndarray  # (2, WIDTH) its Cd A/m and Cr A/m [m2/kg]
+    solo_coefficients: np.ndarray  # (3, WIDTH) its Cd A/m and Cr A/m [m2/kg], kind of activity
     solo_result: np.ndarray  # (2, WIDTH) its altitude [m] and error ratio
     passed: np.ndarray  # (WIDTH,) number of states that each lane has put out
 
@@ -50,7 +50,7 @@ def workspace(model: ForceModel) -> Workspace:
         solo=rows(6),
         solo_new=rows(6),
         solo_slopes=rows(slopes),
-        solo_coefficients=rows(2),
+        solo_coefficients=rows(3),
         solo_result=rows(2),
         passed=np.zeros(WIDTH, np.int64),
     )
@@ -66,7 +66,7 @@ def advance(
     times: (n,) of the grid [s], ascending or descending
     wanted: (n,) whether to put out the states at each time
     state: (6, WIDTH) GCRF [m, m/s], at the lanes' first times; takes those at their last times
-    coefficients: (2, WIDTH) Cd A/m and Cr A/m [m2/kg]
+    coefficients: (3, WIDTH) Cd A/m and Cr A/m [m2/kg], kind of activity
     join: (WIDTH,) indices of the lanes' first times
     leave: (WIDTH,) indices of the lanes' last times; a lane that leaves where it joins stays idle
     offsets: (WIDTH,) first rows of the lanes in `out`
@@ -152,7 +152,8 @@ def _repeat_in_smaller_steps(lane, t, h, state, model, coefficients, tolerance, 
             solo[k, other] = state[k, lane]
         for k in range(RATES):
             slopes[k, other] = work.slopes[k, lane]
-        solo_body[0, other], solo_body[1, other] = coefficients[0, lane], coefficients[1, lane]
+        for k in range(3):
+            solo_body[k, other] = coefficients[k, lane]
     end = t + h
     trial = 0.5 * h
     while True:

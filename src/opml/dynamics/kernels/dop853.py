@@ -20,16 +20,16 @@ def derivative(state, row, model, coefficients, values, factors, scratch, slopes
 
     state, row: rows row to row + 5 are position [m] and velocity [m/s] in GCRF
     model: the force model
-    coefficients: (2, WIDTH) Cd A/m and Cr A/m [m2/kg]
+    coefficients: (3, WIDTH) Cd A/m and Cr A/m [m2/kg], kind of activity
     values, factors: surroundings at the time of the states
     scratch: (SCRATCH_ROWS, WIDTH)
     slopes, target: rows target to target + 6 take velocity, acceleration and illumination
     """
     x, y, z = load(state, row), load(state, row + 1), load(state, row + 2)
     vx, vy, vz = load(state, row + 3), load(state, row + 4), load(state, row + 5)
-    ballistic, reflection = load(coefficients, 0), load(coefficients, 1)
+    ballistic, reflection, kind = load(coefficients, 0), load(coefficients, 1), load(coefficients, 2)
     ax, ay, az, altitude, lit = acceleration(
-        x, y, z, vx, vy, vz, ballistic, reflection, model, values, factors, scratch
+        x, y, z, vx, vy, vz, ballistic, reflection, kind, model, values, factors, scratch
     )
     store(slopes, target, vx)
     store(slopes, target + 1, vy)
@@ -49,7 +49,7 @@ def step(t, h, state, new, model, coefficients, values, factors, scratch, slopes
     state: (6, WIDTH) at the beginning, GCRF [m, m/s]
     new: (6, WIDTH) takes the states at the end
     model: the force model
-    coefficients: (2, WIDTH) Cd A/m and Cr A/m [m2/kg]
+    coefficients: (3, WIDTH) Cd A/m and Cr A/m [m2/kg], kind of activity
     values, factors: take the surroundings at the end
     scratch: (SCRATCH_ROWS, WIDTH)
     slopes: (91, WIDTH), rates of the stages; the first seven rows hold those at the beginning, the last seven

@@ -220,6 +220,16 @@ def density(altitude, sin_lat, cos_lat, sin_lon, cos_lon, sin_time, cos_time, a,
     basis: LATITUDE_TERMS + TESSERAL_TERMS rows of scratch lanes
     """
     _fill_basis(sin_lat, cos_lat, sin_lon, cos_lon, sin_time, cos_time, basis)
+    return density_again(altitude, a, factors, basis)
+
+
+@compiled
+def density_again(altitude, a, factors, basis):
+    """Return the density [kg/m3] at the same places as before, by other factors.
+
+    altitude, a, factors: as in `density`
+    basis: as `density` filled it
+    """
     g0, g1, g2, g3, g4, g5, g6, g7, g8 = _sum_terms(factors, basis)
     t_inf = a[1, 0] * (1.0 + g0)
     t_120 = a[1, 1] + g1

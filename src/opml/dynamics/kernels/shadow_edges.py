@@ -66,7 +66,7 @@ def count_light(t, h, state, new, model, coefficients, values, slopes, scratch):
     state: (6, WIDTH) at the beginning, GCRF [m, m/s]
     new: (6, WIDTH) at the end; takes the correction
     model: the force model
-    coefficients: (2, WIDTH) Cd A/m and Cr A/m [m2/kg]
+    coefficients: (3, WIDTH) Cd A/m and Cr A/m [m2/kg], kind of activity
     values: surroundings at the end
     slopes: rates of the stages, RATES rows each
     scratch: eight rows of lanes

@@ -42,7 +42,7 @@ class ForceModel(NamedTuple):
     precession: np.ndarray  # (nodes, 3): of velocities, by the Sun [rad/s]; no nodes: no relativity
     bodies: np.ndarray  # (nodes, 3 count): geocentric GCRF positions [m], the Sun first
     gms: np.ndarray  # (count,) [m3/s2], 0 where a body's pull is not in the model
-    activity: np.ndarray  # (nodes, 4): F10.7, its mean [sfu], Kp of 3 h and of 24 h
+    activity: np.ndarray  # (kinds, nodes, 4): F10.7, its mean [sfu], Kp of 3 h and of 24 h; one but in a block
     midnight: float  # start of the epoch's UTC day [s since the epoch]
     seasons: np.ndarray  # (days, 5, WIDTH), from dtm2000.seasons
     thermosphere: np.ndarray  # (97, WIDTH), from dtm2000.coefficients
@@ -84,18 +84,19 @@ class ForceModel(NamedTuple):
             tides=tides.no_tides(),
         )
 
-    def use_outlook(self, outlook: int) -> "ForceModel":
-        """Return the model with the activity of an outlook; -1 keeps the model's activity."""
-        return self if outlook < 0 else self._replace(activity=self.outlooks[outlook])
+    def for_block(self, outlooks: np.ndarray) -> "ForceModel":
+        """Return the model with the activity of each of these outlooks, the model's own for -1.
 
-    def for_one_block(self) -> "ForceModel":
-        """Return the model with weights of its own, where tides change them with each `look_up`."""
-        return self._replace(weights=self.weights.copy()) if len(self.tides.nodes) else self
+        Where tides change the weights with each `look_up`, they are the block's own.
+        """
+        activity = np.stack([self.outlooks[one] if one >= 0 else self.activity[0] for one in outlooks])
+        weights = self.weights.copy() if len(self.tides.nodes) else self.weights
+        return self._replace(activity=activity, weights=weights)
 
 
 def allocate(model: ForceModel) -> tuple[np.ndarray, np.ndarray]:
     """Return empty values and factors for `look_up` to fill."""
-    return np.zeros(BODIES + model.bodies.shape[1]), rows(FACTORS)
+    return np.zeros(BODIES + model.bodies.shape[1]), rows(FACTORS * len(model.activity))
 
 
 @compiled
@@ -125,15 +126,17 @@ def look_up(t: float, model: ForceModel, values: np.ndarray, factors: np.ndarray
     days = (t - model.midnight) / DAY
     values[CLOCK], values[CLOCK + 1], values[CLOCK + 2] = node, u, days - math.floor(days)
     day = min(max(math.floor(days), 0), model.seasons.shape[0] - 1)
-    reduce_to_date(
-        model.thermosphere,
-        model.seasons[day],
-        _linear(model.activity, node, 0, u),
-        _linear(model.activity, node, 1, u),
-        _linear(model.activity, node, 2, u),
-        _linear(model.activity, node, 3, u),
-        factors,
-    )
+    for kind in range(model.activity.shape[0]):
+        activity = model.activity[kind]
+        reduce_to_date(
+            model.thermosphere,
+            model.seasons[day],
+            _linear(activity, node, 0, u),
+            _linear(activity, node, 1, u),
+            _linear(activity, node, 2, u),
+            _linear(activity, node, 3, u),
+            factors[FACTORS * kind : FACTORS * (kind + 1)],
+        )
 
 
 @compiled
