@@ -42,7 +42,7 @@ class ForceModel(NamedTuple):
     precession: np.ndarray  # (nodes, 3): of velocities, by the Sun [rad/s]; no nodes: no relativity
     bodies: np.ndarray  # (nodes, 3 count): geocentric GCRF positions [m], the Sun first
     gms: np.ndarray  # (count,) [m3/s2], 0 where a body's pull is not in the model
-    activity: np.ndarray  # (kinds, nodes, 4): F10.7, its mean [sfu], Kp of 3 h and of 24 h; one but in a block
+    activity: np.ndarray  # (kinds, nodes, 4): F10.7, its mean [sfu], Kp of 3 h and 24 h; one but in a block
     midnight: float  # start of the epoch's UTC day [s since the epoch]
     seasons: np.ndarray  # (days, 5, WIDTH), from dtm2000.seasons
     thermosphere: np.ndarray  # (97, WIDTH), from dtm2000.coefficients
