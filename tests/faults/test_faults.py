@@ -4,6 +4,7 @@ Not part of `make test`: `make faults` takes an hour and a half. The moments com
 """
 
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -185,6 +186,9 @@ def _some_table(run, rng):
     return path, path.read_bytes()
 
 
+FAILED = re.compile(r"^Error in rule .*?^    output: (.*?)$", re.MULTILINE | re.DOTALL)
+"""What a failed job would have made, as Snakemake tells it."""
+
 KILLS = (kill_scheduler, kill_all, kill_job, terminate, set_clock_back)
 DAMAGES = (truncate, flip)
 
@@ -208,23 +212,25 @@ def strike(run, fault, seconds, rng):
 def heal(run, expected):
     """Carry on to the end; returns the products that must be there then.
 
-    A damaged table is made anew, or told by its name and taken away as a user would. Where all that follows
-    from it is there, no job reads it and none makes it anew.
+    A damaged table is made anew, or told by its name and taken away as a user would. The job that told it
+    leaves no table. Where all that follows from these is there, no job reads them and none makes them anew.
     """
     damaged = [path for path in run.tables() if path.read_bytes() != expected[_name(run, path)]]
     assert len(damaged) <= 1, damaged
     for path in damaged:
         with pytest.raises((InputError, OSError)):
             read(path)
+    unread = list(damaged)
     run.begin()
     if run.process.wait(timeout=900) != 0:
         assert damaged, run.log()
         assert f"opml: {damaged[0].relative_to(run.folder)}: " in run.log(), run.log()
         assert "Traceback" not in run.log(), run.log()
+        unread += [run.folder / name for line in FAILED.findall(run.log()) for name in line.split(", ")]
         damaged[0].unlink()
         run.complete()
-    unread = {_name(run, path) for path in damaged if not _is_whole(run, path, expected)}
-    return {name: content for name, content in expected.items() if name not in unread}
+    lost = {_name(run, path) for path in unread if not _is_whole(run, path, expected)}
+    return {name: content for name, content in expected.items() if name not in lost}
 
 
 def _is_whole(run, path, expected):
