@@ -2,9 +2,9 @@
 
 import numpy as np
 import pandas as pd
-from validation.ceiling import Mornings, sizes
 
 from opml.base.constants import DAY
+from validation.ceiling import Mornings, sizes
 
 
 def test_the_best_cd_of_each_arc_takes_all_that_cd_explains():
