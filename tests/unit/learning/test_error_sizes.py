@@ -59,6 +59,18 @@ def test_drag_that_the_past_did_not_foretell_is_learned():
     assert sizes.drag[1] == pytest.approx(3.0, rel=0.25)
 
 
+def test_ellipsoids_of_each_duration_hold_nine_tenths_where_a_few_errors_are_far_larger():
+    """On the first day a fifth of the errors is eight times as large, of all axes together."""
+    past, rng = replays(days=60), np.random.default_rng(5)
+    far = np.where((past["duration"] < 1.3 * DAY) & (rng.uniform(size=len(past)) < 0.2), 8.0, 1.0)
+    past = past.assign(**{name: past[name] * far for name in ("e_x", "e_y", "e_z")})
+    sizes = Sizes.learned(past, now=60.0 * DAY)
+    first, last = past[past["duration"] < 1.3 * DAY], past[past["duration"] > 5.0 * DAY]
+    for rows in (first, last):
+        distance = np.sum((rows[["e_x", "e_y", "e_z"]].to_numpy() / sizes.sigmas(rows)[:, :3]) ** 2, axis=1)
+        assert np.mean(distance < 6.251) == pytest.approx(0.9, abs=0.04)
+
+
 def test_the_doubt_of_later_estimates_is_no_part_of_a_size():
     """Errors held against estimates that are 40 m off cross-track, and say so."""
     past = replays(days=40)

@@ -16,7 +16,8 @@ fit into the past side by side. a and b come from forces that last, and a week s
 Later estimates, which errors are measured against, have a variance of their own. It is no part of sigma.
 
 A velocity follows its position (opml.orbits.rsw_covariance). What it may differ by beyond that is
-proportional to the radial or cross-track size. One factor makes the ellipsoids of the past hold nine tenths.
+proportional to the radial or cross-track size. A factor that changes with the duration makes the ellipsoids
+of the past hold nine tenths.
 
 Source: Koenker & Bassett 1978, Regression quantiles, Econometrica 46; Student's t as the predictive
 distribution of few normal deviates, e.g. Gelman et al. 2013, Bayesian Data Analysis, sec. 3.2.
@@ -29,7 +30,7 @@ from typing import Self
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import DAY
+from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.orbits.rsw_covariance import AXES, free_parts, half_width, rsw_covariances
 from opml.tables import COMPONENTS, DOUBT
@@ -50,6 +51,12 @@ _LEAST_ROWS = 20
 """Least number of past errors to learn sizes from."""
 
 _MOST_ROWS = 3000
+_FACTORS_AT = DAY * np.array([0.5, 1.0, 2.0, 4.0, 7.0])
+"""Durations at which the ellipsoids of the past have a factor each [s]; between them by the logarithm."""
+
+_NEARBY = 0.35
+"""Width of the bell of ln(duration) whose ellipsoids a factor comes from."""
+
 _FIRST_GUESSES = ((-0.5, -1.0, -1.0), (-1.0, -1.0, 0.0))
 _SMALLEST = 1.0
 """Least size of an error that is stated for a position [m]."""
@@ -63,7 +70,7 @@ class Sizes:
     rate: (3,) b [m/s]
     drag: (3,) c
     velocity: (3,) factors of the velocity
-    inflation: factor of the variances
+    inflation: (5,) factors of the variances, at the durations `_FACTORS_AT`
     days: length of the past that the sizes come from
     reach: its longest prediction [s]
     """
@@ -72,7 +79,7 @@ class Sizes:
     rate: np.ndarray
     drag: np.ndarray
     velocity: np.ndarray
-    inflation: float
+    inflation: np.ndarray
     days: float
     reach: float
 
@@ -82,7 +89,8 @@ class Sizes:
         rows: duration [s], rate [rad/s], drag_* and weather_* [m]
         """
         wide = widening(rows["duration"].to_numpy(), self.days)
-        sigmas: np.ndarray = np.sqrt(self.inflation) * self._sigmas(rows, wide)
+        factor = np.interp(np.log(np.maximum(rows["duration"], HOUR)), np.log(_FACTORS_AT), self.inflation)
+        sigmas: np.ndarray = np.sqrt(factor)[:, None] * self._sigmas(rows, wide)
         return sigmas
 
     def _sigmas(self, rows: pd.DataFrame, wide: np.ndarray) -> np.ndarray:
@@ -110,8 +118,6 @@ class Sizes:
 
         Raises InputError for fewer than LEAST_ROWS.
         """
-        from scipy.stats import chi2
-
         past = past[past["t_known"] <= now]
         if len(past) < _LEAST_ROWS:
             raise InputError(
@@ -122,7 +128,7 @@ class Sizes:
         past = past.iloc[:: -(-len(past) // _MOST_ROWS)]
         weight = np.exp((past["t_j"].to_numpy() - now) / (MEMORY_DAYS * DAY))
         constant, rate, drag = np.array([_fit_axis(past, axis, weight) for axis in AXES]).T
-        plain = cls(constant, rate, drag, np.ones(3), 1.0, days, reach)
+        plain = cls(constant, rate, drag, np.ones(3), np.ones(len(_FACTORS_AT)), days, reach)
         parts = free_parts(past[list(COMPONENTS)].to_numpy(), past["rate"].to_numpy())
         doubt, narrow = past[DOUBT].to_numpy(), np.ones(len(past))
         velocity = np.array(
@@ -134,8 +140,7 @@ class Sizes:
         whole = replace(plain, velocity=velocity)
         square = whole._sigmas(past, narrow)[:, :3] ** 2 + doubt**2
         distance = np.sum(parts[:, :3] ** 2 / square, axis=1)
-        inflation = weighted_quantile(distance, weight, LEVEL) / float(chi2.ppf(LEVEL, 3))
-        return replace(whole, inflation=inflation)
+        return replace(whole, inflation=_inflation(distance, past["duration"].to_numpy(), weight))
 
 
 def widening(duration: np.ndarray, days: float) -> np.ndarray:
@@ -145,6 +150,17 @@ def widening(duration: np.ndarray, days: float) -> np.ndarray:
     freedom = np.maximum(days / (1.0 + duration / DAY), LEAST_FREEDOM)
     factor: np.ndarray = t.ppf(0.5 + 0.5 * LEVEL, freedom) / INSIDE
     return factor
+
+
+def _inflation(distance: np.ndarray, duration: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Return the factors that make ellipsoids with squared distances (n,) hold nine tenths, by duration."""
+    from scipy.stats import chi2
+
+    apart = np.log(np.maximum(duration, HOUR)[None] / _FACTORS_AT[:, None]) / _NEARBY
+    bells = weight * np.exp(-0.5 * apart**2)
+    holding = np.array([weighted_quantile(distance, bell, LEVEL) for bell in bells])
+    factors: np.ndarray = holding / chi2.ppf(LEVEL, 3)
+    return factors
 
 
 def weighted_quantile(values: np.ndarray, weight: np.ndarray, level: float) -> float:
