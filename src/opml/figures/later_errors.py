@@ -39,6 +39,8 @@ def later_errors(errors: pd.DataFrame, *, level: float, note: str = "") -> Figur
         _draw(right, days, after, _AFTER)
         left.set_ylabel(f"{name} [km]")
         right.set_ylabel(f"{name} [m]")
+    for axes, title in zip(panels[0], ("before and after the correction", "after it, enlarged"), strict=True):
+        axes.set_title(title, fontsize=8.0, loc="left")
     figure.supxlabel(r"time since the estimate $\Delta t$ [d]", fontsize=8.0)
     figure.supylabel("predicted less later estimate, in RSW of the estimate", fontsize=8.0)
     legend(figure, columns=3, note=note)

@@ -78,7 +78,16 @@ def test_the_page_needs_nothing_else_and_is_the_same_each_time(tables):
     text = page(tables)
     assert text == page(tables)
     assert "iss by radar" in text
+    assert '<html lang="en">' in text
+    assert '<meta name="viewport" content="width=device-width' in text[:200]
+    assert "<title>iss by radar</title>" in text
     assert not re.search(r'<(?:script|link)[^>]+(?:src|href)="http', text)
+
+
+def test_no_two_models_look_alike():
+    names = [f"m{k}" for k in range(20)]
+    *_, lines = (explore._looks(names)[-20:],)
+    assert len({(line["line"]["color"], line["line"]["dash"]) for line in lines}) == 20
 
 
 def test_without_a_model(tables):

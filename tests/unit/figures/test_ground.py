@@ -64,17 +64,21 @@ def test_the_outlines_of_land_lie_on_the_map():
     assert np.abs(points[:, 1]).max() <= 90.0
 
 
+EPOCH = "2020-02-29T06:00:00"
+
+
 def test_the_map_shows_the_day_what_was_tracked_and_the_stations(truth, tmp_path):
     tracking = pd.DataFrame({"t": truth["t"].iloc[1440 + 10 : 1440 + 20]})
-    figure = ground.world(orbit_of(truth), tracking, first_day=1.0, note="iss by radar")
+    figure = ground.world(orbit_of(truth), tracking, first_day=1.0, epoch=EPOCH, note="iss by radar")
     labels = {line.get_label(): line for line in figure.axes[0].lines}
-    assert {"ground track", "tracked", "radar"} <= set(labels)
+    assert {"ground track", "tracked", "Radar"} <= set(labels)
     assert np.isfinite(labels["tracked"].get_ydata()).sum() == 10
-    assert "iss by radar; day 1 to 2; circles: in sight at" in figure.legends[0].get_title().get_text()
-    again = ground.world(orbit_of(truth), tracking, first_day=1.0, note="iss by radar")
+    note = figure.legends[0].get_title().get_text()
+    assert "iss by radar; 24 h from 2020-03-01 06:00 UTC (day 1); circles: in sight at" in note
+    again = ground.world(orbit_of(truth), tracking, first_day=1.0, epoch=EPOCH, note="iss by radar")
     style.save(figure, tmp_path / "a.pdf", tmp_path / "a.png")
     style.save(again, tmp_path / "b.pdf", tmp_path / "b.png")
     for kind in ("pdf", "png"):
         assert (tmp_path / f"a.{kind}").read_bytes() == (tmp_path / f"b.{kind}").read_bytes()
     with pytest.raises(InputError, match="expected epochs of day 5, got none"):
-        ground.world(orbit_of(truth), tracking, first_day=5.0)
+        ground.world(orbit_of(truth), tracking, first_day=5.0, epoch=EPOCH)
