@@ -83,7 +83,8 @@ def describe_experiment(names: Mapping[str, Any]) -> str:
 
     names: parts of an experiment by name; others are ignored
     """
-    where = "" if names["target"] == names["rso"] else f"{display_rso(names['target'])}, "
+    rso, target = display_rso(names["rso"]), display_rso(names["target"])
+    where = "" if target == rso else f"{target.removeprefix(f'{rso}, ')}, "
     trained = f"{display_learner(names['learner'])} trained on {describe_training(names['train'])}"
     return f"{describe_run(names)}; {trained}, tested on {where}{describe_test(names['test'])}"
 

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from opml.base.constants import DAY
-from opml.figures.axis_labels import P_ML, PAPER, VARIED, clauses, in_words, symbol, unit
+from opml.figures.axis_labels import P_ML, PAPER, VARIED, in_words, lines, symbol, unit
 from opml.figures.display_names import display_rso, display_stations
 from opml.figures.p_ml_curves import INTERVAL, NO_CORRECTION
 from opml.figures.style import (
@@ -61,7 +61,7 @@ def splits(
         axes.set_xlabel(f"{P_ML} of the {in_words(component)} {symbol(component)} [%]")
         axes.set_yticks(np.arange(len(learners))[::-1], learners)
     _explain(figure.axes[-1], models)
-    legend(figure, columns=4, note=clauses(note, INTERVAL))
+    legend(figure, columns=4, note=lines(note, INTERVAL))
     return figure
 
 

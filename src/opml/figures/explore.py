@@ -6,6 +6,7 @@ Plotly draws the page. It comes with the extra `explore`, and is imported only w
 import html
 import json
 from collections.abc import Mapping, Sequence
+from datetime import datetime, timedelta
 from typing import Any
 
 import numpy as np
@@ -66,6 +67,7 @@ def page(
     dataset: pd.DataFrame,
     *,
     component: str,
+    epoch: str,
     note: str = "",
 ) -> str:
     """Return the page as HTML: an orbit over the Earth, and the errors of predictions from one estimate.
@@ -75,6 +77,7 @@ def page(
     evaluations: those tables of one test, by model
     dataset: that table of the RSO tested on, which holds the epochs of the estimates
     component: of the error
+    epoch: UTC, from which days count
     note: what was trained and tested
     """
     if not evaluations:
@@ -89,9 +92,11 @@ def page(
         for track, epoch in zip(picks["i"], picks["t_i"], strict=True)
     ]
     fixed = [_earth(), _land(), _stations(orbit.stations)]
-    first = [{**trace, **look} for trace, look in zip(moving[0], _looks(list(evaluations)), strict=True)]
+    middle = len(moving) // 2  # its predictions are about as long as any
+    first = [{**trace, **look} for trace, look in zip(moving[middle], _looks(list(evaluations)), strict=True)]
     indices = list(range(len(fixed), len(fixed) + len(first)))
-    layout = _layout(evaluations, component, note) | {"sliders": [_slider(picks, moving, indices)]}
+    slider = {**_slider(_labels(picks["t_i"], epoch), moving, indices), "active": middle}
+    layout = _layout(evaluations, component, note) | {"sliders": [slider]}
     config = {"responsive": True, "displaylogo": False}
     figure = Figure(data=[*fixed, *first], layout=layout)
     text: str = figure.to_html(include_plotlyjs=True, div_id=DIV, config=config, post_script=ON_A_PHONE)
@@ -254,17 +259,23 @@ def _layout(evaluations: Mapping[str, pd.DataFrame], component: str, note: str) 
     }
 
 
+def _labels(t: pd.Series, epoch: str) -> list[str]:
+    """Return times [s] as days since the epoch, with their date."""
+    start = datetime.fromisoformat(epoch)
+    return [f"{one / DAY:.2f}, {start + timedelta(seconds=one):%Y-%m-%d %H:%M} UTC" for one in t]
+
+
 def _slider(
-    picks: pd.DataFrame, moving: Sequence[Sequence[Mapping[str, Any]]], indices: Sequence[int]
+    labels: Sequence[str], moving: Sequence[Sequence[Mapping[str, Any]]], indices: Sequence[int]
 ) -> dict[str, Any]:
     """Return a slider with a step per estimate, which gives the traces of `indices` their coordinates."""
     steps = [
         {
-            "label": f"{epoch / DAY:.2f}",
+            "label": label,
             "method": "restyle",
             "args": [_columns(traces), list(indices)],
         }
-        for epoch, traces in zip(picks["t_i"], moving, strict=True)
+        for label, traces in zip(labels, moving, strict=True)
     ]
     current = {"prefix": "estimate at day ", "font": {"size": 14}}
     return {

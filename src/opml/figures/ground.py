@@ -137,9 +137,17 @@ def _draw_station(axes: Axes, station: Station, height: float, k: int) -> None:
 
 
 def _split_line(longitude: np.ndarray, latitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return a line with gaps where it leaves the map on one side and comes back on the other."""
+    """Return a line that ends where it leaves the map on one side, and goes on from the other."""
     jumps = np.flatnonzero(np.abs(np.diff(longitude)) > 180.0) + 1
-    return np.insert(longitude, jumps, np.nan), np.insert(latitude, jumps, np.nan)
+    edge = np.copysign(180.0, longitude[jumps - 1])
+    before, after = 180.0 - np.abs(longitude[jumps - 1]), 180.0 - np.abs(longitude[jumps])
+    share = before / np.maximum(before + after, np.finfo(float).tiny)
+    crossed = latitude[jumps - 1] + share * (latitude[jumps] - latitude[jumps - 1])
+    gap, places = np.full(len(jumps), np.nan), np.repeat(jumps, 3)
+    return (
+        np.insert(longitude, places, np.column_stack([edge, gap, -edge]).ravel()),
+        np.insert(latitude, places, np.column_stack([crossed, gap, crossed]).ravel()),
+    )
 
 
 def _frame(axes: Axes) -> None:

@@ -11,6 +11,7 @@ import pandas as pd
 from opml.base.constants import DAY
 from opml.base.files import FilePath
 from opml.figures.axis_labels import P_ML, describe_experiment, si_unit, unit
+from opml.figures.ticks import MINUS
 from opml.learning.data.cleaning import OUTSIDE_FENCES, Cleaning, tukey_fences
 from opml.learning.data.splits import in_days, known_at
 from opml.learning.judge import metrics as judge
@@ -22,9 +23,6 @@ CONSTANT_SHARE = 0.02
 
 FEW_ESTIMATES = 20
 """Estimates below which a figure says that its P_ML rests on few."""
-
-MINUS = "\N{MINUS SIGN}"
-"""As axes write it."""
 
 SHORT_DAYS = 0.5
 """Durations up to which a figure gives errors in numbers, as a linear axis cannot show them [d]."""

@@ -379,5 +379,5 @@ def rows_figure(shares: Mapping[str, Mapping[str, float]]) -> Figure:
 
 def _reason_label(reason: str, shares: np.ndarray) -> str:
     """Return a reason with its shares in numbers, as a thin bar cannot be read."""
-    low, high = f"{shares.min():.1%}", f"{shares.max():.1%}"
+    low, high = (f"{100.0 * share:.1f} %" for share in (shares.min(), shares.max()))
     return f"{reason}, {low}" if low == high else f"{reason}, {low} to {high}"

@@ -6,6 +6,9 @@ from datetime import datetime, timedelta
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
+MINUS = "\N{MINUS SIGN}"
+"""As axes write it."""
+
 
 def mark_dates(axes: Axes, epoch: str, *, what: str = "time") -> None:
     """Give an axis of days since the epoch their dates.
@@ -24,4 +27,5 @@ def mark_dates(axes: Axes, epoch: str, *, what: str = "time") -> None:
 
 def metres(size: float, _: int = 0) -> str:
     """Return a size [m] as an axis writes it: `100 m`, `10 km`."""
-    return f"{size / 1e3:g} km" if size >= 1e3 else f"{size:g} m"
+    text = f"{size / 1e3:g} km" if abs(size) >= 1e3 else f"{size:g} m"
+    return text.replace("-", MINUS)

@@ -448,7 +448,7 @@ def test_figure_of_rows_adds_up_to_all():
     assert widths.sum(axis=0).tolist() == [1.0, 1.0]
     assert [label.get_text() for label in axes.get_yticklabels()] == list(shares)
     told = axes.get_legend_handles_labels()[1]
-    assert told == ["used, 75.0% to 100.0%", "no prediction, 0.0% to 25.0%"]
+    assert told == ["used, 75.0 % to 100.0 %", "no prediction, 0.0 % to 25.0 %"]
 
 
 def test_figure_of_drag_shows_every_window_and_the_weather():
