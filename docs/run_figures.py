@@ -17,7 +17,7 @@ from sphinx.util.docutils import SphinxDirective
 PROJECT = Path(__file__).parent.parent
 FIGURES = Path(os.environ.get("OPML_FIGURES", PROJECT / "results" / "figs"))
 CAPTIONS = PROJECT / "workflow" / "report"
-ABSENT = "Put here by `snakemake -j2`, which draws them, and then `make docs`: {}."
+ABSENT = "Put here by `snakemake -j2` and `snakemake -j2 beyond`, then `make docs`: {}."
 PIXELS, COLORS = 1200, 128
 """Width of a picture, and how many colours it keeps."""
 

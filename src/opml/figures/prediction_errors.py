@@ -295,9 +295,8 @@ def _distribution(pairs: pd.DataFrame, components: tuple[str, ...], note: str, *
         )
         _label(axes, component, absolute=absolute)
         axes.yaxis.set_tick_params(labelleft=True)
-    if absolute:
-        _set_decades(axes, pairs[list(components)].abs() * factor)
-    add_note(figure, note)
+    below = _set_decades(axes, pairs[list(components)].abs() * factor) if absolute else ""
+    add_note(figure, lines(note, below))
     return figure
 
 
@@ -314,8 +313,7 @@ def _points_and_bars(evaluation: pd.DataFrame, component: str, context: Context,
     _label(panels[0], component, absolute=absolute)
     for axes in panels:
         axes.set_xlabel(DURATION_LABEL, fontsize=7.0)
-    if absolute:
-        _set_decades(panels[0], errors[[curve.column for curve in _CURVES]])
+    below = _set_decades(panels[0], errors[[curve.column for curve in _CURVES]]) if absolute else ""
     _draw_bars(right, evaluation, component, context, absolute=absolute)
     points = "left: every prediction, lines through the medians; right: mean and standard deviation"
     note = lines(
@@ -323,6 +321,7 @@ def _points_and_bars(evaluation: pd.DataFrame, component: str, context: Context,
         f"{points} in clusters of a quarter of a day",
         fences_note(component, context),
         constant_note(evaluation, component),
+        below,
     )
     legend(figure, columns=4, note=note, labels=_legend_entries(right))
     return figure
@@ -347,11 +346,14 @@ def _draw_points(axes: Axes, errors: pd.DataFrame, curve: _Curve) -> None:
     axes.plot(middle["duration"], middle[curve.column], color=curve.color, lw=1.2, zorder=3.1)
 
 
-def _set_decades(axes: Axes, sizes: pd.DataFrame) -> None:
-    """Make the axis of sizes logarithmic, DECADES from the largest down; smaller sizes are not shown."""
+def _set_decades(axes: Axes, sizes: pd.DataFrame) -> str:
+    """Make the axis of sizes logarithmic, DECADES from the largest down; return how many are smaller."""
     axes.set_yscale("log")
     most = float(np.nanmax(sizes.to_numpy(), initial=0.0)) or 1.0
-    axes.set_ylim(most * 10.0**-DECADES, 1.6 * most)
+    least = most * 10.0**-DECADES
+    axes.set_ylim(least, 1.6 * most)
+    below = int((sizes < least).to_numpy().sum())
+    return f"{below} points lie below the axis" if below else ""
 
 
 def _draw_fences(axes: Axes, component: str, context: Context, *, absolute: bool) -> None:
@@ -441,8 +443,8 @@ def _individual(
     bar.outline.set_linewidth(0.5)
     axes.set_title(f"{change.name}: {len(errors)} of {len(evaluation)} points", fontsize=8.0, loc="left")
     _label(axes, component, absolute=True)
-    _set_decades(axes, errors[["true", "residual"]])
-    made = legend(figure, columns=2, note=note)
+    below = _set_decades(axes, errors[["true", "residual"]])
+    made = legend(figure, columns=2, note=lines(note, below))
     for handle in made.legend_handles:
         if isinstance(handle, PathCollection):
             handle.set_sizes([12.0])

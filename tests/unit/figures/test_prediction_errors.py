@@ -332,6 +332,13 @@ def test_p_ml_stands_above_the_bars(evaluation, told):
         assert text.get_window_extent().x1 <= figure.bbox.x1
 
 
+def test_points_below_a_logarithmic_axis_are_counted(evaluation):
+    # Predicted and residual errors have one zero and four, which no logarithmic axis shows.
+    note = prediction_errors.svr_absolute(evaluation).legends[0].get_title().get_text()
+    assert note.endswith("5 points lie below the axis")
+    assert "below the axis" not in prediction_errors.svr_signed(evaluation).legends[0].get_title().get_text()
+
+
 def test_a_model_that_says_one_thing_is_said_to(evaluation):
     assert notes.constant_note(evaluation, "e_y") == ""
     found = notes.constant_note(evaluation.assign(predicted=-1400.0), "e_y")
