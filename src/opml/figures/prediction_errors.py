@@ -342,8 +342,16 @@ def _draw_points(axes: Axes, errors: pd.DataFrame, curve: _Curve) -> None:
     )
     place = np.ceil(errors["duration"] / CLUSTER_DAYS)
     middle = errors[["duration", curve.column]].groupby(place).median()
-    axes.plot(middle["duration"], middle[curve.column], color="white", lw=2.6, zorder=3.0)
-    axes.plot(middle["duration"], middle[curve.column], color=curve.color, lw=1.2, zorder=3.1)
+    line = _break_gaps(middle["duration"].to_numpy(), middle[curve.column].to_numpy())
+    axes.plot(*line, color="white", lw=2.6, zorder=3.0)
+    axes.plot(*line, color=curve.color, lw=1.2, zorder=3.1)
+
+
+def _break_gaps(duration: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return a line through clusters (n,) with a gap where a cluster between two has no points."""
+    places = np.ceil(duration / CLUSTER_DAYS)
+    gaps = np.flatnonzero(np.diff(places) > 1.0) + 1
+    return np.insert(duration, gaps, np.nan), np.insert(values, gaps, np.nan)
 
 
 def _set_decades(axes: Axes, sizes: pd.DataFrame) -> str:
@@ -379,18 +387,21 @@ def _draw_bars(
     errors = _drawn_errors(evaluation, component, absolute=absolute)
     for order, curve in enumerate(_CURVES):
         table = clusters(errors["duration"].to_numpy(), errors[curve.column].to_numpy())
+        shift, zorder = curve.shift * CLUSTER_DAYS, 2.0 + 0.1 * order
         axes.errorbar(
-            table["duration"] + curve.shift * CLUSTER_DAYS,
+            table["duration"] + shift,
             table["mean"],
             yerr=table["std"],
             color=curve.color,
             marker=curve.marker,
             markersize=2.2,
-            linewidth=0.8,
+            linestyle="",
             elinewidth=0.7,
-            zorder=2.0 + 0.1 * order,
+            zorder=zorder,
             label=curve.label.format(axis=axis(component)),
         )
+        duration, mean = _break_gaps(table["duration"].to_numpy(), table["mean"].to_numpy())
+        axes.plot(duration + shift, mean, color=curve.color, lw=0.8, zorder=zorder)
     axes.set_title(counts_note(evaluation, component, context), fontsize=6.5, color=PUBLISHED, loc="right")
     _label(axes, component, absolute=absolute)
     low, high = axes.get_ylim()

@@ -332,6 +332,12 @@ def test_p_ml_stands_above_the_bars(evaluation, told):
         assert text.get_window_extent().x1 <= figure.bbox.x1
 
 
+def test_no_line_crosses_durations_without_points():
+    duration, values = prediction_errors._break_gaps(np.array([0.1, 0.3, 0.9]), np.array([1.0, 2.0, 3.0]))
+    assert duration == pytest.approx([0.1, 0.3, np.nan, 0.9], nan_ok=True)
+    assert values == pytest.approx([1.0, 2.0, np.nan, 3.0], nan_ok=True)
+
+
 def test_points_below_a_logarithmic_axis_are_counted(evaluation):
     # Predicted and residual errors have one zero and four, which no logarithmic axis shows.
     note = prediction_errors.svr_absolute(evaluation).legends[0].get_title().get_text()
