@@ -7,6 +7,7 @@ between files of the project becomes one between pages.
 
 import posixpath
 import re
+import sys
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -14,6 +15,10 @@ from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
 
 import opml
+
+sys.path.insert(0, str(Path(__file__).parent))
+from run_figures import RunFigures
+from schematics import Schematic
 
 INCLUDED = {
     "README.md": "index.md",
@@ -24,6 +29,7 @@ INCLUDED = {
 }
 FONTS = Path(find_spec("ziamath").origin).with_name("fonts")  # a wheel with STIX Two Math
 LINK = re.compile(r"\]\((?!\w+:|#)([^)\s#]+)")
+IMAGE = re.compile(r'<img [^>]*src="([^"]+)"[^>]*>')
 
 project = "opml"
 html_show_copyright = False
@@ -78,9 +84,18 @@ def block_equation(self, node):
     raise nodes.SkipNode
 
 
+def enlarge(app, page, template, context, doctree):
+    """Link each picture of a page to itself, which a phone shows as large as a finger makes it."""
+    if "body" in context:
+        context["body"] = IMAGE.sub(r'<a href="\1">\g<0></a>', context["body"])
+
+
 def setup(app):
     """Register what the settings above name."""
     app.connect("source-read", point)
     app.connect("include-read", point_included)
+    app.connect("html-page-context", enlarge)
+    app.add_directive("schematic", Schematic)
+    app.add_directive("run-figures", RunFigures)
     app.add_html_math_renderer("mathml", (inline_equation, None), (block_equation, None))
     return {"parallel_read_safe": True}

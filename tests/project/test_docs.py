@@ -76,6 +76,25 @@ def test_what_the_readme_links_to_is_a_page(site):
 
 
 @pytest.mark.slow
+def test_pictures_of_the_site_open_in_full_size(site):
+    for page in site.glob("*.html"):
+        text = page.read_text(encoding="utf-8")
+        for picture in re.findall(r'<img [^>]*src="(_images/[^"]+)"', text):
+            assert re.search(rf'<a href="{picture}"><img ', text), page.name
+
+
+@pytest.mark.slow
+def test_the_method_is_drawn_in_the_page_s_ink_and_told_to_who_does_not_see_it(site):
+    text = (site / "figures.html").read_text(encoding="utf-8")
+    drawings = re.findall(r"<svg class=\"schematic\".*?</svg>", text, re.DOTALL)
+    assert len(drawings) == 4
+    for drawing in drawings:
+        assert len(re.search(r'aria-label="([^"]+)"', drawing)[1].split()) > 20
+        assert set(re.findall(r'<text [^>]*fill="([^"]+)"', drawing)) == {"currentColor"}
+        assert min(map(float, re.findall(r'<text [^>]*font-size="([\d.]+)"', drawing))) >= 10.0
+
+
+@pytest.mark.slow
 def test_the_site_fetches_nothing_from_elsewhere(site):
     fetched = r'<(?:script|img|iframe)[^>]* src="\w*:?//[^"]*"|<link[^>]* href="\w*:?//[^"]*"'
     for page in site.glob("*.html"):

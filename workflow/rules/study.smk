@@ -144,6 +144,7 @@ if OWN.is_asked:
                 **dict(wildcards.items()) | {"window": "", "reading": ""},
                 label=naming.LABELS[STUDY.label],
             ),
+            manoeuvres=INPUTS.user_manoeuvres(rules.truth.output[0], rules.tracking.output[0]),
         output:
             **figures(STUDY_DRAG, caption="study_drag", section=SECTIONS["study"]),
         log:

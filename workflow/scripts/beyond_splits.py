@@ -2,6 +2,7 @@
 
 from opml.figures import beyond, style
 from opml.figures.axis_labels import add_weather, describe_splits
+from opml.figures.display_names import display_rso
 from opml.figures.model_names import describe_model
 from opml.tables import read_tables
 from opml.workflow.job_settings import FigureSettings
@@ -19,6 +20,8 @@ with job(snakemake):
         splits=list(settings.splits),
         published={(stations, split): p_ml for stations, _, split, p_ml in settings.published},
         component=settings.component,
-        note=add_weather(describe_splits(settings.splits), settings.values),
+        note=add_weather(
+            f"{display_rso(metrics['rso'].iloc[0])}; {describe_splits(settings.splits)}", settings.values
+        ),
     )
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

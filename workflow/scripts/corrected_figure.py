@@ -2,6 +2,8 @@
 
 from opml.ephemerides.corrected import held_against
 from opml.figures import later_errors, style
+from opml.figures.axis_labels import describe_training
+from opml.figures.display_names import describe_run, display_learner
 from opml.tables import read_table
 from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job
@@ -11,6 +13,7 @@ with job(snakemake):
     first = table[table["i"] == table["i"].min()]
     errors = held_against(first, read_table(snakemake.input.estimates, "estimates"))
     settings = FigureSettings(snakemake.params.settings)
-    note = "{rso} by {stations}; corrected by {learner} trained on {train}".format(**settings.values)
+    learner, training = display_learner(settings.learner), describe_training(settings.train)
+    note = f"{describe_run(settings.values)}; corrected by {learner} trained on {training}"
     figure = later_errors.later_errors(errors, level=settings.level, note=note)
     style.save_all([figure], [snakemake.output.pdf], [snakemake.output.png])

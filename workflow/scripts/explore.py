@@ -21,6 +21,7 @@ with job(snakemake):
         read_by_key(settings.learners, files.evaluations, "evaluation"),
         read_table(files.dataset, "dataset"),
         component=settings.component,
+        epoch=settings.epoch,
         note=describe_experiment(settings.values),
     )
     with replacing(snakemake.output[0]) as temporary:

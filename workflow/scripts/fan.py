@@ -1,6 +1,7 @@
 """Draw one prediction under many futures of the space weather."""
 
 from opml.figures import fan, style
+from opml.figures.display_names import describe_run
 from opml.tables import read_table
 from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job
@@ -12,6 +13,6 @@ with job(snakemake):
         read_table(snakemake.input.sample, "ensemble"),
         track=settings.track,
         level=settings.level,
-        note=f"{settings.rso} by {settings.stations}, from track {settings.track}",
+        note=f"{describe_run(settings.values)}, from track {settings.track}",
     )
     style.save_all([figure], [snakemake.output.pdf], [snakemake.output.png])

@@ -1,6 +1,7 @@
 """Draw the orbit with its observations, and its osculating elements."""
 
 from opml.figures import orbit, style
+from opml.figures.display_names import describe_run, display_rso
 from opml.tables import read_metadata, read_table
 from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job
@@ -12,8 +13,8 @@ with job(snakemake):
         for name in ("truth", "tracking")
     )
     gm = read_metadata(snakemake.input.gravity_field)["gm"]
-    observed = f"{settings.rso}, observed by {settings.stations}"
-    elements = f"{settings.rso}: osculating elements in GCRF"
+    observed = describe_run(settings.values)
+    elements = f"{display_rso(settings.rso)}: osculating elements in GCRF"
     figures = [
         orbit.orbit_3d(truth, tracking, note=observed),
         orbit.orbital_elements(truth, gm=gm, zoom_days=settings.zoom_days, note=elements),

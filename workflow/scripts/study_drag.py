@@ -4,13 +4,15 @@ import pandas as pd
 
 from opml.figures import own_study, style
 from opml.figures.axis_labels import add_weather
-from opml.tables import read_table
+from opml.figures.display_names import describe_run
+from opml.tables import read_metadata, read_table
 from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job, read_by_key
 
 with job(snakemake):
     settings, files = FigureSettings(snakemake.params.settings), snakemake.input
     dataset = read_table(files.dataset, "dataset")
+    manoeuvres = read_metadata(files.manoeuvres) if files.manoeuvres else {}
     errors = [
         own_study.daily_errors(dataset, component=settings.component, day=day) for day in settings.marks
     ]
@@ -18,8 +20,8 @@ with job(snakemake):
         read_by_key(settings.windows, files.estimates, "estimates"),
         read_table(files.activity, "solar_activity"),
         pd.concat(errors),
-        note=add_weather(
-            f"{settings.rso} by {settings.stations}; {own_study.UNCORRECTED_NOTE}", settings.values
-        ),
+        epoch=settings.epoch,
+        manoeuvres=[manoeuvre["t"] for manoeuvre in manoeuvres.get("manoeuvres", [])],
+        note=add_weather(f"{describe_run(settings.values)}; {own_study.UNCORRECTED_NOTE}", settings.values),
     )
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

@@ -1,6 +1,7 @@
 """Draw a day of ground tracks, the passes that were tracked, and what each station sees."""
 
 from opml.figures import ground, style
+from opml.figures.display_names import describe_run
 from opml.orbits.sheets import Station
 from opml.tables import read_table
 from opml.workflow.job_settings import FigureSettings
@@ -17,6 +18,7 @@ with job(snakemake):
         orbit,
         read_table(files.tracking, "tracking"),
         first_day=settings.first_day,
-        note=f"{settings.rso} by {settings.stations}",
+        note=describe_run(settings.values),
+        epoch=settings.epoch,
     )
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from opml import naming
+from opml.figures.display_names import describe_run, display_learner, display_rso
 from opml.naming import Split
 
 PAPER = "Peng & Bai"
@@ -18,6 +19,9 @@ VARIED = {
 }
 """The element that RSOs of a curve differ in, by the curve's name."""
 
+DIRECTIONS = {"x": "radial", "y": "along-track", "z": "cross-track"}
+"""Axes of RSW in words."""
+
 ASIDE = {"rest": "the rest", "seen": "the same rows"}
 STANDARDISED = {"own": "standardised alone", "together": "standardised with the training"}
 
@@ -30,6 +34,17 @@ def axis(component: str) -> str:
 def symbol(component: str) -> str:
     """Return the component as the paper writes it."""
     return rf"$e_{{{axis(component)}}}$"
+
+
+def in_words(component: str) -> str:
+    """Return what a component is an error of: `along-track error` of `e_y`."""
+    moving = axis(component)
+    return f"{DIRECTIONS[moving[-1]]} {'velocity ' if moving.startswith('v') else ''}error"
+
+
+def size_label(component: str, unit_name: str) -> str:
+    """Return the label of an axis of sizes of an error: `along-track error |e_y| [km]`."""
+    return f"{in_words(component)} $|e_{{{axis(component)}}}|$ [{unit_name}]"
 
 
 def unit(component: str) -> tuple[str, float]:
@@ -68,11 +83,10 @@ def describe_experiment(names: Mapping[str, Any]) -> str:
 
     names: parts of an experiment by name; others are ignored
     """
-    where = "" if names["target"] == names["rso"] else f"{names['target']}, "
-    trained = f"{names['learner']} trained on {describe_training(names['train'])}"
-    return (
-        f"{names['rso']} by {names['stations']}; {trained}, tested on {where}{describe_test(names['test'])}"
-    )
+    rso, target = display_rso(names["rso"]), display_rso(names["target"])
+    where = "" if target == rso else f"{target.removeprefix(f'{rso}, ')}, "
+    trained = f"{display_learner(names['learner'])} trained on {describe_training(names['train'])}"
+    return f"{describe_run(names)}; {trained}, tested on {where}{describe_test(names['test'])}"
 
 
 def describe_splits(pairs: Mapping[str, Sequence[str]]) -> str:

@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from opml.base.constants import DAY
-from opml.figures.axis_labels import P_ML, PAPER, VARIED, clauses, symbol, unit
+from opml.figures.axis_labels import P_ML, PAPER, VARIED, in_words, lines, symbol, unit
+from opml.figures.display_names import display_rso, display_stations
 from opml.figures.p_ml_curves import INTERVAL, NO_CORRECTION
 from opml.figures.style import (
     MARKERS,
@@ -54,13 +55,13 @@ def splits(
         numbers = {split: published[stations, split] for split in splits if (stations, split) in published}
         _draw_splits(axes, rows, learners, splits, numbers)
         axes.axvline(NO_CORRECTION, color=MUTED, ls="--", lw=1.0, zorder=1)
-        axes.set_title(stations, fontsize=8.0, loc="left")
+        axes.set_title(display_stations(stations), fontsize=8.0, loc="left")
         axes.set_xscale("log")
         _number_decades(axes.xaxis)
-        axes.set_xlabel(f"{P_ML} of {symbol(component)} [%]")
+        axes.set_xlabel(f"{P_ML} of the {in_words(component)} {symbol(component)} [%]")
         axes.set_yticks(np.arange(len(learners))[::-1], learners)
     _explain(figure.axes[-1], models)
-    legend(figure, columns=4, note=clauses(note, INTERVAL))
+    legend(figure, columns=4, note=lines(note, INTERVAL))
     return figure
 
 
@@ -135,12 +136,14 @@ def transfers(
         axes.set_yscale("log")
         _number_decades(axes.yaxis)
         axes.set_xlabel(VARIED[curve])
-    panels[0].set_ylabel(f"{P_ML} of {symbol(component)} [%]")
+    panels[0].set_ylabel(f"{P_ML} of the {in_words(component)} {symbol(component)} [%]")
     untransferred = metrics.loc[metrics["target"] == metrics["rso"], "target"]
     for axes, varied in zip(panels, curves.values(), strict=True):
         for value in {varied[target] for target in untransferred if target in varied}:
             axes.axvline(value, color=MUTED, ls=":", lw=1.2, zorder=1, label="RSO trained on")
-    trained_on = f"trained on {metrics['rso'].iloc[0]} alone, applied to RSOs that differ in one element"
+    trained_on = (
+        f"trained on {display_rso(metrics['rso'].iloc[0])} alone, applied to RSOs that differ in one element"
+    )
     legend(figure, columns=5, note=f"{trained_on}; bands: 5th to 95th percentile over resampled estimates")
     return figure
 
@@ -177,6 +180,6 @@ def intervals(tables: Mapping[str, pd.DataFrame], *, level: float, component: st
         axes.set_ylim(-reach, reach)
         axes.set_title(f"{title}: {100.0 * (1.0 - outside.mean()):.0f} % inside", fontsize=8.0, loc="left")
         axes.set_xlabel("prediction duration [d]")
-    figure.axes[0].set_ylabel(f"{symbol(component)} [{name}]")
+    figure.axes[0].set_ylabel(f"{in_words(component)} {symbol(component)} [{name}]")
     legend(figure, columns=3, note=note)
     return figure

@@ -3,8 +3,10 @@
 Plotly draws the page. It comes with the extra `explore`, and is imported only where a page is made.
 """
 
+import html
 import json
 from collections.abc import Mapping, Sequence
+from datetime import datetime, timedelta
 from typing import Any
 
 import numpy as np
@@ -13,8 +15,19 @@ import pandas as pd
 from opml.base.constants import DAY, WGS84_A
 from opml.base.errors import InputError
 from opml.figures import ground
-from opml.figures.axis_labels import axis, si_unit
-from opml.figures.style import MUTED, OBSERVED_COLOR, PREDICTED_COLOR, PUBLISHED, RAMP, RESIDUAL, TRUE_COLOR
+from opml.figures.axis_labels import axis, in_words, si_unit
+from opml.figures.display_names import display_learner
+from opml.figures.style import (
+    ESTIMATE,
+    HIGHLIGHT,
+    MUTED,
+    OBSERVED_COLOR,
+    PREDICTED_COLOR,
+    PUBLISHED,
+    RESIDUAL,
+    TRACK_COLOR,
+    TRUE_COLOR,
+)
 from opml.orbits.sheets import Station
 
 _MOST = 150
@@ -40,7 +53,11 @@ NARROW = {
 ON_A_PHONE = f"if (window.innerWidth < 800) Plotly.relayout('{DIV}', {json.dumps(NARROW)});"
 """Put the orbit above the errors on a screen that has no room for both side by side."""
 
-COLORS = (RESIDUAL, PREDICTED_COLOR, OBSERVED_COLOR, *RAMP)
+COLORS = (RESIDUAL, PREDICTED_COLOR, OBSERVED_COLOR, ESTIMATE, TRACK_COLOR, HIGHLIGHT)
+DASHES = ("solid", "dash", "dot", "dashdot")
+"""Looks of the models: a color and a dash together belong to one."""
+
+HEAD = '<head><meta name="viewport" content="width=device-width, initial-scale=1"><title>{title}</title>'
 EARTH, PATH, START, BEFORE = "Earth", "its next 95 minutes", "estimate", "no correction"
 
 
@@ -50,6 +67,7 @@ def page(
     dataset: pd.DataFrame,
     *,
     component: str,
+    epoch: str,
     note: str = "",
 ) -> str:
     """Return the page as HTML: an orbit over the Earth, and the errors of predictions from one estimate.
@@ -59,6 +77,7 @@ def page(
     evaluations: those tables of one test, by model
     dataset: that table of the RSO tested on, which holds the epochs of the estimates
     component: of the error
+    epoch: UTC, from which days count
     note: what was trained and tested
     """
     if not evaluations:
@@ -73,13 +92,16 @@ def page(
         for track, epoch in zip(picks["i"], picks["t_i"], strict=True)
     ]
     fixed = [_earth(), _land(), _stations(orbit.stations)]
-    first = [{**trace, **look} for trace, look in zip(moving[0], _looks(list(evaluations)), strict=True)]
+    middle = len(moving) // 2  # its predictions are about as long as any
+    first = [{**trace, **look} for trace, look in zip(moving[middle], _looks(list(evaluations)), strict=True)]
     indices = list(range(len(fixed), len(fixed) + len(first)))
-    layout = _layout(evaluations, component, note) | {"sliders": [_slider(picks, moving, indices)]}
+    slider = {**_slider(_labels(picks["t_i"], epoch), moving, indices), "active": middle}
+    layout = _layout(evaluations, component, note) | {"sliders": [slider]}
     config = {"responsive": True, "displaylogo": False}
     figure = Figure(data=[*fixed, *first], layout=layout)
     text: str = figure.to_html(include_plotlyjs=True, div_id=DIV, config=config, post_script=ON_A_PHONE)
-    return text
+    head = HEAD.format(title=html.escape(note.split(";")[0]))
+    return text.replace("<html>", '<html lang="en">', 1).replace("<head>", head, 1)
 
 
 def _picks(evaluation: pd.DataFrame, dataset: pd.DataFrame) -> pd.DataFrame:
@@ -149,7 +171,7 @@ def _stations(stations: Sequence[Station]) -> dict[str, Any]:
         np.array([getattr(station, name) for station in stations]) for name in ("longitude", "latitude")
     )
     x, y, z = (part.round(1).tolist() for part in _sphere_points(longitude, latitude, 1.02))
-    names = [station.name for station in stations]
+    names = [station.name.capitalize() for station in stations]
     look = {"mode": "markers+text", "marker": {"size": 4, "color": OBSERVED_COLOR}, "showlegend": False}
     return {"type": "scatter3d", "name": "stations", "x": x, "y": y, "z": z, "text": names, **look}
 
@@ -184,11 +206,11 @@ def _looks(models: Sequence[str]) -> list[dict[str, Any]]:
     after: list[dict[str, Any]] = [
         {
             "mode": "lines+markers",
-            "line": {"color": COLORS[(len(models) - 1 - k) % len(COLORS)]},
-            "name": name,
+            "line": _line(place),
+            "name": display_learner(name),
             "visible": True if k == len(models) - 1 else "legendonly",
         }
-        for k, name in enumerate(models)
+        for place, (k, name) in zip(reversed(range(len(models))), enumerate(models), strict=True)
     ]
     return [
         {"type": "scatter3d", "name": PATH, **path},
@@ -197,13 +219,18 @@ def _looks(models: Sequence[str]) -> list[dict[str, Any]]:
     ]
 
 
+def _line(place: int) -> dict[str, str]:
+    """Return a line that no other model's looks like."""
+    return {"color": COLORS[place % len(COLORS)], "dash": DASHES[place // len(COLORS) % len(DASHES)]}
+
+
 def _layout(evaluations: Mapping[str, pd.DataFrame], component: str, note: str) -> dict[str, Any]:
     """Return the layout: orbit on the left, errors on the right, on scales that all estimates share."""
     first = next(iter(evaluations.values()))
     residuals = (table["residual"].abs() for table in evaluations.values())
     sizes = np.concatenate([first["true"].abs(), *residuals])
     low, high = np.log10(np.quantile(sizes[sizes > 0.0], [0.005, 1.0]))
-    hidden = {"visible": False}
+    hidden, symbol = {"visible": False}, f"e<sub>{axis(component)}</sub>"
     return {
         "template": "simple_white",
         "title": {"text": note.replace("; ", "<br>"), "font": {"size": 14, "color": PUBLISHED}},
@@ -221,7 +248,7 @@ def _layout(evaluations: Mapping[str, pd.DataFrame], component: str, note: str) 
         "yaxis": {
             "type": "log",
             "range": [float(low), float(high) + 0.1],
-            "title": {"text": f"size of e<sub>{axis(component)}</sub> [{si_unit(component)}]"},
+            "title": {"text": f"{in_words(component)} |{symbol}| [{si_unit(component)}]"},
             "exponentformat": "power",
             "showgrid": True,
             "dtick": 1,
@@ -232,17 +259,23 @@ def _layout(evaluations: Mapping[str, pd.DataFrame], component: str, note: str) 
     }
 
 
+def _labels(t: pd.Series, epoch: str) -> list[str]:
+    """Return times [s] as days since the epoch, with their date."""
+    start = datetime.fromisoformat(epoch)
+    return [f"{one / DAY:.2f}, {start + timedelta(seconds=one):%Y-%m-%d %H:%M} UTC" for one in t]
+
+
 def _slider(
-    picks: pd.DataFrame, moving: Sequence[Sequence[Mapping[str, Any]]], indices: Sequence[int]
+    labels: Sequence[str], moving: Sequence[Sequence[Mapping[str, Any]]], indices: Sequence[int]
 ) -> dict[str, Any]:
     """Return a slider with a step per estimate, which gives the traces of `indices` their coordinates."""
     steps = [
         {
-            "label": f"{epoch / DAY:.2f}",
+            "label": label,
             "method": "restyle",
             "args": [_columns(traces), list(indices)],
         }
-        for epoch, traces in zip(picks["t_i"], moving, strict=True)
+        for label, traces in zip(labels, moving, strict=True)
     ]
     current = {"prefix": "estimate at day ", "font": {"size": 14}}
     return {

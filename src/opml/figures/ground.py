@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from datetime import datetime, timedelta
 from importlib.resources import files
 from typing import Any
 
@@ -53,7 +54,9 @@ class ObservedOrbit:
         return positions
 
 
-def world(orbit: ObservedOrbit, tracking: pd.DataFrame, *, first_day: float, note: str = "") -> Figure:
+def world(
+    orbit: ObservedOrbit, tracking: pd.DataFrame, *, first_day: float, epoch: str, note: str = ""
+) -> Figure:
     """Draw the ground track of a day, the part of it that was tracked, and what each station can see.
 
     A station sees an RSO at the day's mean height inside of its circle, which ends at its lowest elevation or
@@ -61,6 +64,7 @@ def world(orbit: ObservedOrbit, tracking: pd.DataFrame, *, first_day: float, not
 
     tracking: that table
     first_day: at which the day begins [d]
+    epoch: UTC, from which days count
     note: whose orbit it is
     """
     rows = orbit.truth[orbit.truth["t"].between(first_day * DAY, (first_day + 1.0) * DAY)]
@@ -77,8 +81,9 @@ def world(orbit: ObservedOrbit, tracking: pd.DataFrame, *, first_day: float, not
     for k, station in enumerate(orbit.stations):
         _draw_station(axes, station, float(height.mean()), k)
     _frame(axes)
-    days = f"day {first_day:g} to {first_day + 1.0:g}; circles: in sight at {height.mean() / 1e3:.0f} km"
-    legend(figure, columns=5, note=clauses(note, days))
+    begin = datetime.fromisoformat(epoch) + timedelta(days=first_day)
+    day = f"24 h from {begin:%Y-%m-%d %H:%M} UTC (day {first_day:g})"
+    legend(figure, columns=5, note=clauses(note, day, f"circles: in sight at {height.mean() / 1e3:.0f} km"))
     return figure
 
 
@@ -128,13 +133,21 @@ def _draw_station(axes: Axes, station: Station, height: float, k: int) -> None:
     axes.plot(*_split_line(*circle(station, sight_angle(station, height))), color=color, lw=1.0, zorder=3.0)
     place = np.degrees([station.longitude, station.latitude])
     look: dict[str, Any] = {"ls": "", "color": color, "mec": "white", "mew": 0.5, "ms": 6.0, "zorder": 4.0}
-    axes.plot(*place[:, None], marker=MARKERS[k % len(MARKERS)], label=station.name, **look)
+    axes.plot(*place[:, None], marker=MARKERS[k % len(MARKERS)], label=station.name.capitalize(), **look)
 
 
 def _split_line(longitude: np.ndarray, latitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return a line with gaps where it leaves the map on one side and comes back on the other."""
+    """Return a line that ends where it leaves the map on one side, and goes on from the other."""
     jumps = np.flatnonzero(np.abs(np.diff(longitude)) > 180.0) + 1
-    return np.insert(longitude, jumps, np.nan), np.insert(latitude, jumps, np.nan)
+    edge = np.copysign(180.0, longitude[jumps - 1])
+    before, after = 180.0 - np.abs(longitude[jumps - 1]), 180.0 - np.abs(longitude[jumps])
+    share = before / np.maximum(before + after, np.finfo(float).tiny)
+    crossed = latitude[jumps - 1] + share * (latitude[jumps] - latitude[jumps - 1])
+    gap, places = np.full(len(jumps), np.nan), np.repeat(jumps, 3)
+    return (
+        np.insert(longitude, places, np.column_stack([edge, gap, -edge]).ravel()),
+        np.insert(latitude, places, np.column_stack([crossed, gap, crossed]).ravel()),
+    )
 
 
 def _frame(axes: Axes) -> None:

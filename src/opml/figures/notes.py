@@ -5,15 +5,24 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
 from opml.base.files import FilePath
-from opml.figures.axis_labels import describe_experiment
+from opml.figures.axis_labels import P_ML, describe_experiment, si_unit, unit
+from opml.figures.ticks import MINUS
 from opml.learning.data.cleaning import OUTSIDE_FENCES, Cleaning, tukey_fences
 from opml.learning.data.splits import in_days, known_at
+from opml.learning.judge import metrics as judge
 from opml.naming import parse_test
 from opml.tables import read_table
+
+CONSTANT_SHARE = 0.02
+"""Range of predicted errors, in parts of the true ones', below which they count as one value."""
+
+FEW_ESTIMATES = 20
+"""Estimates below which a figure says that its P_ML rests on few."""
 
 SHORT_DAYS = 0.5
 """Durations up to which a figure gives errors in numbers, as a linear axis cannot show them [d]."""
@@ -65,11 +74,12 @@ def read_context(settings: Mapping[str, Any], metrics: FilePath, dataset: FilePa
 def kept_share(dataset: pd.DataFrame, test: str) -> float:
     """Return the share of the pairs that are kept, of those with t_j in the days of a test, or of all.
 
-    NaN where the days have no pair.
+    A test without the dataset's fences keeps what they alone drop. NaN where the days have no pair.
     """
     split = parse_test(test)
     rows = dataset[in_days(dataset["t_j"], split.days)] if split.kind == "days" else dataset
-    return float(rows["keep"].mean()) if len(rows) else math.nan
+    kept = rows["keep"] if split.fence is None else rows["reason"].isin(["", OUTSIDE_FENCES])
+    return float(kept.mean()) if len(rows) else math.nan
 
 
 def fences(dataset: pd.DataFrame, cleaning: Cleaning) -> tuple[float, float] | None:
@@ -88,3 +98,48 @@ def short_errors(evaluation: pd.DataFrame) -> tuple[float, float]:
     if rows.empty:
         return math.nan, math.nan
     return float(rows["true"].abs().mean()), float(rows["residual"].abs().mean())
+
+
+def p_ml_note(evaluation: pd.DataFrame, context: Context) -> str:
+    """Return P_ML with its 90 % interval."""
+    p_ml = judge.p_ml(evaluation["true"].to_numpy(), evaluation["predicted"].to_numpy())
+    low, high = context.interval or (math.nan, math.nan)
+    interval = f" (90 %: {low:.1f} to {high:.1f})" if context.interval else ""
+    return f"{P_ML} = {p_ml:.1f} %{interval}"
+
+
+def counts_note(evaluation: pd.DataFrame, component: str, context: Context) -> str:
+    """Return how many predictions there are, and the size of short ones' errors, too small for the axis."""
+    estimates = evaluation["i"].nunique()
+    only = "only " if estimates < FEW_ESTIMATES else ""
+    rows = f"{len(evaluation)} predictions of {only}{estimates} estimates"
+    kept = "" if context.kept is None else f"; {context.kept:.3g} % of the pairs are kept"
+    before, after = short_errors(evaluation)
+    if math.isnan(before):
+        return rows + kept
+    name, change = si_unit(component), "falls" if after < before else "grows"
+    sizes = f"{change} from {_digits(before)} to {_digits(after)} {name}"
+    return f"{rows}{kept}\nup to {SHORT_DAYS:g} d the mean size {sizes}"
+
+
+def fences_note(component: str, context: Context) -> str:
+    """Return what the lines of the fences are; empty without fences."""
+    if context.fences is None:
+        return ""
+    name, factor = unit(component)
+    low, high = (f"{value * factor:.1f}".replace("-", MINUS) for value in context.fences)
+    return f"dashed: {low} and {high} {name}, beyond which the cleaning drops true errors (Tukey's fences)"
+
+
+def constant_note(evaluation: pd.DataFrame, component: str) -> str:
+    """Return that a model gives all rows nearly one value, where it does; else nothing."""
+    true, predicted = evaluation["true"], evaluation["predicted"]
+    if np.ptp(predicted) > CONSTANT_SHARE * np.ptp(true) or len(evaluation) == 1:
+        return ""
+    value = f"{_digits(abs(predicted.median()))} {si_unit(component)}"
+    return f"the model gives all rows nearly one value, {value} in size, as it does far from its training"
+
+
+def _digits(value: float) -> str:
+    """Return a number with three digits, or without decimals."""
+    return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"

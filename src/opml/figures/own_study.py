@@ -8,27 +8,31 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import PercentFormatter
+from matplotlib.ticker import FuncFormatter, PercentFormatter
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.figures.axis_labels import P_ML, lines, si_unit, symbol
+from opml.figures.axis_labels import P_ML, lines, si_unit, size_label
+from opml.figures.display_names import display_learner
 from opml.figures.prediction_errors import DURATION_LABEL
 from opml.figures.style import (
     MARKERS,
     MUTED,
     NOTE_SIZE,
     PREDICTED_COLOR,
+    PUBLISHED,
     RAMP,
     REASON_COLORS,
     RESIDUAL,
     SERIES,
     TRACK_COLOR,
     TRUE_COLOR,
+    add_note,
     legend,
     page_figure,
     panel_figure,
 )
+from opml.figures.ticks import mark_dates, metres
 from opml.learning.judge.errors_by_duration import REACH_DAYS, by_duration
 from opml.learning.judge.model_choice import Mornings
 from opml.tables.convergence import none_converged
@@ -48,6 +52,12 @@ UNCORRECTED_NOTE = (
 BASELINE = PREDICTED_COLOR
 """Colour of the models beside the one that a figure shows."""
 
+LABEL_STEP = 0.05
+"""Least distance of names at the ends of lines, in parts of the axis: a line of their type."""
+
+OUTSIDE = 0.3
+"""Room above and below the middle 90 % of the estimates of Cd, in parts of their range."""
+
 _SHADES = (TRACK_COLOR, *REASON_COLORS)
 """Colours of rows that are used, then of rows that are not, reason by reason."""
 
@@ -63,9 +73,10 @@ def errors(evaluations: Mapping[str, pd.DataFrame], *, component: str, note: str
     """
     if not evaluations:
         raise InputError("errors of a study: expected at least one model that corrects, got none")
+    tables = {display_learner(model): table for model, table in evaluations.items()}
     figure = panel_figure(
-        list(evaluations),
-        lambda axes, model: _draw_growth(axes, evaluations[model]),
+        list(tables),
+        lambda axes, title: _draw_growth(axes, tables[title], component),
         columns=_COLUMNS,
         heights_mm=(20.0, 50.0),
     )
@@ -95,7 +106,7 @@ def residuals(mornings: Mornings, *, laws: Collection[str], note: str = "") -> F
             {"ls": "--", "label": "learned"} if name in laws else {"label": "nothing learned"}
         )
         axes.plot(median.index, median["50"], color=BASELINE, lw=0.9, zorder=2.5, **look)
-    axes.set_yscale("log")
+    _size_axis(axes, "e_y")
     axes.set_xlim(0.0, before.index[-1])
     axes.set_xlabel(DURATION_LABEL)
     axes.set_ylabel(_size_label("e_y"))
@@ -125,22 +136,30 @@ def _draw_bands(axes: Axes, percentiles: pd.DataFrame, color: str, marker: str, 
     days = percentiles.index
     axes.fill_between(days, percentiles["5"], percentiles["95"], color=color, alpha=0.12, lw=0.0)
     axes.fill_between(days, percentiles["25"], percentiles["75"], color=color, alpha=0.25, lw=0.0)
-    axes.plot(days, percentiles["50"], f"{marker}-", color=color, ms=3.5, zorder=3.0, label=label)
+    look: dict[str, Any] = {"ms": 3.5, "zorder": 3.0, "label": label, "clip_on": False}
+    axes.plot(days, percentiles["50"], f"{marker}-", color=color, **look)
 
 
 def _name_ends(axes: Axes, ends: Mapping[str, float]) -> None:
     """Write the names of lines at their right ends, pushed apart on the logarithmic axis."""
     low, high = np.log10(axes.get_ylim())
     names = sorted(ends, key=ends.__getitem__)
-    places = _push_apart([ends[name] for name in names], 0.042 * (high - low))
+    places = _push_apart([ends[name] for name in names], LABEL_STEP * (high - low))
     for name, place in zip(names, places, strict=True):
         axes.annotate(
-            name,
+            display_learner(name),
             (1.0, ends[name]),
             xycoords=axes.get_yaxis_transform(),
-            xytext=(1.03, place),
+            xytext=(1.05, place),
             textcoords=axes.get_yaxis_transform(),
-            arrowprops={"arrowstyle": "-", "color": BASELINE, "lw": 0.5, "shrinkA": 1.0, "shrinkB": 1.0},
+            arrowprops={
+                "arrowstyle": "-",
+                "color": BASELINE,
+                "lw": 0.5,
+                "shrinkA": 0.0,
+                "shrinkB": 1.0,
+                "relpos": (0.0, 0.5),
+            },
             fontsize=NOTE_SIZE,
             color=BASELINE,
             va="center",
@@ -158,10 +177,18 @@ def _push_apart(values: Sequence[float], least: float) -> np.ndarray:
 
 
 def _size_label(component: str) -> str:
-    return f"|{symbol(component)}| [{si_unit(component)}]"
+    """Return the label of an axis of sizes, whose ticks have the unit where it is a length."""
+    return size_label(component, si_unit(component)).removesuffix(" [m]")
 
 
-def _draw_growth(axes: Axes, evaluation: pd.DataFrame) -> None:
+def _size_axis(axes: Axes, component: str) -> None:
+    """Make an axis of sizes logarithmic."""
+    axes.set_yscale("log")
+    if si_unit(component) == "m":
+        axes.yaxis.set_major_formatter(FuncFormatter(metres))
+
+
+def _draw_growth(axes: Axes, evaluation: pd.DataFrame, component: str) -> None:
     """Draw the median and the 95th percentile before and after, in bins of the duration."""
     reach = evaluation["duration"].max() / DAY
     growth = by_duration(evaluation, width_days=min(BIN_DAYS, reach / 4.0))
@@ -175,7 +202,7 @@ def _draw_growth(axes: Axes, evaluation: pd.DataFrame) -> None:
         axes.fill_between(
             growth["day"], median, most, color=color, alpha=0.18, lw=0.0, label=f"{label}, to 95 %"
         )
-    axes.set_yscale("log")
+    _size_axis(axes, component)
 
 
 def drag_figure(
@@ -183,15 +210,20 @@ def drag_figure(
     activity: pd.DataFrame,
     errors: pd.DataFrame | None = None,
     *,
+    epoch: str,
+    manoeuvres: Sequence[float] = (),
     note: str = "",
 ) -> Figure:
     """Draw estimated Cd against time [d], above F10.7 and Kp of the same days and the errors of predictions.
 
-    The axis of Cd shows the middle 90 % of all estimates. Raises InputError where no estimate converged.
+    The axis of Cd shows the middle 90 % of all estimates, and at its edges which others there are. Raises
+    InputError where no estimate converged.
 
     estimates: those tables, by the window of their fits; what did not converge is left out
     activity: `solar_activity` table
     errors: as `daily_errors` returns, None for no panel of them
+    epoch: UTC, of the time's beginning
+    manoeuvres: times [s]
     note: whose estimates they are
     """
     usable = {name: table[table["converged"]] for name, table in estimates.items()}
@@ -206,9 +238,16 @@ def drag_figure(
         _draw_daily(panels[3], errors)
     every = pd.concat(list(usable.values()))
     panels[-1].set_xlim(every["t"].min() / DAY, every["t"].max() / DAY)
-    panels[-1].set_xlabel("time [d]")
+    mark_dates(panels[-1], epoch)
+    for axes in panels:
+        for t in manoeuvres:
+            label = "manoeuvre" if axes is panels[0] else None
+            axes.axvline(t / DAY, color=RESIDUAL, ls=":", lw=1.2, zorder=1, label=label)
+        entries = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
+        place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.05)}
+        axes.legend(entries.values(), entries.keys(), fontsize=NOTE_SIZE, **place)
     figure.align_ylabels()
-    legend(figure, columns=5, note=note)
+    add_note(figure, note)
     return figure
 
 
@@ -222,16 +261,31 @@ def _draw_cd(axes: Axes, usable: Mapping[str, pd.DataFrame]) -> None:
             "color": RAMP[k % len(RAMP)],
         }
         axes.plot(table["t"] / DAY, table["cd"], label=name, **look)
-    low, high = np.quantile(pd.concat(list(usable.values()))["cd"], [0.05, 0.95])
-    axes.set_ylim(low - 0.3 * (high - low), high + 0.3 * (high - low))
+    every = pd.concat(list(usable.values()))
+    low, high = np.quantile(every["cd"], [0.05, 0.95])
+    room = OUTSIDE * (high - low)
+    axes.set_ylim(low - room, high + room)
     axes.set_ylabel("estimated $C_d$")
+    _mark_outside(axes, every)
+
+
+def _mark_outside(axes: Axes, every: pd.DataFrame) -> None:
+    """Mark at the edges of an axis the estimates of Cd that lie beyond it, and count them."""
+    low, high = axes.get_ylim()
+    below, above = every[every["cd"] < low], every[every["cd"] > high]
+    for beyond, edge, marker in ((below, low, "v"), (above, high, "^")):
+        look: dict[str, Any] = {"ls": "", "ms": 3.5, "mfc": "white", "mec": TRUE_COLOR, "mew": 0.6}
+        axes.plot(beyond["t"] / DAY, np.full(len(beyond), edge), marker, clip_on=False, zorder=4.0, **look)
+    if count := len(below) + len(above):
+        shown = f"{count} of {len(every)} estimates lie beyond the axis: triangles at its edges"
+        axes.set_title(shown, fontsize=NOTE_SIZE, color=PUBLISHED, loc="right")
 
 
 def _draw_activity(upper: Axes, lower: Axes, activity: pd.DataFrame) -> None:
     """Draw F10.7 with its mean above Kp."""
     days = activity["t"] / DAY
     upper.plot(days, activity["f107"], color=TRUE_COLOR, label="F10.7")
-    upper.plot(days, activity["f107_mean"], color=MUTED, ls="--", label="81-day mean")
+    upper.plot(days, activity["f107_mean"], color=MUTED, ls="--", label="its 81-day mean")
     upper.set_ylabel("F10.7 [sfu]")
     lower.plot(
         days, activity["kp_3h"], color=PREDICTED_COLOR, lw=0.9, drawstyle="steps-post", label="$K_p$, 3 h"
@@ -262,19 +316,21 @@ def _draw_daily(axes: Axes, errors: pd.DataFrame) -> None:
     for k, (day, quartiles) in enumerate(errors.groupby("day")):
         color, days = SERIES[k % len(SERIES)], quartiles["t"] / DAY
         axes.fill_between(days, quartiles["25"], quartiles["75"], color=color, alpha=0.2, lw=0.0)
-        look: dict[str, Any] = {"ms": 2.5, "lw": 1.0, "color": color, "label": f"error after {day:g} d"}
+        look: dict[str, Any] = {"ms": 2.5, "lw": 1.0, "color": color, "label": f"after {day:g} d"}
         axes.plot(days, quartiles["50"], f"{MARKERS[k % len(MARKERS)]}-", **look)
     axes.set_yscale("log")
-    axes.set_ylabel("size of the\nerror [m]")
+    axes.yaxis.set_major_formatter(FuncFormatter(metres))
+    axes.set_ylabel("size of the\nerror")
 
 
-def rolling(days: Mapping[str, pd.DataFrame], *, every_days: float, note: str = "") -> Figure:
+def rolling(days: Mapping[str, pd.DataFrame], *, every_days: float, epoch: str, note: str = "") -> Figure:
     """Draw P_ML [%] by day of learners trained anew beside the same learners trained once, a panel for each.
 
     Raises InputError without a learner.
 
     days: as `rolling_origins.by_day` returns, by learner
     every_days: between two trainings
+    epoch: UTC, of the time's beginning
     note: whose predictions they are
     """
     if not days:
@@ -286,8 +342,8 @@ def rolling(days: Mapping[str, pd.DataFrame], *, every_days: float, note: str = 
         axes.plot(middle, table["once"], "o--", color=MUTED, ms=3.0, label="trained once")
         axes.plot(middle, table["anew"], "^-", color=RESIDUAL, ms=3.0, label="trained anew")
         axes.set_ylim(bottom=0.0)
-        axes.set_title(name, fontsize=8.0, loc="left")
-    figure.supxlabel("start of the prediction [d]", fontsize=8.0)
+        axes.set_title(display_learner(name), fontsize=8.0, loc="left")
+    mark_dates(panels[-1], epoch, what="start of the prediction")
     figure.supylabel(f"{P_ML} [%]", fontsize=8.0)
     legend(figure, columns=2, note=note)
     return figure
@@ -323,5 +379,5 @@ def rows_figure(shares: Mapping[str, Mapping[str, float]]) -> Figure:
 
 def _reason_label(reason: str, shares: np.ndarray) -> str:
     """Return a reason with its shares in numbers, as a thin bar cannot be read."""
-    low, high = f"{shares.min():.1%}", f"{shares.max():.1%}"
+    low, high = (f"{100.0 * share:.1f} %" for share in (shares.min(), shares.max()))
     return f"{reason}, {low}" if low == high else f"{reason}, {low} to {high}"

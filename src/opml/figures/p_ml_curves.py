@@ -11,11 +11,12 @@ from typing import Any
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullLocator
+from matplotlib.ticker import FixedLocator, NullLocator
 
 from opml import naming
 from opml.base.errors import InputError
-from opml.figures.axis_labels import P_ML, PAPER, VARIED, describe_training, lines, symbol
+from opml.figures.axis_labels import P_ML, PAPER, VARIED, describe_training, in_words, lines, symbol
+from opml.figures.display_names import display_learner, display_rso, display_stations
 from opml.figures.style import (
     MARKERS,
     MUTED,
@@ -32,7 +33,7 @@ _PARTS = {"rest": "test part", "seen": "training part"}
 INTERVAL = "bars: 5th to 95th percentile over resampled estimates"
 """Note on the bars of P_ML."""
 
-RULE_STYLES = (":", "-.", (0, (6, 1.5)), (0, (1, 3)))
+RULE_STYLES = (":", "-.", (0, (3, 1, 1, 1, 1, 1)), (0, (1, 3)))
 _RULES = (
     "scales by quantiles of the distances (sigest), their median, cross-validation on held-out estimates (cv)"
 )
@@ -138,10 +139,10 @@ def kernel_scale_sensitivity(
         for k, (rule, scale) in enumerate(rules.get(stations, {}).items()):
             style = RULE_STYLES[k % len(RULE_STYLES)]
             axes.axvline(scale, color=MUTED, ls=style, lw=1.2, zorder=1, label=f"$s$ by {rule}")
-        axes.set_title(stations, fontsize=8.0, loc="left")
+        axes.set_title(display_stations(stations), fontsize=8.0, loc="left")
     for axes in panels:
         axes.set_xscale("log")
-        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.xaxis.set_major_locator(FixedLocator(sorted(points["kernel_scale"].unique())))
         axes.xaxis.set_major_formatter("{x:g}")
         axes.xaxis.set_minor_locator(NullLocator())
         axes.set_xlabel("kernel scale $s$, on standardised variables")
@@ -201,8 +202,8 @@ def _training_note(metrics: pd.DataFrame) -> str:
         return ""
     stations = metrics["stations"].map(lambda name: naming.strip_seed(name, naming.NOISE)).unique()
     learner = metrics["learner"].iloc[0].partition("_s")[0]
-    by = f" by {stations[0]}" if len(stations) == 1 else ""
-    return f"{learner} trained on {metrics['rso'].iloc[0]}{by}{_rows(metrics)}"
+    by = f" by {display_stations(stations[0])}" if len(stations) == 1 else ""
+    return f"{display_learner(learner)} trained on {display_rso(metrics['rso'].iloc[0])}{by}{_rows(metrics)}"
 
 
 def _rows(metrics: pd.DataFrame) -> str:
@@ -213,7 +214,7 @@ def _rows(metrics: pd.DataFrame) -> str:
 
 def _label(axes: Axes, component: str) -> None:
     """Name the axis of P_ML; no correction is marked where it is in range."""
-    axes.set_ylabel(f"{P_ML} of {symbol(component)} [%]")
+    axes.set_ylabel(f"{P_ML} of the {in_words(component)} {symbol(component)} [%]")
     axes.set_ylim(bottom=0.0)
     if axes.get_ylim()[1] > NO_CORRECTION:
         axes.axhline(NO_CORRECTION, color=MUTED, ls="--", lw=1.0, zorder=1, label="no correction")

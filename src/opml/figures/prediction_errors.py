@@ -3,7 +3,6 @@
 A prediction error is predicted minus true, in RSW of the true state: x radial, y along-track, z cross-track.
 """
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -16,12 +15,23 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
 from matplotlib.colors import Colormap, ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.figures.axis_labels import P_ML, PAPER, axis, lines, si_unit, symbol, unit
-from opml.figures.notes import SHORT_DAYS, Context, short_errors
+from opml.figures.axis_labels import (
+    PAPER,
+    axis,
+    in_words,
+    lines,
+    size_label,
+    symbol,
+    unit,
+)
+from opml.figures.display_names import describe_run, display_rso
+from opml.figures.notes import Context, constant_note, counts_note, fences_note, p_ml_note
 from opml.figures.style import (
+    ESTIMATE,
     HIGHLIGHT,
     MUTED,
     PREDICTED_COLOR,
@@ -45,17 +55,27 @@ CLUSTER_LEAST = 5
 REDUCED = 100.0
 """Individual metric p_ML [%] below which the correction made an error smaller."""
 
+BEYOND_COLOR = ESTIMATE
+"""Colour of the points beyond P_ML_MAX."""
+
 P_ML_MAX = 500.0
 """Individual metric p_ML [%] beyond which all points share one colour, as in the paper."""
 
 DECADES = 4.5
 """Powers of ten of the sizes of errors that a logarithmic axis shows."""
 
+HEADROOM = 0.16
+"""Room above error bars that their P_ML stands in, in parts of the axis."""
+
 BARS = "bars: mean and standard deviation in clusters of a quarter of a day"
 """Note on error bars."""
 
 SHADES = colormaps["viridis"](np.linspace(0.0, 0.8, 256))
-"""Colours of p_ML, without the yellow that few can tell from the colour of what lies beyond."""
+WORSE_SHADES = colormaps["OrRd"](np.linspace(0.35, 1.0, 256))
+"""Colours of p_ML below and above 100 %, without yellow, the colour of what lies beyond."""
+
+WHOLE_DAYS = 3.0
+"""Reach of a duration [d] from which on its axis has a tick each day."""
 
 DURATION_LABEL = r"prediction duration $\Delta t$ [d]"
 
@@ -98,7 +118,8 @@ def distribution_velocity(pairs: pd.DataFrame, *, note: str = "") -> Figure:
     As `distribution_position`, but signed and on linear scales of their own: the radial component, which the
     along-track position error dictates, is a hundred times the others.
     """
-    return _distribution(pairs, ("e_vx", "e_vy", "e_vz"), note, absolute=False)
+    scales = "each panel has its own scale"
+    return _distribution(pairs, ("e_vx", "e_vy", "e_vz"), lines(note, scales), absolute=False)
 
 
 def pairs_note(pairs: pd.DataFrame, settings: Mapping[str, Any]) -> str:
@@ -109,8 +130,8 @@ def pairs_note(pairs: pd.DataFrame, settings: Mapping[str, Any]) -> str:
     """
     first, last = settings["days"]
     return (
-        f"{settings['rso']} by {settings['stations']}, days {first:g} to {last:g}; {len(pairs)} predictions "
-        "that the cleaning keeps; position and velocity: predicted less true, in RSW of the true state"
+        f"{describe_run(settings)}, days {first:g} to {last:g}; {len(pairs)} predictions that the cleaning "
+        "keeps; position and velocity: predicted less true, in RSW of the true state"
     )
 
 
@@ -161,13 +182,15 @@ def rso_grid(
     if not evaluations:
         raise InputError("grid of RSOs: expected at least one evaluation, got none")
     contexts = contexts or {}
+    names = {display_rso(rso): rso for rso in evaluations}
 
-    def draw(axes: Axes, rso: str) -> None:
+    def draw(axes: Axes, title: str) -> None:
+        rso = names[title]
         _draw_bars(axes, evaluations[rso], component, contexts.get(rso, NO_CONTEXT), absolute=True)
 
-    figure = panel_figure(list(evaluations), draw, columns=2, heights_mm=(16.0, 56.0), share_y=False)
+    figure = panel_figure(list(names), draw, columns=2, heights_mm=(16.0, 56.0), share_y=False)
     notes = dict.fromkeys(context.note for context in contexts.values())
-    legend(figure, columns=3, note=lines(*notes, BARS))
+    legend(figure, columns=3, note=lines(*notes, f"{BARS}; each panel has its own scale"))
     return figure
 
 
@@ -186,7 +209,7 @@ def individual_reduced(evaluation: pd.DataFrame, *, component: str = "e_y", note
 
 def individual_increased(evaluation: pd.DataFrame, *, component: str = "e_y", note: str = "") -> Figure:
     """Draw predictions whose error got larger, else as `individual_reduced`; colours end at P_ML_MAX."""
-    colors = ListedColormap(SHADES).with_extremes(over=HIGHLIGHT)
+    colors = ListedColormap(WORSE_SHADES).with_extremes(over=BEYOND_COLOR)
     change = _Change("increased", (REDUCED, P_ML_MAX), colors)
     return _individual(evaluation, _individual_p_ml(evaluation) > REDUCED, change, component, note)
 
@@ -259,7 +282,7 @@ def _distribution(pairs: pd.DataFrame, components: tuple[str, ...], note: str, *
     days = (pairs["t_j"] - pairs["t_i"]).to_numpy() / DAY
     figure = page_figure(height_mm=66.0)
     for axes, component in zip(figure.subplots(1, 3, sharex=True, sharey=absolute), components, strict=True):
-        unit_name, factor = unit(component)
+        _, factor = unit(component)
         values = pairs[component].to_numpy() * factor
         axes.scatter(
             days,
@@ -270,16 +293,10 @@ def _distribution(pairs: pd.DataFrame, components: tuple[str, ...], note: str, *
             linewidths=0.0,
             rasterized=True,
         )
-        axes.set_xlabel(DURATION_LABEL)
-        name = axis(component)
-        axes.set_ylabel(
-            rf"$|e_{{{name}}}|$ [{unit_name}]" if absolute else f"{symbol(component)} [{unit_name}]"
-        )
+        _label(axes, component, absolute=absolute)
         axes.yaxis.set_tick_params(labelleft=True)
-        axes.set_xlim(left=0.0)
-    if absolute:
-        _set_decades(axes, pairs[list(components)].abs() * factor)
-    add_note(figure, note)
+    below = _set_decades(axes, pairs[list(components)].abs() * factor) if absolute else ""
+    add_note(figure, lines(note, below))
     return figure
 
 
@@ -296,12 +313,15 @@ def _points_and_bars(evaluation: pd.DataFrame, component: str, context: Context,
     _label(panels[0], component, absolute=absolute)
     for axes in panels:
         axes.set_xlabel(DURATION_LABEL, fontsize=7.0)
-    if absolute:
-        _set_decades(panels[0], errors[[curve.column for curve in _CURVES]])
+    below = _set_decades(panels[0], errors[[curve.column for curve in _CURVES]]) if absolute else ""
     _draw_bars(right, evaluation, component, context, absolute=absolute)
     points = "left: every prediction, lines through the medians; right: mean and standard deviation"
     note = lines(
-        context.note, f"{points} in clusters of a quarter of a day", _fences_note(component, context)
+        context.note,
+        f"{points} in clusters of a quarter of a day",
+        fences_note(component, context),
+        constant_note(evaluation, component),
+        below,
     )
     legend(figure, columns=4, note=note, labels=_legend_entries(right))
     return figure
@@ -322,15 +342,26 @@ def _draw_points(axes: Axes, errors: pd.DataFrame, curve: _Curve) -> None:
     )
     place = np.ceil(errors["duration"] / CLUSTER_DAYS)
     middle = errors[["duration", curve.column]].groupby(place).median()
-    axes.plot(middle["duration"], middle[curve.column], color="white", lw=2.6, zorder=3.0)
-    axes.plot(middle["duration"], middle[curve.column], color=curve.color, lw=1.2, zorder=3.1)
+    line = _break_gaps(middle["duration"].to_numpy(), middle[curve.column].to_numpy())
+    axes.plot(*line, color="white", lw=2.6, zorder=3.0)
+    axes.plot(*line, color=curve.color, lw=1.2, zorder=3.1)
 
 
-def _set_decades(axes: Axes, sizes: pd.DataFrame) -> None:
-    """Make the axis of sizes logarithmic, DECADES from the largest down; smaller sizes are not shown."""
+def _break_gaps(duration: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return a line through clusters (n,) with a gap where a cluster between two has no points."""
+    places = np.ceil(duration / CLUSTER_DAYS)
+    gaps = np.flatnonzero(np.diff(places) > 1.0) + 1
+    return np.insert(duration, gaps, np.nan), np.insert(values, gaps, np.nan)
+
+
+def _set_decades(axes: Axes, sizes: pd.DataFrame) -> str:
+    """Make the axis of sizes logarithmic, DECADES from the largest down; return how many are smaller."""
     axes.set_yscale("log")
     most = float(np.nanmax(sizes.to_numpy(), initial=0.0)) or 1.0
-    axes.set_ylim(most * 10.0**-DECADES, 1.6 * most)
+    least = most * 10.0**-DECADES
+    axes.set_ylim(least, 1.6 * most)
+    below = int((sizes < least).to_numpy().sum())
+    return f"{below} points lie below the axis" if below else ""
 
 
 def _draw_fences(axes: Axes, component: str, context: Context, *, absolute: bool) -> None:
@@ -341,16 +372,6 @@ def _draw_fences(axes: Axes, component: str, context: Context, *, absolute: bool
     low, high = context.fences
     for value in {max(-low, high)} if absolute else {low, high}:
         axes.axhline(value * factor, color=HIGHLIGHT, ls="--", lw=1.0, zorder=2.5)
-
-
-def _fences_note(component: str, context: Context) -> str:
-    """Return what the lines of the fences are; empty without fences."""
-    if context.fences is None:
-        return ""
-    name, factor = unit(component)
-    low, high = (value * factor for value in context.fences)
-    where = f"{low:.1f} and {high:.1f} {name}"
-    return f"dashed: Tukey's fences of the cleaning at {where}, which end the true errors"
 
 
 def _legend_entries(axes: Axes) -> dict[str, Artist]:
@@ -366,53 +387,26 @@ def _draw_bars(
     errors = _drawn_errors(evaluation, component, absolute=absolute)
     for order, curve in enumerate(_CURVES):
         table = clusters(errors["duration"].to_numpy(), errors[curve.column].to_numpy())
+        shift, zorder = curve.shift * CLUSTER_DAYS, 2.0 + 0.1 * order
         axes.errorbar(
-            table["duration"] + curve.shift * CLUSTER_DAYS,
+            table["duration"] + shift,
             table["mean"],
             yerr=table["std"],
             color=curve.color,
             marker=curve.marker,
             markersize=2.2,
-            linewidth=0.8,
+            linestyle="",
             elinewidth=0.7,
-            zorder=2.0 + 0.1 * order,
+            zorder=zorder,
             label=curve.label.format(axis=axis(component)),
         )
-    axes.text(
-        0.03,
-        0.97,
-        _p_ml_text(evaluation, context),
-        transform=axes.transAxes,
-        va="top",
-        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.5},
-        zorder=4.0,
-    )
-    axes.set_title(_counts_text(evaluation, component, context), fontsize=6.5, color=PUBLISHED, loc="right")
+        duration, mean = _break_gaps(table["duration"].to_numpy(), table["mean"].to_numpy())
+        axes.plot(duration + shift, mean, color=curve.color, lw=0.8, zorder=zorder)
+    axes.set_title(counts_note(evaluation, component, context), fontsize=6.5, color=PUBLISHED, loc="right")
     _label(axes, component, absolute=absolute)
-
-
-def _p_ml_text(evaluation: pd.DataFrame, context: Context) -> str:
-    p_ml = metrics.p_ml(evaluation["true"].to_numpy(), evaluation["predicted"].to_numpy())
-    low, high = context.interval or (math.nan, math.nan)
-    interval = f" ({low:.1f} to {high:.1f} %)" if context.interval else ""
-    return f"{P_ML} = {p_ml:.1f} %" + interval
-
-
-def _counts_text(evaluation: pd.DataFrame, component: str, context: Context) -> str:
-    """Return how many predictions there are, and the size of short ones' errors, too small for the axis."""
-    rows = f"{len(evaluation)} predictions of {evaluation['i'].nunique()} estimates"
-    kept = "" if context.kept is None else f"; {context.kept:.3g} % of the pairs are kept"
-    before, after = short_errors(evaluation)
-    if math.isnan(before):
-        return rows + kept
-    name = si_unit(component)
-    sizes = f"{_number(before)} {name}, corrected {_number(after)} {name}"
-    return f"{rows}{kept}\nmean size up to {SHORT_DAYS:g} d: {sizes}"
-
-
-def _number(value: float) -> str:
-    """Return a number with three digits, or without decimals."""
-    return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high + HEADROOM * (high - low))
+    axes.text(0.02, 0.98, p_ml_note(evaluation, context), transform=axes.transAxes, va="top", size=7.5)
 
 
 @dataclass(frozen=True)
@@ -460,8 +454,8 @@ def _individual(
     bar.outline.set_linewidth(0.5)
     axes.set_title(f"{change.name}: {len(errors)} of {len(evaluation)} points", fontsize=8.0, loc="left")
     _label(axes, component, absolute=True)
-    _set_decades(axes, errors[["true", "residual"]])
-    made = legend(figure, columns=2, note=note)
+    below = _set_decades(axes, errors[["true", "residual"]])
+    made = legend(figure, columns=2, note=lines(note, below))
     for handle in made.legend_handles:
         if isinstance(handle, PathCollection):
             handle.set_sizes([12.0])
@@ -472,10 +466,12 @@ def _individual(
 
 def _label(axes: Axes, component: str, *, absolute: bool) -> None:
     unit_name, _ = unit(component)
-    quantity = "absolute error" if absolute else "error"
+    signed = f"{in_words(component)} {symbol(component)} [{unit_name}]"
     axes.set_xlabel(DURATION_LABEL)
-    axes.set_ylabel(f"{quantity} of {symbol(component)} [{unit_name}]")
+    axes.set_ylabel(size_label(component, unit_name) if absolute else signed)
     axes.set_xlim(left=0.0)
+    if axes.get_xlim()[1] > WHOLE_DAYS:
+        axes.xaxis.set_major_locator(MultipleLocator(1.0))
     if absolute:
         axes.set_ylim(bottom=0.0)
 

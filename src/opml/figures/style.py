@@ -43,7 +43,7 @@ REASON_COLORS = (RESIDUAL, HIGHLIGHT, ESTIMATE, "#7A3200", MUTED)
 NOTE_SIZE = 6.5
 """Size of the type of a figure's note [pt]."""
 
-NOTE_ADVANCE = 0.52
+NOTE_ADVANCE = 0.54
 """Mean width of a letter of the note, in parts of its size; lines that are set so stay inside the figure."""
 
 POINTS_PER_INCH = 72.0

@@ -44,7 +44,9 @@ def html_page(blocks: Iterable[Block], *, title: str) -> str:
     """Return the document as one HTML page without references to anything outside."""
     body = "\n".join(_html(block) for block in blocks)
     return (
-        f'<!DOCTYPE html>\n<html lang="en">\n<meta charset="utf-8">\n<title>{html.escape(title)}</title>\n'
+        '<!DOCTYPE html>\n<html lang="en">\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{html.escape(title)}</title>\n"
         f"<style>{_STYLE}</style>\n<body>\n{body}\n</body>\n</html>\n"
     )
 

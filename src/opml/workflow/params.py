@@ -6,6 +6,7 @@ from typing import Any, Protocol
 
 from opml import naming
 from opml.base.errors import InputError
+from opml.figures.display_names import describe_run
 from opml.learning.data import components
 from opml.learning.models import learners
 from opml.naming import Experiment
@@ -260,5 +261,5 @@ class Params:
             "laws": study.laws,
             "seed": self.plan.seeds["split"],
             "days": study.report.durations,
-            "note": f"{wildcards.rso} by {wildcards.stations}. {self.plan.weather}",
+            "note": f"{describe_run(dict(wildcards.items()))}\n{self.plan.weather}",
         }

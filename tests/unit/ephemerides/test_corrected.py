@@ -299,7 +299,12 @@ def test_it_is_held_against_later_estimates(table, known):
     assert (errors["after_y"].abs() > 1.0).all()
     np.testing.assert_allclose(errors["duration"], later["t"].drop(2) - TIMES[1])
     panels = later_errors.later_errors(errors, level=0.9).axes
-    assert [axes.get_ylabel() for axes in panels[:2]] == ["radial [km]", "radial [m]"]
-    np.testing.assert_allclose(1e3 * panels[2].lines[-1].get_ydata(), panels[3].lines[-1].get_ydata())
+    assert [axes.get_ylabel() for axes in panels[::2]] == [
+        "radial error",
+        "along-track error",
+        "cross-track error",
+    ]
+    assert panels[2].yaxis.get_major_formatter()(-2500.0) == "\N{MINUS SIGN}2.5 km"
+    np.testing.assert_allclose(panels[2].lines[-1].get_ydata(), panels[3].lines[-1].get_ydata())
     with pytest.raises(InputError, match="expected an estimate of a later track"):
         later_errors.later_errors(errors[:0], level=0.9)

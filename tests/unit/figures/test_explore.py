@@ -54,7 +54,7 @@ def tables():
 
 def page(tables):
     pytest.importorskip("plotly", reason="plotly comes with the extra `explore`")
-    return explore.page(*tables, component="e_y", note="iss by radar")
+    return explore.page(*tables, component="e_y", epoch="2019-09-03T00:00:00", note="iss by radar")
 
 
 def test_what_changes_with_the_estimate(tables):
@@ -78,18 +78,29 @@ def test_the_page_needs_nothing_else_and_is_the_same_each_time(tables):
     text = page(tables)
     assert text == page(tables)
     assert "iss by radar" in text
+    assert '<html lang="en">' in text
+    assert '<meta name="viewport" content="width=device-width' in text[:200]
+    assert "<title>iss by radar</title>" in text
+    assert "0.60, 2019-09-03 14:24 UTC" in text  # the estimate in the middle
+    assert '"active":2' in text
     assert not re.search(r'<(?:script|link)[^>]+(?:src|href)="http', text)
+
+
+def test_no_two_models_look_alike():
+    names = [f"m{k}" for k in range(20)]
+    *_, lines = (explore._looks(names)[-20:],)
+    assert len({(line["line"]["color"], line["line"]["dash"]) for line in lines}) == 20
 
 
 def test_without_a_model(tables):
     with pytest.raises(InputError, match="at least one model"):
-        explore.page(tables[0], {}, tables[2], component="e_y")
+        explore.page(tables[0], {}, tables[2], component="e_y", epoch="2019-09-03T00:00:00")
 
 
 def test_without_plotly_it_is_one_line(tables, monkeypatch):
     monkeypatch.setitem(sys.modules, "plotly.graph_objects", None)
     with pytest.raises(InputError, match="expected the package plotly, which is not installed"):
-        explore.page(*tables, component="e_y")
+        explore.page(*tables, component="e_y", epoch="2019-09-03T00:00:00")
 
 
 @pytest.mark.skipif(BROWSER is None, reason="no Chromium to open the page in")

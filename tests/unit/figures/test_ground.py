@@ -50,12 +50,6 @@ def test_a_circle_is_as_far_from_its_station_everywhere():
         np.testing.assert_allclose(np.arccos(cosine), 0.3, atol=1e-9)
 
 
-def test_a_line_breaks_where_it_leaves_the_map():
-    longitude, latitude = ground._split_line(np.array([170.0, 179.0, -179.0, -170.0]), np.arange(4.0))
-    assert np.isnan(longitude).tolist() == [False, False, True, False, False]
-    assert np.isnan(latitude).tolist() == [False, False, True, False, False]
-
-
 def test_the_outlines_of_land_lie_on_the_map():
     outlines = ground.outlines()
     assert len(outlines) > 50
@@ -64,17 +58,27 @@ def test_the_outlines_of_land_lie_on_the_map():
     assert np.abs(points[:, 1]).max() <= 90.0
 
 
+EPOCH = "2020-02-29T06:00:00"
+
+
 def test_the_map_shows_the_day_what_was_tracked_and_the_stations(truth, tmp_path):
     tracking = pd.DataFrame({"t": truth["t"].iloc[1440 + 10 : 1440 + 20]})
-    figure = ground.world(orbit_of(truth), tracking, first_day=1.0, note="iss by radar")
+    figure = ground.world(orbit_of(truth), tracking, first_day=1.0, epoch=EPOCH, note="iss by radar")
     labels = {line.get_label(): line for line in figure.axes[0].lines}
-    assert {"ground track", "tracked", "radar"} <= set(labels)
+    assert {"ground track", "tracked", "Radar"} <= set(labels)
     assert np.isfinite(labels["tracked"].get_ydata()).sum() == 10
-    assert "iss by radar; day 1 to 2; circles: in sight at" in figure.legends[0].get_title().get_text()
-    again = ground.world(orbit_of(truth), tracking, first_day=1.0, note="iss by radar")
+    note = figure.legends[0].get_title().get_text()
+    assert "iss by radar; 24 h from 2020-03-01 06:00 UTC (day 1); circles: in sight at" in note
+    again = ground.world(orbit_of(truth), tracking, first_day=1.0, epoch=EPOCH, note="iss by radar")
     style.save(figure, tmp_path / "a.pdf", tmp_path / "a.png")
     style.save(again, tmp_path / "b.pdf", tmp_path / "b.png")
     for kind in ("pdf", "png"):
         assert (tmp_path / f"a.{kind}").read_bytes() == (tmp_path / f"b.{kind}").read_bytes()
     with pytest.raises(InputError, match="expected epochs of day 5, got none"):
-        ground.world(orbit_of(truth), tracking, first_day=5.0)
+        ground.world(orbit_of(truth), tracking, first_day=5.0, epoch=EPOCH)
+
+
+def test_a_line_goes_to_the_edge_of_the_map_and_on_from_the_other():
+    longitude, latitude = ground._split_line(np.array([170.0, 178.0, -174.0]), np.array([0.0, 8.0, 16.0]))
+    assert longitude == pytest.approx([170.0, 178.0, 180.0, np.nan, -180.0, -174.0], nan_ok=True)
+    assert latitude == pytest.approx([0.0, 8.0, 10.0, np.nan, 10.0, 16.0], nan_ok=True)

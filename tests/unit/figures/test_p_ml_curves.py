@@ -183,7 +183,10 @@ def test_kernel_scale_by_station_set_and_split_with_the_rules(scales):
         {line.get_label(): (list(line.get_xdata()), list(line.get_ydata())) for line in axes.get_lines()}
         for axes in figure.axes
     )
-    assert [axes.get_title(loc="left") for axes in figure.axes] == ["eglin", "eglin-clear"]
+    assert [axes.get_title(loc="left") for axes in figure.axes] == [
+        "one radar (Eglin)",
+        "two radars (Eglin, Clear)",
+    ]
     assert one["random 80 %, test part"] == ([1.0, 2.0, 8.0], [1.0, 2.0, 8.0])
     assert one["grouped 80 %, test part"][1] == [11.0, 12.0, 18.0]
     assert one["future 10 days (30 to 40)"][1] == [21.0, 22.0, 28.0]

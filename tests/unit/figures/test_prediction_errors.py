@@ -152,10 +152,10 @@ def test_units_follow_the_component(evaluation):
         assert axes.get_xlabel() == left.get_xlabel()
         assert axes.get_ylim() == left.get_ylim()
     for axes in (left, right):
-        assert axes.get_ylabel() == "absolute error of $e_{y}$ [km]"
+        assert axes.get_ylabel() == "along-track error $|e_{y}|$ [km]"
         assert axes.get_xlabel() == r"prediction duration $\Delta t$ [d]"
     velocity = prediction_errors.svr_signed(evaluation, component="e_vx")
-    assert velocity.axes[0].get_ylabel() == "error of $e_{vx}$ [m/s]"
+    assert velocity.axes[0].get_ylabel() == "radial velocity error $e_{vx}$ [m/s]"
     assert np.asarray(velocity.axes[0].collections[0].get_offsets())[0, 1] == 1000.0
     assert "true $e_{vx}$" in bars(velocity.axes[-1])
 
@@ -187,8 +187,9 @@ def test_individual_points_are_sorted_out():
     assert np.asarray(residual.get_offsets())[:, 1] == pytest.approx([3.0, 0.8, 0.3])
     assert residual.get_array().tolist() == [150.0, 800.0, 1000.0]  # infinity would have no colour
     beyond = residual.to_rgba(np.array([501.0, 800.0, 1000.0]))
-    assert (beyond == to_rgba(style.HIGHLIGHT)).all()
-    assert tuple(residual.to_rgba(499.0)) != to_rgba(style.HIGHLIGHT)
+    assert (beyond == to_rgba(prediction_errors.BEYOND_COLOR)).all()
+    assert tuple(residual.to_rgba(499.0)) != to_rgba(prediction_errors.BEYOND_COLOR)
+    assert reduced.axes[0].collections[1].get_cmap() != residual.get_cmap()
     assert reduced.axes[0].get_title(loc="left") == "reduced: 1 of 5 points"
     assert reduced.axes[1].get_ylabel() == r"$p_{\mathrm{ML}}$ [%]"
 
@@ -217,9 +218,9 @@ def test_distribution_of_individual_metric():
 def test_distribution_of_position(pairs):
     figure = prediction_errors.distribution_position(pairs)
     assert [axes.get_ylabel() for axes in figure.axes] == [
-        "$|e_{x}|$ [km]",
-        "$|e_{y}|$ [km]",
-        "$|e_{z}|$ [km]",
+        "radial error $|e_{x}|$ [km]",
+        "along-track error $|e_{y}|$ [km]",
+        "cross-track error $|e_{z}|$ [km]",
     ]
     for k, axes in enumerate(figure.axes, 1):
         drawn = np.asarray(axes.collections[0].get_offsets())
@@ -230,7 +231,7 @@ def test_distribution_of_position(pairs):
 
 def test_distribution_of_velocity(pairs):
     figure = prediction_errors.distribution_velocity(pairs)
-    assert figure.axes[1].get_ylabel() == "$e_{vy}$ [m/s]"
+    assert figure.axes[1].get_ylabel() == "along-track velocity error $e_{vy}$ [m/s]"
     drawn = np.asarray(figure.axes[1].collections[0].get_offsets())
     assert drawn[:, 1] == pytest.approx([1.0, -3.0, 5.0])
     assert figure.axes[1].get_yscale() == "linear"
@@ -252,7 +253,8 @@ def told():
 
 def test_the_context_says_what_was_trained_and_tested_and_which_rows_there_are(told):
     assert told.note == (
-        "iss by eglin; svr trained on days 0 to 30, tested on lares, days 30 to 40, new estimates only"
+        "ISS-based RSO by one radar (Eglin); the paper's SVR trained on days 0 to 30, tested on LARES, "
+        "days 30 to 40, new estimates only"
     )
     assert told.kept == pytest.approx(100.0 * 21 / 23)
     earlier = pd.DataFrame({"keep": [True, False, False], "t_j": [31.0 * DAY, 35.0 * DAY, 20.0 * DAY]})
@@ -297,18 +299,56 @@ def test_the_context_stands_in_the_figure(evaluation, told):
     figure = prediction_errors.svr_absolute(evaluation, context=told)
     note = figure.legends[0].get_title().get_text()
     assert "trained on days 0 to 30" in note
-    assert "Tukey's fences of the cleaning at -16.0 and 17.0 km" in note
+    assert "dashed: \N{MINUS SIGN}16.0 and 17.0 km, beyond which the cleaning drops true errors" in note
     for axes in figure.axes[:3]:
         (fence,) = (line for line in axes.lines if line.get_linestyle() == "--")
         assert fence.get_ydata()[0] == pytest.approx(17.0)
     signed = prediction_errors.svr_signed(evaluation, context=told).axes[0]
     drawn = {line.get_ydata()[0] for line in signed.lines if line.get_linestyle() == "--"}
     assert sorted(drawn) == pytest.approx([-16.0, 17.0])
-    assert texts(figure)[-1].endswith("= 21.5 % (20.1 to 23.4 %)")
+    assert texts(figure)[-1].endswith("= 21.5 % (90 %: 20.1 to 23.4)")
     title = figure.axes[-1].get_title(loc="right")
     assert "91.3 % of the pairs are kept" in title
     # Of the five up to half a day: 1000 to 5000 before, 500, 0, 1000, 1000 and 0 after.
-    assert title.endswith("mean size up to 0.5 d: 3000 m, corrected 500 m")
+    assert "predictions of only 11 estimates" in title
+    assert title.endswith("up to 0.5 d the mean size falls from 3000 to 500 m")
+
+
+def test_a_test_without_fences_keeps_what_they_alone_drop():
+    reason = ["", "outside Tukey fences", "no prediction: decayed", ""]
+    dataset = pd.DataFrame({"reason": reason, "t_j": 31.0 * DAY}).assign(keep=[True, False, False, True])
+    assert notes.kept_share(dataset, "days-30-40") == 0.5
+    assert notes.kept_share(dataset, "days-30-40-unfenced") == 0.75
+
+
+def test_p_ml_stands_above_the_bars(evaluation, told):
+    for draw in (prediction_errors.svr_signed, prediction_errors.errorbar_absolute):
+        figure = draw(evaluation, context=told)
+        figure.draw_without_rendering()
+        axes = figure.axes[-1]
+        (text,) = axes.texts
+        lowest = axes.transData.inverted().transform(text.get_window_extent())[0, 1]
+        assert lowest > max(ends.max() for *_, ends in bars(axes).values())
+        assert text.get_window_extent().x1 <= figure.bbox.x1
+
+
+def test_no_line_crosses_durations_without_points():
+    duration, values = prediction_errors._break_gaps(np.array([0.1, 0.3, 0.9]), np.array([1.0, 2.0, 3.0]))
+    assert duration == pytest.approx([0.1, 0.3, np.nan, 0.9], nan_ok=True)
+    assert values == pytest.approx([1.0, 2.0, np.nan, 3.0], nan_ok=True)
+
+
+def test_points_below_a_logarithmic_axis_are_counted(evaluation):
+    # Predicted and residual errors have one zero and four, which no logarithmic axis shows.
+    note = prediction_errors.svr_absolute(evaluation).legends[0].get_title().get_text()
+    assert note.endswith("5 points lie below the axis")
+    assert "below the axis" not in prediction_errors.svr_signed(evaluation).legends[0].get_title().get_text()
+
+
+def test_a_model_that_says_one_thing_is_said_to(evaluation):
+    assert notes.constant_note(evaluation, "e_y") == ""
+    found = notes.constant_note(evaluation.assign(predicted=-1400.0), "e_y")
+    assert "nearly one value, 1400 m in size" in found
 
 
 def test_a_legend_shows_each_thing_once_under_the_note_within_the_width(evaluation, told):

@@ -11,6 +11,7 @@ from support import paper_values, study_of
 
 from opml.base.errors import InputError
 from opml.figures import own_study as figures
+from opml.figures.ticks import metres
 from opml.learning.judge.errors_by_duration import at_days, by_duration
 from opml.learning.judge.model_choice import Mornings
 from opml.learning.judge.rolling_origins import by_day
@@ -19,6 +20,8 @@ from opml.report import own_study as report
 from opml.report.settings_tables import weather
 from opml.study.own_study import MODELS, REPLAYED, OwnStudy
 from opml.tables import SIGMA_STATE
+
+EPOCH = "2019-09-03T00:00:00"
 
 DAY = 86400.0
 
@@ -255,13 +258,13 @@ def test_labels_and_learners_trained_anew_have_tables_of_their_own():
     assert "| lares | eglin-clear-kaena | `svr` | 10.0 | 50.0 | 10.0 | 50.0 |" in text
     assert "from day 8 to 12" in text
     assert "| gravity field | EGM2008 40x40 | EGM2008 20x20 |" in text
-    figure = figures.rolling({"svr": by_day(trained_anew(evaluation()))}, every_days=1.0)
+    figure = figures.rolling({"svr": by_day(trained_anew(evaluation()))}, every_days=1.0, epoch=EPOCH)
     once, again = figure.axes[0].lines
     assert again.get_xdata().tolist() == [8.5, 9.5]
     assert again.get_ydata() == pytest.approx([10.0, 10.0])
     assert once.get_ydata() == pytest.approx([50.0, 50.0])
     with pytest.raises(InputError, match="at least one learner"):
-        figures.rolling({}, every_days=1.0)
+        figures.rolling({}, every_days=1.0, epoch=EPOCH)
 
 
 def test_a_study_of_measured_tracks_tells_of_no_truth():
@@ -373,11 +376,12 @@ def test_a_duration_that_nothing_reaches_has_no_number():
 
 def test_figure_of_errors_has_one_panel_per_model():
     figure = figures.errors({"svr": evaluation(), "running": evaluation(seed=1)}, component="e_y")
-    assert [axes.get_title(loc="left") for axes in figure.axes] == ["svr", "running"]
+    assert [axes.get_title(loc="left") for axes in figure.axes] == ["the paper's SVR", "running"]
     assert all(axes.get_yscale() == "log" for axes in figure.axes)
     before, after = figure.axes[0].lines
     assert np.median(after.get_ydata()) == pytest.approx(0.1 * np.median(before.get_ydata()))
-    assert "[m]" in figure.get_supylabel()
+    assert figure.get_supylabel() == "along-track error $|e_{y}|$"
+    assert {metres(100.0), metres(2e4)} == {"100 m", "20 km"}  # the ticks have the unit
     with pytest.raises(InputError, match="at least one model"):
         figures.errors({}, component="e_y")
 
@@ -396,7 +400,7 @@ def test_figure_of_residuals_has_bands_of_what_was_flown_and_lines_of_the_models
     figure = figures.residuals(mornings_of("running", "fit96"), laws=["fit96"], note="lares")
     (axes,) = figure.axes
     assert axes.get_yscale() == "log"
-    assert axes.get_ylabel() == "|$e_{y}$| [m]"
+    assert axes.get_ylabel() == "along-track error $|e_{y}|$"
     assert {text.get_text() for text in axes.texts} == {"running", "fit96"}
     looks = {line.get_label(): line for line in axes.lines}
     before, after = looks["no correction"], looks["corrected by what the past chose"]
@@ -444,27 +448,43 @@ def test_figure_of_rows_adds_up_to_all():
     assert widths.sum(axis=0).tolist() == [1.0, 1.0]
     assert [label.get_text() for label in axes.get_yticklabels()] == list(shares)
     told = axes.get_legend_handles_labels()[1]
-    assert told == ["used, 75.0% to 100.0%", "no prediction, 0.0% to 25.0%"]
+    assert told == ["used, 75.0 % to 100.0 %", "no prediction, 0.0 % to 25.0 %"]
 
 
 def test_figure_of_drag_shows_every_window_and_the_weather():
     t = np.arange(0.0, 5.0, 0.1) * DAY
     table = pd.DataFrame({"t": t, "cd": 2.2 + 0.1 * np.sin(t / DAY), "converged": t > 0.0})
     weather = pd.DataFrame({"t": t, "f107": 70.0, "f107_mean": 72.0, "kp_3h": 1.0})
-    figure = figures.drag_figure({"12-hour fits": table, "48-hour fits": table.assign(cd=2.2)}, weather)
+    usable = {"12-hour fits": table, "48-hour fits": table.assign(cd=2.2)}
+    figure = figures.drag_figure(usable, weather, epoch=EPOCH, manoeuvres=[2.5 * DAY])
     cd, flux, kp = figure.axes
-    assert [line.get_label() for line in cd.lines] == ["12-hour fits", "48-hour fits"]
+    assert [text.get_text() for text in cd.get_legend().get_texts()] == [*usable, "manoeuvre"]
+    assert all(axes.lines[-1].get_xdata() == [2.5, 2.5] for axes in figure.axes)
     assert len(cd.lines[0].get_xdata()) == len(t) - 1  # what did not converge is left out
     assert "sfu" in flux.get_ylabel()
-    assert kp.get_xlabel() == "time [d]"
+    assert kp.get_xlabel() == "time [d], since 2019-09-03 00:00 UTC"
+    assert kp.xaxis.get_major_formatter()(5.0) == "5\n8 Sep"
     daily = pd.DataFrame({"t": [DAY, 2 * DAY], "25": 1.0, "50": [2.0, 4.0], "75": 8.0, "day": 1.0})
-    *_, last = figures.drag_figure({"12-hour fits": table}, weather, daily, note="lares").axes
-    assert last.lines[0].get_label() == "error after 1 d"
+    *_, last = figures.drag_figure({"12-hour fits": table}, weather, daily, epoch=EPOCH, note="lares").axes
+    assert last.lines[0].get_label() == "after 1 d"
     assert last.lines[0].get_ydata().tolist() == [2.0, 4.0]
-    assert last.get_xlabel() == "time [d]"
+    assert last.get_xlabel() == kp.get_xlabel()
     lost = table.assign(converged=False, weighted_rms=2.0)
     with pytest.raises(InputError, match=r"expected an estimate that converged, got none of \d+$"):
-        figures.drag_figure({"12-hour fits": lost}, weather)
+        figures.drag_figure({"12-hour fits": lost}, weather, epoch=EPOCH)
+
+
+def test_estimates_of_drag_beyond_the_axis_are_marked_and_counted():
+    t = np.arange(100) * 0.1 * DAY
+    cd = np.where(np.arange(100) == 50, -180.0, 2.0 + 0.001 * np.arange(100))
+    table = pd.DataFrame({"t": t, "cd": cd, "converged": True})
+    weather = pd.DataFrame({"t": t, "f107": 70.0, "f107_mean": 72.0, "kp_3h": 1.0})
+    axes, *_ = figures.drag_figure({"12-hour fits": table}, weather, epoch=EPOCH).axes
+    _, below, above = axes.lines
+    assert below.get_xdata().tolist() == [5.0]
+    assert below.get_ydata().tolist() == [axes.get_ylim()[0]]
+    assert len(above.get_xdata()) == 0
+    assert axes.get_title(loc="right").startswith("1 of 100 estimates lie beyond the axis")
 
 
 def test_windows_of_the_fits_that_models_ask_for():

@@ -412,7 +412,7 @@ def test_without_a_model_that_corrects_the_plan_ends():
 def test_mornings_are_noted_with_the_weather():
     jobs = params(study={"rsos": ["lares"], "days": {"train": [0, 30], "test": [30, 40]}})
     mornings = jobs.mornings(wildcards(rso="lares", stations="eglin-clear-kaena"))
-    assert mornings["note"] == f"lares by eglin-clear-kaena. {jobs.plan.weather}"
+    assert mornings["note"] == f"LARES by three radars (Eglin, Clear, Kaena)\n{jobs.plan.weather}"
     assert set(mornings["laws"]) <= set(mornings["learners"])
 
 

@@ -1,0 +1,60 @@
+"""Names of a run as figures show them: `swarm` is Swarm A, `eglin-clear-kaena` three radars."""
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from opml import naming
+
+RSOS = {
+    "iss": "ISS-based RSO",
+    "swarma": "SWARM-A",
+    "larets": "LARETS",
+    "stella": "STELLA",
+    "hy2a": "HAIYANG 2A",
+    "lares": "LARES",
+    "lageos1": "LAGEOS-1",
+    "swarm": "Swarm A",
+    "laretsslr": "Larets",
+    "sentinel3a": "Sentinel-3A",
+    "lageos2": "LAGEOS-2",
+}
+"""RSOs of the paper, as it writes them, and satellites of the packaged studies; others keep their name."""
+
+_COUNTS = {1: "one radar", 2: "two radars", 3: "three radars"}
+_CHANGED = re.compile(r"(?P<base>[^_]*)(?:_i(?P<i>[^_]+))?(?:_a(?P<a>[+-][^_]+))?")
+
+
+def display_rso(name: str) -> str:
+    """Return an RSO's name in words: `iss_i50_a+20` is `ISS-based RSO, i = 50 deg, a + 20 km`."""
+    match = _CHANGED.fullmatch(name)
+    if match is None:
+        return name
+    inclination, offset = match["i"], match["a"]
+    return ", ".join(
+        [
+            RSOS.get(match["base"], match["base"]),
+            *([f"i = {inclination} deg"] if inclination else []),
+            *([f"a {offset[0]} {offset[1:]} km"] if offset else []),
+        ]
+    )
+
+
+def display_stations(name: str) -> str:
+    """Return a station set in words: `eglin-clear` is `two radars (Eglin, Clear)`."""
+    stations = naming.strip_seed(name, naming.NOISE).split("-")
+    count = _COUNTS.get(len(stations), f"{len(stations)} radars")
+    return f"{count} ({', '.join(station.capitalize() for station in stations)})"
+
+
+def display_learner(name: str) -> str:
+    """Return a learner in words: the paper's own is told, others keep their name."""
+    return "the paper's SVR" if name == "svr" else name
+
+
+def describe_run(names: Mapping[str, Any]) -> str:
+    """Return whose tracks a figure is about: `Swarm A by three radars (Eglin, Clear, Kaena)`.
+
+    names: of which `rso` and `stations` count
+    """
+    return f"{display_rso(names['rso'])} by {display_stations(names['stations'])}"

@@ -1,0 +1,36 @@
+"""Names of a run as figures show them."""
+
+import pytest
+
+from opml.figures import display_names
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("swarm", "Swarm A"),
+        ("hy2a", "HAIYANG 2A"),
+        ("iss_i50_a+20", "ISS-based RSO, i = 50 deg, a + 20 km"),
+        ("mine_a-5", "mine, a - 5 km"),
+        ("each RSO", "each RSO"),
+    ],
+)
+def test_rsos_in_words(name, words):
+    assert display_names.display_rso(name) == words
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("eglin", "one radar (Eglin)"),
+        ("eglin-clear-kaena_noise43", "three radars (Eglin, Clear, Kaena)"),
+        ("a-b-c-d", "4 radars (A, B, C, D)"),
+    ],
+)
+def test_stations_in_words(name, words):
+    assert display_names.display_stations(name) == words
+
+
+def test_the_paper_s_learner_is_told():
+    assert display_names.display_learner("svr") == "the paper's SVR"
+    assert display_names.display_learner("mechanism") == "mechanism"
