@@ -5,7 +5,7 @@ import pytest
 
 from benchmarks import case, diagram, measure, paper, precision, race, sections, svr, turns
 from benchmarks.kernels import Machine, Work
-from benchmarks.peers import PEERS
+from benchmarks.peers import FLYERS
 from benchmarks.precision import Line, Point
 from benchmarks.worker import Timed
 from opml.base.errors import InputError
@@ -142,7 +142,7 @@ def test_the_diagram_has_a_line_for_every_tool(tmp_path):
 
 
 def test_every_peer_has_a_look():
-    assert set(diagram.LOOKS) == set(PEERS)
+    assert set(diagram.LOOKS) == set(FLYERS)
 
 
 def test_a_section_is_replaced_in_place():
