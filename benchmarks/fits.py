@@ -24,10 +24,10 @@ LONG = 5.0
 BOUNDS = {OURS: 0.001, "orekit": 0.1, "brahe": 3.0}
 """How far a tool's answers may be from opml's [formal sigma], given what their models share."""
 
-INTRODUCTION = """State of the paper's RSO at the beginning of a window, fitted to what its three radars measured
-in the window. The tracks are flown under opml's assumed model. Every tool begins at the same states, 10 m and
-1 cm/s off the truth. Apart: the median distance of its positions from those of opml's fit under what the two
-models share, and of its states in opml's formal sigmas.
+INTRODUCTION = """State of the paper's RSO at the beginning of a window, fitted to what its three radars
+measured in the window. The tracks are flown under opml's assumed model. Every tool begins at the same states,
+10 m and 1 cm/s off the truth. Apart: the median distance of its positions from those of opml's fit under what
+the two models share, and of its states in opml's formal sigmas.
 """
 
 

@@ -48,7 +48,7 @@ class Brahe:
             .with_abs_tol(1e-3)
             .with_rel_tol(1e-9)
         )
-        self.settings = brahe.BLSConfig(
+        self.config = brahe.BLSConfig(
             max_iterations=_MOST_ITERATIONS,
             state_correction_threshold=_CONVERGENCE,
             store_observation_residuals=False,
@@ -86,7 +86,7 @@ class Brahe:
             self.propagation,
             _forces(case.paper().rsos["iss"], cd),
             self.models,
-            config=self.settings,
+            config=self.config,
         )
         estimator.solve(
             [
