@@ -18,6 +18,9 @@ _APRIORI = np.diag(np.repeat([1e10, 1e4], 3))
 _CONVERGENCE = 1e-2
 """Last correction of the state [m, m/s], as Orekit's."""
 
+_COST_CONVERGENCE = 1e-6
+"""Last relative change of the cost; over two days the steps alone move the state by centimetres."""
+
 _MOST_ITERATIONS = 25
 
 _CD_STEP = 0.1
@@ -51,6 +54,7 @@ class Brahe:
         self.config = brahe.BLSConfig(
             max_iterations=_MOST_ITERATIONS,
             state_correction_threshold=_CONVERGENCE,
+            cost_convergence_threshold=_COST_CONVERGENCE,
             store_observation_residuals=False,
         )
         self.cds = {}
