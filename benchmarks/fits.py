@@ -21,8 +21,11 @@ ROUNDS = 3
 LONG = 5.0
 """A call that takes longer [s] has its slow spells in itself: one round will do."""
 
-BOUNDS = {OURS: 0.001, "orekit": 0.1, "brahe": 3.0}
-"""How far a tool's answers may be from opml's [formal sigma], given what their models share."""
+BOUNDS = {OURS: 0.001, "orekit": 0.1, "brahe": 30.0}
+"""How far a tool's answers may be from opml's [formal sigma], given what their models share.
+
+brahe has another atmosphere, of which Cd takes up the mean alone; two days show the rest.
+"""
 
 INTRODUCTION = """State of the paper's RSO at the beginning of a window, fitted to what its three radars
 measured in the window. The tracks are flown under opml's assumed model. Every tool begins at the same states,
