@@ -7,7 +7,7 @@
 # make crate [CONFIGFILE=mine.yaml]   a finished run as one archive that tells its making (RO-Crate)
 # make validate OREKIT_DATA=<folder>   the dynamics beside Orekit's (half an hour): docs/validation.md
 # make weather   the skill of forecasts of the space weather (some minutes): the table in docs/weather.md
-# make bench [OREKIT_DATA=<folder>]    opml's speed beside its peers' (twenty minutes): benchmarks/results.md
+# make bench [OREKIT_DATA=<folder>]    opml's speed beside its peers' (25 minutes): benchmarks/results.md
 # All first build .venv from requirements.lock, unless it stands already.
 
 PYTHON ?= python3

@@ -1,6 +1,7 @@
 """opml beside its peers, and what it costs by itself: writes benchmarks/results.md.
 
-python -m benchmarks [--orekit-data DIR] [--only race precision scaling kernels svr paper] [--results DIR]
+python -m benchmarks [--orekit-data DIR] [--only race fits precision scaling kernels svr paper]
+                     [--results DIR]
 """
 
 import argparse
@@ -12,13 +13,13 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from benchmarks import diagram, kernels, paper, precision, race, scaling, sections, svr
+from benchmarks import diagram, fits, kernels, paper, precision, race, scaling, sections, svr
 from opml import __version__
 from opml.base.errors import InputError
 
 RESULTS = Path(__file__).with_name("results.md")
 FIGURE = Path(__file__).parents[1] / "docs" / "images" / "work_precision.png"
-TOOLS = ("orekit-jpype", "heyoka", "satkit", "numba", "scikit-learn", "scikit-learn-intelex")
+TOOLS = ("orekit-jpype", "heyoka", "satkit", "brahe", "numba", "scikit-learn", "scikit-learn-intelex")
 CATALOGUE = 30_000
 """RSOs of a whole catalogue."""
 
@@ -62,6 +63,12 @@ def _race(arguments: argparse.Namespace) -> Made:
     )
     text += race.report(results, absent)
     return {"Beside the peers": text}, not race.disagreements(results)
+
+
+def _fits(arguments: argparse.Namespace) -> Made:
+    """Fit the same tracks by every tool that has a batch least squares."""
+    results, absent = fits.run(arguments.orekit_data, progress=_progress)
+    return {"Fits beside the peers": fits.report(results, absent)}, not fits.disagreements(results)
 
 
 def _precision(arguments: argparse.Namespace) -> Made:
@@ -112,6 +119,7 @@ def _paper(arguments: argparse.Namespace) -> Made:
 
 SECTIONS: dict[str, Callable[[argparse.Namespace], Made]] = {
     "race": _race,
+    "fits": _fits,
     "precision": _precision,
     "scaling": _scaling,
     "kernels": _kernels,

@@ -38,6 +38,11 @@ def apart(a: np.ndarray, b: np.ndarray) -> float:
     return float(np.median(distances(a, b)))
 
 
+def sigmas(difference: np.ndarray, covariance: np.ndarray) -> float:
+    """Return the length of a difference (n,) in units of a formal uncertainty (n, n)."""
+    return float(np.sqrt(difference @ np.linalg.solve(covariance, difference)))
+
+
 def along_track(states: np.ndarray, reference: np.ndarray) -> np.ndarray:
     """Return the angles [rad] that states (n, 6) are ahead of others by, about the orbit normal of those."""
     radial, ahead, _ = np.moveaxis(rsw_rotation(reference), 1, 0)

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 
 TITLES = (
     "Beside the peers",
+    "Fits beside the peers",
     "Work and precision",
     "Threads",
     "Arcs",

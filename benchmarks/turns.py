@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Hashable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from benchmarks import measure
 from benchmarks.case import Arcs
-from benchmarks.peers import PEERS
+from benchmarks.peers import FLYERS
 from benchmarks.worker import Absent, Timed, Worker
 
 Key = TypeVar("Key", bound=Hashable)
@@ -29,22 +29,27 @@ class Flight:
         return self.worker.call("fly", self.arcs, self.setting)
 
 
-@dataclass
+@dataclass(frozen=True)
 class Flown:
     """What the rounds of a flight gave: the states (n, 6) at the ends of its arcs, and its times."""
 
-    states: np.ndarray = field(default_factory=lambda: np.empty((0, 6)))
-    cpu: list[float] = field(default_factory=list)  # ms per arc-day, a round each
-    wall: list[float] = field(default_factory=list)
+    states: np.ndarray
+    cpu: list[float]  # ms per arc-day, a round each
+    wall: list[float]
 
 
 @contextmanager
-def started(orekit_data: Path | None) -> Iterator[tuple[dict[str, Worker], dict[str, str]]]:
-    """Yield the peers' workers by name, and why others did not start; all end with the context."""
+def started(
+    orekit_data: Path | None, peers: Mapping[str, str] = FLYERS
+) -> Iterator[tuple[dict[str, Worker], dict[str, str]]]:
+    """Yield the workers of peers by name, and why others did not start; all end with the context.
+
+    peers: where the class of each stands, by its name
+    """
     workers, absent = {}, {}
-    for name in PEERS:
+    for name, location in peers.items():
         try:
-            workers[name] = _start(name, orekit_data)
+            workers[name] = _start(name, location, orekit_data)
         except Absent as reason:
             absent[name] = str(reason)
     try:
@@ -54,27 +59,46 @@ def started(orekit_data: Path | None) -> Iterator[tuple[dict[str, Worker], dict[
             worker.close()
 
 
-def _start(name, orekit_data):
+def _start(name, location, orekit_data):
     if name != "orekit":
-        return Worker(name)
+        return Worker(location)
     if orekit_data is None:
         raise Absent("needs a folder of Orekit's data: make bench OREKIT_DATA=<folder>")
-    return Worker(name, orekit_data)
+    return Worker(location, orekit_data)
+
+
+def take(
+    calls: Mapping[Key, Callable[[], Timed]],
+    *,
+    rounds: int,
+    progress: Callable[[str], None],
+    longest: float = np.inf,
+) -> dict[Key, list[Timed]]:
+    """Make all calls once in every round, but a call that took longer than `longest` [s] only once."""
+    taken: dict[Key, list[Timed]] = {key: [] for key in calls}
+    again = dict(calls)
+    for number in range(rounds):
+        progress(f"round {number + 1} of {rounds}")
+        for key, call in list(again.items()):
+            timed = call()
+            taken[key].append(timed)
+            if timed.cpu > longest:
+                del again[key]
+    return taken
 
 
 def fly(
     flights: Mapping[Key, Flight], *, rounds: int, progress: Callable[[str], None], longest: float = np.inf
 ) -> dict[Key, Flown]:
-    """Fly all flights once in every round, but a flight that took longer than `longest` [s] only once."""
-    flown = {key: Flown() for key in flights}
-    again = dict(flights)
-    for number in range(rounds):
-        progress(f"round {number + 1} of {rounds}")
-        for key, flight in list(again.items()):
-            timed, arc_days = flight.fly(), flight.arcs.arc_days
-            flown[key].states = timed.result
-            flown[key].cpu.append(measure.per_arc_day(timed.cpu, arc_days))
-            flown[key].wall.append(measure.per_arc_day(timed.wall, arc_days))
-            if timed.cpu > longest:
-                del again[key]
-    return flown
+    """Fly all flights in turns, as `take`."""
+    calls = {key: flight.fly for key, flight in flights.items()}
+    taken = take(calls, rounds=rounds, progress=progress, longest=longest)
+    return {key: _flown(flights[key].arcs.arc_days, times) for key, times in taken.items()}
+
+
+def _flown(arc_days, times):
+    return Flown(
+        times[-1].result,
+        cpu=[measure.per_arc_day(timed.cpu, arc_days) for timed in times],
+        wall=[measure.per_arc_day(timed.wall, arc_days) for timed in times],
+    )

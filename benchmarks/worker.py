@@ -29,13 +29,16 @@ class Timed:
 
 
 class Worker:
-    """Calls a peer's methods in its own process. Raises Absent where the peer cannot be made."""
+    """Calls a peer's methods in its own process. Raises Absent where the peer cannot be made.
 
-    def __init__(self, name: str, *arguments: Any):
+    location: where the peer's class stands
+    """
+
+    def __init__(self, location: str, *arguments: Any):
         os.environ.update(_ONE_THREAD)  # read by the libraries of the new process
         context = multiprocessing.get_context("spawn")
         self.connection, other = context.Pipe()
-        self.process = context.Process(target=_serve, args=(other, name, arguments), daemon=True)
+        self.process = context.Process(target=_serve, args=(other, location, arguments), daemon=True)
         self.process.start()
         other.close()
         self.about = self._answer()
@@ -62,11 +65,11 @@ class Worker:
         return answer
 
 
-def _serve(connection, name, arguments):
+def _serve(connection, location, arguments):
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
     try:
-        peer = peers.load(name)(*arguments)
+        peer = peers.load(location)(*arguments)
         connection.send(peers.about(peer))
         while (request := connection.recv()) is not None:
             method, values = request

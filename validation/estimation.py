@@ -1,5 +1,6 @@
 """Least squares on the same noisy measurements: opml's and Orekit's."""
 
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 import jpype
@@ -143,14 +144,16 @@ def orekits(
 
 
 def _fit(orekit, case, gm, track, t, start, rows):
-    return {"track": track, **_Problem(orekit, case, case.rsos[RSO], gm).fit(t, start, rows)}
+    problem = Problem(orekit, case, case.rsos[RSO], gm, INTEGRATOR)
+    measurements = geometric(orekit, problem.measurements(rows))
+    return {"track": track, **problem.fit(t, start, measurements)}
 
 
-class _Problem:
+class Problem:
     """Orekit's batch least squares of one RSO under the assumed model."""
 
-    def __init__(self, orekit: ok.Orekit, case: Case, rso: Rso, gm: float):
-        self.orekit, self.rso, self.gm = orekit, rso, gm
+    def __init__(self, orekit: ok.Orekit, case: Case, rso: Rso, gm: float, integrator: Integrator):
+        self.orekit, self.rso, self.gm, self.integrator = orekit, rso, gm, integrator
         self.settings, self.stations = case.force_models["assumed"], case.stations
         measurements = ok.org.orekit.estimation.measurements
         self.satellite = measurements.ObservableSatellite(0)
@@ -159,8 +162,11 @@ class _Problem:
             for name, station in self.stations.items()
         }
 
-    def fit(self, t: float, start: np.ndarray, measured: pd.DataFrame) -> dict:
-        """Fit state and Cd at t [s] to rows of the tracking table, from `start` (6,)."""
+    def fit(self, t: float, start: np.ndarray, measurements: Iterable) -> dict:
+        """Fit state and Cd at t [s] to Orekit's measurements, from `start` (6,).
+
+        The keys are the state's, cd, iterations and reason, which is empty where the fit converged.
+        """
         estimation, hipparchus = ok.org.orekit.estimation, ok.org.hipparchus
         decomposer = hipparchus.linear.QRDecomposer(1e-15)
         optimizer = hipparchus.optim.nonlinear.vector.leastsquares.GaussNewtonOptimizer(decomposer, False)
@@ -168,7 +174,7 @@ class _Problem:
         estimator.setMaxIterations(_MOST_ITERATIONS)
         estimator.setMaxEvaluations(_MOST_ITERATIONS)
         estimator.setParametersConvergenceThreshold(_CONVERGENCE)
-        for measurement in self._measurements(measured):
+        for measurement in measurements:
             estimator.addMeasurement(measurement)
         try:
             flown = estimator.estimate()[0]
@@ -188,7 +194,7 @@ class _Problem:
         builder = conversion.NumericalPropagatorBuilder(
             self.orekit.orbit(t, start, self.gm),
             conversion.DormandPrince853IntegratorBuilder(
-                INTEGRATOR.min_step, INTEGRATOR.max_step, INTEGRATOR.position_tolerance
+                self.integrator.min_step, self.integrator.max_step, self.integrator.position_tolerance
             ),
             orbits.PositionAngleType.TRUE,
             _POSITION_SCALE,
@@ -200,15 +206,16 @@ class _Problem:
             driver.setSelected(driver.getName() == ok.org.orekit.forces.drag.DragSensitive.DRAG_COEFFICIENT)
         return builder
 
-    def _measurements(self, measured):
+    def measurements(self, rows: pd.DataFrame) -> Iterator:
+        """Yield rows of the tracking table as Orekit's measurements, with light time."""
         measurements = ok.org.orekit.estimation.measurements
-        for row in measured.itertuples(index=False):
+        for row in rows.itertuples(index=False):
             station, ground, date = (
                 self.stations[row.station],
                 self.grounds[row.station],
                 self.orekit.date(row.t),
             )
-            angles = measurements.AngularAzEl(
+            yield measurements.AngularAzEl(
                 ground,
                 date,
                 [row.azimuth, row.elevation],
@@ -216,12 +223,17 @@ class _Problem:
                 [1.0, 1.0],
                 self.satellite,
             )
-            distance = measurements.Range(
-                ground, False, date, row.range, station.sigma_range, 1.0, self.satellite
-            )
-            for measurement, pick in ((angles, _angles), (distance, _distance)):
-                measurement.addModifier(_WithoutLightTime(self.orekit.gcrf, ground.getBaseFrame(), pick))
-                yield measurement
+            yield measurements.Range(ground, False, date, row.range, station.sigma_range, 1.0, self.satellite)
+
+
+def geometric(orekit: ok.Orekit, measurements: Iterable) -> Iterator:
+    """Yield Orekit's measurements without light time, as ours are."""
+    azimuth_elevation = ok.org.orekit.estimation.measurements.AngularAzEl
+    for measurement in measurements:
+        pick = _angles if isinstance(measurement, azimuth_elevation) else _distance
+        horizon = measurement.getStation().getBaseFrame()
+        measurement.addModifier(_WithoutLightTime(orekit.gcrf, horizon, pick))
+        yield measurement
 
 
 @jpype.JImplements("org.orekit.estimation.measurements.EstimationModifier", deferred=True)

@@ -12,13 +12,14 @@ A peer is a class with
 * `fly(arcs, setting)`: the states (n, 6) at the ends of the arcs, GCRF [m, m/s], `setting` being one of
   `settings` or `tight`; `twin(arcs)`: the same by opml under what the two models share.
 
-It loads its tool when it is made, so that a tool that is absent costs its own row only.
+It loads its tool when it is made, so that a tool that is absent costs its own row only. The tools that fit
+the same tracks are in `benchmarks.fitters`.
 """
 
 from importlib import import_module
 from typing import Any
 
-PEERS = {
+FLYERS = {
     "opml": "benchmarks.peers.ours:Opml",
     "satkit_gauss_jackson": "benchmarks.peers.satkit:GaussJackson",
     "satkit": "benchmarks.peers.satkit:RungeKutta",
@@ -27,16 +28,17 @@ PEERS = {
 }
 """Where each peer's class stands."""
 
+_WORDS = ("title", "model", "method", "way", "raced", "pressure", "share", "sample")
+_KINDS = ("settings", "tight")
 
-def load(name: str) -> type:
+
+def load(location: str) -> type:
     """Return the class of a peer. Raises ImportError where its tool is not installed."""
-    module, cls = PEERS[name].split(":")
+    module, cls = location.split(":")
     return getattr(import_module(module), cls)
 
 
 def about(peer: Any) -> dict[str, Any]:
-    """Return what a report needs to know of a peer, and the names of its settings."""
-    words = ("title", "model", "method", "way", "raced", "pressure", "share", "sample")
-    return {word: getattr(peer, word) for word in words} | {
-        kind: list(getattr(peer, kind)) for kind in ("settings", "tight")
-    }
+    """Return what a report needs to know of a peer, and the names of its settings, where it has any."""
+    words = {word: getattr(peer, word) for word in _WORDS if hasattr(peer, word)}
+    return words | {kind: list(getattr(peer, kind)) for kind in _KINDS if hasattr(peer, kind)}

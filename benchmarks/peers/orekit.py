@@ -16,10 +16,22 @@ def _to_edges(*limits):
     return {f"{name}, edges": integrator for name, integrator in step_limits(*limits).items()}
 
 
-class Orekit:
-    """The paper's own tool and settings; its data come from a folder that the user has."""
+class Models:
+    """The paper's own tool; its data come from a folder that the user has."""
 
     title = f"Orekit {'.'.join(orekit.version().split('.')[:3])}"
+
+    def __init__(self, data: Path):
+        found = orekit.Data.find(data)
+        orekit.start(found)
+        self.models = orekit.Orekit(case.paper().epoch)
+        self.field = str(found.path("gravity field"))
+        self.gm = self.models.field(0, 0).getMu()
+
+
+class Orekit(Models):
+    """Orekit's propagation at the paper's settings."""
+
     model = "EIGEN-6S 20x20, Sun, Moon, Jupiter (DE430), DTM2000 with MSAFE, radiation pressure with shadow"
     method = "Dormand-Prince 8(5,3)"
     way = "tolerance 0.1 m (the paper's settings), stops at midnights"
@@ -29,20 +41,14 @@ class Orekit:
     pressure = True
     share = sample = 2
 
-    def __init__(self, data: Path):
-        self.data = orekit.Data.find(data)
-        orekit.start(self.data)
-        self.models = orekit.Orekit(case.paper().epoch)
-        self.field = str(self.data.path("gravity field"))
-
     def fly(self, arcs: Arcs, setting: str) -> np.ndarray:
         """Fly at one of the settings."""
         propagate = self.models.propagate_by_edges if setting in self.tight else self.models.propagate
         integrator = (self.settings | self.tight)[setting]
-        forces, gm = self._forces(arcs), self.models.field(0, 0).getMu()
+        forces = self._forces(arcs)
         return np.array(
             [
-                propagate(state, gm, arcs.stops(t), forces, integrator, begin=t)[-1]
+                propagate(state, self.gm, arcs.stops(t), forces, integrator, begin=t)[-1]
                 for t, state in zip(arcs.t, arcs.states, strict=True)
             ]
         )

@@ -1,14 +1,18 @@
 """The benchmarks' arithmetic, tables and figure, on made-up numbers; the peers are not needed."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
-from benchmarks import case, diagram, measure, paper, precision, race, sections, svr, turns
+from benchmarks import case, diagram, fits, measure, paper, precision, race, sections, svr, turns, windows
+from benchmarks.fitters import FITTERS
 from benchmarks.kernels import Machine, Work
-from benchmarks.peers import PEERS
+from benchmarks.peers import FLYERS
 from benchmarks.precision import Line, Point
+from benchmarks.windows import Windows
 from benchmarks.worker import Timed
 from opml.base.errors import InputError
+from opml.catalog.fit.least_squares import Evaluation, Fit, Method
 from opml.orbits.elements import cartesian_from_coe
 
 GM = 3.986004418e14
@@ -82,6 +86,63 @@ def test_tools_fly_in_turns_and_slow_ones_once():
     assert flown["slow"].states.shape == (1, 6)
 
 
+def fitted(cpu, *, sigmas=0.01):
+    about = {"title": "Orekit", "model": "forces", "method": "state and Cd", "way": "steps ≤ 90 s"}
+    return fits.Result(
+        about, 2, measurements=160.0, iterations=4.0, apart=0.07, sigmas=sigmas, cpu=cpu, wall=cpu
+    )
+
+
+def test_fits_are_told_by_the_median_of_the_rounds():
+    results = {(12.0, race.OURS): fitted([20.0, 30.0, 19.0], sigmas=0.0), (12.0, "orekit"): fitted([9000.0])}
+    text = fits.report(results, {"brahe": "no tool"})
+    assert "| Orekit | 12 h | 160 | 2 | 4 | 20 | 20 | 1.0 | - | - |" in text
+    assert "| Orekit | 12 h | 160 | 2 | 4 | 9000 | 9000 | 450 | 0.070 | 0.010 |" in text
+    assert "| Orekit: forces | state and Cd; steps ≤ 90 s |" in text
+    assert "Not run: brahe (no tool)." in text
+    assert "farther apart" not in text
+
+
+@pytest.mark.parametrize("sigmas", [0.2, np.nan])
+def test_fits_that_models_do_not_explain_are_told(sigmas):
+    results = {(48.0, race.OURS): fitted([20.0], sigmas=0.0), (48.0, "orekit"): fitted([9.0], sigmas=sigmas)}
+    assert fits.disagreements(results) == ["orekit, 48 h"]
+    assert "**orekit, 48 h: the answers are farther apart" in fits.report(results, {})
+
+
+def test_every_fitter_has_a_bound():
+    assert set(fits.BOUNDS) == set(FITTERS)
+
+
+def test_a_window_holds_the_tracks_that_begin_in_it():
+    begins, track = np.array([0.0, 50.0, 3600.0, 3700.0]), np.arange(4)
+    measured = pd.DataFrame({"track": track.repeat(2), "t": np.ravel([begins, begins + 20.0], order="F")})
+    drawn = Windows(measured, track[:2], begins[:2], np.zeros((2, 6)), hours=1.0)
+    assert drawn.rows(0)["track"].tolist() == [0, 0, 1, 1, 2, 2]
+    assert drawn.rows(1)["track"].tolist() == [1, 1, 2, 2]
+
+
+@pytest.mark.parametrize(("count", "tracks"), [(1, [2]), (2, [1, 3]), (4, [0, 1, 2, 3])])
+def test_a_sample_of_windows_is_from_the_middle(count, tracks):
+    drawn = Windows(pd.DataFrame(), np.arange(4), np.arange(4.0), np.zeros((4, 6)), hours=12.0)
+    assert drawn.sample(count).tracks.tolist() == tracks
+
+
+def test_answers_that_did_not_converge_are_not_finite():
+    method = Method(np.ones(7), np.ones(7, bool), convergence=1e-3)
+    done, failed = Fit(np.zeros(7), method), Fit(np.zeros(7), method)
+    while done.running:
+        done.take(Evaluation(np.arange(7.0) - done.trial, np.eye(7)))
+    failed.reject("start arc lost")
+    states = windows.answers([done, failed]).states
+    np.testing.assert_allclose(states[0], np.arange(6.0), atol=1e-2)
+    assert np.all(np.isnan(states[1]))
+
+
+def test_a_difference_is_measured_in_formal_sigmas():
+    assert measure.sigmas(np.array([3.0, 8.0]), np.diag([1.0, 4.0])) == pytest.approx(5.0)
+
+
 def test_arcs_stop_about_midnights_and_at_their_end():
     first = 11 * 3600 + 50 * 60 + 15.0  # the paper's epoch is 12:09:45
     second, end = first + 86400.0, 100.0 + 2 * 86400.0
@@ -142,7 +203,7 @@ def test_the_diagram_has_a_line_for_every_tool(tmp_path):
 
 
 def test_every_peer_has_a_look():
-    assert set(diagram.LOOKS) == set(PEERS)
+    assert set(diagram.LOOKS) == set(FLYERS)
 
 
 def test_a_section_is_replaced_in_place():
