@@ -88,6 +88,11 @@ class ForceModel(NamedTuple):
         """Return the model with the activity of an outlook; -1 keeps the model's activity."""
         return self if outlook < 0 else self._replace(activity=self.outlooks[outlook])
 
+    def known_at(self, t: float) -> "ForceModel":
+        """Return the model with the activity known at a time [s], for arcs that begin at any."""
+        known = self.use_outlook(int(self.newest_outlook(np.array(t))))
+        return known._replace(issued=self.issued[:0], outlooks=self.outlooks[:0])
+
     def for_one_block(self) -> "ForceModel":
         """Return the model with weights of its own, where tides change them with each `look_up`."""
         return self._replace(weights=self.weights.copy()) if len(self.tides.nodes) else self
