@@ -41,9 +41,6 @@ STEP = 1800.0
 KICK = 1e-14
 """Noise of the velocity that stands for errors of the other forces [m2/s3]."""
 
-WALK = 0.02
-"""Random walk of the slow mean, as a part of it in a day."""
-
 APRIORI_SIGMA = 0.5
 """Uncertainty of the sheet's Cd, as a part of it."""
 
@@ -51,18 +48,22 @@ _PASSES = 3
 """How often a track's measurements are met, each time where the last left the state."""
 
 _SCALES = np.array([1e3, 1e3, 1e3, 1.0, 1.0, 1.0])
-_SLOW, _FAST = 6, 7
+_CD = PARAMETERS.index("cd")
 
 
 @dataclass(frozen=True)
 class DragNoise:
-    """How the drag coefficient varies: `sigma` as a part of the sheet's, and the days in which it forgets."""
+    """How Cd varies, as a part of the sheet's.
 
-    sigma: float
-    days: float
+    walk: what a day changes it by, for good
+    gust: what the mean over a day is off by, of that which does not last
+    """
+
+    walk: float
+    gust: float
 
 
-BANK = tuple(DragNoise(sigma, days) for sigma in (0.05, 0.1, 0.2, 0.4) for days in (0.125, 0.5, 2.0))
+BANK = tuple(DragNoise(walk, gust) for walk in (0.02, 0.05, 0.1, 0.2) for gust in (0.025, 0.05, 0.1, 0.2))
 """The noises of the filters that run side by side."""
 
 
@@ -123,8 +124,8 @@ def _divided(later: np.ndarray, earlier: np.ndarray) -> np.ndarray:
 class Filters:
     """Filters at one epoch, side by side.
 
-    means: (filters, 8) of the state [m, m/s], the slow part of Cd and the fast one
-    roots: (filters, 8, 8) of their covariances
+    means: (filters, 7) of the state [m, m/s] and Cd
+    roots: (filters, 7, 7) of their covariances
     scores: (filters,) ln likelihood of all innovations so far, but for a constant
     chi2: (filters,) of the last track's
     """
@@ -141,23 +142,16 @@ class Filters:
 
     def carried(self, leg: Leg, bank: Sequence[DragNoise], cd: float) -> "Filters":
         """Return the filters at the end of a leg. cd: of the sheet, which the noise is a part of."""
-        means, roots = self.means.copy(), self.roots
-        sigma, tau = (np.array(column) for column in zip(*[(n.sigma * cd, n.days * DAY) for n in bank]))
+        means, roots = self.means, self.roots
+        walk, gust = (cd * np.array([getattr(noise, name) for noise in bank]) for name in ("walk", "gust"))
         for k, step in enumerate(leg.steps):
-            kept = np.exp(-step / tau)
-            moved = leg.transitions[k]
-            transition = np.tile(np.eye(8), (len(bank), 1, 1))
-            transition[:, :6, :_FAST] = moved
-            transition[:, :6, _FAST] = moved[:, _SLOW]
-            transition[:, _FAST, _FAST] = kept
-            noise = np.zeros((len(bank), 8, 5))
+            transition = np.vstack([leg.transitions[k], np.eye(7)[_CD]])
+            days = step / DAY
+            noise = np.zeros((len(bank), 7, 5))
             noise[:, 3:6, :3] = np.sqrt(KICK * step) * np.eye(3)
-            noise[:, _SLOW, 3] = WALK * cd * np.sqrt(step / DAY)
-            noise[:, _FAST, 4] = sigma * np.sqrt(1.0 - kept**2)
-            parted = means - np.concatenate([leg.path[k], [leg.cd, 0.0]])
-            means = np.einsum("fij,fj->fi", transition, parted)
-            means[:, :6] += leg.path[k + 1]
-            means[:, _SLOW] += leg.cd
+            noise[:, :6, 3] = np.outer(gust / np.sqrt(days), transition[:6, _CD])
+            noise[:, _CD, 4] = walk * np.sqrt(days)
+            means = np.append(leg.path[k + 1], leg.cd) + (means - np.append(leg.path[k], leg.cd)) @ transition.T
             wide = np.concatenate([transition @ roots, noise], axis=2)
             roots = np.linalg.qr(wide.transpose(0, 2, 1), mode="r").transpose(0, 2, 1)
         return replace(self, means=means, roots=roots)
@@ -168,7 +162,7 @@ class Filters:
         chi2, scores = np.empty(len(means)), self.scores.copy()
         window = measured.track(track)
         for f, (prior, root) in enumerate(zip(self.means, self.roots, strict=True)):
-            u = np.zeros(8)
+            u = np.zeros(7)
             for _ in range(_PASSES):
                 state = (prior + root @ u)[:6]
                 own = leg.seen + leg.to_seen @ (state - leg.path[-1])
@@ -178,7 +172,7 @@ class Filters:
                 evaluation = measured.evaluation(window, states, light_time=light_time)
                 partials = evaluation.jacobian[:, :6] @ root[:6]
                 pulled = evaluation.residuals + partials @ u
-                normal = np.eye(8) + partials.T @ partials
+                normal = np.eye(7) + partials.T @ partials
                 u = np.linalg.solve(normal, partials.T @ pulled)
             low = np.linalg.cholesky(normal)
             means[f], roots[f] = prior + root @ u, np.linalg.solve(low, root.T).T
