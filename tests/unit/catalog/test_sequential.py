@@ -5,67 +5,83 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from support import BOUNDED_ESTIMATION
+from support import ESTIMATION
 
 from opml.base.constants import DAY, HOUR
-from opml.catalog.fit import estimation, start_states
+from opml.catalog.fit.estimation import Measured, Run
 from opml.catalog.fit.sequential import Filtering, Leg, Noise, filter_all
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE
 
-CALM = Noise(walk=1e-3, gust=1e-4, kick=1e-6)
-ROUGH = Noise(walk=1e-3, gust=0.1, kick=1e-6)
-NUMBERS = [*PARAMETERS, *PARAMETER_COVARIANCES, "weighted_rms"]
+CALM = Noise(walk=1e-4, gust=1e-5, kick=1e-6)
+GUSTY = Noise(walk=1e-4, gust=0.1, kick=1e-6)
 STEP = 20.0
+PIECE = HOUR / 2
+SIGMAS = np.array([20.0, 20.0, 20.0, 0.02, 0.02, 0.02, 0.2])
+"""Of the estimates that filters begin from [m, m/s, -]."""
 
-
-def blown(flight, *, gust, seed):
-    """Truth of two days in which the drag changes every half hour; gust: scatter of its mean over a day."""
-    t = np.arange(0.0, 2 * DAY + STEP, STEP)
-    pieces = [truth.simulate(flight, duration=STEP, step=STEP)[STATE].to_numpy()[:1]]
-    noise = np.random.default_rng(seed)
-    for begin in np.arange(0.0, 2 * DAY, HOUR / 2):
-        epochs = np.arange(begin, begin + HOUR / 2 + STEP, STEP)
-        cd = flight.rso.cd * (1.0 + gust * np.sqrt(48.0) * noise.normal())
-        pieces.append(flight.fly(epochs, pieces[-1][-1:], cd=cd, first=[0], last=[len(epochs) - 1]).path(0))
-    states = np.concatenate(pieces)[: len(t)]
-    return pd.DataFrame({"t": t, **dict(zip(STATE, states.T, strict=True))})
+CD_COVARIANCES = [name for name in PARAMETER_COVARIANCES if "cd" in name]
 
 
 class Case:
-    """A simulated orbit, its tracks and their batch fits over 12 h."""
+    """A simulated orbit, its tracks, and estimates of known errors in the place of batch fits."""
 
     def __init__(self, flight, orbit, earth_orientation, stations, *, seed):
-        self.flight, self.orbit = flight, orbit
+        self.flight, self.orbit, self.seed = flight, orbit, seed
         self.earth_orientation, self.stations = earth_orientation, stations
         self.rows = tracking.simulate(orbit, earth_orientation, stations, rso="iss", seed=seed)
-        starts = start_states.perturbed(orbit, self.rows, rso="iss", settings=BOUNDED_ESTIMATION, seed=seed)
-        self.batch = estimation.estimate_all(flight, starts, self.measured(), settings=BOUNDED_ESTIMATION)
+        self.estimates = self._estimates()
+
+    def _estimates(self):
+        begins = self.rows.groupby("track")["t"].min()
+        noise = np.random.default_rng(self.seed).normal(size=(len(begins), 7)) * SIGMAS
+        covariance = np.diag(SIGMAS**2)[np.tril_indices(7)]
+        table = pd.DataFrame({"track": begins.index, "t": begins.to_numpy()})
+        table[PARAMETERS] = self.true(table) + noise
+        table[PARAMETER_COVARIANCES] = np.tile(covariance, (len(table), 1))
+        measurements = self.rows.groupby("track").size().to_numpy()
+        fit = {"iterations": 3, "converged": True, "reason": "", "tracks_used": 1}
+        return table.assign(**fit, measurements_used=measurements, weighted_rms=1.0)
 
     def measured(self, rows=None):
-        rows = self.rows if rows is None else rows
-        return estimation.Measured(rows, self.earth_orientation, self.stations)
+        return Measured(self.rows if rows is None else rows, self.earth_orientation, self.stations)
 
-    def filtered(self, bank, batch=None):
-        return filter_all(self.flight, self.batch if batch is None else batch, self.measured(), bank=bank)
+    def filtered(self, *bank, estimates=None):
+        estimates = self.estimates if estimates is None else estimates
+        return filter_all(self.flight, estimates, self.measured(), bank=bank)
 
     def true(self, table):
         states = self.orbit.set_index("t").loc[table["t"], STATE].to_numpy()
         return np.column_stack([states, np.full(len(table), self.flight.rso.cd)])
 
+    def errors(self, table):
+        return table[PARAMETERS].to_numpy() - self.true(table)
+
     def chi2(self, table):
-        """Squared Mahalanobis distances of the estimates from the truth."""
-        low = np.tril_indices(7)
-        covariances = np.zeros((len(table), 7, 7))
-        covariances[:, low[0], low[1]] = covariances[:, low[1], low[0]] = table[PARAMETER_COVARIANCES]
-        parted = table[PARAMETERS].to_numpy() - self.true(table)
-        return np.einsum("ni,nij,nj->n", parted, np.linalg.inv(covariances), parted)
+        """Squared Mahalanobis distances of estimates from the truth."""
+        parted = self.errors(table)
+        return np.einsum("ni,nij,nj->n", parted, np.linalg.inv(covariances(table)), parted)
 
 
-def errors(case, table):
-    """Position errors [m]."""
-    return np.linalg.norm((table[PARAMETERS].to_numpy() - case.true(table))[:, :3], axis=1)
+def covariances(table):
+    """Covariances (n, 7, 7) from their lower triangles."""
+    full, low = np.zeros((len(table), 7, 7)), np.tril_indices(7)
+    full[:, low[0], low[1]] = full[:, low[1], low[0]] = table[PARAMETER_COVARIANCES].to_numpy()
+    return full
+
+
+def blown(flight, *, gust, seed, duration):
+    """Truth whose Cd is another in each half hour; gust: what its mean over a day is off by, as a part."""
+    [state] = truth.simulate(flight, duration=STEP, step=STEP)[STATE].to_numpy()[:1]
+    noise, pieces = np.random.default_rng(seed), [state[None]]
+    for begin in np.arange(0.0, duration, PIECE):
+        epochs = np.arange(begin, begin + PIECE + STEP, STEP)
+        cd = flight.rso.cd * (1.0 + gust * np.sqrt(DAY / PIECE) * noise.normal())
+        pieces.append(flight.fly(epochs, pieces[-1][-1:], cd=cd, first=[0], last=[len(epochs) - 1]).path(0))
+    states = np.concatenate(pieces)
+    t = STEP * np.arange(len(states))
+    return pd.DataFrame({"t": t, **dict(zip(STATE, states.T, strict=True))})
 
 
 @pytest.fixture(scope="module")
@@ -75,160 +91,184 @@ def flight(assumed_model, iss):
 
 @pytest.fixture(scope="module")
 def calm(flight, earth_orientation, three_stations):
-    """The drag keeps its value."""
-    orbit = truth.simulate(flight, duration=2 * DAY, step=STEP)
-    return Case(flight, orbit, earth_orientation, three_stations, seed=1)
+    """The drag keeps its value; several noises of the measurements."""
+    orbit = truth.simulate(flight, duration=1.5 * DAY, step=STEP)
+    return [Case(flight, orbit, earth_orientation, three_stations, seed=seed) for seed in range(6)]
 
 
 @pytest.fixture(scope="module")
-def rough(flight, earth_orientation, three_stations):
-    """Its mean over a day scatters by a tenth."""
-    return Case(flight, blown(flight, gust=0.1, seed=3), earth_orientation, three_stations, seed=1)
+def gusty(flight, earth_orientation, three_stations):
+    """The mean of the drag over a day scatters by a tenth; several gusts and noises."""
+    orbits = [blown(flight, gust=0.1, seed=seed, duration=1.5 * DAY) for seed in range(3)]
+    return [Case(flight, orbit, earth_orientation, three_stations, seed=k) for k, orbit in enumerate(orbits)]
 
 
 @pytest.fixture(scope="module")
-def table(calm):
-    return calm.filtered([CALM])
+def start(calm):
+    """State and Cd at the epoch."""
+    return np.append(calm[0].orbit[STATE].to_numpy()[0], 2.2)
 
 
-def begun(table):
-    """Rows of the filters, well after they began."""
-    return table[table["tracks_used"] > 8]
+def test_one_row_a_track_in_the_columns_of_batch_fits(calm):
+    table = calm[0].filtered(CALM)
+    assert table.columns.tolist() == calm[0].estimates.columns.tolist()
+    pd.testing.assert_frame_equal(table[["track", "t"]], calm[0].estimates[["track", "t"]])
+    np.testing.assert_array_equal(table["tracks_used"], np.arange(len(table)) + 1)
+    assert table["measurements_used"].iloc[-1] == len(calm[0].rows)
+    assert table["converged"].all()
+    assert (table["reason"] == "").all()
 
 
-def test_one_row_a_track_in_the_columns_of_the_batch_fits(table, calm):
-    assert table.columns.tolist() == calm.batch.columns.tolist()
-    pd.testing.assert_frame_equal(table[["track", "t"]], calm.batch[["track", "t"]])
-    last = table.iloc[-1]
-    assert last["tracks_used"] == len(table)
-    assert last["measurements_used"] == len(calm.rows)
-    assert last["converged"] and last["reason"] == ""
+def test_without_noise_the_last_row_is_the_batch_fit_of_all_tracks(calm):
+    case = calm[0]
+    loose = case.estimates.copy()
+    loose[PARAMETER_COVARIANCES] *= 1e6
+    loose[CD_COVARIANCES] *= 1e-5  # still known well enough to begin with
+    filtered = case.filtered(CALM, estimates=loose).iloc[-1]
+    states = case.estimates[STATE].to_numpy()
+    run = Run(case.measured(), case.flight, states, replace(ESTIMATION, window_hours=48), np.zeros(len(states)))
+    [fitted] = run.fitted([len(states) - 1], None, None, run.method(np.ones(7, dtype=bool)))
+    row = run.row(fitted)
+    sigmas = np.sqrt(np.diag(fitted.fit.covariance))
+    parted = filtered[PARAMETERS].to_numpy(float) - [row[name] for name in PARAMETERS]
+    assert np.abs(parted / sigmas).max() < 0.2
+    assert filtered["cov_cd_cd"] == pytest.approx(row["cov_cd_cd"], rel=0.02)
+    assert filtered["cov_x_x"] == pytest.approx(row["cov_x_x"], rel=0.02)
+    assert filtered["measurements_used"] == row["measurements_used"]
 
 
-def test_all_measurements_of_the_past_beat_those_of_a_window(table, calm):
-    late = begun(table)
-    assert len(late) > 10
-    fits = calm.batch.loc[late.index]
-    assert np.median(errors(calm, late)) < np.median(errors(calm, fits))
-    assert late["cov_cd_cd"].iloc[-1] < fits["cov_cd_cd"].iloc[-1]
-    assert abs(late["cd"].iloc[-1] - 2.2) < 4.0 * np.sqrt(late["cov_cd_cd"].iloc[-1])
+@pytest.mark.parametrize(("name", "noise"), [("calm", CALM), ("gusty", GUSTY)])
+def test_estimates_err_as_their_covariances_say(request, name, noise):
+    cases = request.getfixturevalue(name)
+    late = [case.filtered(noise)[5:] for case in cases]
+    rms = np.concatenate([table["weighted_rms"] for table in late])
+    assert rms.mean() == pytest.approx(1.0, abs=0.05)
+    # Seven degrees of freedom; rows of one case share their past, so the mean scatters.
+    chi2 = np.concatenate([case.chi2(table) for case, table in zip(cases, late, strict=True)])
+    assert 4.0 < chi2.mean() < 11.0
 
 
-def test_calm_drag_is_met_as_the_covariances_say(table, calm):
-    late = begun(table)
-    assert late["weighted_rms"].mean() == pytest.approx(1.0, abs=0.1)
-    assert 3.5 < calm.chi2(late).mean() < 14.0
+def test_a_filter_without_gusts_is_sure_of_what_is_wrong(gusty):
+    late = gusty[0].filtered(CALM)[5:]
+    assert late["weighted_rms"].mean() > 1.2
+    assert gusty[0].chi2(late).mean() > 100.0
 
 
-def test_gusts_are_met_as_the_covariances_say(rough):
-    late = begun(rough.filtered([ROUGH]))
-    assert late["weighted_rms"].mean() == pytest.approx(1.0, abs=0.1)
-    assert 3.5 < rough.chi2(late).mean() < 14.0
-    # A filter that takes the drag to be calm is far off, and sure of it.
-    calm_one = begun(rough.filtered([CALM]))
-    assert calm_one["weighted_rms"].mean() > 1.2
-    assert rough.chi2(calm_one).mean() > 50.0
-
-
-@pytest.mark.parametrize(("name", "noise"), [("calm", CALM), ("rough", ROUGH)])
+@pytest.mark.parametrize(("name", "noise"), [("calm", CALM), ("gusty", GUSTY)])
 def test_the_likeliest_noise_speaks(request, name, noise):
-    case = request.getfixturevalue(name)
-    bank, alone = case.filtered([CALM, ROUGH]), case.filtered([noise])
-    formal = np.sqrt(alone["cov_cd_cd"].iloc[-1])
-    assert bank["cd"].iloc[-1] == pytest.approx(alone["cd"].iloc[-1], abs=0.01 * formal)
-    assert np.sqrt(bank["cov_cd_cd"].iloc[-1]) == pytest.approx(formal, rel=0.01)
+    case = request.getfixturevalue(name)[0]
+    bank, alone = (case.filtered(*noises).iloc[-1] for noises in ([CALM, GUSTY], [noise]))
+    formal = np.sqrt(alone["cov_cd_cd"])
+    assert bank["cd"] == pytest.approx(alone["cd"], abs=0.01 * formal)
+    assert np.sqrt(bank["cov_cd_cd"]) == pytest.approx(formal, rel=0.01)
 
 
-def test_later_tracks_change_no_earlier_row(rough):
-    half = int(rough.batch["track"].max()) // 2 + 3
-    rows = rough.rows.copy()
+def test_later_tracks_change_no_earlier_row(gusty):
+    case, half = gusty[0], gusty[0].estimates["track"].max() // 2
+    rows = case.rows.copy()
     rows.loc[rows["track"] > half, "range"] += 500.0
-    whole = filter_all(rough.flight, rough.batch, rough.measured(rows), bank=[CALM, ROUGH])
-    before = rough.filtered([CALM, ROUGH])
-    same = whole["track"] <= half
-    pd.testing.assert_frame_equal(whole[same], before[same], check_exact=True)
-    assert not np.allclose(whole["x"].iloc[-1], before["x"].iloc[-1], atol=1.0)
+    moved = filter_all(case.flight, case.estimates, case.measured(rows), bank=[CALM, GUSTY])
+    table = case.filtered(CALM, GUSTY)
+    pd.testing.assert_frame_equal(moved[: half + 1], table[: half + 1], check_exact=True)
+    assert abs(moved["x"].iloc[-1] - table["x"].iloc[-1]) > 1.0
 
 
-def test_threads_change_no_bit(rough):
-    one = rough.filtered([CALM, ROUGH])
-    two = filter_all(replace(rough.flight, threads=2), rough.batch, rough.measured(), bank=[CALM, ROUGH])
-    pd.testing.assert_frame_equal(one, two, check_exact=True)
+def test_threads_change_no_bit(gusty):
+    case = gusty[0]
+    two = filter_all(
+        replace(case.flight, threads=2), case.estimates, case.measured(), bank=[CALM, GUSTY]
+    )
+    pd.testing.assert_frame_equal(two, case.filtered(CALM, GUSTY), check_exact=True)
 
 
-def test_rows_up_to_a_known_drag_are_those_of_the_batch_fits(calm):
-    batch = calm.batch.copy()
-    batch.loc[:5, "converged"] = False
-    batch.loc[6:8, "cov_cd_cd"] = 1.5
-    table = calm.filtered([CALM], batch)
-    pd.testing.assert_frame_equal(table[NUMBERS][:10], batch[NUMBERS][:10])
-    assert table["tracks_used"][10] == batch["tracks_used"][9] + 1
+def test_rows_before_the_drag_is_known_are_those_of_the_batch_fits(calm):
+    estimates = calm[0].estimates.copy()
+    estimates.loc[:1, "converged"] = False
+    estimates.loc[2:3, "cov_cd_cd"] = 1.5
+    table = calm[0].filtered(CALM, estimates=estimates)
+    pd.testing.assert_frame_equal(table[:5], estimates[:5])
+    assert table["tracks_used"][5] == 2
 
 
-def test_after_an_arc_that_comes_down_the_filters_begin_again(calm):
-    batch = calm.batch.copy()
-    first = batch.index[batch["converged"] & (batch["cov_cd_cd"] < 1.0)][0]
-    batch.loc[first, ["vx", "vy", "vz"]] *= 0.9
-    table = calm.filtered([CALM], batch)
-    pd.testing.assert_frame_equal(table[NUMBERS][: first + 2], batch[NUMBERS][: first + 2])
-    assert table["converged"].iloc[-1]
-    assert errors(calm, table.tail(1)) < 50.0
+def test_filters_begin_again_after_an_arc_that_comes_down(calm):
+    estimates = calm[0].estimates.copy()
+    estimates.loc[0, ["vx", "vy", "vz"]] *= 0.9
+    table = calm[0].filtered(CALM, estimates=estimates)
+    pd.testing.assert_frame_equal(table[:2], estimates[:2])
+    assert np.linalg.norm(calm[0].errors(table)[-1, :3]) < 50.0
 
 
 def test_a_drag_that_fits_hold_is_no_obstacle(calm):
-    batch = calm.batch.copy()
-    batch[[name for name in PARAMETER_COVARIANCES if "cd" in name]] = 0.0
-    batch["cd"] = 2.2
-    table = begun(calm.filtered([CALM], batch))
-    assert np.isfinite(table[NUMBERS]).all().all()
+    estimates = calm[0].estimates.assign(cd=2.2, **dict.fromkeys(CD_COVARIANCES, 0.0))
+    table = calm[0].filtered(CALM, estimates=estimates)[5:]
     assert table["weighted_rms"].mean() == pytest.approx(1.0, abs=0.1)
+    assert table["cd"].to_numpy() == pytest.approx(2.2, abs=1e-3)
 
 
-def test_a_leg_carries_neighbours_as_they_fly(flight, calm):
-    """Also an arc whose Cd and state are others, which the leg has not flown."""
-    [start] = calm.orbit[STATE].to_numpy()[:1]
+def test_progress_is_told_to_the_end(calm):
+    shares = []
+    flight = replace(calm[0].flight, progress=shares.append)
+    table = filter_all(flight, calm[0].estimates, calm[0].measured(), bank=[CALM])
+    assert shares == [(k + 1) / len(table) for k in range(len(table))]
+
+
+def propagated(case, leg, noise, mean, root):
+    """Mean and root of a single filter at the end of a leg."""
+    run = Filtering(case.flight, case.measured(), [noise], light_time=False)
+    means, roots = run.propagated(mean[None], root[None], leg)
+    return means[0], roots[0]
+
+
+def test_a_leg_carries_its_neighbours_as_they_fly(flight, calm, start):
     seen = 5.3 * HOUR + np.arange(3) * STEP
-    leg = Leg.fly(flight, np.append(start, 2.2), 0.0, seen)
-    moved = np.append(start + [30.0, -20.0, 10.0, 0.02, 0.03, -0.01], 2.5)
-    still = Filtering(flight, calm.measured(), [Noise(0.0, 0.0, 0.0)], light_time=False)
-    flown = flight.fly(np.append(0.0, seen), moved[None, :6], cd=2.5, first=[0], last=[3]).path(0)
-    mean, root = (value[0] for value in still.propagated(moved[None], np.eye(7)[None], leg))
-    np.testing.assert_allclose(mean[:3], flown[0, :3], rtol=0.0, atol=0.5)
+    leg = Leg.fly(flight, start, 0.0, seen)
+    beside = start + [30.0, -20.0, 10.0, 0.02, 0.03, -0.01, 0.3]
+    flown = flight.fly(np.append(0.0, seen), beside[None, :6], cd=2.5, first=[0], last=[3]).path(0)
+    assert np.linalg.norm(flown[0, :3] - leg.path[-1, :3]) > 500.0
+    mean, root = propagated(calm[0], leg, Noise(0.0, 0.0, 0.0), beside, np.eye(7))
     assert mean[6] == 2.5
-    at_rows = leg.seen + leg.to_seen @ (mean[:6] - leg.path[-1])
-    np.testing.assert_allclose(at_rows[:, :3], flown[:, :3], rtol=0.0, atol=0.5)
-    assert np.linalg.norm(flown[0, :3] - leg.path[-1, :3]) > 1000.0
-    # Volume in the space of the states is kept, but for the drag.
+    shown = leg.seen + leg.to_seen @ (mean[:6] - leg.path[-1])
+    np.testing.assert_allclose(shown[:, :3], flown[:, :3], rtol=0.0, atol=0.5)
+    # The volume of a covariance is kept, but for the drag.
     assert np.linalg.slogdet(root)[1] == pytest.approx(0.0, abs=0.01)
 
 
-def test_gusts_walks_and_kicks_add_up(flight, calm):
-    """Over a leg: Cd walks by its part of a day, and gusts move the state as their means over the steps do."""
-    [start] = calm.orbit[STATE].to_numpy()[:1]
-    leg = Leg.fly(flight, np.append(start, 2.2), 0.0, np.array([6.0 * HOUR]))
-    run = Filtering(flight, calm.measured(), [Noise(0.1, 0.0, 0.0), Noise(0.0, 0.1, 0.0)], light_time=False)
-    _, roots = run.propagated(np.tile(np.append(start, 2.2), (2, 1)), np.zeros((2, 7, 7)), leg)
-    walked, blown_off = roots @ roots.transpose(0, 2, 1)
-    assert np.sqrt(walked[6, 6]) == pytest.approx(0.1 * 2.2 * 0.5)
-    # White noise moves along-track as the mean square of the time left: T^2 / sqrt(3) against T^2 / 2.
-    by_cd = flight.fly(
-        np.array([0.0, 6 * HOUR]), np.tile(start, (2, 1)), cd=np.array([2.2, 2.21]), first=[0, 0], last=[1, 1]
-    ).states
-    whole = np.linalg.norm(by_cd[1, :3] - by_cd[0, :3]) / 0.01
-    expected = 0.1 * 2.2 * 2.0 * whole * 2.0 / np.sqrt(3.0)
-    assert np.sqrt(np.trace(blown_off[:3, :3])) == pytest.approx(expected, rel=0.1)
-    assert blown_off[6, 6] == 0.0
+def test_gusts_move_the_state_as_arcs_with_gusts_are_moved(flight, calm, start):
+    leg = Leg.fly(flight, start, 0.0, np.array([6.0 * HOUR]))
+    root = propagated(calm[0], leg, Noise(0.0, 0.1, 0.0), start, np.zeros((7, 7)))[1]
+    pieces = 12
+    states = np.tile(start[:6], (pieces + 1, 1))
+    for k in range(pieces):
+        cd = np.full(pieces + 1, 2.2)
+        cd[k] += 0.01
+        epochs = np.array([k, k + 1]) * PIECE
+        states = flight.fly(epochs, states, cd=cd, first=[0] * (pieces + 1), last=[1] * (pieces + 1)).states
+    moved = (states[:-1] - states[-1]) / 0.01 * 0.1 * 2.2 * np.sqrt(DAY / PIECE)
+    expected = np.sqrt(np.diag(moved.T @ moved))
+    np.testing.assert_allclose(np.linalg.norm(root, axis=1)[:6], expected, rtol=0.02)
+    assert np.linalg.norm(root[6]) == 0.0
 
 
-def test_a_leg_flies_under_what_is_known_when_its_track_begins(assumed_model, flight):
-    """Of two outlooks the one before the track's begin counts, not the one before the leg's."""
-    dense = assumed_model.activity * [1.5, 1.5, 1.0, 1.0]
-    issued = np.array([-HOUR, 2 * HOUR, 8 * HOUR])
-    outlooks = np.stack([assumed_model.activity, dense, assumed_model.activity])
-    orbit = truth.simulate(flight, duration=STEP, step=STEP)
-    parameters = np.append(orbit[STATE].to_numpy()[0], 2.2)
-    seen = np.array([6.0 * HOUR])
-    known = Leg.fly(replace(flight, model=assumed_model._replace(issued=issued, outlooks=outlooks)), parameters, 0.0, seen)
-    under = Leg.fly(replace(flight, model=assumed_model._replace(activity=dense)), parameters, 0.0, seen)
-    np.testing.assert_array_equal(known.path, under.path)
-    assert not np.array_equal(known.path, Leg.fly(flight, parameters, 0.0, seen).path)
+def test_walks_and_kicks_add_up_to_those_of_a_day(flight, calm, start):
+    leg = Leg.fly(flight, start, 0.0, np.array([6.0 * HOUR]))
+    root = propagated(calm[0], leg, Noise(0.1, 0.0, 0.0), start, np.zeros((7, 7)))[1]
+    assert np.linalg.norm(root[6]) == pytest.approx(0.1 * 2.2 * np.sqrt(0.25))
+    short = Leg.fly(flight, start, 0.0, np.array([1.0]))
+    root = propagated(calm[0], short, Noise(0.0, 0.0, 1e-3), start, np.zeros((7, 7)))[1]
+    covariance = root[3:6] @ root[3:6].T
+    assert np.trace(covariance) == pytest.approx(2.0 * 1e-6 / DAY, rel=1e-3)
+    along = start[3:6] / np.linalg.norm(start[3:6])
+    assert along @ covariance @ along < 1e-3 * np.trace(covariance)
+
+
+def test_a_leg_flies_under_what_is_known_when_its_track_begins(assumed_model, flight, start):
+    """Of three outlooks the newest before the track counts, not that before the leg, nor a later one."""
+    active = assumed_model.activity * [1.5, 1.5, 1.0, 1.0]
+    outlooks = np.stack([assumed_model.activity, active, assumed_model.activity])
+    model = assumed_model._replace(issued=np.array([-1.0, 2.0, 8.0]) * HOUR, outlooks=outlooks)
+    paths = [
+        Leg.fly(replace(flight, model=model), start, 0.0, np.array([6.0 * HOUR])).path
+        for model in (model, assumed_model._replace(activity=active), assumed_model)
+    ]
+    np.testing.assert_array_equal(paths[0], paths[1])
+    assert not np.array_equal(paths[0], paths[2])
