@@ -14,8 +14,8 @@ from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE
 
-CALM = Noise(walk=1e-4, gust=1e-5, kick=1e-6)
-GUSTY = Noise(walk=1e-4, gust=0.1, kick=1e-6)
+CALM = Noise(walk=1e-6, gust=1e-6, kick=1e-7)
+GUSTY = Noise(walk=1e-6, gust=0.1, kick=1e-7)
 STEP = 20.0
 PIECE = HOUR / 2
 SIGMAS = np.array([20.0, 20.0, 20.0, 0.02, 0.02, 0.02, 0.2])
@@ -126,7 +126,9 @@ def test_without_noise_the_last_row_is_the_batch_fit_of_all_tracks(calm):
     loose[CD_COVARIANCES] *= 1e-5  # still known well enough to begin with
     filtered = case.filtered(CALM, estimates=loose).iloc[-1]
     states = case.estimates[STATE].to_numpy()
-    run = Run(case.measured(), case.flight, states, replace(ESTIMATION, window_hours=48), np.zeros(len(states)))
+    run = Run(
+        case.measured(), case.flight, states, replace(ESTIMATION, window_hours=48), np.zeros(len(states))
+    )
     [fitted] = run.fitted([len(states) - 1], None, None, run.method(np.ones(7, dtype=bool)))
     row = run.row(fitted)
     sigmas = np.sqrt(np.diag(fitted.fit.covariance))
@@ -175,9 +177,7 @@ def test_later_tracks_change_no_earlier_row(gusty):
 
 def test_threads_change_no_bit(gusty):
     case = gusty[0]
-    two = filter_all(
-        replace(case.flight, threads=2), case.estimates, case.measured(), bank=[CALM, GUSTY]
-    )
+    two = filter_all(replace(case.flight, threads=2), case.estimates, case.measured(), bank=[CALM, GUSTY])
     pd.testing.assert_frame_equal(two, case.filtered(CALM, GUSTY), check_exact=True)
 
 
@@ -263,8 +263,9 @@ def test_walks_and_kicks_add_up_to_those_of_a_day(flight, calm, start):
 
 def test_a_leg_flies_under_what_is_known_when_its_track_begins(assumed_model, flight, start):
     """Of three outlooks the newest before the track counts, not that before the leg, nor a later one."""
-    active = assumed_model.activity * [1.5, 1.5, 1.0, 1.0]
-    outlooks = np.stack([assumed_model.activity, active, assumed_model.activity])
+    quiet = assumed_model.activity
+    active = quiet * [1.5, 1.5, 1.0, 1.0]
+    outlooks = np.concatenate([activity.reshape(1, -1, 4) for activity in (quiet, active, quiet)])
     model = assumed_model._replace(issued=np.array([-1.0, 2.0, 8.0]) * HOUR, outlooks=outlooks)
     paths = [
         Leg.fly(replace(flight, model=model), start, 0.0, np.array([6.0 * HOUR])).path

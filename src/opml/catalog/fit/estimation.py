@@ -203,9 +203,7 @@ def fly_beside(flight: Flight, epochs: np.ndarray, parameters: np.ndarray) -> tu
 def _fly_forward(flight: Flight, epochs: np.ndarray, parameters: np.ndarray) -> tuple[np.ndarray, int]:
     """Return (states (arcs, n, 6), worst status) of arcs from parameters (arcs, 7) through all epochs."""
     count = len(parameters)
-    arcs = fly_parameters(
-        flight, epochs, parameters, np.zeros(count, int), np.full(count, len(epochs) - 1)
-    )
+    arcs = fly_parameters(flight, epochs, parameters, np.zeros(count, int), np.full(count, len(epochs) - 1))
     later = arcs.states.reshape(count, len(epochs) - 1, 6)
     return np.concatenate([parameters[:, None, :6], later], axis=1), int(arcs.status.max())
 

@@ -68,7 +68,7 @@ class Noise:
 
 BANK = tuple(
     Noise(walk, gust, kick)
-    for walk in (0.02, 0.05, 0.1)
+    for walk in (0.01, 0.03, 0.1)
     for gust in (0.02, 0.05, 0.1)
     for kick in (5e-4, 4e-3, 3e-2)
 )
@@ -156,15 +156,14 @@ def meet(evaluate: Callable[[np.ndarray], Evaluation], mean: np.ndarray, root: n
 
     evaluate: residuals and partial derivatives at parameters (7,); called again where they bend
     """
-    u = np.zeros(7)
-    for passes in range(1, _PASSES + 1):
+    u, passes, step = np.zeros(7), 0, np.inf
+    while step > _CONVERGED and passes < _PASSES:
         evaluation = evaluate(mean + root @ u)
         partials = evaluation.jacobian @ root
         pulled = evaluation.residuals + partials @ u
         normal = np.eye(7) + partials.T @ partials
         before, u = u, np.linalg.solve(normal, partials.T @ pulled)
-        if np.abs(u - before).max() < _CONVERGED:
-            break
+        step, passes = float(np.abs(u - before).max()), passes + 1
     low = np.linalg.cholesky(normal)
     chi2 = float(np.sum((pulled - partials @ u) ** 2) + u @ u)
     evidence = -0.5 * chi2 - float(np.sum(np.log(np.diag(low))))
@@ -242,9 +241,7 @@ class Filtering:
             filters.measurements + window.measurements,
         )
 
-    def propagated(
-        self, means: np.ndarray, roots: np.ndarray, leg: Leg
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def propagated(self, means: np.ndarray, roots: np.ndarray, leg: Leg) -> tuple[np.ndarray, np.ndarray]:
         """Return means (filters, 7) and roots of covariances (filters, 7, 7) at the end of a leg."""
         axes = rsw_rotation(leg.path)
         for k, step in enumerate(leg.steps):
@@ -253,7 +250,7 @@ class Filtering:
             means = parted + np.append(leg.path[k + 1], leg.cd)
             noise = self._noise(step / DAY, transition[:_CD, _CD], axes[k + 1, [0, 2]].T)
             wide = np.concatenate([transition @ roots, noise], axis=2)
-            roots = np.linalg.qr(wide.transpose(0, 2, 1), mode="r").transpose(0, 2, 1)
+            roots = _triangles(wide)
         return means, roots
 
     def _noise(self, days: float, by_cd: np.ndarray, aside: np.ndarray) -> np.ndarray:
@@ -287,6 +284,12 @@ class Filtering:
         }
 
 
+def _triangles(roots: np.ndarray) -> np.ndarray:
+    """Return square roots (n, 7, 7) of the covariances that have roots (n, 7, m)."""
+    upper = np.asarray(np.linalg.qr(roots.transpose(0, 2, 1), mode="r"))
+    return upper.transpose(0, 2, 1)
+
+
 def _root(estimate: pd.Series) -> np.ndarray:
     """Return the root (7, 7) of an estimate's covariance; 0 where a parameter was held."""
     covariance = np.zeros((7, 7))
@@ -313,8 +316,8 @@ def filter_all(
     light_time: as in `Estimation`
     bank: a noise for each filter
 
-    Up to the first batch fit that knows Cd, and where an arc does not reach the next track, the row is that of
-    the batch fit. weighted_rms is that of the innovations of the track.
+    Up to the first batch fit that knows Cd, and where an arc does not reach the next track, the row is that
+    of the batch fit. weighted_rms is that of the innovations of the track.
     """
     run = Filtering(flight.without_progress(), measured, bank, light_time)
     rows: list[dict[str, Any]] = []

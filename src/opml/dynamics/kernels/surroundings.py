@@ -89,9 +89,10 @@ class ForceModel(NamedTuple):
         return self if outlook < 0 else self._replace(activity=self.outlooks[outlook])
 
     def known_at(self, t: float) -> "ForceModel":
-        """Return the model with the activity known at a time [s], for arcs that begin at any."""
-        known = self.use_outlook(int(self.newest_outlook(np.array(t))))
-        return known._replace(issued=self.issued[:0], outlooks=self.outlooks[:0])
+        """Return the model under what is known at a time [s], whenever an arc begins."""
+        newest = int(self.newest_outlook(np.array(t)))
+        outlooks = self.outlooks[max(newest, 0) : newest + 1]
+        return self._replace(issued=np.full(len(outlooks), -np.inf), outlooks=outlooks)
 
     def for_one_block(self) -> "ForceModel":
         """Return the model with weights of its own, where tides change them with each `look_up`."""
