@@ -123,7 +123,6 @@ def test_without_noise_the_last_row_is_the_batch_fit_of_all_tracks(calm):
     """But for the first one, which is in the estimate to begin with, of which next to nothing is believed."""
     case = calm[0]
     loose = case.estimates.copy()
-    loose[PARAMETERS] -= 0.9 * case.errors(loose)  # so near that nothing bends
     loose[PARAMETER_COVARIANCES] *= 1e6
     loose["cov_cd_cd"] = 1.0
     filtered = case.filtered(CALM, estimates=loose).iloc[-1]
@@ -133,7 +132,8 @@ def test_without_noise_the_last_row_is_the_batch_fit_of_all_tracks(calm):
     [estimate] = run.fitted([len(states) - 1], None, None, run.method(np.ones(7, dtype=bool)))
     fitted = run.row(estimate)
     parted = np.array([filtered[name] - fitted[name] for name in PARAMETERS])
-    assert np.abs(parted / np.sqrt(np.diag(estimate.fit.covariance))).max() < 0.1
+    # The first legs are flown from what little is known by then, and bend.
+    assert np.abs(parted / np.sqrt(np.diag(estimate.fit.covariance))).max() < 0.5
     for name in ("cov_x_x", "cov_vz_vz", "cov_cd_vx", "cov_cd_cd"):
         assert filtered[name] == pytest.approx(fitted[name], rel=0.01)
     assert (
