@@ -6,8 +6,8 @@ there. All that came before is in them, and fades as the noise has it: no window
     Cd = c + gust        c walks at random: it is what lasts, and what the estimates give as Cd
     velocity + kick      radially and across the orbit: errors of the other forces, which do not heat it
 
-Gusts are white. On Swarm A, with tracks of three radars, a Gauss-Markov process in their place explains the
-innovations the worse the longer it remembers.
+Gusts are white. Before there were kicks, a Gauss-Markov process in their place explained the innovations of
+Swarm A, seen by three radars, the worse the longer it remembered, from 45 minutes on.
 
 Several filters run side by side on the same arcs, each with another noise. At each track speaks the one
 whose innovations up to then were likeliest, so that no row rests on what came later. The partial derivatives
