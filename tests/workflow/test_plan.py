@@ -257,6 +257,15 @@ def test_any_product_needs_no_study(project):
     assert jobs(plan)["truth"] == 1
 
 
+def test_a_filter_begins_at_the_fits_of_the_run(project):
+    plan = project.snakemake("-n", "results/predictions/iss/eglin_filter.parquet").stdout
+    assert {name: jobs(plan)[name] for name in ("estimation", "filter", "prediction")} == {
+        "estimation": 1,
+        "filter": 1,
+        "prediction": 1,
+    }
+
+
 SHORT = ("--config", "duration_days=27")
 
 

@@ -20,6 +20,7 @@ product has two names:
 from opml.naming.estimates import (
     ARC_PATTERN,
     BOTH_SIDES,
+    FILTERED,
     LABELS,
     LIGHT,
     MEMBERS,
@@ -88,6 +89,7 @@ from opml.naming.spelling import (
 __all__ = [
     "ARC_PATTERN",
     "BOTH_SIDES",
+    "FILTERED",
     "LABELS",
     "LIGHT",
     "MEMBERS",

@@ -28,6 +28,9 @@ BOTH_SIDES = f"_b{POSITIVE}"
 PERFECT = "_true"
 """Suffix of estimates that are the truth itself."""
 
+FILTERED = "_filter"
+"""Suffix of estimates by a sequential filter, which has no window."""
+
 
 def other_reading(previous: str) -> str:
     """Return the suffix of the reading of t_b that the setting `previous` does not choose."""

@@ -127,7 +127,7 @@ class Plan:
             "rso": rso,
             "target": rso,
             "stations": naming.stations_pattern(self.settings.stations) + noise,
-            "window": f"(?:{self.window_pattern}|{naming.PERFECT})",
+            "window": f"(?:{self.window_pattern}|{naming.PERFECT}|{naming.FILTERED})",
             "arc": naming.ARC_PATTERN,
             "reading": f"(?:{naming.other_reading(self.study.cleaning.previous)})?",
             "label": f"(?:{self.label_pattern})?",

@@ -141,6 +141,12 @@ class Measured:
             last=int(self.ends[newest]),
         )
 
+    def track(self, track: int) -> _Window:
+        """Return the window of one track alone."""
+        rows = slice(int(self.first_row[track]), int(self.first_row[track + 1]))
+        begin, end = int(self.begins[track]), int(self.ends[track])
+        return _Window(track=track, tracks=1, rows=rows, first=begin, at=begin, last=end)
+
     def evaluation(self, window: _Window, states: np.ndarray, *, light_time: bool = False) -> Evaluation:
         """Return residuals and partial derivatives of a window.
 
@@ -178,6 +184,28 @@ def fly_parameters(
 ) -> Arcs:
     """Propagate arcs from parameters (arcs, 7) at epochs[first] to epochs[last]."""
     return flight.fly(epochs, parameters[:, :6], cd=parameters[:, _CD], first=first, last=last)
+
+
+def fly_beside(flight: Flight, epochs: np.ndarray, parameters: np.ndarray) -> tuple[np.ndarray, int]:
+    """Return (states of an arc and its neighbours, their worst status), as `fly_around`, forward in time.
+
+    parameters: (7,) at the first epoch
+    epochs: (n,) at which the states (8, n, 6) are wanted [s]
+    """
+    near = flight.for_neighbours()
+    states, status = _fly_forward(near, epochs, parameters + _NEIGHBOURS)
+    if near is flight:
+        return states, status
+    nominal, lost = _fly_forward(flight, epochs, parameters[None])
+    return states + (nominal - states[:1]), max(status, lost)
+
+
+def _fly_forward(flight: Flight, epochs: np.ndarray, parameters: np.ndarray) -> tuple[np.ndarray, int]:
+    """Return (states (arcs, n, 6), worst status) of arcs from parameters (arcs, 7) through all epochs."""
+    count = len(parameters)
+    arcs = fly_parameters(flight, epochs, parameters, np.zeros(count, int), np.full(count, len(epochs) - 1))
+    later = arcs.states.reshape(count, len(epochs) - 1, 6)
+    return np.concatenate([parameters[:, None, :6], later], axis=1), int(arcs.status.max())
 
 
 def fly_around(

@@ -70,6 +70,12 @@ class ForceModel(NamedTuple):
         """Return the index of the newest outlook at times t [s], -1 before the first issue."""
         return np.searchsorted(self.issued, t, side="right") - 1
 
+    def known_at(self, t: float) -> "ForceModel":
+        """Return the model under what is known at a time [s], whenever an arc begins."""
+        newest = int(self.newest_outlook(np.array(t)))
+        outlooks = self.outlooks[max(newest, 0) : newest + 1]
+        return self._replace(issued=np.full(len(outlooks), -np.inf), outlooks=outlooks)
+
     def truncated(self, degree: int) -> "ForceModel":
         """Return the model with its field to a degree and order, without tides; itself if it has no more."""
         if self.degree - 1 <= degree:
