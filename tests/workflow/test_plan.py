@@ -227,7 +227,7 @@ def test_tracks_that_were_measured_need_no_truth(project):
     shutil.copy(ROOT / "tests" / "reference" / "orekit.tdm", project.folder)
     where = "mine/eglin-clear-kaena"
     targets = [f"results/{kind}/{where}.parquet" for kind in ("predictions", "mechanism", "dataset")]
-    targets += [f"results/arcs/{where}_l48_m30.parquet", f"results/exports/predictions/{where}.oem"]
+    targets += [f"results/arcs/{where}_l48.parquet", f"results/exports/predictions/{where}.oem"]
     plan = jobs(project.snakemake("-n", *targets, "--configfile", "mine.yaml").stdout)
     assert plan == {
         **dict.fromkeys(ONCE, 1),

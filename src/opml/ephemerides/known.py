@@ -8,6 +8,8 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import HOUR
+from opml.base.errors import InputError
+from opml.catalog.predict import other_windows
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.tables import read_metadata, read_table
@@ -85,6 +87,15 @@ class Known:
     def window(self) -> float:
         """Length of the window of the fits [s]."""
         return HOUR * self.window_hours
+
+    def arc_estimates(self) -> pd.DataFrame:
+        """Return the fits of arcs, `other_windows.undisturbed`; raise InputError where there are none."""
+        if self.arc is None:
+            expected = "expected fits over another window, as the learner asks for"
+            raise InputError(f"ephemeris: {expected}, got none")
+        return other_windows.undisturbed(
+            self.arc.estimates, manoeuvres=self.manoeuvres, window=self.arc.window
+        )
 
     def may_depart(self) -> np.ndarray:
         """Return which estimates (n,) ephemerides may start from."""

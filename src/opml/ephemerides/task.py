@@ -140,21 +140,33 @@ def _mechanism(task: Task, pairs: pd.DataFrame) -> pd.DataFrame:
 
 def _arcs(task: Task, pairs: pd.DataFrame) -> pd.DataFrame:
     """Return the `arcs` table of pairs."""
-    known = task.known
-    if known.arc is None:
-        raise InputError("ephemeris: expected fits over another window, as the learner asks for, got none")
-    return other_windows.build(
+    estimates = task.known.arc_estimates()
+    return other_windows.build_arcs(
         task.flight,
         pairs,
-        arc_estimates=other_windows.undisturbed(
-            known.arc.estimates, manoeuvres=known.manoeuvres, window=known.arc.window
-        ),
-        arc_predictions=task.predicted(_of_same_tracks(known.arc.estimates, pairs)),
-        memory_days=known.memory_days,
+        arc_estimates=estimates,
+        arc_predictions=task.predicted(_of_same_tracks(estimates, pairs)),
     )
 
 
-_BESIDE = {"mechanism": _mechanism, "arcs": _arcs}
+def _cd_past(task: Task, pairs: pd.DataFrame) -> pd.DataFrame:
+    """Return the `cd_past` table of pairs."""
+    return other_windows.build_past(
+        pairs,
+        arc_estimates=task.known.arc_estimates(),
+        apriori=task.flight.rso.cd,
+        memory_days=task.known.memory_days,
+    )
+
+
+def _held(task: Task, pairs: pd.DataFrame) -> pd.DataFrame:
+    """Return the `held` table of pairs."""
+    return other_windows.build_held(
+        task.flight, pairs, arc_estimates=task.known.arc_estimates(), memory_days=task.known.memory_days
+    )
+
+
+_BESIDE = {"mechanism": _mechanism, "arcs": _arcs, "cd_past": _cd_past, "held": _held}
 """How the tables that a learner asks for are made of pairs."""
 
 

@@ -185,7 +185,9 @@ class Inputs:
         def find(wildcards: Wildcards) -> _Paths:
             rso = dict(wildcards.items())[part]
             name = f"{rso}/{wildcards.stations}{wildcards.window}"
-            suffixes = {"arcs": naming.arc_suffix(*self.params.learner_arc(wildcards))}
+            hours, days = self.params.learner_arc(wildcards)
+            arc, memory = naming.arc_suffix(hours), naming.memory_suffix(days)
+            suffixes = {"arcs": arc, "cd_past": arc + memory, "held": arc + memory}
             return [
                 self.plan.product(f"{kind}/{name}{suffixes.get(kind, '')}").table
                 for kind in self._learner_kinds(wildcards)
@@ -208,7 +210,7 @@ class Inputs:
         """Find the estimates over the window of the learner's arcs; none where it reads no arcs."""
 
         def find(wildcards: Wildcards) -> _Paths:
-            if "arcs" not in self._learner_kinds(wildcards):
+            if not {*self._learner_kinds(wildcards)} & {*learners.ARC_TABLES}:
                 return []
             hours, _ = self.params.learner_arc(wildcards)
             return self._estimates(estimates, wildcards, self.plan.window(hours))
@@ -223,7 +225,7 @@ class Inputs:
         """Find a file of estimates over the window of the wildcard `arc`."""
 
         def find(wildcards: Wildcards) -> _Paths:
-            hours, _ = naming.parse_arc(wildcards.arc)
+            hours = naming.parse_arc(wildcards.arc)
             return self._estimates(pattern, wildcards, self.plan.window(hours))
 
         return find

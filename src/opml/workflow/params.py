@@ -102,9 +102,12 @@ class Params:
         return naming.label_window(wildcards.label, hours=self.plan.window_hours)
 
     def arc(self, wildcards: Wildcards) -> dict[str, float]:
+        """Return the window [h] of arcs."""
+        return {"window_hours": naming.parse_arc(wildcards.arc)}
+
+    def arc_with_past(self, wildcards: Wildcards) -> dict[str, float]:
         """Return window [h] and memory [days] of arcs."""
-        hours, days = naming.parse_arc(wildcards.arc)
-        return {"window_hours": hours, "memory_days": days}
+        return self.arc(wildcards) | {"memory_days": naming.parse_memory(wildcards.memory)}
 
     def thermometer(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the settings of the thermometer, and the place of the RSO in its catalogue, if any."""

@@ -129,6 +129,7 @@ class Plan:
             "stations": naming.stations_pattern(self.settings.stations) + noise,
             "window": f"(?:{self.window_pattern}|{naming.PERFECT})",
             "arc": naming.ARC_PATTERN,
+            "memory": naming.MEMORY_PATTERN,
             "reading": f"(?:{naming.other_reading(self.study.cleaning.previous)})?",
             "label": f"(?:{self.label_pattern})?",
             "train": f"(?:{naming.TRAIN}){split}",

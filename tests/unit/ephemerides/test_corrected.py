@@ -134,9 +134,7 @@ def test_columns_on_the_grid_are_those_at_tracks(flight, known):
         for fit, predicted in zip(fits, (pairs, long), strict=True)
     )
     own = mechanism.build(*arcs, bounds=None, resonances=Resonances(known.resonances, 24.0, known.gm))
-    beside = other_windows.build(
-        flight, pairs, arc_estimates=known.arc.estimates, arc_predictions=long, memory_days=30.0
-    )
+    held = other_windows.build_held(flight, pairs, arc_estimates=known.arc.estimates, memory_days=30.0)
     for row in np.flatnonzero(pairs["i"].isin([1, 2])):
         there = dense.loc[(pairs["i"][row], round(pairs["t_j"][row] / grid.step))]
         assert there["t_j"] == pytest.approx(pairs["t_j"][row], abs=1e-6)
@@ -144,7 +142,7 @@ def test_columns_on_the_grid_are_those_at_tracks(flight, known):
             ("x", pairs, 0.05),
             ("v_y", own, 5.0),
             ("l_y", own, 0.1),
-            ("h_arc_y", beside, 0.5),
+            ("h_arc_y", held, 0.5),
         ):
             assert there[column] == pytest.approx(at_track[column][row], abs=close, rel=1e-4)
 

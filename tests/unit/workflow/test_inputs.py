@@ -153,7 +153,8 @@ def test_the_forecast_is_the_named_one_or_persistence():
         ("rso", ["iss", "iss_i50_a+50"], ["mir", "iss_i050", "inclinations-without-iss"]),
         ("stations", ["eglin", "kaena-eglin", "eglin_noise43"], ["atlantis", "eglin_noise42"]),
         ("window", ["", "_w24", "_w24_tol1_cd0.5_light", "_true"], ["_w12", "_b12", "_light_cd1"]),
-        ("arc", ["_l48_m30"], ["", "_l48"]),
+        ("arc", ["_l48"], ["", "_l48_m30"]),
+        ("memory", ["_m30"], ["", "_l48"]),
         ("reading", ["", "_track"], ["_kept"]),
         ("label", ["", "_later", "_smoothed"], ["_early"]),
         ("train", ["random-80", "days-0-30_split43"], ["random-80_split42", "rest"]),
@@ -252,7 +253,9 @@ def test_labels_are_made_of_estimates_with_tracks_on_both_sides():
 
 
 def test_an_arc_has_a_window_and_a_memory():
-    assert params().arc(wildcards(arc="_l48_m30")) == {"window_hours": 48.0, "memory_days": 30.0}
+    name = wildcards(arc="_l48", memory="_m30")
+    assert params().arc(name) == {"window_hours": 48.0}
+    assert params().arc_with_past(name) == {"window_hours": 48.0, "memory_days": 30.0}
 
 
 @pytest.mark.parametrize(("rso", "member"), [("lares", 1), ("iss", None)])
@@ -500,7 +503,10 @@ def test_labels_of_measured_tracks_have_no_true_errors():
     [
         ("svr", []),
         ("mechanism", ["mechanism/lares/eglin_w24"]),
-        ("twoarcs", ["arcs/lares/eglin_w24_l48_m30", "mechanism/lares/eglin_w24"]),
+        ("twoarcs", ["arcs/lares/eglin_w24_l48", "mechanism/lares/eglin_w24"]),
+        ("fit48", ["arcs/lares/eglin_w24_l48"]),
+        ("running", ["arcs/lares/eglin_w24_l48", "cd_past/lares/eglin_w24_l48_m30"]),
+        ("held", ["held/lares/eglin_w24_l12_m30"]),
     ],
 )
 def test_a_learner_reads_the_tables_of_its_variables(learner, files):
@@ -520,8 +526,8 @@ def test_a_learner_reads_the_estimates_behind_its_tables(learner, long, arcs):
 
 def test_arcs_are_made_of_estimates_over_their_window():
     find = inputs().at_arc(Pattern(ESTIMATES))
-    assert find(wildcards(arc="_l48_m30")) == "estimates/iss/eglin_w48.parquet"
-    assert find(wildcards(arc="_l12_m30")) == "estimates/iss/eglin.parquet"
+    assert find(wildcards(arc="_l48")) == "estimates/iss/eglin_w48.parquet"
+    assert find(wildcards(arc="_l12")) == "estimates/iss/eglin.parquet"
 
 
 def test_a_test_that_standardises_together_has_a_model_of_its_own():

@@ -53,6 +53,12 @@ LEARNERS: tuple[Learner, ...] = (
 )
 """The kinds that stand alone. Any two of them make a stack."""
 
+ARC_TABLES = ("arcs", "cd_past", "held")
+"""Kinds of tables beside the dataset that are made for the window, and the memory, of a learner's arcs."""
+
+_BESIDE = ("oracle", *ARC_TABLES, "thermometer")
+"""Kinds of tables beside the dataset with columns of their own; all other columns are the mechanism's."""
+
 
 def by_kind(kind: str) -> Learner:
     """Return the learner of a kind; raise InputError for an unknown one."""
@@ -156,7 +162,7 @@ def arc_of(settings: Settings) -> tuple[float, float] | None:
     }
     if len(arcs) > 1:
         raise InputError(f"learners: window_hours: expected one window for both parts, got {len(arcs)}")
-    if not arcs and set(settings["variables"]) & set(SCHEMAS["arcs"].names):
+    if not arcs and {*tables_asked(settings["variables"])} & {*ARC_TABLES}:
         raise InputError("learners: expected window_hours beside columns of the arcs, got none")
     return next(iter(arcs), None)
 
@@ -164,7 +170,7 @@ def arc_of(settings: Settings) -> tuple[float, float] | None:
 def tables_asked(variables: Sequence[str]) -> list[str]:
     """Return the kinds of tables beside the dataset that have the variables, such as arcs and mechanism."""
     missing, kinds = set(variables) - {*LEARNING_VARIABLES, "gap"}, []
-    for kind in ("oracle", "arcs", "thermometer"):
+    for kind in _BESIDE:
         if missing & set(SCHEMAS[kind].names):
             kinds.append(kind)
         missing -= set(SCHEMAS[kind].names)
@@ -180,7 +186,7 @@ def check_without_truth(name: str, settings: Settings) -> None:
 def check(values: Mapping[str, Any]) -> None:
     """Raise InputError where a learner of the settings `values` asks for an unknown variable."""
     drifts = mechanism_schema(values["mechanism"]["resonances"]).names
-    beside = [name for kind in ("oracle", "arcs", "thermometer") for name in SCHEMAS[kind].names]
+    beside = [name for kind in _BESIDE for name in SCHEMAS[kind].names]
     known = {*LEARNING_VARIABLES, "gap", *drifts, *beside} - {"i", "j"}
     for name, settings in values["learners"].items():
         learner = resolved(settings, component=COMPONENTS[0], variables=values["learning"]["variables"])
