@@ -123,24 +123,32 @@ class OwnStudy:
         }
 
     @cached_property
-    def replayed(self) -> dict[tuple[str, str, str], dict[str, str]]:
-        """Parts of the replays' names, by RSO, station set and model; none without days to train on."""
+    def replayed_models(self) -> list[str]:
+        """The models whose mornings are replayed; none without days to train on."""
+        if not self.is_asked:
+            return []
         train, _ = self.splits[self.shown]
         if naming.parse_train(naming.strip_seed(train, naming.SPLIT)).kind != "days":
-            return {}
-        learners = self.study.settings.asked.get("replayed") or [
+            return []
+        return self.study.settings.asked.get("replayed") or [
             name for name in REPLAYED if name in self.learners and self._first_day(name) <= self._last_day
         ]
-        common = {
-            "window": "",
-            "reading": "",
-            "label": naming.LABELS[self.study.label],
-            "train": train,
-        }
+
+    @cached_property
+    def replayed(self) -> dict[tuple[str, str, str], dict[str, str]]:
+        """Parts of the replays' names, by RSO, station set and model."""
         return {
-            (rso, stations, learner): {"rso": rso, "stations": stations, "learner": learner, **common}
+            (rso, stations, learner): {
+                "rso": rso,
+                "stations": stations,
+                "window": "",
+                "reading": "",
+                "label": naming.LABELS[self.study.label],
+                "train": self.splits[self.shown][0],
+                "learner": learner,
+            }
             for rso, stations in self.datasets
-            for learner in learners
+            for learner in self.replayed_models
         }
 
     def _first_day(self, learner: str) -> float:

@@ -111,7 +111,7 @@ def build_held(
     moved = started[STATE].to_numpy() + change[:, None] * shift_with_cd(started)
     # Cd as held may be far from the estimate's own, so these arcs need the whole field.
     flown, _ = flight.fly_pairs(predictions, moved, cd=started["cd"].to_numpy() + change)
-    differences = {"h_arc": predicted - flown}
+    differences = {"h_arc": predicted - _flown(predictions, flown)[STATE].to_numpy()}
     usable = _usable(_by_pair(arc_estimates, predictions), differences)
     return predictions[["i", "j"]].assign(**_turned(differences, predicted, usable))
 
@@ -123,7 +123,15 @@ def _nudged(flight: Flight, estimates: pd.DataFrame, predictions: pd.DataFrame) 
     states, cd = started[STATE].to_numpy(), started["cd"].to_numpy()
     neighbours = Neighbours.beside(flight, predictions, started)
     flown = neighbours.fly(states + CD_NUDGE * shift_with_cd(started), cd + CD_NUDGE)
-    return predictions[["i", "j"]].assign(**dict(zip(STATE, flown.T, strict=True)))
+    return _flown(predictions, flown)
+
+
+def _flown(predictions: pd.DataFrame, states: np.ndarray) -> pd.DataFrame:
+    """Return states (n, 6) at the pairs of predictions as a table.
+
+    Differences are taken of columns of tables, as sums of another layout in memory round differently.
+    """
+    return predictions[["i", "j"]].assign(**dict(zip(STATE, states.T, strict=True)))
 
 
 def _by_pair(estimates: pd.DataFrame, predictions: pd.DataFrame) -> pd.DataFrame:

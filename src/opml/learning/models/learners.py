@@ -4,10 +4,10 @@ A kind is declared by a `Learner` in its own module and named in `LEARNERS`; doc
 `opml tables` prints docs/data.md.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from os import PathLike
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -35,6 +35,8 @@ from opml.tables import (
     read_metadata,
     read_table,
 )
+
+Path = TypeVar("Path")
 
 LEARNERS: tuple[Learner, ...] = (
     svr.LEARNER,
@@ -162,9 +164,25 @@ def arc_of(settings: Settings) -> tuple[float, float] | None:
     }
     if len(arcs) > 1:
         raise InputError(f"learners: window_hours: expected one window for both parts, got {len(arcs)}")
-    if not arcs and {*tables_asked(settings["variables"])} & {*ARC_TABLES}:
+    if {*tables_asked(settings["variables"])}.isdisjoint(ARC_TABLES):
+        return None
+    if not arcs:
         raise InputError("learners: expected window_hours beside columns of the arcs, got none")
-    return next(iter(arcs), None)
+    return arcs.pop()
+
+
+def arc_windows(settings: Iterable[Settings]) -> list[float]:
+    """Return the windows [h] of the arcs that resolved settings of learners ask for, each once."""
+    return list(dict.fromkeys(arc[0] for arc in map(arc_of, settings) if arc))
+
+
+def paths_of_each(paths: Iterable[Path], settings: Iterable[Settings]) -> list[list[Path]]:
+    """Return the tables of each learner, of those of `tables_asked` that stand learner after learner.
+
+    settings: of the learners, resolved
+    """
+    rest = iter(paths)
+    return [[next(rest) for _ in tables_asked(learner["variables"])] for learner in settings]
 
 
 def tables_asked(variables: Sequence[str]) -> list[str]:
