@@ -96,10 +96,28 @@ def test_the_past_is_weighted_by_its_variance_and_fades(assumed_model):
     assert past["prior"][0] == 2.2
     assert 2.0 < past["mean"][0] < 2.02  # the a-priori value counts little beside a fit
     assert past["mean"].to_numpy()[1:] == pytest.approx(2.2, abs=1e-3)
-    assert (past["variance"].diff().dropna() < 1e-6).all()
-    assert (past["variance"] > (0.1 * 2.2) ** 2).all()
+    # Beside the spread there is the doubt of the mean, which falls with every fit that tells something.
+    doubt = past["variance"] - (0.1 * past["prior"]) ** 2
+    assert (doubt > 0.0).all()
+    assert doubt[0] == pytest.approx((0.5 * 2.2) ** 2)
+    assert (doubt.diff().dropna() < 1e-3).all()
     short = other_windows.past_cd(table, apriori=2.2, memory_days=0.05)
     assert short["mean"].to_numpy()[[0, 1, 2, 4]] == pytest.approx([2.01, 2.39, 2.2, 2.2], abs=0.02)
+
+
+def test_the_spread_is_a_part_of_the_bodys_own_cd(assumed_model):
+    """Not of the sheet's, which may be off by more than half."""
+    table = estimates(assumed_model.gm, 1.0, sigma=0.05)
+    for sheet in (2.2, 5.0):
+        past = other_windows.past_cd(table, apriori=sheet, memory_days=1e6)
+        assert past["variance"][0] == pytest.approx((0.1 * sheet) ** 2 + (0.5 * sheet) ** 2)
+        assert past["variance"][4] == pytest.approx((0.1 * past["prior"][4]) ** 2, rel=0.5)
+    sigma = np.array([0.01, 0.01, 0.01, 0.01, 0.2])
+    cd = np.array([1.1, 1.1, 1.0, 1.0, 0.8])
+    past = other_windows.past_cd(estimates(assumed_model.gm, cd, sigma=sigma), apriori=2.2, memory_days=1e6)
+    weight = 1.0 / (sigma**2 + (0.1 * 1.055) ** 2)
+    by_hand = (weight @ cd + 1.1**-2 * 2.2) / (weight.sum() + 1.1**-2)
+    assert past["mean"][4] == pytest.approx(by_hand, abs=1e-4)
 
 
 def test_what_comes_after_t_i_changes_nothing_at_t_i(assumed_model, iss):

@@ -160,23 +160,31 @@ def _turned(
 def past_cd(estimates: pd.DataFrame, *, apriori: float, memory_days: float) -> pd.DataFrame:
     """Return what is known of Cd at each estimate: `mean` with its own Cd, `prior` and `variance` without.
 
-    Each estimate that converged counts by 1 / (its formal variance + SPREAD^2), fading by e in memory_days;
-    `apriori`, the value of the sheet, counts as an estimate with the variance APRIORI_SIGMA^2. So a fit that
-    tells nothing of Cd moves nothing, and of many good fits none counts alone.
+    Each estimate that converged counts by 1 / (its formal variance + spread^2), fading by e in memory_days;
+    `apriori`, the value of the sheet, counts as an estimate with a deviation of APRIORI_SIGMA of itself. So a
+    fit that tells nothing of Cd moves nothing, and of many good fits none counts alone. The spread is
+    CD_SPREAD of the mean before each estimate, which is the sheet's value until there is a past.
     """
     t, formal = estimates["t"].to_numpy(), estimates["cov_cd_cd"].to_numpy()
     trusted = estimates["converged"].to_numpy() & (formal > 0.0)
     values = np.where(trusted, estimates["cd"].to_numpy(), 0.0)
     age = (t[:, None] - t[None, :]) / (memory_days * DAY)
     fading = np.where(trusted & (age >= 0.0), np.exp(-np.maximum(age, 0.0)), 0.0)
-    weight = fading / (np.where(trusted, formal, 0.0) + (CD_SPREAD * apriori) ** 2)
-    earlier, apriori_weight = np.tril(weight, -1), (APRIORI_SIGMA * apriori) ** -2.0
-    mean, prior = (
-        (weights @ values + apriori_weight * apriori) / (weights.sum(axis=1) + apriori_weight)
-        for weights in (weight, earlier)
-    )
-    variance = (CD_SPREAD * apriori) ** 2 + 1.0 / (earlier.sum(axis=1) + apriori_weight)
-    return pd.DataFrame({"mean": mean, "prior": prior, "variance": variance})
+    apriori_weight = (APRIORI_SIGMA * apriori) ** -2.0
+
+    def weighted(spread: np.ndarray) -> pd.DataFrame:
+        weight = fading / (np.where(trusted, formal, 0.0) + np.square(spread)[:, None])
+        earlier = np.tril(weight, -1)
+        mean, prior = (
+            (weights @ values + apriori_weight * apriori) / (weights.sum(axis=1) + apriori_weight)
+            for weights in (weight, earlier)
+        )
+        variance = np.square(spread) + 1.0 / (earlier.sum(axis=1) + apriori_weight)
+        return pd.DataFrame({"mean": mean, "prior": prior, "variance": variance})
+
+    # With the spread of the sheet's Cd the mean is near enough to take the spread of.
+    first = weighted(np.full(len(t), CD_SPREAD * apriori))
+    return weighted(CD_SPREAD * first["prior"].to_numpy())
 
 
 def held_cd(estimates: pd.DataFrame, past: pd.DataFrame) -> np.ndarray:
