@@ -12,7 +12,10 @@ from opml.naming import Experiment
 from opml.report.own_study import OwnStudyReport
 from opml.study.experiments import Study
 
-BASELINES = ("none", "repredicted", "fit24", "fit48", "fit96", "held", "running", "running96")
+RUNNING = ("running", "running48m3", "running48m10", "running96", "running96m3", "running96m10")
+"""Laws on the running mean of Cd. Those of one window share their arcs: another memory costs nothing."""
+
+BASELINES = ("none", "repredicted", "fit24", "fit48", "fit96", "held", *RUNNING)
 """Models of what a good engineer would do without learning."""
 
 MODELS = (*BASELINES, "svr", "covariance", "mechanism", "twoarcs")
@@ -22,7 +25,7 @@ MARKS = (1, 2, 4, 7)
 """Prediction durations that the report states errors at [days]."""
 
 REPLAYED = (
-    *("none", "fit48", "fit96", "held", "running", "running96"),
+    *("none", "fit48", "fit96", "held", *RUNNING),
     *("covariance", "mechanism", "twoarcs"),
 )
 """The models whose mornings are replayed where a study names none: they are trained in seconds."""
