@@ -140,6 +140,22 @@ def test_what_is_known_later_changes_no_morning(flight, tables, table):
     assert not np.allclose(again.loc[~first, "e_y"], table.loc[~first, "e_y"])
 
 
+@pytest.mark.parametrize(
+    ("learner", "day"),
+    [
+        (NONE, 0.5),
+        (LAW, 1.0),
+        (RUNNING | {"window_hours": 48.0}, 2.0),
+        (NONE | {"window_hours": 48.0}, 0.5),
+        ({"kind": "repredicted", "variables": ["r_y"]}, 1.5),
+    ],
+)
+def test_the_first_morning_has_a_full_window_of_all_fits(tables, learner, day):
+    known = replace(tables["known"], long_window_hours=36.0)
+    lessons = Lessons(tables["rows"], learner, seed=1)
+    assert replays.first_day(lessons, known, train_days=TRAIN) == day
+
+
 def test_starts_are_the_first_usable_ones_of_their_hours(tables):
     starts = replays.morning_departures(tables["known"], every_hours=6.0, first_day=1.0)
     slots = np.floor(starts["t"] / (6.0 * HOUR))
