@@ -89,6 +89,9 @@ if OWN.replayed_models:
         resources:
             mem_mb=4000,
             runtime=60,
+        params:
+            settings=rules.replay.params.settings,
+            code=code("replay.py"),
         message:
             f"Replays: every morning of {{wildcards.rso}} by {{wildcards.stations}} again, corrected by {', '.join(OWN.replayed_models)}"
 

@@ -20,11 +20,10 @@ with job(snakemake) as metadata:
     for learner, beside in zip(
         settings.learners, paths_of_each(files.beside, settings.learners), strict=True
     ):
-        labelled = dataset.read(files.dataset, beside)
-        lessons = Lessons(labelled, learner, settings.seed, settings.train_days[0])
+        lessons = Lessons(dataset.read(files.dataset, beside), learner, settings.seed, settings.train_days[0])
         first_day = replays.first_day(lessons, known, train_days=settings.train_days)
         starts = replays.morning_departures(known, every_hours=settings.every_hours, first_day=first_day)
-        judge = replays.at_starts(replays.judge(labelled, predictions, later), starts, spread)
+        judge = replays.at_starts(replays.judge(lessons.dataset, predictions, later), starts, spread)
         series.append(replays.Series(lessons, starts, judge))
     tables = replays.build(
         Flight.read(files, settings.values, threads=snakemake.threads, progress=progress),
