@@ -35,7 +35,8 @@ from opml.environment import (
 )
 from opml.ephemerides import corrected, replays
 from opml.ephemerides.known import Known
-from opml.ephemerides.task import Grid, Task, departures
+from opml.ephemerides.part import Grid
+from opml.ephemerides.task import Task, departures
 from opml.interop import mean_elements, tdm
 from opml.learning.data import dataset as datasets
 from opml.learning.data import splits
@@ -477,8 +478,8 @@ def replay(
     predictions = catalogue.predictions
     spread = _spreads(flight, catalogue)(predictions[predictions["i"].isin(starts["track"])])
     judge = replays.at_starts(replays.judge(lessons.dataset, predictions, None), starts, spread)
-    task = Task(flight, known, starts, replays.grid(judge, max_days=max_days))
-    return replays.build(task, lessons, judge)
+    (table,) = replays.build(flight, known, [replays.Series(lessons, starts, judge)], max_days=max_days)
+    return table
 
 
 def ephemeris(

@@ -16,7 +16,7 @@ from opml.tables import read_table
 PAGE = page("operations")
 BLOCKS = blocks(PAGE)
 CHAIN = {"tracking_from_tdm", "first_orbit", "estimation", "labels", "labelled_dataset", "mechanism"}
-CHAIN |= {"train", "evaluate", "spread", "replay", "corrected", "export_corrected"}
+CHAIN |= {"train", "evaluate", "spread", "replays", "replay", "corrected", "export_corrected"}
 CHAIN |= {"study_report", "corrected_figure"}
 
 

@@ -195,15 +195,20 @@ study:
 
 def test_a_study_of_ones_own_names_all_its_products(project):
     (project.folder / "mine.yaml").write_text(OWN)
-    plan = project.snakemake("-n", "study", "--configfile", "mine.yaml").stdout
+    # Another learner than the study's is replayed alone.
+    other = "results/mine/replays/mine/eglin-kaena/days-0-8/ridge.parquet"
+    plan = project.snakemake("-n", "study", other, "--configfile", "mine.yaml").stdout
     for name in ("study.md", "study.html", "figs/study/rows.pdf", "figs/study/mine/models.pdf"):
         assert f"results/mine/{name}" in plan
     assert "results/mine/figs/study/mine/eglin-kaena_errors.png" in plan
-    assert {name: jobs(plan)[name] for name in ("truth", "estimation", "dataset", "study_report")} == {
+    counted = ("truth", "estimation", "dataset", "study_report", "replays", "replay")
+    assert {name: jobs(plan)[name] for name in counted} == {
         "truth": 1,
         "estimation": 4,  # the windows of fit24, fit48 and fit96 beside the study's own
         "dataset": 1,
         "study_report": 1,
+        "replays": 1,
+        "replay": 1,
     }
     assert jobs(plan).keys() & {"svr", "partition", "reproduction", "beyond"} == set()
 
@@ -227,7 +232,7 @@ def test_tracks_that_were_measured_need_no_truth(project):
     shutil.copy(ROOT / "tests" / "reference" / "orekit.tdm", project.folder)
     where = "mine/eglin-clear-kaena"
     targets = [f"results/{kind}/{where}.parquet" for kind in ("predictions", "mechanism", "dataset")]
-    targets += [f"results/arcs/{where}_l48_m30.parquet", f"results/exports/predictions/{where}.oem"]
+    targets += [f"results/arcs/{where}_l48.parquet", f"results/exports/predictions/{where}.oem"]
     plan = jobs(project.snakemake("-n", *targets, "--configfile", "mine.yaml").stdout)
     assert plan == {
         **dict.fromkeys(ONCE, 1),

@@ -1,9 +1,9 @@
 # Beyond the paper: the causes of prediction errors that a catalogue knows, and datasets of several RSOs.
-from opml.learning.models.contract import ARC_MEMORY_DAYS
-
 SENSITIVITIES = product("sensitivities/{rso}/{stations}{window}")
 MECHANISM = product("mechanism/{rso}/{stations}{window}")
 ARCS = product("arcs/{rso}/{stations}{window}{arc}")
+CD_PAST = product("cd_past/{rso}/{stations}{window}{arc}{memory}")
+HELD = product("held/{rso}/{stations}{window}{arc}{memory}")
 THERMOMETER = product("thermometer/{rso}/{stations}{window}")
 PERFECT_ESTIMATES = product(f"estimates/{{rso}}/{{stations}}{naming.PERFECT}")
 ORACLE = product("oracle/{rso}/{stations}")
@@ -99,6 +99,62 @@ rule arcs:
         "../scripts/arcs.py"
 
 
+rule cd_past:
+    input:
+        manoeuvres=rules.arcs.input.manoeuvres,
+        predictions=rules.prediction.output[0],
+        arc_estimates=INPUTS.at_arc(rules.estimation.output[0]),
+    output:
+        CD_PAST.table,
+    log:
+        CD_PAST.log,
+    benchmark:
+        CD_PAST.benchmark
+    conda:
+        "../envs/opml.yaml"
+    params:
+        settings=lambda wildcards: {
+            "epoch": config["epoch"],
+            "cd": PARAMS.rso(wildcards)["cd"],
+            **PARAMS.arc_with_past(wildcards),
+        },
+        code=code("cd_past.py"),
+    message:
+        "Past of Cd: its mean by fits of {wildcards.rso} by {wildcards.stations}, {wildcards.arc}{wildcards.memory}"
+    script:
+        "../scripts/cd_past.py"
+
+
+rule held:
+    input:
+        **ENVIRONMENT.predictions,
+        manoeuvres=rules.arcs.input.manoeuvres,
+        predictions=rules.prediction.output[0],
+        arc_estimates=INPUTS.at_arc(rules.estimation.output[0]),
+    output:
+        HELD.table,
+    log:
+        HELD.log,
+    benchmark:
+        HELD.benchmark
+    conda:
+        "../envs/opml.yaml"
+    resources:
+        mem_mb=1000,
+        runtime=8,
+    params:
+        settings=lambda wildcards: {
+            **PARAMS.assumed_model,
+            **PARAMS.arc_with_past(wildcards),
+            "rso": PARAMS.rso(wildcards),
+        },
+        code=code("held.py"),
+    message:
+        "Held: fits of {wildcards.rso} by {wildcards.stations} with Cd held by its past, {wildcards.arc}{wildcards.memory}"
+    script:
+        "../scripts/held.py"
+
+
 if PLAN.catalogue:
     FIT_WINDOW = PLAN.window(PLAN.thermometer["window_hours"])
 
@@ -114,7 +170,7 @@ if PLAN.catalogue:
             arcs=lambda wildcards: path_of(
                 rules.arcs.output[0],
                 **dict(wildcards.items()),
-                arc=naming.arc_suffix(PLAN.thermometer["window_hours"], ARC_MEMORY_DAYS),
+                arc=naming.arc_suffix(PLAN.thermometer["window_hours"]),
             ),
         output:
             THERMOMETER.table,

@@ -1,5 +1,6 @@
 # Replays of past mornings: the ephemerides that an operator would have had, and their errors.
-EPHEMERIS = "{rso}/{stations}{window}{reading}{label}/{train}/{learner}"
+MORNINGS = "{rso}/{stations}{window}{reading}{label}/{train}"
+EPHEMERIS = f"{MORNINGS}/{{learner}}"
 SPREAD = product("spreads/{rso}/{stations}{window}{reading}")
 REPLAY = product(f"replays/{EPHEMERIS}")
 
@@ -70,3 +71,28 @@ rule replay:
         "Replay: every morning of {wildcards.rso} by {wildcards.stations} again, corrected by {wildcards.learner}"
     script:
         "../scripts/replay.py"
+
+
+if OWN.replayed_models:
+    REPLAYS = product(f"replays/{MORNINGS}")
+
+    # The learners of a study share the arcs that they ask for.
+    use rule replay as replays with:
+        output:
+            [product(f"replays/{MORNINGS}/{learner}").table for learner in OWN.replayed_models],
+        log:
+            REPLAYS.log,
+        benchmark:
+            REPLAYS.benchmark
+        wildcard_constraints:
+            **PLAN.replays_together,
+        resources:
+            mem_mb=4000,
+            runtime=60,
+        params:
+            settings=rules.replay.params.settings,
+            code=code("replay.py"),
+        message:
+            f"Replays: every morning of {{wildcards.rso}} by {{wildcards.stations}} again, corrected by {', '.join(OWN.replayed_models)}"
+
+    ruleorder: replays > replay

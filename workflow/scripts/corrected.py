@@ -12,11 +12,12 @@ from opml.workflow.jobs import job, progress
 with job(snakemake) as metadata:
     settings, files = JobSettings(snakemake.params.settings), snakemake.input
     task = Task.read(files, settings.values, threads=snakemake.threads, progress=progress)
+    (learner,) = settings.learners
     labelled = dataset.read(files.dataset, files.beside)
     replay = read_table(files.replay, "replay")
     table = corrected.build(
         task,
-        Lessons(labelled, settings.learner, settings.seed, settings.train_days[0]),
+        Lessons(labelled, learner, settings.seed, settings.train_days[0]),
         replay,
         spreads=corrected.spreading(files, settings.values, task.known, threads=snakemake.threads),
         first_morning=DAY * settings.known_until_days,

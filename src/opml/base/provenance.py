@@ -24,6 +24,18 @@ def settings_digest(settings: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(settings, sort_keys=True).encode()).hexdigest()
 
 
+def settings_of_each(settings: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return the settings of jobs for one RSO or learner alone, of a job for several.
+
+    These are the job's settings `rsos` or `learners`, in their order; one alone is `rso`, or the only one of
+    `learners`.
+    """
+    if "rsos" in settings:
+        common = {name: value for name, value in settings.items() if name != "rsos"}
+        return [common | {"rso": rso} for rso in settings["rsos"]]
+    return [{**settings, "learners": [learner]} for learner in settings.get("learners", [])]
+
+
 def script_digest(script: str | Path) -> str:
     """Return the digest of all modules of opml that a script imports; the script's own text is left out."""
     return code_digest(*imports(script))

@@ -16,7 +16,8 @@ from opml.catalog.flight import Flight
 from opml.catalog.predict import spread
 from opml.ephemerides.along_track_shift import check_smooth, corrected, through
 from opml.ephemerides.known import Known
-from opml.ephemerides.task import Grid, Task, ephemeris_table, reached
+from opml.ephemerides.part import Grid, Part
+from opml.ephemerides.task import Task, ephemeris_table, reached
 from opml.learning.judge.error_sizes import Sizes
 from opml.learning.models.contract import Model
 from opml.learning.models.daily_training import Lessons
@@ -56,8 +57,8 @@ def build(
     def sizes(now: float) -> Sizes:
         return Sizes.learned(replay, now=now)
 
-    def ephemerides(part: Task) -> Iterator[pd.DataFrame]:
-        columns = part.columns(lessons.variables)
+    def ephemerides(part: Part) -> Iterator[pd.DataFrame]:
+        columns = part.columns(lessons.variables, arc=lessons.arc)
         sparse = columns[_is_sparse(columns, part.grid)]
         causes = sparse[["i", "t_j"]].join(spreads(sparse)[SPREAD])
         for rows in reached(columns, (*STATE, *lessons.variables)):
@@ -69,7 +70,7 @@ def build(
             caused = _between(rows, causes[causes["i"] == rows["i"].iloc[0]]).assign(rate=rate)
             yield ephemeris_table(rows, states, rsw_covariances(sizes(now).sigmas(caused), rate))
 
-    return task.by_parts(ephemerides)
+    return task.joined([table for part in task.parts() for table in ephemerides(part)])
 
 
 def basis(replay: pd.DataFrame, now: float) -> str:
@@ -111,7 +112,7 @@ def expected(rows: pd.DataFrame, model: Model) -> np.ndarray:
 def moved(rows: pd.DataFrame, along: np.ndarray) -> np.ndarray:
     """Return states (n, 6) GCRF [m, m/s] of one ephemeris, corrected by e_y (n,) [m].
 
-    rows: `Task.columns` of one estimate
+    rows: `Part.columns` of one estimate
     """
     return corrected(rows["t_j"].to_numpy(), np.ascontiguousarray(rows[STATE]), along)
 

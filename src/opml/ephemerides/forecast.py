@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from opml.catalog.predict import weather_futures
+from opml.ephemerides.part import Part
 from opml.ephemerides.task import Task, ephemeris_table, reached
 from opml.orbits.rsw_covariance import AXES, rates, rsw_covariances
 from opml.tables import SCHEMAS, STATE
@@ -29,8 +30,8 @@ def build(task: Task, futures: pd.DataFrame, *, seed: int) -> pd.DataFrame:
     Raises InputError where no ephemeris reaches anywhere.
     """
 
-    def ephemerides(part: Task) -> Iterator[pd.DataFrame]:
-        pairs = part.columns(())
+    def ephemerides(part: Part) -> Iterator[pd.DataFrame]:
+        pairs = part.columns()
         sample = weather_futures.sample(
             part.flight, futures, part.known.estimates, pairs, window=part.known.window, seed=seed
         )
@@ -39,7 +40,8 @@ def build(task: Task, futures: pd.DataFrame, *, seed: int) -> pd.DataFrame:
             states = np.ascontiguousarray(rows[STATE])
             yield ephemeris_table(rows, states, _covariances(states, rows[_SIGMAS].to_numpy()))
 
-    return task.by_parts(ephemerides)[SCHEMAS["forecast"].names]
+    tables = [table for part in task.parts() for table in ephemerides(part)]
+    return task.joined(tables)[SCHEMAS["forecast"].names]
 
 
 def _covariances(states: np.ndarray, sigma: np.ndarray) -> np.ndarray:

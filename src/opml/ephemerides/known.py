@@ -1,29 +1,19 @@
 """What a catalogue knows of an RSO: the tables at its tracks, and how more is made of them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Self
 
 import numpy as np
 import pandas as pd
 
 from opml.base.constants import HOUR
+from opml.base.errors import InputError
+from opml.catalog.predict import other_windows
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
+from opml.learning.models.learners import arc_windows
 from opml.tables import read_metadata, read_table
-
-
-@dataclass(frozen=True)
-class OtherWindow:
-    """Fits of the same tracks over another window: the table `estimates`, the window [h]."""
-
-    estimates: pd.DataFrame
-    window_hours: float
-
-    @property
-    def window(self) -> float:
-        """Length of the window [s]."""
-        return HOUR * self.window_hours
 
 
 @dataclass(frozen=True)
@@ -33,10 +23,10 @@ class Known:
     estimates: the table, of fits over window_hours
     at_estimates: from `dataset.of_estimates`
     gm: [m3/s2]
-    long, arc: fits over other windows; None where the learner asks for nothing of them
+    others: tables of fits of the same tracks over other windows, by these [h], as learners ask for them
+    long_window_hours: of the mechanism's long arcs
     bounds: on Cd, None for any
     resonances: pairs (k, m)
-    memory_days: of the arcs' Cd
     manoeuvres: times [s]
     """
 
@@ -44,16 +34,18 @@ class Known:
     at_estimates: pd.DataFrame
     window_hours: float
     gm: float
-    long: OtherWindow | None = None
-    arc: OtherWindow | None = None
+    others: Mapping[float, pd.DataFrame] = field(default_factory=dict)
+    long_window_hours: float = 0.0
     bounds: tuple[float, float] | None = None
     resonances: Sequence[tuple[int, int]] = ()
-    memory_days: float = 0.0
     manoeuvres: Sequence[float] = ()
 
     @classmethod
     def read(cls, files: Any, settings: Mapping[str, Any]) -> Self:
         """Read what the tables of a job hold.
+
+        files: the job's input; where it has them, `long_estimates` and `arc_estimates` as the learners ask
+        settings: among them `learners`, resolved
 
         Raises InputError where a table is missing, damaged or does not belong to the others.
         """
@@ -66,18 +58,20 @@ class Known:
             gm=gm,
             cleaning=Cleaning.from_settings(settings["cleaning"]),
         )
-        arc_hours, memory_days = settings["arc"]
+        long_hours = mechanism["long_window_hours"]
+        others = dict(zip(arc_windows(settings["learners"]), files.get("arc_estimates", []), strict=True))
+        if long_estimates := files.get("long_estimates"):
+            others[long_hours] = long_estimates
         manoeuvres = read_metadata(files.manoeuvres) if files.manoeuvres else {}
         return cls(
             estimates,
             at_estimates,
             settings["window_hours"],
             gm,
-            long=_other_window(files.get("long_estimates"), mechanism["long_window_hours"]),
-            arc=_other_window(files.get("arc_estimates"), arc_hours),
+            others={hours: read_table(path, "estimates") for hours, path in others.items()},
+            long_window_hours=long_hours,
             bounds=settings["cd_bounds"],
             resonances=mechanism["resonances"],
-            memory_days=memory_days,
             manoeuvres=[manoeuvre["t"] for manoeuvre in manoeuvres.get("manoeuvres", [])],
         )
 
@@ -86,13 +80,19 @@ class Known:
         """Length of the window of the fits [s]."""
         return HOUR * self.window_hours
 
+    def other(self, hours: float) -> pd.DataFrame:
+        """Return the fits over another window [h]; raise InputError where there are none."""
+        if hours not in self.others:
+            expected = "expected fits over another window, as the learner asks for"
+            raise InputError(f"ephemeris: {expected}, got none")
+        return self.others[hours]
+
+    def undisturbed(self, hours: float) -> pd.DataFrame:
+        """Return the fits over another window [h] as `other_windows.undisturbed` has them."""
+        return other_windows.undisturbed(self.other(hours), manoeuvres=self.manoeuvres, window=HOUR * hours)
+
     def may_depart(self) -> np.ndarray:
         """Return which estimates (n,) ephemerides may start from."""
         return dataset.may_depart(
             self.estimates, self.at_estimates, manoeuvres=self.manoeuvres, window=self.window
         )
-
-
-def _other_window(path: str | None, window_hours: float) -> OtherWindow | None:
-    """Return the fits of a file, if there is one."""
-    return OtherWindow(read_table(path, "estimates"), window_hours) if path else None

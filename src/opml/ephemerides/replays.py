@@ -7,20 +7,24 @@ from has been through all that the next ephemeris will go through.
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
+from opml.catalog.flight import Flight
 from opml.catalog.predict.prediction import TRUE
 from opml.ephemerides.along_track_shift import through
 from opml.ephemerides.corrected import expected, morning, moved
 from opml.ephemerides.known import Known
-from opml.ephemerides.task import Grid, Task, reached
+from opml.ephemerides.part import Grid, Part
+from opml.ephemerides.task import Task, reached
 from opml.learning.data.splits import known_at
 from opml.learning.judge.error_sizes import as_known
 from opml.learning.models.daily_training import Lessons
+from opml.learning.models.learners import tables_asked
 from opml.orbits.elements import in_rsw
 from opml.orbits.rsw_covariance import rates
 from opml.tables import COMPONENTS, DOUBT, SCHEMAS, SIGMA_STATE, SPREAD, STATE
@@ -48,8 +52,12 @@ def first_day(lessons: Lessons, known: Known, *, train_days: Sequence[float]) ->
     begin, end = train_days
     if lessons.learns:
         return float(np.ceil(begin + 0.5 * (end - begin)))
-    others = [other.window_hours for other in (known.long, known.arc) if other is not None]
-    return begin + max([known.window_hours, *others]) / 24.0
+    hours = [known.window_hours]
+    if "mechanism" in tables_asked(lessons.variables):
+        hours.append(known.long_window_hours)
+    if lessons.arc:
+        hours.append(lessons.arc[0])
+    return begin + max(hours) / 24.0
 
 
 def judge(dataset: pd.DataFrame, predictions: pd.DataFrame, later: pd.DataFrame | None) -> pd.DataFrame:
@@ -85,24 +93,61 @@ def grid(judge: pd.DataFrame, *, max_days: float) -> Grid:
     return Grid(STEP, max_days, float(judge["t_j"].max()) + STEP)
 
 
-def build(task: Task, lessons: Lessons, judge: pd.DataFrame) -> pd.DataFrame:
-    """Return the `replay` table of ephemerides.
+@dataclass(frozen=True)
+class Series:
+    """The mornings of one learner that are to be run again.
 
     lessons: the learner as of a morning
-    judge: rows i, j, t_j, t_known, DOUBT, SPREAD and a state (STATE), `at_starts` of the task
+    starts: the estimates that its ephemerides start from, `morning_departures`
+    judge: rows i, j, t_j, t_known, DOUBT, SPREAD and a state (STATE), `at_starts`
     """
-    by_start = dict(tuple(judge.groupby("i")))
 
-    def held(part: Task) -> Iterator[pd.DataFrame]:
-        columns = part.columns(lessons.variables)
-        for rows in reached(columns, (*STATE, *lessons.variables)):
-            track = rows["i"].iloc[0]
-            if track in by_start:
-                yield _held(rows, by_start[track], lessons)
+    lessons: Lessons
+    starts: pd.DataFrame
+    judge: pd.DataFrame
 
-    table = task.by_parts(held)
-    sigma = as_known(table, table["morning"].to_numpy())
-    return table.assign(**dict(zip(SIGMA_STATE, sigma.T, strict=True)))[SCHEMAS["replay"].names]
+
+def build(flight: Flight, known: Known, series: Sequence[Series], *, max_days: float) -> list[pd.DataFrame]:
+    """Return the `replay` table of the ephemerides of each learner.
+
+    flight: under the assumed model
+    max_days: length of an ephemeris at most
+
+    Learners with the same mornings share the arcs that they ask for. Others do not, so that a table is the
+    same whatever is replayed with it: arcs share their steps, which end where any of them begins.
+    """
+    groups: dict[tuple[int, Grid], list[int]] = {}
+    for number, one in enumerate(series):
+        mornings = one.starts["track"].iloc[0], grid(one.judge, max_days=max_days)
+        groups.setdefault(mornings, []).append(number)
+    tables: dict[int, pd.DataFrame] = {}
+    for turn, ((_, epochs), numbers) in enumerate(groups.items()):
+        together = [series[number] for number in numbers]
+        task = Task(flight.part(turn, len(groups)), known, together[0].starts, epochs)
+        tables |= dict(zip(numbers, _together(task, together), strict=True))
+    return [tables[number] for number in range(len(series))]
+
+
+def _together(task: Task, series: Sequence[Series]) -> Iterator[pd.DataFrame]:
+    """Yield the tables of learners that have the mornings of one task."""
+    found: list[list[pd.DataFrame]] = [[] for _ in series]
+    for part in task.parts():
+        for tables, one in zip(found, series, strict=True):
+            tables += _ephemerides(part, one)
+    for tables in found:
+        table = task.joined(tables)
+        sigma = as_known(table, table["morning"].to_numpy())
+        yield table.assign(**dict(zip(SIGMA_STATE, sigma.T, strict=True)))[SCHEMAS["replay"].names]
+
+
+def _ephemerides(part: Part, series: Series) -> Iterator[pd.DataFrame]:
+    """Yield how far a learner's ephemerides are off the states of later tracks."""
+    lessons, by_start = series.lessons, dict(tuple(series.judge.groupby("i")))
+    columns = part.columns(lessons.variables, arc=lessons.arc)
+    for rows in reached(columns, (*STATE, *lessons.variables)):
+        track = rows["i"].iloc[0]
+        if track in by_start:
+            yield _held(rows, by_start[track], lessons)
 
 
 def _held(rows: pd.DataFrame, later: pd.DataFrame, lessons: Lessons) -> pd.DataFrame:

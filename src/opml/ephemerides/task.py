@@ -4,8 +4,8 @@ From an estimate the assumed model predicts to every epoch of the grid. The vari
 computed at those epochs as at later tracks. No truth is needed: all of it is known at t_i.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
@@ -14,32 +14,13 @@ import pandas as pd
 from opml.base.constants import DAY, LANES
 from opml.base.errors import InputError
 from opml.catalog.flight import Flight, Progress
-from opml.catalog.predict import mechanism, other_windows
-from opml.catalog.predict.mechanism import FittedArcs
-from opml.catalog.predict.prediction import predict
-from opml.catalog.predict.resonance import Resonances
-from opml.catalog.predict.sensitivity import sensitivities
 from opml.ephemerides.along_track_shift import LEAST_EPOCHS
 from opml.ephemerides.known import Known
-from opml.learning.models.learners import tables_asked
+from opml.ephemerides.part import Grid, Part
 from opml.tables import STATE, STATE_COVARIANCES
 
 TOGETHER = LANES
 """Ephemerides made side by side, an arc each; their tables take some hundred MB."""
-
-
-@dataclass(frozen=True)
-class Grid:
-    """Epochs of ephemerides: multiples of `step` [s], up to max_days after an estimate and to `end` [s]."""
-
-    step: float
-    max_days: float
-    end: float
-
-    def epochs(self, last: float) -> pd.Series:
-        """Return epochs [s] by their numbers, as far as ephemerides from estimates up to `last` [s] reach."""
-        number = np.arange(np.floor(min(last + DAY * self.max_days, self.end) / self.step) + 1.0).astype(int)
-        return pd.Series(self.step * number, index=number)
 
 
 @dataclass(frozen=True)
@@ -70,42 +51,22 @@ class Task:
             Grid(step, max_days, DAY * duration_days),
         )
 
-    def by_parts(self, make: Callable[[Self], Iterator[pd.DataFrame]]) -> pd.DataFrame:
-        """Return the tables of all ephemerides as one; `make` yields those of a part of the task.
-
-        Raises InputError where no ephemeris reaches anywhere.
-        """
-        tables: list[pd.DataFrame] = []
+    def parts(self) -> Iterator[Part]:
+        """Yield the parts of the task, each to be done with before the next; tell the progress in between."""
         for begin in range(0, len(self.starts), TOGETHER):
             starts = self.starts.iloc[begin : begin + TOGETHER]
-            tables += make(replace(self, flight=self.flight.without_progress(), starts=starts))
+            yield Part(self.flight.without_progress(), self.known, starts, self.grid)
             if self.flight.progress:
                 self.flight.progress((begin + len(starts)) / len(self.starts))
+
+    def joined(self, tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
+        """Return the tables of all ephemerides as one; raise InputError where none reaches anywhere."""
         if not tables:
             least = f"{LEAST_EPOCHS} epochs {self.grid.step:g} s apart"
             raise InputError(
                 f"ephemeris: expected {least} after an estimate and before the run ends, got fewer"
             )
         return pd.concat(tables, ignore_index=True)
-
-    def columns(self, variables: Sequence[str]) -> pd.DataFrame:
-        """Return predictions from the starts to the grid, with the learning variables that a model asks for.
-
-        j is the number of the epoch on the grid. Rows without numbers are where an arc does not reach.
-        """
-        pairs = self.predicted(self.starts)
-        columns = pairs.join(self.known.at_estimates, on="i")
-        columns["duration"] = columns["t_j"] - columns["t_i"]
-        for kind in tables_asked(variables):
-            if kind not in _BESIDE:
-                raise InputError(f"ephemeris: expected a learner that asks for one RSO alone, got the {kind}")
-            columns = columns.join(_BESIDE[kind](self, pairs).drop(columns=["i", "j"]))
-        return columns
-
-    def predicted(self, estimates: pd.DataFrame) -> pd.DataFrame:
-        """Return predictions of estimates to the grid."""
-        arrivals = self.grid.epochs(estimates["t"].iloc[-1])
-        return predict(self.flight, estimates, arrivals=arrivals, max_days=self.grid.max_days)
 
 
 def departures(known: Known, *, known_until: float, each: bool) -> pd.DataFrame:
@@ -122,47 +83,6 @@ def departures(known: Known, *, known_until: float, each: bool) -> pd.DataFrame:
     return later if each else later[:1]
 
 
-def _mechanism(task: Task, pairs: pd.DataFrame) -> pd.DataFrame:
-    """Return the `mechanism` table of pairs."""
-    known = task.known
-    if known.long is None:
-        raise InputError("ephemeris: expected fits over a longer window, as the learner asks for, got none")
-    long_pairs = task.predicted(_of_same_tracks(known.long.estimates, pairs))
-    short, long = (
-        FittedArcs(
-            estimates, predictions, sensitivities(task.flight, estimates, predictions, bounds=known.bounds)
-        )
-        for estimates, predictions in ((known.estimates, pairs), (known.long.estimates, long_pairs))
-    )
-    resonances = Resonances(known.resonances, known.long.window_hours, known.gm)
-    return mechanism.build(short, long, bounds=known.bounds, resonances=resonances)
-
-
-def _arcs(task: Task, pairs: pd.DataFrame) -> pd.DataFrame:
-    """Return the `arcs` table of pairs."""
-    known = task.known
-    if known.arc is None:
-        raise InputError("ephemeris: expected fits over another window, as the learner asks for, got none")
-    return other_windows.build(
-        task.flight,
-        pairs,
-        arc_estimates=other_windows.undisturbed(
-            known.arc.estimates, manoeuvres=known.manoeuvres, window=known.arc.window
-        ),
-        arc_predictions=task.predicted(_of_same_tracks(known.arc.estimates, pairs)),
-        memory_days=known.memory_days,
-    )
-
-
-_BESIDE = {"mechanism": _mechanism, "arcs": _arcs}
-"""How the tables that a learner asks for are made of pairs."""
-
-
-def _of_same_tracks(estimates: pd.DataFrame, pairs: pd.DataFrame) -> pd.DataFrame:
-    """Return the estimates of the same tracks that pairs start from."""
-    return estimates[estimates["track"].isin(pairs["i"].unique())]
-
-
 def reached(columns: pd.DataFrame, names: Sequence[str]) -> Iterator[pd.DataFrame]:
     """Yield the rows of each estimate up to its first row without numbers in the columns `names`."""
     lost = ~np.isfinite(columns[list(names)].to_numpy()).all(axis=1)
@@ -175,7 +95,7 @@ def reached(columns: pd.DataFrame, names: Sequence[str]) -> Iterator[pd.DataFram
 def ephemeris_table(rows: pd.DataFrame, states: np.ndarray, covariances: np.ndarray) -> pd.DataFrame:
     """Return the table of one ephemeris.
 
-    rows: `Task.columns` of one estimate
+    rows: `Part.columns` of one estimate
     states: (n, 6) GCRF [m, m/s]
     covariances: (n, 6, 6) in RSW
     """

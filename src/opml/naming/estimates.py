@@ -19,8 +19,11 @@ MEMBERS = r"[2-9]|[1-9][0-9]{1,2}"
 TRACK = r"0|[1-9][0-9]*"
 """Regular expression of the number of a track."""
 
-ARC_PATTERN = f"_l{POSITIVE}_m{POSITIVE}"
+ARC_PATTERN = f"_l{POSITIVE}"
 """Regular expression of the suffix of arcs."""
+
+MEMORY_PATTERN = f"_m{POSITIVE}"
+"""Regular expression of the suffix of a memory of the arcs' Cd."""
 
 BOTH_SIDES = f"_b{POSITIVE}"
 """Regular expression of the suffix of estimates from tracks on both sides; nothing is predicted from them."""
@@ -102,12 +105,21 @@ def label_window(label: str, *, hours: float) -> str:
     return both_sides_suffix(hours) if label == LABELS["smoothed"] else ""
 
 
-def arc_suffix(hours: float, memory_days: float) -> str:
-    """Return the suffix of arcs over a window [h] with a memory of their Cd [days]."""
-    return f"_l{number(hours)}_m{number(memory_days)}"
+def arc_suffix(hours: float) -> str:
+    """Return the suffix of arcs over a window [h]."""
+    return f"_l{number(hours)}"
 
 
-def parse_arc(suffix: str) -> tuple[float, float]:
-    """Return the window [h] and the memory [days] of a suffix of arcs."""
-    hours, days = suffix.removeprefix("_l").split("_m")
-    return float(hours), float(days)
+def parse_arc(suffix: str) -> float:
+    """Return the window [h] of a suffix of arcs."""
+    return float(suffix.removeprefix("_l"))
+
+
+def memory_suffix(days: float) -> str:
+    """Return the suffix of a memory of the arcs' Cd [days]."""
+    return f"_m{number(days)}"
+
+
+def parse_memory(suffix: str) -> float:
+    """Return the memory [days] of a suffix."""
+    return float(suffix.removeprefix("_m"))

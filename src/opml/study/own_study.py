@@ -12,7 +12,10 @@ from opml.naming import Experiment
 from opml.report.own_study import OwnStudyReport
 from opml.study.experiments import Study
 
-BASELINES = ("none", "repredicted", "fit24", "fit48", "fit96", "held", "running", "running96")
+RUNNING = ("running", "running48m3", "running48m10", "running96", "running96m3", "running96m10")
+"""Laws on the running mean of Cd. Those of one window share their arcs: another memory costs nothing."""
+
+BASELINES = ("none", "repredicted", "fit24", "fit48", "fit96", "held", *RUNNING)
 """Models of what a good engineer would do without learning."""
 
 MODELS = (*BASELINES, "svr", "covariance", "mechanism", "twoarcs")
@@ -22,7 +25,7 @@ MARKS = (1, 2, 4, 7)
 """Prediction durations that the report states errors at [days]."""
 
 REPLAYED = (
-    *("none", "fit48", "fit96", "held", "running", "running96"),
+    *("none", "fit48", "fit96", "held", *RUNNING),
     *("covariance", "mechanism", "twoarcs"),
 )
 """The models whose mornings are replayed where a study names none: they are trained in seconds."""
@@ -123,24 +126,32 @@ class OwnStudy:
         }
 
     @cached_property
-    def replayed(self) -> dict[tuple[str, str, str], dict[str, str]]:
-        """Parts of the replays' names, by RSO, station set and model; none without days to train on."""
+    def replayed_models(self) -> list[str]:
+        """The models whose mornings are replayed; none without days to train on."""
+        if not self.is_asked:
+            return []
         train, _ = self.splits[self.shown]
         if naming.parse_train(naming.strip_seed(train, naming.SPLIT)).kind != "days":
-            return {}
-        learners = self.study.settings.asked.get("replayed") or [
+            return []
+        return self.study.settings.asked.get("replayed") or [
             name for name in REPLAYED if name in self.learners and self._first_day(name) <= self._last_day
         ]
-        common = {
-            "window": "",
-            "reading": "",
-            "label": naming.LABELS[self.study.label],
-            "train": train,
-        }
+
+    @cached_property
+    def replayed(self) -> dict[tuple[str, str, str], dict[str, str]]:
+        """Parts of the replays' names, by RSO, station set and model."""
         return {
-            (rso, stations, learner): {"rso": rso, "stations": stations, "learner": learner, **common}
+            (rso, stations, learner): {
+                "rso": rso,
+                "stations": stations,
+                "window": "",
+                "reading": "",
+                "label": naming.LABELS[self.study.label],
+                "train": self.splits[self.shown][0],
+                "learner": learner,
+            }
             for rso, stations in self.datasets
-            for learner in learners
+            for learner in self.replayed_models
         }
 
     def _first_day(self, learner: str) -> float:

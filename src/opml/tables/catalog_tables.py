@@ -64,16 +64,20 @@ _MECHANISM = (
 )
 
 _ARCS = (
-    real("cd_arc", "1", "drag coefficient of the arc that ends at t_i"),
-    real(
-        "cd_past", "1", "mean of the arcs' drag coefficients up to t_i, weighted by 1/variance, with memory"
-    ),
+    real("cd_arc", "1", "drag coefficient of the arc that ends at t_i, of the sheet where it tells nothing"),
     *state_columns(PREDICTED, "prediction minus that of the arc", prefix="l_arc_"),
     *state_columns(
         PREDICTED, "change of the arc's prediction per unit of Cd along its covariance", prefix="v_arc_"
     ),
-    *state_columns(PREDICTED, "prediction minus that of the arc with Cd held by its past", prefix="h_arc_"),
 )
+
+_CD_PAST = (
+    real(
+        "cd_past", "1", "mean of the arcs' drag coefficients up to t_i, weighted by 1/variance, with memory"
+    ),
+)
+
+_HELD = state_columns(PREDICTED, "prediction minus that of the arc with Cd held by its past", prefix="h_arc_")
 
 _THERMOMETER = (
     real(
@@ -202,6 +206,8 @@ CATALOG_SCHEMAS = (
         ),
     ),
     Schema("arcs", "a pair of an estimate i and a later track start j", (*PAIR, *_ARCS)),
+    Schema("cd_past", "a pair of an estimate i and a later track start j", (*PAIR, *_CD_PAST)),
+    Schema("held", "a pair of an estimate i and a later track start j", (*PAIR, *_HELD)),
     Schema("thermometer", "a pair of an estimate i and a later track start j", (*PAIR, *_THERMOMETER)),
     Schema(
         "ensemble",

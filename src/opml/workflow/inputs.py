@@ -7,7 +7,7 @@ outputs of other rules.
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 from opml import naming
 from opml.base.errors import InputError
@@ -103,6 +103,18 @@ def announcement(line: Callable[[Wildcards], str]) -> InputFunction:
     return checks(announce)
 
 
+def _tables_asked(settings: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return kind and suffix of the tables beside the dataset that have the variables of a learner.
+
+    settings: resolved
+    """
+    suffixes: dict[str, str] = {}
+    if arc := learners.arc_of(settings):
+        suffixes["arcs"] = naming.arc_suffix(arc[0])
+        suffixes["cd_past"] = suffixes["held"] = suffixes["arcs"] + naming.memory_suffix(arc[1])
+    return [(kind, suffixes.get(kind, "")) for kind in learners.tables_asked(settings["variables"])]
+
+
 @dataclass(frozen=True)
 class Inputs:
     """Input functions that depend on the settings of a run."""
@@ -177,7 +189,7 @@ class Inputs:
         return find
 
     def learner_tables(self, part: str) -> InputFunction:
-        """Find the tables beside the dataset that have the variables of a learner.
+        """Find the tables beside the dataset that have the variables of learners, learner after learner.
 
         part: wildcard of the RSO, `rso` or `target`
         """
@@ -185,19 +197,20 @@ class Inputs:
         def find(wildcards: Wildcards) -> _Paths:
             rso = dict(wildcards.items())[part]
             name = f"{rso}/{wildcards.stations}{wildcards.window}"
-            suffixes = {"arcs": naming.arc_suffix(*self.params.learner_arc(wildcards))}
             return [
-                self.plan.product(f"{kind}/{name}{suffixes.get(kind, '')}").table
-                for kind in self._learner_kinds(wildcards)
+                self.plan.product(f"{kind}/{name}{suffix}").table
+                for settings in self.params.learners(wildcards).values()
+                for kind, suffix in _tables_asked(settings)
             ]
 
         return find
 
     def long_estimates(self, estimates: _Pattern) -> InputFunction:
-        """Find the estimates over the long window; none where the learner reads no mechanism."""
+        """Find the estimates over the long window; none where no learner reads the mechanism."""
 
         def find(wildcards: Wildcards) -> _Paths:
-            if "mechanism" not in self._learner_kinds(wildcards):
+            asked = map(_tables_asked, self.params.learners(wildcards).values())
+            if not any("mechanism" in dict(tables) for tables in asked):
                 return []
             hours = self.plan.values["mechanism"]["long_window_hours"]
             return self._estimates(estimates, wildcards, self.plan.window(hours))
@@ -205,25 +218,19 @@ class Inputs:
         return find
 
     def arc_estimates(self, estimates: _Pattern) -> InputFunction:
-        """Find the estimates over the window of the learner's arcs; none where it reads no arcs."""
+        """Find the estimates over the windows of the learners' arcs, as `learners.arc_windows` has them."""
 
         def find(wildcards: Wildcards) -> _Paths:
-            if "arcs" not in self._learner_kinds(wildcards):
-                return []
-            hours, _ = self.params.learner_arc(wildcards)
-            return self._estimates(estimates, wildcards, self.plan.window(hours))
+            windows = learners.arc_windows(self.params.learners(wildcards).values())
+            return [self._estimates(estimates, wildcards, self.plan.window(hours)) for hours in windows]
 
         return find
-
-    def _learner_kinds(self, wildcards: Wildcards) -> list[str]:
-        """Return the kinds of tables beside the dataset that have the variables of a learner."""
-        return learners.tables_asked(self.params.learner(wildcards)["variables"])
 
     def at_arc(self, pattern: _Pattern) -> InputFunction:
         """Find a file of estimates over the window of the wildcard `arc`."""
 
         def find(wildcards: Wildcards) -> _Paths:
-            hours, _ = naming.parse_arc(wildcards.arc)
+            hours = naming.parse_arc(wildcards.arc)
             return self._estimates(pattern, wildcards, self.plan.window(hours))
 
         return find

@@ -49,6 +49,7 @@ class JobSettings:
     knowledge: str
     forecast: Values
     learner: Values
+    learners: Sequence[Values]
     train: str
     component: str
     experiment: Mapping[str, str]
@@ -73,7 +74,7 @@ class FigureSettings(SheetJobSettings):
     """Settings of a job that draws a figure or writes a report; RSOs and station sets are names."""
 
     stations: str  # type: ignore[assignment]
-    learners: Sequence[str]
+    learners: Sequence[str]  # type: ignore[assignment]  # their names
     target: str
     test: str
     laws: Sequence[str]

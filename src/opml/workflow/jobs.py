@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 from opml import __version__
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.base.provenance import settings_digest
+from opml.base.provenance import settings_digest, settings_of_each
 from opml.tables import read_table
 
 _log = logging.getLogger("opml")
@@ -61,13 +61,12 @@ def job(snakemake: Any) -> Iterator[dict[str, Any]]:
 
 
 def metadata_of_each(settings: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Return the metadata of the tables of a job for several RSOs, in the order of the settings' `rsos`.
+    """Return the metadata of the tables of a job for several RSOs or learners, in the order of these.
 
-    The metadata of an RSO are those of a job for this RSO alone. So the bytes of a table do not depend on
-    what was made with it.
+    The metadata of each are those of a job for this one alone. So the bytes of a table do not depend on what
+    was made with it.
     """
-    common = {name: value for name, value in settings.items() if name != "rsos"}
-    return [_metadata(common | {"rso": rso}) for rso in settings["rsos"]]
+    return [_metadata(alone) for alone in settings_of_each(settings)]
 
 
 def read_by_key(

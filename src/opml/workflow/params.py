@@ -103,9 +103,12 @@ class Params:
         return naming.label_window(wildcards.label, hours=self.plan.window_hours)
 
     def arc(self, wildcards: Wildcards) -> dict[str, float]:
+        """Return the window [h] of arcs."""
+        return {"window_hours": naming.parse_arc(wildcards.arc)}
+
+    def arc_with_past(self, wildcards: Wildcards) -> dict[str, float]:
         """Return window [h] and memory [days] of arcs."""
-        hours, days = naming.parse_arc(wildcards.arc)
-        return {"window_hours": hours, "memory_days": days}
+        return self.arc(wildcards) | {"memory_days": naming.parse_memory(wildcards.memory)}
 
     def thermometer(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the settings of the thermometer, and the place of the RSO in its catalogue, if any."""
@@ -123,17 +126,24 @@ class Params:
         return dict(study.entry("cleaning")) | {"previous": previous}
 
     def learner(self, wildcards: Wildcards) -> dict[str, Any]:
-        """Return the settings of a learner with its variables; for e_y where the name has no component."""
-        values = self.plan.values
-        return learners.resolved(
-            naming.parse_learner(wildcards.learner, values["learners"]),
-            component=dict(wildcards.items()).get("component", components.CORRECTED),
-            variables=values["learning"]["variables"],
-        )
+        """Return the settings of the wildcard `learner` with its variables, as `learners` does."""
+        return self.learners(wildcards)[wildcards.learner]
 
-    def learner_arc(self, wildcards: Wildcards) -> tuple[float, float]:
-        """Return window [h] and memory [days] of the arcs that a learner reads, 0 and 0 without arcs."""
-        return learners.arc_of(self.learner(wildcards)) or (0.0, 0.0)
+    def learners(self, wildcards: Wildcards) -> dict[str, dict[str, Any]]:
+        """Return the settings of learners with their variables, for e_y where the name has no component.
+
+        They are of the wildcard `learner`; in a name without one, of all models that a study replays.
+        """
+        parts, values = dict(wildcards.items()), self.plan.values
+        names = [parts["learner"]] if "learner" in parts else self.plan.own_study.replayed_models
+        return {
+            name: learners.resolved(
+                naming.parse_learner(name, values["learners"]),
+                component=parts.get("component", components.CORRECTED),
+                variables=values["learning"]["variables"],
+            )
+            for name in names
+        }
 
     def split(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the training split and its seed."""
@@ -179,7 +189,8 @@ class Params:
 
     def check_without_truth(self, wildcards: Wildcards) -> None:
         """Raise InputError for a learner that knows what only a simulation does."""
-        learners.check_without_truth(wildcards.learner, self.learner(wildcards))
+        for name, settings in self.learners(wildcards).items():
+            learners.check_without_truth(name, settings)
 
     def departures(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params that choose the estimates that ephemerides start from, and fly them."""
@@ -190,15 +201,14 @@ class Params:
             "window_hours": self.window_hours(wildcards),
             "cd_bounds": self.cd_bounds,
             "mechanism": values["mechanism"],
-            "arc": [0, 0],
+            "learners": [],
             "max_days": values["prediction"]["max_days"],
         }
 
     def daily_training(self, wildcards: Wildcards) -> dict[str, Any]:
-        """Return the params of departures, and of the learner that is trained anew each morning."""
+        """Return the params of departures, and of the learners that are trained anew each morning."""
         return self.departures(wildcards) | {
-            "arc": self.learner_arc(wildcards),
-            "learner": self.learner(wildcards),
+            "learners": list(self.learners(wildcards).values()),
             "seed": self.split(wildcards)["seed"],
             "train_days": self.train_days(wildcards),
         }

@@ -1,5 +1,6 @@
 """What a run's settings mean for all rules: studies, products, and the patterns of wildcards."""
 
+import re
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -129,6 +130,7 @@ class Plan:
             "stations": naming.stations_pattern(self.settings.stations) + noise,
             "window": f"(?:{self.window_pattern}|{naming.PERFECT}|{naming.FILTERED})",
             "arc": naming.ARC_PATTERN,
+            "memory": naming.MEMORY_PATTERN,
             "reading": f"(?:{naming.other_reading(self.study.cleaning.previous)})?",
             "label": f"(?:{self.label_pattern})?",
             "train": f"(?:{naming.TRAIN}){split}",
@@ -148,6 +150,14 @@ class Plan:
         return naming.window_pattern(default=self.window_hours) + naming.fit_pattern(
             convergence=estimation["convergence"], light_time=estimation.get("light_time", False)
         )
+
+    @cached_property
+    def replays_together(self) -> dict[str, str]:
+        """Regular expressions of the wildcards of a study's replays, but for the learner, by their names."""
+        replays = self.own_study.replayed.values()
+        names = ("rso", "stations", "window", "reading", "label", "train")
+        values = {name: dict.fromkeys(parts[name] for parts in replays) for name in names}
+        return {name: f"(?:{'|'.join(map(re.escape, found))})" for name, found in values.items()}
 
     @cached_property
     def label_pattern(self) -> str:

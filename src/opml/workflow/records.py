@@ -12,7 +12,7 @@ from typing import Any
 from snakemake.persistence import ParamsChange, PersistenceBase
 
 from opml.base.errors import InputError
-from opml.base.provenance import settings_digest
+from opml.base.provenance import settings_digest, settings_of_each
 from opml.tables import read_metadata
 
 
@@ -46,10 +46,8 @@ def tables_of_other_settings(job: Any) -> set[str]:
 
 
 def _digests(settings: Mapping[str, Any]) -> set[str]:
-    """Return the digests that a job's tables may hold: of its settings, or of those for each RSO alone."""
-    common = {name: value for name, value in settings.items() if name != "rsos"}
-    alone = (common | {"rso": rso} for rso in settings.get("rsos", []))
-    return {settings_digest(settings), *map(settings_digest, alone)}
+    """Return the digests that a job's tables may hold: of its settings, or of those for each one alone."""
+    return {settings_digest(settings), *map(settings_digest, settings_of_each(settings))}
 
 
 def _digest_of(path: str) -> str | None:

@@ -147,9 +147,9 @@ def chain(assumed_model, orbit, earth_orientation, three_stations, iss):
         pairs = predicted(short)
         beside = (
             sensitivity.sensitivities(flight, short, pairs, bounds=None),
-            other_windows.build(
-                flight, pairs, arc_estimates=long, arc_predictions=predicted(long), memory_days=30
-            ),
+            other_windows.build_arcs(flight, pairs, arc_estimates=long, arc_predictions=predicted(long)),
+            other_windows.build_past(pairs, arc_estimates=long, apriori=iss.cd, memory_days=30),
+            other_windows.build_held(flight, pairs, arc_estimates=long, memory_days=30),
         )
         made = {}
         for label, later, after in (("later", short, 0.0), ("smoothed", smoothed, 6 * HOUR)):

@@ -30,13 +30,17 @@ def predicted(model, table, iss):
 
 
 def built(model, iss, short, arc, memory_days=30.0):
-    return other_windows.build(
-        Flight(model, iss),
-        predicted(model, short, iss),
-        arc_estimates=arc,
-        arc_predictions=predicted(model, arc, iss),
-        memory_days=memory_days,
+    """The tables of arcs beside each other."""
+    flight, pairs = Flight(model, iss), predicted(model, short, iss)
+    arcs = other_windows.build_arcs(
+        flight, pairs, arc_estimates=arc, arc_predictions=predicted(model, arc, iss)
     )
+    past = other_windows.build_past(pairs, arc_estimates=arc, apriori=iss.cd, memory_days=memory_days)
+    held = other_windows.build_held(flight, pairs, arc_estimates=arc, memory_days=memory_days)
+    for kind, table in (("arcs", arcs), ("cd_past", past), ("held", held)):
+        assert list(table.columns) == SCHEMAS[kind].names
+        pd.testing.assert_frame_equal(table[["i", "j"]], pairs[["i", "j"]])
+    return arcs.assign(cd_past=past["cd_past"]).join(held.drop(columns=["i", "j"]))
 
 
 @pytest.fixture(scope="module")
@@ -45,11 +49,6 @@ def found(assumed_model, iss):
     short = estimates(assumed_model.gm, 3.0, shift=100.0)
     arc = estimates(assumed_model.gm, [2.3, 2.1, 2.2, 2.25, 2.15])
     return predicted(assumed_model, short, iss), built(assumed_model, iss, short, arc)
-
-
-def test_table_is_the_schemas(found):
-    assert set(found[1].columns) == set(SCHEMAS["arcs"].names)
-    pd.testing.assert_frame_equal(found[1][["i", "j"]], found[0][["i", "j"]])
 
 
 def test_correcting_by_l_is_taking_the_arcs_prediction(found, assumed_model, iss):
@@ -70,13 +69,13 @@ def test_v_is_how_the_arcs_prediction_answers(found, assumed_model, iss):
 
 def test_an_arc_that_did_not_converge_says_nothing(assumed_model, iss):
     converged = np.array([True, False, True, True, True])
-    arc = estimates(assumed_model.gm, 2.2, converged=converged)
+    arc = estimates(assumed_model.gm, 2.5, converged=converged)
     table = built(assumed_model, iss, estimates(assumed_model.gm, 3.0), arc)
     lost = table["i"] == 11
     assert lost.any()
     families = [f"{name}_{axis}" for name in ("l_arc", "v_arc", "h_arc") for axis in STATE]
     assert (table.loc[lost, families] == 0.0).all(axis=None)
-    assert (table.loc[lost, "cd_arc"] == table.loc[lost, "cd_past"]).all()
+    assert (table.loc[lost, "cd_arc"] == iss.cd).all()
     assert (table.loc[~lost, "v_arc_y"] != 0.0).all()
 
 
@@ -97,10 +96,28 @@ def test_the_past_is_weighted_by_its_variance_and_fades(assumed_model):
     assert past["prior"][0] == 2.2
     assert 2.0 < past["mean"][0] < 2.02  # the a-priori value counts little beside a fit
     assert past["mean"].to_numpy()[1:] == pytest.approx(2.2, abs=1e-3)
-    assert (past["variance"].diff().dropna() < 1e-6).all()
-    assert (past["variance"] > (0.1 * 2.2) ** 2).all()
+    # Beside the spread there is the doubt of the mean, which falls with every fit that tells something.
+    doubt = past["variance"] - (0.1 * past["prior"]) ** 2
+    assert (doubt > 0.0).all()
+    assert doubt[0] == pytest.approx((0.5 * 2.2) ** 2)
+    assert (doubt.diff().dropna() < 1e-3).all()
     short = other_windows.past_cd(table, apriori=2.2, memory_days=0.05)
     assert short["mean"].to_numpy()[[0, 1, 2, 4]] == pytest.approx([2.01, 2.39, 2.2, 2.2], abs=0.02)
+
+
+def test_the_spread_is_a_part_of_the_bodys_own_cd(assumed_model):
+    """Not of the sheet's, which may be off by more than half."""
+    table = estimates(assumed_model.gm, 1.0, sigma=0.05)
+    for sheet in (2.2, 5.0):
+        past = other_windows.past_cd(table, apriori=sheet, memory_days=1e6)
+        assert past["variance"][0] == pytest.approx((0.1 * sheet) ** 2 + (0.5 * sheet) ** 2)
+        assert past["variance"][4] == pytest.approx((0.1 * past["prior"][4]) ** 2, rel=0.5)
+    sigma = np.array([0.01, 0.01, 0.01, 0.01, 0.2])
+    cd = np.array([1.1, 1.1, 1.0, 1.0, 0.8])
+    past = other_windows.past_cd(estimates(assumed_model.gm, cd, sigma=sigma), apriori=2.2, memory_days=1e6)
+    weight = 1.0 / (sigma**2 + (0.1 * 1.055) ** 2)
+    by_hand = (weight @ cd + 1.1**-2 * 2.2) / (weight.sum() + 1.1**-2)
+    assert past["mean"][4] == pytest.approx(by_hand, abs=1e-4)
 
 
 def test_what_comes_after_t_i_changes_nothing_at_t_i(assumed_model, iss):

@@ -14,8 +14,9 @@ from opml.catalog.predict.mechanism import FittedArcs
 from opml.catalog.predict.resonance import Resonances
 from opml.catalog.predict.sensitivity import sensitivities
 from opml.ephemerides import corrected
-from opml.ephemerides.known import Known, OtherWindow
-from opml.ephemerides.task import Grid, Task, departures
+from opml.ephemerides.known import Known
+from opml.ephemerides.part import Grid, Part
+from opml.ephemerides.task import Task, departures
 from opml.figures import later_errors
 from opml.interop import oem
 from opml.learning.judge.error_sizes import Sizes
@@ -47,6 +48,7 @@ class Taught:
     """Lessons that always teach the same law."""
 
     variables = LAW.variables
+    arc = (24.0, 30.0)
 
     def __call__(self, now):
         return LAW
@@ -107,8 +109,8 @@ def known(assumed_model):
             "t_b": TIMES - 0.3 * DAY,
         }
     )
-    long = OtherWindow(estimates(gm, 2.2, ahead=40.0), 24.0)
-    return Known(own, at_estimates, 12.0, gm, long=long, arc=long, resonances=[(1, 15)], memory_days=30.0)
+    others = {24.0: estimates(gm, 2.2, ahead=40.0)}
+    return Known(own, at_estimates, 12.0, gm, others=others, long_window_hours=24.0, resonances=[(1, 15)])
 
 
 def built(flight, known, starts, *, grid=GRID, replay=REPLAY):
@@ -124,19 +126,17 @@ def table(flight, known):
 def test_columns_on_the_grid_are_those_at_tracks(flight, known):
     """What the tables say of pairs of tracks, they say of the grid's epochs, too."""
     grid = Grid(step=0.01 * DAY, max_days=0.8, end=2.0 * DAY)
-    task = Task(flight, known, known.estimates.iloc[1:3], grid)
-    dense = task.columns(("v_y", "h_arc_y")).set_index(["i", "j"])
+    part = Part(flight, known, known.estimates.iloc[1:3], grid)
+    dense = part.columns(("v_y", "h_arc_y"), arc=(24.0, 30.0)).set_index(["i", "j"])
     at_tracks = {"arrivals": known.estimates.set_index("track")["t"], "max_days": 0.8}
-    fits = known.estimates, known.long.estimates
+    fits = known.estimates, known.other(24.0)
     pairs, long = (prediction.predict(flight, fit, **at_tracks) for fit in fits)
     arcs = (
         FittedArcs(fit, predicted, sensitivities(flight, fit, predicted, bounds=None))
         for fit, predicted in zip(fits, (pairs, long), strict=True)
     )
     own = mechanism.build(*arcs, bounds=None, resonances=Resonances(known.resonances, 24.0, known.gm))
-    beside = other_windows.build(
-        flight, pairs, arc_estimates=known.arc.estimates, arc_predictions=long, memory_days=30.0
-    )
+    held = other_windows.build_held(flight, pairs, arc_estimates=known.other(24.0), memory_days=30.0)
     for row in np.flatnonzero(pairs["i"].isin([1, 2])):
         there = dense.loc[(pairs["i"][row], round(pairs["t_j"][row] / grid.step))]
         assert there["t_j"] == pytest.approx(pairs["t_j"][row], abs=1e-6)
@@ -144,7 +144,7 @@ def test_columns_on_the_grid_are_those_at_tracks(flight, known):
             ("x", pairs, 0.05),
             ("v_y", own, 5.0),
             ("l_y", own, 0.1),
-            ("h_arc_y", beside, 0.5),
+            ("h_arc_y", held, 0.5),
         ):
             assert there[column] == pytest.approx(at_track[column][row], abs=close, rel=1e-4)
 
@@ -165,7 +165,7 @@ def test_the_grid_is_regular_and_begins_after_the_estimate(table):
 
 
 def test_the_orbit_is_moved_by_what_the_model_says(table, flight, known):
-    rows = Task(flight, known, known.estimates.iloc[[1, 2]], GRID).columns(LAW.variables)
+    rows = Part(flight, known, known.estimates.iloc[[1, 2]], GRID).columns(LAW.variables, arc=Taught.arc)
     said = LAW.predict(rows[list(LAW.variables)].to_numpy())
     states = table[STATE].to_numpy()
     moved = in_rsw(table[[f"{name}_predicted" for name in STATE]].to_numpy() - states, states)
@@ -191,8 +191,7 @@ def test_what_comes_after_t_i_changes_nothing(table, flight, known):
     moved = replace(
         known,
         estimates=later(known.estimates),
-        long=replace(known.long, estimates=later(known.long.estimates)),
-        arc=replace(known.arc, estimates=later(known.arc.estimates)),
+        others={24.0: later(known.other(24.0))},
     )
     # Mornings that were over after t_i were off by ten times as much.
     unknown = REPLAY.assign(t_known=2.0 * DAY, **{name: 10.0 * REPLAY[name] for name in COMPONENTS})
@@ -214,8 +213,8 @@ def test_it_starts_from_the_newest_usable_estimate(known):
 
 
 def test_a_learner_needs_the_fits_that_it_asks_for(flight, known):
-    with pytest.raises(InputError, match="expected fits over a longer window"):
-        built(flight, replace(known, long=None), known.estimates.iloc[[1]])
+    with pytest.raises(InputError, match="expected fits over another window"):
+        built(flight, replace(known, others={}), known.estimates.iloc[[1]])
 
 
 def test_covariances_have_the_sizes_of_the_past_and_no_shape_of_the_fits(table):

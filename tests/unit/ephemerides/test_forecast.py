@@ -73,7 +73,7 @@ def table(task, outlook):
 
 
 def test_states_are_the_predictions(task, table, tmp_path):
-    pairs = task.columns(())
+    (pairs,) = (part.columns() for part in task.parts())
     np.testing.assert_allclose(table[STATE], pairs[STATE], rtol=0.0, atol=1e-6)
     write_table(tmp_path / "f.parquet", table, "forecast", metadata={})
     assert list(read_table(tmp_path / "f.parquet", "forecast").columns) == SCHEMAS["forecast"].names

@@ -15,7 +15,8 @@ from opml.catalog.predict import prediction, spread
 from opml.catalog.simulate import tracking, truth
 from opml.ephemerides import corrected, replays
 from opml.ephemerides.known import Known
-from opml.ephemerides.task import Grid, Task
+from opml.ephemerides.part import Grid
+from opml.ephemerides.task import Task
 from opml.interop import oem
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
@@ -24,6 +25,10 @@ from opml.orbits.elements import in_rsw
 from opml.tables import COMPONENTS, SCHEMAS, STATE, read_table, write_table
 
 LAW = {"kind": "linear_law", "terms": ["duration*duration"], "variables": ["duration"]}
+NONE = {"kind": "none", "variables": []}
+ARC = {"window_hours": 12.0, "memory_days": 30.0}
+HELD = {"kind": "held", "variables": ["h_arc_y"], **ARC}
+RUNNING = {"kind": "running", "variables": ["l_arc_y", "v_arc_y", "cd_arc", "cd_past"], **ARC}
 TRAIN = (0.0, 2.0)
 
 
@@ -52,16 +57,23 @@ def flight(assumed_model, iss):
     return Flight(assumed_model, iss)
 
 
-def replayed(flight, tables, learner=LAW, rows=None, every_hours=3.0):
+def series_of(flight, tables, learner=LAW, rows=None):
+    """What is to be replayed of a learner."""
     known, predictions = tables["known"], tables["predictions"]
     lessons = Lessons(tables["rows"] if rows is None else rows, learner, seed=1)
     first = replays.first_day(lessons, known, train_days=TRAIN)
-    starts = replays.morning_departures(known, every_hours=every_hours, first_day=first)
+    starts = replays.morning_departures(known, every_hours=3.0, first_day=first)
     pairs = predictions[predictions["i"].isin(starts["track"])]
     spreads = spread.build(flight, known.estimates, pairs, futures=None)
     judge = replays.at_starts(replays.judge(tables["rows"], predictions, None), starts, spreads)
-    task = Task(flight, known, starts, replays.grid(judge, max_days=1.0))
-    return replays.build(task, lessons, judge)
+    return replays.Series(lessons, starts, judge)
+
+
+def replayed(flight, tables, learner=LAW, rows=None):
+    """The table of a learner that is replayed alone."""
+    series = series_of(flight, tables, learner, rows)
+    (table,) = replays.build(flight, tables["known"], [series], max_days=1.0)
+    return table
 
 
 @pytest.fixture(scope="module")
@@ -78,7 +90,7 @@ def test_the_table_is_the_schemas_and_comes_back(table, tmp_path):
 
 def test_without_a_correction_errors_are_those_of_the_predictions(flight, tables):
     """The path through states two minutes apart is the arc itself."""
-    table = replayed(flight, tables, {"kind": "none", "variables": []})
+    table = replayed(flight, tables, NONE)
     assert table["t_i"].min() >= 12.0 * HOUR  # a window of tracks is full
     at = tables["predictions"].set_index(["i", "j"]).loc[pd.MultiIndex.from_frame(table[["i", "j"]])]
     np.testing.assert_allclose(table[list(COMPONENTS[:3])], at[list(COMPONENTS[:3])], atol=0.5)
@@ -91,6 +103,32 @@ def test_a_law_waits_until_half_of_the_training_is_over(table):
     assert (table["morning"] <= table["t_i"]).all()
 
 
+def test_learners_share_their_arcs_and_keep_their_tables(flight, tables, table, monkeypatch):
+    """Each has the table that it has alone; what several ask for is flown once a part."""
+    settings = [NONE, LAW, HELD, RUNNING, RUNNING | {"memory_days": 3.0}]
+    known = replace(tables["known"], others={12.0: tables["known"].estimates})
+    beside = dict.fromkeys([*HELD["variables"], *RUNNING["variables"]], 0.0)
+    tables = tables | {"known": known, "rows": tables["rows"].assign(**beside)}
+    alone = [replayed(flight, tables, learner) for learner in settings]
+    flown = []
+
+    def counted(flight, pairs, *arguments, **options):
+        flown.append(pairs["i"].nunique())
+        return fly_pairs(flight, pairs, *arguments, **options)
+
+    fly_pairs = Flight.fly_pairs
+    series = [series_of(flight, tables, learner) for learner in settings]
+    monkeypatch.setattr(Flight, "fly_pairs", counted)
+    together = replays.build(flight, known, series, max_days=1.0)
+    for one, other in zip(together, alone, strict=True):
+        pd.testing.assert_frame_equal(one, other, check_exact=True)
+    pd.testing.assert_frame_equal(together[1], table, check_exact=True)
+    # The law's own mornings; all other learners' predictions, theirs by the arcs, arcs nudged and held.
+    later, earlier = len(series[1].starts), len(series[0].starts)
+    assert later < earlier
+    assert sum(flown) == later + 4 * earlier
+
+
 def test_what_is_known_later_changes_no_morning(flight, tables, table):
     """Errors that were known after the second morning are moved; only what is stated later knows of it."""
     rows = tables["rows"]
@@ -100,6 +138,22 @@ def test_what_is_known_later_changes_no_morning(flight, tables, table):
     first = table["morning"] == 1.0 * DAY
     pd.testing.assert_frame_equal(again[first], table[first], check_exact=True)
     assert not np.allclose(again.loc[~first, "e_y"], table.loc[~first, "e_y"])
+
+
+@pytest.mark.parametrize(
+    ("learner", "day"),
+    [
+        (NONE, 0.5),
+        (LAW, 1.0),
+        (RUNNING | {"window_hours": 48.0}, 2.0),
+        (NONE | {"window_hours": 48.0}, 0.5),
+        ({"kind": "repredicted", "variables": ["r_y"]}, 1.5),
+    ],
+)
+def test_the_first_morning_has_a_full_window_of_all_fits(tables, learner, day):
+    known = replace(tables["known"], long_window_hours=36.0)
+    lessons = Lessons(tables["rows"], learner, seed=1)
+    assert replays.first_day(lessons, known, train_days=TRAIN) == day
 
 
 def test_starts_are_the_first_usable_ones_of_their_hours(tables):

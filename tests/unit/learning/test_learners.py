@@ -157,6 +157,7 @@ def test_the_arcs_that_a_learner_asks_for():
     assert arc_of(**SETTINGS["running"]) == (96.0, 30.0)
     assert arc_of(kind="refitted", window_hours=48) == (48.0, 30.0)
     assert arc_of(**MECHANISM) is None
+    assert arc_of(**MECHANISM, window_hours=48) is None  # of whose columns it reads none
     law = {"kind": "linear_law", "terms": ["l_arc", "v_arc*cd_arc"], "window_hours": 24, "memory_days": 8}
     assert arc_of(**law) == (24.0, 8.0)
     assert arc_of(kind="stacked", first=law, second=BOOSTING) == (24.0, 8.0)

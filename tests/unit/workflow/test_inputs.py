@@ -15,6 +15,7 @@ from opml.base.errors import InputError
 from opml.catalog.fit import measured_tracks
 from opml.catalog.simulate.truth import kepler_orbit
 from opml.interop import oem, tdm
+from opml.learning.models.learners import paths_of_each
 from opml.naming import Experiment
 from opml.study.settings.merging import with_sheets
 from opml.workflow.environment_files import EnvironmentFiles
@@ -26,6 +27,13 @@ from opml.workflow.products import Product
 from opml.workflow.starting import date_back_to_now, lift_job_rate
 
 BODY = {"area_to_mass_m2pkg": 0.05, "cd": 2.2, "cr": 1.25}
+STUDY = {
+    "rsos": ["lares"],
+    "station_sets": ["eglin"],
+    "days": {"train": [0, 9], "test": [9, 12]},
+    "label": "later",
+    "learners": ["none", "held", "running", "svr"],
+}
 USERS = {"orbits": {"flown": "flown.sp3"}, "tracks": {"mine": "mine.tdm"}}
 ESTIMATES = "estimates/{rso}/{stations}{window}.parquet"
 DATASET = "dataset/{rso}/{stations}{window}{reading}.parquet"
@@ -154,7 +162,8 @@ def test_the_forecast_is_the_named_one_or_persistence():
         ("stations", ["eglin", "kaena-eglin", "eglin_noise43"], ["atlantis", "eglin_noise42"]),
         ("window", ["", "_w24", "_w24_tol1_cd0.5_light", "_true"], ["_w12", "_b12", "_light_cd1"]),
         ("window", ["_filter"], ["_w24_filter", "_filter_light"]),
-        ("arc", ["_l48_m30"], ["", "_l48"]),
+        ("arc", ["_l48"], ["", "_l48_m30"]),
+        ("memory", ["_m30"], ["", "_l48"]),
         ("reading", ["", "_track"], ["_kept"]),
         ("label", ["", "_later", "_smoothed"], ["_early"]),
         ("train", ["random-80", "days-0-30_split43"], ["random-80_split42", "rest"]),
@@ -253,7 +262,9 @@ def test_labels_are_made_of_estimates_with_tracks_on_both_sides():
 
 
 def test_an_arc_has_a_window_and_a_memory():
-    assert params().arc(wildcards(arc="_l48_m30")) == {"window_hours": 48.0, "memory_days": 30.0}
+    name = wildcards(arc="_l48", memory="_m30")
+    assert params().arc(name) == {"window_hours": 48.0}
+    assert params().arc_with_past(name) == {"window_hours": 48.0, "memory_days": 30.0}
 
 
 @pytest.mark.parametrize(("rso", "member"), [("lares", 1), ("iss", None)])
@@ -276,9 +287,24 @@ def test_a_learner_of_no_component_corrects_along_the_path():
     assert jobs.learner(experiment(learner="covariance", component="e_x")) != of_path
 
 
-def test_only_some_learners_read_arcs():
-    assert params().learner_arc(wildcards(learner="twoarcs"))[0] == 48.0
-    assert params().learner_arc(wildcards(learner="svr")) == (0.0, 0.0)
+def test_a_name_without_a_learner_is_of_all_that_the_study_replays():
+    jobs = params(study=STUDY)
+    assert list(jobs.learners(wildcards(learner="svr_s2"))) == ["svr_s2"]
+    assert list(jobs.learners(wildcards(train="days-0-9"))) == ["none", "held", "running"]
+    assert params(study={}).plan.own_study.replayed_models == []
+    jobs = params(study=STUDY | {"replayed": ["none", "knownmodel"]})
+    with pytest.raises(InputError, match="'knownmodel': expected one that needs no truth"):
+        jobs.check_without_truth(wildcards(train="days-0-9"))
+
+
+def test_the_replays_of_a_study_are_those_of_its_own_names():
+    patterns = plan(study=STUDY).replays_together
+    own = {"rso": "lares", "stations": "eglin", "window": "", "reading": "", "label": "_later"}
+    own |= {"train": "days-0-9"}
+    assert all(re.fullmatch(patterns[name], value) for name, value in own.items())
+    other = {"rso": "iss", "stations": "clear", "window": "_w24", "reading": "_track", "label": ""}
+    other |= {"train": "days-0-20"}
+    assert not any(re.fullmatch(patterns[name], value) for name, value in other.items())
 
 
 def test_a_split_has_a_seed():
@@ -321,11 +347,10 @@ def test_what_was_measured_has_no_truth():
 def test_ephemerides_start_from_what_is_known_at_the_end_of_the_training():
     jobs, name = params(), experiment(learner="twoarcs", train="days-0-20")
     assert jobs.ephemeris(name)["known_until_days"] == 20.0
-    assert jobs.departures(name)["arc"] == [0, 0]
+    assert jobs.departures(name)["learners"] == []
     daily = jobs.daily_training(name)
     assert daily == jobs.departures(name) | {
-        "arc": jobs.learner_arc(name),
-        "learner": jobs.learner(name),
+        "learners": [jobs.learner(name)],
         "seed": 42,
         "train_days": [0.0, 20.0],
     }
@@ -501,7 +526,10 @@ def test_labels_of_measured_tracks_have_no_true_errors():
     [
         ("svr", []),
         ("mechanism", ["mechanism/lares/eglin_w24"]),
-        ("twoarcs", ["arcs/lares/eglin_w24_l48_m30", "mechanism/lares/eglin_w24"]),
+        ("twoarcs", ["arcs/lares/eglin_w24_l48", "mechanism/lares/eglin_w24"]),
+        ("fit48", ["arcs/lares/eglin_w24_l48"]),
+        ("running", ["arcs/lares/eglin_w24_l48", "cd_past/lares/eglin_w24_l48_m30"]),
+        ("held", ["held/lares/eglin_w24_l12_m30"]),
     ],
 )
 def test_a_learner_reads_the_tables_of_its_variables(learner, files):
@@ -510,19 +538,33 @@ def test_a_learner_reads_the_tables_of_its_variables(learner, files):
 
 
 @pytest.mark.parametrize(
-    ("learner", "long", "arcs"), [("svr", None, None), ("mechanism", 96, None), ("twoarcs", 96, 48)]
+    ("learner", "long", "arcs"), [("svr", [], []), ("mechanism", "_w96", []), ("twoarcs", "_w96", ["_w48"])]
 )
 def test_a_learner_reads_the_estimates_behind_its_tables(learner, long, arcs):
     files, name = inputs(mechanism={"long_window_hours": 96}), wildcards(learner=learner)
-    for find, hours in ((files.long_estimates, long), (files.arc_estimates, arcs)):
-        expected = f"estimates/iss/eglin_w{hours}.parquet" if hours else []
-        assert find(Pattern(ESTIMATES))(name) == expected
+    assert files.long_estimates(Pattern("{window}"))(name) == long
+    assert files.arc_estimates(Pattern("{window}"))(name) == arcs
+
+
+def test_learners_that_are_replayed_together_read_the_tables_of_each():
+    learners = ["running", "mechanism", "fit48", "running96"]
+    files = inputs(study=STUDY | {"learners": learners, "replayed": learners})
+    found = files.learner_tables("rso")(wildcards(train="days-0-9"))
+    kinds = [path.removeprefix("results/").split("/")[0] for path in found]
+    assert kinds == ["arcs", "cd_past", "mechanism", "arcs", "arcs", "cd_past"]
+    settings = list(files.params.learners(wildcards(train="days-0-9")).values())
+    each = [found[:2], found[2:3], found[3:4], found[4:]]
+    assert paths_of_each(found, settings) == each
+    assert (found[0], found[3]) == ("results/arcs/iss/eglin_l48.parquet",) * 2
+    # Those of a window are read once.
+    assert files.arc_estimates(Pattern("{window}"))(wildcards(train="days-0-9")) == ["_w48", "_w96"]
+    assert files.long_estimates(Pattern("{window}"))(wildcards(train="days-0-9")) == "_w24"
 
 
 def test_arcs_are_made_of_estimates_over_their_window():
     find = inputs().at_arc(Pattern(ESTIMATES))
-    assert find(wildcards(arc="_l48_m30")) == "estimates/iss/eglin_w48.parquet"
-    assert find(wildcards(arc="_l12_m30")) == "estimates/iss/eglin.parquet"
+    assert find(wildcards(arc="_l48")) == "estimates/iss/eglin_w48.parquet"
+    assert find(wildcards(arc="_l12")) == "estimates/iss/eglin.parquet"
 
 
 def test_a_test_that_standardises_together_has_a_model_of_its_own():

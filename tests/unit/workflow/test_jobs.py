@@ -50,6 +50,14 @@ def test_a_table_does_not_tell_what_was_made_with_it(snakemake):
             assert told == alone
 
 
+def test_a_table_does_not_tell_which_learners_were_replayed_with_its_own(snakemake):
+    learners = [{"kind": "none"}, {"kind": "ridge"}]
+    for learner, told in zip(learners, metadata_of_each(SETTINGS | {"learners": learners}), strict=True):
+        snakemake.params.settings = SETTINGS | {"learners": [learner]}
+        with job(snakemake) as alone:
+            assert told == alone
+
+
 def test_progress_and_warnings_go_to_the_log_alone(snakemake, capfd):
     with job(snakemake):
         progress(0.25)

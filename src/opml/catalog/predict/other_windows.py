@@ -3,18 +3,19 @@
 All of it comes from estimates that are over at t_i and from the assumed model.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import DAY
+from opml.base.constants import DAY, HOUR
 from opml.catalog.flight import Flight
 from opml.catalog.predict.neighbours import Neighbours
 from opml.catalog.predict.sensitivity import CD_NUDGE, shift_with_cd
 from opml.orbits.elements import in_rsw
 from opml.orbits.manoeuvres import contain_any
-from opml.tables import STATE
+from opml.tables import STATE, read_metadata, read_table
 
 CD_SPREAD = 0.1
 """How much the Cd of a body varies as a model feels it, beside the fits' noise, as a part of it.
@@ -37,86 +38,153 @@ def undisturbed(estimates: pd.DataFrame, *, manoeuvres: Sequence[float], window:
     return estimates.assign(converged=estimates["converged"] & ~disturbed)
 
 
-def build(
-    flight: Flight,
-    predictions: pd.DataFrame,
-    *,
-    arc_estimates: pd.DataFrame,
-    arc_predictions: pd.DataFrame,
-    memory_days: float,
+def read_estimates(files: Any, *, window_hours: float) -> pd.DataFrame:
+    """Return the `arc_estimates` of a job, which are over another window [h], `undisturbed`.
+
+    files: the job's input, with the table whose metadata hold the manoeuvres. Raises InputError where a table
+    is missing or damaged.
+    """
+    manoeuvres = read_metadata(files.manoeuvres).get("manoeuvres", [])
+    return undisturbed(
+        read_table(files.arc_estimates, "estimates"),
+        manoeuvres=[manoeuvre["t"] for manoeuvre in manoeuvres],
+        window=HOUR * window_hours,
+    )
+
+
+def build_arcs(
+    flight: Flight, predictions: pd.DataFrame, *, arc_estimates: pd.DataFrame, arc_predictions: pd.DataFrame
 ) -> pd.DataFrame:
     """Return the `arcs` table: one row per pair of `predictions`, in their order.
 
     flight: under the assumed model
     arc_estimates, arc_predictions: of the same tracks, estimated over another window, or over the same
-    memory_days: of the arcs' Cd, see `past_cd`
 
     In RSW of the predicted state [m, m/s]: l_arc_* is the prediction less that of the arc; v_arc_* how the
-    arc's prediction answers to its Cd along the fit's covariance; h_arc_* the prediction less that of the arc
-    with its Cd held by its past. cd_past is the mean of the arcs' Cd up to t_i. Where the arc did not
-    converge or does not reach t_j, it tells nothing: l, v and h are 0.
+    arc's prediction answers to its Cd along the fit's covariance. Where the arc did not converge or does not
+    reach t_j, it tells nothing: l and v are 0, cd_arc is that of the sheet.
     """
     pairs = pd.MultiIndex.from_frame(predictions[["i", "j"]])
-    past = past_cd(arc_estimates, apriori=flight.rso.cd, memory_days=memory_days)
-    estimates = arc_estimates.assign(cd_past=past["mean"].to_numpy())
-    estimates = estimates.set_index("track").reindex(predictions["i"])
     predicted = predictions[STATE].to_numpy()
-    arc = arc_predictions.set_index(["i", "j"])[STATE].reindex(pairs).to_numpy()
-    neighbours = _neighbours(flight, arc_estimates, arc_predictions, past)
-    nudged, held = (states.reindex(pairs).to_numpy() for states in neighbours)
-    differences = {"l_arc": predicted - arc, "v_arc": (nudged - arc) / CD_NUDGE, "h_arc": predicted - held}
+    arc, nudged = (
+        states.set_index(["i", "j"])[STATE].reindex(pairs).to_numpy()
+        for states in (arc_predictions, _nudged(flight, arc_estimates, arc_predictions))
+    )
+    differences = {"l_arc": predicted - arc, "v_arc": (nudged - arc) / CD_NUDGE}
+    estimates = _by_pair(arc_estimates, predictions)
+    usable = _usable(estimates, differences)
+    table = predictions[["i", "j"]].assign(cd_arc=np.where(usable, estimates["cd"], flight.rso.cd))
+    return table.assign(**_turned(differences, predicted, usable))
 
+
+def build_past(
+    predictions: pd.DataFrame, *, arc_estimates: pd.DataFrame, apriori: float, memory_days: float
+) -> pd.DataFrame:
+    """Return the `cd_past` table: the `mean` of `past_cd` at t_i of each pair of `predictions`.
+
+    arc_estimates: of the same tracks, estimated over another window, or over the same
+    apriori, memory_days: as for `past_cd`
+    """
+    past = past_cd(arc_estimates, apriori=apriori, memory_days=memory_days)
+    at_pairs = _by_pair(arc_estimates.assign(cd_past=past["mean"].to_numpy()), predictions)
+    return predictions[["i", "j"]].assign(cd_past=at_pairs["cd_past"].to_numpy())
+
+
+def build_held(
+    flight: Flight, predictions: pd.DataFrame, *, arc_estimates: pd.DataFrame, memory_days: float
+) -> pd.DataFrame:
+    """Return the `held` table: one row per pair of `predictions`, in their order.
+
+    flight: under the assumed model
+    arc_estimates: of the same tracks, estimated over another window, or over the same
+    memory_days: of the arcs' Cd, see `past_cd`
+
+    h_arc_* is the prediction less that of the arc with its Cd held by its past, in RSW of the predicted state
+    [m, m/s]; 0 where the arc did not converge or does not reach t_j.
+    """
+    predicted = predictions[STATE].to_numpy()
+    past = past_cd(arc_estimates, apriori=flight.rso.cd, memory_days=memory_days)
+    first = np.searchsorted(arc_estimates["track"], np.unique(predictions["i"]))
+    started = arc_estimates.iloc[first]
+    held = held_cd(started, past.iloc[first])
+    change = held - started["cd"].to_numpy()
+    moved = started[STATE].to_numpy() + change[:, None] * shift_with_cd(started)
+    # Cd as held may be far from the estimate's own, so these arcs need the whole field.
+    flown, _ = flight.fly_pairs(predictions, moved, cd=started["cd"].to_numpy() + change)
+    differences = {"h_arc": predicted - _flown(predictions, flown)[STATE].to_numpy()}
+    usable = _usable(_by_pair(arc_estimates, predictions), differences)
+    return predictions[["i", "j"]].assign(**_turned(differences, predicted, usable))
+
+
+def _nudged(flight: Flight, estimates: pd.DataFrame, predictions: pd.DataFrame) -> pd.DataFrame:
+    """Return the arcs' predictions with Cd nudged."""
+    first = np.searchsorted(estimates["track"], np.unique(predictions["i"]))
+    started = estimates.iloc[first]
+    states, cd = started[STATE].to_numpy(), started["cd"].to_numpy()
+    neighbours = Neighbours.beside(flight, predictions, started)
+    flown = neighbours.fly(states + CD_NUDGE * shift_with_cd(started), cd + CD_NUDGE)
+    return _flown(predictions, flown)
+
+
+def _flown(predictions: pd.DataFrame, states: np.ndarray) -> pd.DataFrame:
+    """Return states (n, 6) at the pairs of predictions as a table.
+
+    Differences are taken of columns of tables, as sums of another layout in memory round differently.
+    """
+    return predictions[["i", "j"]].assign(**dict(zip(STATE, states.T, strict=True)))
+
+
+def _by_pair(estimates: pd.DataFrame, predictions: pd.DataFrame) -> pd.DataFrame:
+    """Return the estimate that each pair of the predictions starts from."""
+    return estimates.set_index("track").loc[predictions["i"]]
+
+
+def _usable(estimates: pd.DataFrame, differences: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Return which pairs (n,) tell something: the estimate converged, the differences are numbers."""
     reached = np.isfinite(np.concatenate(list(differences.values()), axis=1)).all(axis=1)
-    usable = estimates["converged"].to_numpy() & reached
-    table = {
-        "i": predictions["i"].to_numpy(),
-        "j": predictions["j"].to_numpy(),
-        "cd_arc": np.where(usable, estimates["cd"], estimates["cd_past"]),
-        "cd_past": estimates["cd_past"].to_numpy(),
-    }
+    usable: np.ndarray = estimates["converged"].to_numpy() & reached
+    return usable
+
+
+def _turned(
+    differences: Mapping[str, np.ndarray], predicted: np.ndarray, usable: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Return the columns of differences (n, 6) by their names, in RSW of the predicted states (n, 6)."""
+    columns: dict[str, np.ndarray] = {}
     for name, difference in differences.items():
         turned = np.where(usable[:, None], in_rsw(difference, predicted), 0.0)
-        table |= {f"{name}_{axis}": turned[:, k] for k, axis in enumerate(STATE)}
-    return pd.DataFrame(table)
-
-
-def _neighbours(
-    flight: Flight, estimates: pd.DataFrame, predictions: pd.DataFrame, past: pd.DataFrame
-) -> Iterator[pd.DataFrame]:
-    """Yield the states at the pairs of the arcs' predictions: with Cd nudged, then with Cd held."""
-    first = np.searchsorted(estimates["track"], np.unique(predictions["i"]))
-    started, before = estimates.iloc[first], past.iloc[first]
-    pairs = pd.MultiIndex.from_frame(predictions[["i", "j"]])
-    states, cd = started[STATE].to_numpy(), started["cd"].to_numpy()
-    shift, held = shift_with_cd(started), held_cd(started, before) - cd
-    neighbours = Neighbours.beside(flight, predictions, started).part(0, 2)
-    yield pd.DataFrame(neighbours.fly(states + CD_NUDGE * shift, cd + CD_NUDGE), columns=STATE, index=pairs)
-    # Cd as held may be far from the estimate's own, so these arcs need the whole field.
-    moved = states + held[:, None] * shift
-    flown, _ = flight.part(1, 2).fly_pairs(predictions, moved, cd=cd + held)
-    yield pd.DataFrame(flown, columns=STATE, index=pairs)
+        columns |= {f"{name}_{axis}": turned[:, k] for k, axis in enumerate(STATE)}
+    return columns
 
 
 def past_cd(estimates: pd.DataFrame, *, apriori: float, memory_days: float) -> pd.DataFrame:
     """Return what is known of Cd at each estimate: `mean` with its own Cd, `prior` and `variance` without.
 
-    Each estimate that converged counts by 1 / (its formal variance + SPREAD^2), fading by e in memory_days;
-    `apriori`, the value of the sheet, counts as an estimate with the variance APRIORI_SIGMA^2. So a fit that
-    tells nothing of Cd moves nothing, and of many good fits none counts alone.
+    Each estimate that converged counts by 1 / (its formal variance + spread^2), fading by e in memory_days;
+    `apriori`, the value of the sheet, counts as an estimate with a deviation of APRIORI_SIGMA of itself. So a
+    fit that tells nothing of Cd moves nothing, and of many good fits none counts alone. The spread is
+    CD_SPREAD of the mean before each estimate, which is the sheet's value until there is a past.
     """
     t, formal = estimates["t"].to_numpy(), estimates["cov_cd_cd"].to_numpy()
     trusted = estimates["converged"].to_numpy() & (formal > 0.0)
     values = np.where(trusted, estimates["cd"].to_numpy(), 0.0)
     age = (t[:, None] - t[None, :]) / (memory_days * DAY)
     fading = np.where(trusted & (age >= 0.0), np.exp(-np.maximum(age, 0.0)), 0.0)
-    weight = fading / (np.where(trusted, formal, 0.0) + (CD_SPREAD * apriori) ** 2)
-    earlier, apriori_weight = np.tril(weight, -1), (APRIORI_SIGMA * apriori) ** -2.0
-    mean, prior = (
-        (weights @ values + apriori_weight * apriori) / (weights.sum(axis=1) + apriori_weight)
-        for weights in (weight, earlier)
-    )
-    variance = (CD_SPREAD * apriori) ** 2 + 1.0 / (earlier.sum(axis=1) + apriori_weight)
-    return pd.DataFrame({"mean": mean, "prior": prior, "variance": variance})
+    apriori_weight = (APRIORI_SIGMA * apriori) ** -2.0
+
+    def weighted(spread: np.ndarray) -> pd.DataFrame:
+        weight = fading / (np.where(trusted, formal, 0.0) + np.square(spread)[:, None])
+        earlier = np.tril(weight, -1)
+        mean, prior = (
+            (weights @ values + apriori_weight * apriori) / (weights.sum(axis=1) + apriori_weight)
+            for weights in (weight, earlier)
+        )
+        variance = np.square(spread) + 1.0 / (earlier.sum(axis=1) + apriori_weight)
+        return pd.DataFrame({"mean": mean, "prior": prior, "variance": variance})
+
+    # With the spread of the sheet's Cd the mean is near enough to take the spread of.
+    first = weighted(np.full(len(t), CD_SPREAD * apriori))
+    return weighted(CD_SPREAD * first["prior"].to_numpy())
 
 
 def held_cd(estimates: pd.DataFrame, past: pd.DataFrame) -> np.ndarray:

@@ -103,7 +103,7 @@ ARC_MEMORY_DAYS = 30.0
 _Length = Absent[Positive]
 
 ARC = {"window_hours": _Length, "memory_days": _Length}
-"""Keys of learners whose variables may be columns of the `arcs` table, which is made for them."""
+"""Keys of learners whose variables may be columns of the tables of arcs, which are made for them."""
 
 
 class AnyLearner:

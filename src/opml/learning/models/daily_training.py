@@ -36,6 +36,11 @@ class Lessons:
         return tuple(self.settings["variables"])
 
     @property
+    def arc(self) -> tuple[float, float] | None:
+        """Window [h] and memory [days] of the arcs that the learner asks for, None for no arcs."""
+        return learners.arc_of(self.settings)
+
+    @property
     def learns(self) -> bool:
         """Whether the learner takes anything from errors."""
         return learners.learns(self.settings)

@@ -4,10 +4,10 @@ A kind is declared by a `Learner` in its own module and named in `LEARNERS`; doc
 `opml tables` prints docs/data.md.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from os import PathLike
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -36,6 +36,8 @@ from opml.tables import (
     read_table,
 )
 
+Path = TypeVar("Path")
+
 LEARNERS: tuple[Learner, ...] = (
     svr.LEARNER,
     fixed_laws.NONE,
@@ -52,6 +54,12 @@ LEARNERS: tuple[Learner, ...] = (
     fixed_laws.THERMOMETER,
 )
 """The kinds that stand alone. Any two of them make a stack."""
+
+ARC_TABLES = ("arcs", "cd_past", "held")
+"""Kinds of tables beside the dataset that are made for the window, and the memory, of a learner's arcs."""
+
+_BESIDE = ("oracle", *ARC_TABLES, "thermometer")
+"""Kinds of tables beside the dataset with columns of their own; all other columns are the mechanism's."""
 
 
 def by_kind(kind: str) -> Learner:
@@ -156,15 +164,31 @@ def arc_of(settings: Settings) -> tuple[float, float] | None:
     }
     if len(arcs) > 1:
         raise InputError(f"learners: window_hours: expected one window for both parts, got {len(arcs)}")
-    if not arcs and set(settings["variables"]) & set(SCHEMAS["arcs"].names):
+    if {*tables_asked(settings["variables"])}.isdisjoint(ARC_TABLES):
+        return None
+    if not arcs:
         raise InputError("learners: expected window_hours beside columns of the arcs, got none")
-    return next(iter(arcs), None)
+    return arcs.pop()
+
+
+def arc_windows(settings: Iterable[Settings]) -> list[float]:
+    """Return the windows [h] of the arcs that resolved settings of learners ask for, each once."""
+    return list(dict.fromkeys(arc[0] for arc in map(arc_of, settings) if arc))
+
+
+def paths_of_each(paths: Iterable[Path], settings: Iterable[Settings]) -> list[list[Path]]:
+    """Return the tables of each learner, of those of `tables_asked` that stand learner after learner.
+
+    settings: of the learners, resolved
+    """
+    rest = iter(paths)
+    return [[next(rest) for _ in tables_asked(learner["variables"])] for learner in settings]
 
 
 def tables_asked(variables: Sequence[str]) -> list[str]:
     """Return the kinds of tables beside the dataset that have the variables, such as arcs and mechanism."""
     missing, kinds = set(variables) - {*LEARNING_VARIABLES, "gap"}, []
-    for kind in ("oracle", "arcs", "thermometer"):
+    for kind in _BESIDE:
         if missing & set(SCHEMAS[kind].names):
             kinds.append(kind)
         missing -= set(SCHEMAS[kind].names)
@@ -180,7 +204,7 @@ def check_without_truth(name: str, settings: Settings) -> None:
 def check(values: Mapping[str, Any]) -> None:
     """Raise InputError where a learner of the settings `values` asks for an unknown variable."""
     drifts = mechanism_schema(values["mechanism"]["resonances"]).names
-    beside = [name for kind in ("oracle", "arcs", "thermometer") for name in SCHEMAS[kind].names]
+    beside = [name for kind in _BESIDE for name in SCHEMAS[kind].names]
     known = {*LEARNING_VARIABLES, "gap", *drifts, *beside} - {"i", "j"}
     for name, settings in values["learners"].items():
         learner = resolved(settings, component=COMPONENTS[0], variables=values["learning"]["variables"])

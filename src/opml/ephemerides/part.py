@@ -1,0 +1,158 @@
+"""A part of a task: ephemerides that are made side by side, and the arcs that models ask for beside them.
+
+Several models may ask for the same arcs. Each family of them flies once in a part.
+"""
+
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, field
+from functools import partial, wraps
+from typing import Concatenate, ParamSpec
+
+import numpy as np
+import pandas as pd
+
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.catalog.flight import Flight
+from opml.catalog.predict import mechanism, other_windows
+from opml.catalog.predict.mechanism import FittedArcs
+from opml.catalog.predict.prediction import predict
+from opml.catalog.predict.resonance import Resonances
+from opml.catalog.predict.sensitivity import sensitivities
+from opml.ephemerides.known import Known
+from opml.learning.models.learners import tables_asked
+
+Arguments = ParamSpec("Arguments")
+_Method = Callable[Concatenate["Part", Arguments], pd.DataFrame]
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Epochs of ephemerides: multiples of `step` [s], up to max_days after an estimate and to `end` [s]."""
+
+    step: float
+    max_days: float
+    end: float
+
+    def epochs(self, last: float) -> pd.Series:
+        """Return epochs [s] by their numbers, as far as ephemerides from estimates up to `last` [s] reach."""
+        number = np.arange(np.floor(min(last + DAY * self.max_days, self.end) / self.step) + 1.0).astype(int)
+        return pd.Series(self.step * number, index=number)
+
+
+def _once(make: _Method[Arguments]) -> _Method[Arguments]:
+    """Return the method of a part that makes a table once for the same arguments."""
+
+    @wraps(make)
+    def kept(part: "Part", /, *args: Arguments.args, **kwargs: Arguments.kwargs) -> pd.DataFrame:
+        key = (make.__name__, args, tuple(kwargs.items()))
+        if key not in part.made:
+            part.made[key] = make(part, *args, **kwargs)
+        return part.made[key]
+
+    return kept
+
+
+@dataclass(frozen=True)
+class Part:
+    """Ephemerides to be made side by side from `starts`, rows of the estimates, to the epochs of a grid.
+
+    flight: under the assumed model
+    made: the tables so far
+    """
+
+    flight: Flight
+    known: Known
+    starts: pd.DataFrame
+    grid: Grid
+    made: dict[Hashable, pd.DataFrame] = field(default_factory=dict, repr=False, compare=False)
+
+    def columns(
+        self, variables: Sequence[str] = (), *, arc: tuple[float, float] | None = None
+    ) -> pd.DataFrame:
+        """Return predictions from the starts to the grid, with the learning variables that a model asks for.
+
+        arc: window [h] and memory [days] of the arcs that it asks for
+
+        j is the number of the epoch on the grid. Rows without numbers are where an arc does not reach.
+        """
+        columns = self.pairs().join(self.known.at_estimates, on="i")
+        columns["duration"] = columns["t_j"] - columns["t_i"]
+        for kind in tables_asked(variables):
+            columns = columns.join(self._beside(kind, arc).drop(columns=["i", "j"]))
+        return columns
+
+    def _beside(self, kind: str, arc: tuple[float, float] | None) -> pd.DataFrame:
+        """Return the table of a kind; raise InputError for one that asks for more than one RSO."""
+        hours, memory_days = arc or (0.0, 0.0)
+        makers: dict[str, Callable[[], pd.DataFrame]] = {
+            "mechanism": self.mechanism,
+            "arcs": partial(self.arcs, hours),
+            "cd_past": partial(self.cd_past, hours, memory_days),
+            "held": partial(self.held, hours, memory_days),
+        }
+        if kind not in makers:
+            raise InputError(f"ephemeris: expected a learner that asks for one RSO alone, got the {kind}")
+        return makers[kind]()
+
+    @_once
+    def pairs(self) -> pd.DataFrame:
+        """Return predictions from the starts to the grid."""
+        return self._predicted(self.starts)
+
+    @_once
+    def predictions(self, hours: float) -> pd.DataFrame:
+        """Return predictions to the grid from the same tracks, by fits over another window [h]."""
+        estimates = self.known.other(hours)
+        return self._predicted(estimates[estimates["track"].isin(self.pairs()["i"].unique())])
+
+    @_once
+    def mechanism(self) -> pd.DataFrame:
+        """Return the `mechanism` table."""
+        known, hours = self.known, self.known.long_window_hours
+        fits = ((known.estimates, self.pairs()), (known.other(hours), self.predictions(hours)))
+        short, long = (
+            FittedArcs(
+                estimates,
+                predictions,
+                sensitivities(self.flight, estimates, predictions, bounds=known.bounds),
+            )
+            for estimates, predictions in fits
+        )
+        resonances = Resonances(known.resonances, hours, known.gm)
+        return mechanism.build(short, long, bounds=known.bounds, resonances=resonances)
+
+    @_once
+    def arcs(self, hours: float) -> pd.DataFrame:
+        """Return the `arcs` table of fits over a window [h]."""
+        return other_windows.build_arcs(
+            self.flight,
+            self.pairs(),
+            arc_estimates=self.known.undisturbed(hours),
+            arc_predictions=self.predictions(hours),
+        )
+
+    @_once
+    def cd_past(self, hours: float, memory_days: float) -> pd.DataFrame:
+        """Return the `cd_past` table of fits over a window [h]."""
+        return other_windows.build_past(
+            self.pairs(),
+            arc_estimates=self.known.undisturbed(hours),
+            apriori=self.flight.rso.cd,
+            memory_days=memory_days,
+        )
+
+    @_once
+    def held(self, hours: float, memory_days: float) -> pd.DataFrame:
+        """Return the `held` table of fits over a window [h]."""
+        return other_windows.build_held(
+            self.flight,
+            self.pairs(),
+            arc_estimates=self.known.undisturbed(hours),
+            memory_days=memory_days,
+        )
+
+    def _predicted(self, estimates: pd.DataFrame) -> pd.DataFrame:
+        """Return predictions of estimates to the grid."""
+        arrivals = self.grid.epochs(estimates["t"].iloc[-1])
+        return predict(self.flight, estimates, arrivals=arrivals, max_days=self.grid.max_days)

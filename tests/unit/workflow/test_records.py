@@ -1,0 +1,50 @@
+"""Tables that tell the settings that made them, and the plan that believes them."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import pandas as pd
+import pytest
+
+from opml.tables import TRUTH_GROUPS, write_table
+from opml.workflow.jobs import metadata_of_each
+from opml.workflow.records import tables_of_other_settings
+
+EPOCH = {"epoch": "2016-09-28T12:09:45"}
+NONE, RIDGE, OTHER = {"kind": "none"}, {"kind": "ridge", "alpha": 1.0}, {"kind": "ridge", "alpha": 2.0}
+
+
+@pytest.fixture
+def paths(tmp_path):
+    """Tables that one job made for two learners."""
+    made = EPOCH | {"learners": [NONE, RIDGE]}
+    table = pd.DataFrame({"rso": ["iss"]})
+    paths = [str(tmp_path / f"{learner['kind']}.parquet") for learner in made["learners"]]
+    for path, metadata in zip(paths, metadata_of_each(made), strict=True):
+        write_table(path, table, TRUTH_GROUPS, metadata=metadata)
+    return paths
+
+
+def found(output, learners):
+    job = SimpleNamespace(params={"settings": EPOCH | {"learners": learners}}, output=output)
+    return tables_of_other_settings(job)
+
+
+def test_tables_made_together_are_those_of_each_alone(paths):
+    none, ridge = paths
+    assert found(paths, [NONE, RIDGE]) == found([none], [NONE]) == found([ridge], [RIDGE]) == set()
+    assert (
+        found([*paths, "later.parquet"], [NONE, RIDGE, OTHER]) == set()
+    )  # that it lacks one, Snakemake sees
+
+
+def test_a_learner_with_other_settings_is_found(paths):
+    _, ridge = paths
+    assert found(paths, [NONE, OTHER]) == {ridge}
+    assert found([ridge], [OTHER]) == {ridge}
+
+
+def test_a_damaged_table_counts_as_one_of_other_settings(paths):
+    none, _ = paths
+    Path(none).write_bytes(b"no table")
+    assert found(paths, [NONE, RIDGE]) == {none}
