@@ -23,6 +23,7 @@ from opml.ephemerides.part import Grid, Part
 from opml.ephemerides.task import Task, reached
 from opml.learning.data.splits import known_at
 from opml.learning.judge.error_sizes import as_known
+from opml.learning.models.contract import hours_to_fill
 from opml.learning.models.daily_training import Lessons
 from opml.learning.models.learners import tables_asked
 from opml.orbits.elements import in_rsw
@@ -47,7 +48,7 @@ def first_day(lessons: Lessons, known: Known, *, train_days: Sequence[float]) ->
     """Return the day of the first morning.
 
     A learner that learns waits until half of the days to train on are over, any other until a window of
-    tracks is full.
+    tracks is full, a filter until it has forgotten how it began.
     """
     begin, end = train_days
     if lessons.learns:
@@ -56,7 +57,7 @@ def first_day(lessons: Lessons, known: Known, *, train_days: Sequence[float]) ->
     if "mechanism" in tables_asked(lessons.variables):
         hours.append(known.long_window_hours)
     if lessons.arc:
-        hours.append(lessons.arc[0])
+        hours.append(hours_to_fill(lessons.arc[0]))
     return begin + max(hours) / 24.0
 
 

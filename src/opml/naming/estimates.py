@@ -1,5 +1,6 @@
 """Suffixes of estimates in names: window, fit, arc, reading of t_b, label."""
 
+import math
 import re
 
 from opml.naming.spelling import POSITIVE, number
@@ -19,8 +20,8 @@ MEMBERS = r"[2-9]|[1-9][0-9]{1,2}"
 TRACK = r"0|[1-9][0-9]*"
 """Regular expression of the number of a track."""
 
-ARC_PATTERN = f"_l{POSITIVE}"
-"""Regular expression of the suffix of arcs."""
+ARC_PATTERN = f"_l(?:{POSITIVE}|filter)"
+"""Regular expression of the suffix of arcs; a filter's window is all that came before."""
 
 MEMORY_PATTERN = f"_m{POSITIVE}"
 """Regular expression of the suffix of a memory of the arcs' Cd."""
@@ -46,7 +47,12 @@ def parse_reading(suffix: str, *, previous: str) -> str:
 
 
 def window_suffix(hours: float, *, default: float) -> str:
-    """Return the suffix of estimates over a window [h]: `''` for the run's own window, `default`."""
+    """Return the suffix of estimates over a window [h]: `''` for the run's own window, `default`.
+
+    A filter's window is infinite.
+    """
+    if math.isinf(hours):
+        return FILTERED
     return "" if hours == default else f"_w{number(hours)}"
 
 
@@ -107,12 +113,13 @@ def label_window(label: str, *, hours: float) -> str:
 
 def arc_suffix(hours: float) -> str:
     """Return the suffix of arcs over a window [h]."""
-    return f"_l{number(hours)}"
+    return "_lfilter" if math.isinf(hours) else f"_l{number(hours)}"
 
 
 def parse_arc(suffix: str) -> float:
     """Return the window [h] of a suffix of arcs."""
-    return float(suffix.removeprefix("_l"))
+    hours = suffix.removeprefix("_l")
+    return math.inf if hours == "filter" else float(hours)
 
 
 def memory_suffix(days: float) -> str:

@@ -7,15 +7,16 @@ from functools import cached_property
 from opml import naming
 from opml.learning.data.components import CORRECTED, UNCORRECTED
 from opml.learning.judge.calibration import marks
-from opml.learning.models.learners import learns
+from opml.learning.models.contract import hours_to_fill
+from opml.learning.models.learners import learns, resolved
 from opml.naming import Experiment
 from opml.report.own_study import OwnStudyReport
 from opml.study.experiments import Study
 
-RUNNING = ("running", "running48m3", "running48m10", "running96", "running96m3", "running96m10")
+RUNNING = ("running24m3", "running24", "running48m3", "running", "running96m3", "running96")
 """Laws on the running mean of Cd. Those of one window share their arcs: another memory costs nothing."""
 
-BASELINES = ("none", "repredicted", "fit24", "fit48", "fit96", "held", *RUNNING)
+BASELINES = ("none", "repredicted", "fit24", "fit48", "fit96", "held", *RUNNING, "filter", "filtermean")
 """Models of what a good engineer would do without learning."""
 
 MODELS = (*BASELINES, "svr", "covariance", "mechanism", "twoarcs")
@@ -25,7 +26,7 @@ MARKS = (1, 2, 4, 7)
 """Prediction durations that the report states errors at [days]."""
 
 REPLAYED = (
-    *("none", "fit48", "fit96", "held", *RUNNING),
+    *("none", "fit48", "fit96", "held", *RUNNING, "filter", "filtermean"),
     *("covariance", "mechanism", "twoarcs"),
 )
 """The models whose mornings are replayed where a study names none: they are trained in seconds."""
@@ -161,7 +162,9 @@ class OwnStudy:
         first, last = naming.parse_train(train).days
         if learns(settings):
             return math.ceil(first + 0.5 * (last - first))
-        hours = max(values["estimation"]["window_hours"], settings.get("window_hours", 0.0))
+        asked = resolved(settings, component=CORRECTED, variables=())
+        longest = hours_to_fill(asked.get("window_hours", 0.0))
+        hours = max(values["estimation"]["window_hours"], longest)
         return float(first + hours / 24.0)
 
     @property

@@ -2,6 +2,7 @@
 
 import importlib.util
 import json
+import math
 import re
 import sys
 
@@ -41,9 +42,20 @@ SETTINGS = {
     "refitted": {"kind": "refitted", "window_hours": 48},
     "held": {"kind": "held", "window_hours": 12, "memory_days": 30},
     "running": {"kind": "running", "window_hours": 96, "memory_days": 30},
+    "filtered": {"kind": "filtered"},
+    "filtered_mean": {"kind": "filtered_mean", "memory_days": 30},
     "thermometer": {"kind": "thermometer"},
 }
-NOTHING_LEARNED = ("none", "repredicted", "refitted", "held", "running", "thermometer")
+NOTHING_LEARNED = (
+    "none",
+    "repredicted",
+    "refitted",
+    "held",
+    "running",
+    "filtered",
+    "filtered_mean",
+    "thermometer",
+)
 KINDS = pytest.mark.parametrize("kind", list(SETTINGS))
 
 
@@ -155,6 +167,7 @@ def test_the_arcs_that_a_learner_asks_for():
         return learners.arc_of(learners.resolved(settings, component="e_y", variables=VARIABLES))
 
     assert arc_of(**SETTINGS["running"]) == (96.0, 30.0)
+    assert arc_of(**SETTINGS["filtered"]) == (math.inf, 30.0)
     assert arc_of(kind="refitted", window_hours=48) == (48.0, 30.0)
     assert arc_of(**MECHANISM) is None
     assert arc_of(**MECHANISM, window_hours=48) is None  # of whose columns it reads none

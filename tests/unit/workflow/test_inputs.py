@@ -162,7 +162,7 @@ def test_the_forecast_is_the_named_one_or_persistence():
         ("stations", ["eglin", "kaena-eglin", "eglin_noise43"], ["atlantis", "eglin_noise42"]),
         ("window", ["", "_w24", "_w24_tol1_cd0.5_light", "_true"], ["_w12", "_b12", "_light_cd1"]),
         ("window", ["_filter"], ["_w24_filter", "_filter_light"]),
-        ("arc", ["_l48"], ["", "_l48_m30"]),
+        ("arc", ["_l48", "_lfilter"], ["", "_l48_m30", "_l48filter"]),
         ("memory", ["_m30"], ["", "_l48"]),
         ("reading", ["", "_track"], ["_kept"]),
         ("label", ["", "_later", "_smoothed"], ["_early"]),

@@ -1,5 +1,6 @@
 """What a learner declares and what its models promise: all that the rest of the package knows of a kind."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Protocol
@@ -76,11 +77,11 @@ def choose_variables(settings: Settings, *, component: str, variables: Sequence[
     return rest | {"variables": list(dict.fromkeys(component_columns(names, component)))}
 
 
-def fixed(*names: str) -> Resolve:
-    """Return how settings are resolved that leave no choice of variables."""
+def fixed(*names: str, **beside: Any) -> Resolve:
+    """Return how settings are resolved that leave no choice of variables; beside: further settings."""
 
     def resolve(settings: Settings, *, component: str, variables: Sequence[str]) -> dict[str, Any]:
-        return {**settings, "variables": component_columns(names, component)}
+        return {**settings, **beside, "variables": component_columns(names, component)}
 
     return resolve
 
@@ -100,10 +101,20 @@ def table_of(row: str, *columns: Column) -> Table:
 ARC_MEMORY_DAYS = 30.0
 """Memory of the arcs' mean Cd where a learner does not ask for another [days]: about a turn of the Sun."""
 
+WHOLE_PAST = math.inf
+"""Window of the arcs of a sequential filter [h]."""
+
+_SETTLED = 48.0
+
 _Length = Absent[Positive]
 
 ARC = {"window_hours": _Length, "memory_days": _Length}
 """Keys of learners whose variables may be columns of the tables of arcs, which are made for them."""
+
+
+def hours_to_fill(window_hours: float) -> float:
+    """Return after how many hours of tracks a window is full, or a filter has forgotten how it began."""
+    return _SETTLED if math.isinf(window_hours) else window_hours
 
 
 class AnyLearner:

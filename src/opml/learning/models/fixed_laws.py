@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.setting_types import Positive
-from opml.learning.models.contract import Learner, Metadata, Settings, fixed, table_of
+from opml.learning.models.contract import WHOLE_PAST, Learner, Metadata, Settings, fixed, table_of
 from opml.learning.models.inputs import Training, check_rows
 from opml.learning.models.metadata import describe, restore
 
@@ -52,8 +52,16 @@ class NoCorrection(FixedLaw):
 
 
 def _law(
-    kind: str, description: str, settings: Sequence[str], *variables: str, law: type[FixedLaw] = FixedLaw
+    kind: str,
+    description: str,
+    settings: Sequence[str],
+    *variables: str,
+    law: type[FixedLaw] = FixedLaw,
+    window_hours: float | None = None,
 ) -> Learner:
+    """Return the learner of a law; window_hours: of its arcs, where no setting has it [h]."""
+    beside = {} if window_hours is None else {"window_hours": window_hours}
+
     def fit(training: Training, _: Settings) -> FixedLaw:
         check_rows(training.x, training.variables)
         return law(kind, tuple(training.variables))
@@ -65,7 +73,7 @@ def _law(
         table=table_of("nothing: there is no number to keep"),
         fit=fit,
         load=law.from_table,
-        resolve=fixed(*variables),
+        resolve=fixed(*variables, **beside),
         learns=False,
     )
 
@@ -88,6 +96,16 @@ RUNNING = _law(
     "law without a truth: l_arc + v_arc (cd_arc - cd_past), with the running mean of Cd",
     ["window_hours", "memory_days"],
     *("l_arc", "v_arc", "cd_arc", "cd_past"),
+)
+
+FILTERED = _law("filtered", "sequential filter, nothing learned", [], "l_arc", window_hours=WHOLE_PAST)
+
+FILTERED_MEAN = _law(
+    "filtered_mean",
+    "sequential filter, with the running mean of its Cd",
+    ["memory_days"],
+    *("l_arc", "v_arc", "cd_arc", "cd_past"),
+    window_hours=WHOLE_PAST,
 )
 
 THERMOMETER = _law(

@@ -51,6 +51,8 @@ LEARNERS: tuple[Learner, ...] = (
     fixed_laws.REFITTED,
     fixed_laws.HELD,
     fixed_laws.RUNNING,
+    fixed_laws.FILTERED,
+    fixed_laws.FILTERED_MEAN,
     fixed_laws.THERMOMETER,
 )
 """The kinds that stand alone. Any two of them make a stack."""
