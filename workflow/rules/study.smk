@@ -34,6 +34,9 @@ if OWN.is_asked:
             rolling=paths_of(rules.rolling.output[0], *OWN.rolling.values()),
             replays=[path_of(rules.replay.output[0], **parts) for parts in OWN.replayed.values()],
             fits=paths_of(rules.fit_calibration.output[0], *OWN.fits.values()),
+            pictures=[
+                path_of(STUDY_RESIDUALS.file("png"), rso=rso, stations=stations) for rso, stations in OWN.fits
+            ],
         output:
             **documents(STUDY_REPORT, section=SECTIONS["study"]),
         log:

@@ -90,6 +90,7 @@ def residuals(mornings: Mornings, *, laws: Collection[str], note: str = "") -> F
     """Draw sizes of e_y [m] by duration [d]: without correction, as flown, and as each model would leave it.
 
     Errors without correction and errors of what was flown have bands of 50 and 90 %; models have medians.
+    Named are the model chosen last, the best without learning, the best that learned, and the paper's.
 
     mornings: of one dataset
     laws: the models that learned
@@ -100,20 +101,29 @@ def residuals(mornings: Mornings, *, laws: Collection[str], note: str = "") -> F
     before, after = (sizes(mornings.flown, column) for column in ("before", "e_y"))
     _draw_bands(axes, before, TRUE_COLOR, "o", "no correction")
     _draw_bands(axes, after, RESIDUAL, "^", "corrected by what the past chose")
-    others = {name: sizes(table, "e_y") for name, table in mornings.tables.items() if name != "none"}
-    for name, median in others.items():
-        look: dict[str, Any] = (
-            {"ls": "--", "label": "learned"} if name in laws else {"label": "nothing learned"}
-        )
-        axes.plot(median.index, median["50"], color=BASELINE, lw=0.9, zorder=2.5, **look)
+    medians = {name: sizes(table, "e_y")["50"] for name, table in mornings.tables.items() if name != "none"}
+    named = _to_name(mornings, laws)
+    for name, median in medians.items():
+        look: dict[str, Any] = {"ls": "--" if name in laws else "-", "lw": 0.6, "color": MUTED}
+        if name in named:
+            look |= {"lw": 1.2, "color": BASELINE, "label": "learned" if name in laws else "nothing learned"}
+        axes.plot(median.index, median, zorder=2.5, **look)
     _size_axis(axes, "e_y")
     axes.set_xlim(0.0, before.index[-1])
     axes.set_xlabel(DURATION_LABEL)
     axes.set_ylabel(_size_label("e_y"))
-    _name_ends(axes, {name: float(median["50"].iloc[-1]) for name, median in others.items()})
-    reading = "lines: medians; bands: the middle 50 % and 90 % of the errors"
+    _name_ends(axes, {name: float(medians[name].iloc[-1]) for name in named})
+    reading = "lines: medians, in grey of the other models; bands: the middle 50 % and 90 % of the errors"
     legend(figure, columns=4, note=lines(note, reading))
     return figure
+
+
+def _to_name(mornings: Mornings, laws: Collection[str]) -> list[str]:
+    """Return the models that a figure names: chosen last, the best of both kinds, and the paper's."""
+    names = [name for name in mornings.tables if name != "none"]
+    plain, learned = [name for name in names if name not in laws], [name for name in names if name in laws]
+    best = {mornings.best(kind) for kind in (plain, learned) if kind}
+    return [name for name in names if name in best | {mornings.chosen, "svr"}]
 
 
 def sizes(table: pd.DataFrame, column: str) -> pd.DataFrame:

@@ -9,6 +9,8 @@ from opml.report.document import Block, Heading, Paragraph
 from opml.report.mornings import Dataset
 from opml.report.results import length
 
+TITLE = "These fits are absurd"
+
 CD_BOUNDS = (0.0, 10.0)
 """Drag coefficients that a body may have."""
 
@@ -22,21 +24,23 @@ LONGER_HOURS = 48.0
 """Least window that is advised [h]."""
 
 
-def section(estimates: Mapping[Dataset, pd.DataFrame], window_hours: float) -> Iterator[Block]:
+def symptoms(estimates: Mapping[Dataset, pd.DataFrame]) -> dict[Dataset, str]:
+    """Return in words what is absurd about `estimates` tables, of those alone that are not sound."""
+    found = {dataset: _symptoms(table[table["converged"]]) for dataset, table in estimates.items()}
+    return {dataset: words for dataset, words in found.items() if words}
+
+
+def section(absurd: Mapping[Dataset, str], window_hours: float) -> Iterator[Block]:
     """Yield the warning, nothing where the fits of every dataset are sound.
 
-    estimates: tables of that name
+    absurd: `symptoms` by dataset
     window_hours: measurements before a track that its fit used
     """
-    warnings = [
-        Paragraph(f"**{rso}, {stations}.** {symptoms}")
-        for (rso, stations), table in estimates.items()
-        if (symptoms := _symptoms(table[table["converged"]]))
-    ]
-    if not warnings:
+    if not absurd:
         return
-    yield Heading("First of all: these fits are absurd")
-    yield from warnings
+    yield Heading(TITLE)
+    for (rso, stations), words in absurd.items():
+        yield Paragraph(f"**{rso}, {stations}.** {words}")
     yield Paragraph(
         f"The tracks within {window_hours:g} h do not tell Cd, and nobody would fly such fits: what a model "
         "leaves of their errors (P_ML) means little, only metres and skill count. Fit over a longer window, "

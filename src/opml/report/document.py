@@ -1,9 +1,14 @@
-"""Short documents of headings, paragraphs and tables, written as Markdown, HTML and tab-separated text."""
+"""Short documents: headings, paragraphs, lists, tables, pictures; as Markdown, HTML and tab-separated text.
 
+Texts may hold `code` between backticks, **bold** words between double asterisks and [links](#to-a-heading).
+"""
+
+import base64
 import html
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from opml.base.files import FilePath, replacing
 from opml.tables import HOW_TO_CSV
@@ -19,9 +24,16 @@ class Heading:
 
 @dataclass(frozen=True)
 class Paragraph:
-    """A paragraph; `code` stands between backticks, **bold** words between double asterisks."""
+    """A paragraph."""
 
     text: str
+
+
+@dataclass(frozen=True)
+class Items:
+    """A list of texts, each with a point before it."""
+
+    texts: Sequence[str]
 
 
 @dataclass(frozen=True)
@@ -32,7 +44,26 @@ class Table:
     rows: Sequence[Sequence[str]]
 
 
-Block = Heading | Paragraph | Table
+@dataclass(frozen=True)
+class Picture:
+    """A PNG, which Markdown links to and HTML holds; link: its path as seen from the document."""
+
+    file: FilePath
+    link: str
+    shows: str
+
+
+Block = Heading | Paragraph | Items | Table | Picture
+
+
+def link_to(heading: str) -> str:
+    """Return a link to the heading of that text in the same document."""
+    return f"[{heading}](#{_anchor(heading)})"
+
+
+def _anchor(heading: str) -> str:
+    """Return the name that readers of Markdown give to a heading."""
+    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
 
 
 def markdown(blocks: Iterable[Block]) -> str:
@@ -41,7 +72,7 @@ def markdown(blocks: Iterable[Block]) -> str:
 
 
 def html_page(blocks: Iterable[Block], *, title: str) -> str:
-    """Return the document as one HTML page without references to anything outside."""
+    """Return the document as one HTML page that needs nothing from outside to be read."""
     body = "\n".join(_html(block) for block in blocks)
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<meta charset="utf-8">\n'
@@ -81,11 +112,19 @@ def write(
 
 
 _STYLE = (
-    "body{font:15px/1.5 sans-serif;max-width:70em;margin:2em auto;padding:0 1em;color:#222}"
-    "table{border-collapse:collapse;margin:1em 0}"
-    "th,td{border-bottom:1px solid #ccc;padding:.3em .7em;text-align:left;vertical-align:top}"
-    "th{border-bottom:2px solid #888}code{background:#f2f2f2;padding:0 .2em;overflow-wrap:anywhere}"
+    ":root{color-scheme:light dark;--ink:#222;--line:#ccc;--code:#f2f2f2;--link:#0b5cad}"
+    "@media(prefers-color-scheme:dark)"
+    "{:root{--ink:#ddd;--line:#555;--code:#333;--link:#7ab8ff}body{background:#1b1b1b}}"
+    "body{font:15px/1.5 sans-serif;max-width:70em;margin:2em auto;padding:0 1em;color:var(--ink)}"
+    "a{color:var(--link)}img{max-width:100%;background:#fff}"
+    "table{border-collapse:collapse;margin:1em 0;display:block;overflow-x:auto}"
+    "th,td{border-bottom:1px solid var(--line);padding:.3em .7em;text-align:left;vertical-align:top}"
+    "th{border-bottom-width:2px}.number{text-align:right;font-variant-numeric:tabular-nums}"
+    "code{background:var(--code);padding:0 .2em;overflow-wrap:anywhere}td code{overflow-wrap:normal}"
 )
+
+_NUMBERS = re.compile(r"-|[-+]?\.?\d[\d.,e+\-]*( %)?( / [-+]?\d[\d.e+\-]*| \([^a-z]+ to [^a-z]+\))?")
+"""A cell of a number, of two, or of one with its interval."""
 
 
 def _markdown(block: Block) -> str:
@@ -94,26 +133,43 @@ def _markdown(block: Block) -> str:
             return f"{'#' * level} {text}"
         case Paragraph(text):
             return text
+        case Items(texts):
+            return "\n".join(f"- {text}" for text in texts)
         case Table(header, rows):
             lines = [header, ["---"] * len(header), *rows]
             return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+        case Picture(_, link, shows):
+            return f"![{shows}]({link})"
 
 
 def _html(block: Block) -> str:
     match block:
         case Heading(text, level):
-            return f"<h{level}>{_inline(text)}</h{level}>"
+            return f'<h{level} id="{_anchor(text)}">{_inline(text)}</h{level}>'
         case Paragraph(text):
             return f"<p>{_inline(text)}</p>"
+        case Items(texts):
+            return "<ul>\n" + "\n".join(f"<li>{_inline(text)}</li>" for text in texts) + "\n</ul>"
         case Table(header, rows):
-            lines = [_row(header, "th"), *(_row(row, "td") for row in rows)]
+            kinds = [_kind([row[k] for row in rows]) for k in range(len(header))]
+            lines = [_row(header, "th", kinds), *(_row(row, "td", kinds) for row in rows)]
             return "<table>\n" + "\n".join(lines) + "\n</table>"
+        case Picture(file, _, shows):
+            data = base64.b64encode(Path(file).read_bytes()).decode()
+            return f'<p><img alt="{html.escape(shows)}" src="data:image/png;base64,{data}"></p>'
 
 
-def _row(cells: Sequence[str], tag: str) -> str:
-    return "<tr>" + "".join(f"<{tag}>{_inline(cell)}</{tag}>" for cell in cells) + "</tr>"
+def _kind(cells: Sequence[str]) -> str:
+    """Return the class of a column's cells, ` class=number` where all of them are numbers."""
+    return ' class="number"' if cells and all(_NUMBERS.fullmatch(cell) for cell in cells) else ""
+
+
+def _row(cells: Sequence[str], tag: str, kinds: Sequence[str]) -> str:
+    texts = (f"<{tag}{kind}>{_inline(cell)}</{tag}>" for cell, kind in zip(cells, kinds, strict=True))
+    return f"<tr>{''.join(texts)}</tr>"
 
 
 def _inline(text: str) -> str:
     bold = re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", html.escape(text))
-    return re.sub(r"`([^`]*)`", r"<code>\1</code>", bold)
+    linked = re.sub(r"\[([^\]]+)\]\(([^)\s]+)\)", r'<a href="\2">\1</a>', bold)
+    return re.sub(r"`([^`]*)`", r"<code>\1</code>", linked)

@@ -7,13 +7,16 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.learning.judge.errors_by_duration import at_days
-from opml.learning.judge.model_choice import CONFIDENCE, Mornings
+from opml.learning.judge.model_choice import CONFIDENCE, Mornings, summed
+from opml.report import on_the_sky
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.results import NO_VALUE, length
 from opml.report.skill import NO_CORRECTION, skill_cell
 
 Dataset = tuple[str, str]
 """RSO and station set."""
+
+TITLE = "Every morning"
 
 CHOSEN = "chosen by the past"
 
@@ -28,7 +31,7 @@ def section(
     """
     if not replays:
         return
-    yield Heading("Every morning")
+    yield Heading(TITLE)
     yield Paragraph(
         "Each morning a model is trained anew on the errors known by then, and the day's estimates are "
         "predicted and corrected: no row rests on anything from after its t_i. Size of e_y [m] near some "
@@ -40,12 +43,13 @@ def section(
     for (rso, stations), mornings in replays.items():
         yield Paragraph(f"**{rso}, {stations}.** {_verdict(mornings, laws)}")
         yield Table(["model", *(f"{day:g} d" for day in marks), "skill, %"], _rows(mornings, marks, laws))
+        yield from on_the_sky.section(mornings.flown, marks)
 
 
 def _verdict(mornings: Mornings, laws: Sequence[str]) -> str:
     """Return as text what was flown, and what it left beside the best model without learning."""
     best, least = best_model(mornings, laws)
-    skill = skill_cell(_summed(mornings.flown), least)
+    skill = skill_cell(summed(mornings.flown), least)
     names = [choice.chosen for choice in mornings.choices.values()]
     flown = ", ".join(f"`{name}` {number}" for name, number in Counter(names).most_common())
     sure = sum(name in laws for name in names)
@@ -63,13 +67,8 @@ def best_model(mornings: Mornings, laws: Sequence[str]) -> tuple[str, float]:
 
     |e_y| is summed over all predictions [m].
     """
-    left = {name: _summed(table) for name, table in mornings.tables.items() if name not in laws}
-    best = min(left, key=left.__getitem__)
-    return best, left[best]
-
-
-def _summed(table: pd.DataFrame) -> float:
-    return float(table["e_y"].abs().sum())
+    best = mornings.best([name for name in mornings.tables if name not in laws])
+    return best, summed(mornings.tables[best])
 
 
 def _rows(mornings: Mornings, marks: Sequence[float], laws: Sequence[str]) -> list[list[str]]:
@@ -91,4 +90,4 @@ def _row(name: str, table: pd.DataFrame, marks: Sequence[float], least: float) -
         f"{length(sizes[day]['after_50'])} / {length(sizes[day]['after_95'])}" if day in sizes else NO_VALUE
         for day in marks
     ]
-    return [name, *cells, skill_cell(_summed(table), least)]
+    return [name, *cells, skill_cell(summed(table), least)]

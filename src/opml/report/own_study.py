@@ -6,6 +6,7 @@ from typing import Any, TypeVar
 
 import pandas as pd
 
+from opml.base.files import FilePath
 from opml.learning.data.cleaning import PAPER_BOUNDS, PAPER_CLEANING, PAPER_FENCE
 from opml.learning.data.dataset import survives
 from opml.learning.judge.errors_by_duration import at_days
@@ -14,7 +15,8 @@ from opml.learning.judge.model_choice import Mornings
 from opml.learning.judge.rolling_origins import by_day
 from opml.learning.models.learners import learns
 from opml.naming import SPLIT, Experiment, parse_test, parse_train, strip_seed
-from opml.report import absurd_fits, mornings, uncertainty
+from opml.report import absurd_fits, answer, mornings, uncertainty
+from opml.report.answer import Sources
 from opml.report.beyond import model_table
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.mornings import Dataset
@@ -47,6 +49,7 @@ class OwnStudyReport:
     trained_anew: Mapping[str, Any]  # on which days, how often, on how many days' labels [days]
     marks: Sequence[float]  # prediction durations that errors are stated at [days]
     durations: Sequence[float]  # prediction durations that coverage is stated at [days]
+    sources: Mapping[Dataset, Sources]  # what the answers point at
     settings: Mapping[str, Any]
 
 
@@ -61,6 +64,7 @@ class OwnStudyTables:
     rolling: Mapping[ModelKey, pd.DataFrame]  # of the learners that are trained anew
     replays: Mapping[ModelKey, pd.DataFrame]
     calibration: Mapping[Dataset, pd.DataFrame]  # of the fits' own covariances
+    pictures: Mapping[Dataset, FilePath]  # PNGs of the errors of all models
 
 
 def document(report: OwnStudyReport, tables: OwnStudyTables) -> list[Block]:
@@ -73,14 +77,21 @@ def document(report: OwnStudyReport, tables: OwnStudyTables) -> list[Block]:
         dataset: table.loc[survives(table, tables.estimates[dataset], PAPER_CLEANING), ["i", "j"]]
         for dataset, table in tables.datasets.items()
     }
+    absurd = absurd_fits.symptoms(tables.estimates)
+    rsos = ", ".join(dict.fromkeys(rso for rso, _ in report.datasets))
     return [
-        Heading("The study", 1),
-        *absurd_fits.section(tables.estimates, report.settings["estimation"]["window_hours"]),
-        Paragraph(
-            f"Predictions of {', '.join(dict.fromkeys(rso for rso, _ in report.datasets))} from "
-            f"{report.settings['epoch']} UTC over {report.settings['duration_days']:g} days, corrected in "
-            f"`{report.component}` by models that learned from earlier ones. {weather(report.settings)}"
+        Heading(f"The study of {rsos}", 1),
+        *answer.section(
+            replays,
+            report.sources,
+            tables.pictures,
+            laws=report.laws,
+            marks=report.marks,
+            durations=report.durations,
+            absurd=absurd,
+            proof=[_errors_title(report), *((mornings.TITLE, uncertainty.TITLE) if replays else ())],
         ),
+        *absurd_fits.section(absurd, report.settings["estimation"]["window_hours"]),
         *_errors(report, tables),
         *mornings.section(replays, report.marks, report.laws),
         *uncertainty.section(replays, tables.calibration, report.durations),
@@ -172,11 +183,20 @@ def _by_model(report: OwnStudyReport) -> Iterator[tuple[str, str, str, list[Expe
         yield rso, stations, learner, experiments
 
 
+def _errors_title(report: OwnStudyReport) -> str:
+    return f"Errors and skill: {report.shown}"
+
+
 def _errors(report: OwnStudyReport, tables: OwnStudyTables) -> Iterator[Block]:
     """Yield the errors in metres, and each model's skill against the best without learning."""
     train, test = report.pairs[report.shown]
     unit = "m/s" if report.component.startswith("e_v") else "m"
-    yield Heading(f"Errors and skill: {report.shown}")
+    yield Heading(_errors_title(report))
+    yield Paragraph(
+        f"Predictions from {report.settings['epoch']} UTC over {report.settings['duration_days']:g} days, "
+        f"corrected in `{report.component}` by models that learned from earlier ones. "
+        f"{weather(report.settings)}"
+    )
     yield Paragraph(
         f"Size of `{report.component}` [{unit}] near some prediction durations, median / 95th percentile. "
         f"Trained once, on {train}, and tested on {test}: {_touched(report)} Skill [%] is what a model takes "

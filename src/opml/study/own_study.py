@@ -10,8 +10,9 @@ from opml.learning.judge.calibration import marks
 from opml.learning.models.contract import hours_to_fill
 from opml.learning.models.learners import learns, resolved
 from opml.naming import Experiment
+from opml.report.answer import ALL_MODELS, Sources
 from opml.report.own_study import OwnStudyReport
-from opml.study.experiments import Study
+from opml.study.experiments import FILES, MEASURED, SIMULATED, Study
 
 RUNNING = ("running24m3", "running24", "running48m3", "running", "running96m3", "running96")
 """Laws on the running mean of Cd. Those of one window share their arcs: another memory costs nothing."""
@@ -240,5 +241,41 @@ class OwnStudy:
             trained_anew=self.study.rolling,
             marks=self.marks,
             durations=marks(self.study.settings.values["prediction"]["max_days"]),
+            sources={dataset: self._sources(*dataset) for dataset in self.datasets},
             settings=self.study.settings.values,
         )
+
+    def _sources(self, rso: str, stations: str) -> Sources:
+        """Return what the report's answer points at; figures are linked to as seen from the report."""
+        values, (train, test) = self.study.settings.values, self.splits[self.shown]
+        first, last = naming.parse_train(naming.strip_seed(train, naming.SPLIT)).days
+        later = naming.parse_test(test)
+        end = later.days[1] if later.kind == "days" else last
+        days = naming.days_split((first, end))
+        label, models = naming.LABELS[self.study.label], self.mornings(rso, stations)
+        folder = f"{values['results']}/corrected/{rso}/{stations}{label}/{days}"
+        figures = {
+            **({ALL_MODELS: f"study/{rso}/{stations}_residuals"} if models else {}),
+            "model by model": f"study/{rso}/{stations}_errors",
+            "P_ML": f"study/{rso}/models",
+            "Cd and the weather": f"study/{rso}/{stations}_drag",
+            **({"ellipsoids": f"study/{rso}/{stations}_ellipsoids"} if models else {}),
+            **({} if self.study.is_measured(rso) else {"passes": f"maps/{rso}/{stations}"}),
+            "rows": "study/rows",
+        }
+        return Sources(
+            files={name: f"{folder}/{name}.oem" for name in models},
+            day=end,
+            end=values["duration_days"],
+            manoeuvres=self._manoeuvres(rso),
+            figures={shows: f"figs/{name}.png" for shows, name in figures.items()},
+        )
+
+    def _manoeuvres(self, rso: str) -> str:
+        """Return in words which manoeuvres of an RSO are known, '' where it is simulated."""
+        named = len(self.study.settings.values.get("manoeuvres", {}).get(rso, []))
+        return {
+            MEASURED: f"{named} manoeuvres are named in `manoeuvres`",
+            FILES: "known are those that the orbit's files mark",
+            SIMULATED: "",
+        }[self.study.truth_of(rso)]

@@ -190,7 +190,7 @@ def estimates_of(table):
 
 def tables(metrics, evaluations, datasets, estimates, rolling=()):
     """Tables of a study without replays."""
-    return report.OwnStudyTables(metrics, evaluations, datasets, estimates, dict(rolling), {}, {})
+    return report.OwnStudyTables(metrics, evaluations, datasets, estimates, dict(rolling), {}, {}, {})
 
 
 SHARES = {"rows": 100, "estimates": 7, "p_ml": 20.0, "p_ml_low": 18.0, "p_ml_high": 23.0}
@@ -343,9 +343,14 @@ def test_the_best_without_learning_is_the_pasts_where_mornings_were_replayed():
 def test_absurd_fits_are_what_a_study_says_first(changed, symptom):
     key = ("lares", "eglin-clear-kaena")
     text = document.markdown(
-        absurd_fits.section({key: estimates_of(evaluation()).assign(**changed), ("iss", "eglin"): SOUND}, 12)
+        absurd_fits.section(
+            absurd_fits.symptoms(
+                {key: estimates_of(evaluation()).assign(**changed), ("iss", "eglin"): SOUND}
+            ),
+            12,
+        )
     )
-    assert text.startswith("## First of all: these fits are absurd\n")
+    assert text.startswith("## These fits are absurd\n")
     assert symptom in text
     assert "`estimation: {window_hours: 48}`" in text
     assert "`estimation: {cd_sigma: 0.1}`" in text
@@ -354,9 +359,10 @@ def test_absurd_fits_are_what_a_study_says_first(changed, symptom):
 
 def test_sound_fits_are_no_reason_for_a_warning(told):
     assert "absurd" not in told
-    assert not list(absurd_fits.section({("iss", "eglin"): SOUND}, 12))
+    assert absurd_fits.symptoms({("iss", "eglin"): SOUND}) == {}
     few = SOUND.assign(cd=np.where(SOUND.index < 4, 12.0, 2.2))  # 4 of 100
-    assert not list(absurd_fits.section({("iss", "eglin"): few}, 12))
+    assert absurd_fits.symptoms({("iss", "eglin"): few}) == {}
+    assert not list(absurd_fits.section({}, 12))
 
 
 def test_a_duration_that_nothing_reaches_has_no_number():

@@ -6,7 +6,7 @@ that it leaves less, in that measure and in metres. A bootstrap over blocks of t
 ended tells the confidence.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -139,6 +139,15 @@ class Mornings:
     choices: Mapping[float, Choice]
     earlier: int
 
+    @property
+    def chosen(self) -> str:
+        """The model that the past chose on the last morning."""
+        return self.choices[max(self.choices)].chosen
+
+    def best(self, names: Iterable[str]) -> str:
+        """Return which of these models left least in all, as is known in hindsight only."""
+        return min(names, key=lambda name: summed(self.tables[name]))
+
     @classmethod
     def from_replays(cls, replays: Mapping[str, pd.DataFrame], laws: Sequence[str], *, seed: int) -> Self:
         """Choose on every morning from `replay` tables by model.
@@ -163,6 +172,11 @@ class Mornings:
         }
         longest = max(replays.values(), key=len)
         return cls(tables, _flown(tables, choices), choices, int((longest["morning"] < min(choices)).sum()))
+
+
+def summed(replay: pd.DataFrame) -> float:
+    """Return |e_y| summed over the rows of a `replay` table [m]."""
+    return float(replay["e_y"].abs().sum())
 
 
 def _shared_pairs(replays: Mapping[str, pd.DataFrame], mornings: Sequence[float]) -> pd.MultiIndex:

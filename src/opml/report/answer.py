@@ -1,0 +1,187 @@
+"""The report's first section: which model to fly, what it left, the file to send, what to watch."""
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+from opml.learning.judge import calibration
+from opml.learning.judge.error_sizes import LEVEL
+from opml.learning.judge.errors_by_duration import at_days
+from opml.learning.judge.model_choice import Mornings, summed
+from opml.report import absurd_fits, uncertainty
+from opml.report.document import Block, Heading, Items, Paragraph, Picture, link_to
+from opml.report.mornings import Dataset
+from opml.report.on_the_sky import days_within
+from opml.report.skill import skill
+from opml.tables import ELLIPSOID
+
+TITLE = "What to fly"
+
+ALL_MODELS = "all models"
+"""What the figure shows that an answer holds."""
+
+_SPANS = {1.0: "a day", 7.0: "a week"}
+
+
+@dataclass(frozen=True)
+class Sources:
+    """What the answer of a dataset points at.
+
+    files: corrected ephemerides by model, as CCSDS OEM
+    day: of the newest estimate that they start from
+    end: day on which the run ends
+    manoeuvres: which are known, in words, '' of a simulated RSO, which makes none
+    figures: links to figures by what they show
+    """
+
+    files: Mapping[str, str]
+    day: float
+    end: float
+    manoeuvres: str
+    figures: Mapping[str, str]
+
+
+def section(
+    replays: Mapping[Dataset, Mornings],
+    sources: Mapping[Dataset, Sources],
+    pictures: Mapping[Dataset, FilePath],
+    *,
+    laws: Collection[str],
+    marks: Sequence[float],
+    durations: Sequence[float],
+    absurd: Collection[Dataset],
+    proof: Sequence[str],
+) -> Iterator[Block]:
+    """Yield the section.
+
+    sources: of each dataset of the study
+    pictures: PNGs of the errors of all models
+    laws: the models that learn
+    marks: prediction durations that errors are stated at [days]
+    durations: prediction durations that coverage is stated at [days]
+    absurd: datasets whose fits nobody would fly
+    proof: headings of the sections that the answers follow from
+    """
+    yield Heading(TITLE)
+    for (rso, stations), source in sources.items():
+        found = replays.get((rso, stations))
+        items = [f"**Why:** {', '.join(map(link_to, proof))}."]
+        if found is None:
+            verdict = "No morning was replayed, so nothing tells which model to fly."
+        else:
+            chosen = found.chosen
+            verdict = (
+                f"Fly `{chosen}`: {_left(found, marks)} {_held(found, durations)} {_others(found, laws)}"
+            )
+            items += [_file(source, chosen), _training(found, laws)]
+        items += _to_watch(found, source, durations, (rso, stations) in absurd)
+        figures = ", ".join(f"[{shows}]({path})" for shows, path in source.figures.items())
+        yield Paragraph(f"**{rso}, {stations}.** {verdict}")
+        yield Items([*items, f"**Figures:** {figures}."])
+        if (rso, stations) in pictures:
+            shows = f"Errors of {rso} by {stations}: before correction, as flown, and of each model"
+            yield Picture(pictures[rso, stations], source.figures[ALL_MODELS], shows)
+
+
+def _left(found: Mornings, marks: Sequence[float]) -> str:
+    """Return in words the errors of what was flown, after the first and the last of some durations."""
+    sizes = at_days(found.flown.assign(true=found.flown["before"], residual=found.flown["e_y"]), marks)
+    ends = sizes.iloc[[0, -1]].drop_duplicates("day") if len(sizes) else sizes
+    words = [f"{_distance(row['after_50'])} after {_span(row['day'])}" for row in ends.to_dict("records")]
+    names = [choice.chosen for choice in found.choices.values()]
+    return (
+        f"{', '.join(words)} (median along-track error of what the past chose on {len(names)} mornings, this "
+        f"model on {names.count(found.chosen)})."
+    )
+
+
+def _span(days: float) -> str:
+    return _SPANS.get(days, f"{days:g} days")
+
+
+def _distance(metres: float) -> str:
+    """Return a length [m] in words, to two digits."""
+    return f"{metres:.2g} m" if metres < 99.5 else f"{float(f'{metres:.2g}') / 1000.0:g} km"
+
+
+def _held(found: Mornings, durations: Sequence[float]) -> str:
+    """Return in words the shares of the errors inside the 90 % ellipsoid."""
+    shares = _ellipsoids(found, durations)
+    if not shares:
+        return uncertainty.TOO_SHORT
+    low, high = (f"{100.0 * share:.0f}" for share in (min(shares.values()), max(shares.values())))
+    return f"Its 90 % ellipsoid holds {low if low == high else f'{low} to {high}'} % of the errors."
+
+
+def _ellipsoids(found: Mornings, durations: Sequence[float]) -> dict[float, float]:
+    """Return shares of the errors of what was flown inside the 90 % ellipsoid, by duration [days]."""
+    try:
+        shares = calibration.of_replay(found.flown, days=durations)
+    except InputError:  # the past was too short for a covariance
+        return {}
+    rows = shares[(shares["quantity"] == ELLIPSOID) & (shares["level"] == LEVEL)]
+    return dict(zip(rows["day"], rows["inside"], strict=True))
+
+
+def _others(found: Mornings, laws: Collection[str]) -> str:
+    """Return in words what the best model without learning would have left, and the best that learned."""
+    flown, words = summed(found.flown), []
+    plain, learned = [[name for name in found.tables if (name in laws) is kind] for kind in (False, True)]
+    for names, what in ((plain, "the best without learning"), (learned, "the best that learned")):
+        if names:
+            best = found.best(names)
+            words.append(f"`{best}`, {what}, {_more(summed(found.tables[best]), flown)}")
+    return f"On every morning, {' and '.join(words)}: known in hindsight only."
+
+
+def _more(left: float, flown: float) -> str:
+    """Return in words what a model would have left, beside what was flown."""
+    percent = -round(skill(left, flown)) if flown > 0.0 else 0
+    return f"would have left {abs(percent)} % {'more' if percent >= 0 else 'less'}"
+
+
+def _file(source: Sources, chosen: str) -> str:
+    path = source.files[chosen]
+    return (
+        f"**File:** `snakemake -j2 --configfile FILE -- {path}`, with this study's settings as FILE, writes "
+        f"the ephemeris from the newest estimate before day {source.day:g}. It ends with the run, on day "
+        f"{source.end:g}."
+    )
+
+
+def _training(found: Mornings, laws: Collection[str]) -> str:
+    names = [choice.chosen for choice in found.choices.values()]
+    changes = sum(new != old for old, new in pairwise(names))
+    again = (
+        "**Train again** each morning, as was done here, by the new last day in the file's name."
+        if names[-1] in laws
+        else f"**Train again:** never, as `{names[-1]}` learns nothing. New tracks make a new file and its "
+        "covariances each morning, by the new last day in its name."
+    )
+    return f"{again} On {changes} of {len(names)} mornings the past changed its choice."
+
+
+def _to_watch(
+    found: Mornings | None, source: Sources, durations: Sequence[float], is_absurd: bool
+) -> Iterator[str]:
+    """Yield what an operator has to look at."""
+    if is_absurd:
+        yield f"**Watch the fits:** {link_to(absurd_fits.TITLE)}."
+    if found is not None:
+        yield f"**Watch the errors:** {days_within(found.flown)}"
+        low, high = uncertainty.HOLDS
+        misses = [
+            f"{100.0 * share:.0f} % after {_span(day)}"
+            for day, share in _ellipsoids(found, durations).items()
+            if not low <= share <= high
+        ]
+        if misses:
+            held = f"the 90 % ellipsoid holds {', '.join(misses)}"
+            yield f"**Watch the covariance:** {held}. {link_to(uncertainty.TITLE)}"
+    if source.manoeuvres:
+        yield (
+            f"**Watch for burns:** {source.manoeuvres}. Any other shows as later estimates that leave the "
+            "90 % band for good."
+        )

@@ -1,0 +1,55 @@
+"""Along-track errors as a station sees them: seconds too early or too late, degrees off in the sky.
+
+The largest angle is that of a station below the RSO. An RSO of mean motion n is at r = (GM / n^2)^(1/3), and
+flies at n r.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from opml.base.constants import DAY, EARTH_GM, WGS84_A
+from opml.learning.judge.errors_by_duration import REACH_DAYS
+from opml.report.document import Block, Paragraph, Table
+from opml.report.results import length
+
+BOUND = 1000.0
+"""Along-track error [m] that a prediction's use is counted up to."""
+
+SHARE = 0.9
+"""Share of the errors that sizes hold."""
+
+_BIN = 0.5 * DAY
+
+
+def section(flown: pd.DataFrame, marks: Sequence[float]) -> list[Block]:
+    """Return the errors of a `replay` table as a station sees them; marks: durations [days]."""
+    rate = float(flown["rate"].median())
+    radius = float((EARTH_GM / rate**2) ** (1.0 / 3.0))
+    speed, height = rate * radius, radius - WGS84_A
+    rows = []
+    for day in marks:
+        near = (flown["duration"] / DAY - day).abs() <= REACH_DAYS
+        if near.any():
+            size = float(flown.loc[near, "e_y"].abs().quantile(SHARE))
+            angle = np.degrees(np.arctan2(size, height))
+            rows.append([f"{day:g} d", length(size), f"{size / speed:.2g}", f"{angle:.2g}"])
+    return [
+        Paragraph(
+            "As a station sees what was flown: nine tenths of the errors along-track stay within so many "
+            f"metres, seconds at {speed / 1000.0:.2f} km/s, and degrees from right below, "
+            f"{height / 1000.0:.0f} km away, where they look largest. {days_within(flown)}"
+        ),
+        Table(["after", "[m]", "[s]", "[deg]"], rows),
+    ]
+
+
+def days_within(flown: pd.DataFrame) -> str:
+    """Return in words for how long nine tenths of the errors of a `replay` table stay within BOUND."""
+    size, number = flown["e_y"].abs(), np.ceil(flown["duration"] / _BIN)
+    passed = size.groupby(number).quantile(SHARE) > BOUND
+    if not passed.any():
+        return "Nine tenths stay within 1 km as long as any prediction lasts."
+    days = (float(passed.idxmax()) - 1.0) * _BIN / DAY
+    return f"Nine tenths stay within 1 km for {days:g} days."
