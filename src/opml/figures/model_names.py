@@ -8,7 +8,7 @@ from opml.learning.models.learners import description
 SHORT = {
     "refitted": "fit over a longer window",
     "held": "Cd held by its own past",
-    "running": "longer fits, with the running mean of Cd",
+    "running": "fits with the running mean of Cd",
 }
 """Short descriptions of the kinds whose own is too long for a figure."""
 
@@ -24,4 +24,6 @@ def describe_model(settings: Mapping[str, Any]) -> str:
         words.append(f"{len(terms)} terms")
     if hours := settings.get("window_hours"):
         words.append(f"{hours:g} h")
+    if days := settings.get("memory_days"):
+        words.append(f"memory {days:g} d")
     return ", ".join(words)

@@ -44,9 +44,7 @@ BIN_DAYS = 0.5
 LEAST_ROWS = 5
 """Rows that a bin of durations needs for its quantiles to say something."""
 
-UNCORRECTED_NOTE = (
-    "errors without correction: medians and middle halves by the day that a prediction starts on"
-)
+UNCORRECTED_NOTE = "errors without correction: medians and middle halves by a prediction's first day"
 """Note on the errors below Cd."""
 
 BASELINE = PREDICTED_COLOR

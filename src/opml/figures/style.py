@@ -20,6 +20,7 @@ from opml.base.files import FilePath, replacing
 
 COLUMN_WIDTH_MM = 88.0  # one column of a two-column page
 PAGE_WIDTH_MM = 180.0  # both columns
+PAGE_HEIGHT_MM = 297.0
 MM_PER_INCH = 25.4
 
 # Okabe & Ito's palette (Color Universal Design, 2008): told apart under every common colour blindness.
@@ -101,10 +102,12 @@ def panel_figure(
     """Return a figure of page width with a panel for each title, row by row; all share the horizontal axis.
 
     draw: draws the panel of a title
+    columns: of panels; more where the figure would be higher than a page
     heights_mm: of all that is no panel, and of a row of panels
     """
-    rows = math.ceil(len(titles) / columns)
     frame_mm, row_mm = heights_mm
+    columns = max(columns, math.ceil(len(titles) / ((PAGE_HEIGHT_MM - frame_mm) // row_mm)))
+    rows = math.ceil(len(titles) / columns)
     figure = page_figure(height_mm=frame_mm + row_mm * rows)
     panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=share_y).ravel()
     for axes, title in zip(panels, titles, strict=False):

@@ -12,6 +12,7 @@ from opml.learning.judge.errors_by_duration import at_days
 from opml.learning.judge.model_choice import Mornings, summed
 from opml.report import absurd_fits, uncertainty
 from opml.report.document import Block, Heading, Items, Paragraph, Picture, link_to
+from opml.report.mornings import TITLE as EVERY_MORNING
 from opml.report.mornings import Dataset
 from opml.report.on_the_sky import days_within
 from opml.report.skill import skill
@@ -132,14 +133,14 @@ def _others(found: Mornings, laws: Collection[str]) -> str:
     for names, what in ((plain, "the best without learning"), (learned, "the best that learned")):
         if names:
             best = found.best(names)
-            words.append(f"`{best}`, {what}, {_more(summed(found.tables[best]), flown)}")
-    return f"On every morning, {' and '.join(words)}: known in hindsight only."
+            words.append(f"`{best}`, {what}, would have left {_more(summed(found.tables[best]), flown)}")
+    return f"In hindsight, {' and '.join(words)}."
 
 
 def _more(left: float, flown: float) -> str:
-    """Return in words what a model would have left, beside what was flown."""
+    """Return in words how much a model leaves beside what was flown."""
     percent = -round(skill(left, flown)) if flown > 0.0 else 0
-    return f"would have left {abs(percent)} % {'more' if percent >= 0 else 'less'}"
+    return f"{abs(percent)} % {'more' if percent > 0 else 'less'}" if percent else "as much"
 
 
 def _file(source: Sources, chosen: str) -> str:
@@ -170,7 +171,7 @@ def _to_watch(
     if is_absurd:
         yield f"**Watch the fits:** {link_to(absurd_fits.TITLE)}."
     if found is not None:
-        yield f"**Watch the errors:** {days_within(found.flown)}"
+        yield f"**Watch the errors:** {days_within(found.flown)} In seconds: {link_to(EVERY_MORNING)}."
         low, high = uncertainty.HOLDS
         misses = [
             f"{100.0 * share:.0f} % after {_span(day)}"

@@ -20,8 +20,6 @@ BOUND = 1000.0
 SHARE = 0.9
 """Share of the errors that sizes hold."""
 
-_BIN = 0.5 * DAY
-
 
 def section(flown: pd.DataFrame, marks: Sequence[float]) -> list[Block]:
     """Return the errors of a `replay` table as a station sees them; marks: durations [days]."""
@@ -47,9 +45,9 @@ def section(flown: pd.DataFrame, marks: Sequence[float]) -> list[Block]:
 
 def days_within(flown: pd.DataFrame) -> str:
     """Return in words for how long nine tenths of the errors of a `replay` table stay within BOUND."""
-    size, number = flown["e_y"].abs(), np.ceil(flown["duration"] / _BIN)
-    passed = size.groupby(number).quantile(SHARE) > BOUND
+    step = 2.0 * REACH_DAYS
+    number = np.round(flown["duration"] / DAY / step)
+    passed = flown["e_y"].abs().groupby(number).quantile(SHARE) > BOUND
     if not passed.any():
         return "Nine tenths stay within 1 km as long as any prediction lasts."
-    days = (float(passed.idxmax()) - 1.0) * _BIN / DAY
-    return f"Nine tenths stay within 1 km for {days:g} days."
+    return f"Nine tenths stay within 1 km for {max(float(passed.idxmax()) - 1.0, 0.0) * step:g} days."

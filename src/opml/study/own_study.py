@@ -275,7 +275,7 @@ class OwnStudy:
         """Return in words which manoeuvres of an RSO are known, '' where it is simulated."""
         named = len(self.study.settings.values.get("manoeuvres", {}).get(rso, []))
         return {
-            MEASURED: f"{named} manoeuvres are named in `manoeuvres`",
+            MEASURED: f"named in `manoeuvres`: {named}",
             FILES: "known are those that the orbit's files mark",
             SIMULATED: "",
         }[self.study.truth_of(rso)]

@@ -9,7 +9,7 @@ from support import paper_values, rsos, stations, study_of
 
 from opml.naming import Experiment
 from opml.report import claims, document, reproduction, settings_tables
-from opml.report.document import Heading, Paragraph, Table
+from opml.report.document import Heading, Items, Paragraph, Table
 from opml.report.doubts import DOUBTS
 from opml.report.results import Results
 from opml.study.paper import Paper
@@ -39,6 +39,23 @@ def test_page_is_html_that_needs_nothing_else():
     assert "<p>Say <code>x &lt; y</code>.</p>" in page
     assert seen.count("tr") == 3
     assert seen.count("td") == 4
+
+
+def test_links_lead_to_headings_and_lists_are_lists():
+    assert document.link_to("Is it true: e_y?") == "[Is it true: e_y?](#is-it-true-e_y)"
+    blocks = [Heading("Is it true: e_y?"), Items(["**why:** [here](figs/a.png)", "`b`"])]
+    page = document.html_page(blocks, title="A")
+    assert '<h2 id="is-it-true-e_y">' in page
+    assert '<li><strong>why:</strong> <a href="figs/a.png">here</a></li>\n<li><code>b</code></li>' in page
+    assert document.markdown(blocks).endswith("- **why:** [here](figs/a.png)\n- `b`\n")
+
+
+@pytest.mark.parametrize("cell", ["616", "-1446", "99.8 %", "616 / 1853", "4.7 (3.2 to 6.6)", "-", "1.2e+04"])
+def test_columns_of_numbers_stand_on_the_right(cell):
+    page = document.html_page([Table(["model", "size"], [["`a`", cell], ["`b`", "2"]])], title="A")
+    assert f'<td class="number">{cell}</td>' in page
+    assert '<th>model</th><th class="number">size</th>' in page
+    assert 'class="number"' not in document.html_page([Table(["a"], [[cell], ["b 2"]])], title="A")
 
 
 def test_bold_words_are_bold_in_the_page():

@@ -11,6 +11,7 @@ from support import paper_values, study_of
 
 from opml.base.errors import InputError
 from opml.figures import own_study as figures
+from opml.figures.style import MUTED
 from opml.figures.ticks import metres
 from opml.learning.judge.errors_by_duration import at_days, by_duration
 from opml.learning.judge.model_choice import Mornings
@@ -293,7 +294,8 @@ def test_the_share_left_is_stated_for_the_papers_rows_too(told):
 
 def test_the_study_leads_with_metres_and_skill_against_the_best_without_learning(told):
     titles = re.findall("^## (.*)$", told, re.MULTILINE)
-    assert titles[0] == "Errors and skill: unseen"
+    assert titles[:2] == ["What to fly", "Errors and skill: unseen"]
+    assert told.startswith("# The study of lares\n")
     assert titles.index("The paper's measure: models against splits") > 0
     assert "no training day touches these predictions" in told
     assert "Skill is against `running`, the best model without learning, which is known in hindsight" in told
@@ -418,10 +420,20 @@ def test_figure_of_residuals_has_bands_of_what_was_flown_and_lines_of_the_models
     assert figure.legends[0].get_title().get_text().startswith("lares\n")
 
 
+def test_lines_that_do_not_matter_are_grey_and_have_no_name():
+    (axes,) = figures.residuals(mornings_of("running", "fit24", "fit48", "law", "svr"), laws=["law"]).axes
+    assert {text.get_text() for text in axes.texts} == {"running", "law", "the paper's SVR"}
+    colors = [line.get_color() for line in axes.lines]
+    assert colors.count(MUTED) == 2
+    assert colors.count(figures.BASELINE) == 3
+
+
 def test_names_of_lines_do_not_overlap():
-    (axes,) = figures.residuals(mornings_of("running", "fit24", "fit48", "held"), laws=[]).axes
+    names = [f"model{number}" for number in range(4)]
+    (axes,) = figures.residuals(mornings_of(*names, "svr"), laws=["model1"]).axes
     heights = sorted(np.log10(text.get_position()[1]) for text in axes.texts)
     low, high = np.log10(axes.get_ylim())
+    assert len(heights) == 3
     assert (np.diff(heights) > 0.04 * (high - low)).all()
 
 
