@@ -104,7 +104,8 @@ def _span(days: float) -> str:
 
 def _distance(metres: float) -> str:
     """Return a length [m] in words, to two digits."""
-    return f"{metres:.2g} m" if metres < 99.5 else f"{float(f'{metres:.2g}') / 1000.0:g} km"
+    rounded = float(f"{metres:.2g}")
+    return f"{rounded:g} m" if rounded < 1000.0 else f"{rounded / 1000.0:g} km"
 
 
 def _held(found: Mornings, durations: Sequence[float]) -> str:

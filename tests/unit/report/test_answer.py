@@ -1,0 +1,144 @@
+"""The answer that a study's report begins with."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from mornings import RATE, replays
+from support import paper_values, study_of
+
+from opml.learning.judge.model_choice import Mornings
+from opml.report import answer, document, on_the_sky
+from opml.report.answer import Sources
+from opml.report.document import Picture, Table
+from opml.study.own_study import OwnStudy
+from opml.tables import SIGMA_STATE
+
+DAY = 86400.0
+
+KEY = ("lares", "eglin")
+
+FOUND = Sources(
+    files={name: f"results/corrected/lares/eglin/days-0-25/{name}.oem" for name in ("running", "law")},
+    day=25.0,
+    end=30.0,
+    manoeuvres="named in `manoeuvres`: 2",
+    figures={answer.ALL_MODELS: "figs/all.png", "rows": "figs/rows.png"},
+)
+
+
+def mornings_of(laws=("law",), days=25, **sizes):
+    """Replays of models that leave so many times 100 m a day, with covariances that suit the first."""
+    table = replays(days=days)
+    sigma = dict(zip(SIGMA_STATE, (10.0, 400.0, 30.0, 1.0, 1.0, 1.0), strict=True))
+    scaled = {name: table.assign(e_y=table["e_y"] * size, **sigma) for name, size in sizes.items()}
+    return Mornings.from_replays(scaled, laws, seed=1)
+
+
+def answered(found, pictures=None, absurd=(), source=FOUND):
+    """The section, as Markdown; found: None without replays."""
+    blocks = answer.section(
+        {} if found is None else {KEY: found},
+        {KEY: source},
+        pictures or {},
+        laws=["law"],
+        marks=[1, 2, 4, 7],
+        durations=[1.0, 7.0],
+        absurd=absurd,
+        proof=["Every morning"],
+    )
+    return document.markdown(list(blocks))
+
+
+def test_the_answer_is_the_model_its_errors_and_what_the_others_would_have_left():
+    found = mornings_of(running=1.0, fit48=2.0, law=1.5)
+    text = answered(found)
+    near = found.flown[(found.flown["duration"] / DAY - 1.0).abs() < 0.25]["e_y"].abs().median()
+    assert text.startswith(f"## What to fly\n\n**lares, eglin.** Fly `running`: {near:.2g} m after a day, ")
+    assert " m after a week (median along-track error of what the past chose on 24 mornings, this" in text
+    assert "`running`, the best without learning, would have left as much" in text
+    assert "`law`, the best that learned, would have left 50 % more" in text
+    assert "[Every morning](#every-morning)" in text
+    assert "nan" not in text
+
+
+def test_the_file_of_the_chosen_model_stands_with_its_command():
+    text = answered(mornings_of(running=1.0, law=1.5))
+    assert "`snakemake -j2 --configfile FILE -- results/corrected/lares/eglin/days-0-25/running.oem`" in text
+    assert "before day 25. It ends with the run, on day 30." in text
+
+
+def test_a_model_that_learns_is_trained_each_morning_any_other_never():
+    assert "**Train again:** never, as `running` learns nothing." in answered(
+        mornings_of(running=1.0, law=1.5)
+    )
+    learned = answered(mornings_of(running=1.0, law=0.1))
+    assert "Fly `law`" in learned
+    assert "**Train again** each morning" in learned
+
+
+def test_what_is_to_watch_is_what_was_found():
+    text = answered(mornings_of(running=1.0, law=1.5), absurd=[KEY])
+    assert "[These fits are absurd](#these-fits-are-absurd)" in text
+    assert "the 90 % ellipsoid holds" in text
+    assert "named in `manoeuvres`: 2" in text
+    calm = answered(mornings_of(running=1.0, law=1.5))
+    assert "absurd" not in calm
+
+
+def test_without_replayed_mornings_no_model_is_named():
+    text = answered(None)
+    assert "No morning was replayed, so nothing tells which model to fly." in text
+    assert "snakemake" not in text
+
+
+def test_the_figure_of_all_models_is_in_the_page_and_a_link_in_markdown(tmp_path):
+    (tmp_path / "all.png").write_bytes(b"PNG")
+    assert "![Errors of lares by eglin" in answered(None, {KEY: tmp_path / "all.png"})
+    page = document.html_page([Picture(tmp_path / "all.png", "figs/all.png", "errors")], title="A")
+    assert '<img alt="errors" src="data:image/png;base64,UE5H">' in page
+
+
+@pytest.mark.parametrize(
+    ("metres", "words"), [(7.42, "7.4 m"), (474.0, "470 m"), (998.0, "1 km"), (12345.0, "12 km")]
+)
+def test_lengths_have_two_digits(metres, words):
+    assert answer._distance(metres) == words
+
+
+def test_errors_are_seconds_and_degrees_to_a_station_below():
+    rows = pd.DataFrame({"duration": [0.9 * DAY, 6.9 * DAY], "e_y": [70.0, -7000.0], "rate": RATE})
+    _, table = on_the_sky.section(rows, [1, 4, 7])
+    assert isinstance(table, Table)
+    (day, metres, seconds, degrees), week = table.rows
+    radius = (3.986004415e14 / RATE**2) ** (1 / 3)
+    assert (day, metres) == ("1 d", "70")
+    assert float(seconds) == pytest.approx(70.0 / (RATE * radius), rel=0.05)
+    assert float(degrees) == pytest.approx(np.degrees(70.0 / (radius - 6378137.0)), rel=0.05)
+    assert week[:2] == ["7 d", "7000"]
+
+
+def test_days_within_a_kilometre_are_those_before_nine_tenths_pass_it():
+    duration = np.repeat(np.arange(1, 15) * 0.5, 10) * DAY
+    rows = pd.DataFrame({"duration": duration, "e_y": 300.0 * duration / DAY})
+    assert on_the_sky.days_within(rows) == "Nine tenths stay within 1 km for 3 days."
+    assert "as long as any prediction lasts" in on_the_sky.days_within(rows[rows["e_y"] < 900.0])
+
+
+def own_of(**changed):
+    values = paper_values() | {"results": "results/operator"} | changed
+    values["study"] = {"rsos": ["lares"], "days": {"train": [0, 20], "test": [20, 28]}}
+    return OwnStudy(study_of(values)).report.sources["lares", "eglin-clear-kaena"]
+
+
+def test_the_file_is_the_one_of_the_page_on_operations():
+    measured = own_of(tracks={"lares": ["a.tdm"]}, manoeuvres={"lares": ["2016-10-12T08:00:00"]})
+    assert measured.files["running"] == (
+        "results/operator/corrected/lares/eglin-clear-kaena_later/days-0-28/running.oem"
+    )
+    assert measured.day == 28
+    assert measured.manoeuvres == "named in `manoeuvres`: 1"
+    assert "passes" not in measured.figures
+    simulated = own_of()
+    assert simulated.manoeuvres == ""
+    assert simulated.figures["passes"] == "figs/maps/lares/eglin-clear-kaena.png"
+    assert "orbit's files" in own_of(orbits={"lares": ["a.sp3"]}).manoeuvres
