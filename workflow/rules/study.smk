@@ -15,6 +15,23 @@ STUDY_ROWS = product("figs/study/rows")
 
 if OWN.is_asked:
 
+    use rule errors as study_residuals with:
+        input:
+            lambda wildcards: [
+                path_of(rules.replay.output[0], **parts)
+                for parts in OWN.mornings(wildcards.rso, wildcards.stations).values()
+            ],
+        output:
+            **figures(STUDY_RESIDUALS, caption="study_residuals", section=SECTIONS["study"]),
+        log:
+            STUDY_RESIDUALS.log,
+        benchmark:
+            STUDY_RESIDUALS.benchmark
+        params:
+            **drawing("study_residuals", PARAMS.mornings),
+        message:
+            "Figure: errors of {wildcards.rso} by {wildcards.stations}, and what each model leaves of them"
+
     use rule errors as study_report with:
         input:
             metrics=paths_of(rules.evaluate.output.metrics, *OWN.experiments.values()),
@@ -35,7 +52,8 @@ if OWN.is_asked:
             replays=[path_of(rules.replay.output[0], **parts) for parts in OWN.replayed.values()],
             fits=paths_of(rules.fit_calibration.output[0], *OWN.fits.values()),
             pictures=[
-                path_of(STUDY_RESIDUALS.file("png"), rso=rso, stations=stations) for rso, stations in OWN.fits
+                path_of(rules.study_residuals.output.png[0], rso=rso, stations=stations)
+                for rso, stations in OWN.fits
             ],
         output:
             **documents(STUDY_REPORT, section=SECTIONS["study"]),
@@ -46,7 +64,7 @@ if OWN.is_asked:
         params:
             **drawing("study", config),
         message:
-            "Study: errors in metres and skill, models against splits, rows used"
+            "Study: which model to fly, and why"
 
     use rule errors as study_errors with:
         input:
@@ -67,23 +85,6 @@ if OWN.is_asked:
             ),
         message:
             "Figure: errors of {wildcards.rso} by {wildcards.stations} before and after correction"
-
-    use rule errors as study_residuals with:
-        input:
-            lambda wildcards: [
-                path_of(rules.replay.output[0], **parts)
-                for parts in OWN.mornings(wildcards.rso, wildcards.stations).values()
-            ],
-        output:
-            **figures(STUDY_RESIDUALS, caption="study_residuals", section=SECTIONS["study"]),
-        log:
-            STUDY_RESIDUALS.log,
-        benchmark:
-            STUDY_RESIDUALS.benchmark
-        params:
-            **drawing("study_residuals", PARAMS.mornings),
-        message:
-            "Figure: errors of {wildcards.rso} by {wildcards.stations}, and what each model leaves of them"
 
     use rule errors as explore with:
         input:
