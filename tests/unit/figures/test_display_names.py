@@ -3,6 +3,7 @@
 import pytest
 
 from opml.figures import display_names
+from opml.figures.model_names import describe_model
 
 
 @pytest.mark.parametrize(
@@ -34,3 +35,8 @@ def test_stations_in_words(name, words):
 def test_the_paper_s_learner_is_told():
     assert display_names.display_learner("svr") == "the paper's SVR"
     assert display_names.display_learner("mechanism") == "mechanism"
+
+
+def test_models_that_differ_in_memory_alone_are_told_apart():
+    words = describe_model({"kind": "running", "window_hours": 24, "memory_days": 3})
+    assert words == "fits with the running mean of Cd, 24 h, memory 3 d"

@@ -142,3 +142,13 @@ def test_the_file_is_the_one_of_the_page_on_operations():
     assert simulated.manoeuvres == ""
     assert simulated.figures["passes"] == "figs/maps/lares/eglin-clear-kaena.png"
     assert "orbit's files" in own_of(orbits={"lares": ["a.sp3"]}).manoeuvres
+
+
+def test_without_a_past_for_covariances_none_is_judged():
+    found = mornings_of(running=1.0)
+    unstated = Mornings.from_replays(
+        {"running": found.tables["running"].assign(**dict.fromkeys(SIGMA_STATE, np.nan))}, [], seed=1
+    )
+    text = answered(unstated)
+    assert "No morning had a past that was long enough to state a covariance from." in text
+    assert "ellipsoid" not in text
