@@ -1,0 +1,71 @@
+"""A set of mean elements for SGP4, from whatever format, and the reading of one set after the other."""
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+from sgp4.api import SGP4_ERRORS, Satrec
+
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+from opml.interop.orbit_arcs import line_error
+
+_PER_DAY = 1440.0 / (2.0 * math.pi)
+"""Revolutions per day of a radian per minute."""
+
+_ROUNDING = 1e-9  # [deg]
+
+_Piece = TypeVar("_Piece")
+
+
+@dataclass(frozen=True)
+class ElementSet:
+    """A set of mean elements.
+
+    path, line: where it stands, a TLE by its line 1
+    number: catalogue number, 0 where the file has none
+    created: UTC text, '' where unknown
+    satellite: the elements, initialised; sgp4's own number is 0 beyond those of TLEs
+    """
+
+    path: FilePath
+    line: int
+    number: int
+    created: str
+    satellite: Satrec
+
+
+def each(
+    pieces: Iterable[_Piece], parse: Callable[[_Piece], ElementSet], damaged: list[InputError] | None
+) -> Iterator[ElementSet]:
+    """Yield the sets of the pieces of a file.
+
+    parse: raises InputError for a damaged piece
+    damaged: takes the errors of the sets that are left out; None: the first error is raised
+    """
+    for piece in pieces:
+        try:
+            yield parse(piece)
+        except InputError as error:
+            if damaged is None:
+                raise
+            damaged.append(error)
+
+
+def check_orbit(path: FilePath, line: int, satellite: Satrec) -> None:
+    """Raise InputError, naming the line, for elements that are none of an orbit, or that SGP4 cannot fly."""
+    motion, eccentricity = satellite.no_kozai * _PER_DAY, satellite.ecco
+    inclination, *angles = np.rad2deg([satellite.inclo, satellite.nodeo, satellite.argpo, satellite.mo])
+    if not motion > 0.0:
+        raise line_error(path, line, "a mean motion above 0 revolutions per day", f"{motion:.8g}")
+    if not 0.0 <= eccentricity < 1.0:
+        raise line_error(path, line, "an eccentricity from 0 to below 1", f"{eccentricity:.7g}")
+    if not 0.0 <= inclination <= 180.0 + _ROUNDING:
+        raise line_error(path, line, "an inclination from 0 to 180 deg", f"{inclination:.7g}")
+    for angle in angles:
+        if not abs(angle) <= 360.0 + _ROUNDING:
+            raise line_error(path, line, "angles of at most 360 deg", f"{angle:.7g}")
+    if satellite.error:
+        raise line_error(path, line, "elements that SGP4 can fly", SGP4_ERRORS[satellite.error])
