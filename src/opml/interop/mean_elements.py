@@ -25,7 +25,7 @@ from opml.base import epochs
 from opml.base.constants import DAY, EARTH_GM
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.interop import omm, tle
+from opml.interop import ccsds, omm, tle
 from opml.interop.element_set import ElementSet, each
 from opml.interop.orbit_arcs import contents
 from opml.orbits import sheets
@@ -41,6 +41,8 @@ week by more than the median error of the paper case's predictions, 5 km.
 
 MOST_DAYS = 30.0
 """Days from the elements' epoch beyond which they are refused: drag has moved a low orbit too far by then."""
+
+_ANY = "2000-01-01T12:00:00"
 
 _log = logging.getLogger(__name__)
 
@@ -85,20 +87,17 @@ def _text(path: FilePath) -> str:
 
 def elements_epoch(satellite: Satrec) -> str:
     """Return the epoch of mean elements as UTC text, to the microsecond."""
-    year, month, day, clock = erfa.d2dtf("UTC", 6, satellite.jdsatepoch, satellite.jdsatepochF)
-    h, m, s, f = (int(clock[name]) for name in "hmsf")
-    return f"{int(year):04d}-{int(month):02d}-{int(day):02d}T{h:02d}:{m:02d}:{s:02d}.{f:06d}"
+    return ccsds.utc_texts(_ANY, seconds_since(_ANY, [satellite]))[0]
 
 
 def seconds_since(epoch: str, satellites: Sequence[Satrec]) -> np.ndarray:
     """Return the epochs (n,) of mean elements [s since the UTC text `epoch`], rounded to the microsecond."""
-    days = np.array([(satellite.jdsatepoch, satellite.jdsatepochF) for satellite in satellites]).reshape(
-        -1, 2
-    )
+    midnights = np.array([satellite.jdsatepoch for satellite in satellites])
+    clocks = np.array([satellite.jdsatepochF for satellite in satellites]) * DAY  # on days of 86 401 s, too
     with epochs.strict_erfa():
-        day, fraction = erfa.utctai(*days.T)
+        day, fraction = erfa.utctai(midnights, 0.0)
     first, first_fraction = epochs.tai(epoch, 0.0)
-    return np.asarray(np.round((day - first) * DAY + (fraction - first_fraction) * DAY, 6))
+    return np.asarray(np.round((day - first) * DAY + (fraction - first_fraction) * DAY + clocks, 6))
 
 
 def state(satellite: Satrec, *, epoch: str) -> np.ndarray:

@@ -213,7 +213,7 @@ def _xml(path: FilePath, text: str) -> Iterator[Record]:
     try:
         xml.sax.parseString(text, messages)
     except xml.sax.SAXParseException as reason:
-        raise line_error(path, reason.getLineNumber(), "OMMs in XML", reason.getMessage()) from None
+        raise line_error(path, reason.getLineNumber() or 1, "OMMs in XML", reason.getMessage()) from None
     yield from messages.records
 
 

@@ -212,7 +212,7 @@ def test_elements_of_another_month_are_refused(written, capsys, epoch):
         (kvn(REF_FRAME="GCRF"), "line 7: REF_FRAME: expected TEME, got GCRF"),
         (
             kvn(NORAD_CAT_ID="five"),
-            "line 19: NORAD_CAT_ID: expected a whole number of at most nine digits, got five",
+            "line 19: NORAD_CAT_ID: expected a whole number of at most 9 digits, got five",
         ),
         (kvn(ECCENTRICITY="1.2"), "line 1: expected an eccentricity from 0 to below 1, got 1.2"),
         (kvn().replace("BSTAR = ", "BSTAR "), "line 22: expected a key for each value, got BSTAR"),
