@@ -234,8 +234,8 @@ class _Messages(ContentHandler):
         self._leaf, self._text = name.split(":")[-1], ""
         if self._leaf == "omm":
             self._inside = True
-            version = attrs.get("version", "")
-            self.records.append(Record(self._line, [Pair(self._line, _VERSION, version)]))
+            versions = [attrs["version"]] if "version" in attrs else []
+            self.records.append(Record(self._line, [Pair(self._line, _VERSION, one) for one in versions]))
 
     def characters(self, content: str) -> None:
         """Take a part of a value."""
