@@ -1,19 +1,22 @@
 """A set of mean elements for SGP4, from whatever format, and the reading of one set after the other."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from datetime import datetime, timedelta
 from typing import TypeVar
 
 import numpy as np
-from sgp4.api import SGP4_ERRORS, Satrec
+from sgp4.api import SGP4_ERRORS, WGS72, Satrec
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop.orbit_arcs import line_error
 
-_PER_DAY = 1440.0 / (2.0 * math.pi)
+PER_DAY = 1440.0 / (2.0 * math.pi)
 """Revolutions per day of a radian per minute."""
+
+_SGP4_ZERO = datetime(1949, 12, 31)
 
 _ROUNDING = 1e-9  # [deg]
 
@@ -37,6 +40,35 @@ class ElementSet:
     satellite: Satrec
 
 
+def satellite(epoch: str, elements: Sequence[float]) -> Satrec:
+    """Return the satellite of mean elements that SGP4 flies.
+
+    epoch: UTC text
+    elements: mean motion [rad/min], eccentricity, inclination, right ascension of the node, argument of
+        perigee, mean anomaly [rad], B*
+    """
+    motion, eccentricity, inclination, node, perigee, anomaly, bstar = elements
+    days = (datetime.fromisoformat(epoch) - _SGP4_ZERO) / timedelta(days=1)
+    made = Satrec()
+    derivatives = 0.0, 0.0  # of the mean motion, which SGP4 does not use
+    number = 0  # on which no orbit depends
+    made.sgp4init(
+        WGS72,
+        "i",  # as TLEs are flown
+        number,
+        days,
+        bstar,
+        *derivatives,
+        eccentricity,
+        perigee,
+        inclination,
+        anomaly,
+        motion,
+        node,
+    )
+    return made
+
+
 def each(
     pieces: Iterable[_Piece], parse: Callable[[_Piece], ElementSet], damaged: list[InputError] | None
 ) -> Iterator[ElementSet]:
@@ -56,7 +88,7 @@ def each(
 
 def check_orbit(path: FilePath, line: int, satellite: Satrec) -> None:
     """Raise InputError, naming the line, for elements that are none of an orbit, or that SGP4 cannot fly."""
-    motion, eccentricity = satellite.no_kozai * _PER_DAY, satellite.ecco
+    motion, eccentricity = satellite.no_kozai * PER_DAY, satellite.ecco
     inclination, *angles = np.rad2deg([satellite.inclo, satellite.nodeo, satellite.argpo, satellite.mo])
     if not motion > 0.0:
         raise line_error(path, line, "a mean motion above 0 revolutions per day", f"{motion:.8g}")

@@ -12,18 +12,17 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from datetime import datetime, timedelta
 from itertools import chain, pairwise
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from sgp4.api import WGS72, Satrec
+from sgp4.api import Satrec
 
 from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.interop import ccsds, mean_elements
+from opml.interop import ccsds, element_set, mean_elements
 from opml.interop.element_set import ElementSet, each
 from opml.interop.orbit_arcs import line_error
 from opml.tables import ELEMENTS, SCHEMAS
@@ -35,8 +34,7 @@ _SAME = 1e-12
 """Relative difference of elements that two notations of the same number may have."""
 
 _MOST_LOGGED = 10
-_SGP4_ZERO = datetime(1949, 12, 31)
-_SGP4_ZERO_DATE = 2433281.5  # Julian
+_ZERO = 2433281.5  # some Julian date at midnight
 _MINUTE = 60.0
 
 _log = logging.getLogger(__name__)
@@ -134,39 +132,24 @@ def satellite(row: pd.Series, *, epoch: str) -> Satrec:
     epoch: UTC text, the table's
     """
     (time,) = ccsds.utc_texts(epoch, np.array([row["t"]]))
-    made = Satrec()
-    made.sgp4init(
-        WGS72,
-        "i",  # as TLEs are flown
-        0,  # its number, on which no orbit depends
-        (datetime.fromisoformat(time) - _SGP4_ZERO) / timedelta(days=1),
-        row["bstar"],
-        0.0,  # SGP4 does not use derivatives of the mean motion
-        0.0,
-        row["eccentricity"],
-        row["argp"],
-        row["inclination"],
-        row["mean_anomaly"],
-        row["mean_motion"] * _MINUTE,
-        row["raan"],
-    )
-    return made
+    motion, *others = (float(row[name]) for name in ELEMENTS)
+    return element_set.satellite(time, [_MINUTE * motion, *others])
 
 
-def _numbered(element_set: ElementSet) -> ElementSet:
+def _numbered(one: ElementSet) -> ElementSet:
     """Return the set. Raises InputError where it does not tell its object."""
-    if element_set.number == 0:
-        raise line_error(element_set.path, element_set.line, "a catalogue number above 0", "none")
-    return element_set
+    if one.number == 0:
+        raise line_error(one.path, one.line, "a catalogue number above 0", "none")
+    return one
 
 
 def _by_epoch(sets: Iterable[ElementSet]) -> dict[tuple[int, int], list[ElementSet]]:
     """Return the sets of each object and epoch in the order of their creation, unknown dates first."""
     issues = defaultdict(list)
-    for element_set in sets:
-        made = element_set.satellite
-        parts = round((made.jdsatepoch - _SGP4_ZERO_DATE) * _TLE_DAY + made.jdsatepochF * _TLE_DAY)
-        issues[element_set.number, parts].append(element_set)
+    for one in sets:
+        made = one.satellite
+        parts = round((made.jdsatepoch - _ZERO) * _TLE_DAY + made.jdsatepochF * _TLE_DAY)
+        issues[one.number, parts].append(one)
     return {key: sorted(issues[key], key=lambda issue: issue.created) for key in sorted(issues)}
 
 
@@ -180,19 +163,19 @@ def _same(one: ElementSet, other: ElementSet) -> bool:
     return all(math.isclose(a, b, rel_tol=_SAME, abs_tol=_SAME * _SAME) for a, b in pairs)
 
 
-def _elements(element_set: ElementSet) -> tuple[float, ...]:
+def _elements(one: ElementSet) -> tuple[float, ...]:
     """Return the values of ELEMENTS."""
-    made = element_set.satellite
+    made = one.satellite
     return (made.no_kozai / _MINUTE, made.ecco, made.inclo, made.nodeo, made.argpo, made.mo, made.bstar)
 
 
 def _out_of_order(sets: Iterable[ElementSet]) -> int:
     latest: dict[int, tuple[float, float]] = {}
     count = 0
-    for element_set in sets:
-        time = element_set.satellite.jdsatepoch, element_set.satellite.jdsatepochF
-        count += time < latest.get(element_set.number, time)
-        latest[element_set.number] = max(time, latest.get(element_set.number, time))
+    for one in sets:
+        time = one.satellite.jdsatepoch, one.satellite.jdsatepochF
+        count += time < latest.get(one.number, time)
+        latest[one.number] = max(time, latest.get(one.number, time))
     return count
 
 

@@ -23,6 +23,7 @@ from opml.base.files import FilePath
 from opml.interop import ccsds
 from opml.interop.element_set import ElementSet, check_orbit
 from opml.interop.orbit_arcs import line_error
+from opml.interop.tle import LARGEST_NUMBER
 
 _NUMBERS = (
     "MEAN_MOTION",
@@ -51,7 +52,6 @@ _REQUIRED = {
     "REF_FRAME": ("TEME",),
     "TIME_SYSTEM": ("UTC",),
 }
-_LARGEST_OF_TLES = 339_999
 _MOST_DIGITS = 9  # of a catalogue number
 _FIRST_YEAR, _LAST_YEAR = "1957", "2099"
 _REPEATED = ("COMMENT", "USER_DEFINED")
@@ -104,7 +104,7 @@ def element_set(path: FilePath, record: Record) -> ElementSet:
     number = int(elements["NORAD_CAT_ID"])
     fields = elements | {
         "EPOCH": values.time("EPOCH"),
-        "NORAD_CAT_ID": str(number if number <= _LARGEST_OF_TLES else 0),
+        "NORAD_CAT_ID": str(number if number <= LARGEST_NUMBER else 0),
     }
     satellite = Satrec()
     try:

@@ -9,16 +9,20 @@ from calendar import isleap
 from collections.abc import Iterator, Sequence
 from itertools import zip_longest
 
-from sgp4.alpha5 import from_alpha5
+import numpy as np
+from sgp4.alpha5 import from_alpha5, to_alpha5
 from sgp4.api import Satrec
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.interop.element_set import ElementSet, check_orbit
+from opml.interop.element_set import PER_DAY, ElementSet, check_orbit
 from opml.interop.orbit_arcs import line_error
 
 Line = tuple[int, str]
 """Number and text of a line."""
+
+LARGEST_NUMBER = 339_999
+"""Largest catalogue number of a TLE, Z9999 there."""
 
 _FIRST_YEAR = 57
 """Two digits of the first year of a TLE, 1957; smaller ones are of this century."""
@@ -41,7 +45,8 @@ _PATTERNS = {
         re.ASCII,
     ),
     "2": re.compile(
-        rf"2 {_NUMBER} {_ANGLE} {_ANGLE} {_right(7)} {_ANGLE} {_ANGLE} {_right(2)}\.\d{{8}}{_right(5)}\d",
+        rf"2 {_NUMBER} {_ANGLE} {_ANGLE} (?! {{7}}){_right(7)} {_ANGLE} {_ANGLE} "
+        rf"{_right(2)}\.\d{{8}}{_right(5)}\d",
         re.ASCII,
     ),
 }
@@ -50,17 +55,20 @@ _PATTERNS = {
 def pieces(text: str) -> Iterator[list[Line]]:
     """Yield the lines of each set: from its name or line 1 up to its line 2, or to where the next begins."""
     piece: list[Line] = []
+    has_first = False
     for number, line in enumerate(text.splitlines(), start=1):
         line = line.rstrip()
         if not line or line.startswith("#"):
             continue
-        if _kind(line) != "2" and any(_kind(before) == "1" for _, before in piece):
+        kind = _kind(line)
+        if has_first and kind != "2":
             yield piece
-            piece = []
+            piece, has_first = [], False
         piece.append((number, line))
-        if _kind(line) == "2":
+        has_first |= kind == "1"
+        if kind == "2":
             yield piece
-            piece = []
+            piece, has_first = [], False
     if piece:
         yield piece
 
@@ -80,6 +88,44 @@ def element_set(path: FilePath, piece: Sequence[Line]) -> ElementSet:
         raise line_error(path, number, "a TLE", str(reason)) from None
     check_orbit(path, second_number, satellite)
     return ElementSet(path, number, from_alpha5(first[2:7].strip()), "", satellite)
+
+
+def lines(satellite: Satrec, number: int) -> tuple[str, str]:
+    """Return the two lines of a set under a catalogue number, its international designator left blank.
+
+    Raises InputError for a number beyond those of TLEs.
+    """
+    check_number(number)
+    name = to_alpha5(number)
+    angles = np.rad2deg([satellite.nodeo, satellite.argpo, satellite.mo])
+    node, perigee, anomaly = (f"{round(angle, 4) % 360.0:8.4f}" for angle in angles)
+    epoch = f"{satellite.epochyr % 100:02d}{satellite.epochdays:012.8f}"
+    motion = f"{satellite.no_kozai * PER_DAY:11.8f}"
+    return _summed(
+        f"1 {name}U          {epoch}  .00000000  00000+0 {_exponent_text(satellite.bstar)} 0    0"
+    ), _summed(
+        f"2 {name} {np.rad2deg(satellite.inclo):8.4f} {node} {round(1e7 * satellite.ecco):07d} "
+        f"{perigee} {anomaly} {motion}    0"
+    )
+
+
+def check_number(number: int) -> None:
+    """Raise InputError for a catalogue number that no TLE has."""
+    if not 0 < number <= LARGEST_NUMBER:
+        raise InputError(f"number: expected one of a TLE, 1 to {LARGEST_NUMBER}, got {number}")
+
+
+def _summed(line: str) -> str:
+    return f"{line}{_checksum(line)}"
+
+
+def _exponent_text(value: float) -> str:
+    """Return a number as a mantissa of five digits after the point and an exponent of one."""
+    mantissa, exponent = f"{abs(value):.4e}".split("e")
+    power = int(exponent) + 1
+    if power < -9:
+        return " 00000+0"
+    return f"{'-' if value < 0.0 else ' '}{mantissa.replace('.', '')}{power:+d}"
 
 
 def _kind(line: str) -> str:
