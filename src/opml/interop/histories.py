@@ -12,7 +12,7 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import chain, pairwise
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -155,7 +155,13 @@ def _by_epoch(sets: Iterable[ElementSet]) -> dict[tuple[int, int], list[ElementS
 
 def _distinct(issues: Sequence[ElementSet]) -> list[ElementSet]:
     """Return the sets of one epoch without those that repeat the one before them."""
-    return [issues[0], *(later for before, later in pairwise(issues) if not _same(before, later))]
+    distinct: list[ElementSet] = []
+    for issue in issues:
+        if not distinct or not _same(distinct[-1], issue):
+            distinct.append(issue)
+        elif not distinct[-1].created:
+            distinct[-1] = issue  # which may tell when it was made
+    return distinct
 
 
 def _same(one: ElementSet, other: ElementSet) -> bool:
@@ -196,16 +202,16 @@ def _table(sets: Sequence[ElementSet], epoch: str) -> pd.DataFrame:
 
 def _log_counts(history: History) -> None:
     sets = history.sets
-    _log.info("%d sets of mean elements, number of objects: %d", len(sets), sets["number"].nunique())
+    _log.info("sets of mean elements: %d, of objects: %d", len(sets), sets["number"].nunique())
     if deep := int(sets["is_deep"].sum()):
-        _log.info("%d sets have a period of 225 minutes or more", deep)
+        _log.info("sets with a period of 225 minutes or more: %d", deep)
     if history.out_of_order:
-        _log.info("%d sets stood after a later one", history.out_of_order)
+        _log.info("sets that stood after a later one: %d", history.out_of_order)
     if history.doubles:
-        _log.warning("%d sets are left out: they were there already", history.doubles)
+        _log.warning("sets left out that were there already: %d", history.doubles)
     if history.superseded:
-        _log.warning("%d sets are left out: others of the same epoch came later", history.superseded)
+        _log.warning("sets left out for later ones of the same epoch: %d", history.superseded)
     if history.damaged:
-        _log.warning("%d damaged sets are left out", len(history.damaged))
+        _log.warning("damaged sets left out: %d", len(history.damaged))
     for error in history.damaged[:_MOST_LOGGED]:
         _log.warning("%s", error)

@@ -167,14 +167,14 @@ def test_sets_that_are_there_twice_count_once(read, caplog):
     history = read(text(*LINES, LINES[0], tle(day="001.50000000")), json.dumps(SETS))
     assert len(history.sets) == 3
     assert (history.doubles, history.superseded) == (5, 0)
-    assert "5 sets are left out: they were there already" in caplog.text
+    assert "sets left out that were there already: 5" in caplog.text
 
 
 def test_of_two_sets_of_one_epoch_the_later_counts(read, caplog):
     history = read(text(tle(node="210.5000"), tle(node="210.6000")))
     assert np.rad2deg(history.sets["raan"]).tolist() == [pytest.approx(210.6)]
     assert (history.doubles, history.superseded) == (0, 1)
-    assert "1 sets are left out: others of the same epoch came later" in caplog.text
+    assert "sets left out for later ones of the same epoch: 1" in caplog.text
 
 
 def test_a_date_of_creation_counts_more_than_the_place(read):
@@ -202,6 +202,12 @@ def test_a_date_of_creation_counts_more_than_the_place(read):
 )
 def test_catalogue_numbers_have_up_to_nine_digits(read, content, number):
     assert read(content).sets["number"].tolist() == [number]
+
+
+def test_of_doubles_the_one_with_a_date_tells_when_it_was_known(read):
+    sets = read(text(LINES[0]), json.dumps(omm(created="2024-01-01T18:00:00")), text(LINES[0])).sets
+    assert newest_before(sets, 17 * HOUR) is None
+    assert newest_before(sets, 18 * HOUR) == 0
 
 
 def test_objects_are_told_apart(read):
@@ -386,7 +392,7 @@ def test_damaged_sets_are_left_out_where_asked_for_and_told(read, caplog, conten
     assert [str(error).split(": line ")[1].split(":")[0] for error in history.damaged] == list(
         map(str, lines)
     )
-    assert f"{len(lines)} damaged sets are left out" in caplog.text
+    assert f"damaged sets left out: {len(lines)}" in caplog.text
     assert str(history.damaged[0]) in caplog.text
 
 
@@ -398,9 +404,9 @@ def test_a_file_that_is_no_list_is_refused_even_where_sets_are_left_out(read):
 def test_counts_are_logged(read, caplog):
     caplog.set_level(logging.INFO)
     read(json.dumps([SETS[1], SETS[0], omm(MEAN_MOTION="2", NORAD_CAT_ID="6")]))
-    assert "3 sets of mean elements, number of objects: 2" in caplog.text
-    assert "1 sets stood after a later one" in caplog.text
-    assert "1 sets have a period of 225 minutes or more" in caplog.text
+    assert "sets of mean elements: 3, of objects: 2" in caplog.text
+    assert "sets that stood after a later one: 1" in caplog.text
+    assert "sets with a period of 225 minutes or more: 1" in caplog.text
 
 
 REAL = {
