@@ -140,17 +140,24 @@ def fit(t: np.ndarray, positions: np.ndarray, *, last: np.ndarray, epoch: str) -
     """
     (end,) = ccsds.utc_texts(epoch, t[-1:])
     ago = t - t[-1]
-    a, e, i, argp, raan, nu = coe_from_cartesian(1e3 * last, EARTH_GM).tolist()
-    motion = _MINUTE * math.sqrt(EARTH_GM / a**3)
-    longitude = argp + float(mean_from_true_anomaly(nu, e))
-    start = np.array([motion, e * math.cos(argp), e * math.sin(argp), i, raan, longitude])
+    start = _osculating(last)
     recent = ago > -_FIRST_ARC
     osculating = _nearest(start, lambda x: _misses(np.append(x, 0.0), end, ago[recent], positions[recent]))
     found = _nearest(np.append(osculating, 0.0), lambda x: _misses(x, end, ago, positions))
     rms = 1e3 * math.sqrt(np.mean(np.sum(_misses(found, end, ago, positions) ** 2, axis=1)))
     if not rms < 1e3 * _LOST:
-        raise InputError(f"mean elements: expected an orbit that SGP4 can fly at {end}, got none")
+        raise InputError(f"mean elements: expected an orbit that SGP4 can fly up to {end}, got none")
     return Fit(_satellite(found, end), rms)
+
+
+def _osculating(state: np.ndarray) -> np.ndarray:
+    """Return the first six parameters of a state (6,) [km, km/s]. Raises InputError for no ellipse."""
+    a, e, i, argp, raan, nu = coe_from_cartesian(1e3 * state, EARTH_GM).tolist()
+    if not 0.0 <= e < 1.0:
+        raise InputError(f"mean elements: expected an eccentricity below 1, got {e:.3g}")
+    motion = _MINUTE * math.sqrt(EARTH_GM / a**3)
+    longitude = argp + float(mean_from_true_anomaly(nu, e))
+    return np.array([motion, e * math.cos(argp), e * math.sin(argp), i, raan, longitude])
 
 
 def _nearest(start: np.ndarray, misses: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:

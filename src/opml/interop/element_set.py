@@ -18,6 +18,9 @@ PER_DAY = 1440.0 / (2.0 * math.pi)
 
 _SGP4_ZERO = datetime(1949, 12, 31)
 
+_FASTEST = 18.0
+"""Revolutions per day that no satellite makes: at the Earth's surface there were 17."""
+
 _ROUNDING = 1e-9  # [deg]
 
 _Piece = TypeVar("_Piece")
@@ -90,8 +93,9 @@ def check_orbit(path: FilePath, line: int, satellite: Satrec) -> None:
     """Raise InputError, naming the line, for elements that are none of an orbit, or that SGP4 cannot fly."""
     motion, eccentricity = satellite.no_kozai * PER_DAY, satellite.ecco
     inclination, *angles = np.rad2deg([satellite.inclo, satellite.nodeo, satellite.argpo, satellite.mo])
-    if not motion > 0.0:
-        raise line_error(path, line, "a mean motion above 0 revolutions per day", f"{motion:.8g}")
+    if not 0.0 < motion < _FASTEST:
+        expected = f"a mean motion above 0 and below {_FASTEST:g} revolutions per day"
+        raise line_error(path, line, expected, f"{motion:.8g}")
     if not 0.0 <= eccentricity < 1.0:
         raise line_error(path, line, "an eccentricity from 0 to below 1", f"{eccentricity:.7g}")
     if not 0.0 <= inclination <= 180.0 + _ROUNDING:

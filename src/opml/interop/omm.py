@@ -23,7 +23,7 @@ from opml.base.files import FilePath
 from opml.interop import ccsds
 from opml.interop.element_set import ElementSet, check_orbit
 from opml.interop.orbit_arcs import line_error
-from opml.interop.tle import LARGEST_NUMBER
+from opml.interop.tle import EPHEMERIS_TYPES, LARGEST_NUMBER
 
 _NUMBERS = (
     "MEAN_MOTION",
@@ -34,8 +34,7 @@ _NUMBERS = (
     "MEAN_ANOMALY",
     "BSTAR",
 )
-# SGP4 does not need these, and messages may leave them out.
-_OPTIONAL = {
+_UNUSED = {
     "MEAN_MOTION_DOT": "0",
     "MEAN_MOTION_DDOT": "0",
     "CLASSIFICATION_TYPE": "U",
@@ -43,14 +42,16 @@ _OPTIONAL = {
     "EPHEMERIS_TYPE": "0",
     "ELEMENT_SET_NO": "0",
     "REV_AT_EPOCH": "0",
-    "NORAD_CAT_ID": "0",
 }
+"""What sgp4 asks for and SGP4 does not need."""
+
 _VERSION = "CCSDS_OMM_VERS"
 _REQUIRED = {
     _VERSION: ("1.0", "2.0", "3.0"),
     "MEAN_ELEMENT_THEORY": ("SGP4", "SGP/SGP4"),
     "REF_FRAME": ("TEME",),
     "TIME_SYSTEM": ("UTC",),
+    "EPHEMERIS_TYPE": EPHEMERIS_TYPES,
 }
 _MOST_DIGITS = 9  # of a catalogue number
 _FIRST_YEAR, _LAST_YEAR = "1957", "2099"
@@ -98,19 +99,15 @@ def element_set(path: FilePath, record: Record) -> ElementSet:
         values.check(key, _is_finite, "a finite number")
     for key in ("MEAN_MOTION_DOT", "MEAN_MOTION_DDOT"):
         values.check(key, _is_finite, "a finite number", "0")
-    for key in ("EPHEMERIS_TYPE", "ELEMENT_SET_NO", "REV_AT_EPOCH", "NORAD_CAT_ID"):
+    for key in ("ELEMENT_SET_NO", "REV_AT_EPOCH", "NORAD_CAT_ID"):
         values.check(key, _is_whole, f"a whole number of at most {_MOST_DIGITS} digits", "0")
-    elements = _OPTIONAL | values.known
-    number = int(elements["NORAD_CAT_ID"])
-    fields = elements | {
+    number = int(values.known.get("NORAD_CAT_ID", "0"))
+    identity = {
         "EPOCH": values.time("EPOCH"),
         "NORAD_CAT_ID": str(number if number <= LARGEST_NUMBER else 0),
     }
     satellite = Satrec()
-    try:
-        omm.initialize(satellite, fields)
-    except ValueError as reason:
-        raise line_error(path, record.line, "elements that SGP4 can take", str(reason)) from None
+    omm.initialize(satellite, _UNUSED | {key: values.known[key] for key in _NUMBERS} | identity)
     check_orbit(path, record.line, satellite)
     created = values.time("CREATION_DATE") if "CREATION_DATE" in values.known else ""
     return ElementSet(path, record.line, number, created, satellite)

@@ -24,6 +24,9 @@ Line = tuple[int, str]
 LARGEST_NUMBER = 339_999
 """Largest catalogue number of a TLE, Z9999 there."""
 
+EPHEMERIS_TYPES = ("0", "2", "3")
+"""Types of elements that SGP4 flies, 0 in what is published; 4 are those of SGP4-XP, another theory."""
+
 _FIRST_YEAR = 57
 """Two digits of the first year of a TLE, 1957; smaller ones are of this century."""
 
@@ -36,11 +39,11 @@ def _right(width: int) -> str:
 
 
 _NUMBER = rf"(?:[A-HJ-NP-Z]\d{{4}}|(?! {{5}}){_right(5)})"
-_EXPONENT = r"[ +-][ \d]{5}[+-]\d"
+_EXPONENT = r"[ +-]\d{5}[+-]\d"
 _ANGLE = rf"{_right(3)}\.\d{{4}}"
 _PATTERNS = {
     "1": re.compile(
-        rf"1 {_NUMBER}[ A-Z] .{{8}} \d\d{_right(3)}\.\d{{8}} [ +-]\.\d{{8}} "
+        rf"1 {_NUMBER}[ A-Z] [ -~]{{8}} \d\d{_right(3)}\.\d{{8}} [ +-]\.\d{{8}} "
         rf"{_EXPONENT} {_EXPONENT} [ \d] {_right(4)}\d",
         re.ASCII,
     ),
@@ -81,11 +84,10 @@ def element_set(path: FilePath, piece: Sequence[Line]) -> ElementSet:
     (number, first), (second_number, second) = piece[named:]
     if first[2:7] != second[2:7]:
         raise line_error(path, second_number, f"catalogue number {first[2:7]}", second[2:7])
+    if (kind := first[62].replace(" ", "0")) not in EPHEMERIS_TYPES:
+        raise line_error(path, number, f"the ephemeris type {' or '.join(EPHEMERIS_TYPES)}", kind)
     _check_day(path, number, first)
-    try:
-        satellite = Satrec.twoline2rv(first, second)
-    except ValueError as reason:
-        raise line_error(path, number, "a TLE", str(reason)) from None
+    satellite = Satrec.twoline2rv(first, second)
     check_orbit(path, second_number, satellite)
     return ElementSet(path, number, from_alpha5(first[2:7].strip()), "", satellite)
 

@@ -58,6 +58,20 @@ def test_an_epoch_without_positions_before_it_has_no_set(caplog):
 
 
 @pytest.mark.parametrize(
+    ("speed", "message"),
+    [
+        (12.0, "expected an eccentricity below 1, got 1.5"),
+        (2.0, "expected an orbit that SGP4 can fly up to 2024-01-0"),
+    ],
+)
+def test_what_is_no_orbit_of_a_satellite_has_no_set(speed, message):
+    last = np.array([7000.0, 0.0, 0.0, 0.0, speed, 1.0])
+    t = np.arange(0.0, 3600.0, 600.0)
+    with pytest.raises(InputError, match=f"mean elements: {message}"):
+        element_fits.fit(t, last[:3] + (t - t[-1])[:, None] * last[3:], last=last, epoch=EPOCH)
+
+
+@pytest.mark.parametrize(
     "changed",
     [
         {},

@@ -10,18 +10,23 @@ from sgp4.api import Satrec
 from support import shared
 
 from opml.base.errors import InputError
+from opml.dynamics.frames import gcrf_to_itrf
+from opml.environment import earth_orientation, nodes
 from opml.interop import histories, mean_elements
 from opml.interop.histories import newest_before, of_object, predict
+from opml.interop.orbit_from_files import OrbitFiles, read_arcs
 from opml.tables import ELEMENTS, read_table, write_table
 
 EPOCH = "2024-01-01T00:00:00"
 HOUR, DAY = 3600.0, 86400.0
 
 
-def tle(*, number="12345", day="001.50000000", motion="15.50000000", node="210.5000", bstar=" 30000-3"):
+def tle(
+    *, number="12345", day="001.50000000", motion="15.50000000", node="210.5000", bstar=" 30000-3", kind="0"
+):
     """The two lines of a set of 2024 with their checksums."""
     lines = (
-        f"1 {number}U 20001A   24{day}  .00012000  00000-0 {bstar} 0  999",
+        f"1 {number}U 20001A   24{day}  .00012000  00000-0 {bstar} {kind}  999",
         f"2 {number}  51.6400 {node} 0005000  40.2500 319.8000 {motion}12345",
     )
     return [f"{line}{sum(int(c) if c.isdigit() else c == '-' for c in line) % 10}" for line in lines]
@@ -96,6 +101,7 @@ NOTATIONS = {
     "csv": csv(*SETS),
     "quoted": csv(*({"CCSDS_OMM_VERS": "2.0", "COMMENT": "X"} | one for one in SETS), quote=True),
     "joined": csv(*SETS[:2]) + csv(*SETS[2:]),
+    "unneeded": csv(*(omm(day=day, CLASSIFICATION_TYPE="UNKNOWN", OBJECT_ID="") for day in DAYS)),
     "day of year": csv(
         *(one | {"EPOCH": f"2024-0{day}T12:00:00Z"} for one, day in zip(SETS, DAYS, strict=True))
     ),
@@ -286,10 +292,12 @@ DAMAGED = {
         text([FIRST, SECOND.replace("40.2500", " 0.2 00")]),
         ": line 2: expected line 2 of a TLE",
     ),
+    "blank in B*": (text(tle(bstar=" 3 000-3")), ": line 1: expected line 1 of a TLE, got '1 12345U"),
+    "no ASCII": (text([FIRST.replace("A  ", "Ä  "), SECOND]), ": line 1: expected line 1 of a TLE, got"),
     "letter I": (text(tle(number="I0000")), ": line 1: expected line 1 of a TLE, got '1 I0000U"),
     "day 367": (text(tle(day="367.50000000")), ": line 1: expected a day from 1 to 366 of 2024, got 367.5"),
     "day 0": (text(tle(day="000.50000000")), ": line 1: expected a day from 1 to 366 of 2024, got 000.5"),
-    "no motion": (text(tle(motion=" 0.00000000")), ": line 2: expected a mean motion above 0 revolutions"),
+    "no motion": (text(tle(motion=" 0.00000000")), ": line 2: expected a mean motion above 0"),
     "node": (text(tle(node="999.5000")), ": line 2: expected angles of at most 360 deg, got 999.5"),
     "number 0": (text(tle(number="00000")), ": line 1: expected a catalogue number above 0, got none"),
     "json in a tle": (text(LINES[0], [json.dumps(SETS)]), ": line 3: expected line 1 of a TLE, got"),
@@ -320,7 +328,7 @@ DAMAGED = {
     "json deep": ("[" * 100_000, ": line 1: expected OMMs in JSON"),
     "negative motion": (
         csv(omm(MEAN_MOTION="-15.5")),
-        ": line 2: expected a mean motion above 0 revolutions",
+        ": line 2: expected a mean motion above 0",
     ),
     "eccentricity": (
         csv(omm(ECCENTRICITY="1")),
@@ -330,7 +338,10 @@ DAMAGED = {
         csv(omm(INCLINATION="181")),
         ": line 2: expected an inclination from 0 to 180 deg, got 181",
     ),
-    "motion": (csv(omm(MEAN_MOTION="19")), ": line 2: expected elements that SGP4 can fly, got"),
+    "motion": (csv(omm(MEAN_MOTION="1e308")), ": line 2: expected a mean motion above 0 and below 18 rev"),
+    "too low": (csv(omm(MEAN_MOTION="17.9")), ": line 2: expected elements that SGP4 can fly, got"),
+    "SGP4-XP": (csv(omm(EPHEMERIS_TYPE="4")), ": line 2: EPHEMERIS_TYPE: expected 0 or 2 or 3, got 4"),
+    "SGP4-XP in a TLE": (text(tle(kind="4")), ": line 1: expected the ephemeris type 0 or 2 or 3, got 4"),
     "day": (csv(omm(day="32")), ": line 2: EPOCH: expected a time from 1957 to 2099"),
     "year": (csv(omm(EPOCH="0024-01-01T00:00:00")), ": line 2: EPOCH: expected a time from 1957 to 2099"),
     "creation": (csv(omm(created="today")), ": line 2: CREATION_DATE: expected a time from 1957 to 2099"),
@@ -407,6 +418,26 @@ def test_counts_are_logged(read, caplog):
     assert "sets of mean elements: 3, of objects: 2" in caplog.text
     assert "sets that stood after a later one: 1" in caplog.text
     assert "sets with a period of 225 minutes or more: 1" in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("orbit", "elements", "expected"),
+    [
+        ("cpf/jason3_cpf_180613_16401.cne", "dpshorten_Jason-3", 500.0),
+        ("sp3/ssas3a20.b18358.e19003.DG_.sp3.gz", "dpshorten_Sentinel-3A", 700.0),
+    ],
+)
+def test_a_real_orbit_is_where_the_newest_set_has_it(orbit, elements, expected):
+    files = OrbitFiles([shared(f"real/{orbit}")], "2018-06-01T00:00:00", 230 * DAY)
+    (arc,) = read_arcs(files)
+    first_day = arc.t < arc.t[0] + DAY
+    turns = gcrf_to_itrf(
+        earth_orientation.tabulate(files.epoch, nodes(files.epoch, 230 * DAY)), arc.t[first_day]
+    )
+    sets = histories.read([shared(f"real/tle/{elements}.tle.gz")], epoch=files.epoch).sets
+    states = predict(sets, epoch=files.epoch, known=arc.t[0], t=arc.t[first_day])
+    apart = np.einsum("nij,nj->ni", turns, states[:, :3]) - arc.positions[first_day]
+    assert np.sqrt((apart**2).sum(axis=1).mean()) < expected
 
 
 REAL = {
