@@ -17,7 +17,7 @@ from scipy.optimize import least_squares
 from sgp4.api import Satrec
 
 from opml.base import seeds
-from opml.base.constants import DAY, EARTH_GM
+from opml.base.constants import DAY, EARTH_GM, HOUR
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import ccsds, tle, truth_from_orbit
@@ -59,11 +59,11 @@ class Plan:
     number: int
 
     def __post_init__(self) -> None:
-        """Raise InputError for a time that is not above 0, a negative noise, and a number that no TLE has."""
+        """Raise InputError for a time that is too short, a negative noise, and a number that no TLE has."""
         tle.check_number(self.number)
-        for name in ("every", "span"):
-            if not 0.0 < getattr(self, name) < math.inf:
-                raise InputError(f"{name}: expected a time above 0, got {getattr(self, name):g} s")
+        for name, least in (("every", CADENCE), ("span", HOUR)):
+            if not least <= getattr(self, name) < math.inf:
+                raise InputError(f"{name}: expected {least:g} s or more, got {getattr(self, name):g} s")
         if not 0.0 <= self.noise < math.inf:
             raise InputError(f"noise: expected a standard deviation [m], got {self.noise:g}")
 
@@ -108,7 +108,7 @@ def left(fits: Sequence[Fit]) -> str:
 
 
 def from_orbit(orbit: pd.DataFrame, plan: Plan, *, epoch: str) -> Iterator[Fit]:
-    """Yield the sets of an orbit; epochs with less than half of the positions before them are left out.
+    """Yield the sets of an orbit; an epoch with too few positions before it has none, and is logged.
 
     orbit: columns of the table `truth`, a row each CADENCE
     epoch: UTC text
@@ -121,7 +121,10 @@ def from_orbit(orbit: pd.DataFrame, plan: Plan, *, epoch: str) -> Iterator[Fit]:
     )
     for end in np.arange(t[0] + plan.span, t[-1] + 0.5 * CADENCE, plan.every):
         rows = np.flatnonzero((t > end - plan.span - 0.5 * CADENCE) & (t < end + 0.5 * CADENCE))
-        if len(rows) < _LEAST * plan.span / CADENCE or t[rows[-1]] < end - CADENCE:
+        ago = end - t[rows]
+        if not all(
+            (ago < arc).sum() >= _LEAST * arc / CADENCE for arc in (plan.span, min(plan.span, _FIRST_ARC))
+        ):
             _log.warning("no set at %.0f s: too few positions before it", end)
             continue
         known = np.concatenate([positions[rows[-1]], velocities[rows[-1]]])
