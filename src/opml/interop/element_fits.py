@@ -119,6 +119,7 @@ def from_orbit(orbit: pd.DataFrame, plan: Plan, *, epoch: str) -> Iterator[Fit]:
     positions, velocities = (
         np.einsum("nji,nj->ni", turns, part) / 1e3 for part in (states[:, :3] + noise, states[:, 3:])
     )
+    first_arc = min(plan.span, _FIRST_ARC)
     for end in np.arange(t[0] + plan.span, t[-1] + 0.5 * CADENCE, plan.every):
         rows = np.flatnonzero((t > end - plan.span - 0.5 * CADENCE) & (t < end + 0.5 * CADENCE))
         ago = end - t[rows]
