@@ -122,10 +122,8 @@ def from_orbit(orbit: pd.DataFrame, plan: Plan, *, epoch: str) -> Iterator[Fit]:
     first_arc = min(plan.span, _FIRST_ARC)
     for end in np.arange(t[0] + plan.span, t[-1] + 0.5 * CADENCE, plan.every):
         rows = np.flatnonzero((t > end - plan.span - 0.5 * CADENCE) & (t < end + 0.5 * CADENCE))
-        ago = end - t[rows]
-        if not all(
-            (ago < arc).sum() >= _LEAST * arc / CADENCE for arc in (plan.span, min(plan.span, _FIRST_ARC))
-        ):
+        recent = np.count_nonzero(t[rows] > end - first_arc)
+        if len(rows) < _LEAST * plan.span / CADENCE or recent < _LEAST * first_arc / CADENCE:
             _log.warning("no set at %.0f s: too few positions before it", end)
             continue
         known = np.concatenate([positions[rows[-1]], velocities[rows[-1]]])
