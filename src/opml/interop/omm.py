@@ -86,7 +86,7 @@ def records(path: FilePath, text: str) -> Iterator[Record]:
     if start.startswith(("{", "[")):
         return _json(path, text)
     if start.startswith("<"):
-        return _xml(path, start)
+        return _xml(path, text)
     return _csv(path, text) if _is_csv(text) else _kvn(text)
 
 
@@ -146,8 +146,12 @@ class _Values:
             raise self._error(key, " or ".join(allowed))
 
     def time(self, key: str) -> str:
-        """Return the time of a key as UTC text, to the microsecond. Raises InputError where it is none."""
-        text = ccsds.utc_text(self.known.get(key, ""))
+        """Return the time of a key as UTC text, to the microsecond. Raises InputError where it is none.
+
+        Lists of Space-Track's older class `tle` have a blank for the T, and microseconds under another key.
+        """
+        parts = [self.known[name] for name in (key, f"{key}_MICROSECONDS") if name in self.known]
+        text = ccsds.utc_text(".".join(part.rjust(6, "0") for part in parts).replace(" ", "T"))
         if text is None or not _FIRST_YEAR <= text[:4] <= _LAST_YEAR:
             raise self._error(key, f"a time from {_FIRST_YEAR} to {_LAST_YEAR} like 2016-09-28T12:09:45")
         return text
