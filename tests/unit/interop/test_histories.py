@@ -66,8 +66,8 @@ def text(*sets):
 
 
 def kvn(*sets):
-    heads = ["CCSDS_OMM_VERS = 2.0", "CREATION_DATE = "]
-    return "\n".join("\n".join([*heads, *(f"{k} = {v}" for k, v in one.items()), ""]) for one in sets)
+    heads = ({"CCSDS_OMM_VERS": "2.0", "CREATION_DATE": ""} | one for one in sets)
+    return "\n".join("".join(f"{key} = {value}\n" for key, value in one.items()) for one in heads)
 
 
 def csv(*sets, quote=False):
@@ -78,10 +78,16 @@ def csv(*sets, quote=False):
 
 
 def xml(*sets):
-    tags = ["".join(f"<{key}>{value}</{key}>\n" for key, value in one.items()) for one in sets]
-    body = "<header><CREATION_DATE/></header><body><segment>{}</segment></body>"
-    messages = [f'<omm id="CCSDS_OMM_VERS" version="2.0">{body.format(tag)}</omm>' for tag in tags]
-    return '<?xml version="1.0" encoding="UTF-8"?>\n<ndm>' + "".join(messages) + "</ndm>\n"
+    message = (
+        '<omm id="CCSDS_OMM_VERS" version="2.0"><header><CREATION_DATE>{}</CREATION_DATE></header>'
+        "<body><segment>{}</segment></body></omm>"
+    )
+    messages = []
+    for one in sets:
+        elements = {key: value for key, value in one.items() if key != "CREATION_DATE"}
+        tags = "".join(f"<{key}>{value}</{key}>\n" for key, value in elements.items())
+        messages.append(message.format(one.get("CREATION_DATE", ""), tags))
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n<ndm>{"".join(messages)}</ndm>\n'
 
 
 NOTATIONS = {
@@ -209,6 +215,13 @@ def test_a_date_of_creation_counts_more_than_the_place(read):
 )
 def test_catalogue_numbers_have_up_to_nine_digits(read, content, number):
     assert read(content).sets["number"].tolist() == [number]
+
+
+@pytest.mark.parametrize("write", [kvn, xml, csv])
+def test_the_date_of_creation_is_read_from_every_notation(read, write):
+    dated = [omm(day=day, created=f"2024-01-{day}T18:00:00.5") for day in DAYS]
+    sets = read(write(*dated)).sets
+    np.testing.assert_allclose(sets["t_created"] - sets["t"], 6 * HOUR + 0.5, rtol=0, atol=1e-5)
 
 
 def test_of_doubles_the_one_with_a_date_tells_when_it_was_known(read):
