@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 
 from opml import __version__
+from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 
 
@@ -92,6 +93,26 @@ def _sheet(options: argparse.Namespace) -> None:
     print(random_sheet.sheet(options.prefix, options.count, options.seed).rstrip("\n"))
 
 
+def _add_elements(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("files", nargs="+", help="an orbit in SP3, CPF or OEM")
+    parser.add_argument("--every", type=float, default=12.0, help="time between epochs [h] (12)")
+    parser.add_argument("--span", type=float, default=3.0, help="time before an epoch that is fitted [d] (3)")
+    parser.add_argument("--noise", type=float, default=0.0, help="of each coordinate of a position [m] (0)")
+    parser.add_argument("--number", type=int, default=99999, help="catalogue number of the sets (99999)")
+    parser.add_argument("--satellite", help="name or id in the files, where they have several")
+    parser.add_argument("--seed", type=int, default=42, help="seed of the noise (42)")
+
+
+def _elements(options: argparse.Namespace) -> None:
+    from opml.interop import element_fits
+
+    every, span = HOUR * options.every, DAY * options.span
+    plan = element_fits.Plan(every, span, options.noise, options.seed, options.number)
+    fits = element_fits.from_files(options.files, plan, name=options.satellite)
+    print(element_fits.as_tles(fits, plan))
+    print(f"opml: {element_fits.left(fits)}", file=sys.stderr)
+
+
 def _add_table(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", help="a table of a run, in Parquet")
     parser.add_argument("--csv", action="store_true", help="all of it, as comma-separated values")
@@ -153,6 +174,7 @@ COMMANDS = (
     Command("init", "write a project that can be run, with a study to begin with", _add_init, _init),
     Command("rso", "print the line of the sheet of RSOs for a file of mean elements", _add_rso, _rso),
     Command("sheet", "print a sheet of RSOs drawn at random", _add_sheet, _sheet),
+    Command("elements", "print TLEs fitted to an orbit in files, for tests", _add_elements, _elements),
     Command("docs", "list the pages of the documentation, or print one", _add_docs, _docs),
     Command("table", "print what a table holds, or all of it as CSV", _add_table, _table),
     Command("tables", "print the page that describes every table, column by column", _add_nothing, _tables),

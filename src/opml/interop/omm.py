@@ -1,0 +1,298 @@
+"""Orbit mean-elements messages (OMM), one or many in a text: KVN, XML, JSON or CSV.
+
+CSV and JSON may leave out the keys whose values are the same in all sets, as CelesTrak's do.
+Source: CCSDS 502.0-B-2, section 4; CelesTrak, GP data formats; Space-Track, class gp_history.
+"""
+
+import csv
+import io
+import json
+import math
+import re
+import xml.sax
+from collections.abc import Callable, Iterator, Sequence
+from itertools import zip_longest
+from typing import Any, NamedTuple
+from xml.sax.handler import ContentHandler
+
+from sgp4 import omm
+from sgp4.api import Satrec
+
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+from opml.interop import ccsds
+from opml.interop.element_set import ElementSet, check_orbit
+from opml.interop.orbit_arcs import line_error
+from opml.interop.tle import EPHEMERIS_TYPES, LARGEST_NUMBER
+
+_NUMBERS = (
+    "MEAN_MOTION",
+    "ECCENTRICITY",
+    "INCLINATION",
+    "RA_OF_ASC_NODE",
+    "ARG_OF_PERICENTER",
+    "MEAN_ANOMALY",
+    "BSTAR",
+)
+_UNUSED = {
+    "MEAN_MOTION_DOT": "0",
+    "MEAN_MOTION_DDOT": "0",
+    "CLASSIFICATION_TYPE": "U",
+    "OBJECT_ID": "",
+    "EPHEMERIS_TYPE": "0",
+    "ELEMENT_SET_NO": "0",
+    "REV_AT_EPOCH": "0",
+}
+"""What sgp4 asks for and SGP4 does not need."""
+
+_VERSION = "CCSDS_OMM_VERS"
+_REQUIRED = {
+    _VERSION: ("1.0", "2.0", "3.0"),
+    "MEAN_ELEMENT_THEORY": ("SGP4", "SGP/SGP4"),
+    "REF_FRAME": ("TEME",),
+    "TIME_SYSTEM": ("UTC",),
+    "EPHEMERIS_TYPE": EPHEMERIS_TYPES,
+}
+_MOST_DIGITS = 9  # of a catalogue number
+_FIRST_YEAR, _LAST_YEAR = "1957", "2099"
+_REPEATED = ("COMMENT", "USER_DEFINED")
+_PAIR = re.compile(r"([A-Z][A-Z0-9_]*)\s*=(.*)", re.ASCII)
+_VALUE = re.compile(r"[^\s\[\],]")
+
+
+class Pair(NamedTuple):
+    """A value by its key, with its line; None for what is not there."""
+
+    line: int
+    key: str | None
+    value: str | None
+
+
+class Record(NamedTuple):
+    """A set as it stands in a text, with the line where it begins."""
+
+    line: int
+    pairs: list[Pair]
+
+
+def matches(text: str) -> bool:
+    """Return whether a text begins as one of the four notations does."""
+    return text.lstrip().startswith(("{", "[", "<", _VERSION)) or _is_csv(text)
+
+
+def records(path: FilePath, text: str) -> Iterator[Record]:
+    """Yield the sets of a text. Raises InputError, naming the line, where the notation is broken."""
+    start = text.lstrip()
+    if start.startswith(("{", "[")):
+        return _json(path, text)
+    if start.startswith("<"):
+        return _xml(path, text)
+    return _csv(path, text) if _is_csv(text) else _kvn(text)
+
+
+def element_set(path: FilePath, record: Record) -> ElementSet:
+    """Return the set of a record. Raises InputError, naming line and key, for a damaged one."""
+    values = _Values(path, record)
+    for key, allowed in _REQUIRED.items():
+        values.check_choice(key, allowed)
+    for key in _NUMBERS:
+        values.check(key, _is_finite, "a finite number")
+    for key in ("MEAN_MOTION_DOT", "MEAN_MOTION_DDOT"):
+        values.check(key, _is_finite, "a finite number", "0")
+    for key in ("ELEMENT_SET_NO", "REV_AT_EPOCH", "NORAD_CAT_ID"):
+        values.check(key, _is_whole, f"a whole number of at most {_MOST_DIGITS} digits", "0")
+    number = int(values.known.get("NORAD_CAT_ID", "0"))
+    identity = {
+        "EPOCH": values.time("EPOCH"),
+        "NORAD_CAT_ID": str(number if number <= LARGEST_NUMBER else 0),
+    }
+    satellite = Satrec()
+    omm.initialize(satellite, _UNUSED | {key: values.known[key] for key in _NUMBERS} | identity)
+    check_orbit(path, record.line, satellite)
+    created = values.time("CREATION_DATE") if "CREATION_DATE" in values.known else ""
+    return ElementSet(path, record.line, number, created, satellite)
+
+
+class _Values:
+    """The values of a record by their keys."""
+
+    def __init__(self, path: FilePath, record: Record) -> None:
+        """Raise InputError where a key or a value is missing, or a key is there twice."""
+        self._path, self._line = path, record.line
+        self._lines: dict[str, int] = {}
+        self.known: dict[str, str] = {}
+        for line, key, value in record.pairs:
+            if key is None:
+                raise line_error(path, line, "a key for each value", value or "")
+            if value is None:
+                raise line_error(path, line, f"a value for {key}", "none")
+            if key in self._lines:
+                raise line_error(path, line, f"{key} once", "it twice")
+            self._lines[key] = line
+            if value:
+                self.known[key] = value
+
+    def check(
+        self, key: str, is_valid: Callable[[str], bool], expected: str, default: str | None = None
+    ) -> None:
+        """Raise InputError where the value of a key is not valid; one without a default must be there."""
+        text = self.known.get(key, default)
+        if text is None or not is_valid(text):
+            raise self._error(key, expected)
+
+    def check_choice(self, key: str, allowed: Sequence[str]) -> None:
+        """Raise InputError where the value of a key is there, but not allowed."""
+        if self.known.get(key, allowed[0]).upper() not in allowed:
+            raise self._error(key, " or ".join(allowed))
+
+    def time(self, key: str) -> str:
+        """Return the time of a key as UTC text, to the microsecond. Raises InputError where it is none.
+
+        Lists of Space-Track's older class `tle` have a blank for the T, and microseconds under another key.
+        """
+        parts = [self.known[name] for name in (key, f"{key}_MICROSECONDS") if name in self.known]
+        text = ccsds.utc_text(".".join(part.rjust(6, "0") for part in parts).replace(" ", "T"))
+        if text is None or not _FIRST_YEAR <= text[:4] <= _LAST_YEAR:
+            raise self._error(key, f"a time from {_FIRST_YEAR} to {_LAST_YEAR} like 2016-09-28T12:09:45")
+        return text
+
+    def _error(self, key: str, expected: str) -> InputError:
+        line = self._lines.get(key, self._line)
+        got = self.known.get(key, "nothing")
+        return InputError(f"{self._path}: line {line}: {key}: expected {expected}, got {got}")
+
+
+def _kvn(text: str) -> Iterator[Record]:
+    record = None
+    for number, line in enumerate(map(str.strip, text.splitlines()), start=1):
+        if not line or re.match(r"COMMENT\b", line):
+            continue
+        match = _PAIR.fullmatch(line)
+        pair = Pair(number, match[1], match[2].split("[")[0].strip()) if match else Pair(number, None, line)
+        if record is None or pair.key == _VERSION:
+            if record is not None:
+                yield record
+            record = Record(number, [])
+        record.pairs.append(pair)
+    if record is not None:
+        yield record
+
+
+def _json(path: FilePath, text: str) -> Iterator[Record]:
+    """Yield the members of a list, or a single object, each decoded at its place, for its line."""
+    decoder = json.JSONDecoder(object_pairs_hook=_Members, parse_int=str, parse_float=str, parse_constant=str)
+    try:
+        json.loads(text)
+    except (RecursionError, ValueError) as reason:
+        raise line_error(path, getattr(reason, "lineno", 1), "OMMs in JSON", str(reason)) from None
+    line, end = 1, 0
+    while (at := _after_separators(text, end)) < len(text):
+        line += text.count("\n", end, at)
+        value, end = decoder.raw_decode(text, at)
+        yield Record(line, _pairs(line, value))
+        line += text.count("\n", at, end)
+
+
+def _after_separators(text: str, start: int) -> int:
+    """Return where the next value of a text begins that is valid JSON; its length where there is none."""
+    match = _VALUE.search(text, start)
+    return match.start() if match else len(text)
+
+
+class _Members(list[tuple[str, Any]]):
+    """The members of a JSON object, those of the same key among them."""
+
+
+def _pairs(line: int, value: Any) -> list[Pair]:
+    if not isinstance(value, _Members):
+        return [Pair(line, None, str(value))]
+    return [Pair(line, key, "" if member is None else str(member).strip()) for key, member in value]
+
+
+def _xml(path: FilePath, text: str) -> Iterator[Record]:
+    messages = _Messages()
+    try:
+        xml.sax.parseString(text, messages)
+    except xml.sax.SAXParseException as reason:
+        raise line_error(path, reason.getLineNumber() or 1, "OMMs in XML", reason.getMessage()) from None
+    yield from messages.records
+
+
+class _Messages(ContentHandler):
+    """Collector of the elements without children in each element `omm`."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.records: list[Record] = []
+        self._leaf, self._text, self._inside = "", "", False
+
+    def setDocumentLocator(self, locator: Any) -> None:
+        """Keep what tells the line."""
+        self._place = locator
+
+    def startElement(self, name: str, attrs: Any) -> None:
+        """Begin a message at `omm`, and a value at every element."""
+        self._leaf, self._text = name.split(":")[-1], ""
+        if self._leaf == "omm":
+            self._inside = True
+            versions = [attrs["version"]] if "version" in attrs else []
+            self.records.append(Record(self._line, [Pair(self._line, _VERSION, one) for one in versions]))
+
+    def characters(self, content: str) -> None:
+        """Take a part of a value."""
+        self._text += content
+
+    def endElement(self, name: str) -> None:
+        """End a value, where no element began since its own beginning."""
+        key, self._leaf = self._leaf, ""
+        if self._inside and key == name.split(":")[-1] and key not in _REPEATED:
+            self.records[-1].pairs.append(Pair(self._line, key, self._text.strip()))
+        self._inside &= name.split(":")[-1] != "omm"
+
+    @property
+    def _line(self) -> int:
+        return int(self._place.getLineNumber())
+
+
+def _is_csv(text: str) -> bool:
+    """Return whether the first line of a text names columns of elements."""
+    first = next(csv.reader(text.lstrip().splitlines()[:1]), [])
+    return len({cell.strip() for cell in first} & {*_NUMBERS}) > 1
+
+
+def _csv(path: FilePath, text: str) -> Iterator[Record]:
+    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+    columns: list[str] = []
+    try:
+        for row in reader:
+            cells = [cell.strip() for cell in row]
+            if not any(cells) or cells == columns:  # lists that are joined repeat their columns
+                continue
+            if columns:
+                pairs = zip_longest(columns, cells)
+                yield Record(reader.line_num, [Pair(reader.line_num, key, cell) for key, cell in pairs])
+            else:
+                columns = cells
+                _check_columns(path, reader.line_num, columns)
+    except csv.Error as reason:
+        raise line_error(path, reader.line_num, "CSV", str(reason)) from None
+
+
+def _check_columns(path: FilePath, line: int, columns: Sequence[str]) -> None:
+    for name in ("EPOCH", *_NUMBERS):
+        if name not in columns:
+            raise line_error(path, line, f"a column {name}", "none")
+    for name in columns:
+        if columns.count(name) > 1:
+            raise line_error(path, line, f"one column {name}", "several")
+
+
+def _is_finite(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
+
+
+def _is_whole(text: str) -> bool:
+    return text.isascii() and text.isdigit() and len(text) <= _MOST_DIGITS

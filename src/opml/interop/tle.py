@@ -1,0 +1,156 @@
+"""Two-line elements: the sets of a text, each with or without a name above it (3LE), and lines to write.
+
+Source: Vallado, Crawford, Hujsak & Kelso 2006, Revisiting Spacetrack Report #3 (AIAA 2006-6753), appendix B;
+Space-Track, Alpha-5: a letter other than I and O is the first two digits of a number from 100000 to 339999.
+"""
+
+import re
+from calendar import isleap
+from collections.abc import Iterator, Sequence
+from itertools import zip_longest
+
+import numpy as np
+from sgp4.alpha5 import from_alpha5, to_alpha5
+from sgp4.api import Satrec
+
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+from opml.interop.element_set import PER_DAY, ElementSet, check_orbit
+from opml.interop.orbit_arcs import line_error
+
+Line = tuple[int, str]
+"""Number and text of a line."""
+
+LARGEST_NUMBER = 339_999
+"""Largest catalogue number of a TLE, Z9999 there."""
+
+EPHEMERIS_TYPES = ("0", "2", "3")
+"""Types of elements that SGP4 flies, 0 in what is published; 4 are those of SGP4-XP, another theory."""
+
+_FIRST_YEAR = 57
+"""Two digits of the first year of a TLE, 1957; smaller ones are of this century."""
+
+_LONGEST_NAME = 40
+
+
+def _right(width: int) -> str:
+    """Return the pattern of a field of digits, blanks before them."""
+    return "(?:" + "|".join(f"{' ' * k}" + rf"\d{{{width - k}}}" for k in range(width + 1)) + ")"
+
+
+_NUMBER = rf"(?:[A-HJ-NP-Z]\d{{4}}|(?! {{5}}){_right(5)})"
+_EXPONENT = r"[ +-]\d{5}[+-]\d"
+_ANGLE = rf"{_right(3)}\.\d{{4}}"
+_PATTERNS = {
+    "1": re.compile(
+        rf"1 {_NUMBER}[ A-Z] [ -~]{{8}} \d\d{_right(3)}\.\d{{8}} [ +-]\.\d{{8}} "
+        rf"{_EXPONENT} {_EXPONENT} [ \d] {_right(4)}\d",
+        re.ASCII,
+    ),
+    "2": re.compile(
+        rf"2 {_NUMBER} {_ANGLE} {_ANGLE} (?! {{7}}){_right(7)} {_ANGLE} {_ANGLE} "
+        rf"{_right(2)}\.\d{{8}}{_right(5)}\d",
+        re.ASCII,
+    ),
+}
+
+
+def pieces(text: str) -> Iterator[list[Line]]:
+    """Yield the lines of each set: from its name or line 1 up to its line 2, or to where the next begins."""
+    piece: list[Line] = []
+    has_first = False
+    for number, line in enumerate(text.splitlines(), start=1):
+        line = line.rstrip()
+        if not line or line.startswith("#"):
+            continue
+        kind = _kind(line)
+        if has_first and kind != "2":
+            yield piece
+            piece, has_first = [], False
+        piece.append((number, line))
+        has_first |= kind == "1"
+        if kind == "2":
+            yield piece
+            piece, has_first = [], False
+    if piece:
+        yield piece
+
+
+def element_set(path: FilePath, piece: Sequence[Line]) -> ElementSet:
+    """Return the set of a piece. Raises InputError, naming the line, for a damaged one."""
+    named = _kind(piece[0][1]) == "0" and len(piece[0][1]) <= _LONGEST_NAME
+    for kind, line in zip_longest("12", piece[named:]):
+        _check_line(path, piece[-1][0], line, kind or "1")
+    (number, first), (second_number, second) = piece[named:]
+    if first[2:7] != second[2:7]:
+        raise line_error(path, second_number, f"catalogue number {first[2:7]}", second[2:7])
+    if (kind := first[62].replace(" ", "0")) not in EPHEMERIS_TYPES:
+        raise line_error(path, number, f"the ephemeris type {' or '.join(EPHEMERIS_TYPES)}", kind)
+    _check_day(path, number, first)
+    satellite = Satrec.twoline2rv(first, second)
+    check_orbit(path, second_number, satellite)
+    return ElementSet(path, number, from_alpha5(first[2:7].strip()), "", satellite)
+
+
+def lines(satellite: Satrec, number: int) -> tuple[str, str]:
+    """Return the two lines of a set under a catalogue number, its international designator left blank.
+
+    Raises InputError for a number beyond those of TLEs.
+    """
+    check_number(number)
+    name = to_alpha5(number)
+    angles = np.rad2deg([satellite.nodeo, satellite.argpo, satellite.mo])
+    node, perigee, anomaly = (f"{round(angle, 4) % 360.0:8.4f}" for angle in angles)
+    epoch = f"{satellite.epochyr % 100:02d}{satellite.epochdays:012.8f}"
+    motion = f"{satellite.no_kozai * PER_DAY:11.8f}"
+    return _summed(
+        f"1 {name}U          {epoch}  .00000000  00000+0 {_exponent_text(satellite.bstar)} 0    0"
+    ), _summed(
+        f"2 {name} {np.rad2deg(satellite.inclo):8.4f} {node} {round(1e7 * satellite.ecco):07d} "
+        f"{perigee} {anomaly} {motion}    0"
+    )
+
+
+def check_number(number: int) -> None:
+    """Raise InputError for a catalogue number that no TLE has."""
+    if not 0 < number <= LARGEST_NUMBER:
+        raise InputError(f"number: expected one of a TLE, 1 to {LARGEST_NUMBER}, got {number}")
+
+
+def _summed(line: str) -> str:
+    return f"{line}{_checksum(line)}"
+
+
+def _exponent_text(value: float) -> str:
+    """Return a number as a mantissa of five digits after the point and an exponent of one."""
+    mantissa, exponent = f"{abs(value):.4e}".split("e")
+    power = int(exponent) + 1
+    if power < -9:
+        return " 00000+0"
+    return f"{'-' if value < 0.0 else ' '}{mantissa.replace('.', '')}{power:+d}"
+
+
+def _kind(line: str) -> str:
+    """Return "1" or "2" for these lines of a TLE, "0" for a name, or for no line of a TLE."""
+    return line[0] if line[:2] in ("1 ", "2 ") else "0"
+
+
+def _check_line(path: FilePath, last: int, line: Line | None, kind: str) -> None:
+    if line is None:
+        raise line_error(path, last, f"line {kind} of a TLE after this line", "none")
+    number, text = line
+    if not _PATTERNS[kind].fullmatch(text):
+        raise InputError(f"{path}: line {number}: expected line {kind} of a TLE, got {text!r}")
+    if _checksum(text) != int(text[68]):
+        raise line_error(path, number, f"the checksum {_checksum(text)}", text[68])
+
+
+def _checksum(line: str) -> int:
+    return sum(int(c) if c.isdigit() else c == "-" for c in line[:68]) % 10
+
+
+def _check_day(path: FilePath, number: int, first: str) -> None:
+    year = int(first[18:20]) + (1900 if int(first[18:20]) >= _FIRST_YEAR else 2000)
+    days = 366 if isleap(year) else 365
+    if not 1.0 <= float(first[20:32]) < days + 1:
+        raise line_error(path, number, f"a day from 1 to {days} of {year}", first[20:32])

@@ -1,0 +1,488 @@
+"""Histories of mean elements: one in all notations, sets twice or out of order, files that are damaged."""
+
+import gzip
+import json
+import logging
+
+import numpy as np
+import pytest
+from sgp4.api import Satrec
+from support import shared
+
+from opml.base.errors import InputError
+from opml.dynamics.frames import gcrf_to_itrf
+from opml.environment import earth_orientation, nodes
+from opml.interop import histories, mean_elements
+from opml.interop.histories import newest_before, of_object, predict
+from opml.interop.orbit_from_files import OrbitFiles, read_arcs
+from opml.tables import ELEMENTS, read_table, write_table
+
+EPOCH = "2024-01-01T00:00:00"
+HOUR, DAY = 3600.0, 86400.0
+
+
+def tle(
+    *, number="12345", day="001.50000000", motion="15.50000000", node="210.5000", bstar=" 30000-3", kind="0"
+):
+    """The two lines of a set of 2024 with their checksums."""
+    lines = (
+        f"1 {number}U 20001A   24{day}  .00012000  00000-0 {bstar} {kind}  999",
+        f"2 {number}  51.6400 {node} 0005000  40.2500 319.8000 {motion}12345",
+    )
+    return [f"{line}{sum(int(c) if c.isdigit() else c == '-' for c in line) % 10}" for line in lines]
+
+
+def omm(*, day="01", created="", **changed):
+    """The keys of the same set as CelesTrak gives them, and the date of creation."""
+    values = {
+        "OBJECT_NAME": "A, B",
+        "OBJECT_ID": "2020-001A",
+        "EPOCH": f"2024-01-{day}T12:00:00.000000",
+        "MEAN_MOTION": "15.5",
+        "ECCENTRICITY": ".0005",
+        "INCLINATION": "51.64",
+        "RA_OF_ASC_NODE": "210.5",
+        "ARG_OF_PERICENTER": "40.25",
+        "MEAN_ANOMALY": "319.8",
+        "EPHEMERIS_TYPE": "0",
+        "CLASSIFICATION_TYPE": "U",
+        "NORAD_CAT_ID": "12345",
+        "ELEMENT_SET_NO": "999",
+        "REV_AT_EPOCH": "1234",
+        "BSTAR": ".3E-3",
+        "MEAN_MOTION_DOT": ".12E-3",
+        "MEAN_MOTION_DDOT": "0",
+    }
+    return values | ({"CREATION_DATE": created} if created else {}) | changed
+
+
+DAYS = ("01", "02", "03")
+LINES = [tle(day=f"0{day}.50000000") for day in DAYS]
+SETS = [omm(day=day) for day in DAYS]
+
+
+def text(*sets):
+    return "".join(f"{line}\n" for lines in sets for line in lines)
+
+
+def kvn(*sets):
+    heads = ({"CCSDS_OMM_VERS": "2.0", "CREATION_DATE": ""} | one for one in sets)
+    return "\n".join("".join(f"{key} = {value}\n" for key, value in one.items()) for one in heads)
+
+
+def csv(*sets, quote=False):
+    """A list with commas, in quotes where a name has one."""
+    rows = (sets[0], *(one.values() for one in sets))
+    cells = ([f'"{cell}"' if quote or "," in cell else cell for cell in row] for row in rows)
+    return "".join(",".join(row) + "\r\n" for row in cells)
+
+
+def xml(*sets):
+    message = (
+        '<omm id="CCSDS_OMM_VERS" version="2.0"><header><CREATION_DATE>{}</CREATION_DATE></header>'
+        "<body><segment>{}</segment></body></omm>"
+    )
+    messages = []
+    for one in sets:
+        elements = {key: value for key, value in one.items() if key != "CREATION_DATE"}
+        tags = "".join(f"<{key}>{value}</{key}>\n" for key, value in elements.items())
+        messages.append(message.format(one.get("CREATION_DATE", ""), tags))
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n<ndm>{"".join(messages)}</ndm>\n'
+
+
+NOTATIONS = {
+    "tle": text(*LINES),
+    "3le": text(*(["0 A, B", *lines] for lines in LINES)),
+    "named": text(*(["A, B                    ", *lines] for lines in LINES)),
+    "crlf": text(*LINES).replace("\n", "\r\n"),
+    "bom": "\ufeff" + text(*LINES),
+    "kvn": kvn(*SETS),
+    "tight kvn": kvn(*SETS).replace(" = ", "=").replace("=51.64", "=51.64 [deg]"),
+    "xml": xml(*SETS),
+    "json": json.dumps(SETS),
+    "indented": json.dumps(SETS, indent=1),
+    "numbers": json.dumps(
+        [one | {"BSTAR": 0.0003, "NORAD_CAT_ID": 12345, "DECAY_DATE": None} for one in SETS]
+    ),
+    "csv": csv(*SETS),
+    "quoted": csv(*({"CCSDS_OMM_VERS": "2.0", "COMMENT": "X"} | one for one in SETS), quote=True),
+    "joined": csv(*SETS[:2]) + csv(*SETS[2:]),
+    "older": json.dumps([omm(EPOCH=f"2024-01-{day} 11:59:59", EPOCH_MICROSECONDS="999999") for day in DAYS]),
+    "unneeded": csv(*(omm(day=day, CLASSIFICATION_TYPE="UNKNOWN", OBJECT_ID="") for day in DAYS)),
+    "day of year": csv(
+        *(one | {"EPOCH": f"2024-0{day}T12:00:00Z"} for one, day in zip(SETS, DAYS, strict=True))
+    ),
+}
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(content, name="sets"):
+        path = tmp_path / name
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return path
+
+    return write
+
+
+@pytest.fixture
+def read(written):
+    def read(*contents, **options):
+        paths = [written(content, f"sets{k}") for k, content in enumerate(contents)]
+        return histories.read(paths, epoch=EPOCH, **options)
+
+    return read
+
+
+@pytest.mark.parametrize("content", NOTATIONS.values(), ids=NOTATIONS)
+def test_every_notation_gives_the_same_history(read, content):
+    history = read(content)
+    sets = history.sets
+    assert (history.doubles, history.superseded, history.out_of_order, history.damaged) == (0, 0, 0, [])
+    assert sets["number"].tolist() == [12345] * 3
+    np.testing.assert_allclose(sets["t"], (np.arange(3) + 0.5) * DAY, rtol=0, atol=2e-6)
+    turn = 2 * np.pi / DAY
+    expected = [15.5 * turn, 5e-4, *np.deg2rad([51.64, 210.5, 40.25, 319.8]), 3e-4]
+    np.testing.assert_allclose(sets[ELEMENTS], [expected] * 3, rtol=1e-14)
+    assert sets["t_created"].isna().all()
+    assert not sets["is_deep"].any()
+
+
+def test_the_table_tells_where_each_set_stands(read):
+    starts = {"tle": [1, 3, 5], "3le": [2, 5, 8], "csv": [2, 3, 4], "kvn": [1, 21, 41], "xml": [2, 19, 36]}
+    for name, lines in starts.items():
+        sets = read(NOTATIONS[name]).sets
+        assert sets["line"].tolist() == lines
+        assert set(sets["file"]) == {"sets0"}
+    assert read(json.dumps(SETS, indent=0)).sets["line"].tolist() == [2, 21, 40]
+
+
+def test_gzipped_files_of_different_notations_are_one_history(read):
+    sets = read(gzip.compress(text(LINES[2]).encode()), json.dumps(SETS[:1]), kvn(SETS[1])).sets
+    np.testing.assert_allclose(sets["t"], (np.arange(3) + 0.5) * DAY, rtol=0, atol=1e-6)
+    assert sets["file"].tolist() == ["sets1", "sets2", "sets0"]
+
+
+def test_the_table_is_written_and_read_with_its_schema(read, tmp_path):
+    sets = read(csv(*(omm(day=day, created=f"2024-01-{day}T18:00:00") for day in DAYS[:2]))).sets
+    write_table(tmp_path / "sets.parquet", sets, "element_sets", metadata={"epoch": EPOCH})
+    np.testing.assert_array_equal(read_table(tmp_path / "sets.parquet", "element_sets"), sets)
+    assert sets["t_created"].tolist() == [18 * HOUR, DAY + 18 * HOUR]
+
+
+def test_sets_out_of_order_are_sorted_and_counted(read):
+    history = read(text(LINES[2], LINES[0], LINES[1]))
+    assert (np.diff(history.sets["t"]) > 0).all()
+    assert history.out_of_order == 2
+
+
+def test_sets_that_are_there_twice_count_once(read, caplog):
+    history = read(text(*LINES, LINES[0], tle(day="001.50000000")), json.dumps(SETS))
+    assert len(history.sets) == 3
+    assert (history.doubles, history.superseded) == (5, 0)
+    assert "sets left out that were there already: 5" in caplog.text
+
+
+def test_of_two_sets_of_one_epoch_the_later_counts(read, caplog):
+    history = read(text(tle(node="210.5000"), tle(node="210.6000")))
+    assert np.rad2deg(history.sets["raan"]).tolist() == [pytest.approx(210.6)]
+    assert (history.doubles, history.superseded) == (0, 1)
+    assert "sets left out for later ones of the same epoch: 1" in caplog.text
+
+
+def test_a_date_of_creation_counts_more_than_the_place(read):
+    late, early = "2024-01-02T06:00:00", "2024-01-01T18:00:00"
+    sets = [omm(created=late, RA_OF_ASC_NODE="210.6"), omm(created=early), omm()]
+    history = read(json.dumps(sets))
+    assert np.rad2deg(history.sets["raan"]).tolist() == [pytest.approx(210.6)]
+    assert history.sets["t_created"].tolist() == [DAY + 6 * HOUR]
+    assert (history.doubles, history.superseded) == (1, 1)
+
+
+@pytest.mark.parametrize(
+    ("content", "number"),
+    [
+        (text(tle(number="A0000")), 100_000),
+        (text(tle(number="J2931")), 182_931),
+        (text(tle(number="P4018")), 234_018),
+        (text(tle(number="Z9999")), 339_999),
+        (text(tle(number="    5")), 5),
+        (json.dumps(omm(NORAD_CAT_ID="100000")), 100_000),
+        (json.dumps(omm(NORAD_CAT_ID=340000)), 340_000),
+        (csv(omm(NORAD_CAT_ID="799500001")), 799_500_001),
+        (kvn(omm(NORAD_CAT_ID="999999999")), 999_999_999),
+    ],
+)
+def test_catalogue_numbers_have_up_to_nine_digits(read, content, number):
+    assert read(content).sets["number"].tolist() == [number]
+
+
+@pytest.mark.parametrize("write", [kvn, xml, csv])
+def test_the_date_of_creation_is_read_from_every_notation(read, write):
+    dated = [omm(day=day, created=f"2024-01-{day}T18:00:00.5") for day in DAYS]
+    sets = read(write(*dated)).sets
+    np.testing.assert_allclose(sets["t_created"] - sets["t"], 6 * HOUR + 0.5, rtol=0, atol=1e-5)
+
+
+def test_of_doubles_the_one_with_a_date_tells_when_it_was_known(read):
+    sets = read(text(LINES[0]), json.dumps(omm(created="2024-01-01T18:00:00")), text(LINES[0])).sets
+    assert newest_before(sets, 17 * HOUR) is None
+    assert newest_before(sets, 18 * HOUR) == 0
+
+
+def test_objects_are_told_apart(read):
+    other = omm(NORAD_CAT_ID="270000001", MEAN_MOTION="1.0027")
+    sets = read(json.dumps([other, *SETS])).sets
+    assert sets["number"].tolist() == [12345] * 3 + [270_000_001]
+    assert sets["is_deep"].tolist() == [False] * 3 + [True]
+    assert of_object(sets, 270_000_001)["t"].tolist() == [0.5 * DAY]
+    with pytest.raises(InputError, match="element sets: expected object 7, got 12345, 270000001"):
+        of_object(sets, 7)
+    with pytest.raises(InputError, match="element sets: expected those of one object, got 2 objects"):
+        newest_before(sets, DAY)
+
+
+def test_a_set_is_known_from_its_epoch_or_its_creation_on(read):
+    sets = read(json.dumps([omm(), omm(day="02", created="2024-01-02T20:00:00"), omm(day="03")])).sets
+    times = (0.5 * DAY - 1, 0.5 * DAY, 1.8 * DAY, 1.9 * DAY, 9 * DAY)
+    assert [newest_before(sets, t) for t in times] == [None, 0, 0, 1, 2]
+
+
+@pytest.mark.parametrize("notation", ["tle", "json"])
+def test_predictions_are_those_of_the_set_itself(read, notation):
+    sets = read(NOTATIONS[notation]).sets
+    t = np.array([2.4, 4.0]) * DAY
+    found = predict(sets, epoch=EPOCH, known=2.2 * DAY, t=t)
+    newest = Satrec.twoline2rv(*LINES[1])
+    expected = [
+        mean_elements.state(newest, epoch=epoch) for epoch in ("2024-01-03T09:36:00", "2024-01-05T00:00:00")
+    ]
+    np.testing.assert_allclose(found[:, :3], np.array(expected)[:, :3], rtol=0, atol=0.02)
+    np.testing.assert_allclose(found[:, 3:], np.array(expected)[:, 3:], rtol=0, atol=2e-5)
+
+
+def test_where_nothing_is_known_or_the_object_decayed_there_is_no_state(read):
+    sets = read(text(tle(motion="16.20000000", bstar=" 30000-2"))).sets
+    assert np.isnan(predict(sets, epoch=EPOCH, known=0.0, t=np.array([DAY]))).all()
+    states = predict(sets, epoch=EPOCH, known=DAY, t=np.array([0.6, 300.0]) * DAY)
+    assert np.isfinite(states[0]).all()
+    assert np.isnan(states[1]).all()
+
+
+def test_a_leap_second_is_a_second_of_flight(written):
+    # 2016 ended with one: from noon to noon there were 86 401 s.
+    satellite = mean_elements.read(written(csv(omm(EPOCH="2016-12-31T12:00:00"))))
+    _, position, _ = satellite.sgp4_tsince(86_401.0 / 60.0)
+    found = mean_elements.state(satellite, epoch="2017-01-01T12:00:00")
+    assert np.linalg.norm(found[:3]) == pytest.approx(1e3 * np.linalg.norm(position), abs=0.01)
+    turn = mean_elements.teme_to_gcrf("2017-01-01T12:00:00", np.zeros(1))[0]
+    np.testing.assert_allclose(found[:3], 1e3 * turn @ position, rtol=0, atol=0.02)
+
+
+FIRST, SECOND = tle()
+OTHER = tle(number="54321")
+ROW = csv(omm())
+DAMAGED = {
+    "no file": (None, ": no such file"),
+    "empty": ("", ": expected a TLE or an OMM, got none"),
+    "blank": (" \n\n", ": expected a TLE or an OMM, got none"),
+    "binary": (bytes(range(256)), ": expected a TLE or an OMM in UTF-8 text"),
+    "zeros": (b"\0" * 99, ": expected a TLE or an OMM in UTF-8 text, got bytes that are none"),
+    "utf-16": (text(*LINES).encode("utf-16"), ": expected a TLE or an OMM in UTF-8 text"),
+    "cut gzip": (gzip.compress(text(*LINES).encode())[:-20], ": expected a file that is whole"),
+    "words": ("No GP data found\n", ": line 1: expected line 1 of a TLE after this line, got none"),
+    "checksum": (text([FIRST, SECOND[:-1] + "3"]), f": line 2: expected the checksum {SECOND[-1]}, got 3"),
+    "line 2 of another": (text([FIRST, OTHER[1]]), ": line 2: expected catalogue number 12345, got 54321"),
+    "no line 2": (text([FIRST], LINES[1]), ": line 1: expected line 2 of a TLE after this line, got none"),
+    "no line 2 at the end": (text(LINES[1], [FIRST]), ": line 3: expected line 2 of a TLE after this line"),
+    "no line 1": (text([SECOND], LINES[1]), ": line 1: expected line 1 of a TLE, got '2 12345"),
+    "swapped": (text([SECOND, FIRST]), ": line 1: expected line 1 of a TLE, got '2 12345"),
+    "truncated": (text([FIRST, SECOND[:50]]), ": line 2: expected line 2 of a TLE, got '2 12345"),
+    "too long": (text([FIRST + "1", SECOND]), ": line 1: expected line 1 of a TLE, got '1 12345"),
+    "two names": (text(["A", "B", FIRST, SECOND]), ": line 2: expected line 1 of a TLE, got 'B'"),
+    "damaged name": (text(["x" + FIRST, SECOND]), ": line 1: expected line 1 of a TLE, got 'x1 12345"),
+    "letters": (text([FIRST.replace("30000", "3o000"), SECOND]), ": line 1: expected line 1 of a TLE"),
+    "blank within": (
+        text([FIRST, SECOND.replace("40.2500", " 0.2 00")]),
+        ": line 2: expected line 2 of a TLE",
+    ),
+    "blank in B*": (text(tle(bstar=" 3 000-3")), ": line 1: expected line 1 of a TLE, got '1 12345U"),
+    "no ASCII": (text([FIRST.replace("A  ", "Ä  "), SECOND]), ": line 1: expected line 1 of a TLE, got"),
+    "letter I": (text(tle(number="I0000")), ": line 1: expected line 1 of a TLE, got '1 I0000U"),
+    "day 367": (text(tle(day="367.50000000")), ": line 1: expected a day from 1 to 366 of 2024, got 367.5"),
+    "day 0": (text(tle(day="000.50000000")), ": line 1: expected a day from 1 to 366 of 2024, got 000.5"),
+    "no motion": (text(tle(motion=" 0.00000000")), ": line 2: expected a mean motion above 0"),
+    "node": (text(tle(node="999.5000")), ": line 2: expected angles of at most 360 deg, got 999.5"),
+    "number 0": (text(tle(number="00000")), ": line 1: expected a catalogue number above 0, got none"),
+    "json in a tle": (text(LINES[0], [json.dumps(SETS)]), ": line 3: expected line 1 of a TLE, got"),
+    "tle in a json": (
+        json.dumps(SETS) + "\n" + text(LINES[0]),
+        ": line 2: expected OMMs in JSON, got Extra data",
+    ),
+    "tle in a kvn": (kvn(SETS[0]) + text(LINES[0]), ": line 20: expected a key for each value, got 1 12345U"),
+    "tle in a csv": (csv(SETS[0]) + text(LINES[0]), ": line 3: expected a value for OBJECT_ID, got none"),
+    "json no list": ('"sets"', ": line 1: expected line 1 of a TLE after this line"),
+    "json of numbers": ("[\n1]", ": line 2: expected a key for each value, got 1"),
+    "json cut": (json.dumps(SETS, indent=1)[:-90], ": line 5"),
+    "json key": (
+        json.dumps([{"EPOCH": "2024-01-01T12:00:00"}]),
+        ": line 1: MEAN_MOTION: expected a finite number",
+    ),
+    "json twice": ('[\n{"BSTAR": 1, "BSTAR": 2}]', ": line 2: expected BSTAR once, got it twice"),
+    "json error": ('{"error": "no rows"}', ": line 1: MEAN_MOTION: expected a finite number, got nothing"),
+    "json nan": (json.dumps([omm(BSTAR=float("nan"))]), ": line 1: BSTAR: expected a finite number, got NaN"),
+    "json infinite": (
+        json.dumps([omm(BSTAR=float("inf"))]),
+        ": line 1: BSTAR: expected a finite number, got Inf",
+    ),
+    "json null": (
+        json.dumps([omm(MEAN_ANOMALY=None)]),
+        ": line 1: MEAN_ANOMALY: expected a finite number, got no",
+    ),
+    "json deep": ("[" * 100_000, ": line 1: expected OMMs in JSON"),
+    "negative motion": (
+        csv(omm(MEAN_MOTION="-15.5")),
+        ": line 2: expected a mean motion above 0",
+    ),
+    "eccentricity": (
+        csv(omm(ECCENTRICITY="1")),
+        ": line 2: expected an eccentricity from 0 to below 1, got 1",
+    ),
+    "inclination": (
+        csv(omm(INCLINATION="181")),
+        ": line 2: expected an inclination from 0 to 180 deg, got 181",
+    ),
+    "motion": (csv(omm(MEAN_MOTION="1e308")), ": line 2: expected a mean motion above 0 and below 18 rev"),
+    "too low": (csv(omm(MEAN_MOTION="17.9")), ": line 2: expected elements that SGP4 can fly, got"),
+    "SGP4-XP": (csv(omm(EPHEMERIS_TYPE="4")), ": line 2: EPHEMERIS_TYPE: expected 0 or 2 or 3, got 4"),
+    "SGP4-XP in a TLE": (text(tle(kind="4")), ": line 1: expected the ephemeris type 0 or 2 or 3, got 4"),
+    "day": (csv(omm(day="32")), ": line 2: EPOCH: expected a time from 1957 to 2099"),
+    "year": (csv(omm(EPOCH="0024-01-01T00:00:00")), ": line 2: EPOCH: expected a time from 1957 to 2099"),
+    "microseconds": (csv(omm(EPOCH_MICROSECONDS="1")), ": line 2: EPOCH: expected a time from 1957"),
+    "xml begins late": ("\n" + xml(SETS[0]), ": line 2: expected OMMs in XML, got XML or text declaration"),
+    "creation": (csv(omm(created="today")), ": line 2: CREATION_DATE: expected a time from 1957 to 2099"),
+    "ten digits": (
+        csv(omm(NORAD_CAT_ID="1234567890")),
+        ": line 2: NORAD_CAT_ID: expected a whole number of at",
+    ),
+    "no number": (csv(omm(NORAD_CAT_ID="")), ": line 2: expected a catalogue number above 0, got none"),
+    "frame": (csv(omm(REF_FRAME="GCRF")), ": line 2: REF_FRAME: expected TEME, got GCRF"),
+    "theory": (
+        csv(omm(MEAN_ELEMENT_THEORY="SGP4-XP")),
+        ": line 2: MEAN_ELEMENT_THEORY: expected SGP4 or SGP",
+    ),
+    "csv column": (ROW.replace("BSTAR", "DRAG"), ": line 1: expected a column BSTAR, got none"),
+    "csv columns": (ROW.replace("OBJECT_ID", "BSTAR"), ": line 1: expected one column BSTAR, got several"),
+    "csv cell": (ROW.rstrip() + ",9\n", ": line 2: expected a key for each value, got 9"),
+    "csv quote": (ROW + '"A', ": line 3: expected CSV, got unexpected end of data"),
+    "csv text": (ROW.replace("51.64", "51,64"), ": line 2: expected a key for each value, got 0"),
+    "xml": (xml(*SETS)[:-9], ": line 53: expected OMMs in XML, got"),
+    "xml of nothing": ("<ndm></ndm>", ": expected a TLE or an OMM, got none"),
+    "xml value": (xml(omm(BSTAR="")), ": line 16: BSTAR: expected a finite number, got nothing"),
+    "kvn value": (kvn(omm(BSTAR="")), ": line 17: BSTAR: expected a finite number, got nothing"),
+    "kvn sign": (
+        kvn(SETS[0]).replace("BSTAR =", "BSTAR"),
+        ": line 17: expected a key for each value, got BSTAR .3",
+    ),
+    "kvn twice": (kvn(SETS[0]) + "BSTAR = 1\n", ": line 20: expected BSTAR once, got it twice"),
+    "kvn version": (
+        kvn(SETS[0]).replace("2.0", "9.0", 1),
+        ": line 1: CCSDS_OMM_VERS: expected 1.0 or 2.0 or 3.0",
+    ),
+}
+
+
+@pytest.mark.parametrize(("content", "message"), DAMAGED.values(), ids=DAMAGED)
+def test_what_is_damaged_is_told_in_one_line(written, tmp_path, content, message):
+    path = tmp_path / "absent" if content is None else written(content)
+    with pytest.raises(InputError) as error:
+        histories.read([path], epoch=EPOCH)
+    assert str(error.value).startswith(f"{path}{message}")
+
+
+@pytest.mark.parametrize(
+    ("content", "lines"),
+    [
+        (text(LINES[0], [LINES[1][0]], LINES[2]), [3]),
+        (text(LINES[0], [LINES[1][1]], LINES[2]), [3]),
+        (text(LINES[0], ["x" + LINES[1][0], LINES[1][1]], LINES[2]), [3]),
+        (text(LINES[0], [LINES[1][0], LINES[1][1][:40]], tle(number="00000"), LINES[2]), [4, 5]),
+        (json.dumps([SETS[0], omm(BSTAR="?"), 7, SETS[2]], indent=0), [21, 40]),
+        (csv(SETS[0], omm(ECCENTRICITY="2"), SETS[2]), [3]),
+        (kvn(SETS[0], omm(BSTAR=""), SETS[2]), [37]),
+        (xml(SETS[0], omm(BSTAR=""), SETS[2]), [33]),
+    ],
+)
+def test_damaged_sets_are_left_out_where_asked_for_and_told(read, caplog, content, lines):
+    history = read(content, leave_out_damaged=True)
+    np.testing.assert_allclose(history.sets["t"], [0.5 * DAY, 2.5 * DAY], rtol=0, atol=1e-6)
+    assert [str(error).split(": line ")[1].split(":")[0] for error in history.damaged] == list(
+        map(str, lines)
+    )
+    assert f"damaged sets left out: {len(lines)}" in caplog.text
+    assert str(history.damaged[0]) in caplog.text
+
+
+def test_a_file_that_is_no_list_is_refused_even_where_sets_are_left_out(read):
+    with pytest.raises(InputError, match="line 1: expected a column BSTAR, got none"):
+        read(ROW.replace("BSTAR", "DRAG"), leave_out_damaged=True)
+
+
+def test_counts_are_logged(read, caplog):
+    caplog.set_level(logging.INFO)
+    read(json.dumps([SETS[1], SETS[0], omm(MEAN_MOTION="2", NORAD_CAT_ID="6")]))
+    assert "sets of mean elements: 3, of objects: 2" in caplog.text
+    assert "sets that stood after a later one: 1" in caplog.text
+    assert "sets with a period of 225 minutes or more: 1" in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("orbit", "elements", "expected"),
+    [
+        ("cpf/jason3_cpf_180613_16401.cne", "dpshorten_Jason-3", 500.0),
+        ("sp3/ssas3a20.b18358.e19003.DG_.sp3.gz", "dpshorten_Sentinel-3A", 700.0),
+    ],
+)
+def test_a_real_orbit_is_where_the_newest_set_has_it(orbit, elements, expected):
+    files = OrbitFiles([shared(f"real/{orbit}")], "2018-06-01T00:00:00", 230 * DAY)
+    (arc,) = read_arcs(files)
+    first_day = arc.t < arc.t[0] + DAY
+    turns = gcrf_to_itrf(
+        earth_orientation.tabulate(files.epoch, nodes(files.epoch, 230 * DAY)), arc.t[first_day]
+    )
+    sets = histories.read([shared(f"real/tle/{elements}.tle.gz")], epoch=files.epoch).sets
+    states = predict(sets, epoch=files.epoch, known=arc.t[0], t=arc.t[first_day])
+    apart = np.einsum("nij,nj->ni", turns, states[:, :3]) - arc.positions[first_day]
+    assert np.sqrt((apart**2).sum(axis=1).mean()) < expected
+
+
+REAL = {
+    "dpshorten_CryoSat-2": (4310, 0),
+    "dpshorten_Haiyang-2A": (3000, 0),
+    "dpshorten_Jason-2": (3923, 0),
+    "dpshorten_Jason-3": (2412, 0),
+    "dpshorten_SARAL": (3292, 0),
+    "dpshorten_Sentinel-3A": (2387, 0),
+    "dpshorten_Sentinel-3B": (1584, 0),
+    "dpshorten_Sentinel-6A": (665, 0),
+    "krama_48445": (716, 235),
+    "mfacchinelli_GOCE": (3956, 0),
+    "victor_ISS": (609, 0),
+    "victor_STARLINK_1007": (276, 0),
+}
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_real_histories_are_read_whole(name):
+    history = histories.read([shared(f"real/tle/{name}.tle.gz")], epoch=EPOCH)
+    assert (len(history.sets), history.doubles) == REAL[name]
+    assert (history.superseded, history.out_of_order, history.damaged) == (0, 0, [])
+    # From the newest set to the next one at its epoch: 60 m for a high orbit, 7 km for one that drops.
+    t = history.sets["t"].to_numpy()
+    steps = [
+        predict(history.sets, epoch=EPOCH, known=known, t=t[k + 1 : k + 2])[0, :3]
+        - predict(history.sets, epoch=EPOCH, known=t[k + 1], t=t[k + 1 : k + 2])[0, :3]
+        for k, known in enumerate(t[:-1])
+        if k % 100 == 50
+    ]
+    assert np.median(np.linalg.norm(steps, axis=1)) < 10e3
