@@ -6,6 +6,7 @@ models, in opml.learning.
 """
 
 from opml.tables.catalog_tables import (
+    FIX_SIGMAS,
     MECHANISM_AXES,
     POSITION_COVARIANCES,
     SIGMAS,
@@ -68,6 +69,7 @@ __all__ = [
     "DOUBT",
     "ELLIPSOID",
     "ENVIRONMENT",
+    "FIX_SIGMAS",
     "HOW_TO_CSV",
     "LEARNING_COLUMNS",
     "LEARNING_VARIABLES",

@@ -14,11 +14,11 @@ import pandas as pd
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.catalog.fit import start_states
-from opml.catalog.fit.estimation import Estimate, Estimation, Measured, Run, fly_parameters
+from opml.catalog.fit.estimation import Estimate, Estimation, Run, fly_parameters
 from opml.catalog.fit.least_squares import Fit
+from opml.catalog.fit.measurements import Measurements
 from opml.catalog.fit.three_positions import orbit_state
 from opml.catalog.flight import Flight
-from opml.catalog.simulate.observing import place
 from opml.catalog.simulate.truth import initial_state
 from opml.orbits.sheets import Rso
 from opml.tables import PARAMETERS
@@ -44,7 +44,7 @@ def of_sheet(rso: Rso, gm: float) -> TimedState | None:
 
 
 def starts(
-    flight: Flight, measured: Measured, *, known: TimedState | None, settings: Estimation
+    flight: Flight, measured: Measurements, *, known: TimedState | None, settings: Estimation
 ) -> pd.DataFrame:
     """Return the `starts` table of measured tracks: carried from a known state, or determined without one.
 
@@ -56,14 +56,14 @@ def starts(
     return carried(flight, measured, known)
 
 
-def carried(flight: Flight, measured: Measured, known: TimedState) -> pd.DataFrame:
+def carried(flight: Flight, measured: Measurements, known: TimedState) -> pd.DataFrame:
     """Return the `starts` table of a known state, flown under the assumed model to every track.
 
     Raises InputError where the first day's tracks are far from it.
     """
     rso, begins, (t, start) = flight.rso, _begins(measured), known
     states = _everywhere(flight, begins.to_numpy(), t, np.append(start, rso.cd))
-    apart = np.linalg.norm(_places(measured, measured.first_row[:-1]) - states[:, :3], axis=1)
+    apart = np.linalg.norm(measured.places(measured.first_row[:-1]) - states[:, :3], axis=1)
     miss = float(np.median(np.where(np.isfinite(apart), apart, np.inf)[_first_day(begins)]))
     _log.info("first orbit: the given state is %.1f km from the first day's tracks", miss / 1e3)
     if not miss < FARTHEST:
@@ -74,7 +74,7 @@ def carried(flight: Flight, measured: Measured, known: TimedState) -> pd.DataFra
     return start_states.starts_table(begins, states, known=t)
 
 
-def determined(flight: Flight, measured: Measured, *, settings: Estimation) -> pd.DataFrame:
+def determined(flight: Flight, measured: Measurements, *, settings: Estimation) -> pd.DataFrame:
     """Return the `starts` table of an orbit that is determined from the tracks alone.
 
     settings: of the fits. Raises InputError where no track of the first day gives an orbit.
@@ -103,10 +103,11 @@ def single_tracks(run: Run) -> list[Estimate]:
     begun = []
     for track in np.flatnonzero(_first_day(measured.epochs[measured.begins])):
         window = measured.window(int(track), 0.0)
-        t, positions = measured.epochs[measured.epoch_of_row[window.rows]], _places(measured, window.rows)
+        t, positions = measured.epochs[measured.epoch_of_row[window.rows]], measured.places(window.rows)
         if len(np.unique(t)) < FEWEST or t[-1] - t[0] < SHORTEST:
             continue
-        middle, there = orbit_state(t, positions, run.flight.model.gm)
+        smooth = max(FEWEST, int(np.searchsorted(t, t[0] + measured.smooth_for, side="right")))
+        middle, there = orbit_state(t[:smooth], positions[:smooth], run.flight.model.gm)
         start = _everywhere(run.flight, t[:1], middle, np.append(there, run.flight.rso.cd))[0]
         begun.append(Estimate(window, Fit(np.append(start, run.flight.rso.cd), run.method(_without_cd()))))
     run.fit(begun)
@@ -151,16 +152,9 @@ def _everywhere(flight: Flight, times: np.ndarray, t: float, parameters: np.ndar
     return states
 
 
-def _begins(measured: Measured) -> pd.Series:
+def _begins(measured: Measurements) -> pd.Series:
     """Return the beginnings of the tracks [s], by their numbers."""
     return pd.Series(measured.epochs[measured.begins])
-
-
-def _places(measured: Measured, rows: slice | np.ndarray) -> np.ndarray:
-    """Return positions (n, 3) in GCRF [m] of rows of measurements."""
-    itrf = place(measured.values[rows], measured.positions[rows], measured.to_horizon[rows])
-    turned: np.ndarray = np.einsum("nij,ni->nj", measured.rotations[measured.epoch_of_row[rows]], itrf)
-    return turned
 
 
 def _first_day(begins: np.ndarray | pd.Series) -> np.ndarray:

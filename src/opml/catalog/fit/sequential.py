@@ -32,8 +32,9 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.catalog.fit.estimation import NUDGES, Measured, fly_beside
+from opml.catalog.fit.estimation import NUDGES, fly_beside
 from opml.catalog.fit.least_squares import Evaluation
+from opml.catalog.fit.measurements import Measurements
 from opml.catalog.flight import Flight
 from opml.dynamics.ensemble import REASONS
 from opml.orbits.elements import rsw_rotation
@@ -210,7 +211,7 @@ class Filtering:
     """
 
     flight: Flight
-    measured: Measured
+    measured: Measurements
     bank: Sequence[Noise]
     light_time: bool
 
@@ -280,7 +281,9 @@ class Filtering:
             "reason": "",
             "tracks_used": filters.tracks,
             "measurements_used": filters.measurements,
-            "weighted_rms": np.sqrt(meeting.chi2 / (3.0 * self.measured.track(track).measurements)),
+            "weighted_rms": np.sqrt(
+                meeting.chi2 / (self.measured.numbers * self.measured.track(track).measurements)
+            ),
         }
 
 
@@ -304,7 +307,7 @@ def _root(estimate: pd.Series) -> np.ndarray:
 def filter_all(
     flight: Flight,
     estimates: pd.DataFrame,
-    measured: Measured,
+    measured: Measurements,
     *,
     light_time: bool = False,
     bank: Sequence[Noise] = BANK,
