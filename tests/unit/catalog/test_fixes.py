@@ -1,4 +1,4 @@
-"""Fits to positions of an orbit that is known: fixes in stretches, and points before epochs of mean elements."""
+"""Fits to positions of an orbit that is known: fixes in stretches, points before epochs of elements."""
 
 from dataclasses import replace
 

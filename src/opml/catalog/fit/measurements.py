@@ -53,7 +53,7 @@ class Measurements(ABC):
         self.at = at_of_row[starts]
 
     def window(self, track: int, length: float, after: float = 0.0) -> Window:
-        """Return the window of the tracks with estimates from `length` [s] before a track's to `after` [s]."""
+        """Return the window from `length` [s] before the estimate of a track to `after` [s] behind it."""
         at = self.epochs[self.at]
         oldest = int(np.searchsorted(at, at[track] - length))
         newest = int(np.searchsorted(at, at[track] + after, side="right")) - 1
