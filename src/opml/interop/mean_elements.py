@@ -23,6 +23,7 @@ from xml.etree.ElementTree import ParseError
 
 import erfa
 import numpy as np
+from numpy.typing import ArrayLike
 from sgp4 import omm
 from sgp4.api import SGP4_ERRORS, Satrec
 
@@ -121,11 +122,14 @@ def state(satellite: Satrec, *, epoch: str) -> np.ndarray:
     return 1e3 * np.concatenate([turn @ position, turn @ velocity])
 
 
-def teme_to_gcrf(epoch: str) -> np.ndarray:
-    """Return the rotation (3, 3) of TEME to GCRF at a UTC text; at 7e-12 rad/s it moves no velocity."""
-    utc, tt = epochs.utc(epoch, 0.0), epochs.tt(epoch, 0.0)
+def teme_to_gcrf(epoch: str, t: ArrayLike = 0.0) -> np.ndarray:
+    """Return rotations (..., 3, 3) of TEME to GCRF at times t (...) [s] since a UTC text.
+
+    At 7e-12 rad/s they move no velocity.
+    """
+    utc, tt = epochs.utc(epoch, t), epochs.tt(epoch, t)
     to_cirs = erfa.rz(erfa.gmst82(*utc) - erfa.era00(*utc), np.eye(3))
-    return np.asarray(erfa.c2ixys(*erfa.xys06a(*tt)).T @ to_cirs)
+    return np.asarray(np.swapaxes(erfa.c2ixys(*erfa.xys06a(*tt)), -1, -2) @ to_cirs)
 
 
 class Body(NamedTuple):

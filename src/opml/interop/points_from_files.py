@@ -59,9 +59,7 @@ def read(files: OrbitFiles, orientation: pd.DataFrame, sampling: Sampling) -> pd
     parts = []
     for arc, sigmas in _within(files, sampling):
         _check_velocities(arc, sigmas)
-        states = rotate_to_gcrf(arc, orientation)
-        states[np.isnan(sigmas)] = np.nan
-        parts.append(pd.DataFrame(states, columns=STATE).assign(t=arc.t))
+        parts.append(pd.DataFrame(rotate_to_gcrf(arc, orientation), columns=STATE).assign(t=arc.t))
         parts[-1][FIX_SIGMAS] = sigmas
     return pd.concat(parts, ignore_index=True).sort_values("t", ignore_index=True)
 

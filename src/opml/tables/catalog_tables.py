@@ -128,12 +128,12 @@ CATALOG_SCHEMAS = (
         (
             count("track", "number of the track, from 0"),
             TIME,
-            *state_columns("GCRF", "measured state, velocities NaN where they were not"),
+            *state_columns("GCRF", "measured state, velocities NaN where unknown"),
             *(
                 real(
                     name,
                     "m" if len(name) == len(FIX_SIGMAS[0]) else "m/s",
-                    "standard deviation of that state, NaN of a velocity that was not measured",
+                    "standard deviation of that state, NaN where velocities do not count",
                     "RSW",
                 )
                 for name in FIX_SIGMAS

@@ -151,10 +151,11 @@ def test_stretches_are_cut_from_the_epoch_so_that_gaps_and_more_points_move_none
 
 def test_wrong_points_are_told_in_one_line(orbit):
     rows = points(orbit, sigmas=TEN, velocities=True)
-    half = rows.assign(vx=rows["vx"].where(rows["t"] > 600.0))
-    with pytest.raises(InputError, match=r"expected velocities in all rows or in none, got none at 0.000 s"):
+    half = rows.assign(sigma_vr=rows["sigma_vr"].where(rows["t"] > 600.0))
+    with pytest.raises(InputError, match=r"expected sigmas of velocities in all rows or none.* at 0.000 s"):
         fixes.Fixes(fixes.stretches(half))
-    with pytest.raises(InputError, match="expected standard deviations above 0"):
-        fixes.Fixes(fixes.stretches(rows.assign(sigma_s=0.0)))
+    for wrong in (rows.assign(sigma_s=0.0), rows.assign(vx=np.nan)):
+        with pytest.raises(InputError, match="expected numbers, and sigmas above 0, of all that counts"):
+            fixes.Fixes(fixes.stretches(wrong))
     with pytest.raises(InputError, match=r"expected ascending epochs, got 7200.000 s twice"):
         fixes.of_sets(np.array([7200.0, 7200.0]), [rows, rows])

@@ -35,17 +35,19 @@ class Fixes(Measurements):
     smooth_for = 1200.0
 
     def __init__(self, fixes: pd.DataFrame) -> None:
-        """Take the table. Velocities count where all rows have them; InputError where only some do."""
+        """Take the table. Raises InputError where velocities count in some rows and not in others."""
         super().__init__(*(fixes[name].to_numpy() for name in ("track", "t", "t_estimate")))
-        known = np.isfinite(fixes[STATE[3:]].to_numpy()).all(axis=1)
-        if known.any() and not known.all():
-            t = fixes["t"].to_numpy()[~known][0]
-            raise InputError(f"fixes: expected velocities in all rows or in none, got none at {t:.3f} s")
-        self.numbers = len(STATE) if known.all() else 3
+        counting = np.isfinite(fixes[FIX_SIGMAS[3:]].to_numpy()).all(axis=1)
+        if counting.any() and not counting.all():
+            t = fixes["t"].to_numpy()[~counting][0]
+            raise InputError(
+                f"fixes: expected sigmas of velocities in all rows or none, got none at {t:.3f} s"
+            )
+        self.numbers = len(STATE) if counting.all() else 3
         self.values = fixes[STATE[: self.numbers]].to_numpy()
         self.sigmas = fixes[FIX_SIGMAS[: self.numbers]].to_numpy()
-        if not np.all(self.sigmas > 0.0):
-            raise InputError("fixes: expected standard deviations above 0 of all that is given, got others")
+        if not (np.isfinite(self.values).all() and np.all(self.sigmas > 0.0)):
+            raise InputError("fixes: expected numbers, and sigmas above 0, of all that counts, got others")
 
     def places(self, rows: slice | np.ndarray) -> np.ndarray:
         """Return positions (n, 3) in GCRF [m] of rows of points."""
