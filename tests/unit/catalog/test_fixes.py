@@ -50,9 +50,7 @@ def stretched(orbit, *, length=3 * HOUR, **given):
 def estimates(flight, table, **settings):
     settings = replace(SETTINGS, **settings)
     measured = fixes.Fixes(table)
-    starts = fixes.own_starts(table)
-    if starts is None:
-        starts = first_orbit.starts(flight, measured, known=None, settings=settings)
+    starts = first_orbit.starts(flight, measured, known=None, settings=settings)
     return estimation.estimate_all(flight, starts, measured, settings=settings)
 
 
@@ -146,7 +144,7 @@ def test_stretches_are_cut_from_the_epoch_so_that_gaps_and_more_points_move_none
     first = table.groupby("track").first()
     assert first["t"].iloc[:3].tolist() == [0.0, HOUR, 6.5 * HOUR + 120.0]
     assert (first["t"] == first["t_estimate"]).all()
-    assert fixes.own_starts(table) is None
+    assert fixes.Fixes(table).states is None
 
 
 def test_wrong_points_are_told_in_one_line(orbit):

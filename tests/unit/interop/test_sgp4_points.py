@@ -11,7 +11,7 @@ from support import BOUNDED_ESTIMATION, EPOCH
 from opml.base import epochs
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation, fixes
+from opml.catalog.fit import estimation, first_orbit, fixes
 from opml.catalog.flight import Flight
 from opml.interop import mean_elements, sgp4_points
 from opml.interop.ccsds import utc_texts
@@ -49,8 +49,9 @@ def test_fits_to_sets_are_at_their_epochs_and_as_close_as_sgp4_is(assumed_model,
     ]
     table = fixes.of_sets(np.array([end for end, _ in sets]), [points for _, points in sets])
     settings = replace(BOUNDED_ESTIMATION, window_hours=0.0, cd_sigma=0.5)
-    starts = fixes.own_starts(table)
-    found = estimation.estimate_all(Flight(assumed_model, iss), starts, fixes.Fixes(table), settings=settings)
+    flight, measured = Flight(assumed_model, iss), fixes.Fixes(table)
+    starts = first_orbit.starts(flight, measured, known=None, settings=settings)
+    found = estimation.estimate_all(flight, starts, measured, settings=settings)
     assert found["converged"].all()
     pd.testing.assert_series_equal(found["t"], starts["t"])
     apart = np.linalg.norm((found[STATE[:3]] - starts[STATE[:3]]).to_numpy(), axis=1)

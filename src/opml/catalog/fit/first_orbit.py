@@ -48,9 +48,14 @@ def starts(
 ) -> pd.DataFrame:
     """Return the `starts` table of measured tracks: carried from a known state, or determined without one.
 
+    Measurements that tell states themselves need neither.
+
     flight: under the assumed model. Raises InputError as `carried` and `determined` do.
     """
     flight = flight.without_progress()
+    if known is None and measured.states is not None:
+        at = measured.epochs[measured.at]
+        return start_states.starts_table(pd.Series(at), measured.states, known=at)
     if known is None:
         return determined(flight, measured, settings=settings)
     return carried(flight, measured, known)

@@ -18,7 +18,6 @@ import pandas as pd
 
 from opml.base.constants import HOUR
 from opml.base.errors import InputError
-from opml.catalog.fit import start_states
 from opml.catalog.fit.estimation import NUDGES
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements, Window
@@ -48,6 +47,9 @@ class Fixes(Measurements):
         self.sigmas = fixes[FIX_SIGMAS[: self.numbers]].to_numpy()
         if not (np.isfinite(self.values).all() and np.all(self.sigmas > 0.0)):
             raise InputError("fixes: expected numbers, and sigmas above 0, of all that counts, got others")
+        there = fixes.loc[fixes["t"] == fixes["t_estimate"], STATE].to_numpy()
+        if len(there) == self.tracks and np.isfinite(there).all():
+            self.states = there
 
     def places(self, rows: slice | np.ndarray) -> np.ndarray:
         """Return positions (n, 3) in GCRF [m] of rows of points."""
@@ -99,12 +101,3 @@ def of_sets(epochs: np.ndarray, points: Sequence[pd.DataFrame]) -> pd.DataFrame:
         for number, (epoch, rows) in enumerate(zip(epochs, points, strict=True))
     ]
     return pd.concat(tracks, ignore_index=True)[SCHEMAS["fixes"].names]
-
-
-def own_starts(fixes: pd.DataFrame) -> pd.DataFrame | None:
-    """Return the `starts` table of points with velocities: states at the estimates' epochs; else None."""
-    there = fixes[fixes["t"] == fixes["t_estimate"]].set_index("track")
-    states = there[STATE].to_numpy()
-    if len(there) <= fixes["track"].iloc[-1] or not np.isfinite(states).all():
-        return None
-    return start_states.starts_table(there["t"], states, known=there["t"].to_numpy())

@@ -36,6 +36,7 @@ class Measurements(ABC):
         estimate; only those of the estimates have to ascend
     numbers: in a measurement
     smooth_for: how long from its beginning a track may be laid through by one curve [s]
+    states: (tracks, 6) GCRF at the epochs of the estimates, where the measurements themselves tell them
     """
 
     numbers = 3
@@ -51,6 +52,7 @@ class Measurements(ABC):
         self.begins = np.minimum.reduceat(self.epoch_of_row, starts)
         self.ends = np.maximum.reduceat(self.epoch_of_row, starts)
         self.at = at_of_row[starts]
+        self.states: np.ndarray | None = None
 
     def window(self, track: int, length: float, after: float = 0.0) -> Window:
         """Return the window from `length` [s] before the estimate of a track to `after` [s] behind it."""
