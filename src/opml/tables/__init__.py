@@ -56,6 +56,7 @@ from opml.tables.page import (
 )
 from opml.tables.parquet import (
     read_kind,
+    read_measured,
     read_metadata,
     read_runs,
     read_table,
@@ -97,6 +98,7 @@ __all__ = [
     "head",
     "mechanism_schema",
     "read_kind",
+    "read_measured",
     "read_metadata",
     "read_runs",
     "read_table",

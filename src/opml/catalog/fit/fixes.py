@@ -12,17 +12,19 @@ takes a step: a residual of 10 km turns with them by a thousandth of the step.
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from opml.base.constants import HOUR
 from opml.base.errors import InputError
-from opml.catalog.fit.estimation import NUDGES
+from opml.catalog.fit.estimation import NUDGES, Measured
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements, Window
 from opml.orbits.elements import rsw_rotation
-from opml.tables import FIX_SIGMAS, SCHEMAS, STATE
+from opml.orbits.sheets import Station
+from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, read_measured, read_table
 
 STRETCH = HOUR
 """Length of a stretch [s]."""
@@ -72,6 +74,17 @@ def _in_axes(axes: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     parts = vectors.reshape(*vectors.shape[:-1], -1, 3)
     turned: np.ndarray = np.einsum("nij,...nkj->...nki", axes, parts).reshape(vectors.shape)
     return turned
+
+
+def read(files: Any, stations: Sequence[Station]) -> Measurements:
+    """Read what fits of a job are made to: its `tracking`, measured by the stations or of `fixes`.
+
+    Raises InputError where a table is missing or damaged.
+    """
+    table = read_measured(files.tracking)
+    if "station" not in table:
+        return Fixes(table)
+    return Measured(table, read_table(files.earth_orientation, "earth_orientation"), stations)
 
 
 def stretches(points: pd.DataFrame, *, length: float = STRETCH) -> pd.DataFrame:
