@@ -290,7 +290,8 @@ def _check_label(source: Source, study: Study) -> None:
     """Raise InputError where a study learns from the truth of what was really measured."""
     for rso in study.rsos:
         if study.label == "truth" and study.is_measured(rso):
-            message = f"expected later or smoothed, as {rso} was measured and has no truth, got truth"
+            has = "fixes" if study.has_fixes(rso) else "tracks"
+            message = f"expected later or smoothed, as {rso} has {has} and no truth, got truth"
             raise source.wrong(("study", "label"), message)
 
 

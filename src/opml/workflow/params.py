@@ -203,7 +203,7 @@ class Params:
         if wildcards.rso in self.plan.measured:
             known = "what was measured has no truth, and no seed of the noise"
             raise InputError(
-                f"truth of '{wildcards.rso}': expected an RSO without tracks or fixes of its own, as {known}"
+                f"truth of '{wildcards.rso}': expected an RSO without tracks of its own, or fixes, as {known}"
             )
 
     def check_without_truth(self, wildcards: Wildcards) -> None:
