@@ -81,10 +81,16 @@ def read(files: Any, stations: Sequence[Station]) -> Measurements:
 
     Raises InputError where a table is missing or damaged.
     """
-    table = read_measured(files.tracking)
-    if "station" not in table:
-        return Fixes(table)
-    return Measured(table, read_table(files.earth_orientation, "earth_orientation"), stations)
+    orientation = read_table(files.earth_orientation, "earth_orientation")
+    return measurements(read_measured(files.tracking), orientation, stations)
+
+
+def measurements(table: pd.DataFrame, orientation: pd.DataFrame, stations: Sequence[Station]) -> Measurements:
+    """Return the measurements of a table `tracking`, by the stations, or `fixes`, which have none.
+
+    orientation: table `earth_orientation`
+    """
+    return Measured(table, orientation, stations) if "station" in table else Fixes(table)
 
 
 def stretches(points: pd.DataFrame, *, length: float = STRETCH) -> pd.DataFrame:
