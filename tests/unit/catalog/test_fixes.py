@@ -11,6 +11,7 @@ from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.catalog.fit import estimation, first_orbit, fixes, sequential
 from opml.catalog.flight import Flight
+from opml.catalog.predict import labels, prediction
 from opml.catalog.simulate import truth
 from opml.orbits.elements import in_rsw, rsw_rotation
 from opml.tables import FIX_SIGMAS, PARAMETER_COVARIANCES, STATE, symmetric_matrices
@@ -130,11 +131,29 @@ def test_a_set_is_fitted_at_its_epoch_to_the_points_before_it(flight, orbit):
     assert (alone["tracks_used"] == 1).all()
     assert alone["measurements_used"].tolist() == [361] * 3
     assert np.abs(off(alone, orbit)).max() < 1e-3
-    # Sets within the window join; the points of the older ones are the window's oldest.
+    # A state that is known elsewhere is carried to the epochs, too, and one is determined from positions.
     measured = fixes.Fixes(table)
+    start = orbit[STATE].to_numpy()[0]
+    carried = first_orbit.carried(flight, measured, (0.0, start))
+    assert carried["t"].tolist() == epochs.tolist()
+    assert np.abs(off(carried, orbit)).max() < 1.0
+    determined = first_orbit.determined(flight, measured, settings=SETTINGS)
+    assert np.abs(off(determined, orbit)).max() < 1.0
+    # Sets within the window join; the points of the older ones are the window's oldest.
     window = measured.window(2, 8 * HOUR)
     assert (window.tracks, window.measurements) == (2, 722)
     assert measured.epochs[[window.first, window.at, window.last]].tolist() == [5 * HOUR, *[23 * HOUR] * 2]
+
+
+def test_a_set_is_known_at_its_epoch_and_no_filter_goes_back_to_its_points(flight, orbit):
+    epochs = np.array([12.0, 17.0, 23.0]) * HOUR
+    table = sets(orbit, epochs, sigmas=TEN)
+    found = estimates(flight, table)
+    pairs = prediction.predict_all(flight, None, found, max_days=1.0)
+    known = labels.build(pairs, found, table)
+    assert known.groupby("j")["t_known"].first().tolist() == epochs[1:].tolist()
+    with pytest.raises(InputError, match="filter: expected tracks that begin with their estimates"):
+        sequential.filter_all(flight, found, fixes.Fixes(table))
 
 
 def test_stretches_are_cut_from_the_epoch_so_that_gaps_and_more_points_move_none(orbit):

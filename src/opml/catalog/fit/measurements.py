@@ -34,6 +34,7 @@ class Measurements(ABC):
     first_row: (tracks + 1,) where the rows of each track begin
     begins, ends, at: (tracks,) index of the epochs of each track's oldest and newest measurement, and of its
         estimate; only those of the estimates have to ascend
+    row_at: (tracks,) row of each track that is nearest to its estimate
     numbers: in a measurement
     smooth_for: how long from its beginning a track may be laid through by one curve [s]
     states: (tracks, 6) GCRF at the epochs of the estimates, where the measurements themselves tell them
@@ -52,6 +53,11 @@ class Measurements(ABC):
         self.begins = np.minimum.reduceat(self.epoch_of_row, starts)
         self.ends = np.maximum.reduceat(self.epoch_of_row, starts)
         self.at = at_of_row[starts]
+        away, bounds = (
+            np.abs(self.epochs[self.epoch_of_row] - at),
+            zip(starts, self.first_row[1:], strict=True),
+        )
+        self.row_at = np.array([begin + int(np.argmin(away[begin:end])) for begin, end in bounds])
         self.states: np.ndarray | None = None
 
     def window(self, track: int, length: float, after: float = 0.0) -> Window:

@@ -32,6 +32,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
+from opml.base.errors import InputError
 from opml.catalog.fit.estimation import NUDGES, fly_beside
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements
@@ -320,8 +321,13 @@ def filter_all(
     bank: a noise for each filter
 
     Up to the first batch fit that knows Cd, and where an arc does not reach the next track, the row is that
-    of the batch fit. weighted_rms is that of the innovations of the track.
+    of the batch fit. weighted_rms is that of the innovations of the track. Raises InputError for tracks whose
+    estimates are not at their beginnings, as filters go forwards.
     """
+    if not np.array_equal(measured.at, measured.begins):
+        raise InputError(
+            "filter: expected tracks that begin with their estimates, got some that end with them"
+        )
     run = Filtering(flight.without_progress(), measured, bank, light_time)
     rows: list[dict[str, Any]] = []
     filters: Filters | None = None
