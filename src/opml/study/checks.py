@@ -14,6 +14,7 @@ from opml.base.errors import InputError
 from opml.base.files import PACKAGED
 from opml.environment import coverage, knowledge
 from opml.interop import first_state, orbit_from_files, tdm
+from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models import learners
 from opml.orbits import sheets
 from opml.study.experiments import Study
@@ -81,6 +82,7 @@ def check_study(source: Source, settings: Settings, *, last_day: float | None = 
     _check_references(source, settings)
     _check_label(source, Study(settings))
     _check_stations(source, Study(settings))
+    _check_variables(source, Study(settings))
 
 
 def _misfit(source: Source, settings: Settings) -> str:
@@ -303,6 +305,16 @@ def _check_stations(source: Source, study: Study) -> None:
                 expected = "RSOs that all have fixes" if study.has_fixes(rso) else "an RSO that has fixes"
                 key = ("study", "rsos") if "rsos" in study else ("study", "station_sets")
                 raise source.wrong(key, f"expected {expected} for {stations}, got {rso} among them")
+
+
+def _check_variables(source: Source, study: Study) -> None:
+    """Raise InputError where a learner asks for what stations measure, and the study's RSOs have fixes."""
+    if not any(study.has_fixes(rso) for rso in study.rsos):
+        return
+    for name, settings in study.learners.items():
+        if asked := [one for one in settings.get("variables", ()) if one in MEASUREMENT]:
+            expected = "expected variables that fixes have, too"
+            raise source.wrong(("learners", name, "variables"), f"{expected}, got {asked[0]}")
 
 
 def _check_references(source: Source, settings: Settings) -> None:

@@ -708,6 +708,14 @@ def test_fixes_and_stations_do_not_mix_in_a_study(tmp_path, study, said):
     assert said in refused(given(tmp_path, text))
 
 
+def test_no_learner_of_fixes_asks_for_what_stations_measure(tmp_path):
+    text = FIXES.format(folder=tmp_path).replace("study: {}", "study: {rsos: [mine]}")
+    (tmp_path / "gps.csv").write_text(GPS)
+    learner = "learners: {ridge: {variables: [duration, elevation_max]}}"
+    refusal = refused(given(tmp_path, f"{text}{learner}\n"))
+    assert "learners.ridge.variables: expected variables that fixes have, too, got elevation_max" in refusal
+
+
 def test_layers_are_laid_key_by_key():
     base = {"a": {"b": 1, "c": [1, 2]}, "d": 3}
     assert laid_over(base, {"a": {"c": [3]}}) == {"a": {"b": 1, "c": [3]}, "d": 3}

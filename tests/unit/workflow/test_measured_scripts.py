@@ -9,6 +9,7 @@ from support import EPOCH, EXCERPTS, REPOSITORY, environment, stations
 
 from opml.base.constants import DAY, HOUR
 from opml.catalog.fit import fixes
+from opml.catalog.fit.estimation import Measured
 from opml.catalog.simulate.truth import kepler_orbit
 from opml.interop import oem
 from opml.tables import read_measured, read_metadata, write_table
@@ -44,22 +45,35 @@ def taken(tmp_path):
     return take
 
 
-def test_tracks_know_the_manoeuvres_of_the_settings(taken):
+@pytest.fixture
+def orientation(tmp_path):
+    path = tmp_path / "orientation.parquet"
+    write_table(path, environment()["earth_orientation"], "earth_orientation", metadata={})
+    return str(path)
+
+
+def fitted_to(tmp_path, orientation):
+    """What a fit reads of the table that was taken."""
+    files = Files(tracking=str(tmp_path / "table.parquet"), earth_orientation=orientation)
+    return fixes.read(files, list(stations().values()))
+
+
+def test_tracks_know_the_manoeuvres_of_the_settings(taken, tmp_path, orientation):
     sheet = [asdict(station) for station in stations().values()]
     table, facts = taken("tracking_from_tdm", Files(str(EXCERPTS / "orekit.tdm")), stations=sheet)
     assert table["track"].nunique() > 10
     assert facts["manoeuvres"] == [{"t": HOUR + 0.5}, {"t": 2 * HOUR}]
+    assert isinstance(fitted_to(tmp_path, orientation), Measured)
 
 
-def test_fixes_are_thinned_and_gathered_as_the_settings_say(taken, tmp_path, iss):
+def test_fixes_are_thinned_and_gathered_as_the_settings_say(taken, tmp_path, orientation, iss):
     orbit = kepler_orbit(iss, duration=DAY, step=60.0)
     oem.write(tmp_path / "iss.oem", oem.truth_segments(orbit, rso="iss"), epoch=EPOCH)
-    orientation = tmp_path / "orientation.parquet"
-    write_table(orientation, environment()["earth_orientation"], "earth_orientation", metadata={})
-    files = Files(str(tmp_path / "iss.oem"), earth_orientation=str(orientation))
+    files = Files(str(tmp_path / "iss.oem"), earth_orientation=orientation)
     fixing = {"sigmas": [1.0, 2.0, 3.0], "every_s": 600.0, "stretch_hours": 2.0}
     table, facts = taken("fixes_from_files", files, duration_days=0.5, fixing=fixing)
     assert table.groupby("track").size().tolist() == [12] * 6 + [1]
     assert (table[["sigma_r", "sigma_s", "sigma_w"]].to_numpy() == fixing["sigmas"]).all()
-    assert fixes.Fixes(table).numbers == 3
+    measured = fitted_to(tmp_path, orientation)
+    assert (measured.tracks, measured.numbers) == (7, 3)
     assert facts["manoeuvres"] == [{"t": HOUR + 0.5}, {"t": 2 * HOUR}]
