@@ -36,6 +36,7 @@ __all__ = [
     "predict",
     "propagate",
     "read_elements",
+    "read_fixes",
     "read_rsos",
     "read_stations",
     "read_tracks",

@@ -15,7 +15,7 @@ import pandas as pd
 
 from opml.base.constants import BODIES, DAY, HOUR
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation, start_states
+from opml.catalog.fit import estimation, fixes, start_states
 from opml.catalog.fit import first_orbit as first_orbits
 from opml.catalog.fit import measured_tracks as from_measurements
 from opml.catalog.flight import Flight
@@ -37,7 +37,8 @@ from opml.ephemerides import corrected, replays
 from opml.ephemerides.known import Known
 from opml.ephemerides.part import Grid
 from opml.ephemerides.task import Task, departures
-from opml.interop import mean_elements, tdm
+from opml.interop import mean_elements, points_from_files, tdm
+from opml.interop.orbit_from_files import OrbitFiles
 from opml.learning.data import dataset as datasets
 from opml.learning.data import splits
 from opml.learning.data.cleaning import Cleaning
@@ -261,6 +262,32 @@ def read_tracks(*paths: str | Path, epoch: str, stations: Sequence[Station]) -> 
     return from_measurements.tracks(tdm.measurements(paths, epoch=epoch), stations)
 
 
+def read_fixes(
+    *paths: str | Path,
+    environment: Environment,
+    sigmas: Sequence[float] = (10.0, 10.0, 10.0),
+    every: float = 60.0,
+    stretch: float = HOUR,
+) -> pd.DataFrame:
+    """Read where an RSO was measured to be, from SP3, CPF, OEM or CSV: the table `fixes`.
+
+    It stands where `tracking` does, of no stations. sigmas: standard deviations in RSW of positions [m], and
+    of velocities [m/s] where these count, of files that tell none; every: least time between fixes [s];
+    stretch: length of a track [s]. Raises InputError, naming file and line, for files that are malformed.
+
+    >>> from opml.interop import oem
+    >>> oem.write("iss.oem", oem.truth_segments(truth, rso="iss"), epoch=environment.epoch)
+    >>> placed = opml.read_fixes("iss.oem", environment=environment, every=600.0)
+    >>> starts = opml.first_orbit(opml.Flight(assumed_model, iss), placed, environment, [])
+    >>> len(starts)
+    49
+    """
+    orientation = environment.earth_orientation
+    files = OrbitFiles(paths, environment.epoch, orientation["t"].iloc[-1] - MARGIN_S)
+    points = points_from_files.read(files, orientation, points_from_files.Sampling(sigmas, every))
+    return fixes.stretches(points, length=stretch)
+
+
 def first_orbit(
     flight: Flight,
     tracks: pd.DataFrame,
@@ -282,7 +309,7 @@ def first_orbit(
     """
     return first_orbits.starts(
         flight,
-        estimation.Measured(tracks, environment.earth_orientation, stations),
+        fixes.measurements(tracks, environment.earth_orientation, stations),
         known=first_orbits.of_sheet(start, flight.model.gm) if start else None,
         settings=_estimation(None, "first_orbit"),
     )
@@ -312,7 +339,7 @@ def estimate(
     """
     method = _estimation(settings, "estimate")
     starts = start_states.chosen(truth, tracks, rso=flight.rso.name, settings=method, seed=seed)
-    measured = estimation.Measured(tracks, environment.earth_orientation, stations)
+    measured = fixes.measurements(tracks, environment.earth_orientation, stations)
     return estimation.estimate_all(flight, starts, measured, settings=method)
 
 

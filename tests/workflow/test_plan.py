@@ -248,6 +248,21 @@ def test_tracks_that_were_measured_need_no_truth(project):
     assert "opml: truth of 'mine': expected an RSO without tracks of its own" in done.stdout
 
 
+def test_fixes_need_no_truth_and_no_station(project):
+    (project.folder / "mine.yaml").write_text(
+        TRACKED.replace("tracks: {mine: orekit.tdm}", "fixes: {mine: a.csv}")
+    )
+    points = ("2016-09-28T12:10:00,7000,0,0", "2016-09-28T12:11:00,6985,450,0")
+    (project.folder / "a.csv").write_text("\n".join(["utc,x_gcrf_km,y_gcrf_km,z_gcrf_km", *points]))
+    targets = [f"results/{kind}/mine/fixes.parquet" for kind in ("mechanism", "dataset")]
+    plan = jobs(project.snakemake("-n", *targets, "--configfile", "mine.yaml").stdout)
+    assert plan == {
+        **dict.fromkeys(ONCE, 1),
+        **dict.fromkeys(["fixes_from_files", "first_orbit", "dataset", "mechanism"], 1),
+        **dict.fromkeys(["estimation", "prediction", "sensitivities"], 2),  # the window of 24 hours, too
+    }
+
+
 @pytest.mark.parametrize("target", ["study", "beyond"])
 def test_a_target_that_the_study_does_not_ask_for_is_told_in_one_line(project, target):
     done = project.snakemake("-n", target, "--config", "study={rsos: [iss]}", check=False)

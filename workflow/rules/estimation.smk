@@ -1,9 +1,9 @@
 # The paper's 'Estimation Models'.
 ESTIMATES = product("estimates/{rso}/{stations}{window}")
 FILTERED_ESTIMATES = product(f"estimates/{{rso}}/{{stations}}{naming.FILTERED}")
-# Fits start from the truth, or from the first orbit of tracks that were measured.
+# Fits start from the truth, or from the first orbit of what was measured.
 STARTS = rules.truth.output[0]
-if PLAN.tracks:
+if PLAN.measured:
     STARTS = INPUTS.truth_or(rules.truth.output[0], rules.first_orbit.output[0])
 
 

@@ -1,4 +1,4 @@
-# Measured tracks in the place of simulated ones, and a first orbit that needs no truth.
+# Measured tracks or fixes in the place of simulated tracks, and a first orbit that needs no truth.
 FIRST_ORBIT = product("starts/{rso}/{stations}")
 
 if PLAN.tracks:
@@ -29,6 +29,43 @@ if PLAN.tracks:
         script:
             "../scripts/tracking_from_tdm.py"
 
+    ruleorder: tracking_from_tdm > tracking
+
+
+if PLAN.fixes:
+
+    rule fixes_from_files:
+        input:
+            lambda wildcards: users(PLAN.fixes[wildcards.rso]),
+            earth_orientation=EARTH_ORIENTATION.table,
+        output:
+            TRACKING.table,
+        log:
+            TRACKING.log,
+        benchmark:
+            TRACKING.benchmark
+        wildcard_constraints:
+            rso=naming.alternatives(PLAN.fixes),
+            stations=naming.FIXES,
+        conda:
+            "../envs/opml.yaml"
+        params:
+            settings=lambda wildcards: {
+                **PARAMS.span,
+                "fixing": PARAMS.fixing(wildcards),
+                "manoeuvres": config.get("manoeuvres", {}).get(wildcards.rso, []),
+            },
+            code=code("fixes_from_files.py"),
+        message:
+            "Fixes: where {wildcards.rso} was measured to be, from {input[0]}"
+        script:
+            "../scripts/fixes_from_files.py"
+
+    ruleorder: fixes_from_files > tracking
+
+
+if PLAN.measured:
+
     rule first_orbit:
         input:
             **ENVIRONMENT.fits,
@@ -43,8 +80,8 @@ if PLAN.tracks:
         benchmark:
             FIRST_ORBIT.benchmark
         wildcard_constraints:
-            rso=naming.alternatives(PLAN.tracks),
-            stations=naming.stations_pattern(PLAN.settings.stations),
+            rso=naming.alternatives(PLAN.measured),
+            stations=f"(?:{naming.stations_pattern(PLAN.settings.stations)}|{naming.FIXES})",
         conda:
             "../envs/opml.yaml"
         resources:
@@ -59,8 +96,6 @@ if PLAN.tracks:
             },
             code=code("first_orbit.py"),
         message:
-            "First orbit: where the fits of {wildcards.rso} to tracks of {wildcards.stations} start"
+            "First orbit: where the fits of {wildcards.rso} by {wildcards.stations} start"
         script:
             "../scripts/first_orbit.py"
-
-    ruleorder: tracking_from_tdm > tracking

@@ -5,7 +5,7 @@ from dataclasses import replace
 from opml.base.constants import HOUR
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
-from opml.tables import read_metadata, read_table, write_table
+from opml.tables import read_measured, read_metadata, read_table, write_table
 from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
@@ -15,7 +15,7 @@ with job(snakemake) as metadata:
     table = dataset.build(
         read_table(snakemake.input.estimates, "estimates"),
         read_table(snakemake.input.predictions, "predictions"),
-        read_table(snakemake.input.tracking, "tracking"),
+        read_measured(snakemake.input.tracking),
         gm=read_metadata(snakemake.input.gravity_field)["gm"],
         cleaning=replace(
             Cleaning.from_settings(settings.cleaning),

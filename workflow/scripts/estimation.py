@@ -1,9 +1,9 @@
 """Estimate state and drag coefficient at each track's start."""
 
-from opml.catalog.fit import estimation, start_states
+from opml.catalog.fit import estimation, fixes, start_states
 from opml.catalog.flight import Flight
 from opml.orbits.sheets import Station
-from opml.tables import read_kind, read_table, write_table
+from opml.tables import read_kind, read_measured, read_table, write_table
 from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job, progress
 
@@ -11,13 +11,9 @@ with job(snakemake) as metadata:
     settings, files = JobSettings(snakemake.params.settings), snakemake.input
     method = estimation.Estimation(**settings.estimation)
     flight = Flight.read(files, settings.values, threads=snakemake.threads, progress=progress)
-    tracking = read_table(files.tracking, "tracking")
+    tracking = read_measured(files.tracking)
     states = read_table(files.start, read_kind(files.start))
-    measured = estimation.Measured(
-        tracking,
-        read_table(files.earth_orientation, "earth_orientation"),
-        [Station(**station) for station in settings.stations],
-    )
+    measured = fixes.read(files, [Station(**station) for station in settings.stations])
     starts = start_states.chosen(states, tracking, rso=flight.rso.name, settings=method, seed=settings.seed)
     table = estimation.estimate_all(flight, starts, measured, settings=method)
     write_table(snakemake.output[0], table, "estimates", metadata=metadata)

@@ -1,7 +1,6 @@
 """Estimate state and drag coefficient at each track's start by a sequential filter."""
 
-from opml.catalog.fit import sequential
-from opml.catalog.fit.estimation import Measured
+from opml.catalog.fit import fixes, sequential
 from opml.catalog.flight import Flight
 from opml.orbits.sheets import Station
 from opml.tables import read_table, write_table
@@ -10,15 +9,10 @@ from opml.workflow.jobs import job, progress
 
 with job(snakemake) as metadata:
     settings, files = JobSettings(snakemake.params.settings), snakemake.input
-    measured = Measured(
-        read_table(files.tracking, "tracking"),
-        read_table(files.earth_orientation, "earth_orientation"),
-        [Station(**station) for station in settings.stations],
-    )
     table = sequential.filter_all(
         Flight.read(files, settings.values, threads=snakemake.threads, progress=progress),
         read_table(files.estimates, "estimates"),
-        measured,
+        fixes.read(files, [Station(**station) for station in settings.stations]),
         light_time=settings.light_time,
     )
     write_table(snakemake.output[0], table, "estimates", metadata=metadata)

@@ -1,26 +1,22 @@
 """Carry a given state to every measured track, or determine one from them."""
 
-from opml.catalog.fit import first_orbit
-from opml.catalog.fit.estimation import Estimation, Measured
+from opml.catalog.fit import first_orbit, fixes
+from opml.catalog.fit.estimation import Estimation
 from opml.catalog.flight import Flight
 from opml.interop import first_state
 from opml.orbits.sheets import Station
-from opml.tables import read_table, write_table
+from opml.tables import read_measured, write_table
 from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings, files = JobSettings(snakemake.params.settings), snakemake.input
     flight = Flight.read(files, settings.values, threads=snakemake.threads)
-    tracking = read_table(files.tracking, "tracking")
     if files.start:
-        known = first_state.read(files.start, epoch=settings.epoch, t=tracking["t"].iloc[0])
+        first = read_measured(files.tracking)["t"].iloc[0]
+        known = first_state.read(files.start, epoch=settings.epoch, t=first)
     else:
         known = first_orbit.of_sheet(flight.rso, flight.model.gm)
-    measured = Measured(
-        tracking,
-        read_table(files.earth_orientation, "earth_orientation"),
-        [Station(**station) for station in settings.stations],
-    )
+    measured = fixes.read(files, [Station(**station) for station in settings.stations])
     table = first_orbit.starts(flight, measured, known=known, settings=Estimation(**settings.estimation))
     write_table(snakemake.output[0], table, "starts", metadata=metadata)

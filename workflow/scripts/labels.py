@@ -2,7 +2,7 @@
 
 from opml.base.constants import HOUR
 from opml.catalog.predict import labels
-from opml.tables import read_table, write_table
+from opml.tables import read_measured, read_table, write_table
 from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
@@ -10,7 +10,7 @@ with job(snakemake) as metadata:
     table = labels.build(
         read_table(snakemake.input.predictions, "predictions"),
         read_table(snakemake.input.estimates, "estimates"),
-        read_table(snakemake.input.tracking, "tracking"),
+        read_measured(snakemake.input.tracking),
         after=HOUR * JobSettings(snakemake.params.settings).after_hours,
     )
     write_table(snakemake.output[0], table, "labels", metadata=metadata)

@@ -14,6 +14,6 @@ with job(snakemake) as metadata:
         tdm.measurements(list(snakemake.input), epoch=settings.epoch),
         [Station(**station) for station in settings.stations],
     )
-    times = sorted(epochs.elapsed(settings.epoch, time) for time in settings.manoeuvres)
+    times = sorted(epochs.seconds_between(settings.epoch, time) for time in settings.manoeuvres)
     metadata |= {"manoeuvres": [{"t": t} for t in times]}
     write_table(snakemake.output[0], table, "tracking", metadata=metadata)

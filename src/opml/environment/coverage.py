@@ -32,7 +32,9 @@ def check(values: Mapping[str, Any]) -> None:
     earth_orientation.tabulate(epoch, ends)
     celestial_bodies.tabulate(sources["ephemerides"], epoch, ends)
     flown = ["solar_activity", "true_solar_activity"]
-    if sources.get("knowledge") == knowledge.FORECAST and ("tracks" in values or flown[1] in sources):
+    if sources.get("knowledge") == knowledge.FORECAST and (
+        {"tracks", "fixes"} & set(values) or flown[1] in sources
+    ):
         flown.remove("solar_activity")  # measurements before a forecast need not reach into the days ahead
     for setting in flown:
         if setting in sources:

@@ -13,7 +13,7 @@ from opml.catalog.predict import other_windows
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models.learners import arc_windows
-from opml.tables import read_metadata, read_table
+from opml.tables import read_measured, read_metadata, read_table
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Known:
         at_estimates = dataset.of_estimates(
             estimates,
             read_table(files.predictions, "predictions"),
-            read_table(files.tracking, "tracking"),
+            read_measured(files.tracking),
             gm=gm,
             cleaning=Cleaning.from_settings(settings["cleaning"]),
         )

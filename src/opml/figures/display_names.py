@@ -42,6 +42,8 @@ def display_rso(name: str) -> str:
 
 def display_stations(name: str) -> str:
     """Return a station set in words: `eglin-clear` is `two radars (Eglin, Clear)`."""
+    if name == naming.FIXES:
+        return name
     stations = naming.strip_seed(name, naming.NOISE).split("-")
     count = _COUNTS.get(len(stations), f"{len(stations)} radars")
     return f"{count} ({', '.join(station.capitalize() for station in stations)})"

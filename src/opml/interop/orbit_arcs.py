@@ -4,8 +4,9 @@ import codecs
 import gzip
 import zlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Self
 
 import erfa
 import numpy as np
@@ -47,6 +48,11 @@ class Arc:
     positions: np.ndarray
     velocities: np.ndarray
     lines: np.ndarray
+
+    def part(self, rows: np.ndarray) -> Self:
+        """Return the arc of some rows (n,) alone."""
+        columns = {name: getattr(self, name)[rows] for name in ("t", "positions", "velocities", "lines")}
+        return replace(self, **columns)
 
 
 class NoSuchTime(ValueError):

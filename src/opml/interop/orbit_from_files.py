@@ -49,8 +49,20 @@ def check(files: OrbitFiles) -> None:
 def read_arcs(files: OrbitFiles) -> list[Arc]:
     """Read the arcs that reach into the run, in the order of their beginnings.
 
+    Raises InputError as `whole_arcs` does, for nodes that are too far apart, and for files without the orbit
+    within the run.
+    """
+    arcs = whole_arcs(files)
+    for arc in arcs:
+        _check_spacing(arc)
+    return _cut_to_run(arcs, files)
+
+
+def whole_arcs(files: OrbitFiles) -> list[Arc]:
+    """Read the arcs of files, in the order of their beginnings, whether in the run or not.
+
     Raises InputError, naming file and line, for a missing or damaged file, one of another format, satellite,
-    frame or time system than the others, and files without the orbit within the run.
+    frame or time system than the others, and one in another unit.
     """
     arcs: list[Arc] = []
     first_read: _Read | None = None
@@ -60,17 +72,29 @@ def read_arcs(files: OrbitFiles) -> list[Arc]:
         if read is not (first_read := first_read or read):
             raise InputError(f"{path}: expected the format of {files.paths[0]}, got another")
         arcs += read(path, content, epoch=files.epoch, satellite=files.satellite)
+    check_together(arcs)
+    return sorted(arcs, key=lambda arc: float(arc.t[0]))
+
+
+def check_together(arcs: Sequence[Arc]) -> None:
+    """Raise InputError, naming the file, for arcs that are not of one orbit.
+
+    These are one of another satellite, frame or time system than the first, one in another unit, and one that
+    begins where another does.
+    """
     for arc in arcs:
         _check_alike(arcs[0], arc)
-        _check_spacing(arc)
         _check_unit(arc)
-    arcs = sorted(arcs, key=lambda arc: float(arc.t[0]))
-    for before, after in pairwise(arcs):
+    for before, after in pairwise(sorted(arcs, key=lambda arc: float(arc.t[0]))):
         if before.t[0] == after.t[0]:
             raise InputError(
                 f"{after.path}: expected another beginning than that of {before.path}, got the same"
             )
-    return _cut_to_run(arcs, files)
+
+
+def is_orbit(content: bytes) -> bool:
+    """Return whether a file is in one of the formats of orbits, by its first line."""
+    return any(kind.matches(content) for kind in (sp3, cpf, oem))
 
 
 def _reader(path: FilePath, content: bytes) -> _Read:
@@ -118,15 +142,15 @@ def _cut_to_run(arcs: Sequence[Arc], files: OrbitFiles) -> list[Arc]:
     for arc in arcs:
         inside = (arc.t >= -MARGIN_S) & (arc.t <= files.duration + MARGIN_S)
         if inside.sum() > 1 and np.any((arc.t[inside] >= 0.0) & (arc.t[inside] <= files.duration)):
-            cut.append(_part(arc, inside))
+            cut.append(arc.part(inside))
     if not cut:
-        first, last = arcs[0].t[0], max(arc.t[-1] for arc in arcs)
-        reach = " to ".join(ccsds.utc_texts(files.epoch, np.array([first, last])))
-        run = f"{files.epoch} and {files.duration / DAY:g} days later"
-        raise InputError(f"{arcs[0].path}: expected an orbit between {run}, got one from {reach}")
+        raise outside(arcs, files)
     return cut
 
 
-def _part(arc: Arc, rows: np.ndarray) -> Arc:
-    columns = {name: getattr(arc, name)[rows] for name in ("t", "positions", "velocities", "lines")}
-    return Arc(arc.path, arc.satellite, arc.frame, arc.realisation, arc.scale, **columns)
+def outside(arcs: Sequence[Arc], files: OrbitFiles) -> InputError:
+    """Return the error of arcs of which nothing is within the run."""
+    first, last = arcs[0].t[0], max(arc.t[-1] for arc in arcs)
+    reach = " to ".join(ccsds.utc_texts(files.epoch, np.array([first, last])))
+    run = f"{files.epoch} and {files.duration / DAY:g} days later"
+    return InputError(f"{arcs[0].path}: expected an orbit between {run}, got one from {reach}")

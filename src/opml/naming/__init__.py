@@ -48,6 +48,7 @@ from opml.naming.experiment import (
     Experiment,
 )
 from opml.naming.objects import (
+    FIXES,
     WITHOUT,
     learner_pattern,
     leave_out,
@@ -93,6 +94,7 @@ __all__ = [
     "ARC_PATTERN",
     "BOTH_SIDES",
     "FILTERED",
+    "FIXES",
     "LABELS",
     "LIGHT",
     "MEMBERS",

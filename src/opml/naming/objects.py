@@ -51,6 +51,10 @@ def station_names(text: str, known: Iterable[str]) -> list[str]:
     return names
 
 
+FIXES = "fixes"
+"""Name in the place of a station set where positions were measured, and by no station."""
+
+
 def stations_pattern(sheet: Iterable[str]) -> str:
     """Return the regular expression of stations in any order; `station_names` checks the order."""
     name = alternatives(sheet)

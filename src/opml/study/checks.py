@@ -14,6 +14,7 @@ from opml.base.errors import InputError
 from opml.base.files import PACKAGED
 from opml.environment import coverage, knowledge
 from opml.interop import first_state, orbit_from_files, tdm
+from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models import learners
 from opml.orbits import sheets
 from opml.study.experiments import Study
@@ -61,6 +62,7 @@ def check_data(source: Source, settings: Settings) -> None:
     coverage.check(source.values)
     _check_orbits(source, settings)
     _check_tracks(source, settings)
+    _check_fixes(source, settings)
     _check_starts(source, settings)
 
 
@@ -79,6 +81,8 @@ def check_study(source: Source, settings: Settings, *, last_day: float | None = 
     _check_seen(source, settings)
     _check_references(source, settings)
     _check_label(source, Study(settings))
+    _check_stations(source, Study(settings))
+    _check_variables(source, Study(settings))
 
 
 def _misfit(source: Source, settings: Settings) -> str:
@@ -180,6 +184,7 @@ def _check_paths(source: Source, settings: Settings) -> None:
     kinds: Mapping[str, Mapping[str, Any]] = {
         "orbits": settings.orbits,
         "tracks": settings.tracks,
+        "fixes": settings.fixes,
         "starts": settings.starts,
         "environment": source.values["environment"],
     }
@@ -224,13 +229,36 @@ def _check_tracks(source: Source, settings: Settings) -> None:
             raise source.wrong(("tracks", name), str(error)) from None
 
 
+def _check_fixes(source: Source, settings: Settings) -> None:
+    """Look at the positions that were measured: their RSO, and whether they fit the run."""
+    for name in settings.values.get("fixing", {}):
+        if name not in settings.fixes:
+            raise source.wrong(("fixing", name), "expected an RSO that has fixes")
+    if not settings.fixes:
+        return
+    # Brings the compiled kernels with it, as `_check_tracks` says.
+    from opml.interop import points_from_files
+
+    values = source.values
+    for name, paths in settings.fixes.items():
+        try:
+            sheets.parse_rso(name, settings.rsos)
+            if name in settings.orbits or name in settings.tracks:
+                raise InputError("expected fixes, tracks or an orbit, got more than one of them")
+            files = orbit_from_files.OrbitFiles(paths, values["epoch"], DAY * values["duration_days"])
+            fixing = settings.fixing(name)
+            points_from_files.check(files, points_from_files.Sampling(fixing.sigmas, fixing.every_s))
+        except InputError as error:
+            raise source.wrong(("fixes", name), str(error)) from None
+
+
 def _check_starts(source: Source, settings: Settings) -> None:
     """Look at first states and times of manoeuvres, which stand beside tracks that were measured."""
     for kind in ("starts", "manoeuvres"):
         for name, entry in source.values.get(kind, {}).items():
             try:
-                if name not in settings.tracks:
-                    raise InputError("expected an RSO that has tracks")
+                if name not in settings.measured:
+                    raise InputError("expected an RSO that has tracks or fixes")
                 if kind == "starts":
                     first_state.check(settings.starts[name])
                 else:
@@ -264,8 +292,29 @@ def _check_label(source: Source, study: Study) -> None:
     """Raise InputError where a study learns from the truth of what was really measured."""
     for rso in study.rsos:
         if study.label == "truth" and study.is_measured(rso):
-            message = f"expected later or smoothed, as {rso} has tracks and no truth, got truth"
+            has = "fixes" if study.has_fixes(rso) else "tracks"
+            message = f"expected later or smoothed, as {rso} has {has} and no truth, got truth"
             raise source.wrong(("study", "label"), message)
+
+
+def _check_stations(source: Source, study: Study) -> None:
+    """Raise InputError where stations stand beside RSOs that have fixes, or fixes beside others."""
+    for rso in study.rsos:
+        for stations in study.station_sets:
+            if study.has_fixes(rso) != (stations == naming.FIXES):
+                expected = "RSOs that all have fixes" if study.has_fixes(rso) else "an RSO that has fixes"
+                key = ("study", "rsos") if "rsos" in study else ("study", "station_sets")
+                raise source.wrong(key, f"expected {expected} for {stations}, got {rso} among them")
+
+
+def _check_variables(source: Source, study: Study) -> None:
+    """Raise InputError where a learner asks for what stations measure, and the study's RSOs have fixes."""
+    if not any(study.has_fixes(rso) for rso in study.rsos):
+        return
+    for name, settings in study.learners.items():
+        if asked := [one for one in settings.get("variables", ()) if one in MEASUREMENT]:
+            expected = "expected variables that fixes have, too"
+            raise source.wrong(("learners", name, "variables"), f"{expected}, got {asked[0]}")
 
 
 def _check_references(source: Source, settings: Settings) -> None:
@@ -361,7 +410,8 @@ class _Checks:
             self._rso(name(rso, value, self._settings.rsos))
 
     def _stations(self, text: str) -> None:
-        sheets.parse_stations(text, self._settings.stations)
+        if text != naming.FIXES:
+            sheets.parse_stations(text, self._settings.stations)
 
     def _learner(self, text: str) -> None:
         naming.parse_learner(text, self._settings.values["learners"])

@@ -64,7 +64,17 @@ class Study:
     def station_sets(self) -> list[str]:
         """The station sets that the study is about."""
         named = self.settings.asked.get("station_sets") or [self.entry("defaults").get("stations")]
-        return [stations or "-".join(self.settings.stations) for stations in named]
+        return [stations or self._usual_stations for stations in named]
+
+    @property
+    def _usual_stations(self) -> str:
+        """All stations together, or none where the study's RSOs have fixes."""
+        has_fixes = any(self.has_fixes(rso) for rso in self.rsos)
+        return naming.FIXES if has_fixes else "-".join(self.settings.stations)
+
+    def has_fixes(self, rso: str) -> bool:
+        """Return whether an RSO is known by fixes, which no station measured."""
+        return naming.rso_parts(rso, self.sheet)[0] in self.settings.values.get("fixes", {})
 
     @cached_property
     def defaults(self) -> dict[str, str]:
@@ -81,13 +91,13 @@ class Study:
     def label(self) -> str:
         """What predictions are held against where an entry names nothing: truth, later or smoothed.
 
-        By default the truth, or later estimates where an RSO of the study has tracks and so no truth.
+        By default the truth, or later estimates where an RSO of the study was measured and so has no truth.
         """
         default = "later" if any(self.is_measured(rso) for rso in self.rsos) else "truth"
         return str(self.settings.asked.get("label", default))
 
     def is_measured(self, rso: str) -> bool:
-        """Return whether the tracks of an RSO were really measured, so that it has no truth."""
+        """Return whether tracks or fixes of an RSO were really measured, so that it has no truth."""
         return naming.rso_parts(rso, self.sheet)[0] in self.measured
 
     def truth_of(self, rso: str) -> str:
@@ -98,9 +108,8 @@ class Study:
 
     @property
     def measured(self) -> Mapping[str, Any]:
-        """Files of the RSOs whose tracks were really measured, so that they have no truth."""
-        files: Mapping[str, Any] = self.settings.values.get("tracks", {})
-        return files
+        """Files of the RSOs that were really measured, so that they have no truth."""
+        return self.settings.measured
 
     @property
     def span_days(self) -> Sequence[float]:

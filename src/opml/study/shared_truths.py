@@ -75,8 +75,8 @@ def _read_group(path: Path) -> tuple[str, ...]:
 
 
 def _simulated_rsos(study: Study, rsos: Iterable[str]) -> list[str]:
-    """Return the RSOs that start from the sheet, without an orbit or tracks from files."""
-    from_files = {*study.settings.orbits, *study.settings.tracks}
+    """Return the RSOs that start from the sheet, whose orbit is not from files, nor measured."""
+    from_files = {*study.settings.orbits, *study.settings.measured}
     return [rso for rso in rsos if _base(study, rso) not in {None, *from_files}]
 
 

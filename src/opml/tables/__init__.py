@@ -6,6 +6,7 @@ models, in opml.learning.
 """
 
 from opml.tables.catalog_tables import (
+    FIX_SIGMAS,
     MECHANISM_AXES,
     POSITION_COVARIANCES,
     SIGMAS,
@@ -58,6 +59,7 @@ from opml.tables.page import (
 )
 from opml.tables.parquet import (
     read_kind,
+    read_measured,
     read_metadata,
     read_runs,
     read_table,
@@ -72,6 +74,7 @@ __all__ = [
     "ELEMENTS",
     "ELLIPSOID",
     "ENVIRONMENT",
+    "FIX_SIGMAS",
     "HOW_TO_CSV",
     "LEARNING_COLUMNS",
     "LEARNING_VARIABLES",
@@ -99,6 +102,7 @@ __all__ = [
     "head",
     "mechanism_schema",
     "read_kind",
+    "read_measured",
     "read_metadata",
     "read_runs",
     "read_table",

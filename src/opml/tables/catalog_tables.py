@@ -34,6 +34,9 @@ SIGMAS = [f"sigma_{name}" for name in COMPONENTS]
 MECHANISM_AXES = ("s", "v", "r", "l", "v_long", "floor", "l_arc", "v_arc", "h_arc", "thermo")
 """Prefixes of the mechanism's columns for each error component, such as `v_y` for e_y."""
 
+FIX_SIGMAS = [f"sigma_{axis}" for axis in ("r", "s", "w", "vr", "vs", "vw")]
+"""Columns of the standard deviations of a point's position and velocity, in RSW."""
+
 _HELD_AGAINST = "RSW of the later estimate at t_j"
 
 LABEL_COLUMNS = state_columns(_HELD_AGAINST, "predicted state minus later estimate at t_j", prefix="e_")
@@ -117,6 +120,25 @@ CATALOG_SCHEMAS = (
             real("azimuth_true", "rad", "azimuth without noise, from north eastwards", "topocentric"),
             real("elevation_true", "rad", "elevation without noise", "topocentric"),
             real("range_true", "m", "range without noise", "topocentric"),
+        ),
+    ),
+    Schema(
+        "fixes",
+        "a point of an orbit that was measured, in the place of `tracking`",
+        (
+            count("track", "number of the track, from 0"),
+            TIME,
+            *state_columns("GCRF", "measured state, velocities NaN where unknown"),
+            *(
+                real(
+                    name,
+                    "m" if len(name) == len(FIX_SIGMAS[0]) else "m/s",
+                    "standard deviation of that state, NaN where velocities do not count",
+                    "RSW",
+                )
+                for name in FIX_SIGMAS
+            ),
+            real("t_estimate", "s", f"epoch of the track's estimate, {SINCE}"),
         ),
     ),
     Schema(

@@ -99,6 +99,11 @@ def read_kind(path: FilePath) -> str:
         return str(_metadata(path, file)["table"])
 
 
+def read_measured(path: FilePath) -> pd.DataFrame:
+    """Read a table of what was measured: `tracking`, or `fixes` in its place. Raises as `read_table` does."""
+    return read_table(path, "fixes" if read_kind(path) == "fixes" else "tracking")
+
+
 def read_schema(path: FilePath) -> Schema:
     """Read the schema that a table's file keeps itself, whatever its kind; what a row is, stays empty.
 

@@ -139,10 +139,10 @@ def _add_packages(crate: Any) -> list[Any]:
 
 
 def _inputs(files: Sequence[FilePath], values: Any) -> Iterator[Path]:
-    """Yield the files that the run was made of: settings, sheets, orbits, tracks and first states."""
+    """Yield the files that the run was made of: settings, sheets, orbits, measurements and first states."""
     settings = with_sheets(values)
     named = [*files, *values["sheets"].values(), *settings.starts.values()]
-    named += [path for paths in (*settings.orbits.values(), *settings.tracks.values()) for path in paths]
+    named += [path for paths in (*settings.orbits.values(), *settings.measured.values()) for path in paths]
     named += [name for name in values["environment"].values() if Path(str(name)).suffix]
     for path in map(project_file, dict.fromkeys(named)):
         if not path.is_file():

@@ -3,11 +3,11 @@
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import DAY
-from opml.catalog.fit import measured_tracks
+from opml.base.constants import DAY, HOUR
+from opml.catalog.fit import fixes, measured_tracks
 from opml.catalog.simulate import tracking, truth
 from opml.environment import earth_orientation, nodes
-from opml.interop import oem, tdm, truth_from_orbit
+from opml.interop import oem, points_from_files, tdm, truth_from_orbit
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.orbits import sheets
 from opml.orbits.sheets import Station
@@ -47,6 +47,8 @@ def _tracking(params: Params, wildcards: Wildcards) -> pd.DataFrame:
     stations = [Station(**station) for station in params.stations(wildcards)]
     if rso in plan.tracks:
         return measured_tracks.tracks(tdm.measurements(plan.tracks[rso], epoch=epoch), stations)
+    if rso in plan.fixes:
+        return _fixes(params, wildcards)
     if rso in plan.orbits:
         flown, _ = truth_from_orbit.truth(OrbitFiles(plan.orbits[rso], epoch, duration), step=_STEP)
     else:
@@ -54,3 +56,13 @@ def _tracking(params: Params, wildcards: Wildcards) -> pd.DataFrame:
         flown = truth.kepler_orbit(orbit, duration=duration, step=_STEP)
     orientation = earth_orientation.tabulate(epoch, nodes(epoch, duration))
     return tracking.simulate(flown, orientation, stations, rso=rso, seed=0)
+
+
+def _fixes(params: Params, wildcards: Wildcards) -> pd.DataFrame:
+    """Return the fixes of an RSO."""
+    values, fixing = params.plan.values, params.fixing(wildcards)
+    files = OrbitFiles(params.plan.fixes[wildcards.rso], values["epoch"], DAY * values["duration_days"])
+    orientation = earth_orientation.tabulate(files.epoch, nodes(files.epoch, files.duration))
+    sampling = points_from_files.Sampling(fixing["sigmas"], fixing["every_s"])
+    points = points_from_files.read(files, orientation, sampling)
+    return fixes.stretches(points, length=HOUR * fixing["stretch_hours"])

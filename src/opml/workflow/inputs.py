@@ -125,25 +125,25 @@ class Inputs:
     def activity(self, wildcards: Wildcards) -> str:
         """Return the path of the solar activity that an RSO flew under, or of the assumed one if unknown."""
         environment = self.plan.environment
-        tables = environment.predictions if wildcards.rso in self.plan.tracks else environment.truth
+        tables = environment.predictions if wildcards.rso in self.plan.measured else environment.truth
         return tables["solar_activity"]
 
     def truth(self, truth: _Pattern) -> InputFunction:
-        """Find the truth of an RSO; none where its tracks were measured."""
+        """Find the truth of an RSO; none where it was measured."""
 
         def find(wildcards: Wildcards) -> _Paths:
-            return [] if wildcards.rso in self.plan.tracks else path_of(truth, rso=wildcards.rso)
+            return [] if wildcards.rso in self.plan.measured else path_of(truth, rso=wildcards.rso)
 
         return find
 
     def truth_or(self, truth: _Pattern, measured: _Pattern) -> InputFunction:
-        """Find the truth of an RSO, or a table in its place where its tracks were measured.
+        """Find the truth of an RSO, or a table in its place where it was measured.
 
         measured: the table in its place, of an RSO and stations
         """
 
         def find(wildcards: Wildcards) -> _Paths:
-            if wildcards.rso in self.plan.tracks:
+            if wildcards.rso in self.plan.measured:
                 return path_of(measured, rso=wildcards.rso, stations=wildcards.stations)
             return path_of(truth, rso=wildcards.rso)
 
@@ -153,13 +153,13 @@ class Inputs:
         """Find the table whose metadata hold the manoeuvres of an RSO; no table where it is simulated.
 
         truth: holds those of an orbit from files
-        tracking: holds those of measured tracks
+        tracking: holds those of what was measured
         """
         find_any = self.truth_or(truth, tracking)
 
         def find(wildcards: Wildcards) -> _Paths:
             base, *_ = naming.rso_parts(wildcards.rso, self.plan.settings.rsos)
-            return find_any(wildcards) if base in {*self.plan.orbits, *self.plan.tracks} else []
+            return find_any(wildcards) if base in {*self.plan.orbits, *self.plan.measured} else []
 
         return find
 

@@ -31,6 +31,7 @@ class JobSettings:
     rsos: Sequence[Values]
     stations: Sequence[Values]
     estimation: Values
+    fixing: Values
     light_time: bool
     cleaning: Values
     cd: float

@@ -8,6 +8,7 @@ from opml import naming
 from opml.base.errors import InputError
 from opml.figures.display_names import describe_run
 from opml.learning.data import components
+from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models import learners
 from opml.naming import Experiment
 from opml.orbits import sheets
@@ -75,7 +76,9 @@ class Params:
         return [asdict(station) for station in self.plan.settings.stations.values()]
 
     def stations(self, wildcards: Wildcards) -> list[dict[str, Any]]:
-        """Return the stations of the wildcard `stations`."""
+        """Return the stations of the wildcard `stations`; none where it stands for fixes."""
+        if wildcards.stations == naming.FIXES:
+            return []
         names = naming.strip_seed(wildcards.stations, naming.NOISE)
         return [asdict(station) for station in sheets.parse_stations(names, self.plan.settings.stations)]
 
@@ -140,9 +143,25 @@ class Params:
             name: learners.resolved(
                 naming.parse_learner(name, values["learners"]),
                 component=parts.get("component", components.CORRECTED),
-                variables=values["learning"]["variables"],
+                variables=self._variables(parts),
             )
             for name in names
+        }
+
+    def _variables(self, parts: Mapping[str, str]) -> list[str]:
+        """Return the variables that learners learn from by default: those that the measurements have."""
+        variables: list[str] = self.plan.values["learning"]["variables"]
+        if parts.get("stations") != naming.FIXES:
+            return variables
+        return [name for name in variables if name not in MEASUREMENT]
+
+    def fixing(self, wildcards: Wildcards) -> dict[str, Any]:
+        """Return how the fixes of the wildcard `rso` are taken."""
+        fixing = self.plan.settings.fixing(wildcards.rso)
+        return {
+            "sigmas": list(fixing.sigmas),
+            "every_s": fixing.every_s,
+            "stretch_hours": fixing.stretch_hours,
         }
 
     def split(self, wildcards: Wildcards) -> dict[str, Any]:
@@ -180,11 +199,11 @@ class Params:
         return experiment.columns()
 
     def check_simulated(self, wildcards: Wildcards) -> None:
-        """Raise InputError for the truth of an RSO whose tracks were measured."""
-        if wildcards.rso in self.plan.tracks:
+        """Raise InputError for the truth of an RSO that was measured."""
+        if wildcards.rso in self.plan.measured:
             known = "what was measured has no truth, and no seed of the noise"
             raise InputError(
-                f"truth of '{wildcards.rso}': expected an RSO without tracks of its own, as {known}"
+                f"truth of '{wildcards.rso}': expected an RSO without tracks of its own, or fixes, as {known}"
             )
 
     def check_without_truth(self, wildcards: Wildcards) -> None:

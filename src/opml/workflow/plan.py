@@ -67,6 +67,16 @@ class Plan:
         return self.settings.tracks
 
     @cached_property
+    def fixes(self) -> Mapping[str, list[str]]:
+        """Files of positions that were measured, by RSO."""
+        return self.settings.fixes
+
+    @cached_property
+    def measured(self) -> Mapping[str, list[str]]:
+        """Files of all that was measured, by RSO: of tracks or of fixes."""
+        return self.settings.measured
+
+    @cached_property
     def environment(self) -> EnvironmentFiles:
         """The tables of the environment."""
         return EnvironmentFiles(self.values)
@@ -84,8 +94,8 @@ class Plan:
 
     @cached_property
     def simulated_catalogue(self) -> list[str]:
-        """The RSOs of that catalogue without an orbit or tracks of their own."""
-        given = {*self.settings.orbits, *self.settings.tracks}
+        """The RSOs of that catalogue whose orbit is not from files, nor measured."""
+        given = {*self.settings.orbits, *self.settings.measured}
         return [rso for rso in self.catalogue if rso not in given]
 
     @cached_property
@@ -127,7 +137,7 @@ class Plan:
         return {
             "rso": rso,
             "target": rso,
-            "stations": naming.stations_pattern(self.settings.stations) + noise,
+            "stations": f"(?:{naming.stations_pattern(self.settings.stations)}{noise}|{naming.FIXES})",
             "window": f"(?:{self.window_pattern}|{naming.PERFECT}|{naming.FILTERED})",
             "arc": naming.ARC_PATTERN,
             "memory": naming.MEMORY_PATTERN,

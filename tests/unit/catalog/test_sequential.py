@@ -186,13 +186,28 @@ def test_threads_change_no_bit(gusty):
     pd.testing.assert_frame_equal(two, case.filtered(CALM, GUSTY), check_exact=True)
 
 
-def test_rows_before_the_drag_is_known_are_those_of_the_batch_fits(calm):
+def test_rows_before_a_fit_that_filters_can_begin_at_are_those_of_the_batch_fits(calm):
     estimates = calm[0].estimates.copy()
     estimates.loc[:1, "converged"] = False
-    estimates.loc[2:3, "cov_cd_cd"] = 1.5
     table = calm[0].filtered(CALM, estimates=estimates)
-    pd.testing.assert_frame_equal(table[:5], estimates[:5])
-    assert table["tracks_used"][5] == 2
+    pd.testing.assert_frame_equal(table[:3], estimates[:3])
+    assert table["tracks_used"][3] == estimates["tracks_used"][2] + 1
+
+
+def test_a_fit_that_tells_nothing_of_the_drag_is_no_obstacle(calm):
+    """Its Cd is wild, and its state where that Cd would have it."""
+    estimates = calm[0].estimates.copy()
+    shift = np.array([3.0, 50.0, 2.0, 0.05, 0.003, 0.002])
+    names = [f"cov_cd_{name}" for name in STATE]
+    estimates.loc[0, [*STATE, "cd"]] += np.append(shift, 50.0)
+    estimates.loc[0, names] += 50.0 * shift
+    estimates.loc[0, "cov_cd_cd"] += 50.0**2
+    for k, axis in enumerate(STATE):
+        for m in range(k + 1):
+            estimates.loc[0, f"cov_{axis}_{STATE[m]}"] += shift[k] * shift[m]
+    table = calm[0].filtered(CALM, estimates=estimates)
+    assert np.abs(table["cd"][5:] - 2.2).max() < 0.5
+    assert np.linalg.norm(calm[0].errors(table)[-1, :3]) < 50.0
 
 
 def test_filters_begin_again_after_an_arc_that_comes_down(calm):

@@ -171,6 +171,14 @@ def test_highest_noisy_measurement_of_the_track(rows):
     assert rows.loc[(6, 7), dataset.MEASUREMENT].tolist() == pytest.approx([0.56, 2.06, 1e6 + 6])
 
 
+def test_fixes_have_no_highest_measurement(estimates, predictions, tracking):
+    rows = build(estimates, predictions, tracking[["track", "t"]])
+    by_radars = build(estimates, predictions, tracking)
+    assert rows[dataset.MEASUREMENT].isna().all(axis=None)
+    rest = [name for name in rows if name not in dataset.MEASUREMENT]
+    pd.testing.assert_frame_equal(rows[rest], by_radars[rest], check_exact=True)
+
+
 def test_kept_rows_have_every_learning_variable(rows):
     assert np.isfinite(rows.loc[rows["keep"], list(LEARNING_VARIABLES)].to_numpy(dtype=float)).all()
 

@@ -14,7 +14,7 @@ def assumed(tmp_path, **settings):
     return merged(["config/config.yaml", path]).values["force_models"]["assumed"]
 
 
-@pytest.mark.parametrize("kind", ["orbits", "tracks"])
+@pytest.mark.parametrize("kind", ["orbits", "tracks", "fixes"])
 def test_real_satellites_fly_under_what_a_catalogue_has(tmp_path, kind):
     model = assumed(tmp_path, **{kind: {"mine": "a.file"}})
     assert (model["degree"], model["order"], len(model["third_bodies"])) == (70, 70, 10)

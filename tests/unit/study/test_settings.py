@@ -2,7 +2,7 @@
 
 import json
 import shutil
-from dataclasses import MISSING, asdict, fields
+from dataclasses import MISSING, asdict, fields, replace
 
 import pytest
 import yaml
@@ -370,14 +370,16 @@ def test_wrong_setting_is_named(key, value, expected):
     assert expected in message(edited(key, value))
 
 
-def test_what_has_tracks_and_no_truth_learns_from_later_estimates():
+@pytest.mark.parametrize("kind", ["tracks", "fixes"])
+def test_what_was_measured_and_has_no_truth_learns_from_later_estimates(kind):
     source = paper_source()
-    source.values["tracks"] = {"iss": ["a.tdm"]}
+    source.values[kind] = {"iss": ["a.file"]}
+    source.values["study"] = {"rsos": ["iss"], "days": {"train": [0, 30], "test": [30, 40]}}
     settings = with_sheets(source.values)
     checks.check_study(source, settings)
     assert Study(settings).label == "later"
     source.values["study"]["label"] = "truth"
-    with pytest.raises(InputError, match=r"study\.label: expected later or smoothed, as iss has tracks"):
+    with pytest.raises(InputError, match=rf"study\.label: expected later or smoothed, as iss has {kind}"):
         checks.check_study(source, settings)
 
 
@@ -647,6 +649,71 @@ def test_tracks_and_an_orbit_of_one_rso_are_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(checks.orbit_from_files, "check", lambda *_, **__: None)
     refusal = refused(with_tracks(tmp_path, "orbits: {mine: a.tdm}"))
     assert "tracks.mine: expected tracks, or an orbit under orbits, got both" in refusal
+
+
+GPS = """\
+gps,x_itrf_km,y_itrf_km,z_itrf_km
+2016-09-28T12:10:20,6700.0,0.0,0.0
+2016-09-28T12:11:20,6685.0,450.0,0.0
+"""
+FIXES = TRACKS.replace('tracks: {{mine: "*.tdm"}}', 'fixes: {{mine: "*.csv"}}')
+
+
+def with_fixes(tmp_path, *lines, content=GPS):
+    """Settings with fixes of their own, and further lines."""
+    (tmp_path / "gps.csv").write_text(content)
+    return given(tmp_path, "\n".join([FIXES.format(folder=tmp_path), *lines]))
+
+
+def test_fixes_stand_where_tracks_do_and_no_station_measured_them(tmp_path):
+    more = "fixing: {mine: {sigma_m: [2, 4, 2], every_s: 0}}", 'manoeuvres: {mine: ["2016-09-29T01:00:00"]}'
+    settings = checked(with_fixes(tmp_path, *more))
+    assert settings.fixes == settings.measured == {"mine": [f"{tmp_path}/gps.csv"]}
+    fixing = settings.fixing("mine")
+    assert (fixing.sigmas, fixing.every_s, fixing.stretch_hours) == ((2.0, 4.0, 2.0), 0.0, 1.0)
+    study = Study(replace(settings, values=settings.values | {"study": {"rsos": ["mine"]}}))
+    assert (study.station_sets, study.label, study.truth_of("mine")) == (["fixes"], "later", "measured")
+
+
+@pytest.mark.parametrize(
+    ("lines", "content", "said"),
+    [
+        ([], GPS.replace("450.0", "east"), "fixes.mine: {folder}/gps.csv: line 3: expected a finite number"),
+        ([], GPS.replace("_km", "_m"), "km from the Earth's centre, got 6.70006 km: is the unit right?"),
+        (["tracks: {mine: gps.csv}"], GPS, "tracks.mine: "),
+        (["orbits: {mine: gps.csv}"], GPS, "orbits.mine: "),
+        (["fixing: {iss: {every_s: 10}}"], GPS, "fixing.iss: expected an RSO that has fixes"),
+        (["fixing: {mine: {sigma_m: [1, 2]}}"], GPS, "fixing.mine.sigma_m: expected three numbers above 0"),
+        (["fixing: {mine: {sigma_m: [1, 2, 0]}}"], GPS, "fixing.mine.sigma_m"),
+        (["starts: {iss: a.tle}"], GPS, "starts.iss: expected an RSO that has tracks or fixes"),
+    ],
+)
+def test_fixes_that_do_not_fit_are_told_in_one_line(tmp_path, lines, content, said):
+    refusal = refused(with_fixes(tmp_path, *lines, content=content))
+    assert said.format(folder=tmp_path) in refusal
+    assert "\n" not in refusal
+
+
+@pytest.mark.parametrize(
+    ("study", "said"),
+    [
+        ("{rsos: [mine, iss]}", "study.rsos: expected an RSO that has fixes for fixes, got iss among them"),
+        ("{rsos: [mine], station_sets: [eglin]}", "expected RSOs that all have fixes for eglin, got mine"),
+        ("{rsos: [iss], station_sets: [fixes]}", "expected an RSO that has fixes for fixes, got iss"),
+    ],
+)
+def test_fixes_and_stations_do_not_mix_in_a_study(tmp_path, study, said):
+    text = FIXES.format(folder=tmp_path).replace("study: {}", f"study: {study}")
+    (tmp_path / "gps.csv").write_text(GPS)
+    assert said in refused(given(tmp_path, text))
+
+
+def test_no_learner_of_fixes_asks_for_what_stations_measure(tmp_path):
+    text = FIXES.format(folder=tmp_path).replace("study: {}", "study: {rsos: [mine]}")
+    (tmp_path / "gps.csv").write_text(GPS)
+    learner = "learners: {ridge: {variables: [duration, elevation_max]}}"
+    refusal = refused(given(tmp_path, f"{text}{learner}\n"))
+    assert "learners.ridge.variables: expected variables that fixes have, too, got elevation_max" in refusal
 
 
 def test_layers_are_laid_key_by_key():

@@ -20,7 +20,7 @@ class Told:
     def __init__(self, rsos):
         self.sheet = dict.fromkeys(rsos, BODY)
         self.settings = self
-        self.orbits, self.tracks = {"given": ["given.sp3"]}, {}
+        self.orbits, self.measured = {"given": ["given.sp3"]}, {}
 
 
 NAMES = [f"sky{k:02d}" for k in range(20)]

@@ -15,6 +15,7 @@ from opml.base.errors import InputError
 from opml.catalog.fit import measured_tracks
 from opml.catalog.simulate.truth import kepler_orbit
 from opml.interop import oem, tdm
+from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models.learners import paths_of_each
 from opml.naming import Experiment
 from opml.study.settings.merging import with_sheets
@@ -34,7 +35,7 @@ STUDY = {
     "label": "later",
     "learners": ["none", "held", "running", "svr"],
 }
-USERS = {"orbits": {"flown": "flown.sp3"}, "tracks": {"mine": "mine.tdm"}}
+USERS = {"orbits": {"flown": "flown.sp3"}, "tracks": {"mine": "mine.tdm"}, "fixes": {"placed": "gps.csv"}}
 ESTIMATES = "estimates/{rso}/{stations}{window}.parquet"
 DATASET = "dataset/{rso}/{stations}{window}{reading}.parquet"
 
@@ -82,8 +83,8 @@ def inputs(**changes):
 
 
 def user_inputs():
-    """Inputs of a run where `flown` has an orbit from a file and `mine` has measured tracks."""
-    return inputs(rsos={"flown": BODY, "mine": BODY}, study={"rsos": ["mine"]}, **USERS)
+    """Inputs of a run where `flown` has an orbit from a file, `mine` measured tracks and `placed` fixes."""
+    return inputs(rsos={"flown": BODY, "mine": BODY, "placed": BODY}, study={"rsos": ["mine"]}, **USERS)
 
 
 def test_a_product_says_all_its_paths():
@@ -344,6 +345,16 @@ def test_what_was_measured_has_no_truth():
         jobs.check_simulated(wildcards(rso="mine"))
 
 
+def test_fixes_have_no_stations_and_learners_none_of_what_these_measure():
+    jobs, name = user_inputs().params, experiment(rso="placed", stations="fixes")
+    assert re.fullmatch(jobs.plan.constraints["stations"], "fixes")
+    assert jobs.stations(name) == []
+    assert jobs.fixing(name) == {"sigmas": [10.0] * 3, "every_s": 60.0, "stretch_hours": 1.0}
+    by_radars = jobs.learner(experiment())["variables"]
+    assert jobs.learner(name)["variables"] == [one for one in by_radars if one not in MEASUREMENT]
+    assert set(MEASUREMENT) < set(by_radars)
+
+
 def test_ephemerides_start_from_what_is_known_at_the_end_of_the_training():
     jobs, name = params(), experiment(learner="twoarcs", train="days-0-20")
     assert jobs.ephemeris(name)["known_until_days"] == 20.0
@@ -403,6 +414,16 @@ def test_ephemerides_from_each_estimate_of_measured_tracks_are_as_many_as_these(
     starts = measured.groupby("track")["t"].min()
     count, _, _ = size_of(experiment(rso="mine", train="days-0-1"), **settings)
     assert count == (starts > DAY).sum() + 1
+
+
+def test_ephemerides_from_each_estimate_of_fixes_are_as_many_as_their_stretches(tmp_path):
+    orbit = kepler_orbit(rsos()["iss"], duration=3 * DAY, step=60.0)
+    oem.write(tmp_path / "iss.oem", oem.truth_segments(orbit, rso="iss"), epoch=EPOCH)
+    users = {"fixes": {"placed": [str(tmp_path / "iss.oem")]}, "rsos": {"placed": BODY}}
+    settings = users | {"fixing": {"placed": {"stretch_hours": 2}}, "duration_days": 3}
+    settings["study"] = {"rsos": ["placed"]}
+    count, _, _ = size_of(experiment(rso="placed", stations="fixes", train="days-0-1"), **settings)
+    assert count == 25  # from the end of the first day to that of the third
 
 
 def test_ephemerides_from_each_estimate_of_an_orbit_from_files_are_as_many_as_its_tracks(tmp_path):
@@ -487,9 +508,10 @@ TRUTH, TRACKING = Pattern("truth/{rso}.parquet"), Pattern("tracking/{rso}/{stati
         ("iss", "truth/iss.parquet", "truth/iss.parquet", []),
         ("flown", "truth/flown.parquet", "truth/flown.parquet", "truth/flown.parquet"),
         ("mine", [], "tracking/mine/eglin.parquet", "tracking/mine/eglin.parquet"),
+        ("placed", [], "tracking/placed/eglin.parquet", "tracking/placed/eglin.parquet"),
     ],
 )
-def test_measured_tracks_stand_for_the_truth(rso, truth, truth_or, manoeuvres):
+def test_measured_tracks_and_fixes_stand_for_the_truth(rso, truth, truth_or, manoeuvres):
     files, name = user_inputs(), wildcards(rso=rso)
     assert files.truth(TRUTH)(name) == truth
     assert files.truth_or(TRUTH, TRACKING)(name) == truth_or

@@ -16,8 +16,9 @@ import pandas as pd
 
 from opml.base.constants import HOUR
 from opml.catalog.fit.least_squares import Evaluation, Fit, Method
+from opml.catalog.fit.measurements import Measurements, Window
 from opml.catalog.flight import Flight
-from opml.catalog.simulate.observing import observe, retarded, sigmas, site
+from opml.catalog.simulate.observing import observe, place, retarded, sigmas, site
 from opml.catalog.simulate.tracking import QUANTITIES
 from opml.dynamics.ensemble import REASONS, Arcs
 from opml.dynamics.frames import gcrf_to_itrf
@@ -77,27 +78,10 @@ class Estimation:
 
 
 @dataclass(frozen=True)
-class _Window:
-    """The measurements of one fit: of its track and of the tracks that began in the window."""
-
-    track: int
-    tracks: int
-    rows: slice
-    first: int  # epoch of the oldest measurement, an index into the run's epochs
-    at: int  # epoch of the estimate
-    last: int  # epoch of the newest measurement
-
-    @property
-    def measurements(self) -> int:
-        """Number of the measurements."""
-        return int(self.rows.stop - self.rows.start)
-
-
-@dataclass(frozen=True)
 class Estimate:
     """One track's estimate under way."""
 
-    window: _Window
+    window: Window
     fit: Fit
 
 
@@ -105,14 +89,15 @@ _Known = tuple[int, np.ndarray]
 """An epoch of a run's measurements, by its number, and the parameters (7,) of an orbit there."""
 
 
-class Measured:
-    """The measurements of a run by row, their epochs, and where each track begins and ends."""
+class Measured(Measurements):
+    """Azimuth, elevation and range by radars; the estimate of a track is at its start."""
 
     def __init__(
         self, tracking: pd.DataFrame, earth_orientation: pd.DataFrame, stations: Sequence[Station]
     ) -> None:
         """Take the tables of tracking and Earth orientation, and the stations that measured."""
-        self.epochs, self.epoch_of_row = np.unique(tracking["t"].to_numpy(), return_inverse=True)
+        track, t = tracking["track"].to_numpy(), tracking["t"].to_numpy()
+        super().__init__(track, t, t[np.searchsorted(track, track)])
         self.rotations = gcrf_to_itrf(earth_orientation, self.epochs)
         self.values = tracking[QUANTITIES].to_numpy()
         order = {station.name: k for k, station in enumerate(stations)}
@@ -121,49 +106,25 @@ class Measured:
         self.positions = np.array([position for position, _ in sites])[station_of_row]
         self.to_horizon = np.array([rotation for _, rotation in sites])[station_of_row]
         self.sigmas = np.array([sigmas(station) for station in stations])[station_of_row]
-        track = tracking["track"].to_numpy()
-        self.first_row = np.searchsorted(track, np.arange(track[-1] + 2))
-        self.tracks = len(self.first_row) - 1
-        self.begins = self.epoch_of_row[self.first_row[:-1]]
-        self.ends = self.epoch_of_row[self.first_row[1:] - 1]
 
-    def window(self, track: int, length: float, after: float = 0.0) -> _Window:
-        """Return the window from `length` [s] before the start of a track to `after` [s] behind it."""
-        begins = self.epochs[self.begins]
-        oldest = int(np.searchsorted(begins, begins[track] - length))
-        newest = int(np.searchsorted(begins, begins[track] + after, side="right")) - 1
-        return _Window(
-            track=track,
-            tracks=newest + 1 - oldest,
-            rows=slice(int(self.first_row[oldest]), int(self.first_row[newest + 1])),
-            first=int(self.begins[oldest]),
-            at=int(self.begins[track]),
-            last=int(self.ends[newest]),
-        )
+    def places(self, rows: slice | np.ndarray) -> np.ndarray:
+        """Return positions (n, 3) in GCRF [m] of rows of measurements."""
+        itrf = place(self.values[rows], self.positions[rows], self.to_horizon[rows])
+        turned: np.ndarray = np.einsum("nij,ni->nj", self.rotations[self.epoch_of_row[rows]], itrf)
+        return turned
 
-    def track(self, track: int) -> _Window:
-        """Return the window of one track alone."""
-        rows = slice(int(self.first_row[track]), int(self.first_row[track + 1]))
-        begin, end = int(self.begins[track]), int(self.ends[track])
-        return _Window(track=track, tracks=1, rows=rows, first=begin, at=begin, last=end)
-
-    def evaluation(self, window: _Window, states: np.ndarray, *, light_time: bool = False) -> Evaluation:
-        """Return residuals and partial derivatives of a window.
-
-        states: (8, epochs, 6) GCRF [m, m/s] of the nominal arc and its neighbours, at the epochs from
-        window.first to window.last
-        light_time: as in `Estimation`
-        """
+    def evaluation(self, window: Window, states: np.ndarray, *, light_time: bool = False) -> Evaluation:
+        """Return residuals and partial derivatives of a window, as `Measurements.evaluation`."""
         rows = window.rows
         at_rows = states[:, self.epoch_of_row[rows] - window.first]
         positions = self._received(rows, at_rows) if light_time else self._in_itrf(rows, at_rows[..., :3])
-        place = self.positions[rows], self.to_horizon[rows]
-        residual = self.values[rows] - observe(positions[0], *place)
+        radar = self.positions[rows], self.to_horizon[rows]
+        residual = self.values[rows] - observe(positions[0], *radar)
         residual[:, 0] = wrap_half_turn(residual[:, 0])
         # Each neighbour and its mirror image about the nominal arc: by then a nudge has grown to a hundred
         # metres, over which the measurements bend, and the bend cancels.
         shift = positions[1:] - positions[0]
-        change = observe(positions[0] + shift, *place) - observe(positions[0] - shift, *place)
+        change = observe(positions[0] + shift, *radar) - observe(positions[0] - shift, *radar)
         change[..., 0] = wrap_half_turn(change[..., 0])
         weighted = 0.5 * change / self.sigmas[rows] / NUDGES[:, None, None]
         return Evaluation((residual / self.sigmas[rows]).ravel(), weighted.reshape(7, -1).T)
@@ -231,7 +192,7 @@ def fly_around(
 
 
 def _fly_neighbours(
-    flight: Flight, epochs: np.ndarray, trials: np.ndarray, windows: Sequence[_Window]
+    flight: Flight, epochs: np.ndarray, trials: np.ndarray, windows: Sequence[Window]
 ) -> tuple[list[np.ndarray], np.ndarray]:
     """Return states and status as `fly_around`, of trials (n, 7) and their neighbours under one field."""
     count = len(_NEIGHBOURS)
@@ -242,7 +203,7 @@ def _fly_neighbours(
 
 
 def _fly_windows(
-    flight: Flight, epochs: np.ndarray, parameters: np.ndarray, windows: Sequence[_Window]
+    flight: Flight, epochs: np.ndarray, parameters: np.ndarray, windows: Sequence[Window]
 ) -> tuple[list[np.ndarray], np.ndarray]:
     """Return (states (epochs, 6) of each window, status) of arcs from parameters (n, 7)."""
     first, at, last = (
@@ -267,7 +228,7 @@ class Run:
     ages: (tracks,) how long before each start its orbit was known [s]
     """
 
-    measured: Measured
+    measured: Measurements
     flight: Flight
     starts: np.ndarray
     settings: Estimation
@@ -282,7 +243,7 @@ class Run:
 
         A short track leaves Cd as uncertain, but there the orbit has drag, and the fit says so.
         """
-        begin = self.measured.epochs[self.measured.begins[0]]
+        begin = self.measured.epochs[self.measured.at[0]]
         start = np.append(self.starts[0], self.flight.rso.cd)
         pair = np.stack([start, start + np.eye(7)[_CD]])
         epochs = np.array([begin, begin + self._window])
@@ -324,7 +285,7 @@ class Run:
         return estimates
 
     def _starts_in_turn(
-        self, windows: Sequence[_Window], usable: _Known | None, spare: _Known | None
+        self, windows: Sequence[Window], usable: _Known | None, spare: _Known | None
     ) -> Iterator[np.ndarray]:
         """Yield parameters (windows, 7) to start from, the best first; not finite where there are none.
 
@@ -388,7 +349,11 @@ class Run:
     def row(self, estimate: Estimate) -> dict[str, Any]:
         """Return the estimate as a row of the table."""
         window, fit = estimate.window, estimate.fit
-        rms = np.sqrt(fit.cost / (3.0 * window.measurements)) if np.isfinite(fit.cost) else np.nan
+        rms = (
+            np.sqrt(fit.cost / (self.measured.numbers * window.measurements))
+            if np.isfinite(fit.cost)
+            else np.nan
+        )
         return {
             "track": window.track,
             "t": self.measured.epochs[window.at],
@@ -434,7 +399,7 @@ class Run:
 
 
 def estimate_all(
-    flight: Flight, starts: pd.DataFrame, measured: Measured, *, settings: Estimation
+    flight: Flight, starts: pd.DataFrame, measured: Measurements, *, settings: Estimation
 ) -> pd.DataFrame:
     """Return the `estimates` table: one row per track, converged or with the reason why not.
 

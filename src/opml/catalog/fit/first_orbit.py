@@ -14,11 +14,11 @@ import pandas as pd
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.catalog.fit import start_states
-from opml.catalog.fit.estimation import Estimate, Estimation, Measured, Run, fly_parameters
+from opml.catalog.fit.estimation import Estimate, Estimation, Run, fly_parameters
 from opml.catalog.fit.least_squares import Fit
+from opml.catalog.fit.measurements import Measurements
 from opml.catalog.fit.three_positions import orbit_state
 from opml.catalog.flight import Flight
-from opml.catalog.simulate.observing import place
 from opml.catalog.simulate.truth import initial_state
 from opml.orbits.sheets import Rso
 from opml.tables import PARAMETERS
@@ -44,43 +44,48 @@ def of_sheet(rso: Rso, gm: float) -> TimedState | None:
 
 
 def starts(
-    flight: Flight, measured: Measured, *, known: TimedState | None, settings: Estimation
+    flight: Flight, measured: Measurements, *, known: TimedState | None, settings: Estimation
 ) -> pd.DataFrame:
     """Return the `starts` table of measured tracks: carried from a known state, or determined without one.
+
+    Measurements that tell states themselves need neither.
 
     flight: under the assumed model. Raises InputError as `carried` and `determined` do.
     """
     flight = flight.without_progress()
+    if known is None and measured.states is not None:
+        times = _times(measured)
+        return start_states.starts_table(times, measured.states, known=times.to_numpy())
     if known is None:
         return determined(flight, measured, settings=settings)
     return carried(flight, measured, known)
 
 
-def carried(flight: Flight, measured: Measured, known: TimedState) -> pd.DataFrame:
+def carried(flight: Flight, measured: Measurements, known: TimedState) -> pd.DataFrame:
     """Return the `starts` table of a known state, flown under the assumed model to every track.
 
     Raises InputError where the first day's tracks are far from it.
     """
-    rso, begins, (t, start) = flight.rso, _begins(measured), known
-    states = _everywhere(flight, begins.to_numpy(), t, np.append(start, rso.cd))
-    apart = np.linalg.norm(_places(measured, measured.first_row[:-1]) - states[:, :3], axis=1)
-    miss = float(np.median(np.where(np.isfinite(apart), apart, np.inf)[_first_day(begins)]))
+    rso, times, (t, start) = flight.rso, _times(measured), known
+    states = _everywhere(flight, times.to_numpy(), t, np.append(start, rso.cd))
+    apart = np.linalg.norm(measured.places(measured.row_at) - states[:, :3], axis=1)
+    miss = float(np.median(np.where(np.isfinite(apart), apart, np.inf)[_first_day(times)]))
     _log.info("first orbit: the given state is %.1f km from the first day's tracks", miss / 1e3)
     if not miss < FARTHEST:
         raise InputError(
             f"{rso.name}: expected tracks near the orbit of the given elements or state, "
             f"got tracks that are {miss / 1e3:.0f} km from it: another RSO, or another epoch"
         )
-    return start_states.starts_table(begins, states, known=t)
+    return start_states.starts_table(times, states, known=t)
 
 
-def determined(flight: Flight, measured: Measured, *, settings: Estimation) -> pd.DataFrame:
+def determined(flight: Flight, measured: Measurements, *, settings: Estimation) -> pd.DataFrame:
     """Return the `starts` table of an orbit that is determined from the tracks alone.
 
     settings: of the fits. Raises InputError where no track of the first day gives an orbit.
     """
-    rso, gm, begins = flight.rso, flight.model.gm, _begins(measured)
-    run = Run(measured, flight, np.full((len(begins), 6), np.nan), settings)
+    rso, gm, times = flight.rso, flight.model.gm, _times(measured)
+    run = Run(measured, flight, np.full((len(times), 6), np.nan), settings)
     alone = single_tracks(run)
     if not alone:
         raise InputError(
@@ -93,21 +98,23 @@ def determined(flight: Flight, measured: Measured, *, settings: Estimation) -> p
     best = _grown(run, best)
     _log.info("first orbit: %d tracks fitted together", best.window.tracks)
     t = measured.epochs[best.window.at]
-    states = _everywhere(run.flight, begins.to_numpy(), t, best.fit.best)
-    return start_states.starts_table(begins, states, known=t)
+    states = _everywhere(run.flight, times.to_numpy(), t, best.fit.best)
+    return start_states.starts_table(times, states, known=t)
 
 
 def single_tracks(run: Run) -> list[Estimate]:
     """Return the fits that converged, each to one track of the first day, from three positions on it."""
     measured = run.measured
     begun = []
-    for track in np.flatnonzero(_first_day(measured.epochs[measured.begins])):
+    for track in np.flatnonzero(_first_day(measured.epochs[measured.at])):
         window = measured.window(int(track), 0.0)
-        t, positions = measured.epochs[measured.epoch_of_row[window.rows]], _places(measured, window.rows)
+        t, positions = measured.epochs[measured.epoch_of_row[window.rows]], measured.places(window.rows)
         if len(np.unique(t)) < FEWEST or t[-1] - t[0] < SHORTEST:
             continue
-        middle, there = orbit_state(t, positions, run.flight.model.gm)
-        start = _everywhere(run.flight, t[:1], middle, np.append(there, run.flight.rso.cd))[0]
+        smooth = max(FEWEST, int(np.searchsorted(t, t[0] + measured.smooth_for, side="right")))
+        middle, there = orbit_state(t[:smooth], positions[:smooth], run.flight.model.gm)
+        at = measured.epochs[[window.at]]
+        start = _everywhere(run.flight, at, middle, np.append(there, run.flight.rso.cd))[0]
         begun.append(Estimate(window, Fit(np.append(start, run.flight.rso.cd), run.method(_without_cd()))))
     run.fit(begun)
     return [estimate for estimate in begun if estimate.fit.converged]
@@ -129,10 +136,10 @@ def _grown(run: Run, best: Estimate) -> Estimate:
 
     The series ends a window after `best`.
     """
-    begins = run.measured.epochs[run.measured.begins]
+    times = run.measured.epochs[run.measured.at]
     first, length = best.window.track, run.settings.window_hours * HOUR
-    for track in np.flatnonzero((begins > begins[first]) & (begins <= begins[first] + length)):
-        window = run.measured.window(int(track), begins[track] - begins[first])
+    for track in np.flatnonzero((times > times[first]) & (times <= times[first] + length)):
+        window = run.measured.window(int(track), times[track] - times[first])
         start = run.carried(best.window.at, best.fit.best, np.array([window.at]))[0]
         following = Estimate(window, Fit(start, run.method(_without_cd())))
         run.fit([following])
@@ -151,22 +158,15 @@ def _everywhere(flight: Flight, times: np.ndarray, t: float, parameters: np.ndar
     return states
 
 
-def _begins(measured: Measured) -> pd.Series:
-    """Return the beginnings of the tracks [s], by their numbers."""
-    return pd.Series(measured.epochs[measured.begins])
+def _times(measured: Measurements) -> pd.Series:
+    """Return the epochs of the tracks' estimates [s], by their numbers: those of radars' begin then."""
+    return pd.Series(measured.epochs[measured.at])
 
 
-def _places(measured: Measured, rows: slice | np.ndarray) -> np.ndarray:
-    """Return positions (n, 3) in GCRF [m] of rows of measurements."""
-    itrf = place(measured.values[rows], measured.positions[rows], measured.to_horizon[rows])
-    turned: np.ndarray = np.einsum("nij,ni->nj", measured.rotations[measured.epoch_of_row[rows]], itrf)
-    return turned
-
-
-def _first_day(begins: np.ndarray | pd.Series) -> np.ndarray:
-    """Return which tracks begin within a day of the first."""
-    times = np.asarray(begins)
-    return np.asarray(times <= times[0] + DAY)
+def _first_day(times: np.ndarray | pd.Series) -> np.ndarray:
+    """Return which times of tracks are within a day of the first."""
+    all_times = np.asarray(times)
+    return np.asarray(all_times <= all_times[0] + DAY)
 
 
 def _without_cd() -> np.ndarray:

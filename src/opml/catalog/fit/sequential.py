@@ -32,8 +32,10 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.catalog.fit.estimation import NUDGES, Measured, fly_beside
+from opml.base.errors import InputError
+from opml.catalog.fit.estimation import NUDGES, fly_beside
 from opml.catalog.fit.least_squares import Evaluation
+from opml.catalog.fit.measurements import Measurements
 from opml.catalog.flight import Flight
 from opml.dynamics.ensemble import REASONS
 from opml.orbits.elements import rsw_rotation
@@ -43,7 +45,10 @@ STEP = 1800.0
 """Longest time for which the drag coefficient keeps its value [s]."""
 
 APRIORI_SIGMA = 0.5
-"""Formal uncertainty of a batch fit's Cd, as a part of the sheet's, below which filters begin at it."""
+"""Uncertainty of the sheet's Cd as a part of it, when filters begin."""
+
+_LINEAR = 10e3
+"""How far the sheet's Cd may move a batch fit that filters begin at [m]."""
 
 _CD = PARAMETERS.index("cd")
 _SCALES = np.array([1e3, 1e3, 1e3, 1.0, 1.0, 1.0, 1.0])
@@ -189,8 +194,7 @@ class Filters:
     @classmethod
     def begin(cls, estimate: pd.Series, size: int) -> Self:
         """Return a number of filters that begin at a row of `estimates`."""
-        mean, root = estimate[PARAMETERS].to_numpy(float), _root(estimate)
-        meeting = Meeting(mean, root, np.nan, np.nan, 0)
+        meeting = Meeting(estimate[PARAMETERS].to_numpy(float), _root(estimate), np.nan, np.nan, 0)
         count, measurements = int(estimate["tracks_used"]), int(estimate["measurements_used"])
         return cls(float(estimate["t"]), [meeting] * size, np.zeros(size), count, measurements)
 
@@ -210,7 +214,7 @@ class Filtering:
     """
 
     flight: Flight
-    measured: Measured
+    measured: Measurements
     bank: Sequence[Noise]
     light_time: bool
 
@@ -280,7 +284,9 @@ class Filtering:
             "reason": "",
             "tracks_used": filters.tracks,
             "measurements_used": filters.measurements,
-            "weighted_rms": np.sqrt(meeting.chi2 / (3.0 * self.measured.track(track).measurements)),
+            "weighted_rms": np.sqrt(
+                meeting.chi2 / (self.measured.numbers * self.measured.track(track).measurements)
+            ),
         }
 
 
@@ -304,7 +310,7 @@ def _root(estimate: pd.Series) -> np.ndarray:
 def filter_all(
     flight: Flight,
     estimates: pd.DataFrame,
-    measured: Measured,
+    measured: Measurements,
     *,
     light_time: bool = False,
     bank: Sequence[Noise] = BANK,
@@ -316,17 +322,23 @@ def filter_all(
     light_time: as in `Estimation`
     bank: a noise for each filter
 
-    Up to the first batch fit that knows Cd, and where an arc does not reach the next track, the row is that
-    of the batch fit. weighted_rms is that of the innovations of the track.
+    Up to the first batch fit that they can begin at, and where an arc does not reach the next track, the row
+    is that of the batch fit. weighted_rms is that of the innovations of the track. Raises InputError for
+    tracks whose estimates are not at their beginnings, as filters go forwards.
     """
+    if not np.array_equal(measured.at, measured.begins):
+        raise InputError(
+            "filter: expected tracks that begin with their estimates, got some that end with them"
+        )
     run = Filtering(flight.without_progress(), measured, bank, light_time)
     rows: list[dict[str, Any]] = []
     filters: Filters | None = None
     for track, (_, estimate) in enumerate(estimates.iterrows()):
         filters = filters and _next_or_lost(run, filters, track)
         rows.append(run.row(filters, track) if filters else dict(estimate))
-        if filters is None and _knows_cd(estimate, flight.rso.cd):
-            filters = Filters.begin(estimate, len(bank))
+        if filters is None:
+            start = _with_apriori_cd(estimate, flight.rso.cd)
+            filters = Filters.begin(start, len(bank)) if start is not None else None
         if flight.progress:
             flight.progress((track + 1) / measured.tracks)
     return pd.DataFrame(rows)
@@ -340,6 +352,22 @@ def _next_or_lost(run: Filtering, filters: Filters, track: int) -> Filters | Non
         return None
 
 
-def _knows_cd(estimate: pd.Series, cd: float) -> bool:
-    """Whether filters may begin at a batch fit. cd: of the sheet."""
-    return bool(estimate["converged"] and estimate["cov_cd_cd"] < (APRIORI_SIGMA * cd) ** 2)
+def _with_apriori_cd(estimate: pd.Series, cd: float) -> pd.Series | None:
+    """Return a batch fit that takes the sheet's Cd for a measurement; None where no filter may begin at it.
+
+    A short fit may tell nothing of Cd, but the state. Moved too far, it would not move in a straight line.
+    """
+    if not estimate["converged"]:
+        return None
+    covariance = np.zeros((7, 7))
+    covariance[np.tril_indices(7)] = estimate[PARAMETER_COVARIANCES].to_numpy(float)
+    covariance += np.tril(covariance, -1).T
+    gain = covariance[_CD] / (covariance[_CD, _CD] + (APRIORI_SIGMA * cd) ** 2)
+    moved = gain * (cd - estimate["cd"])
+    if np.linalg.norm(moved[:3]) > _LINEAR:
+        return None
+    known = covariance - np.outer(gain, covariance[_CD])
+    start = estimate.copy()
+    start[PARAMETERS] = estimate[PARAMETERS].to_numpy(float) + moved
+    start[PARAMETER_COVARIANCES] = known[np.tril_indices(7)]
+    return start

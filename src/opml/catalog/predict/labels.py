@@ -20,6 +20,7 @@ def build(
     """Return the `labels` table: one row per pair of `predictions`, in their order.
 
     estimates: of the tracks that are predicted to
+    tracking: that table, or `fixes` in its place
     after: an estimate is made of tracks that begin at most so long after it [s]
 
     The error is the predicted state less the estimate, in RSW of the estimate [m, m/s], with the formal
@@ -44,9 +45,10 @@ def _known_at(estimates: pd.DataFrame, tracking: pd.DataFrame, *, after: float) 
 
     after: as in `build`
     """
-    tracks = tracking.groupby("track", sort=True)["t"]
-    begins, ends = tracks.min().to_numpy(), tracks.max().to_numpy()
-    known: np.ndarray = ends[np.searchsorted(begins, estimates["t"].to_numpy() + after, side="right") - 1]
+    tracks = tracking.groupby("track", sort=True)
+    ends = tracks["t"].max().to_numpy()
+    at = tracks["t_estimate" if "t_estimate" in tracking else "t"].min().to_numpy()
+    known: np.ndarray = ends[np.searchsorted(at, estimates["t"].to_numpy() + after, side="right") - 1]
     return known
 
 

@@ -50,13 +50,13 @@ def build(
 ) -> pd.DataFrame:
     """Build the `dataset` table: one row per pair of `predictions`, in the order of (i, j), none removed.
 
-    estimates, predictions, tracking: those tables (SI units, radians, GCRF)
+    estimates, predictions, tracking: those tables (SI units, radians, GCRF); `fixes` may stand for tracking
     gm: for the orbital elements [m3/s2]
     labels: that table, whose errors replace those of the predictions; the table is `labelled` then
 
-    Learning variables are NaN where they do not exist. With `kept_estimate` as `cleaning.previous`, t_b is
-    the time of the last earlier estimate that converged with Cd inside the bounds. With `track` it is the
-    time of the track just before, if its estimate did so.
+    Learning variables are NaN where they do not exist, as those of stations for fixes. With `kept_estimate`
+    as `cleaning.previous`, t_b is the time of the last earlier estimate that converged with Cd inside the
+    bounds. With `track` it is the time of the track just before, if its estimate did so.
 
     A row without a true error, or without a label, is dropped for that reason unless another holds first. A
     row is dropped where a manoeuvre lies between the oldest measurement of its earlier estimate and the time
@@ -226,7 +226,9 @@ def _predicted_states(predictions: pd.DataFrame, pairs: pd.MultiIndex) -> np.nda
 
 
 def _highest_measurements(tracking: pd.DataFrame, tracks: pd.Index) -> pd.DataFrame:
-    """Return the measurement with the highest elevation of each track, by any station."""
+    """Return the measurement with the highest elevation of each track, by any station; NaN of fixes."""
+    if "elevation" not in tracking:
+        return pd.DataFrame(np.nan, index=tracks, columns=MEASUREMENT)
     highest = tracking.loc[tracking.groupby("track")["elevation"].idxmax()].set_index("track")
     if missing := set(tracks) - set(highest.index):
         raise InputError(

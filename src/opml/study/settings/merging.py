@@ -11,6 +11,7 @@ from typing import Any
 from opml.base.errors import InputError
 from opml.base.files import FilePath, project_file
 from opml.orbits.sheets import Rso, Station, read_rsos, read_stations, rsos_from_rows, stations_from_rows
+from opml.study.settings.model.run import FixSettings
 from opml.study.settings.overlay import MISSING, Key, Layer, Source, laid_over, read_layer
 
 STUDIES = "config/studies"
@@ -18,6 +19,8 @@ STUDIES = "config/studies"
 
 REAL_SATELLITES = "config/real_satellites.yaml"
 """Settings under those of a user whose orbits come from files or whose tracks were measured."""
+
+_FROM_FILES = ("orbits", "tracks", "fixes")
 
 _NAME = re.compile(r"[\w-]+")
 
@@ -43,6 +46,21 @@ class Settings:
         return {rso: _files(paths, folder) for rso, paths in tracks.items()}
 
     @property
+    def fixes(self) -> dict[str, list[str]]:
+        """Files of positions that were measured, by RSO; a pattern without files stays."""
+        fixes, folder = self.values.get("fixes", {}), self.values.get("data", "")
+        return {rso: _files(paths, folder) for rso, paths in fixes.items()}
+
+    def fixing(self, rso: str) -> FixSettings:
+        """Return how the fixes of an RSO are taken."""
+        return FixSettings.model_validate(self.values.get("fixing", {}).get(rso, {}))
+
+    @property
+    def measured(self) -> dict[str, list[str]]:
+        """Files of all that was really measured, by RSO: of tracks or of fixes."""
+        return self.tracks | self.fixes
+
+    @property
     def starts(self) -> dict[str, str]:
         """File of the state that an RSO's first orbit starts from, by RSO."""
         folder = self.values.get("data", "")
@@ -61,7 +79,7 @@ def merged(files: Sequence[FilePath], on_top: Layer | None = None) -> Source:
     InputError for a file that is missing or not YAML.
     """
     first, *rest = [*map(read_layer, files), *([on_top] if on_top else [])]
-    is_real = any(layer.values.get(kind) for layer in rest for kind in ("orbits", "tracks"))
+    is_real = any(layer.values.get(kind) for layer in rest for kind in _FROM_FILES)
     layers = [first, *([read_layer(project_file(REAL_SATELLITES))] if is_real else []), *rest]
     values: Any = {}
     for layer in layers:
@@ -80,7 +98,7 @@ def with_sheets(values: Mapping[str, Any], source: Source | None = None) -> Sett
     stations = read_stations(project_file(values["sheets"]["stations"]))
     rsos = read_rsos(project_file(values["sheets"]["rsos"]))
     own_stations = _inline(source, "stations", stations_from_rows, known=stations)
-    flown = {name for kind in ("orbits", "tracks") for name in values.get(kind, {})}
+    flown = {name for kind in _FROM_FILES for name in values.get(kind, {})}
     own_rsos = _inline(source, "rsos", partial(rsos_from_rows, flown=flown), known=rsos)
     return Settings(values, stations | own_stations, rsos | own_rsos)
 

@@ -3,6 +3,7 @@
 from typing import Annotated, Literal
 
 from annotated_types import Ge, Le, MinLen
+from pydantic import Strict
 
 from opml.base.setting_types import Absent, Expected, NotNegative, Positive, Share, Text
 from opml.study.settings.model.kinds import ForecastSettings, LearnerSettings
@@ -147,6 +148,37 @@ class EstimationSettings(Section):
     )
 
 
+Sigmas = Annotated[tuple[Positive, Positive, Positive], Strict(False), Expected("three numbers above 0")]
+
+
+class FixSettings(Section):
+    """How the fixes of an RSO are taken."""
+
+    sigma_m: Sigmas = setting(
+        "standard deviations of positions whose file tells none: radial, along and across the track",
+        unit="m",
+        default=(10.0, 10.0, 10.0),
+    )
+    sigma_mps: Absent[Sigmas] = setting(
+        "the same of velocities; without them, and without columns of theirs, positions alone are fitted",
+        unit="m/s",
+        default=None,
+    )
+    every_s: NotNegative = setting(
+        "step of time of which one fix is taken, the first; 0 takes all", unit="s", default=60.0
+    )
+    stretch_hours: Positive = setting(
+        "fixes of so long make a track, whose estimate is at the first of them",
+        unit="h",
+        default=1.0,
+    )
+
+    @property
+    def sigmas(self) -> tuple[float, ...]:
+        """Standard deviations of positions, and of velocities where they count."""
+        return (*self.sigma_m, *(self.sigma_mps or ()))
+
+
 class Prediction(Section):
     """Predictions."""
 
@@ -287,7 +319,7 @@ class RunAlone(Section):
         default={},
     )
     data: Text = setting(
-        "folder that relative paths of `orbits`, `tracks` and `starts` start from; the project's by default",
+        "folder that relative paths of orbits, measurements and `starts` start from; else the project",
         unit="path",
         default="",
     )
@@ -303,6 +335,14 @@ class RunAlone(Section):
         see="tracks.md",
         default={},
     )
+    fixes: dict[RsoName, PathList] = setting(
+        "positions that were measured, in the place of `tracks` (CSV, SP3, CPF or OEM)",
+        see="tracks.md#fixes",
+        default={},
+    )
+    fixing: dict[RsoName, FixSettings] = setting(
+        "how these are weighed, thinned and gathered, where not by default", see="tracks.md#fixes", default={}
+    )
     starts: dict[RsoName, Text] = setting(
         "where the first orbit of an RSO with `tracks` starts: a TLE, OMM or OEM; by default its elements,"
         " or it is determined from the tracks",
@@ -311,5 +351,5 @@ class RunAlone(Section):
         default={},
     )
     manoeuvres: dict[RsoName, Epochs] = setting(
-        "manoeuvres of an RSO with `tracks` that are known of", default={}
+        "manoeuvres of an RSO with `tracks` or `fixes` that are known of", default={}
     )

@@ -1,0 +1,122 @@
+"""Positions, with velocities or without, as measurements of an orbit: GPS fixes, orbits, flown mean elements.
+
+Each is a point: a time, a GCRF state and its standard deviations along the radial direction, along the track
+and across it (RSW). Points are gathered in tracks, as measurements of radars are:
+
+* a stretch: the points of an hour, say. Its estimate is at its first point.
+* a set of mean elements, whose theory gives points before their epoch. Its estimate is at that epoch. The
+  points of a set reach behind the epoch of the set before it.
+
+Residuals are measured less predicted, turned to RSW of the orbit tried. Their axes count as fixed while a fit
+takes a step: a residual of 10 km turns with them by a thousandth of the step.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from opml.base.constants import HOUR
+from opml.base.errors import InputError
+from opml.catalog.fit.estimation import NUDGES, Measured
+from opml.catalog.fit.least_squares import Evaluation
+from opml.catalog.fit.measurements import Measurements, Window
+from opml.orbits.elements import rsw_rotation
+from opml.orbits.sheets import Station
+from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, read_measured, read_table
+
+STRETCH = HOUR
+"""Length of a stretch [s]."""
+
+
+class Fixes(Measurements):
+    """The points of a table `fixes`."""
+
+    smooth_for = 1200.0
+
+    def __init__(self, fixes: pd.DataFrame) -> None:
+        """Take the table. Raises InputError where velocities count in some rows and not in others."""
+        super().__init__(*(fixes[name].to_numpy() for name in ("track", "t", "t_estimate")))
+        counting = np.isfinite(fixes[FIX_SIGMAS[3:]].to_numpy()).all(axis=1)
+        if counting.any() and not counting.all():
+            t = fixes["t"].to_numpy()[~counting][0]
+            raise InputError(
+                f"fixes: expected sigmas of velocities in all rows or none, got none at {t:.3f} s"
+            )
+        self.numbers = len(STATE) if counting.all() else 3
+        self.values = fixes[STATE[: self.numbers]].to_numpy()
+        self.sigmas = fixes[FIX_SIGMAS[: self.numbers]].to_numpy()
+        if not (np.isfinite(self.values).all() and np.all(self.sigmas > 0.0)):
+            raise InputError("fixes: expected numbers, and sigmas above 0, of all that counts, got others")
+        there = fixes.loc[fixes["t"] == fixes["t_estimate"], STATE].to_numpy()
+        if len(there) == self.tracks and np.isfinite(there).all():
+            self.states = there
+
+    def places(self, rows: slice | np.ndarray) -> np.ndarray:
+        """Return positions (n, 3) in GCRF [m] of rows of points."""
+        positions: np.ndarray = self.values[rows][:, :3]
+        return positions
+
+    def evaluation(self, window: Window, states: np.ndarray, *, light_time: bool = False) -> Evaluation:
+        """Return residuals and partial derivatives, as `Measurements.evaluation`; no light has to travel."""
+        rows = window.rows
+        at_rows = states[:, self.epoch_of_row[rows] - window.first]
+        axes = rsw_rotation(at_rows[0])
+        paths, sigmas = at_rows[..., : self.numbers], self.sigmas[rows]
+        residual = _in_axes(axes, self.values[rows] - paths[0]) / sigmas
+        weighted = _in_axes(axes, paths[1:] - paths[0]) / sigmas / NUDGES[:, None, None]
+        return Evaluation(residual.ravel(), weighted.reshape(len(NUDGES), -1).T)
+
+
+def _in_axes(axes: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Return vectors (..., n, 3) or pairs of them (..., n, 6) in axes (n, 3, 3)."""
+    parts = vectors.reshape(*vectors.shape[:-1], -1, 3)
+    turned: np.ndarray = np.einsum("nij,...nkj->...nki", axes, parts).reshape(vectors.shape)
+    return turned
+
+
+def read(files: Any, stations: Sequence[Station]) -> Measurements:
+    """Read what fits of a job are made to: its `tracking`, measured by the stations or of `fixes`.
+
+    Raises InputError where a table is missing or damaged.
+    """
+    orientation = read_table(files.earth_orientation, "earth_orientation")
+    return measurements(read_measured(files.tracking), orientation, stations)
+
+
+def measurements(table: pd.DataFrame, orientation: pd.DataFrame, stations: Sequence[Station]) -> Measurements:
+    """Return the measurements of a table `tracking`, by the stations, or `fixes`, which have none.
+
+    orientation: table `earth_orientation`
+    """
+    return Measured(table, orientation, stations) if "station" in table else Fixes(table)
+
+
+def stretches(points: pd.DataFrame, *, length: float = STRETCH) -> pd.DataFrame:
+    """Return the `fixes` table of points along an orbit, gathered in stretches.
+
+    points: that table without its columns `track` and `t_estimate`, in ascending order of t
+    length: of a stretch [s], counted from the epoch, so that more points change no other stretch
+    """
+    numbers = pd.factorize(np.floor(points["t"].to_numpy() / length))[0]
+    begins = points.groupby(numbers)["t"].transform("first")
+    return points.assign(track=numbers, t_estimate=begins)[SCHEMAS["fixes"].names]
+
+
+def of_sets(epochs: np.ndarray, points: Sequence[pd.DataFrame]) -> pd.DataFrame:
+    """Return the `fixes` table of sets of mean elements.
+
+    epochs: (sets,) of the sets, ascending [s]
+    points: of each set, as in `stretches`; the last one is at the set's epoch
+
+    Raises InputError for epochs that do not ascend.
+    """
+    back = np.flatnonzero(np.diff(epochs) <= 0.0)
+    if back.size:
+        raise InputError(f"mean elements: expected ascending epochs, got {epochs[back[0] + 1]:.3f} s twice")
+    tracks = [
+        rows.assign(track=number, t_estimate=epoch)
+        for number, (epoch, rows) in enumerate(zip(epochs, points, strict=True))
+    ]
+    return pd.concat(tracks, ignore_index=True)[SCHEMAS["fixes"].names]

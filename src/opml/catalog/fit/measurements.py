@@ -1,0 +1,96 @@
+"""What fits are made to: measurements by row, gathered in tracks, each with the epoch of its estimate."""
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+
+from opml.catalog.fit.least_squares import Evaluation
+
+
+@dataclass(frozen=True)
+class Window:
+    """The measurements of one fit: of its track, and of the tracks around it."""
+
+    track: int
+    tracks: int
+    rows: slice
+    first: int  # epoch of the oldest measurement, an index into the run's epochs
+    at: int  # epoch of the estimate
+    last: int  # epoch of the newest measurement
+
+    @property
+    def measurements(self) -> int:
+        """Number of the measurements."""
+        return int(self.rows.stop - self.rows.start)
+
+
+class Measurements(ABC):
+    """Measurements of a run by row, their epochs, and where each track begins and ends.
+
+    epochs: (n,) of measurements and estimates [s], ascending
+    epoch_of_row: (rows,) index of each row's epoch
+    first_row: (tracks + 1,) where the rows of each track begin
+    begins, ends, at: (tracks,) index of the epochs of each track's oldest and newest measurement, and of its
+        estimate; only those of the estimates have to ascend
+    row_at: (tracks,) row of each track that is nearest to its estimate
+    numbers: in a measurement
+    smooth_for: how long from its beginning a track may be laid through by one curve [s]
+    states: (tracks, 6) GCRF at the epochs of the estimates, where the measurements themselves tell them
+    """
+
+    numbers = 3
+    smooth_for = math.inf
+
+    def __init__(self, track: np.ndarray, t: np.ndarray, at: np.ndarray) -> None:
+        """Take number, epoch and epoch of the estimate of each row (rows,), in the order of the tracks."""
+        self.epochs, indices = np.unique(np.concatenate([t, at]), return_inverse=True)
+        self.epoch_of_row, at_of_row = indices[: len(t)], indices[len(t) :]
+        self.first_row = np.searchsorted(track, np.arange(track[-1] + 2))
+        self.tracks = len(self.first_row) - 1
+        starts = self.first_row[:-1]
+        self.begins = np.minimum.reduceat(self.epoch_of_row, starts)
+        self.ends = np.maximum.reduceat(self.epoch_of_row, starts)
+        self.at = at_of_row[starts]
+        away, bounds = (
+            np.abs(self.epochs[self.epoch_of_row] - at),
+            zip(starts, self.first_row[1:], strict=True),
+        )
+        self.row_at = np.array([begin + int(np.argmin(away[begin:end])) for begin, end in bounds])
+        self.states: np.ndarray | None = None
+
+    def window(self, track: int, length: float, after: float = 0.0) -> Window:
+        """Return the window from `length` [s] before the estimate of a track to `after` [s] behind it."""
+        at = self.epochs[self.at]
+        oldest = int(np.searchsorted(at, at[track] - length))
+        newest = int(np.searchsorted(at, at[track] + after, side="right")) - 1
+        return self._window(track, oldest, newest)
+
+    def track(self, track: int) -> Window:
+        """Return the window of one track alone."""
+        return self._window(track, track, track)
+
+    def _window(self, track: int, oldest: int, newest: int) -> Window:
+        at = int(self.at[track])
+        return Window(
+            track=track,
+            tracks=newest + 1 - oldest,
+            rows=slice(int(self.first_row[oldest]), int(self.first_row[newest + 1])),
+            first=min(at, int(self.begins[oldest : newest + 1].min())),
+            at=at,
+            last=max(at, int(self.ends[oldest : newest + 1].max())),
+        )
+
+    @abstractmethod
+    def places(self, rows: slice | np.ndarray) -> np.ndarray:
+        """Return positions (n, 3) in GCRF [m] of rows of measurements."""
+
+    @abstractmethod
+    def evaluation(self, window: Window, states: np.ndarray, *, light_time: bool = False) -> Evaluation:
+        """Return residuals and partial derivatives of a window.
+
+        states: (8, epochs, 6) GCRF [m, m/s] of the nominal arc and its neighbours, at the epochs from
+        window.first to window.last
+        light_time: as in `Estimation`
+        """

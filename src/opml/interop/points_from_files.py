@@ -1,0 +1,134 @@
+"""Reader of points of an orbit for fits, from files in SP3, CPF, OEM or CSV: times, GCRF states, sigmas.
+
+They are taken as they stand, without a curve through them: a fit weighs each by its standard deviations.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+from opml.interop import fixes_csv
+from opml.interop.orbit_arcs import MOST_APART, Arc, contents
+from opml.interop.orbit_curve import rotate_to_gcrf
+from opml.interop.orbit_from_files import OrbitFiles, check_together, is_orbit, outside, whole_arcs
+from opml.tables import FIX_SIGMAS, STATE
+
+ALIEN = 0.03
+"""Part of a step between two points by which velocities usually miss it that are in another frame or unit.
+
+Those of an orbit miss one of MOST_APART by a hundredth; the Earth's turn is 0.07 of the speed of a low orbit.
+"""
+
+
+_Points = tuple[Arc, np.ndarray]
+"""An arc, and the standard deviations (n, 6) of its points in RSW."""
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """How points are taken from files.
+
+    sigmas: (3,) or (6,) standard deviations in RSW [m, m/s] of points whose file has none; velocities count
+        where theirs are known
+    every: least time from a point to the next [s]: one point is kept of each such step since the epoch
+    """
+
+    sigmas: Sequence[float]
+    every: float = 0.0
+
+
+def check(files: OrbitFiles, sampling: Sampling) -> None:
+    """Raise InputError where no points could be made of these files, as `read` does, without the frames."""
+    for arc, sigmas in _within(files, sampling):
+        _check_velocities(arc, sigmas)
+
+
+def read(files: OrbitFiles, orientation: pd.DataFrame, sampling: Sampling) -> pd.DataFrame:
+    """Return points within the run, in the order of time: t, state in GCRF, standard deviations in RSW.
+
+    orientation: table `earth_orientation` over the run
+
+    Where files or segments overlap, that with the later beginning counts. Raises InputError, naming file and
+    line, for files as `orbit_from_files.whole_arcs` and `fixes_csv.read` refuse them, for nothing within the
+    run, and for velocities that are not those of the positions.
+    """
+    parts = []
+    for arc, sigmas in _within(files, sampling):
+        _check_velocities(arc, sigmas)
+        parts.append(pd.DataFrame(rotate_to_gcrf(arc, orientation), columns=STATE).assign(t=arc.t))
+        parts[-1][FIX_SIGMAS] = sigmas
+    return pd.concat(parts, ignore_index=True).sort_values("t", ignore_index=True)
+
+
+def _within(files: OrbitFiles, sampling: Sampling) -> list[_Points]:
+    """Return the points within the run by arc, without overlap, and thinned.
+
+    Where velocities count, a point without one is left out.
+    """
+    arcs = _weighted(files, sampling)
+    counting = [np.isfinite(np.hstack([arc.velocities, sigmas[:, 3:]])).all(axis=1) for arc, sigmas in arcs]
+    with_velocities = any(rows.any() for rows in counting)
+    kept = []
+    for k, (arc, sigmas) in enumerate(arcs):
+        rows = np.isfinite(arc.positions).all(axis=1) & (arc.t >= 0.0) & (arc.t <= files.duration)
+        for later, _ in arcs[k + 1 :]:
+            rows &= (arc.t < later.t[0]) | (arc.t > later.t[-1])
+        if with_velocities:
+            rows &= counting[k]
+        else:
+            sigmas[:, 3:] = np.nan
+        rows &= _thinned(arc.t, rows, sampling.every)
+        if rows.any():
+            kept.append((arc.part(rows), sigmas[rows]))
+    if not kept:
+        raise outside([arc for arc, _ in arcs], files)
+    return kept
+
+
+def _weighted(files: OrbitFiles, sampling: Sampling) -> list[_Points]:
+    """Return the arcs of files in the order of their beginnings, with the sigmas (n, 6) of their points."""
+    usual = np.full(len(FIX_SIGMAS), np.nan)
+    usual[: len(sampling.sigmas)] = sampling.sigmas
+    if is_orbit(contents(files.paths[0])):
+        return [(arc, np.tile(usual, (len(arc.t), 1))) for arc in whole_arcs(files)]
+    arcs = [_of_csv(path, files) for path in files.paths]
+    check_together([arc for arc, _ in arcs])
+    arcs.sort(key=lambda pair: float(pair[0].t[0]))
+    return [(arc, np.where(np.isfinite(sigmas), sigmas, usual)) for arc, sigmas in arcs]
+
+
+def _of_csv(path: FilePath, files: OrbitFiles) -> _Points:
+    content = contents(path)
+    if is_orbit(content):
+        raise InputError(f"{path}: expected the format of {files.paths[0]}, got another")
+    return fixes_csv.read(path, content, epoch=files.epoch)
+
+
+def _thinned(t: np.ndarray, rows: np.ndarray, every: float) -> np.ndarray:
+    """Return which points (n,) are the first of `rows` (n,) in their step of `every` [s] since the epoch."""
+    if not every > 0.0:
+        return rows
+    first = np.zeros(len(t), bool)
+    kept = np.flatnonzero(rows)
+    first[kept[np.unique(np.floor(t[kept] / every), return_index=True)[1]]] = True
+    return first
+
+
+def _check_velocities(arc: Arc, sigmas: np.ndarray) -> None:
+    """Raise InputError where velocities that count do not lead from each position to the next."""
+    steps = np.diff(arc.t)
+    near = np.isfinite(sigmas[1:, 3]) & np.isfinite(sigmas[:-1, 3]) & (steps <= MOST_APART)
+    if not near.any():
+        return
+    moved = np.diff(arc.positions, axis=0)[near]
+    flown = 0.5 * (arc.velocities[1:] + arc.velocities[:-1])[near] * steps[near, None]
+    miss = float(np.median(np.linalg.norm(flown - moved, axis=1) / np.linalg.norm(moved, axis=1)))
+    if miss > ALIEN:
+        raise InputError(
+            f"{arc.path}: expected velocities that lead from each position to the next, "
+            f"got {100 * miss:.0f} % beside it: another unit or frame?"
+        )

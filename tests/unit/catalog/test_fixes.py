@@ -1,0 +1,178 @@
+"""Fits to positions of an orbit that is known: fixes in stretches, points before epochs of elements."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from support import BOUNDED_ESTIMATION
+
+from opml.base.constants import DAY, HOUR
+from opml.base.errors import InputError
+from opml.catalog.fit import estimation, first_orbit, fixes, sequential
+from opml.catalog.flight import Flight
+from opml.catalog.predict import labels, prediction
+from opml.catalog.simulate import truth
+from opml.orbits.elements import in_rsw, rsw_rotation
+from opml.tables import FIX_SIGMAS, PARAMETER_COVARIANCES, STATE, symmetric_matrices
+
+SETTINGS = replace(BOUNDED_ESTIMATION, window_hours=9.0, convergence=1e-5)
+
+
+@pytest.fixture(scope="module")
+def flight(assumed_model, iss):
+    """Without radiation pressure, whose edge of the shadow makes two grids differ by a decimetre."""
+    return Flight(assumed_model, replace(iss, cr=0.0))
+
+
+@pytest.fixture(scope="module")
+def orbit(flight):
+    return truth.simulate(flight, duration=DAY, step=120.0)
+
+
+def points(orbit, *, sigmas, velocities=False, seed=None):
+    """Points of an orbit with noise of the sigmas (6,) in RSW, or without noise."""
+    states = orbit[STATE].to_numpy()
+    if seed is not None:
+        noise = np.random.default_rng(seed).normal(size=states.shape) * sigmas
+        parts = noise.reshape(-1, 2, 3)
+        states = states + np.einsum("nji,nkj->nki", rsw_rotation(states), parts).reshape(-1, 6)
+    table = pd.DataFrame(states, columns=STATE).assign(t=orbit["t"].to_numpy())
+    table[FIX_SIGMAS] = np.asarray(sigmas, float)
+    if not velocities:
+        table[[*STATE[3:], *FIX_SIGMAS[3:]]] = np.nan
+    return table
+
+
+def stretched(orbit, *, length=3 * HOUR, **given):
+    return fixes.stretches(points(orbit, **given), length=length)
+
+
+def estimates(flight, table, **settings):
+    settings = replace(SETTINGS, **settings)
+    measured = fixes.Fixes(table)
+    starts = first_orbit.starts(flight, measured, known=None, settings=settings)
+    return estimation.estimate_all(flight, starts, measured, settings=settings)
+
+
+def off(found, orbit):
+    """Errors (n, 3) of the estimates' positions in RSW [m]."""
+    true = orbit.set_index("t").loc[found["t"], STATE].to_numpy()
+    return in_rsw(found[STATE].to_numpy() - true, true)[:, :3]
+
+
+def full(found):
+    return found[found["tracks_used"] == 4]
+
+
+TEN = np.array([10.0] * 3 + [0.01] * 3)
+
+
+@pytest.mark.parametrize("velocities", [False, True])
+def test_a_clean_orbit_is_recovered_to_a_millimetre(flight, orbit, velocities):
+    found = estimates(flight, stretched(orbit, sigmas=TEN, velocities=velocities))
+    assert found["converged"].all()
+    assert found["tracks_used"].tolist() == [1, 2, 3, *[4] * 6]
+    assert np.abs(off(full(found), orbit)).max() < 1e-3
+    assert np.abs(full(found)["cd"] - flight.rso.cd).max() < 1e-5
+
+
+@pytest.mark.parametrize("velocities", [False, True])
+def test_noise_of_ten_metres_leaves_residuals_of_one_sigma(flight, orbit, velocities):
+    found = full(estimates(flight, stretched(orbit, sigmas=TEN, velocities=velocities, seed=3)))
+    numbers = (6 if velocities else 3) * found["measurements_used"].to_numpy()
+    expected = np.sqrt(1.0 - 7.0 / numbers)
+    assert np.abs(found["weighted_rms"] - expected).max() < 5.0 / np.sqrt(2.0 * numbers.min())
+    # Errors are as large as the covariances say.
+    covariance = symmetric_matrices(found, PARAMETER_COVARIANCES)
+    true = orbit.set_index("t").loc[found["t"], STATE].to_numpy()
+    error = found[[*STATE, "cd"]].to_numpy() - np.column_stack([true, np.full(len(true), flight.rso.cd)])
+    chi2 = [d @ np.linalg.solve(p, d) for d, p in zip(error, covariance, strict=True)]
+    assert 2.0 < np.mean(chi2) < 20.0
+
+
+def test_weights_are_those_of_radial_along_and_cross_track(flight, orbit):
+    """Noise of a kilometre along the track harms nothing where the sigmas say so, and much where not."""
+    sigmas = np.array([5.0, 1000.0, 5.0, 1.0, 1.0, 1.0])
+    noisy = points(orbit, sigmas=sigmas, seed=5)
+    told = full(estimates(flight, fixes.stretches(noisy, length=3 * HOUR)))
+    alike = noisy.assign(**dict.fromkeys(FIX_SIGMAS[:3], 10.0))
+    untold = full(estimates(flight, fixes.stretches(alike, length=3 * HOUR)))
+    assert np.abs(off(told, orbit)[:, [0, 2]]).max() < 5.0
+    assert np.median(np.abs(off(untold, orbit)[:, 0])) > 5.0 * np.median(np.abs(off(told, orbit)[:, 0]))
+
+
+def test_estimates_depend_neither_on_threads_nor_on_later_fixes(flight, orbit):
+    table = stretched(orbit, sigmas=TEN, velocities=True, seed=3)
+    found = estimates(flight, table)
+    other = estimates(replace(flight, threads=2), table[table["track"] < 5])
+    pd.testing.assert_frame_equal(other, found.iloc[:5], check_exact=True)
+
+
+def test_a_filter_takes_fixes_too(flight, orbit):
+    table = stretched(orbit, sigmas=TEN, seed=3)
+    found = sequential.filter_all(flight, estimates(flight, table), fixes.Fixes(table))
+    assert np.linalg.norm(off(found.iloc[-2:], orbit), axis=1).max() < 10.0
+    assert found["measurements_used"].iloc[-1] == len(table)
+
+
+def sets(orbit, epochs, *, reach=12 * HOUR, **given):
+    """The table of sets at epochs, each with the points of so long before it."""
+    rows = points(orbit, velocities=True, **given)
+    before = [rows[(rows["t"] <= epoch) & (rows["t"] >= epoch - reach)] for epoch in epochs]
+    return fixes.of_sets(np.asarray(epochs), before)
+
+
+def test_a_set_is_fitted_at_its_epoch_to_the_points_before_it(flight, orbit):
+    epochs = np.array([12.0, 17.0, 23.0]) * HOUR
+    table = sets(orbit, epochs, sigmas=TEN)
+    alone = estimates(flight, table, window_hours=0.0)
+    assert alone["t"].tolist() == epochs.tolist()
+    assert (alone["tracks_used"] == 1).all()
+    assert alone["measurements_used"].tolist() == [361] * 3
+    assert np.abs(off(alone, orbit)).max() < 1e-3
+    # A state that is known elsewhere is carried to the epochs, too, and one is determined from positions.
+    measured = fixes.Fixes(table)
+    start = orbit[STATE].to_numpy()[0]
+    carried = first_orbit.carried(flight, measured, (0.0, start))
+    assert carried["t"].tolist() == epochs.tolist()
+    assert np.abs(off(carried, orbit)).max() < 1.0
+    determined = first_orbit.determined(flight, measured, settings=SETTINGS)
+    assert np.abs(off(determined, orbit)).max() < 1.0
+    # Sets within the window join; the points of the older ones are the window's oldest.
+    window = measured.window(2, 8 * HOUR)
+    assert (window.tracks, window.measurements) == (2, 722)
+    assert measured.epochs[[window.first, window.at, window.last]].tolist() == [5 * HOUR, *[23 * HOUR] * 2]
+
+
+def test_a_set_is_known_at_its_epoch_and_no_filter_goes_back_to_its_points(flight, orbit):
+    epochs = np.array([12.0, 17.0, 23.0]) * HOUR
+    table = sets(orbit, epochs, sigmas=TEN)
+    found = estimates(flight, table)
+    pairs = prediction.predict_all(flight, None, found, max_days=1.0)
+    known = labels.build(pairs, found, table)
+    assert known.groupby("j")["t_known"].first().tolist() == epochs[1:].tolist()
+    with pytest.raises(InputError, match="filter: expected tracks that begin with their estimates"):
+        sequential.filter_all(flight, found, fixes.Fixes(table))
+
+
+def test_stretches_are_cut_from_the_epoch_so_that_gaps_and_more_points_move_none(orbit):
+    rows = points(orbit, sigmas=TEN)
+    gappy = rows[(rows["t"] < 2 * HOUR) | (rows["t"] > 6.5 * HOUR)]
+    table = fixes.stretches(gappy, length=HOUR)
+    first = table.groupby("track").first()
+    assert first["t"].iloc[:3].tolist() == [0.0, HOUR, 6.5 * HOUR + 120.0]
+    assert (first["t"] == first["t_estimate"]).all()
+    assert fixes.Fixes(table).states is None
+
+
+def test_wrong_points_are_told_in_one_line(orbit):
+    rows = points(orbit, sigmas=TEN, velocities=True)
+    half = rows.assign(sigma_vr=rows["sigma_vr"].where(rows["t"] > 600.0))
+    with pytest.raises(InputError, match=r"expected sigmas of velocities in all rows or none.* at 0.000 s"):
+        fixes.Fixes(fixes.stretches(half))
+    for wrong in (rows.assign(sigma_s=0.0), rows.assign(vx=np.nan)):
+        with pytest.raises(InputError, match="expected numbers, and sigmas above 0, of all that counts"):
+            fixes.Fixes(fixes.stretches(wrong))
+    with pytest.raises(InputError, match=r"expected ascending epochs, got 7200.000 s twice"):
+        fixes.of_sets(np.array([7200.0, 7200.0]), [rows, rows])

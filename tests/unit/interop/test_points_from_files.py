@@ -1,0 +1,170 @@
+"""Points of one orbit in every format, frame and time system, and CSVs of which no points can be made."""
+
+import numpy as np
+import pytest
+from orbit_files import AHEAD_OF_UTC, cpf, in_itrf, oem, sp3
+from support import EPOCH
+
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.catalog.simulate.truth import initial_state
+from opml.interop import ccsds, points_from_files
+from opml.interop.orbit_from_files import OrbitFiles
+from opml.interop.points_from_files import Sampling
+from opml.orbits.elements import rsw_rotation
+from opml.tables import FIX_SIGMAS, STATE
+
+PLACES = Sampling((3.0, 6.0, 4.0))
+MOVING = Sampling((3.0, 6.0, 4.0, 0.03, 0.06, 0.04))
+
+
+@pytest.fixture(scope="module")
+def t():
+    return np.arange(0.0, 7200.0, 60.0)
+
+
+@pytest.fixture(scope="module")
+def states(kepler_model, iss, t):
+    """States on a circle (n, 6), as fast as the paper's RSO."""
+    start = initial_state(iss, kepler_model.gm)
+    radius = np.linalg.norm(start[:3])
+    up, across = rsw_rotation(start[None])[0][[0, 2]]
+    ahead, rate = np.cross(across, up), np.sqrt(kepler_model.gm / radius**3)
+    cosine, sine = np.cos(rate * t)[:, None], np.sin(rate * t)[:, None]
+    place, motion = cosine * up + sine * ahead, cosine * ahead - sine * up
+    return radius * np.hstack([place, rate * motion])
+
+
+@pytest.fixture
+def read(tmp_path, earth_orientation):
+    """Points of files that are written by a function of `orbit_files`, or by `csv`."""
+
+    def read(write, *args, sampling=PLACES, duration=DAY, **options):
+        path = write(tmp_path / "orbit", *args, **options)
+        return points_from_files.read(OrbitFiles([path], EPOCH, duration), earth_orientation, sampling)
+
+    return read
+
+
+def csv(path, t, states, *, frame="itrf", scale="utc", unit="m", velocities=False, extra=()):
+    """Write states (n, 6) [m, m/s] in the frame as CSV; extra: columns and the value that they have."""
+    names = [f"{axis}_{frame}_{unit}{'ps' * axis.startswith('v')}" for axis in STATE]
+    count = 6 if velocities else 3
+    lines = [",".join([scale, *names[:count], *(name for name, _ in extra)])]
+    factor = 1e-3 if unit == "km" else 1.0
+    texts = ccsds.utc_texts(EPOCH, t + AHEAD_OF_UTC[scale.upper()])
+    for text, state in zip(texts, states, strict=True):
+        numbers = [repr(float(factor * value)) for value in state[:count]]
+        lines.append(",".join([text, *numbers, *(str(value) for _, value in extra)]))
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+@pytest.mark.parametrize("scale", ["utc", "gps", "tai"])
+@pytest.mark.parametrize("frame", ["itrf", "gcrf"])
+@pytest.mark.parametrize("unit", ["m", "km"])
+def test_frames_time_systems_and_units_of_a_csv_give_the_same_points(
+    read, t, states, earth_orientation, scale, frame, unit
+):
+    written = in_itrf(states, t, earth_orientation) if frame == "itrf" else states
+    points = read(csv, t, written, frame=frame, scale=scale, unit=unit, velocities=True, sampling=MOVING)
+    np.testing.assert_allclose(points["t"], t, atol=1e-6)
+    assert np.abs(points[STATE] - states).to_numpy().max(axis=0) == pytest.approx(0.0, abs=1e-4)
+    assert (points[FIX_SIGMAS].to_numpy() == MOVING.sigmas).all()
+
+
+@pytest.mark.parametrize("write", [sp3, cpf])
+def test_files_of_orbits_give_the_points_of_their_nodes(read, t, states, earth_orientation, write):
+    points = read(write, t, in_itrf(states, t, earth_orientation))
+    assert np.abs(points[STATE[:3]] - states[:, :3]).to_numpy().max() < 2e-3
+    assert points[FIX_SIGMAS[3:]].isna().all(axis=None)
+    assert (points[FIX_SIGMAS[:3]].to_numpy() == PLACES.sigmas).all()
+
+
+def test_velocities_of_an_orbit_count_where_their_sigmas_are_told(read, t, states):
+    points = read(oem, [(t[:50], states[:50]), (t[40:], states[40:])], frame="GCRF", sampling=MOVING)
+    np.testing.assert_allclose(points["t"], t)  # each once, although segments overlap
+    assert np.abs(points[STATE] - states).to_numpy().max() < 1e-5
+
+
+def test_sigmas_of_a_csv_replace_those_that_are_told(read, t, states):
+    extra = [("sigma_r_m", 1.5), ("-", "3D"), ("sigma_s_km", 0.02), ("sigma_w_m", 2)]
+    points = read(csv, t, states, frame="gcrf", extra=extra)
+    assert (points[FIX_SIGMAS[:3]] == [1.5, 20.0, 2.0]).all(axis=None)
+
+
+def test_points_are_thinned_by_steps_since_the_epoch_and_cut_to_the_run(read, t, states):
+    points = read(
+        csv, t + 30.0, states, frame="gcrf", sampling=Sampling(PLACES.sigmas, every=600.0), duration=3000.0
+    )
+    assert points["t"].tolist() == [30.0, 630.0, 1230.0, 1830.0, 2430.0]
+
+
+GOOD = """\
+utc,x_gcrf_m,y_gcrf_m,z_gcrf_m
+2016-09-28T12:10:00,7000000.0,0.0,0.0
+2016-09-28T12:11:00,6990000.0,450000.0,0.0
+"""
+MOVED = """\
+utc,x_gcrf_m,y_gcrf_m,z_gcrf_m,vx_gcrf_mps,vy_gcrf_mps,vz_gcrf_mps,sigma_vr_mps,sigma_vs_mps,sigma_vw_mps
+2016-09-28T12:10:00,7000000.0,0.0,0.0,-167,7500,0,1,1,1
+2016-09-28T12:11:00,6990000.0,450000.0,0.0,-167,7500,0,1,1,1
+"""
+
+WRONG = {
+    "empty": (GOOD, GOOD, "", "orbit.csv: expected a line of columns, such as utc,x_itrf_m"),
+    "no points": (GOOD, GOOD[GOOD.index("2016") :], "", "orbit.csv: expected points below its first line"),
+    "no time": (GOOD, "utc,", "-,", "line 1: expected one column of times, utc, gps, tai or tt, got 0"),
+    "two times": (GOOD, "z_gcrf_m", "gps", "line 1: expected one column of times.* got 2"),
+    "unknown column": (GOOD, "z_gcrf", "z_teme", "line 1: expected columns such as .* got z_teme_m"),
+    "column twice": (GOOD, "z_gcrf", "y_gcrf", "line 1: expected one column y_gcrf_m, got 2"),
+    "axis twice": (GOOD, "z_gcrf_m", "y_gcrf_km", "line 1: expected one column of y, got two"),
+    "axis missing": (GOOD, "z_gcrf_m", "-", "line 1: expected columns of x, y, z, got x, y"),
+    "two frames": (GOOD, "z_gcrf", "z_itrf", "line 1: expected one frame .* gcrf and itrf"),
+    "unit of another": (GOOD, "z_gcrf_m", "z_gcrf_mps", "line 1: expected mps or kmps for a velocity"),
+    "cells missing": (GOOD, ",450000.0,0.0", ",450000.0", "line 3: expected 4 cells.* got 3"),
+    "no number": (GOOD, "450000.0", "east", "line 3: expected a finite number, got east"),
+    "no time text": (GOOD, "2016-09-28T12:11:00", "1311.0", "line 3: expected a time such as"),
+    "no such time": (GOOD, "09-28T12:11", "09-31T12:11", "line 3: expected a time that exists"),
+    "backwards": (GOOD, "12:11", "12:09", "line 3: expected a later epoch than before"),
+    "other unit": (GOOD, "_m", "_km", "expected positions 6357 to 600000 km"),
+    "another year": (GOOD, "2016", "2017", "expected an orbit between 2016-09-28"),
+    "no sigma": (MOVED, "0,1,1,1", "0,1,0,1", "line 2: expected standard deviations above 0, got 0"),
+    "sigmas alone": (MOVED, "_vs_mps", "_s_m", "line 1: expected columns of r, s, w, got s"),
+    "sigmas of nothing": (
+        MOVED,
+        "vx_gcrf_mps,vy_gcrf_mps,vz_gcrf_mps",
+        "-,-,-",
+        "line 1: expected velocities beside their standard deviations",
+    ),
+    "other velocities": (MOVED, "7500", "7000", "expected velocities that lead from each position to the"),
+}
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_a_wrong_csv_is_told_in_one_line(tmp_path, wrong):
+    text, old, new, message = WRONG[wrong]
+    path = tmp_path / "orbit.csv"
+    path.write_text(text.replace(old, new))
+    with pytest.raises(InputError, match=message) as told:
+        points_from_files.check(OrbitFiles([path], EPOCH, DAY), MOVING)
+    assert str(path) in str(told.value)
+    assert "\n" not in str(told.value)
+
+
+def test_what_is_right_passes_the_check(tmp_path):
+    for text in (GOOD, MOVED):
+        path = tmp_path / "orbit.csv"
+        path.write_text(text)
+        points_from_files.check(OrbitFiles([path], EPOCH, DAY), PLACES)
+
+
+def test_files_of_one_rso_have_one_format(tmp_path, t, states):
+    first, second = tmp_path / "a.csv", tmp_path / "b.oem"
+    first.write_text(GOOD)
+    oem(second, [(t, states)])
+    with pytest.raises(InputError, match=r"b.oem: expected the format of .*a.csv, got another"):
+        points_from_files.check(OrbitFiles([first, second], EPOCH, DAY), PLACES)
+    second.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(InputError, match=r"b.oem: expected SP3, CPF, OEM or CSV, got no text"):
+        points_from_files.check(OrbitFiles([first, second], EPOCH, DAY), PLACES)

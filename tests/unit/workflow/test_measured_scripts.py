@@ -1,0 +1,79 @@
+"""Scripts that take what was measured, run in process as Snakemake runs them."""
+
+import runpy
+from dataclasses import asdict
+from types import SimpleNamespace
+
+import pytest
+from support import EPOCH, EXCERPTS, REPOSITORY, environment, stations
+
+from opml.base.constants import DAY, HOUR
+from opml.catalog.fit import fixes
+from opml.catalog.fit.estimation import Measured
+from opml.catalog.simulate.truth import kepler_orbit
+from opml.interop import oem
+from opml.tables import read_measured, read_metadata, write_table
+
+MANOEUVRES = ["2016-09-28T14:09:45", "2016-09-28T13:09:45.500"]
+
+
+class Files(list):
+    """The files of a job, some of them named."""
+
+    def __init__(self, *paths, **named):
+        super().__init__([*paths, *named.values()])
+        vars(self).update(named)
+
+
+@pytest.fixture
+def taken(tmp_path):
+    """The table that a script makes of files and settings, and its metadata."""
+
+    def take(script, files, **settings):
+        out = tmp_path / "table.parquet"
+        snakemake = SimpleNamespace(
+            rule=script,
+            log=[str(tmp_path / "log")],
+            params=SimpleNamespace(settings={"epoch": EPOCH, "manoeuvres": MANOEUVRES, **settings}),
+            input=files,
+            output=[str(out)],
+        )
+        path = REPOSITORY / "workflow" / "scripts" / f"{script}.py"
+        runpy.run_path(str(path), init_globals={"snakemake": snakemake})
+        return read_measured(out), read_metadata(out)
+
+    return take
+
+
+@pytest.fixture
+def orientation(tmp_path):
+    path = tmp_path / "orientation.parquet"
+    write_table(path, environment()["earth_orientation"], "earth_orientation", metadata={})
+    return str(path)
+
+
+def fitted_to(tmp_path, orientation):
+    """What a fit reads of the table that was taken."""
+    files = Files(tracking=str(tmp_path / "table.parquet"), earth_orientation=orientation)
+    return fixes.read(files, list(stations().values()))
+
+
+def test_tracks_know_the_manoeuvres_of_the_settings(taken, tmp_path, orientation):
+    sheet = [asdict(station) for station in stations().values()]
+    table, facts = taken("tracking_from_tdm", Files(str(EXCERPTS / "orekit.tdm")), stations=sheet)
+    assert table["track"].nunique() > 10
+    assert facts["manoeuvres"] == [{"t": HOUR + 0.5}, {"t": 2 * HOUR}]
+    assert isinstance(fitted_to(tmp_path, orientation), Measured)
+
+
+def test_fixes_are_thinned_and_gathered_as_the_settings_say(taken, tmp_path, orientation, iss):
+    orbit = kepler_orbit(iss, duration=DAY, step=60.0)
+    oem.write(tmp_path / "iss.oem", oem.truth_segments(orbit, rso="iss"), epoch=EPOCH)
+    files = Files(str(tmp_path / "iss.oem"), earth_orientation=orientation)
+    fixing = {"sigmas": [1.0, 2.0, 3.0], "every_s": 600.0, "stretch_hours": 2.0}
+    table, facts = taken("fixes_from_files", files, duration_days=0.5, fixing=fixing)
+    assert table.groupby("track").size().tolist() == [12] * 6 + [1]
+    assert (table[["sigma_r", "sigma_s", "sigma_w"]].to_numpy() == fixing["sigmas"]).all()
+    measured = fitted_to(tmp_path, orientation)
+    assert (measured.tracks, measured.numbers) == (7, 3)
+    assert facts["manoeuvres"] == [{"t": HOUR + 0.5}, {"t": 2 * HOUR}]

@@ -1,0 +1,27 @@
+"""Take positions that were really measured for the tracks of an RSO."""
+
+from opml.base import epochs
+from opml.base.constants import DAY, HOUR
+from opml.catalog.fit import fixes
+from opml.interop import points_from_files
+from opml.interop.orbit_from_files import OrbitFiles
+from opml.tables import read_table, write_table
+from opml.workflow.job_settings import JobSettings
+from opml.workflow.jobs import job
+
+with job(snakemake) as metadata:
+    settings = JobSettings(snakemake.params.settings)
+    orientation = snakemake.input.earth_orientation
+    points = points_from_files.read(
+        OrbitFiles(
+            [path for path in snakemake.input if path != orientation],
+            settings.epoch,
+            DAY * settings.duration_days,
+        ),
+        read_table(orientation, "earth_orientation"),
+        points_from_files.Sampling(settings.fixing["sigmas"], settings.fixing["every_s"]),
+    )
+    table = fixes.stretches(points, length=HOUR * settings.fixing["stretch_hours"])
+    times = sorted(epochs.seconds_between(settings.epoch, time) for time in settings.manoeuvres)
+    metadata |= {"manoeuvres": [{"t": t} for t in times]}
+    write_table(snakemake.output[0], table, "fixes", metadata=metadata)
