@@ -37,7 +37,8 @@ from opml.ephemerides import corrected, replays
 from opml.ephemerides.known import Known
 from opml.ephemerides.part import Grid
 from opml.ephemerides.task import Task, departures
-from opml.interop import mean_elements, points_from_files, tdm
+from opml.interop import points_from_files, tdm
+from opml.interop.element_sets import mean_elements
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.learning.data import dataset as datasets
 from opml.learning.data import splits

@@ -75,7 +75,7 @@ def _add_rso(parser: argparse.ArgumentParser) -> None:
 
 
 def _rso(options: argparse.Namespace) -> None:
-    from opml.interop import mean_elements
+    from opml.interop.element_sets import mean_elements
 
     body = mean_elements.Body(options.area_to_mass, options.cd, options.cr)
     print(mean_elements.line_of_sheet(options.file, options.name, options.epoch, body))
@@ -104,7 +104,7 @@ def _add_elements(parser: argparse.ArgumentParser) -> None:
 
 
 def _elements(options: argparse.Namespace) -> None:
-    from opml.interop import element_fits
+    from opml.interop.element_sets import element_fits
 
     every, span = HOUR * options.every, DAY * options.span
     plan = element_fits.Plan(every, span, options.noise, options.seed, options.number)

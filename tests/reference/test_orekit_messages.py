@@ -7,7 +7,8 @@ from support import EPOCH, EXCERPTS, shared
 
 from opml.base.errors import InputError
 from opml.ephemerides.along_track_shift import corrected
-from opml.interop import mean_elements, oem, tdm
+from opml.interop import oem, tdm
+from opml.interop.element_sets import mean_elements
 from opml.orbits.elements import cartesian_from_coe, true_from_mean_anomaly
 from opml.tables import SCHEMAS, STATE, STATE_COVARIANCES
 

@@ -19,7 +19,8 @@ from opml.base.yaml_files import read_yaml
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import truth
 from opml.environment import celestial_bodies, earth_orientation, gravity_field, solar_activity
-from opml.interop import histories, mean_elements, oem
+from opml.interop import oem
+from opml.interop.element_sets import histories, mean_elements
 from opml.orbits.sheets import read_rsos, read_stations
 
 CONFIG = REPOSITORY / "config"

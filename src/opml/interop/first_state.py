@@ -3,7 +3,8 @@
 import numpy as np
 
 from opml.base.files import FilePath
-from opml.interop import ccsds, mean_elements, oem
+from opml.interop import ccsds, oem
+from opml.interop.element_sets import mean_elements
 from opml.interop.orbit_arcs import contents
 
 _ANY = "2000-01-01T12:00:00"

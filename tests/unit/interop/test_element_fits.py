@@ -7,8 +7,9 @@ import pytest
 from opml import cli
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
-from opml.interop import element_fits, histories, mean_elements, oem, tle
-from opml.interop.element_set import satellite
+from opml.interop import oem
+from opml.interop.element_sets import element_fits, histories, mean_elements, tle
+from opml.interop.element_sets.element_set import satellite
 from opml.tables import STATE
 
 EPOCH = "2024-01-01T00:00:00"

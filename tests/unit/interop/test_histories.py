@@ -12,8 +12,8 @@ from support import shared
 from opml.base.errors import InputError
 from opml.dynamics.frames import gcrf_to_itrf
 from opml.environment import earth_orientation, nodes
-from opml.interop import histories, mean_elements
-from opml.interop.histories import newest_before, of_object, predict
+from opml.interop.element_sets import histories, mean_elements
+from opml.interop.element_sets.histories import newest_before, of_object, predict
 from opml.interop.orbit_from_files import OrbitFiles, read_arcs
 from opml.tables import ELEMENTS, read_table, write_table
 

@@ -11,7 +11,7 @@ from support import REPOSITORY
 from opml import cli
 from opml.base.errors import InputError
 from opml.catalog.simulate.truth import initial_state
-from opml.interop import mean_elements
+from opml.interop.element_sets import mean_elements
 from opml.orbits.sheets import read_rsos
 
 # The first satellite of the verification set of Vallado et al. 2006 (AIAA 2006-6753), and as an OMM.

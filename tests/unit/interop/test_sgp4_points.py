@@ -13,8 +13,8 @@ from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.catalog.fit import estimation, first_orbit, fixes
 from opml.catalog.flight import Flight
-from opml.interop import mean_elements, sgp4_points
 from opml.interop.ccsds import utc_texts
+from opml.interop.element_sets import mean_elements, sgp4_points
 from opml.tables import STATE
 
 SIGMAS = [300.0, 1000.0, 300.0, *[np.nan] * 3]

@@ -25,8 +25,9 @@ from opml.base import epochs
 from opml.base.constants import DAY, EARTH_GM
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.interop import ccsds, omm, tle
-from opml.interop.element_set import ElementSet, each
+from opml.interop import ccsds
+from opml.interop.element_sets import omm, tle
+from opml.interop.element_sets.element_set import ElementSet, each
 from opml.interop.orbit_arcs import contents
 from opml.orbits import sheets
 from opml.orbits.elements import coe_from_cartesian, mean_from_true_anomaly

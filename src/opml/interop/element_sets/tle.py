@@ -15,7 +15,7 @@ from sgp4.api import Satrec
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.interop.element_set import PER_DAY, ElementSet, check_orbit
+from opml.interop.element_sets.element_set import PER_DAY, ElementSet, check_orbit
 from opml.interop.orbit_arcs import line_error
 
 Line = tuple[int, str]

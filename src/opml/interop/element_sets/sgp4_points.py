@@ -7,7 +7,7 @@ from sgp4.api import Satrec
 
 from opml.base import epochs
 from opml.base.errors import InputError
-from opml.interop import mean_elements
+from opml.interop.element_sets import mean_elements
 from opml.tables import FIX_SIGMAS, STATE
 
 

@@ -22,8 +22,9 @@ from sgp4.api import Satrec
 from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.interop import ccsds, element_set, mean_elements
-from opml.interop.element_set import ElementSet, each
+from opml.interop import ccsds
+from opml.interop.element_sets import element_set, mean_elements
+from opml.interop.element_sets.element_set import ElementSet, each
 from opml.interop.orbit_arcs import line_error
 from opml.tables import ELEMENTS, SCHEMAS
 

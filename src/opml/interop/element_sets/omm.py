@@ -21,9 +21,9 @@ from sgp4.api import Satrec
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import ccsds
-from opml.interop.element_set import ElementSet, check_orbit
+from opml.interop.element_sets.element_set import ElementSet, check_orbit
+from opml.interop.element_sets.tle import EPHEMERIS_TYPES, LARGEST_NUMBER
 from opml.interop.orbit_arcs import line_error
-from opml.interop.tle import EPHEMERIS_TYPES, LARGEST_NUMBER
 
 _NUMBERS = (
     "MEAN_MOTION",
