@@ -5,13 +5,12 @@ from dataclasses import replace
 from opml.base.constants import HOUR
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
-from opml.tables import read_measured, read_metadata, read_table, write_table
+from opml.tables import read_manoeuvres, read_measured, read_metadata, read_table, write_table
 from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings, labels = JobSettings(snakemake.params.settings), snakemake.input.get("labels")
-    manoeuvres = read_metadata(snakemake.input.manoeuvres).get("manoeuvres", [])
     table = dataset.build(
         read_table(snakemake.input.estimates, "estimates"),
         read_table(snakemake.input.predictions, "predictions"),
@@ -19,7 +18,7 @@ with job(snakemake) as metadata:
         gm=read_metadata(snakemake.input.gravity_field)["gm"],
         cleaning=replace(
             Cleaning.from_settings(settings.cleaning),
-            manoeuvres=tuple(manoeuvre["t"] for manoeuvre in manoeuvres),
+            manoeuvres=tuple(read_manoeuvres(snakemake.input.manoeuvres)),
             window=HOUR * settings.window_hours,
         ),
         labels=labels and read_table(labels, "labels"),

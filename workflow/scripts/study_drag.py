@@ -5,14 +5,13 @@ import pandas as pd
 from opml.figures import own_study, style
 from opml.figures.axis_labels import add_weather
 from opml.figures.display_names import describe_run
-from opml.tables import read_metadata, read_table
+from opml.tables import read_manoeuvres, read_table
 from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job, read_by_key
 
 with job(snakemake):
     settings, files = FigureSettings(snakemake.params.settings), snakemake.input
     dataset = read_table(files.dataset, "dataset")
-    manoeuvres = read_metadata(files.manoeuvres) if files.manoeuvres else {}
     errors = [
         own_study.daily_errors(dataset, component=settings.component, day=day) for day in settings.marks
     ]
@@ -21,7 +20,7 @@ with job(snakemake):
         read_table(files.activity, "solar_activity"),
         pd.concat(errors),
         epoch=settings.epoch,
-        manoeuvres=[manoeuvre["t"] for manoeuvre in manoeuvres.get("manoeuvres", [])],
+        manoeuvres=read_manoeuvres(files.manoeuvres) if files.manoeuvres else [],
         note=add_weather(f"{describe_run(settings.values)}; {own_study.UNCORRECTED_NOTE}", settings.values),
     )
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

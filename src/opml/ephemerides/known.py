@@ -13,7 +13,7 @@ from opml.catalog.predict import other_windows
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models.learners import arc_windows
-from opml.tables import read_measured, read_metadata, read_table
+from opml.tables import read_manoeuvres, read_measured, read_metadata, read_table
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,6 @@ class Known:
         others = dict(zip(arc_windows(settings["learners"]), files.get("arc_estimates", []), strict=True))
         if long_estimates := files.get("long_estimates"):
             others[long_hours] = long_estimates
-        manoeuvres = read_metadata(files.manoeuvres) if files.manoeuvres else {}
         return cls(
             estimates,
             at_estimates,
@@ -72,7 +71,7 @@ class Known:
             long_window_hours=long_hours,
             bounds=settings["cd_bounds"],
             resonances=mechanism["resonances"],
-            manoeuvres=[manoeuvre["t"] for manoeuvre in manoeuvres.get("manoeuvres", [])],
+            manoeuvres=read_manoeuvres(files.manoeuvres) if files.manoeuvres else [],
         )
 
     @property

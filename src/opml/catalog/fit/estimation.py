@@ -40,14 +40,17 @@ NUDGES = np.array([1.0, 1.0, 1.0, 1e-3, 1e-3, 1e-3, 1e-2])
 _NEIGHBOURS = np.vstack([np.zeros(7), np.diag(NUDGES)])
 """The arcs of one evaluation, as differences from the nominal arc, which is the first."""
 
-_SCALES = np.array([1e3, 1e3, 1e3, 1.0, 1.0, 1.0, 1.0])
+SCALES = np.array([1e3, 1e3, 1e3, 1.0, 1.0, 1.0, 1.0])
 """A-priori uncertainty [m, m/s, -] in which the damping measures a step."""
 
 NO_START = "no orbit to start from"
 """Why a fit did not begin."""
 
-_LINEAR = 10e3
+LINEAR = 10e3
 """How far a state may be moved along its covariance [m], to where it would be had Cd been known."""
+
+APRIORI_SIGMA = 0.5
+"""Uncertainty of the sheet's Cd, as a part of it."""
 
 
 @dataclass(frozen=True)
@@ -236,7 +239,7 @@ class Run:
 
     def method(self, free: np.ndarray) -> Method:
         """Return how the parameters that are free (7,) are fitted."""
-        return Method(_SCALES, free, self.settings.convergence)
+        return Method(SCALES, free, self.settings.convergence)
 
     def free_parameters(self) -> np.ndarray:
         """Return which parameters (7,) are estimated: not Cd where no window can show it, as in high orbits.
@@ -342,7 +345,7 @@ class Run:
         if not estimate.fit.converged:
             return False
         if self.settings.cd_bounds is None:
-            return bool(estimate.fit.covariance[_CD, _CD] < _SCALES[_CD] ** 2)
+            return bool(estimate.fit.covariance[_CD, _CD] < SCALES[_CD] ** 2)
         low, high = self.settings.cd_bounds
         return bool(low <= estimate.fit.best[_CD] <= high)
 
@@ -395,7 +398,7 @@ class Run:
             moved: np.ndarray = best + missing * covariance[:, _CD] / covariance[_CD, _CD]
         else:
             moved = best + missing * np.eye(7)[_CD]
-        return (estimate.window.at, moved) if np.linalg.norm((moved - best)[:3]) < _LINEAR else None
+        return (estimate.window.at, moved) if np.linalg.norm((moved - best)[:3]) < LINEAR else None
 
 
 def estimate_all(

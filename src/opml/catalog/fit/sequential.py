@@ -33,25 +33,18 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.catalog.fit.estimation import NUDGES, fly_beside
+from opml.catalog.fit.estimation import APRIORI_SIGMA, LINEAR, NUDGES, SCALES, fly_beside
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements
 from opml.catalog.flight import Flight
 from opml.dynamics.ensemble import REASONS
 from opml.orbits.elements import rsw_rotation
-from opml.tables import PARAMETER_COVARIANCES, PARAMETERS
+from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, symmetric_matrices
 
 STEP = 1800.0
 """Longest time for which the drag coefficient keeps its value [s]."""
 
-APRIORI_SIGMA = 0.5
-"""Uncertainty of the sheet's Cd as a part of it, when filters begin."""
-
-_LINEAR = 10e3
-"""How far the sheet's Cd may move a batch fit that filters begin at [m]."""
-
 _CD = PARAMETERS.index("cd")
-_SCALES = np.array([1e3, 1e3, 1e3, 1.0, 1.0, 1.0, 1.0])
 _PASSES = 4
 _CONVERGED = 1e-3
 """Largest step, in formal uncertainties of what was predicted, after which a track is met no more."""
@@ -134,7 +127,7 @@ class Leg:
 
 def _divided(later: np.ndarray, earlier: np.ndarray) -> np.ndarray:
     """Return partial derivatives (n, 6, 6) by an earlier state, of two sets by one that is earlier still."""
-    unit = _SCALES[:_CD] / _SCALES[:_CD, None]
+    unit = SCALES[:_CD] / SCALES[:_CD, None]
     turned = np.linalg.solve((earlier * unit).transpose(0, 2, 1), (later * unit).transpose(0, 2, 1))
     divided: np.ndarray = turned.transpose(0, 2, 1) / unit
     return divided
@@ -296,15 +289,19 @@ def _triangles(roots: np.ndarray) -> np.ndarray:
     return upper.transpose(0, 2, 1)
 
 
+def _covariance(estimate: pd.Series) -> np.ndarray:
+    """Return the covariance (7, 7) of an estimate."""
+    full: np.ndarray = symmetric_matrices(estimate.to_frame().T, PARAMETER_COVARIANCES)[0]
+    return full
+
+
 def _root(estimate: pd.Series) -> np.ndarray:
     """Return the root (7, 7) of an estimate's covariance; 0 where a parameter was held."""
-    covariance = np.zeros((7, 7))
-    covariance[np.tril_indices(7)] = estimate[PARAMETER_COVARIANCES].to_numpy(float)
-    scaled = (covariance + np.tril(covariance, -1).T) / np.outer(_SCALES, _SCALES)
+    scaled = _covariance(estimate) / np.outer(SCALES, SCALES)
     free = np.ix_(*[np.diag(scaled) > 0.0] * 2)
     root = np.zeros((7, 7))
     root[free] = np.linalg.cholesky(scaled[free])
-    return _SCALES[:, None] * root
+    return SCALES[:, None] * root
 
 
 def filter_all(
@@ -359,12 +356,10 @@ def _with_apriori_cd(estimate: pd.Series, cd: float) -> pd.Series | None:
     """
     if not estimate["converged"]:
         return None
-    covariance = np.zeros((7, 7))
-    covariance[np.tril_indices(7)] = estimate[PARAMETER_COVARIANCES].to_numpy(float)
-    covariance += np.tril(covariance, -1).T
+    covariance = _covariance(estimate)
     gain = covariance[_CD] / (covariance[_CD, _CD] + (APRIORI_SIGMA * cd) ** 2)
     moved = gain * (cd - estimate["cd"])
-    if np.linalg.norm(moved[:3]) > _LINEAR:
+    if np.linalg.norm(moved[:3]) > LINEAR:
         return None
     known = covariance - np.outer(gain, covariance[_CD])
     start = estimate.copy()

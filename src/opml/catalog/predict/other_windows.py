@@ -10,21 +10,19 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY, HOUR
+from opml.catalog.fit.estimation import APRIORI_SIGMA
 from opml.catalog.flight import Flight
 from opml.catalog.predict.neighbours import Neighbours
 from opml.catalog.predict.sensitivity import CD_NUDGE, shift_with_cd
 from opml.orbits.elements import in_rsw
 from opml.orbits.manoeuvres import contain_any
-from opml.tables import STATE, read_metadata, read_table
+from opml.tables import STATE, read_manoeuvres, read_table
 
 CD_SPREAD = 0.1
 """How much the Cd of a body varies as a model feels it, beside the fits' noise, as a part of it.
 
 Models of the thermosphere err by 10 to 15 % (Emmert 2015, Thermospheric mass density: A review, sec. 5).
 """
-
-APRIORI_SIGMA = 0.5
-"""Uncertainty of the sheet's Cd, as a part of it."""
 
 
 def undisturbed(estimates: pd.DataFrame, *, manoeuvres: Sequence[float], window: float) -> pd.DataFrame:
@@ -44,10 +42,9 @@ def read_estimates(files: Any, *, window_hours: float) -> pd.DataFrame:
     files: the job's input, with the table whose metadata hold the manoeuvres. Raises InputError where a table
     is missing or damaged.
     """
-    manoeuvres = read_metadata(files.manoeuvres).get("manoeuvres", [])
     return undisturbed(
         read_table(files.arc_estimates, "estimates"),
-        manoeuvres=[manoeuvre["t"] for manoeuvre in manoeuvres],
+        manoeuvres=read_manoeuvres(files.manoeuvres),
         window=HOUR * window_hours,
     )
 
