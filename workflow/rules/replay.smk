@@ -86,6 +86,7 @@ if OWN.replayed_models:
             REPLAYS.benchmark
         wildcard_constraints:
             **PLAN.replays_together,
+        threads: 2
         resources:
             mem_mb=4000,
             runtime=60,
