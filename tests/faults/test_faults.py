@@ -13,12 +13,11 @@ from pathlib import Path
 
 import numpy as np
 import psutil
-import pyarrow.parquet as pq
 import pytest
 from project import ROOT, command
 
 from opml.base.errors import InputError
-from opml.tables import read_metadata
+from opml.tables import read_schema, read_table
 
 HERE = Path(__file__).parent
 SEEDS = (42, 43, 44)
@@ -195,8 +194,7 @@ DAMAGES = (truncate, flip)
 
 def read(path):
     """Read a table with every check there is on its bytes."""
-    read_metadata(path)
-    pq.read_table(path, page_checksum_verification=True)
+    read_table(path, read_schema(path))
 
 
 def strike(run, fault, seconds, rng):

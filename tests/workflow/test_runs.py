@@ -248,7 +248,7 @@ def test_a_table_with_a_damaged_page_is_named_and_nothing_is_half_written(copy):
     before = sorted(path.name for path in tracking.iterdir())
     done = copy.snakemake("-j1", CI, "results/ci/tracking/iss/clear.parquet", check=False)
     assert done.returncode != 0
-    assert "opml: results/ci/truth/iss.parquet: damaged, or not a table in Parquet (" in done.stdout
+    assert "opml: results/ci/truth/iss.parquet: damaged (its pages do not match its seal)" in done.stdout
     assert "Traceback" not in done.stdout
     assert sorted(path.name for path in tracking.iterdir()) == before
 

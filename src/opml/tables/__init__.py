@@ -1,8 +1,7 @@
 """Schemas of the tables between the workflow's stages, and the writer and readers of their Parquet files.
 
-Every column carries its unit, frame and meaning as Parquet field metadata. Pages carry checksums and the
-footer a SHA-256 digest, so that a reader notices a damaged file. Learners declare the tables of trained
-models, in opml.learning.
+Every column carries its unit, frame and meaning as Parquet field metadata. SHA-256 digests cover all bytes
+of a file, so that a reader notices damage. Learners declare the tables of trained models, in opml.learning.
 """
 
 from opml.tables.catalog_tables import (

@@ -5,7 +5,7 @@ import json
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -38,12 +38,11 @@ def write_table(
     arrays = [_array(frame[column.name], column.dtype) for column in schema.columns]
     arrow = _arrow_schema(schema)
     values = {"table": schema.name, **metadata}
-    values["digest"] = _footer_digest(arrow, values, len(frame))
     texts = {key: json.dumps(value, sort_keys=True, allow_nan=False) for key, value in sorted(values.items())}
     table = pa.table(arrays, schema=arrow.with_metadata(texts))
 
     with replacing(path) as temporary:
-        pq.write_table(table, temporary, compression="zstd", write_statistics=False, write_page_checksum=True)
+        pq.write_table(table, temporary, compression="zstd", write_statistics=False)
         _seal(temporary)
 
 
@@ -56,10 +55,7 @@ def read_table(path: FilePath, schema: str | Schema) -> pd.DataFrame:
     """
     schema = _resolve(schema)
     with _checked(path, schema) as file:
-        table = file.read(columns=schema.names, use_threads=False)
-        if table.num_rows != file.metadata.num_rows:
-            raise InputError(f"{path}: damaged, got {table.num_rows} of {file.metadata.num_rows} rows")
-        return table.to_pandas()
+        return file.read(columns=schema.names, use_threads=False).to_pandas()
 
 
 def read_runs(path: FilePath, schema: str | Schema, key: str) -> Iterator[pd.DataFrame]:
@@ -88,15 +84,15 @@ def read_metadata(path: FilePath) -> dict[str, Any]:
 
     Raises InputError where the file is missing or damaged.
     """
-    with _reading(path), pq.ParquetFile(path) as file:
-        values = _metadata(path, file)
+    with _described(path) as file:
+        values = _metadata(file)
     return {key: value for key, value in values.items() if key != "table"}
 
 
 def read_kind(path: FilePath) -> str:
     """Read the name of a table's schema. Raises InputError as `read_metadata` does."""
-    with _reading(path), pq.ParquetFile(path) as file:
-        return str(_metadata(path, file)["table"])
+    with _described(path) as file:
+        return str(_metadata(file)["table"])
 
 
 def read_measured(path: FilePath) -> pd.DataFrame:
@@ -114,8 +110,8 @@ def read_schema(path: FilePath) -> Schema:
 
     Raises InputError as `read_metadata` does.
     """
-    with _reading(path), pq.ParquetFile(path) as file:
-        name, arrow = str(_metadata(path, file)["table"]), file.schema_arrow
+    with _described(path) as file:
+        name, arrow = str(_metadata(file)["table"]), file.schema_arrow
         dtypes = {arrow_type: dtype for dtype, arrow_type in _ARROW.items()}
         texts = [_texts(field.metadata) for field in arrow]
         return Schema(
@@ -151,13 +147,6 @@ def _arrow_schema(schema: Schema) -> pa.Schema:
     )
 
 
-def _footer_digest(arrow: pa.Schema, values: Mapping[str, Any], rows: int) -> str:
-    """Return the digest of all that page checksums leave out: columns, metadata and the number of rows."""
-    fields = [[field.name, str(field.type), _texts(field.metadata)] for field in arrow]
-    text = json.dumps([fields, dict(values), rows], sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()
-
-
 def _texts(metadata: Mapping[bytes, bytes] | None) -> dict[str, str]:
     # Arrow adds PARQUET:field_id on reading.
     items = (metadata or {}).items()
@@ -173,26 +162,64 @@ _DIGEST_BYTES = hashlib.sha256().digest_size
 
 _TAIL_BYTES = 8  # of a Parquet file: the length of its footer and four letters
 
+_CHUNK_BYTES = 1 << 20
+
+_ALIEN = "damaged, or not written by opml (it has no seal)"
+
+
+class _Seal(NamedTuple):
+    """Digests of all bytes of a file, between its pages and its footer.
+
+    Parquet's own checksums leave out the headers of pages and the footer. Readers locate the footer from the
+    end of the file, and pages from its beginning; both stay in place.
+    """
+
+    pages: bytes
+    footer: bytes
+
 
 def _seal(path: FilePath) -> None:
-    """Insert a digest of the footer before it, as no page's checksum covers the places of the pages in it.
-
-    Readers locate the footer from the end of the file, and pages from its beginning; both stay in place.
-    """
+    """Insert the seal of a file."""
     with open(path, "r+b") as file:
         start, footer = _footer(file)
+        seal = _Seal(_digest_to(file, start), hashlib.sha256(footer).digest())
         file.seek(start)
-        file.write(_SEAL + hashlib.sha256(footer).digest() + footer)
+        file.write(_SEAL + b"".join(seal) + footer)
 
 
-def _check_seal(path: FilePath) -> None:
-    """Raise InputError where the footer does not match its seal; files of older versions have no seal."""
+def _check_footer(path: FilePath) -> _Seal | None:
+    """Return the seal of a file, None if it has none. Raises InputError where its footer does not match."""
     with open(path, "rb") as file:
         start, footer = _footer(file)
-        file.seek(max(start - len(_SEAL) - _DIGEST_BYTES, 0))
-        seal = file.read(len(_SEAL) + _DIGEST_BYTES)
-    if seal.startswith(_SEAL) and seal[len(_SEAL) :] != hashlib.sha256(footer).digest():
+        file.seek(max(_end_of_pages(start), 0))
+        letters, *digests = (file.read(size) for size in (len(_SEAL), _DIGEST_BYTES, _DIGEST_BYTES))
+    if letters != _SEAL:
+        return None
+    seal = _Seal(*digests)
+    if seal.footer != hashlib.sha256(footer).digest():
         raise InputError(f"{path}: damaged (its footer does not match its seal)")
+    return seal
+
+
+def _check_pages(path: FilePath, seal: _Seal) -> None:
+    """Raise InputError where the pages of a file do not match its seal."""
+    with open(path, "rb") as file:
+        start, _ = _footer(file)
+        if _digest_to(file, _end_of_pages(start)) != seal.pages:
+            raise InputError(f"{path}: damaged (its pages do not match its seal)")
+
+
+def _end_of_pages(footer: int) -> int:
+    return footer - len(_SEAL) - 2 * _DIGEST_BYTES
+
+
+def _digest_to(file: BinaryIO, end: int) -> bytes:
+    """Return the digest of the bytes of a file before a place."""
+    digest = hashlib.sha256()
+    file.seek(0)
+    while chunk := file.read(min(_CHUNK_BYTES, end - file.tell())):
+        digest.update(chunk)
+    return digest.digest()
 
 
 def _footer(file: BinaryIO) -> tuple[int, bytes]:
@@ -207,19 +234,32 @@ def _footer(file: BinaryIO) -> tuple[int, bytes]:
 
 @contextmanager
 def _checked(path: FilePath, schema: Schema) -> Iterator[pq.ParquetFile]:
-    """Open a table and check its columns and its metadata."""
-    with _reading(path), pq.ParquetFile(path, page_checksum_verification=True) as file:
-        for column in schema.columns:
-            _check_column(path, file.schema_arrow, column, schema.name)
-        _metadata(path, file)
-        yield file
+    """Open a table, and check its columns and every byte."""
+    with _reading(path):
+        if seal := _check_footer(path):
+            _check_pages(path, seal)
+        with pq.ParquetFile(path) as file:
+            for column in schema.columns:
+                _check_column(path, file.schema_arrow, column, schema.name)
+            if not seal:
+                raise InputError(f"{path}: {_ALIEN}")
+            yield file
+
+
+@contextmanager
+def _described(path: FilePath) -> Iterator[pq.ParquetFile]:
+    """Open a table of which only the footer is read, and check that."""
+    with _reading(path):
+        if not _check_footer(path):
+            raise InputError(f"{path}: {_ALIEN}")
+        with pq.ParquetFile(path) as file:
+            yield file
 
 
 @contextmanager
 def _reading(path: FilePath) -> Iterator[None]:
     """Turn the errors of a missing or damaged file into an InputError of one line."""
     try:
-        _check_seal(path)
         yield
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
@@ -235,10 +275,5 @@ def _check_column(path: FilePath, arrow: pa.Schema, column: Column, table: str) 
         raise InputError(f"{path}: {column.name}: expected {column.dtype}, got {dtype}")
 
 
-def _metadata(path: FilePath, file: pq.ParquetFile) -> dict[str, Any]:
-    """Return the file's metadata. Raises InputError where its digest is wrong or missing."""
-    values = {key: json.loads(value) for key, value in _texts(file.schema_arrow.metadata).items()}
-    digest = values.pop("digest", None)
-    if digest != _footer_digest(file.schema_arrow, values, file.metadata.num_rows):
-        raise InputError(f"{path}: damaged, or not written by opml (its footer does not match its digest)")
-    return values
+def _metadata(file: pq.ParquetFile) -> dict[str, Any]:
+    return {key: json.loads(value) for key, value in _texts(file.schema_arrow.metadata).items()}
