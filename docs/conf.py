@@ -25,6 +25,7 @@ INCLUDED = {
     "CONTRIBUTING.md": "contributing.md",
     "CHANGELOG.md": "changes.md",
     "config/README.md": "settings.md",
+    "config/keys.md": "keys.md",
     "src/opml/data/README.md": "sources.md",
 }
 FONTS = Path(find_spec("ziamath").origin).with_name("fonts")  # a wheel with STIX Two Math

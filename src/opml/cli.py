@@ -152,7 +152,7 @@ def _settings(_: argparse.Namespace) -> None:
     from opml.study.settings import documents
 
     documents.write()
-    print(f"{documents.SCHEMA} and the tables of {documents.README} are written")
+    print(f"{documents.SCHEMA} and {documents.KEYS} are written")
 
 
 def _add_pack(parser: argparse.ArgumentParser) -> None:

@@ -1,13 +1,12 @@
-"""What is written of the settings from their models: the schema that editors read, and tables of their keys.
+"""What is written of the settings from their models: the schema that editors read, and a page of their keys.
 
 ``opml settings`` writes both, in the project's folder.
 """
 
 import json
-import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from opml.base.setting_types import TypeSchema
 from opml.study.settings.json_schema import choices, dereferenced, json_schema
@@ -25,20 +24,44 @@ from opml.study.settings.model.whole import SettingsFile
 SCHEMA = Path("workflow/schemas/config.schema.json")
 """File of the schema that completes and checks settings in an editor."""
 
-README = Path("config/README.md")
+KEYS = Path("config/keys.md")
 """Page with the tables of keys."""
 
-SETTINGS_TABLES: Mapping[str, tuple[str, type[Section]]] = {
-    "run": ("", RunAlone),
-    "study": ("study", OwnStudySettings),
-    "entry": ("<entry>", Entry),
-    "paper": ("study", PaperStudy),
-    "beyond": ("study", BeyondStudy),
-    "claims": ("claims", ClaimSettings),
-}
-"""Mapping that keys stand in, and model, of each table."""
 
-_MARKED = re.compile(r"(<!-- table of settings: (\w+) -->\n).*?(<!-- end of table -->)", re.DOTALL)
+class _Part(NamedTuple):
+    """Keys of one model: their heading, what they are, the mapping that they stand in."""
+
+    heading: str
+    sentence: str
+    mapping: str
+    model: type[Section]
+
+
+_PARTS = (
+    _Part("The run", "What is simulated, or read from files.", "", RunAlone),
+    _Part("A study of your own", "What is asked of the run.", "study", OwnStudySettings),
+    _Part("Beyond the paper", "What `snakemake beyond` makes.", "study", BeyondStudy),
+    _Part("The paper", "The paper's figures and tables.", "study", PaperStudy),
+    _Part(
+        "Entries",
+        "An entry of `evaluations`, `grids`, `curves` and the like is a model on a test, and has these keys\n"
+        "beside its own, as far as they make sense for it.",
+        "<entry>",
+        Entry,
+    ),
+    _Part(
+        "Claims",
+        "An item of `claims` holds a sentence of the paper against our numbers of an entry.",
+        "claims",
+        ClaimSettings,
+    ),
+)
+
+_TOP = """# Settings, key by key
+
+Written by `opml settings` from the models that check them. How files of settings are laid over each other:
+[settings](README.md).
+"""
 
 _ONLY_IN_TABLES = ("unit", "see", "shared", "placeholder")
 
@@ -48,9 +71,10 @@ def editor_schema() -> str:
     return json.dumps(_described(json_schema(SettingsFile)), indent=1) + "\n"
 
 
-def with_tables(page: str) -> str:
-    """Return a page with every table of settings made anew between its marks."""
-    return _MARKED.sub(lambda mark: f"{mark[1]}\n{_table(mark[2])}\n{mark[3]}", page)
+def keys_page() -> str:
+    """Return the page with a table of the keys of each part of the settings."""
+    parts = (f"\n## {part.heading}\n\n{part.sentence}\n\n{_table(part)}" for part in _PARTS)
+    return _TOP + "".join(parts)
 
 
 def _described(node: Any) -> Any:
@@ -65,14 +89,13 @@ def _described(node: Any) -> Any:
     return described
 
 
-def _table(name: str) -> str:
-    mapping, model = SETTINGS_TABLES[name]
-    schema = json_schema(model)
+def _table(part: _Part) -> str:
+    schema = json_schema(part.model)
     heading = "| key | meaning | unit, values |\n| --- | --- | --- |\n"
     rows = [
         row
         for key, node in schema["properties"].items()
-        for row in _rows(schema, node, f"{mapping}.{key}".removeprefix("."))
+        for row in _rows(schema, node, f"{part.mapping}.{key}".removeprefix("."))
     ]
     return heading + "".join(f"{row}\n" for row in rows)
 
@@ -98,7 +121,7 @@ def _meaning(node: TypeSchema) -> str:
     meaning: str = node["description"]
     if see := node.get("see"):
         page, _, heading = see.partition("#")
-        link = f"../docs/{see}" if page else see
+        link = f"../docs/{see}" if page else f"README.md{see}"
         meaning += f" ([{(heading or Path(page).stem).replace('-', ' ')}]({link}))"
     return meaning
 
@@ -123,6 +146,6 @@ def _words(node: TypeSchema) -> str:
 
 
 def write() -> None:
-    """Write the schema and the tables of the project in the present folder."""
+    """Write the schema and the page of keys of the project in the present folder."""
     SCHEMA.write_text(editor_schema(), encoding="utf-8")
-    README.write_text(with_tables(README.read_text(encoding="utf-8")), encoding="utf-8")
+    KEYS.write_text(keys_page(), encoding="utf-8")

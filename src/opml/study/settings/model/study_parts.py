@@ -89,7 +89,7 @@ class Tested(Trained):
 class Claimed(Section):
     """An entry that the paper says something of."""
 
-    claims: Claims = setting("what the paper says in words", see="#claims", default=[], shared=True)
+    claims: Claims = setting("what the paper says in words", default=[], shared=True)
 
 
 class Entry(Claimed, Tested, OfModel, ByStations, OfRso):
