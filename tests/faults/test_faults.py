@@ -17,7 +17,7 @@ import pytest
 from project import ROOT, command
 
 from opml.base.errors import InputError
-from opml.tables import read_schema, read_table
+from opml.tables.parquet import read_schema, read_table
 
 HERE = Path(__file__).parent
 SEEDS = (42, 43, 44)
