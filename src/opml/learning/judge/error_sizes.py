@@ -2,16 +2,17 @@
 
 The variance of each axis of the position has four parts,
 
-    sigma^2 = a^2 + (b D)^2 + f(D)^2 ((c drag)^2 + weather^2),
+    sigma^2 = f(D)^2 (a^2 + (b D)^2 + (c drag)^2 + weather^2),
 
 D the duration of the prediction, `drag` the displacement by a tenth more drag and `weather` the spread of the
 futures of the space weather (opml.catalog.predict.spread). a, b and c are such that nine tenths of the past
 errors are inside 1.645 sigma. They come from quantile regression on replays that are over
 (opml.ephemerides.replays), in which newer errors weigh more.
 
-f widens the parts that depend on the weather after a short past. It is the quantile of Student's t, divided
-by that of the normal distribution; the degrees of freedom are the number of predictions of that duration that
-fit into the past side by side. a and b come from forces that last, and a week shows them.
+f widens all parts after a short past. It is the quantile of Student's t, divided by that of the normal
+distribution. The degrees of freedom are one and a half times the number of predictions of that duration that
+fit into the past side by side: errors of predictions that overlap by a share are correlated by that share,
+and the sum of their squares then counts as that of so many independent errors.
 
 Later estimates, which errors are measured against, have a variance of their own. It is no part of sigma.
 
@@ -20,7 +21,8 @@ proportional to the radial or cross-track size. A factor that changes with the d
 of the past hold nine tenths.
 
 Source: Koenker & Bassett 1978, Regression quantiles, Econometrica 46; Student's t as the predictive
-distribution of few normal deviates, e.g. Gelman et al. 2013, Bayesian Data Analysis, sec. 3.2.
+distribution of few normal deviates, e.g. Gelman et al. 2013, Bayesian Data Analysis, sec. 3.2; Bartlett 1946,
+On the theoretical specification and sampling properties of autocorrelated time-series, J. R. Stat. Soc. 8.
 """
 
 from collections.abc import Sequence
@@ -43,6 +45,10 @@ INSIDE = half_width(LEVEL)
 
 MEMORY_DAYS = 8.0
 """Time in which the weight of a past error falls by e: eight days, so that predictions of a week count."""
+
+OVERLAP = 1.5
+"""Independent errors per duration of a prediction, where predictions overlap: 1 / (integral of (1 - x)^2 over
+both sides of 0)."""
 
 LEAST_FREEDOM = 2.0
 """Least degrees of freedom: a factor of 1.8."""
@@ -90,11 +96,11 @@ class Sizes:
         """
         wide = widening(rows["duration"].to_numpy(), self.days)
         factor = np.interp(np.log(np.maximum(rows["duration"], HOUR)), np.log(_FACTORS_AT), self.inflation)
-        sigmas: np.ndarray = np.sqrt(factor)[:, None] * self._sigmas(rows, wide)
+        sigmas: np.ndarray = (wide * np.sqrt(factor))[:, None] * self._shown(rows)
         return sigmas
 
-    def _sigmas(self, rows: pd.DataFrame, wide: np.ndarray) -> np.ndarray:
-        """Return standard deviations (n, 6) without inflation; wide: (n,) f of the formula."""
+    def _shown(self, rows: pd.DataFrame) -> np.ndarray:
+        """Return standard deviations (n, 6) as the past showed them, without widening and inflation."""
         duration = rows["duration"].to_numpy()
         # How errors grow beyond the longest prediction that is over is unknown: by the square, it is assumed.
         grown = duration * np.maximum(duration / self.reach, 1.0)
@@ -103,7 +109,8 @@ class Sizes:
                 np.sqrt(
                     self.constant[k] ** 2
                     + (self.rate[k] * grown) ** 2
-                    + wide**2 * ((self.drag[k] * rows[f"drag_{axis}"]) ** 2 + rows[f"weather_{axis}"] ** 2)
+                    + (self.drag[k] * rows[f"drag_{axis}"]) ** 2
+                    + rows[f"weather_{axis}"] ** 2
                 )
                 for k, axis in enumerate(AXES)
             ],
@@ -130,15 +137,15 @@ class Sizes:
         constant, rate, drag = np.array([_fit_axis(past, axis, weight) for axis in AXES]).T
         plain = cls(constant, rate, drag, np.ones(3), np.ones(len(_FACTORS_AT)), days, reach)
         parts = free_parts(past[list(COMPONENTS)].to_numpy(), past["rate"].to_numpy())
-        doubt, narrow = past[DOUBT].to_numpy(), np.ones(len(past))
+        doubt = past[DOUBT].to_numpy()
         velocity = np.array(
             [
                 weighted_quantile(np.abs(part) / sigma, weight, LEVEL) / INSIDE
-                for part, sigma in zip(parts[:, 3:].T, plain._sigmas(past, narrow)[:, 3:].T, strict=True)
+                for part, sigma in zip(parts[:, 3:].T, plain._shown(past)[:, 3:].T, strict=True)
             ]
         )
         whole = replace(plain, velocity=velocity)
-        square = whole._sigmas(past, narrow)[:, :3] ** 2 + doubt**2
+        square = whole._shown(past)[:, :3] ** 2 + doubt**2
         distance = np.sum(parts[:, :3] ** 2 / square, axis=1)
         return replace(whole, inflation=_inflation(distance, past["duration"].to_numpy(), weight))
 
@@ -147,7 +154,7 @@ def widening(duration: np.ndarray, days: float) -> np.ndarray:
     """Return f (n,) of the formula, for durations (n,) [s] after a past of so many days."""
     from scipy.stats import t  # takes half a second to import, too long for a plan
 
-    freedom = np.maximum(days / (1.0 + duration / DAY), LEAST_FREEDOM)
+    freedom = np.maximum(OVERLAP * days / (1.0 + duration / DAY), LEAST_FREEDOM)
     factor: np.ndarray = t.ppf(0.5 + 0.5 * LEVEL, freedom) / INSIDE
     return factor
 
