@@ -53,7 +53,7 @@ def test_messages_are_named_by_objects_and_time_and_need_both_covariances(tmp_pa
     assert [path.name for path in (tmp_path / "messages").iterdir()] == [
         "ours_other_20000101T032545678901.cdm"
     ]
-    with pytest.raises(InputError, match="^bare: expected a covariance"):
+    with pytest.raises(InputError, match=r"^bare: expected a covariance"):
         cdm.write(tmp_path / "no.cdm", lonely, epoch=EPOCH)
     assert not (tmp_path / "no.cdm").exists()
 
