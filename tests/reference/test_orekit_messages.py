@@ -136,7 +136,7 @@ def test_orekit_reads_an_ephemeris_as_ocm(org, ephemeris, tmp_path):
     (history,) = data.getCovarianceBlocks()
     assert str(history.getMetadata().getCovReferenceFrame().asOrbitRelativeFrame()) == "RSW_INERTIAL"
     for one, expected in zip(history.getCovariances(), segment.covariances, strict=True):
-        matrix = [[one.getElements()[k][m] for m in range(6)] for k in range(6)]
+        matrix = [[one.getMatrix().getEntry(k, m) for m in range(6)] for k in range(6)]
         np.testing.assert_allclose(matrix, expected, rtol=1e-14)
 
 
