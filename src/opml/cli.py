@@ -113,6 +113,29 @@ def _elements(options: argparse.Namespace) -> None:
     print(f"opml: {element_fits.left(fits)}", file=sys.stderr)
 
 
+def _add_screen(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("ours", help="ephemeris of our object (OEM), or a conjunction data message (CDM)")
+    parser.add_argument("others", nargs="*", help="ephemerides (OEM) and mean elements of other objects")
+    parser.add_argument("--within", type=float, default=5.0, help="largest distance [km] (5)")
+    parser.add_argument("--radius", type=float, default=20.0, help="sum of the radii of two objects [m] (20)")
+    parser.add_argument("--csv", action="store_true", help="as comma-separated values")
+    parser.add_argument("--messages", metavar="FOLDER", help="where to write a CDM of each with covariances")
+
+
+def _screen(options: argparse.Namespace) -> None:
+    from opml.conjunctions import cdm, listing, screening
+
+    if not options.others:
+        found = [cdm.read(options.ours, epoch=screening.EPOCH)]
+    else:
+        ephemerides = screening.read([options.ours, *options.others])
+        found = screening.screen(ephemerides, within=1e3 * options.within, radius=options.radius)
+    if options.messages:
+        cdm.write_all(options.messages, found, epoch=screening.EPOCH)
+    table = listing.table(found, epoch=screening.EPOCH)
+    print(table.to_csv(index=False) if options.csv else listing.text(table))
+
+
 def _add_table(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", help="a table of a run, in Parquet")
     parser.add_argument("--csv", action="store_true", help="all of it, as comma-separated values")
@@ -175,6 +198,7 @@ COMMANDS = (
     Command("rso", "print the line of the sheet of RSOs for a file of mean elements", _add_rso, _rso),
     Command("sheet", "print a sheet of RSOs drawn at random", _add_sheet, _sheet),
     Command("elements", "print TLEs fitted to an orbit in files, for tests", _add_elements, _elements),
+    Command("screen", "find close approaches of ephemerides", _add_screen, _screen),
     Command("docs", "list the pages of the documentation, or print one", _add_docs, _docs),
     Command("table", "print what a table holds, or all of it as CSV", _add_table, _table),
     Command("tables", "print the page that describes every table, column by column", _add_nothing, _tables),

@@ -6,8 +6,10 @@ import pytest
 from support import EPOCH, EXCERPTS, shared
 
 from opml.base.errors import InputError
+from opml.conjunctions import cdm
+from opml.conjunctions.probability import chance
 from opml.ephemerides.along_track_shift import corrected
-from opml.interop import oem, tdm
+from opml.interop import ocm, oem, tdm
 from opml.interop.element_sets import mean_elements
 from opml.orbits.elements import cartesian_from_coe, true_from_mean_anomaly
 from opml.tables import SCHEMAS, STATE, STATE_COVARIANCES
@@ -119,6 +121,38 @@ def test_orekit_reads_an_ephemeris_with_covariances_in_rsw(org, ephemeris, tmp_p
         [one.getCovarianceMatrix().getEntry(k, m) for k in range(6) for m in range(k + 1)] for one in found
     ]
     np.testing.assert_allclose(lower, told[STATE_COVARIANCES], rtol=1e-14)
+
+
+def test_orekit_reads_an_ephemeris_as_ocm(org, ephemeris, tmp_path):
+    (segment,) = oem.corrected_segments(ephemeris, rso="iss")
+    ocm.write(tmp_path / "c.ocm", segment, epoch=EPOCH, comment="covariances from some mornings")
+    data = parsed(org, "Ocm", tmp_path / "c.ocm").getData()
+    (trajectory,) = data.getTrajectoryBlocks()
+    assert str(trajectory.getMetadata().getTrajReferenceFrame().asFrame()) == "GCRF"
+    read = list(trajectory.getTrajectoryStates())
+    assert [seconds(org, one.getDate()) for one in read] == ephemeris["t"].tolist()
+    found = [[float(value) for value in one.getElements()] for one in read]
+    np.testing.assert_allclose(found, ephemeris[list(STATE)], rtol=1e-15)
+    (history,) = data.getCovarianceBlocks()
+    assert str(history.getMetadata().getCovReferenceFrame().asOrbitRelativeFrame()) == "RSW_INERTIAL"
+    for one, expected in zip(history.getCovariances(), segment.covariances, strict=True):
+        matrix = [[one.getMatrix().getEntry(k, m) for m in range(6)] for k in range(6)]
+        np.testing.assert_allclose(matrix, expected, rtol=1e-14)
+
+
+@pytest.mark.parametrize("case", [1, 3, 4, 6, 7, 9])
+def test_probabilities_are_those_of_orekits_methods(org, tmp_path, case):
+    """Of Alfano's cases, read from the published message and from one that we wrote."""
+    published = shared(f"real/cdm/AlfanoTestCase{case:02d}.cdm")
+    conjunction = cdm.read(published, epoch=EPOCH)
+    cdm.write(tmp_path / "ours.cdm", conjunction, epoch=EPOCH)
+    ours = chance(conjunction.encounter).probability
+    methods = org.orekit.ssa.collision.shorttermencounter.probability.twod
+    for path in (published, tmp_path / "ours.cdm"):
+        message = parsed(org, "Cdm", path)
+        for method in (methods.Alfano2005(), methods.Patera2005(), methods.Laas2015()):
+            found = float(method.compute(message, float(conjunction.radius)).getValue())
+            assert found == pytest.approx(ours, rel=1e-5)
 
 
 def test_orekit_propagates_from_a_corrected_ephemeris(org, ephemeris, tmp_path):

@@ -5,6 +5,7 @@ FORECAST = "{rso}/{stations}{window}{reading}_n{members}/{train}"
 CORRECTED = product(f"corrected/{EPHEMERIS}")
 # The exports are jobs beside those of the tables, with logs of their own.
 CORRECTED_OEM, FORECASTS_OEM = product(f"corrected/{EPHEMERIS}_oem"), product(f"forecasts/{FORECAST}_oem")
+CORRECTED_OCM = product(f"corrected/{EPHEMERIS}_ocm")
 CORRECTED_FIGURE = product(f"figs/corrected/{EPHEMERIS}")
 FORECASTS = product(f"forecasts/{FORECAST}")
 
@@ -62,6 +63,29 @@ use rule export_truth as export_corrected with:
         code=code("export_oem.py"),
     message:
         "Export: corrected ephemeris of {wildcards.rso} by {wildcards.stations}, with covariances, as CCSDS OEM"
+
+
+rule export_corrected_ocm:
+    input:
+        rules.corrected.output[0],
+        check=checks(PARAMS.check_from_newest),
+    output:
+        CORRECTED.file("ocm"),
+    log:
+        CORRECTED_OCM.log,
+    benchmark:
+        CORRECTED_OCM.benchmark
+    wildcard_constraints:
+        window=PLAN.window_pattern,
+    conda:
+        "../envs/opml.yaml"
+    params:
+        settings=lambda wildcards: {"epoch": config["epoch"], "table": "corrected", "rso": wildcards.rso},
+        code=code("export_ocm.py"),
+    message:
+        "Export: corrected ephemeris of {wildcards.rso} by {wildcards.stations}, with covariances, as CCSDS OCM"
+    script:
+        "../scripts/export_ocm.py"
 
 
 rule export_each_corrected:

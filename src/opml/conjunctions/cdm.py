@@ -1,0 +1,151 @@
+"""Writer and reader of conjunction data messages (CDM 1.0, KVN).
+
+Source: CCSDS 508.0-B-1. RTN there is RSW here. The sum of the radii, which the standard has no key for, is in
+a comment `HBR`, as in the messages of NASA's CARA.
+"""
+
+import re
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from opml import __version__
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+from opml.conjunctions.conjunction import Conjunction, Participant
+from opml.interop import ccsds
+from opml.interop.orbit_arcs import contents
+
+_KEY = "CCSDS_CDM_VERS"
+_KILO = 3
+_AXES = ("R", "T", "N", "RDOT", "TDOT", "NDOT")
+_STATE = ("X", "Y", "Z", "X_DOT", "Y_DOT", "Z_DOT")
+_UNITS = ("m", "m/s")
+_LOWER = [(row, column) for row in range(6) for column in range(row + 1)]
+_UNIT = re.compile(r"\s*\[[^\]]*\]$")
+_RADIUS = re.compile(r"^\s*COMMENT\s+HBR\s*=\s*(\S+)", re.MULTILINE)
+
+
+def matches(content: bytes) -> bool:
+    """Return whether a file looks like a CDM in KVN."""
+    return re.match(rb"(?:\s|COMMENT\b.*)*CCSDS_CDM_VERS\b", content) is not None
+
+
+def write(path: FilePath, conjunction: Conjunction, *, epoch: str) -> None:
+    """Write a conjunction, whole or not at all; its date is the time of the approach, so that calls repeat.
+
+    epoch: UTC text from which its time counts
+
+    Raises InputError where the covariance of either object is unknown: a message needs both.
+    """
+    ccsds.write(path, _lines(conjunction, epoch))
+
+
+def write_all(folder: FilePath, conjunctions: Iterable[Conjunction], *, epoch: str) -> None:
+    """Write a message of each conjunction of which both covariances are known, named by objects and time."""
+    for conjunction in conjunctions:
+        if all(one.covariance is not None for one in (conjunction.first, conjunction.second)):
+            write(Path(folder) / f"{_name(conjunction, epoch)}.cdm", conjunction, epoch=epoch)
+
+
+def _name(conjunction: Conjunction, epoch: str) -> str:
+    (tca,) = ccsds.utc_texts(epoch, np.array([conjunction.t]))
+    return f"{conjunction.first.name}_{conjunction.second.name}_{re.sub('[-:.]', '', tca)}"
+
+
+def _lines(conjunction: Conjunction, epoch: str) -> Iterator[str]:
+    (tca,) = ccsds.utc_texts(epoch, np.array([conjunction.t]))
+    relative, chance = conjunction.relative, conjunction.chance
+    first, second = conjunction.first, conjunction.second
+    yield f"{_KEY} = 1.0"
+    yield f"CREATION_DATE = {tca}"
+    yield f"ORIGINATOR = OPML {__version__}"
+    yield f"MESSAGE_ID = {_name(conjunction, epoch)}"
+    yield f"TCA = {tca}"
+    yield f"MISS_DISTANCE = {float(np.linalg.norm(relative[:3]))!r} [m]"
+    yield f"RELATIVE_SPEED = {float(np.linalg.norm(relative[3:]))!r} [m/s]"
+    for k, value in enumerate(relative.tolist()):
+        kind = ("POSITION", "VELOCITY")[k // 3]
+        yield f"RELATIVE_{kind}_{_AXES[k % 3]} = {value!r} [{_UNITS[k // 3]}]"
+    if chance is not None:
+        yield f"COLLISION_PROBABILITY = {chance.probability!r}"
+        yield "COLLISION_PROBABILITY_METHOD = FOSTER-1992"
+    yield f"COMMENT HBR = {conjunction.radius!r}"
+    for number, participant in enumerate((first, second), start=1):
+        yield from _participant_lines(participant, number)
+
+
+def _participant_lines(participant: Participant, number: int) -> Iterator[str]:
+    if participant.covariance is None:
+        raise InputError(f"{participant.name}: expected a covariance, as a CDM has to have, got none")
+    yield f"OBJECT = OBJECT{number}"
+    yield f"OBJECT_DESIGNATOR = {participant.name}"
+    yield "CATALOG_NAME = NONE"
+    yield f"OBJECT_NAME = {participant.name}"
+    yield "INTERNATIONAL_DESIGNATOR = UNKNOWN"
+    yield "EPHEMERIS_NAME = NONE"
+    yield "COVARIANCE_METHOD = CALCULATED"
+    yield "MANEUVERABLE = N/A"
+    yield "REF_FRAME = GCRF"
+    for key, value in zip(_STATE, participant.state, strict=True):
+        yield f"{key} = {ccsds.number_text(value, -_KILO)} [{'km/s' if key.endswith('_DOT') else 'km'}]"
+    for row, column in _LOWER:
+        per = (row > 2) + (column > 2)  # seconds in the unit
+        unit = ("m**2", "m**2/s", "m**2/s**2")[per]
+        yield f"C{_AXES[row]}_{_AXES[column]} = {float(participant.covariance[row, column])!r} [{unit}]"
+
+
+def read(path: FilePath, *, epoch: str, radius: float | None = None) -> Conjunction:
+    """Read the conjunction of a message.
+
+    epoch: UTC text from which times count
+    radius: sum of the radii [m]; None: that of the comment HBR
+
+    States are turned from the frames of `ccsds.FRAMES` to GCRF. Raises InputError, naming file and line, for
+    a malformed message, another frame, and a radius that neither tells.
+    """
+    message = ccsds.Message(path, version_key=_KEY, versions=("1.0",))
+    head, *parts = _blocks(message)
+    if len(parts) != 2:
+        raise InputError(f"{path}: expected OBJECT1 and OBJECT2, got {len(parts)} objects")
+    t = head.time("TCA", np.nan, epoch=epoch, scale="UTC")
+    if not np.isfinite(t):
+        raise InputError(f"{path}: expected TCA before the objects, got none")
+    first, second = (_participant(message, block) for block in parts)
+    return Conjunction(t, first, second, _radius(path) if radius is None else radius)
+
+
+def _blocks(message: ccsds.Message) -> list[ccsds.Pairs]:
+    """Return the pairs before the objects, and those of each object."""
+    blocks: list[dict[str, tuple[int, str]]] = [{}]
+    while message.peek():
+        number, key, value = message.pair()
+        if key == "OBJECT":
+            blocks.append({})
+        if key in blocks[-1]:
+            raise message.error(f"{key} once", "it twice", number)
+        blocks[-1][key] = number, _UNIT.sub("", value)
+    return [ccsds.Pairs(message, block, max(number for number, _ in block.values())) for block in blocks]
+
+
+def _participant(message: ccsds.Message, block: ccsds.Pairs) -> Participant:
+    def number(key: str, power: int) -> float:
+        return message.scale(block.text(key), power, block.line(key))
+
+    turn = ccsds.FRAMES[block.choice("REF_FRAME", tuple(ccsds.FRAMES))]
+    state = np.array([number(key, _KILO) for key in _STATE])
+    covariance = np.empty((6, 6))
+    for row, column in _LOWER:
+        covariance[row, column] = covariance[column, row] = number(f"C{_AXES[row]}_{_AXES[column]}", 0)
+    return Participant(block.text("OBJECT_NAME"), np.kron(np.eye(2), turn) @ state, covariance)
+
+
+def _radius(path: FilePath) -> float:
+    match = _RADIUS.search(contents(path).decode("utf-8-sig"))
+    try:
+        if match:
+            return float(match[1])
+    except ValueError:
+        pass
+    raise InputError(f"{path}: expected a radius [m] in COMMENT HBR, got {match[1] if match else 'none'}")

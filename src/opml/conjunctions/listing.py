@@ -1,0 +1,61 @@
+"""Conjunctions as text: one line each, for people, and for spreadsheets."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from opml.conjunctions.conjunction import Conjunction
+from opml.interop import ccsds
+
+NONE = "no conjunction"
+
+
+def table(conjunctions: Sequence[Conjunction], *, epoch: str) -> pd.DataFrame:
+    """Return a row per conjunction.
+
+    Columns: tca, UTC text; first, second: names; miss_m; r_m, s_m, w_m of the second in RSW of the first;
+    speed_mps; probability, and the largest under any multiple of the covariance, NaN where unknown; remark
+    """
+    times = ccsds.utc_texts(epoch, np.array([one.t for one in conjunctions])) if conjunctions else []
+    rows = []
+    for time, one in zip(times, conjunctions, strict=True):
+        relative, chance = one.relative, one.chance
+        rows.append(
+            {
+                "tca": time,
+                "first": one.first.name,
+                "second": one.second.name,
+                "miss_m": float(np.linalg.norm(relative[:3])),
+                **dict(zip(("r_m", "s_m", "w_m"), relative[:3].tolist(), strict=True)),
+                "speed_mps": float(np.linalg.norm(relative[3:])),
+                "probability": chance.probability if chance else np.nan,
+                "largest": chance.most if chance else np.nan,
+                "remark": _remark(one),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def text(table: pd.DataFrame) -> str:
+    """Return the rows of `table` as aligned text, or NONE."""
+    if table.empty:
+        return NONE
+    formats = {"probability": "{:.3e}", "largest": "{:.3e}", "speed_mps": "{:.1f}"}
+    formats |= dict.fromkeys(("miss_m", "r_m", "s_m", "w_m"), "{:.0f}")
+    formatters = {name: form.format for name, form in formats.items()}
+    return str(table.to_string(index=False, na_rep="-", formatters=formatters))
+
+
+def _remark(conjunction: Conjunction) -> str:
+    """Return what to know of a probability: why there is none, or how far it can be trusted."""
+    chance = conjunction.chance
+    if chance is None:
+        return "no covariance" if conjunction.encounter is None else "long encounter: no probability"
+    unknown = [one.name for one in (conjunction.first, conjunction.second) if one.covariance is None]
+    remarks = (
+        (f"{', '.join(unknown)} without covariance", bool(unknown)),
+        ("covariance widened", chance.mended),
+        ("diluted", chance.is_diluted),
+    )
+    return "; ".join(remark for remark, holds in remarks if holds)

@@ -1,0 +1,112 @@
+"""What a prediction, and the covariance that goes with it, are worth where two objects may collide.
+
+A true approach may pass anywhere across the relative velocity, as often per area. So the alarms that are
+raised per collision are the area of those expected misses whose probability reaches the threshold, in units
+of the area in which objects collide; they depend on the covariance alone. Of the approaches that are
+collisions the share is flagged whose expected miss, the true one and both errors, raises an alarm.
+
+Errors are those that predictions really had. The second object errs as some other prediction did, its orbit
+crosses that of the first at an angle that is drawn, and its true miss is drawn within the sum of the radii.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import brentq
+
+from opml.base import seeds
+from opml.base.constants import DAY
+from opml.conjunctions.probability import LEAST_SIGMA, integral
+from opml.orbits.rsw_covariance import AXES
+
+_DRAWS = 200
+_HALF_DAY = 0.5 * DAY
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
+_FARTHEST = 60.0  # standard deviations beyond which no alarm is raised
+
+
+@dataclass(frozen=True)
+class Screening:
+    """How operators look at approaches.
+
+    radius: sum of the radii of two objects [m]
+    threshold: probability from which on an alarm is raised
+    """
+
+    radius: float
+    threshold: float
+
+
+def worth(replay: pd.DataFrame, screening: Screening, *, days: list[float], seed: int) -> pd.DataFrame:
+    """Return what the predictions of a `replay` table are worth.
+
+    days: durations, each with the predictions of half a day about it
+    seed: of the draws
+
+    Columns: day; flagged: share of the collisions that raise an alarm; alarms: those raised per collision;
+    predictions: how many there are. A duration without predictions that state a size has no row.
+    """
+    rows = []
+    for day in days:
+        about = (replay["duration"] - day * DAY).abs() < _HALF_DAY
+        known = replay[about & np.isfinite(replay["sigma_x"])]
+        if not known.empty:
+            flagged, alarms = _drawn(known, screening, seeds.derive(seed, f"conjunctions {day:g}"))
+            rows.append({"day": day, "flagged": flagged, "alarms": alarms, "predictions": len(known)})
+    return pd.DataFrame(rows)
+
+
+def _drawn(known: pd.DataFrame, screening: Screening, rng: np.random.Generator) -> tuple[float, float]:
+    """Return the share of collisions that is flagged, and the alarms per collision, over draws."""
+    errors = known[[f"e_{axis}" for axis in AXES]].to_numpy()
+    variances = known[[f"sigma_{axis}" for axis in AXES]].to_numpy() ** 2
+    flagged, alarms = np.empty(_DRAWS, bool), np.empty(_DRAWS)
+    for k in range(_DRAWS):
+        one, other = rng.integers(len(known), size=2)
+        plane, turn = _crossing(rng.uniform(0.0, 2.0 * math.pi))
+        covariance = np.diag(variances[one]) + turn @ np.diag(variances[other]) @ turn.T
+        off = plane @ (turn @ errors[other] - errors[one])
+        away, angle = screening.radius * math.sqrt(rng.uniform()), rng.uniform(0.0, 2.0 * math.pi)
+        miss = away * np.array([math.cos(angle), math.sin(angle)])
+        along, sigmas = _principal(miss + off, plane @ covariance @ plane.T, screening.radius)
+        flagged[k] = integral(along, sigmas, screening.radius) >= screening.threshold
+        alarms[k] = _alarm_area(sigmas, screening) / (math.pi * screening.radius**2)
+    return float(flagged.mean()), float(alarms.mean())
+
+
+def _crossing(angle: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the plane (2, 3) across the relative velocity, and the axes (3, 3) of the second object.
+
+    angle: by which the second orbit is turned about the radius where they cross [rad]
+
+    All in RSW of the first object.
+    """
+    c, s = math.cos(angle), math.sin(angle)
+    turn = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+    half = 0.5 * angle
+    return np.array([[1.0, 0.0, 0.0], [0.0, math.cos(half), math.sin(half)]]), turn
+
+
+def _principal(miss: np.ndarray, covariance: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return a miss (2,) and standard deviations (2,) in the principal axes of a covariance (2, 2)."""
+    variances, axes = np.linalg.eigh(covariance)
+    return axes.T @ miss, np.sqrt(np.maximum(variances, (LEAST_SIGMA * radius) ** 2))
+
+
+def _alarm_area(sigmas: np.ndarray, screening: Screening) -> float:
+    """Return the area [m2] of expected misses that raise an alarm, a quadrant of an oval four times."""
+    unit = np.maximum(sigmas, 0.1 * screening.radius)
+
+    def excess(distance: float, way: np.ndarray) -> float:
+        return integral(distance * way * unit, sigmas, screening.radius) - screening.threshold
+
+    area = 0.0
+    for node, weight in zip(_NODES, _WEIGHTS, strict=True):
+        angle = 0.25 * math.pi * (1.0 + node)
+        way = np.array([math.cos(angle), math.sin(angle)])
+        if excess(0.0, way) > 0.0:
+            reach = float(brentq(excess, 0.0, _FARTHEST, args=(way,), rtol=1e-3))
+            area += 0.25 * math.pi * weight * 0.5 * reach**2
+    return float(4.0 * area * unit[0] * unit[1])

@@ -1,0 +1,96 @@
+"""Close approaches: encounters that were built are all found, to a millisecond and a metre."""
+
+import numpy as np
+import pytest
+
+from opml.base.constants import DAY, EARTH_GM
+from opml.base.errors import InputError
+from opml.conjunctions.approaches import Path, find
+from opml.orbits.elements import (
+    cartesian_from_coe,
+    coe_from_cartesian,
+    mean_from_true_anomaly,
+    true_from_mean_anomaly,
+)
+
+T = np.arange(0.0, 2.0 * DAY + 1.0, 60.0)
+
+
+def kepler(state, at, t):
+    """States (n, 6) at times (n,) of the ellipse through a state (6,) at a time."""
+    a, e, i, argp, raan, nu = coe_from_cartesian(state, EARTH_GM)
+    mean = mean_from_true_anomaly(nu, e) + np.sqrt(EARTH_GM / a**3) * (t - at)
+    nu = true_from_mean_anomaly(np.mod(mean, 2.0 * np.pi), e)
+    columns = np.broadcast_arrays(a, e, i, argp, raan, nu)
+    return cartesian_from_coe(np.stack(columns, axis=1), EARTH_GM)
+
+
+def built(rng):
+    """An object, another that passes it, the time and the distance."""
+    at, radius = rng.uniform(0.1, 1.9) * DAY, rng.uniform(6.8e6, 7.6e6)
+    out, along = np.linalg.qr(rng.normal(size=(3, 2)))[0].T
+    aside = np.cross(out, along)
+    turn, speed = rng.uniform(0.02, np.pi), np.sqrt(EARTH_GM / radius)
+    first = np.concatenate([radius * out, speed * along])
+    velocity = speed * rng.uniform(0.999, 1.001) * (np.cos(turn) * along + np.sin(turn) * aside)
+    relative = velocity - first[3:]
+    miss = rng.uniform(0.0, 2000.0)
+    across = np.cross(relative, rng.normal(size=3))
+    second = np.concatenate([first[:3] + miss * across / np.linalg.norm(across), velocity])
+    return first, second, at, miss
+
+
+def test_a_hundred_encounters_are_all_found():
+    rng = np.random.default_rng(1)
+    for _ in range(100):
+        first, second, at, miss = built(rng)
+        paths = [Path(name, T, kepler(state, at, T)) for name, state in (("a", first), ("b", second))]
+        near = [found for found in find(paths, within=5000.0) if abs(found.t - at) < 5.0]
+        assert len(near) == 1
+        # Gravity bends a slow pass, which is then closest some milliseconds beside the time it was built at.
+        assert near[0].distance == pytest.approx(miss, abs=1.0)
+        exact = [kepler(state, at, np.array([near[0].t]))[0] for state in (first, second)]
+        relative = exact[1] - exact[0]
+        beside = relative[:3] @ relative[3:] / (relative[3:] @ relative[3:])
+        assert abs(beside) < 1e-3
+        assert np.linalg.norm(relative[:3]) == pytest.approx(near[0].distance, abs=1e-2)
+
+
+def test_paths_may_have_other_times_and_parts_of_the_span():
+    first, second, at, miss = built(np.random.default_rng(3))
+    other = np.arange(at - 5000.0, at + 7000.0, 47.3)
+    paths = [Path("a", T, kepler(first, at, T)), Path("b", other, kepler(second, at, other))]
+    (found,) = (one for one in find(paths, within=5000.0) if abs(one.t - at) < 5.0)
+    assert found.distance == pytest.approx(miss, abs=1.0)
+    assert all(other[0] <= one.t <= other[-1] for one in find(paths, within=1e7))
+
+
+def test_pairs_are_those_asked_for_in_the_order_of_time():
+    states = [built(np.random.default_rng(seed))[0] for seed in range(6)]
+    paths = [Path(str(k), T, kepler(state, 0.0, T)) for k, state in enumerate(states)]
+    every = find(paths, within=3e6)
+    assert [one.t for one in every] == sorted(one.t for one in every)
+    assert all(one.first < one.second for one in every)
+    assert {one.first for one in every} > {0}
+    alone = find(paths, within=3e6, first_alone=True)
+    assert alone == [one for one in every if one.first == 0]
+    assert find(paths, within=1.0) == []
+
+
+def test_every_minimum_of_the_distance_is_among_them():
+    """Beside the distance each second, of two objects that meet every half revolution."""
+    first, second, at, _ = built(np.random.default_rng(4))
+    paths = [Path(name, T, kepler(state, at, T)) for name, state in (("a", first), ("b", second))]
+    fine = np.arange(0.0, 2.0 * DAY, 1.0)
+    distance = np.linalg.norm((kepler(second, at, fine) - kepler(first, at, fine))[:, :3], axis=1)
+    least = np.flatnonzero((distance[1:-1] < distance[:-2]) & (distance[1:-1] <= distance[2:])) + 1
+    near = least[distance[least] < 5e5]
+    found = find(paths, within=5e5)
+    assert len(near) > 10
+    np.testing.assert_allclose([one.t for one in found], fine[near], atol=1.0)
+
+
+@pytest.mark.parametrize(("t", "expected"), [(T[:3], "at least 4 states, got 3"), (10.0 * T, "got 600")])
+def test_states_that_do_not_make_a_path_are_refused(t, expected):
+    with pytest.raises(InputError, match=f"^a: .*{expected}"):
+        Path("a", t, np.ones((len(t), 6)))

@@ -1,0 +1,89 @@
+"""Conjunction data messages: published cases, a way out and back, and damaged files told in one line."""
+
+import numpy as np
+import pytest
+from support import REPOSITORY, shared
+
+from opml.base.errors import InputError
+from opml.conjunctions import cdm
+from opml.conjunctions.conjunction import Conjunction, Participant
+from opml.conjunctions.probability import chance
+
+EPOCH = "2000-01-01T00:00:00"
+PUBLISHED = {1: 0.146749549, 3: 0.100351176, 4: 0.049323406, 6: 0.004335455, 7: 0.000158147, 9: 0.290146291}
+"""Probabilities in two dimensions by NASA's CARA, as Orekit's methods are tested on them."""
+
+
+def participant(name, sign=1.0, sigma=(30.0, 400.0, 20.0, 0.4, 0.03, 0.02)):
+    state = np.array([7e6 + 40.0 * (sign < 0), 30.0 * (sign < 0), 0.0, 1.0, 5300.0 * sign, 5300.0])
+    rng = np.random.default_rng(2)
+    turn = np.linalg.qr(rng.normal(size=(6, 6)))[0]
+    mixed = np.diag(sigma) @ (np.eye(6) + 0.1 * turn)
+    return Participant(name, state, mixed @ mixed.T)
+
+
+CONJUNCTION = Conjunction(12345.678901, participant("ours"), participant("other", -1.0), 20.0)
+
+
+@pytest.mark.parametrize("number", PUBLISHED)
+def test_published_cases_have_their_probability(number):
+    conjunction = cdm.read(shared(f"real/cdm/AlfanoTestCase{number:02d}.cdm"), epoch=EPOCH)
+    assert conjunction.t == 0.0
+    assert chance(conjunction.encounter).probability == pytest.approx(PUBLISHED[number], rel=1e-4)
+
+
+def test_what_is_written_comes_back(tmp_path):
+    path = tmp_path / "one.cdm"
+    cdm.write(path, CONJUNCTION, epoch=EPOCH)
+    found = cdm.read(path, epoch=EPOCH)
+    assert found.t == pytest.approx(CONJUNCTION.t, abs=1e-6)
+    assert found.radius == CONJUNCTION.radius
+    for one, other in ((found.first, CONJUNCTION.first), (found.second, CONJUNCTION.second)):
+        assert one.name == other.name
+        np.testing.assert_array_equal(one.state, other.state)
+        np.testing.assert_array_equal(one.covariance, other.covariance)
+    text = path.read_text()
+    assert f"COLLISION_PROBABILITY = {CONJUNCTION.chance.probability!r}" in text
+    assert f"RELATIVE_POSITION_R = {float(CONJUNCTION.relative[0])!r} [m]" in text
+
+
+def test_messages_are_named_by_objects_and_time_and_need_both_covariances(tmp_path):
+    lonely = Conjunction(0.0, CONJUNCTION.first, Participant("bare", CONJUNCTION.second.state), 20.0)
+    cdm.write_all(tmp_path / "messages", [CONJUNCTION, lonely], epoch=EPOCH)
+    assert [path.name for path in (tmp_path / "messages").iterdir()] == [
+        "ours_other_20000101T032545678901.cdm"
+    ]
+    with pytest.raises(InputError, match=r"^bare: expected a covariance"):
+        cdm.write(tmp_path / "no.cdm", lonely, epoch=EPOCH)
+    assert not (tmp_path / "no.cdm").exists()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("CCSDS_CDM_VERS = 1.0", "CCSDS_CDM_VERS = 3.0", "line 1: expected CCSDS_CDM_VERS = 1.0"),
+        ("REF_FRAME = GCRF", "REF_FRAME = TEME", "expected REF_FRAME = GCRF or ICRF or EME2000, got TEME"),
+        ("CT_T = ", "CT_T = x", "a finite number, got x"),
+        ("CN_N = ", "CN_M = ", "the key CN_N before this line"),
+        ("OBJECT = OBJECT2", "NOTHING = OBJECT2", "it twice|OBJECT2, got 1 objects"),
+        ("TCA = 2000", "TCA = 20x0", "expected a time like"),
+        ("COMMENT HBR = 20.0", "COMMENT HBR = wide", "expected a radius \\[m\\] in COMMENT HBR, got wide"),
+        ("COMMENT HBR = 20.0\n", "", "expected a radius \\[m\\] in COMMENT HBR, got none"),
+        ("X = ", "X ", "expected KEY = value"),
+    ],
+)
+def test_damaged_messages_are_told_in_one_line(tmp_path, old, new, expected):
+    path = tmp_path / "one.cdm"
+    cdm.write(path, CONJUNCTION, epoch=EPOCH)
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(InputError, match=expected) as raised:
+        cdm.read(path, epoch=EPOCH)
+    assert str(raised.value).startswith(str(path))
+    assert "\n" not in str(raised.value)
+
+
+def test_other_files_are_no_cdm():
+    assert cdm.matches(b"COMMENT a\nCCSDS_CDM_VERS = 1.0\n")
+    assert not cdm.matches((REPOSITORY / "README.md").read_bytes())

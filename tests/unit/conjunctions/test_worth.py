@@ -1,0 +1,71 @@
+"""What predictions are worth in conjunctions: alarms per collision, and collisions that raise one."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from opml.base.constants import DAY
+from opml.conjunctions.worth import Screening, _alarm_area, _crossing, worth
+
+SCREENING = Screening(radius=20.0, threshold=1e-4)
+
+
+def replay(stated, real, count=300):
+    """Predictions of a day whose errors have sizes `real` [m], and which state others."""
+    rng = np.random.default_rng(3)
+    columns = {"duration": np.full(count, DAY)}
+    for axis, size, sigma in zip("xyz", real, stated, strict=True):
+        columns |= {f"e_{axis}": size * rng.normal(size=count), f"sigma_{axis}": np.full(count, sigma)}
+    return pd.DataFrame(columns)
+
+
+def alarms_and_flagged(stated, real):
+    (row,) = worth(replay(stated, real), SCREENING, days=[1.0, 5.0], seed=1).itertuples()
+    assert (row.day, row.predictions) == (1.0, 300)
+    return row.alarms, row.flagged
+
+
+def test_small_errors_that_are_known_raise_few_alarms_and_miss_no_collision():
+    small, large = (alarms_and_flagged(sizes, sizes) for sizes in ([5, 50, 5], [20, 800, 20]))
+    assert small[0] < 0.3 * large[0]
+    assert small[1] > 0.98
+    assert large[1] > 0.95
+
+
+def test_a_covariance_that_is_too_small_misses_collisions():
+    honest, naive = (alarms_and_flagged(stated, [10, 500, 10]) for stated in ([10, 500, 10], [1, 30, 1]))
+    assert naive[1] < 0.5 < honest[1]
+    assert naive[0] < honest[0]
+
+
+def test_a_covariance_that_dilutes_the_probability_misses_all():
+    assert alarms_and_flagged([3000, 90000, 3000], [3000, 90000, 3000]) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("sigmas", [(400.0, 3000.0), (500.0, 500.0)])
+def test_the_area_of_alarms_is_that_of_an_ellipse_where_the_radius_is_small(sigmas):
+    most = SCREENING.radius**2 / (2.0 * sigmas[0] * sigmas[1])
+    expected = 2.0 * np.pi * sigmas[0] * sigmas[1] * max(np.log(most / SCREENING.threshold), 0.0)
+    assert _alarm_area(np.array(sigmas), SCREENING) == pytest.approx(expected, rel=0.01)
+
+
+def test_the_area_of_alarms_is_the_circle_where_all_is_known():
+    area = _alarm_area(np.array([0.002, 0.002]), SCREENING)
+    assert area == pytest.approx(np.pi * SCREENING.radius**2, rel=0.01)
+
+
+@pytest.mark.parametrize("angle", [0.3, 1.5, 3.0, 5.0])
+def test_the_plane_lies_across_the_relative_velocity(angle):
+    plane, turn = _crossing(angle)
+    relative = turn @ [0.0, 1.0, 0.0] - np.array([0.0, 1.0, 0.0])
+    np.testing.assert_allclose(plane @ relative, 0.0, atol=1e-12)
+    np.testing.assert_allclose(plane @ plane.T, np.eye(2), atol=1e-12)
+
+
+def test_draws_repeat_by_seed():
+    table = replay([10, 100, 10], [10, 100, 10])
+    one, again, other = (worth(table, SCREENING, days=[1.0], seed=seed) for seed in (1, 1, 2))
+    pd.testing.assert_frame_equal(one, again)
+    assert (
+        one["alarms"].iloc[0] != other["alarms"].iloc[0] or one["flagged"].iloc[0] != other["flagged"].iloc[0]
+    )

@@ -1,0 +1,13 @@
+"""Write an ephemeris as CCSDS's orbit comprehensive message."""
+
+from opml.interop import ocm, oem
+from opml.tables import read_metadata, read_table
+from opml.workflow.job_settings import SheetJobSettings
+from opml.workflow.jobs import job
+
+with job(snakemake):
+    settings = SheetJobSettings(snakemake.params.settings)
+    table = read_table(snakemake.input[0], settings.table)
+    (segment,) = oem.SEGMENTS[settings.table](table, rso=settings.rso)
+    comment = read_metadata(snakemake.input[0]).get("covariance", "")
+    ocm.write(snakemake.output[0], segment, epoch=settings.epoch, comment=comment)
