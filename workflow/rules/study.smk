@@ -8,6 +8,8 @@ STUDY_ERRORS = product("figs/study/{rso}/{stations}_errors")
 STUDY_RESIDUALS = product("figs/study/{rso}/{stations}_residuals")
 EXPLORE = product("figs/study/{rso}/{stations}_explore")
 STUDY_CALIBRATION = product("figs/study/{rso}/{stations}_calibration")
+CONJUNCTIONS = product("conjunctions/{rso}/{stations}")
+STUDY_CONJUNCTIONS = product("figs/study/{rso}/{stations}_conjunctions")
 STUDY_DRAG = product("figs/study/{rso}/{stations}_drag")
 STUDY_MODELS = product("figs/study/{rso}/models")
 STUDY_ROLLING = product("figs/study/{rso}/{stations}_rolling")
@@ -32,6 +34,40 @@ if OWN.is_asked:
         message:
             "Figure: errors of {wildcards.rso} by {wildcards.stations}, and what each model leaves of them"
 
+    rule conjunctions:
+        input:
+            replays=rules.study_residuals.input[0],
+            fits=at_window("", rules.covariances.output[0]),
+        output:
+            CONJUNCTIONS.table,
+        log:
+            CONJUNCTIONS.log,
+        benchmark:
+            CONJUNCTIONS.benchmark
+        conda:
+            "../envs/opml.yaml"
+        params:
+            settings=lambda wildcards: PARAMS.mornings(wildcards) | OWN.conjunctions,
+            code=code("conjunctions.py"),
+        message:
+            "Conjunctions: what predictions of {wildcards.rso} by {wildcards.stations} are worth there"
+        script:
+            "../scripts/conjunctions.py"
+
+    use rule errors as study_conjunctions with:
+        input:
+            rules.conjunctions.output[0],
+        output:
+            **figures(STUDY_CONJUNCTIONS, caption="study_conjunctions", section=SECTIONS["study"]),
+        log:
+            STUDY_CONJUNCTIONS.log,
+        benchmark:
+            STUDY_CONJUNCTIONS.benchmark
+        params:
+            **drawing("study_conjunctions", PARAMS.mornings),
+        message:
+            "Figure: alarms and collisions flagged by predictions of {wildcards.rso} by {wildcards.stations}"
+
     use rule errors as study_report with:
         input:
             metrics=paths_of(rules.evaluate.output.metrics, *OWN.experiments.values()),
@@ -51,6 +87,10 @@ if OWN.is_asked:
             rolling=paths_of(rules.rolling.output[0], *OWN.rolling.values()),
             replays=[path_of(rules.replay.output[0], **parts) for parts in OWN.replayed.values()],
             fits=paths_of(rules.fit_calibration.output[0], *OWN.fits.values()),
+            conjunctions=[
+                path_of(rules.conjunctions.output[0], rso=rso, stations=stations)
+                for rso, stations in OWN.crossed
+            ],
             pictures=[
                 path_of(rules.study_residuals.output.png[0], rso=rso, stations=stations)
                 for rso, stations in OWN.fits

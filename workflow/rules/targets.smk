@@ -73,7 +73,11 @@ STUDY_FILES = (
         *(
             path_of(file, rso=rso, stations=stations)
             for rso, stations in OWN.fits
-            for file in [*rules.study_residuals.output, *rules.study_calibration.output]
+            for file in [
+                *rules.study_residuals.output,
+                *rules.study_calibration.output,
+                *(rules.study_conjunctions.output if OWN.conjunctions else []),
+            ]
         ),
     ]
     if OWN.is_asked

@@ -17,6 +17,7 @@ with job(snakemake):
         rolling=read_by_key(study.rolling, files.rolling, "rolling"),
         replays=read_by_key(study.replayed, files.replays, "replay"),
         calibration=read_by_key(study.fits, files.fits, "calibration"),
+        conjunctions=read_by_key(study.crossed, files.conjunctions, "conjunctions"),
         pictures=dict(zip(study.fits, files.pictures, strict=True)),
     )
     blocks = own_study.document(study.report, tables)

@@ -3,7 +3,7 @@
 from opml.figures import reliability, style
 from opml.learning.data.components import CORRECTED
 from opml.learning.judge import calibration
-from opml.learning.judge.model_choice import Mornings
+from opml.learning.judge.model_choice import CHOSEN, Mornings
 from opml.tables import ELLIPSOID, read_table
 from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job, read_by_key
@@ -12,7 +12,7 @@ with job(snakemake):
     settings, files = FigureSettings(snakemake.params.settings), snakemake.input
     replays = read_by_key(settings.learners, files.replays, "replay")
     mornings = Mornings.from_replays(replays, settings.laws, seed=settings.seed)
-    flown = {"chosen by the past": mornings.flown, **mornings.tables}
+    flown = {CHOSEN: mornings.flown, **mornings.tables}
     tables = calibration.of_replays(flown, days=settings.days)
     tables["the fit's own covariance"] = read_table(files.fit, "calibration")
     figures = [

@@ -10,6 +10,7 @@ crosses that of the first at an angle that is drawn, and its true miss is drawn 
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +20,13 @@ from scipy.optimize import brentq
 from opml.base import seeds
 from opml.base.constants import DAY
 from opml.conjunctions.probability import LEAST_SIGMA, integral
+from opml.learning.data.components import UNCORRECTED
+from opml.learning.judge.model_choice import CHOSEN, Mornings
 from opml.orbits.rsw_covariance import AXES
+from opml.tables import SCHEMAS
+
+FORMAL, LEARNED = "the fit's own", "of past errors"
+"""Covariances that predictions go with."""
 
 _DRAWS = 200
 _HALF_DAY = 0.5 * DAY
@@ -39,7 +46,45 @@ class Screening:
     threshold: float
 
 
-def worth(replay: pd.DataFrame, screening: Screening, *, days: list[float], seed: int) -> pd.DataFrame:
+def compare(
+    mornings: Mornings,
+    fits: pd.DataFrame,
+    screening: Screening,
+    *,
+    laws: Sequence[str],
+    days: Sequence[float],
+    seed: int,
+) -> pd.DataFrame:
+    """Return the `conjunctions` table: fits without correction, the best without learning, and what is flown.
+
+    mornings: replayed
+    fits: table `covariances` of the fits that are not corrected
+    laws: models that learned
+    days, seed: as in `worth`
+    """
+    plain = mornings.tables[UNCORRECTED]
+    best = mornings.best(name for name in mornings.tables if name not in laws)
+    cases = [
+        (UNCORRECTED, FORMAL, _with_covariances(plain, fits)),
+        (UNCORRECTED, LEARNED, plain),
+        (best, LEARNED, mornings.tables[best]),
+        (CHOSEN, LEARNED, mornings.flown),
+    ]
+    tables = [
+        worth(table, screening, days=days, seed=seed).assign(model=model, covariance=covariance)
+        for model, covariance, table in cases
+    ]
+    return pd.concat(tables, ignore_index=True)[SCHEMAS["conjunctions"].names]
+
+
+def _with_covariances(replay: pd.DataFrame, fits: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of a `replay` table with the sizes that the fits' own covariances state."""
+    own = replay[["i", "j"]].merge(fits, on=["i", "j"], how="left")
+    sizes = {f"sigma_{axis}": np.sqrt(own[f"cov_{axis}_{axis}"].to_numpy()) for axis in AXES}
+    return replay.assign(**sizes)
+
+
+def worth(replay: pd.DataFrame, screening: Screening, *, days: Sequence[float], seed: int) -> pd.DataFrame:
     """Return what the predictions of a `replay` table are worth.
 
     days: durations, each with the predictions of half a day about it

@@ -7,7 +7,7 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.learning.judge.errors_by_duration import at_days
-from opml.learning.judge.model_choice import CONFIDENCE, Mornings, summed
+from opml.learning.judge.model_choice import CHOSEN, CONFIDENCE, Mornings, summed
 from opml.report import on_the_sky
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.results import NO_VALUE, length
@@ -17,8 +17,6 @@ Dataset = tuple[str, str]
 """RSO and station set."""
 
 TITLE = "Every morning"
-
-CHOSEN = "chosen by the past"
 
 
 def section(

@@ -15,7 +15,7 @@ from opml.learning.judge.model_choice import Mornings
 from opml.learning.judge.rolling_origins import by_day
 from opml.learning.models.learners import learns
 from opml.naming import SPLIT, Experiment, parse_test, parse_train, strip_seed
-from opml.report import absurd_fits, answer, mornings, uncertainty
+from opml.report import absurd_fits, answer, conjunctions, mornings, uncertainty
 from opml.report.answer import Sources
 from opml.report.beyond import model_table
 from opml.report.document import Block, Heading, Paragraph, Table
@@ -49,6 +49,7 @@ class OwnStudyReport:
     trained_anew: Mapping[str, Any]  # on which days, how often, on how many days' labels [days]
     marks: Sequence[float]  # prediction durations that errors are stated at [days]
     durations: Sequence[float]  # prediction durations that coverage is stated at [days]
+    screening: Mapping[str, float]  # radius and threshold of conjunctions
     sources: Mapping[Dataset, Sources]  # what the answers point at
     settings: Mapping[str, Any]
 
@@ -64,6 +65,7 @@ class OwnStudyTables:
     rolling: Mapping[ModelKey, pd.DataFrame]  # of the learners that are trained anew
     replays: Mapping[ModelKey, pd.DataFrame]
     calibration: Mapping[Dataset, pd.DataFrame]  # of the fits' own covariances
+    conjunctions: Mapping[Dataset, pd.DataFrame]  # where the study asks for them
     pictures: Mapping[Dataset, FilePath]  # PNGs of the errors of all models
 
 
@@ -95,6 +97,7 @@ def document(report: OwnStudyReport, tables: OwnStudyTables) -> list[Block]:
         *_errors(report, tables),
         *mornings.section(replays, report.marks, report.laws),
         *uncertainty.section(replays, tables.calibration, report.durations),
+        *conjunctions.section(tables.conjunctions, report.screening),
         *_splits(report, Results(tables.metrics), tables.evaluations, papers),
         *_rolling(report, tables.rolling),
         *_rows(report, tables, papers),

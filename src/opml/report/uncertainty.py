@@ -8,9 +8,9 @@ from opml.base.constants import DAY
 from opml.learning.judge import calibration
 from opml.learning.judge.error_sizes import INSIDE, LEVEL
 from opml.learning.judge.errors_by_duration import REACH_DAYS
-from opml.learning.judge.model_choice import Mornings
+from opml.learning.judge.model_choice import CHOSEN, Mornings
 from opml.report.document import Block, Heading, Paragraph, Table
-from opml.report.mornings import CHOSEN, Dataset
+from opml.report.mornings import Dataset
 from opml.report.results import NO_VALUE, length
 from opml.tables import ELLIPSOID, PLANE, WHOLE
 

@@ -203,6 +203,16 @@ class OwnStudy:
         }
 
     @cached_property
+    def conjunctions(self) -> dict[str, float]:
+        """How approaches are looked at, nothing where the study does not ask for it."""
+        return dict(self.study.entry("conjunctions"))
+
+    @property
+    def crossed(self) -> list[tuple[str, str]]:
+        """The datasets whose predictions are looked at in conjunctions."""
+        return list(self.fits) if self.conjunctions else []
+
+    @cached_property
     def windows(self) -> dict[str, str]:
         """Suffixes of the windows of the run's fits and of the fits that models need, by a figure's label."""
         default = float(self.study.settings.values["estimation"]["window_hours"])
@@ -241,6 +251,7 @@ class OwnStudy:
             trained_anew=self.study.rolling,
             marks=self.marks,
             durations=marks(self.study.settings.values["prediction"]["max_days"]),
+            screening=self.conjunctions,
             sources={dataset: self._sources(*dataset) for dataset in self.datasets},
             settings=self.study.settings.values,
         )

@@ -152,6 +152,18 @@ LEARNING_SCHEMAS = (
         ),
     ),
     Schema(
+        "conjunctions",
+        "a model, a covariance and a prediction duration",
+        (
+            text("model", "that predicts: none, the best without learning, or the one chosen by the past"),
+            text("covariance", "that it goes with: the fit's own, or of past errors"),
+            real("day", "d", "prediction duration"),
+            real("flagged", "1", "share of the collisions that raise an alarm"),
+            real("alarms", "1", "alarms that are raised per collision"),
+            count("predictions", "of about that duration, half a day to either side"),
+        ),
+    ),
+    Schema(
         "metrics",
         "an experiment",
         (

@@ -80,6 +80,8 @@ class FigureSettings(SheetJobSettings):
     test: str
     laws: Sequence[str]
     days: Sequence[float]
+    radius_m: float
+    threshold: float
     note: str
     published: Any  # by what the figure varies
     splits: Mapping[str, Sequence[str]]

@@ -5,7 +5,8 @@ import pandas as pd
 import pytest
 
 from opml.base.constants import DAY
-from opml.conjunctions.worth import Screening, _alarm_area, _crossing, worth
+from opml.conjunctions.worth import Screening, _alarm_area, _crossing, compare, worth
+from opml.learning.judge.model_choice import Mornings
 
 SCREENING = Screening(radius=20.0, threshold=1e-4)
 
@@ -69,3 +70,18 @@ def test_draws_repeat_by_seed():
     assert (
         one["alarms"].iloc[0] != other["alarms"].iloc[0] or one["flagged"].iloc[0] != other["flagged"].iloc[0]
     )
+
+
+def test_models_are_compared_with_both_covariances_of_the_fits():
+    one = replay([10, 100, 10], [10, 100, 10]).assign(i=range(300), j=range(1, 301), morning=0.0)
+    best, worse = one, one.assign(e_y=3.0 * one["e_y"], e_x=one["e_x"])
+    mornings = Mornings({"none": worse, "running": best, "law": best}, best, {}, 0)
+    fits = one[["i", "j"]].assign(**{f"cov_{axis}_{axis}": 1.0 for axis in "xyz"})
+    table = compare(mornings, fits, SCREENING, laws=["law"], days=[1.0], seed=1)
+    assert table[["model", "covariance"]].to_numpy().tolist() == [
+        ["none", "the fit's own"],
+        ["none", "of past errors"],
+        ["running", "of past errors"],
+        ["chosen by the past", "of past errors"],
+    ]
+    assert table["flagged"].iloc[0] < 0.3 < table["flagged"].iloc[3]

@@ -124,6 +124,10 @@ class _Past:
         return max(ratios, key=lambda ratio: ratio[1])
 
 
+CHOSEN = "chosen by the past"
+"""What the models that were flown are called beside the others."""
+
+
 @dataclass(frozen=True)
 class Mornings:
     """Replays of several models on the same predictions, and of the models that the past would have chosen.

@@ -112,6 +112,13 @@ class RollingSettings(Section):
     last_days: Positive = setting("how far back the labels go that are learned from", unit="days", default=30)
 
 
+class ConjunctionSettings(Section):
+    """What predictions are worth where objects may collide."""
+
+    radius_m: Positive = setting("sum of the radii of two objects", unit="m")
+    threshold: Share = setting("probability from which on an alarm is raised")
+
+
 class CleaningSettings(Section):
     """Rows that are dropped; none by default."""
 
@@ -361,6 +368,9 @@ class OwnStudySettings(Section):
         default=None,
     )
     cleaning: Absent[CleaningSettings] = setting("rows that are dropped; none by default", default=None)
+    conjunctions: Absent[ConjunctionSettings] = setting(
+        "what predictions are worth in conjunctions", see="conjunctions.md", default=None
+    )
     span_days: Absent[Days] = setting(
         "window of t_j that random splits draw from; by default the days to train on, or the run",
         default=None,

@@ -1,0 +1,53 @@
+"""A figure of what predictions are worth where objects may collide."""
+
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from opml.base.errors import InputError
+from opml.figures.display_names import display_learner
+from opml.figures.style import (
+    MARKERS,
+    OBSERVED_COLOR,
+    PREDICTED_COLOR,
+    RESIDUAL,
+    TRUE_COLOR,
+    legend,
+    page_figure,
+)
+from opml.learning.data.components import UNCORRECTED
+
+_COLORS = (TRUE_COLOR, PREDICTED_COLOR, OBSERVED_COLOR, RESIDUAL)
+
+
+def worth(table: pd.DataFrame, *, note: str = "") -> Figure:
+    """Draw alarms per collision and the share of collisions that is flagged, a line per model and covariance.
+
+    table: `conjunctions`
+    note: what was replayed
+
+    Raises InputError for an empty table.
+    """
+    if table.empty:
+        raise InputError("conjunctions: expected predictions that state a size, got none")
+    figure = page_figure(height_mm=78.0)
+    alarms, flagged = figure.subplots(1, 2)
+    groups = table.groupby(["model", "covariance"], sort=False)
+    for k, ((model, covariance), rows) in enumerate(groups):
+        name = "no correction" if model == UNCORRECTED else display_learner(str(model))
+        label = f"{name}, covariance {covariance}"
+        _draw(alarms, rows["day"], rows["alarms"], k, label)
+        _draw(flagged, rows["day"], 100.0 * rows["flagged"], k, label)
+    alarms.set_yscale("log")
+    alarms.set_ylabel("alarms per collision")
+    flagged.set_ylabel("collisions that raise an alarm [%]")
+    flagged.set_ylim(0.0, 103.0)
+    for axes in (alarms, flagged):
+        axes.set_xlabel("prediction duration [d]")
+    legend(figure, columns=2, note=note)
+    return figure
+
+
+def _draw(axes: Axes, days: pd.Series, values: pd.Series, number: int, label: str) -> None:
+    (line,) = axes.plot(days, values, label=label)
+    line.set(color=_COLORS[number % len(_COLORS)], marker=MARKERS[number % len(MARKERS)])

@@ -1,0 +1,55 @@
+"""The report's section on what predictions are worth where objects may collide."""
+
+from collections.abc import Iterator, Mapping
+
+import pandas as pd
+
+from opml.learning.data.components import UNCORRECTED
+from opml.learning.judge.model_choice import CHOSEN
+from opml.report.document import Block, Heading, Paragraph, Table
+from opml.report.mornings import Dataset
+from opml.report.results import NO_VALUE
+from opml.report.skill import NO_CORRECTION
+
+TITLE = "What is it worth in conjunctions?"
+
+
+def section(tables: Mapping[Dataset, pd.DataFrame], screening: Mapping[str, float]) -> Iterator[Block]:
+    """Yield the section, nothing where it was not asked for.
+
+    tables: `conjunctions`
+    screening: radius_m and threshold
+    """
+    if not tables:
+        return
+    yield Heading(TITLE)
+    yield Paragraph(
+        "Two objects that err as this one did, on orbits that cross at any angle, a sum of radii of "
+        f"{screening['radius_m']:g} m, an alarm from a probability of {screening['threshold']:g} on: alarms "
+        "that are raised per collision / share of the collisions that raises one [%], by the prediction's "
+        "duration. `opml docs conjunctions` explains."
+    )
+    for (rso, stations), table in tables.items():
+        days = list(dict.fromkeys(table["day"]))
+        yield Paragraph(f"**{rso}, {stations}.**")
+        rows = [
+            [_named(str(model)), str(covariance), *_cells(found, days)]
+            for (model, covariance), found in table.groupby(["model", "covariance"], sort=False)
+        ]
+        yield Table(["model", "covariance", *(f"{day:g} d" for day in days)], rows)
+
+
+def _named(model: str) -> str:
+    names = {UNCORRECTED: NO_CORRECTION, CHOSEN: CHOSEN}
+    return names.get(model, f"`{model}`")
+
+
+def _cells(found: pd.DataFrame, days: list[float]) -> list[str]:
+    """Return the cells of a model, by duration."""
+    by_day = found.set_index("day")
+    return [
+        f"{by_day.loc[day, 'alarms']:.0f} / {100.0 * by_day.loc[day, 'flagged']:.0f}"
+        if day in by_day.index
+        else NO_VALUE
+        for day in days
+    ]
