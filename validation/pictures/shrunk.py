@@ -1,0 +1,59 @@
+"""Pictures of the documentation: as wide as a screen, with the digest of the code that drew them."""
+
+import re
+from pathlib import Path
+
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
+
+from opml.base.errors import InputError
+from opml.base.files import replacing
+from validation.case import ROOT
+from validation.pictures.drawing_code import ROOM, digest
+
+IMAGES = ROOT / "docs" / "images"
+PIXELS, COLORS = 1200, 128
+"""Width of a picture, and how many colours it keeps."""
+
+KEY = "digest of the code that drew it"
+"""Of the text in a picture's file."""
+
+_ROW = re.compile(r"`docs/images/(\w+\.png)`.*`(\w+(?:\.\w+)+)` draws")
+_BLOCK = re.compile(r"```{run-figures}\n(.*?)```", re.DOTALL)
+
+
+def drawers() -> dict[str, str]:
+    """Return the functions that draw the pictures, by path below `docs/images`.
+
+    A table of CONTRIBUTING.md names them; those of the paper's figures stand in docs/figures.md.
+    """
+    table, page = (
+        (ROOT / path).read_text(encoding="utf-8") for path in ("CONTRIBUTING.md", "docs/figures.md")
+    )
+    lines = (line.split() for line in _BLOCK.search(page)[1].splitlines())
+    paper = {f"paper/{name}.png": f"{ROOM}.{function}" for name, function, *_ in lines}
+    return dict(_ROW.findall(table)) | paper
+
+
+def shrink(figure: Path, picture: Path) -> None:
+    """Write a figure in the width of a screen, with the digest of the code that draws it today.
+
+    Raises InputError where no function is named that draws it.
+    """
+    name = picture.resolve().relative_to(IMAGES).as_posix()
+    if name not in drawers():
+        raise InputError(f"docs/images/{name}: expected a row of CONTRIBUTING.md on what draws it, got none")
+    text = PngInfo()
+    text.add_text(KEY, digest(drawers()[name]))
+    with Image.open(figure) as whole:
+        height = round(whole.height * PIXELS / whole.width)
+        small = whole.convert("RGB").resize((PIXELS, height), Image.Resampling.LANCZOS)
+    with replacing(picture) as temporary:
+        few = small.quantize(COLORS, dither=Image.Dither.NONE)
+        few.save(temporary, format="PNG", optimize=True, pnginfo=text)
+
+
+def stated_digest(picture: Path) -> str | None:
+    """Return the digest that a picture's file states, None where it has none."""
+    with Image.open(picture) as image:
+        return image.info.get(KEY)
