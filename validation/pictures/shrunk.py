@@ -13,7 +13,7 @@ from validation.pictures.drawing_code import ROOM, digest
 
 IMAGES = ROOT / "docs" / "images"
 PIXELS, COLORS = 1200, 128
-"""Width of a picture, and how many colours it keeps."""
+"""Width of a picture at most, and how many colours it keeps."""
 
 KEY = "digest of the code that drew it"
 """Of the text in a picture's file."""
@@ -46,8 +46,8 @@ def shrink(figure: Path, picture: Path) -> None:
     text = PngInfo()
     text.add_text(KEY, digest(drawers()[name]))
     with Image.open(figure) as whole:
-        height = round(whole.height * PIXELS / whole.width)
-        small = whole.convert("RGB").resize((PIXELS, height), Image.Resampling.LANCZOS)
+        small = whole.convert("RGB")
+    small.thumbnail((PIXELS, PIXELS * 4), Image.Resampling.LANCZOS)
     with replacing(picture) as temporary:
         few = small.quantize(COLORS, dither=Image.Dither.NONE)
         few.save(temporary, format="PNG", optimize=True, pnginfo=text)
