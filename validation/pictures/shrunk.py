@@ -1,4 +1,4 @@
-"""Pictures of the documentation: as wide as a screen, with the digest of the code that drew them."""
+"""Pictures of the documentation: as large as a screen needs, with the digest of the code that drew them."""
 
 import re
 from pathlib import Path
@@ -12,8 +12,8 @@ from validation.case import ROOT
 from validation.pictures.drawing_code import ROOM, digest
 
 IMAGES = ROOT / "docs" / "images"
-PIXELS, COLORS = 1200, 128
-"""Width of a picture at most, and how many colours it keeps."""
+SCALE, COLORS = 0.5, 64
+"""Size of a picture, in parts of the printed figure's, and how many colours it keeps."""
 
 KEY = "digest of the code that drew it"
 """Of the text in a picture's file."""
@@ -36,7 +36,7 @@ def drawers() -> dict[str, str]:
 
 
 def shrink(figure: Path, picture: Path) -> None:
-    """Write a figure in the width of a screen, with the digest of the code that draws it today.
+    """Write a figure as small as a screen needs it, with the digest of the code that draws it today.
 
     Raises InputError where no function is named that draws it.
     """
@@ -46,8 +46,8 @@ def shrink(figure: Path, picture: Path) -> None:
     text = PngInfo()
     text.add_text(KEY, digest(drawers()[name]))
     with Image.open(figure) as whole:
-        small = whole.convert("RGB")
-    small.thumbnail((PIXELS, PIXELS * 4), Image.Resampling.LANCZOS)
+        size = round(SCALE * whole.width), round(SCALE * whole.height)
+        small = whole.convert("RGB").resize(size, Image.Resampling.LANCZOS)
     with replacing(picture) as temporary:
         few = small.quantize(COLORS, dither=Image.Dither.NONE)
         few.save(temporary, format="PNG", optimize=True, pnginfo=text)
