@@ -144,7 +144,7 @@ def test_a_picture_is_small_and_states_its_code(tmp_path, monkeypatch):
     Image.new("RGB", (2400, 900), "white").save(tmp_path / "large.png")
     shrunk.shrink(tmp_path / "large.png", tmp_path / "scan.png")
     with Image.open(tmp_path / "scan.png") as small:
-        assert small.size == (1200, 450)
+        assert small.size == (1344, 504)
     assert shrunk.stated_digest(tmp_path / "scan.png") == drawing_code.digest(shrunk.drawers()["scan.png"])
     assert shrunk.stated_digest(tmp_path / "large.png") is None
 

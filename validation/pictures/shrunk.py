@@ -12,7 +12,7 @@ from validation.case import ROOT
 from validation.pictures.drawing_code import ROOM, digest
 
 IMAGES = ROOT / "docs" / "images"
-SCALE, COLORS = 0.5, 64
+SCALE, COLORS = 0.56, 96
 """Size of a picture, in parts of the printed figure's, and how many colours it keeps."""
 
 KEY = "digest of the code that drew it"
@@ -49,7 +49,7 @@ def shrink(figure: Path, picture: Path) -> None:
         size = round(SCALE * whole.width), round(SCALE * whole.height)
         small = whole.convert("RGB").resize(size, Image.Resampling.LANCZOS)
     with replacing(picture) as temporary:
-        few = small.quantize(COLORS, dither=Image.Dither.NONE)
+        few = small.quantize(COLORS, Image.Quantize.MAXCOVERAGE, kmeans=2, dither=Image.Dither.NONE)
         few.save(temporary, format="PNG", optimize=True, pnginfo=text)
 
 
