@@ -11,6 +11,7 @@ from support import REPOSITORY
 from opml.base.errors import InputError
 from opml.figures import explore
 from validation.pictures import drawing_code, shrunk
+from validation.pictures.__main__ import main
 
 IMAGES = sorted(path.relative_to(shrunk.IMAGES).as_posix() for path in shrunk.IMAGES.rglob("*.*"))
 NOTEBOOKS = [image for image in IMAGES if image.startswith("notebook_")]
@@ -152,3 +153,22 @@ def test_a_picture_is_small_and_states_its_code(tmp_path, monkeypatch):
 def test_a_picture_that_nobody_draws_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"docs/images/new\.png: expected a row of CONTRIBUTING\.md"):
         shrunk.shrink(tmp_path / "large.png", shrunk.IMAGES / "new.png")
+
+
+def test_a_folder_of_figures_becomes_the_listed_pictures(tmp_path, monkeypatch):
+    figures, pictures = tmp_path / "figs", tmp_path / "images"
+    (pictures / "paper").mkdir(parents=True)
+    figures.mkdir()
+    monkeypatch.setattr(shrunk, "IMAGES", pictures)
+    for name in shrunk.drawers():
+        if name.startswith("paper/"):
+            Image.new("RGB", (20, 10), "white").save(figures / name.removeprefix("paper/"))
+    Image.new("RGB", (20, 10), "white").save(figures / "unlisted.png")
+    main([str(figures), str(pictures / "paper")])
+    made = {path.relative_to(pictures).as_posix() for path in pictures.rglob("*.png")}
+    assert made == {name for name in shrunk.drawers() if name.startswith("paper/")}
+    (figures / "rso_grid.png").unlink()
+    with pytest.raises(
+        SystemExit, match=r"opml: .*rso_grid\.png: expected a figure of a finished run, got none"
+    ):
+        main([str(figures), str(pictures / "paper")])

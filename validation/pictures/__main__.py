@@ -7,24 +7,30 @@ Of a folder, those figures are taken that are listed as pictures of the other fo
 """
 
 import argparse
+import sys
 from pathlib import Path
 
-from validation.pictures.shrunk import IMAGES, drawers, shrink
+from opml.base.errors import InputError
+from validation.pictures import shrunk
 
 
-def main() -> None:
-    """Shrink a figure, or those of a folder."""
+def main(arguments: list[str] | None = None) -> None:
+    """Shrink a figure, or those of a folder; arguments: of the command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("figures", type=Path, help="folder of figures, or one figure")
     parser.add_argument("pictures", type=Path, help="folder of pictures, or one picture")
-    asked = parser.parse_args()
+    asked = parser.parse_args(arguments)
     pairs = [(asked.figures, asked.pictures)]
     if asked.figures.is_dir():
-        listed = (IMAGES / name for name in drawers() if (IMAGES / name).parent == asked.pictures.resolve())
-        pairs = [(asked.figures / picture.name, picture) for picture in listed]
-    for figure, picture in pairs:
-        shrink(figure, picture)
-        print(picture)
+        folder = asked.pictures.resolve()
+        listed = (shrunk.IMAGES / name for name in shrunk.drawers())
+        pairs = [(asked.figures / path.name, path) for path in listed if path.parent == folder]
+    try:
+        for figure, picture in pairs:
+            shrunk.shrink(figure, picture)
+            print(picture)
+    except InputError as error:
+        sys.exit(f"opml: {error}")
 
 
 if __name__ == "__main__":

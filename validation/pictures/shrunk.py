@@ -38,11 +38,13 @@ def drawers() -> dict[str, str]:
 def shrink(figure: Path, picture: Path) -> None:
     """Write a figure as small as a screen needs it, with the digest of the code that draws it today.
 
-    Raises InputError where no function is named that draws it.
+    Raises InputError where there is no such figure, or no function is named that draws it.
     """
     name = picture.resolve().relative_to(IMAGES).as_posix()
     if name not in drawers():
         raise InputError(f"docs/images/{name}: expected a row of CONTRIBUTING.md on what draws it, got none")
+    if not figure.is_file():
+        raise InputError(f"{figure}: expected a figure of a finished run, got none")
     text = PngInfo()
     text.add_text(KEY, digest(drawers()[name]))
     with Image.open(figure) as whole:
