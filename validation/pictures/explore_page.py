@@ -6,10 +6,12 @@ Plotly lies beside the page in the site, as it is larger than all else.
 """
 
 import argparse
+import sys
 from pathlib import Path
 
 from plotly.offline import get_plotlyjs
 
+from opml.base.errors import InputError
 from opml.base.files import replacing
 from opml.figures import explore
 from opml.figures.axis_labels import clauses
@@ -51,7 +53,10 @@ def main() -> None:
     """Write the page."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("results", type=Path, help="folder with the folder of results of `swarm`")
-    text = explore_page(Satellite.read("swarm", parser.parse_args().results))
+    try:
+        text = explore_page(Satellite.read("swarm", parser.parse_args().results))
+    except InputError as error:
+        sys.exit(f"opml: {error}")
     with replacing(PAGE) as temporary:
         temporary.write_text(text, encoding="utf-8")
 

@@ -7,6 +7,7 @@ first one the replay of `svr`, which no study makes by itself.
 """
 
 import argparse
+import sys
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,8 +15,10 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 
 from opml.base.constants import WGS84_A
+from opml.base.errors import InputError
 from opml.figures import real_satellites as figures
 from opml.figures.display_names import display_rso
 from opml.figures.reliability import coverage_curves
@@ -105,13 +108,13 @@ class Satellite:
         return replay.merge(pairs, on=["i", "j"])
 
 
-def main() -> None:
-    """Draw the three pictures."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("results", type=Path, help="folder with a folder of results for each study")
-    satellites = [Satellite.read(name, parser.parse_args().results) for name in NAMES]
-    first = satellites[0]
-    drawn = {
+def pictures(results: Path) -> dict[str, Figure]:
+    """Return the figures by the picture's name; results: the folder with a folder for each study."""
+    satellites = [Satellite.read(name, results) for name in NAMES]
+    first, days = satellites[0], satellites[0].study.report.durations
+    replayed = {one.title: one.mornings.flown for one in satellites}
+    fits = {f"{one.name}, the fit's own": one.fit for one in satellites[:2]}
+    return {
         "swarm": figures.headline(
             f"{first.name}, September 2019",
             first.tables | {figures.PAPER: first.beside(first.replay("svr"))},
@@ -123,14 +126,21 @@ def main() -> None:
             note=NOTE,
         ),
         "ellipsoids": coverage_curves(
-            calibration.of_replays(
-                {one.title: one.mornings.flown for one in satellites}, days=first.study.report.durations
-            )
-            | {f"{one.name}, the fit's own": one.fit for one in satellites[:2]},
+            calibration.of_replays(replayed, days=days) | fits,
             quantity=ELLIPSOID,
             note="chosen by the past each morning, and before correction with the fit's own covariance",
         ),
     }
+
+
+def main() -> None:
+    """Draw the three pictures."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("results", type=Path, help="folder with a folder of results for each study")
+    try:
+        drawn = pictures(parser.parse_args().results)
+    except InputError as error:
+        sys.exit(f"opml: {error}")
     with TemporaryDirectory() as folder:
         for name, figure in drawn.items():
             whole = Path(folder) / f"{name}.png"
