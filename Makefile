@@ -3,6 +3,7 @@
 # make test   all tests, of the documentation's site too, and how much of the package they reach
 # make faults runs that are killed and damaged at 600 random moments (an hour and a half)
 # make docs   the documentation as a site, in build/site
+# make pictures   the paper's figures in the documentation, from a full run (half an hour): docs/images/paper
 # make wheel  the package as others install it, in build/wheel
 # make crate [CONFIGFILE=mine.yaml]   a finished run as one archive that tells its making (RO-Crate)
 # make validate OREKIT_DATA=<folder>   the dynamics beside Orekit's (half an hour): docs/validation.md
@@ -25,7 +26,7 @@ MAKE_VENV := $(UV) venv --quiet --seed --allow-existing --python $(PYTHON)
 INSTALL := $(UV) pip install --quiet --python $(BIN)/python
 endif
 
-.PHONY: all check test faults lint docs wheel crate validate weather bench clean
+.PHONY: all check test faults lint docs pictures wheel crate validate weather bench clean
 
 all: $(INSTALLED)
 	$(BIN)/snakemake -j2 results/figs/partition_curve.pdf
@@ -60,6 +61,10 @@ docs: $(VENV)/.docs
 $(VENV)/.docs: $(INSTALLED) requirements-docs.lock
 	$(INSTALL) --constraint requirements.lock --requirement requirements-docs.lock
 	touch $@
+
+pictures: $(INSTALLED)
+	$(BIN)/snakemake -j2 default beyond
+	$(BIN)/python -m validation.pictures results/figs docs/images/paper
 
 wheel: $(INSTALLED)
 	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir build/wheel .

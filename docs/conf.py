@@ -28,6 +28,7 @@ INCLUDED = {
     "config/keys.md": "keys.md",
     "src/opml/data/README.md": "sources.md",
 }
+PLOTLY = Path(find_spec("plotly").origin).with_name("package_data") / "plotly.min.js"
 FONTS = Path(find_spec("ziamath").origin).with_name("fonts")  # a wheel with STIX Two Math
 LINK = re.compile(r"\]\((?!\w+:|#)([^)\s#]+)")
 IMAGE = re.compile(r'<img [^>]*src="([^"]+)"[^>]*>')
@@ -49,7 +50,7 @@ maximum_signature_line_length = 80
 
 html_theme = "furo"
 html_title = "opml"
-html_static_path = ["static", str(FONTS)]
+html_static_path = ["static", str(FONTS), str(PLOTLY)]
 html_css_files = ["opml.css"]
 html_math_renderer = "mathml"
 html_copy_source = False

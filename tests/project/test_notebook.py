@@ -6,12 +6,17 @@ import re
 
 import jupytext
 import matplotlib
+import numpy as np
 import pytest
+from PIL import Image, ImageChops
 from support import REPOSITORY
 
 PAGE = REPOSITORY / "docs" / "notebook.md"
 TEXT = PAGE.read_text(encoding="utf-8")
 CELLS = re.findall(r"^```python\n(.*?)^```\n(?:\n```text\n(.*?)^```\n)?", TEXT, re.MULTILINE | re.DOTALL)
+
+FAR = 1.0
+"""Mean difference of two pictures' colours, of 255: more than another processor's last digits make."""
 
 
 def cells(path):
@@ -50,3 +55,11 @@ def test_each_cell_prints_what_the_page_says(run):
 def test_the_figures_that_it_draws_are_those_of_the_page(run):
     shown = re.findall(r"\]\(images/([^)]+)\)", TEXT)
     assert sorted(path.name for path in run[1].iterdir()) == sorted(shown)
+    for name in shown:
+        drawn, committed = (
+            Image.open(folder / name).convert("RGB") for folder in (run[1], PAGE.parent / "images")
+        )
+        assert drawn.size == committed.size, name
+        assert np.mean(ImageChops.difference(drawn, committed)) < FAR, (
+            f"{name}: run jupytext as CONTRIBUTING.md tells"
+        )

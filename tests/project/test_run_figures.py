@@ -1,10 +1,9 @@
-"""Pictures of a finished run on the page of figures: their captions, and their size."""
+"""Pictures of the paper's study on the page of figures: their captions."""
 
 import importlib.util
 import re
 
 import pytest
-from PIL import Image
 from support import REPOSITORY
 
 PAGE = (REPOSITORY / "docs" / "figures.md").read_text(encoding="utf-8")
@@ -22,7 +21,7 @@ def run_figures():
 
 @pytest.mark.parametrize("listed", LISTED, ids=lambda listed: listed[0])
 def test_each_picture_has_the_caption_of_the_report(run_figures, listed):
-    figure, *text = listed
+    figure, _, *text = listed
     caption = run_figures.caption(text[0] if text else figure, figure)
     assert len(caption.split()) > 10
     assert not re.search(r"[{}]|None|  ", caption)
@@ -32,13 +31,6 @@ def test_captions_tell_the_paper_s_numbers(run_figures):
     assert "P_ML is\n35.5 %" in run_figures.caption("svr", "future_10days_signed")
     assert "training on 40 % of it" in run_figures.caption("partition", "partition_40")
     assert "P_ML" not in run_figures.caption("svr", "future_5days_absolute")
-
-
-def test_a_picture_is_as_wide_as_a_screen(run_figures, tmp_path):
-    Image.new("RGB", (2400, 900), "white").save(tmp_path / "large.png")
-    run_figures.shrink(tmp_path / "large.png", tmp_path / "site" / "small.png")
-    with Image.open(tmp_path / "site" / "small.png") as small:
-        assert small.size == (run_figures.PIXELS, 450)
 
 
 def test_the_table_names_the_files_that_are_shown():

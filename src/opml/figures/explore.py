@@ -28,6 +28,7 @@ from opml.figures.style import (
     TRACK_COLOR,
     TRUE_COLOR,
 )
+from opml.figures.ticks import metres
 from opml.orbits.sheets import Station
 
 _MOST = 150
@@ -47,6 +48,7 @@ NARROW = {
     "legend.y": -0.26,
     "legend.yanchor": "top",
     "sliders[0].len": 1.0,
+    "sliders[0].currentvalue.font.size": 11,
     "title.font.size": 11,
     "height": 1000,
 }
@@ -58,6 +60,9 @@ DASHES = ("solid", "dash", "dot", "dashdot")
 """Looks of the models: a color and a dash together belong to one."""
 
 HEAD = '<head><meta name="viewport" content="width=device-width, initial-scale=1"><title>{title}</title>'
+HOW = "Turn the orbit, move the slider to another estimate,<br>click a model in the legend."
+"""What a visitor can do."""
+
 EARTH, PATH, START, BEFORE = "Earth", "its next 95 minutes", "estimate", "no correction"
 
 
@@ -233,7 +238,7 @@ def _layout(evaluations: Mapping[str, pd.DataFrame], component: str, note: str) 
     hidden, symbol = {"visible": False}, f"e<sub>{axis(component)}</sub>"
     return {
         "template": "simple_white",
-        "title": {"text": note.replace("; ", "<br>"), "font": {"size": 14, "color": PUBLISHED}},
+        "title": {"text": "<br>".join([*note.split("; "), HOW]), "font": {"size": 14, "color": PUBLISHED}},
         "scene": {
             "domain": {"x": [0.0, 0.46], "y": [0.0, 1.0]},
             "aspectmode": "data",
@@ -248,15 +253,23 @@ def _layout(evaluations: Mapping[str, pd.DataFrame], component: str, note: str) 
         "yaxis": {
             "type": "log",
             "range": [float(low), float(high) + 0.1],
-            "title": {"text": f"{in_words(component)} |{symbol}| [{si_unit(component)}]"},
-            "exponentformat": "power",
+            "title": {
+                "text": f"{in_words(component)} |{symbol}| [{si_unit(component)}]".removesuffix(" [m]")
+            },
             "showgrid": True,
-            "dtick": 1,
+            **_ticks(component),
         },
         "legend": {"x": 0.56, "xanchor": "left", "y": -0.18, "yanchor": "top", "orientation": "h"},
         "margin": {"t": 90, "l": 10, "r": 20},
         "height": 640,
     }
+
+
+def _ticks(component: str) -> dict[str, Any]:
+    """Return marks at powers of ten on an axis of sizes, as 100 m and 10 km where it is one of lengths."""
+    sizes = [10.0**power for power in range(-4, 8)]
+    is_length = si_unit(component) == "m"
+    return {"tickvals": sizes, "ticktext": [metres(size) if is_length else f"{size:g}" for size in sizes]}
 
 
 def _labels(t: pd.Series, epoch: str) -> list[str]:
@@ -277,10 +290,11 @@ def _slider(
         }
         for label, traces in zip(labels, moving, strict=True)
     ]
-    current = {"prefix": "estimate at day ", "font": {"size": 14}}
+    current = {"prefix": "estimate at day ", "font": {"size": 14, "color": TRUE_COLOR}}
     return {
         "steps": steps,
         "currentvalue": current,
+        "font": {"color": "rgba(0, 0, 0, 0)"},  # of the steps: too long to stand below a slider
         "pad": {"t": 50},
         "len": 0.46,
         "ticklen": 0,

@@ -14,6 +14,7 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.figures.axis_labels import P_ML, lines, si_unit, size_label
 from opml.figures.display_names import display_learner
+from opml.figures.line_ends import name_ends
 from opml.figures.prediction_errors import DURATION_LABEL
 from opml.figures.style import (
     MARKERS,
@@ -49,9 +50,6 @@ UNCORRECTED_NOTE = "errors without correction: medians and middle halves by a pr
 
 BASELINE = PREDICTED_COLOR
 """Colour of the models beside the one that a figure shows."""
-
-LABEL_STEP = 0.05
-"""Least distance of names at the ends of lines, in parts of the axis: a line of their type."""
 
 OUTSIDE = 0.3
 """Room above and below the middle 90 % of the estimates of Cd, in parts of their range."""
@@ -110,7 +108,8 @@ def residuals(mornings: Mornings, *, laws: Collection[str], note: str = "") -> F
     axes.set_xlim(0.0, before.index[-1])
     axes.set_xlabel(DURATION_LABEL)
     axes.set_ylabel(_size_label("e_y"))
-    _name_ends(axes, {name: float(medians[name].iloc[-1]) for name in named})
+    ends = {display_learner(name): float(medians[name].iloc[-1]) for name in named}
+    name_ends(axes, ends, dict.fromkeys(ends, BASELINE))
     reading = "lines: medians, in grey of the other models; bands: the middle 50 % and 90 % of the errors"
     legend(figure, columns=4, note=lines(note, reading))
     return figure
@@ -146,42 +145,6 @@ def _draw_bands(axes: Axes, percentiles: pd.DataFrame, color: str, marker: str, 
     axes.fill_between(days, percentiles["25"], percentiles["75"], color=color, alpha=0.25, lw=0.0)
     look: dict[str, Any] = {"ms": 3.5, "zorder": 3.0, "label": label, "clip_on": False}
     axes.plot(days, percentiles["50"], f"{marker}-", color=color, **look)
-
-
-def _name_ends(axes: Axes, ends: Mapping[str, float]) -> None:
-    """Write the names of lines at their right ends, pushed apart on the logarithmic axis."""
-    low, high = np.log10(axes.get_ylim())
-    names = sorted(ends, key=ends.__getitem__)
-    places = _push_apart([ends[name] for name in names], LABEL_STEP * (high - low))
-    for name, place in zip(names, places, strict=True):
-        axes.annotate(
-            display_learner(name),
-            (1.0, ends[name]),
-            xycoords=axes.get_yaxis_transform(),
-            xytext=(1.05, place),
-            textcoords=axes.get_yaxis_transform(),
-            arrowprops={
-                "arrowstyle": "-",
-                "color": BASELINE,
-                "lw": 0.5,
-                "shrinkA": 0.0,
-                "shrinkB": 1.0,
-                "relpos": (0.0, 0.5),
-            },
-            fontsize=NOTE_SIZE,
-            color=BASELINE,
-            va="center",
-            annotation_clip=False,
-        )
-
-
-def _push_apart(values: Sequence[float], least: float) -> np.ndarray:
-    """Return ascending values moved as far apart as `least` [powers of ten], as many up as down."""
-    wanted = np.log10(np.asarray(values, float))
-    steps = least * np.arange(len(wanted))
-    apart = np.maximum.accumulate(wanted - steps) + steps
-    places: np.ndarray = 10.0 ** (apart - np.mean(apart - wanted) if len(wanted) else apart)
-    return places
 
 
 def _size_label(component: str) -> str:

@@ -214,7 +214,7 @@ def _rows(metrics: pd.DataFrame) -> str:
 
 def _label(axes: Axes, component: str) -> None:
     """Name the axis of P_ML; no correction is marked where it is in range."""
-    axes.set_ylabel(f"{P_ML} of the {in_words(component)} {symbol(component)} [%]")
+    axes.set_ylabel(f"{P_ML} of the\n{in_words(component)} {symbol(component)} [%]")
     axes.set_ylim(bottom=0.0)
     if axes.get_ylim()[1] > NO_CORRECTION:
         axes.axhline(NO_CORRECTION, color=MUTED, ls="--", lw=1.0, zorder=1, label="no correction")

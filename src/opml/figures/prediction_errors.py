@@ -67,6 +67,9 @@ DECADES = 4.5
 HEADROOM = 0.16
 """Room above error bars that their P_ML stands in, in parts of the axis."""
 
+LINES_OF_COUNTS = "\n\n"
+"""What keeps an RSO's name above the counts on the right of its panel, which may be as long as the panel."""
+
 BARS = "bars: mean and standard deviation in clusters of a quarter of a day"
 """Note on error bars."""
 
@@ -182,7 +185,7 @@ def rso_grid(
     if not evaluations:
         raise InputError("grid of RSOs: expected at least one evaluation, got none")
     contexts = contexts or {}
-    names = {display_rso(rso): rso for rso in evaluations}
+    names = {f"{display_rso(rso)}{LINES_OF_COUNTS}": rso for rso in evaluations}
 
     def draw(axes: Axes, title: str) -> None:
         rso = names[title]

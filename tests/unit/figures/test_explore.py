@@ -81,6 +81,8 @@ def test_the_page_needs_nothing_else_and_is_the_same_each_time(tables):
     assert '<html lang="en">' in text
     assert '<meta name="viewport" content="width=device-width' in text[:200]
     assert "<title>iss by radar</title>" in text
+    assert "iss by radar\\u003cbr\\u003eTurn the orbit" in text
+    assert '"100 m","1 km"' in text
     assert "0.60, 2019-09-03 14:24 UTC" in text  # the estimate in the middle
     assert '"active":2' in text
     assert not re.search(r'<(?:script|link)[^>]+(?:src|href)="http', text)

@@ -163,7 +163,8 @@ def test_units_follow_the_component(evaluation):
 def test_grid_has_a_panel_each(evaluation):
     half = evaluation.assign(predicted=evaluation["true"] / 2, residual=evaluation["true"] / 2)
     figure = prediction_errors.rso_grid({"SWARM-A": evaluation, "LARES": half, "LAGEOS-1": evaluation})
-    assert [axes.get_title(loc="left") for axes in figure.axes] == ["SWARM-A", "LARES", "LAGEOS-1"]
+    titles = [axes.get_title(loc="left").splitlines() for axes in figure.axes]
+    assert titles == [["SWARM-A", ""], ["LARES", ""], ["LAGEOS-1", ""]]
     assert [text.split("= ")[1] for text in texts(figure)] == ["21.5 %", "50.0 %", "21.5 %"]
     assert bars(figure.axes[1])[r"residual $e_{\mathrm{res}}$"][1] == pytest.approx([1.5, 5.0])
     with pytest.raises(InputError, match="at least one evaluation"):

@@ -1,0 +1,1 @@
+"""Pictures of the documentation: drawn, shrunk for a screen, and marked with a digest of what draws them."""

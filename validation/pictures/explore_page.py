@@ -1,0 +1,65 @@
+"""Write the site's page to explore, docs/static/explore.html: Swarm A and a handful of models.
+
+    python -m validation.pictures.explore_page results
+
+Plotly lies beside the page in the site, as it is larger than all else.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+from plotly.offline import get_plotlyjs
+
+from opml.base.errors import InputError
+from opml.base.files import replacing
+from opml.figures import explore
+from opml.figures.axis_labels import clauses
+from opml.figures.display_names import describe_run
+from opml.figures.ground import ObservedOrbit
+from opml.tables import read_table
+from validation.case import ROOT
+from validation.pictures.real_satellites import Satellite
+
+PAGE = ROOT / "docs" / "static" / "explore.html"
+LEARNERS = ("svr", "mechanism", "fit48", "filter", "running24m3")
+"""Models of the page; the last one is shown first."""
+
+
+def explore_page(satellite: Satellite) -> str:
+    """Return the page of a satellite as HTML, with plotly as a file beside it."""
+    study, results = satellite.study, satellite.results
+    ((rso, stations),) = study.datasets
+    train, test = study.splits[study.shown]
+    settings = study.study.settings
+    orbit = ObservedOrbit(
+        read_table(results / "truth" / f"{rso}.parquet", "truth"),
+        read_table(results / "environment" / "earth_orientation.parquet", "earth_orientation"),
+        [settings.stations[name] for name in stations.split("-")],
+    )
+    models = results / "evaluation" / rso / stations / train
+    whole = explore.page(
+        orbit,
+        {name: read_table(models / name / f"e_y/{rso}/{test}.parquet", "evaluation") for name in LEARNERS},
+        read_table(results / "dataset" / rso / f"{stations}.parquet", "dataset"),
+        component="e_y",
+        epoch=settings.values["epoch"],
+        note=clauses(describe_run({"rso": rso, "stations": stations}), "models trained on days 0 to 18"),
+    )
+    return whole.replace(f"<script>{get_plotlyjs()}</script>", '<script src="plotly.min.js"></script>')
+
+
+def main() -> None:
+    """Write the page."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("results", type=Path, help="folder with the folder of results of `swarm`")
+    try:
+        text = explore_page(Satellite.read("swarm", parser.parse_args().results))
+    except InputError as error:
+        sys.exit(f"opml: {error}")
+    with replacing(PAGE) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
