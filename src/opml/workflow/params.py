@@ -164,6 +164,10 @@ class Params:
             "stretch_hours": fixing.stretch_hours,
         }
 
+    def history(self, wildcards: Wildcards) -> dict[str, Any]:
+        """Return how the history of mean elements of the wildcard `rso` is taken."""
+        return self.plan.settings.history(wildcards.rso).model_dump()
+
     def split(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the training split and its seed."""
         default = self.plan.seeds["split"]
