@@ -156,7 +156,7 @@ def test_what_each_kind_is_worth_on_what_it_can_learn(models):
     assert left["repredicted"] == pytest.approx(mechanism_leaves)
     assert left["linear_law"] == pytest.approx(mechanism_leaves, abs=0.01)
     assert left["running"] == pytest.approx(mechanism_leaves)
-    for kind, share in (("refitted", 0.5), ("held", 0.8), ("thermometer", 0.9)):
+    for kind, share in (("refitted", 0.5), ("held", 0.8), ("thermometer", 0.9), ("sgp4", -2.0)):
         assert left[kind] == pytest.approx(np.abs(y - share * new["r_y"]).sum() / np.abs(y).sum())
     assert left["stacked"] < 0.5 * left["linear_law"]
     assert left["linear_law"] < left["boosting"] < left["ridge"] < 1.0

@@ -8,7 +8,8 @@ and across it (RSW). Points are gathered in tracks, as measurements of radars ar
   points of a set reach behind the epoch of the set before it, and are known when the set is made.
 
 Residuals are measured less predicted, turned to RSW of the orbit tried. Their axes count as fixed while a fit
-takes a step: a residual of 10 km turns with them by a thousandth of the step.
+takes a step: a residual of 10 km turns with them by a thousandth of the step. Neighbouring arcs part by a
+kilometre along the track in days, where the orbit bends by decimetres. That bend is none of the derivative.
 """
 
 from collections.abc import Sequence
@@ -65,7 +66,9 @@ class Fixes(Measurements):
         axes = rsw_rotation(at_rows[0])
         paths, sigmas = at_rows[..., : self.numbers], self.sigmas[rows]
         residual = _in_axes(axes, self.values[rows] - paths[0]) / sigmas
-        weighted = _in_axes(axes, paths[1:] - paths[0]) / sigmas / NUDGES[:, None, None]
+        shifts = _in_axes(axes, paths[1:] - paths[0])
+        shifts[..., 0] += _bend(shifts, np.linalg.norm(paths[0][:, :3], axis=1))
+        weighted = shifts / sigmas / NUDGES[:, None, None]
         return Evaluation(residual.ravel(), weighted.reshape(len(NUDGES), -1).T)
 
 
@@ -74,6 +77,12 @@ def _in_axes(axes: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     parts = vectors.reshape(*vectors.shape[:-1], -1, 3)
     turned: np.ndarray = np.einsum("nij,...nkj->...nki", axes, parts).reshape(vectors.shape)
     return turned
+
+
+def _bend(shifts: np.ndarray, radius: np.ndarray) -> np.ndarray:
+    """Return how far a circle of the radius (n,) falls behind its tangent at shifts (..., n, 3 or 6) in RSW."""
+    fall: np.ndarray = np.sum(shifts[..., 1:3] ** 2, axis=-1) / (2.0 * radius)
+    return fall
 
 
 def read(files: Any, stations: Sequence[Station]) -> Measurements:
