@@ -6,6 +6,7 @@ from dataclasses import MISSING, asdict, fields, replace
 
 import pytest
 import yaml
+from element_histories import history, tle_text
 from jsonschema import Draft202012Validator
 from support import EXCERPTS, REPOSITORY, paper_source, paper_values, setting_keys, study_of
 
@@ -17,6 +18,7 @@ from opml.catalog.predict.thermometer import Thermometer
 from opml.dynamics.ensemble import Integrator
 from opml.study import checks
 from opml.study.experiments import ROLLING, Study
+from opml.study.own_study import OwnStudy
 from opml.study.settings import documents
 from opml.study.settings.json_schema import json_schema
 from opml.study.settings.merging import merged, with_sheets
@@ -719,22 +721,12 @@ def test_no_learner_of_fixes_asks_for_what_stations_measure(tmp_path):
     assert "learners.ridge.variables: expected variables that fixes have, too, got elevation_max" in refusal
 
 
-TLES = [
-    "1 25544U 98067A   16273.03442361  .00003421  00000-0  59245-4 0  9990",
-    "2 25544  51.6447 263.7421 0006793 345.4559  14.5438 15.54019233 20745",
-]
 ELEMENTS = TRACKS.replace('tracks: {{mine: "*.tdm"}}', "elements: {{mine: sets.tle}}")
 
 
-def sets_of(numbers=(25544,), days=(273, 274, 275, 276)):
-    """TLEs of objects at noon of days of 2016."""
-    lines = []
-    for number in numbers:
-        for day in days:
-            first = f"1 {number:05d}U 98067A   16{day}.50000000  .00003421  00000-0  59245-4 0  999"
-            second = TLES[1][:68].replace("25544", f"{number:05d}", 1)
-            lines += [line + str(tle._checksum(line)) for line in (first, second)]
-    return "\n".join(lines) + "\n"
+def sets_of(*numbers, days=(1, 2, 3, 4)):
+    """TLEs of objects at days since the epoch."""
+    return "".join(tle_text(history(days), number) for number in numbers or [25544])
 
 
 def with_elements(tmp_path, *lines, content=None):
@@ -760,16 +752,28 @@ def test_mean_elements_stand_where_tracks_do_with_windows_of_their_own(tmp_path)
 @pytest.mark.parametrize(
     ("lines", "content", "said"),
     [
-        ([], sets_of().replace("51.6447", "51.6448"), "elements.mine: {folder}/sets.tle: line 2: expected the"),
-        ([], sets_of([25544, 48445]), "expected a number that tells which object, got objects 25544, 48445"),
-        (["histories: {mine: {number: 5}}"], None, "elements.mine: element sets: expected object 5, got 25544"),
+        (
+            [],
+            sets_of().replace("51.6400", "51.6401"),
+            "elements.mine: {folder}/sets.tle: line 2: expected the",
+        ),
+        ([], sets_of(25544, 48445), "expected a number that tells which object, got objects 25544, 48445"),
+        (
+            ["histories: {mine: {number: 5}}"],
+            None,
+            "elements.mine: element sets: expected object 5, got 25544",
+        ),
         (["histories: {iss: {number: 5}}"], None, "histories.iss: expected an RSO that has elements"),
-        (["histories: {mine: {number: 0}}"], None, "histories.mine.number: expected a catalogue number from 1"),
-        ([], sets_of(days=(101, 102)), "elements.mine: element sets: expected 3 sets or more within the run"),
+        (
+            ["histories: {mine: {number: 0}}"],
+            None,
+            "histories.mine.number: expected a catalogue number from 1",
+        ),
+        ([], sets_of(days=(1, 2)), "elements.mine: element sets: expected 3 sets or more within the run"),
         (
             ["estimation: {window_hours: 48}"],
             None,
-            "estimation.window_hours: expected a window that holds 3 sets of mine or more, 24.0 h apart, got 48",
+            "window_hours: expected a window that holds 3 sets of mine or more, 24.0 h apart, got 48",
         ),
         (["tracks: {mine: sets.tle}"], None, "tracks.mine: "),
     ],
@@ -781,7 +785,7 @@ def test_mean_elements_that_do_not_fit_are_told_in_one_line(tmp_path, lines, con
 
 
 def test_damaged_sets_are_left_out_where_asked_for(tmp_path):
-    damaged = sets_of() + sets_of(days=(277,)).replace("51.6447", "51.6448")
+    damaged = sets_of() + sets_of(days=(5,)).replace("51.6400", "51.6401")
     checked(with_elements(tmp_path, "histories: {mine: {leave_out_damaged: true}}", content=damaged))
 
 
@@ -789,8 +793,16 @@ def test_damaged_sets_are_left_out_where_asked_for(tmp_path):
     ("kind", "study", "said"),
     [
         ("elements", "{rsos: [mine], learners: [filter]}", "study.learners: expected fits over windows, as"),
-        ("elements", "{rsos: [mine], replayed: [filtermean]}", "study.replayed: expected fits over windows, as"),
-        ("fixes", "{rsos: [mine], learners: [sgp4]}", "study.learners: expected RSOs that have elements for sgp4"),
+        (
+            "elements",
+            "{rsos: [mine], replayed: [filtermean]}",
+            "study.replayed: expected fits over windows, as",
+        ),
+        (
+            "fixes",
+            "{rsos: [mine], learners: [sgp4]}",
+            "study.learners: expected RSOs that have elements for sgp4",
+        ),
     ],
 )
 def test_learners_suit_mean_elements(tmp_path, kind, study, said):

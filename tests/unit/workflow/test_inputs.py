@@ -89,7 +89,9 @@ def inputs(**changes):
 
 def user_inputs():
     """Inputs of a run where `flown` has an orbit from a file, `mine` measured tracks and `placed` fixes."""
-    return inputs(rsos=dict.fromkeys(["flown", "mine", "placed", "judged"], BODY), study={"rsos": ["mine"]}, **USERS)
+    return inputs(
+        rsos=dict.fromkeys(["flown", "mine", "placed", "judged"], BODY), study={"rsos": ["mine"]}, **USERS
+    )
 
 
 def test_a_product_says_all_its_paths():

@@ -80,7 +80,7 @@ def _in_axes(axes: np.ndarray, vectors: np.ndarray) -> np.ndarray:
 
 
 def _bend(shifts: np.ndarray, radius: np.ndarray) -> np.ndarray:
-    """Return how far a circle of the radius (n,) falls behind its tangent at shifts (..., n, 3 or 6) in RSW."""
+    """Return how far circles (n,) fall behind their tangents at shifts (..., n, 3 or 6) in RSW."""
     fall: np.ndarray = np.sum(shifts[..., 1:3] ** 2, axis=-1) / (2.0 * radius)
     return fall
 

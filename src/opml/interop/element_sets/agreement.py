@@ -69,7 +69,7 @@ class _Past:
         if self.usual is None:
             return bool(np.isfinite(distance).all())
         growth = max(1.0, gap / float(np.median(self.gaps[-_RECENT:]))) ** 2
-        return bool((distance <= GROSS * growth * self.usual).all())
+        return bool(np.linalg.norm(distance) <= GROSS * growth * np.linalg.norm(self.usual))
 
 
 def weighed(
