@@ -105,7 +105,11 @@ def test_sets_of_mean_elements_are_read_weighed_and_flown_as_the_settings_say(ta
 def test_sgp4_is_held_against_predictions(taken, tmp_path):
     sets = history([1.0, 2.0])
     write_table(tmp_path / "sets.parquet", sets, "element_sets", metadata={})
-    flown = {name: [float(1 + k)] for k, name in enumerate(SCHEMAS["predictions"].names) if name not in ("i", "j", "reason")}
+    flown = {
+        name: [float(1 + k)]
+        for k, name in enumerate(SCHEMAS["predictions"].names)
+        if name not in ("i", "j", "reason")
+    }
     pairs = pd.DataFrame(flown | {"i": [0], "j": [1], "t_i": [DAY], "t_j": [2 * DAY], "reason": [""]})
     write_table(tmp_path / "predictions.parquet", pairs, "predictions", metadata={})
     names = {name: str(tmp_path / f"{name}.parquet") for name in ("predictions", "sets")}
