@@ -46,8 +46,14 @@ def check(source: Source, settings: Settings) -> None:
 
 
 def check_learners(source: Source, study: Study) -> None:
-    """Raise InputError where a study asks for SGP4 without mean elements, or for a filter with them."""
-    has_elements = all(study.has_elements(rso) for rso in study.rsos)
+    """Raise InputError where a study asks for SGP4 without mean elements, or for a filter with them.
+
+    Its RSOs all have mean elements, or none has.
+    """
+    has_elements = study.has_elements(study.rsos[0])
+    for rso in study.rsos:
+        if study.has_elements(rso) != has_elements:
+            raise source.wrong(("study", "rsos"), f"expected RSOs that all have elements, or none, got {rso}")
     for key, names in _learners_named(study.settings.asked):
         for name in names:
             kind = naming.parse_learner(name, study.learners)["kind"]

@@ -81,8 +81,7 @@ class OwnStudy:
     @cached_property
     def learners(self) -> list[str]:
         """The models that are compared."""
-        has_elements = any(self.study.has_elements(rso) for rso in self.study.rsos)
-        models = MODELS_OF_ELEMENTS if has_elements else MODELS
+        models = MODELS_OF_ELEMENTS if self.study.has_elements(self.study.rsos[0]) else MODELS
         known = [name for name in models if name in self.study.learners]
         return list(self.study.settings.asked.get("learners") or known)
 

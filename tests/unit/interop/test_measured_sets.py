@@ -62,6 +62,15 @@ def test_sets_that_disagree_are_left_out_and_told(ahead, left_out, caplog):
     assert all(line in message for line, message in zip(lines, caplog.messages, strict=True))
 
 
+def test_a_new_past_begins_where_many_in_a_row_agree_with_none(caplog):
+    raised = {float(day): 30e3 * day for day in range(8, 30)}
+    worth = weighed(history(np.arange(1.0, 30.0), noise=100.0, ahead=raised))
+    assert worth["counts"].iloc[:7].all()
+    assert not worth["counts"].iloc[7:11].any()
+    assert worth["counts"].iloc[11:].all()
+    assert worth["sigma_s"].iloc[-1] > 100.0 * worth["sigma_s"].iloc[6]
+
+
 def test_a_long_gap_makes_larger_disagreements_usual():
     days = np.append(DAYS, 24.0)
     assert weighed(history(days, noise=100.0, ahead={20.0: 20e3}))["counts"].all()

@@ -19,7 +19,7 @@ from opml.learning.judge.rolling_origins import by_day
 from opml.report import absurd_fits, document
 from opml.report import own_study as report
 from opml.report.settings_tables import weather
-from opml.study.own_study import MODELS, REPLAYED, OwnStudy
+from opml.study.own_study import MODELS, MODELS_OF_ELEMENTS, REPLAYED, OwnStudy
 from opml.tables import SIGMA_STATE
 
 EPOCH = "2019-09-03T00:00:00"
@@ -90,6 +90,25 @@ def test_mornings_are_replayed_of_models_that_are_quick_to_train():
     assert (fit.learner, fit.component, fit.test) == ("none", "e_y", "days-18-27-unseen")
     named = own_of(days={"train": [0, 18], "test": [18, 27]}, replayed=["running"], label="later")
     assert [parts["label"] for parts in named.replayed.values()] == ["_later"]
+
+
+def test_mean_elements_have_models_of_their_own():
+    values = paper_values() | {"elements": {"lares": ["sets.tle"]}}
+    values["study"] = {"rsos": ["lares"], "days": {"train": [0, 18], "test": [18, 27]}}
+    values["learners"] = values["learners"] | {"sgp4": {"kind": "sgp4"}}
+    own = OwnStudy(study_of(values))
+    assert own.study.station_sets == ["fixes"]
+    assert own.learners == [name for name in MODELS_OF_ELEMENTS if name in values["learners"]]
+    assert {name for *_, name in own.replayed} == {*own.learners} - {"repredicted"}
+    assert {"sgp4", "held96"} < {*own.learners}
+
+
+def test_manoeuvres_of_what_was_measured_are_those_named_even_where_an_orbit_judges():
+    values = paper_values() | {"elements": {"lares": ["sets.tle"]}, "orbits": {"lares": ["an.orbit"]}}
+    values["study"] = {"rsos": ["lares"], "days": {"train": [0, 8], "test": [8, 12]}}
+    told = OwnStudy(study_of(values | {"manoeuvres": {"lares": ["2016-10-01T00:00:00"]}})).report
+    assert told.sources["lares", "fixes"].manoeuvres == "named in `manoeuvres`: 1"
+    assert (told.truths, told.label) == (["files"], "later")
 
 
 def test_models_that_a_short_run_has_no_morning_of_are_left_out():

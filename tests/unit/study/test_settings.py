@@ -792,6 +792,11 @@ def test_damaged_sets_are_left_out_where_asked_for(tmp_path):
 @pytest.mark.parametrize(
     ("kind", "study", "said"),
     [
+        (
+            "elements",
+            "{rsos: [mine, iss], station_sets: [fixes]}",
+            "expected an RSO that has fixes for fixes, got iss",
+        ),
         ("elements", "{rsos: [mine], learners: [filter]}", "study.learners: expected fits over windows, as"),
         (
             "elements",

@@ -2,8 +2,8 @@
 
 SGP4 from the newest good set before a set is held against SGP4 from the set itself, at the points that stand
 for it. A set that is many times farther off than usual is left out: its object burned, or it is another's.
-Where the next set agrees with it, the object burned, and sets count again. No set touches what an earlier one
-is worth.
+Where the next set agrees with it, the object burned, and sets count again. After several in a row that agree
+with none, as while an orbit is raised, a new past begins. No set touches what an earlier one is worth.
 """
 
 import logging
@@ -26,7 +26,7 @@ USUAL = np.array([100.0, 300.0, 100.0])
 """Standard deviations of a set in RSW until its object has a past [m]."""
 
 _FEWEST = 5
-"""Disagreements that make a past."""
+"""Disagreements that make a past, and sets in a row that end it, as they agree with none."""
 
 _RECENT = 30
 """Newest disagreements that count."""
@@ -85,12 +85,15 @@ def weighed(
     Sets that do not count are logged.
     """
     past, rows = _Past(), []
-    known: list[pd.Series] = []  # what a set is held against: the newest that counts, and one after it if any
+    known: list[pd.Series] = []  # the newest set that counts, and those after it
     for _, one in sets.iterrows():
         if known and contain_any(known[0]["t"], np.array([one["t"]]), manoeuvres)[0]:
             known = []
-        counts = not known or any(_agree(past, other, one, epoch, sampling) for other in known)
-        known = [one] if counts else [known[0], one]
+        if len(known) == _FEWEST:
+            past, known = _Past(), []
+        others = [*known[:1], *known[1:][-1:]]
+        counts = not known or any(_agree(past, other, one, epoch, sampling) for other in others)
+        known = [one] if counts else [*known, one]
         rows.append([counts, *past.sigma])
         if not counts:
             _log_left_out(one, epoch)
