@@ -387,6 +387,16 @@ def test_what_was_measured_and_has_no_truth_learns_from_later_estimates(kind):
     checks.check_study(source, with_sheets(source.values))
 
 
+def test_rsos_of_a_study_all_have_mean_elements_or_none_has():
+    source = paper_source()
+    source.values.update(elements={"iss": ["a.tle"]}, fixes={"lares": ["a.csv"]})
+    source.values["study"] = {"rsos": ["iss", "lares"], "days": {"train": [0, 30], "test": [30, 40]}}
+    with pytest.raises(
+        InputError, match=r"study\.rsos: expected RSOs that all have elements, or none, got lares"
+    ):
+        checks.check_study(source, with_sheets(source.values))
+
+
 def test_missing_setting_is_named():
     values = paper_source().values
     del values["prediction"]["max_days"]
