@@ -91,6 +91,13 @@ class OwnStudy:
         return [(rso, stations) for rso in self.study.rsos for stations in self.study.station_sets]
 
     @cached_property
+    def judged(self) -> list[tuple[str, str]]:
+        """RSO and station set of the datasets that are learned from labels while the truth is known."""
+        if self.study.label == "truth":
+            return []
+        return [(rso, stations) for rso, stations in self.datasets if self.study.has_truth(rso)]
+
+    @cached_property
     def experiments(self) -> dict[tuple[str, str, str, str], Experiment]:
         """The experiments by RSO, station set, model and split."""
         return {
