@@ -13,18 +13,6 @@ STUDY_MODELS = product("figs/study/{rso}/models")
 STUDY_ROLLING = product("figs/study/{rso}/{stations}_rolling")
 STUDY_ROWS = product("figs/study/rows")
 
-
-def true_errors(rso, stations):
-    """Return the dataset of an RSO and a station set with true errors."""
-    return path_of(rules.dataset.output[0], rso=rso, stations=stations, window="", reading="")
-
-
-def labelled(rso, stations):
-    """Return the dataset of an RSO and a station set with the errors that the study learns from."""
-    parts = {"rso": rso, "stations": stations, "window": "", "reading": ""}
-    return path_of(rules.labelled_dataset.output[0], **parts, label=naming.LABELS[STUDY.label])
-
-
 if OWN.is_asked:
 
     use rule errors as study_residuals with:
