@@ -150,7 +150,7 @@ def test_every_folder_of_results_is_told():
         path.read_text(encoding="utf-8") for path in (REPOSITORY / "workflow" / "rules").glob("*.smk")
     )
     page = (REPOSITORY / "docs" / "wildcards.md").read_text(encoding="utf-8")
-    folders = {"logs", "benchmarks", *re.findall(r'product\(\s*f?"([a-z_]+)', rules)}
+    folders = {"logs", "benchmarks", *re.findall(r'product\(\s*f?"([a-z_\d]+)', rules)}
     assert folders > {"truth", "figs", "fit_calibration", "study"}
     assert [name for name in sorted(folders) if not re.search(rf"`{name}[/.]", page)] == []
 

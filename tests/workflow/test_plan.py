@@ -4,6 +4,7 @@ import re
 import shutil
 
 import pytest
+from element_histories import history, tle_text
 from project import ROOT, Project, jobs
 
 ONCE = ["earth_orientation", "ephemerides", "gravity_field", "solar_activity"]
@@ -245,7 +246,7 @@ def test_tracks_that_were_measured_need_no_truth(project):
     done = project.snakemake(
         "-n", "results/oracle/mine/eglin.parquet", "--configfile", "mine.yaml", check=False
     )
-    assert "opml: truth of 'mine': expected an RSO without tracks of its own" in done.stdout
+    assert "opml: truth of 'mine': expected an RSO without measurements of its own" in done.stdout
 
 
 def test_fixes_need_no_truth_and_no_station(project):
@@ -261,6 +262,17 @@ def test_fixes_need_no_truth_and_no_station(project):
         **dict.fromkeys(["fixes_from_files", "first_orbit", "dataset", "mechanism"], 1),
         **dict.fromkeys(["estimation", "prediction", "sensitivities"], 2),  # the window of 24 hours, too
     }
+
+
+def test_mean_elements_need_no_truth_and_sgp4_flies_them(project):
+    (project.folder / "mine.yaml").write_text(
+        TRACKED.replace("tracks: {mine: orekit.tdm}", "elements: {mine: sets.tle}")
+    )
+    (project.folder / "sets.tle").write_text(tle_text(history([1.0, 2.0, 3.0, 4.0])))
+    targets = ["results/sgp4/mine/fixes.parquet", "results/replays/mine/fixes_later/days-0-20/sgp4.parquet"]
+    plan = jobs(project.snakemake("-n", *targets, "--configfile", "mine.yaml").stdout)
+    once = ["element_sets", "fixes_from_elements", "first_orbit", "labels", "labelled_dataset", "sgp4"]
+    assert plan == dict.fromkeys([*ONCE, *once, "estimation", "prediction", "spread", "replay"], 1)
 
 
 @pytest.mark.parametrize("target", ["study", "beyond"])

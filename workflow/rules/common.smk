@@ -87,3 +87,14 @@ def in_report(shown, suffix, section, caption=None):
     """Return an output with its section of the report; its caption has its name, unless `caption` is another."""
     caption = f"../report/{caption or shown.title}.rst"
     return report(shown.file(suffix), caption=caption, category=section, labels={"shows": shown.title})
+
+
+def true_errors(rso, stations):
+    """Return the dataset of an RSO and a station set with true errors."""
+    return path_of(rules.dataset.output[0], rso=rso, stations=stations, window="", reading="")
+
+
+def labelled(rso, stations):
+    """Return the dataset of an RSO and a station set with the errors that the study learns from."""
+    parts = {"rso": rso, "stations": stations, "window": "", "reading": ""}
+    return path_of(rules.labelled_dataset.output[0], **parts, label=naming.LABELS[STUDY.label])

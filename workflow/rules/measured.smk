@@ -1,5 +1,6 @@
-# Measured tracks or fixes in the place of simulated tracks, and a first orbit that needs no truth.
+# Measured tracks, fixes or mean elements in the place of simulated tracks, and a first orbit that needs no truth.
 FIRST_ORBIT = product("starts/{rso}/{stations}")
+ELEMENT_SETS = product("element_sets/{rso}")
 
 if PLAN.tracks:
 
@@ -62,6 +63,58 @@ if PLAN.fixes:
             "../scripts/fixes_from_files.py"
 
     ruleorder: fixes_from_files > tracking
+
+
+if PLAN.elements:
+
+    rule element_sets:
+        input:
+            lambda wildcards: users(PLAN.elements[wildcards.rso]),
+        output:
+            ELEMENT_SETS.table,
+        log:
+            ELEMENT_SETS.log,
+        benchmark:
+            ELEMENT_SETS.benchmark
+        wildcard_constraints:
+            rso=naming.alternatives(PLAN.elements),
+        conda:
+            "../envs/opml.yaml"
+        params:
+            settings=lambda wildcards: {"epoch": config["epoch"], "history": PARAMS.history(wildcards)},
+            code=code("element_sets.py"),
+        message:
+            "Mean elements: the history of {wildcards.rso}, from {input[0]}"
+        script:
+            "../scripts/element_sets.py"
+
+    rule fixes_from_elements:
+        input:
+            rules.element_sets.output[0],
+        output:
+            TRACKING.table,
+        log:
+            TRACKING.log,
+        benchmark:
+            TRACKING.benchmark
+        wildcard_constraints:
+            rso=naming.alternatives(PLAN.elements),
+            stations=naming.FIXES,
+        conda:
+            "../envs/opml.yaml"
+        params:
+            settings=lambda wildcards: {
+                **PARAMS.span,
+                "history": PARAMS.history(wildcards),
+                "manoeuvres": config.get("manoeuvres", {}).get(wildcards.rso, []),
+            },
+            code=code("fixes_from_elements.py"),
+        message:
+            "Fixes: where SGP4 has {wildcards.rso} before the epochs of its mean elements"
+        script:
+            "../scripts/fixes_from_elements.py"
+
+    ruleorder: fixes_from_elements > tracking
 
 
 if PLAN.measured:

@@ -4,6 +4,7 @@ MECHANISM = product("mechanism/{rso}/{stations}{window}")
 ARCS = product("arcs/{rso}/{stations}{window}{arc}")
 CD_PAST = product("cd_past/{rso}/{stations}{window}{arc}{memory}")
 HELD = product("held/{rso}/{stations}{window}{arc}{memory}")
+SGP4 = product("sgp4/{rso}/{stations}{window}")
 THERMOMETER = product("thermometer/{rso}/{stations}{window}")
 PERFECT_ESTIMATES = product(f"estimates/{{rso}}/{{stations}}{naming.PERFECT}")
 ORACLE = product("oracle/{rso}/{stations}")
@@ -153,6 +154,27 @@ rule held:
         "Held: fits of {wildcards.rso} by {wildcards.stations} with Cd held by its past, {wildcards.arc}{wildcards.memory}"
     script:
         "../scripts/held.py"
+
+
+rule sgp4:
+    input:
+        predictions=rules.prediction.output[0],
+        element_sets=ELEMENT_SETS.table,
+    output:
+        SGP4.table,
+    log:
+        SGP4.log,
+    benchmark:
+        SGP4.benchmark
+    conda:
+        "../envs/opml.yaml"
+    params:
+        settings={"epoch": config["epoch"]},
+        code=code("sgp4.py"),
+    message:
+        "SGP4: predictions of {wildcards.rso} from the newest set of mean elements"
+    script:
+        "../scripts/sgp4.py"
 
 
 if PLAN.catalogue:

@@ -19,10 +19,18 @@ if OWN.is_asked:
 
     use rule errors as study_residuals with:
         input:
-            lambda wildcards: [
+            replays=lambda wildcards: [
                 path_of(rules.replay.output[0], **parts)
                 for parts in OWN.mornings(wildcards.rso, wildcards.stations).values()
             ],
+            judge=lambda wildcards: (
+                [
+                    true_errors(wildcards.rso, wildcards.stations),
+                    labelled(wildcards.rso, wildcards.stations),
+                ]
+                if (wildcards.rso, wildcards.stations) in OWN.judged
+                else []
+            ),
         output:
             **figures(STUDY_RESIDUALS, caption="study_residuals", section=SECTIONS["study"]),
         log:
@@ -36,7 +44,8 @@ if OWN.is_asked:
 
     rule conjunctions:
         input:
-            replays=rules.study_residuals.input[0],
+            replays=rules.study_residuals.input.replays,
+            judge=rules.study_residuals.input.judge,
             fits=at_window("", rules.covariances.output[0]),
         output:
             CONJUNCTIONS.table,
@@ -72,14 +81,8 @@ if OWN.is_asked:
         input:
             metrics=paths_of(rules.evaluate.output.metrics, *OWN.experiments.values()),
             evaluations=paths_of(rules.evaluate.output.evaluation, *OWN.stated.values()),
-            datasets=[
-                path_of(
-                    rules.labelled_dataset.output[0],
-                    **{"rso": rso, "stations": stations, "window": "", "reading": ""},
-                    label=naming.LABELS[STUDY.label],
-                )
-                for rso, stations in OWN.datasets
-            ],
+            datasets=[labelled(rso, stations) for rso, stations in OWN.datasets],
+            truths=[true_errors(rso, stations) for rso, stations in OWN.judged],
             estimates=[
                 path_of(rules.estimation.output[0], rso=rso, stations=stations, window="")
                 for rso, stations in OWN.datasets
@@ -129,9 +132,7 @@ if OWN.is_asked:
     use rule errors as explore with:
         input:
             evaluations=rules.study_errors.input[0],
-            dataset=lambda wildcards: path_of(
-                rules.dataset.output[0], **dict(wildcards.items()) | {"window": "", "reading": ""}
-            ),
+            dataset=lambda wildcards: true_errors(wildcards.rso, wildcards.stations),
             truth=rules.truth.output[0],
             earth_orientation=EARTH_ORIENTATION.table,
         output:
@@ -159,7 +160,8 @@ if OWN.is_asked:
             fit=lambda wildcards: path_of(
                 rules.fit_calibration.output[0], **OWN.fits[wildcards.rso, wildcards.stations].names()
             ),
-            replays=rules.study_residuals.input[0],
+            replays=rules.study_residuals.input.replays,
+            judge=rules.study_residuals.input.judge,
         output:
             **figures(
                 product("figs/study/{rso}/{stations}_intervals"),
@@ -183,11 +185,7 @@ if OWN.is_asked:
                 for window in OWN.windows.values()
             ],
             activity=INPUTS.activity,
-            dataset=lambda wildcards: path_of(
-                rules.labelled_dataset.output[0],
-                **dict(wildcards.items()) | {"window": "", "reading": ""},
-                label=naming.LABELS[STUDY.label],
-            ),
+            dataset=lambda wildcards: labelled(wildcards.rso, wildcards.stations),
             manoeuvres=INPUTS.user_manoeuvres(rules.truth.output[0], rules.tracking.output[0]),
         output:
             **figures(STUDY_DRAG, caption="study_drag", section=SECTIONS["study"]),

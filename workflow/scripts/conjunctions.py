@@ -9,8 +9,11 @@ from opml.workflow.jobs import job, read_by_key
 with job(snakemake) as metadata:
     settings, files = FigureSettings(snakemake.params.settings), snakemake.input
     replays = read_by_key(settings.learners, files.replays, "replay")
+    mornings = Mornings.from_replays(replays, settings.laws, seed=settings.seed)
+    if files.judge:
+        mornings = mornings.judged(*(read_table(path, "dataset") for path in files.judge))
     table = worth.compare(
-        Mornings.from_replays(replays, settings.laws, seed=settings.seed),
+        mornings,
         read_table(files.fits, "covariances"),
         worth.Screening(settings.radius_m, settings.threshold),
         laws=settings.laws,

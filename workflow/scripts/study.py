@@ -16,6 +16,7 @@ with job(snakemake):
         estimates=read_by_key(study.datasets, files.estimates, "estimates"),
         rolling=read_by_key(study.rolling, files.rolling, "rolling"),
         replays=read_by_key(study.replayed, files.replays, "replay"),
+        truths=read_by_key(study.judged, files.truths, "dataset"),
         calibration=read_by_key(study.fits, files.fits, "calibration"),
         conjunctions=read_by_key(study.crossed, files.conjunctions, "conjunctions"),
         pictures=dict(zip(study.fits, files.pictures, strict=True)),

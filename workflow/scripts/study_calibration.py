@@ -12,6 +12,8 @@ with job(snakemake):
     settings, files = FigureSettings(snakemake.params.settings), snakemake.input
     replays = read_by_key(settings.learners, files.replays, "replay")
     mornings = Mornings.from_replays(replays, settings.laws, seed=settings.seed)
+    if files.judge:
+        mornings = mornings.judged(*(read_table(path, "dataset") for path in files.judge))
     flown = {CHOSEN: mornings.flown, **mornings.tables}
     tables = calibration.of_replays(flown, days=settings.days)
     tables["the fit's own covariance"] = read_table(files.fit, "calibration")

@@ -2,15 +2,15 @@
 
 from opml.figures import own_study, style
 from opml.learning.judge.model_choice import Mornings
+from opml.tables import read_table
 from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job, read_by_key
 
 with job(snakemake):
-    settings = FigureSettings(snakemake.params.settings)
-    replays = read_by_key(settings.learners, snakemake.input, "replay")
-    figure = own_study.residuals(
-        Mornings.from_replays(replays, settings.laws, seed=settings.seed),
-        laws=settings.laws,
-        note=settings.note,
-    )
+    settings, files = FigureSettings(snakemake.params.settings), snakemake.input
+    replays = read_by_key(settings.learners, files.replays, "replay")
+    mornings = Mornings.from_replays(replays, settings.laws, seed=settings.seed)
+    if files.judge:
+        mornings = mornings.judged(*(read_table(path, "dataset") for path in files.judge))
+    figure = own_study.residuals(mornings, laws=settings.laws, note=settings.note)
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

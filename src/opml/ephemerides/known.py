@@ -28,6 +28,8 @@ class Known:
     bounds: on Cd, None for any
     resonances: pairs (k, m)
     manoeuvres: times [s]
+    epoch: UTC text that times count from
+    element_sets: history of mean elements, where learners ask for SGP4
     """
 
     estimates: pd.DataFrame
@@ -39,12 +41,15 @@ class Known:
     bounds: tuple[float, float] | None = None
     resonances: Sequence[tuple[int, int]] = ()
     manoeuvres: Sequence[float] = ()
+    epoch: str = ""
+    element_sets: pd.DataFrame | None = None
 
     @classmethod
     def read(cls, files: Any, settings: Mapping[str, Any]) -> Self:
         """Read what the tables of a job hold.
 
-        files: the job's input; where it has them, `long_estimates` and `arc_estimates` as the learners ask
+        files: the job's input; where it has them, `long_estimates`, `arc_estimates` and `element_sets` as the
+            learners ask
         settings: among them `learners`, resolved
 
         Raises InputError where a table is missing, damaged or does not belong to the others.
@@ -62,6 +67,7 @@ class Known:
         others = dict(zip(arc_windows(settings["learners"]), files.get("arc_estimates", []), strict=True))
         if long_estimates := files.get("long_estimates"):
             others[long_hours] = long_estimates
+        sets = files.get("element_sets")
         return cls(
             estimates,
             at_estimates,
@@ -72,6 +78,8 @@ class Known:
             bounds=settings["cd_bounds"],
             resonances=mechanism["resonances"],
             manoeuvres=read_manoeuvres(files.manoeuvres) if files.manoeuvres else [],
+            epoch=settings["epoch"],
+            element_sets=read_table(sets, "element_sets") if sets else None,
         )
 
     @property
@@ -85,6 +93,12 @@ class Known:
             expected = "expected fits over another window, as the learner asks for"
             raise InputError(f"ephemeris: {expected}, got none")
         return self.others[hours]
+
+    def history(self) -> pd.DataFrame:
+        """Return the history of mean elements; raise InputError where there is none."""
+        if self.element_sets is None:
+            raise InputError("ephemeris: expected mean elements, as the learner asks for, got none")
+        return self.element_sets
 
     def undisturbed(self, hours: float) -> pd.DataFrame:
         """Return the fits over another window [h] as `other_windows.undisturbed` has them."""

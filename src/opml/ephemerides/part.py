@@ -20,6 +20,7 @@ from opml.catalog.predict.prediction import predict
 from opml.catalog.predict.resonance import Resonances
 from opml.catalog.predict.sensitivity import sensitivities
 from opml.ephemerides.known import Known
+from opml.interop.element_sets import baseline
 from opml.learning.models.learners import tables_asked
 
 Arguments = ParamSpec("Arguments")
@@ -90,6 +91,7 @@ class Part:
             "arcs": partial(self.arcs, hours),
             "cd_past": partial(self.cd_past, hours, memory_days),
             "held": partial(self.held, hours, memory_days),
+            "sgp4": self.sgp4,
         }
         if kind not in makers:
             raise InputError(f"ephemeris: expected a learner that asks for one RSO alone, got the {kind}")
@@ -151,6 +153,11 @@ class Part:
             arc_estimates=self.known.undisturbed(hours),
             memory_days=memory_days,
         )
+
+    @_once
+    def sgp4(self) -> pd.DataFrame:
+        """Return the `sgp4` table."""
+        return baseline.build(self.pairs(), self.known.history(), epoch=self.known.epoch)
 
     def _predicted(self, estimates: pd.DataFrame) -> pd.DataFrame:
         """Return predictions of estimates to the grid."""

@@ -64,6 +64,7 @@ class OwnStudyTables:
     estimates: Mapping[Dataset, pd.DataFrame]
     rolling: Mapping[ModelKey, pd.DataFrame]  # of the learners that are trained anew
     replays: Mapping[ModelKey, pd.DataFrame]
+    truths: Mapping[Dataset, pd.DataFrame]  # datasets with true errors, where others hold labels
     calibration: Mapping[Dataset, pd.DataFrame]  # of the fits' own covariances
     conjunctions: Mapping[Dataset, pd.DataFrame]  # where the study asks for them
     pictures: Mapping[Dataset, FilePath]  # PNGs of the errors of all models
@@ -74,6 +75,11 @@ def document(report: OwnStudyReport, tables: OwnStudyTables) -> list[Block]:
     replays = {
         dataset: Mornings.from_replays(replayed, report.laws, seed=report.seed)
         for dataset, replayed in _by_dataset(tables.replays).items()
+    }
+    replays |= {
+        dataset: replays[dataset].judged(truth, tables.datasets[dataset])
+        for dataset, truth in tables.truths.items()
+        if dataset in replays
     }
     papers = {
         dataset: table.loc[survives(table, tables.estimates[dataset], PAPER_CLEANING), ["i", "j"]]
@@ -210,6 +216,11 @@ def _errors(report: OwnStudyReport, tables: OwnStudyTables) -> Iterator[Block]:
         yield Paragraph(
             f"No truth is known of these tracks. Errors, here and below, are each prediction less "
             f"{LATER[report.label]}."
+        )
+    elif tables.truths:
+        yield Paragraph(
+            "Errors, here and below, are against the true orbit. No model knows it: all are trained and "
+            f"chosen, and sizes of errors learned, by each prediction less {LATER[report.label]}."
         )
     growth = {key: at_days(table, report.marks) for key, table in tables.evaluations.items()}
     days = list(dict.fromkeys(day for table in growth.values() for day in table.get("day", [])))

@@ -17,6 +17,7 @@ from opml.interop import first_state, orbit_from_files, tdm
 from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models import learners
 from opml.orbits import sheets
+from opml.study import histories
 from opml.study.experiments import Study
 from opml.study.paper import Paper
 from opml.study.settings.merging import Settings, with_sheets
@@ -63,6 +64,7 @@ def check_data(source: Source, settings: Settings) -> None:
     _check_orbits(source, settings)
     _check_tracks(source, settings)
     _check_fixes(source, settings)
+    histories.check(source, settings)
     _check_starts(source, settings)
 
 
@@ -83,6 +85,7 @@ def check_study(source: Source, settings: Settings, *, last_day: float | None = 
     _check_label(source, Study(settings))
     _check_stations(source, Study(settings))
     _check_variables(source, Study(settings))
+    histories.check_learners(source, Study(settings))
 
 
 def _misfit(source: Source, settings: Settings) -> str:
@@ -185,6 +188,7 @@ def _check_paths(source: Source, settings: Settings) -> None:
         "orbits": settings.orbits,
         "tracks": settings.tracks,
         "fixes": settings.fixes,
+        "elements": settings.elements,
         "starts": settings.starts,
         "environment": source.values["environment"],
     }
@@ -219,8 +223,6 @@ def _check_tracks(source: Source, settings: Settings) -> None:
     for name, paths in settings.tracks.items():
         try:
             sheets.parse_rso(name, settings.rsos)
-            if name in settings.orbits:
-                raise InputError("expected tracks, or an orbit under orbits, got both")
             measurements = tdm.measurements(paths, epoch=values["epoch"])
             measured_tracks.check(
                 measurements, settings.stations, epoch=values["epoch"], duration=DAY * values["duration_days"]
@@ -243,8 +245,8 @@ def _check_fixes(source: Source, settings: Settings) -> None:
     for name, paths in settings.fixes.items():
         try:
             sheets.parse_rso(name, settings.rsos)
-            if name in settings.orbits or name in settings.tracks:
-                raise InputError("expected fixes, tracks or an orbit, got more than one of them")
+            if name in settings.tracks:
+                raise InputError("expected fixes or tracks, got both; an orbit beside them judges")
             files = orbit_from_files.OrbitFiles(paths, values["epoch"], DAY * values["duration_days"])
             fixing = settings.fixing(name)
             points_from_files.check(files, points_from_files.Sampling(fixing.sigmas, fixing.every_s))
@@ -258,7 +260,7 @@ def _check_starts(source: Source, settings: Settings) -> None:
         for name, entry in source.values.get(kind, {}).items():
             try:
                 if name not in settings.measured:
-                    raise InputError("expected an RSO that has tracks or fixes")
+                    raise InputError("expected an RSO that has tracks, fixes or elements")
                 if kind == "starts":
                     first_state.check(settings.starts[name])
                 else:
@@ -291,14 +293,13 @@ def _check_seen(source: Source, settings: Settings) -> None:
 def _check_label(source: Source, study: Study) -> None:
     """Raise InputError where a study learns from the truth of what was really measured."""
     for rso in study.rsos:
-        if study.label == "truth" and study.is_measured(rso):
-            has = "fixes" if study.has_fixes(rso) else "tracks"
-            message = f"expected later or smoothed, as {rso} has {has} and no truth, got truth"
+        if study.label == "truth" and not study.has_truth(rso):
+            message = f"expected later or smoothed, as {rso} was measured and has no truth, got truth"
             raise source.wrong(("study", "label"), message)
 
 
 def _check_stations(source: Source, study: Study) -> None:
-    """Raise InputError where stations stand beside RSOs that have fixes, or fixes beside others."""
+    """Raise InputError where stations stand beside RSOs that have points, or fixes beside others."""
     for rso in study.rsos:
         for stations in study.station_sets:
             if study.has_fixes(rso) != (stations == naming.FIXES):
@@ -308,7 +309,7 @@ def _check_stations(source: Source, study: Study) -> None:
 
 
 def _check_variables(source: Source, study: Study) -> None:
-    """Raise InputError where a learner asks for what stations measure, and the study's RSOs have fixes."""
+    """Raise InputError where a learner asks for what stations measure, and the study's RSOs have points."""
     if not any(study.has_fixes(rso) for rso in study.rsos):
         return
     for name, settings in study.learners.items():

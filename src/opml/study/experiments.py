@@ -68,13 +68,20 @@ class Study:
 
     @property
     def _usual_stations(self) -> str:
-        """All stations together, or none where the study's RSOs have fixes."""
+        """All stations together, or none where the study's RSOs have fixes or mean elements."""
         has_fixes = any(self.has_fixes(rso) for rso in self.rsos)
         return naming.FIXES if has_fixes else "-".join(self.settings.stations)
 
     def has_fixes(self, rso: str) -> bool:
-        """Return whether an RSO is known by fixes, which no station measured."""
-        return naming.rso_parts(rso, self.sheet)[0] in self.settings.values.get("fixes", {})
+        """Return whether an RSO is known by points that no station measured: fixes, or those of SGP4."""
+        return self._is_of("fixes", rso) or self.has_elements(rso)
+
+    def has_elements(self, rso: str) -> bool:
+        """Return whether an RSO is known by mean elements."""
+        return self._is_of("elements", rso)
+
+    def _is_of(self, kind: str, rso: str) -> bool:
+        return naming.rso_parts(rso, self.sheet)[0] in self.settings.values.get(kind, {})
 
     @cached_property
     def defaults(self) -> dict[str, str]:
@@ -91,24 +98,29 @@ class Study:
     def label(self) -> str:
         """What predictions are held against where an entry names nothing: truth, later or smoothed.
 
-        By default the truth, or later estimates where an RSO of the study was measured and so has no truth.
+        By default the truth, or later estimates where an RSO of the study was measured: its truth, if it has
+        one, only judges.
         """
         default = "later" if any(self.is_measured(rso) for rso in self.rsos) else "truth"
         return str(self.settings.asked.get("label", default))
 
     def is_measured(self, rso: str) -> bool:
-        """Return whether tracks or fixes of an RSO were really measured, so that it has no truth."""
+        """Return whether tracks, fixes or mean elements of an RSO are real, so that none are simulated."""
         return naming.rso_parts(rso, self.sheet)[0] in self.measured
+
+    def has_truth(self, rso: str) -> bool:
+        """Return whether the true orbit of an RSO is known: simulated, or from files."""
+        return self.truth_of(rso) != MEASURED
 
     def truth_of(self, rso: str) -> str:
         """Return where an RSO's true orbit comes from: SIMULATED, FILES, or MEASURED if unknown."""
-        if self.is_measured(rso):
-            return MEASURED
-        return FILES if naming.rso_parts(rso, self.sheet)[0] in self.settings.orbits else SIMULATED
+        if self._is_of("orbits", rso):
+            return FILES
+        return MEASURED if self.is_measured(rso) else SIMULATED
 
     @property
     def measured(self) -> Mapping[str, Any]:
-        """Files of the RSOs that were really measured, so that they have no truth."""
+        """Files of the RSOs that were really measured."""
         return self.settings.measured
 
     @property

@@ -32,6 +32,15 @@ REPLAYED = (
 )
 """The models whose mornings are replayed where a study names none: they are trained in seconds."""
 
+MODELS_OF_ELEMENTS = (
+    *("none", "sgp4", "repredicted", "fit144", "held96", "held144", "running96m3", "running96"),
+    *("covariance", "mechanism"),
+)
+"""The models of a study of public mean elements: SGP4, fits over longer windows, and laws on these."""
+
+REPLAYED_OF_ELEMENTS = ("sgp4", "fit144", "held96", "held144")
+"""Models beside these whose mornings are replayed in a study of mean elements."""
+
 GROUPED, LATER, UNSEEN = "grouped", "later", "unseen"
 
 
@@ -72,13 +81,21 @@ class OwnStudy:
     @cached_property
     def learners(self) -> list[str]:
         """The models that are compared."""
-        known = [name for name in MODELS if name in self.study.learners]
+        models = MODELS_OF_ELEMENTS if self.study.has_elements(self.study.rsos[0]) else MODELS
+        known = [name for name in models if name in self.study.learners]
         return list(self.study.settings.asked.get("learners") or known)
 
     @cached_property
     def datasets(self) -> list[tuple[str, str]]:
         """RSO and station set of every dataset."""
         return [(rso, stations) for rso in self.study.rsos for stations in self.study.station_sets]
+
+    @cached_property
+    def judged(self) -> list[tuple[str, str]]:
+        """RSO and station set of the datasets that are learned from labels while the truth is known."""
+        if self.study.label == "truth":
+            return []
+        return [(rso, stations) for rso, stations in self.datasets if self.study.has_truth(rso)]
 
     @cached_property
     def experiments(self) -> dict[tuple[str, str, str, str], Experiment]:
@@ -136,7 +153,9 @@ class OwnStudy:
         if naming.parse_train(naming.strip_seed(train, naming.SPLIT)).kind != "days":
             return []
         return self.study.settings.asked.get("replayed") or [
-            name for name in REPLAYED if name in self.learners and self._first_day(name) <= self._last_day
+            name
+            for name in (*REPLAYED, *REPLAYED_OF_ELEMENTS)
+            if name in self.learners and self._first_day(name) <= self._last_day
         ]
 
     @cached_property
@@ -289,4 +308,4 @@ class OwnStudy:
             MEASURED: f"named in `manoeuvres`: {named}",
             FILES: "known are those that the orbit's files mark",
             SIMULATED: "",
-        }[self.study.truth_of(rso)]
+        }[MEASURED if self.study.is_measured(rso) else self.study.truth_of(rso)]

@@ -31,7 +31,7 @@ POSITION_COVARIANCES = covariance_names("xyz")
 SIGMAS = [f"sigma_{name}" for name in COMPONENTS]
 """Columns of a label's uncertainty, by error component."""
 
-MECHANISM_AXES = ("s", "v", "r", "l", "v_long", "floor", "l_arc", "v_arc", "h_arc", "thermo")
+MECHANISM_AXES = ("s", "v", "r", "l", "v_long", "floor", "l_arc", "v_arc", "h_arc", "thermo", "sgp4")
 """Prefixes of the mechanism's columns for each error component, such as `v_y` for e_y."""
 
 FIX_SIGMAS = [f"sigma_{axis}" for axis in ("r", "s", "w", "vr", "vs", "vw")]
@@ -81,6 +81,8 @@ _CD_PAST = (
 )
 
 _HELD = state_columns(PREDICTED, "prediction minus that of the arc with Cd held by its past", prefix="h_arc_")
+
+_SGP4 = state_columns(PREDICTED, "prediction minus that of SGP4 from the newest set at t_i", prefix="sgp4_")
 
 _THERMOMETER = (
     real(
@@ -139,6 +141,7 @@ CATALOG_SCHEMAS = (
                 for name in FIX_SIGMAS
             ),
             real("t_estimate", "s", f"epoch of the track's estimate, {SINCE}"),
+            real("t_known", "s", f"when the point was known, {SINCE}"),
         ),
     ),
     Schema(
@@ -230,6 +233,7 @@ CATALOG_SCHEMAS = (
     Schema("arcs", "a pair of an estimate i and a later track start j", (*PAIR, *_ARCS)),
     Schema("cd_past", "a pair of an estimate i and a later track start j", (*PAIR, *_CD_PAST)),
     Schema("held", "a pair of an estimate i and a later track start j", (*PAIR, *_HELD)),
+    Schema("sgp4", "a pair of an estimate i and a later track start j", (*PAIR, *_SGP4)),
     Schema("thermometer", "a pair of an estimate i and a later track start j", (*PAIR, *_THERMOMETER)),
     Schema(
         "ensemble",

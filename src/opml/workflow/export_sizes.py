@@ -8,6 +8,7 @@ from opml.catalog.fit import fixes, measured_tracks
 from opml.catalog.simulate import tracking, truth
 from opml.environment import earth_orientation, nodes
 from opml.interop import oem, points_from_files, tdm, truth_from_orbit
+from opml.interop.element_sets import histories
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.orbits import sheets
 from opml.orbits.sheets import Station
@@ -47,6 +48,8 @@ def _tracking(params: Params, wildcards: Wildcards) -> pd.DataFrame:
     stations = [Station(**station) for station in params.stations(wildcards)]
     if rso in plan.tracks:
         return measured_tracks.tracks(tdm.measurements(plan.tracks[rso], epoch=epoch), stations)
+    if rso in plan.elements:
+        return _sets(params, wildcards)
     if rso in plan.fixes:
         return _fixes(params, wildcards)
     if rso in plan.orbits:
@@ -56,6 +59,19 @@ def _tracking(params: Params, wildcards: Wildcards) -> pd.DataFrame:
         flown = truth.kepler_orbit(orbit, duration=duration, step=_STEP)
     orientation = earth_orientation.tabulate(epoch, nodes(epoch, duration))
     return tracking.simulate(flown, orientation, stations, rso=rso, seed=0)
+
+
+def _sets(params: Params, wildcards: Wildcards) -> pd.DataFrame:
+    """Return the epochs of an RSO's sets of mean elements, a track each."""
+    values, history = params.plan.values, params.history(wildcards)
+    found = histories.read(
+        params.plan.elements[wildcards.rso],
+        epoch=values["epoch"],
+        leave_out_damaged=history["leave_out_damaged"],
+    )
+    sets = histories.of_object(found.sets, history["number"])
+    within = sets[sets["t"].between(0.0, DAY * values["duration_days"])]
+    return within[["t"]].assign(track=np.arange(len(within)))
 
 
 def _fixes(params: Params, wildcards: Wildcards) -> pd.DataFrame:

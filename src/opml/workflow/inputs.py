@@ -129,10 +129,11 @@ class Inputs:
         return tables["solar_activity"]
 
     def truth(self, truth: _Pattern) -> InputFunction:
-        """Find the truth of an RSO; none where it was measured."""
+        """Find the truth of an RSO; none where it was measured and no orbit judges."""
 
         def find(wildcards: Wildcards) -> _Paths:
-            return [] if wildcards.rso in self.plan.measured else path_of(truth, rso=wildcards.rso)
+            has_truth = wildcards.rso not in self.plan.measured or wildcards.rso in self.plan.orbits
+            return path_of(truth, rso=wildcards.rso) if has_truth else []
 
         return find
 
@@ -182,7 +183,7 @@ class Inputs:
         def find(wildcards: Wildcards) -> _Paths:
             parts = dict(wildcards.items())
             rso = parts.get("target", wildcards.rso)
-            if not wildcards.label or self.plan.study.is_measured(rso):
+            if not wildcards.label or not self.plan.study.has_truth(rso):
                 return []
             return path_of(dataset, **parts | {"rso": rso})
 
@@ -204,6 +205,13 @@ class Inputs:
             ]
 
         return find
+
+    def element_sets(self, wildcards: Wildcards) -> _Paths:
+        """Find the history of an RSO's mean elements; none where no learner asks for SGP4."""
+        asked = map(_tables_asked, self.params.learners(wildcards).values())
+        if not any("sgp4" in dict(tables) for tables in asked):
+            return []
+        return self.plan.product(f"element_sets/{wildcards.rso}").table
 
     def long_estimates(self, estimates: _Pattern) -> InputFunction:
         """Find the estimates over the long window; none where no learner reads the mechanism."""

@@ -164,6 +164,10 @@ class Params:
             "stretch_hours": fixing.stretch_hours,
         }
 
+    def history(self, wildcards: Wildcards) -> dict[str, Any]:
+        """Return how the history of mean elements of the wildcard `rso` is taken."""
+        return self.plan.settings.history(wildcards.rso).model_dump()
+
     def split(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the training split and its seed."""
         default = self.plan.seeds["split"]
@@ -199,11 +203,11 @@ class Params:
         return experiment.columns()
 
     def check_simulated(self, wildcards: Wildcards) -> None:
-        """Raise InputError for the truth of an RSO that was measured."""
-        if wildcards.rso in self.plan.measured:
+        """Raise InputError for the truth of an RSO that was measured, and that no orbit of files judges."""
+        if wildcards.rso in self.plan.measured and wildcards.rso not in self.plan.orbits:
             known = "what was measured has no truth, and no seed of the noise"
             raise InputError(
-                f"truth of '{wildcards.rso}': expected an RSO without tracks of its own, or fixes, as {known}"
+                f"truth of '{wildcards.rso}': expected an RSO without measurements of its own, as {known}"
             )
 
     def check_without_truth(self, wildcards: Wildcards) -> None:

@@ -72,8 +72,13 @@ class Plan:
         return self.settings.fixes
 
     @cached_property
+    def elements(self) -> Mapping[str, list[str]]:
+        """Files of histories of mean elements, by RSO."""
+        return self.settings.elements
+
+    @cached_property
     def measured(self) -> Mapping[str, list[str]]:
-        """Files of all that was measured, by RSO: of tracks or of fixes."""
+        """Files of all that was measured, by RSO: of tracks, of fixes, or of mean elements."""
         return self.settings.measured
 
     @cached_property

@@ -116,11 +116,11 @@ def test_a_filter_takes_fixes_too(flight, orbit):
     assert found["measurements_used"].iloc[-1] == len(table)
 
 
-def sets(orbit, epochs, *, reach=12 * HOUR, **given):
+def sets(orbit, epochs, *, reach=12 * HOUR, known=(np.nan,) * 3, **given):
     """The table of sets at epochs, each with the points of so long before it."""
     rows = points(orbit, velocities=True, **given)
     before = [rows[(rows["t"] <= epoch) & (rows["t"] >= epoch - reach)] for epoch in epochs]
-    return fixes.of_sets(np.asarray(epochs), before)
+    return fixes.of_sets(np.asarray(epochs), before, known=np.asarray(known))
 
 
 def test_a_set_is_fitted_at_its_epoch_to_the_points_before_it(flight, orbit):
@@ -152,6 +152,10 @@ def test_a_set_is_known_at_its_epoch_and_no_filter_goes_back_to_its_points(fligh
     pairs = prediction.predict_all(flight, None, found, max_days=1.0)
     known = labels.build(pairs, found, table)
     assert known.groupby("j")["t_known"].first().tolist() == epochs[1:].tolist()
+    # Where files tell when sets were made, an estimate waits for all that it is made of.
+    late = sets(orbit, epochs, sigmas=TEN, known=np.array([13.0, 25.0, 24.0]) * HOUR)
+    known = labels.build(pairs, found, late)
+    assert known.groupby("j")["t_known"].first().tolist() == [25 * HOUR] * 2
     with pytest.raises(InputError, match="filter: expected tracks that begin with their estimates"):
         sequential.filter_all(flight, found, fixes.Fixes(table))
 
@@ -175,4 +179,4 @@ def test_wrong_points_are_told_in_one_line(orbit):
         with pytest.raises(InputError, match="expected numbers, and sigmas above 0, of all that counts"):
             fixes.Fixes(fixes.stretches(wrong))
     with pytest.raises(InputError, match=r"expected ascending epochs, got 7200.000 s twice"):
-        fixes.of_sets(np.array([7200.0, 7200.0]), [rows, rows])
+        fixes.of_sets(np.array([7200.0, 7200.0]), [rows, rows], known=np.full(2, np.nan))

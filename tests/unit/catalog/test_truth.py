@@ -74,3 +74,15 @@ def test_orbits_that_fly_together_are_those_that_fly_alone(truth_model, iss):
     for rso, table in zip([iss, *others], together, strict=True):
         alone = truth.simulate(Flight(truth_model, rso), **grid)
         assert table.to_numpy().tobytes() == alone.to_numpy().tobytes()
+
+
+def test_a_truth_is_known_between_the_epochs_of_its_grid_but_in_no_gap(truth_model, iss):
+    flown = truth.simulate(Flight(truth_model, iss), duration=600.0, step=10.0)
+    coarse = flown[::2].reset_index(drop=True)
+    t = flown["t"].to_numpy()
+    off = truth.between(coarse, t) - flown[STATE].to_numpy()
+    assert np.linalg.norm(off[:, :3], axis=1).max() < 6e-3
+    assert np.linalg.norm(off[:, 3:], axis=1).max() < 2e-3
+    gappy = coarse[(coarse["t"] < 200.0) | (coarse["t"] > 300.0)]
+    assert np.isnan(truth.between(gappy, np.array([-1.0, 250.0, 601.0]))).all()
+    assert np.isfinite(truth.between(gappy, np.array([0.0, 175.0, 330.0, 600.0]))).all()

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from element_histories import history
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
@@ -19,6 +20,7 @@ from opml.ephemerides.part import Grid, Part
 from opml.ephemerides.task import Task, departures
 from opml.figures import later_errors
 from opml.interop import oem
+from opml.interop.element_sets import baseline
 from opml.learning.judge.error_sizes import Sizes
 from opml.learning.models.linear_law import LinearLaw
 from opml.orbits.elements import cartesian_from_coe, in_rsw
@@ -121,6 +123,18 @@ def built(flight, known, starts, *, grid=GRID, replay=REPLAY):
 @pytest.fixture(scope="module")
 def table(flight, known):
     return built(flight, known, known.estimates.iloc[[1, 2]])
+
+
+def test_sgp4_flies_to_the_grid_from_the_newest_set(flight, known):
+    sets = history([0.1, 0.3, 0.6])
+    grid = Grid(step=0.01 * DAY, max_days=0.8, end=2.0 * DAY)
+    part = Part(flight, replace(known, epoch=EPOCH, element_sets=sets), known.estimates.iloc[1:3], grid)
+    columns = part.columns(("sgp4_y",))
+    expected = baseline.build(part.pairs(), sets, epoch=EPOCH)
+    assert columns["sgp4_y"].tolist() == expected["sgp4_y"].tolist()
+    assert np.isfinite(columns["sgp4_y"]).all()
+    with pytest.raises(InputError, match="ephemeris: expected mean elements, as the learner asks"):
+        Part(flight, known, known.estimates.iloc[1:3], grid).columns(("sgp4_y",))
 
 
 def test_columns_on_the_grid_are_those_at_tracks(flight, known):

@@ -34,6 +34,7 @@ def test_stations_in_words(name, words):
 
 def test_the_paper_s_learner_is_told():
     assert display_names.display_learner("svr") == "the paper's SVR"
+    assert display_names.display_learner("sgp4") == "SGP4"
     assert display_names.display_learner("mechanism") == "mechanism"
 
 

@@ -238,6 +238,11 @@ def test_objects_are_told_apart(read):
     assert of_object(sets, 270_000_001)["t"].tolist() == [0.5 * DAY]
     with pytest.raises(InputError, match="element sets: expected object 7, got 12345, 270000001"):
         of_object(sets, 7)
+    with pytest.raises(
+        InputError, match="expected a number that tells which object, got objects 12345, 270000001"
+    ):
+        of_object(sets)
+    assert len(of_object(sets[:3])) == 3
     with pytest.raises(InputError, match="element sets: expected those of one object, got 2 objects"):
         newest_before(sets, DAY)
 

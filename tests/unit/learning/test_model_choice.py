@@ -10,7 +10,7 @@ from opml.base.errors import InputError
 from opml.learning.judge.model_choice import Mornings, choose
 from opml.report import document, mornings, uncertainty
 from opml.report.skill import skill
-from opml.tables import SIGMA_STATE
+from opml.tables import COMPONENTS, DOUBT, SIGMA_STATE
 
 NOW = 15.0 * DAY
 
@@ -89,6 +89,30 @@ def test_mornings_hold_the_same_predictions_of_every_model(replayed, errors):
     flown = [one.chosen for one in replayed.choices.values()]
     assert flown[0] == "running"
     assert flown[-1] == "law"
+
+
+def test_the_truth_judges_mornings_but_chooses_none(replayed):
+    pairs = replayed.tables["running"][["i", "j"]]
+    labelled = pairs.assign(**dict.fromkeys(COMPONENTS, 5.0))
+    true = labelled.assign(e_x=6.0, e_y=105.0)
+    true.loc[3, list(COMPONENTS)] = np.nan
+    judged = replayed.judged(true, labelled)
+    assert judged.choices == replayed.choices
+    kept = np.arange(len(pairs)) != 3
+    for name, table in judged.tables.items():
+        before = replayed.tables[name][kept].reset_index(drop=True)
+        for column, shift in (
+            ("e_x", 1.0),
+            ("e_y", 100.0),
+            ("before", 100.0),
+            ("e_z", 0.0),
+            ("sigma_y", 0.0),
+        ):
+            np.testing.assert_allclose(table[column], before[column] + shift, atol=1e-9)
+        assert (table[DOUBT] == 0.0).all(axis=None)
+    flown = judged.flown.set_index(["i", "j"])["e_y"] - replayed.flown.set_index(["i", "j"])["e_y"]
+    np.testing.assert_allclose(flown.dropna(), 100.0)
+    assert flown.isna().sum() == 1
 
 
 def test_models_without_a_morning_in_common_are_told(errors):

@@ -14,11 +14,21 @@ def assumed(tmp_path, **settings):
     return merged(["config/config.yaml", path]).values["force_models"]["assumed"]
 
 
-@pytest.mark.parametrize("kind", ["orbits", "tracks", "fixes"])
+@pytest.mark.parametrize("kind", ["orbits", "tracks", "fixes", "elements"])
 def test_real_satellites_fly_under_what_a_catalogue_has(tmp_path, kind):
     model = assumed(tmp_path, **{kind: {"mine": "a.file"}})
     assert (model["degree"], model["order"], len(model["third_bodies"])) == (70, 70, 10)
     assert (model["solid_tides"], model["relativity"]) == (True, True)
+
+
+def test_mean_elements_are_fitted_over_days_where_the_user_says_nothing_else(tmp_path):
+    path = tmp_path / "mine.yaml"
+    path.write_text("elements: {mine: sets.tle}\nlearners: {held144: {memory_days: 10}}")
+    values = merged(["config/config.yaml", path]).values
+    assert values["estimation"]["window_hours"] == 96
+    assert values["learners"]["sgp4"] == {"kind": "sgp4"}
+    assert values["learners"]["held144"] == {"kind": "held", "window_hours": 144, "memory_days": 10}
+    assert merged(["config/config.yaml"]).values["estimation"]["window_hours"] == 12
 
 
 def test_what_a_user_says_lies_above_it(tmp_path):

@@ -19,7 +19,7 @@ from opml.learning.judge.rolling_origins import by_day
 from opml.report import absurd_fits, document
 from opml.report import own_study as report
 from opml.report.settings_tables import weather
-from opml.study.own_study import MODELS, REPLAYED, OwnStudy
+from opml.study.own_study import MODELS, MODELS_OF_ELEMENTS, REPLAYED, OwnStudy
 from opml.tables import SIGMA_STATE
 
 EPOCH = "2019-09-03T00:00:00"
@@ -90,6 +90,34 @@ def test_mornings_are_replayed_of_models_that_are_quick_to_train():
     assert (fit.learner, fit.component, fit.test) == ("none", "e_y", "days-18-27-unseen")
     named = own_of(days={"train": [0, 18], "test": [18, 27]}, replayed=["running"], label="later")
     assert [parts["label"] for parts in named.replayed.values()] == ["_later"]
+
+
+def test_mean_elements_have_models_of_their_own():
+    values = paper_values() | {"elements": {"lares": ["sets.tle"]}}
+    values["study"] = {"rsos": ["lares"], "days": {"train": [0, 18], "test": [18, 27]}}
+    values["learners"] = values["learners"] | {"sgp4": {"kind": "sgp4"}}
+    own = OwnStudy(study_of(values))
+    assert own.study.station_sets == ["fixes"]
+    assert own.learners == [name for name in MODELS_OF_ELEMENTS if name in values["learners"]]
+    assert {name for *_, name in own.replayed} == {*own.learners} - {"repredicted"}
+    assert {"sgp4", "held96"} < {*own.learners}
+
+
+def test_what_is_learned_from_labels_is_judged_by_the_truth_where_there_is_one():
+    assert own_of().judged == []
+    assert own_of(label="later").judged == [("lares", "eglin-clear-kaena")]
+    assert own_of(tracks=["lares"]).judged == []
+    values = paper_values() | {"elements": {"lares": ["sets.tle"]}, "orbits": {"lares": ["an.orbit"]}}
+    values["study"] = {"rsos": ["lares"], "days": {"train": [0, 8], "test": [8, 12]}}
+    assert OwnStudy(study_of(values)).judged == [("lares", "fixes")]
+
+
+def test_manoeuvres_of_what_was_measured_are_those_named_even_where_an_orbit_judges():
+    values = paper_values() | {"elements": {"lares": ["sets.tle"]}, "orbits": {"lares": ["an.orbit"]}}
+    values["study"] = {"rsos": ["lares"], "days": {"train": [0, 8], "test": [8, 12]}}
+    told = OwnStudy(study_of(values | {"manoeuvres": {"lares": ["2016-10-01T00:00:00"]}})).report
+    assert told.sources["lares", "fixes"].manoeuvres == "named in `manoeuvres`: 1"
+    assert (told.truths, told.label) == (["files"], "later")
 
 
 def test_models_that_a_short_run_has_no_morning_of_are_left_out():
@@ -236,18 +264,15 @@ def labelled_report(own):
     numbers = {"p_ml": 20.0, "p_ml_low": 18.0, "p_ml_high": 23.0, "p_ml_later": 21.0}
     metrics = pd.DataFrame([one.columns() | numbers for one in own.experiments.values()])
     table, key = evaluation(), ("lares", "eglin-clear-kaena")
-    return document.markdown(
-        report.document(
-            own.report,
-            tables(
-                metrics,
-                dict.fromkeys(own.stated, table),
-                {key: dataset_of(table)},
-                {key: estimates_of(table)},
-                dict.fromkeys(own.rolling, trained_anew(table)),
-            ),
-        )
+    held = tables(
+        metrics,
+        dict.fromkeys(own.stated, table),
+        {key: dataset_of(table)},
+        {key: estimates_of(table)},
+        dict.fromkeys(own.rolling, trained_anew(table)),
     )
+    truths = dict.fromkeys(own.judged, dataset_of(table))
+    return document.markdown(report.document(own.report, replace(held, truths=truths)))
 
 
 def test_labels_and_learners_trained_anew_have_tables_of_their_own():
@@ -259,6 +284,7 @@ def test_labels_and_learners_trained_anew_have_tables_of_their_own():
     assert "| lares | eglin-clear-kaena | `svr` | 21.0 | 21.0 | 21.0 |" in text
     assert "| lares | eglin-clear-kaena | `svr` | 10.0 | 50.0 | 10.0 | 50.0 |" in text
     assert "from day 8 to 12" in text
+    assert "are against the true orbit. No model knows it" in text
     assert "| gravity field | EGM2008 40x40 | EGM2008 20x20 |" in text
     figure = figures.rolling({"svr": by_day(trained_anew(evaluation()))}, every_days=1.0, epoch=EPOCH)
     once, again = figure.axes[0].lines
@@ -272,6 +298,7 @@ def test_labels_and_learners_trained_anew_have_tables_of_their_own():
 def test_a_study_of_measured_tracks_tells_of_no_truth():
     text = labelled_report(own_of(tracks=["lares"], learners=["svr"]))
     assert "No truth is known of these tracks." in text
+    assert "are against the true orbit" not in text
     assert "## Assumed model\n" in text
     assert "| gravity field | EGM2008 20x20 |" in text
     assert "21.0" not in text  # what later estimates say is P_ML itself

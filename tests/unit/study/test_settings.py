@@ -6,6 +6,7 @@ from dataclasses import MISSING, asdict, fields, replace
 
 import pytest
 import yaml
+from element_histories import history, tle_text
 from jsonschema import Draft202012Validator
 from support import EXCERPTS, REPOSITORY, paper_source, paper_values, setting_keys, study_of
 
@@ -17,6 +18,7 @@ from opml.catalog.predict.thermometer import Thermometer
 from opml.dynamics.ensemble import Integrator
 from opml.study import checks
 from opml.study.experiments import ROLLING, Study
+from opml.study.own_study import OwnStudy
 from opml.study.settings import documents
 from opml.study.settings.json_schema import json_schema
 from opml.study.settings.merging import merged, with_sheets
@@ -370,7 +372,7 @@ def test_wrong_setting_is_named(key, value, expected):
     assert expected in message(edited(key, value))
 
 
-@pytest.mark.parametrize("kind", ["tracks", "fixes"])
+@pytest.mark.parametrize("kind", ["tracks", "fixes", "elements"])
 def test_what_was_measured_and_has_no_truth_learns_from_later_estimates(kind):
     source = paper_source()
     source.values[kind] = {"iss": ["a.file"]}
@@ -379,8 +381,20 @@ def test_what_was_measured_and_has_no_truth_learns_from_later_estimates(kind):
     checks.check_study(source, settings)
     assert Study(settings).label == "later"
     source.values["study"]["label"] = "truth"
-    with pytest.raises(InputError, match=rf"study\.label: expected later or smoothed, as iss has {kind}"):
+    with pytest.raises(InputError, match=r"study\.label: expected later or smoothed, as iss was measured"):
         checks.check_study(source, settings)
+    source.values["orbits"] = {"iss": ["an.orbit"]}
+    checks.check_study(source, with_sheets(source.values))
+
+
+def test_rsos_of_a_study_all_have_mean_elements_or_none_has():
+    source = paper_source()
+    source.values.update(elements={"iss": ["a.tle"]}, fixes={"lares": ["a.csv"]})
+    source.values["study"] = {"rsos": ["iss", "lares"], "days": {"train": [0, 30], "test": [30, 40]}}
+    with pytest.raises(
+        InputError, match=r"study\.rsos: expected RSOs that all have elements, or none, got lares"
+    ):
+        checks.check_study(source, with_sheets(source.values))
 
 
 def test_missing_setting_is_named():
@@ -645,10 +659,11 @@ def test_files_that_hold_no_tracks_are_told(tmp_path, content):
     assert "expected " in refusal
 
 
-def test_tracks_and_an_orbit_of_one_rso_are_refused(tmp_path, monkeypatch):
+def test_an_orbit_beside_tracks_judges(tmp_path, monkeypatch):
     monkeypatch.setattr(checks.orbit_from_files, "check", lambda *_, **__: None)
-    refusal = refused(with_tracks(tmp_path, "orbits: {mine: a.tdm}"))
-    assert "tracks.mine: expected tracks, or an orbit under orbits, got both" in refusal
+    settings = checked(with_tracks(tmp_path, "orbits: {mine: a.tdm}"))
+    study = Study(replace(settings, values=settings.values | {"study": {"rsos": ["mine"]}}))
+    assert (study.label, study.truth_of("mine"), study.is_measured("mine")) == ("later", "files", True)
 
 
 GPS = """\
@@ -685,7 +700,7 @@ def test_fixes_stand_where_tracks_do_and_no_station_measured_them(tmp_path):
         (["fixing: {iss: {every_s: 10}}"], GPS, "fixing.iss: expected an RSO that has fixes"),
         (["fixing: {mine: {sigma_m: [1, 2]}}"], GPS, "fixing.mine.sigma_m: expected three numbers above 0"),
         (["fixing: {mine: {sigma_m: [1, 2, 0]}}"], GPS, "fixing.mine.sigma_m"),
-        (["starts: {iss: a.tle}"], GPS, "starts.iss: expected an RSO that has tracks or fixes"),
+        (["starts: {iss: a.tle}"], GPS, "starts.iss: expected an RSO that has tracks, fixes or elements"),
     ],
 )
 def test_fixes_that_do_not_fit_are_told_in_one_line(tmp_path, lines, content, said):
@@ -714,6 +729,103 @@ def test_no_learner_of_fixes_asks_for_what_stations_measure(tmp_path):
     learner = "learners: {ridge: {variables: [duration, elevation_max]}}"
     refusal = refused(given(tmp_path, f"{text}{learner}\n"))
     assert "learners.ridge.variables: expected variables that fixes have, too, got elevation_max" in refusal
+
+
+ELEMENTS = TRACKS.replace('tracks: {{mine: "*.tdm"}}', "elements: {{mine: sets.tle}}")
+
+
+def sets_of(*numbers, days=(1, 2, 3, 4)):
+    """TLEs of objects at days since the epoch."""
+    return "".join(tle_text(history(days), number) for number in numbers or [25544])
+
+
+def with_elements(tmp_path, *lines, content=None):
+    """Settings with mean elements of their own, and further lines."""
+    (tmp_path / "sets.tle").write_text(sets_of() if content is None else content)
+    return given(tmp_path, "\n".join([ELEMENTS.format(folder=tmp_path), *lines]))
+
+
+def test_mean_elements_stand_where_tracks_do_with_windows_of_their_own(tmp_path):
+    source = with_elements(tmp_path, "histories: {mine: {number: 25544, sigma_m: [50, 150, 20]}}")
+    settings = checked(source)
+    assert settings.elements == settings.measured == {"mine": [f"{tmp_path}/sets.tle"]}
+    assert settings.history("mine").sigma_m == (50.0, 150.0, 20.0)
+    assert settings.history("iss").reach_hours == 24.0
+    assert settings.values["estimation"]["window_hours"] == 96
+    study = Study(replace(settings, values=settings.values | {"study": {"rsos": ["mine"]}}))
+    assert (study.station_sets, study.label, study.truth_of("mine")) == (["fixes"], "later", "measured")
+    models = OwnStudy(study).learners
+    assert {"none", "sgp4", "held96"} < {*models}
+    assert {"filter", "filtermean", "fit24"}.isdisjoint(models)
+
+
+@pytest.mark.parametrize(
+    ("lines", "content", "said"),
+    [
+        (
+            [],
+            sets_of().replace("51.6400", "51.6401"),
+            "elements.mine: {folder}/sets.tle: line 2: expected the",
+        ),
+        ([], sets_of(25544, 48445), "expected a number that tells which object, got objects 25544, 48445"),
+        (
+            ["histories: {mine: {number: 5}}"],
+            None,
+            "elements.mine: element sets: expected object 5, got 25544",
+        ),
+        (["histories: {iss: {number: 5}}"], None, "histories.iss: expected an RSO that has elements"),
+        (
+            ["histories: {mine: {number: 0}}"],
+            None,
+            "histories.mine.number: expected a catalogue number from 1",
+        ),
+        ([], sets_of(days=(1, 2)), "elements.mine: element sets: expected 3 sets or more within the run"),
+        (
+            ["estimation: {window_hours: 48}"],
+            None,
+            "window_hours: expected a window that holds 3 sets of mine or more, 24.0 h apart, got 48",
+        ),
+        (["tracks: {mine: sets.tle}"], None, "tracks.mine: "),
+    ],
+)
+def test_mean_elements_that_do_not_fit_are_told_in_one_line(tmp_path, lines, content, said):
+    refusal = refused(with_elements(tmp_path, *lines, content=content))
+    assert said.format(folder=tmp_path) in refusal
+    assert "\n" not in refusal
+
+
+def test_damaged_sets_are_left_out_where_asked_for(tmp_path):
+    damaged = sets_of() + sets_of(days=(5,)).replace("51.6400", "51.6401")
+    checked(with_elements(tmp_path, "histories: {mine: {leave_out_damaged: true}}", content=damaged))
+
+
+@pytest.mark.parametrize(
+    ("kind", "study", "said"),
+    [
+        (
+            "elements",
+            "{rsos: [mine, iss], station_sets: [fixes]}",
+            "expected an RSO that has fixes for fixes, got iss",
+        ),
+        ("elements", "{rsos: [mine], learners: [filter]}", "study.learners: expected fits over windows, as"),
+        (
+            "elements",
+            "{rsos: [mine], replayed: [filtermean]}",
+            "study.replayed: expected fits over windows, as",
+        ),
+        (
+            "fixes",
+            "{rsos: [mine], learners: [sgp4]}",
+            "study.learners: expected RSOs that have elements for sgp4",
+        ),
+    ],
+)
+def test_learners_suit_mean_elements(tmp_path, kind, study, said):
+    texts = {"elements": ELEMENTS, "fixes": FIXES + "learners: {{sgp4: {{kind: sgp4}}}}\n"}
+    (tmp_path / "sets.tle").write_text(sets_of())
+    (tmp_path / "gps.csv").write_text(GPS)
+    text = texts[kind].format(folder=tmp_path).replace("study: {}", f"study: {study}")
+    assert said in refused(given(tmp_path, text))
 
 
 def test_layers_are_laid_key_by_key():

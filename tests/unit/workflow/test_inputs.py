@@ -35,7 +35,12 @@ STUDY = {
     "label": "later",
     "learners": ["none", "held", "running", "svr"],
 }
-USERS = {"orbits": {"flown": "flown.sp3"}, "tracks": {"mine": "mine.tdm"}, "fixes": {"placed": "gps.csv"}}
+USERS = {
+    "orbits": {"flown": "flown.sp3", "judged": "judged.sp3"},
+    "tracks": {"mine": "mine.tdm"},
+    "fixes": {"placed": "gps.csv"},
+    "elements": {"judged": "sets.tle"},
+}
 ESTIMATES = "estimates/{rso}/{stations}{window}.parquet"
 DATASET = "dataset/{rso}/{stations}{window}{reading}.parquet"
 
@@ -84,7 +89,9 @@ def inputs(**changes):
 
 def user_inputs():
     """Inputs of a run where `flown` has an orbit from a file, `mine` measured tracks and `placed` fixes."""
-    return inputs(rsos={"flown": BODY, "mine": BODY, "placed": BODY}, study={"rsos": ["mine"]}, **USERS)
+    return inputs(
+        rsos=dict.fromkeys(["flown", "mine", "placed", "judged"], BODY), study={"rsos": ["mine"]}, **USERS
+    )
 
 
 def test_a_product_says_all_its_paths():
@@ -341,7 +348,8 @@ def test_an_experiment_is_told_in_the_columns_of_its_metrics():
 def test_what_was_measured_has_no_truth():
     jobs = user_inputs().params
     jobs.check_simulated(wildcards(rso="flown"))
-    with pytest.raises(InputError, match="truth of 'mine': expected an RSO without tracks of its own"):
+    jobs.check_simulated(wildcards(rso="judged"))
+    with pytest.raises(InputError, match="truth of 'mine': expected an RSO without measurements of its own"):
         jobs.check_simulated(wildcards(rso="mine"))
 
 
@@ -509,6 +517,12 @@ TRUTH, TRACKING = Pattern("truth/{rso}.parquet"), Pattern("tracking/{rso}/{stati
         ("flown", "truth/flown.parquet", "truth/flown.parquet", "truth/flown.parquet"),
         ("mine", [], "tracking/mine/eglin.parquet", "tracking/mine/eglin.parquet"),
         ("placed", [], "tracking/placed/eglin.parquet", "tracking/placed/eglin.parquet"),
+        (
+            "judged",
+            "truth/judged.parquet",
+            "tracking/judged/eglin.parquet",
+            "tracking/judged/eglin.parquet",
+        ),
     ],
 )
 def test_measured_tracks_and_fixes_stand_for_the_truth(rso, truth, truth_or, manoeuvres):
@@ -530,6 +544,19 @@ def test_labels_read_later_estimates(label, window):
     find = inputs().later_estimates(Pattern(ESTIMATES))
     assert find(wildcards(label=label)) == f"estimates/iss/eglin{window}.parquet"
     assert find(wildcards()) == []
+
+
+def test_what_was_measured_is_judged_by_an_orbit_beside_it():
+    find = user_inputs().true_errors(Pattern(DATASET))
+    judged, mine = (experiment(label="_later", rso=rso, target=rso) for rso in ("judged", "mine"))
+    assert find(judged) == "dataset/judged/eglin.parquet"
+    assert find(mine) == []
+
+
+def test_sgp4_flies_the_history_of_mean_elements():
+    files = inputs(learners={"sgp4": {"kind": "sgp4"}, "none": {"kind": "none"}})
+    assert files.element_sets(experiment(learner="sgp4")) == "results/element_sets/iss.parquet"
+    assert files.element_sets(experiment(learner="none")) == []
 
 
 def test_labels_are_judged_by_the_truth_of_the_rso_under_test():

@@ -4,7 +4,10 @@ import runpy
 from dataclasses import asdict
 from types import SimpleNamespace
 
+import numpy as np
+import pandas as pd
 import pytest
+from element_histories import history, tle_text
 from support import EPOCH, EXCERPTS, REPOSITORY, environment, stations
 
 from opml.base.constants import DAY, HOUR
@@ -12,7 +15,7 @@ from opml.catalog.fit import fixes
 from opml.catalog.fit.estimation import Measured
 from opml.catalog.simulate.truth import kepler_orbit
 from opml.interop import oem
-from opml.tables import read_measured, read_metadata, write_table
+from opml.tables import FIX_SIGMAS, SCHEMAS, read_kind, read_metadata, read_table, write_table
 
 MANOEUVRES = ["2016-09-28T14:09:45", "2016-09-28T13:09:45.500"]
 
@@ -40,7 +43,7 @@ def taken(tmp_path):
         )
         path = REPOSITORY / "workflow" / "scripts" / f"{script}.py"
         runpy.run_path(str(path), init_globals={"snakemake": snakemake})
-        return read_measured(out), read_metadata(out)
+        return read_table(out, read_kind(out)), read_metadata(out)
 
     return take
 
@@ -77,3 +80,40 @@ def test_fixes_are_thinned_and_gathered_as_the_settings_say(taken, tmp_path, ori
     measured = fitted_to(tmp_path, orientation)
     assert (measured.tracks, measured.numbers) == (7, 3)
     assert facts["manoeuvres"] == [{"t": HOUR + 0.5}, {"t": 2 * HOUR}]
+
+
+def test_sets_of_mean_elements_are_read_weighed_and_flown_as_the_settings_say(taken, tmp_path, orientation):
+    (tmp_path / "sets.tle").write_text(tle_text(history([1.0, 2.0, 3.0])) + tle_text(history([1.5]), 5))
+    settings = {"number": 25544, "reach_hours": 12.0, "every_s": 1200.0, "leave_out_damaged": False}
+    told = settings | {"sigma_m": [50.0, 100.0, 20.0]}
+    sets, _ = taken("element_sets", Files(str(tmp_path / "sets.tle")), history=told)
+    assert sets["number"].tolist() == [25544] * 3
+    path = tmp_path / "sets.parquet"
+    write_table(path, sets, "element_sets", metadata={})
+    table, facts = taken("fixes_from_elements", Files(str(path)), duration_days=2.5, history=told)
+    assert table.groupby("track").size().tolist() == [37] * 2
+    np.testing.assert_allclose(table["t_estimate"].unique(), [DAY, 2 * DAY], atol=1e-3)
+    np.testing.assert_allclose(table[FIX_SIGMAS[:3]].iloc[0], np.array(told["sigma_m"]) * np.sqrt(37 / 2))
+    assert fitted_to(tmp_path, orientation).states is not None
+    assert facts["manoeuvres"] == [{"t": HOUR + 0.5}, {"t": 2 * HOUR}]
+    learned, _ = taken(
+        "fixes_from_elements", Files(str(path)), duration_days=2.5, history=settings | {"sigma_m": None}
+    )
+    assert learned["sigma_r"].iloc[0] == pytest.approx(100.0 * np.sqrt(37 / 2))
+
+
+def test_sgp4_is_held_against_predictions(taken, tmp_path):
+    sets = history([1.0, 2.0])
+    write_table(tmp_path / "sets.parquet", sets, "element_sets", metadata={})
+    flown = {
+        name: [float(1 + k)]
+        for k, name in enumerate(SCHEMAS["predictions"].names)
+        if name not in ("i", "j", "reason")
+    }
+    pairs = pd.DataFrame(flown | {"i": [0], "j": [1], "t_i": [DAY], "t_j": [2 * DAY], "reason": [""]})
+    write_table(tmp_path / "predictions.parquet", pairs, "predictions", metadata={})
+    names = {name: str(tmp_path / f"{name}.parquet") for name in ("predictions", "sets")}
+    files = Files(predictions=names["predictions"], element_sets=names["sets"])
+    table, _ = taken("sgp4", files)
+    assert table[["i", "j"]].to_numpy().tolist() == [[0, 1]]
+    assert np.isfinite(table["sgp4_y"]).all()

@@ -5,10 +5,11 @@ and across it (RSW). Points are gathered in tracks, as measurements of radars ar
 
 * a stretch: the points of an hour, say. Its estimate is at its first point.
 * a set of mean elements, whose theory gives points before their epoch. Its estimate is at that epoch. The
-  points of a set reach behind the epoch of the set before it.
+  points of a set reach behind the epoch of the set before it, and are known when the set is made.
 
 Residuals are measured less predicted, turned to RSW of the orbit tried. Their axes count as fixed while a fit
-takes a step: a residual of 10 km turns with them by a thousandth of the step.
+takes a step: a residual of 10 km turns with them by a thousandth of the step. Neighbouring arcs part by a
+kilometre along the track in days, where the orbit bends by decimetres. That bend is none of the derivative.
 """
 
 from collections.abc import Sequence
@@ -65,7 +66,9 @@ class Fixes(Measurements):
         axes = rsw_rotation(at_rows[0])
         paths, sigmas = at_rows[..., : self.numbers], self.sigmas[rows]
         residual = _in_axes(axes, self.values[rows] - paths[0]) / sigmas
-        weighted = _in_axes(axes, paths[1:] - paths[0]) / sigmas / NUDGES[:, None, None]
+        shifts = _in_axes(axes, paths[1:] - paths[0])
+        shifts[..., 0] += _bend(shifts, np.linalg.norm(paths[0][:, :3], axis=1))
+        weighted = shifts / sigmas / NUDGES[:, None, None]
         return Evaluation(residual.ravel(), weighted.reshape(len(NUDGES), -1).T)
 
 
@@ -74,6 +77,12 @@ def _in_axes(axes: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     parts = vectors.reshape(*vectors.shape[:-1], -1, 3)
     turned: np.ndarray = np.einsum("nij,...nkj->...nki", axes, parts).reshape(vectors.shape)
     return turned
+
+
+def _bend(shifts: np.ndarray, radius: np.ndarray) -> np.ndarray:
+    """Return how far circles (n,) fall behind their tangents at shifts (..., n, 3 or 6) in RSW."""
+    fall: np.ndarray = np.sum(shifts[..., 1:3] ** 2, axis=-1) / (2.0 * radius)
+    return fall
 
 
 def read(files: Any, stations: Sequence[Station]) -> Measurements:
@@ -96,27 +105,30 @@ def measurements(table: pd.DataFrame, orientation: pd.DataFrame, stations: Seque
 def stretches(points: pd.DataFrame, *, length: float = STRETCH) -> pd.DataFrame:
     """Return the `fixes` table of points along an orbit, gathered in stretches.
 
-    points: that table without its columns `track` and `t_estimate`, in ascending order of t
+    points: that table without its columns `track`, `t_estimate` and `t_known`, in ascending order of t
     length: of a stretch [s], counted from the epoch, so that more points change no other stretch
     """
     numbers = pd.factorize(np.floor(points["t"].to_numpy() / length))[0]
     begins = points.groupby(numbers)["t"].transform("first")
-    return points.assign(track=numbers, t_estimate=begins)[SCHEMAS["fixes"].names]
+    return points.assign(track=numbers, t_estimate=begins, t_known=points["t"])[SCHEMAS["fixes"].names]
 
 
-def of_sets(epochs: np.ndarray, points: Sequence[pd.DataFrame]) -> pd.DataFrame:
+def of_sets(epochs: np.ndarray, points: Sequence[pd.DataFrame], *, known: np.ndarray) -> pd.DataFrame:
     """Return the `fixes` table of sets of mean elements.
 
     epochs: (sets,) of the sets, ascending [s]
     points: of each set, as in `stretches`; the last one is at the set's epoch
+    known: (sets,) when the sets were made, NaN where nobody tells [s]
 
-    Raises InputError for epochs that do not ascend.
+    A set counts as known when it and all sets before it are made, as an estimate is made of several. Raises
+    InputError for epochs that do not ascend.
     """
     back = np.flatnonzero(np.diff(epochs) <= 0.0)
     if back.size:
         raise InputError(f"mean elements: expected ascending epochs, got {epochs[back[0] + 1]:.3f} s twice")
+    all_made = np.maximum.accumulate(np.fmax(epochs, known))
     tracks = [
-        rows.assign(track=number, t_estimate=epoch)
-        for number, (epoch, rows) in enumerate(zip(epochs, points, strict=True))
+        rows.assign(track=number, t_estimate=epochs[number], t_known=all_made[number])
+        for number, rows in enumerate(points)
     ]
     return pd.concat(tracks, ignore_index=True)[SCHEMAS["fixes"].names]

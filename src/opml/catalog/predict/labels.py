@@ -41,12 +41,12 @@ def build(
 
 
 def _known_at(estimates: pd.DataFrame, tracking: pd.DataFrame, *, after: float) -> np.ndarray:
-    """Return when each estimate (n,) is known [s]: when the last track is over that it is made of.
+    """Return when each estimate (n,) is known [s]: when the last track is over, or made, that it is made of.
 
     after: as in `build`
     """
     tracks = tracking.groupby("track", sort=True)
-    ends = tracks["t"].max().to_numpy()
+    ends = tracks["t_known" if "t_known" in tracking else "t"].max().to_numpy()
     at = tracks["t_estimate" if "t_estimate" in tracking else "t"].min().to_numpy()
     known: np.ndarray = ends[np.searchsorted(at, estimates["t"].to_numpy() + after, side="right") - 1]
     return known

@@ -5,6 +5,7 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.catalog.flight import Flight
+from opml.catalog.simulate.truth import between
 from opml.dynamics.ensemble import REASONS
 from opml.orbits.elements import in_rsw
 from opml.tables import COMPONENTS, STATE
@@ -38,6 +39,8 @@ def _true_states(truth: pd.DataFrame | None, t: pd.Series) -> np.ndarray:
     """Return true states (n, 6) at times t (n,) [s], NaN where there is no truth."""
     if truth is None:
         return np.full((len(t), 6), np.nan)
+    if not t.isin(truth["t"]).all():
+        return between(truth, t.to_numpy())
     return np.ascontiguousarray(truth.set_index("t")[STATE].loc[t])
 
 

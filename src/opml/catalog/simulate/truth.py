@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
+from scipy.interpolate import CubicHermiteSpline
 
 from opml.base.constants import DAY, EARTH_GM
 from opml.base.errors import InputError
@@ -12,6 +13,9 @@ from opml.dynamics.ensemble import REASONS, Departures, propagate
 from opml.orbits.elements import cartesian_from_coe, true_from_mean_anomaly
 from opml.orbits.sheets import Rso
 from opml.tables import STATE
+
+_GAP = 1.5
+"""Steps of a truth's grid that make a gap."""
 
 
 def initial_state(rso: Rso, gm: float) -> np.ndarray:
@@ -70,6 +74,19 @@ def simulate_together(
     for k, rso in enumerate(rsos):
         _check_lasting(rso, t, arcs.path(k), REASONS[arcs.status[k]])
     return [_table(t, np.vstack([start, arcs.path(k)])) for k, start in enumerate(starts)]
+
+
+def between(truth: pd.DataFrame, t: np.ndarray) -> np.ndarray:
+    """Return true states (n, 6) at times t (n,) [s] off a truth's grid, NaN beside it or in a gap.
+
+    Cubic in time: 5 mm off in a low orbit between epochs 20 s apart.
+    """
+    grid, states = truth["t"].to_numpy(), truth[STATE].to_numpy()
+    path = CubicHermiteSpline(grid, states[:, :3], states[:, 3:], extrapolate=False)
+    after = np.clip(np.searchsorted(grid, t), 1, len(grid) - 1)
+    is_gap = grid[after] - grid[after - 1] > _GAP * np.diff(grid).min()
+    found: np.ndarray = np.hstack([path(t), path(t, 1)])
+    return np.where(is_gap[:, None], np.nan, found)
 
 
 def _check_lasting(rso: Rso, t: np.ndarray, path: np.ndarray, reason: str) -> None:

@@ -87,12 +87,21 @@ def read(paths: Iterable[FilePath], *, epoch: str, leave_out_damaged: bool = Fal
     return history
 
 
-def of_object(sets: pd.DataFrame, number: int) -> pd.DataFrame:
-    """Return the sets of one object of a table `element_sets`. Raises InputError where there are none."""
-    chosen = sets[sets["number"] == number].reset_index(drop=True)
+def of_object(sets: pd.DataFrame, number: int | None = None) -> pd.DataFrame:
+    """Return the sets of one object of a table `element_sets`.
+
+    number: its catalogue number; None: there is only one object
+
+    Raises InputError, naming the objects that there are, where there are no such sets.
+    """
+    numbers = sets["number"].unique()
+    known = ", ".join(map(str, numbers[:_MOST_LOGGED])) + (", ..." if len(numbers) > _MOST_LOGGED else "")
+    if number is None and len(numbers) > 1:
+        raise InputError(f"element sets: expected a number that tells which object, got objects {known}")
+    chosen = sets if number is None else sets[sets["number"] == number].reset_index(drop=True)
     if chosen.empty:
-        numbers = ", ".join(map(str, sets["number"].unique()[:_MOST_LOGGED]))
-        raise InputError(f"element sets: expected object {number}, got {numbers or 'none'}")
+        expected = "a set" if number is None else f"object {number}"
+        raise InputError(f"element sets: expected {expected}, got {known or 'none'}")
     return chosen
 
 

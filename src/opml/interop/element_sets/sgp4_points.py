@@ -1,34 +1,51 @@
 """Points before the epoch of mean elements, where SGP4 tells the orbit that the elements were fitted to."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike
-from sgp4.api import Satrec
 
-from opml.base import epochs
 from opml.base.errors import InputError
-from opml.interop.element_sets import mean_elements
-from opml.tables import FIX_SIGMAS, STATE
+from opml.interop.element_sets import histories, mean_elements
+from opml.tables import STATE
 
 
-def before(
-    satellite: Satrec, *, epoch: str, reach: float, step: float, sigmas: ArrayLike
-) -> tuple[float, pd.DataFrame]:
-    """Return the epoch of mean elements [s], and points up to it: t, state in GCRF, sigmas in RSW.
+@dataclass(frozen=True)
+class Sampling:
+    """Which points stand for a set of mean elements.
 
-    epoch: UTC text from which times count
     reach: from the first point to the epoch [s]
     step: between points [s]
-    sigmas: (6,) of all points, or (n, 6) of each [m, m/s]; NaN where velocities do not count
+    """
+
+    reach: float
+    step: float
+
+    def times(self, end: float) -> np.ndarray:
+        """Return the times (n,) of the points of a set [s]; the last one is its epoch, `end`."""
+        times: np.ndarray = end - self.step * np.arange(round(self.reach / self.step), -1, -1)
+        return times
+
+
+def before(row: pd.Series, *, epoch: str, sampling: Sampling) -> pd.DataFrame:
+    """Return the points of a set of mean elements up to its epoch: t, state in GCRF.
+
+    row: of a table `element_sets`
+    epoch: UTC text, the table's
 
     Raises InputError where SGP4 fails.
     """
-    end = epochs.seconds_between(epoch, mean_elements.elements_epoch(satellite))
-    t = end - step * np.arange(round(reach / step), -1, -1)
-    states = mean_elements.states(satellite, epoch=epoch, t=t)
+    t = sampling.times(row["t"])
+    states = states_of(row, epoch=epoch, t=t)
     failed = np.flatnonzero(np.isnan(states[:, 0]))
     if failed.size:
         raise InputError(f"mean elements: expected an orbit at {t[failed[0]]:.0f} s, got none by SGP4")
-    points = pd.DataFrame(states, columns=STATE).assign(t=t)
-    points[FIX_SIGMAS] = np.broadcast_to(sigmas, (len(t), len(FIX_SIGMAS)))
-    return end, points
+    return pd.DataFrame(states, columns=STATE).assign(t=t)
+
+
+def states_of(row: pd.Series, *, epoch: str, t: np.ndarray) -> np.ndarray:
+    """Return GCRF states (n, 6) [m, m/s] by SGP4 from a set at times (n,) [s], NaN where it fails.
+
+    row, epoch: as in `before`
+    """
+    return mean_elements.states(histories.satellite(row, epoch=epoch), epoch=epoch, t=t)

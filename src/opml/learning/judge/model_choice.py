@@ -7,7 +7,7 @@ ended tells the confidence.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -17,6 +17,7 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.seeds import derive
 from opml.learning.judge.error_sizes import MEMORY_DAYS
+from opml.tables import COMPONENTS, DOUBT
 
 CONFIDENCE = 0.95
 """Confidence required that a model that learned leaves less than the best model that learned nothing."""
@@ -176,6 +177,29 @@ class Mornings:
         }
         longest = max(replays.values(), key=len)
         return cls(tables, _flown(tables, choices), choices, int((longest["morning"] < min(choices)).sum()))
+
+    def judged(self, truth: pd.DataFrame, labelled: pd.DataFrame) -> Self:
+        """Return the same mornings, and choices, with errors against the truth in the place of labels.
+
+        truth: table `dataset`, with true errors
+        labelled: the table `labelled` of the same pairs, which replays were held against
+
+        Pairs without a true state are left out. RSW of the true state and of a label differ by less than
+        counts.
+        """
+        errors = [table.set_index(["i", "j"])[list(COMPONENTS)] for table in (truth, labelled)]
+        shifts = (errors[0] - errors[1]).dropna()
+        tables = {name: _moved(table, shifts) for name, table in self.tables.items()}
+        return replace(self, tables=tables, flown=_moved(self.flown, shifts))
+
+
+def _moved(replay: pd.DataFrame, shifts: pd.DataFrame) -> pd.DataFrame:
+    """Return rows of a `replay` table whose errors are moved, by pair, and have no doubt of a label."""
+    pairs = pd.MultiIndex.from_frame(replay[["i", "j"]])
+    rows, by = replay[pairs.isin(shifts.index)], shifts.reindex(pairs[pairs.isin(shifts.index)])
+    errors = {name: rows[name] + by[name].to_numpy() for name in COMPONENTS}
+    before = rows["before"] + by["e_y"].to_numpy()
+    return rows.assign(**errors, before=before, **dict.fromkeys(DOUBT, 0.0)).reset_index(drop=True)
 
 
 def summed(replay: pd.DataFrame) -> float:

@@ -108,6 +108,8 @@ FILTERED_MEAN = _law(
     window_hours=WHOLE_PAST,
 )
 
+SGP4 = _law("sgp4", "SGP4 from the newest set of mean elements, nothing fitted", [], "sgp4")
+
 THERMOMETER = _law(
     "thermometer",
     "fit over another window, with Cd as the fits of many RSOs together have it",

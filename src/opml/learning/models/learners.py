@@ -53,6 +53,7 @@ LEARNERS: tuple[Learner, ...] = (
     fixed_laws.RUNNING,
     fixed_laws.FILTERED,
     fixed_laws.FILTERED_MEAN,
+    fixed_laws.SGP4,
     fixed_laws.THERMOMETER,
 )
 """The kinds that stand alone. Any two of them make a stack."""
@@ -60,7 +61,7 @@ LEARNERS: tuple[Learner, ...] = (
 ARC_TABLES = ("arcs", "cd_past", "held")
 """Kinds of tables beside the dataset that are made for the window, and the memory, of a learner's arcs."""
 
-_BESIDE = ("oracle", *ARC_TABLES, "thermometer")
+_BESIDE = ("oracle", *ARC_TABLES, "sgp4", "thermometer")
 """Kinds of tables beside the dataset with columns of their own; all other columns are the mechanism's."""
 
 

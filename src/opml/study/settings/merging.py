@@ -11,7 +11,7 @@ from typing import Any
 from opml.base.errors import InputError
 from opml.base.files import FilePath, project_file
 from opml.orbits.sheets import Rso, Station, read_rsos, read_stations, rsos_from_rows, stations_from_rows
-from opml.study.settings.model.run import FixSettings
+from opml.study.settings.model.run import FixSettings, HistorySettings
 from opml.study.settings.overlay import MISSING, Key, Layer, Source, laid_over, read_layer
 
 STUDIES = "config/studies"
@@ -20,7 +20,10 @@ STUDIES = "config/studies"
 REAL_SATELLITES = "config/real_satellites.yaml"
 """Settings under those of a user whose orbits come from files or whose tracks were measured."""
 
-_FROM_FILES = ("orbits", "tracks", "fixes")
+ELEMENTS = "config/elements.yaml"
+"""Settings above these for RSOs that are known by public mean elements."""
+
+_FROM_FILES = ("orbits", "tracks", "fixes", "elements")
 
 _NAME = re.compile(r"[\w-]+")
 
@@ -35,30 +38,41 @@ class Settings:
 
     @property
     def orbits(self) -> dict[str, list[str]]:
-        """Files of the orbits that stand in for a simulated truth, by RSO; a pattern without files stays."""
-        given, folder = self.values.get("orbits", {}), self.values.get("data", "")
-        return {rso: _files(paths, folder) for rso, paths in given.items()}
+        """Files of the orbits that stand in for a simulated truth, or judge, by RSO."""
+        return self._files("orbits")
 
     @property
     def tracks(self) -> dict[str, list[str]]:
-        """Files of tracks that were really measured, by RSO; a pattern without files stays."""
-        tracks, folder = self.values.get("tracks", {}), self.values.get("data", "")
-        return {rso: _files(paths, folder) for rso, paths in tracks.items()}
+        """Files of tracks that were really measured, by RSO."""
+        return self._files("tracks")
 
     @property
     def fixes(self) -> dict[str, list[str]]:
-        """Files of positions that were measured, by RSO; a pattern without files stays."""
-        fixes, folder = self.values.get("fixes", {}), self.values.get("data", "")
-        return {rso: _files(paths, folder) for rso, paths in fixes.items()}
+        """Files of positions that were measured, by RSO."""
+        return self._files("fixes")
+
+    @property
+    def elements(self) -> dict[str, list[str]]:
+        """Files of histories of mean elements, by RSO."""
+        return self._files("elements")
 
     def fixing(self, rso: str) -> FixSettings:
         """Return how the fixes of an RSO are taken."""
         return FixSettings.model_validate(self.values.get("fixing", {}).get(rso, {}))
 
+    def history(self, rso: str) -> HistorySettings:
+        """Return how the history of an RSO's mean elements is taken."""
+        return HistorySettings.model_validate(self.values.get("histories", {}).get(rso, {}))
+
     @property
     def measured(self) -> dict[str, list[str]]:
-        """Files of all that was really measured, by RSO: of tracks or of fixes."""
-        return self.tracks | self.fixes
+        """Files of all that was really measured, by RSO: of tracks, of fixes, or of mean elements."""
+        return self.tracks | self.fixes | self.elements
+
+    def _files(self, kind: str) -> dict[str, list[str]]:
+        """Return the user's own files of a kind, by RSO; a pattern without files stays."""
+        folder = self.values.get("data", "")
+        return {rso: _files(paths, folder) for rso, paths in self.values.get(kind, {}).items()}
 
     @property
     def starts(self) -> dict[str, str]:
@@ -75,18 +89,24 @@ class Settings:
 def merged(files: Sequence[FilePath], on_top: Layer | None = None) -> Source:
     """Return settings merged from files, later ones on top, and from a layer above them; the study in full.
 
-    The settings for real satellites lie between the first file and the others, where these name any. Raises
-    InputError for a file that is missing or not YAML.
+    The settings for real satellites lie between the first file and the others, where these name any, and
+    above them those for mean elements. Raises InputError for a file that is missing or not YAML.
     """
     first, *rest = [*map(read_layer, files), *([on_top] if on_top else [])]
-    is_real = any(layer.values.get(kind) for layer in rest for kind in _FROM_FILES)
-    layers = [first, *([read_layer(project_file(REAL_SATELLITES))] if is_real else []), *rest]
+    between = {REAL_SATELLITES: _FROM_FILES, ELEMENTS: ("elements",)}
+    asked = [path for path, kinds in between.items() if _name_any(rest, kinds)]
+    layers = [first, *(read_layer(project_file(path)) for path in asked), *rest]
     values: Any = {}
     for layer in layers:
         values = laid_over(values, layer.values or values)
     extended, study = _study(values.get("study"), Source(values, layers))
     is_default = not any("study" in layer.values for layer in rest)
     return Source({**values, "study": study}, [*extended, *layers], is_default)
+
+
+def _name_any(layers: Sequence[Layer], kinds: Sequence[str]) -> bool:
+    """Return whether layers name files of one of these kinds for any RSO."""
+    return any(layer.values.get(kind) for layer in layers for kind in kinds)
 
 
 def with_sheets(values: Mapping[str, Any], source: Source | None = None) -> Settings:

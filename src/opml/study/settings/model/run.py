@@ -179,6 +179,27 @@ class FixSettings(Section):
         return (*self.sigma_m, *(self.sigma_mps or ()))
 
 
+class HistorySettings(Section):
+    """How the history of an RSO's mean elements is taken."""
+
+    number: Absent[Annotated[int, Ge(1), Expected("a catalogue number from 1")]] = setting(
+        "catalogue number of the RSO, needed where the files hold several objects", default=None
+    )
+    reach_hours: Positive = setting(
+        "time before the epoch of each set over which SGP4 gives points", unit="h", default=24.0
+    )
+    every_s: Positive = setting("time between these points", unit="s", default=600.0)
+    sigma_m: Absent[Sigmas] = setting(
+        "standard deviations of a set: radial, along and across the track; by default learned from the sets"
+        " before it",
+        unit="m",
+        default=None,
+    )
+    leave_out_damaged: bool = setting(
+        "whether damaged sets are left out and logged, not refused", default=False
+    )
+
+
 class Prediction(Section):
     """Predictions."""
 
@@ -343,6 +364,14 @@ class RunAlone(Section):
     fixing: dict[RsoName, FixSettings] = setting(
         "how these are weighed, thinned and gathered, where not by default", see="tracks.md#fixes", default={}
     )
+    elements: dict[RsoName, PathList] = setting(
+        "histories of mean elements, in the place of `tracks` (TLE, OMM)", see="elements.md", default={}
+    )
+    histories: dict[RsoName, HistorySettings] = setting(
+        "which object these are of, and how SGP4 flies them, where not by default",
+        see="elements.md",
+        default={},
+    )
     starts: dict[RsoName, Text] = setting(
         "where the first orbit of an RSO with `tracks` starts: a TLE, OMM or OEM; by default its elements,"
         " or it is determined from the tracks",
@@ -351,5 +380,5 @@ class RunAlone(Section):
         default={},
     )
     manoeuvres: dict[RsoName, Epochs] = setting(
-        "manoeuvres of an RSO with `tracks` or `fixes` that are known of", default={}
+        "manoeuvres of an RSO with `tracks`, `fixes` or `elements` that are known of", default={}
     )

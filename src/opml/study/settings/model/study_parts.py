@@ -356,7 +356,7 @@ class OwnStudySettings(Section):
     )
     label: Absent[Label] = setting(
         "what errors are held against to learn from: `truth`, or estimates, `later` or `smoothed`; by default"
-        " `truth`, or `later` where an RSO of the study has `tracks`",
+        " `truth`, or `later` where an RSO of the study was measured",
         see="labels.md",
         default=None,
     )

@@ -1,0 +1,118 @@
+"""What sets of mean elements are worth by their own past: how far each is from the sets before it.
+
+SGP4 from the newest good set before a set is held against SGP4 from the set itself, at the points that stand
+for it. A set that is many times farther off than usual is left out: its object burned, or it is another's.
+Where the next set agrees with it, the object burned, and sets count again. After several in a row that agree
+with none, as while an orbit is raised, a new past begins. No set touches what an earlier one is worth.
+"""
+
+import logging
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas as pd
+
+from opml.interop import ccsds
+from opml.interop.element_sets.sgp4_points import Sampling, states_of
+from opml.orbits.elements import in_rsw
+from opml.orbits.manoeuvres import contain_any
+from opml.tables import FIX_SIGMAS
+
+GROSS = 10.0
+"""How many times the usual disagreement a set is off that is left out."""
+
+USUAL = np.array([100.0, 300.0, 100.0])
+"""Standard deviations of a set in RSW until its object has a past [m]."""
+
+_FEWEST = 5
+"""Disagreements that make a past, and sets in a row that end it, as they agree with none."""
+
+_RECENT = 30
+"""Newest disagreements that count."""
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class _Past:
+    """Disagreements of sets with those before them.
+
+    gaps: between the epochs of the two [s]
+    distances: root mean squares (3,) in RSW [m]
+    """
+
+    gaps: list[float] = field(default_factory=list)
+    distances: list[np.ndarray] = field(default_factory=list)
+
+    def add(self, gap: float, distance: np.ndarray) -> None:
+        """Take a disagreement."""
+        self.gaps.append(gap)
+        self.distances.append(distance)
+
+    @property
+    def usual(self) -> np.ndarray | None:
+        """The usual distance (3,) in RSW [m]; None without a past."""
+        recent = self.distances[-_RECENT:]
+        return np.median(recent, axis=0) if len(recent) >= _FEWEST else None
+
+    @property
+    def sigma(self) -> np.ndarray:
+        """Standard deviation (3,) of a set in RSW [m]: two sets make a distance."""
+        return USUAL if self.usual is None else self.usual / np.sqrt(2.0)
+
+    def is_usual(self, gap: float, distance: np.ndarray) -> bool:
+        """Return whether a disagreement is a usual one; all are without a past.
+
+        It may grow with the square of the gap, as what drag does.
+        """
+        if self.usual is None:
+            return bool(np.isfinite(distance).all())
+        growth = max(1.0, gap / float(np.median(self.gaps[-_RECENT:]))) ** 2
+        return bool(np.linalg.norm(distance) <= GROSS * growth * np.linalg.norm(self.usual))
+
+
+def weighed(
+    sets: pd.DataFrame, *, epoch: str, sampling: Sampling, manoeuvres: Sequence[float] = ()
+) -> pd.DataFrame:
+    """Return what each set of one object is worth: whether it `counts`, and its sigmas in RSW [m].
+
+    sets: table `element_sets` of one object
+    epoch: UTC text, the table's
+    sampling: of the points that stand for a set
+    manoeuvres: known times [s], across which no sets are held against each other
+
+    Sets that do not count are logged.
+    """
+    past, rows = _Past(), []
+    known: list[pd.Series] = []  # the newest set that counts, and those after it
+    for _, one in sets.iterrows():
+        if known and contain_any(known[0]["t"], np.array([one["t"]]), manoeuvres)[0]:
+            known = []
+        if len(known) == _FEWEST:
+            past, known = _Past(), []
+        others = [*known[:1], *known[1:][-1:]]
+        counts = not known or any(_agree(past, other, one, epoch, sampling) for other in others)
+        known = [one] if counts else [*known, one]
+        rows.append([counts, *past.sigma])
+        if not counts:
+            _log_left_out(one, epoch)
+    return pd.DataFrame(rows, columns=["counts", *FIX_SIGMAS[:3]], index=sets.index)
+
+
+def _agree(past: _Past, earlier: pd.Series, later: pd.Series, epoch: str, sampling: Sampling) -> bool:
+    """Return whether two sets are as near each other as usual, and take it for the past if they are."""
+    t = sampling.times(later["t"])
+    states, others = (states_of(one, epoch=epoch, t=t) for one in (later, earlier))
+    distance = np.sqrt(np.mean(in_rsw(others - states, states)[:, :3] ** 2, axis=0))
+    gap = later["t"] - earlier["t"]
+    is_usual = past.is_usual(gap, distance)
+    if is_usual:
+        past.add(gap, distance)
+    return is_usual
+
+
+def _log_left_out(one: pd.Series, epoch: str) -> None:
+    (time,) = ccsds.utc_texts(epoch, np.array([one["t"]]))
+    place = f"{one['file']}: line {one['line']}"
+    _log.warning("%s: the set of %s disagrees with those before it and is left out: a burn?", place, time)

@@ -1,0 +1,29 @@
+"""SGP4 from the newest set of mean elements, held against predictions: what everybody has, as a baseline."""
+
+import numpy as np
+import pandas as pd
+
+from opml.interop.element_sets.sgp4_points import states_of
+from opml.orbits.elements import in_rsw
+from opml.tables import STATE
+
+
+def build(predictions: pd.DataFrame, sets: pd.DataFrame, *, epoch: str) -> pd.DataFrame:
+    """Return the `sgp4` table: one row per pair of `predictions`, in their order.
+
+    sets: table `element_sets` of one object
+    epoch: UTC text, the table's
+
+    SGP4 flies the set with the newest epoch up to t_i. An estimate is at the epoch of a set and made of it,
+    so both are known at the same time. sgp4_* is the prediction less SGP4's, in RSW of the predicted state
+    [m, m/s], NaN where there is no such set or SGP4 fails.
+    """
+    predicted = np.ascontiguousarray(predictions[STATE])
+    flown = np.full_like(predicted, np.nan)
+    newest = np.searchsorted(sets["t"].to_numpy(), predictions["t_i"].to_numpy(), side="right") - 1
+    for row in np.unique(newest[newest >= 0]):
+        pairs = np.flatnonzero(newest == row)
+        flown[pairs] = states_of(sets.iloc[row], epoch=epoch, t=predictions["t_j"].to_numpy()[pairs])
+    differences = in_rsw(predicted - flown, predicted)
+    names = [f"sgp4_{axis}" for axis in STATE]
+    return predictions[["i", "j"]].assign(**dict(zip(names, differences.T, strict=True)))

@@ -1,0 +1,94 @@
+"""Sets of mean elements as measurements: the points that stand for each, and how much they count."""
+
+import logging
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.interop.element_sets import agreement, sgp4_points
+from opml.interop.element_sets.sgp4_points import Sampling
+from opml.tables import FIX_SIGMAS
+
+PAST = 60.0 * DAY
+"""Sets so long before a run tell what its first ones are worth [s]."""
+
+_NUMBERS = 6
+"""What a set tells of an orbit, however many points it gives."""
+
+_LEAST = 0.5
+"""Part of a set's points that lie within the run and after a manoeuvre, at least."""
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Taking:
+    """How sets are taken for measurements.
+
+    sampling: of the points that stand for a set
+    sigmas: (3,) standard deviations of a set in RSW [m]; None: learned from the sets before it
+    """
+
+    sampling: Sampling
+    sigmas: Sequence[float] | None = None
+
+
+@dataclass(frozen=True)
+class MeasuredSets:
+    """The sets of a run that count, in ascending order.
+
+    epochs: (sets,) [s]
+    known: (sets,) when they were made, NaN where nobody tells [s]
+    points: of each set: t, state in GCRF, standard deviations in RSW
+    """
+
+    epochs: np.ndarray
+    known: np.ndarray
+    points: list[pd.DataFrame]
+
+
+def measured(
+    sets: pd.DataFrame, taking: Taking, *, epoch: str, duration: float, manoeuvres: Sequence[float] = ()
+) -> MeasuredSets:
+    """Return what the sets of one object measured within a run.
+
+    sets: table `element_sets` of one object
+    epoch: UTC text, the table's
+    duration: of the run [s]
+    manoeuvres: known times [s]; no points of a set lie before one that was before its epoch
+
+    Raises InputError where no set is left.
+    """
+    sets = sets[(sets["t"] >= -PAST) & (sets["t"] <= duration)].reset_index(drop=True)
+    worth = agreement.weighed(sets, epoch=epoch, sampling=taking.sampling, manoeuvres=manoeuvres)
+    if taking.sigmas is not None:
+        worth[FIX_SIGMAS[:3]] = np.tile(taking.sigmas, (len(worth), 1))
+    counting = worth["counts"].to_numpy() & (sets["t"].to_numpy() >= 0.0)
+    kept, points = [], []
+    for k in np.flatnonzero(counting):
+        found = _points(sets.iloc[k], worth.iloc[k], taking.sampling, epoch=epoch, manoeuvres=manoeuvres)
+        if found is not None:
+            kept.append(k)
+            points.append(found)
+    if not kept:
+        raise InputError(f"element sets: expected a set within the run that counts, got {len(sets)} others")
+    _log.info("sets that count as measurements: %d", len(kept))
+    epochs, known = (sets[name].to_numpy()[kept] for name in ("t", "t_created"))
+    return MeasuredSets(epochs, known, points)
+
+
+def _points(
+    one: pd.Series, worth: pd.Series, sampling: Sampling, *, epoch: str, manoeuvres: Sequence[float]
+) -> pd.DataFrame | None:
+    """Return the points of a set in the run and behind the last manoeuvre before it; None if they are few."""
+    points = sgp4_points.before(one, epoch=epoch, sampling=sampling)
+    begin = max([0.0, *(time for time in manoeuvres if time <= one["t"])])
+    rows = points[points["t"] >= begin]
+    if len(rows) < _LEAST * len(points):
+        return None
+    sigmas = worth[FIX_SIGMAS[:3]].to_numpy(float) * np.sqrt(3 * len(points) / _NUMBERS)
+    return rows.assign(**dict(zip(FIX_SIGMAS, [*sigmas, *[np.nan] * 3], strict=True)))

@@ -1,0 +1,15 @@
+"""Read the history of an RSO's mean elements."""
+
+from opml.interop.element_sets import histories
+from opml.tables import write_table
+from opml.workflow.job_settings import JobSettings
+from opml.workflow.jobs import job
+
+with job(snakemake) as metadata:
+    settings = JobSettings(snakemake.params.settings)
+    history = histories.read(
+        snakemake.input, epoch=settings.epoch, leave_out_damaged=settings.history["leave_out_damaged"]
+    )
+    sets = histories.of_object(history.sets, settings.history["number"])
+    metadata |= {"damaged": len(history.damaged), "doubles": history.doubles}
+    write_table(snakemake.output[0], sets, "element_sets", metadata=metadata)
