@@ -230,7 +230,7 @@ def propagate(flight: Flight, *, days: float, step: float = 20.0) -> pd.DataFram
 def track(
     truth: pd.DataFrame, environment: Environment, stations: Sequence[Station], *, rso: Rso, seed: int = 42
 ) -> pd.DataFrame:
-    """Track an RSO: the table `tracking`, each station's azimuth, elevation and range with its noise.
+    """Track an RSO: the table `tracking`, what each station has a sigma of, with its noise.
 
     truth: from `propagate`; seed: of the noise. Raises InputError where no station ever sees the RSO.
     Source: sec. Measurement Models.
@@ -239,7 +239,14 @@ def track(
     >>> tracks["track"].nunique()
     29
     """
-    return tracking.simulate(truth, environment.earth_orientation, stations, rso=rso.name, seed=seed)
+    return tracking.simulate(
+        truth,
+        environment.earth_orientation,
+        stations,
+        rso=rso.name,
+        seed=seed,
+        epoch=environment.epoch,
+    )
 
 
 def write_tracks(path: str | Path, tracks: pd.DataFrame, *, epoch: str, rso: Rso) -> None:

@@ -104,12 +104,26 @@ def mechanism_schema(resonances: Sequence[tuple[int, int]]) -> Schema:
     return Schema("mechanism", row, (*PAIR, *_MECHANISM, *drifts))
 
 
+_IF_MEASURED = "; only where a station has it"
+
+_OBSERVABLES = (
+    real("range_rate", "m/s", f"measured rate of the range{_IF_MEASURED}", "topocentric"),
+    real("right_ascension", "rad", f"measured right ascension, from the station{_IF_MEASURED}", "GCRF"),
+    real("declination", "rad", f"measured declination, from the station{_IF_MEASURED}", "GCRF"),
+    real("range_rate_true", "m/s", f"rate of the range without noise{_IF_MEASURED}", "topocentric"),
+    real("right_ascension_true", "rad", f"right ascension without noise{_IF_MEASURED}", "GCRF"),
+    real("declination_true", "rad", f"declination without noise{_IF_MEASURED}", "GCRF"),
+    flag("two_way", "whether range and rate are half of those there and back; only where there are any"),
+)
+"""Columns of the table `tracking` for what few stations measure."""
+
+
 CATALOG_SCHEMAS = (
     Schema("truth", "an epoch of the tracking grid", (TIME, *state_columns("GCRF", "true state"))),
     Schema(TRUTH_GROUPS, "an RSO of those whose truths one job made", (text("rso", "name"),)),
     Schema(
         "tracking",
-        f"a measurement by one station{NO_TRUTH}",
+        f"a measurement by one station{NO_TRUTH}, or where the station does not measure it",
         (
             count("track", "number of the track, from 0"),
             TIME,
@@ -121,6 +135,7 @@ CATALOG_SCHEMAS = (
             real("elevation_true", "rad", "elevation without noise", "topocentric"),
             real("range_true", "m", "range without noise", "topocentric"),
         ),
+        _OBSERVABLES,
     ),
     Schema(
         "fixes",

@@ -56,17 +56,23 @@ def test_segments_without_an_id_are_tracks_of_their_own(message):
             "PATH = 1,2,3",
             "line 16: expected PATH = 2,1 or 1,2 or 1,2,1 or 2,1,2, got 1,2,3",
         ),
-        ("ANGLE_TYPE = AZEL", "ANGLE_TYPE = RADEC", "line 18: expected ANGLE_TYPE = AZEL, got RADEC"),
+        ("ANGLE_TYPE = AZEL", "ANGLE_TYPE = XEYN", "line 18: expected ANGLE_TYPE = AZEL or RADEC, got XEYN"),
+        ("ANGLE_TYPE = AZEL", "ANGLE_TYPE = RADEC", "line 19: expected the key REFERENCE_FRAME before"),
+        (
+            "ANGLE_TYPE = AZEL",
+            "ANGLE_TYPE = RADEC\nREFERENCE_FRAME = TEME",
+            "line 19: expected REFERENCE_FRAME = GCRF or ICRF or EME2000, got TEME",
+        ),
         ("RANGE_UNITS = km", "RANGE_UNITS = s", "line 17: expected RANGE_UNITS = KM, got s"),
         ("DATA_START\n", "", "line 20: expected DATA_START, got ANGLE_1"),
         (
             "ANGLE_2 = ",
             "DOPPLER = ",
-            "line 22: expected ANGLE_1 or ANGLE_2 or RANGE = time value",
+            "line 22: expected ANGLE_1 or ANGLE_2 or RANGE or DOPPLER_INSTANTANEOUS = time value",
         ),
         ("ANGLE_2 = ", "ANGLE_1 = ", "line 22: expected ANGLE_1 once at a time, got ANGLE_1"),
         ("ANGLE_2 = ", "COMMENT ", "line 21: expected ANGLE_2 at 2016-"),
-        ("RANGE = 2016-", "RANGE = nan 2016-", "line 23: expected ANGLE_1 or ANGLE_2 or RANGE = time value"),
+        ("RANGE = 2016-", "RANGE = nan 2016-", "line 23: expected ANGLE_1 or ANGLE_2 or RANGE or DOPPLER"),
         ("RANGE = 2016-", "RANGE = 2016_", "line 21: expected RANGE at 2016-"),
     ],
 )
@@ -109,7 +115,7 @@ def test_the_last_one_of_a_path_is_the_station(table, message, path):
 
 def test_what_is_not_estimated_from_is_passed_over(table, message):
     lines = message.read_text().splitlines()
-    rates = [line.replace("RANGE", "DOPPLER_INSTANTANEOUS") for line in lines if line.startswith("RANGE = ")]
+    rates = [line.replace("RANGE", "DOPPLER_INTEGRATED") for line in lines if line.startswith("RANGE = ")]
     block = ["META_START", "TIME_SYSTEM = UTC", "META_STOP", "DATA_START", *rates, "DATA_STOP"]
     for k, line in reversed(list(enumerate(lines))):
         if line.startswith("RANGE = "):

@@ -18,12 +18,7 @@ from opml.base.constants import HOUR
 from opml.catalog.fit.least_squares import Evaluation, Fit, Method
 from opml.catalog.fit.measurements import Measurements, Window
 from opml.catalog.flight import Flight
-from opml.catalog.simulate.observing import observe, place, retarded, sigmas, site
-from opml.catalog.simulate.tracking import QUANTITIES
 from opml.dynamics.ensemble import REASONS, Arcs
-from opml.dynamics.frames import gcrf_to_itrf
-from opml.orbits.elements import wrap_half_turn
-from opml.orbits.sheets import Station
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE
 
 BATCH = 16
@@ -90,57 +85,6 @@ class Estimate:
 
 _Known = tuple[int, np.ndarray]
 """An epoch of a run's measurements, by its number, and the parameters (7,) of an orbit there."""
-
-
-class Measured(Measurements):
-    """Azimuth, elevation and range by radars; the estimate of a track is at its start."""
-
-    def __init__(
-        self, tracking: pd.DataFrame, earth_orientation: pd.DataFrame, stations: Sequence[Station]
-    ) -> None:
-        """Take the tables of tracking and Earth orientation, and the stations that measured."""
-        track, t = tracking["track"].to_numpy(), tracking["t"].to_numpy()
-        super().__init__(track, t, t[np.searchsorted(track, track)])
-        self.rotations = gcrf_to_itrf(earth_orientation, self.epochs)
-        self.values = tracking[QUANTITIES].to_numpy()
-        order = {station.name: k for k, station in enumerate(stations)}
-        station_of_row = np.array([order[name] for name in tracking["station"]])
-        sites = [site(station) for station in stations]
-        self.positions = np.array([position for position, _ in sites])[station_of_row]
-        self.to_horizon = np.array([rotation for _, rotation in sites])[station_of_row]
-        self.sigmas = np.array([sigmas(station) for station in stations])[station_of_row]
-
-    def places(self, rows: slice | np.ndarray) -> np.ndarray:
-        """Return positions (n, 3) in GCRF [m] of rows of measurements."""
-        itrf = place(self.values[rows], self.positions[rows], self.to_horizon[rows])
-        turned: np.ndarray = np.einsum("nij,ni->nj", self.rotations[self.epoch_of_row[rows]], itrf)
-        return turned
-
-    def evaluation(self, window: Window, states: np.ndarray, *, light_time: bool = False) -> Evaluation:
-        """Return residuals and partial derivatives of a window, as `Measurements.evaluation`."""
-        rows = window.rows
-        at_rows = states[:, self.epoch_of_row[rows] - window.first]
-        positions = self._received(rows, at_rows) if light_time else self._in_itrf(rows, at_rows[..., :3])
-        radar = self.positions[rows], self.to_horizon[rows]
-        residual = self.values[rows] - observe(positions[0], *radar)
-        residual[:, 0] = wrap_half_turn(residual[:, 0])
-        # Each neighbour and its mirror image about the nominal arc: by then a nudge has grown to a hundred
-        # metres, over which the measurements bend, and the bend cancels.
-        shift = positions[1:] - positions[0]
-        change = observe(positions[0] + shift, *radar) - observe(positions[0] - shift, *radar)
-        change[..., 0] = wrap_half_turn(change[..., 0])
-        weighted = 0.5 * change / self.sigmas[rows] / NUDGES[:, None, None]
-        return Evaluation((residual / self.sigmas[rows]).ravel(), weighted.reshape(7, -1).T)
-
-    def _in_itrf(self, rows: slice, vectors: np.ndarray) -> np.ndarray:
-        """Return GCRF vectors (arcs, rows, 3) at the rows' epochs in the axes of ITRF."""
-        turned: np.ndarray = np.einsum("nij,lnj->lni", self.rotations[self.epoch_of_row[rows]], vectors)
-        return turned
-
-    def _received(self, rows: slice, states: np.ndarray) -> np.ndarray:
-        """Return positions (arcs, rows, 3) in ITRF that the light of GCRF states (arcs, rows, 6) shows."""
-        positions, velocities = self._in_itrf(rows, states[..., :3]), self._in_itrf(rows, states[..., 3:])
-        return retarded(positions, velocities, self.positions[rows])
 
 
 def fly_parameters(
@@ -352,11 +296,7 @@ class Run:
     def row(self, estimate: Estimate) -> dict[str, Any]:
         """Return the estimate as a row of the table."""
         window, fit = estimate.window, estimate.fit
-        rms = (
-            np.sqrt(fit.cost / (self.measured.numbers * window.measurements))
-            if np.isfinite(fit.cost)
-            else np.nan
-        )
+        rms = np.sqrt(fit.cost / self.measured.count(window.rows)) if np.isfinite(fit.cost) else np.nan
         return {
             "track": window.track,
             "t": self.measured.epochs[window.at],

@@ -68,7 +68,7 @@ def carried(flight: Flight, measured: Measurements, known: TimedState) -> pd.Dat
     """
     rso, times, (t, start) = flight.rso, _times(measured), known
     states = _everywhere(flight, times.to_numpy(), t, np.append(start, rso.cd))
-    apart = np.linalg.norm(measured.places(measured.row_at) - states[:, :3], axis=1)
+    apart = measured.misses(measured.row_at, states[:, :3])
     miss = float(np.median(np.where(np.isfinite(apart), apart, np.inf)[_first_day(times)]))
     _log.info("first orbit: the given state is %.1f km from the first day's tracks", miss / 1e3)
     if not miss < FARTHEST:
@@ -89,8 +89,9 @@ def determined(flight: Flight, measured: Measurements, *, settings: Estimation) 
     alone = single_tracks(run)
     if not alone:
         raise InputError(
-            f"{rso.name}: expected a track of at least {FEWEST} measurements over {SHORTEST:g} s "
-            "on the first day that gives an orbit, got none; give elements, or a TLE or OEM under starts"
+            f"{rso.name}: expected a track of at least {FEWEST} measurements over {SHORTEST:g} s, "
+            "of two angles and the range, on the first day that gives an orbit, got none; "
+            "give elements, or a TLE or OEM under starts"
         )
     best = min(alone, key=lambda estimate: axis_sigma(estimate.fit, gm))
     t, axis = measured.epochs[best.window.at], axis_sigma(best.fit, gm)
@@ -109,6 +110,8 @@ def single_tracks(run: Run) -> list[Estimate]:
     for track in np.flatnonzero(_first_day(measured.epochs[measured.at])):
         window = measured.window(int(track), 0.0)
         t, positions = measured.epochs[measured.epoch_of_row[window.rows]], measured.places(window.rows)
+        is_known = np.isfinite(positions).all(axis=1)
+        t, positions = t[is_known], positions[is_known]
         if len(np.unique(t)) < FEWEST or t[-1] - t[0] < SHORTEST:
             continue
         smooth = max(FEWEST, int(np.searchsorted(t, t[0] + measured.smooth_for, side="right")))
