@@ -123,7 +123,7 @@ CATALOG_SCHEMAS = (
     Schema(TRUTH_GROUPS, "an RSO of those whose truths one job made", (text("rso", "name"),)),
     Schema(
         "tracking",
-        f"a measurement by one station{NO_TRUTH}, or where the station does not measure it",
+        f"a measurement by one station{NO_TRUTH}, or no measurement",
         (
             count("track", "number of the track, from 0"),
             TIME,

@@ -2,6 +2,7 @@
 
 import re
 
+import erfa
 import numpy as np
 import pandas as pd
 import pytest
@@ -99,6 +100,60 @@ def changed(path, *pairs):
         assert old in text
         text = text.replace(old, new)
     path.write_text(text)
+
+
+def test_stars_on_axes_of_eme2000_are_turned(table, tmp_path):
+    """EME2000 is off GCRF by 23 milliarcseconds at most, and less about the pole than along the equator."""
+    stars = table.assign(right_ascension=table["azimuth"], declination=table["elevation"])
+    stars[["azimuth", "elevation", "range"]] = np.nan
+    path = tmp_path / "stars.tdm"
+    tdm.write(path, stars, epoch=EPOCH, rso="iss")
+    as_written = tdm.read(path, epoch=EPOCH)
+    changed(path, ("REFERENCE_FRAME = ICRF", "REFERENCE_FRAME = EME2000"))
+    turned = tdm.read(path, epoch=EPOCH)
+
+    def sights(rows):
+        right_ascension, declination = rows["right_ascension"], rows["declination"]
+        level = np.cos(declination)
+        return np.column_stack(
+            [level * np.cos(right_ascension), level * np.sin(right_ascension), np.sin(declination)]
+        )
+
+    expected = sights(as_written) @ erfa.bp06(2451545.0, 0.0)[0]
+    np.testing.assert_allclose(sights(turned), expected, atol=1e-15)
+    apart = np.degrees(np.linalg.norm(sights(turned) - sights(as_written), axis=1)) * 3600e3
+    assert 5.0 < apart.max() < 30.0
+
+
+def test_ranges_there_and_back_stay_so(table, tmp_path):
+    both = table.assign(two_way=table["station"] == "eglin")
+    path = tmp_path / "both.tdm"
+    tdm.write(path, both, epoch=EPOCH, rso="iss")
+    text = path.read_text()
+    assert text.count("PATH = 1,2,1") == table.loc[table["station"] == "eglin", "track"].nunique()
+    back = tdm.read(path, epoch=EPOCH)
+    assert set(back.loc[back["two_way"], "station"]) == {"eglin"}
+    assert set(back.loc[~back["two_way"], "station"]) == {"clear", "kaena"} & set(table["station"])
+
+
+def test_rates_may_stand_at_other_times_than_ranges(message, table):
+    lines = message.read_text().splitlines()
+    at = next(k for k, line in enumerate(lines) if line == "DATA_START")
+    time = lines[at + 1].split()[2].replace(".000000", ".500000")
+    lines.insert(at + 4, f"DOPPLER_INSTANTANEOUS = {time} -1.25")
+    message.write_text("\n".join(lines))
+    back = tdm.read(message, epoch=EPOCH)
+    assert len(back) == len(table) + 1
+    assert back["range_rate"].dropna().tolist() == [-1250.0]
+    assert back.loc[back["range_rate"].notna(), "range"].isna().all()
+
+
+def test_one_angle_to_the_stars_is_none(message):
+    lines = [line for line in message.read_text().splitlines() if not line.startswith("ANGLE_2 ")]
+    message.write_text("\n".join(lines))
+    changed(message, ("ANGLE_TYPE = AZEL", "ANGLE_TYPE = RADEC\nREFERENCE_FRAME = ICRF"))
+    with pytest.raises(InputError, match="line 18: expected ANGLE_1 and ANGLE_2, got one of them"):
+        tdm.read(message, epoch=EPOCH)
 
 
 @pytest.mark.parametrize("path", ["1,2", "2,1,2"])
