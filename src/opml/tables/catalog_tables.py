@@ -138,6 +138,23 @@ CATALOG_SCHEMAS = (
         _OBSERVABLES,
     ),
     Schema(
+        "laser_ranges",
+        "a normal point of laser ranging, in the place of `tracking`",
+        (
+            count("track", "number of the pass, from 0"),
+            real("t", "s", f"when the light was received, {SINCE}"),
+            text("station", "number of the station"),
+            real("range", "m", "half of the light's way there and back, to the satellite's centre of mass"),
+            real("sigma_range", "m", "standard deviation of the range"),
+            *(
+                real(f"{axis}_station", "m", f"where the station was then, with its tide, {axis}", "ITRF")
+                for axis in "xyz"
+            ),
+            real("zenith_delay", "m", "delay by the air above the station, one way"),
+            real("temperature", "K", "of the air"),
+        ),
+    ),
+    Schema(
         "fixes",
         "a point of an orbit that was measured, in the place of `tracking`",
         (

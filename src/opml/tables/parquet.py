@@ -100,8 +100,9 @@ def read_kind(path: FilePath) -> str:
 
 
 def read_measured(path: FilePath) -> pd.DataFrame:
-    """Read a table of what was measured: `tracking`, or `fixes` in its place. Raises as `read_table` does."""
-    return read_table(path, "fixes" if read_kind(path) == "fixes" else "tracking")
+    """Read a table of what was measured: `tracking`, or another in its place. Raises as `read_table` does."""
+    kind = read_kind(path)
+    return read_table(path, kind if kind in ("fixes", "laser_ranges") else "tracking")
 
 
 def read_manoeuvres(path: FilePath) -> list[float]:

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from opml.catalog.fit.estimation import NUDGES
-from opml.catalog.fit.least_squares import Evaluation
+from opml.catalog.fit.estimation import NUDGES, Estimate, Run, fly_around
+from opml.catalog.fit.least_squares import Evaluation, Fit
 from opml.catalog.fit.measurements import Measurements, Window
 from opml.catalog.simulate.observing import (
     ANGLES,
@@ -30,7 +30,8 @@ class Measured(Measurements):
         track, t = tracking["track"].to_numpy(), tracking["t"].to_numpy()
         super().__init__(track, t, t[np.searchsorted(track, track)])
         order = {station.name: k for k, station in enumerate(stations)}
-        station_of_row = np.array([order[name] for name in tracking["station"]])
+        self.stations = tracking["station"].to_numpy()
+        station_of_row = np.array([order[name] for name in self.stations])
         two_way = tracking["two_way"].to_numpy() if "two_way" in tracking else None
         self.stands = Stands.at(t, stations, station_of_row, earth_orientation, two_way=two_way)
         given = [name for name in OBSERVABLES if name in tracking]
@@ -61,6 +62,13 @@ class Measured(Measurements):
         ranges = np.where(np.isfinite(ranges), ranges, along)
         return np.asarray(np.linalg.norm(away - ranges * sights, axis=1))
 
+    def reduced(self, rows: slice, positions: np.ndarray, velocities: np.ndarray) -> np.ndarray:
+        """Return what rows measured (n, observables), less what is no geometry.
+
+        positions, velocities: (n, 3) of the orbit, as for `predicted`
+        """
+        return self.values[rows]
+
     def evaluation(self, window: Window, states: np.ndarray, *, light_time: bool = False) -> Evaluation:
         """Return residuals and partial derivatives of a window, as `Measurements.evaluation`."""
         rows = window.rows
@@ -77,12 +85,33 @@ class Measured(Measurements):
             return predicted(self.names, places, speeds, stands, light_time=light_time)
 
         nominal = predicted(self.names, positions[0], velocities[0], stands, light_time=light_time)
-        residual = difference(self.values[rows], nominal, self.names) / sigma
+        reduced = self.reduced(rows, positions[0], velocities[0])
+        residual = difference(reduced, nominal, self.names) / sigma
         # By then a nudge has grown to a hundred metres, over which the measurements bend: between images the
         # bend cancels.
         change = difference(seen(1.0), seen(-1.0), self.names)
         weighted = (0.5 * change / sigma / NUDGES[:, None, None]).reshape(len(NUDGES), -1)
         return Evaluation(np.compress(counting, residual.ravel()), np.compress(counting, weighted, axis=1).T)
+
+    def residuals(self, run: Run, estimate: Estimate) -> pd.DataFrame:
+        """Return what an estimate leaves of the measurements that it is made of, one a row.
+
+        Columns t [s], station, observable, residual, measured less predicted [rad, m, m/s], and weighted, the
+        same in sigmas.
+        """
+        rows, ended = estimate.window.rows, Fit(estimate.fit.best, estimate.fit.method)
+        [states], _ = fly_around(run.flight, self.epochs, [Estimate(estimate.window, ended)])
+        left = self.evaluation(estimate.window, states, light_time=run.settings.light_time).residuals
+        row, column = np.nonzero(self.counting[rows])
+        return pd.DataFrame(
+            {
+                "t": self.epochs[self.epoch_of_row[rows]][row],
+                "station": self.stations[rows][row],
+                "observable": np.array(self.names)[column],
+                "residual": left * self.sigmas[rows][row, column],
+                "weighted": left,
+            }
+        )
 
     def _columns(self, names: Sequence[str], rows: slice | np.ndarray) -> np.ndarray:
         """Return what rows hold of observables: (n, len(names)), NaN of what does not count."""

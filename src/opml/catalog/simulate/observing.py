@@ -34,11 +34,15 @@ _TURNS = ("azimuth", "right_ascension")
 def site(station: Station) -> tuple[np.ndarray, np.ndarray]:
     """Return (position in ITRF [m] (3,), rotation ITRF to east, north, up (3, 3)) of a station on WGS84."""
     lon, lat = station.longitude, station.latitude
-    position = np.array(erfa.gd2gc(_WGS84, lon, lat, station.altitude))
+    return np.array(erfa.gd2gc(_WGS84, lon, lat, station.altitude)), horizon(lon, lat)
+
+
+def horizon(lon: float, lat: float) -> np.ndarray:
+    """Return the rotation (3, 3) from ITRF to east, north, up at a longitude and latitude on WGS84 [rad]."""
     east = [-np.sin(lon), np.cos(lon), 0.0]
     north = [-np.sin(lat) * np.cos(lon), -np.sin(lat) * np.sin(lon), np.cos(lat)]
     up = [np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)]
-    return position, np.array([east, north, up])
+    return np.array([east, north, up])
 
 
 def measured_by(station: Station) -> list[str]:
@@ -95,10 +99,23 @@ class Stands:
         """Return where stations stand at times t (n,) [s]; station_of_row: (n,) index of each."""
         sites = [site(station) for station in stations]
         position, to_horizon = (np.array([place[k] for place in sites])[station_of_row] for k in (0, 1))
+        two_way = np.zeros(len(t), bool) if two_way is None else two_way
+        return cls.of_places(t, position, to_horizon, earth_orientation, two_way=two_way)
+
+    @classmethod
+    def of_places(
+        cls,
+        t: np.ndarray,
+        position: np.ndarray,
+        to_horizon: np.ndarray,
+        earth_orientation: pd.DataFrame,
+        *,
+        two_way: np.ndarray,
+    ) -> Self:
+        """Return stands of positions (n, 3) and horizons (n, 3, 3) at times t (n,) [s]."""
         from_gcrf, nodes = gcrf_to_itrf(earth_orientation, t), earth_orientation["t"].to_numpy()
         turning = np.stack([np.interp(t, nodes, axis) for axis in spin(earth_orientation).T], axis=-1)
         velocity = np.cross(np.einsum("nij,nj->ni", from_gcrf, turning), position)
-        two_way = np.zeros(len(t), bool) if two_way is None else two_way
         return cls(position, velocity, to_horizon, from_gcrf, two_way)
 
     def among(self, rows: slice | np.ndarray) -> Self:
