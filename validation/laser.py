@@ -2,11 +2,12 @@
 
     python -m validation.laser <folder of the files>
 
-The folder holds normal points (CRD), stations (SINEX: coordinates and eccentricities) and the ILRS's prediction
-of the same days (CPF), where the fit starts.
+The folder holds normal points (CRD), stations (SINEX: coordinates and eccentricities) and the ILRS's
+prediction of the same days (CPF), where the fit starts.
 """
 
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,9 @@ from opml.orbits.sheets import Rso
 from opml.tables import STATE
 
 EPOCH, DAYS = "2016-02-11T00:00:00", 4.0
+LAST = 2.5
+"""Where the last hours begin [d]."""
+
 PREDICTED = 2.0, 2.9
 """Days of the prediction."""
 
@@ -59,14 +63,26 @@ def fitted(run: Run, track: int, begin: float, end: float) -> Estimate:
     return estimate
 
 
+@dataclass(frozen=True)
+class Comparison:
+    """What a fit leaves.
+
+    by_station: points, their mean, scatter and root mean square [cm] of each station
+    from_prediction: root mean square distance from the ILRS's prediction along R, S and W [m]
+    """
+
+    by_station: pd.DataFrame
+    from_prediction: np.ndarray
+
+
 def by_station(residuals: pd.DataFrame) -> pd.DataFrame:
     """Return points, their mean, scatter and root mean square [cm] of each station."""
     table = residuals.assign(cm=100.0 * residuals["residual"]).groupby("station")["cm"]
     return table.agg(points="size", mean="mean", scatter="std", rms=lambda cm: np.sqrt(np.mean(cm**2)))
 
 
-def main(folder: Path) -> None:
-    """Print two tables: of three days, and of the last one."""
+def fits(folder: Path) -> dict[str, Comparison]:
+    """Return a fit to all that was measured, and one to the last hours, by their names."""
     environment = opml.make_environment(EPOCH, days=DAYS, degree=DEGREE)
     lageos, path = flight(environment), predicted(folder)
     ranges = opml.read_laser_ranges(
@@ -82,16 +98,22 @@ def main(folder: Path) -> None:
     starts = first_orbit.carried(lageos, measured, (middle["t"], middle[STATE].to_numpy(float)))
     settings = Estimation(24.0, 20, 1e-3, 0.0, 0.0, 1e3)
     run = Run(measured, lageos, starts[STATE].to_numpy(), settings, starts["age"].to_numpy())
-    track = int(np.argmin(np.abs(starts["t"] - 2.5 * DAY)))
-    for begin, end in ((0.0, DAYS), (2.5, DAYS)):
-        estimate = fitted(run, track, begin, end)
-        print(f"\nDays {begin:g} to {end:g}: {estimate.fit.reason or 'converged'}")
-        print(by_station(measured.residuals(run, estimate)).round(1))
-        flown = first_orbit._everywhere(
-            lageos, path["t"].to_numpy(), run.measured.epochs[estimate.window.at], estimate.fit.best
-        )
-        apart = in_rsw(flown - path[STATE].to_numpy(), path[STATE].to_numpy())[:, :3]
-        print("from the prediction, rms R S W [m]:", np.sqrt((apart**2).mean(axis=0)).round(3))
+    track = int(np.argmin(np.abs(starts["t"] - LAST * DAY)))
+    found = {}
+    for name, begin in (("three days", 0.0), ("the last 18 hours", LAST)):
+        estimate = fitted(run, track, begin, DAYS)
+        at, known = measured.epochs[estimate.window.at], path[STATE].to_numpy()
+        flown = first_orbit.everywhere(lageos, path["t"].to_numpy(), at, estimate.fit.best)
+        apart = np.sqrt((in_rsw(flown - known, known)[:, :3] ** 2).mean(axis=0))
+        found[name] = Comparison(by_station(measured.residuals(run, estimate)), apart)
+    return found
+
+
+def main(folder: Path) -> None:
+    """Print the fits."""
+    for name, fit in fits(folder).items():
+        print(f"\n{name}\n{fit.by_station.round(1)}")
+        print("from the prediction, rms of R, S, W [m]:", fit.from_prediction.round(2))
 
 
 if __name__ == "__main__":

@@ -23,7 +23,7 @@ from opml.interop.orbit_arcs import (
     seconds_since,
 )
 
-_HECTO, _NANO, _PICO, _PERCENT = 1e2, 1e-9, 1e-12, 1e-2
+_HECTO, _NANO, _PERCENT = 1e2, 1e-9, 1e-2
 
 _UTC = ("3", "4", "7")
 """Time scales of a station that are UTC: of the observatory, of GPS, of the BIPM."""
@@ -51,11 +51,11 @@ def read(paths: Sequence[FilePath], *, epoch: str, satellite: str | None = None)
     satellite: name, ILRS number, SIC or NORAD number; None: any satellite
 
     Columns: track, the number of the pass; t, when the light was received [s]; station, its number, and
-    system, with which it was occupied; flight, of the light there and back [s]; wavelength [m]; pressure [Pa],
-    temperature [K] and humidity [1], between those of the pass; scatter, the root mean square of the ranges
-    within the point [m of time of flight, s]; path and line. Raises InputError, naming file and line, for a
-    malformed or truncated file, another satellite, and data that are no ranges there and back by UTC, or that
-    refraction or the centre of mass was taken off from.
+    system, with which it was occupied; flight, of the light there and back [s]; wavelength [m]; pressure
+    [Pa], temperature [K] and humidity [1], between those of the pass; path and line.
+
+    Raises InputError, naming file and line, for a malformed or truncated file, another satellite, and data
+    that are no ranges there and back by UTC, or are without refraction or to the centre of mass.
     """
     tables = [_points(path, one, epoch) for path in paths for one in _passes(path, satellite) if one.points]
     if not tables:
@@ -91,7 +91,7 @@ def _passes(path: FilePath, satellite: str | None) -> Iterator[_Pass]:
 def _keep(path: FilePath, current: _Pass, kind: str, row: _Row) -> None:
     """Add a record to a pass. Raises InputError where it is too short."""
     number, words = row
-    fewest, into = {"C0": (4, None), "11": (8, current.points), "20": (5, current.weather)}[kind]
+    fewest, into = {"C0": (4, None), "11": (5, current.points), "20": (5, current.weather)}[kind]
     if len(words) < fewest:
         raise line_error(path, number, f"{fewest} words or more", " ".join(words))
     if into is None:
@@ -113,7 +113,7 @@ def _check_head(path: FilePath, head: dict[str, _Row], satellite: str | None) ->
             raise line_error(path, line, f"{what} before H4", " ".join(found))
     if head["H1"][1][1].upper() != "CRD" or head["H1"][1][2] not in ("1", "2"):
         raise line_error(path, head["H1"][0], "H1 CRD of version 1 or 2", " ".join(head["H1"][1]))
-    if head["H2"][1][-1 if len(head["H2"][1]) == 6 else 5] not in _UTC:
+    if head["H2"][1][5] not in _UTC:
         raise line_error(path, head["H2"][0], "UTC, time scale 3, 4 or 7", " ".join(head["H2"][1]))
     choose_satellite(path, [head["H3"][1][1:5]], satellite)
     if len(last) < 21:
@@ -126,10 +126,11 @@ def _check_head(path: FilePath, head: dict[str, _Row], satellite: str | None) ->
 def _points(path: FilePath, one: _Pass, epoch: str) -> pd.DataFrame:
     """Return the normal points of a pass."""
     lines = np.array([number for number, _ in one.points])
-    measured = numbers(path, np.array([[words[1], words[2], words[7]] for _, words in one.points]), lines)
-    sent, flight, scatter = measured[:, 0], measured[:, 1], np.maximum(measured[:, 2], 0.0) * _PICO
-    if np.any(flight <= 0.0) or np.any((sent < 0.0) | (sent > DAY)):
-        raise line_error(path, int(lines[0]), "seconds of the day and times of flight", "others")
+    sent, flight = numbers(path, np.array([words[1:3] for _, words in one.points]), lines).T
+    strange = np.flatnonzero((flight <= 0.0) | (sent < 0.0) | (sent > DAY))
+    if strange.size:
+        number, words = one.points[strange[0]]
+        raise line_error(path, number, "a second of the day and a time of flight", " ".join(words[1:3]))
     seconds = _since_midnight(path, one, sent)
     parts = {_SENT: 1.0, _BOUNCED: 0.5, _RECEIVED: 0.0}
     for number, words in one.points:
@@ -144,7 +145,6 @@ def _points(path: FilePath, one: _Pass, epoch: str) -> pd.DataFrame:
             "flight": flight,
             "wavelength": _wavelengths(path, one),
             **_weather(path, one, seconds),
-            "scatter": scatter,
             "path": str(path),
             "line": lines,
         }

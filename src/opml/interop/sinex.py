@@ -4,7 +4,8 @@ Source: IERS, Solution (Software/technique) INdependent EXchange format, version
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -37,7 +38,7 @@ def read_coordinates(path: FilePath) -> pd.DataFrame:
         (words[0], words[2]): (_date(path, line, words[4]), _date(path, line, words[5]))
         for line, words, _ in _block(path, "SOLUTION/EPOCHS", 7)
     }
-    solutions: dict[tuple[str, str], dict[str, object]] = {}
+    solutions: dict[tuple[str, str], dict[str, Any]] = {}
     for line, words, _ in _block(path, "SOLUTION/ESTIMATE", 9):
         if words[1] not in _COORDINATES:
             continue
@@ -72,8 +73,8 @@ def read_eccentricities(path: FilePath) -> pd.DataFrame:
     return _table(path, rows, ["station", "system", "begin", "end", "up", "north", "east"])
 
 
-def _table(path: FilePath, rows: object, columns: list[str]) -> pd.DataFrame:
-    table = pd.DataFrame(list(rows), columns=columns)  # type: ignore[call-overload]
+def _table(path: FilePath, rows: Iterable[Mapping[str, Any]], columns: list[str]) -> pd.DataFrame:
+    table = pd.DataFrame(list(rows), columns=columns)
     numeric = table.drop(columns=["begin", "end"])
     if table.empty or numeric.isna().any(axis=None):
         lacking = "" if table.empty else f", of {table['station'][numeric.isna().any(axis=1)].iloc[0]}"
@@ -109,6 +110,6 @@ def _date(path: FilePath, line: int, text: str) -> pd.Timestamp:
         raise line_error(path, line, "a time YY:DDD:SSSSS", text)
     year, day, second = map(int, match.groups())
     if (year, day, second) == (0, 0, 0):
-        return pd.NaT  # type: ignore[return-value]
+        return pd.NaT
     first = pd.Timestamp(year + (2000 if year <= _CENTURY else 1900), 1, 1)
     return first + pd.Timedelta(days=day - 1, seconds=second)

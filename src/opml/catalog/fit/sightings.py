@@ -67,7 +67,8 @@ class Measured(Measurements):
 
         positions, velocities: (n, 3) of the orbit, as for `predicted`
         """
-        return self.values[rows]
+        held: np.ndarray = self.values[rows]
+        return held
 
     def evaluation(self, window: Window, states: np.ndarray, *, light_time: bool = False) -> Evaluation:
         """Return residuals and partial derivatives of a window, as `Measurements.evaluation`."""

@@ -24,7 +24,7 @@ _LOVE, _SHIDA = (0.6078, -0.0006), (0.0847, 0.0002)
 
 
 def vapour_pressure(pressure: np.ndarray, temperature: np.ndarray, humidity: np.ndarray) -> np.ndarray:
-    """Return the partial pressure (n,) of water vapour [Pa] in air at a relative humidity [1] (Giacomo 1982)."""
+    """Return the pressure (n,) of water vapour [Pa] in air at a relative humidity [1] (Giacomo 1982)."""
     exponent = 1.2378847e-5 * temperature**2 - 1.9121316e-2 * temperature + 33.93711047
     saturated = np.exp(exponent - 6.3431645e3 / temperature)
     enhancement = 1.00062 + 3.14e-8 * pressure + 5.6e-7 * (temperature - _KELVIN) ** 2
