@@ -199,6 +199,10 @@ CATALOG_SCHEMAS = (
             count("measurements_used", "measurements within the estimation window"),
             real("weighted_rms", "1", "root mean square of the weighted residuals"),
         ),
+        (
+            count("rejected", "measured numbers in the window that are outliers; only where any are judged"),
+            count("rejected_of_track", "those of the track itself"),
+        ),
     ),
     Schema(
         "predictions",

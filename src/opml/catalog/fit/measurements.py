@@ -86,6 +86,11 @@ class Measurements(ABC):
         """Return how many numbers rows of measurements hold."""
         return int(self.numbers * (rows.stop - rows.start))
 
+    def held(self, rows: slice) -> tuple[np.ndarray, np.ndarray]:
+        """Return the row, from the first one, and the observable of each number (numbers,) that rows hold."""
+        row, observable = np.divmod(np.arange(self.count(rows)), self.numbers)
+        return row, observable
+
     def misses(self, rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
         """Return how far (n,) [m] positions (n, 3) in GCRF are from where rows of measurements can be."""
         return np.asarray(np.linalg.norm(self.places(rows) - positions, axis=1))

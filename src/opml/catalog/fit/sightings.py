@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from opml.catalog.fit.estimation import NUDGES, Estimate, Run, fly_around
-from opml.catalog.fit.least_squares import Evaluation, Fit
+from opml.catalog.fit.estimation import NUDGES, Estimate, Run
+from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements, Window
 from opml.catalog.simulate.observing import (
     ANGLES,
@@ -45,6 +45,11 @@ class Measured(Measurements):
     def count(self, rows: slice) -> int:
         """Return how many numbers rows of measurements hold."""
         return int(self.counting[rows].sum())
+
+    def held(self, rows: slice) -> tuple[np.ndarray, np.ndarray]:
+        """Return the row, from the first one, and the observable of each number (numbers,) that rows hold."""
+        row, observable = np.nonzero(self.counting[rows])
+        return row, observable
 
     def places(self, rows: slice | np.ndarray) -> np.ndarray:
         """Return positions (n, 3) in GCRF [m] of rows of measurements, NaN without two angles and a range."""
@@ -100,10 +105,8 @@ class Measured(Measurements):
         Columns t [s], station, observable, residual, measured less predicted [rad, m, m/s], and weighted, the
         same in sigmas.
         """
-        rows, ended = estimate.window.rows, Fit(estimate.fit.best, estimate.fit.method)
-        [states], _ = fly_around(run.flight, self.epochs, [Estimate(estimate.window, ended)])
-        left = self.evaluation(estimate.window, states, light_time=run.settings.light_time).residuals
-        row, column = np.nonzero(self.counting[rows])
+        rows, [left] = estimate.window.rows, run.residuals([estimate])
+        row, column = self.held(rows)
         return pd.DataFrame(
             {
                 "t": self.epochs[self.epoch_of_row[rows]][row],
