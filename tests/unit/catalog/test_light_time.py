@@ -7,11 +7,11 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 from support import BOUNDED_ESTIMATION as SETTINGS
 
-from opml.base.constants import DAY, EARTH_RATE, HOUR, SPEED_OF_LIGHT
+from opml.base.constants import EARTH_RATE, HOUR, SPEED_OF_LIGHT
 from opml.catalog.fit import estimation, start_states
 from opml.catalog.fit.sightings import Measured
 from opml.catalog.flight import Flight
-from opml.catalog.simulate import tracking, truth
+from opml.catalog.simulate import tracking
 from opml.catalog.simulate.observing import observe, retarded, site
 from opml.dynamics.frames import gcrf_to_itrf
 from opml.tables import STATE
@@ -20,14 +20,8 @@ PLACE = STATE[:3]
 
 
 @pytest.fixture(scope="module")
-def smooth(iss):
-    """Without radiation pressure, whose edge of the shadow makes two grids differ by a decimetre."""
-    return replace(iss, cr=0.0)
-
-
-@pytest.fixture(scope="module")
-def orbit(assumed_model, smooth):
-    return truth.simulate(Flight(assumed_model, smooth), duration=DAY, step=20.0)
+def orbit(smooth_orbit):
+    return smooth_orbit
 
 
 @pytest.fixture(scope="module")

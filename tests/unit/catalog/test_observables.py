@@ -28,14 +28,8 @@ def measuring(station, *names, **changes):
 
 
 @pytest.fixture(scope="module")
-def smooth(iss):
-    """Without radiation pressure, whose edge of the shadow makes two grids differ by a decimetre."""
-    return replace(iss, cr=0.0)
-
-
-@pytest.fixture(scope="module")
-def orbit(assumed_model, smooth):
-    return truth.simulate(Flight(assumed_model, smooth), duration=DAY, step=20.0)
+def orbit(smooth_orbit):
+    return smooth_orbit
 
 
 @pytest.fixture(scope="module")
