@@ -14,7 +14,7 @@ import numpy as np
 from benchmarks import case, measure
 from opml.base.constants import DAY
 from opml.base.seeds import derive
-from opml.catalog.fit import estimation, start_states
+from opml.catalog.fit import estimation, sightings, start_states
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.dynamics.ensemble import REASONS, Departures, propagate
@@ -127,7 +127,7 @@ def least_squares(progress: Callable[[str], None]) -> str:
     found = estimation.estimate_all(
         Flight(case.force_model("assumed", days=days), rso, paper.integrator, threads=2),
         start_states.perturbed(true, tracks, rso=rso.name, settings=paper.estimation, seed=seed),
-        estimation.Measured(tracks, orientation, stations),
+        sightings.Measured(tracks, orientation, stations),
         settings=paper.estimation,
     )
     seconds = time.perf_counter() - begin

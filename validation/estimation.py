@@ -9,7 +9,7 @@ import pandas as pd
 
 from opml.base.constants import DAY, HOUR
 from opml.base.seeds import derive
-from opml.catalog.fit import estimation, start_states
+from opml.catalog.fit import estimation, sightings, start_states
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking
 from opml.catalog.simulate.truth import simulate
@@ -64,7 +64,7 @@ def opmls(
     return estimation.estimate_all(
         Flight(assumed, case.rsos[RSO], integrator),
         start_states.perturbed(truth, measured, rso=RSO, settings=case.estimation, seed=seed),
-        estimation.Measured(measured, earth_orientation, list(case.stations.values())),
+        sightings.Measured(measured, earth_orientation, list(case.stations.values())),
         settings=case.estimation,
     )
 

@@ -9,7 +9,7 @@ from opml.base.constants import DAY
 from opml.catalog.flight import Flight
 from opml.catalog.predict.prediction import predict_all
 from opml.catalog.predict.sensitivity import usable
-from opml.catalog.simulate.tracking import QUANTITIES
+from opml.catalog.simulate.observing import QUANTITIES
 from opml.dynamics.ensemble import Integrator
 from opml.dynamics.kernels.surroundings import ForceModel
 from validation import estimation

@@ -37,6 +37,7 @@ __all__ = [
     "propagate",
     "read_elements",
     "read_fixes",
+    "read_laser_ranges",
     "read_rsos",
     "read_stations",
     "read_tracks",

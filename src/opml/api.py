@@ -15,7 +15,7 @@ import pandas as pd
 
 from opml.base.constants import BODIES, DAY, HOUR
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation, fixes, start_states
+from opml.catalog.fit import estimation, fixes, laser_ranges, start_states
 from opml.catalog.fit import first_orbit as first_orbits
 from opml.catalog.fit import measured_tracks as from_measurements
 from opml.catalog.flight import Flight
@@ -37,7 +37,7 @@ from opml.ephemerides import corrected, replays
 from opml.ephemerides.known import Known
 from opml.ephemerides.part import Grid
 from opml.ephemerides.task import Task, departures
-from opml.interop import points_from_files, tdm
+from opml.interop import crd, points_from_files, sinex, tdm
 from opml.interop.element_sets import mean_elements
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.learning.data import dataset as datasets
@@ -230,7 +230,7 @@ def propagate(flight: Flight, *, days: float, step: float = 20.0) -> pd.DataFram
 def track(
     truth: pd.DataFrame, environment: Environment, stations: Sequence[Station], *, rso: Rso, seed: int = 42
 ) -> pd.DataFrame:
-    """Track an RSO: the table `tracking`, each station's azimuth, elevation and range with its noise.
+    """Track an RSO: the table `tracking`, what each station has a sigma of, with its noise.
 
     truth: from `propagate`; seed: of the noise. Raises InputError where no station ever sees the RSO.
     Source: sec. Measurement Models.
@@ -239,7 +239,14 @@ def track(
     >>> tracks["track"].nunique()
     29
     """
-    return tracking.simulate(truth, environment.earth_orientation, stations, rso=rso.name, seed=seed)
+    return tracking.simulate(
+        truth,
+        environment.earth_orientation,
+        stations,
+        rso=rso.name,
+        seed=seed,
+        epoch=environment.epoch,
+    )
 
 
 def write_tracks(path: str | Path, tracks: pd.DataFrame, *, epoch: str, rso: Rso) -> None:
@@ -287,6 +294,43 @@ def read_fixes(
     files = OrbitFiles(paths, environment.epoch, orientation["t"].iloc[-1] - MARGIN_S)
     points = points_from_files.read(files, orientation, points_from_files.Sampling(sigmas, every))
     return fixes.stretches(points, length=stretch)
+
+
+def read_laser_ranges(
+    *paths: str | Path,
+    environment: Environment,
+    coordinates: str | Path,
+    eccentricities: str | Path,
+    offset: float,
+    sigma: float = 0.02,
+    satellite: str | None = None,
+) -> pd.DataFrame:
+    """Read normal points of laser ranging from CRD: the table `laser_ranges`, in the place of `tracking`.
+
+    coordinates, eccentricities: SINEX files of the stations; offset: of the reflectors from the satellite's
+    centre of mass, towards the station [m]; sigma: of a point [m]; satellite: name or number that all files
+    have to have. Raises InputError, naming file and line, for malformed files, and for a station that they
+    have not.
+
+    >>> ranges = opml.read_laser_ranges(
+    ...     "lageos.crd",
+    ...     environment=environment,
+    ...     coordinates="stations.snx",
+    ...     eccentricities="eccentricities.snx",
+    ...     offset=0.251,
+    ... )
+    >>> ranges["station"].tolist(), round(ranges["range"].iloc[0])
+    (['7090', '7090'], 5875932)
+    """
+    return laser_ranges.table(
+        crd.read(paths, epoch=environment.epoch, satellite=satellite),
+        laser_ranges.Sites(sinex.read_coordinates(coordinates), sinex.read_eccentricities(eccentricities)),
+        epoch=environment.epoch,
+        earth_orientation=environment.earth_orientation,
+        ephemerides=environment.ephemerides,
+        sigma=sigma,
+        offset=offset,
+    )
 
 
 def first_orbit(

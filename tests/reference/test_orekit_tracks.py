@@ -6,7 +6,7 @@ import pytest
 from support import ASSUMED_BODIES, EPOCH, ESTIMATION, EXCERPTS, force_model
 
 from opml.base.constants import DAY
-from opml.catalog.fit import estimation, first_orbit, measured_tracks
+from opml.catalog.fit import estimation, first_orbit, measured_tracks, sightings
 from opml.catalog.flight import Flight
 from opml.catalog.predict import prediction
 from opml.interop import tdm
@@ -34,7 +34,7 @@ def flight(iss):
 
 @pytest.fixture(scope="module")
 def measured(tracking, earth_orientation, three_stations):
-    return estimation.Measured(tracking, earth_orientation, three_stations)
+    return sightings.Measured(tracking, earth_orientation, three_stations)
 
 
 @pytest.fixture(scope="module")

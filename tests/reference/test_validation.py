@@ -7,7 +7,7 @@ from support import ASSUMED_BODIES, EPOCH, environment, rsos, stations
 
 from opml.base.constants import BODIES, GM, HOUR
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation, start_states
+from opml.catalog.fit import estimation, sightings, start_states
 from opml.catalog.flight import Flight
 from opml.dynamics.ensemble import Integrator
 from opml.environment import earth_orientation
@@ -108,7 +108,7 @@ def test_the_estimate_from_the_same_measurements_is_orekits(product):
     found = estimation.estimate_all(
         Flight(product.model(MODELS["assumed"]), rsos()["iss"], Integrator(position_tolerance=1e-4)),
         start_states.perturbed(expected, rows, rso="iss", settings=case.estimation, seed=1),
-        estimation.Measured(rows, environment()["earth_orientation"], list(stations().values())),
+        sightings.Measured(rows, environment()["earth_orientation"], list(stations().values())),
         settings=case.estimation,
     ).iloc[-1]
     last = expected.iloc[-1]

@@ -14,5 +14,6 @@ with job(snakemake) as metadata:
         [Station(**station) for station in settings.stations],
         rso=settings.rso,
         seed=settings.seed,
+        epoch=settings.epoch,
     )
     write_table(snakemake.output[0], table, "tracking", metadata=metadata)

@@ -15,7 +15,12 @@ with job(snakemake):
         zip(settings.rsos, files.truth, snakemake.output, metadata, strict=True), start=1
     ):
         table = tracking.simulate(
-            read_table(truth, "truth"), earth_orientation, stations, rso=rso, seed=settings.seed
+            read_table(truth, "truth"),
+            earth_orientation,
+            stations,
+            rso=rso,
+            seed=settings.seed,
+            epoch=settings.epoch,
         )
         write_table(path, table, "tracking", metadata=alone)
         progress(count / len(files.truth))

@@ -1,14 +1,15 @@
 """Writer and reader of tracks as CCSDS tracking data messages (TDM 1.0 and 2.0, KVN).
 
-The writer makes a segment of azimuth, elevation and range for each station and track. The reader takes
-messages of any software; the station is the participant that receives, the last one in the path.
-Measurements count as geometric: the range is the distance at the time tag, one way.
-Source: CCSDS 503.0-B-2.
+The writer makes a segment for each station and track, and another where a station measures angles of both
+kinds. The reader takes messages of any software; the station is the participant that receives, the last one
+in the path. Range and rate of a path there and back are half of the whole. Source: CCSDS 503.0-B-2.
 """
 
+import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import count
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -21,12 +22,22 @@ from opml.orbits.elements import wrap_turn
 _KEY = "CCSDS_TDM_VERS"
 _VERSIONS = ("1.0", "2.0")
 _KILO = 3  # kilometres in the message, metres here
-_TYPES = ("ANGLE_1", "ANGLE_2", "RANGE")
+_ANGLES = {"AZEL": ("azimuth", "elevation"), "RADEC": ("right_ascension", "declination")}
+"""Observables of ANGLE_1 and ANGLE_2, by ANGLE_TYPE."""
+
+_DISTANCES = {"RANGE": "range", "DOPPLER_INSTANTANEOUS": "range_rate"}
+_TYPES = ("ANGLE_1", "ANGLE_2", *_DISTANCES)
+_TOGETHER = ("ANGLE_1", "ANGLE_2", "RANGE")
+"""Types that a segment has at each of its times, or at none."""
+
 _PATHS = ("2,1", "1,2", "1,2,1", "2,1,2")
 """Paths for reading: from the other participant to the receiver, or there and back."""
 
+_FRAMES = {name.upper(): rotation for name, rotation in ccsds.FRAMES.items()}
+_WRITTEN_FRAME = "ICRF"
+
 _PASSED_OVER = re.compile(
-    r"CARRIER_POWER|CLOCK_(BIAS|DRIFT)|DOPPLER_(INSTANTANEOUS|INTEGRATED|COUNT)|DOR|MAG|P[CR]_N0|PRESSURE|RCS"
+    r"CARRIER_POWER|CLOCK_(BIAS|DRIFT)|DOPPLER_(INTEGRATED|COUNT)|DOR|MAG|P[CR]_N0|PRESSURE|RCS"
     r"|(RECEIVE|TRANSMIT)_(FREQ|FREQ_RATE|PHASE_CT)(_\d)?|RHUMIDITY|STEC|TEMPERATURE|TROPO_(DRY|WET)"
     r"|VLBI_DELAY"
 )
@@ -34,6 +45,9 @@ _PASSED_OVER = re.compile(
 
 COLUMNS = ["track", "t", "station", "azimuth", "elevation", "range"]
 """Columns of the table `tracking` in a message, which has no noise-free values."""
+
+FURTHER = ["range_rate", "right_ascension", "declination", "two_way"]
+"""Columns that few messages have."""
 
 
 def write(path: FilePath, tracking: pd.DataFrame, *, epoch: str, rso: str) -> None:
@@ -46,7 +60,7 @@ def write(path: FilePath, tracking: pd.DataFrame, *, epoch: str, rso: str) -> No
 
 
 def read(path: FilePath, *, epoch: str) -> pd.DataFrame:
-    """Read the measurements of a TDM in order of time, as a table of `COLUMNS`.
+    """Read the measurements of a TDM in order of time, as a table of COLUMNS and the FURTHER ones it has.
 
     epoch: UTC text from which times count
 
@@ -56,7 +70,7 @@ def read(path: FilePath, *, epoch: str) -> pd.DataFrame:
     table = measurements([path], epoch=epoch).sort_values("t", kind="stable", ignore_index=True)
     segment = "segment " + table["segment"].astype(str)
     table["track"] = pd.factorize(table["track_id"].where(table["track_id"] != "", segment))[0]
-    return table[COLUMNS]
+    return table[[name for name in (*COLUMNS, *FURTHER) if name in table]]
 
 
 def measurements(paths: Sequence[FilePath], *, epoch: str) -> pd.DataFrame:
@@ -64,10 +78,12 @@ def measurements(paths: Sequence[FilePath], *, epoch: str) -> pd.DataFrame:
 
     epoch: UTC text
 
-    Columns: t [s since `epoch`]; azimuth, elevation [rad]; range [m]; station and rso, the names in the file;
-    scale, the time system; track_id, empty without TRACK_ID; segment, numbered through all files; path and
-    line. Raises InputError, naming file and line, for a malformed message, an epoch without all three
-    measurements, other units and paths, and an RSO or time system that differs from the first.
+    Columns: t [s since `epoch`]; azimuth, elevation [rad]; range [m]; those of FURTHER that the files have;
+    station and rso, the names in the file; scale, the time system; track_id, empty without TRACK_ID; segment,
+    numbered through all files; path and line. What is not measured is NaN.
+
+    Raises InputError, naming file and line, for a malformed message, a time that lacks an angle or range
+    that others have, other units and paths, and an RSO or time system that differs from the first.
     """
     segments: list[pd.DataFrame] = []
     numbers = count()
@@ -79,37 +95,68 @@ def measurements(paths: Sequence[FilePath], *, epoch: str) -> pd.DataFrame:
             segments.append(_segment(message, epoch, next(numbers)))
     table = pd.concat(segments, ignore_index=True)
     if table.empty:
-        raise InputError(f"{paths[0]}: expected azimuth, elevation and range, got none")
+        raise InputError(f"{paths[0]}: expected angles, ranges or their rates, got none")
     _check_alike(table)
-    return table
+    for name in COLUMNS[3:]:
+        table[name] = table.get(name, np.nan)
+    table["two_way"] = table["two_way"].astype(bool)
+    return table if table["two_way"].any() else table.drop(columns="two_way")
 
 
 def _lines(tracking: pd.DataFrame, epoch: str, rso: str) -> Iterator[str]:
     yield from ccsds.header(_KEY, epoch)
-    for (track, station), rows in tracking.groupby(["track", "station"], sort=False):
-        times = ccsds.utc_texts(epoch, rows["t"].to_numpy())
-        yield ""
-        yield "META_START"
-        yield "COMMENT geometric measurements: no light time, no aberration, no refraction"
-        yield f"TRACK_ID = {track}"
-        yield f"DATA_TYPES = {','.join(_TYPES)}"
-        yield "TIME_SYSTEM = UTC"
-        yield f"START_TIME = {times[0]}"
-        yield f"STOP_TIME = {times[-1]}"
-        yield f"PARTICIPANT_1 = {station}"
-        yield f"PARTICIPANT_2 = {rso}"
-        yield "MODE = SEQUENTIAL"
-        yield "PATH = 2,1"
-        yield "RANGE_UNITS = km"
-        yield "ANGLE_TYPE = AZEL"
-        yield "META_STOP"
-        yield "DATA_START"
-        values = rows[["azimuth", "elevation", "range"]].to_numpy().tolist()
-        for time, (azimuth, elevation, distance) in zip(times, values, strict=True):
-            yield f"ANGLE_1 = {time} {ccsds.degrees_text(azimuth)}"
-            yield f"ANGLE_2 = {time} {ccsds.degrees_text(elevation)}"
-            yield f"RANGE = {time} {ccsds.number_text(distance, -_KILO)}"
-        yield "DATA_STOP"
+    there_and_back = tracking["two_way"] if "two_way" in tracking else pd.Series(False, tracking.index)
+    for (track, station, two_way), rows in tracking.groupby(["track", "station", there_and_back], sort=False):
+        around = {"TRACK_ID": track, "PARTICIPANT_1": station, "PARTICIPANT_2": rso}
+        around["PATH"] = "1,2,1" if two_way else "2,1"
+        distances = {kind: name for kind, name in _DISTANCES.items() if _has(rows, name)}
+        angles = [kind for kind, names in _ANGLES.items() if any(_has(rows, name) for name in names)]
+        for kind in angles or [""]:
+            names = dict(zip(_TYPES, _ANGLES.get(kind, ()), strict=False)) | distances
+            yield from _segment_lines(rows, names, epoch, {**around, **_units(kind, names)})
+            distances = {}
+
+
+def _units(angle_type: str, names: Collection[str]) -> dict[str, str]:
+    """Return the metadata of angles, of a type or '' without them, and of other types of data."""
+    units = {"RANGE_UNITS": "km"} if "RANGE" in names else {}
+    units |= {"ANGLE_TYPE": angle_type} if angle_type else {}
+    return units | ({"REFERENCE_FRAME": _WRITTEN_FRAME} if angle_type == "RADEC" else {})
+
+
+def _segment_lines(
+    rows: pd.DataFrame, names: Mapping[str, str], epoch: str, metadata: Mapping[str, Any]
+) -> Iterator[str]:
+    """Yield the lines of a segment; names: columns by type of data."""
+    times = ccsds.utc_texts(epoch, rows["t"].to_numpy())
+    pairs = {
+        "TRACK_ID": metadata["TRACK_ID"],
+        "DATA_TYPES": ",".join(names),
+        "TIME_SYSTEM": "UTC",
+        "START_TIME": times[0],
+        "STOP_TIME": times[-1],
+        "PARTICIPANT_1": metadata["PARTICIPANT_1"],
+        "PARTICIPANT_2": metadata["PARTICIPANT_2"],
+        "MODE": "SEQUENTIAL",
+        **metadata,
+    }
+    yield from ["", "META_START"]
+    yield "COMMENT geometric measurements: no light time, no aberration, no refraction"
+    yield from (f"{key} = {value}" for key, value in pairs.items())
+    yield from ["META_STOP", "DATA_START"]
+    for time, values in zip(times, rows[list(names.values())].to_numpy().tolist(), strict=True):
+        for kind, value in zip(names, values, strict=True):
+            if not math.isnan(value):
+                yield f"{kind} = {time} {_text(kind, value)}"
+    yield "DATA_STOP"
+
+
+def _text(kind: str, value: float) -> str:
+    return ccsds.number_text(value, -_KILO) if kind in _DISTANCES else ccsds.degrees_text(value)
+
+
+def _has(rows: pd.DataFrame, name: str) -> bool:
+    return name in rows and bool(rows[name].notna().any())
 
 
 def _segment(message: ccsds.Message, epoch: str, number: int) -> pd.DataFrame:
@@ -119,28 +166,58 @@ def _segment(message: ccsds.Message, epoch: str, number: int) -> pd.DataFrame:
     data = _data(message)
     if not data:
         return pd.DataFrame()
+    kinds = [kind for kind in _TYPES if any(kind in measured for measured in data.values())]
     station, rso = _participants(metadata)
-    metadata.choice("ANGLE_TYPE", ("AZEL",))
-    metadata.choice("RANGE_UNITS", ("KM",), default="km")
+    names = _observables(metadata, kinds)
     scale = metadata.choice("TIME_SYSTEM", ccsds.SCALES)
     lines = [next(iter(measured.values()))[1] for measured in data.values()]
-    values = np.array([[measured[kind][0] for kind in _TYPES] for measured in data.values()])
-    values += _corrections(message, metadata)
+    nothing = np.nan, 0
+    values = np.array([[measured.get(kind, nothing)[0] for kind in kinds] for measured in data.values()])
+    values += _corrections(message, metadata, kinds)
     return pd.DataFrame(
         {
             "t": message.times(list(data), lines, epoch=epoch, scale=scale),
             "station": station,
             "rso": rso,
             "scale": scale,
-            "azimuth": wrap_turn(values[:, 0]),
-            "elevation": values[:, 1],
-            "range": values[:, 2],
+            **_in_gcrf(message, metadata, dict(zip(names, values.T, strict=True))),
+            "two_way": len(metadata.text("PATH").split(",")) > 2,
             "track_id": metadata.text("TRACK_ID", ""),
             "segment": number,
             "path": str(message.path),
             "line": lines,
         }
     )
+
+
+def _observables(metadata: ccsds.Pairs, kinds: Sequence[str]) -> list[str]:
+    """Return what types of data are measurements of. Raises InputError for other angles and units."""
+    names = dict(_DISTANCES)
+    if any(kind.startswith("ANGLE") for kind in kinds):
+        names |= dict(zip(_TYPES, _ANGLES[metadata.choice("ANGLE_TYPE", tuple(_ANGLES))], strict=False))
+    if "RANGE" in kinds:
+        metadata.choice("RANGE_UNITS", ("KM",), default="km")
+    return [names[kind] for kind in kinds]
+
+
+def _in_gcrf(
+    message: ccsds.Message, metadata: ccsds.Pairs, columns: dict[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """Return measurements with angles within a turn, right ascension and declination on the axes of GCRF."""
+    if "azimuth" in columns:
+        columns["azimuth"] = wrap_turn(columns["azimuth"])
+    if not {"right_ascension", "declination"} & columns.keys():
+        return columns
+    rotation = _FRAMES[metadata.choice("REFERENCE_FRAME", tuple(_FRAMES))]
+    if len({"right_ascension", "declination"} & columns.keys()) < 2:
+        raise message.error("ANGLE_1 and ANGLE_2", "one of them", metadata.line("ANGLE_TYPE"))
+    right_ascension, declination = columns["right_ascension"], columns["declination"]
+    if not np.array_equal(rotation, np.eye(3)):
+        level = np.cos(declination)
+        sight = [level * np.cos(right_ascension), level * np.sin(right_ascension), np.sin(declination)]
+        x, y, z = rotation @ sight
+        right_ascension, declination = np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))
+    return columns | {"right_ascension": wrap_turn(right_ascension), "declination": declination}
 
 
 def _participants(metadata: ccsds.Pairs) -> tuple[str, str]:
@@ -151,20 +228,21 @@ def _participants(metadata: ccsds.Pairs) -> tuple[str, str]:
     return metadata.text(f"PARTICIPANT_{receiver}"), metadata.text(f"PARTICIPANT_{other}")
 
 
-def _corrections(message: ccsds.Message, metadata: ccsds.Pairs) -> np.ndarray:
-    """Return the corrections that are not applied yet to each type of a segment (3,) [rad, rad, m]."""
-    texts = [metadata.text(f"CORRECTION_{kind}", "") for kind in _TYPES]
+def _corrections(message: ccsds.Message, metadata: ccsds.Pairs, kinds: Sequence[str]) -> np.ndarray:
+    """Return the corrections that are not applied yet to each type of a segment (kinds,) [rad, m, m/s]."""
+    keys = [f"CORRECTION_{kind.removesuffix('_INSTANTANEOUS')}" for kind in kinds]
+    texts = [metadata.text(key, "") for key in keys]
     if not any(texts) or metadata.choice("CORRECTIONS_APPLIED", ("YES", "NO")) == "YES":
-        return np.zeros(3)
-    numbers = [metadata.line(f"CORRECTION_{kind}") for kind in _TYPES]
+        return np.zeros(len(kinds))
+    numbers = [metadata.line(key) for key in keys]
     return np.array(
-        [_value(message, k, text or "0", n) for k, text, n in zip(_TYPES, texts, numbers, strict=True)]
+        [_value(message, k, text or "0", n) for k, text, n in zip(kinds, texts, numbers, strict=True)]
     )
 
 
 def _value(message: ccsds.Message, kind: str, text: str, number: int) -> float:
-    """Return a measurement [rad, m] from its text in degrees or kilometres."""
-    if kind == "RANGE":
+    """Return a measurement [rad, m, m/s] from its text in degrees, kilometres or kilometres per second."""
+    if kind in _DISTANCES:
         return message.scale(text, _KILO, number)
     angle = message.radians(text, number)
     if abs(angle) > 2.0 * np.pi:
@@ -173,9 +251,9 @@ def _value(message: ccsds.Message, kind: str, text: str, number: int) -> float:
 
 
 def _data(message: ccsds.Message) -> dict[str, dict[str, tuple[float, int]]]:
-    """Return the values [rad, m] and lines of a segment's data, by time and type.
+    """Return the values [rad, m, m/s] and lines of a segment's data, by time and type.
 
-    Raises InputError for a time without all types.
+    Raises InputError for a time without angle or range where others have it.
     """
     message.expect("DATA_START")
     if message.peek() == "DATA_STOP":
@@ -193,8 +271,10 @@ def _data(message: ccsds.Message) -> dict[str, dict[str, tuple[float, int]]]:
             raise message.error(f"{kind} once at a time", f"{kind} = {text}", number)
         measured[kind] = _value(message, kind, values[0], number), number
     message.take()
+    usual = [kind for kind in _TOGETHER if any(kind in measured for measured in data.values())]
     for time, measured in data.items():
-        if missing := [kind for kind in _TYPES if kind not in measured]:
+        missing = [kind for kind in usual if kind not in measured]
+        if missing and any(kind in measured for kind in usual):
             raise message.error(f"{missing[0]} at {time}", "none", next(iter(measured.values()))[1])
     return data
 

@@ -6,9 +6,10 @@ Cells are read as text, so that no name turns into a number.
 import csv
 import math
 import re
-from collections.abc import Callable, Container, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Container, Iterable, Mapping
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from opml import naming
 from opml.base.constants import WGS84_A
@@ -22,7 +23,11 @@ LOWEST_PERIGEE = 120e3
 
 @dataclass(frozen=True)
 class Station:
-    """A radar: place on WGS84, field of view and standard deviations of its noise; SI units, radians."""
+    """A radar or telescope: place on WGS84, field of view and standard deviations of its noise.
+
+    SI units, radians. A station measures what it has a standard deviation of. max_sun_elevation: of a
+    telescope, which sees an RSO in the Sun's light while the Sun is lower than that.
+    """
 
     name: str
     latitude: float
@@ -31,9 +36,23 @@ class Station:
     max_range: float
     min_elevation: float
     max_elevation: float
-    sigma_range: float
-    sigma_azimuth: float
-    sigma_elevation: float
+    sigma_range: float | None = None
+    sigma_azimuth: float | None = None
+    sigma_elevation: float | None = None
+    sigma_range_rate: float | None = None
+    sigma_right_ascension: float | None = None
+    sigma_declination: float | None = None
+    max_sun_elevation: float | None = None
+
+    @property
+    def row(self) -> dict[str, Any]:
+        """What the station is made of, without what it has not."""
+        return {name: value for name, value in asdict(self).items() if value is not None}
+
+    @property
+    def is_radar(self) -> bool:
+        """Whether the station measures azimuth, elevation and range."""
+        return None not in (self.sigma_azimuth, self.sigma_elevation, self.sigma_range)
 
 
 @dataclass(frozen=True)
@@ -94,9 +113,18 @@ _STATION_FIELDS = {
     "max_range_km": _Field("max_range", 0, math.inf, _kilo, above_low=True),
     "min_elevation_deg": _Field("min_elevation", 0, 90, math.radians),
     "max_elevation_deg": _Field("max_elevation", 0, 90, math.radians),
+}
+_SIGMA_FIELDS = {
     "sigma_range_m": _Field("sigma_range", 0, math.inf, above_low=True),
     "sigma_azimuth_deg": _Field("sigma_azimuth", 0, 90, math.radians, above_low=True),
     "sigma_elevation_deg": _Field("sigma_elevation", 0, 90, math.radians, above_low=True),
+    "sigma_range_rate_mps": _Field("sigma_range_rate", 0, math.inf, above_low=True),
+    "sigma_right_ascension_deg": _Field("sigma_right_ascension", 0, 90, math.radians, above_low=True),
+    "sigma_declination_deg": _Field("sigma_declination", 0, 90, math.radians, above_low=True),
+}
+_OPTIONAL_FIELDS = {
+    **_SIGMA_FIELDS,
+    "max_sun_elevation_deg": _Field("max_sun_elevation", -90, 90, math.radians),
 }
 _RSO_FIELDS = {
     "a_km": _Field("a", WGS84_A / 1e3, 300_000, _kilo, too_high="metres in place of kilometres?"),
@@ -111,14 +139,18 @@ _RSO_FIELDS = {
 }
 
 
+_NOTHING = "-"
+"""Cell of a sheet for what a row has not."""
+
 _ELEMENTS = ("a_km", "e", "i_deg", "argp_deg", "raan_deg", "mean_anomaly_deg")
 
 
 def read_stations(path: str | Path) -> dict[str, Station]:
     """Read the sheet of stations, in its order. Raises InputError, naming file, row and column."""
-    stations = {name: Station(name=name, **row) for name, row in _rows(path, _STATION_FIELDS).items()}
+    rows = _rows(path, _STATION_FIELDS, _OPTIONAL_FIELDS)
+    stations = {name: Station(name=name, **row) for name, row in rows.items()}
     for station in stations.values():
-        _check_elevations(station, f"{path}: {station.name}: ")
+        _check_station(station, f"{path}: {station.name}: ")
     return stations
 
 
@@ -171,7 +203,10 @@ def _inclination(text: str, degrees: str) -> float:
         raise InputError(f"RSO '{text}': inclination: {error}") from None
 
 
-def _check_elevations(station: Station, where: str) -> None:
+def _check_station(station: Station, where: str) -> None:
+    """Raise InputError for a station that sees nothing, or measures nothing."""
+    if not any(field.attribute in station.row for field in _SIGMA_FIELDS.values()):
+        raise InputError(f"{where}expected one of {', '.join(_SIGMA_FIELDS)} at least, got none")
     if not station.min_elevation < station.max_elevation:
         low, high = math.degrees(station.min_elevation), math.degrees(station.max_elevation)
         raise InputError(
@@ -186,12 +221,17 @@ def _check_perigee(rso: Rso, where: str) -> None:
         raise InputError(f"{where}: expected a perigee at least {lowest} high, got {altitude / 1e3:.1f} km")
 
 
-def _rows(path: str | Path, fields: Mapping[str, _Field]) -> dict[str, dict[str, float]]:
-    """Read a tab-separated sheet with a column `name`; lines that start with # are comments."""
+def _rows(
+    path: str | Path, fields: Mapping[str, _Field], optional: Mapping[str, _Field] | None = None
+) -> dict[str, dict[str, float]]:
+    """Read a tab-separated sheet with a column `name`; lines that start with # are comments.
+
+    optional: columns that may be missing, and cells that may hold nothing
+    """
     (_, header), *lines = _lines(path)
-    expected = ["name", *fields]
-    if sorted(header) != sorted(expected):
-        odd = sorted(set(header) ^ set(expected)) or sorted(name for name in header if header.count(name) > 1)
+    expected, optional = ["name", *fields], optional or {}
+    odd = _odd(header, expected, optional) or sorted(name for name in header if header.count(name) > 1)
+    if odd:
         raise InputError(
             f"{path}: header: expected the columns {', '.join(expected)} between tabs; "
             f"look at {', '.join(name or 'the one without a name' for name in odd)}"
@@ -205,10 +245,20 @@ def _rows(path: str | Path, fields: Mapping[str, _Field]) -> dict[str, dict[str,
         name = row["name"]
         _check_name(f"{path}: line {number}: name", name, numbers)
         numbers[name] = number
-        rows[name] = {field.attribute: _cell(path, name, row, key, field) for key, field in fields.items()}
+        rows[name] = {
+            field.attribute: _cell(path, name, row, key, field)
+            for key, field in {**fields, **optional}.items()
+            if key in row and not (key in optional and row[key] == _NOTHING)
+        }
     if not rows:
         raise InputError(f"{path}: expected at least one row, got none")
     return rows
+
+
+def _odd(found: Iterable[str], expected: Iterable[str], optional: Iterable[str]) -> list[str]:
+    """Return the names that are missing, and those that nothing is read from."""
+    found, expected = set(found), set(expected)
+    return sorted((expected - found) | (found - expected - set(optional)))
 
 
 def _check_name(where: str, name: str, numbers: Mapping[str, int]) -> None:
@@ -253,9 +303,10 @@ def _cell(path: str | Path, name: str, row: Mapping[str, str], key: str, field: 
 
 def stations_from_rows(rows: Mapping[str, Mapping[str, object]]) -> dict[str, Station]:
     """Return stations from mappings of the sheet's columns. Raises InputError, naming the column."""
-    stations = {name: Station(name=name, **row) for name, row in _parse_rows(rows, _STATION_FIELDS).items()}
+    parsed = _parse_rows(rows, _STATION_FIELDS, _OPTIONAL_FIELDS)
+    stations = {name: Station(name=name, **row) for name, row in parsed.items()}
     for station in stations.values():
-        _check_elevations(station, "")
+        _check_station(station, "")
     return stations
 
 
@@ -284,13 +335,16 @@ def check_body(name: str, body: Mapping[str, object]) -> None:
 
 
 def _parse_rows(
-    rows: Mapping[str, Mapping[str, object]], fields: Mapping[str, _Field]
+    rows: Mapping[str, Mapping[str, object]],
+    fields: Mapping[str, _Field],
+    optional: Mapping[str, _Field] | None = None,
 ) -> dict[str, dict[str, float]]:
-    parsed = {}
+    """Return mappings of a sheet's columns in SI units, by name; those in `optional` may be missing."""
+    parsed, every = {}, {**fields, **(optional or {})}
     for name, row in rows.items():
-        if odd := sorted(set(row) ^ set(fields)):
+        if odd := _odd(row, fields, optional or {}):
             raise InputError(f"expected the keys {', '.join(fields)}; look at {', '.join(odd)}")
-        parsed[name] = {field.attribute: _value(row, key, field) for key, field in fields.items()}
+        parsed[name] = {every[key].attribute: _value(row, key, every[key]) for key in every if key in row}
     return parsed
 
 

@@ -1,7 +1,7 @@
 """The paper's tables of models, stations and RSOs as they ran, and P_ML of the six components."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from opml.orbits.sheets import Rso, Station
@@ -103,15 +103,29 @@ def stations(sheet: Sequence[Station]) -> list[Block]:
             "feasible elevation [deg]",
             *(f"{_deg(station.min_elevation)} to {_deg(station.max_elevation)}" for station in sheet),
         ],
-        ["sigma of range [m]", *(_number(station.sigma_range) for station in sheet)],
-        ["sigma of azimuth [deg]", *(_deg(station.sigma_azimuth) for station in sheet)],
-        ["sigma of elevation [deg]", *(_deg(station.sigma_elevation) for station in sheet)],
+        *_sigmas(sheet),
     ]
     return [
         Heading("Stations", 1),
         Paragraph("The paper's table of ground-based radars, from the sheet that ran."),
         Table(["parameter", *(station.name for station in sheet)], rows),
     ]
+
+
+def _sigmas(sheet: Sequence[Station]) -> Iterator[list[str]]:
+    """Yield a row for each observable that any station measures, a dash where one does not."""
+    for name, unit, cell in (
+        ("range", "m", _number),
+        ("azimuth", "deg", _deg),
+        ("elevation", "deg", _deg),
+        ("range_rate", "m/s", _number),
+        ("right_ascension", "deg", _deg),
+        ("declination", "deg", _deg),
+    ):
+        values = [station.row.get(f"sigma_{name}") for station in sheet]
+        if any(value is not None for value in values):
+            cells = ("-" if value is None else cell(value) for value in values)
+            yield [f"sigma of {name.replace('_', ' ')} [{unit}]", *cells]
 
 
 def rsos(sheet: Sequence[Rso], *, epoch: str, title: str) -> list[Block]:

@@ -309,12 +309,13 @@ def _check_stations(source: Source, study: Study) -> None:
 
 
 def _check_variables(source: Source, study: Study) -> None:
-    """Raise InputError where a learner asks for what stations measure, and the study's RSOs have points."""
-    if not any(study.has_fixes(rso) for rso in study.rsos):
+    """Raise InputError where a learner asks for what radars measure, and the study has others or fixes."""
+    others = [stations for stations in study.station_sets if not study.settings.are_radars(stations)]
+    if not others:
         return
     for name, settings in study.learners.items():
         if asked := [one for one in settings.get("variables", ()) if one in MEASUREMENT]:
-            expected = "expected variables that fixes have, too"
+            expected = f"expected variables that {others[0]} have, too"
             raise source.wrong(("learners", name, "variables"), f"{expected}, got {asked[0]}")
 
 

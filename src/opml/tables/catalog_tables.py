@@ -106,12 +106,26 @@ def mechanism_schema(resonances: Sequence[tuple[int, int]]) -> Schema:
     return Schema("mechanism", row, (*PAIR, *_MECHANISM, *drifts))
 
 
+_IF_MEASURED = "; only where a station has it"
+
+_OBSERVABLES = (
+    real("range_rate", "m/s", f"measured rate of the range{_IF_MEASURED}", "topocentric"),
+    real("right_ascension", "rad", f"measured right ascension, from the station{_IF_MEASURED}", "GCRF"),
+    real("declination", "rad", f"measured declination, from the station{_IF_MEASURED}", "GCRF"),
+    real("range_rate_true", "m/s", f"rate of the range without noise{_IF_MEASURED}", "topocentric"),
+    real("right_ascension_true", "rad", f"right ascension without noise{_IF_MEASURED}", "GCRF"),
+    real("declination_true", "rad", f"declination without noise{_IF_MEASURED}", "GCRF"),
+    flag("two_way", "whether range and rate are half of those there and back; only where there are any"),
+)
+"""Columns of the table `tracking` for what few stations measure."""
+
+
 CATALOG_SCHEMAS = (
     Schema("truth", "an epoch of the tracking grid", (TIME, *state_columns("GCRF", "true state"))),
     Schema(TRUTH_GROUPS, "an RSO of those whose truths one job made", (text("rso", "name"),)),
     Schema(
         "tracking",
-        f"a measurement by one station{NO_TRUTH}",
+        f"a measurement by one station{NO_TRUTH}, or no measurement",
         (
             count("track", "number of the track, from 0"),
             TIME,
@@ -122,6 +136,24 @@ CATALOG_SCHEMAS = (
             real("azimuth_true", "rad", "azimuth without noise, from north eastwards", "topocentric"),
             real("elevation_true", "rad", "elevation without noise", "topocentric"),
             real("range_true", "m", "range without noise", "topocentric"),
+        ),
+        _OBSERVABLES,
+    ),
+    Schema(
+        "laser_ranges",
+        "a normal point of laser ranging, in the place of `tracking`",
+        (
+            count("track", "number of the pass, from 0"),
+            real("t", "s", f"when the light was received, {SINCE}"),
+            text("station", "number of the station"),
+            real("range", "m", "half of the light's way there and back, to the satellite's centre of mass"),
+            real("sigma_range", "m", "standard deviation of the range"),
+            *(
+                real(f"{axis}_station", "m", f"where the station was then, with its tide, {axis}", "ITRF")
+                for axis in "xyz"
+            ),
+            real("zenith_delay", "m", "delay by the air above the station, one way"),
+            real("temperature", "K", "of the air"),
         ),
     ),
     Schema(
@@ -169,6 +201,10 @@ CATALOG_SCHEMAS = (
             count("tracks_used", "tracks within the estimation window"),
             count("measurements_used", "measurements within the estimation window"),
             real("weighted_rms", "1", "root mean square of the weighted residuals"),
+        ),
+        (
+            count("rejected", "measured numbers in the window that are outliers; only where any are judged"),
+            count("rejected_of_track", "those of the track itself"),
         ),
     ),
     Schema(

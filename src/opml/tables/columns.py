@@ -1,7 +1,8 @@
 """Types for columns and schemas, and the groups of columns that several tables share."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 import pandas as pd
@@ -32,11 +33,21 @@ class Column:
 
 @dataclass(frozen=True)
 class Schema:
-    """A table: its name, the meaning of a row, and its columns in order."""
+    """A table: its name, the meaning of a row, and its columns in order.
+
+    optional: columns behind these that a table may have
+    """
 
     name: str
     row: str
     columns: tuple[Column, ...]
+    optional: tuple[Column, ...] = ()
+
+    def among(self, names: Iterable[str]) -> Self:
+        """Return the schema of a table with columns of these names, optional ones where it has them."""
+        given = set(names)
+        found = tuple(column for column in self.optional if column.name in given)
+        return replace(self, columns=self.columns + found, optional=())
 
     @property
     def names(self) -> list[str]:

@@ -22,7 +22,7 @@ def tables_page(models: Iterable[Schema]) -> str:
     for schema in (*tables[:before], *models, *tables[before:]):
         lines += ["", f"## {schema.name}", "", f"One row is {schema.row}.", ""]
         lines += ["| column | type | unit | frame | meaning |", "| --- | --- | --- | --- | --- |"]
-        lines += [_column_row(column) for column in schema.columns]
+        lines += [_column_row(column) for column in (*schema.columns, *schema.optional)]
     return "\n".join(lines)
 
 

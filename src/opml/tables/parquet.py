@@ -25,13 +25,13 @@ def write_table(
 ) -> None:
     """Write a table as Parquet, whole or not at all: a temporary file takes the name when it is complete.
 
-    frame: exactly the schema's columns, in any order
+    frame: exactly the schema's columns, in any order, with optional ones or without
     schema: name of a schema, or a schema (of a model, whose columns vary)
     metadata: JSON values for the file, such as epoch, seed and settings digest
 
     Raises ValueError where the columns are not the schema's.
     """
-    schema = _resolve(schema)
+    schema = _resolve(schema).among(frame.columns)
     if set(frame.columns) != set(schema.names) or len(frame.columns) != len(schema.names):
         odd = sorted(set(frame.columns) ^ set(schema.names))
         raise ValueError(f"table {schema.name}: columns missing or not in the schema: {odd}")
@@ -54,7 +54,7 @@ def read_table(path: FilePath, schema: str | Schema) -> pd.DataFrame:
     Raises InputError where the file is missing or damaged, or a column is missing or of another type.
     """
     schema = _resolve(schema)
-    with _checked(path, schema) as file:
+    with _checked(path, schema) as (file, schema):
         return file.read(columns=schema.names, use_threads=False).to_pandas()
 
 
@@ -64,7 +64,7 @@ def read_runs(path: FilePath, schema: str | Schema, key: str) -> Iterator[pd.Dat
     Raises InputError as `read_table` does.
     """
     schema = _resolve(schema)
-    with _checked(path, schema) as file:
+    with _checked(path, schema) as (file, schema):
         rest: list[pd.DataFrame] = []  # the run that the next batch may go on with
         for batch in file.iter_batches(_BATCH_ROWS, columns=schema.names, use_threads=False):
             rows = pd.concat([*rest, batch.to_pandas()], ignore_index=True)
@@ -96,8 +96,9 @@ def read_kind(path: FilePath) -> str:
 
 
 def read_measured(path: FilePath) -> pd.DataFrame:
-    """Read a table of what was measured: `tracking`, or `fixes` in its place. Raises as `read_table` does."""
-    return read_table(path, "fixes" if read_kind(path) == "fixes" else "tracking")
+    """Read a table of what was measured: `tracking`, or another in its place. Raises as `read_table` does."""
+    kind = read_kind(path)
+    return read_table(path, kind if kind in ("fixes", "laser_ranges") else "tracking")
 
 
 def read_manoeuvres(path: FilePath) -> list[float]:
@@ -233,17 +234,18 @@ def _footer(file: BinaryIO) -> tuple[int, bytes]:
 
 
 @contextmanager
-def _checked(path: FilePath, schema: Schema) -> Iterator[pq.ParquetFile]:
-    """Open a table, and check its columns and every byte."""
+def _checked(path: FilePath, schema: Schema) -> Iterator[tuple[pq.ParquetFile, Schema]]:
+    """Open a table, with the schema of its columns, and check these and every byte."""
     with _reading(path):
         if seal := _check_footer(path):
             _check_pages(path, seal)
         with pq.ParquetFile(path) as file:
+            schema = schema.among(file.schema_arrow.names)
             for column in schema.columns:
                 _check_column(path, file.schema_arrow, column, schema.name)
             if not seal:
                 raise InputError(f"{path}: {_ALIEN}")
-            yield file
+            yield file, schema
 
 
 @contextmanager

@@ -73,14 +73,14 @@ class Params:
     @property
     def all_stations(self) -> list[dict[str, Any]]:
         """All stations of the run."""
-        return [asdict(station) for station in self.plan.settings.stations.values()]
+        return [station.row for station in self.plan.settings.stations.values()]
 
     def stations(self, wildcards: Wildcards) -> list[dict[str, Any]]:
         """Return the stations of the wildcard `stations`; none where it stands for fixes."""
         if wildcards.stations == naming.FIXES:
             return []
         names = naming.strip_seed(wildcards.stations, naming.NOISE)
-        return [asdict(station) for station in sheets.parse_stations(names, self.plan.settings.stations)]
+        return [station.row for station in sheets.parse_stations(names, self.plan.settings.stations)]
 
     def noise_seed(self, wildcards: Wildcards) -> int:
         """Return the seed of the measurement noise, which the wildcard `stations` may end in."""
@@ -151,7 +151,7 @@ class Params:
     def _variables(self, parts: Mapping[str, str]) -> list[str]:
         """Return the variables that learners learn from by default: those that the measurements have."""
         variables: list[str] = self.plan.values["learning"]["variables"]
-        if parts.get("stations") != naming.FIXES:
+        if "stations" not in parts or self.plan.settings.are_radars(parts["stations"]):
             return variables
         return [name for name in variables if name not in MEASUREMENT]
 

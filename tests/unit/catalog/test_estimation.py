@@ -10,7 +10,7 @@ from support import BOUNDED_ESTIMATION as SETTINGS
 from support import rsos
 
 from opml.base.constants import DAY, HOUR
-from opml.catalog.fit import estimation, start_states
+from opml.catalog.fit import estimation, sightings, start_states
 from opml.catalog.fit.least_squares import NOT_CONVERGED, UNDERDETERMINED, Fit, Method
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
@@ -23,7 +23,7 @@ TRUE = {name: f"{name}_true" for name in tracking.QUANTITIES}
 def estimates(model, orbit, rows, earth_orientation, stations, rso, *, threads=1, seed=42, **settings):
     settings = replace(SETTINGS, **settings)
     starts = start_states.perturbed(orbit, rows, rso=rso.name, settings=settings, seed=seed)
-    measured = estimation.Measured(rows, earth_orientation, stations)
+    measured = sightings.Measured(rows, earth_orientation, stations)
     return estimation.estimate_all(Flight(model, rso, threads=threads), starts, measured, settings=settings)
 
 
@@ -127,7 +127,7 @@ def test_fewer_measurements_leave_more_doubt(table):
 
 @pytest.fixture
 def measured(rows, earth_orientation, three_stations):
-    return estimation.Measured(rows, earth_orientation, three_stations)
+    return sightings.Measured(rows, earth_orientation, three_stations)
 
 
 @pytest.fixture
@@ -182,7 +182,8 @@ def test_partial_derivatives_are_whole_across_north(orbit, rows, measured, evalu
     azimuth = rows["azimuth_true"].to_numpy()
     cosine, sine, zero = np.cos(azimuth), np.sin(azimuth), np.zeros(len(azimuth))
     turn = np.array([[cosine, -sine, zero], [sine, cosine, zero], [zero, zero, zero + 1.0]])
-    measured.to_horizon = np.einsum("ijn,njk->nik", turn, measured.to_horizon)
+    turned = np.einsum("ijn,njk->nik", turn, measured.stands.to_horizon)
+    measured.stands = replace(measured.stands, to_horizon=turned)
     jacobian = evaluated(window, true).jacobian
     np.testing.assert_allclose(jacobian, expected, rtol=1e-4, atol=1e-6 * np.abs(expected).max())
 
@@ -306,7 +307,7 @@ def test_a_fit_without_a_start_takes_the_newest_estimate_whatever_it_says_of_cd(
     first = rows[rows["track"] < 12]
     starts = start_states.perturbed(orbit, first, rso="iss", settings=SETTINGS, seed=1)
     lost = starts.assign(**{name: starts[name].where(starts["track"] < 4) for name in STATE})
-    measured = estimation.Measured(first, earth_orientation, three_stations)
+    measured = sightings.Measured(first, earth_orientation, three_stations)
     settings = replace(SETTINGS, cd_bounds=(9.0, 9.1))
     found, known, none = (
         estimation.estimate_all(Flight(assumed_model, iss), table, measured, settings=settings)

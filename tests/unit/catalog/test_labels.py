@@ -8,7 +8,7 @@ import pytest
 from support import BOUNDED_ESTIMATION as SETTINGS
 
 from opml.base.constants import DAY, HOUR
-from opml.catalog.fit import estimation, start_states
+from opml.catalog.fit import estimation, sightings, start_states
 from opml.catalog.flight import Flight
 from opml.catalog.predict import labels, other_windows, prediction, sensitivity
 from opml.catalog.simulate import tracking, truth
@@ -135,7 +135,7 @@ def chain(assumed_model, orbit, earth_orientation, three_stations, iss):
     def estimated(tracks, **settings):
         settings = replace(SETTINGS, cd_bounds=None, **settings)
         starts = start_states.perturbed(orbit, tracks, rso="iss", settings=settings, seed=42)
-        measured = estimation.Measured(tracks, earth_orientation, three_stations)
+        measured = sightings.Measured(tracks, earth_orientation, three_stations)
         return estimation.estimate_all(flight, starts, measured, settings=settings)
 
     def predicted(estimates):

@@ -7,11 +7,11 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 from support import BOUNDED_ESTIMATION as SETTINGS
 
-from opml.base.constants import DAY, EARTH_RATE, HOUR, SPEED_OF_LIGHT
+from opml.base.constants import EARTH_RATE, HOUR, SPEED_OF_LIGHT
 from opml.catalog.fit import estimation, start_states
-from opml.catalog.fit.estimation import Measured
+from opml.catalog.fit.sightings import Measured
 from opml.catalog.flight import Flight
-from opml.catalog.simulate import tracking, truth
+from opml.catalog.simulate import tracking
 from opml.catalog.simulate.observing import observe, retarded, site
 from opml.dynamics.frames import gcrf_to_itrf
 from opml.tables import STATE
@@ -20,14 +20,8 @@ PLACE = STATE[:3]
 
 
 @pytest.fixture(scope="module")
-def smooth(iss):
-    """Without radiation pressure, whose edge of the shadow makes two grids differ by a decimetre."""
-    return replace(iss, cr=0.0)
-
-
-@pytest.fixture(scope="module")
-def orbit(assumed_model, smooth):
-    return truth.simulate(Flight(assumed_model, smooth), duration=DAY, step=20.0)
+def orbit(smooth_orbit):
+    return smooth_orbit
 
 
 @pytest.fixture(scope="module")
@@ -87,10 +81,11 @@ def test_where_the_light_left(orbit, geometric, sites, followed, earth_orientati
     t = geometric["t"].to_numpy()
     states = orbit.set_index("t").loc[t, STATE].to_numpy().reshape(-1, 2, 3)
     positions, velocities = np.einsum("nij,nkj->kni", gcrf_to_itrf(earth_orientation, t), states)
-    found = retarded(positions, velocities, sites[0])
+    found, _, travel = retarded(positions, velocities, sites[0])
     moved = np.linalg.norm(found - positions, axis=1)
     assert 10.0 < moved.min() < moved.max() < 70.0
-    assert np.linalg.norm(found - followed[0], axis=1).max() < 2e-3
+    assert np.linalg.norm(found - followed[0], axis=1).max() < 2e-4
+    np.testing.assert_allclose(travel, followed[1], atol=1e-12)
 
 
 def test_half_a_two_way_range_is_another_one_by_metres(geometric, sites, followed):

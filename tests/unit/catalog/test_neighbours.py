@@ -6,7 +6,7 @@ from support import BOUNDED_ESTIMATION, force_model
 
 from opml.base.constants import DAY
 from opml.catalog import flight as flights
-from opml.catalog.fit import estimation, start_states
+from opml.catalog.fit import estimation, sightings, start_states
 from opml.catalog.flight import Flight
 from opml.catalog.predict import covariance, prediction, sensitivity
 from opml.catalog.simulate import tracking, truth
@@ -27,7 +27,7 @@ def run(flight, earth_orientation, three_stations):
     orbit = truth.simulate(flight, duration=2 * DAY, step=20.0)
     rows = tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1)
     starts = start_states.perturbed(orbit, rows, rso="iss", settings=BOUNDED_ESTIMATION, seed=42)
-    measured = estimation.Measured(rows, earth_orientation, three_stations)
+    measured = sightings.Measured(rows, earth_orientation, three_stations)
 
     def make():
         estimates = estimation.estimate_all(flight, starts, measured, settings=BOUNDED_ESTIMATION)

@@ -8,8 +8,9 @@ import pytest
 from support import ESTIMATION
 
 from opml.base.constants import DAY, HOUR
-from opml.catalog.fit.estimation import Measured, Run
+from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.sequential import Filtering, Leg, Noise, filter_all
+from opml.catalog.fit.sightings import Measured
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE

@@ -14,6 +14,7 @@ from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import observe, site
 from opml.dynamics.frames import gcrf_to_itrf
 from opml.orbits.elements import wrap_half_turn
+from opml.tables import STATE
 
 
 @pytest.fixture(scope="module")
@@ -28,10 +29,10 @@ def table(orbit, earth_orientation, three_stations):
 
 
 def truth_at(positions, earth_orientation, step=20.0):
-    """A `truth` table whose positions in ITRF are (n, 3)."""
+    """A `truth` table of states at rest, whose positions in ITRF are (n, 3)."""
     t = step * np.arange(len(positions))
     gcrf = np.einsum("nji,nj->ni", gcrf_to_itrf(earth_orientation, t), positions)
-    return pd.DataFrame({"t": t, "x": gcrf[:, 0], "y": gcrf[:, 1], "z": gcrf[:, 2]})
+    return pd.DataFrame({"t": t, **dict(zip(STATE, np.column_stack([gcrf, 0.0 * gcrf]).T, strict=True))})
 
 
 def overhead(station, pattern):

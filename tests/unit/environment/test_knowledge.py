@@ -9,7 +9,7 @@ from weather_files import other_after, up_to
 from opml.base import epochs
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation, start_states
+from opml.catalog.fit import estimation, sightings, start_states
 from opml.catalog.flight import Flight
 from opml.catalog.predict import prediction
 from opml.catalog.simulate import tracking
@@ -120,7 +120,7 @@ def test_fits_and_predictions_know_nothing_measured_after_they_start(tmp_path, i
     results = []
     for one in (observed, model(other_after(tmp_path / "other.csv", mjd(utc)))):
         starts = start_states.perturbed(truth, tracks, rso="iss", settings=settings, seed=1)
-        flight, measured = Flight(one, iss), estimation.Measured(tracks, orientation, three_stations)
+        flight, measured = Flight(one, iss), sightings.Measured(tracks, orientation, three_stations)
         estimates = estimation.estimate_all(flight, starts, measured, settings=settings)
         predictions = prediction.predict_all(flight, truth, estimates, max_days=1)
         results.append((estimates, predictions))

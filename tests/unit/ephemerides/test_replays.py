@@ -9,7 +9,7 @@ from support import EPOCH, ESTIMATION
 
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation, start_states
+from opml.catalog.fit import estimation, sightings, start_states
 from opml.catalog.flight import Flight
 from opml.catalog.predict import prediction, spread
 from opml.catalog.simulate import tracking, truth
@@ -41,7 +41,7 @@ def tables(truth_model, assumed_model, iss, earth_orientation, three_stations):
     estimates = estimation.estimate_all(
         flight,
         start_states.perturbed(orbit, tracks, rso="iss", settings=ESTIMATION, seed=1),
-        estimation.Measured(tracks, earth_orientation, three_stations),
+        sightings.Measured(tracks, earth_orientation, three_stations),
         settings=ESTIMATION,
     )
     predictions = prediction.predict_all(flight, orbit, estimates, max_days=1.0)

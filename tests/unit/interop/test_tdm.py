@@ -2,6 +2,7 @@
 
 import re
 
+import erfa
 import numpy as np
 import pandas as pd
 import pytest
@@ -56,17 +57,23 @@ def test_segments_without_an_id_are_tracks_of_their_own(message):
             "PATH = 1,2,3",
             "line 16: expected PATH = 2,1 or 1,2 or 1,2,1 or 2,1,2, got 1,2,3",
         ),
-        ("ANGLE_TYPE = AZEL", "ANGLE_TYPE = RADEC", "line 18: expected ANGLE_TYPE = AZEL, got RADEC"),
+        ("ANGLE_TYPE = AZEL", "ANGLE_TYPE = XEYN", "line 18: expected ANGLE_TYPE = AZEL or RADEC, got XEYN"),
+        ("ANGLE_TYPE = AZEL", "ANGLE_TYPE = RADEC", "line 19: expected the key REFERENCE_FRAME before"),
+        (
+            "ANGLE_TYPE = AZEL",
+            "ANGLE_TYPE = RADEC\nREFERENCE_FRAME = TEME",
+            "line 19: expected REFERENCE_FRAME = GCRF or ICRF or EME2000, got TEME",
+        ),
         ("RANGE_UNITS = km", "RANGE_UNITS = s", "line 17: expected RANGE_UNITS = KM, got s"),
         ("DATA_START\n", "", "line 20: expected DATA_START, got ANGLE_1"),
         (
             "ANGLE_2 = ",
             "DOPPLER = ",
-            "line 22: expected ANGLE_1 or ANGLE_2 or RANGE = time value",
+            "line 22: expected ANGLE_1 or ANGLE_2 or RANGE or DOPPLER_INSTANTANEOUS = time value",
         ),
         ("ANGLE_2 = ", "ANGLE_1 = ", "line 22: expected ANGLE_1 once at a time, got ANGLE_1"),
         ("ANGLE_2 = ", "COMMENT ", "line 21: expected ANGLE_2 at 2016-"),
-        ("RANGE = 2016-", "RANGE = nan 2016-", "line 23: expected ANGLE_1 or ANGLE_2 or RANGE = time value"),
+        ("RANGE = 2016-", "RANGE = nan 2016-", "line 23: expected ANGLE_1 or ANGLE_2 or RANGE or DOPPLER"),
         ("RANGE = 2016-", "RANGE = 2016_", "line 21: expected RANGE at 2016-"),
     ],
 )
@@ -95,6 +102,60 @@ def changed(path, *pairs):
     path.write_text(text)
 
 
+def test_stars_on_axes_of_eme2000_are_turned(table, tmp_path):
+    """EME2000 is off GCRF by 23 milliarcseconds at most, and less about the pole than along the equator."""
+    stars = table.assign(right_ascension=table["azimuth"], declination=table["elevation"])
+    stars[["azimuth", "elevation", "range"]] = np.nan
+    path = tmp_path / "stars.tdm"
+    tdm.write(path, stars, epoch=EPOCH, rso="iss")
+    as_written = tdm.read(path, epoch=EPOCH)
+    changed(path, ("REFERENCE_FRAME = ICRF", "REFERENCE_FRAME = EME2000"))
+    turned = tdm.read(path, epoch=EPOCH)
+
+    def sights(rows):
+        right_ascension, declination = rows["right_ascension"], rows["declination"]
+        level = np.cos(declination)
+        return np.column_stack(
+            [level * np.cos(right_ascension), level * np.sin(right_ascension), np.sin(declination)]
+        )
+
+    expected = sights(as_written) @ erfa.bp06(2451545.0, 0.0)[0]
+    np.testing.assert_allclose(sights(turned), expected, atol=1e-15)
+    apart = np.degrees(np.linalg.norm(sights(turned) - sights(as_written), axis=1)) * 3600e3
+    assert 5.0 < apart.max() < 30.0
+
+
+def test_ranges_there_and_back_stay_so(table, tmp_path):
+    both = table.assign(two_way=table["station"] == "eglin")
+    path = tmp_path / "both.tdm"
+    tdm.write(path, both, epoch=EPOCH, rso="iss")
+    text = path.read_text()
+    assert text.count("PATH = 1,2,1") == table.loc[table["station"] == "eglin", "track"].nunique()
+    back = tdm.read(path, epoch=EPOCH)
+    assert set(back.loc[back["two_way"], "station"]) == {"eglin"}
+    assert set(back.loc[~back["two_way"], "station"]) == {"clear", "kaena"} & set(table["station"])
+
+
+def test_rates_may_stand_at_other_times_than_ranges(message, table):
+    lines = message.read_text().splitlines()
+    at = next(k for k, line in enumerate(lines) if line == "DATA_START")
+    time = lines[at + 1].split()[2].replace(".000000", ".500000")
+    lines.insert(at + 4, f"DOPPLER_INSTANTANEOUS = {time} -1.25")
+    message.write_text("\n".join(lines))
+    back = tdm.read(message, epoch=EPOCH)
+    assert len(back) == len(table) + 1
+    assert back["range_rate"].dropna().tolist() == [-1250.0]
+    assert back.loc[back["range_rate"].notna(), "range"].isna().all()
+
+
+def test_one_angle_to_the_stars_is_none(message):
+    lines = [line for line in message.read_text().splitlines() if not line.startswith("ANGLE_2 ")]
+    message.write_text("\n".join(lines))
+    changed(message, ("ANGLE_TYPE = AZEL", "ANGLE_TYPE = RADEC\nREFERENCE_FRAME = ICRF"))
+    with pytest.raises(InputError, match="line 18: expected ANGLE_1 and ANGLE_2, got one of them"):
+        tdm.read(message, epoch=EPOCH)
+
+
 @pytest.mark.parametrize("path", ["1,2", "2,1,2"])
 def test_the_last_one_of_a_path_is_the_station(table, message, path):
     changed(
@@ -109,7 +170,7 @@ def test_the_last_one_of_a_path_is_the_station(table, message, path):
 
 def test_what_is_not_estimated_from_is_passed_over(table, message):
     lines = message.read_text().splitlines()
-    rates = [line.replace("RANGE", "DOPPLER_INSTANTANEOUS") for line in lines if line.startswith("RANGE = ")]
+    rates = [line.replace("RANGE", "DOPPLER_INTEGRATED") for line in lines if line.startswith("RANGE = ")]
     block = ["META_START", "TIME_SYSTEM = UTC", "META_STOP", "DATA_START", *rates, "DATA_STOP"]
     for k, line in reversed(list(enumerate(lines))):
         if line.startswith("RANGE = "):

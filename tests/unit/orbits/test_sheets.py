@@ -7,7 +7,7 @@ import pytest
 from support import REPOSITORY
 
 from opml.base.errors import InputError
-from opml.orbits.sheets import read_rsos, read_stations
+from opml.orbits.sheets import read_rsos, read_stations, stations_from_rows
 
 CONFIG = REPOSITORY / "config"
 STATIONS, RSOS = read_stations(CONFIG / "stations.tsv"), read_rsos(CONFIG / "rsos.tsv")
@@ -75,6 +75,13 @@ def test_papers_rsos_in_si():
         ),
         ("stations.tsv", "\t0.0147", "", "eglin: expected 10 cells, got 9"),
         (
+            "stations.tsv",
+            "32.1\t0.0154\t0.0147",
+            "-\t-\t-",
+            "eglin: expected one of sigma_range_m, sigma_azimuth_deg, .* at least, got none",
+        ),
+        ("stations.tsv", "34.7", "-", "eglin: altitude_m: expected a number of at least -500"),
+        (
             "rsos.tsv",
             "345.5909\t0.05",
             "345.5909\t-0.05",
@@ -99,6 +106,36 @@ def test_wrong_cell_is_named(tmp_path, sheet, old, new, message):
     path = edited(tmp_path, sheet, old, new)
     with pytest.raises(InputError, match=re.escape(str(path)) + ": " + message):
         {"stations.tsv": read_stations, "rsos.tsv": read_rsos}[sheet](path)
+
+
+def test_stations_measure_what_they_have_a_sigma_of(tmp_path):
+    sheet, rows = (CONFIG / "stations.tsv").read_text().splitlines(), []
+    for line, further in zip(
+        sheet[1:],
+        [("sigma_declination_deg", "max_sun_elevation_deg"), ("-", "-"), ("0.001", "-12"), ("-", "-")],
+        strict=True,
+    ):
+        rows.append("\t".join([*line.split("\t"), *further]))
+    (tmp_path / "stations.tsv").write_text("\n".join(rows).replace("62.5", "-"))
+    eglin, clear, kaena = read_stations(tmp_path / "stations.tsv").values()
+    assert (eglin, kaena) == (STATIONS["eglin"], STATIONS["kaena"])
+    assert "sigma_declination" not in eglin.row
+    assert clear.sigma_range is None
+    assert clear.max_sun_elevation == math.radians(-12)
+    assert clear.row["sigma_declination"] == math.radians(0.001)
+    assert [station.is_radar for station in (eglin, clear, kaena)] == [True, False, True]
+
+
+def test_a_station_of_the_settings_may_be_a_telescope():
+    row = {"latitude_deg": 20, "longitude_deg": 0, "altitude_m": 0, "max_range_km": 50000}
+    row |= {"min_elevation_deg": 10, "max_elevation_deg": 90}
+    stars = {"sigma_right_ascension_deg": 1e-4, "sigma_declination_deg": 1e-4}
+    one = stations_from_rows({"tenerife": row | stars})["tenerife"]
+    assert list(one.row)[-2:] == ["sigma_right_ascension", "sigma_declination"]
+    with pytest.raises(InputError, match="expected one of sigma_range_m"):
+        stations_from_rows({"tenerife": row})
+    with pytest.raises(InputError, match="look at sigma_x"):
+        stations_from_rows({"tenerife": row | stars | {"sigma_x": 1}})
 
 
 def test_a_cell_of_many_letters_is_named(tmp_path):

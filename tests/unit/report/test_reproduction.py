@@ -84,6 +84,11 @@ def test_tables_are_the_papers():
     assert radars["maximum range [km]"] == ["13210", "4910", "6380"]
     assert radars["feasible elevation [deg]"] == ["1 to 90", "1 to 90", "0 to 90"]
     assert radars["sigma of azimuth [deg]"] == ["0.0154", "0.0791", "0.0224"]
+    assert not [name for name in radars if "rate" in name]
+    doppler = replace(stations()["eglin"], name="doppler", sigma_range=None, sigma_range_rate=0.125)
+    others = cells(settings_tables.stations([stations()["clear"], doppler]))
+    assert others["sigma of range [m]"] == ["62.5", "-"]
+    assert others["sigma of range rate [m/s]"] == ["-", "0.125"]
     rso = cells(settings_tables.rsos([rsos()["iss"]], epoch=PAPER["epoch"], title="RSO"))
     assert rso["semi-major axis [km]"] == ["6783.34"]
     assert rso["inclination [deg]"] == ["51.6393"]

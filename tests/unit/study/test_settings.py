@@ -828,6 +828,16 @@ def test_learners_suit_mean_elements(tmp_path, kind, study, said):
     assert said in refused(given(tmp_path, text))
 
 
+def test_no_learner_of_telescopes_asks_for_what_radars_measure(tmp_path):
+    row = "latitude_deg: 20, longitude_deg: 0, altitude_m: 0, max_range_km: 50000, min_elevation_deg: 10"
+    text = f"stations: {{tenerife: {{{row}, max_elevation_deg: 90, sigma_declination_deg: 0.001}}}}\n"
+    text += "study: {rsos: [iss], station_sets: [eglin-tenerife]}\n"
+    learner = "learners: {ridge: {variables: [duration, elevation_max]}}"
+    checked(given(tmp_path, text))
+    expected = "expected variables that eglin-tenerife have, too, got elevation_max"
+    assert f"learners.ridge.variables: {expected}" in refused(given(tmp_path, f"{text}{learner}\n"))
+
+
 def test_layers_are_laid_key_by_key():
     base = {"a": {"b": 1, "c": [1, 2]}, "d": 3}
     assert laid_over(base, {"a": {"c": [3]}}) == {"a": {"b": 1, "c": [3]}, "d": 3}

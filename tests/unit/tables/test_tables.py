@@ -51,6 +51,17 @@ def test_an_empty_table_keeps_its_columns(name, tmp_path):
     assert list(read_table(tmp_path / "t", TABLES[name]).columns) == TABLES[name].names
 
 
+def test_optional_columns_come_back_where_they_are(tmp_path):
+    plain, wide = example("tracking"), example("tracking").assign(range_rate=1.5, two_way=True)
+    for name, frame in (("plain", plain), ("wide", wide)):
+        write_table(tmp_path / name, frame, "tracking", metadata={})
+        pd.testing.assert_frame_equal(read_table(tmp_path / name, "tracking"), frame, check_column_type=False)
+        assert [len(run) for run in read_runs(tmp_path / name, "tracking", "station")] == [1] * len(frame)
+        assert list(next(read_runs(tmp_path / name, "tracking", "station"))) == list(frame)
+    with pytest.raises(ValueError, match="columns missing or not in the schema: \\['rate'\\]"):
+        write_table(tmp_path / "t", plain.assign(rate=1.0), "tracking", metadata={})
+
+
 def test_not_a_number_stays_one(tmp_path):
     frame = example("truth")
     frame.loc[2, ["x", "vz"]] = [np.nan, -np.inf]

@@ -363,6 +363,19 @@ def test_fixes_have_no_stations_and_learners_none_of_what_these_measure():
     assert set(MEASUREMENT) < set(by_radars)
 
 
+def test_learners_have_nothing_of_radars_beside_telescopes():
+    row = {"latitude_deg": 20, "longitude_deg": 0, "altitude_m": 0, "max_range_km": 50000}
+    row |= {"min_elevation_deg": 10, "max_elevation_deg": 90, "sigma_declination_deg": 1e-4}
+    jobs = inputs(stations={"tenerife": row}).params
+    by_radars, both = (experiment(stations=stations) for stations in ("eglin_noise3", "eglin-tenerife"))
+    assert set(MEASUREMENT) < set(jobs.learner(by_radars)["variables"])
+    assert not set(MEASUREMENT) & set(jobs.learner(both)["variables"])
+    radar, telescope = jobs.stations(both)
+    assert "sigma_declination" not in radar
+    assert telescope["sigma_declination"] == pytest.approx(1.745329e-6)
+    assert "sigma_range" not in telescope
+
+
 def test_ephemerides_start_from_what_is_known_at_the_end_of_the_training():
     jobs, name = params(), experiment(learner="twoarcs", train="days-0-20")
     assert jobs.ephemeris(name)["known_until_days"] == 20.0

@@ -12,7 +12,7 @@ from support import EPOCH, EXCERPTS, REPOSITORY, environment, stations
 
 from opml.base.constants import DAY, HOUR
 from opml.catalog.fit import fixes
-from opml.catalog.fit.estimation import Measured
+from opml.catalog.fit.sightings import Measured
 from opml.catalog.simulate.truth import kepler_orbit
 from opml.interop import oem
 from opml.tables import FIX_SIGMAS, SCHEMAS, read_kind, read_metadata, read_table, write_table

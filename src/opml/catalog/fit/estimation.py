@@ -8,7 +8,7 @@ so no variational equations are needed.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -18,12 +18,7 @@ from opml.base.constants import HOUR
 from opml.catalog.fit.least_squares import Evaluation, Fit, Method
 from opml.catalog.fit.measurements import Measurements, Window
 from opml.catalog.flight import Flight
-from opml.catalog.simulate.observing import observe, place, retarded, sigmas, site
-from opml.catalog.simulate.tracking import QUANTITIES
 from opml.dynamics.ensemble import REASONS, Arcs
-from opml.dynamics.frames import gcrf_to_itrf
-from opml.orbits.elements import wrap_half_turn
-from opml.orbits.sheets import Station
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE
 
 BATCH = 16
@@ -66,6 +61,7 @@ class Estimation:
     after_hours: tracks that begin up to so long after the estimate are used, too [h]
     cd_sigma: standard deviation of Cd about its a-priori value; None where nothing is known beforehand
     light_time: measurements are read as received at their time, after the light's way down, not as geometric
+    reject_sigma: numbers whose residuals are larger, in standard deviations, count no more; None: all count
     """
 
     window_hours: float
@@ -78,69 +74,36 @@ class Estimation:
     after_hours: float = 0.0
     cd_sigma: float | None = None
     light_time: bool = False
+    reject_sigma: float | None = None
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """One track's estimate under way."""
+    """One track's estimate under way.
+
+    kept: (numbers,) bool, which of the window's measured numbers count; None: all of them
+    """
 
     window: Window
     fit: Fit
+    kept: np.ndarray | None = None
 
+
+_EDITS = 10
+"""Times that outliers are looked for in a fit at most."""
+
+_NORMAL = 0.6745
+"""Median of the size of a normal deviate."""
 
 _Known = tuple[int, np.ndarray]
 """An epoch of a run's measurements, by its number, and the parameters (7,) of an orbit there."""
 
 
-class Measured(Measurements):
-    """Azimuth, elevation and range by radars; the estimate of a track is at its start."""
-
-    def __init__(
-        self, tracking: pd.DataFrame, earth_orientation: pd.DataFrame, stations: Sequence[Station]
-    ) -> None:
-        """Take the tables of tracking and Earth orientation, and the stations that measured."""
-        track, t = tracking["track"].to_numpy(), tracking["t"].to_numpy()
-        super().__init__(track, t, t[np.searchsorted(track, track)])
-        self.rotations = gcrf_to_itrf(earth_orientation, self.epochs)
-        self.values = tracking[QUANTITIES].to_numpy()
-        order = {station.name: k for k, station in enumerate(stations)}
-        station_of_row = np.array([order[name] for name in tracking["station"]])
-        sites = [site(station) for station in stations]
-        self.positions = np.array([position for position, _ in sites])[station_of_row]
-        self.to_horizon = np.array([rotation for _, rotation in sites])[station_of_row]
-        self.sigmas = np.array([sigmas(station) for station in stations])[station_of_row]
-
-    def places(self, rows: slice | np.ndarray) -> np.ndarray:
-        """Return positions (n, 3) in GCRF [m] of rows of measurements."""
-        itrf = place(self.values[rows], self.positions[rows], self.to_horizon[rows])
-        turned: np.ndarray = np.einsum("nij,ni->nj", self.rotations[self.epoch_of_row[rows]], itrf)
-        return turned
-
-    def evaluation(self, window: Window, states: np.ndarray, *, light_time: bool = False) -> Evaluation:
-        """Return residuals and partial derivatives of a window, as `Measurements.evaluation`."""
-        rows = window.rows
-        at_rows = states[:, self.epoch_of_row[rows] - window.first]
-        positions = self._received(rows, at_rows) if light_time else self._in_itrf(rows, at_rows[..., :3])
-        radar = self.positions[rows], self.to_horizon[rows]
-        residual = self.values[rows] - observe(positions[0], *radar)
-        residual[:, 0] = wrap_half_turn(residual[:, 0])
-        # Each neighbour and its mirror image about the nominal arc: by then a nudge has grown to a hundred
-        # metres, over which the measurements bend, and the bend cancels.
-        shift = positions[1:] - positions[0]
-        change = observe(positions[0] + shift, *radar) - observe(positions[0] - shift, *radar)
-        change[..., 0] = wrap_half_turn(change[..., 0])
-        weighted = 0.5 * change / self.sigmas[rows] / NUDGES[:, None, None]
-        return Evaluation((residual / self.sigmas[rows]).ravel(), weighted.reshape(7, -1).T)
-
-    def _in_itrf(self, rows: slice, vectors: np.ndarray) -> np.ndarray:
-        """Return GCRF vectors (arcs, rows, 3) at the rows' epochs in the axes of ITRF."""
-        turned: np.ndarray = np.einsum("nij,lnj->lni", self.rotations[self.epoch_of_row[rows]], vectors)
-        return turned
-
-    def _received(self, rows: slice, states: np.ndarray) -> np.ndarray:
-        """Return positions (arcs, rows, 3) in ITRF that the light of GCRF states (arcs, rows, 6) shows."""
-        positions, velocities = self._in_itrf(rows, states[..., :3]), self._in_itrf(rows, states[..., 3:])
-        return retarded(positions, velocities, self.positions[rows])
+def _have_same_numbers(one: Estimate, other: Estimate) -> bool:
+    """Return whether the same measured numbers count in two estimates of a window."""
+    if one.kept is None or other.kept is None:
+        return one.kept is other.kept
+    return bool(np.array_equal(one.kept, other.kept))
 
 
 def fly_parameters(
@@ -279,7 +242,11 @@ class Run:
             ]
             for k in waiting:
                 estimates[k] = Estimate(windows[k], Fit(starts[k], method))
-            self.fit([estimates[k] for k in waiting])
+            if self.settings.reject_sigma is None:
+                self.fit([estimates[k] for k in waiting])
+            else:
+                for k, estimate in zip(waiting, self.edited([estimates[k] for k in waiting]), strict=True):
+                    estimates[k] = estimate
             if all(estimate.fit.started for estimate in estimates):
                 break
         for estimate in estimates:
@@ -325,7 +292,60 @@ class Run:
         """Return the evaluation of a trial, from states (8, epochs, 6) of its arc and the neighbours."""
         light_time = self.settings.light_time
         evaluation = self.measured.evaluation(estimate.window, states, light_time=light_time)
+        if estimate.kept is not None:
+            evaluation = Evaluation(evaluation.residuals[estimate.kept], evaluation.jacobian[estimate.kept])
         return self.with_apriori_cd(evaluation, estimate.fit.trial)
+
+    def residuals(self, estimates: Sequence[Estimate]) -> list[np.ndarray]:
+        """Return the weighted residuals (numbers,) of all in the window of each estimate, at its best."""
+        ended = [replace(one, fit=Fit(one.fit.best, one.fit.method)) for one in estimates]
+        paths, _ = fly_around(self.flight, self.measured.epochs, ended)
+        light_time = self.settings.light_time
+        return [
+            self.measured.evaluation(one.window, states, light_time=light_time).residuals
+            for one, states in zip(ended, paths, strict=True)
+        ]
+
+    def edited(self, estimates: Sequence[Estimate]) -> list[Estimate]:
+        """Return estimates fitted without outliers, first those from the start, until these stay the same.
+
+        Each time all numbers are judged anew, so that one that a bad orbit made an outlier comes back.
+        """
+        found = [self._judged(*pair) for pair in zip(estimates, self.residuals(estimates), strict=True)]
+        changed = found
+        for _ in range(_EDITS):
+            self.fit(changed)
+            begun = [k for k, one in enumerate(found) if one.fit.started]
+            left = self.residuals([found[k] for k in begun])
+            judged = {k: self._judged(found[k], one) for k, one in zip(begun, left, strict=True)}
+            judged = {k: one for k, one in judged.items() if not _have_same_numbers(one, found[k])}
+            if not judged:
+                break
+            changed = list(judged.values())
+            found = [judged.get(k, one) for k, one in enumerate(found)]
+        return found
+
+    def _judged(self, estimate: Estimate, weighted: np.ndarray) -> Estimate:
+        """Return an estimate that goes on from its best without outliers among weighted residuals (numbers,).
+
+        It stays as it is where its arc tells no residuals.
+        """
+        if not np.isfinite(weighted).all():
+            return estimate
+        again = Fit(estimate.fit.best, estimate.fit.method)
+        return Estimate(estimate.window, again, self._kept(estimate.window, weighted))
+
+    def _kept(self, window: Window, weighted: np.ndarray) -> np.ndarray:
+        """Return which weighted residuals (numbers,) are no outliers.
+
+        Each observable has a scale of its own, its residuals' scatter by their median, but 1 at least.
+        """
+        _, observables = self.measured.held(window.rows)
+        kept, most = np.ones(len(weighted), bool), self.settings.reject_sigma or np.inf
+        for observable in np.unique(observables):
+            size = np.abs(weighted[observables == observable])
+            kept[observables == observable] = size <= most * max(1.0, float(np.median(size)) / _NORMAL)
+        return kept
 
     def with_apriori_cd(self, evaluation: Evaluation, trial: np.ndarray) -> Evaluation:
         """Return an evaluation at a trial (7,) with one more residual, if Cd is known beforehand."""
@@ -352,11 +372,7 @@ class Run:
     def row(self, estimate: Estimate) -> dict[str, Any]:
         """Return the estimate as a row of the table."""
         window, fit = estimate.window, estimate.fit
-        rms = (
-            np.sqrt(fit.cost / (self.measured.numbers * window.measurements))
-            if np.isfinite(fit.cost)
-            else np.nan
-        )
+        rms = np.sqrt(fit.cost / self._count(estimate)) if np.isfinite(fit.cost) else np.nan
         return {
             "track": window.track,
             "t": self.measured.epochs[window.at],
@@ -368,6 +384,27 @@ class Run:
             "tracks_used": window.tracks,
             "measurements_used": window.measurements,
             "weighted_rms": rms,
+            **self._rejected(estimate),
+        }
+
+    def _count(self, estimate: Estimate) -> int:
+        """Return how many numbers an estimate is made of."""
+        if estimate.kept is None:
+            return self.measured.count(estimate.window.rows)
+        return int(np.count_nonzero(estimate.kept))
+
+    def _rejected(self, estimate: Estimate) -> dict[str, int]:
+        """Return how many numbers of the window and of the track do not count, where any are judged."""
+        if self.settings.reject_sigma is None:
+            return {}
+        window, kept = estimate.window, estimate.kept
+        if kept is None:
+            return {"rejected": 0, "rejected_of_track": 0}
+        first, last = self.measured.first_row[window.track : window.track + 2] - window.rows.start
+        rows, _ = self.measured.held(window.rows)
+        return {
+            "rejected": int(np.count_nonzero(~kept)),
+            "rejected_of_track": int(np.count_nonzero(~kept & (rows >= first) & (rows < last))),
         }
 
     @property

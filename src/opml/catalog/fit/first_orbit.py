@@ -67,8 +67,8 @@ def carried(flight: Flight, measured: Measurements, known: TimedState) -> pd.Dat
     Raises InputError where the first day's tracks are far from it.
     """
     rso, times, (t, start) = flight.rso, _times(measured), known
-    states = _everywhere(flight, times.to_numpy(), t, np.append(start, rso.cd))
-    apart = np.linalg.norm(measured.places(measured.row_at) - states[:, :3], axis=1)
+    states = everywhere(flight, times.to_numpy(), t, np.append(start, rso.cd))
+    apart = measured.misses(measured.row_at, states[:, :3])
     miss = float(np.median(np.where(np.isfinite(apart), apart, np.inf)[_first_day(times)]))
     _log.info("first orbit: the given state is %.1f km from the first day's tracks", miss / 1e3)
     if not miss < FARTHEST:
@@ -89,8 +89,9 @@ def determined(flight: Flight, measured: Measurements, *, settings: Estimation) 
     alone = single_tracks(run)
     if not alone:
         raise InputError(
-            f"{rso.name}: expected a track of at least {FEWEST} measurements over {SHORTEST:g} s "
-            "on the first day that gives an orbit, got none; give elements, or a TLE or OEM under starts"
+            f"{rso.name}: expected a track of at least {FEWEST} measurements over {SHORTEST:g} s, "
+            "of two angles and the range, on the first day that gives an orbit, got none; "
+            "give elements, or a TLE or OEM under starts"
         )
     best = min(alone, key=lambda estimate: axis_sigma(estimate.fit, gm))
     t, axis = measured.epochs[best.window.at], axis_sigma(best.fit, gm)
@@ -98,7 +99,7 @@ def determined(flight: Flight, measured: Measurements, *, settings: Estimation) 
     best = _grown(run, best)
     _log.info("first orbit: %d tracks fitted together", best.window.tracks)
     t = measured.epochs[best.window.at]
-    states = _everywhere(run.flight, times.to_numpy(), t, best.fit.best)
+    states = everywhere(run.flight, times.to_numpy(), t, best.fit.best)
     return start_states.starts_table(times, states, known=t)
 
 
@@ -109,12 +110,14 @@ def single_tracks(run: Run) -> list[Estimate]:
     for track in np.flatnonzero(_first_day(measured.epochs[measured.at])):
         window = measured.window(int(track), 0.0)
         t, positions = measured.epochs[measured.epoch_of_row[window.rows]], measured.places(window.rows)
+        is_known = np.isfinite(positions).all(axis=1)
+        t, positions = t[is_known], positions[is_known]
         if len(np.unique(t)) < FEWEST or t[-1] - t[0] < SHORTEST:
             continue
         smooth = max(FEWEST, int(np.searchsorted(t, t[0] + measured.smooth_for, side="right")))
         middle, there = orbit_state(t[:smooth], positions[:smooth], run.flight.model.gm)
         at = measured.epochs[[window.at]]
-        start = _everywhere(run.flight, at, middle, np.append(there, run.flight.rso.cd))[0]
+        start = everywhere(run.flight, at, middle, np.append(there, run.flight.rso.cd))[0]
         begun.append(Estimate(window, Fit(np.append(start, run.flight.rso.cd), run.method(_without_cd()))))
     run.fit(begun)
     return [estimate for estimate in begun if estimate.fit.converged]
@@ -147,7 +150,7 @@ def _grown(run: Run, best: Estimate) -> Estimate:
     return best
 
 
-def _everywhere(flight: Flight, times: np.ndarray, t: float, parameters: np.ndarray) -> np.ndarray:
+def everywhere(flight: Flight, times: np.ndarray, t: float, parameters: np.ndarray) -> np.ndarray:
     """Return states (n, 6) at ascending times (n,) of an arc with parameters (7,) at t, NaN where lost."""
     states = np.where(times[:, None] == t, parameters[:6], np.nan)
     for side in (np.flatnonzero(times > t), np.flatnonzero(times < t)[::-1]):

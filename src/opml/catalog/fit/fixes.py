@@ -20,9 +20,11 @@ import pandas as pd
 
 from opml.base.constants import HOUR
 from opml.base.errors import InputError
-from opml.catalog.fit.estimation import NUDGES, Measured
+from opml.catalog.fit.estimation import NUDGES
+from opml.catalog.fit.laser_ranges import LaserRanges
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements, Window
+from opml.catalog.fit.sightings import Measured
 from opml.orbits.elements import rsw_rotation
 from opml.orbits.sheets import Station
 from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, read_measured, read_table
@@ -95,10 +97,12 @@ def read(files: Any, stations: Sequence[Station]) -> Measurements:
 
 
 def measurements(table: pd.DataFrame, orientation: pd.DataFrame, stations: Sequence[Station]) -> Measurements:
-    """Return the measurements of a table `tracking`, by the stations, or `fixes`, which have none.
+    """Return the measurements of a table `tracking`, by the stations, or of one that stands in its place.
 
     orientation: table `earth_orientation`
     """
+    if "zenith_delay" in table:
+        return LaserRanges(table, orientation)
     return Measured(table, orientation, stations) if "station" in table else Fixes(table)
 
 

@@ -1,4 +1,4 @@
-"""Tracks that radars really measured, from the measurements of messages to the `tracking` table.
+"""Tracks that stations really measured, from the measurements of messages to the `tracking` table.
 
 A message names its stations and times as it likes. Here they are held against the stations of the sheet, the
 run, and what an orbit can be, so that a wrong unit is an error before anything is fitted to it.
@@ -14,8 +14,7 @@ import pandas as pd
 from opml.base.constants import DAY, EARTH_GM, WGS84_A
 from opml.base.errors import InputError
 from opml.catalog.fit.three_positions import herrick_gibbs, smoothed, unturned
-from opml.catalog.simulate.observing import place, site
-from opml.catalog.simulate.tracking import QUANTITIES
+from opml.catalog.simulate.observing import ANGLES, OBSERVABLES, QUANTITIES, measured_by, place, site
 from opml.orbits.sheets import LOWEST_PERIGEE, Station
 from opml.tables import SCHEMAS
 
@@ -44,8 +43,9 @@ def tracks(measurements: pd.DataFrame, stations: Sequence[Station]) -> pd.DataFr
     measurements: as `interop.tdm.measurements` returns them; those of other stations are left out
 
     A track is a run of measurements without a gap of more than LONGEST_GAP, of one TRACK_ID where there are
-    any; tracks that overlap are one. Raises InputError, naming file and line, for what an orbit cannot be, or
-    a station not see, and where nothing is left.
+    any; tracks that overlap are one. What a station has no sigma of, counts as not
+    measured. Raises InputError, naming file and line, for what an orbit cannot be, or a station not see, and
+    where nothing is left.
     """
     table = _checked(measurements, {station.name: station for station in stations})
     if table.empty:
@@ -54,8 +54,10 @@ def tracks(measurements: pd.DataFrame, stations: Sequence[Station]) -> pd.DataFr
     order = {station.name: k for k, station in enumerate(stations)}
     table = table.assign(order=table["station"].map(order)).sort_values(["t", "order"], ignore_index=True)
     table["track"] = _numbered(table)
-    table[[f"{name}_true" for name in QUANTITIES]] = np.nan
-    return table[SCHEMAS["tracking"].names]
+    given = [name for name in OBSERVABLES if name in QUANTITIES or table[name].notna().any()]
+    table[[f"{name}_true" for name in given]] = np.nan
+    kept = {*given, *(f"{name}_true" for name in given), "two_way"} & set(table.columns)
+    return table[SCHEMAS["tracking"].among(kept).names]
 
 
 def check(
@@ -87,11 +89,37 @@ def _checked(measurements: pd.DataFrame, stations: Mapping[str, Station]) -> pd.
     table = measurements.assign(station=_keys(measurements["station"]))
     table = table[table["station"].isin(stations)].reset_index(drop=True)
     if not table.empty:
+        table = _joined(_weighed(table, stations))
         _check_once(table)
         _check_degrees(table)
         _check_limits(table, stations)
         _check_orbit(table, stations)
     return table
+
+
+def _weighed(table: pd.DataFrame, stations: Mapping[str, Station]) -> pd.DataFrame:
+    """Return the rows of what stations have a sigma of; raise InputError for one that all are without."""
+    table = table.reindex(columns=[*table.columns, *(name for name in OBSERVABLES if name not in table)])
+    found = table[OBSERVABLES].notna()
+    weighed = found.copy()
+    for name, rows in table.groupby("station", sort=False):
+        names = measured_by(stations[str(name)])
+        weighed.loc[rows.index] &= [observable in names for observable in OBSERVABLES]
+        if not weighed.loc[rows.index].to_numpy().any():
+            got = [observable for observable in OBSERVABLES if found.loc[rows.index, observable].any()]
+            raise _wrong(rows, f"{' or '.join(names)}, of which {name} has a sigma", " and ".join(got))
+    table[OBSERVABLES] = table[OBSERVABLES].where(weighed)
+    return table[weighed.any(axis=1)].reset_index(drop=True)
+
+
+def _joined(table: pd.DataFrame) -> pd.DataFrame:
+    """Return one row of those of a station at one time that measure different things."""
+    at = table.groupby(["station", "t"], sort=False)
+    complements = (at[OBSERVABLES].transform("count") <= 1).all(axis=1)
+    if not (complements & table.duplicated(["station", "t"])).any():
+        return table
+    both = table[complements].groupby(["station", "t"], sort=False, as_index=False).first()
+    return pd.concat([table[~complements], both], ignore_index=True)
 
 
 def _keys(names: pd.Series) -> pd.Series:
@@ -113,10 +141,11 @@ def _check_once(table: pd.DataFrame) -> None:
 
 def _check_other(rows: pd.DataFrame) -> None:
     """Raise InputError where two segments hold the same values of one station, as a copy with other times."""
-    again = rows.duplicated(list(QUANTITIES)) & ~rows.duplicated(["segment", *QUANTITIES])
+    again = rows.duplicated(OBSERVABLES) & ~rows.duplicated(["segment", *OBSERVABLES])
     if again.any():
         row = rows[again].iloc[0]
-        first = rows[(rows[list(QUANTITIES)] == row[list(QUANTITIES)]).all(axis=1)].iloc[0]
+        alike = rows[OBSERVABLES].eq(row[OBSERVABLES]) | (rows[OBSERVABLES].isna() & row[OBSERVABLES].isna())
+        first = rows[alike.all(axis=1)].iloc[0]
         raise _wrong(rows[again], f"other values than those of {_place_of(first)}", "the same")
 
 
@@ -139,10 +168,11 @@ def _place_of(row: pd.Series) -> str:
 
 def _check_degrees(table: pd.DataFrame) -> None:
     """Raise InputError where all angles are as small as if they were in radians."""
-    degrees = np.degrees(table[["azimuth", "elevation"]].to_numpy())
-    if len(table) >= ENOUGH and np.all(np.abs(degrees) <= [2.0 * np.pi, 0.5 * np.pi]):
-        expected = "angles in degrees"
-        raise _wrong(table, expected, f"none beyond {degrees.max():.3g}, as if they were in radians")
+    for names in (ANGLES[:2], ANGLES[2:]):
+        degrees = np.degrees(table[names].dropna().to_numpy())
+        if len(degrees) >= ENOUGH and np.all(np.abs(degrees) <= [2.0 * np.pi, 0.5 * np.pi]):
+            expected = "angles in degrees"
+            raise _wrong(table, expected, f"none beyond {degrees.max():.3g}, as if they were in radians")
 
 
 def _check_limits(table: pd.DataFrame, stations: Mapping[str, Station]) -> None:
@@ -165,17 +195,18 @@ class _Limit:
 
 
 def _limits(station: Station) -> tuple[_Limit, _Limit]:
-    low, high, sigma = station.min_elevation, station.max_elevation, station.sigma_elevation
+    low, high, sigma = station.min_elevation, station.max_elevation, station.row.get("sigma_elevation", 0.0)
     return (
         _Limit("elevation", low, high, sigma, "deg", np.degrees(1.0)),
-        _Limit("range", 0.0, station.max_range, station.sigma_range, "km", 1e-3),
+        _Limit("range", 0.0, station.max_range, station.row.get("sigma_range", 0.0), "km", 1e-3),
     )
 
 
 def _check_within(rows: pd.DataFrame, limit: _Limit) -> None:
     """Raise InputError for the first row of one station beyond a limit."""
     margin = BEYOND_LIMITS * limit.sigma
-    beyond = rows[~rows[limit.quantity].between(limit.low - margin, limit.high + margin)]
+    measured = rows[rows[limit.quantity].notna()]
+    beyond = measured[~measured[limit.quantity].between(limit.low - margin, limit.high + margin)]
     if not beyond.empty:
         values = limit.low, limit.high, beyond[limit.quantity].iloc[0]
         low, high, got = (limit.scale * value for value in values)
@@ -198,7 +229,7 @@ def _check_orbit(table: pd.DataFrame, stations: Mapping[str, Station]) -> None:
 
 
 def _places(table: pd.DataFrame, stations: Mapping[str, Station]) -> np.ndarray:
-    """Return places (n, 3) in ITRF [m] where the RSO was measured."""
+    """Return places (n, 3) in ITRF [m] where radars measured the RSO, NaN of other measurements."""
     sites = {name: site(stations[name]) for name in table["station"].unique()}
     position, to_horizon = (np.array([sites[name][k] for name in table["station"]]) for k in (0, 1))
     return place(table[QUANTITIES].to_numpy(), position, to_horizon)
@@ -206,14 +237,14 @@ def _places(table: pd.DataFrame, stations: Mapping[str, Station]) -> np.ndarray:
 
 def _margins(table: pd.DataFrame, stations: Mapping[str, Station]) -> np.ndarray:
     """Return how far noise may take a place up or down (n,) [m]."""
-    sigma = np.array([stations[name].sigma_elevation for name in table["station"]])
+    sigma = np.array([stations[name].row.get("sigma_elevation", np.nan) for name in table["station"]])
     return np.asarray(BEYOND_LIMITS * sigma * table["range"].to_numpy())
 
 
 def _speeds(table: pd.DataFrame, places: np.ndarray) -> list[float]:
     """Return the squared speed of each long track of one station, as a part of that of a circular orbit."""
     speeds = []
-    for _, rows in table.groupby(["station", _runs(table)]):
+    for _, rows in table[np.isfinite(places[:, 0])].groupby(["station", _runs(table)]):
         rows = rows.sort_values("t")
         t = rows["t"].to_numpy()
         if len(t) >= 5 and t[-1] - t[0] >= _SHORTEST:

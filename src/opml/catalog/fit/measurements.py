@@ -35,7 +35,7 @@ class Measurements(ABC):
     begins, ends, at: (tracks,) index of the epochs of each track's oldest and newest measurement, and of its
         estimate; only those of the estimates have to ascend
     row_at: (tracks,) row of each track that is nearest to its estimate
-    numbers: in a measurement
+    numbers: in a measurement at most
     smooth_for: how long from its beginning a track may be laid through by one curve [s]
     states: (tracks, 6) GCRF at the epochs of the estimates, where the measurements themselves tell them
     """
@@ -82,9 +82,22 @@ class Measurements(ABC):
             last=max(at, int(self.ends[oldest : newest + 1].max())),
         )
 
+    def count(self, rows: slice) -> int:
+        """Return how many numbers rows of measurements hold."""
+        return int(self.numbers * (rows.stop - rows.start))
+
+    def held(self, rows: slice) -> tuple[np.ndarray, np.ndarray]:
+        """Return the row, from the first one, and the observable of each number (numbers,) that rows hold."""
+        row, observable = np.divmod(np.arange(self.count(rows)), self.numbers)
+        return row, observable
+
+    def misses(self, rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
+        """Return how far (n,) [m] positions (n, 3) in GCRF are from where rows of measurements can be."""
+        return np.asarray(np.linalg.norm(self.places(rows) - positions, axis=1))
+
     @abstractmethod
     def places(self, rows: slice | np.ndarray) -> np.ndarray:
-        """Return positions (n, 3) in GCRF [m] of rows of measurements."""
+        """Return positions (n, 3) in GCRF [m] of rows of measurements, NaN of those that tell none."""
 
     @abstractmethod
     def evaluation(self, window: Window, states: np.ndarray, *, light_time: bool = False) -> Evaluation:

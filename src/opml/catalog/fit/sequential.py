@@ -277,9 +277,7 @@ class Filtering:
             "reason": "",
             "tracks_used": filters.tracks,
             "measurements_used": filters.measurements,
-            "weighted_rms": np.sqrt(
-                meeting.chi2 / (self.measured.numbers * self.measured.track(track).measurements)
-            ),
+            "weighted_rms": np.sqrt(meeting.chi2 / self.measured.count(self.measured.track(track).rows)),
         }
 
 

@@ -226,15 +226,14 @@ def _predicted_states(predictions: pd.DataFrame, pairs: pd.MultiIndex) -> np.nda
 
 
 def _highest_measurements(tracking: pd.DataFrame, tracks: pd.Index) -> pd.DataFrame:
-    """Return the measurement with the highest elevation of each track, by any station; NaN of fixes."""
-    if "elevation" not in tracking:
-        return pd.DataFrame(np.nan, index=tracks, columns=MEASUREMENT)
-    highest = tracking.loc[tracking.groupby("track")["elevation"].idxmax()].set_index("track")
-    if missing := set(tracks) - set(highest.index):
+    """Return the measurement with the highest elevation of each track, by any radar; NaN without one."""
+    if missing := set(tracks) - set(tracking["track"]):
         raise InputError(
             f"tracking: track: expected measurements of every estimated track, got none of {min(missing)}"
         )
-    return highest[["elevation", "azimuth", "range"]].set_axis(MEASUREMENT, axis=1)
+    by_radars = tracking.reindex(columns=["track", "elevation", "azimuth", "range"]).dropna()
+    highest = by_radars.loc[by_radars.groupby("track")["elevation"].idxmax()].set_index("track")
+    return highest.set_axis(MEASUREMENT, axis=1).reindex(tracks)
 
 
 def _reasons(rows: pd.DataFrame, cleaning: Cleaning) -> pd.Series:

@@ -8,9 +8,18 @@ from functools import partial
 from glob import glob
 from typing import Any
 
+from opml import naming
 from opml.base.errors import InputError
 from opml.base.files import FilePath, project_file
-from opml.orbits.sheets import Rso, Station, read_rsos, read_stations, rsos_from_rows, stations_from_rows
+from opml.orbits.sheets import (
+    Rso,
+    Station,
+    parse_stations,
+    read_rsos,
+    read_stations,
+    rsos_from_rows,
+    stations_from_rows,
+)
 from opml.study.settings.model.run import FixSettings, HistorySettings
 from opml.study.settings.overlay import MISSING, Key, Layer, Source, laid_over, read_layer
 
@@ -63,6 +72,11 @@ class Settings:
     def history(self, rso: str) -> HistorySettings:
         """Return how the history of an RSO's mean elements is taken."""
         return HistorySettings.model_validate(self.values.get("histories", {}).get(rso, {}))
+
+    def are_radars(self, stations: str) -> bool:
+        """Return whether all of a station set are radars; fixes are none."""
+        names = naming.strip_seed(stations, naming.NOISE)
+        return names != naming.FIXES and all(one.is_radar for one in parse_stations(names, self.stations))
 
     @property
     def measured(self) -> dict[str, list[str]]:

@@ -146,6 +146,10 @@ class EstimationSettings(Section):
         see="physics.md#light-time",
         default=False,
     )
+    reject_sigma: Absent[Positive] = setting(
+        "residuals beyond so many standard deviations are outliers, left out by fits; by default none are",
+        default=None,
+    )
 
 
 Sigmas = Annotated[tuple[Positive, Positive, Positive], Strict(False), Expected("three numbers above 0")]

@@ -1,0 +1,107 @@
+"""CRD: normal points come in as they stand, and what is malformed is named by file and line."""
+
+import numpy as np
+import pytest
+
+from opml.base.errors import InputError
+from opml.interop import crd
+
+EPOCH = "2016-02-13T00:00:00"
+PASS = """\
+h1 CRD  1 2016  2 13 14
+h2 YARL       7090  5 13 3
+h3 lageos2     9207002 5986    22195 0 1
+h4  1 2016  2 13 23 42 16 2016  2 14  0  6 46  0 0 0 0 1 0 2 0
+c0 0  532.000 std la1 mcp ti1
+c1 0 la1 Nd:Yag     532.00       5.00     100.00  150.0 15.00    1
+40 49336.4 0 std -1 -1 -1.0 105320.0 -17.0 27.0 -1.0 -1.0 -1.0 2 2 0
+20 85382.401  983.70 301.40  24. 0
+11 85382.4     0.04 std 2  120.0     94   57.0   0.183  -0.536      -1.0  15.67 0
+20 182.0  983.90 301.20  26. 0
+11 82.2     0.05 std 2  120.0     39   65.0   0.083  -0.301      -1.0   6.50 0
+50 std  61.0  0.1 0.2 -1.0 0
+h8
+"""
+EARLIER = PASS.replace("2016  2 13 23 42 16", "2016  2 13 10 42 16").replace("YARL       7090", "MATM 7941")
+EARLIER = EARLIER.replace("853", "403").replace("11 82.2", "11 40582.2").replace("20 182.0", "20 40682.0")
+
+
+def written(tmp_path, *texts):
+    path = tmp_path / "points.crd"
+    path.write_text("".join(texts) + "h9\n")
+    return path
+
+
+def test_points_are_read(tmp_path):
+    table = crd.read([written(tmp_path, PASS, EARLIER)], epoch=EPOCH, satellite="lageos2")
+    assert table["track"].tolist() == [0, 0, 1, 1]
+    assert table["station"].tolist() == ["7941", "7941", "7090", "7090"]
+    assert set(table["system"]) == {"0513"}
+    late = table[table["track"] == 1]
+    np.testing.assert_allclose(late["t"], [85382.44, 86482.25], atol=1e-9)
+    assert late["flight"].tolist() == [0.04, 0.05]
+    np.testing.assert_allclose(late["wavelength"], 532e-9)
+    share = (86400.0 + 82.2 - 85382.401) / (86400.0 + 182.0 - 85382.401)
+    np.testing.assert_allclose(late["pressure"], [98370.0, 98370.0 + 20.0 * share])
+    np.testing.assert_allclose(late["humidity"], [0.24, 0.24 + 0.02 * share])
+    assert late["line"].tolist() == [9, 11]
+
+
+@pytest.mark.parametrize(("event", "later"), [("0", 0.0), ("1", 0.5), ("2", 1.0)])
+def test_the_light_is_received_after_the_event(tmp_path, event, later):
+    path = written(tmp_path, PASS.replace("std 2  120.0", f"std {event}  120.0"))
+    t = crd.read([path], epoch=EPOCH)["t"]
+    np.testing.assert_allclose(t, [85382.4 + 0.04 * later, 86482.2 + 0.05 * later], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("CRD  1", "CPF  1", "line 1: expected H1 CRD of version 1 or 2, got h1 CPF"),
+        ("h2 YARL       7090  5 13 3\n", "", "line 3: expected H2 of a station before H4, got nothing"),
+        ("5 13 3", "5 13 1", "line 2: expected UTC, time scale 3, 4 or 7, got"),
+        ("6 46  0 0 0", "6 46  0 1 0", "line 4: expected 0 for refraction, got 1"),
+        ("6 46  0 0 0", "6 46  0 0 1", "line 4: expected 0 for centre of mass, got 1"),
+        ("0 2 0\nc0", "0 1 0\nc0", "line 4: expected 2 for ways, got 1"),
+        ("2016  2 13 23", "2016  2 33 23", "line 4: expected a date, got 2016 2 33"),
+        ("c0 0", "c0 0 0", "line 9: expected a record C0 of std in the pass, got none"),
+        ("532.000 std", "green std", "line 5: expected a finite number, got green"),
+        ("11 82.2     0.05", "11 82.2     nan", "line 11: expected a finite number, got nan"),
+        (
+            "11 82.2     0.05",
+            "11 82.2     -0.05",
+            "line 11: expected a second of the day and a time",
+        ),
+        ("0.05 std 2", "0.05 std 4", "line 11: expected epoch event 0, 1 or 2, got 4"),
+        ("11 82.2     0.05 std 2", "11 82.2 #", "line 11: expected 5 words or more, got 11 82.2"),
+        ("50 std", "55 std", "line 12: expected a record of CRD, of a pass between H4 and H8, got 55"),
+        ("h8\n", "", "line 13: expected H8 at the end of a pass, got the end of the file"),
+    ],
+)
+def test_what_is_malformed_is_named_by_file_and_line(tmp_path, old, new, message):
+    assert old in PASS
+    text = PASS.replace(old, new, 1)
+    text = "\n".join(line.partition("#")[0] for line in text.splitlines()) + "\n"
+    path = written(tmp_path, text)
+    with pytest.raises(InputError) as error:
+        crd.read([path], epoch=EPOCH)
+    assert str(error.value).startswith(f"{path}: {message}")
+
+
+def test_no_weather_no_points_and_another_satellite_are_refused(tmp_path):
+    dry = "".join(line for line in PASS.splitlines(keepends=True) if not line.startswith("20 "))
+    for text, options, message in (
+        (dry, {}, "line 8: expected a record 20 of the weather in the pass, got none"),
+        ("", {}, "expected normal points, got none"),
+        (PASS, {"satellite": "lageos1"}, "expected satellite lageos1, got lageos2"),
+    ):
+        with pytest.raises(InputError, match=message):
+            crd.read([written(tmp_path, text)], epoch=EPOCH, **options)
+
+
+def test_a_cut_file_is_noticed(tmp_path):
+    path = tmp_path / "cut.crd"
+    for size in range(0, len(PASS) - 5, 41):
+        path.write_text(PASS[:size])
+        with pytest.raises(InputError, match="expected"):
+            crd.read([path], epoch=EPOCH)

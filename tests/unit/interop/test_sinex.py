@@ -1,0 +1,87 @@
+"""SINEX: where stations are, and what is malformed, by file and line."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from opml.base.errors import InputError
+from opml.interop import sinex
+
+COORDINATES = """\
+%=SNX 2.01 JCT 20:119:43200 JCT 79:215:00000 20:119:43200 C 01338 2 X V
++SOLUTION/EPOCHS
+*Code PT SOLN T Data_start__ Data_end____ Mean_epoch__
+ 7090  A    1 C 83:011:58876 30:000:00000 99:007:13417
+ 7237  A    2 C 08:076:21179 00:000:00000 09:254:68392
+-SOLUTION/EPOCHS
++SOLUTION/ESTIMATE
+*INDEX TYPE__ CODE PT SOLN _REF_EPOCH__ UNIT S __ESTIMATED VALUE____ _STD_DEV___
+     1 STAX   7090  A    1 10:001:00000 m    2 -.238900643600000E+07 0.46577E-02
+     2 STAY   7090  A    1 10:001:00000 m    2 0.504332935400000E+07 0.29116E-02
+     3 STAZ   7090  A    1 10:001:00000 m    2 -.307852414500000E+07 0.45078E-02
+     4 VELX   7090  A    1 10:001:00000 m/y  2 -.478000000000000E-01 0.48416E-04
+     5 VELY   7090  A    1 10:001:00000 m/y  2 0.900000000000000E-02 0.55060E-04
+     6 VELZ   7090  A    1 10:001:00000 m/y  2 0.510000000000000E-01 0.44195E-04
+-SOLUTION/ESTIMATE
+%ENDSNX
+"""
+ECCENTRICITIES = """\
+%=SNX 2.02 JCT 20:111:61200 JCT 68:041:00000 20:111:61200 L 00549 0 X
++SITE/ECCENTRICITY
+*SITE PT SOLN T DATA_START__ DATA_END____ UNE UP______ NORTH___ EAST____        CDP-SOD_
+ 7090  A    1 L 10:196:00000 14:079:86399 UNE   3.1820  -0.0068   0.0164        70900513
+ 7300  A    1 L 89:010:00000 00:000:00000 UNE  -0.6140-516.4230-565.4650        73001701
+-SITE/ECCENTRICITY
+%ENDSNX
+"""
+
+
+def written(tmp_path, text):
+    path = tmp_path / "stations.snx"
+    path.write_text(text)
+    return path
+
+
+def test_coordinates_are_read(tmp_path):
+    [row] = sinex.read_coordinates(written(tmp_path, COORDINATES)).to_dict("records")
+    assert row["station"] == "7090"
+    assert row["begin"] == pd.Timestamp("1983-01-11 16:21:16")
+    assert row["reference"] == pd.Timestamp("2010-01-01")
+    assert (row["x"], row["y"], row["z"]) == (-2389006.436, 5043329.354, -3078524.145)
+    assert row["vz"] * 365.25 * 86400.0 == pytest.approx(0.051)
+
+
+def test_eccentricities_are_read_where_their_numbers_touch(tmp_path):
+    table = sinex.read_eccentricities(written(tmp_path, ECCENTRICITIES))
+    assert table["system"].tolist() == ["0513", "1701"]
+    expected = [[3.182, -0.0068, 0.0164], [-0.614, -516.423, -565.465]]
+    np.testing.assert_array_equal(table[["up", "north", "east"]], expected)
+    assert table["end"].isna().tolist() == [False, True]
+
+
+@pytest.mark.parametrize(
+    ("read", "old", "new", "message"),
+    [
+        ("read_coordinates", "%=SNX", "SINEX", "line 1: expected %=SNX, got SINEX"),
+        ("read_coordinates", "-SOLUTION/EST", "-SOL/EST", "expected a block +SOLUTION/ESTIMATE to"),
+        ("read_coordinates", "m/y  2 0.51", "m/s  2 0.51", "line 14: expected VELZ in m/y, got m/s"),
+        ("read_coordinates", "10:001:00000 m", "10-001-00000 m", "line 9: expected a time YY:DDD:SSSSS"),
+        ("read_coordinates", "0.50433", "o.50433", "line 10: expected a finite number, got o.50433"),
+        ("read_coordinates", "3 STAZ", "3 STAW", "expected stations with all of station, begin,"),
+        ("read_coordinates", " 99:007:13417", "", "line 4: expected 7 words or more in SOLUTION/EPOCHS"),
+        (
+            "read_eccentricities",
+            "14:079:86399 UNE",
+            "14:079:86399 XYZ",
+            "line 4: expected eccentricities U",
+        ),
+        ("read_eccentricities", "-516.4230", "-516.x230", "line 5: expected a finite number, got -516.x23"),
+    ],
+)
+def test_what_is_malformed_is_named_by_file_and_line(tmp_path, read, old, new, message):
+    text = COORDINATES if read == "read_coordinates" else ECCENTRICITIES
+    assert old in text
+    path = written(tmp_path, text.replace(old, new, 1))
+    with pytest.raises(InputError) as error:
+        getattr(sinex, read)(path)
+    assert str(error.value).startswith(f"{path}: {message}")

@@ -1,0 +1,120 @@
+"""Fits LAGEOS-2 to laser ranges that were really measured, and prints what is left of them by station:
+
+    python -m validation.laser <folder of the files>
+
+The folder holds normal points (CRD), stations (SINEX: coordinates and eccentricities) and the ILRS's
+prediction of the same days (CPF), where the fit starts.
+"""
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+import opml
+from opml.base.constants import BODIES, DAY
+from opml.catalog.fit import first_orbit, fixes
+from opml.catalog.fit.estimation import Estimate, Estimation, Run
+from opml.catalog.fit.least_squares import Fit
+from opml.interop import truth_from_orbit
+from opml.interop.orbit_from_files import OrbitFiles
+from opml.orbits.elements import in_rsw
+from opml.orbits.sheets import Rso
+from opml.tables import STATE
+
+EPOCH, DAYS = "2016-02-11T00:00:00", 4.0
+LAST = 2.5
+"""Where the last hours begin [d]."""
+
+PREDICTED = 2.0, 2.9
+"""Days of the prediction."""
+
+DEGREE = 70
+LAGEOS = {"area_to_mass": 6.97e-4, "cd": 0.0, "cr": 1.13}
+OFFSET, SIGMA = 0.251, 0.02
+
+
+def flight(environment: opml.Environment) -> opml.Flight:
+    """Return LAGEOS-2 under the model that real satellites are flown under."""
+    model = opml.force_model(
+        environment, degree=DEGREE, order=DEGREE, third_bodies=BODIES, solid_tides=True, relativity=True
+    )
+    unknown = dict.fromkeys(("a", "e", "i", "argp", "raan", "mean_anomaly"), np.nan)
+    return opml.Flight(model, Rso("lageos2", **unknown, **LAGEOS), opml.Integrator(1e-4, 1e-3, 75.0))
+
+
+def predicted(folder: Path) -> pd.DataFrame:
+    """Return the states of the ILRS's prediction, every twenty minutes."""
+    begin, end = PREDICTED
+    files = OrbitFiles([folder / "lageos2_cpf_160213_5441.sgf"], "2016-02-13T00:00:00", (end - begin) * DAY)
+    states, _ = truth_from_orbit.truth(files, step=1200.0)
+    return states.assign(t=states["t"] + begin * DAY)
+
+
+def fitted(run: Run, track: int, begin: float, end: float) -> Estimate:
+    """Return the fit at the start of a pass to all that was measured from begin to end [d]."""
+    at = run.measured.epochs[run.measured.at[track]]
+    window = run.measured.window(track, at - begin * DAY, end * DAY - at)
+    start = np.append(run.starts[track], run.flight.rso.cd)
+    estimate = Estimate(window, Fit(start, run.method(np.arange(7) < 6)))
+    run.fit([estimate])
+    return estimate
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What a fit leaves.
+
+    by_station: points, their mean, scatter and root mean square [cm] of each station
+    from_prediction: root mean square distance from the ILRS's prediction along R, S and W [m]
+    """
+
+    by_station: pd.DataFrame
+    from_prediction: np.ndarray
+
+
+def by_station(residuals: pd.DataFrame) -> pd.DataFrame:
+    """Return points, their mean, scatter and root mean square [cm] of each station."""
+    table = residuals.assign(cm=100.0 * residuals["residual"]).groupby("station")["cm"]
+    return table.agg(points="size", mean="mean", scatter="std", rms=lambda cm: np.sqrt(np.mean(cm**2)))
+
+
+def fits(folder: Path) -> dict[str, Comparison]:
+    """Return a fit to all that was measured, and one to the last hours, by their names."""
+    environment = opml.make_environment(EPOCH, days=DAYS, degree=DEGREE)
+    lageos, path = flight(environment), predicted(folder)
+    ranges = opml.read_laser_ranges(
+        folder / "lageos2_2016-02-14.crd.gz",
+        environment=environment,
+        coordinates=folder / "SLRF2014.snx.gz",
+        eccentricities=folder / "ecc_une.snx.gz",
+        offset=OFFSET,
+        sigma=SIGMA,
+    )
+    measured = fixes.measurements(ranges, environment.earth_orientation, [])
+    middle = path.iloc[len(path) // 2]
+    starts = first_orbit.carried(lageos, measured, (middle["t"], middle[STATE].to_numpy(float)))
+    settings = Estimation(24.0, 20, 1e-3, 0.0, 0.0, 1e3)
+    run = Run(measured, lageos, starts[STATE].to_numpy(), settings, starts["age"].to_numpy())
+    track = int(np.argmin(np.abs(starts["t"] - LAST * DAY)))
+    found = {}
+    for name, begin in (("three days", 0.0), ("the last 18 hours", LAST)):
+        estimate = fitted(run, track, begin, DAYS)
+        at, known = measured.epochs[estimate.window.at], path[STATE].to_numpy()
+        flown = first_orbit.everywhere(lageos, path["t"].to_numpy(), at, estimate.fit.best)
+        apart = np.sqrt((in_rsw(flown - known, known)[:, :3] ** 2).mean(axis=0))
+        found[name] = Comparison(by_station(measured.residuals(run, estimate)), apart)
+    return found
+
+
+def main(folder: Path) -> None:
+    """Print the fits."""
+    for name, fit in fits(folder).items():
+        print(f"\n{name}\n{fit.by_station.round(1)}")
+        print("from the prediction, rms of R, S, W [m]:", fit.from_prediction.round(2))
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
