@@ -123,7 +123,7 @@ def _add_screen(parser: argparse.ArgumentParser) -> None:
 
 
 def _screen(options: argparse.Namespace) -> None:
-    from opml.conjunctions import cdm, listing, screening
+    from opml.conjunctions import as_text, cdm, screening
 
     if not options.others:
         found = [cdm.read(options.ours, epoch=screening.EPOCH)]
@@ -132,8 +132,8 @@ def _screen(options: argparse.Namespace) -> None:
         found = screening.screen(ephemerides, within=1e3 * options.within, radius=options.radius)
     if options.messages:
         cdm.write_all(options.messages, found, epoch=screening.EPOCH)
-    table = listing.table(found, epoch=screening.EPOCH)
-    print(table.to_csv(index=False) if options.csv else listing.text(table))
+    table = as_text.table(found, epoch=screening.EPOCH)
+    print(table.to_csv(index=False) if options.csv else as_text.text(table))
 
 
 def _add_table(parser: argparse.ArgumentParser) -> None:

@@ -79,8 +79,8 @@ def compare(
 
 def _with_covariances(replay: pd.DataFrame, fits: pd.DataFrame) -> pd.DataFrame:
     """Return the rows of a `replay` table with the sizes that the fits' own covariances state."""
-    own = replay[["i", "j"]].merge(fits, on=["i", "j"], how="left")
-    sizes = {f"sigma_{axis}": np.sqrt(own[f"cov_{axis}_{axis}"].to_numpy()) for axis in AXES}
+    known = replay[["i", "j"]].merge(fits, on=["i", "j"], how="left")
+    sizes = {f"sigma_{axis}": np.sqrt(known[f"cov_{axis}_{axis}"].to_numpy()) for axis in AXES}
     return replay.assign(**sizes)
 
 

@@ -71,11 +71,11 @@ def headline(name: str, tables: Mapping[str, pd.DataFrame], *, note: str = "") -
             axes.fill_between(size.index, size["after_50"], size["after_95"], **shade)
     axes.set(yscale="log", xlabel=DURATION_LABEL, ylabel=AXIS, xlim=(0.0, drawn[CHOSEN].index[-1]))
     axes.yaxis.set_major_formatter(FuncFormatter(metres))
-    told = {label: f"{label}: {metres(_rounded(end))}" for label, end in ends.items()}
+    named = {label: f"{label}: {metres(_rounded(end))}" for label, end in ends.items()}
     name_ends(
         axes,
-        {told[label]: end for label, end in ends.items()},
-        {told[label]: LOOKS[label]["color"] for label in ends},
+        {named[label]: end for label, end in ends.items()},
+        {named[label]: LOOKS[label]["color"] for label in ends},
     )
     before, after = (metres(_rounded(ends[label])) for label in (BEFORE, CHOSEN))
     message = f"{name}: {before} off after a week, {after} after correction"

@@ -17,7 +17,7 @@ from opml.interop import first_state, orbit_from_files, tdm
 from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models import learners
 from opml.orbits import sheets
-from opml.study import histories
+from opml.study import element_checks
 from opml.study.experiments import Study
 from opml.study.paper import Paper
 from opml.study.settings.merging import Settings, with_sheets
@@ -64,7 +64,7 @@ def check_data(source: Source, settings: Settings) -> None:
     _check_orbits(source, settings)
     _check_tracks(source, settings)
     _check_fixes(source, settings)
-    histories.check(source, settings)
+    element_checks.check(source, settings)
     _check_starts(source, settings)
 
 
@@ -85,7 +85,7 @@ def check_study(source: Source, settings: Settings, *, last_day: float | None = 
     _check_label(source, Study(settings))
     _check_stations(source, Study(settings))
     _check_variables(source, Study(settings))
-    histories.check_learners(source, Study(settings))
+    element_checks.check_learners(source, Study(settings))
 
 
 def _misfit(source: Source, settings: Settings) -> str:

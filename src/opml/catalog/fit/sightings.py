@@ -38,9 +38,11 @@ class Measured(Measurements):
         values = tracking[given].to_numpy()
         spread = np.array([sigmas(station, given) for station in stations])[station_of_row]
         counting = np.isfinite(values) & np.isfinite(spread)
-        some = counting.any(axis=0)
-        self.names = [name for name, counts in zip(given, some, strict=True) if counts]
-        self.values, self.sigmas, self.counting = values[:, some], spread[:, some], counting[:, some]
+        measured = counting.any(axis=0)
+        self.names = [name for name, counts in zip(given, measured, strict=True) if counts]
+        self.values, self.sigmas, self.counting = (
+            numbers[:, measured] for numbers in (values, spread, counting)
+        )
 
     def count(self, rows: slice) -> int:
         """Return how many numbers rows of measurements hold."""

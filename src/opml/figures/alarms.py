@@ -20,7 +20,7 @@ from opml.learning.data.components import UNCORRECTED
 _COLORS = (TRUE_COLOR, PREDICTED_COLOR, OBSERVED_COLOR, RESIDUAL)
 
 
-def worth(table: pd.DataFrame, *, note: str = "") -> Figure:
+def by_duration(table: pd.DataFrame, *, note: str = "") -> Figure:
     """Draw alarms per collision and the share of collisions that is flagged, a line per model and covariance.
 
     table: `conjunctions`

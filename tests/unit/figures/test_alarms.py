@@ -4,7 +4,7 @@ import pandas as pd
 import pytest
 
 from opml.base.errors import InputError
-from opml.figures import conjunctions
+from opml.figures import alarms
 from opml.report import conjunctions as section
 from opml.report.document import Paragraph, Table
 from opml.report.results import NO_VALUE
@@ -22,21 +22,21 @@ TABLE = pd.DataFrame(
 
 
 def test_each_model_and_covariance_has_a_line_in_both_panels():
-    figure = conjunctions.worth(TABLE, note="a note")
-    alarms, flagged = figure.axes[:2]
-    assert [line.get_label() for line in alarms.get_lines()] == [
+    figure = alarms.by_duration(TABLE, note="a note")
+    raised, flagged = figure.axes[:2]
+    assert [line.get_label() for line in raised.get_lines()] == [
         "no correction, covariance the fit's own",
         "no correction, covariance of past errors",
         "chosen by the past, covariance of past errors",
     ]
     assert flagged.get_lines()[1].get_ydata().tolist() == [90.0, 80.0]
-    assert alarms.get_yscale() == "log"
-    assert len({line.get_color() for line in alarms.get_lines()}) == 3
+    assert raised.get_yscale() == "log"
+    assert len({line.get_color() for line in raised.get_lines()}) == 3
 
 
 def test_nothing_to_draw_is_told():
     with pytest.raises(InputError, match="conjunctions: expected predictions"):
-        conjunctions.worth(TABLE.iloc[:0])
+        alarms.by_duration(TABLE.iloc[:0])
 
 
 def test_the_section_states_alarms_and_collisions():
