@@ -36,7 +36,7 @@ def test_the_notebook_is_that_of_the_page():
 def run(tmp_path_factory):
     """What each cell prints, and the folder that the notebook ran in."""
     folder, names, printed = tmp_path_factory.mktemp("notebook"), {}, []
-    with contextlib.chdir(folder), matplotlib.rc_context({"backend": "agg"}):
+    with contextlib.chdir(folder), matplotlib.rc_context({**matplotlib.rcParamsDefault, "backend": "agg"}):
         for code, _ in CELLS:
             with contextlib.redirect_stdout(io.StringIO()) as output:
                 exec(code, names)

@@ -75,10 +75,8 @@ def check_study(source: Source, settings: Settings, *, last_day: float | None = 
     """
     checks = _Checks(settings, settings.values["duration_days"] if last_day is None else last_day).by_kind
     for key, kind, value in _parts(settings.asked):
-        try:
+        with source.naming(("study", *key)):
             checks.get(kind, bool)(value)
-        except InputError as error:
-            raise source.wrong(("study", *key), str(error)) from None
     _check_catalogue(source, settings)
     _check_seen(source, settings)
     _check_references(source, settings)
@@ -203,13 +201,11 @@ def _check_orbits(source: Source, settings: Settings) -> None:
     """Look at the orbits that stand in for a truth: their RSO, and whether they fit the run."""
     values = source.values
     for name, paths in settings.orbits.items():
-        try:
+        with source.naming(("orbits", name)):
             sheets.parse_rso(name, settings.rsos)
             orbit_from_files.check(
                 orbit_from_files.OrbitFiles(paths, values["epoch"], DAY * values["duration_days"])
             )
-        except InputError as error:
-            raise source.wrong(("orbits", name), str(error)) from None
 
 
 def _check_tracks(source: Source, settings: Settings) -> None:
@@ -221,14 +217,12 @@ def _check_tracks(source: Source, settings: Settings) -> None:
 
     values = source.values
     for name, paths in settings.tracks.items():
-        try:
+        with source.naming(("tracks", name)):
             sheets.parse_rso(name, settings.rsos)
             measurements = tdm.measurements(paths, epoch=values["epoch"])
             measured_tracks.check(
                 measurements, settings.stations, epoch=values["epoch"], duration=DAY * values["duration_days"]
             )
-        except InputError as error:
-            raise source.wrong(("tracks", name), str(error)) from None
 
 
 def _check_fixes(source: Source, settings: Settings) -> None:
@@ -243,22 +237,20 @@ def _check_fixes(source: Source, settings: Settings) -> None:
 
     values = source.values
     for name, paths in settings.fixes.items():
-        try:
+        with source.naming(("fixes", name)):
             sheets.parse_rso(name, settings.rsos)
             if name in settings.tracks:
                 raise InputError("expected fixes or tracks, got both; an orbit beside them judges")
             files = orbit_from_files.OrbitFiles(paths, values["epoch"], DAY * values["duration_days"])
             fixing = settings.fixing(name)
             points_from_files.check(files, points_from_files.Sampling(fixing.sigmas, fixing.every_s))
-        except InputError as error:
-            raise source.wrong(("fixes", name), str(error)) from None
 
 
 def _check_starts(source: Source, settings: Settings) -> None:
     """Look at first states and times of manoeuvres, which stand beside tracks that were measured."""
     for kind in ("starts", "manoeuvres"):
         for name, entry in source.values.get(kind, {}).items():
-            try:
+            with source.naming((kind, name)):
                 if name not in settings.measured:
                     raise InputError("expected an RSO that has tracks, fixes or elements")
                 if kind == "starts":
@@ -266,8 +258,6 @@ def _check_starts(source: Source, settings: Settings) -> None:
                 else:
                     for time in entry:
                         epochs.parse(time)
-            except InputError as error:
-                raise source.wrong((kind, name), str(error)) from None
 
 
 def _check_catalogue(source: Source, settings: Settings) -> None:
@@ -275,12 +265,10 @@ def _check_catalogue(source: Source, settings: Settings) -> None:
     given = source.values.get("thermometer", {})
     for part in ("rsos", "left_out"):
         for name in given.get(part, []):
-            try:
+            with source.naming(("thermometer", part)):
                 sheets.parse_rso(name, settings.rsos)
                 if part == "left_out" and name in given["rsos"]:
                     raise InputError(f"expected an RSO that is none of rsos, got {name}")
-            except InputError as error:
-                raise source.wrong(("thermometer", part), str(error)) from None
 
 
 def _check_seen(source: Source, settings: Settings) -> None:

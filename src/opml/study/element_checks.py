@@ -27,7 +27,7 @@ def check(source: Source, settings: Settings) -> None:
     values = source.values
     for name, paths in settings.elements.items():
         history = settings.history(name)
-        try:
+        with source.naming(("elements", name)):
             sheets.parse_rso(name, settings.rsos)
             if name in settings.tracks | settings.fixes:
                 raise InputError("expected elements, tracks or fixes, got more than one of them")
@@ -37,8 +37,6 @@ def check(source: Source, settings: Settings) -> None:
             if len(epochs_within) < FEWEST_SETS:
                 expected = f"{FEWEST_SETS} sets or more within the run"
                 raise InputError(f"element sets: expected {expected}, got {len(epochs_within)}")
-        except InputError as error:
-            raise source.wrong(("elements", name), str(error)) from None
         window, hours = values["estimation"]["window_hours"], float(epochs_within.diff().median()) / HOUR
         if window < FEWEST_SETS * hours:
             expected = f"a window that holds {FEWEST_SETS} sets of {name} or more, {hours:.1f} h apart"

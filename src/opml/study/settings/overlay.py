@@ -2,7 +2,7 @@
 
 import operator
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import reduce
 from typing import Any
@@ -41,6 +41,14 @@ class Source:
     def wrong(self, key: Key, what: str) -> InputError:
         """Return the error about a key, with the file that set it."""
         return InputError(f"{self.origin(key)}: {'.'.join(map(str, key))}: {what}")
+
+    @contextmanager
+    def naming(self, key: Key) -> Iterator[None]:
+        """Name a key, and the file that set it, in the InputError of what is looked at."""
+        try:
+            yield
+        except InputError as error:
+            raise self.wrong(key, str(error)) from None
 
     def origin(self, key: Key) -> str:
         """Return the name of the layer that set a key, for a missing key of that which set what it is in."""
