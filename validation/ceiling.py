@@ -15,9 +15,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import DAY, HOUR
+from opml.base.constants import DAY
 from opml.catalog.flight import Flight
 from opml.dynamics import force_model
+from opml.ephemerides.replays import first_of_each
 from opml.orbits.elements import in_rsw
 from opml.study.settings.merging import merged, with_sheets
 from opml.tables import STATE, read_table
@@ -116,7 +117,7 @@ def read(study: Path, results: Path, window_hours: int) -> Mornings:
 def _mornings(flights: dict[str, Flight], truth: pd.DataFrame, estimates: pd.DataFrame) -> Mornings:
     """Return predictions from the first converged estimate of every six hours, as far as the orbit goes."""
     usable = estimates[estimates["converged"]]
-    starts = usable[~np.floor(usable["t"] / (6 * HOUR)).duplicated().to_numpy()]
+    starts = first_of_each(usable, every_hours=24.0 * _EVERY)
     t, step = truth.index.to_numpy(), DAY * _EVERY
     after = step * np.arange(1, round(max(MARKS) / _EVERY) + 1)
     grid = pd.DataFrame({"i": starts["track"], "t_i": starts["t"]}).merge(

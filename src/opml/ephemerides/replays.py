@@ -39,9 +39,13 @@ def morning_departures(known: Known, *, every_hours: float, first_day: float = 0
 
     first_day: estimates before that day are left out
     """
-    usable = known.estimates[known.may_depart()]
-    first = usable[~np.floor(usable["t"] / (HOUR * every_hours)).duplicated().to_numpy()]
+    first = first_of_each(known.estimates[known.may_depart()], every_hours=every_hours)
     return first[first["t"] >= DAY * first_day]
+
+
+def first_of_each(estimates: pd.DataFrame, *, every_hours: float) -> pd.DataFrame:
+    """Return the first estimate of every so many hours since the epoch."""
+    return estimates[~np.floor(estimates["t"] / (HOUR * every_hours)).duplicated().to_numpy()]
 
 
 def first_day(lessons: Lessons, known: Known, *, train_days: Sequence[float]) -> float:
