@@ -30,6 +30,9 @@ MARKS = (1, 2, 4, 7)
 _EVERY = 0.25
 """Time between the epochs that arcs are held against the orbit at [d], and half the width of a mark."""
 
+_STARTS_EVERY = 6.0
+"""Time between the estimates that arcs start from [h], as in the studies."""
+
 _NUDGE = 0.01
 _TABLES = ("earth_orientation", "ephemerides", "gravity_field")
 
@@ -117,7 +120,7 @@ def read(study: Path, results: Path, window_hours: int) -> Mornings:
 def _mornings(flights: dict[str, Flight], truth: pd.DataFrame, estimates: pd.DataFrame) -> Mornings:
     """Return predictions from the first converged estimate of every six hours, as far as the orbit goes."""
     usable = estimates[estimates["converged"]]
-    starts = first_of_each(usable, every_hours=24.0 * _EVERY)
+    starts = first_of_each(usable, every_hours=_STARTS_EVERY)
     t, step = truth.index.to_numpy(), DAY * _EVERY
     after = step * np.arange(1, round(max(MARKS) / _EVERY) + 1)
     grid = pd.DataFrame({"i": starts["track"], "t_i": starts["t"]}).merge(
