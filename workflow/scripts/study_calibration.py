@@ -3,17 +3,15 @@
 from opml.figures import reliability, style
 from opml.learning.data.components import CORRECTED
 from opml.learning.judge import calibration
-from opml.learning.judge.model_choice import CHOSEN, Mornings
+from opml.learning.judge.model_choice import CHOSEN
 from opml.tables import ELLIPSOID, read_table
 from opml.workflow.job_settings import FigureSettings
-from opml.workflow.jobs import job, read_by_key
+from opml.workflow.jobs import job
+from opml.workflow.replayed import read_mornings
 
 with job(snakemake):
     settings, files = FigureSettings(snakemake.params.settings), snakemake.input
-    replays = read_by_key(settings.learners, files.replays, "replay")
-    mornings = Mornings.from_replays(replays, settings.laws, seed=settings.seed)
-    if files.judge:
-        mornings = mornings.judged(*(read_table(path, "dataset") for path in files.judge))
+    mornings = read_mornings(files, settings)
     flown = {CHOSEN: mornings.flown, **mornings.tables}
     tables = calibration.of_replays(flown, days=settings.days)
     tables["the fit's own covariance"] = read_table(files.fit, "calibration")

@@ -1,16 +1,11 @@
 """Draw sizes of errors by duration: uncorrected, corrected by what the past chose, by each model."""
 
 from opml.figures import own_study, style
-from opml.learning.judge.model_choice import Mornings
-from opml.tables import read_table
 from opml.workflow.job_settings import FigureSettings
-from opml.workflow.jobs import job, read_by_key
+from opml.workflow.jobs import job
+from opml.workflow.replayed import read_mornings
 
 with job(snakemake):
     settings, files = FigureSettings(snakemake.params.settings), snakemake.input
-    replays = read_by_key(settings.learners, files.replays, "replay")
-    mornings = Mornings.from_replays(replays, settings.laws, seed=settings.seed)
-    if files.judge:
-        mornings = mornings.judged(*(read_table(path, "dataset") for path in files.judge))
-    figure = own_study.residuals(mornings, laws=settings.laws, note=settings.note)
+    figure = own_study.residuals(read_mornings(files, settings), laws=settings.laws, note=settings.note)
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

@@ -14,7 +14,7 @@ from opml.conjunctions import approaches
 from opml.conjunctions.approaches import Path
 from opml.conjunctions.conjunction import Conjunction, Participant
 from opml.interop import oem
-from opml.interop.element_sets import histories, mean_elements
+from opml.interop.element_sets import histories
 from opml.interop.orbit_arcs import contents
 from opml.orbits.elements import rsw_rotation
 
@@ -89,8 +89,7 @@ def _of_segment(segment: oem.Segment) -> Ephemeris:
     path = Path(segment.name, segment.t, segment.states)
     covariances = segment.covariances
     if segment.covariance_frame == "GCRF" and len(covariances):
-        axes = rsw_rotation(np.array([path.at(t) for t in segment.covariance_t]))
-        turns = np.kron(np.eye(2), axes.reshape(-1, 3, 3)[:, None, None]).reshape(-1, 6, 6)
+        turns = np.kron(np.eye(2), rsw_rotation(np.array([path.at(t) for t in segment.covariance_t])))
         covariances = turns @ covariances @ turns.transpose(0, 2, 1)
     return Ephemeris(path, segment.covariance_t, covariances)
 
@@ -102,8 +101,7 @@ def _of_elements(paths: Sequence[FilePath], begin: float, end: float) -> list[Ep
     for number, history in sets.groupby("number"):
         known = histories.newest_before(history.reset_index(drop=True), 0.5 * (begin + end))
         row = history.iloc[0 if known is None else known]
-        satellite = histories.satellite(row, epoch=EPOCH)
-        states = mean_elements.states(satellite, epoch=EPOCH, t=t)
+        states = histories.states_of(row, epoch=EPOCH, t=t)
         if np.isfinite(states).all():
             flown.append(Ephemeris(Path(str(number), t, states)))
     return flown

@@ -12,9 +12,9 @@ from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.catalog.fit import fixes
 from opml.interop.element_sets import agreement, baseline, mean_elements
-from opml.interop.element_sets.histories import satellite
+from opml.interop.element_sets.histories import satellite, states_of
 from opml.interop.element_sets.measured_sets import Taking, measured
-from opml.interop.element_sets.sgp4_points import Sampling, states_of
+from opml.interop.element_sets.sgp4_points import Sampling
 from opml.tables import FIX_SIGMAS, STATE
 
 SAMPLING = Sampling(12 * HOUR, 1200.0)

@@ -14,7 +14,8 @@ import numpy as np
 import pandas as pd
 
 from opml.interop import ccsds
-from opml.interop.element_sets.sgp4_points import Sampling, states_of
+from opml.interop.element_sets.histories import states_of
+from opml.interop.element_sets.sgp4_points import Sampling
 from opml.orbits.elements import in_rsw
 from opml.orbits.manoeuvres import contain_any
 from opml.tables import FIX_SIGMAS

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from opml.interop.element_sets.sgp4_points import states_of
+from opml.interop.element_sets.histories import states_of
 from opml.orbits.elements import in_rsw
 from opml.tables import STATE
 

@@ -133,7 +133,15 @@ def predict(sets: pd.DataFrame, *, epoch: str, known: float, t: np.ndarray) -> n
     row = newest_before(sets, known)
     if row is None:
         return np.full((len(t), 6), np.nan)
-    return mean_elements.states(satellite(sets.iloc[row], epoch=epoch), epoch=epoch, t=t)
+    return states_of(sets.iloc[row], epoch=epoch, t=t)
+
+
+def states_of(row: pd.Series, *, epoch: str, t: np.ndarray) -> np.ndarray:
+    """Return GCRF states (n, 6) [m, m/s] by SGP4 from a set at times (n,) [s], NaN where it fails.
+
+    row, epoch: as in `satellite`
+    """
+    return mean_elements.states(satellite(row, epoch=epoch), epoch=epoch, t=t)
 
 
 def satellite(row: pd.Series, *, epoch: str) -> Satrec:

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.errors import InputError
-from opml.interop.element_sets import histories, mean_elements
+from opml.interop.element_sets.histories import states_of
 from opml.tables import STATE
 
 
@@ -41,11 +41,3 @@ def before(row: pd.Series, *, epoch: str, sampling: Sampling) -> pd.DataFrame:
     if failed.size:
         raise InputError(f"mean elements: expected an orbit at {t[failed[0]]:.0f} s, got none by SGP4")
     return pd.DataFrame(states, columns=STATE).assign(t=t)
-
-
-def states_of(row: pd.Series, *, epoch: str, t: np.ndarray) -> np.ndarray:
-    """Return GCRF states (n, 6) [m, m/s] by SGP4 from a set at times (n,) [s], NaN where it fails.
-
-    row, epoch: as in `before`
-    """
-    return mean_elements.states(histories.satellite(row, epoch=epoch), epoch=epoch, t=t)
