@@ -4,9 +4,12 @@ import runpy
 from types import SimpleNamespace
 
 import pandas as pd
+from mornings import replays
 from support import REPOSITORY
 
 from opml.learning.judge import rolling_origins
+from opml.learning.judge.error_sizes import as_known
+from opml.tables import POSITION_COVARIANCES, SCHEMAS, SIGMA_STATE, read_table, write_table
 from opml.workflow import jobs
 
 
@@ -36,3 +39,42 @@ def test_learners_trained_anew_are_drawn_with_the_weather_and_dates(tmp_path, mo
     note = made["figure"].legends[0].get_title().get_text()
     assert note == "Swarm A by one radar (Eglin), 20 days to learn from at most\nunder forecast weather"
     assert all(path.stat().st_size > 0 for (path,) in drawn)
+
+
+class Files(list):
+    """Files of a job by their order and by name, as Snakemake gives them."""
+
+    def __init__(self, *paths, **named):
+        super().__init__(paths)
+        self.__dict__.update(named)
+
+
+def test_conjunctions_of_a_study_are_told_and_drawn(tmp_path):
+    past = replays(days=20)
+    for name, larger in (("none", 9.0), ("running", 1.0)):
+        sigma = as_known(past, past["morning"].to_numpy())
+        stated = dict(zip(SIGMA_STATE, sigma.T, strict=True))
+        table = past.assign(**stated, e_y=larger * past["e_y"], before=9.0 * past["e_y"])
+        write_table(tmp_path / name, table[SCHEMAS["replay"].names], "replay", metadata={})
+    fits = past[["i", "j"]].assign(**dict.fromkeys(POSITION_COVARIANCES, 1.0))
+    write_table(tmp_path / "fits", fits, "covariances", metadata={})
+    settings = {"learners": ["none", "running"], "laws": [], "seed": 1, "days": [1.0], "note": "a note"}
+    settings |= {"epoch": "2019-09-03T00:00:00", "radius_m": 20.0, "threshold": 1e-4}
+    told, drawn = tmp_path / "told", Files(pdf=[tmp_path / "c.pdf"], png=[tmp_path / "c.png"])
+    files = Files(replays=[tmp_path / "none", tmp_path / "running"], judge=[], fits=tmp_path / "fits")
+    for rule, read, made in (
+        ("conjunctions", files, Files(told)),
+        ("study_conjunctions", Files(told), drawn),
+    ):
+        snakemake = SimpleNamespace(
+            rule=rule,
+            log=[str(tmp_path / "log")],
+            params=SimpleNamespace(settings=settings),
+            input=read,
+            output=made,
+        )
+        script = REPOSITORY / "workflow" / "scripts" / f"{rule}.py"
+        runpy.run_path(str(script), init_globals={"snakemake": snakemake})
+    models = read_table(told, "conjunctions")["model"]
+    assert models.tolist() == ["none", "none", "running", "chosen by the past"]
+    assert all(path.stat().st_size > 0 for path in (*drawn.pdf, *drawn.png))
