@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from datetime import UTC, date, datetime
 from importlib.util import find_spec
 
 from opml import __version__
@@ -136,6 +137,23 @@ def _screen(options: argparse.Namespace) -> None:
     print(table.to_csv(index=False) if options.csv else as_text.text(table))
 
 
+def _add_day(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--date", type=date.fromisoformat, help="the day, as 2016-10-05 (today, UTC)")
+    parser.add_argument("--since", type=date.fromisoformat, help="first day that gets a page (the same)")
+    parser.add_argument("--configfile", nargs="*", default=[], help="files of settings")
+    parser.add_argument("-j", "--cores", type=int, default=2, help="cores (2)")
+    parser.add_argument("-n", "--dry-run", action="store_true", help="show the plan alone")
+
+
+def _day(options: argparse.Namespace) -> None:
+    from opml.workflow import daily
+
+    day = options.date or datetime.now(UTC).date()
+    call = daily.Call(day, options.since or day, options.configfile, options.cores, options.dry_run)
+    if code := daily.run(call):
+        sys.exit(code)
+
+
 def _add_table(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", help="a table of a run, in Parquet")
     parser.add_argument("--csv", action="store_true", help="all of it, as comma-separated values")
@@ -199,6 +217,7 @@ COMMANDS = (
     Command("sheet", "print a sheet of RSOs drawn at random", _add_sheet, _sheet),
     Command("elements", "print TLEs fitted to an orbit in files, for tests", _add_elements, _elements),
     Command("screen", "find close approaches of ephemerides", _add_screen, _screen),
+    Command("day", "run a morning of all objects that are measured", _add_day, _day),
     Command("docs", "list the pages of the documentation, or print one", _add_docs, _docs),
     Command("table", "print what a table holds, or all of it as CSV", _add_table, _table),
     Command("tables", "print the page that describes every table, column by column", _add_nothing, _tables),

@@ -105,8 +105,25 @@ class Part:
     @_once
     def predictions(self, hours: float) -> pd.DataFrame:
         """Return predictions to the grid from the same tracks, by fits over another window [h]."""
+        return self._predicted(self._at_starts(hours))
+
+    def fly_together(self, windows: Sequence[float]) -> None:
+        """Make `pairs`, and `predictions` of several windows [h], side by side.
+
+        A few arcs that fly alone leave most lanes of a block empty.
+        """
+        families = [self.starts, *map(self._at_starts, windows)]
+        numbered = pd.concat(families, ignore_index=True)
+        flown = self._predicted(numbered.assign(track=np.arange(len(numbered))))
+        family = np.repeat(np.arange(len(families)), [len(one) for one in families])[flown["i"]]
+        flown["i"] = numbered["track"].to_numpy()[flown["i"]]
+        keys = [("pairs", (), ()), *(("predictions", (hours,), ()) for hours in windows)]
+        self.made.update({key: flown[family == k].reset_index(drop=True) for k, key in enumerate(keys)})
+
+    def _at_starts(self, hours: float) -> pd.DataFrame:
+        """Return the fits over another window [h] of the tracks that ephemerides start from."""
         estimates = self.known.other(hours)
-        return self._predicted(estimates[estimates["track"].isin(self.pairs()["i"].unique())])
+        return estimates[estimates["track"].isin(self.starts["track"])]
 
     @_once
     def mechanism(self) -> pd.DataFrame:

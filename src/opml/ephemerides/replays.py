@@ -157,14 +157,23 @@ def _ephemerides(part: Part, series: Series) -> Iterator[pd.DataFrame]:
 
 def _held(rows: pd.DataFrame, later: pd.DataFrame, lessons: Lessons) -> pd.DataFrame:
     """Return how far one ephemeris is off the states of later tracks."""
+    now = morning(float(rows["t_i"].iloc[0]))
+    return missed(rows, expected(rows, lessons(now)), later, now=now)
+
+
+def missed(rows: pd.DataFrame, along: np.ndarray, later: pd.DataFrame, *, now: float) -> pd.DataFrame:
+    """Return how far an ephemeris, corrected by e_y (n,) [m], is off later states, but for SIGMA_STATE.
+
+    rows: of one estimate: t_i, t_j and a state (STATE) at each epoch of the ephemeris
+    later: as `judge` returns it, with SPREAD
+    now: when it was made [s]
+    """
     t, t_i = rows["t_j"].to_numpy(), float(rows["t_i"].iloc[0])
-    now = morning(t_i)
-    model = lessons(now)
     later = later[later["t_j"].between(t[0], t[-1])]
     at, states = later["t_j"].to_numpy(), np.ascontiguousarray(later[STATE])
     before, after = (
         in_rsw(through(t, path)(at) - states, states)
-        for path in (np.ascontiguousarray(rows[STATE]), moved(rows, expected(rows, model)))
+        for path in (np.ascontiguousarray(rows[STATE]), moved(rows, along))
     )
     return later[["i", "j", "t_j", "t_known", *DOUBT, *SPREAD]].assign(
         t_i=t_i,

@@ -78,6 +78,7 @@ from opml.naming.row_splits import (
     unseen_test,
 )
 from opml.naming.spelling import (
+    DATE,
     NOISE,
     NUMBER,
     POSITIVE,
@@ -93,6 +94,7 @@ from opml.naming.spelling import (
 __all__ = [
     "ARC_PATTERN",
     "BOTH_SIDES",
+    "DATE",
     "FILTERED",
     "FIXES",
     "LABELS",

@@ -42,3 +42,7 @@ def strip_seed(text: str, kind: str) -> str:
 def seed_pattern(kind: str, *, default: int) -> str:
     """Return the regular expression of a seed's suffix, optional, other than `default`."""
     return rf"(?:_{kind}(?!{default}(?!\d))(?:0|[1-9]\d{{0,8}}))?"
+
+
+DATE = r"[0-9]{4}-[0-9]{2}-[0-9]{2}"
+"""Regular expression of a date, as 2016-09-28."""

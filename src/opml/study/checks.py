@@ -14,6 +14,7 @@ from opml.base.errors import InputError
 from opml.base.files import PACKAGED
 from opml.environment import coverage, knowledge
 from opml.interop import first_state, orbit_from_files, tdm
+from opml.learning.data.components import CORRECTED
 from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models import learners
 from opml.orbits import sheets
@@ -51,6 +52,7 @@ def load_settings(source: Source) -> CheckedSettings:
     settings = with_sheets(source.values, source)
     misfit = _misfit(source, settings)
     learners.check(source.values)
+    _check_day(source, settings)
     return CheckedSettings(settings.values, settings.stations, settings.rsos, run, misfit)
 
 
@@ -62,9 +64,12 @@ def check_data(source: Source, settings: Settings) -> None:
     _check_paths(source, settings)
     coverage.check(source.values)
     _check_orbits(source, settings)
-    _check_tracks(source, settings)
-    _check_fixes(source, settings)
-    element_checks.check(source, settings)
+    if (
+        "day" not in source.values
+    ):  # every morning looks at each object's files itself, and leaves out bad ones
+        _check_tracks(source, settings)
+        _check_fixes(source, settings)
+        element_checks.check(source, settings)
     _check_starts(source, settings)
 
 
@@ -84,6 +89,21 @@ def check_study(source: Source, settings: Settings, *, last_day: float | None = 
     _check_stations(source, Study(settings))
     _check_variables(source, Study(settings))
     element_checks.check_learners(source, Study(settings))
+
+
+def _check_day(source: Source, settings: Settings) -> None:
+    """Raise InputError for a model of the mornings that learns, or asks for more than fits of one RSO."""
+    values = settings.values
+    for name in settings.day.models if "day" in values else []:
+        with source.naming(("day", "models")):
+            learner = learners.resolved(
+                naming.parse_learner(name, values["learners"]),
+                component=CORRECTED,
+                variables=values["learning"]["variables"],
+            )
+            fits = {"arcs", "cd_past", "held"}
+            if learners.learns(learner) or not fits.issuperset(learners.tables_asked(learner["variables"])):
+                raise InputError(f"expected a model that learns nothing, made of fits of one RSO, got {name}")
 
 
 def _misfit(source: Source, settings: Settings) -> str:

@@ -53,6 +53,10 @@ from opml.tables.listing import (
     head,
     write_csv,
 )
+from opml.tables.morning_tables import (
+    SIZES,
+    paths_schema,
+)
 from opml.tables.page import (
     tables_page,
 )
@@ -89,6 +93,7 @@ __all__ = [
     "SCHEMAS",
     "SIGMAS",
     "SIGMA_STATE",
+    "SIZES",
     "SPREAD",
     "STATE",
     "STATE_COVARIANCES",
@@ -101,6 +106,7 @@ __all__ = [
     "flag",
     "head",
     "mechanism_schema",
+    "paths_schema",
     "read_kind",
     "read_manoeuvres",
     "read_measured",

@@ -49,6 +49,11 @@ class Schema:
         found = tuple(column for column in self.optional if column.name in given)
         return replace(self, columns=self.columns + found, optional=())
 
+    def empty(self) -> pd.DataFrame:
+        """Return a table without rows."""
+        dtypes = {column.name: column.dtype.replace("string", "object") for column in self.columns}
+        return pd.DataFrame({name: pd.Series(dtype=dtype) for name, dtype in dtypes.items()})
+
     @property
     def names(self) -> list[str]:
         """Names of the columns in order."""

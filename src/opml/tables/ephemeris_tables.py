@@ -21,32 +21,27 @@ SIGMA_STATE = [f"sigma_{name}" for name in STATE]
 
 _KNOWN_STATE = "RSW of the state that it is held against"
 
-EPHEMERIS_SCHEMAS = (
-    Schema(
-        "replay",
-        "a pair of an estimate i and a later track start j",
-        (
-            *PAIR,
-            real("t_i", "s", f"epoch of the estimate, {SINCE}"),
-            real("t_j", "s", f"epoch of the later track's start, {SINCE}"),
-            real("t_known", "s", f"when the error was known, {SINCE}"),
-            real("morning", "s", f"when what the ephemeris was made with was known, {SINCE}"),
-            real("duration", "s", "prediction duration t_j - t_i"),
-            real("rate", "rad/s", "rate at which the position turns"),
-            real("before", "m", "along-track error of the prediction before correction", _KNOWN_STATE),
-            *state_columns(_KNOWN_STATE, "error of the ephemeris at t_j", prefix="e_"),
-            *(
-                real(name, "m", "standard deviation of that state, 0 of a truth", _KNOWN_STATE)
-                for name in DOUBT
-            ),
-            *SPREAD_COLUMNS,
-            *state_columns(
-                "RSW of the ephemeris",
-                "standard deviation stated that morning, of velocities beside positions; NaN without a past",
-                prefix="sigma_",
-            ),
-        ),
+REPLAY_COLUMNS = (
+    *PAIR,
+    real("t_i", "s", f"epoch of the estimate, {SINCE}"),
+    real("t_j", "s", f"epoch of the later track's start, {SINCE}"),
+    real("t_known", "s", f"when the error was known, {SINCE}"),
+    real("morning", "s", f"when what the ephemeris was made with was known, {SINCE}"),
+    real("duration", "s", "prediction duration t_j - t_i"),
+    real("rate", "rad/s", "rate at which the position turns"),
+    real("before", "m", "along-track error of the prediction before correction", _KNOWN_STATE),
+    *state_columns(_KNOWN_STATE, "error of the ephemeris at t_j", prefix="e_"),
+    *(real(name, "m", "standard deviation of that state, 0 of a truth", _KNOWN_STATE) for name in DOUBT),
+    *SPREAD_COLUMNS,
+    *state_columns(
+        "RSW of the ephemeris",
+        "standard deviation stated that morning, of velocities beside positions; NaN without a past",
+        prefix="sigma_",
     ),
+)
+
+EPHEMERIS_SCHEMAS = (
+    Schema("replay", "a pair of an estimate i and a later track start j", REPLAY_COLUMNS),
     Schema(
         "corrected",
         "an epoch after an estimate",

@@ -63,6 +63,10 @@ class EnvironmentFiles:
         """Tables that predictions read; those of a day share an outlook, as arcs under one fly together."""
         return self._known(outlooks_every=self.sources.get("issue_hours"))
 
+    def futures(self, members: int) -> str | list[str]:
+        """Return the path of the courses that the weather may take; none where it is taken for known."""
+        return self.path(f"futures_{members}") if self.is_forecast else []
+
     def _known(self, *, outlooks_every: int | None) -> dict[str, str]:
         paths = self._all
         if self.knowledge in knowledge.KNOWN:

@@ -104,3 +104,4 @@ class FigureSettings(SheetJobSettings):
     datasets: Sequence[str]
     curves: Mapping[str, Sequence[str]]
     curve: str
+    date: str

@@ -157,7 +157,11 @@ class Params:
 
     def fixing(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return how the fixes of the wildcard `rso` are taken."""
-        fixing = self.plan.settings.fixing(wildcards.rso)
+        return self._fixing(wildcards.rso)
+
+    def _fixing(self, rso: str) -> dict[str, Any]:
+        """Return how the fixes of an RSO are taken."""
+        fixing = self.plan.settings.fixing(rso)
         return {
             "sigmas": list(fixing.sigmas),
             "every_s": fixing.every_s,
@@ -166,7 +170,11 @@ class Params:
 
     def history(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return how the history of mean elements of the wildcard `rso` is taken."""
-        return self.plan.settings.history(wildcards.rso).model_dump()
+        return self._history(wildcards.rso)
+
+    def _history(self, rso: str) -> dict[str, Any]:
+        """Return how the history of an RSO's mean elements is taken."""
+        return self.plan.settings.history(rso).model_dump()
 
     def split(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the training split and its seed."""
@@ -214,6 +222,46 @@ class Params:
         """Raise InputError for a learner that knows what only a simulation does."""
         for name, settings in self.learners(wildcards).items():
             learners.check_without_truth(name, settings)
+
+    def mornings_of(self, wildcards: Wildcards) -> dict[str, Any]:
+        """Return the params of the mornings of the wildcard `batch`, up to the wildcard `date`."""
+        values, day = self.plan.values, self.plan.settings.day
+        resolved = {
+            name: learners.resolved(
+                naming.parse_learner(name, values["learners"]),
+                component=components.CORRECTED,
+                variables=values["learning"]["variables"],
+            )
+            for name in day.models
+        }
+        return {
+            **self.assumed_model,
+            "duration_days": values["duration_days"],
+            "date": wildcards.date,
+            "hour": day.hour,
+            "days": self.plan.product("days").folder,
+            "stations": self.all_stations,
+            "estimation": dict(values["estimation"]),
+            "max_days": values["prediction"]["max_days"],
+            "step_s": values["ephemeris"]["step_s"],
+            "models": resolved,
+            "objects": {rso: self._watched(rso) for rso in self.plan.watched[wildcards.batch]},
+        }
+
+    def _watched(self, rso: str) -> dict[str, Any]:
+        """Return what is known of an RSO that is watched, and where its measurements are."""
+        settings = self.plan.settings
+        kinds = {"tracks": settings.tracks, "fixes": settings.fixes, "elements": settings.elements}
+        kind, files = next((kind, files[rso]) for kind, files in kinds.items() if rso in files)
+        taking = {"tracks": lambda _: {}, "fixes": self._fixing, "elements": self._history}[kind]
+        return {
+            "rso": self.rso_named(rso),
+            "kind": kind,
+            "files": files,
+            "taking": taking(rso),
+            "start": settings.starts.get(rso, ""),
+            "manoeuvres": self.plan.values.get("manoeuvres", {}).get(rso, []),
+        }
 
     def departures(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params that choose the estimates that ephemerides start from, and fly them."""

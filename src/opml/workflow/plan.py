@@ -82,6 +82,12 @@ class Plan:
         return self.settings.measured
 
     @cached_property
+    def watched(self) -> dict[str, list[str]]:
+        """The RSOs of every morning by the number of their job; none where no mornings are asked for."""
+        rsos, together = list(self.measured) if "day" in self.values else [], self.settings.day.together
+        return {str(k // together): rsos[k : k + together] for k in range(0, len(rsos), together)}
+
+    @cached_property
     def environment(self) -> EnvironmentFiles:
         """The tables of the environment."""
         return EnvironmentFiles(self.values)
@@ -154,6 +160,7 @@ class Plan:
             "component": "|".join(tables.COMPONENTS),
             "evaluation": naming.alternatives(self.paper.evaluations),
             "ratio": r"[1-9]\d?",
+            "date": naming.DATE,
             "grid": naming.alternatives(self.paper.grids),
             "curve": naming.alternatives(self.paper.curves),
         }

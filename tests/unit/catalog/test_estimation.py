@@ -1,7 +1,6 @@
 """Batch least squares on measurements whose truth is known, and the fits that cannot succeed."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -323,9 +322,8 @@ def test_an_absurd_estimate_is_nobodys_start(assumed_model, iss):
     run = estimation.Run(None, Flight(assumed_model, iss), None, SETTINGS)
     normal = np.linalg.inv(np.diag([1e4] * 3 + [1e-2] * 3 + [1.0]) + 0.9 * (_tied() + _tied().T))
     for cd, kept in ((4.2, True), (-424469.0, False)):
-        fit = Fit(np.append(np.full(6, 7e6), cd), run.method(np.ones(7, bool)))
-        fit.normal, fit.cost, fit.running, fit.reason = normal, 1.0, False, ""
-        known = run.with_known_cd(estimation.Estimate(SimpleNamespace(at=3), fit))
+        best = np.append(np.full(6, 7e6), cd)
+        known = run.with_known_cd(estimation.Solution(3, best, np.linalg.inv(normal), converged=True))
         assert (known is not None) is kept
         if known:
             assert known[1][6] == pytest.approx(2.2)

@@ -9,7 +9,7 @@ so no variational equations are needed.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
@@ -19,7 +19,7 @@ from opml.catalog.fit.least_squares import Evaluation, Fit, Method
 from opml.catalog.fit.measurements import Measurements, Window
 from opml.catalog.flight import Flight
 from opml.dynamics.ensemble import REASONS, Arcs
-from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE
+from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE, symmetric_matrices
 
 BATCH = 16
 """Windows fitted side by side; each starts from the newest usable estimate before its batch.
@@ -97,6 +97,27 @@ _NORMAL = 0.6745
 
 _Known = tuple[int, np.ndarray]
 """An epoch of a run's measurements, by its number, and the parameters (7,) of an orbit there."""
+
+
+@dataclass(frozen=True)
+class Solution:
+    """What a fit came to.
+
+    at: number of its epoch among those of the run's measurements
+    best: (7,) parameters
+    covariance: (7, 7) of these
+    """
+
+    at: int
+    best: np.ndarray
+    covariance: np.ndarray
+    converged: bool
+
+    @classmethod
+    def ended(cls, estimate: Estimate) -> Self:
+        """Return what an estimate came to."""
+        fit = estimate.fit
+        return cls(estimate.window.at, fit.best, fit.covariance, fit.converged)
 
 
 def _have_same_numbers(one: Estimate, other: Estimate) -> bool:
@@ -209,8 +230,9 @@ class Run:
 
         A short track leaves Cd as uncertain, but there the orbit has drag, and the fit says so.
         """
-        begin = self.measured.epochs[self.measured.at[0]]
-        start = np.append(self.starts[0], self.flight.rso.cd)
+        known = int(np.isfinite(self.starts).all(axis=1).argmax())
+        begin = self.measured.epochs[self.measured.at[known]]
+        start = np.append(self.starts[known], self.flight.rso.cd)
         pair = np.stack([start, start + np.eye(7)[_CD]])
         epochs = np.array([begin, begin + self._window])
         flown = fly_parameters(self.flight, epochs, pair, np.zeros(2, int), np.ones(2, int)).states[:, :3]
@@ -357,17 +379,17 @@ class Run:
             np.append(evaluation.residuals, residual), np.vstack([evaluation.jacobian, weighted])
         )
 
-    def is_usable(self, estimate: Estimate) -> bool:
-        """Whether others may start from an estimate: converged, with Cd within the bounds or well determined.
+    def is_usable(self, solution: Solution) -> bool:
+        """Whether others may start from a solution: converged, with Cd within the bounds or well determined.
 
         A fit of one short track may converge on a Cd of thousands, from which no other would find back.
         """
-        if not estimate.fit.converged:
+        if not solution.converged:
             return False
         if self.settings.cd_bounds is None:
-            return bool(estimate.fit.covariance[_CD, _CD] < SCALES[_CD] ** 2)
+            return bool(solution.covariance[_CD, _CD] < SCALES[_CD] ** 2)
         low, high = self.settings.cd_bounds
-        return bool(low <= estimate.fit.best[_CD] <= high)
+        return bool(low <= solution.best[_CD] <= high)
 
     def row(self, estimate: Estimate) -> dict[str, Any]:
         """Return the estimate as a row of the table."""
@@ -417,48 +439,69 @@ class Run:
         arcs = fly_parameters(self.flight, epochs, parameters[None], np.array([0]), np.array([len(at)]))
         return np.column_stack([arcs.path(0), np.full(len(at), parameters[_CD])])
 
-    def known(self, estimate: Estimate) -> _Known:
-        """Return what others may start from."""
-        return estimate.window.at, estimate.fit.best
-
-    def with_known_cd(self, estimate: Estimate) -> _Known | None:
+    def with_known_cd(self, solution: Solution) -> _Known | None:
         """Return what others may start from, had Cd been known beforehand at its a-priori value.
 
         A short fit may tell nothing of Cd, but the whole state. None where it did not converge, or its Cd is
         so far off that the state would not move in a straight line.
         """
-        if not estimate.fit.converged:
+        if not solution.converged:
             return None
-        covariance, best = estimate.fit.covariance, estimate.fit.best
+        covariance, best = solution.covariance, solution.best
         missing = self.flight.rso.cd - best[_CD]
         if covariance[_CD, _CD] > 0.0:
             moved: np.ndarray = best + missing * covariance[:, _CD] / covariance[_CD, _CD]
         else:
             moved = best + missing * np.eye(7)[_CD]
-        return (estimate.window.at, moved) if np.linalg.norm((moved - best)[:3]) < LINEAR else None
+        return (solution.at, moved) if np.linalg.norm((moved - best)[:3]) < LINEAR else None
+
+    def newest(
+        self, solutions: Sequence[Solution], usable: _Known | None, spare: _Known | None
+    ) -> tuple[_Known | None, _Known | None]:
+        """Return the newest usable and the newest spare start of solutions; without one, that given."""
+        last_first = solutions[::-1]
+        usable = next(((one.at, one.best) for one in last_first if self.is_usable(one)), usable)
+        return usable, next((known for known in map(self.with_known_cd, last_first) if known), spare)
+
+    def earlier(self, estimates: pd.DataFrame) -> list[Solution]:
+        """Return the solutions of rows of `estimates`."""
+        rows = zip(
+            self.measured.at[estimates["track"]],
+            estimates[PARAMETERS].to_numpy(),
+            symmetric_matrices(estimates, PARAMETER_COVARIANCES),
+            estimates["converged"],
+            strict=True,
+        )
+        return [Solution(int(at), best, covariance, bool(done)) for at, best, covariance, done in rows]
 
 
 def estimate_all(
-    flight: Flight, starts: pd.DataFrame, measured: Measurements, *, settings: Estimation
+    flight: Flight,
+    starts: pd.DataFrame,
+    measured: Measurements,
+    *,
+    settings: Estimation,
+    tracks: Sequence[int] | None = None,
+    earlier: pd.DataFrame | None = None,
 ) -> pd.DataFrame:
     """Return the `estimates` table: one row per track, converged or with the reason why not.
 
     flight: under the assumed model
     starts: the table, a state at each track's start for fits where no estimate is at hand
+    tracks: those to be estimated, ascending; None: all
+    earlier: rows of tracks before these that were estimated already, which fits may start from
     """
     run = Run(
         measured, flight.without_progress(), starts[STATE].to_numpy(), settings, starts["age"].to_numpy()
     )
     method = run.method(run.free_parameters())
     rows: list[dict[str, Any]] = []
-    usable: _Known | None = None
-    spare: _Known | None = None
-    for begin in range(0, measured.tracks, BATCH):
-        estimates = run.fitted(range(begin, min(begin + BATCH, measured.tracks)), usable, spare, method)
-        newest = estimates[::-1]
-        usable = next((run.known(estimate) for estimate in newest if run.is_usable(estimate)), usable)
-        spare = next((known for known in map(run.with_known_cd, newest) if known), spare)
+    wanted = range(measured.tracks) if tracks is None else tracks
+    usable, spare = run.newest([] if earlier is None else run.earlier(earlier), None, None)
+    for begin in range(0, len(wanted), BATCH):
+        estimates = run.fitted(wanted[begin : begin + BATCH], usable, spare, method)
+        usable, spare = run.newest([Solution.ended(estimate) for estimate in estimates], usable, spare)
         rows += [run.row(estimate) for estimate in estimates]
         if flight.progress:
-            flight.progress(len(rows) / measured.tracks)
+            flight.progress(len(rows) / len(wanted))
     return pd.DataFrame(rows)

@@ -237,8 +237,9 @@ def _places(table: pd.DataFrame, stations: Mapping[str, Station]) -> np.ndarray:
 
 def _margins(table: pd.DataFrame, stations: Mapping[str, Station]) -> np.ndarray:
     """Return how far noise may take a place up or down (n,) [m]."""
-    sigma = np.array([stations[name].row.get("sigma_elevation", np.nan) for name in table["station"]])
-    return np.asarray(BEYOND_LIMITS * sigma * table["range"].to_numpy())
+    names = table["station"].unique()
+    sigma = table["station"].map({name: stations[name].row.get("sigma_elevation", np.nan) for name in names})
+    return np.asarray(BEYOND_LIMITS * sigma * table["range"])
 
 
 def _speeds(table: pd.DataFrame, places: np.ndarray) -> list[float]:

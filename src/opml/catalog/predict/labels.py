@@ -27,7 +27,9 @@ def build(
     uncertainty of the estimate in that frame. A pair without a prediction or without an estimate that
     converged has the reason.
     """
-    at_end = _turned(_states_of_fits(estimates)).assign(t_known=_known_at(estimates, tracking, after=after))
+    at_end = with_sigmas(_states_of_fits(estimates)).assign(
+        t_known=_known_at(estimates, tracking, after=after)
+    )
     later = at_end.set_index("track").reindex(predictions["j"]).reset_index(drop=True)
     error = in_rsw(predictions[STATE].to_numpy() - later[STATE].to_numpy(), later[STATE].to_numpy())
     table = later.assign(
@@ -58,7 +60,7 @@ def _states_of_fits(estimates: pd.DataFrame) -> pd.DataFrame:
     return estimates.assign(**{name: estimates[name].mask(failed) for name in STATE})
 
 
-def _turned(estimates: pd.DataFrame) -> pd.DataFrame:
+def with_sigmas(estimates: pd.DataFrame) -> pd.DataFrame:
     """Return the estimates with their formal standard deviations in RSW [m, m/s]."""
     rotation = rsw_rotation(estimates[STATE].to_numpy())
     covariance = symmetric_matrices(estimates, PARAMETER_COVARIANCES)

@@ -20,7 +20,7 @@ from opml.orbits.sheets import (
     rsos_from_rows,
     stations_from_rows,
 )
-from opml.study.settings.model.run import FixSettings, HistorySettings
+from opml.study.settings.model.run import DaySettings, FixSettings, HistorySettings
 from opml.study.settings.overlay import MISSING, Key, Layer, Source, laid_over, read_layer
 
 STUDIES = "config/studies"
@@ -72,6 +72,11 @@ class Settings:
     def history(self, rso: str) -> HistorySettings:
         """Return how the history of an RSO's mean elements is taken."""
         return HistorySettings.model_validate(self.values.get("histories", {}).get(rso, {}))
+
+    @property
+    def day(self) -> DaySettings:
+        """What is asked of every morning."""
+        return DaySettings.model_validate(self.values.get("day", {}))
 
     def are_radars(self, stations: str) -> bool:
         """Return whether all of a station set are radars; fixes are none."""

@@ -2,10 +2,10 @@
 
 from typing import Annotated, Literal
 
-from annotated_types import Ge, Le, MinLen
+from annotated_types import Ge, Le, Lt, MinLen
 from pydantic import Strict
 
-from opml.base.setting_types import Absent, Expected, NotNegative, Positive, Share, Text
+from opml.base.setting_types import Absent, Expected, NotNegative, Positive, Share, Text, Unique
 from opml.study.settings.model.kinds import ForecastSettings, LearnerSettings
 from opml.study.settings.model.names import (
     Bodies,
@@ -292,6 +292,22 @@ class Uncertainty(Section):
     )
 
 
+class DaySettings(Section):
+    """Every morning."""
+
+    models: Annotated[list[Name], MinLen(1), Unique()] = setting(
+        "models that a morning chooses from, of those that learn nothing",
+        unit="names",
+        default=["fit48", "fit96", "running24m3", "running24", "running", "running96"],
+    )
+    hour: Annotated[float, Ge(0), Lt(24), Expected("an hour from 0 to below 24")] = setting(
+        "time of a morning, UTC", unit="h", default=0.0
+    )
+    together: Annotated[int, Ge(1), Expected("a whole number from 1")] = setting(
+        "objects that one job takes, one after the other", default=8
+    )
+
+
 class Sheets(Section):
     """The sheets."""
 
@@ -330,6 +346,7 @@ class RunAlone(Section):
     intervals: Intervals = setting("prediction intervals")
     ephemeris: Ephemeris = setting("corrected ephemerides")
     uncertainty: Uncertainty = setting("how far corrected orbits may be off")
+    day: Absent[DaySettings] = setting("every morning", see="day.md", default=None)
     sheets: Sheets = setting("the sheets")
     stations: dict[Name, dict[str, float]] = setting(
         "a station beside those of the sheet: the columns of a sheet's row as keys",

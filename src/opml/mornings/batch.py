@@ -1,0 +1,159 @@
+"""The mornings of several objects, one after the other; what is wrong with one stops no other."""
+
+import json
+import logging
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import date
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from opml.base import epochs
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.base.files import FilePath, replacing
+from opml.base.provenance import settings_digest
+from opml.catalog.fit.estimation import Estimation
+from opml.catalog.flight import Flight
+from opml.catalog.predict import spread
+from opml.dynamics import force_model
+from opml.dynamics.ensemble import Integrator
+from opml.dynamics.kernels.surroundings import ForceModel
+from opml.mornings import days, measured
+from opml.mornings.measured import Source, Span
+from opml.mornings.morning import Model, Plan, Watched
+from opml.mornings.records import DONE
+from opml.orbits.sheets import Rso, Station
+from opml.tables import read_table
+
+FAILED = "failed"
+"""The verdict where a morning could not be run."""
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What all objects of a job fly in: force models as of `morning.Model`, and the stations."""
+
+    fits: ForceModel
+    predictions: ForceModel
+    flattened: ForceModel
+    integrator: Integrator
+    futures: pd.DataFrame | None
+    orientation: pd.DataFrame
+    stations: Sequence[Station]
+
+    @classmethod
+    def read(cls, files: Any, settings: Mapping[str, Any]) -> "Surroundings":
+        """Read them; raise InputError where a table is missing or damaged."""
+        paths = dict(files.items())
+        fits, predictions = (
+            {name.removeprefix(kind): path for name, path in paths.items() if name.startswith(kind)}
+            for kind in ("fits_", "predictions_")
+        )
+        epoch, assumed = settings["epoch"], settings["force_model"]
+        return cls(
+            force_model.read(fits, epoch=epoch, settings=assumed),
+            force_model.read(predictions, epoch=epoch, settings=assumed),
+            force_model.read(predictions, epoch=epoch, settings=spread.FLATTENED),
+            force_model.integrator(settings["integrator"]),
+            read_table(files.futures, "futures") if files.futures else None,
+            read_table(fits["earth_orientation"], "earth_orientation"),
+            [Station(**station) for station in settings["stations"]],
+        )
+
+    def model(self, rso: Rso) -> Model:
+        """Return how an object flies."""
+        fits, predictions, flattened = (
+            Flight(model, rso, self.integrator) for model in (self.fits, self.predictions, self.flattened)
+        )
+        return Model(fits, predictions, flattened, self.futures, self.orientation)
+
+
+def run(files: Any, settings: Mapping[str, Any], *, metadata: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Run the mornings of objects up to a date; return what became of each on that date.
+
+    files: the job's input, the environment's tables
+    settings: of the job
+    metadata: of tables
+    """
+    surroundings = Surroundings.read(files, settings)
+    return [
+        _outcome(name, surroundings, settings, settings["objects"][name], metadata)
+        for name in settings["objects"]
+    ]
+
+
+def write(path: FilePath, outcomes: Any) -> None:
+    """Write what became of objects as JSON."""
+    with replacing(path) as temporary:
+        temporary.write_text(json.dumps(outcomes, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def read(path: FilePath) -> list[dict[str, Any]]:
+    """Return what became of objects."""
+    found: list[dict[str, Any]] = json.loads(Path(path).read_text(encoding="utf-8"))
+    return found
+
+
+def _outcome(
+    name: str,
+    surroundings: Surroundings,
+    settings: Mapping[str, Any],
+    one: Mapping[str, Any],
+    metadata: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Return what became of an object; the reason where its mornings could not be run."""
+    day, folder = date.fromisoformat(settings["date"]), days.Folder(Path(settings["days"]), name)
+    shared = {key: settings[key] for key in ("epoch", "force_model", "integrator", "estimation", "models")}
+    digest = settings_digest(shared | {key: one[key] for key in ("rso", "taking")})
+    try:
+        _catch_up(folder, surroundings, settings, one, metadata={**metadata, "settings": digest})
+    except InputError as reason:
+        _log.warning("%s: %s", name, reason)
+        return days.failed(name, day, FAILED, str(reason))
+    except Exception as reason:
+        _log.exception("%s: failed", name)
+        return days.failed(name, day, FAILED, f"{type(reason).__name__}: see the log of the job")
+    return days.read_outcome(folder.of_day(day) / DONE)
+
+
+def _catch_up(
+    folder: days.Folder,
+    surroundings: Surroundings,
+    settings: Mapping[str, Any],
+    one: Mapping[str, Any],
+    *,
+    metadata: Mapping[str, Any],
+) -> None:
+    """Run the mornings of an object that are not over yet."""
+    rso, calendar = Rso(**one["rso"]), days.Calendar(settings["epoch"], settings["hour"])
+    until = date.fromisoformat(settings["date"])
+    if until in folder.done():
+        return
+    span = Span(settings["epoch"], DAY * settings["duration_days"])
+    manoeuvres = [epochs.seconds_between(span.epoch, time) for time in one["manoeuvres"]]
+    plan = Plan(
+        settings["models"],
+        Estimation(**settings["estimation"]),
+        settings["max_days"],
+        settings["step_s"],
+        span.duration,
+        manoeuvres,
+        span.epoch,
+    )
+    source = Source(one["kind"], one["files"], one["taking"], one["start"])
+    tracking = measured.read(
+        source,
+        span,
+        surroundings.stations,
+        surroundings.orientation,
+        manoeuvres=manoeuvres,
+        since=days.since(folder, calendar, plan, until),
+    )
+    given = measured.given_state(source, span, rso, tracking, surroundings.predictions.gm)
+    watched = Watched(surroundings.model(rso), plan, tracking, surroundings.stations, given)
+    days.catch_up(folder, watched, calendar, until, metadata=metadata)

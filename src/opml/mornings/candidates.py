@@ -1,0 +1,59 @@
+"""The ephemerides of all models from the newest estimate of a morning: the table `paths`."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from opml.base.errors import InputError
+from opml.ephemerides.along_track_shift import LEAST_EPOCHS
+from opml.ephemerides.corrected import Spreads, between, expected
+from opml.ephemerides.part import Part
+from opml.learning.data.components import CORRECTED
+from opml.learning.models import learners
+from opml.learning.models.contract import Model
+from opml.tables import SPREAD, STATE
+
+STEP = 300.0
+"""Time between the epochs of these ephemerides [s]: decimetres from those of a minute."""
+
+EVERY = 2
+"""So many epochs are to one that arcs fly to for the spread."""
+
+
+def model(settings: Mapping[str, Any], columns: pd.DataFrame) -> Model:
+    """Return the model of a learner that learns nothing; settings: resolved, columns: of its variables."""
+    row = columns.head(1).assign(**{CORRECTED: 0.0})
+    return learners.train(row, component=CORRECTED, settings=settings, seed=0)
+
+
+def paths(
+    part: Part, models: Mapping[str, Mapping[str, Any]], spreads: Spreads, *, now: float
+) -> pd.DataFrame:
+    """Return the ephemerides of models from the one start of a part, as far as all of them reach.
+
+    models: resolved settings of learners that learn nothing, by name
+    now: when they are made [s]
+    """
+    part.fly_together(learners.arc_windows(models.values()))
+    table = part.pairs().assign(morning=now)
+    for name, settings in models.items():
+        table[f"e_y_{name}"] = _along(part, settings)
+    lost = ~np.isfinite(table[[*STATE, *(f"e_y_{name}" for name in models)]].to_numpy()).all(axis=1)
+    reached = table[np.cumsum(lost) == 0]
+    if len(reached) < LEAST_EPOCHS:
+        raise InputError(f"ephemeris: expected at least {LEAST_EPOCHS} epochs ahead, got {len(reached)}")
+    sparse = reached.iloc[::EVERY]
+    causes = sparse[["t_j"]].join(spreads(sparse)[SPREAD].set_axis(sparse.index))
+    return between(reached, causes).drop(columns=["j", "reason"])
+
+
+def _along(part: Part, settings: Mapping[str, Any]) -> np.ndarray:
+    """Return the e_y (n,) [m] that a model expects along a part's ephemeris, NaN where none reaches."""
+    columns = part.columns(settings["variables"], arc=learners.arc_of(settings))
+    along = np.full(len(columns), np.nan)
+    finite = np.isfinite(columns[[*STATE, *settings["variables"]]].to_numpy()).all(axis=1)
+    if finite.any():
+        along[finite] = expected(columns[finite], model(settings, columns[finite]))
+    return along

@@ -1,0 +1,185 @@
+"""The mornings of an object up to a day, each with a folder of what it left."""
+
+import json
+import logging
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from datetime import date, timedelta
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from opml.base import epochs
+from opml.base.constants import DAY
+from opml.interop import ccsds, oem
+from opml.learning.judge.error_sizes import INSIDE
+from opml.mornings.morning import Left, Plan, Watched, morning
+from opml.mornings.records import DONE, HORIZON, Records
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Calendar:
+    """The dates of mornings.
+
+    epoch: of the run, UTC text
+    hour: of the mornings, UTC
+    """
+
+    epoch: str
+    hour: float
+
+    def time(self, day: date) -> float:
+        """Return when the morning of a date is [s]."""
+        return epochs.seconds_between(self.epoch, f"{day.isoformat()}T00:00:00") + 3600.0 * self.hour
+
+    def first(self, known: float) -> date:
+        """Return the first date whose morning is not before a time [s]."""
+        day = date.fromisoformat(epochs.calendar_day(self.epoch, known))
+        return day if self.time(day) >= known else day + timedelta(days=1)
+
+
+@dataclass(frozen=True)
+class Folder:
+    """The folder of all days, of one object.
+
+    days: the folder
+    rso: name of the object
+    """
+
+    days: Path
+    rso: str
+
+    def of_day(self, day: date) -> Path:
+        """Return where what a morning left of the object is."""
+        return self.days / day.isoformat() / self.rso
+
+    def done(self) -> list[date]:
+        """Return the dates of the mornings that are over, ascending."""
+        found = self.days.glob(f"[0-9]*/{self.rso}/{DONE}")
+        return sorted(date.fromisoformat(path.parent.parent.name) for path in found)
+
+
+def since(folder: Folder, calendar: Calendar, plan: Plan, until: date) -> float:
+    """Return the time from which measurements count for the mornings up to a date [s]."""
+    done = [day for day in folder.done() if day <= until]
+    return calendar.time(done[-1]) - plan.reach - DAY if done else -np.inf
+
+
+def catch_up(
+    folder: Folder, watched: Watched, calendar: Calendar, until: date, *, metadata: Mapping[str, Any]
+) -> None:
+    """Run the mornings of an object up to a date that are not over yet; those before it first.
+
+    Raises InputError where a morning cannot be run.
+    """
+    done = [day for day in folder.done() if day <= until]
+    reach = DAY * watched.plan.max_days
+    records = Records.read(
+        [folder.of_day(day) for day in done[-HORIZON:]],
+        since=calendar.time(done[-1]) - reach if done else 0.0,
+        digest=metadata["settings"],
+    )
+    for day in _missing(done, watched, calendar, until):
+        now = calendar.time(day)
+        left = morning(watched, records, now=now)
+        records = records.and_then(left.records, since=now - reach)
+        _write(folder, day, left, records, watched.plan, metadata=metadata)
+        _log.info("%s, %s: %s, %s", folder.rso, day, left.verdict.word, left.verdict.reason)
+
+
+def _missing(done: list[date], watched: Watched, calendar: Calendar, until: date) -> Iterator[date]:
+    """Yield the dates of the mornings to be run: after the last, or from when the first track is over."""
+    tracking = watched.tracking
+    first = tracking.groupby("track")["t_known" if "t_known" in tracking else "t"].max().min()
+    day = done[-1] + timedelta(days=1) if done else min(calendar.first(float(first)), until)
+    while day <= until:
+        yield day
+        day += timedelta(days=1)
+
+
+def _write(
+    folder: Folder, day: date, left: Left, records: Records, plan: Plan, *, metadata: Mapping[str, Any]
+) -> None:
+    """Write what a morning left: the message first, the records behind it."""
+    place = folder.of_day(day)
+    if left.ephemeris is not None:
+        segments = oem.corrected_segments(left.ephemeris, rso=folder.rso)
+        oem.write(place / f"{folder.rso}.oem", segments, epoch=plan.epoch, comment=left.basis)
+    found = outcome(folder.rso, day, left, plan) | {"past": past(records)}
+    left.records.write(place, found, metadata=metadata)
+
+
+def outcome(rso: str, day: date, left: Left, plan: Plan) -> dict[str, Any]:
+    """Return what became of an object on a morning, as JSON values."""
+    row, made = left.records.issued.iloc[0], left.records.estimates
+    base = made[made["window_hours"] == plan.base]
+    return {
+        "object": rso,
+        "date": day.isoformat(),
+        "verdict": left.verdict.word,
+        "reason": left.verdict.reason,
+        "model": row["model"],
+        "message": f"{rso}.oem" if left.ephemeris is not None else "",
+        "newest_estimate": ccsds.utc_texts(plan.epoch, np.array([row["t_i"]]))[0] if row["i"] >= 0 else "",
+        "tracks": len(base),
+        "converged": int(base["converged"].sum()),
+        "late": left.recent.late,
+        "scores": scores(_flown(left.records.judged)),
+    }
+
+
+def past(records: Records) -> dict[str, list[dict[str, Any]]]:
+    """Return how all that was flown on the mornings that count was off later estimates, by its verdict."""
+    verdicts = records.issued.set_index("morning")["verdict"]
+    flown = _flown(records.judged)
+    by_verdict = flown.groupby(flown["morning"].map(verdicts))
+    return {"all": scores(flown)} | {str(word): scores(rows) for word, rows in by_verdict}
+
+
+def _flown(judged: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of models that were flown: of these alone standard deviations were stated."""
+    return judged[np.isfinite(judged["sigma_y"])]
+
+
+def scores(flown: pd.DataFrame) -> list[dict[str, Any]]:
+    """Return how ephemerides were off along the track, by day of their duration."""
+    lead = np.ceil(flown["duration"] / DAY).astype(int)
+    return [
+        {
+            "day": int(day),
+            "predictions": len(rows),
+            "along_track_m": _rounded(rows["e_y"].abs().quantile(0.5)),
+            "along_track_95_m": _rounded(rows["e_y"].abs().quantile(0.95)),
+            "inside": float(np.mean(rows["e_y"].abs() < INSIDE * np.hypot(rows["sigma_y"], rows["doubt_y"]))),
+        }
+        for day, rows in flown.groupby(lead)
+    ]
+
+
+def _rounded(length: float) -> float:
+    """Return a length to a decimetre [m]."""
+    return round(float(length), 1)
+
+
+def failed(rso: str, day: date, verdict: str, reason: str) -> dict[str, Any]:
+    """Return what became of an object whose morning could not be run, as `outcome` does."""
+    nothing = {"model": "", "message": "", "newest_estimate": "", "tracks": 0, "converged": 0, "late": 0}
+    return {
+        "object": rso,
+        "date": day.isoformat(),
+        "verdict": verdict,
+        "reason": reason,
+        **nothing,
+        "scores": [],
+        "past": {},
+    }
+
+
+def read_outcome(path: Path) -> dict[str, Any]:
+    """Return what became of an object on a morning."""
+    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return found

@@ -1,0 +1,91 @@
+"""The estimates of a morning: of the tracks that no earlier morning estimated."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+
+from opml.base.constants import DAY
+from opml.catalog.fit import first_orbit
+from opml.catalog.fit.estimation import Estimation, estimate_all
+from opml.catalog.fit.first_orbit import TimedState
+from opml.catalog.fit.measurements import Measurements
+from opml.catalog.flight import Flight
+from opml.mornings.tracks import Recent
+from opml.tables import SCHEMAS, STATE
+
+LOST = 2.0 * DAY
+"""After so long without an estimate that converged, an orbit is determined anew [s]."""
+
+
+@dataclass(frozen=True)
+class Fitting:
+    """What the fits of a morning share.
+
+    measured: the measurements of the recent tracks
+    settings: of fits over the base window
+    given: a state that the very first fits may start from
+    """
+
+    flight: Flight
+    measured: Measurements
+    recent: Recent
+    settings: Estimation
+    given: TimedState | None
+
+    def further(self, kept: pd.DataFrame) -> pd.DataFrame:
+        """Return the estimates over the base window of the tracks that those kept have not.
+
+        Raises InputError where an orbit has to be determined and cannot be.
+        """
+        tracks = np.flatnonzero(~np.isin(self.recent.numbers, kept["track"]))
+        return self._estimates(kept, tracks.tolist(), self._starts(kept), hours=self.settings.window_hours)
+
+    def at(self, start: pd.DataFrame, kept: pd.DataFrame, *, hours: float) -> pd.DataFrame:
+        """Return the estimate of one track over another window [h].
+
+        start: the track's estimate over the base window, which the fit starts from
+        kept: earlier estimates over the other window
+        """
+        (track,) = np.flatnonzero(self.recent.numbers == start["track"].iloc[0])
+        starts = self._table(start.assign(track=track), age=0.0)
+        return self._estimates(kept, [int(track)], starts, hours=hours)
+
+    def _estimates(
+        self, kept: pd.DataFrame, tracks: Sequence[int], starts: pd.DataFrame, *, hours: float
+    ) -> pd.DataFrame:
+        """Return estimates of tracks over a window [h], with the window of each."""
+        if not len(tracks):
+            return SCHEMAS["kept_estimates"].empty()
+        found = estimate_all(
+            self.flight,
+            starts,
+            self.measured,
+            settings=replace(self.settings, window_hours=hours),
+            tracks=tracks,
+            earlier=self._numbered(kept),
+        )
+        return found.assign(track=self.recent.numbers[found["track"]], window_hours=hours)
+
+    def _starts(self, kept: pd.DataFrame) -> pd.DataFrame:
+        """Return the `starts` table: of earlier estimates, or determined where these are too old."""
+        earlier = self._numbered(kept)
+        newest = earlier["t"].to_numpy(float)[earlier["converged"].to_numpy(bool)].max(initial=-np.inf)
+        if self.recent.at[-1] - newest > LOST:
+            given = self.given if kept.empty else None
+            return first_orbit.starts(self.flight, self.measured, known=given, settings=self.settings)
+        return self._table(earlier, age=np.inf)
+
+    def _table(self, estimates: pd.DataFrame, *, age: float) -> pd.DataFrame:
+        """Return the `starts` table of estimates that converged; of other tracks nothing is known."""
+        states = np.full((self.recent.tracks, len(STATE)), np.nan)
+        known = estimates[estimates["converged"].to_numpy(bool)]
+        states[known["track"].to_numpy(int)] = known[STATE].to_numpy()
+        table = pd.DataFrame({"track": np.arange(len(states)), "t": self.recent.at, "age": age})
+        return table.assign(**dict(zip(STATE, states.T, strict=True)))
+
+    def _numbered(self, kept: pd.DataFrame) -> pd.DataFrame:
+        """Return those of the kept estimates whose tracks are recent, numbered as these."""
+        rows = kept[kept["track"].isin(self.recent.numbers)]
+        return rows.assign(track=np.searchsorted(self.recent.numbers, rows["track"]))

@@ -1,0 +1,77 @@
+"""What a morning issues: the model that left the least so far, the sizes of its errors; table `issued`."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from opml.base.errors import InputError
+from opml.learning.judge.error_sizes import Sizes
+from opml.learning.judge.model_choice import choose
+from opml.mornings.records import Records
+from opml.mornings.verdict import DO_NOT_USE
+from opml.tables import SIGMA_STATE, SIZES
+
+_GROUPS = {"constant": "xyz", "rate": "xyz", "drag": "xyz", "velocity": "xyz", "inflation": "01234"}
+
+
+@dataclass(frozen=True)
+class Flown:
+    """The model that is flown.
+
+    replay: how far its ephemerides of earlier mornings were off
+    """
+
+    model: str
+    replay: pd.DataFrame
+    sizes: Sizes
+
+
+def chosen(records: Records, models: Sequence[str], *, now: float) -> Flown:
+    """Return the model that left the least by `now` [s]; raise InputError where the past is too short."""
+    replays = records.replays(models)
+    if not replays:
+        raise InputError("expected ephemerides of earlier mornings that were judged, got none")
+    model = choose(replays, [], now=now, seed=0).chosen
+    return Flown(model, replays[model], Sizes.learned(replays[model], now=now))
+
+
+def row(now: float, start: pd.DataFrame, flown: Flown | None, verdict: str) -> pd.DataFrame:
+    """Return the row of a morning whose ephemerides start from an estimate; None is flown without a past."""
+    begin = {"i": int(start["track"].iloc[0]), "t_i": float(start["t"].iloc[0])}
+    what = {"model": flown.model if flown else "", "verdict": verdict}
+    sizes = _columns(flown.sizes) if flown else dict.fromkeys([*SIZES, "days", "reach"], np.nan)
+    return pd.DataFrame([{"morning": now, **begin, **what, **sizes}])
+
+
+def nothing(now: float) -> pd.DataFrame:
+    """Return the row of a morning that has no estimate to start from."""
+    return row(now, pd.DataFrame({"track": [-1], "t": [np.nan]}), None, DO_NOT_USE)
+
+
+def with_sigmas(judged: pd.DataFrame, issued: pd.DataFrame) -> pd.DataFrame:
+    """Return rows of `judged` with the standard deviations that were stated of the models that were flown."""
+    whole = judged.copy()
+    for flight in issued[issued["model"] != ""].to_dict("records"):
+        rows = (judged["model"] == flight["model"]) & (judged["morning"] == flight["morning"])
+        if rows.any():
+            whole.loc[rows, SIGMA_STATE] = _sizes(flight).sigmas(judged[rows])
+    return whole
+
+
+def _columns(sizes: Sizes) -> dict[str, float]:
+    values = {
+        f"{group}_{part}": float(value)
+        for group, parts in _GROUPS.items()
+        for part, value in zip(parts, getattr(sizes, group), strict=True)
+    }
+    return values | {"days": sizes.days, "reach": sizes.reach}
+
+
+def _sizes(flight: Mapping[str, Any]) -> Sizes:
+    groups = {
+        group: np.array([flight[f"{group}_{part}"] for part in parts]) for group, parts in _GROUPS.items()
+    }
+    return Sizes(**groups, days=flight["days"], reach=flight["reach"])

@@ -1,0 +1,56 @@
+"""How far ephemerides of earlier mornings were off the estimates of this one."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from opml.catalog.predict import labels
+from opml.ephemerides.corrected import between
+from opml.ephemerides.replays import missed
+from opml.mornings.records import Records
+from opml.mornings.tracks import Recent
+from opml.orbits.manoeuvres import contain_any
+from opml.tables import DOUBT, SIGMA_STATE, SIGMAS, STATE
+
+
+def later_states(estimates: pd.DataFrame, recent: Recent) -> pd.DataFrame:
+    """Return what estimates tell of the orbit: j, t_j, t_known, DOUBT and a state of each that converged."""
+    ends = dict(zip(recent.numbers, recent.ends, strict=True))
+    known = labels.with_sigmas(estimates[estimates["converged"].astype(bool)])
+    doubt = dict(zip(DOUBT, (known[name] for name in SIGMAS[:3]), strict=True))
+    return known.assign(j=known["track"], t_j=known["t"], t_known=known["track"].map(ends), **doubt)[
+        ["j", "t_j", "t_known", *DOUBT, *STATE]
+    ]
+
+
+def judged(
+    paths: Sequence[pd.DataFrame], later: pd.DataFrame, *, manoeuvres: Sequence[float], window: float
+) -> pd.DataFrame:
+    """Return rows of the table `judged`: every model of every ephemeris against later states.
+
+    paths: tables of that name
+    later: from `later_states`
+    manoeuvres: times [s], which no ephemeris goes across
+    window: of the fits that tell the later states [s]
+    """
+    tables = []
+    for rows in paths:
+        ahead = _ahead(rows, later, manoeuvres=manoeuvres, window=window)
+        if ahead.empty:
+            continue
+        for name in (column for column in rows if column.startswith("e_y_")):
+            off = missed(rows, rows[name].to_numpy(), ahead, now=rows["morning"].iloc[0])
+            tables.append(off.assign(model=name.removeprefix("e_y_"), **dict.fromkeys(SIGMA_STATE, np.nan)))
+    return pd.concat(tables, ignore_index=True) if tables else Records.empty().judged
+
+
+def _ahead(
+    rows: pd.DataFrame, later: pd.DataFrame, *, manoeuvres: Sequence[float], window: float
+) -> pd.DataFrame:
+    """Return the later states that an ephemeris reaches without a manoeuvre, with its spread there."""
+    t_i, t_j = float(rows["t_i"].iloc[0]), later["t_j"].to_numpy()
+    reached = (t_j > t_i) & (t_j >= rows["t_j"].iloc[0]) & (t_j <= rows["t_j"].iloc[-1])
+    # A fit to tracks from both sides of a manoeuvre tells no orbit.
+    across = contain_any(np.full(len(t_j), t_i - window), t_j, manoeuvres)
+    return between(later[reached & ~across].assign(i=rows["i"].iloc[0]), rows)

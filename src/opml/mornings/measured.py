@@ -1,0 +1,89 @@
+"""What was measured of an object, from its files: tracks, fixes or mean elements."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import pandas as pd
+
+from opml.base.constants import HOUR
+from opml.catalog.fit import first_orbit, fixes, measured_tracks
+from opml.catalog.fit.first_orbit import TimedState
+from opml.interop import first_state, points_from_files, tdm
+from opml.interop.element_sets import histories, measured_sets
+from opml.interop.element_sets.sgp4_points import Sampling
+from opml.interop.orbit_from_files import OrbitFiles
+from opml.orbits.sheets import Rso, Station
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where the measurements of an object are.
+
+    kind: tracks, fixes or elements
+    files: of them
+    taking: how fixes or mean elements are taken
+    start: file of a state that the very first fits may start from, if any
+    """
+
+    kind: str
+    files: list[str]
+    taking: Mapping[str, Any]
+    start: str = ""
+
+
+@dataclass(frozen=True)
+class Span:
+    """The run: its epoch, UTC text, and its length [s]."""
+
+    epoch: str
+    duration: float
+
+
+def read(
+    source: Source,
+    span: Span,
+    stations: Sequence[Station],
+    orientation: pd.DataFrame,
+    *,
+    manoeuvres: Sequence[float],
+    since: float,
+) -> pd.DataFrame:
+    """Return what was measured: the table `tracking`, or `fixes` in its place.
+
+    since: earlier measurements of tracks are left out [s]
+
+    Raises InputError, naming file and line, where a file is missing or damaged.
+    """
+    if source.kind == "tracks":
+        found = tdm.measurements(source.files, epoch=span.epoch)
+        return measured_tracks.tracks(found[found["t"] >= since], stations)
+    if source.kind == "fixes":
+        points = points_from_files.read(
+            OrbitFiles(source.files, span.epoch, span.duration),
+            orientation,
+            points_from_files.Sampling(source.taking["sigmas"], source.taking["every_s"]),
+        )
+        return fixes.stretches(points, length=HOUR * source.taking["stretch_hours"])
+    taking = measured_sets.Taking(
+        Sampling(HOUR * source.taking["reach_hours"], source.taking["every_s"]), source.taking["sigma_m"]
+    )
+    found = measured_sets.measured(
+        sets(source, span), taking, epoch=span.epoch, duration=span.duration, manoeuvres=manoeuvres
+    )
+    return fixes.of_sets(found.epochs, found.points, known=found.known)
+
+
+def sets(source: Source, span: Span) -> pd.DataFrame:
+    """Return the history of an object's mean elements; raise InputError as `read` does."""
+    history = histories.read(
+        source.files, epoch=span.epoch, leave_out_damaged=source.taking["leave_out_damaged"]
+    )
+    return histories.of_object(history.sets, source.taking["number"])
+
+
+def given_state(source: Source, span: Span, rso: Rso, tracking: pd.DataFrame, gm: float) -> TimedState | None:
+    """Return the state that the very first fits may start from: of a file, or of the sheet's elements."""
+    if source.start:
+        return first_state.read(source.start, epoch=span.epoch, t=float(tracking["t"].iloc[0]))
+    return first_orbit.of_sheet(rso, gm)

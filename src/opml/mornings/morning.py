@@ -1,0 +1,223 @@
+"""One morning of one object: new tracks are fitted, earlier ephemerides judged, the best model flown.
+
+Nothing that was measured, published or made after the morning touches it. What an earlier morning left is
+never made again.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import pandas as pd
+
+from opml.base.constants import DAY, HOUR
+from opml.base.errors import InputError
+from opml.catalog.fit import fixes
+from opml.catalog.fit.estimation import Estimation
+from opml.catalog.fit.first_orbit import TimedState
+from opml.catalog.flight import Flight
+from opml.catalog.predict import spread
+from opml.catalog.predict.prediction import predict
+from opml.ephemerides import corrected
+from opml.ephemerides.known import Known
+from opml.ephemerides.part import Grid, Part
+from opml.learning.data import dataset
+from opml.learning.data.cleaning import Cleaning
+from opml.learning.models import learners
+from opml.mornings import candidates, fits, issued, judged, product, tracks
+from opml.mornings.records import Records
+from opml.mornings.tracks import Recent
+from opml.mornings.verdict import DO_NOT_USE, Verdict, verdict
+from opml.orbits.sheets import Station
+from opml.tables import STATE
+
+_LOOKED_AT = 4
+"""Newest estimates among which one is found to start from."""
+
+_MARGIN = DAY
+"""Tracks so long before the longest window are read [s]: an estimate of a morning is up to a day old."""
+
+
+@dataclass(frozen=True)
+class Model:
+    """How an object flies.
+
+    fits: under what was measured of the weather by the time of each fit
+    predictions: under what was known of it by t_i
+    flattened: the same under the Earth's flattening alone, for the spread
+    futures: of the weather; None where the days ahead are taken for known
+    orientation: table `earth_orientation`
+    """
+
+    fits: Flight
+    predictions: Flight
+    flattened: Flight
+    futures: pd.DataFrame | None
+    orientation: pd.DataFrame
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is asked of every morning of an object.
+
+    models: resolved settings of learners that learn nothing, by name
+    estimation: of the fits over the base window
+    max_days: length of an ephemeris
+    step: between its epochs [s]
+    end: of the run [s]
+    manoeuvres: times [s]
+    epoch: UTC text
+    """
+
+    models: Mapping[str, Mapping[str, Any]]
+    estimation: Estimation
+    max_days: float
+    step: float
+    end: float
+    manoeuvres: Sequence[float]
+    epoch: str
+
+    @property
+    def base(self) -> float:
+        """The window [h] of the fits that ephemerides start from, and are held against."""
+        return self.estimation.window_hours
+
+    @property
+    def other_windows(self) -> list[float]:
+        """Windows [h] of fits that models ask for beside these."""
+        return [hours for hours in learners.arc_windows(self.models.values()) if hours != self.base]
+
+    @property
+    def reach(self) -> float:
+        """How far back from a morning tracks are read [s]."""
+        return max([self.base, *self.other_windows]) * HOUR + _MARGIN
+
+
+@dataclass(frozen=True)
+class Watched:
+    """An object that is watched.
+
+    tracking: all that was measured, the table or one in its place
+    stations: of the tracks
+    given: a state that the very first fits may start from
+    """
+
+    model: Model
+    plan: Plan
+    tracking: pd.DataFrame
+    stations: Sequence[Station]
+    given: TimedState | None = None
+
+
+@dataclass(frozen=True)
+class Left:
+    """What a morning left.
+
+    records: of this morning alone
+    recent: the tracks of the last days that were over
+    ephemeris: table `corrected`; None where none left
+    basis: what its covariances rest on, in words
+    """
+
+    records: Records
+    recent: Recent
+    verdict: Verdict
+    ephemeris: pd.DataFrame | None = None
+    basis: str = ""
+
+
+def morning(watched: Watched, records: Records, *, now: float) -> Left:
+    """Return what a morning leaves.
+
+    records: of earlier mornings
+    now: when it is [s]
+
+    Raises InputError where nothing was measured in the last days, and where no orbit can be determined.
+    """
+    plan = watched.plan
+    recent = tracks.over(watched.tracking, records.of_window(plan.base), now=now, reach=plan.reach)
+    if not recent.tracks:
+        return Left(_nothing(now), recent, Verdict(DO_NOT_USE, "no tracks of the last days"))
+    fitting = fits.Fitting(
+        watched.model.fits,
+        fixes.measurements(recent.tracking, watched.model.orientation, watched.stations),
+        recent,
+        plan.estimation,
+        watched.given,
+    )
+    made = fitting.further(records.of_window(plan.base))
+    left = replace(_nothing(now), estimates=made, judged=_judged(watched, made, recent, records))
+    known = _known(watched, records.and_then(left, since=now), recent)
+    starts = known.estimates[known.may_depart()].tail(1)
+    if starts.empty:
+        return Left(left, recent, Verdict(DO_NOT_USE, "no estimate that an ephemeris may start from"))
+    other = [
+        fitting.at(starts, records.of_window(hours), hours=hours)
+        for hours in plan.other_windows
+        if starts["track"].iloc[0] not in set(records.of_window(hours)["track"])
+    ]
+    left = replace(left, estimates=pd.concat([made, *other], ignore_index=True))
+    so_far = records.and_then(left, since=now)
+    asked = learners.arc_windows(plan.models.values())
+    known = replace(known, others={hours: so_far.of_window(hours) for hours in asked})
+    part = Part(watched.model.predictions, known, starts, Grid(candidates.STEP, plan.max_days, plan.end))
+    paths = candidates.paths(part, plan.models, _spreads(watched, so_far), now=now)
+    try:
+        flown = issued.chosen(so_far, list(plan.models), now=now)
+    except InputError as reason:
+        row = issued.row(now, starts, None, DO_NOT_USE)
+        return Left(replace(left, issued=row, paths=[paths]), recent, Verdict(DO_NOT_USE, str(reason)))
+    judgement = verdict(so_far, starts, now=now)
+    return Left(
+        replace(left, issued=issued.row(now, starts, flown, judgement.word), paths=[paths]),
+        recent,
+        judgement,
+        product.ephemeris(paths, flown, step=plan.step),
+        corrected.basis(flown.replay, now),
+    )
+
+
+def _nothing(now: float) -> Records:
+    """Return the records of a morning without an estimate to start from."""
+    return replace(Records.empty(), issued=issued.nothing(now))
+
+
+def _judged(watched: Watched, made: pd.DataFrame, recent: Recent, records: Records) -> pd.DataFrame:
+    """Return how far ephemerides of earlier mornings were off the new estimates."""
+    plan = watched.plan
+    off = judged.judged(
+        records.paths,
+        judged.later_states(made, recent),
+        manoeuvres=plan.manoeuvres,
+        window=plan.base * HOUR,
+    )
+    return issued.with_sigmas(off, records.issued)
+
+
+def _known(watched: Watched, records: Records, recent: Recent) -> Known:
+    """Return what is known of the object, of which its newest estimates may start ephemerides."""
+    plan, flight = watched.plan, watched.model.predictions
+    estimates = records.of_window(plan.base)
+    rows = estimates.tail(_LOOKED_AT + 1)
+    tracking = recent.tracking.assign(track=recent.numbers[recent.tracking["track"]])
+    made = partial(dataset.of_estimates, tracking=tracking, gm=flight.model.gm, cleaning=Cleaning())
+    at_estimates = made(rows, pd.DataFrame(columns=["i", "j", *STATE, "reason"]))
+    earlier = rows[rows["track"].isin(at_estimates["b"])]
+    if len(earlier):
+        times = rows.set_index("track")["t"]
+        at_estimates = made(rows, predict(flight, earlier, arrivals=times, max_days=plan.max_days))
+    return Known(
+        rows,
+        at_estimates,
+        plan.base,
+        flight.model.gm,
+        manoeuvres=plan.manoeuvres,
+        epoch=plan.epoch,
+    )
+
+
+def _spreads(watched: Watched, records: Records) -> corrected.Spreads:
+    """Return how the spread of pairs is made."""
+    model, estimates = watched.model, records.of_window(watched.plan.base)
+    return partial(spread.build, model.flattened, estimates, futures=model.futures)

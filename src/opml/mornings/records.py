@@ -1,0 +1,119 @@
+"""What is kept of an object from morning to morning: a folder a day, whose files are written once.
+
+kept_estimates.parquet   estimates that were made, over all windows
+judged.parquet           how far ephemerides of earlier mornings were off these, model by model
+paths.parquet            ephemerides of all models, for later mornings to judge
+issued.parquet           the model that was flown and its sizes of errors
+morning.json             what became of the object; written last
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Self
+
+import pandas as pd
+
+from opml.base.errors import InputError
+from opml.base.files import replacing
+from opml.tables import SCHEMAS, paths_schema, read_metadata, read_table, write_table
+
+DONE = "morning.json"
+"""The file of a morning that is written last."""
+
+HORIZON = 45
+"""Earlier mornings that count."""
+
+_TABLES = ("kept_estimates", "judged", "issued")
+
+_PATHS = "paths"
+
+
+@dataclass(frozen=True)
+class Records:
+    """What mornings left.
+
+    estimates: with the window of each, `window_hours`
+    judged: rows of `replay` tables, with the `model` of each
+    issued: a row a morning
+    paths: tables of that name, of mornings whose ephemerides tracks to come may reach
+    """
+
+    estimates: pd.DataFrame
+    judged: pd.DataFrame
+    issued: pd.DataFrame
+    paths: Sequence[pd.DataFrame] = ()
+
+    @classmethod
+    def empty(cls) -> Self:
+        """Return the records of an object without a morning."""
+        return cls(*(SCHEMAS[name].empty() for name in _TABLES))
+
+    @classmethod
+    def read(cls, folders: Sequence[Path], *, since: float, digest: str) -> Self:
+        """Return the records of mornings by their folders, the newest last.
+
+        since: of mornings after this time the ephemerides may still be judged [s]
+        digest: of the settings
+
+        Raises InputError where a table is missing or damaged, or was made with other settings.
+        """
+        if not folders:
+            return cls.empty()
+        if read_metadata(folders[-1] / "issued.parquet")["settings"] != digest:
+            raise InputError(
+                f"{folders[-1]}: expected mornings that were made with these settings, got others; "
+                "give another folder of results, or remove these"
+            )
+        whole = cls(
+            *(
+                _below([read_table(folder / f"{name}.parquet", name) for folder in folders], name)
+                for name in _TABLES
+            )
+        )
+        recent = [folders[k] for k in whole.issued.index[whole.issued["morning"] > since]]
+        return replace(whole, paths=[paths for folder in recent for paths in _paths_in(folder)])
+
+    def of_window(self, hours: float) -> pd.DataFrame:
+        """Return the estimates over a window [h]."""
+        rows = self.estimates[self.estimates["window_hours"] == hours]
+        return rows.drop(columns="window_hours").reset_index(drop=True)
+
+    def replays(self, models: Sequence[str]) -> dict[str, pd.DataFrame]:
+        """Return rows of the table `replay` by model, of those models that were judged."""
+        rows = {name: self.judged[self.judged["model"] == name] for name in models}
+        return {name: table.drop(columns="model") for name, table in rows.items() if len(table)}
+
+    def and_then(self, more: "Records", *, since: float) -> Self:
+        """Return the records with those of the next morning; since: as for `read`."""
+        return replace(
+            self,
+            estimates=_below([self.estimates, more.estimates], "kept_estimates"),
+            judged=_below([self.judged, more.judged], "judged"),
+            issued=_below([self.issued, more.issued], "issued"),
+            paths=[paths for paths in (*self.paths, *more.paths) if paths["morning"].iloc[0] > since],
+        )
+
+    def write(self, folder: Path, outcome: Mapping[str, Any], *, metadata: Mapping[str, Any]) -> None:
+        """Write the records of one morning into its folder, and last its outcome as JSON."""
+        for name, table in zip(_TABLES, (self.estimates, self.judged, self.issued), strict=True):
+            write_table(folder / f"{name}.parquet", table, name, metadata=metadata)
+        for paths in self.paths:
+            models = [name.removeprefix("e_y_") for name in paths if name.startswith("e_y_")]
+            table = folder / f"{_PATHS}.parquet"
+            write_table(table, paths, paths_schema(models), metadata={**metadata, "models": models})
+        with replacing(folder / DONE) as temporary:
+            temporary.write_text(json.dumps(outcome, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def _below(tables: Sequence[pd.DataFrame], name: str) -> pd.DataFrame:
+    """Return tables of a schema below each other."""
+    filled = [table for table in tables if len(table)]
+    return pd.concat(filled, ignore_index=True) if filled else SCHEMAS[name].empty()
+
+
+def _paths_in(folder: Path) -> list[pd.DataFrame]:
+    """Return the table of ephemerides that a morning left, if any."""
+    path = folder / f"{_PATHS}.parquet"
+    return [read_table(path, paths_schema(read_metadata(path)["models"]))] if path.exists() else []

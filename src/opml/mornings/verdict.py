@@ -1,0 +1,62 @@
+"""Whether to trust an ephemeris, by how those of earlier mornings fared."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from opml.base.constants import DAY
+from opml.learning.judge.error_sizes import INSIDE, LEVEL
+from opml.mornings.records import Records
+
+GOOD, WIDE, DO_NOT_USE = "good", "wide", "do not use"
+"""Verdicts."""
+
+OLDEST = 1.5 * DAY
+"""Oldest estimate that an ephemeris should start from [s]."""
+
+FEWEST = 7
+"""Mornings whose ephemerides were judged, below which intervals are hardly known."""
+
+BURN = 6.0
+"""Newest estimates that are so many standard deviations off, in the median, are of another orbit."""
+
+PAST = 14.0 * DAY
+"""How far back intervals are looked at [s]."""
+
+LEAST_INSIDE = 0.75
+"""Share of these that intervals of 90 % have to hold."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A verdict and its reason."""
+
+    word: str
+    reason: str
+
+
+def verdict(records: Records, start: pd.DataFrame, *, now: float) -> Verdict:
+    """Return the verdict on an ephemeris from an estimate, by what was judged by `now` [s]."""
+    age = now - float(start["t"].iloc[0])
+    flown = records.judged[np.isfinite(records.judged["sigma_y"].to_numpy(float))]
+    off = (flown["e_y"].abs() / np.hypot(flown["sigma_y"], flown["doubt_y"])).to_numpy(float)
+    newest = (flown["t_known"] > now - DAY).to_numpy(bool) & (flown["duration"] < 2.0 * DAY).to_numpy(bool)
+    recent = (flown["t_known"] > now - PAST).to_numpy(bool)
+    mornings = records.judged["morning"].nunique()
+    if age > OLDEST:
+        return Verdict(DO_NOT_USE, f"the newest estimate is {age / DAY:.1f} days old")
+    if newest.any() and np.median(off[newest]) > BURN:
+        return Verdict(
+            DO_NOT_USE,
+            f"the day's estimates are {np.median(off[newest]):.0f} sigma off the ephemeris before: "
+            "a manoeuvre, a storm, or another object",
+        )
+    if mornings < FEWEST:
+        return Verdict(WIDE, f"{mornings} mornings were judged, fewer than {FEWEST}")
+    share = float(np.mean(off[recent] < INSIDE)) if recent.any() else np.nan
+    if not share >= LEAST_INSIDE:
+        return Verdict(
+            WIDE, f"its {100 * LEVEL:g} % intervals held {100 * share:.0f} % of the last days' errors"
+        )
+    return Verdict(GOOD, f"its {100 * LEVEL:g} % intervals held {100 * share:.0f} % of the last days' errors")

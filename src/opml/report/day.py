@@ -1,0 +1,104 @@
+"""The page of a day: which objects to look at, how their ephemerides fared, what could not be run."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from opml.mornings.batch import FAILED
+from opml.mornings.records import HORIZON
+from opml.mornings.verdict import DO_NOT_USE, GOOD, WIDE
+from opml.report.document import Block, Heading, Paragraph, Table
+from opml.report.results import NO_VALUE, length
+
+Outcome = Mapping[str, Any]
+
+WORST_FIRST = (FAILED, DO_NOT_USE, WIDE, GOOD)
+"""Verdicts, those to look at first."""
+
+LEADS = (1, 3, 7)
+"""Days of duration whose errors the page states."""
+
+
+def document(outcomes: Sequence[Outcome], *, date: str) -> list[Block]:
+    """Return the page of a date; outcomes: of all objects."""
+    return [Heading(f"{date}: {summary(outcomes)}", 1), *_objects(outcomes), *_explained(), *_past(outcomes)]
+
+
+def summary(outcomes: Sequence[Outcome]) -> str:
+    """Return how many objects have which verdict, in words."""
+    counts = Counter(outcome["verdict"] for outcome in outcomes)
+    parts = [f"{counts[verdict]} {verdict}" for verdict in WORST_FIRST[::-1] if counts[verdict]]
+    return f"{len(outcomes)} objects: {', '.join(parts)}"
+
+
+def as_json(outcomes: Sequence[Outcome], *, date: str) -> dict[str, Any]:
+    """Return the same for machines."""
+    counts = Counter(outcome["verdict"] for outcome in outcomes)
+    return {"date": date, "verdicts": dict(sorted(counts.items())), "objects": list(outcomes)}
+
+
+def _objects(outcomes: Sequence[Outcome]) -> Iterator[Block]:
+    header = ["object", "verdict", "model", "newest estimate", "tracks", "late"]
+    header += [f"error after {day} d [m]" for day in LEADS]
+    ordered = sorted(
+        outcomes, key=lambda one: (WORST_FIRST.index(one["verdict"]), -_miss(one), one["object"])
+    )
+    yield Table([*header, "inside", "why"], [_row(outcome) for outcome in ordered])
+
+
+def _row(outcome: Outcome) -> list[str]:
+    by_day = {score["day"]: score for score in outcome["scores"]}
+    errors = [length(by_day[day]["along_track_m"]) if day in by_day else NO_VALUE for day in LEADS]
+    count = sum(score["predictions"] for score in outcome["scores"])
+    inside = sum(score["predictions"] * score["inside"] for score in outcome["scores"])
+    return [
+        outcome["object"],
+        outcome["verdict"],
+        f"`{outcome['model']}`" if outcome["model"] else NO_VALUE,
+        outcome["newest_estimate"][:16] or NO_VALUE,
+        f"{outcome['converged']} of {outcome['tracks']}",
+        str(outcome["late"]),
+        *errors,
+        f"{100.0 * inside / count:.0f} %" if count else NO_VALUE,
+        outcome["reason"].replace("|", "/"),
+    ]
+
+
+def _miss(outcome: Outcome) -> float:
+    """Return the largest error of a day's scores [m], by which objects of one verdict are ordered."""
+    return max((score["along_track_m"] for score in outcome["scores"]), default=0.0)
+
+
+def _explained() -> Iterator[Block]:
+    yield Paragraph(
+        "Errors are medians along the track of what was flown on earlier mornings, against the estimates of "
+        "this one. `inside` is the share of them in the 90 % intervals that were stated. `tracks` are new, "
+        "with how many of their fits converged; `late` ones came after later ones had been estimated, and "
+        "count nowhere. Messages (OEM) are in the folders of the objects beside this page."
+    )
+
+
+def _past(outcomes: Sequence[Outcome]) -> Iterator[Block]:
+    yield Heading("What was flown, and what came of it")
+    yield Paragraph(
+        f"The last {HORIZON} mornings at most: errors along the track of what was flown, median / 95th "
+        "percentile [m], and the share in the 90 % intervals, after days of prediction; by the verdict that "
+        "it left with."
+    )
+    header = ["object", "verdict", *(f"{day} d" for day in LEADS)]
+    rows = [
+        [outcome["object"], verdict, *(_fared(scores, day) for day in LEADS)]
+        for outcome in outcomes
+        for verdict, scores in outcome["past"].items()
+    ]
+    yield Table(header, rows)
+
+
+def _fared(scores: Sequence[Mapping[str, Any]], day: int) -> str:
+    """Return how ephemerides fared after days of prediction, in one cell."""
+    found = [score for score in scores if score["day"] == day]
+    if not found:
+        return NO_VALUE
+    (score,) = found
+    median, most = length(score["along_track_m"]), length(score["along_track_95_m"])
+    return f"{median} / {most}, {100.0 * score['inside']:.0f} %"

@@ -1,0 +1,75 @@
+"""Schemas of the tables that every morning leaves of an object."""
+
+from collections.abc import Sequence
+
+from opml.tables.catalog_tables import CATALOG_SCHEMAS
+from opml.tables.columns import (
+    PREDICTED,
+    SINCE,
+    SPREAD_COLUMNS,
+    Schema,
+    count,
+    real,
+    state_columns,
+    text,
+)
+from opml.tables.ephemeris_tables import REPLAY_COLUMNS
+
+SIZES = {
+    **{f"constant_{axis}": ("m", f"constant, {axis}") for axis in "xyz"},
+    **{f"rate_{axis}": ("m/s", f"growing with the duration, {axis}") for axis in "xyz"},
+    **{f"drag_{axis}": ("1", f"in units of what a tenth more drag does, {axis}") for axis in "xyz"},
+    **{f"velocity_{axis}": ("1", f"factor of the velocity's, {axis}") for axis in "xyz"},
+    **{f"inflation_{k}": ("1", f"factor of the variances, at duration {k}") for k in range(5)},
+}
+"""Columns of the sizes of errors that an ephemeris was given, with unit and meaning."""
+
+(_ESTIMATES,) = (schema for schema in CATALOG_SCHEMAS if schema.name == "estimates")
+
+MORNING_SCHEMAS = (
+    Schema(
+        "kept_estimates",
+        "a track and a window of its fit",
+        (real("window_hours", "h", "measurements before the track that were fitted"), *_ESTIMATES.columns),
+        _ESTIMATES.optional,
+    ),
+    Schema(
+        "judged",
+        "a model, an estimate i that a morning started from, and a later track start j",
+        (text("model", "name of the model"), *REPLAY_COLUMNS),
+    ),
+    Schema(
+        "issued",
+        "a morning",
+        (
+            real("morning", "s", f"when it was, {SINCE}"),
+            count("i", "track of the estimate that the ephemerides start from, -1 without any"),
+            real("t_i", "s", f"epoch of that estimate, {SINCE}"),
+            text("model", "the model that was flown, empty where none was"),
+            text("verdict", "whether to trust what was flown: good, wide or do not use"),
+            *(real(name, unit, f"size of errors, {meaning}") for name, (unit, meaning) in SIZES.items()),
+            real("days", "days", "length of the past that the sizes come from"),
+            real("reach", "s", "longest prediction of that past"),
+        ),
+    ),
+)
+
+
+def paths_schema(models: Sequence[str]) -> Schema:
+    """Return the schema of the table `paths`: ephemerides of models from the newest estimate of a morning."""
+    return Schema(
+        "paths",
+        "an epoch after an estimate",
+        (
+            real("morning", "s", f"when it was made, {SINCE}"),
+            count("i", "track of the estimate that the ephemerides start from"),
+            real("t_i", "s", f"epoch of the estimate, {SINCE}"),
+            real("t_j", "s", f"epoch of the ephemerides, {SINCE}"),
+            *state_columns("GCRF", "predicted state"),
+            *SPREAD_COLUMNS,
+            *(
+                real(f"e_y_{name}", "m", f"along-track error that {name} expects", PREDICTED)
+                for name in models
+            ),
+        ),
+    )

@@ -1,0 +1,91 @@
+"""`opml day`: the workflow's page of a day, made and summed up."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import date
+from pathlib import Path
+
+from opml.base.errors import InputError
+from opml.mornings import batch
+from opml.mornings.verdict import DO_NOT_USE
+from opml.report.day import summary
+from opml.study.settings.merging import merged
+
+ALL_RUN, WORKFLOW_FAILED, OBJECTS_FAILED = 0, 1, 2
+"""Exit codes: all mornings were run, the workflow ended with an error, mornings of some objects did."""
+
+
+@dataclass(frozen=True)
+class Call:
+    """What is asked for.
+
+    day: the last date of mornings
+    first: the first date that has a page
+    configfiles: files of settings
+    cores: that the workflow may use
+    dry: whether the plan alone is shown
+    """
+
+    day: date
+    first: date
+    configfiles: Sequence[str]
+    cores: int
+    dry: bool
+
+
+def run(call: Call) -> int:
+    """Run the workflow and print what became of the objects; return the exit code.
+
+    Mornings that failed are tried again. Raises InputError for settings that ask for no mornings.
+    """
+    values = merged(["config/config.yaml", *call.configfiles]).values
+    if "day" not in values:
+        raise InputError(
+            "day: expected a setting `day` that asks for mornings, got none; `day: {}` is enough"
+        )
+    dates = [date.fromordinal(k).isoformat() for k in range(call.first.toordinal(), call.day.toordinal() + 1)]
+    folders = [Path(values["results"], "days", text) for text in dates]
+    if not call.dry:
+        for folder in folders:
+            _forget_failed(folder)
+    # The last day brings all others up to date, whose pages then only have to be written.
+    for pages in [folders[-1:], folders[:-1]]:
+        if pages and _snakemake(call, [str(folder / "day.html") for folder in pages]):
+            return WORKFLOW_FAILED
+    if call.dry:
+        return ALL_RUN
+    page = json.loads((folders[-1] / "day.json").read_text(encoding="utf-8"))
+    print("\n".join(_lines(page, folders[-1])))
+    return OBJECTS_FAILED if page["verdicts"].get(batch.FAILED) else ALL_RUN
+
+
+def _snakemake(call: Call, pages: Sequence[str]) -> int:
+    """Run the workflow for some pages; return its exit code."""
+    how = ["-n"] if call.dry else ["--quiet", "all"]
+    settings = ["--configfile", *call.configfiles] if call.configfiles else []
+    command = [sys.executable, "-m", "snakemake", f"-j{call.cores}", *how, *settings, "--", *pages]
+    return subprocess.run(command, check=False).returncode
+
+
+def _forget_failed(folder: Path) -> None:
+    """Remove what says that mornings failed, so that the workflow runs them again."""
+    failed = [
+        path
+        for path in folder.glob("objects_*.json")
+        if any(outcome["verdict"] == batch.FAILED for outcome in batch.read(path))
+    ]
+    for path in failed:
+        path.unlink()
+
+
+def _lines(page: dict[str, list[dict[str, str]]], folder: Path) -> list[str]:
+    """Return the summary of a day, a line for each object that should be looked at."""
+    watched = [one for one in page["objects"] if one["verdict"] in (batch.FAILED, DO_NOT_USE)]
+    return [
+        f"{page['date']}: {summary(page['objects'])}",
+        *(f"{one['object']}: {one['verdict']}: {one['reason']}" for one in watched),
+        str(folder / "day.html"),
+    ]

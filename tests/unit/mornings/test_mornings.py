@@ -1,0 +1,165 @@
+"""Mornings of an object: each once, from nothing that came after it, the same in whatever pieces they run."""
+
+import json
+from dataclasses import replace
+from datetime import date, timedelta
+
+import numpy as np
+import pandas as pd
+import pytest
+from support import EPOCH, ESTIMATION
+
+from opml.base.constants import DAY, HOUR
+from opml.base.errors import InputError
+from opml.catalog.flight import Flight
+from opml.catalog.simulate import tracking, truth
+from opml.ephemerides.along_track_shift import corrected
+from opml.interop import oem
+from opml.mornings import days, tracks
+from opml.mornings.days import Calendar, Folder
+from opml.mornings.morning import Model, Plan, Watched
+from opml.mornings.records import DONE, Records
+from opml.mornings.verdict import DO_NOT_USE, WIDE
+from opml.tables import STATE, paths_schema, read_metadata, read_table, read_tables
+
+ARC = {"window_hours": 18.0, "memory_days": 30.0}
+MODELS = {
+    "fit18": {"kind": "refitted", "window_hours": 18.0, "variables": ["l_arc_y"]},
+    "running18": {"kind": "running", "variables": ["l_arc_y", "v_arc_y", "cd_arc", "cd_past"], **ARC},
+}
+CALENDAR = Calendar(EPOCH, hour=13.0)  # the epoch is at 12:10
+FIRST = date.fromisoformat(EPOCH[:10])
+LAST = FIRST + timedelta(days=4)
+METADATA = {"epoch": EPOCH, "settings": "digest"}
+
+
+@pytest.fixture(scope="module")
+def watched(truth_model, assumed_model, iss, earth_orientation, three_stations):
+    """Five days of the paper's RSO, watched by three stations."""
+    orbit = truth.simulate(Flight(truth_model, iss), duration=5 * DAY, step=20.0)
+    measured = tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1)
+    flight = Flight(assumed_model, iss)
+    first = (0.0, orbit[STATE].to_numpy()[0])
+    plan = Plan(MODELS, ESTIMATION, 2.0, 60.0, 7 * DAY, [], EPOCH)
+    model = Model(flight, flight, flight, None, earth_orientation)
+    return Watched(model, plan, measured, three_stations, first)
+
+
+def run(watched, folder, until=LAST):
+    days.catch_up(Folder(folder, "iss"), watched, CALENDAR, until, metadata=METADATA)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def whole(watched, tmp_path_factory):
+    """The folder of all mornings, run at once."""
+    return run(watched, tmp_path_factory.mktemp("whole"))
+
+
+def contents(folder, until=LAST):
+    """The bytes of the mornings up to a date, by their files."""
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in files
+        if path.relative_to(folder).parts[0] <= until.isoformat()
+    }
+
+
+def test_mornings_that_run_one_by_one_leave_the_same_bytes(watched, whole, tmp_path):
+    for day in range(1, 5):
+        run(watched, tmp_path, FIRST + timedelta(days=day))
+    assert contents(tmp_path) == contents(whole)
+
+
+def test_what_comes_after_a_morning_changes_nothing_of_it(watched, whole, tmp_path):
+    until = FIRST + timedelta(days=3)
+    now = CALENDAR.time(until)
+    ends = watched.tracking.groupby("track")["t"].transform("max")
+    noise = np.where(ends > now, 1.0, 0.0) * np.random.default_rng(1).normal(size=len(ends))
+    other = watched.tracking.assign(range=watched.tracking["range"] + 1e3 * noise)
+    assert (noise != 0.0).any()
+    run(replace(watched, tracking=other), tmp_path, LAST)
+    assert contents(tmp_path, until) == contents(whole, until)
+    assert contents(tmp_path) != contents(whole)
+
+
+def test_a_morning_that_was_cut_short_runs_again(watched, whole, tmp_path):
+    """Whatever it left before it ended is written anew; what is over stays as it is."""
+    run(watched, tmp_path)
+    last = Folder(tmp_path, "iss").of_day(LAST)
+    (last / DONE).unlink()
+    (last / "judged.parquet").write_bytes(b"half")
+    before = (Folder(tmp_path, "iss").of_day(LAST - timedelta(days=1)) / DONE).stat().st_mtime_ns
+    run(watched, tmp_path)
+    assert contents(tmp_path) == contents(whole)
+    assert (Folder(tmp_path, "iss").of_day(LAST - timedelta(days=1)) / DONE).stat().st_mtime_ns == before
+
+
+def test_every_track_is_estimated_once_and_judges_what_was_flown_before(watched, whole):
+    folder = Folder(whole, "iss")
+    done = folder.done()
+    assert done[-1] == LAST
+    tables = [folder.of_day(day) / "kept_estimates.parquet" for day in done]
+    made = read_tables(tables, "kept_estimates")
+    base = made[made["window_hours"] == ESTIMATION.window_hours]
+    by_track = watched.tracking.groupby("track")["t"]
+    over = by_track.max() <= CALENDAR.time(LAST)
+    np.testing.assert_array_equal(np.sort(base["t"]), by_track.min()[over])
+    for day in done:
+        judged = read_table(folder.of_day(day) / "judged.parquet", "judged")
+        now = CALENDAR.time(day)
+        assert (judged["t_known"] <= now).all()
+        assert (judged["morning"] < now).all()
+        assert (judged["t_known"] > now - DAY).all()
+
+
+def test_what_leaves_is_the_path_of_the_model_that_the_past_chose(whole):
+    place = Folder(whole, "iss").of_day(LAST)
+    found = json.loads((place / DONE).read_text())
+    assert found["model"] in MODELS
+    assert found["verdict"] == WIDE  # after few mornings
+    assert found["past"]["all"][0]["along_track_m"] < 200.0
+    table = place / "paths.parquet"
+    paths = read_table(table, paths_schema(read_metadata(table)["models"]))
+    (segment,) = oem.read(place / "iss.oem", epoch=EPOCH)
+    states = corrected(
+        paths["t_j"].to_numpy(), np.ascontiguousarray(paths[STATE]), paths[f"e_y_{found['model']}"].to_numpy()
+    )
+    both = np.isin(segment.t, paths["t_j"])
+    nodes = np.isin(paths["t_j"], segment.t)
+    assert both.sum() > 100
+    # Derivatives at nodes five minutes apart are less sharp at the ends.
+    apart = np.linalg.norm(segment.states[both, :3] - states[nodes, :3], axis=1)
+    assert np.median(apart) < 0.1
+    assert apart.max() < 5.0
+    assert len(segment.covariance_t) > 100
+
+
+def test_a_first_morning_says_that_it_has_no_past(whole):
+    folder = Folder(whole, "iss")
+    found = json.loads((folder.of_day(folder.done()[0]) / DONE).read_text())
+    assert (found["verdict"], found["message"]) == (DO_NOT_USE, "")
+    assert found["reason"] == "no estimate that an ephemeris may start from"
+
+
+def test_records_of_other_settings_are_refused(watched, whole):
+    folders = [Folder(whole, "iss").of_day(LAST)]
+    with pytest.raises(InputError, match="made with these settings"):
+        Records.read(folders, since=0.0, digest="another")
+
+
+def track(number, begin, length=300.0):
+    t = np.arange(begin, begin + length, 60.0)
+    return pd.DataFrame({"track": number, "t": t})
+
+
+def test_a_track_keeps_its_number_and_one_that_comes_late_gets_none():
+    measured = pd.concat([track(0, 0.0), track(1, 4 * HOUR), track(2, 8 * HOUR), track(3, 30 * HOUR)])
+    kept = pd.DataFrame({"track": [7, 8], "t": [0.0, 8 * HOUR]})
+    recent = tracks.over(measured, kept, now=31 * HOUR, reach=2 * DAY)
+    assert recent.late == 1
+    np.testing.assert_array_equal(recent.numbers, [7, 8, 9])
+    np.testing.assert_array_equal(recent.tracking["track"].unique(), [0, 1, 2])
+    recent = tracks.over(measured, kept, now=30 * HOUR + 100.0, reach=DAY)
+    np.testing.assert_array_equal(recent.numbers, [8])  # one is too old, one is not over
