@@ -40,9 +40,10 @@ check: $(INSTALLED)
 	$(BIN)/lint-imports
 	$(PYTEST) -m "not slow" tests/unit tests/project
 
-# Tests of the workflow run jobs on both cores themselves and share one run of the trimmed case: one process.
+# Tests of the workflow start Python some hundred times: each start reads what an earlier one compiled.
+test: export PYTHONDONTWRITEBYTECODE =
 test: $(VENV)/.docs
-	$(BIN)/python -m pytest tests/workflow
+	$(PYTEST) tests/workflow
 	$(PYTEST) tests/reference tests/project tests/unit --cov
 
 faults: $(INSTALLED)
