@@ -31,8 +31,8 @@ endif
 all: $(INSTALLED)
 	$(BIN)/snakemake -j2 results/figs/partition_curve.pdf
 
-# A process a core, the longest tests first; tests/conftest.py keeps those together that share what they make.
-PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist loadgroup --no-loadscope-reorder
+# A process a core, the longest tests first; those of a module stay together, as they share what they make.
+PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 check: $(INSTALLED)
 	$(BIN)/ruff check
