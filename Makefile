@@ -31,8 +31,8 @@ endif
 all: $(INSTALLED)
 	$(BIN)/snakemake -j2 results/figs/partition_curve.pdf
 
-# A process a core, the longest tests first; tests/conftest.py keeps those together that share what they make.
-PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist loadgroup --no-loadscope-reorder
+# A process a core, the longest tests first; those of a module stay together, as they share what they make.
+PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 check: $(INSTALLED)
 	$(BIN)/ruff check
@@ -40,9 +40,10 @@ check: $(INSTALLED)
 	$(BIN)/lint-imports
 	$(PYTEST) -m "not slow" tests/unit tests/project
 
-# Tests of the workflow run jobs on both cores themselves and share one run of the trimmed case: one process.
+# Tests of the workflow start Python some hundred times: each start reads what an earlier one compiled.
+test: export PYTHONDONTWRITEBYTECODE =
 test: $(VENV)/.docs
-	$(BIN)/python -m pytest tests/workflow
+	$(PYTEST) tests/workflow
 	$(PYTEST) tests/reference tests/project tests/unit --cov
 
 faults: $(INSTALLED)

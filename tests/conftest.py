@@ -13,14 +13,6 @@ from unchanged import pytest_fixture_setup, shared_values_stay  # noqa: F401
 threadpoolctl.threadpool_limits(1, user_api="blas")
 
 
-def pytest_collection_modifyitems(config, items):
-    """Keep tests that share fixtures in one worker: those of a module, and those of the finished run."""
-    if hasattr(config, "workerinput"):  # of pytest-xdist
-        for item in items:
-            group = "finished" if "finished" in item.fixturenames else item.path.stem
-            item.add_marker(pytest.mark.xdist_group(group))
-
-
 @pytest.fixture(scope="session")
 def earth_orientation():
     """The Earth orientation table of the paper's 50 days."""

@@ -53,6 +53,13 @@ def test_an_empty_project_uses_it_as_a_module(around):
     assert "results/" not in output
 
 
+def test_a_plan_does_not_wait_for_the_compiled_kernels(around, tmp_path):
+    with (tmp_path / "Snakefile").open("a") as file:
+        file.write('import sys\nassert "numba" not in sys.modules\n')
+    code, output = around("-n")
+    assert code == 0, output
+
+
 def test_a_job_of_the_module_runs(around, tmp_path):
     code, output = around("orbits/environment/gravity_field.parquet")
     assert code == 0, output

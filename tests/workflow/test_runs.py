@@ -71,7 +71,7 @@ def copy(finished, tmp_path):
     """The finished folder with a workflow of its own, to be changed."""
     shutil.copytree(finished.folder, tmp_path, dirs_exist_ok=True)
     for name in ("workflow", "src", "profiles"):
-        shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(ROOT / name, tmp_path / name)
     shutil.copy2(ROOT / "Snakefile", tmp_path)
     return Project(tmp_path, source=tmp_path)
 

@@ -11,7 +11,6 @@ from opml.report.sections import SECTIONS, section_of
 from opml.study.checks import check_data, load_settings
 from opml.study.settings.merging import merged
 from opml.study.settings.overlay import COMMAND_LINE, Layer, with_numbers
-from opml.workflow.export_sizes import size_line
 from opml.workflow.inputs import Inputs, announcement, at_window, checks, path_of, paths_of, tables_of, target
 from opml.workflow.params import Params
 from opml.workflow.plan import Plan, end_plan
@@ -98,3 +97,13 @@ def labelled(rso, stations):
     """Return the dataset of an RSO and a station set with the errors that the study learns from."""
     parts = {"rso": rso, "stations": stations, "window": "", "reading": ""}
     return path_of(rules.labelled_dataset.output[0], **parts, label=naming.LABELS[STUDY.label])
+
+
+def size_line(wildcards):
+    """Return the line on the size of ephemerides from each estimate.
+
+    Its module brings the compiled kernels with it, half a second that no other plan should wait for.
+    """
+    from opml.workflow import export_sizes
+
+    return export_sizes.size_line(PARAMS, wildcards)

@@ -93,7 +93,7 @@ rule export_each_corrected:
     input:
         rules.corrected.output[0],
         check=checks(PARAMS.check_from_each),
-        amount=announced(lambda wildcards: size_line(PARAMS, wildcards)),
+        amount=announced(size_line),
     output:
         directory(CORRECTED_OEM.folder),
     log:
@@ -197,7 +197,7 @@ if ENVIRONMENT.is_forecast:
         input:
             rules.forecast.output[0],
             check=checks(PARAMS.check_from_each),
-            amount=announced(lambda wildcards: size_line(PARAMS, wildcards)),
+            amount=announced(size_line),
         output:
             directory(FORECASTS_OEM.folder),
         log:

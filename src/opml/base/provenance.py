@@ -83,6 +83,7 @@ def _path(module: str) -> Path:
     raise ValueError(f"no module {module}")
 
 
+@cache
 def _exists(module: str) -> bool:
     try:
         return _path(module).is_file()
