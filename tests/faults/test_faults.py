@@ -36,12 +36,15 @@ RUNS = {
 }
 """Settings and targets of the runs that are disturbed: each kind of study in a small case."""
 
+MORNINGS = {"mornings": (HERE / "days.yaml", ["results/days/days/2016-10-01/day.html"])}
+"""The same of mornings, whose records are no products of a rule: what is damaged of them, a user removes."""
+
 
 class Run:
     """One kind of run, in a folder of its own; `orbit` is the OEM file that a study of an orbit reads."""
 
     def __init__(self, kind, folder, orbit):
-        settings, targets = RUNS[kind]
+        settings, targets = (RUNS | MORNINGS)[kind]
         self.folder, self.command = folder, command("-j2", "--configfile=mine.yaml", "--", *targets)
         folder.mkdir(parents=True)
         shutil.copytree(ROOT / "config", folder / "config")
@@ -278,3 +281,23 @@ def test_a_full_disk_leaves_nothing_half_written(undisturbed, orbit, tmp_path):
         assert run.finals() == expected
     finally:
         subprocess.run(["umount", str(disk)], check=True)
+
+
+def test_kills_at_random_moments_lose_no_morning(orbit, tmp_path):
+    """Each run is killed several times on its way."""
+    whole = Run("mornings", tmp_path / "whole", orbit)
+    started = time.monotonic()
+    whole.complete()
+    expected, duration = whole.finals(), time.monotonic() - started
+    rng = np.random.default_rng(SEEDS[0])
+    for number in range(50 // FAULTS_IN_A_RUN):
+        run = Run("mornings", tmp_path / f"{number:02d}", orbit)
+        faults = rng.choice(KILLS, FAULTS_IN_A_RUN)
+        for fault in faults:
+            strike(run, fault, rng.uniform(0.05, 0.9) * duration, rng)
+        run.complete()
+        products = run.finals()
+        names = [fault.__name__ for fault in faults]
+        assert products.keys() == expected.keys(), names
+        assert [name for name in expected if products[name] != expected[name]] == [], names
+        shutil.rmtree(run.folder)

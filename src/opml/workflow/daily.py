@@ -71,13 +71,13 @@ def _snakemake(call: Call, pages: Sequence[str]) -> int:
 
 
 def _forget_failed(folder: Path) -> None:
-    """Remove what says that mornings failed, so that the workflow runs them again."""
+    """Remove what says that mornings failed, and the page of it, so that the workflow runs them again."""
     failed = [
         path
         for path in folder.glob("objects_*.json")
         if any(outcome["verdict"] == batch.FAILED for outcome in batch.read(path))
     ]
-    for path in failed:
+    for path in (*failed, *(folder.glob("day.*") if failed else ())):
         path.unlink()
 
 

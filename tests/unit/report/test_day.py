@@ -1,0 +1,47 @@
+"""The page of a day: those to look at first, what was flown, and the same for machines."""
+
+from datetime import date
+
+import pytest
+
+from opml.mornings import days
+from opml.report import day
+from opml.report.document import markdown
+
+SCORE = {"day": 1, "predictions": 5, "along_track_m": 40.0, "along_track_95_m": 90.0, "inside": 0.8}
+
+
+def outcome(name, verdict, **more):
+    scores = {"scores": [SCORE], "past": {"all": [SCORE], "good": [SCORE]}}
+    return days.failed(name, date(2016, 10, 5), verdict, "why") | scores | {"model": "fit96"} | more
+
+
+OUTCOMES = [
+    outcome("first", "good"),
+    outcome("second", "do not use"),
+    outcome("third", "good", scores=[SCORE | {"along_track_m": 900.0}]),
+    outcome("fourth", "failed", scores=[], past={}, model=""),
+]
+
+
+@pytest.fixture(scope="module")
+def page():
+    return markdown(day.document(OUTCOMES, date="2016-10-05"))
+
+
+def test_those_to_look_at_come_first(page):
+    places = [page.index(f"| {name} |") for name in ("fourth", "second", "third", "first")]
+    assert places == sorted(places)
+    assert "4 objects: 2 good, 1 do not use, 1 failed" in page
+
+
+def test_what_was_flown_is_told_by_verdict(page):
+    past = page[page.index("What was flown") :]
+    assert "| first | good | 40 / 90, 80 % | - | - |" in past
+    assert "fourth" not in past
+
+
+def test_machines_get_the_same():
+    found = day.as_json(OUTCOMES, date="2016-10-05")
+    assert found["verdicts"] == {"do not use": 1, "failed": 1, "good": 2}
+    assert found["objects"] == OUTCOMES

@@ -1,0 +1,107 @@
+"""docs/day.md, followed: one command a day; what is wrong with one object stops no other."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+from project import ROOT
+
+SETTINGS = """\
+results: results
+epoch: "2016-09-28T12:09:45"
+duration_days: 6
+tracks: {mine: tracks/mine.tdm, broken: tracks/broken.tdm, absent: "tracks/absent/*.tdm"}
+rsos:
+  mine: {area_to_mass_m2pkg: 0.05, cd: 2.2, cr: 1.25}
+  broken: {area_to_mass_m2pkg: 0.05, cd: 2.2, cr: 1.25}
+  absent: {area_to_mass_m2pkg: 0.05, cd: 2.2, cr: 1.25}
+environment: {solar_activity: OBSERVED, knowledge: forecast}
+force_models: {assumed: {degree: 8, order: 8, third_bodies: [sun, moon]}}
+integrator: {max_step_s: 120}
+prediction: {max_days: 1}
+uncertainty: {futures: 4}
+study: {}
+day: {models: [fit24], hour: 12}
+"""
+TRACKS = ROOT / "tests" / "reference" / "orekit.tdm"
+
+
+def opml_day(folder, *arguments):
+    """Run `opml day` in a folder; its exit code and its last lines."""
+    done = subprocess.run(
+        [sys.executable, "-m", "opml.cli", "day", "--configfile", "mine.yaml", *arguments],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(ROOT / "src")},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return done.returncode, done.stdout + done.stderr
+
+
+def page(folder, date):
+    """What became of each object on a day."""
+    found = json.loads((folder / "results" / "days" / date / "day.json").read_text())
+    return {outcome["object"]: outcome for outcome in found["objects"]}
+
+
+@pytest.fixture(scope="module")
+def operator(tmp_path_factory):
+    """A project of an operator with two days of tracks, one broken file and one that is not there."""
+    folder = tmp_path_factory.mktemp("operator")
+    for name in ("Snakefile", "workflow", "config", "profiles"):
+        (folder / name).symlink_to(ROOT / name)
+    (folder / "mine.yaml").write_text(SETTINGS)
+    (folder / "tracks").mkdir()
+    (folder / "tracks" / "mine.tdm").write_text(TRACKS.read_text())
+    (folder / "tracks" / "broken.tdm").write_text("CCSDS_TDM_VERS = 2.0\nrubbish\n")
+    return folder
+
+
+@pytest.mark.dag
+def test_an_object_that_fails_stops_no_other_and_is_tried_again(operator):
+    code, told = opml_day(operator, "--date", "2016-09-29")
+    found = page(operator, "2016-09-29")
+    assert code == 2, told
+    assert found["mine"]["verdict"] == "do not use"  # no past on the first morning
+    assert found["broken"]["verdict"] == found["absent"]["verdict"] == "failed"
+    assert "tracks/broken.tdm: line 2: expected KEY = value" in told
+    assert "absent/*.tdm: no such file" in told
+    left = operator / "results" / "days" / "2016-09-29" / "mine" / "morning.json"
+    before = left.stat().st_mtime_ns
+    (operator / "tracks" / "broken.tdm").write_text(TRACKS.read_text())
+    code, told = opml_day(operator, "--date", "2016-09-29")
+    assert code == 2, told
+    assert page(operator, "2016-09-29")["broken"]["verdict"] == "do not use"
+    assert left.stat().st_mtime_ns == before
+
+
+@pytest.mark.dag
+def test_a_day_later_the_days_between_are_caught_up(operator):
+    code, told = opml_day(operator, "--date", "2016-10-01", "--since", "2016-09-30")
+    assert code == 2, told
+    assert "3 objects" in told
+    yesterday, today = (page(operator, f"2016-{day}")["mine"] for day in ("09-30", "10-01"))
+    assert (yesterday["tracks"], today["tracks"]) > (0, 0)
+    assert sum(score["predictions"] for score in today["past"]["all"]) >= 0
+    html = (operator / "results" / "days" / "2016-10-01" / "day.html").read_text()
+    assert "3 objects" in html
+    assert "broken" in html
+
+
+def test_without_the_setting_one_line_says_what_is_missing(operator):
+    (operator / "other.yaml").write_text("study: {}\n")
+    done = subprocess.run(
+        [sys.executable, "-m", "opml.cli", "day", "--configfile", "other.yaml", "-n"],
+        cwd=operator,
+        env=os.environ | {"PYTHONPATH": str(ROOT / "src")},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1
+    assert done.stderr == (
+        "opml: day: expected a setting `day` that asks for mornings, got none; `day: {}` is enough\n"
+    )
