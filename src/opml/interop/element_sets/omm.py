@@ -1,4 +1,4 @@
-"""Orbit mean-elements messages (OMM), one or many in a text: KVN, XML, JSON or CSV.
+"""Orbit mean-elements messages (OMM), one or many in a text: KVN, XML, JSON or CSV; written as KVN.
 
 CSV and JSON may leave out the keys whose values are the same in all sets, as CelesTrak's do.
 Source: CCSDS 502.0-B-2, section 4; CelesTrak, GP data formats; Space-Track, class gp_history.
@@ -21,7 +21,7 @@ from sgp4.api import Satrec
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import ccsds
-from opml.interop.element_sets.element_set import ElementSet, check_orbit
+from opml.interop.element_sets.element_set import PER_DAY, ElementSet, check_orbit, elements_epoch
 from opml.interop.element_sets.tle import EPHEMERIS_TYPES, LARGEST_NUMBER
 from opml.interop.orbit_arcs import line_error
 
@@ -111,6 +111,42 @@ def element_set(path: FilePath, record: Record) -> ElementSet:
     check_orbit(path, record.line, satellite)
     created = values.time("CREATION_DATE") if "CREATION_DATE" in values.known else ""
     return ElementSet(path, record.line, number, created, satellite)
+
+
+def write(path: FilePath, satellite: Satrec, *, name: str, number: int, epoch: str, comment: str) -> None:
+    """Write mean elements as an OMM in KVN, whole or not at all.
+
+    name: of the object
+    number: its catalogue number
+    epoch: of the run, UTC text
+    comment: line for the whole message
+    """
+    version, *header = ccsds.header(_VERSION, epoch)
+    pairs = {
+        "OBJECT_NAME": name,
+        "OBJECT_ID": name,
+        "CENTER_NAME": "EARTH",
+        "REF_FRAME": "TEME",
+        "TIME_SYSTEM": "UTC",
+        "MEAN_ELEMENT_THEORY": "SGP4",
+        "EPOCH": elements_epoch(satellite),
+        "MEAN_MOTION": ccsds.number_text(satellite.no_kozai * PER_DAY, 0),
+        "ECCENTRICITY": ccsds.number_text(satellite.ecco, 0),
+        "INCLINATION": ccsds.degrees_text(satellite.inclo),
+        "RA_OF_ASC_NODE": ccsds.degrees_text(satellite.nodeo),
+        "ARG_OF_PERICENTER": ccsds.degrees_text(satellite.argpo),
+        "MEAN_ANOMALY": ccsds.degrees_text(satellite.mo),
+        "EPHEMERIS_TYPE": 0,
+        "CLASSIFICATION_TYPE": "U",
+        "NORAD_CAT_ID": number,
+        "ELEMENT_SET_NO": 0,
+        "REV_AT_EPOCH": 0,
+        "BSTAR": ccsds.number_text(satellite.bstar, 0),
+        "MEAN_MOTION_DOT": 0,
+        "MEAN_MOTION_DDOT": 0,
+    }
+    lines = (f"{key} = {value}" for key, value in pairs.items())
+    ccsds.write(path, [version, f"COMMENT {comment}", *header, "", *lines])
 
 
 class _Values:

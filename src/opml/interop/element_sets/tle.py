@@ -15,6 +15,7 @@ from sgp4.api import Satrec
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
+from opml.interop import ccsds
 from opml.interop.element_sets.element_set import PER_DAY, ElementSet, check_orbit
 from opml.interop.orbit_arcs import line_error
 
@@ -109,6 +110,11 @@ def lines(satellite: Satrec, number: int) -> tuple[str, str]:
         f"2 {name} {np.rad2deg(satellite.inclo):8.4f} {node} {round(1e7 * satellite.ecco):07d} "
         f"{perigee} {anomaly} {motion}    0"
     )
+
+
+def write(path: FilePath, satellite: Satrec, number: int) -> None:
+    """Write a set as a TLE, whole or not at all. Raises InputError for a number beyond those of TLEs."""
+    ccsds.write(path, lines(satellite, number))
 
 
 def check_number(number: int) -> None:
