@@ -81,7 +81,7 @@ def test_the_residual_is_told_and_logged(caplog):
 
 def test_elements_that_decay_within_the_ephemeris_are_refused():
     dying = satellite("2016-09-28T12:30:00", [16.4 * 2 * np.pi / 1440, *MADE[1:6], 0.5])
-    with pytest.raises(InputError, match="mean elements: expected an orbit for 17.... s, got one that ends"):
+    with pytest.raises(InputError, match=r"mean elements: expected an orbit for \d+ s, got one that ends"):
         ephemeris_elements.residual(dying, flown(2.0), epoch=EPOCH)
 
 
