@@ -146,7 +146,7 @@ def _check_line(path: FilePath, last: int, line: Line | None, kind: str) -> None
         raise line_error(path, last, f"line {kind} of a TLE after this line", "none")
     number, text = line
     if not _PATTERNS[kind].fullmatch(text):
-        raise InputError(f"{path}: line {number}: expected line {kind} of a TLE, got {text!r}")
+        raise line_error(path, number, f"line {kind} of a TLE", repr(text))
     if _checksum(text) != int(text[68]):
         raise line_error(path, number, f"the checksum {_checksum(text)}", text[68])
 
