@@ -48,7 +48,7 @@ def _is_near(earlier: pd.Series, later: pd.Series) -> bool:
 
 
 def _parting(earlier: pd.Series, later: pd.Series, epoch: str) -> tuple[float, float]:
-    """Return the halved curvature [m/s2] and, at the mean of the epochs, the rate [m/s] by which two sets part.
+    """Return half the curvature [m/s2] and, at the mean epoch, the rate [m/s] by which two sets part.
 
     NaN where SGP4 has the object decayed.
     """
