@@ -10,7 +10,7 @@ from opml.conjunctions import cdm
 from opml.conjunctions.probability import chance
 from opml.ephemerides.along_track_shift import corrected
 from opml.interop import ocm, oem, tdm
-from opml.interop.element_sets import mean_elements
+from opml.interop.element_sets import ephemeris_elements, mean_elements, omm, tle
 from opml.orbits.elements import cartesian_from_coe, true_from_mean_anomaly
 from opml.tables import SCHEMAS, STATE, STATE_COVARIANCES
 
@@ -138,6 +138,33 @@ def test_orekit_reads_an_ephemeris_as_ocm(org, ephemeris, tmp_path):
     for one, expected in zip(history.getCovariances(), segment.covariances, strict=True):
         matrix = [[one.getMatrix().getEntry(k, m) for m in range(6)] for k in range(6)]
         np.testing.assert_allclose(matrix, expected, rtol=1e-14)
+
+
+def test_orekit_flies_the_mean_elements_of_an_ephemeris(org, ephemeris, tmp_path):
+    """It reads the OMM, and from the TLE it is as far from the ephemeris as the OMM says."""
+    (segment,) = oem.corrected_segments(ephemeris, rso="iss")
+    satellite = ephemeris_elements.fitted(segment, epoch=EPOCH)
+    comment = ephemeris_elements.residual(satellite, segment, epoch=EPOCH)
+    omm.write(tmp_path / "c.omm", satellite, name="iss", number=25544, epoch=EPOCH, comment=comment)
+    message = parsed(org, "Omm", tmp_path / "c.omm")
+    assert str(message.getHeader().getComments()[0]) == comment
+    data = message.getData()
+    elements, of_tle = data.getKeplerianElementsBlock(), data.getTLEBlock()
+    assert float(elements.getMeanMotion()) == pytest.approx(satellite.no_kozai / 60.0, rel=1e-14)
+    assert float(elements.getE()) == satellite.ecco
+    assert float(elements.getAnomaly()) == pytest.approx(satellite.mo, rel=1e-14)
+    assert (int(of_tle.getNoradID()), float(of_tle.getBStar())) == (25544, satellite.bstar)
+
+    tle.write(tmp_path / "c.tle", satellite, 25544)
+    propagation = org.orekit.propagation.analytical.tle
+    lines = propagation.TLE(*(tmp_path / "c.tle").read_text().splitlines())
+    propagator = propagation.TLEPropagator.selectExtrapolator(lines)
+    start = org.orekit.time.AbsoluteDate(EPOCH, org.orekit.time.TimeScalesFactory.getUTC())
+    gcrf = org.orekit.frames.FramesFactory.getGCRF()
+    dates = [start.shiftedBy(t) for t in segment.t.tolist()]
+    flown = np.array([state(propagator.getPVCoordinates(date, gcrf)) for date in dates])
+    apart = np.linalg.norm((flown - segment.states)[:, :3], axis=1)
+    assert np.sqrt(np.mean(apart**2)) == pytest.approx(float(comment.split()[2]), abs=12.0)
 
 
 @pytest.mark.parametrize("case", [1, 3, 4, 6, 7, 9])

@@ -6,6 +6,7 @@ CORRECTED = product(f"corrected/{EPHEMERIS}")
 # The exports are jobs beside those of the tables, with logs of their own.
 CORRECTED_OEM, FORECASTS_OEM = product(f"corrected/{EPHEMERIS}_oem"), product(f"forecasts/{FORECAST}_oem")
 CORRECTED_OCM = product(f"corrected/{EPHEMERIS}_ocm")
+CORRECTED_OMM, CORRECTED_TLE = product(f"corrected/{EPHEMERIS}_omm"), product(f"corrected/{EPHEMERIS}_tle")
 CORRECTED_FIGURE = product(f"figs/corrected/{EPHEMERIS}")
 FORECASTS = product(f"forecasts/{FORECAST}")
 
@@ -87,6 +88,54 @@ rule export_corrected_ocm:
         "Export: corrected ephemeris of {wildcards.rso} by {wildcards.stations}, with covariances, as CCSDS OCM"
     script:
         "../scripts/export_ocm.py"
+
+
+rule export_corrected_omm:
+    input:
+        rules.corrected.output[0],
+        history=INPUTS.history,
+        check=checks(PARAMS.check_from_newest),
+    output:
+        CORRECTED.file("omm"),
+    log:
+        CORRECTED_OMM.log,
+    benchmark:
+        CORRECTED_OMM.benchmark
+    wildcard_constraints:
+        window=PLAN.window_pattern,
+    conda:
+        "../envs/opml.yaml"
+    params:
+        settings=lambda wildcards: {"epoch": config["epoch"], "rso": wildcards.rso},
+        code=code("export_omm.py"),
+    message:
+        "Export: mean elements of the corrected ephemeris of {wildcards.rso} by {wildcards.stations}, as CCSDS OMM"
+    script:
+        "../scripts/export_omm.py"
+
+
+rule export_corrected_tle:
+    input:
+        rules.corrected.output[0],
+        history=INPUTS.history,
+        check=checks(PARAMS.check_from_newest),
+    output:
+        CORRECTED.file("tle"),
+    log:
+        CORRECTED_TLE.log,
+    benchmark:
+        CORRECTED_TLE.benchmark
+    wildcard_constraints:
+        window=PLAN.window_pattern,
+    conda:
+        "../envs/opml.yaml"
+    params:
+        settings=lambda wildcards: {"epoch": config["epoch"], "rso": wildcards.rso},
+        code=code("export_tle.py"),
+    message:
+        "Export: mean elements of the corrected ephemeris of {wildcards.rso} by {wildcards.stations}, as TLE"
+    script:
+        "../scripts/export_tle.py"
 
 
 rule export_each_corrected:

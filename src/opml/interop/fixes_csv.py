@@ -68,13 +68,22 @@ def _lines(path: FilePath, content: bytes) -> list[tuple[int, list[str]]]:
     except UnicodeDecodeError as reason:
         raise InputError(f"{path}: expected SP3, CPF, OEM or CSV, got no text ({reason})") from None
     lines = [
-        (number, next(csv.reader([line])))
+        (number, _cells(path, number, line))
         for number, line in enumerate(text.splitlines(), start=1)
         if line.strip() and not line.startswith("#")
     ]
     if not lines:
         raise InputError(f"{path}: expected a line of columns, such as {EXAMPLE}, got an empty file")
     return lines
+
+
+def _cells(path: FilePath, number: int, line: str) -> list[str]:
+    if "\0" in line:
+        raise line_error(path, number, "text", "bytes that are none")
+    try:
+        return next(csv.reader([line], strict=True))
+    except csv.Error as reason:
+        raise line_error(path, number, "cells of CSV", str(reason)) from None
 
 
 class _Columns:

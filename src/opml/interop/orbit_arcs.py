@@ -22,6 +22,8 @@ MOST_APART = 300.0
 BEHIND_TAI = {"TAI": 0.0, "TT": -32.184, "GPS": 19.0, "GAL": 19.0, "QZS": 19.0}
 """Seconds by which the clocks of a time system are behind TAI; UTC's leap seconds come from ERFA."""
 
+_MOST_SHOWN = 100  # characters of a line in an error
+
 _GZIPPED = b"\x1f\x8b"
 _NO_SUCH_TIME = (erfa.ErfaError, erfa.ErfaWarning, ValueError)
 
@@ -79,8 +81,13 @@ def contents(path: FilePath) -> bytes:
 def line_error(path: FilePath, line: int, expected: str, got: str | bytes) -> InputError:
     """Return the error of a line, counted from 1."""
     text = got.decode("latin-1") if isinstance(got, bytes) else got
+    return InputError(f"{path}: line {line}: expected {expected}, got {excerpt(text)}")
+
+
+def excerpt(text: str) -> str:
+    """Return what an error shows of a text: one line that is not too long."""
     shown = " ".join("".join(c if c.isprintable() else "?" for c in text).split())
-    return InputError(f"{path}: line {line}: expected {expected}, got {shown or 'nothing'}")
+    return f"{shown[:_MOST_SHOWN]}..." if len(shown) > _MOST_SHOWN else shown or "nothing"
 
 
 def numbers(path: FilePath, texts: np.ndarray, lines: np.ndarray) -> np.ndarray:

@@ -211,6 +211,13 @@ class Inputs:
         asked = map(_tables_asked, self.params.learners(wildcards).values())
         if not any("sgp4" in dict(tables) for tables in asked):
             return []
+        return self._element_sets(wildcards)
+
+    def history(self, wildcards: Wildcards) -> _Paths:
+        """Find the history of an RSO's mean elements; none where it is known by other measurements."""
+        return self._element_sets(wildcards) if wildcards.rso in self.plan.elements else []
+
+    def _element_sets(self, wildcards: Wildcards) -> str:
         return self.plan.product(f"element_sets/{wildcards.rso}").table
 
     def long_estimates(self, estimates: _Pattern) -> InputFunction:

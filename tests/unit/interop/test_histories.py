@@ -5,6 +5,7 @@ import json
 import logging
 
 import numpy as np
+import pandas as pd
 import pytest
 from sgp4.api import Satrec
 from support import shared
@@ -287,7 +288,48 @@ def test_a_leap_second_is_a_second_of_flight(written):
 FIRST, SECOND = tle()
 OTHER = tle(number="54321")
 ROW = csv(omm())
+PAGE = "<!DOCTYPE html>\n<html><head><title>403</title></head>\n<body><br></body></html>\n"
 DAMAGED = {
+    "error page": (PAGE, ": line 3: expected OMMs in XML, got mismatched tag"),
+    "error page that is whole": (PAGE.replace("<br>", ""), ": expected a TLE or an OMM, got none"),
+    "error page behind sets": (text(*LINES) + PAGE, ": line 8: expected line 1 of a TLE, got '<html>"),
+    "archive": (b"PK\3\4" + bytes(40), ": expected a TLE or an OMM in UTF-8 text, got bytes that are none"),
+    "packed twice": (
+        gzip.compress(gzip.compress(text(*LINES).encode())),
+        ": expected a TLE or an OMM in UTF-8 text",
+    ),
+    "more behind gzip": (
+        gzip.compress(text(*LINES).encode()) + b"more",
+        ": expected a file that is whole, got Not a gzipped file (b'mo')",
+    ),
+    "tabs": (text(LINES[0]).replace(" ", "\t"), ": line 1: expected line 1 of a TLE, got '1\\t12345U"),
+    "indented": (" " + text(LINES[0]), ": line 1: expected line 1 of a TLE, got ' 1 12345U"),
+    "small letters": (text(LINES[0]).lower(), ": line 1: expected line 1 of a TLE, got '1 12345u"),
+    "commas": (text(LINES[0]).replace(".", ","), ": line 1: expected line 1 of a TLE, got '1 12345U"),
+    "json comma": (
+        json.dumps(SETS).replace("]", ",]"),
+        ": line 1: expected OMMs in JSON, got Expecting value",
+    ),
+    "json null number": (
+        json.dumps([omm(NORAD_CAT_ID=None)]),
+        ": line 1: expected a catalogue number above 0, got none",
+    ),
+    "semicolons": (ROW.replace(",", ";"), ": line 1: expected line 1 of a TLE, got 'OBJECT_NAME;"),
+    "time system": (csv(omm(TIME_SYSTEM="TAI")), ": line 2: TIME_SYSTEM: expected UTC, got TAI"),
+    "centre": (csv(omm(CENTER_NAME="MARS")), ": line 2: CENTER_NAME: expected EARTH, got MARS"),
+    "leap second": (csv(omm(EPOCH="2016-12-31T23:59:60")), ": line 2: EPOCH: expected a time from 1957"),
+    "unit": (
+        kvn(omm(INCLINATION="0.9 [rad]")),
+        ": line 8: INCLINATION: expected a finite number, got 0.9 [rad]",
+    ),
+    "unit in xml": (
+        xml(SETS[0]).replace("<BSTAR>", '<BSTAR units="m">'),
+        ": line 16: BSTAR: expected a finite number, got",
+    ),
+    "no mean motion": (
+        kvn(SETS[0]).replace("MEAN_MOTION =", "SEMI_MAJOR_AXIS ="),
+        ": line 1: MEAN_MOTION: expected a finite number, got nothing",
+    ),
     "no file": (None, ": no such file"),
     "empty": ("", ": expected a TLE or an OMM, got none"),
     "blank": (" \n\n", ": expected a TLE or an OMM, got none"),
@@ -395,6 +437,35 @@ DAMAGED = {
         ": line 1: CCSDS_OMM_VERS: expected 1.0 or 2.0 or 3.0",
     ),
 }
+
+
+RIGHT = {
+    "byte order mark": b"\xef\xbb\xbf" + text(*LINES).encode(),
+    "other ends of lines": text(*LINES).replace("\n", "\r\n"),
+    "old ends of lines": text(*LINES).replace("\n", "\r"),
+    "blanks at the end": text(*LINES).replace("\n", "   \n"),
+    "gzip in parts": b"".join(gzip.compress(text(one).encode()) for one in LINES),
+    "names": text(*(["0 NAME (A)", *one] for one in LINES)),
+    "nulls": json.dumps(
+        [one | dict.fromkeys(["OBJECT_ID", "DECAY_DATE", "MEAN_MOTION_DOT"]) for one in SETS]
+    ),
+    "units": kvn(*(one | {"INCLINATION": f"{one['INCLINATION']} [DEG]"} for one in SETS)),
+    "units in xml": xml(*SETS).replace("<MEAN_MOTION>", '<MEAN_MOTION units="rev/day">'),
+    "centre": csv(*(one | {"CENTER_NAME": "Earth"} for one in SETS)),
+    "lists that are joined": csv(SETS[0]) + csv(*SETS[1:]),
+}
+
+
+@pytest.mark.parametrize("content", RIGHT.values(), ids=RIGHT)
+def test_what_looks_damaged_but_is_not_gives_the_same_history(read, content):
+    elements = read(text(*LINES)).sets[["number", "t", *ELEMENTS]]
+    pd.testing.assert_frame_equal(read(content).sets[elements.columns], elements, rtol=1e-9, atol=1e-6)
+
+
+def test_a_long_line_is_shown_in_part(read):
+    with pytest.raises(InputError) as error:
+        read(" ".join(line for one in LINES for line in one))
+    assert len(str(error.value).split(", got ")[1]) < 120
 
 
 @pytest.mark.parametrize(("content", "message"), DAMAGED.values(), ids=DAMAGED)

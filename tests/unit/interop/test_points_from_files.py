@@ -1,5 +1,7 @@
 """Points of one orbit in every format, frame and time system, and CSVs of which no points can be made."""
 
+import gzip
+
 import numpy as np
 import pytest
 from orbit_files import AHEAD_OF_UTC, cpf, in_itrf, oem, sp3
@@ -112,6 +114,26 @@ utc,x_gcrf_m,y_gcrf_m,z_gcrf_m,vx_gcrf_mps,vy_gcrf_mps,vz_gcrf_mps,sigma_vr_mps,
 """
 
 WRONG = {
+    "error page": (
+        GOOD,
+        GOOD,
+        "<!DOCTYPE html>\n<html></html>",
+        "line 1: expected columns .* <!doctype html>",
+    ),
+    "semicolons": (GOOD, ",", ";", "line 1: expected columns such as .* got utc;x_gcrf_m"),
+    "decimal commas": (GOOD, ".0", ",0", "line 2: expected 4 cells, as in its first line, got 7"),
+    "tabs": (GOOD, ",", "\t", "line 1: expected columns such as"),
+    "zeros": (GOOD, "700", "7\x0000", "line 2: expected text, got bytes that are none"),
+    "open quote": (GOOD, "7000000", '"7000000', "line 2: expected cells of CSV, got unexpected end of data"),
+    "endless cell": (GOOD, "450000", "9" * 200_000, "line 3: expected cells of CSV, got field larger"),
+    "not a number": (GOOD, "450000.0", "NaN", "line 3: expected a finite number, got NaN"),
+    "infinite": (GOOD, "450000.0", "inf", "line 3: expected a finite number, got inf"),
+    "blank cell": (GOOD, "450000.0", "", "line 3: expected a finite number, got nothing"),
+    "cut": (GOOD, "0000.0,0.0\n", "00", "line 3: expected 4 cells, as in its first line, got 3"),
+    "same time": (GOOD, "12:11:00", "12:10:00", "line 3: expected a later epoch than before, got none"),
+    "no leap second": (GOOD, "12:11:00", "12:10:60", "line 3: expected a time that exists"),
+    "offset": (GOOD, "12:10:00", "12:10:00+02:00", "line 2: expected a time such as"),
+    "columns again": (GOOD, "0\n2016", "0\nutc,x,y,z\n2016", "line 3: expected a time such as .* got utc"),
     "empty": (GOOD, GOOD, "", "orbit.csv: expected a line of columns, such as utc,x_itrf_m"),
     "no points": (GOOD, GOOD[GOOD.index("2016") :], "", "orbit.csv: expected points below its first line"),
     "no time": (GOOD, "utc,", "-,", "line 1: expected one column of times, utc, gps, tai or tt, got 0"),
@@ -152,8 +174,30 @@ def test_a_wrong_csv_is_told_in_one_line(tmp_path, wrong):
     assert "\n" not in str(told.value)
 
 
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (GOOD.encode("utf-16"), "expected SP3, CPF, OEM or CSV, got no text"),
+        (bytes(range(256)), "expected SP3, CPF, OEM or CSV, got no text"),
+        (gzip.compress(GOOD.encode())[:-9], "expected a file that is whole, got Compressed file ended"),
+    ],
+)
+def test_bytes_that_are_no_csv_are_told_in_one_line(tmp_path, content, message):
+    path = tmp_path / "orbit.csv"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=f"{path}: {message}"):
+        points_from_files.check(OrbitFiles([path], EPOCH, DAY), PLACES)
+
+
 def test_what_is_right_passes_the_check(tmp_path):
-    for text in (GOOD, MOVED):
+    for text in (
+        GOOD,
+        MOVED,
+        "\ufeff" + GOOD,
+        GOOD.replace("\n", "\r\n"),
+        GOOD.upper(),
+        GOOD.replace(",", ", "),
+    ):
         path = tmp_path / "orbit.csv"
         path.write_text(text)
         points_from_files.check(OrbitFiles([path], EPOCH, DAY), PLACES)

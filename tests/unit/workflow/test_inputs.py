@@ -572,6 +572,12 @@ def test_sgp4_flies_the_history_of_mean_elements():
     assert files.element_sets(experiment(learner="none")) == []
 
 
+def test_mean_elements_of_ours_have_the_number_of_those_that_were_measured():
+    files = inputs(rsos={"mine": BODY}, elements={"mine": "a.tle"})
+    assert files.history(experiment(rso="mine")) == "results/element_sets/mine.parquet"
+    assert files.history(experiment()) == []
+
+
 def test_labels_are_judged_by_the_truth_of_the_rso_under_test():
     find = inputs().true_errors(Pattern(DATASET))
     assert find(wildcards(label="_later")) == "dataset/iss/eglin.parquet"

@@ -116,10 +116,7 @@ def from_orbit(orbit: pd.DataFrame, plan: Plan, *, epoch: str) -> Iterator[Fit]:
     """
     t, states = orbit["t"].to_numpy(), orbit[STATE].to_numpy()
     noise = plan.noise * seeds.derive(plan.seed, "element sets").normal(size=(len(t), 3))
-    turns = teme_to_gcrf(epoch, t)
-    positions, velocities = (
-        np.einsum("nji,nj->ni", turns, part) / 1e3 for part in (states[:, :3] + noise, states[:, 3:])
-    )
+    positions, velocities = in_teme(states + np.pad(noise, ((0, 0), (0, 3))), epoch, t)
     first_arc = min(plan.span, _FIRST_ARC)
     for end in np.arange(t[0] + plan.span, t[-1] + 0.5 * CADENCE, plan.every):
         rows = np.flatnonzero((t > end - plan.span - 0.5 * CADENCE) & (t < end + 0.5 * CADENCE))
@@ -128,29 +125,43 @@ def from_orbit(orbit: pd.DataFrame, plan: Plan, *, epoch: str) -> Iterator[Fit]:
             _log.warning("no set at %.0f s: too few positions before it", end)
             continue
         known = np.concatenate([positions[rows[-1]], velocities[rows[-1]]])
-        yield fit(t[rows], positions[rows], last=known, epoch=epoch)
+        yield fit(t[rows], positions[rows], at=t[rows[-1]], known=known, epoch=epoch)
 
 
-def fit(t: np.ndarray, positions: np.ndarray, *, last: np.ndarray, epoch: str) -> Fit:
-    """Return the set at the last of positions that comes nearest to them.
+def in_teme(states: np.ndarray, epoch: str, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return positions and velocities (n, 3) in TEME [km, km/s] of states (n, 6) in GCRF [m, m/s].
+
+    epoch: UTC text
+    t: (n,) [s since `epoch`]
+    """
+    turns = teme_to_gcrf(epoch, t)
+    positions, velocities = (
+        np.einsum("nji,nj->ni", turns, part) / 1e3 for part in (states[:, :3], states[:, 3:])
+    )
+    return positions, velocities
+
+
+def fit(t: np.ndarray, positions: np.ndarray, *, at: float, known: np.ndarray, epoch: str) -> Fit:
+    """Return the set that comes nearest to positions.
 
     t: (n,) [s since `epoch`], ascending
     positions: (n, 3) in TEME [km]
-    last: (6,) state at the last time in TEME, where the fit starts [km, km/s]
+    at: epoch of the set, the first or the last time [s]
+    known: (6,) state then in TEME, where the fit starts [km, km/s]
     epoch: UTC text
 
     Raises InputError where SGP4 does not come near them.
     """
-    (end,) = ccsds.utc_texts(epoch, t[-1:])
-    ago = t - t[-1]
-    start = _osculating(last)
-    recent = ago > -_FIRST_ARC
-    osculating = _nearest(start, lambda x: _misses(np.append(x, 0.0), end, ago[recent], positions[recent]))
-    found = _nearest(np.append(osculating, 0.0), lambda x: _misses(x, end, ago, positions))
-    rms = 1e3 * math.sqrt(np.mean(np.sum(_misses(found, end, ago, positions) ** 2, axis=1)))
+    (time,) = ccsds.utc_texts(epoch, np.array([at]))
+    since = t - at
+    start = _osculating(known)
+    near = np.abs(since) < _FIRST_ARC
+    osculating = _nearest(start, lambda x: _misses(np.append(x, 0.0), time, since[near], positions[near]))
+    found = _nearest(np.append(osculating, 0.0), lambda x: _misses(x, time, since, positions))
+    rms = 1e3 * math.sqrt(np.mean(np.sum(_misses(found, time, since, positions) ** 2, axis=1)))
     if not rms < 1e3 * _LOST:
-        raise InputError(f"mean elements: expected an orbit that SGP4 can fly up to {end}, got none")
-    return Fit(_satellite(found, end), rms)
+        raise InputError(f"mean elements: expected an orbit that SGP4 can fly about {time}, got none")
+    return Fit(_satellite(found, time), rms)
 
 
 def _osculating(state: np.ndarray) -> np.ndarray:
@@ -168,10 +179,11 @@ def _nearest(start: np.ndarray, misses: Callable[[np.ndarray], np.ndarray]) -> n
     return np.asarray(least_squares(lambda x: misses(x).ravel(), start, method="lm", x_scale="jac").x)
 
 
-def _misses(parameters: np.ndarray, end: str, ago: np.ndarray, positions: np.ndarray) -> np.ndarray:
+def _misses(parameters: np.ndarray, time: str, since: np.ndarray, positions: np.ndarray) -> np.ndarray:
     """Return the distances (n, 3) [km] of SGP4 from positions (n, 3) at times (n,) [s] from a UTC text on."""
-    flying = _satellite(parameters, end)
-    errors, flown, _ = flying.sgp4_array(np.full(len(ago), flying.jdsatepoch), flying.jdsatepochF + ago / DAY)
+    flying = _satellite(parameters, time)
+    days = flying.jdsatepochF + since / DAY
+    errors, flown, _ = flying.sgp4_array(np.full(len(since), flying.jdsatepoch), days)
     return np.where(errors[:, None] == 0, flown - positions, _LOST)
 
 

@@ -6,11 +6,15 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import TypeVar
 
+import erfa
 import numpy as np
 from sgp4.api import SGP4_ERRORS, WGS72, Satrec
 
+from opml.base import epochs
+from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
+from opml.interop import ccsds
 from opml.interop.orbit_arcs import line_error
 
 PER_DAY = 1440.0 / (2.0 * math.pi)
@@ -22,6 +26,8 @@ _FASTEST = 18.0
 """Revolutions per day that no satellite makes: at the Earth's surface there were 17."""
 
 _ROUNDING = 1e-9  # [deg]
+
+_ANY = "2000-01-01T12:00:00"
 
 _Piece = TypeVar("_Piece")
 
@@ -70,6 +76,21 @@ def satellite(epoch: str, elements: Sequence[float]) -> Satrec:
         node,
     )
     return made
+
+
+def elements_epoch(satellite: Satrec) -> str:
+    """Return the epoch of mean elements as UTC text, to the microsecond."""
+    return ccsds.utc_texts(_ANY, seconds_since(_ANY, [satellite]))[0]
+
+
+def seconds_since(epoch: str, satellites: Sequence[Satrec]) -> np.ndarray:
+    """Return the epochs (n,) of mean elements [s since the UTC text `epoch`], rounded to the microsecond."""
+    midnights = np.array([satellite.jdsatepoch for satellite in satellites])
+    clocks = np.array([satellite.jdsatepochF for satellite in satellites]) * DAY  # on days of 86 401 s, too
+    with epochs.strict_erfa():
+        day, fraction = erfa.utctai(midnights, 0.0)
+    first, first_fraction = epochs.tai(epoch, 0.0)
+    return np.asarray(np.round((day - first) * DAY + (fraction - first_fraction) * DAY + clocks, 6))
 
 
 def each(

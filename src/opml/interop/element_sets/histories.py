@@ -24,7 +24,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import ccsds
 from opml.interop.element_sets import element_set, mean_elements
-from opml.interop.element_sets.element_set import ElementSet, each
+from opml.interop.element_sets.element_set import ElementSet, each, seconds_since
 from opml.interop.orbit_arcs import line_error
 from opml.tables import ELEMENTS, SCHEMAS
 
@@ -208,7 +208,7 @@ def _table(sets: Sequence[ElementSet], epoch: str) -> pd.DataFrame:
     created = [epochs.seconds_between(epoch, one.created) if one.created else np.nan for one in sets]
     columns = {
         "number": np.array([one.number for one in sets], dtype=np.int64),
-        "t": mean_elements.seconds_since(epoch, [one.satellite for one in sets]),
+        "t": seconds_since(epoch, [one.satellite for one in sets]),
         **dict(zip(ELEMENTS, elements.T, strict=True)),
         "is_deep": np.array([one.satellite.method == "d" for one in sets], dtype=bool),
         "t_created": np.array(created, dtype=float),

@@ -12,7 +12,7 @@ IERS Conventions 2010, section 5.4; CCSDS 502.0-B-2, section 4 (OMM).
 
 import logging
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import fields
 from functools import partial
 from typing import NamedTuple
@@ -25,9 +25,8 @@ from opml.base import epochs
 from opml.base.constants import DAY, EARTH_GM
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.interop import ccsds
 from opml.interop.element_sets import omm, tle
-from opml.interop.element_sets.element_set import ElementSet, each
+from opml.interop.element_sets.element_set import ElementSet, each, elements_epoch, seconds_since
 from opml.interop.orbit_arcs import contents
 from opml.orbits import sheets
 from opml.orbits.elements import coe_from_cartesian, mean_from_true_anomaly
@@ -42,8 +41,6 @@ week by more than the median error of the paper case's predictions, 5 km.
 
 MOST_DAYS = 30.0
 """Days from the elements' epoch beyond which they are refused: drag has moved a low orbit too far by then."""
-
-_ANY = "2000-01-01T12:00:00"
 
 _log = logging.getLogger(__name__)
 
@@ -84,21 +81,6 @@ def _text(path: FilePath) -> str:
     if "\0" in text:
         raise InputError(f"{path}: expected a TLE or an OMM in UTF-8 text, got bytes that are none")
     return text
-
-
-def elements_epoch(satellite: Satrec) -> str:
-    """Return the epoch of mean elements as UTC text, to the microsecond."""
-    return ccsds.utc_texts(_ANY, seconds_since(_ANY, [satellite]))[0]
-
-
-def seconds_since(epoch: str, satellites: Sequence[Satrec]) -> np.ndarray:
-    """Return the epochs (n,) of mean elements [s since the UTC text `epoch`], rounded to the microsecond."""
-    midnights = np.array([satellite.jdsatepoch for satellite in satellites])
-    clocks = np.array([satellite.jdsatepochF for satellite in satellites]) * DAY  # on days of 86 401 s, too
-    with epochs.strict_erfa():
-        day, fraction = erfa.utctai(midnights, 0.0)
-    first, first_fraction = epochs.tai(epoch, 0.0)
-    return np.asarray(np.round((day - first) * DAY + (fraction - first_fraction) * DAY + clocks, 6))
 
 
 def state(satellite: Satrec, *, epoch: str) -> np.ndarray:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import DAY
+from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
-from opml.interop.element_sets import agreement, sgp4_points
+from opml.interop.element_sets import agreement, sgp4_points, spans
 from opml.interop.element_sets.sgp4_points import Sampling
 from opml.tables import FIX_SIGMAS
 
@@ -77,6 +77,8 @@ def measured(
     if not kept:
         raise InputError(f"element sets: expected a set within the run that counts, got {len(sets)} others")
     _log.info("sets that count as measurements: %d", len(kept))
+    if length := spans.span(sets[worth["counts"]], epoch=epoch):
+        _log.info("the sets part as fits to %.0f hours each do: see histories.reach_hours", length / HOUR)
     epochs, known = (sets[name].to_numpy()[kept] for name in ("t", "t_created"))
     return MeasuredSets(epochs, known, points)
 

@@ -1,4 +1,4 @@
-"""Orbit mean-elements messages (OMM), one or many in a text: KVN, XML, JSON or CSV.
+"""Orbit mean-elements messages (OMM), one or many in a text: KVN, XML, JSON or CSV; written as KVN.
 
 CSV and JSON may leave out the keys whose values are the same in all sets, as CelesTrak's do.
 Source: CCSDS 502.0-B-2, section 4; CelesTrak, GP data formats; Space-Track, class gp_history.
@@ -21,9 +21,9 @@ from sgp4.api import Satrec
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import ccsds
-from opml.interop.element_sets.element_set import ElementSet, check_orbit
+from opml.interop.element_sets.element_set import PER_DAY, ElementSet, check_orbit, elements_epoch
 from opml.interop.element_sets.tle import EPHEMERIS_TYPES, LARGEST_NUMBER
-from opml.interop.orbit_arcs import line_error
+from opml.interop.orbit_arcs import excerpt, line_error
 
 _NUMBERS = (
     "MEAN_MOTION",
@@ -51,7 +51,15 @@ _REQUIRED = {
     "MEAN_ELEMENT_THEORY": ("SGP4", "SGP/SGP4"),
     "REF_FRAME": ("TEME",),
     "TIME_SYSTEM": ("UTC",),
+    "CENTER_NAME": ("EARTH",),
     "EPHEMERIS_TYPE": EPHEMERIS_TYPES,
+}
+_UNITS = {
+    "MEAN_MOTION": "rev/day",
+    **dict.fromkeys(("INCLINATION", "RA_OF_ASC_NODE", "ARG_OF_PERICENTER", "MEAN_ANOMALY"), "deg"),
+    "BSTAR": "1/er",
+    "MEAN_MOTION_DOT": "rev/day**2",
+    "MEAN_MOTION_DDOT": "rev/day**3",
 }
 _MOST_DIGITS = 9  # of a catalogue number
 _FIRST_YEAR, _LAST_YEAR = "1957", "2099"
@@ -113,6 +121,42 @@ def element_set(path: FilePath, record: Record) -> ElementSet:
     return ElementSet(path, record.line, number, created, satellite)
 
 
+def write(path: FilePath, satellite: Satrec, *, name: str, number: int, epoch: str, comment: str) -> None:
+    """Write mean elements as an OMM in KVN, whole or not at all.
+
+    name: of the object
+    number: its catalogue number
+    epoch: of the run, UTC text
+    comment: line for the whole message
+    """
+    version, *header = ccsds.header(_VERSION, epoch)
+    pairs = {
+        "OBJECT_NAME": name,
+        "OBJECT_ID": name,
+        "CENTER_NAME": "EARTH",
+        "REF_FRAME": "TEME",
+        "TIME_SYSTEM": "UTC",
+        "MEAN_ELEMENT_THEORY": "SGP4",
+        "EPOCH": elements_epoch(satellite),
+        "MEAN_MOTION": ccsds.number_text(satellite.no_kozai * PER_DAY, 0),
+        "ECCENTRICITY": ccsds.number_text(satellite.ecco, 0),
+        "INCLINATION": ccsds.degrees_text(satellite.inclo),
+        "RA_OF_ASC_NODE": ccsds.degrees_text(satellite.nodeo),
+        "ARG_OF_PERICENTER": ccsds.degrees_text(satellite.argpo),
+        "MEAN_ANOMALY": ccsds.degrees_text(satellite.mo),
+        "EPHEMERIS_TYPE": 0,
+        "CLASSIFICATION_TYPE": "U",
+        "NORAD_CAT_ID": number,
+        "ELEMENT_SET_NO": 0,
+        "REV_AT_EPOCH": 0,
+        "BSTAR": ccsds.number_text(satellite.bstar, 0),
+        "MEAN_MOTION_DOT": 0,
+        "MEAN_MOTION_DDOT": 0,
+    }
+    lines = (f"{key} = {value}" for key, value in pairs.items())
+    ccsds.write(path, [version, f"COMMENT {comment}", *header, "", *lines])
+
+
 class _Values:
     """The values of a record by their keys."""
 
@@ -158,7 +202,7 @@ class _Values:
 
     def _error(self, key: str, expected: str) -> InputError:
         line = self._lines.get(key, self._line)
-        got = self.known.get(key, "nothing")
+        got = excerpt(self.known.get(key, ""))
         return InputError(f"{self._path}: line {line}: {key}: expected {expected}, got {got}")
 
 
@@ -168,7 +212,9 @@ def _kvn(text: str) -> Iterator[Record]:
         if not line or re.match(r"COMMENT\b", line):
             continue
         match = _PAIR.fullmatch(line)
-        pair = Pair(number, match[1], match[2].split("[")[0].strip()) if match else Pair(number, None, line)
+        pair = (
+            Pair(number, match[1], _without_unit(match[1], match[2])) if match else Pair(number, None, line)
+        )
         if record is None or pair.key == _VERSION:
             if record is not None:
                 yield record
@@ -176,6 +222,13 @@ def _kvn(text: str) -> Iterator[Record]:
         record.pairs.append(pair)
     if record is not None:
         yield record
+
+
+def _without_unit(key: str, text: str) -> str:
+    """Return the value before a unit that its key has; with another unit it is no number."""
+    value, _, unit = text.partition("[")
+    is_known = unit.strip().removesuffix("]").strip().lower() in ("", _UNITS.get(key))
+    return (value if is_known else text).strip()
 
 
 def _json(path: FilePath, text: str) -> Iterator[Record]:
@@ -224,7 +277,7 @@ class _Messages(ContentHandler):
     def __init__(self) -> None:
         super().__init__()
         self.records: list[Record] = []
-        self._leaf, self._text, self._inside = "", "", False
+        self._leaf, self._text, self._unit, self._inside = "", "", "", False
 
     def setDocumentLocator(self, locator: Any) -> None:
         """Keep what tells the line."""
@@ -232,7 +285,7 @@ class _Messages(ContentHandler):
 
     def startElement(self, name: str, attrs: Any) -> None:
         """Begin a message at `omm`, and a value at every element."""
-        self._leaf, self._text = name.split(":")[-1], ""
+        self._leaf, self._text, self._unit = name.split(":")[-1], "", attrs.get("units", "")
         if self._leaf == "omm":
             self._inside = True
             versions = [attrs["version"]] if "version" in attrs else []
@@ -246,7 +299,8 @@ class _Messages(ContentHandler):
         """End a value, where no element began since its own beginning."""
         key, self._leaf = self._leaf, ""
         if self._inside and key == name.split(":")[-1] and key not in _REPEATED:
-            self.records[-1].pairs.append(Pair(self._line, key, self._text.strip()))
+            value = _without_unit(key, f"{self._text}[{self._unit}]")
+            self.records[-1].pairs.append(Pair(self._line, key, value))
         self._inside &= name.split(":")[-1] != "omm"
 
     @property

@@ -15,6 +15,7 @@ from sgp4.api import Satrec
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
+from opml.interop import ccsds
 from opml.interop.element_sets.element_set import PER_DAY, ElementSet, check_orbit
 from opml.interop.orbit_arcs import line_error
 
@@ -111,6 +112,11 @@ def lines(satellite: Satrec, number: int) -> tuple[str, str]:
     )
 
 
+def write(path: FilePath, satellite: Satrec, number: int) -> None:
+    """Write a set as a TLE, whole or not at all. Raises InputError for a number beyond those of TLEs."""
+    ccsds.write(path, lines(satellite, number))
+
+
 def check_number(number: int) -> None:
     """Raise InputError for a catalogue number that no TLE has."""
     if not 0 < number <= LARGEST_NUMBER:
@@ -140,7 +146,7 @@ def _check_line(path: FilePath, last: int, line: Line | None, kind: str) -> None
         raise line_error(path, last, f"line {kind} of a TLE after this line", "none")
     number, text = line
     if not _PATTERNS[kind].fullmatch(text):
-        raise InputError(f"{path}: line {number}: expected line {kind} of a TLE, got {text!r}")
+        raise line_error(path, number, f"line {kind} of a TLE", repr(text))
     if _checksum(text) != int(text[68]):
         raise line_error(path, number, f"the checksum {_checksum(text)}", text[68])
 

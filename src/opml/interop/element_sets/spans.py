@@ -1,0 +1,69 @@
+"""Over how long sets of mean elements were fitted, told by how successive ones part along the track.
+
+Two fits part by a parabola of time. In the middle of the time that both were fitted to, the rate at which
+they part knows nothing of the curvature: of errors of least squares, one is odd about it, the other even. The
+middle lies half a span before the mean of both epochs, where the rate is thus the curvature times the span.
+"""
+
+from itertools import islice, pairwise
+
+import numpy as np
+import pandas as pd
+
+from opml.base.constants import DAY
+from opml.interop.element_sets.histories import states_of
+from opml.orbits.elements import in_rsw
+
+_BACK = np.arange(0.0, 5.0 * DAY, 1800.0)
+"""Times before the later epoch at which two sets are held against each other [s]."""
+
+_GAPS = (0.1 * DAY, 3.0 * DAY)
+"""Least and longest time between the epochs of two sets."""
+
+_FEWEST, _MOST = 8, 30
+"""Pairs of sets that tell a span."""
+
+_UNEXPLAINED = 0.5
+"""Part of the rates' size that a span may leave; an object with little drag has none that explains them."""
+
+
+def span(sets: pd.DataFrame, *, epoch: str) -> float | None:
+    """Return over how long the first sets of a history were fitted [s]; None where they do not tell.
+
+    sets: table `element_sets` of one object
+    epoch: UTC text, the table's
+    """
+    pairs = (pair for pair in pairwise(row for _, row in sets.iterrows()) if _is_near(*pair))
+    found = np.array([_parting(*pair, epoch) for pair in islice(pairs, _MOST)]).reshape(-1, 2)
+    curvatures, rates = found[np.isfinite(found[:, 0]) & (found[:, 0] != 0.0)].T
+    if len(rates) < _FEWEST:
+        return None
+    length = _slope(curvatures, rates)
+    left = np.abs(rates - length * curvatures).sum()
+    return length if length > 0.0 and left <= _UNEXPLAINED * np.abs(rates).sum() else None
+
+
+def _is_near(earlier: pd.Series, later: pd.Series) -> bool:
+    return bool(_GAPS[0] <= later["t"] - earlier["t"] <= _GAPS[1])
+
+
+def _parting(earlier: pd.Series, later: pd.Series, epoch: str) -> tuple[float, float]:
+    """Return half the curvature [m/s2] and, at the mean epoch, the rate [m/s] by which two sets part.
+
+    NaN where SGP4 has the object decayed.
+    """
+    t = later["t"] - _BACK
+    states, others = (states_of(one, epoch=epoch, t=t) for one in (later, earlier))
+    apart = in_rsw(others - states, states)[:, 1]
+    if not np.isfinite(apart).all():
+        return np.nan, np.nan
+    curvature, rate, _ = np.polyfit(t - 0.5 * (earlier["t"] + later["t"]), apart, 2)
+    return float(curvature), float(rate)
+
+
+def _slope(x: np.ndarray, y: np.ndarray) -> float:
+    """Return the slope through zero that leaves the least sum of |y|: the median of y / x, weighed by |x|."""
+    slopes, weights = y / x, np.abs(x)
+    order = np.argsort(slopes)
+    total = np.cumsum(weights[order])
+    return float(slopes[order][np.searchsorted(total, 0.5 * total[-1])])

@@ -1,0 +1,20 @@
+"""Write mean elements of an ephemeris as CCSDS's orbit mean-elements message."""
+
+from opml.interop import oem
+from opml.interop.element_sets import ephemeris_elements, omm
+from opml.tables import read_table
+from opml.workflow.job_settings import SheetJobSettings
+from opml.workflow.jobs import job
+
+with job(snakemake):
+    settings = SheetJobSettings(snakemake.params.settings)
+    (ephemeris,) = oem.corrected_segments(read_table(snakemake.input[0], "corrected"), rso=settings.rso)
+    satellite = ephemeris_elements.fitted(ephemeris, epoch=settings.epoch)
+    omm.write(
+        snakemake.output[0],
+        satellite,
+        name=settings.rso,
+        number=ephemeris_elements.catalogue_number(snakemake.input.history),
+        epoch=settings.epoch,
+        comment=ephemeris_elements.residual(satellite, ephemeris, epoch=settings.epoch),
+    )
