@@ -17,6 +17,7 @@ import pandas as pd
 from opml.base.constants import HOUR
 from opml.catalog.fit.least_squares import Evaluation, Fit, Method
 from opml.catalog.fit.measurements import Measurements, Window
+from opml.catalog.fit.round_orbits import eccentricity
 from opml.catalog.flight import Flight
 from opml.dynamics.ensemble import REASONS, Arcs
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE
@@ -192,6 +193,7 @@ class Run:
     flight: under the assumed model
     starts: (tracks, 6) GCRF states at the tracks' starts
     ages: (tracks,) how long before each start its orbit was known [s]
+    eccentricity_sigma: standard deviation of the eccentricity about 0; None where nothing is known beforehand
     """
 
     measured: Measurements
@@ -199,6 +201,7 @@ class Run:
     starts: np.ndarray
     settings: Estimation
     ages: np.ndarray = field(default_factory=lambda: np.empty(0))
+    eccentricity_sigma: float | None = None
 
     def method(self, free: np.ndarray) -> Method:
         """Return how the parameters that are free (7,) are fitted."""
@@ -294,17 +297,27 @@ class Run:
         evaluation = self.measured.evaluation(estimate.window, states, light_time=light_time)
         if estimate.kept is not None:
             evaluation = Evaluation(evaluation.residuals[estimate.kept], evaluation.jacobian[estimate.kept])
-        return self.with_apriori_cd(evaluation, estimate.fit.trial)
+        evaluation = self.with_apriori_cd(evaluation, estimate.fit.trial)
+        return self._with_apriori_shape(evaluation, estimate.fit.trial)
 
     def residuals(self, estimates: Sequence[Estimate]) -> list[np.ndarray]:
         """Return the weighted residuals (numbers,) of all in the window of each estimate, at its best."""
-        ended = [replace(one, fit=Fit(one.fit.best, one.fit.method)) for one in estimates]
-        paths, _ = fly_around(self.flight, self.measured.epochs, ended)
         light_time = self.settings.light_time
         return [
             self.measured.evaluation(one.window, states, light_time=light_time).residuals
-            for one, states in zip(ended, paths, strict=True)
+            for one, states in zip(estimates, self._best_paths(estimates), strict=True)
         ]
+
+    def path(self, estimate: Estimate) -> np.ndarray:
+        """Return the states (epochs, 6) of an estimate's best at the epochs of its window."""
+        [states] = self._best_paths([estimate])
+        nominal: np.ndarray = states[0]
+        return nominal
+
+    def _best_paths(self, estimates: Sequence[Estimate]) -> list[np.ndarray]:
+        """Return the states of the best of each estimate and its neighbours, as `fly_around`."""
+        ended = [replace(one, fit=Fit(one.fit.best, one.fit.method)) for one in estimates]
+        return fly_around(self.flight, self.measured.epochs, ended)[0]
 
     def edited(self, estimates: Sequence[Estimate]) -> list[Estimate]:
         """Return estimates fitted without outliers, first those from the start, until these stay the same.
@@ -355,6 +368,17 @@ class Run:
         residual = (self.flight.rso.cd - trial[_CD]) / self.settings.cd_sigma
         return Evaluation(
             np.append(evaluation.residuals, residual), np.vstack([evaluation.jacobian, weighted])
+        )
+
+    def _with_apriori_shape(self, evaluation: Evaluation, trial: np.ndarray) -> Evaluation:
+        """Return an evaluation at a trial (7,) with three more residuals, if its eccentricity is known."""
+        if self.eccentricity_sigma is None:
+            return evaluation
+        vector, derivative = eccentricity(trial[:6], self.flight.model.gm)
+        weighted = np.hstack([derivative, np.zeros((3, 1))]) / self.eccentricity_sigma
+        return Evaluation(
+            np.append(evaluation.residuals, -vector / self.eccentricity_sigma),
+            np.vstack([evaluation.jacobian, weighted]),
         )
 
     def is_usable(self, estimate: Estimate) -> bool:

@@ -91,6 +91,19 @@ class Measurements(ABC):
         row, observable = np.divmod(np.arange(self.count(rows)), self.numbers)
         return row, observable
 
+    def times(self, rows: slice) -> np.ndarray:
+        """Return the epochs (n,) of rows [s]."""
+        epochs: np.ndarray = self.epochs[self.epoch_of_row[rows]]
+        return epochs
+
+    def lines(self, rows: slice) -> tuple[np.ndarray, np.ndarray]:
+        """Return where in GCRF (n, 3) [m] lines of sight of rows begin, and unit vectors (n, 3) along them.
+
+        The latter are NaN of rows that tell no direction.
+        """
+        nothing = np.full((rows.stop - rows.start, 3), np.nan)
+        return nothing, nothing
+
     def misses(self, rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
         """Return how far (n,) [m] positions (n, 3) in GCRF are from where rows of measurements can be."""
         return np.asarray(np.linalg.norm(self.places(rows) - positions, axis=1))

@@ -57,6 +57,10 @@ class Measured(Measurements):
         """Return positions (n, 3) in GCRF [m] of rows of measurements, NaN without two angles and a range."""
         return np.asarray(self._standing(rows) + self._columns(["range"], rows) * self._sights(rows))
 
+    def lines(self, rows: slice) -> tuple[np.ndarray, np.ndarray]:
+        """Return where lines of sight begin, and along which way they go, as `Measurements.lines`."""
+        return self._standing(rows), self._sights(rows)
+
     def misses(self, rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
         """Return how far (n,) [m] positions (n, 3) in GCRF are from a place, a line of sight or a sphere.
 
