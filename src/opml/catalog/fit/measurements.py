@@ -104,6 +104,21 @@ class Measurements(ABC):
         nothing = np.full((rows.stop - rows.start, 3), np.nan)
         return nothing, nothing
 
+    def instruments(self, rows: slice) -> np.ndarray:
+        """Return the instrument of each number (numbers,) that rows hold, from 0 on: here its observable."""
+        return self.held(rows)[1]
+
+    def instrument_names(self) -> list[str]:
+        """Return the names of all instruments."""
+        return [
+            "radial",
+            "along track",
+            "across track",
+            "radial rate",
+            "rate along track",
+            "rate across track",
+        ]
+
     def misses(self, rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
         """Return how far (n,) [m] positions (n, 3) in GCRF are from where rows of measurements can be."""
         return np.asarray(np.linalg.norm(self.places(rows) - positions, axis=1))
