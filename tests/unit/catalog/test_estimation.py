@@ -10,7 +10,7 @@ from support import BOUNDED_ESTIMATION as SETTINGS
 from support import rsos
 
 from opml.base.constants import DAY, HOUR
-from opml.catalog.fit import estimation, neighbours, sightings, start_states
+from opml.catalog.fit import estimation, neighbour_arcs, sightings, start_states
 from opml.catalog.fit.least_squares import NOT_CONVERGED, UNDERDETERMINED, Fit
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
@@ -136,7 +136,7 @@ def evaluated(assumed_model, iss, measured):
     flight = Flight(assumed_model, iss)
 
     def evaluate(window, parameters):
-        (states,), (lost,) = neighbours.fly_around(flight, measured.epochs, [window], parameters[None])
+        (states,), (lost,) = neighbour_arcs.fly_around(flight, measured.epochs, [window], parameters[None])
         assert not lost
         return measured.evaluation(window, states)
 

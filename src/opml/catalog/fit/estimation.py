@@ -19,7 +19,7 @@ from opml.base.constants import HOUR
 from opml.catalog.fit import biases
 from opml.catalog.fit.least_squares import Evaluation, Fit, Method
 from opml.catalog.fit.measurements import Measurements, Window
-from opml.catalog.fit.neighbours import fly_around, fly_parameters
+from opml.catalog.fit.neighbour_arcs import fly_around, fly_parameters
 from opml.catalog.fit.round_orbits import eccentricity
 from opml.catalog.flight import Flight
 from opml.dynamics.ensemble import REASONS

@@ -17,7 +17,7 @@ import numpy as np
 from opml.base.errors import InputError
 from opml.catalog.fit.estimation import Estimate, Run
 from opml.catalog.fit.measurements import Window
-from opml.catalog.fit.neighbours import fly_parameters
+from opml.catalog.fit.neighbour_arcs import fly_parameters
 from opml.catalog.fit.round_orbits import round_orbits
 from opml.catalog.fit.track_fits import axis_line, axis_sigma, begun, begun_there, first_windows, following
 

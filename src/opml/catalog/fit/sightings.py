@@ -9,7 +9,7 @@ import pandas as pd
 from opml.catalog.fit.estimation import Estimate, Run
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements, Window
-from opml.catalog.fit.neighbours import NUDGES
+from opml.catalog.fit.neighbour_arcs import NUDGES
 from opml.catalog.simulate.observing import (
     ANGLES,
     OBSERVABLES,

@@ -8,7 +8,7 @@ from opml.base.constants import DAY, HOUR
 from opml.catalog.fit.estimation import Estimate, Run
 from opml.catalog.fit.least_squares import Fit
 from opml.catalog.fit.measurements import Measurements, Window
-from opml.catalog.fit.neighbours import fly_parameters
+from opml.catalog.fit.neighbour_arcs import fly_parameters
 from opml.catalog.flight import Flight
 from opml.tables import PARAMETERS
 
