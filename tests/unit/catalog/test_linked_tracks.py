@@ -9,8 +9,10 @@ from support import BOUNDED_ESTIMATION as SETTINGS
 from opml.base.constants import DAY, EARTH_GM
 from opml.base.errors import InputError
 from opml.catalog.fit import estimation, first_orbit
+from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.round_orbits import eccentricity, round_orbits
 from opml.catalog.fit.sightings import Measured
+from opml.catalog.fit.track_fits import begun_there
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import OBSERVABLES
@@ -120,6 +122,16 @@ def test_fits_go_on_from_telescopes_tracks(assumed_model, iss, orbits, seen, ear
     many = found["tracks_used"] >= 3
     assert found["converged"][many].all()
     assert errors(found[many], orbits["iss"]).max() < 1e3
+
+
+def test_no_arc_is_flown_that_is_faster_than_any_orbit(assumed_model, iss, seen, earth_orientation):
+    rows, stations = seen("iss", STARS)
+    measured = Measured(rows, earth_orientation, stations)
+    run = Run(measured, Flight(assumed_model, iss), np.empty((0, 6)), SETTINGS)
+    start = np.array([7e6, 0.0, 0.0, 0.0, 1.3e7, 0.0, 2.2])
+    estimate = begun_there(run, measured.track(0), start)
+    run.fit([estimate])
+    assert estimate.fit.reason == "start arc faster than any orbit"
 
 
 def test_tracks_of_several_objects_are_told(assumed_model, iss, seen, earth_orientation):

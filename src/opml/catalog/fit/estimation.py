@@ -39,6 +39,12 @@ SCALES = np.array([1e3, 1e3, 1e3, 1.0, 1.0, 1.0, 1.0])
 NO_START = "no orbit to start from"
 """Why a fit did not begin."""
 
+FASTEST = 1e6
+"""Speed of trials above which their arcs are not flown [m/s]: those of short tracks of angles know no bounds."""
+
+TOO_FAST = "start arc faster than any orbit"
+"""Why such a fit did not begin."""
+
 LINEAR = 10e3
 """How far a state may be moved along its covariance [m], to where it would be had Cd been known."""
 
@@ -203,6 +209,9 @@ class Run:
     def fit(self, estimates: Sequence[Estimate]) -> None:
         """Iterate all fits side by side until they end, or the settings' number of iterations is reached."""
         for _ in range(self.settings.max_iterations):
+            for estimate in estimates:
+                while estimate.fit.running and np.linalg.norm(estimate.fit.trial[3:6]) > FASTEST:
+                    estimate.fit.reject(TOO_FAST)
             running = [estimate for estimate in estimates if estimate.fit.running]
             if not running:
                 break
