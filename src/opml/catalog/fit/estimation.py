@@ -40,7 +40,7 @@ NO_START = "no orbit to start from"
 """Why a fit did not begin."""
 
 FASTEST = 1e6
-"""Speed of trials above which their arcs are not flown [m/s]: those of short tracks of angles know no bounds."""
+"""Speed of trials above which their arcs are not flown [m/s]: fits to short tracks of angles wander far."""
 
 TOO_FAST = "start arc faster than any orbit"
 """Why such a fit did not begin."""
