@@ -4,54 +4,34 @@ import logging
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from support import BOUNDED_ESTIMATION as SETTINGS
 
-from opml.base.constants import DAY
-from opml.catalog.fit import estimation, sightings, start_states
 from opml.catalog.fit.biases import summary, whitened
+from opml.catalog.fit.fixes import Fixes
 from opml.catalog.fit.least_squares import Evaluation
-from opml.catalog.flight import Flight
-from opml.catalog.simulate import tracking, truth
-from opml.tables import STATE
+from opml.tables import FIX_SIGMAS, STATE
 
 BEARING = replace(SETTINGS, bias_sigma=3.0)
 
 
 @pytest.fixture(scope="module")
-def flight(assumed_model, iss):
-    return Flight(assumed_model, iss)
-
-
-@pytest.fixture(scope="module")
-def orbit(flight):
-    return truth.simulate(flight, duration=DAY, step=20.0)
-
-
-@pytest.fixture(scope="module")
-def rows(orbit, earth_orientation, three_stations):
-    return tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1)
-
-
-@pytest.fixture(scope="module")
-def biased(rows):
+def biased(known_rows):
     """All stations 50 m too far, 0.05 degrees too far east and too low."""
     off = np.radians(0.05)
+    rows = known_rows
     return rows.assign(
         range=rows["range"] + 50.0, azimuth=rows["azimuth"] + off, elevation=rows["elevation"] - off
     )
 
 
 @pytest.fixture(scope="module")
-def late(flight, orbit, earth_orientation, three_stations):
-    """Estimates of several tracks, and how far [m] they are off."""
+def late(fits_to):
+    """Estimates of several tracks."""
 
     def fitted(rows, settings=BEARING):
-        starts = start_states.perturbed(orbit, rows, rso="iss", settings=settings, seed=42)
-        measured = sightings.Measured(rows, earth_orientation, three_stations)
-        found = estimation.estimate_all(flight, starts, measured, settings=settings)
-        true = orbit.set_index("t").loc[found["t"], STATE[:3]].to_numpy()
-        found = found.assign(off=np.linalg.norm(found[STATE[:3]].to_numpy() - true, axis=1))
+        found = fits_to(rows, settings)
         return found[found["tracks_used"] >= 3]
 
     return fitted
@@ -72,16 +52,16 @@ def test_a_constant_error_is_as_good_as_an_unknown():
     np.testing.assert_allclose(np.linalg.inv(n), np.linalg.inv(normal)[:3, :3], rtol=1e-10)
 
 
-def test_fits_bear_constant_errors(rows, biased, late):
-    clean, borne = late(rows, SETTINGS), late(biased)
+def test_fits_bear_constant_errors(known_rows, biased, late):
+    clean, borne = late(known_rows, SETTINGS), late(biased)
     assert borne["converged"].all()
     assert borne["off"].median() < 1.5 * clean["off"].median()
     assert late(biased, SETTINGS)["off"].median() > 3.0 * clean["off"].median()
 
 
-def test_the_log_tells_the_noise_and_the_constant_errors(rows, biased, late, caplog):
+def test_the_log_tells_the_noise_and_the_constant_errors(known_rows, biased, late, caplog):
     caplog.set_level(logging.INFO)
-    late(rows, SETTINGS)
+    late(known_rows, SETTINGS)
     late(biased)
     clean, off = (record.getMessage() for record in caplog.records if "residuals in sigmas" in record.msg)
     for message, mean in ((clean, 0.0), (off, 0.05 / 0.0154)):
@@ -94,3 +74,11 @@ def test_what_residuals_tell_of_an_instrument():
     assert found["instrument"].tolist() == ["a", "b"]
     assert found["numbers"].tolist() == [2, 1]
     np.testing.assert_allclose(found[["rms", "mean"]], [[np.sqrt(17.0), 4.0], [1.0, 1.0]])
+
+
+def test_positions_have_an_instrument_for_each_axis():
+    points = pd.DataFrame({name: [0.0, 60.0] for name in ("t", "t_estimate")} | {"track": [0, 0]})
+    points = points.assign(**dict.fromkeys(STATE, 7e6), **dict.fromkeys(FIX_SIGMAS[:3], 5.0))
+    measured = Fixes(points.assign(**dict.fromkeys(FIX_SIGMAS[3:], np.nan)))
+    assert measured.instruments(slice(0, 2)).tolist() == [0, 1, 2, 0, 1, 2]
+    assert measured.instrument_names()[:3] == ["radial", "along track", "across track"]
