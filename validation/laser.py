@@ -15,7 +15,7 @@ import pandas as pd
 
 import opml
 from opml.base.constants import BODIES, DAY
-from opml.catalog.fit import first_orbit, fixes
+from opml.catalog.fit import first_orbit, fixes, track_fits
 from opml.catalog.fit.estimation import Estimate, Estimation, Run
 from opml.catalog.fit.least_squares import Fit
 from opml.interop import truth_from_orbit
@@ -103,7 +103,7 @@ def fits(folder: Path) -> dict[str, Comparison]:
     for name, begin in (("three days", 0.0), ("the last 18 hours", LAST)):
         estimate = fitted(run, track, begin, DAYS)
         at, known = measured.epochs[estimate.window.at], path[STATE].to_numpy()
-        flown = first_orbit.everywhere(lageos, path["t"].to_numpy(), at, estimate.fit.best)
+        flown = track_fits.everywhere(lageos, path["t"].to_numpy(), at, estimate.fit.best)
         apart = np.sqrt((in_rsw(flown - known, known)[:, :3] ** 2).mean(axis=0))
         found[name] = Comparison(by_station(measured.residuals(run, estimate)), apart)
     return found

@@ -345,7 +345,8 @@ def first_orbit(
 
     flight: under the assumed model; start: an RSO whose elements at the epoch are carried to the tracks, such
     as that of `read_elements`; where None, an orbit is determined from the tracks of the first day. Raises
-    InputError where no track gives an orbit, and where tracks are far from the elements.
+    InputError where no track gives an orbit, where tracks of angles fit none together, and where tracks are
+    far from the elements.
 
     >>> flight = opml.Flight(assumed_model, iss)
     >>> starts = opml.first_orbit(flight, measured, environment, stations)

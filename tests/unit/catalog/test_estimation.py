@@ -9,8 +9,8 @@ from support import BOUNDED_ESTIMATION as SETTINGS
 from support import rsos
 
 from opml.base.constants import DAY, HOUR
-from opml.catalog.fit import estimation, sightings, start_states
-from opml.catalog.fit.least_squares import NOT_CONVERGED, UNDERDETERMINED, Fit, Method
+from opml.catalog.fit import estimation, neighbour_arcs, sightings, start_states
+from opml.catalog.fit.least_squares import NOT_CONVERGED, UNDERDETERMINED, Fit
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE
@@ -135,9 +135,7 @@ def evaluated(assumed_model, iss, measured):
     flight = Flight(assumed_model, iss)
 
     def evaluate(window, parameters):
-        method = Method(np.ones(7), np.ones(7, bool), 1e-3)
-        trial = estimation.Estimate(window, Fit(parameters, method))
-        (states,), (lost,) = estimation.fly_around(flight, measured.epochs, [trial])
+        (states,), (lost,) = neighbour_arcs.fly_around(flight, measured.epochs, [window], parameters[None])
         assert not lost
         return measured.evaluation(window, states)
 

@@ -7,18 +7,22 @@ neighbouring arcs: the nominal arc and seven that differ in one parameter fly as
 so no variational equations are needed.
 """
 
+import logging
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, Self
 
 import numpy as np
 import pandas as pd
 
 from opml.base.constants import HOUR
+from opml.catalog.fit import biases
 from opml.catalog.fit.least_squares import Evaluation, Fit, Method
 from opml.catalog.fit.measurements import Measurements, Window
+from opml.catalog.fit.neighbour_arcs import fly_around, fly_parameters
+from opml.catalog.fit.round_orbits import eccentricity
 from opml.catalog.flight import Flight
-from opml.dynamics.ensemble import REASONS, Arcs
+from opml.dynamics.ensemble import REASONS
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE, symmetric_matrices
 
 BATCH = 16
@@ -29,17 +33,17 @@ from an older estimate.
 """
 
 _CD = PARAMETERS.index("cd")
-NUDGES = np.array([1.0, 1.0, 1.0, 1e-3, 1e-3, 1e-3, 1e-2])
-"""Differences [m, m/s, -] of the neighbouring arcs: small against the orbit, large against rounding."""
-
-_NEIGHBOURS = np.vstack([np.zeros(7), np.diag(NUDGES)])
-"""The arcs of one evaluation, as differences from the nominal arc, which is the first."""
-
 SCALES = np.array([1e3, 1e3, 1e3, 1.0, 1.0, 1.0, 1.0])
 """A-priori uncertainty [m, m/s, -] in which the damping measures a step."""
 
 NO_START = "no orbit to start from"
 """Why a fit did not begin."""
+
+FASTEST = 1e6
+"""Speed of trials above which their arcs are not flown [m/s]: fits to short tracks of angles wander far."""
+
+TOO_FAST = "start arc faster than any orbit"
+"""Why such a fit did not begin."""
 
 LINEAR = 10e3
 """How far a state may be moved along its covariance [m], to where it would be had Cd been known."""
@@ -62,6 +66,7 @@ class Estimation:
     cd_sigma: standard deviation of Cd about its a-priori value; None where nothing is known beforehand
     light_time: measurements are read as received at their time, after the light's way down, not as geometric
     reject_sigma: numbers whose residuals are larger, in standard deviations, count no more; None: all count
+    bias_sigma: of the constant error of each instrument in a window, in sigmas of its noise; None: none
     """
 
     window_hours: float
@@ -75,6 +80,7 @@ class Estimation:
     cd_sigma: float | None = None
     light_time: bool = False
     reject_sigma: float | None = None
+    bias_sigma: float | None = None
 
 
 @dataclass(frozen=True)
@@ -88,6 +94,8 @@ class Estimate:
     fit: Fit
     kept: np.ndarray | None = None
 
+
+_log = logging.getLogger(__name__)
 
 _EDITS = 10
 """Times that outliers are looked for in a fit at most."""
@@ -127,85 +135,6 @@ def _have_same_numbers(one: Estimate, other: Estimate) -> bool:
     return bool(np.array_equal(one.kept, other.kept))
 
 
-def fly_parameters(
-    flight: Flight, epochs: np.ndarray, parameters: np.ndarray, first: np.ndarray, last: np.ndarray
-) -> Arcs:
-    """Propagate arcs from parameters (arcs, 7) at epochs[first] to epochs[last]."""
-    return flight.fly(epochs, parameters[:, :6], cd=parameters[:, _CD], first=first, last=last)
-
-
-def fly_beside(flight: Flight, epochs: np.ndarray, parameters: np.ndarray) -> tuple[np.ndarray, int]:
-    """Return (states of an arc and its neighbours, their worst status), as `fly_around`, forward in time.
-
-    parameters: (7,) at the first epoch
-    epochs: (n,) at which the states (8, n, 6) are wanted [s]
-    """
-    near = flight.for_neighbours()
-    states, status = _fly_forward(near, epochs, parameters + _NEIGHBOURS)
-    if near is flight:
-        return states, status
-    nominal, lost = _fly_forward(flight, epochs, parameters[None])
-    return states + (nominal - states[:1]), max(status, lost)
-
-
-def _fly_forward(flight: Flight, epochs: np.ndarray, parameters: np.ndarray) -> tuple[np.ndarray, int]:
-    """Return (states (arcs, n, 6), worst status) of arcs from parameters (arcs, 7) through all epochs."""
-    count = len(parameters)
-    arcs = fly_parameters(flight, epochs, parameters, np.zeros(count, int), np.full(count, len(epochs) - 1))
-    later = arcs.states.reshape(count, len(epochs) - 1, 6)
-    return np.concatenate([parameters[:, None, :6], later], axis=1), int(arcs.status.max())
-
-
-def fly_around(
-    flight: Flight, epochs: np.ndarray, estimates: Sequence[Estimate]
-) -> tuple[list[np.ndarray], np.ndarray]:
-    """Return (states of each trial and its neighbours, their worst status).
-
-    The states are (8, epochs, 6) GCRF [m, m/s] at the epochs of the window; the status is an index into
-    REASONS.
-
-    In a large field the trials alone fly under all of it. Two-day fits of Swarm A under 70x70 then have the
-    same answers to 0.0004 of their sigma, in 43 % of the time.
-    """
-    windows = [estimate.window for estimate in estimates]
-    trials = np.array([estimate.fit.trial for estimate in estimates])
-    near = flight.for_neighbours()
-    states, status = _fly_neighbours(near, epochs, trials, windows)
-    if near is flight:
-        return states, status
-    nominal, lost = _fly_windows(flight, epochs, trials, windows)
-    moved = [arcs + (path - arcs[0]) for arcs, path in zip(states, nominal, strict=True)]
-    return moved, np.maximum(status, lost)
-
-
-def _fly_neighbours(
-    flight: Flight, epochs: np.ndarray, trials: np.ndarray, windows: Sequence[Window]
-) -> tuple[list[np.ndarray], np.ndarray]:
-    """Return states and status as `fly_around`, of trials (n, 7) and their neighbours under one field."""
-    count = len(_NEIGHBOURS)
-    lanes = (trials[:, None] + _NEIGHBOURS).reshape(-1, 7)
-    paths, status = _fly_windows(flight, epochs, lanes, [window for window in windows for _ in range(count)])
-    states = [np.stack(paths[k : k + count]) for k in range(0, len(paths), count)]
-    return states, status.reshape(-1, count).max(axis=1)
-
-
-def _fly_windows(
-    flight: Flight, epochs: np.ndarray, parameters: np.ndarray, windows: Sequence[Window]
-) -> tuple[list[np.ndarray], np.ndarray]:
-    """Return (states (epochs, 6) of each window, status) of arcs from parameters (n, 7)."""
-    first, at, last = (
-        np.array([getattr(window, name) for window in windows]) for name in ("first", "at", "last")
-    )
-    newest = len(epochs) - 1
-    forward = fly_parameters(flight, epochs, parameters, at, last)
-    backward = fly_parameters(flight, epochs[::-1], parameters, newest - at, newest - first)
-    paths = [
-        np.vstack([backward.path(k)[::-1], parameters[k : k + 1, :6], forward.path(k)])
-        for k in range(len(parameters))
-    ]
-    return paths, np.maximum(forward.status, backward.status)
-
-
 @dataclass(frozen=True)
 class Run:
     """All that the windows of a run share.
@@ -213,6 +142,7 @@ class Run:
     flight: under the assumed model
     starts: (tracks, 6) GCRF states at the tracks' starts
     ages: (tracks,) how long before each start its orbit was known [s]
+    eccentricity_sigma: standard deviation of the eccentricity about 0; None where nothing is known beforehand
     """
 
     measured: Measurements
@@ -220,6 +150,7 @@ class Run:
     starts: np.ndarray
     settings: Estimation
     ages: np.ndarray = field(default_factory=lambda: np.empty(0))
+    eccentricity_sigma: float | None = None
 
     def method(self, free: np.ndarray) -> Method:
         """Return how the parameters that are free (7,) are fitted."""
@@ -300,10 +231,14 @@ class Run:
     def fit(self, estimates: Sequence[Estimate]) -> None:
         """Iterate all fits side by side until they end, or the settings' number of iterations is reached."""
         for _ in range(self.settings.max_iterations):
+            for estimate in estimates:
+                while estimate.fit.running and np.linalg.norm(estimate.fit.trial[3:6]) > FASTEST:
+                    estimate.fit.reject(TOO_FAST)
             running = [estimate for estimate in estimates if estimate.fit.running]
             if not running:
                 break
-            paths, status = fly_around(self.flight, self.measured.epochs, running)
+            windows, trials = [one.window for one in running], np.array([one.fit.trial for one in running])
+            paths, status = fly_around(self.flight, self.measured.epochs, windows, trials)
             for estimate, states, lost in zip(running, paths, status, strict=True):
                 if lost:
                     estimate.fit.reject(f"start arc {REASONS[lost]}")
@@ -314,19 +249,51 @@ class Run:
         """Return the evaluation of a trial, from states (8, epochs, 6) of its arc and the neighbours."""
         light_time = self.settings.light_time
         evaluation = self.measured.evaluation(estimate.window, states, light_time=light_time)
+        kept = slice(None) if estimate.kept is None else estimate.kept
         if estimate.kept is not None:
-            evaluation = Evaluation(evaluation.residuals[estimate.kept], evaluation.jacobian[estimate.kept])
-        return self.with_apriori_cd(evaluation, estimate.fit.trial)
+            evaluation = Evaluation(evaluation.residuals[kept], evaluation.jacobian[kept])
+        if self.settings.bias_sigma is not None:
+            instruments = self.measured.instruments(estimate.window.rows)[kept]
+            evaluation = biases.whitened(evaluation, instruments, self.settings.bias_sigma)
+        evaluation = self.with_apriori_cd(evaluation, estimate.fit.trial)
+        return self._with_apriori_shape(evaluation, estimate.fit.trial)
 
     def residuals(self, estimates: Sequence[Estimate]) -> list[np.ndarray]:
         """Return the weighted residuals (numbers,) of all in the window of each estimate, at its best."""
-        ended = [replace(one, fit=Fit(one.fit.best, one.fit.method)) for one in estimates]
-        paths, _ = fly_around(self.flight, self.measured.epochs, ended)
         light_time = self.settings.light_time
         return [
             self.measured.evaluation(one.window, states, light_time=light_time).residuals
-            for one, states in zip(ended, paths, strict=True)
+            for one, states in zip(estimates, self._best_paths(estimates), strict=True)
         ]
+
+    def path(self, estimate: Estimate) -> np.ndarray:
+        """Return the states (epochs, 6) of an estimate's best at the epochs of its window."""
+        [states] = self._best_paths([estimate])
+        nominal: np.ndarray = states[0]
+        return nominal
+
+    def _best_paths(self, estimates: Sequence[Estimate]) -> list[np.ndarray]:
+        """Return the states of the best of each estimate and its neighbours, as `fly_around`."""
+        windows, best = [one.window for one in estimates], np.array([one.fit.best for one in estimates])
+        return fly_around(self.flight, self.measured.epochs, windows, best.reshape(-1, len(PARAMETERS)))[0]
+
+    def noise(self, estimates: Sequence[Estimate]) -> pd.DataFrame:
+        """Return what residuals tell of each instrument, as `biases.summary`, from all numbers that count.
+
+        They are of the newest estimates that converged and have no track in common.
+        """
+        apart: list[Estimate] = []
+        for one in reversed(estimates):
+            if one.fit.converged and (not apart or one.window.rows.stop <= apart[-1].window.rows.start):
+                apart.append(one)
+        kept = [slice(None) if one.kept is None else one.kept for one in apart]
+        numbers = [
+            self.measured.instruments(one.window.rows)[use] for one, use in zip(apart, kept, strict=True)
+        ]
+        residuals = self.residuals(apart) if apart else []
+        left = [one[use] for one, use in zip(residuals, kept, strict=True)]
+        names = np.array(self.measured.instrument_names())
+        return biases.summary(names[np.concatenate([*numbers, []]).astype(int)], np.concatenate([*left, []]))
 
     def edited(self, estimates: Sequence[Estimate]) -> list[Estimate]:
         """Return estimates fitted without outliers, first those from the start, until these stay the same.
@@ -377,6 +344,17 @@ class Run:
         residual = (self.flight.rso.cd - trial[_CD]) / self.settings.cd_sigma
         return Evaluation(
             np.append(evaluation.residuals, residual), np.vstack([evaluation.jacobian, weighted])
+        )
+
+    def _with_apriori_shape(self, evaluation: Evaluation, trial: np.ndarray) -> Evaluation:
+        """Return an evaluation at a trial (7,) with three more residuals, if its eccentricity is known."""
+        if self.eccentricity_sigma is None:
+            return evaluation
+        vector, derivative = eccentricity(trial[:6], self.flight.model.gm)
+        weighted = np.hstack([derivative, np.zeros((3, 1))]) / self.eccentricity_sigma
+        return Evaluation(
+            np.append(evaluation.residuals, -vector / self.eccentricity_sigma),
+            np.vstack([evaluation.jacobian, weighted]),
         )
 
     def is_usable(self, solution: Solution) -> bool:
@@ -496,12 +474,17 @@ def estimate_all(
     )
     method = run.method(run.free_parameters())
     rows: list[dict[str, Any]] = []
+    all_estimates: list[Estimate] = []
     wanted = range(measured.tracks) if tracks is None else tracks
     usable, spare = run.newest([] if earlier is None else run.earlier(earlier), None, None)
     for begin in range(0, len(wanted), BATCH):
         estimates = run.fitted(wanted[begin : begin + BATCH], usable, spare, method)
         usable, spare = run.newest([Solution.ended(estimate) for estimate in estimates], usable, spare)
         rows += [run.row(estimate) for estimate in estimates]
+        all_estimates += estimates
         if flight.progress:
             flight.progress(len(rows) / len(wanted))
+    _log.info(
+        "residuals in sigmas of the noise:\n%s", run.noise(all_estimates).round(2).to_string(index=False)
+    )
     return pd.DataFrame(rows)

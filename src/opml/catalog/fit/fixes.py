@@ -20,10 +20,10 @@ import pandas as pd
 
 from opml.base.constants import HOUR
 from opml.base.errors import InputError
-from opml.catalog.fit.estimation import NUDGES
 from opml.catalog.fit.laser_ranges import LaserRanges
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements, Window
+from opml.catalog.fit.neighbour_arcs import NUDGES
 from opml.catalog.fit.sightings import Measured
 from opml.orbits.elements import rsw_rotation
 from opml.orbits.sheets import Station

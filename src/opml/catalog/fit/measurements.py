@@ -91,6 +91,34 @@ class Measurements(ABC):
         row, observable = np.divmod(np.arange(self.count(rows)), self.numbers)
         return row, observable
 
+    def times(self, rows: slice) -> np.ndarray:
+        """Return the epochs (n,) of rows [s]."""
+        epochs: np.ndarray = self.epochs[self.epoch_of_row[rows]]
+        return epochs
+
+    def lines(self, rows: slice) -> tuple[np.ndarray, np.ndarray]:
+        """Return where in GCRF (n, 3) [m] lines of sight of rows begin, and unit vectors (n, 3) along them.
+
+        The latter are NaN of rows that tell no direction.
+        """
+        nothing = np.full((rows.stop - rows.start, 3), np.nan)
+        return nothing, nothing
+
+    def instruments(self, rows: slice) -> np.ndarray:
+        """Return the instrument of each number (numbers,) that rows hold, from 0 on: here its observable."""
+        return self.held(rows)[1]
+
+    def instrument_names(self) -> list[str]:
+        """Return the names of all instruments."""
+        return [
+            "radial",
+            "along track",
+            "across track",
+            "radial rate",
+            "rate along track",
+            "rate across track",
+        ]
+
     def misses(self, rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
         """Return how far (n,) [m] positions (n, 3) in GCRF are from where rows of measurements can be."""
         return np.asarray(np.linalg.norm(self.places(rows) - positions, axis=1))

@@ -33,9 +33,10 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.catalog.fit.estimation import APRIORI_SIGMA, LINEAR, NUDGES, SCALES, fly_beside
+from opml.catalog.fit.estimation import APRIORI_SIGMA, LINEAR, SCALES
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements
+from opml.catalog.fit.neighbour_arcs import NUDGES, fly_beside
 from opml.catalog.flight import Flight
 from opml.dynamics.ensemble import REASONS
 from opml.orbits.elements import rsw_rotation

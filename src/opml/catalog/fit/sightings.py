@@ -1,13 +1,15 @@
 """What stations measured, as measurements of an orbit; each estimate is at the start of its track."""
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
 
-from opml.catalog.fit.estimation import NUDGES, Estimate, Run
+from opml.catalog.fit.estimation import Estimate, Run
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements, Window
+from opml.catalog.fit.neighbour_arcs import NUDGES
 from opml.catalog.simulate.observing import (
     ANGLES,
     OBSERVABLES,
@@ -56,6 +58,27 @@ class Measured(Measurements):
     def places(self, rows: slice | np.ndarray) -> np.ndarray:
         """Return positions (n, 3) in GCRF [m] of rows of measurements, NaN without two angles and a range."""
         return np.asarray(self._standing(rows) + self._columns(["range"], rows) * self._sights(rows))
+
+    def instruments(self, rows: slice) -> np.ndarray:
+        """Return the instrument of each number (numbers,) that rows hold: station and observable."""
+        row, observable = self.held(rows)
+        station_of_row, _ = self._measuring
+        instruments: np.ndarray = len(self.names) * station_of_row[rows][row] + observable
+        return instruments
+
+    def instrument_names(self) -> list[str]:
+        """Return the names of all instruments."""
+        return [f"{station} {name}" for station in self._measuring[1] for name in self.names]
+
+    @cached_property
+    def _measuring(self) -> tuple[np.ndarray, np.ndarray]:
+        """The station of each row (rows,), from 0 on, and the names of the stations."""
+        station_of_row, names = pd.factorize(self.stations)
+        return station_of_row, np.asarray(names)
+
+    def lines(self, rows: slice) -> tuple[np.ndarray, np.ndarray]:
+        """Return where lines of sight begin, and along which way they go, as `Measurements.lines`."""
+        return self._standing(rows), self._sights(rows)
 
     def misses(self, rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
         """Return how far (n,) [m] positions (n, 3) in GCRF are from a place, a line of sight or a sphere.

@@ -7,7 +7,7 @@ of the force model.
 import numpy as np
 import pandas as pd
 
-from opml.catalog.fit.estimation import NUDGES
+from opml.catalog.fit.neighbour_arcs import NUDGES
 from opml.catalog.flight import Flight
 from opml.catalog.predict.neighbours import Neighbours
 from opml.orbits.elements import in_rsw

@@ -150,6 +150,11 @@ class EstimationSettings(Section):
         "residuals beyond so many standard deviations are outliers, left out by fits; by default none are",
         default=None,
     )
+    bias_sigma: Absent[Positive] = setting(
+        "standard deviation of a constant error of each station's observable, in a fit's window, in sigmas of"
+        " its noise; by default there is none",
+        default=None,
+    )
 
 
 Sigmas = Annotated[tuple[Positive, Positive, Positive], Strict(False), Expected("three numbers above 0")]
