@@ -15,7 +15,7 @@ import pandas as pd
 
 from opml.base.constants import BODIES, DAY, HOUR
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation, fixes, laser_ranges, start_states
+from opml.catalog.fit import estimation, fixes, laser_ranges, quarantine, start_states
 from opml.catalog.fit import first_orbit as first_orbits
 from opml.catalog.fit import measured_tracks as from_measurements
 from opml.catalog.flight import Flight
@@ -385,7 +385,7 @@ def estimate(
     method = _estimation(settings, "estimate")
     starts = start_states.chosen(truth, tracks, rso=flight.rso.name, settings=method, seed=seed)
     measured = fixes.measurements(tracks, environment.earth_orientation, stations)
-    return estimation.estimate_all(flight, starts, measured, settings=method)
+    return quarantine.estimate_all(flight, starts, measured, settings=method)
 
 
 def predict(

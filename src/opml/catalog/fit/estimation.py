@@ -7,7 +7,7 @@ neighbouring arcs: the nominal arc and seven that differ in one parameter fly as
 so no variational equations are needed.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -62,6 +62,7 @@ class Estimation:
     cd_sigma: standard deviation of Cd about its a-priori value; None where nothing is known beforehand
     light_time: measurements are read as received at their time, after the light's way down, not as geometric
     reject_sigma: numbers whose residuals are larger, in standard deviations, count no more; None: all count
+    suspect_sigma: tracks farther from their predictions are held back, see `quarantine`; None: none is
     """
 
     window_hours: float
@@ -75,6 +76,7 @@ class Estimation:
     cd_sigma: float | None = None
     light_time: bool = False
     reject_sigma: float | None = None
+    suspect_sigma: float | None = None
 
 
 @dataclass(frozen=True)
@@ -95,7 +97,7 @@ _EDITS = 10
 _NORMAL = 0.6745
 """Median of the size of a normal deviate."""
 
-_Known = tuple[int, np.ndarray]
+Known = tuple[int, np.ndarray]
 """An epoch of a run's measurements, by its number, and the parameters (7,) of an orbit there."""
 
 
@@ -219,20 +221,23 @@ class Run:
         free[_CD] = not np.linalg.norm(flown[1] - flown[0]) < self.settings.least_drag_m
         return free
 
+    def window(self, track: int, *, without: Collection[int] = ()) -> Window:
+        """Return the window of the settings at a track; `without`: tracks that are left out."""
+        after = self.settings.after_hours * HOUR
+        return self.measured.window(track, self._window, after, without=without)
+
     def fitted(
         self,
-        tracks: Sequence[int],
-        usable: _Known | None,
-        spare: _Known | None,
+        windows: Sequence[Window],
+        usable: Known | None,
+        spare: Known | None,
         method: Method,
     ) -> list[Estimate]:
-        """Return estimates at the start of `tracks`, each from the best start that its arc can be flown from.
+        """Return estimates over `windows`, each from the best start that its arc can be flown from.
 
         usable: of the newest estimate whose Cd is known
         spare: of the newest estimate that has a state at least
         """
-        after = self.settings.after_hours * HOUR
-        windows = [self.measured.window(track, self._window, after) for track in tracks]
         estimates = [Estimate(window, Fit(np.full(7, np.nan), method)) for window in windows]
         for starts in self._starts_in_turn(windows, usable, spare):
             waiting = [
@@ -242,11 +247,8 @@ class Run:
             ]
             for k in waiting:
                 estimates[k] = Estimate(windows[k], Fit(starts[k], method))
-            if self.settings.reject_sigma is None:
-                self.fit([estimates[k] for k in waiting])
-            else:
-                for k, estimate in zip(waiting, self.edited([estimates[k] for k in waiting]), strict=True):
-                    estimates[k] = estimate
+            for k, estimate in zip(waiting, self.ended([estimates[k] for k in waiting]), strict=True):
+                estimates[k] = estimate
             if all(estimate.fit.started for estimate in estimates):
                 break
         for estimate in estimates:
@@ -255,7 +257,7 @@ class Run:
         return estimates
 
     def _starts_in_turn(
-        self, windows: Sequence[Window], usable: _Known | None, spare: _Known | None
+        self, windows: Sequence[Window], usable: Known | None, spare: Known | None
     ) -> Iterator[np.ndarray]:
         """Yield parameters (windows, 7) to start from, the best first; not finite where there are none.
 
@@ -274,6 +276,13 @@ class Run:
         is_newer = (epochs[at] - epochs[spare[0]] < self.ages[tracks])[:, None]
         yield np.where(is_newer, kept, first)
         yield np.where(is_newer, first, kept)
+
+    def ended(self, estimates: Sequence[Estimate]) -> Sequence[Estimate]:
+        """Return estimates whose fits have ended, without outliers where the settings reject them."""
+        if self.settings.reject_sigma is not None:
+            return self.edited(estimates)
+        self.fit(estimates)
+        return estimates
 
     def fit(self, estimates: Sequence[Estimate]) -> None:
         """Iterate all fits side by side until they end, or the settings' number of iterations is reached."""
@@ -400,8 +409,8 @@ class Run:
         window, kept = estimate.window, estimate.kept
         if kept is None:
             return {"rejected": 0, "rejected_of_track": 0}
-        first, last = self.measured.first_row[window.track : window.track + 2] - window.rows.start
-        rows, _ = self.measured.held(window.rows)
+        first, last = self.measured.first_row[window.track : window.track + 2]
+        rows = window.index[self.measured.held(window.rows)[0]]
         return {
             "rejected": int(np.count_nonzero(~kept)),
             "rejected_of_track": int(np.count_nonzero(~kept & (rows >= first) & (rows < last))),
@@ -417,11 +426,11 @@ class Run:
         arcs = fly_parameters(self.flight, epochs, parameters[None], np.array([0]), np.array([len(at)]))
         return np.column_stack([arcs.path(0), np.full(len(at), parameters[_CD])])
 
-    def known(self, estimate: Estimate) -> _Known:
+    def known(self, estimate: Estimate) -> Known:
         """Return what others may start from."""
         return estimate.window.at, estimate.fit.best
 
-    def with_known_cd(self, estimate: Estimate) -> _Known | None:
+    def with_known_cd(self, estimate: Estimate) -> Known | None:
         """Return what others may start from, had Cd been known beforehand at its a-priori value.
 
         A short fit may tell nothing of Cd, but the whole state. None where it did not converge, or its Cd is
@@ -438,6 +447,18 @@ class Run:
         return (estimate.window.at, moved) if np.linalg.norm((moved - best)[:3]) < LINEAR else None
 
 
+def in_turn(run: Run, method: Method, windows: Sequence[Window]) -> Iterator[Estimate]:
+    """Yield the fits over windows, batch after batch, each from what the batches before it tell."""
+    usable: Known | None = None
+    spare: Known | None = None
+    for begin in range(0, len(windows), BATCH):
+        estimates = run.fitted(windows[begin : begin + BATCH], usable, spare, method)
+        newest = estimates[::-1]
+        usable = next((run.known(estimate) for estimate in newest if run.is_usable(estimate)), usable)
+        spare = next((known for known in map(run.with_known_cd, newest) if known), spare)
+        yield from estimates
+
+
 def estimate_all(
     flight: Flight, starts: pd.DataFrame, measured: Measurements, *, settings: Estimation
 ) -> pd.DataFrame:
@@ -449,16 +470,10 @@ def estimate_all(
     run = Run(
         measured, flight.without_progress(), starts[STATE].to_numpy(), settings, starts["age"].to_numpy()
     )
-    method = run.method(run.free_parameters())
+    windows = [run.window(track) for track in range(measured.tracks)]
     rows: list[dict[str, Any]] = []
-    usable: _Known | None = None
-    spare: _Known | None = None
-    for begin in range(0, measured.tracks, BATCH):
-        estimates = run.fitted(range(begin, min(begin + BATCH, measured.tracks)), usable, spare, method)
-        newest = estimates[::-1]
-        usable = next((run.known(estimate) for estimate in newest if run.is_usable(estimate)), usable)
-        spare = next((known for known in map(run.with_known_cd, newest) if known), spare)
-        rows += [run.row(estimate) for estimate in estimates]
+    for estimate in in_turn(run, run.method(run.free_parameters()), windows):
+        rows.append(run.row(estimate))
         if flight.progress:
             flight.progress(len(rows) / measured.tracks)
     return pd.DataFrame(rows)

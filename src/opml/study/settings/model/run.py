@@ -150,6 +150,12 @@ class EstimationSettings(Section):
         "residuals beyond so many standard deviations are outliers, left out by fits; by default none are",
         default=None,
     )
+    suspect_sigma: Absent[Positive] = setting(
+        "tracks so many standard deviations from their prediction are held back from fits, and show burns;"
+        " by default none are",
+        see="tracks.md#burns",
+        default=None,
+    )
 
 
 Sigmas = Annotated[tuple[Positive, Positive, Positive], Strict(False), Expected("three numbers above 0")]

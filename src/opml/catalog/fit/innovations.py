@@ -1,0 +1,89 @@
+"""How far a track is from where an earlier estimate predicts it, in standard deviations.
+
+An estimate has parameters x and a covariance P = L L'. With the weighted residuals r of a later track, and
+their partial derivatives A by x, the singular vectors of A L are the directions in which the prediction may
+err, apart from each other:
+
+    A L = U S V',  z = U'r,  z_i / sqrt(1 + s_i^2) ~ N(0, 1)
+
+What no orbit could explain, such as an outlier of one measured number, is in none of the directions.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from opml.catalog.fit.estimation import SCALES, Estimate, Run, fly_around
+from opml.catalog.fit.least_squares import Evaluation, Fit
+from opml.tables import PARAMETERS
+
+_CD = PARAMETERS.index("cd")
+
+CD_SPREAD = 0.1
+"""How far Cd may be from that of an estimate once its window is over, as a part of the body's own.
+
+As much as models of the thermosphere err, see `other_windows`.
+"""
+
+_USUAL = 1.67
+"""Median of the largest of seven normal deviates."""
+
+LEAST = 5
+"""Fewest tracks that tell how far is usual."""
+
+
+def covariance_root(covariance: np.ndarray) -> np.ndarray:
+    """Return the root (7, 7) of a covariance of parameters; 0 where a parameter was held."""
+    scaled = covariance / np.outer(SCALES, SCALES)
+    free = np.ix_(*[np.diag(scaled) > 0.0] * 2)
+    root = np.zeros((7, 7))
+    root[free] = np.linalg.cholesky(scaled[free])
+    return SCALES[:, None] * root
+
+
+def later_covariance(run: Run, estimate: Estimate) -> np.ndarray:
+    """Return the covariance (7, 7) of an estimate from which others are predicted, whose Cd may change."""
+    covariance = estimate.fit.covariance.copy()
+    if run.flight.rso.cd > 0.0:
+        covariance[_CD, _CD] += (CD_SPREAD * run.flight.rso.cd) ** 2
+    return covariance
+
+
+def deviations(evaluation: Evaluation, root: np.ndarray) -> np.ndarray:
+    """Return the innovations (directions,) of a track [1], each in its own standard deviation."""
+    axes, size, _ = np.linalg.svd(evaluation.jacobian @ root, full_matrices=False)
+    along: np.ndarray = axes.T @ evaluation.residuals
+    return along / np.sqrt(1.0 + size**2)
+
+
+def farthest(run: Run, estimate: Estimate, track: int) -> float:
+    """Return the largest innovation of a track [1], predicted from an estimate before; infinite if lost."""
+    alone, at = run.measured.track(track), estimate.window.at
+    window = replace(alone, first=min(at, alone.first), at=at)
+    predicted = Estimate(window, Fit(estimate.fit.best, estimate.fit.method))
+    [states], [status] = fly_around(run.flight, run.measured.epochs, [predicted])
+    if status:
+        return np.inf
+    evaluation = run.measured.evaluation(window, states, light_time=run.settings.light_time)
+    root = covariance_root(later_covariance(run, estimate))
+    return float(np.abs(deviations(evaluation, root)).max())
+
+
+@dataclass
+class Usual:
+    """How far tracks of an object are from their predictions.
+
+    past: largest innovations of the tracks that were the object's
+    """
+
+    past: list[float] = field(default_factory=list)
+
+    @property
+    def scale(self) -> float:
+        """Factor on the standard deviations, from the median of the past; at least 1."""
+        return max(1.0, float(np.median(self.past)) / _USUAL) if len(self.past) >= LEAST else np.inf
+
+    def take(self, largest: float) -> None:
+        """Take the innovation of a track of the object, if there is one."""
+        if np.isfinite(largest):
+            self.past.append(largest)
