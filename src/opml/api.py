@@ -68,10 +68,10 @@ ASSUMED: Mapping[str, Any] = packaged.RUN["force_models"]["assumed"]
 CLEANING: Mapping[str, Any] = packaged.PAPER_STUDY["cleaning"]
 """Settings of the cleaning in `dataset`; config/README.md explains them."""
 
-ESTIMATION: Mapping[str, float] = (
+ESTIMATION: Mapping[str, Any] = (
     packaged.RUN["estimation"]
     | {bound: CLEANING[bound] for bound in ("cd_min", "cd_max")}
-    | {"after_hours": 0.0}
+    | {"after_hours": 0.0, "reject_sigma": None, "suspect_sigma": None}
 )
 """Settings of `estimate`, which explains after_hours; config/README.md explains the others."""
 

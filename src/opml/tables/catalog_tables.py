@@ -210,7 +210,12 @@ CATALOG_SCHEMAS = (
             count("tracks_left_out", "tracks within the window that are held back, or before a burn"),
             real("burn_t", "s", f"time of the burn that this track showed, NaN for none, {SINCE}"),
             *(
-                real(name, "m/s", f"change of velocity by that burn, {axis}", "RSW")
+                real(
+                    name,
+                    "m/s",
+                    f"change of velocity by that burn, {axis}, NaN where no single one explains it",
+                    "RSW",
+                )
                 for name, axis in zip(BURN[1:], ("radial", "along-track", "cross-track"), strict=True)
             ),
         ),

@@ -167,3 +167,17 @@ def test_filters_pass_over_what_is_held_back(
     true = burnt.set_index("t").loc[behind["t"], STATE[:3]].to_numpy()
     off = np.linalg.norm(behind[STATE[:3]].to_numpy() - true, axis=1)
     assert off[-4:].max() < 200.0
+
+
+def test_what_nothing_explains_for_longer_than_a_window_counts_again(orbit, seen, estimates, monkeypatch):
+    """No fit takes a track in that is far, none agree: after six hours they count all the same."""
+    monkeypatch.setattr(quarantine.Watch, "_takes_in", lambda *_: False)
+    monkeypatch.setattr(quarantine, "farthest", lambda *_: 1.0 + 1e3 * (len(reached) > 6))
+    reached, usual = [], quarantine.Usual.take
+    monkeypatch.setattr(quarantine.Usual, "take", lambda *call: (reached.append(0), usual(*call)))
+    found = estimates(orbit, seen(orbit), replace(WATCHING, window_hours=6.0))
+    times, held = found["t"].to_numpy(), found["held_back"].to_numpy()
+    first = int(np.argmax(held))
+    again = first + int(np.argmin(held[first:]))
+    assert held[first:again].all()
+    assert again == int(np.searchsorted(times, times[first] + 6.0 * HOUR))

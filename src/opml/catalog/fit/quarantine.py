@@ -5,7 +5,8 @@ older, which sees what newer fits went along with. One that is far, by the objec
 fit over the window takes in either, is held back:
 
 * a later track is where it was predicted -> those held back were of another object, and take part in no fit;
-* tracks held back lie on one orbit, which meets the old one -> a burn, and fits begin anew behind it.
+* tracks held back lie on one orbit, which meets the old one -> a burn, and fits begin anew behind it;
+* nothing explains them for longer than a window -> they count again, as forces err more than was known.
 
 What happens at a track follows from the tracks up to it alone.
 """
@@ -83,7 +84,7 @@ class Watch:
             self._refuse(self._waiting)
             return self._accepted(self._fitted(track), away), None
         across = self._fitted(track)
-        if self._takes_in(across):
+        if self._takes_in(across) or self._waits_too_long(track):
             self._waiting = []
             return self._accepted(across, away), None
         _log.info("track %d at %.0f s is held back: %.0f sigma off", track, self._time(track), max(away))
@@ -179,6 +180,11 @@ class Watch:
         fit.reject(HELD_BACK)
         return Estimate(self._run.measured.track(track), fit)
 
+    def _waits_too_long(self, track: int) -> bool:
+        """Whether no orbit explains tracks for more than a window: then forces err more than was known."""
+        begin = self._time(self._waiting[0] if self._waiting else track)
+        return self._time(track) - begin > self._run.settings.window_hours * HOUR
+
     def _burn(self, away: Sequence[float]) -> Burn | None:
         """Return the burn that the tracks held back show, if any, and begin anew behind it."""
         far = [self._are_far([one]) for one in away]
@@ -190,6 +196,8 @@ class Watch:
             burn = self._between(before, after)
             if burn is None or (burn.apart > self._limit and len(tracks) < MANY):
                 continue
+            if burn.apart > self._limit:
+                burn = replace(burn, velocity=np.full(3, np.nan))
             self._begin_anew(burn, after, tracks)
             return burn
         return None
@@ -205,17 +213,15 @@ class Watch:
     def _between(self, before: Estimate, after: Estimate) -> Burn | None:
         """Return the burn between an orbit and one of tracks that were held back."""
         measured = self._run.measured
-        old = measured.ends[before.window.track]
-        new = measured.begins[np.searchsorted(measured.first_row, after.window.index[0], side="right") - 1]
-        scale = self._usual[0].scale
-        return between(self._run, before, after, (measured.epochs[old], measured.epochs[new]), scale)
+        first = int(np.searchsorted(measured.first_row, after.window.index[0], side="right")) - 1
+        span = float(measured.epochs[measured.ends[before.window.track]]), self._time(first)
+        return between(self._run, before, after, span, self._usual[0].scale)
 
     def _begin_anew(self, burn: Burn, after: Estimate, tracks: Sequence[int]) -> None:
         """Take a burn for found: what was held back on the new orbit counts, what is older does not."""
-        measured = self._run.measured
         self._cd = float(after.fit.best[_CD])
-        begins = measured.epochs[measured.begins]
-        first = min(int(np.searchsorted(begins, burn.t)), tracks[0])
+        times = self._run.measured.epochs[self._run.measured.at]
+        first = min(int(np.searchsorted(times, burn.t)), tracks[0])
         self._refuse([track for track in self._waiting if track not in tracks])
         self.burns.append((first, burn))
         self._known, self._usable, self._spare = [after], self._run.known(after), None
