@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from opml.catalog.fit.estimation import NUDGES, Estimate, Run, fly_beside
-from opml.catalog.fit.innovations import later_covariance
+from opml.catalog.fit.estimation import NUDGES, Run, fly_beside
+from opml.catalog.fit.innovations import Orbit
 from opml.orbits.elements import rsw_rotation
 
 STEP = 20.0
@@ -41,9 +41,7 @@ class Burn:
     apart: float
 
 
-def between(
-    run: Run, before: Estimate, after: Estimate, span: tuple[float, float], scale: float
-) -> Burn | None:
+def between(run: Run, before: Orbit, after: Orbit, span: tuple[float, float], scale: float) -> Burn | None:
     """Return the burn that leads from an orbit before to one after; None where one of them is lost.
 
     span: from when to when it may have been [s]
@@ -67,11 +65,12 @@ def between(
     return Burn(float(t[k]), axes @ change[k], sigma, float(np.sqrt(square[k] / 3.0)))
 
 
-def _flown(run: Run, estimate: Estimate, t: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return states (n, 6) of an estimate at times (n,) [s] and their covariances (n, 6, 6); None if lost."""
-    epochs = np.append(run.measured.epochs[estimate.window.at], t)
-    states, status = fly_beside(run.flight, epochs, estimate.fit.best)
+def _flown(run: Run, orbit: Orbit, t: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return states (n, 6) of an orbit at times (n,) [s] and their covariances (n, 6, 6); None if lost."""
+    epochs = np.append(run.measured.epochs[orbit.at], t)
+    states, status = fly_beside(run.flight, epochs, orbit.parameters)
     if status:
         return None
     partials = ((states[1:, 1:] - states[0, 1:]) / NUDGES[:, None, None]).transpose(1, 2, 0)
-    return states[0, 1:], partials @ later_covariance(run, estimate) @ partials.transpose(0, 2, 1)
+    covariance = orbit.later_covariance(run.flight.rso.cd)
+    return states[0, 1:], partials @ covariance @ partials.transpose(0, 2, 1)

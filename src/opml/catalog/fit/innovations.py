@@ -10,10 +10,11 @@ What no orbit could explain, such as an outlier of one measured number, is in no
 """
 
 from dataclasses import dataclass, field, replace
+from typing import Self
 
 import numpy as np
 
-from opml.catalog.fit.estimation import SCALES, Estimate, Run, fly_around
+from opml.catalog.fit.estimation import APRIORI_SIGMA, LINEAR, SCALES, Estimate, Run, fly_around
 from opml.catalog.fit.least_squares import Evaluation, Fit
 from opml.tables import PARAMETERS
 
@@ -41,12 +42,39 @@ def covariance_root(covariance: np.ndarray) -> np.ndarray:
     return SCALES[:, None] * root
 
 
-def later_covariance(run: Run, estimate: Estimate) -> np.ndarray:
-    """Return the covariance (7, 7) of an estimate from which others are predicted, whose Cd may change."""
-    covariance = estimate.fit.covariance.copy()
-    if run.flight.rso.cd > 0.0:
-        covariance[_CD, _CD] += (CD_SPREAD * run.flight.rso.cd) ** 2
-    return covariance
+@dataclass(frozen=True)
+class Orbit:
+    """What tracks are predicted from.
+
+    track, at: of its estimate, and the number of its epoch among the run's
+    parameters, covariance: (7,) and (7, 7)
+    """
+
+    track: int
+    at: int
+    parameters: np.ndarray
+    covariance: np.ndarray
+
+    @classmethod
+    def of_estimate(cls, estimate: Estimate, cd: float) -> Self | None:
+        """Return the orbit of an estimate that takes Cd for known beforehand, roughly; None if it is no use.
+
+        A short fit may tell nothing of Cd, but the state. Moved too far, it would not move straight.
+        """
+        if not estimate.fit.converged:
+            return None
+        window, best, covariance = estimate.window, estimate.fit.best, estimate.fit.covariance
+        gain = covariance[_CD] / (covariance[_CD, _CD] + (APRIORI_SIGMA * cd) ** 2)
+        moved = gain * (cd - best[_CD])
+        if np.linalg.norm(moved[:3]) > LINEAR:
+            return None
+        return cls(window.track, window.at, best + moved, covariance - np.outer(gain, covariance[_CD]))
+
+    def later_covariance(self, cd: float) -> np.ndarray:
+        """Return the covariance (7, 7) that others are predicted with, as Cd may change by part of `cd`."""
+        covariance = self.covariance.copy()
+        covariance[_CD, _CD] += (CD_SPREAD * cd) ** 2
+        return covariance
 
 
 def deviations(evaluation: Evaluation, root: np.ndarray) -> np.ndarray:
@@ -56,16 +84,16 @@ def deviations(evaluation: Evaluation, root: np.ndarray) -> np.ndarray:
     return along / np.sqrt(1.0 + size**2)
 
 
-def farthest(run: Run, estimate: Estimate, track: int) -> float:
-    """Return the largest innovation of a track [1], predicted from an estimate before; infinite if lost."""
-    alone, at = run.measured.track(track), estimate.window.at
-    window = replace(alone, first=min(at, alone.first), at=at)
-    predicted = Estimate(window, Fit(estimate.fit.best, estimate.fit.method))
+def farthest(run: Run, orbit: Orbit, track: int) -> float:
+    """Return the largest innovation of a track [1], predicted from an orbit before; infinite if lost."""
+    alone = run.measured.track(track)
+    window = replace(alone, first=min(orbit.at, alone.first), at=orbit.at)
+    predicted = Estimate(window, Fit(orbit.parameters, run.method(np.ones(7, dtype=bool))))
     [states], [status] = fly_around(run.flight, run.measured.epochs, [predicted])
     if status:
         return np.inf
     evaluation = run.measured.evaluation(window, states, light_time=run.settings.light_time)
-    root = covariance_root(later_covariance(run, estimate))
+    root = covariance_root(orbit.later_covariance(run.flight.rso.cd))
     return float(np.abs(deviations(evaluation, root)).max())
 
 

@@ -2,7 +2,7 @@
 
 Each track is held against where the newest estimate predicts it, and against where one does that is a window
 older, which sees what newer fits went along with. One that is far, by the object's own scale, and that no
-fit over the window takes in either, is held back:
+fit over the window takes in with about the drag of before, is held back:
 
 * a later track is where it was predicted -> those held back were of another object, and take part in no fit;
 * tracks held back lie on one orbit, which meets the old one -> a burn, and fits begin anew behind it;
@@ -23,7 +23,7 @@ from opml.base.constants import HOUR
 from opml.catalog.fit import estimation
 from opml.catalog.fit.burns import Burn, between
 from opml.catalog.fit.estimation import Estimate, Estimation, Known, Run
-from opml.catalog.fit.innovations import CD_SPREAD, Usual, farthest
+from opml.catalog.fit.innovations import CD_SPREAD, Orbit, Usual, farthest
 from opml.catalog.fit.least_squares import Fit, Method
 from opml.catalog.fit.measurements import Measurements
 from opml.catalog.flight import Flight
@@ -44,8 +44,8 @@ _WORST = 3.0
 LATELY = 50
 """Fits whose residuals are usual."""
 
-_KNOWN_CD = 1.0
-"""Standard deviation of Cd below which an estimate may be flown on, and its covariance is straight."""
+_DRAG = 0.5
+"""Change of Cd, as a part of it, beyond which a fit that takes a far track in does so by a burn's work."""
 
 _NORMAL = 0.6745
 """Median of the size of a normal deviate."""
@@ -68,8 +68,8 @@ class Watch:
         self._run, self._method = run, method
         self._limit = run.settings.suspect_sigma or np.inf
         self._waiting: list[int] = []
-        self._before: list[Estimate] = []
-        self._known: list[Estimate] = []
+        self._before: list[Orbit] = []
+        self._known: list[Orbit] = []
         self._usable: Known | None = None
         self._spare: Known | None = None
         self._usual = Usual(), Usual()
@@ -84,7 +84,7 @@ class Watch:
             self._refuse(self._waiting)
             return self._accepted(self._fitted(track), away), None
         across = self._fitted(track)
-        if self._takes_in(across) or self._waits_too_long(track):
+        if self._goes_across(across) or self._waits_too_long(track):
             self._waiting = []
             return self._accepted(across, away), None
         _log.info("track %d at %.0f s is held back: %.0f sigma off", track, self._time(track), max(away))
@@ -116,10 +116,10 @@ class Watch:
     def _time(self, track: int) -> float:
         return float(self._run.measured.epochs[self._run.measured.at[track]])
 
-    def _predictors(self, track: int) -> list[Estimate]:
-        """Return the estimates that predict a track: the newest, and the newest that is a window older."""
+    def _predictors(self, track: int) -> list[Orbit]:
+        """Return the orbits that predict a track: the newest, and the newest that is a window older."""
         epochs, oldest = self._run.measured.epochs, self._time(track) - self._run.settings.window_hours * HOUR
-        older = [one for one in self._known if epochs[one.window.at] <= oldest]
+        older = [one for one in self._known if epochs[one.at] <= oldest]
         self._known = older[-1:] + self._known[len(older) :]
         return [*self._known[-1:], *older[-1:]]
 
@@ -149,12 +149,21 @@ class Watch:
             usual.take(one)
         if estimate.fit.converged:
             self._sizes.append(float(self._run.row(estimate)["weighted_rms"]))
-            if estimate.fit.covariance[_CD, _CD] < _KNOWN_CD**2:
-                self._known.append(estimate)
+        if orbit := Orbit.of_estimate(estimate, self._run.flight.rso.cd):
+            self._known.append(orbit)
         if self._run.is_usable(estimate):
             self._usable = self._run.known(estimate)
         self._spare = self._run.with_known_cd(estimate) or self._spare
         return estimate
+
+    def _goes_across(self, estimate: Estimate) -> bool:
+        """Whether a fit takes a track in that is far from its prediction, with about the drag from before."""
+        cd, variance = estimate.fit.best[_CD], estimate.fit.covariance[_CD, _CD]
+        for one in self._before:
+            before = one.parameters[_CD]
+            if abs(cd - before) > _DRAG * abs(before) + np.sqrt(variance + one.covariance[_CD, _CD]):
+                return False
+        return self._takes_in(estimate)
 
     def _takes_in(self, estimate: Estimate) -> bool:
         """Whether a fit goes through all its tracks as usual, outliers aside."""
@@ -190,10 +199,12 @@ class Watch:
         far = [self._are_far([one]) for one in away]
         before = self._before[0] if far[0] else self._before[-1]
         for tracks in _agreements(self._waiting):
-            after = self._orbit(tracks, before)
-            if after is None:
+            fitted = self._orbit(tracks, before)
+            if fitted is None:
                 continue
-            burn = self._between(before, after)
+            window, fit = fitted.window, fitted.fit
+            after = Orbit(window.track, window.at, fit.best, fit.covariance)
+            burn = self._between(before, after, tracks[0])
             if burn is None or (burn.apart > self._limit and len(tracks) < MANY):
                 continue
             if burn.apart > self._limit:
@@ -202,29 +213,28 @@ class Watch:
             return burn
         return None
 
-    def _orbit(self, tracks: Sequence[int], before: Estimate) -> Estimate | None:
+    def _orbit(self, tracks: Sequence[int], before: Orbit) -> Estimate | None:
         """Return the orbit that tracks lie on, with the Cd of an estimate before, if any."""
         window = self._run.measured.of_tracks(tracks[-1], tracks)
-        start = self._run.carried(before.window.at, before.fit.best, np.array([window.at]))[0]
+        start = self._run.carried(before.at, before.parameters, np.array([window.at]))[0]
         method = replace(self._method, free=self._method.free & (np.arange(7) != _CD))
         [estimate] = self._run.ended([Estimate(window, Fit(start, method))])
         return estimate if self._takes_in(estimate) else None
 
-    def _between(self, before: Estimate, after: Estimate) -> Burn | None:
-        """Return the burn between an orbit and one of tracks that were held back."""
+    def _between(self, before: Orbit, after: Orbit, first: int) -> Burn | None:
+        """Return the burn between an orbit and one of tracks that were held back, by the first of these."""
         measured = self._run.measured
-        first = int(np.searchsorted(measured.first_row, after.window.index[0], side="right")) - 1
-        span = float(measured.epochs[measured.ends[before.window.track]]), self._time(first)
+        span = float(measured.epochs[measured.ends[before.track]]), self._time(first)
         return between(self._run, before, after, span, self._usual[0].scale)
 
-    def _begin_anew(self, burn: Burn, after: Estimate, tracks: Sequence[int]) -> None:
+    def _begin_anew(self, burn: Burn, after: Orbit, tracks: Sequence[int]) -> None:
         """Take a burn for found: what was held back on the new orbit counts, what is older does not."""
-        self._cd = float(after.fit.best[_CD])
+        self._cd = float(after.parameters[_CD])
         times = self._run.measured.epochs[self._run.measured.at]
         first = min(int(np.searchsorted(times, burn.t)), tracks[0])
         self._refuse([track for track in self._waiting if track not in tracks])
         self.burns.append((first, burn))
-        self._known, self._usable, self._spare = [after], self._run.known(after), None
+        self._known, self._usable, self._spare = [after], (after.at, after.parameters), None
         sizes = " ".join(f"{v:+.4f}({s:.4f})" for v, s in zip(burn.velocity, burn.sigma, strict=True))
         _log.info("burn at %.0f s: %s m/s along R, S, W, orbits %.1f sigma apart", burn.t, sizes, burn.apart)
 
