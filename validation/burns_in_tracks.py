@@ -202,7 +202,7 @@ def main(hours: float, folder: Path | None) -> None:
     print(f"clean: {held_back(month.estimates(rows, states, method), [])}", flush=True)
     spoilt, foreign = month.with_foreign(states, rows)
     print(f"foreign: {held_back(month.estimates(spoilt, states, method), foreign)}", flush=True)
-    # print(f"  counted: {errors(month.estimates(spoilt, states, settings(hours, None)))}", flush=True)
+    print(f"  counted: {errors(month.estimates(spoilt, states, settings(hours, None)))}", flush=True)
     for name, axis in AXES.items():
         for size in SIZES:
             burned = burns(size, axis)

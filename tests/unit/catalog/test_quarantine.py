@@ -1,6 +1,7 @@
 """Tracks that are held back: of another object, and behind a burn until the new orbit stands."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -9,6 +10,8 @@ from support import BOUNDED_ESTIMATION as SETTINGS
 
 from opml.base.constants import DAY, HOUR
 from opml.catalog.fit import quarantine, sequential, sightings, start_states
+from opml.catalog.fit.innovations import Orbit
+from opml.catalog.fit.least_squares import Method
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import QUANTITIES
@@ -181,3 +184,31 @@ def test_what_nothing_explains_for_longer_than_a_window_counts_again(orbit, seen
     again = first + int(np.argmin(held[first:]))
     assert held[first:again].all()
     assert again == int(np.searchsorted(times, times[first] + 6.0 * HOUR))
+
+
+def estimate_of(cd, covariance):
+    """An estimate that converged."""
+    fit = SimpleNamespace(converged=True, best=np.append(np.zeros(6), cd), covariance=covariance)
+    return SimpleNamespace(window=SimpleNamespace(track=3, at=7), fit=fit)
+
+
+@pytest.mark.parametrize(("cd", "goes"), [(2.0, True), (2.9, True), (3.2, False), (0.8, False)])
+def test_a_fit_that_needs_another_drag_takes_no_far_track_in(monkeypatch, cd, goes):
+    monkeypatch.setattr(quarantine.Watch, "_takes_in", lambda *_: True)
+    watch = quarantine.Watch(SimpleNamespace(settings=WATCHING), Method(np.ones(7), np.ones(7, bool), 1e-3))
+    watch._before = [Orbit(0, 0, np.append(np.zeros(6), 2.0), np.zeros((7, 7)))]
+    assert watch._goes_across(estimate_of(cd, np.zeros((7, 7)))) == goes
+
+
+def test_an_orbit_whose_fit_tells_no_cd_is_moved_to_where_it_would_be():
+    covariance = np.eye(7)
+    covariance[6, 6], covariance[0, 6], covariance[6, 0] = 1e6, 1e4, 1e4
+    covariance[0, 0] = 101.0
+    orbit = Orbit.of_estimate(estimate_of(52.2, covariance), 2.2)
+    assert orbit.parameters[6] == pytest.approx(2.2, abs=1e-3)
+    assert orbit.parameters[0] == pytest.approx(-0.5, abs=1e-3)
+    assert orbit.covariance[6, 6] == pytest.approx(1.1**2, rel=1e-3)
+    assert orbit.covariance[0, 0] == pytest.approx(1.0, rel=1e-3)
+    far = covariance * 1.0
+    far[0, 6] = far[6, 0] = 1e9
+    assert Orbit.of_estimate(estimate_of(52.2, far), 2.2) is None
