@@ -200,6 +200,22 @@ def test_a_fit_that_needs_another_drag_takes_no_far_track_in(monkeypatch, cd, go
     assert watch._goes_across(estimate_of(cd, np.zeros((7, 7)))) == goes
 
 
+@pytest.mark.parametrize(("cd", "away", "used"), [(2.1, 9.0, 0), (2.1, 2.0, 1), (6.0, 9.0, 1)])
+def test_a_burn_begins_at_the_newest_orbit_that_it_did_not_bend(monkeypatch, cd, away, used):
+    """The newest was predicted from if it is far, and has the drag of the one a window older."""
+    asked = []
+    monkeypatch.setattr(quarantine.Watch, "_orbit", lambda watch, tracks, before: asked.append(before))
+    watch = quarantine.Watch(SimpleNamespace(settings=WATCHING), Method(np.ones(7), np.ones(7, bool), 1e-3))
+    watch._waiting = [8, 9]
+    watch._before = [
+        Orbit(k, 0, np.append(np.zeros(6), one), np.zeros((7, 7))) for k, one in ((1, cd), (0, 2.0))
+    ]
+    for usual in watch._usual:
+        usual.past.extend([1.0] * 5)
+    assert watch._burn([away, 9.0]) is None
+    assert [one.track for one in asked] == [1 - used]
+
+
 def test_an_orbit_whose_fit_tells_no_cd_is_moved_to_where_it_would_be():
     covariance = np.eye(7)
     covariance[6, 6], covariance[0, 6], covariance[6, 0] = 1e6, 1e4, 1e4

@@ -159,10 +159,8 @@ class Watch:
     def _goes_across(self, estimate: Estimate) -> bool:
         """Whether a fit takes a track in that is far from its prediction, with about the drag from before."""
         cd, variance = estimate.fit.best[_CD], estimate.fit.covariance[_CD, _CD]
-        for one in self._before:
-            before = one.parameters[_CD]
-            if abs(cd - before) > _DRAG * abs(before) + np.sqrt(variance + one.covariance[_CD, _CD]):
-                return False
+        if any(_has_other_drag(cd, variance, one) for one in self._before):
+            return False
         return self._takes_in(estimate)
 
     def _takes_in(self, estimate: Estimate) -> bool:
@@ -196,8 +194,9 @@ class Watch:
 
     def _burn(self, away: Sequence[float]) -> Burn | None:
         """Return the burn that the tracks held back show, if any, and begin anew behind it."""
-        far = [self._are_far([one]) for one in away]
-        before = self._before[0] if far[0] else self._before[-1]
+        newest, older = self._before[0], self._before[-1]
+        went_along = _has_other_drag(newest.parameters[_CD], newest.covariance[_CD, _CD], older)
+        before = older if went_along or not self._are_far(away[:1]) else newest
         for tracks in _agreements(self._waiting):
             fitted = self._orbit(tracks, before)
             if fitted is None:
@@ -237,6 +236,12 @@ class Watch:
         self._known, self._usable, self._spare = [after], (after.at, after.parameters), None
         sizes = " ".join(f"{v:+.4f}({s:.4f})" for v, s in zip(burn.velocity, burn.sigma, strict=True))
         _log.info("burn at %.0f s: %s m/s along R, S, W, orbits %.1f sigma apart", burn.t, sizes, burn.apart)
+
+
+def _has_other_drag(cd: float, variance: float, before: Orbit) -> bool:
+    """Return whether Cd, of a variance, is another one than that of an orbit before."""
+    sigma = np.sqrt(variance + before.covariance[_CD, _CD])
+    return bool(abs(cd - before.parameters[_CD]) > _DRAG * abs(before.parameters[_CD]) + sigma)
 
 
 def _agreements(tracks: Sequence[int]) -> Iterator[list[int]]:
