@@ -14,7 +14,7 @@ from opml.catalog.fit.innovations import Orbit
 from opml.catalog.fit.least_squares import Method
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
-from opml.catalog.simulate.observing import QUANTITIES
+from opml.catalog.simulate.observing import QUANTITIES, sigmas, wrapped
 from opml.orbits.elements import rsw_rotation
 from opml.tables import BURN, SCHEMAS, STATE, read_table, write_table
 
@@ -115,6 +115,17 @@ def test_a_track_of_another_object_is_held_back_and_left_out(orbit, estimates, f
     write_table(tmp_path / "estimates", found.drop(columns="off"), "estimates", metadata={})
     marks = ["held_back", "tracks_left_out", *BURN]
     assert list(read_table(tmp_path / "estimates", "estimates")) == [*SCHEMAS["estimates"].names, *marks]
+
+
+def test_single_outliers_hold_no_track_back_where_they_are_rejected(orbit, seen, estimates, three_stations):
+    rows, spread = seen(orbit), {station.name: sigmas(station, QUANTITIES) for station in three_stations}
+    generator = np.random.default_rng(7)
+    hit = generator.random((len(rows), 3)) < 0.03
+    values = rows[QUANTITIES].to_numpy() + 100.0 * hit * np.array([spread[name] for name in rows["station"]])
+    spoilt = rows.assign(**dict(zip(QUANTITIES, wrapped(values, QUANTITIES).T, strict=True)))
+    found = estimates(orbit, spoilt, replace(WATCHING, reject_sigma=5.0))
+    assert not found["held_back"].any()
+    assert found["rejected_of_track"].sum() == hit.sum()
 
 
 def test_a_burn_is_found_with_its_time_and_size(after_burn):
