@@ -236,6 +236,8 @@ def test_an_orbit_whose_fit_tells_no_cd_is_moved_to_where_it_would_be():
     assert orbit.parameters[0] == pytest.approx(-0.5, abs=1e-3)
     assert orbit.covariance[6, 6] == pytest.approx(1.1**2, rel=1e-3)
     assert orbit.covariance[0, 0] == pytest.approx(1.0, rel=1e-3)
+    held = np.diag([1.0] * 6 + [0.0])
+    assert Orbit.of_estimate(estimate_of(0.0, held), 0.0).parameters.tolist() == [0.0] * 7
     far = covariance * 1.0
     far[0, 6] = far[6, 0] = 1e9
     assert Orbit.of_estimate(estimate_of(52.2, far), 2.2) is None

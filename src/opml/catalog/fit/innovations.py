@@ -42,6 +42,22 @@ def covariance_root(covariance: np.ndarray) -> np.ndarray:
     return SCALES[:, None] * root
 
 
+def with_apriori_cd(
+    parameters: np.ndarray, covariance: np.ndarray, cd: float
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return parameters (7,) and covariance (7, 7) of a fit that takes the body's own Cd for a measurement.
+
+    A short fit may tell nothing of Cd, but the state. None where it would move too far for a straight line.
+    """
+    if covariance[_CD, _CD] == 0.0:
+        return parameters, covariance
+    gain = covariance[_CD] / (covariance[_CD, _CD] + (APRIORI_SIGMA * cd) ** 2)
+    moved = gain * (cd - parameters[_CD])
+    if np.linalg.norm(moved[:3]) > LINEAR:
+        return None
+    return parameters + moved, covariance - np.outer(gain, covariance[_CD])
+
+
 @dataclass(frozen=True)
 class Orbit:
     """What tracks are predicted from.
@@ -57,18 +73,11 @@ class Orbit:
 
     @classmethod
     def of_estimate(cls, estimate: Estimate, cd: float) -> Self | None:
-        """Return the orbit of an estimate that takes Cd for known beforehand, roughly; None if it is no use.
-
-        A short fit may tell nothing of Cd, but the state. Moved too far, it would not move straight.
-        """
+        """Return the orbit of an estimate that takes the body's Cd for a measurement, if it can."""
         if not estimate.fit.converged:
             return None
-        window, best, covariance = estimate.window, estimate.fit.best, estimate.fit.covariance
-        gain = covariance[_CD] / (covariance[_CD, _CD] + (APRIORI_SIGMA * cd) ** 2)
-        moved = gain * (cd - best[_CD])
-        if np.linalg.norm(moved[:3]) > LINEAR:
-            return None
-        return cls(window.track, window.at, best + moved, covariance - np.outer(gain, covariance[_CD]))
+        known = with_apriori_cd(estimate.fit.best, estimate.fit.covariance, cd)
+        return cls(estimate.window.track, estimate.window.at, *known) if known else None
 
     def later_covariance(self, cd: float) -> np.ndarray:
         """Return the covariance (7, 7) that others are predicted with, as Cd may change by part of `cd`."""

@@ -33,8 +33,8 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.catalog.fit.estimation import APRIORI_SIGMA, LINEAR, NUDGES, SCALES, fly_beside
-from opml.catalog.fit.innovations import covariance_root
+from opml.catalog.fit.estimation import NUDGES, SCALES, fly_beside
+from opml.catalog.fit.innovations import covariance_root, with_apriori_cd
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements
 from opml.catalog.flight import Flight
@@ -347,19 +347,13 @@ def _next_or_lost(run: Filtering, filters: Filters, track: int) -> Filters | Non
 
 
 def _with_apriori_cd(estimate: pd.Series, cd: float) -> pd.Series | None:
-    """Return a batch fit that takes the sheet's Cd for a measurement; None where no filter may begin at it.
-
-    A short fit may tell nothing of Cd, but the state. Moved too far, it would not move in a straight line.
-    """
+    """Return a batch fit that takes the sheet's Cd for a measurement; None where no filter may begin."""
     if not estimate["converged"]:
         return None
-    covariance = _covariance(estimate)
-    gain = covariance[_CD] / (covariance[_CD, _CD] + (APRIORI_SIGMA * cd) ** 2)
-    moved = gain * (cd - estimate["cd"])
-    if np.linalg.norm(moved[:3]) > LINEAR:
+    known = with_apriori_cd(estimate[PARAMETERS].to_numpy(float), _covariance(estimate), cd)
+    if known is None:
         return None
-    known = covariance - np.outer(gain, covariance[_CD])
     start = estimate.copy()
-    start[PARAMETERS] = estimate[PARAMETERS].to_numpy(float) + moved
-    start[PARAMETER_COVARIANCES] = known[np.tril_indices(7)]
+    start[PARAMETERS], covariance = known
+    start[PARAMETER_COVARIANCES] = covariance[np.tril_indices(7)]
     return start
