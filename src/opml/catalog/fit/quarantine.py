@@ -38,17 +38,17 @@ AGREEING = 2
 MANY = 4
 """Tracks on one orbit that make a burn, or several, even where the orbits do not meet."""
 
-_WORST = 3.0
-"""Median residual of a track beyond which a fit does not take it in, in root mean squares of usual fits."""
+_WORST = 5.0
+"""How far the median residual of a track is off zero at most where a fit takes it in, by what is usual."""
 
-LATELY = 50
-"""Fits whose residuals are usual."""
+_LATELY = 50
+"""Newest fits, whose residuals are what is usual."""
 
 _DRAG = 0.5
 """Change of Cd, as a part of it, beyond which a fit that takes a far track in does so by a burn's work."""
 
-_NORMAL = 0.6745
-"""Median of the size of a normal deviate."""
+_MEDIAN = 1.2533
+"""Standard deviation of the median of many normal deviates, in that of their mean."""
 
 _CD = PARAMETERS.index("cd")
 _log = logging.getLogger(__name__)
@@ -170,9 +170,9 @@ class Watch:
         measured, window = self._run.measured, estimate.window
         rows, observables = measured.held(window.rows)
         tracks = np.searchsorted(measured.first_row, window.index[rows], side="right")
-        size = pd.Series(np.abs(self._run.residuals([estimate])[0]))
-        worst = float(size.groupby([tracks, observables]).median().max()) / _NORMAL
-        return worst <= _WORST * max(1.0, float(np.median(self._sizes[-LATELY:])))
+        together = pd.Series(self._run.residuals([estimate])[0]).groupby([tracks, observables])
+        pulls = together.median().abs() * np.sqrt(together.size()) / _MEDIAN
+        return bool(pulls.max() <= _WORST * max(1.0, float(np.median(self._sizes[-_LATELY:]))))
 
     def _refuse(self, tracks: Sequence[int]) -> None:
         """Take tracks that were held back for those of another object."""
