@@ -15,9 +15,9 @@ import pandas as pd
 
 from opml.base.constants import BODIES, DAY, HOUR
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation, fixes, laser_ranges, start_states
-from opml.catalog.fit import first_orbit as first_orbits
+from opml.catalog.fit import estimation, fixes, laser_ranges, quarantine, start_states
 from opml.catalog.fit import measured_tracks as from_measurements
+from opml.catalog.fit.first import first_orbit as first_orbits
 from opml.catalog.flight import Flight
 from opml.catalog.predict import labels, prediction, spread
 from opml.catalog.simulate import tracking, truth
@@ -68,10 +68,10 @@ ASSUMED: Mapping[str, Any] = packaged.RUN["force_models"]["assumed"]
 CLEANING: Mapping[str, Any] = packaged.PAPER_STUDY["cleaning"]
 """Settings of the cleaning in `dataset`; config/README.md explains them."""
 
-ESTIMATION: Mapping[str, float] = (
+ESTIMATION: Mapping[str, Any] = (
     packaged.RUN["estimation"]
     | {bound: CLEANING[bound] for bound in ("cd_min", "cd_max")}
-    | {"after_hours": 0.0}
+    | {"after_hours": 0.0, "reject_sigma": None, "suspect_sigma": None}
 )
 """Settings of `estimate`, which explains after_hours; config/README.md explains the others."""
 
@@ -386,7 +386,7 @@ def estimate(
     method = _estimation(settings, "estimate")
     starts = start_states.chosen(truth, tracks, rso=flight.rso.name, settings=method, seed=seed)
     measured = fixes.measurements(tracks, environment.earth_orientation, stations)
-    return estimation.estimate_all(flight, starts, measured, settings=method)
+    return quarantine.estimate_all(flight, starts, measured, settings=method)
 
 
 def predict(

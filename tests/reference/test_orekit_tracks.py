@@ -6,7 +6,8 @@ import pytest
 from support import ASSUMED_BODIES, EPOCH, ESTIMATION, EXCERPTS, force_model
 
 from opml.base.constants import DAY
-from opml.catalog.fit import estimation, first_orbit, measured_tracks, sightings
+from opml.catalog.fit import estimation, measured_tracks, sightings
+from opml.catalog.fit.first import first_orbit
 from opml.catalog.flight import Flight
 from opml.catalog.predict import prediction
 from opml.interop import tdm

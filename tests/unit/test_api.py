@@ -119,7 +119,8 @@ def test_defaults_are_those_of_the_settings():
             **settings,
             "third_bodies": set(settings["third_bodies"]),
         }
-    assert SETTINGS["estimation"] | limits | {"after_hours": 0.0} == opml.ESTIMATION
+    absent = {"after_hours": 0.0, "reject_sigma": None, "suspect_sigma": None}
+    assert SETTINGS["estimation"] | limits | absent == opml.ESTIMATION
     assert {**opml.CLEANING, "fence_days": list(opml.CLEANING["fence_days"])} == cleaning
     assert SETTINGS["learners"]["svr"] == opml.LEARNER
     assert list(api._SPAN_DAYS) == STUDY["span_days"]

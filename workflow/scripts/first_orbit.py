@@ -1,7 +1,8 @@
 """Carry a given state to every measured track, or determine one from them."""
 
-from opml.catalog.fit import first_orbit, fixes
+from opml.catalog.fit import fixes
 from opml.catalog.fit.estimation import Estimation
+from opml.catalog.fit.first import first_orbit
 from opml.catalog.flight import Flight
 from opml.interop import first_state
 from opml.orbits.sheets import Station

@@ -181,6 +181,7 @@ def _segment(message: ccsds.Message, epoch: str, number: int) -> pd.DataFrame:
             "rso": rso,
             "scale": scale,
             **_in_gcrf(message, metadata, dict(zip(names, values.T, strict=True))),
+            "corrected": metadata.text("CORRECTIONS_APPLIED", "") == "YES",
             "two_way": len(metadata.text("PATH").split(",")) > 2,
             "track_id": metadata.text("TRACK_ID", ""),
             "segment": number,

@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.catalog.fit import first_orbit
 from opml.catalog.fit.estimation import Estimation, estimate_all
-from opml.catalog.fit.first_orbit import TimedState
+from opml.catalog.fit.first import first_orbit
+from opml.catalog.fit.first.first_orbit import TimedState
 from opml.catalog.fit.measurements import Measurements
 from opml.catalog.flight import Flight
 from opml.mornings.tracks import Recent

@@ -7,8 +7,9 @@ from typing import Any
 import pandas as pd
 
 from opml.base.constants import HOUR
-from opml.catalog.fit import first_orbit, fixes, measured_tracks
-from opml.catalog.fit.first_orbit import TimedState
+from opml.catalog.fit import fixes, measured_tracks
+from opml.catalog.fit.first import first_orbit
+from opml.catalog.fit.first.first_orbit import TimedState
 from opml.interop import first_state, points_from_files, tdm
 from opml.interop.element_sets import histories, measured_sets
 from opml.interop.element_sets.sgp4_points import Sampling

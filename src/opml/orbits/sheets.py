@@ -26,7 +26,8 @@ class Station:
     """A radar or telescope: place on WGS84, field of view and standard deviations of its noise.
 
     SI units, radians. A station measures what it has a standard deviation of. max_sun_elevation: of a
-    telescope, which sees an RSO in the Sun's light while the Sun is lower than that.
+    telescope, which sees an RSO in the Sun's light while the Sun is lower than that. troposphere, refraction:
+    1 where ranges are as the air delays them, and elevations as it bends them, until they are read.
     """
 
     name: str
@@ -43,6 +44,8 @@ class Station:
     sigma_right_ascension: float | None = None
     sigma_declination: float | None = None
     max_sun_elevation: float | None = None
+    troposphere: float | None = None
+    refraction: float | None = None
 
     @property
     def row(self) -> dict[str, Any]:
@@ -125,6 +128,8 @@ _SIGMA_FIELDS = {
 _OPTIONAL_FIELDS = {
     **_SIGMA_FIELDS,
     "max_sun_elevation_deg": _Field("max_sun_elevation", -90, 90, math.radians),
+    "troposphere": _Field("troposphere", 0, 1),
+    "refraction": _Field("refraction", 0, 1),
 }
 _RSO_FIELDS = {
     "a_km": _Field("a", WGS84_A / 1e3, 300_000, _kilo, too_high="metres in place of kilometres?"),

@@ -13,6 +13,7 @@ from opml.tables.catalog_tables import (
     mechanism_schema,
 )
 from opml.tables.columns import (
+    BURN,
     COMPONENTS,
     PARAMETER_COVARIANCES,
     PARAMETERS,
@@ -73,6 +74,7 @@ from opml.tables.parquet import (
 from opml.tables.schemas import SCHEMAS
 
 __all__ = [
+    "BURN",
     "COMPONENTS",
     "DOUBT",
     "ELEMENTS",

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from opml.tables.columns import (
+    BURN,
     COMPONENTS,
     ERRORS,
     NO_TRUTH,
@@ -205,6 +206,18 @@ CATALOG_SCHEMAS = (
         (
             count("rejected", "measured numbers in the window that are outliers; only where any are judged"),
             count("rejected_of_track", "those of the track itself"),
+            flag("held_back", "whether no known orbit explains the track; only where `suspect_sigma` is set"),
+            count("tracks_left_out", "tracks within the window that are held back, or before a burn"),
+            real("burn_t", "s", f"time of the burn that this track showed, NaN for none, {SINCE}"),
+            *(
+                real(
+                    name,
+                    "m/s",
+                    f"change of velocity by that burn, {axis}, NaN where no single one explains it",
+                    "RSW",
+                )
+                for name, axis in zip(BURN[1:], ("radial", "along-track", "cross-track"), strict=True)
+            ),
         ),
     ),
     Schema(

@@ -13,6 +13,9 @@ STATE = ["x", "y", "z", "vx", "vy", "vz"]
 PARAMETERS = [*STATE, "cd"]
 """Columns of the estimated parameters."""
 
+BURN = ["burn_t", "burn_x", "burn_y", "burn_z"]
+"""Columns of a burn that a track showed: its time, and what it changed in RSW."""
+
 COMPONENTS = tuple(f"e_{axis}" for axis in STATE)
 """Columns of the components of a prediction error."""
 

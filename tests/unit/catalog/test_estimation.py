@@ -10,7 +10,7 @@ from support import rsos
 
 from opml.base.constants import DAY, HOUR
 from opml.catalog.fit import estimation, neighbour_arcs, sightings, start_states
-from opml.catalog.fit.least_squares import NOT_CONVERGED, UNDERDETERMINED, Fit
+from opml.catalog.fit.least_squares import NOT_CONVERGED, UNDERDETERMINED
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE

@@ -11,8 +11,9 @@ from support import EPOCH, rsos
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation, first_orbit, measured_tracks, start_states
+from opml.catalog.fit import estimation, measured_tracks, start_states
 from opml.catalog.fit.estimation import Run
+from opml.catalog.fit.first import first_orbit
 from opml.catalog.fit.sightings import Measured
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth

@@ -9,7 +9,8 @@ from support import BOUNDED_ESTIMATION
 
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation, first_orbit, fixes, sequential
+from opml.catalog.fit import estimation, fixes, sequential
+from opml.catalog.fit.first import first_orbit
 from opml.catalog.flight import Flight
 from opml.catalog.predict import labels, prediction
 from opml.catalog.simulate import truth

@@ -8,11 +8,12 @@ from support import BOUNDED_ESTIMATION as SETTINGS
 
 from opml.base.constants import DAY, EARTH_GM
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation, first_orbit
+from opml.catalog.fit import estimation
 from opml.catalog.fit.estimation import Run
-from opml.catalog.fit.round_orbits import eccentricity, round_orbits
+from opml.catalog.fit.first import first_orbit
+from opml.catalog.fit.first.round_orbits import eccentricity, round_orbits
+from opml.catalog.fit.first.track_fits import begun_there
 from opml.catalog.fit.sightings import Measured
-from opml.catalog.fit.track_fits import begun_there
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import OBSERVABLES

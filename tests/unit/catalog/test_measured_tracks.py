@@ -10,7 +10,7 @@ from support import EPOCH, stations
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.catalog.fit import measured_tracks
+from opml.catalog.fit import air, measured_tracks
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import observe, place, site
@@ -48,6 +48,41 @@ def test_places_are_where_they_are_observed(three_stations):
     positions = position + np.random.default_rng(2).normal(size=(5, 3)) * 1e6
     back = place(observe(positions, position, to_horizon), position, to_horizon)
     np.testing.assert_allclose(back, positions, rtol=1e-12)
+
+
+def test_air_is_taken_off_what_a_station_measures_through_it(table, message, three_stations):
+    through = [replace(station, troposphere=1.0, refraction=1.0) for station in three_stations]
+    found, given = measured_tracks.tracks(read(message), through), table
+    station = three_stations[0]
+    ours, before = (rows[rows["station"] == station.name] for rows in (found, given))
+    high = before["elevation"].to_numpy()
+    lifted = air.bending(high, station.altitude, radio=True)
+    late = air.delay(high - lifted, station.latitude, station.altitude)
+    assert late.max() > 20.0
+    np.testing.assert_allclose(ours["elevation"], high - lifted)
+    np.testing.assert_allclose(ours["range"], before["range"] - late)
+    assert ours["azimuth"].tolist() == before["azimuth"].tolist()
+    message.write_text(message.read_text().replace("PATH", "CORRECTIONS_APPLIED = YES\nPATH"))
+    done = measured_tracks.tracks(read(message), through)
+    pd.testing.assert_frame_equal(done[tdm.COLUMNS], table[tdm.COLUMNS], check_exact=True)
+
+
+def test_rates_go_with_the_delay_that_changes(table, three_stations):
+    rows = table[table["track"] == 1].assign(range_rate=0.0, corrected=False)
+    rows = rows[rows["station"] == rows["station"].iloc[0]].reset_index(drop=True)
+    station = replace(next(one for one in three_stations if one.name == rows["station"][0]), troposphere=1.0)
+    by_air = measured_tracks._by_air(rows, station)
+    walked = np.cumsum(0.5 * (by_air["range_rate"][1:] + by_air["range_rate"][:-1]) * np.diff(rows["t"]))
+    np.testing.assert_allclose(walked[-1], by_air["range"][-1] - by_air["range"][0], rtol=0.2)
+
+
+def test_ranges_without_elevations_tell_no_air(message, three_stations):
+    message.write_text(
+        "\n".join(line for line in message.read_text().splitlines() if not line.startswith("ANGLE_2 ="))
+    )
+    through = [replace(station, troposphere=1.0) for station in three_stations]
+    with pytest.raises(InputError, match="expected elevations beside ranges, as"):
+        measured_tracks.tracks(read(message), through)
 
 
 def test_a_station_set_is_chosen_from_the_files(table, message, three_stations):

@@ -10,7 +10,8 @@ from support import EPOCH, environment
 
 from opml.base.constants import DAY, HOUR, WGS84_A
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation, first_orbit, measured_tracks, sequential, sightings, start_states
+from opml.catalog.fit import estimation, measured_tracks, sequential, sightings, start_states
+from opml.catalog.fit.first import first_orbit
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import OBSERVABLES, Stands, difference, measured_by, site

@@ -131,7 +131,8 @@ def test_without_noise_the_last_row_is_the_batch_fit_of_all_tracks(calm):
     states, t = case.estimates[STATE].to_numpy(), case.estimates["t"].to_numpy()
     settings = replace(ESTIMATION, window_hours=(t[-1] - t[1]) / HOUR + 0.1)
     run = Run(case.measured(), case.flight, states, settings, np.zeros(len(states)))
-    [estimate] = run.fitted([len(states) - 1], None, None, run.method(np.ones(7, dtype=bool)))
+    window = run.window(len(states) - 1)
+    [estimate] = run.fitted([window], None, None, run.method(np.ones(7, dtype=bool)))
     fitted = run.row(estimate)
     parted = np.array([filtered[name] - fitted[name] for name in PARAMETERS])
     formal = estimate.fit.covariance

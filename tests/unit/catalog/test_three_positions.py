@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from opml.base.constants import EARTH_GM, EARTH_RATE
-from opml.catalog.fit.three_positions import gibbs, herrick_gibbs, orbit_state, unturned, velocity
+from opml.catalog.fit.first.three_positions import gibbs, herrick_gibbs, orbit_state, unturned, velocity
 from opml.orbits.elements import cartesian_from_coe, coe_from_cartesian, true_from_mean_anomaly
 
 

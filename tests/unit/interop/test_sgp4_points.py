@@ -10,7 +10,8 @@ from support import BOUNDED_ESTIMATION, EPOCH
 
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation, first_orbit, fixes
+from opml.catalog.fit import estimation, fixes
+from opml.catalog.fit.first import first_orbit
 from opml.catalog.flight import Flight
 from opml.interop.ccsds import utc_texts
 from opml.interop.element_sets import histories, mean_elements, measured_sets, sgp4_points

@@ -250,6 +250,34 @@ def test_rows_that_cross_a_manoeuvre_are_dropped_with_that_reason(estimates, pre
     pd.testing.assert_frame_equal(after[~crossing], before[~crossing])
 
 
+def test_a_burn_that_tracks_showed_counts_once_it_was_found(estimates, predictions, tracking):
+    """One between tracks 4 and 5, which track 6 shows: that of 5 was not known to be behind it."""
+    burn, found = 4.5 * DAY, EPOCHS[6]
+    shown = estimates.assign(burn_t=np.where(estimates["t"] == found, burn, np.nan))
+    rows, before = build(shown, predictions, tracking), build(estimates, predictions, tracking)
+    begin = before[["t_b", "t_i"]].min(axis=1)
+    behind = before["t_i"] > burn
+    crossing = (begin < burn) & (burn <= before["t_j"]) & (~behind | (before["t_i"] >= found))
+    assert (rows["reason"] == dataset.CROSSES_MANOEUVRE).equals(crossing)
+    assert set(before.loc[crossing, "i"]) >= {2, 4}
+    assert 5 not in set(before.loc[crossing, "i"])
+    pd.testing.assert_frame_equal(rows[~crossing], before[~crossing])
+
+
+def test_no_ephemeris_departs_whose_last_estimate_is_before_a_burn_that_was_found(
+    estimates, predictions, tracking
+):
+    def may_depart(found):
+        shown = estimates.assign(burn_t=np.where(estimates["track"] == found, 4.5 * DAY, np.nan))
+        at = dataset.of_estimates(
+            shown, predictions, tracking, gm=GM, cleaning=Cleaning.from_settings(CLEANING)
+        )
+        return dataset.may_depart(shown, at)[5]
+
+    assert may_depart(found=6)
+    assert not may_depart(found=5)
+
+
 def test_all_estimates_outside_leave_no_row_and_no_error(estimates, predictions, tracking):
     rows = build(estimates.assign(cd=9.0), predictions, tracking)
     assert not rows["keep"].any()

@@ -8,10 +8,17 @@ Source: Tapley, Schutz & Born 2004, Statistical Orbit Determination, sec. 6.2 (c
 Morrison 1950, Annals of Mathematical Statistics 21, 124-127.
 """
 
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 import pandas as pd
 
 from opml.catalog.fit.least_squares import Evaluation
+from opml.catalog.fit.measurements import Measurements
+
+if TYPE_CHECKING:
+    from opml.catalog.fit.estimation import Estimate
 
 
 def whitened(evaluation: Evaluation, instruments: np.ndarray, sigma: float) -> Evaluation:
@@ -42,3 +49,25 @@ def summary(instruments: np.ndarray, weighted: np.ndarray) -> pd.DataFrame:
     found = by_name["weighted"].agg(numbers="size", mean="mean")
     found["rms"] = np.sqrt(by_name["squared"].mean())
     return found.reset_index()[["instrument", "numbers", "rms", "mean"]]
+
+
+def shown(
+    measured: Measurements,
+    estimates: Sequence["Estimate"],
+    residuals: Callable[[Sequence["Estimate"]], list[np.ndarray]],
+) -> pd.DataFrame:
+    """Return what residuals tell of each instrument, as `summary`, from all numbers that count.
+
+    They are of the newest estimates that converged and have no track in common.
+
+    residuals: of estimates, weighted
+    """
+    apart: list[Estimate] = []
+    for one in reversed(estimates):
+        if one.fit.converged and (not apart or one.window.last < apart[-1].window.first):
+            apart.append(one)
+    kept = [slice(None) if one.kept is None else one.kept for one in apart]
+    numbers = [measured.instruments(one.window.rows)[use] for one, use in zip(apart, kept, strict=True)]
+    left = [one[use] for one, use in zip(residuals(apart) if apart else [], kept, strict=True)]
+    names = np.array(measured.instrument_names())
+    return summary(names[np.concatenate([*numbers, []]).astype(int)], np.concatenate([*left, []]))

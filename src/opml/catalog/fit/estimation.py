@@ -8,7 +8,7 @@ so no variational equations are needed.
 """
 
 import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Self
 
@@ -17,10 +17,10 @@ import pandas as pd
 
 from opml.base.constants import HOUR
 from opml.catalog.fit import biases
+from opml.catalog.fit.first.round_orbits import eccentricity
 from opml.catalog.fit.least_squares import Evaluation, Fit, Method
 from opml.catalog.fit.measurements import Measurements, Window
 from opml.catalog.fit.neighbour_arcs import fly_around, fly_parameters
-from opml.catalog.fit.round_orbits import eccentricity
 from opml.catalog.flight import Flight
 from opml.dynamics.ensemble import REASONS
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE, symmetric_matrices
@@ -67,6 +67,7 @@ class Estimation:
     light_time: measurements are read as received at their time, after the light's way down, not as geometric
     reject_sigma: numbers whose residuals are larger, in standard deviations, count no more; None: all count
     bias_sigma: of the constant error of each instrument in a window, in sigmas of its noise; None: none
+    suspect_sigma: tracks farther from their predictions are held back, see `quarantine`; None: none is
     """
 
     window_hours: float
@@ -81,6 +82,7 @@ class Estimation:
     light_time: bool = False
     reject_sigma: float | None = None
     bias_sigma: float | None = None
+    suspect_sigma: float | None = None
 
 
 @dataclass(frozen=True)
@@ -103,7 +105,7 @@ _EDITS = 10
 _NORMAL = 0.6745
 """Median of the size of a normal deviate."""
 
-_Known = tuple[int, np.ndarray]
+Known = tuple[int, np.ndarray]
 """An epoch of a run's measurements, by its number, and the parameters (7,) of an orbit there."""
 
 
@@ -172,20 +174,23 @@ class Run:
         free[_CD] = not np.linalg.norm(flown[1] - flown[0]) < self.settings.least_drag_m
         return free
 
+    def window(self, track: int, *, without: Collection[int] = ()) -> Window:
+        """Return the window of the settings at a track; `without`: tracks that are left out."""
+        after = self.settings.after_hours * HOUR
+        return self.measured.window(track, self._window, after, without=without)
+
     def fitted(
         self,
-        tracks: Sequence[int],
-        usable: _Known | None,
-        spare: _Known | None,
+        windows: Sequence[Window],
+        usable: Known | None,
+        spare: Known | None,
         method: Method,
     ) -> list[Estimate]:
-        """Return estimates at the start of `tracks`, each from the best start that its arc can be flown from.
+        """Return estimates over `windows`, each from the best start that its arc can be flown from.
 
         usable: of the newest estimate whose Cd is known
         spare: of the newest estimate that has a state at least
         """
-        after = self.settings.after_hours * HOUR
-        windows = [self.measured.window(track, self._window, after) for track in tracks]
         estimates = [Estimate(window, Fit(np.full(7, np.nan), method)) for window in windows]
         for starts in self._starts_in_turn(windows, usable, spare):
             waiting = [
@@ -195,11 +200,8 @@ class Run:
             ]
             for k in waiting:
                 estimates[k] = Estimate(windows[k], Fit(starts[k], method))
-            if self.settings.reject_sigma is None:
-                self.fit([estimates[k] for k in waiting])
-            else:
-                for k, estimate in zip(waiting, self.edited([estimates[k] for k in waiting]), strict=True):
-                    estimates[k] = estimate
+            for k, estimate in zip(waiting, self.ended([estimates[k] for k in waiting]), strict=True):
+                estimates[k] = estimate
             if all(estimate.fit.started for estimate in estimates):
                 break
         for estimate in estimates:
@@ -208,7 +210,7 @@ class Run:
         return estimates
 
     def _starts_in_turn(
-        self, windows: Sequence[Window], usable: _Known | None, spare: _Known | None
+        self, windows: Sequence[Window], usable: Known | None, spare: Known | None
     ) -> Iterator[np.ndarray]:
         """Yield parameters (windows, 7) to start from, the best first; not finite where there are none.
 
@@ -227,6 +229,13 @@ class Run:
         is_newer = (epochs[at] - epochs[spare[0]] < self.ages[tracks])[:, None]
         yield np.where(is_newer, kept, first)
         yield np.where(is_newer, first, kept)
+
+    def ended(self, estimates: Sequence[Estimate]) -> Sequence[Estimate]:
+        """Return estimates whose fits have ended, without outliers where the settings reject them."""
+        if self.settings.reject_sigma is not None:
+            return self.edited(estimates)
+        self.fit(estimates)
+        return estimates
 
     def fit(self, estimates: Sequence[Estimate]) -> None:
         """Iterate all fits side by side until they end, or the settings' number of iterations is reached."""
@@ -276,24 +285,6 @@ class Run:
         """Return the states of the best of each estimate and its neighbours, as `fly_around`."""
         windows, best = [one.window for one in estimates], np.array([one.fit.best for one in estimates])
         return fly_around(self.flight, self.measured.epochs, windows, best.reshape(-1, len(PARAMETERS)))[0]
-
-    def noise(self, estimates: Sequence[Estimate]) -> pd.DataFrame:
-        """Return what residuals tell of each instrument, as `biases.summary`, from all numbers that count.
-
-        They are of the newest estimates that converged and have no track in common.
-        """
-        apart: list[Estimate] = []
-        for one in reversed(estimates):
-            if one.fit.converged and (not apart or one.window.rows.stop <= apart[-1].window.rows.start):
-                apart.append(one)
-        kept = [slice(None) if one.kept is None else one.kept for one in apart]
-        numbers = [
-            self.measured.instruments(one.window.rows)[use] for one, use in zip(apart, kept, strict=True)
-        ]
-        residuals = self.residuals(apart) if apart else []
-        left = [one[use] for one, use in zip(residuals, kept, strict=True)]
-        names = np.array(self.measured.instrument_names())
-        return biases.summary(names[np.concatenate([*numbers, []]).astype(int)], np.concatenate([*left, []]))
 
     def edited(self, estimates: Sequence[Estimate]) -> list[Estimate]:
         """Return estimates fitted without outliers, first those from the start, until these stay the same.
@@ -400,8 +391,8 @@ class Run:
         window, kept = estimate.window, estimate.kept
         if kept is None:
             return {"rejected": 0, "rejected_of_track": 0}
-        first, last = self.measured.first_row[window.track : window.track + 2] - window.rows.start
-        rows, _ = self.measured.held(window.rows)
+        first, last = self.measured.first_row[window.track : window.track + 2]
+        rows = window.index[self.measured.held(window.rows)[0]]
         return {
             "rejected": int(np.count_nonzero(~kept)),
             "rejected_of_track": int(np.count_nonzero(~kept & (rows >= first) & (rows < last))),
@@ -417,7 +408,7 @@ class Run:
         arcs = fly_parameters(self.flight, epochs, parameters[None], np.array([0]), np.array([len(at)]))
         return np.column_stack([arcs.path(0), np.full(len(at), parameters[_CD])])
 
-    def with_known_cd(self, solution: Solution) -> _Known | None:
+    def with_known_cd(self, solution: Solution) -> Known | None:
         """Return what others may start from, had Cd been known beforehand at its a-priori value.
 
         A short fit may tell nothing of Cd, but the whole state. None where it did not converge, or its Cd is
@@ -434,8 +425,8 @@ class Run:
         return (solution.at, moved) if np.linalg.norm((moved - best)[:3]) < LINEAR else None
 
     def newest(
-        self, solutions: Sequence[Solution], usable: _Known | None, spare: _Known | None
-    ) -> tuple[_Known | None, _Known | None]:
+        self, solutions: Sequence[Solution], usable: Known | None, spare: Known | None
+    ) -> tuple[Known | None, Known | None]:
         """Return the newest usable and the newest spare start of solutions; without one, that given."""
         last_first = solutions[::-1]
         usable = next(((one.at, one.best) for one in last_first if self.is_usable(one)), usable)
@@ -451,6 +442,20 @@ class Run:
             strict=True,
         )
         return [Solution(int(at), best, covariance, bool(done)) for at, best, covariance, done in rows]
+
+
+def in_turn(
+    run: Run, method: Method, windows: Sequence[Window], *, earlier: pd.DataFrame | None = None
+) -> Iterator[Estimate]:
+    """Yield the fits over windows, batch after batch, each from what is earlier, or the batches before tell.
+
+    earlier: rows of `estimates`
+    """
+    usable, spare = run.newest([] if earlier is None else run.earlier(earlier), None, None)
+    for begin in range(0, len(windows), BATCH):
+        estimates = run.fitted(windows[begin : begin + BATCH], usable, spare, method)
+        usable, spare = run.newest([Solution.ended(estimate) for estimate in estimates], usable, spare)
+        yield from estimates
 
 
 def estimate_all(
@@ -472,19 +477,14 @@ def estimate_all(
     run = Run(
         measured, flight.without_progress(), starts[STATE].to_numpy(), settings, starts["age"].to_numpy()
     )
-    method = run.method(run.free_parameters())
-    rows: list[dict[str, Any]] = []
+    windows = [run.window(track) for track in (range(measured.tracks) if tracks is None else tracks)]
     all_estimates: list[Estimate] = []
-    wanted = range(measured.tracks) if tracks is None else tracks
-    usable, spare = run.newest([] if earlier is None else run.earlier(earlier), None, None)
-    for begin in range(0, len(wanted), BATCH):
-        estimates = run.fitted(wanted[begin : begin + BATCH], usable, spare, method)
-        usable, spare = run.newest([Solution.ended(estimate) for estimate in estimates], usable, spare)
-        rows += [run.row(estimate) for estimate in estimates]
-        all_estimates += estimates
+    rows: list[dict[str, Any]] = []
+    for estimate in in_turn(run, run.method(run.free_parameters()), windows, earlier=earlier):
+        rows.append(run.row(estimate))
+        all_estimates.append(estimate)
         if flight.progress:
-            flight.progress(len(rows) / len(wanted))
-    _log.info(
-        "residuals in sigmas of the noise:\n%s", run.noise(all_estimates).round(2).to_string(index=False)
-    )
+            flight.progress(len(rows) / len(windows))
+    noise = biases.shown(measured, all_estimates, run.residuals)
+    _log.info("residuals in sigmas of the noise:\n%s", noise.round(2).to_string(index=False))
     return pd.DataFrame(rows)

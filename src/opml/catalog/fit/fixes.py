@@ -22,7 +22,7 @@ from opml.base.constants import HOUR
 from opml.base.errors import InputError
 from opml.catalog.fit.laser_ranges import LaserRanges
 from opml.catalog.fit.least_squares import Evaluation
-from opml.catalog.fit.measurements import Measurements, Window
+from opml.catalog.fit.measurements import Measurements, Rows, Window
 from opml.catalog.fit.neighbour_arcs import NUDGES
 from opml.catalog.fit.sightings import Measured
 from opml.orbits.elements import rsw_rotation
@@ -56,7 +56,7 @@ class Fixes(Measurements):
         if len(there) == self.tracks and np.isfinite(there).all():
             self.states = there
 
-    def places(self, rows: slice | np.ndarray) -> np.ndarray:
+    def places(self, rows: Rows) -> np.ndarray:
         """Return positions (n, 3) in GCRF [m] of rows of points."""
         positions: np.ndarray = self.values[rows][:, :3]
         return positions

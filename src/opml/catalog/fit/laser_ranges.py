@@ -14,7 +14,7 @@ from opml.base import epochs
 from opml.base.constants import GM, SPEED_OF_LIGHT
 from opml.base.errors import InputError
 from opml.catalog.fit.least_squares import Evaluation
-from opml.catalog.fit.measurements import Measurements, Window
+from opml.catalog.fit.measurements import Measurements, Rows, Window
 from opml.catalog.fit.sightings import Measured
 from opml.catalog.simulate.laser import bent, mapped, tide, vapour_pressure, zenith_delay
 from opml.catalog.simulate.observing import Stands, horizon, observe, retarded
@@ -120,7 +120,7 @@ class LaserRanges(Measured):
         """Return residuals and partial derivatives, as `Measurements.evaluation`; light always travels."""
         return super().evaluation(window, states, light_time=True)
 
-    def reduced(self, rows: slice, positions: np.ndarray, velocities: np.ndarray) -> np.ndarray:
+    def reduced(self, rows: Rows, positions: np.ndarray, velocities: np.ndarray) -> np.ndarray:
         """Return ranges (n, 1) [m] without the delays by air and the Earth's mass."""
         stands = self.stands.among(rows)
         left, _, _ = retarded(positions, velocities, stands.position)

@@ -13,7 +13,8 @@ import pandas as pd
 
 from opml.base.constants import DAY, EARTH_GM, WGS84_A
 from opml.base.errors import InputError
-from opml.catalog.fit.three_positions import herrick_gibbs, smoothed, unturned
+from opml.catalog.fit import air
+from opml.catalog.fit.first.three_positions import herrick_gibbs, smoothed, unturned
 from opml.catalog.simulate.observing import ANGLES, OBSERVABLES, QUANTITIES, measured_by, place, site
 from opml.orbits.sheets import LOWEST_PERIGEE, Station
 from opml.tables import SCHEMAS
@@ -44,7 +45,9 @@ def tracks(measurements: pd.DataFrame, stations: Sequence[Station]) -> pd.DataFr
 
     A track is a run of measurements without a gap of more than LONGEST_GAP, of one TRACK_ID where there are
     any; tracks that overlap are one. What a station has no sigma of, counts as not
-    measured. Raises InputError, naming file and line, for what an orbit cannot be, or a station not see, and
+    measured. Air is taken off what its station has in a raw state and no file in a corrected one.
+
+    Raises InputError, naming file and line, for what an orbit cannot be, or a station not see, and
     where nothing is left.
     """
     table = _checked(measurements, {station.name: station for station in stations})
@@ -52,6 +55,7 @@ def tracks(measurements: pd.DataFrame, stations: Sequence[Station]) -> pd.DataFr
         names = ", ".join(station.name for station in stations)
         raise InputError(f"{measurements['path'].iloc[0]}: expected measurements by {names}, got none")
     order = {station.name: k for k, station in enumerate(stations)}
+    table = _without_air(table, {station.name: station for station in stations})
     table = table.assign(order=table["station"].map(order)).sort_values(["t", "order"], ignore_index=True)
     table["track"] = _numbered(table)
     given = [name for name in OBSERVABLES if name in QUANTITIES or table[name].notna().any()]
@@ -120,6 +124,37 @@ def _joined(table: pd.DataFrame) -> pd.DataFrame:
         return table
     both = table[complements].groupby(["station", "t"], sort=False, as_index=False).first()
     return pd.concat([table[~complements], both], ignore_index=True)
+
+
+def _without_air(table: pd.DataFrame, stations: Mapping[str, Station]) -> pd.DataFrame:
+    """Return measurements without what air did to those of stations that keep it.
+
+    Raises InputError for ranges without the elevations that tell how much air there is.
+    """
+    parts = []
+    for (name, _), rows in table.groupby(["station", _runs(table)], sort=False):
+        ordered = rows.sort_values("t")
+        through = np.where(ordered["corrected"], 0.0, 1.0)
+        by_air = _by_air(ordered, stations[str(name)])
+        parts.append(ordered.assign(**{key: ordered[key] - through * off for key, off in by_air.items()}))
+    return pd.concat(parts, ignore_index=True)
+
+
+def _by_air(rows: pd.DataFrame, station: Station) -> dict[str, np.ndarray]:
+    """Return what air adds to a pass of a station, by observable."""
+    by_air, elevation = {}, rows["elevation"].to_numpy()
+    if station.refraction:
+        is_radio = station.sigma_range is not None
+        by_air["elevation"] = air.bending(elevation, station.altitude, radio=is_radio)
+    if station.troposphere:
+        straight = elevation - by_air.get("elevation", 0.0)
+        late = air.delay(straight, station.latitude, station.altitude)
+        blind = rows[rows["range"].notna() & ~np.isfinite(late)]
+        if not blind.empty:
+            raise _wrong(blind, f"elevations beside ranges, as {station.name} measures through air", "none")
+        by_air["range"] = late
+        by_air["range_rate"] = np.gradient(late, rows["t"].to_numpy()) if len(rows) > 1 else np.zeros(1)
+    return by_air
 
 
 def _keys(names: pd.Series) -> pd.Series:

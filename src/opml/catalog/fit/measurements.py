@@ -2,11 +2,15 @@
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from opml.catalog.fit.least_squares import Evaluation
+
+Rows = slice | np.ndarray
+"""Rows of measurements: all between two of them, or those of an index."""
 
 
 @dataclass(frozen=True)
@@ -15,7 +19,7 @@ class Window:
 
     track: int
     tracks: int
-    rows: slice
+    rows: Rows
     first: int  # epoch of the oldest measurement, an index into the run's epochs
     at: int  # epoch of the estimate
     last: int  # epoch of the newest measurement
@@ -23,7 +27,16 @@ class Window:
     @property
     def measurements(self) -> int:
         """Number of the measurements."""
-        return int(self.rows.stop - self.rows.start)
+        return _size(self.rows)
+
+    @property
+    def index(self) -> np.ndarray:
+        """Numbers (measurements,) of the rows."""
+        return np.arange(self.rows.start, self.rows.stop) if isinstance(self.rows, slice) else self.rows
+
+
+def _size(rows: Rows) -> int:
+    return int(rows.stop - rows.start) if isinstance(rows, slice) else len(rows)
 
 
 class Measurements(ABC):
@@ -60,51 +73,60 @@ class Measurements(ABC):
         self.row_at = np.array([begin + int(np.argmin(away[begin:end])) for begin, end in bounds])
         self.states: np.ndarray | None = None
 
-    def window(self, track: int, length: float, after: float = 0.0) -> Window:
-        """Return the window from `length` [s] before the estimate of a track to `after` [s] behind it."""
+    def window(
+        self, track: int, length: float, after: float = 0.0, *, without: Collection[int] = ()
+    ) -> Window:
+        """Return the window from `length` [s] before the estimate of a track to `after` [s] behind it.
+
+        without: tracks that are left out
+        """
         at = self.epochs[self.at]
         oldest = int(np.searchsorted(at, at[track] - length))
         newest = int(np.searchsorted(at, at[track] + after, side="right")) - 1
-        return self._window(track, oldest, newest)
+        return self.of_tracks(track, [k for k in range(oldest, newest + 1) if k not in without])
 
     def track(self, track: int) -> Window:
         """Return the window of one track alone."""
-        return self._window(track, track, track)
+        return self.of_tracks(track, [track])
 
-    def _window(self, track: int, oldest: int, newest: int) -> Window:
-        at = int(self.at[track])
+    def of_tracks(self, track: int, tracks: Sequence[int]) -> Window:
+        """Return the window of an estimate at a track that is made of ascending tracks."""
+        at, oldest, newest = int(self.at[track]), tracks[0], tracks[-1]
+        rows: Rows = slice(int(self.first_row[oldest]), int(self.first_row[newest + 1]))
+        if len(tracks) <= newest - oldest:
+            rows = np.concatenate([np.arange(*self.first_row[k : k + 2]) for k in tracks])
         return Window(
             track=track,
-            tracks=newest + 1 - oldest,
-            rows=slice(int(self.first_row[oldest]), int(self.first_row[newest + 1])),
-            first=min(at, int(self.begins[oldest : newest + 1].min())),
+            tracks=len(tracks),
+            rows=rows,
+            first=min(at, int(self.begins[tracks].min())),
             at=at,
-            last=max(at, int(self.ends[oldest : newest + 1].max())),
+            last=max(at, int(self.ends[tracks].max())),
         )
 
-    def count(self, rows: slice) -> int:
+    def count(self, rows: Rows) -> int:
         """Return how many numbers rows of measurements hold."""
-        return int(self.numbers * (rows.stop - rows.start))
+        return self.numbers * _size(rows)
 
-    def held(self, rows: slice) -> tuple[np.ndarray, np.ndarray]:
+    def held(self, rows: Rows) -> tuple[np.ndarray, np.ndarray]:
         """Return the row, from the first one, and the observable of each number (numbers,) that rows hold."""
         row, observable = np.divmod(np.arange(self.count(rows)), self.numbers)
         return row, observable
 
-    def times(self, rows: slice) -> np.ndarray:
+    def times(self, rows: Rows) -> np.ndarray:
         """Return the epochs (n,) of rows [s]."""
         epochs: np.ndarray = self.epochs[self.epoch_of_row[rows]]
         return epochs
 
-    def lines(self, rows: slice) -> tuple[np.ndarray, np.ndarray]:
+    def lines(self, rows: Rows) -> tuple[np.ndarray, np.ndarray]:
         """Return where in GCRF (n, 3) [m] lines of sight of rows begin, and unit vectors (n, 3) along them.
 
         The latter are NaN of rows that tell no direction.
         """
-        nothing = np.full((rows.stop - rows.start, 3), np.nan)
+        nothing = np.full((len(self.times(rows)), 3), np.nan)
         return nothing, nothing
 
-    def instruments(self, rows: slice) -> np.ndarray:
+    def instruments(self, rows: Rows) -> np.ndarray:
         """Return the instrument of each number (numbers,) that rows hold, from 0 on: here its observable."""
         return self.held(rows)[1]
 
@@ -124,7 +146,7 @@ class Measurements(ABC):
         return np.asarray(np.linalg.norm(self.places(rows) - positions, axis=1))
 
     @abstractmethod
-    def places(self, rows: slice | np.ndarray) -> np.ndarray:
+    def places(self, rows: Rows) -> np.ndarray:
         """Return positions (n, 3) in GCRF [m] of rows of measurements, NaN of those that tell none."""
 
     @abstractmethod

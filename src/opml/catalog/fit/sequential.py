@@ -33,7 +33,8 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.catalog.fit.estimation import APRIORI_SIGMA, LINEAR, SCALES
+from opml.catalog.fit.estimation import SCALES
+from opml.catalog.fit.innovations import covariance_root, with_apriori_cd
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements
 from opml.catalog.fit.neighbour_arcs import NUDGES, fly_beside
@@ -188,7 +189,9 @@ class Filters:
     @classmethod
     def begin(cls, estimate: pd.Series, size: int) -> Self:
         """Return a number of filters that begin at a row of `estimates`."""
-        meeting = Meeting(estimate[PARAMETERS].to_numpy(float), _root(estimate), np.nan, np.nan, 0)
+        meeting = Meeting(
+            estimate[PARAMETERS].to_numpy(float), covariance_root(_covariance(estimate)), np.nan, np.nan, 0
+        )
         count, measurements = int(estimate["tracks_used"]), int(estimate["measurements_used"])
         return cls(float(estimate["t"]), [meeting] * size, np.zeros(size), count, measurements)
 
@@ -294,15 +297,6 @@ def _covariance(estimate: pd.Series) -> np.ndarray:
     return full
 
 
-def _root(estimate: pd.Series) -> np.ndarray:
-    """Return the root (7, 7) of an estimate's covariance; 0 where a parameter was held."""
-    scaled = _covariance(estimate) / np.outer(SCALES, SCALES)
-    free = np.ix_(*[np.diag(scaled) > 0.0] * 2)
-    root = np.zeros((7, 7))
-    root[free] = np.linalg.cholesky(scaled[free])
-    return SCALES[:, None] * root
-
-
 def filter_all(
     flight: Flight,
     estimates: pd.DataFrame,
@@ -319,7 +313,8 @@ def filter_all(
     bank: a noise for each filter
 
     Up to the first batch fit that they can begin at, and where an arc does not reach the next track, the row
-    is that of the batch fit. weighted_rms is that of the innovations of the track. Raises InputError for
+    is that of the batch fit, as it is for tracks that are held back and those that show a burn, from which
+    filters begin anew. weighted_rms is that of the innovations of the track. Raises InputError for
     tracks whose estimates are not at their beginnings, as filters go forwards.
     """
     if not np.array_equal(measured.at, measured.begins):
@@ -330,8 +325,12 @@ def filter_all(
     rows: list[dict[str, Any]] = []
     filters: Filters | None = None
     for track, (_, estimate) in enumerate(estimates.iterrows()):
-        filters = filters and _next_or_lost(run, filters, track)
-        rows.append(run.row(filters, track) if filters else dict(estimate))
+        if estimate.get("held_back", False):
+            rows.append(dict(estimate))
+            continue
+        begins_anew = np.isfinite(estimate.get("burn_t", np.nan))
+        filters = _next_or_lost(run, filters, track) if filters and not begins_anew else None
+        rows.append(dict(estimate) | (run.row(filters, track) if filters else {}))
         if filters is None:
             start = _with_apriori_cd(estimate, flight.rso.cd)
             filters = Filters.begin(start, len(bank)) if start is not None else None
@@ -349,19 +348,13 @@ def _next_or_lost(run: Filtering, filters: Filters, track: int) -> Filters | Non
 
 
 def _with_apriori_cd(estimate: pd.Series, cd: float) -> pd.Series | None:
-    """Return a batch fit that takes the sheet's Cd for a measurement; None where no filter may begin at it.
-
-    A short fit may tell nothing of Cd, but the state. Moved too far, it would not move in a straight line.
-    """
+    """Return a batch fit that takes the sheet's Cd for a measurement; None where no filter may begin."""
     if not estimate["converged"]:
         return None
-    covariance = _covariance(estimate)
-    gain = covariance[_CD] / (covariance[_CD, _CD] + (APRIORI_SIGMA * cd) ** 2)
-    moved = gain * (cd - estimate["cd"])
-    if np.linalg.norm(moved[:3]) > LINEAR:
+    known = with_apriori_cd(estimate[PARAMETERS].to_numpy(float), _covariance(estimate), cd)
+    if known is None:
         return None
-    known = covariance - np.outer(gain, covariance[_CD])
     start = estimate.copy()
-    start[PARAMETERS] = estimate[PARAMETERS].to_numpy(float) + moved
-    start[PARAMETER_COVARIANCES] = known[np.tril_indices(7)]
+    start[PARAMETERS], covariance = known
+    start[PARAMETER_COVARIANCES] = covariance[np.tril_indices(7)]
     return start

@@ -8,7 +8,7 @@ import pandas as pd
 
 from opml.catalog.fit.estimation import Estimate, Run
 from opml.catalog.fit.least_squares import Evaluation
-from opml.catalog.fit.measurements import Measurements, Window
+from opml.catalog.fit.measurements import Measurements, Rows, Window
 from opml.catalog.fit.neighbour_arcs import NUDGES
 from opml.catalog.simulate.observing import (
     ANGLES,
@@ -46,20 +46,20 @@ class Measured(Measurements):
             numbers[:, measured] for numbers in (values, spread, counting)
         )
 
-    def count(self, rows: slice) -> int:
+    def count(self, rows: Rows) -> int:
         """Return how many numbers rows of measurements hold."""
         return int(self.counting[rows].sum())
 
-    def held(self, rows: slice) -> tuple[np.ndarray, np.ndarray]:
+    def held(self, rows: Rows) -> tuple[np.ndarray, np.ndarray]:
         """Return the row, from the first one, and the observable of each number (numbers,) that rows hold."""
         row, observable = np.nonzero(self.counting[rows])
         return row, observable
 
-    def places(self, rows: slice | np.ndarray) -> np.ndarray:
+    def places(self, rows: Rows) -> np.ndarray:
         """Return positions (n, 3) in GCRF [m] of rows of measurements, NaN without two angles and a range."""
         return np.asarray(self._standing(rows) + self._columns(["range"], rows) * self._sights(rows))
 
-    def instruments(self, rows: slice) -> np.ndarray:
+    def instruments(self, rows: Rows) -> np.ndarray:
         """Return the instrument of each number (numbers,) that rows hold: station and observable."""
         row, observable = self.held(rows)
         station_of_row, _ = self._measuring
@@ -76,7 +76,7 @@ class Measured(Measurements):
         station_of_row, names = pd.factorize(self.stations)
         return station_of_row, np.asarray(names)
 
-    def lines(self, rows: slice) -> tuple[np.ndarray, np.ndarray]:
+    def lines(self, rows: Rows) -> tuple[np.ndarray, np.ndarray]:
         """Return where lines of sight begin, and along which way they go, as `Measurements.lines`."""
         return self._standing(rows), self._sights(rows)
 
@@ -92,7 +92,7 @@ class Measured(Measurements):
         ranges = np.where(np.isfinite(ranges), ranges, along)
         return np.asarray(np.linalg.norm(away - ranges * sights, axis=1))
 
-    def reduced(self, rows: slice, positions: np.ndarray, velocities: np.ndarray) -> np.ndarray:
+    def reduced(self, rows: Rows, positions: np.ndarray, velocities: np.ndarray) -> np.ndarray:
         """Return what rows measured (n, observables), less what is no geometry.
 
         positions, velocities: (n, 3) of the orbit, as for `predicted`
@@ -142,18 +142,18 @@ class Measured(Measurements):
             }
         )
 
-    def _columns(self, names: Sequence[str], rows: slice | np.ndarray) -> np.ndarray:
+    def _columns(self, names: Sequence[str], rows: Rows) -> np.ndarray:
         """Return what rows hold of observables: (n, len(names)), NaN of what does not count."""
         values = np.where(self.counting[rows], self.values[rows], np.nan)
         nothing = np.full(len(values), np.nan)
         held = [values[:, self.names.index(name)] if name in self.names else nothing for name in names]
         return np.stack(held, axis=-1)
 
-    def _standing(self, rows: slice | np.ndarray) -> np.ndarray:
+    def _standing(self, rows: Rows) -> np.ndarray:
         """Return positions (n, 3) of the stations in GCRF [m]."""
         return self._turned(rows, self.stands.position[rows])
 
-    def _sights(self, rows: slice | np.ndarray) -> np.ndarray:
+    def _sights(self, rows: Rows) -> np.ndarray:
         """Return unit vectors (n, 3) in GCRF from the stations along the angles, NaN without two of them."""
         azimuth, elevation, right_ascension, declination = self._columns(ANGLES, rows).T
         centre, one = np.zeros(3), np.ones(len(azimuth))
@@ -163,7 +163,7 @@ class Measured(Measurements):
         sights = self._turned(rows, horizontal)
         return np.where(np.isfinite(sights), sights, np.stack(starry, axis=-1))
 
-    def _turned(self, rows: slice | np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    def _turned(self, rows: Rows, vectors: np.ndarray) -> np.ndarray:
         """Return vectors (n, 3) on the axes of ITRF on those of GCRF."""
         turned: np.ndarray = np.einsum("nij,ni->nj", self.stands.from_gcrf[rows], vectors)
         return turned

@@ -60,8 +60,9 @@ def build(
 
     A row without a true error, or without a label, is dropped for that reason unless another holds first. A
     row is dropped where a manoeuvre lies between the oldest measurement of its earlier estimate and the time
-    when its error is known. Tukey's fences come from rows with t_j in fence_days that survive all else, and
-    hold for every row.
+    when its error is known. A burn that the estimates show counts for rows with t_i before it, and for those
+    since it was found. Tukey's fences come from rows with t_j in fence_days that survive all else, and hold
+    for every row.
 
     Raises InputError where the tables do not belong together or `cleaning.previous` is unknown.
     """
@@ -72,7 +73,9 @@ def build(
     rows["duration"] = rows["t_j"] - rows["t_i"]
     rows["reason"] = _reasons(rows, cleaning)
     begin = rows[["t_b", "t_i"]].min(axis=1).to_numpy()
-    rows.loc[cleaning.crosses(begin, rows["t_known"].to_numpy()), "reason"] = CROSSES_MANOEUVRE
+    end = rows["t_known"].to_numpy()
+    crosses = cleaning.crosses(begin, end) | _crosses_burn(estimates, begin, rows["t_i"].to_numpy(), end)
+    rows.loc[crosses, "reason"] = CROSSES_MANOEUVRE
     rows["keep"] = rows["reason"] == ""
     return rows[SCHEMAS["dataset" if labels is None else "labelled"].names]
 
@@ -196,9 +199,23 @@ def may_depart(
     known = at_estimate.loc[estimates["track"]]
     t = estimates["t"].to_numpy()
     whole = known["converged"] & known["cd_inside"] & known["eps_y"].notna()
-    begin = np.fmin(known["t_b"].to_numpy(), t) - window
-    usable: np.ndarray = whole.to_numpy() & ~contain_any(begin, t, manoeuvres)
+    begin = np.fmin(known["t_b"].to_numpy(), t)
+    crosses = contain_any(begin - window, t, manoeuvres) | _crosses_burn(estimates, begin, t, t)
+    usable: np.ndarray = whole.to_numpy() & ~crosses
     return usable
+
+
+def _crosses_burn(estimates: pd.DataFrame, begin: np.ndarray, t_i: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Return which spans (n,) from begin over t_i to end [s] have a burn in them that `estimates` show.
+
+    One before t_i counts where it was found by then. Fits begin anew behind it, so no window holds it.
+    """
+    crosses = np.zeros(len(t_i), dtype=bool)
+    shown = estimates[estimates["burn_t"].notna()] if "burn_t" in estimates else estimates.iloc[:0]
+    for _, row in shown.iterrows():
+        crosses |= (begin < row["burn_t"]) & (row["burn_t"] <= end) & (t_i >= row["t"])
+        crosses |= (t_i < row["burn_t"]) & (row["burn_t"] <= end)
+    return crosses
 
 
 def _previous(tracks: np.ndarray, usable: np.ndarray, setting: str) -> np.ndarray:

@@ -155,6 +155,12 @@ class EstimationSettings(Section):
         " its noise; by default there is none",
         default=None,
     )
+    suspect_sigma: Absent[Positive] = setting(
+        "tracks so many standard deviations from their prediction are held back from fits, and show burns;"
+        " by default none are",
+        see="tracks.md#burns",
+        default=None,
+    )
 
 
 Sigmas = Annotated[tuple[Positive, Positive, Positive], Strict(False), Expected("three numbers above 0")]

@@ -15,10 +15,9 @@ import pandas as pd
 from opml.base.errors import InputError
 from opml.catalog.fit import start_states
 from opml.catalog.fit.estimation import Estimate, Estimation, Run
-from opml.catalog.fit.linked_tracks import orbit_of_angles
-from opml.catalog.fit.measurements import Measurements
-from opml.catalog.fit.three_positions import orbit_state
-from opml.catalog.fit.track_fits import (
+from opml.catalog.fit.first.linked_tracks import orbit_of_angles
+from opml.catalog.fit.first.three_positions import orbit_state
+from opml.catalog.fit.first.track_fits import (
     axis_sigma,
     begun,
     begun_there,
@@ -27,6 +26,7 @@ from opml.catalog.fit.track_fits import (
     following,
     is_of_first_day,
 )
+from opml.catalog.fit.measurements import Measurements
 from opml.catalog.flight import Flight
 from opml.catalog.simulate.truth import initial_state
 from opml.orbits.sheets import Rso

@@ -16,10 +16,17 @@ import numpy as np
 
 from opml.base.errors import InputError
 from opml.catalog.fit.estimation import Estimate, Run
+from opml.catalog.fit.first.round_orbits import round_orbits
+from opml.catalog.fit.first.track_fits import (
+    axis_line,
+    axis_sigma,
+    begun,
+    begun_there,
+    first_windows,
+    following,
+)
 from opml.catalog.fit.measurements import Window
 from opml.catalog.fit.neighbour_arcs import fly_parameters
-from opml.catalog.fit.round_orbits import round_orbits
-from opml.catalog.fit.track_fits import axis_line, axis_sigma, begun, begun_there, first_windows, following
 
 FEWEST = 3
 """Measurements of a track that an orbit is looked for from."""
@@ -184,7 +191,7 @@ def _is_near(run: Run, estimate: Estimate) -> bool:
     """Whether the tracks of a fit belong together: within their noise, or what the model errs."""
     if _cost(run, estimate) < NOISE**2:
         return True
-    rows = np.arange(estimate.window.rows.start, estimate.window.rows.stop)
+    rows = np.arange(len(run.measured.epoch_of_row))[estimate.window.rows]
     positions = run.path(estimate)[run.measured.epoch_of_row[rows] - estimate.window.first, :3]
     return bool(np.median(run.measured.misses(rows, positions)) < FARTHEST)
 

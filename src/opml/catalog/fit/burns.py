@@ -1,0 +1,77 @@
+"""Burns between tracks: where the orbit of the later tracks meets that of the earlier ones.
+
+Both orbits are flown to every time between the tracks. Their difference (p, v) there has the covariance C,
+the sum of both. Where the burn was, p is 0, and what is left of v is the burn:
+
+    q = p' C_pp^-1 p
+    dv = v - C_vp C_pp^-1 p,  covariance C_vv - C_vp C_pp^-1 C_pv
+
+Of the times at which q is about the least, the smallest burn tells the one that is taken. Orbits that a burn
+across the track parts meet twice a revolution, so there it may be half revolutions off.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from opml.catalog.fit.estimation import Run
+from opml.catalog.fit.innovations import Orbit
+from opml.catalog.fit.neighbour_arcs import NUDGES, fly_beside
+from opml.orbits.elements import rsw_rotation
+
+STEP = 20.0
+"""Time between the epochs at which orbits are held against each other [s]."""
+
+
+_ALIKE = 9.0
+"""How much q may be above the least at times that are as good."""
+
+
+@dataclass(frozen=True)
+class Burn:
+    """A burn that tracks tell.
+
+    t: [s]
+    velocity, sigma: (3,) what it changed, and its standard deviation, in RSW [m/s]
+    apart: how far the two orbits are from each other then, in standard deviations
+    """
+
+    t: float
+    velocity: np.ndarray
+    sigma: np.ndarray
+    apart: float
+
+
+def between(run: Run, before: Orbit, after: Orbit, span: tuple[float, float], scale: float) -> Burn | None:
+    """Return the burn that leads from an orbit before to one after; None where one of them is lost.
+
+    span: from when to when it may have been [s]
+    scale: factor on the standard deviations of both
+    """
+    t = np.linspace(*span, max(2, int((span[1] - span[0]) / STEP)))
+    old, new = _flown(run, before, t), _flown(run, after, t[::-1])
+    if old is None or new is None:
+        return None
+    apart = new[0][::-1] - old[0]
+    covariance = scale**2 * (new[1][::-1] + old[1])
+    place, both, speed = covariance[:, :3, :3], covariance[:, 3:, :3], covariance[:, 3:, 3:]
+    gain = np.linalg.solve(place, both.transpose(0, 2, 1)).transpose(0, 2, 1)
+    square = np.sum(apart[:, :3] * np.linalg.solve(place, apart[:, :3, None])[..., 0], axis=1)
+    change = apart[:, 3:] - np.einsum("nij,nj->ni", gain, apart[:, :3])
+    size = np.linalg.norm(change, axis=1)
+    k = int(np.argmin(np.where(square <= square.min() + _ALIKE, size, np.inf)))
+    axes = rsw_rotation(old[0][k])
+    left = axes @ (speed[k] - gain[k] @ both[k].T) @ axes.T
+    sigma = np.sqrt(np.diag(left))
+    return Burn(float(t[k]), axes @ change[k], sigma, float(np.sqrt(square[k] / 3.0)))
+
+
+def _flown(run: Run, orbit: Orbit, t: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return states (n, 6) of an orbit at times (n,) [s] and their covariances (n, 6, 6); None if lost."""
+    epochs = np.append(run.measured.epochs[orbit.at], t)
+    states, status = fly_beside(run.flight, epochs, orbit.parameters)
+    if status:
+        return None
+    partials = ((states[1:, 1:] - states[0, 1:]) / NUDGES[:, None, None]).transpose(1, 2, 0)
+    covariance = orbit.later_covariance(run.flight.rso.cd)
+    return states[0, 1:], partials @ covariance @ partials.transpose(0, 2, 1)

@@ -1,0 +1,1 @@
+"""First orbits, from tracks alone."""

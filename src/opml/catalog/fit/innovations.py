@@ -1,0 +1,126 @@
+"""How far a track is from where an earlier estimate predicts it, in standard deviations.
+
+An estimate has parameters x and a covariance P = L L'. With the weighted residuals r of a later track, and
+their partial derivatives A by x, the singular vectors of A L are the directions in which the prediction may
+err, apart from each other:
+
+    A L = U S V',  z = U'r,  z_i / sqrt(1 + s_i^2) ~ N(0, 1)
+
+What no orbit could explain, such as an outlier of one measured number, is in none of the directions.
+"""
+
+from dataclasses import dataclass, field, replace
+from typing import Self
+
+import numpy as np
+
+from opml.catalog.fit.estimation import APRIORI_SIGMA, LINEAR, SCALES, Estimate, Run
+from opml.catalog.fit.least_squares import Evaluation
+from opml.catalog.fit.neighbour_arcs import fly_around
+from opml.tables import PARAMETERS
+
+_CD = PARAMETERS.index("cd")
+
+CD_SPREAD = 0.1
+"""How far Cd may be from that of an estimate once its window is over, as a part of the body's own.
+
+As much as models of the thermosphere err, see `other_windows`.
+"""
+
+_USUAL = 1.67
+"""Median of the largest of seven normal deviates."""
+
+LEAST = 5
+"""Fewest tracks that tell how far is usual."""
+
+
+def covariance_root(covariance: np.ndarray) -> np.ndarray:
+    """Return the root (7, 7) of a covariance of parameters; 0 where a parameter was held."""
+    scaled = covariance / np.outer(SCALES, SCALES)
+    free = np.ix_(*[np.diag(scaled) > 0.0] * 2)
+    root = np.zeros((7, 7))
+    root[free] = np.linalg.cholesky(scaled[free])
+    return SCALES[:, None] * root
+
+
+def with_apriori_cd(
+    parameters: np.ndarray, covariance: np.ndarray, cd: float
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return parameters (7,) and covariance (7, 7) of a fit that takes the body's own Cd for a measurement.
+
+    A short fit may tell nothing of Cd, but the state. None where it would move too far for a straight line.
+    """
+    if covariance[_CD, _CD] == 0.0:
+        return parameters, covariance
+    gain = covariance[_CD] / (covariance[_CD, _CD] + (APRIORI_SIGMA * cd) ** 2)
+    moved = gain * (cd - parameters[_CD])
+    if np.linalg.norm(moved[:3]) > LINEAR:
+        return None
+    return parameters + moved, covariance - np.outer(gain, covariance[_CD])
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """What tracks are predicted from.
+
+    track, at: of its estimate, and the number of its epoch among the run's
+    parameters, covariance: (7,) and (7, 7)
+    """
+
+    track: int
+    at: int
+    parameters: np.ndarray
+    covariance: np.ndarray
+
+    @classmethod
+    def of_estimate(cls, estimate: Estimate, cd: float) -> Self | None:
+        """Return the orbit of an estimate that takes the body's Cd for a measurement, if it can."""
+        if not estimate.fit.converged:
+            return None
+        known = with_apriori_cd(estimate.fit.best, estimate.fit.covariance, cd)
+        return cls(estimate.window.track, estimate.window.at, *known) if known else None
+
+    def later_covariance(self, cd: float) -> np.ndarray:
+        """Return the covariance (7, 7) that others are predicted with, as Cd may change by part of `cd`."""
+        covariance = self.covariance.copy()
+        covariance[_CD, _CD] += (CD_SPREAD * cd) ** 2
+        return covariance
+
+
+def deviations(evaluation: Evaluation, root: np.ndarray) -> np.ndarray:
+    """Return the innovations (directions,) of a track [1], each in its own standard deviation."""
+    axes, size, _ = np.linalg.svd(evaluation.jacobian @ root, full_matrices=False)
+    along: np.ndarray = axes.T @ evaluation.residuals
+    return along / np.sqrt(1.0 + size**2)
+
+
+def farthest(run: Run, orbit: Orbit, track: int) -> float:
+    """Return the largest innovation of a track [1], predicted from an orbit before; infinite if lost."""
+    alone = run.measured.track(track)
+    window = replace(alone, first=min(orbit.at, alone.first), at=orbit.at)
+    [states], [status] = fly_around(run.flight, run.measured.epochs, [window], orbit.parameters[None])
+    if status:
+        return np.inf
+    evaluation = run.measured.evaluation(window, states, light_time=run.settings.light_time)
+    root = covariance_root(orbit.later_covariance(run.flight.rso.cd))
+    return float(np.abs(deviations(evaluation, root)).max())
+
+
+@dataclass
+class Usual:
+    """How far tracks of an object are from their predictions.
+
+    past: largest innovations of the tracks that were the object's
+    """
+
+    past: list[float] = field(default_factory=list)
+
+    @property
+    def scale(self) -> float:
+        """Factor on the standard deviations, from the median of the past; at least 1."""
+        return max(1.0, float(np.median(self.past)) / _USUAL) if len(self.past) >= LEAST else np.inf
+
+    def take(self, largest: float) -> None:
+        """Take the innovation of a track of the object, if there is one."""
+        if np.isfinite(largest):
+            self.past.append(largest)

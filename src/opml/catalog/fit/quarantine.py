@@ -1,0 +1,291 @@
+"""Tracks that the orbit does not explain: of another object, or after a burn. They are held back from fits.
+
+Each track is held against where the newest estimate predicts it, and against where one does that is a window
+older, which sees what newer fits went along with. One that is far, by the object's own scale, and that no
+fit over the window takes in with about the drag of before, is held back:
+
+* a later track is where it was predicted -> those held back were of another object, and take part in no fit;
+* tracks held back lie on one orbit, which meets the old one -> a burn, and fits begin anew behind it;
+* nothing explains them for longer than a window -> they count again, as forces err more than was known.
+
+What happens at a track follows from the tracks up to it alone.
+"""
+
+import logging
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from opml.base.constants import HOUR
+from opml.catalog.fit import estimation
+from opml.catalog.fit.burns import Burn, between
+from opml.catalog.fit.estimation import Estimate, Estimation, Known, Run, Solution
+from opml.catalog.fit.innovations import CD_SPREAD, Orbit, Usual, farthest
+from opml.catalog.fit.least_squares import Fit, Method
+from opml.catalog.fit.measurements import Measurements
+from opml.catalog.flight import Flight
+from opml.tables import BURN, PARAMETERS, STATE
+
+HELD_BACK = "track of no known orbit"
+"""Why there is no estimate at a track that is held back."""
+
+AGREEING = 2
+"""Tracks on one orbit that make a burn, where that orbit meets the old one."""
+
+MANY = 4
+"""Tracks on one orbit that make a burn, or several, even where the orbits do not meet."""
+
+_WORST = 5.0
+"""How far the median residual of a track is off zero at most where a fit takes it in, by what is usual."""
+
+_LATELY = 50
+"""Newest fits, whose residuals are what is usual."""
+
+_DRAG = 0.5
+"""Change of Cd, as a part of it, beyond which a fit that takes a far track in does so by a burn's work."""
+
+_MEDIAN = 1.2533
+"""Standard deviation of the median of many normal deviates, in that of their mean."""
+
+_CD = PARAMETERS.index("cd")
+_log = logging.getLogger(__name__)
+
+
+class Watch:
+    """Tracks of a run in turn, what is held back of them, and the burns between them.
+
+    foreign: tracks of other objects
+    burns: those found so far, each with the first track behind it
+    """
+
+    def __init__(self, run: Run, method: Method) -> None:
+        """Take a run, and how its parameters are fitted."""
+        self.foreign: set[int] = set()
+        self.burns: list[tuple[int, Burn]] = []
+        self._run, self._method = run, method
+        self._limit = run.settings.suspect_sigma or np.inf
+        self._waiting: list[int] = []
+        self._before: list[Orbit] = []
+        self._known: list[Orbit] = []
+        self._usable: Known | None = None
+        self._spare: Known | None = None
+        self._usual = Usual(), Usual()
+        self._sizes: list[float] = []
+
+    def take(self, track: int) -> tuple[Estimate, Burn | None]:
+        """Return the estimate at the next track, and the burn that it shows."""
+        if not self._waiting:
+            self._before = self._predictors(track)
+        away = [farthest(self._run, one, track) for one in self._before]
+        if not self._are_far(away):
+            self._refuse(self._waiting)
+            return self._accepted(self._fitted(track), away), None
+        across = self._fitted(track)
+        if self._goes_across(across) or self._waits_too_long(track):
+            self._waiting = []
+            return self._accepted(across, away), None
+        _log.info("track %d at %.0f s is held back: %.0f sigma off", track, self._time(track), max(away))
+        self._waiting.append(track)
+        burn = self._burn(away)
+        if burn is None:
+            return self._held_back(track), None
+        return self._accepted(self._fitted(track), []), burn
+
+    def left_out(self, track: int) -> set[int]:
+        """Return the tracks that no fit around a track takes: foreign ones, and those beyond a burn."""
+        firsts = [0, *(first for first, _ in self.burns), self._run.measured.tracks]
+        since = int(np.searchsorted(firsts, track, side="right")) - 1
+        beyond = range(firsts[since]), range(firsts[since + 1], firsts[-1])
+        return self.foreign.union(*beyond)
+
+    @property
+    def held_back(self) -> set[int]:
+        """Tracks that no fit takes so far."""
+        return self.foreign.union(self._waiting)
+
+    def row(self, estimate: Estimate, burn: Burn | None) -> dict[str, Any]:
+        """Return an estimate, with what is held back, as a row of the table."""
+        shown = [np.nan] * 4 if burn is None else [burn.t, *burn.velocity]
+        return _row(self._run, estimate, estimate.window.track in self.held_back) | dict(
+            zip(BURN, shown, strict=True)
+        )
+
+    def _time(self, track: int) -> float:
+        return float(self._run.measured.epochs[self._run.measured.at[track]])
+
+    def _predictors(self, track: int) -> list[Orbit]:
+        """Return the orbits that predict a track: the newest, and the newest that is a window older."""
+        epochs, oldest = self._run.measured.epochs, self._time(track) - self._run.settings.window_hours * HOUR
+        older = [one for one in self._known if epochs[one.at] <= oldest]
+        self._known = older[-1:] + self._known[len(older) :]
+        return [*self._known[-1:], *older[-1:]]
+
+    def _are_far(self, away: Sequence[float]) -> bool:
+        """Whether a track is far from where it was predicted."""
+        scales = [usual.scale for usual in self._usual]
+        return any(one > self._limit * scale for one, scale in zip(away, scales, strict=False))
+
+    def _fitted(self, track: int) -> Estimate:
+        """Return the fit over the window at a track, to what is neither foreign nor beyond a burn."""
+        window = self._run.window(track, without=self.left_out(track))
+        [estimate] = self._run_since_burn(track).fitted([window], self._usable, self._spare, self._method)
+        return estimate
+
+    def _run_since_burn(self, track: int) -> Run:
+        """Return the run, which takes Cd for known while a burn cuts the window: it does not change it."""
+        run = self._run
+        if not self.burns or self._time(track) - self.burns[-1][1].t > run.settings.window_hours * HOUR:
+            return run
+        rso = replace(run.flight.rso, cd=self._cd)
+        settings = replace(run.settings, cd_sigma=CD_SPREAD * abs(self._cd))
+        return replace(run, flight=replace(run.flight, rso=rso), settings=settings)
+
+    def _accepted(self, estimate: Estimate, away: Sequence[float]) -> Estimate:
+        """Return an estimate that later tracks are held against."""
+        for usual, one in zip(self._usual, away, strict=False):
+            usual.take(one)
+        if estimate.fit.converged:
+            self._sizes.append(float(self._run.row(estimate)["weighted_rms"]))
+        if orbit := Orbit.of_estimate(estimate, self._run.flight.rso.cd):
+            self._known.append(orbit)
+        found = [Solution.ended(estimate)]
+        self._usable, self._spare = self._run.newest(found, self._usable, self._spare)
+        return estimate
+
+    def _goes_across(self, estimate: Estimate) -> bool:
+        """Whether a fit takes a track in that is far from its prediction, with about the drag from before."""
+        cd, variance = estimate.fit.best[_CD], estimate.fit.covariance[_CD, _CD]
+        if any(_has_other_drag(cd, variance, one) for one in self._before):
+            return False
+        return self._takes_in(estimate)
+
+    def _takes_in(self, estimate: Estimate) -> bool:
+        """Whether a fit goes through all its tracks as usual, outliers aside."""
+        if not estimate.fit.converged:
+            return False
+        measured, window = self._run.measured, estimate.window
+        rows, observables = measured.held(window.rows)
+        tracks = np.searchsorted(measured.first_row, window.index[rows], side="right")
+        together = pd.Series(self._run.residuals([estimate])[0]).groupby([tracks, observables])
+        pulls = together.median().abs() * np.sqrt(together.size()) / _MEDIAN
+        return bool(pulls.max() <= _WORST * max(1.0, float(np.median(self._sizes[-_LATELY:]))))
+
+    def _refuse(self, tracks: Sequence[int]) -> None:
+        """Take tracks that were held back for those of another object."""
+        for track in tracks:
+            _log.info("track %d at %.0f s is of another object", track, self._time(track))
+        self.foreign.update(tracks)
+        self._waiting = []
+
+    def _held_back(self, track: int) -> Estimate:
+        """Return the estimate at a track that is held back, which is none."""
+        fit = Fit(np.full(7, np.nan), self._method)
+        fit.reject(HELD_BACK)
+        return Estimate(self._run.measured.track(track), fit)
+
+    def _waits_too_long(self, track: int) -> bool:
+        """Whether no orbit explains tracks for more than a window: then forces err more than was known."""
+        begin = self._time(self._waiting[0] if self._waiting else track)
+        return self._time(track) - begin > self._run.settings.window_hours * HOUR
+
+    def _burn(self, away: Sequence[float]) -> Burn | None:
+        """Return the burn that the tracks held back show, if any, and begin anew behind it."""
+        newest, older = self._before[0], self._before[-1]
+        went_along = _has_other_drag(newest.parameters[_CD], newest.covariance[_CD, _CD], older)
+        before = older if went_along or not self._are_far(away[:1]) else newest
+        for tracks in _agreements(self._waiting):
+            fitted = self._orbit(tracks, before)
+            if fitted is None:
+                continue
+            window, fit = fitted.window, fitted.fit
+            after = Orbit(window.track, window.at, fit.best, fit.covariance)
+            burn = self._between(before, after, tracks[0])
+            if burn is None or (burn.apart > self._limit and len(tracks) < MANY):
+                continue
+            if burn.apart > self._limit:
+                burn = replace(burn, velocity=np.full(3, np.nan))
+            self._begin_anew(burn, after, tracks)
+            return burn
+        return None
+
+    def _orbit(self, tracks: Sequence[int], before: Orbit) -> Estimate | None:
+        """Return the orbit that tracks lie on, with the Cd of an estimate before, if any."""
+        window = self._run.measured.of_tracks(tracks[-1], tracks)
+        start = self._run.carried(before.at, before.parameters, np.array([window.at]))[0]
+        method = replace(self._method, free=self._method.free & (np.arange(7) != _CD))
+        [estimate] = self._run.ended([Estimate(window, Fit(start, method))])
+        return estimate if self._takes_in(estimate) else None
+
+    def _between(self, before: Orbit, after: Orbit, first: int) -> Burn | None:
+        """Return the burn between an orbit and one of tracks that were held back, by the first of these."""
+        measured = self._run.measured
+        span = float(measured.epochs[measured.ends[before.track]]), self._time(first)
+        return between(self._run, before, after, span, self._usual[0].scale)
+
+    def _begin_anew(self, burn: Burn, after: Orbit, tracks: Sequence[int]) -> None:
+        """Take a burn for found: what was held back on the new orbit counts, what is older does not."""
+        self._cd = float(after.parameters[_CD])
+        times = self._run.measured.epochs[self._run.measured.at]
+        first = min(int(np.searchsorted(times, burn.t)), tracks[0])
+        self._refuse([track for track in self._waiting if track not in tracks])
+        self.burns.append((first, burn))
+        self._known, self._usable, self._spare = [after], (after.at, after.parameters), None
+        sizes = " ".join(f"{v:+.4f}({s:.4f})" for v, s in zip(burn.velocity, burn.sigma, strict=True))
+        _log.info("burn at %.0f s: %s m/s along R, S, W, orbits %.1f sigma apart", burn.t, sizes, burn.apart)
+
+
+def _has_other_drag(cd: float, variance: float, before: Orbit) -> bool:
+    """Return whether Cd, of a variance, is another one than that of an orbit before."""
+    sigma = np.sqrt(variance + before.covariance[_CD, _CD])
+    return bool(abs(cd - before.parameters[_CD]) > _DRAG * abs(before.parameters[_CD]) + sigma)
+
+
+def _agreements(tracks: Sequence[int]) -> Iterator[list[int]]:
+    """Yield which of the tracks that were held back may be on one orbit: all, or all but one."""
+    newest = list(tracks[-MANY:])
+    if len(newest) >= AGREEING:
+        yield newest
+    if len(newest) > AGREEING:
+        yield from (newest[:k] + newest[k + 1 :] for k in range(len(newest) - 1))
+
+
+def estimate_all(
+    flight: Flight, starts: pd.DataFrame, measured: Measurements, *, settings: Estimation
+) -> pd.DataFrame:
+    """Return the `estimates` table as `estimation.estimate_all` does, without tracks that do not belong.
+
+    Where no setting asks for it, all tracks count.
+    """
+    if settings.suspect_sigma is None:
+        return estimation.estimate_all(flight, starts, measured, settings=settings)
+    run = Run(
+        measured, flight.without_progress(), starts[STATE].to_numpy(), settings, starts["age"].to_numpy()
+    )
+    method = run.method(run.free_parameters())
+    watch = Watch(replace(run, settings=replace(settings, after_hours=0.0)), method)
+    rows = []
+    for track in range(measured.tracks):
+        rows.append(watch.row(*watch.take(track)))
+        if flight.progress:
+            flight.progress((track + 1) / measured.tracks)
+    return pd.DataFrame(rows if settings.after_hours == 0.0 else _smoothed(run, method, watch, rows))
+
+
+def _smoothed(run: Run, method: Method, watch: Watch, rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return rows of fits with tracks behind them, too, which know all that the watch held back."""
+    taken = [track for track in range(len(rows)) if track not in watch.held_back]
+    windows = [run.window(track, without=watch.left_out(track)) for track in taken]
+    fitted = dict(zip(taken, estimation.in_turn(run, method, windows), strict=True))
+    return [
+        row | (_row(run, fitted[track], False) if track in fitted else {}) for track, row in enumerate(rows)
+    ]
+
+
+def _row(run: Run, estimate: Estimate, is_held_back: bool) -> dict[str, Any]:
+    """Return an estimate as a row of the table, with how many tracks its window does without."""
+    without = run.window(estimate.window.track).tracks - estimate.window.tracks
+    marks = {"held_back": is_held_back, "tracks_left_out": 0 if is_held_back else without}
+    return run.row(estimate) | marks
