@@ -188,6 +188,7 @@ def _check_paths(source: Source, settings: Settings) -> None:
         "fixes": settings.fixes,
         "elements": settings.elements,
         "starts": settings.starts,
+        "manoeuvres": settings.manoeuvre_files,
         "environment": source.values["environment"],
     }
     for kind, entries in kinds.items():
@@ -249,14 +250,14 @@ def _check_fixes(source: Source, settings: Settings) -> None:
 def _check_starts(source: Source, settings: Settings) -> None:
     """Look at first states and times of manoeuvres, which stand beside tracks that were measured."""
     for kind in ("starts", "manoeuvres"):
-        for name, entry in source.values.get(kind, {}).items():
+        for name in source.values.get(kind, {}):
             with source.naming((kind, name)):
                 if name not in settings.measured:
                     raise InputError("expected an RSO that has tracks, fixes or elements")
                 if kind == "starts":
                     first_state.check(settings.starts[name])
                 else:
-                    for time in entry:
+                    for time in settings.manoeuvres(name):
                         epochs.parse(time)
 
 

@@ -58,7 +58,6 @@ from opml.tables.page import (
 )
 from opml.tables.parquet import (
     read_kind,
-    read_manoeuvres,
     read_measured,
     read_metadata,
     read_runs,
@@ -102,7 +101,6 @@ __all__ = [
     "head",
     "mechanism_schema",
     "read_kind",
-    "read_manoeuvres",
     "read_measured",
     "read_metadata",
     "read_runs",

@@ -17,7 +17,7 @@ from opml.base.errors import InputError
 from opml.learning.data.cleaning import OUTSIDE_FENCES, Cleaning, tukey_fences
 from opml.learning.data.splits import in_days, known_at
 from opml.orbits.elements import coe_from_cartesian, in_rsw, wrap_half_turn
-from opml.orbits.manoeuvres import contain_any
+from opml.orbits.manoeuvres import Manoeuvre, contain_any
 from opml.tables import COMPONENTS, SCHEMAS, STATE, mechanism_schema, read_kind, read_metadata, read_table
 
 COE = ["a", "e", "inc", "argp", "raan", "nu"]
@@ -59,9 +59,9 @@ def build(
     bounds. With `track` it is the time of the track just before, if its estimate did so.
 
     A row without a true error, or without a label, is dropped for that reason unless another holds first. A
-    row is dropped where a manoeuvre lies between the oldest measurement of its earlier estimate and the time
-    when its error is known. Tukey's fences come from rows with t_j in fence_days that survive all else, and
-    hold for every row.
+    row is dropped where a manoeuvre lies between the oldest measurement of its earlier estimate and t_i and
+    was known at t_i, or lies from there to the time when its error is known and was known by then. Tukey's
+    fences come from rows with t_j in fence_days that survive all else, and hold for every row.
 
     Raises InputError where the tables do not belong together or `cleaning.previous` is unknown.
     """
@@ -72,7 +72,8 @@ def build(
     rows["duration"] = rows["t_j"] - rows["t_i"]
     rows["reason"] = _reasons(rows, cleaning)
     begin = rows[["t_b", "t_i"]].min(axis=1).to_numpy()
-    rows.loc[cleaning.crosses(begin, rows["t_known"].to_numpy()), "reason"] = CROSSES_MANOEUVRE
+    crossed = cleaning.crosses(begin, rows["t_i"].to_numpy(), rows["t_known"].to_numpy())
+    rows.loc[crossed, "reason"] = CROSSES_MANOEUVRE
     rows["keep"] = rows["reason"] == ""
     return rows[SCHEMAS["dataset" if labels is None else "labelled"].names]
 
@@ -185,13 +186,13 @@ def may_depart(
     estimates: pd.DataFrame,
     at_estimate: pd.DataFrame,
     *,
-    manoeuvres: Sequence[float] = (),
+    manoeuvres: Sequence[Manoeuvre] = (),
     window: float = 0.0,
 ) -> np.ndarray:
     """Return the estimates (bool, n) whose predictions a model may correct, as `build` would keep their rows.
 
     at_estimate: from `of_estimates`
-    manoeuvres: times [s], of which none may lie from `window` [s] before t_b up to t_i
+    manoeuvres: of those known at t_i none may lie from `window` [s] before t_b up to t_i
     """
     known = at_estimate.loc[estimates["track"]]
     t = estimates["t"].to_numpy()
