@@ -65,18 +65,13 @@ def judged(found: Sequence[Manoeuvre], published: np.ndarray, span: tuple[float,
     span: first and last time that count [s]
     """
     begin, end = span
-    least, most = APART
-    behind = np.array([one.t for one in found])[:, None] - published
-    same = (least <= behind) & (behind <= most)
-    counting = (begin <= published) & (published <= end)
-    known = np.array([one.known for one in found])
-    late = [
-        float(known[same[:, k]].min() - published[k]) for k in np.flatnonzero(counting & same.any(axis=0))
-    ]
-    false = sum(
-        begin <= one.t <= end for one, is_one in zip(found, same.any(axis=1), strict=True) if not is_one
-    )
-    return Judged(int(counting.sum()), late, int(false), (end - begin) / YEAR)
+    times, known = (np.array([getattr(one, name) for one in found]) for name in ("t", "known"))
+    behind = times[:, None] - published
+    same = (behind >= APART[0]) & (behind <= APART[1])
+    counting = np.flatnonzero((begin <= published) & (published <= end))
+    late = [float(known[same[:, k]].min() - published[k]) for k in counting if same[:, k].any()]
+    alone = ~same.any(axis=1) & (begin <= times) & (times <= end)
+    return Judged(len(counting), late, int(alone.sum()), (end - begin) / YEAR)
 
 
 def of_object(folder: Path, name: str) -> Judged:
