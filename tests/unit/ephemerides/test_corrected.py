@@ -221,6 +221,8 @@ def test_it_starts_from_the_newest_usable_estimate(known):
     assert departures(known, known_until=1.2 * DAY, each=True)["track"].tolist() == [2, 4]
     burnt = replace(known, manoeuvres=[Manoeuvre(0.5 * DAY)])
     assert departures(burnt, known_until=1.2 * DAY, each=False)["track"].tolist() == [1]
+    unknown = replace(known, manoeuvres=[Manoeuvre(0.5 * DAY, 1.3 * DAY)])
+    assert departures(unknown, known_until=1.2 * DAY, each=False).equals(newest)
     with pytest.raises(
         InputError, match=r"expected a usable estimate up to day 0\.2, the last to learn from"
     ):
