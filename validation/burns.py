@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.interop.element_sets import burns, histories
+from opml.interop.element_sets import burns_in_sets, histories
 from opml.orbits import manoeuvres
 from opml.orbits.manoeuvres import Manoeuvre
 
@@ -29,7 +29,7 @@ APART = -1.0 * DAY, 3.0 * DAY
 """How far the time of a burn may lie behind that of the published one that it is [s]."""
 
 CHOSEN_ON = ("CryoSat-2", "Haiyang-2A", "Jason-3", "Sentinel-3A")
-"""Objects whose histories the limits of `burns` were chosen on; the others judge them."""
+"""Objects whose histories the limits of `burns_in_sets` were chosen on; the others judge them."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def of_object(folder: Path, name: str) -> Judged:
     sets = histories.read([path], epoch=EPOCH).sets
     times = manoeuvres.at_times(manoeuvres.read_times(folder / "burns" / f"{name}.yaml"), epoch=EPOCH)
     span = float(sets["t"].iloc[0]) + FIRST, float(sets["t"].iloc[-1])
-    return judged(burns.found(sets, epoch=EPOCH), np.array([one.t for one in times]), span)
+    return judged(burns_in_sets.found(sets, epoch=EPOCH), np.array([one.t for one in times]), span)
 
 
 def main(folder: Path) -> None:

@@ -2,7 +2,7 @@
 
 from opml.base.constants import DAY, HOUR
 from opml.catalog.fit import fixes
-from opml.interop.element_sets import burns, measured_sets
+from opml.interop.element_sets import burns_in_sets, measured_sets
 from opml.interop.element_sets.sgp4_points import Sampling
 from opml.orbits import manoeuvres
 from opml.tables import read_table, write_table
@@ -15,7 +15,7 @@ with job(snakemake) as metadata:
     sets = measured_sets.of_run(read_table(snakemake.input[0], "element_sets"), duration)
     known = manoeuvres.at_times(settings.manoeuvres, epoch=settings.epoch)
     if history["find_manoeuvres"]:
-        known += burns.found(sets, epoch=settings.epoch)
+        known += burns_in_sets.found(sets, epoch=settings.epoch)
     measured = measured_sets.measured(
         sets,
         measured_sets.Taking(Sampling(HOUR * history["reach_hours"], history["every_s"]), history["sigma_m"]),

@@ -11,7 +11,7 @@ from support import EPOCH
 
 from opml.base.constants import DAY, HOUR
 from opml.catalog.fit import fixes
-from opml.interop.element_sets import burns
+from opml.interop.element_sets import burns_in_sets
 from opml.interop.element_sets.measured_sets import Taking, measured
 from opml.interop.element_sets.sgp4_points import Sampling
 from opml.orbits.manoeuvres import Manoeuvre
@@ -45,7 +45,7 @@ def sets_with(raised=None, tilted=None, created=None, days=DAYS):
 
 
 def found(sets):
-    return burns.found(sets, epoch=EPOCH)
+    return burns_in_sets.found(sets, epoch=EPOCH)
 
 
 @pytest.mark.parametrize("step", [{"raised": {4.5: 60.0}}, {"raised": {4.5: -60.0}}, {"tilted": {4.5: 60.0}}])
@@ -83,7 +83,7 @@ def test_an_orbit_that_is_raised_set_by_set_begins_a_new_past():
 
 
 def test_sets_after_a_burn_may_settle():
-    settling = 1.7 * burns.OFF * np.sqrt(2.0) * NOISE
+    settling = 1.7 * burns_in_sets.OFF * np.sqrt(2.0) * NOISE
     assert len(found(sets_with({9.5: settling}))) == 1
     assert len(found(sets_with({4.5: 200.0, 9.5: settling}))) == 1
     assert len(found(sets_with({4.5: 200.0, 9.5: 200.0}))) == 2
