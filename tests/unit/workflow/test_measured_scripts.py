@@ -111,7 +111,7 @@ def test_sets_of_mean_elements_are_read_weighed_and_flown_as_the_settings_say(ta
 def test_burns_that_are_found_stand_beside_those_that_are_named(taken, tmp_path):
     sets = history(np.arange(-20.0, 10.0))
     slower = np.where(sets["t"] > 4.5 * DAY, 1e-5, 0.0) + 1e-7 * np.random.default_rng(1).normal(size=30)
-    raised = sets.assign(mean_motion=sets["mean_motion"] * (1.0 - slower), raan=sets["raan"] + slower)
+    raised = sets.assign(mean_motion=sets["mean_motion"] * (1.0 - slower), raan=sets["raan"] + 10.0 * slower)
     write_table(tmp_path / "sets.parquet", raised, "element_sets", metadata={})
     settings = {"reach_hours": 12.0, "every_s": 1200.0, "sigma_m": None, "find_manoeuvres": True}
     _, facts = taken(
