@@ -22,7 +22,7 @@ if PLAN.tracks:
             settings=lambda wildcards: {
                 "epoch": config["epoch"],
                 "stations": PARAMS.stations(wildcards),
-                "manoeuvres": config.get("manoeuvres", {}).get(wildcards.rso, []),
+                "manoeuvres": PLAN.settings.manoeuvres(wildcards.rso),
             },
             code=code("tracking_from_tdm.py"),
         message:
@@ -54,7 +54,7 @@ if PLAN.fixes:
             settings=lambda wildcards: {
                 **PARAMS.span,
                 "fixing": PARAMS.fixing(wildcards),
-                "manoeuvres": config.get("manoeuvres", {}).get(wildcards.rso, []),
+                "manoeuvres": PLAN.settings.manoeuvres(wildcards.rso),
             },
             code=code("fixes_from_files.py"),
         message:
@@ -106,7 +106,7 @@ if PLAN.elements:
             settings=lambda wildcards: {
                 **PARAMS.span,
                 "history": PARAMS.history(wildcards),
-                "manoeuvres": config.get("manoeuvres", {}).get(wildcards.rso, []),
+                "manoeuvres": PLAN.settings.manoeuvres(wildcards.rso),
             },
             code=code("fixes_from_elements.py"),
         message:

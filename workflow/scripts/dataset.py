@@ -5,7 +5,8 @@ from dataclasses import replace
 from opml.base.constants import HOUR
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
-from opml.tables import read_manoeuvres, read_measured, read_metadata, read_table, write_table
+from opml.orbits.manoeuvres import read_manoeuvres
+from opml.tables import read_measured, read_metadata, read_table, write_table
 from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 

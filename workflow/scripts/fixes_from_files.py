@@ -1,10 +1,10 @@
 """Take positions that were really measured for the tracks of an RSO."""
 
-from opml.base import epochs
 from opml.base.constants import DAY, HOUR
 from opml.catalog.fit import fixes
 from opml.interop import points_from_files
 from opml.interop.orbit_from_files import OrbitFiles
+from opml.orbits import manoeuvres
 from opml.tables import read_table, write_table
 from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
@@ -22,6 +22,5 @@ with job(snakemake) as metadata:
         points_from_files.Sampling(settings.fixing["sigmas"], settings.fixing["every_s"]),
     )
     table = fixes.stretches(points, length=HOUR * settings.fixing["stretch_hours"])
-    times = sorted(epochs.seconds_between(settings.epoch, time) for time in settings.manoeuvres)
-    metadata |= {"manoeuvres": [{"t": t} for t in times]}
+    metadata |= manoeuvres.facts(manoeuvres.at_times(settings.manoeuvres, epoch=settings.epoch))
     write_table(snakemake.output[0], table, "fixes", metadata=metadata)

@@ -5,7 +5,8 @@ import pandas as pd
 from opml.figures import own_study, style
 from opml.figures.axis_labels import add_weather
 from opml.figures.display_names import describe_run
-from opml.tables import read_manoeuvres, read_table
+from opml.orbits.manoeuvres import read_manoeuvres
+from opml.tables import read_table
 from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job, read_by_key
 
@@ -20,7 +21,7 @@ with job(snakemake):
         read_table(files.activity, "solar_activity"),
         pd.concat(errors),
         epoch=settings.epoch,
-        manoeuvres=read_manoeuvres(files.manoeuvres) if files.manoeuvres else [],
+        manoeuvres=[one.t for one in read_manoeuvres(files.manoeuvres)] if files.manoeuvres else [],
         note=add_weather(f"{describe_run(settings.values)}; {own_study.UNCORRECTED_NOTE}", settings.values),
     )
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

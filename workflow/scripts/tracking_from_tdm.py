@@ -1,8 +1,8 @@
 """Take tracks that were really measured for those of an RSO."""
 
-from opml.base import epochs
 from opml.catalog.fit import measured_tracks
 from opml.interop import tdm
+from opml.orbits import manoeuvres
 from opml.orbits.sheets import Station
 from opml.tables import write_table
 from opml.workflow.job_settings import JobSettings
@@ -14,6 +14,5 @@ with job(snakemake) as metadata:
         tdm.measurements(list(snakemake.input), epoch=settings.epoch),
         [Station(**station) for station in settings.stations],
     )
-    times = sorted(epochs.seconds_between(settings.epoch, time) for time in settings.manoeuvres)
-    metadata |= {"manoeuvres": [{"t": t} for t in times]}
+    metadata |= manoeuvres.facts(manoeuvres.at_times(settings.manoeuvres, epoch=settings.epoch))
     write_table(snakemake.output[0], table, "tracking", metadata=metadata)

@@ -13,7 +13,8 @@ from opml.catalog.predict import other_windows
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models.learners import arc_windows
-from opml.tables import read_manoeuvres, read_measured, read_metadata, read_table
+from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres
+from opml.tables import read_measured, read_metadata, read_table
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,7 @@ class Known:
     long_window_hours: of the mechanism's long arcs
     bounds: on Cd, None for any
     resonances: pairs (k, m)
-    manoeuvres: times [s]
+    manoeuvres: those that any table tells of, each with the time since which it is known
     epoch: UTC text that times count from
     element_sets: history of mean elements, where learners ask for SGP4
     """
@@ -40,7 +41,7 @@ class Known:
     long_window_hours: float = 0.0
     bounds: tuple[float, float] | None = None
     resonances: Sequence[tuple[int, int]] = ()
-    manoeuvres: Sequence[float] = ()
+    manoeuvres: Sequence[Manoeuvre] = ()
     epoch: str = ""
     element_sets: pd.DataFrame | None = None
 

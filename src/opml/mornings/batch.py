@@ -10,7 +10,6 @@ from typing import Any
 
 import pandas as pd
 
-from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing
@@ -135,25 +134,22 @@ def _catch_up(
     if until in folder.done():
         return
     span = Span(settings["epoch"], DAY * settings["duration_days"])
-    manoeuvres = [epochs.seconds_between(span.epoch, time) for time in one["manoeuvres"]]
+    source = Source(one["kind"], one["files"], one["taking"], one["start"], one["manoeuvres"])
     plan = Plan(
         settings["models"],
         Estimation(**settings["estimation"]),
         settings["max_days"],
         settings["step_s"],
         span.duration,
-        manoeuvres,
         span.epoch,
     )
-    source = Source(one["kind"], one["files"], one["taking"], one["start"])
-    tracking = measured.read(
+    tracking, manoeuvres = measured.read(
         source,
         span,
         surroundings.stations,
         surroundings.orientation,
-        manoeuvres=manoeuvres,
         since=days.since(folder, calendar, plan, until),
     )
     given = measured.given_state(source, span, rso, tracking, surroundings.predictions.gm)
-    watched = Watched(surroundings.model(rso), plan, tracking, surroundings.stations, given)
+    watched = Watched(surroundings.model(rso), plan, tracking, surroundings.stations, manoeuvres, given)
     days.catch_up(folder, watched, calendar, until, metadata=metadata)

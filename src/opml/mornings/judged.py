@@ -10,7 +10,7 @@ from opml.ephemerides.corrected import between
 from opml.ephemerides.replays import missed
 from opml.mornings.records import Records
 from opml.mornings.tracks import Recent
-from opml.orbits.manoeuvres import contain_any
+from opml.orbits.manoeuvres import Manoeuvre, contain_any
 from opml.tables import DOUBT, SIGMA_STATE, SIGMAS, STATE
 
 
@@ -25,13 +25,13 @@ def later_states(estimates: pd.DataFrame, recent: Recent) -> pd.DataFrame:
 
 
 def judged(
-    paths: Sequence[pd.DataFrame], later: pd.DataFrame, *, manoeuvres: Sequence[float], window: float
+    paths: Sequence[pd.DataFrame], later: pd.DataFrame, *, manoeuvres: Sequence[Manoeuvre], window: float
 ) -> pd.DataFrame:
     """Return rows of the table `judged`: every model of every ephemeris against later states.
 
     paths: tables of that name
     later: from `later_states`
-    manoeuvres: times [s], which no ephemeris goes across
+    manoeuvres: which no ephemeris goes across
     window: of the fits that tell the later states [s]
     """
     tables = []
@@ -46,7 +46,7 @@ def judged(
 
 
 def _ahead(
-    rows: pd.DataFrame, later: pd.DataFrame, *, manoeuvres: Sequence[float], window: float
+    rows: pd.DataFrame, later: pd.DataFrame, *, manoeuvres: Sequence[Manoeuvre], window: float
 ) -> pd.DataFrame:
     """Return the later states that an ephemeris reaches without a manoeuvre, with its spread there."""
     t_i, t_j = float(rows["t_i"].iloc[0]), later["t_j"].to_numpy()

@@ -11,9 +11,11 @@ from opml.catalog.fit import fixes, measured_tracks
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.fit.first.first_orbit import TimedState
 from opml.interop import first_state, points_from_files, tdm
-from opml.interop.element_sets import histories, measured_sets
+from opml.interop.element_sets import burns_in_sets, histories, measured_sets
 from opml.interop.element_sets.sgp4_points import Sampling
 from opml.interop.orbit_from_files import OrbitFiles
+from opml.orbits import manoeuvres
+from opml.orbits.manoeuvres import Manoeuvre
 from opml.orbits.sheets import Rso, Station
 
 
@@ -25,12 +27,14 @@ class Source:
     files: of them
     taking: how fixes or mean elements are taken
     start: file of a state that the very first fits may start from, if any
+    manoeuvres: UTC texts
     """
 
     kind: str
     files: list[str]
     taking: Mapping[str, Any]
     start: str = ""
+    manoeuvres: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -42,45 +46,45 @@ class Span:
 
 
 def read(
-    source: Source,
-    span: Span,
-    stations: Sequence[Station],
-    orientation: pd.DataFrame,
-    *,
-    manoeuvres: Sequence[float],
-    since: float,
-) -> pd.DataFrame:
-    """Return what was measured: the table `tracking`, or `fixes` in its place.
+    source: Source, span: Span, stations: Sequence[Station], orientation: pd.DataFrame, *, since: float
+) -> tuple[pd.DataFrame, list[Manoeuvre]]:
+    """Return what was measured, the table `tracking` or `fixes` in its place, and the manoeuvres.
 
     since: earlier measurements of tracks are left out [s]
 
     Raises InputError, naming file and line, where a file is missing or damaged.
     """
+    known = manoeuvres.at_times(source.manoeuvres, epoch=span.epoch)
     if source.kind == "tracks":
         found = tdm.measurements(source.files, epoch=span.epoch)
-        return measured_tracks.tracks(found[found["t"] >= since], stations)
+        return measured_tracks.tracks(found[found["t"] >= since], stations), known
     if source.kind == "fixes":
         points = points_from_files.read(
             OrbitFiles(source.files, span.epoch, span.duration),
             orientation,
             points_from_files.Sampling(source.taking["sigmas"], source.taking["every_s"]),
         )
-        return fixes.stretches(points, length=HOUR * source.taking["stretch_hours"])
-    taking = measured_sets.Taking(
-        Sampling(HOUR * source.taking["reach_hours"], source.taking["every_s"]), source.taking["sigma_m"]
-    )
-    found = measured_sets.measured(
-        sets(source, span), taking, epoch=span.epoch, duration=span.duration, manoeuvres=manoeuvres
-    )
-    return fixes.of_sets(found.epochs, found.points, known=found.known)
+        return fixes.stretches(points, length=HOUR * source.taking["stretch_hours"]), known
+    return _of_elements(source, span, known)
 
 
-def sets(source: Source, span: Span) -> pd.DataFrame:
-    """Return the history of an object's mean elements; raise InputError as `read` does."""
+def _of_elements(source: Source, span: Span, known: list[Manoeuvre]) -> tuple[pd.DataFrame, list[Manoeuvre]]:
+    """Return what mean elements measured, and the manoeuvres with those that they show, if asked for."""
     history = histories.read(
         source.files, epoch=span.epoch, leave_out_damaged=source.taking["leave_out_damaged"]
     )
-    return histories.of_object(history.sets, source.taking["number"])
+    sets = measured_sets.of_run(histories.of_object(history.sets, source.taking["number"]), span.duration)
+    if source.taking["find_manoeuvres"]:
+        known = known + burns_in_sets.found(sets, epoch=span.epoch)
+    sampling = Sampling(HOUR * source.taking["reach_hours"], source.taking["every_s"])
+    found = measured_sets.measured(
+        sets,
+        measured_sets.Taking(sampling, source.taking["sigma_m"]),
+        epoch=span.epoch,
+        duration=span.duration,
+        manoeuvres=known,
+    )
+    return fixes.of_sets(found.epochs, found.points, known=found.known), known
 
 
 def given_state(source: Source, span: Span, rso: Rso, tracking: pd.DataFrame, gm: float) -> TimedState | None:

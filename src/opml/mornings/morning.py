@@ -29,6 +29,7 @@ from opml.mornings import candidates, fits, issued, judged, product, tracks
 from opml.mornings.records import Records
 from opml.mornings.tracks import Recent
 from opml.mornings.verdict import DO_NOT_USE, Verdict, verdict
+from opml.orbits.manoeuvres import Manoeuvre
 from opml.orbits.sheets import Station
 from opml.tables import STATE
 
@@ -66,7 +67,6 @@ class Plan:
     max_days: length of an ephemeris
     step: between its epochs [s]
     end: of the run [s]
-    manoeuvres: times [s]
     epoch: UTC text
     """
 
@@ -75,7 +75,6 @@ class Plan:
     max_days: float
     step: float
     end: float
-    manoeuvres: Sequence[float]
     epoch: str
 
     @property
@@ -100,6 +99,7 @@ class Watched:
 
     tracking: all that was measured, the table or one in its place
     stations: of the tracks
+    manoeuvres: each counts from when it is known
     given: a state that the very first fits may start from
     """
 
@@ -107,6 +107,7 @@ class Watched:
     plan: Plan
     tracking: pd.DataFrame
     stations: Sequence[Station]
+    manoeuvres: Sequence[Manoeuvre] = ()
     given: TimedState | None = None
 
 
@@ -189,7 +190,7 @@ def _judged(watched: Watched, made: pd.DataFrame, recent: Recent, records: Recor
     off = judged.judged(
         records.paths,
         judged.later_states(made, recent),
-        manoeuvres=plan.manoeuvres,
+        manoeuvres=watched.manoeuvres,
         window=plan.base * HOUR,
     )
     return issued.with_sigmas(off, records.issued)
@@ -212,7 +213,7 @@ def _known(watched: Watched, records: Records, recent: Recent) -> Known:
         at_estimates,
         plan.base,
         flight.model.gm,
-        manoeuvres=plan.manoeuvres,
+        manoeuvres=watched.manoeuvres,
         epoch=plan.epoch,
     )
 

@@ -1,13 +1,86 @@
-"""Test of spans of time for manoeuvres."""
+"""Manoeuvres: when they were and since when they are known, and tests of spans of time for them."""
 
+import math
 from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any
 
 import numpy as np
 
+from opml.base import epochs
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+from opml.base.yaml_files import read_yaml
+from opml.tables import read_metadata
 
-def contain_any(begin: np.ndarray, end: np.ndarray, times: Sequence[float]) -> np.ndarray:
-    """Return which spans (begin, end], (n,) [s], contain one of the times [s]: (n,)."""
+LISTED = "manoeuvre_timestamps"
+"""Key of the times in a YAML file of manoeuvres."""
+
+
+@dataclass(frozen=True)
+class Manoeuvre:
+    """A manoeuvre.
+
+    t: when it was [s]
+    known: since when it is known [s]; one that somebody named always was
+    """
+
+    t: float
+    known: float = -math.inf
+
+
+def contain_any(begin: np.ndarray, end: np.ndarray, manoeuvres: Sequence[Manoeuvre]) -> np.ndarray:
+    """Return which spans (begin, end], (n,) [s], contain a manoeuvre that was known by their ends: (n,)."""
     contain = np.zeros(len(end), dtype=bool)
-    for t in times:
-        contain |= (begin < t) & (t <= end)
+    for one in manoeuvres:
+        contain |= (begin < one.t) & (max(one.t, one.known) <= end)
     return contain
+
+
+def at_times(times: Sequence[str], *, epoch: str) -> list[Manoeuvre]:
+    """Return manoeuvres at UTC texts, in order of time.
+
+    epoch: UTC text that their times count from
+
+    Raises InputError on a malformed text.
+    """
+    return [Manoeuvre(t) for t in sorted(epochs.seconds_between(epoch, time) for time in times)]
+
+
+def facts(manoeuvres: Sequence[Manoeuvre]) -> dict[str, Any]:
+    """Return manoeuvres as a table's metadata hold them."""
+    since = ({"known": one.known} if math.isfinite(one.known) else {} for one in manoeuvres)
+    return {"manoeuvres": [{"t": one.t} | known for one, known in zip(manoeuvres, since, strict=True)]}
+
+
+def read_manoeuvres(path: FilePath) -> list[Manoeuvre]:
+    """Read the manoeuvres that a table's metadata hold. Raises as `read_metadata` does."""
+    found = read_metadata(path).get("manoeuvres", [])
+    return [Manoeuvre(one["t"], one.get("known", -math.inf)) for one in found]
+
+
+def read_times(path: FilePath) -> list[str]:
+    """Read the UTC texts in a YAML file of manoeuvres: a list of times, or one under `manoeuvre_timestamps`.
+
+    Raises InputError for a file that is missing, no such list, or has an entry that is no time.
+    """
+    content = read_yaml(path)
+    times = content.get(LISTED) if isinstance(content, dict) else content
+    if not isinstance(times, list):
+        raise InputError(f"{path}: expected a list of times, or one under {LISTED}, got neither")
+    return [_utc_text(path, number, time) for number, time in enumerate(times, start=1)]
+
+
+def _utc_text(path: FilePath, number: int, time: Any) -> str:
+    """Return an entry of a list as UTC text; YAML reads times without quotes itself."""
+    if isinstance(time, datetime):
+        utc = time.astimezone(UTC) if time.tzinfo else time
+        return utc.replace(tzinfo=None).isoformat()
+    try:
+        epochs.parse(time)
+    except InputError:
+        raise InputError(
+            f"{path}: entry {number}: expected a time like 2016-09-28 12:09:45, got {time}"
+        ) from None
+    return str(time)

@@ -94,6 +94,10 @@ def check_study(source: Source, settings: Settings, *, last_day: float | None = 
 def _check_day(source: Source, settings: Settings) -> None:
     """Raise InputError for a model of the mornings that learns, or asks for more than fits of one RSO."""
     values = settings.values
+    if "day" in values and "suspect_sigma" in values["estimation"]:
+        raise source.wrong(
+            ("estimation", "suspect_sigma"), "expected none where mornings are asked for (day)"
+        )
     for name in settings.day.models if "day" in values else []:
         with source.naming(("day", "models")):
             learner = learners.resolved(
@@ -208,6 +212,7 @@ def _check_paths(source: Source, settings: Settings) -> None:
         "fixes": settings.fixes,
         "elements": settings.elements,
         "starts": settings.starts,
+        "manoeuvres": settings.manoeuvre_files,
         "environment": source.values["environment"],
     }
     for kind, entries in kinds.items():
@@ -269,14 +274,14 @@ def _check_fixes(source: Source, settings: Settings) -> None:
 def _check_starts(source: Source, settings: Settings) -> None:
     """Look at first states and times of manoeuvres, which stand beside tracks that were measured."""
     for kind in ("starts", "manoeuvres"):
-        for name, entry in source.values.get(kind, {}).items():
+        for name in source.values.get(kind, {}):
             with source.naming((kind, name)):
                 if name not in settings.measured:
                     raise InputError("expected an RSO that has tracks, fixes or elements")
                 if kind == "starts":
                     first_state.check(settings.starts[name])
                 else:
-                    for time in entry:
+                    for time in settings.manoeuvres(name):
                         epochs.parse(time)
 
 

@@ -303,9 +303,10 @@ class OwnStudy:
 
     def _manoeuvres(self, rso: str) -> str:
         """Return in words which manoeuvres of an RSO are known, '' where it is simulated."""
-        named = len(self.study.settings.values.get("manoeuvres", {}).get(rso, []))
+        settings = self.study.settings
+        others = "; others are found in the history" if settings.history(rso).find_manoeuvres else ""
         return {
-            MEASURED: f"named in `manoeuvres`: {named}",
+            MEASURED: f"named in `manoeuvres`: {len(settings.manoeuvres(rso))}{others}",
             FILES: "known are those that the orbit's files mark",
             SIMULATED: "",
         }[MEASURED if self.study.is_measured(rso) else self.study.truth_of(rso)]

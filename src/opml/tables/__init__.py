@@ -63,7 +63,6 @@ from opml.tables.page import (
 )
 from opml.tables.parquet import (
     read_kind,
-    read_manoeuvres,
     read_measured,
     read_metadata,
     read_runs,
@@ -110,7 +109,6 @@ __all__ = [
     "mechanism_schema",
     "paths_schema",
     "read_kind",
-    "read_manoeuvres",
     "read_measured",
     "read_metadata",
     "read_runs",

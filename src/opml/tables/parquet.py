@@ -101,11 +101,6 @@ def read_measured(path: FilePath) -> pd.DataFrame:
     return read_table(path, kind if kind in ("fixes", "laser_ranges") else "tracking")
 
 
-def read_manoeuvres(path: FilePath) -> list[float]:
-    """Read the times of manoeuvres [s] that a table's metadata hold. Raises as `read_metadata` does."""
-    return [manoeuvre["t"] for manoeuvre in read_metadata(path).get("manoeuvres", [])]
-
-
 def read_schema(path: FilePath) -> Schema:
     """Read the schema that a table's file keeps itself, whatever its kind; what a row is, stays empty.
 

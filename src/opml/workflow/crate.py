@@ -139,9 +139,14 @@ def _add_packages(crate: Any) -> list[Any]:
 
 
 def _inputs(files: Sequence[FilePath], values: Any) -> Iterator[Path]:
-    """Yield the files that the run was made of: settings, sheets, orbits, measurements and first states."""
+    """Yield the files that the run was made of: settings, sheets, orbits, and all that was measured."""
     settings = with_sheets(values)
-    named = [*files, *values["sheets"].values(), *settings.starts.values()]
+    named = [
+        *files,
+        *values["sheets"].values(),
+        *settings.starts.values(),
+        *settings.manoeuvre_files.values(),
+    ]
     named += [path for paths in (*settings.orbits.values(), *settings.measured.values()) for path in paths]
     named += [name for name in values["environment"].values() if Path(str(name)).suffix]
     for path in map(project_file, dict.fromkeys(named)):

@@ -260,7 +260,7 @@ class Params:
             "files": files,
             "taking": taking(rso),
             "start": settings.starts.get(rso, ""),
-            "manoeuvres": self.plan.values.get("manoeuvres", {}).get(rso, []),
+            "manoeuvres": settings.manoeuvres(rso),
         }
 
     def departures(self, wildcards: Wildcards) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from opml.base.constants import DAY
 from opml.catalog.flight import Flight
 from opml.catalog.predict import other_windows, prediction
 from opml.orbits.elements import cartesian_from_coe
+from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import PARAMETER_COVARIANCES, SCHEMAS, STATE
 
 TIMES = np.array([0.0, 0.3, 1.1, 2.0, 2.9]) * DAY
@@ -81,7 +82,9 @@ def test_an_arc_that_did_not_converge_says_nothing(assumed_model, iss):
 
 def test_an_arc_across_a_manoeuvre_says_nothing(assumed_model, iss):
     short, arc = estimates(assumed_model.gm, 3.0), estimates(assumed_model.gm, 2.2)
-    arcs = (other_windows.undisturbed(arc, manoeuvres=burns, window=DAY) for burns in ([], [1.0 * DAY]))
+    arcs = (
+        other_windows.undisturbed(arc, manoeuvres=burns, window=DAY) for burns in ([], [Manoeuvre(1.0 * DAY)])
+    )
     quiet, disturbed = (built(assumed_model, iss, short, one) for one in arcs)
     across = quiet["i"] == 12  # a tenth of a day after it; the next is a whole day later
     assert (disturbed.loc[across, "l_arc_y"] == 0.0).all()

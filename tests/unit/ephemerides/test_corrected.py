@@ -24,6 +24,7 @@ from opml.interop.element_sets import baseline
 from opml.learning.judge.error_sizes import Sizes
 from opml.learning.models.linear_law import LinearLaw
 from opml.orbits.elements import cartesian_from_coe, in_rsw
+from opml.orbits.manoeuvres import Manoeuvre
 from opml.orbits.rsw_covariance import rates
 from opml.tables import (
     COMPONENTS,
@@ -218,8 +219,10 @@ def test_it_starts_from_the_newest_usable_estimate(known):
     newest = departures(known, known_until=1.2 * DAY, each=False)
     assert newest["track"].tolist() == [2]  # none has a previous one to be held against at 3
     assert departures(known, known_until=1.2 * DAY, each=True)["track"].tolist() == [2, 4]
-    burnt = replace(known, manoeuvres=[0.5 * DAY])
+    burnt = replace(known, manoeuvres=[Manoeuvre(0.5 * DAY)])
     assert departures(burnt, known_until=1.2 * DAY, each=False)["track"].tolist() == [1]
+    unknown = replace(known, manoeuvres=[Manoeuvre(0.5 * DAY, 1.3 * DAY)])
+    assert departures(unknown, known_until=1.2 * DAY, each=False).equals(newest)
     with pytest.raises(
         InputError, match=r"expected a usable estimate up to day 0\.2, the last to learn from"
     ):

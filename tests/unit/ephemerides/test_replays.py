@@ -22,6 +22,7 @@ from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models.daily_training import Lessons
 from opml.orbits.elements import in_rsw
+from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import COMPONENTS, SCHEMAS, STATE, read_table, write_table
 
 LAW = {"kind": "linear_law", "terms": ["duration*duration"], "variables": ["duration"]}
@@ -161,7 +162,7 @@ def test_starts_are_the_first_usable_ones_of_their_hours(tables):
     slots = np.floor(starts["t"] / (6.0 * HOUR))
     assert slots.is_unique
     assert slots.min() >= 4
-    burnt = replace(tables["known"], manoeuvres=[1.5 * DAY])
+    burnt = replace(tables["known"], manoeuvres=[Manoeuvre(1.5 * DAY)])
     assert len(replays.morning_departures(burnt, every_hours=6.0, first_day=1.0)) < len(starts)
 
 

@@ -15,6 +15,7 @@ from opml.interop.element_sets import agreement, baseline, mean_elements
 from opml.interop.element_sets.histories import satellite, states_of
 from opml.interop.element_sets.measured_sets import Taking, measured
 from opml.interop.element_sets.sgp4_points import Sampling
+from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, STATE
 
 SAMPLING = Sampling(12 * HOUR, 1200.0)
@@ -77,7 +78,7 @@ def test_a_long_gap_makes_larger_disagreements_usual():
 
 
 def test_nothing_is_held_against_a_set_before_a_known_manoeuvre():
-    worth = weighed(history(DAYS, noise=100.0, ahead={8.0: 20e3}), manoeuvres=[7.5 * DAY])
+    worth = weighed(history(DAYS, noise=100.0, ahead={8.0: 20e3}), manoeuvres=[Manoeuvre(7.5 * DAY)])
     assert worth["counts"].all()
 
 
@@ -114,9 +115,9 @@ def test_a_set_tells_six_numbers_however_many_points_it_gives():
 
 
 def test_points_lie_behind_the_last_manoeuvre_and_sets_just_after_it_do_not_count():
-    found = taken(history(DAYS), manoeuvres=[5.8 * DAY, 8.8 * DAY])
+    found = taken(history(DAYS), manoeuvres=[Manoeuvre(5.8 * DAY), Manoeuvre(8.8 * DAY)])
     assert (found.epochs / DAY).tolist() == [1, 2, 3, 4, 5, 7, 8, 10, 11, 12]
-    cut = taken(history(DAYS), manoeuvres=[5.6 * DAY])
+    cut = taken(history(DAYS), manoeuvres=[Manoeuvre(5.6 * DAY)])
     assert cut.points[5]["t"].iloc[0] >= 5.6 * DAY
     assert len(cut.points[5]) < len(cut.points[4])
 

@@ -22,6 +22,7 @@ from opml.base.errors import InputError
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.orbits.elements import cartesian_from_coe
+from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import LEARNING_VARIABLES, SCHEMAS, SIGMAS, STATE, read_table, write_table
 
 GM = 3.986004418e14
@@ -239,7 +240,7 @@ def test_rows_that_cross_a_manoeuvre_are_dropped_with_that_reason(estimates, pre
     after = dataset.build(
         *(estimates, predictions, tracking),
         gm=GM,
-        cleaning=replace(Cleaning.from_settings(CLEANING), manoeuvres=(t + 1.0,), window=100.0),
+        cleaning=replace(Cleaning.from_settings(CLEANING), manoeuvres=(Manoeuvre(t + 1.0),), window=100.0),
     )
     begin = before[["t_b", "t_i"]].min(axis=1) - 100.0
     crossing = (begin < t + 1.0) & (t + 1.0 <= before["t_j"])
@@ -257,7 +258,8 @@ def test_a_burn_that_tracks_showed_counts_once_it_was_found(estimates, predictio
     rows, before = build(shown, predictions, tracking), build(estimates, predictions, tracking)
     begin = before[["t_b", "t_i"]].min(axis=1)
     behind = before["t_i"] > burn
-    crossing = (begin < burn) & (burn <= before["t_j"]) & (~behind | (before["t_i"] >= found))
+    since = before["t_i"].where(behind, before["t_j"]) >= found
+    crossing = (begin < burn) & (burn <= before["t_j"]) & since
     assert (rows["reason"] == dataset.CROSSES_MANOEUVRE).equals(crossing)
     assert set(before.loc[crossing, "i"]) >= {2, 4}
     assert 5 not in set(before.loc[crossing, "i"])
@@ -276,6 +278,25 @@ def test_no_ephemeris_departs_whose_last_estimate_is_before_a_burn_that_was_foun
 
     assert may_depart(found=6)
     assert not may_depart(found=5)
+
+
+def test_a_manoeuvre_changes_no_row_whose_error_was_known_before_it_was_found(
+    estimates, predictions, tracking
+):
+    def dropped(known):
+        burn = Manoeuvre(3.5 * DAY, known)
+        cleaning = replace(Cleaning.from_settings(CLEANING), manoeuvres=(burn,), window=0.1 * DAY)
+        rows = dataset.build(estimates, predictions, tracking, gm=GM, cleaning=cleaning)
+        return rows["reason"] == dataset.CROSSES_MANOEUVRE
+
+    rows, always = build(estimates, predictions, tracking), dropped(-np.inf)
+    found = dropped(4.5 * DAY)
+    departed, over = rows["t_i"] < 3.5 * DAY, rows["t_j"] < 4.5 * DAY
+    assert (always & departed & over).any()
+    assert (always & ~departed & (rows["t_i"] < 4.5 * DAY)).any()
+    assert not found[over].any()
+    # Predictions that departed unknowingly, after the burn and before it was found, were issued and count.
+    assert found.equals(always & ~over & (departed | (rows["t_i"] >= 4.5 * DAY)))
 
 
 def test_all_estimates_outside_leave_no_row_and_no_error(estimates, predictions, tracking):
@@ -325,7 +346,7 @@ def test_a_manoeuvre_before_the_label_is_known_drops_the_row(estimates, predicti
             predictions,
             tracking,
             gm=GM,
-            cleaning=replace(Cleaning.from_settings(CLEANING), manoeuvres=(5.5 * DAY,)),
+            cleaning=replace(Cleaning.from_settings(CLEANING), manoeuvres=(Manoeuvre(5.5 * DAY),)),
             labels=labels,
         )
         return set(rows.loc[rows["reason"] == dataset.CROSSES_MANOEUVRE, "j"])

@@ -40,9 +40,9 @@ def watched(truth_model, assumed_model, iss, earth_orientation, three_stations):
     measured = tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1)
     flight = Flight(assumed_model, iss)
     first = (0.0, orbit[STATE].to_numpy()[0])
-    plan = Plan(MODELS, ESTIMATION, 2.0, 60.0, 7 * DAY, [], EPOCH)
+    plan = Plan(MODELS, ESTIMATION, 2.0, 60.0, 7 * DAY, EPOCH)
     model = Model(flight, flight, flight, None, earth_orientation)
-    return Watched(model, plan, measured, three_stations, first)
+    return Watched(model, plan, measured, three_stations, given=first)
 
 
 def run(watched, folder, until=LAST):

@@ -118,6 +118,9 @@ def test_manoeuvres_of_what_was_measured_are_those_named_even_where_an_orbit_jud
     told = OwnStudy(study_of(values | {"manoeuvres": {"lares": ["2016-10-01T00:00:00"]}})).report
     assert told.sources["lares", "fixes"].manoeuvres == "named in `manoeuvres`: 1"
     assert (told.truths, told.label) == (["files"], "later")
+    finding = values | {"histories": {"lares": {"find_manoeuvres": True}}}
+    found = OwnStudy(study_of(finding)).report.sources["lares", "fixes"].manoeuvres
+    assert found == "named in `manoeuvres`: 0; others are found in the history"
 
 
 def test_models_that_a_short_run_has_no_morning_of_are_left_out():

@@ -794,6 +794,44 @@ def test_mean_elements_that_do_not_fit_are_told_in_one_line(tmp_path, lines, con
     assert "\n" not in refusal
 
 
+BURNS = "SATCAT number: 25544\nmanoeuvre_timestamps:\n- 2016-09-29 01:00:00\nname: mine\n"
+
+
+def test_manoeuvres_may_stand_in_a_file_and_be_found(tmp_path):
+    (tmp_path / "burns.yaml").write_text(BURNS)
+    settings = checked(
+        with_elements(
+            tmp_path, "manoeuvres: {mine: burns.yaml}", "histories: {mine: {find_manoeuvres: true}}"
+        )
+    )
+    assert settings.manoeuvres("mine") == ["2016-09-29T01:00:00"]
+    assert settings.manoeuvre_files == {"mine": f"{tmp_path}/burns.yaml"}
+    assert settings.history("mine").find_manoeuvres
+    assert not settings.history("iss").find_manoeuvres
+    assert settings.manoeuvres("iss") == []
+
+
+@pytest.mark.parametrize(
+    ("path", "content", "expected"),
+    [
+        ("none.yaml", BURNS, "none.yaml: no such file"),
+        (
+            "burns.yaml",
+            "name: mine",
+            "burns.yaml: expected a list of times, or one under manoeuvre_",
+        ),
+        ("burns.yaml", BURNS.replace("01:00:00", "noon"), "burns.yaml: entry 1: expected a time like 2016"),
+        ("{a}.yaml", BURNS, "expected a path without braces"),
+    ],
+)
+def test_a_file_of_manoeuvres_that_is_none_is_told_in_one_line(tmp_path, path, content, expected):
+    (tmp_path / "burns.yaml").write_text(content)
+    refusal = refused(with_elements(tmp_path, f'manoeuvres: {{mine: "{path}"}}'))
+    assert "manoeuvres.mine: " in refusal
+    assert expected in refusal
+    assert "\n" not in refusal
+
+
 def test_damaged_sets_are_left_out_where_asked_for(tmp_path):
     damaged = sets_of() + sets_of(days=(5,)).replace("51.6400", "51.6401")
     checked(with_elements(tmp_path, "histories: {mine: {leave_out_damaged: true}}", content=damaged))

@@ -84,7 +84,13 @@ def test_fixes_are_thinned_and_gathered_as_the_settings_say(taken, tmp_path, ori
 
 def test_sets_of_mean_elements_are_read_weighed_and_flown_as_the_settings_say(taken, tmp_path, orientation):
     (tmp_path / "sets.tle").write_text(tle_text(history([1.0, 2.0, 3.0])) + tle_text(history([1.5]), 5))
-    settings = {"number": 25544, "reach_hours": 12.0, "every_s": 1200.0, "leave_out_damaged": False}
+    settings = {
+        "number": 25544,
+        "reach_hours": 12.0,
+        "every_s": 1200.0,
+        "leave_out_damaged": False,
+        "find_manoeuvres": False,
+    }
     told = settings | {"sigma_m": [50.0, 100.0, 20.0]}
     sets, _ = taken("element_sets", Files(str(tmp_path / "sets.tle")), history=told)
     assert sets["number"].tolist() == [25544] * 3
@@ -100,6 +106,19 @@ def test_sets_of_mean_elements_are_read_weighed_and_flown_as_the_settings_say(ta
         "fixes_from_elements", Files(str(path)), duration_days=2.5, history=settings | {"sigma_m": None}
     )
     assert learned["sigma_r"].iloc[0] == pytest.approx(100.0 * np.sqrt(37 / 2))
+
+
+def test_burns_that_are_found_stand_beside_those_that_are_named(taken, tmp_path):
+    sets = history(np.arange(-20.0, 10.0))
+    slower = np.where(sets["t"] > 4.5 * DAY, 1e-5, 0.0) + 1e-7 * np.random.default_rng(1).normal(size=30)
+    raised = sets.assign(mean_motion=sets["mean_motion"] * (1.0 - slower), raan=sets["raan"] + 10.0 * slower)
+    write_table(tmp_path / "sets.parquet", raised, "element_sets", metadata={})
+    settings = {"reach_hours": 12.0, "every_s": 1200.0, "sigma_m": None, "find_manoeuvres": True}
+    _, facts = taken(
+        "fixes_from_elements", Files(str(tmp_path / "sets.parquet")), duration_days=8.0, history=settings
+    )
+    found = {"t": 5 * DAY, "known": 6 * DAY}
+    assert facts["manoeuvres"] == [{"t": HOUR + 0.5}, {"t": 2 * HOUR}, found]
 
 
 def test_sgp4_is_held_against_predictions(taken, tmp_path):

@@ -15,8 +15,8 @@ from opml.catalog.flight import Flight
 from opml.catalog.predict.neighbours import Neighbours
 from opml.catalog.predict.sensitivity import CD_NUDGE, shift_with_cd
 from opml.orbits.elements import in_rsw
-from opml.orbits.manoeuvres import contain_any
-from opml.tables import STATE, read_manoeuvres, read_table
+from opml.orbits.manoeuvres import Manoeuvre, contain_any, read_manoeuvres
+from opml.tables import STATE, read_table
 
 CD_SPREAD = 0.1
 """How much the Cd of a body varies as a model feels it, beside the fits' noise, as a part of it.
@@ -25,10 +25,10 @@ Models of the thermosphere err by 10 to 15 % (Emmert 2015, Thermospheric mass de
 """
 
 
-def undisturbed(estimates: pd.DataFrame, *, manoeuvres: Sequence[float], window: float) -> pd.DataFrame:
+def undisturbed(estimates: pd.DataFrame, *, manoeuvres: Sequence[Manoeuvre], window: float) -> pd.DataFrame:
     """Return the estimates, of which those with a manoeuvre in their window count as not converged.
 
-    manoeuvres: times [s]
+    manoeuvres: of which those count that were known at an estimate
     window: of the fits [s]
     """
     t = estimates["t"].to_numpy()

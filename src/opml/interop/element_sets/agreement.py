@@ -17,7 +17,7 @@ from opml.interop import ccsds
 from opml.interop.element_sets.histories import states_of
 from opml.interop.element_sets.sgp4_points import Sampling
 from opml.orbits.elements import in_rsw
-from opml.orbits.manoeuvres import contain_any
+from opml.orbits.manoeuvres import Manoeuvre, contain_any
 from opml.tables import FIX_SIGMAS
 
 GROSS = 10.0
@@ -74,14 +74,14 @@ class _Past:
 
 
 def weighed(
-    sets: pd.DataFrame, *, epoch: str, sampling: Sampling, manoeuvres: Sequence[float] = ()
+    sets: pd.DataFrame, *, epoch: str, sampling: Sampling, manoeuvres: Sequence[Manoeuvre] = ()
 ) -> pd.DataFrame:
     """Return what each set of one object is worth: whether it `counts`, and its sigmas in RSW [m].
 
     sets: table `element_sets` of one object
     epoch: UTC text, the table's
     sampling: of the points that stand for a set
-    manoeuvres: known times [s], across which no sets are held against each other
+    manoeuvres: across which no sets are held against each other, once known
 
     Sets that do not count are logged.
     """

@@ -11,6 +11,7 @@ from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.interop.element_sets import agreement, sgp4_points, spans
 from opml.interop.element_sets.sgp4_points import Sampling
+from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS
 
 PAST = 60.0 * DAY
@@ -51,19 +52,24 @@ class MeasuredSets:
     points: list[pd.DataFrame]
 
 
+def of_run(sets: pd.DataFrame, duration: float) -> pd.DataFrame:
+    """Return the sets that count for a run of a duration [s]: its own, and those that tell their worth."""
+    return sets[(sets["t"] >= -PAST) & (sets["t"] <= duration)].reset_index(drop=True)
+
+
 def measured(
-    sets: pd.DataFrame, taking: Taking, *, epoch: str, duration: float, manoeuvres: Sequence[float] = ()
+    sets: pd.DataFrame, taking: Taking, *, epoch: str, duration: float, manoeuvres: Sequence[Manoeuvre] = ()
 ) -> MeasuredSets:
     """Return what the sets of one object measured within a run.
 
     sets: table `element_sets` of one object
     epoch: UTC text, the table's
     duration: of the run [s]
-    manoeuvres: known times [s]; no points of a set lie before one that was before its epoch
+    manoeuvres: no points of a set lie before one that was before its epoch, and known by then
 
     Raises InputError where no set is left.
     """
-    sets = sets[(sets["t"] >= -PAST) & (sets["t"] <= duration)].reset_index(drop=True)
+    sets = of_run(sets, duration)
     worth = agreement.weighed(sets, epoch=epoch, sampling=taking.sampling, manoeuvres=manoeuvres)
     if taking.sigmas is not None:
         worth[FIX_SIGMAS[:3]] = np.tile(taking.sigmas, (len(worth), 1))
@@ -84,11 +90,11 @@ def measured(
 
 
 def _points(
-    one: pd.Series, worth: pd.Series, sampling: Sampling, *, epoch: str, manoeuvres: Sequence[float]
+    one: pd.Series, worth: pd.Series, sampling: Sampling, *, epoch: str, manoeuvres: Sequence[Manoeuvre]
 ) -> pd.DataFrame | None:
     """Return the points of a set in the run and behind the last manoeuvre before it; None if they are few."""
     points = sgp4_points.before(one, epoch=epoch, sampling=sampling)
-    begin = max([0.0, *(time for time in manoeuvres if time <= one["t"])])
+    begin = max([0.0, *(burn.t for burn in manoeuvres if max(burn.t, burn.known) <= one["t"])])
     rows = points[points["t"] >= begin]
     if len(rows) < _LEAST * len(points):
         return None

@@ -11,7 +11,7 @@ from typing import Any, Self
 import numpy as np
 
 from opml.base.errors import InputError
-from opml.orbits.manoeuvres import contain_any
+from opml.orbits.manoeuvres import Manoeuvre, contain_any
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Cleaning:
     fence: Tukey's fences on e_y, in interquartile ranges from the quartiles, None for no fences
     fence_days: first and last day of t_j of the rows that set the fences, None for all rows
     previous: t_b is the time of the last `kept_estimate`, or of the `track` just before
-    manoeuvres: their times [s]
+    manoeuvres: each with the time since which it is known
     window: how long before an estimate its oldest measurement may be [s]
     """
 
@@ -30,7 +30,7 @@ class Cleaning:
     fence: float | None = None
     fence_days: tuple[float, float] | None = None
     previous: str = "kept_estimate"
-    manoeuvres: tuple[float, ...] = ()
+    manoeuvres: tuple[Manoeuvre, ...] = ()
     window: float = 0.0
 
     @classmethod
@@ -57,9 +57,16 @@ class Cleaning:
         low, high = self.cd_bounds
         return drag_coefficient_inside(cd, cd_min=low, cd_max=high)
 
-    def crosses(self, begin: np.ndarray, end: np.ndarray) -> np.ndarray:
-        """Return which spans (n,) have a manoeuvre in them, from `window` before begin to end (n,) [s]."""
-        return contain_any(begin - self.window, end, self.manoeuvres)
+    def crosses(self, begin: np.ndarray, t: np.ndarray, known: np.ndarray) -> np.ndarray:
+        """Return which rows (n,) have a manoeuvre in them, as far as anybody knew.
+
+        begin: (n,) time of their earlier estimate, whose window lies before it [s]
+        t: (n,) time of their prediction's estimate; of manoeuvres up to it those count that were known then
+        known: (n,) when their error is known, and with it manoeuvres in between
+        """
+        before, after = (begin - self.window, t), (t, known)
+        crossed: np.ndarray = contain_any(*before, self.manoeuvres) | contain_any(*after, self.manoeuvres)
+        return crossed
 
 
 OUTSIDE_FENCES = "outside Tukey fences"

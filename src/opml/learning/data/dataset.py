@@ -17,7 +17,7 @@ from opml.base.errors import InputError
 from opml.learning.data.cleaning import OUTSIDE_FENCES, Cleaning, tukey_fences
 from opml.learning.data.splits import in_days, known_at
 from opml.orbits.elements import coe_from_cartesian, in_rsw, wrap_half_turn
-from opml.orbits.manoeuvres import contain_any
+from opml.orbits.manoeuvres import Manoeuvre, contain_any
 from opml.tables import COMPONENTS, SCHEMAS, STATE, mechanism_schema, read_kind, read_metadata, read_table
 
 COE = ["a", "e", "inc", "argp", "raan", "nu"]
@@ -59,10 +59,10 @@ def build(
     bounds. With `track` it is the time of the track just before, if its estimate did so.
 
     A row without a true error, or without a label, is dropped for that reason unless another holds first. A
-    row is dropped where a manoeuvre lies between the oldest measurement of its earlier estimate and the time
-    when its error is known. A burn that the estimates show counts for rows with t_i before it, and for those
-    since it was found. Tukey's fences come from rows with t_j in fence_days that survive all else, and hold
-    for every row.
+    row is dropped where a manoeuvre lies between the oldest measurement of its earlier estimate and t_i and
+    was known at t_i, or lies from there to the time when its error is known and was known by then; likewise a
+    burn that the estimates show. Tukey's fences come from rows with t_j in fence_days that survive all else,
+    and hold for every row.
 
     Raises InputError where the tables do not belong together or `cleaning.previous` is unknown.
     """
@@ -73,8 +73,8 @@ def build(
     rows["duration"] = rows["t_j"] - rows["t_i"]
     rows["reason"] = _reasons(rows, cleaning)
     begin = rows[["t_b", "t_i"]].min(axis=1).to_numpy()
-    end = rows["t_known"].to_numpy()
-    crosses = cleaning.crosses(begin, end) | _crosses_burn(estimates, begin, rows["t_i"].to_numpy(), end)
+    t_i, end = rows["t_i"].to_numpy(), rows["t_known"].to_numpy()
+    crosses = cleaning.crosses(begin, t_i, end) | _crosses_burn(estimates, begin, t_i, end)
     rows.loc[crosses, "reason"] = CROSSES_MANOEUVRE
     rows["keep"] = rows["reason"] == ""
     return rows[SCHEMAS["dataset" if labels is None else "labelled"].names]
@@ -188,13 +188,13 @@ def may_depart(
     estimates: pd.DataFrame,
     at_estimate: pd.DataFrame,
     *,
-    manoeuvres: Sequence[float] = (),
+    manoeuvres: Sequence[Manoeuvre] = (),
     window: float = 0.0,
 ) -> np.ndarray:
     """Return the estimates (bool, n) whose predictions a model may correct, as `build` would keep their rows.
 
     at_estimate: from `of_estimates`
-    manoeuvres: times [s], of which none may lie from `window` [s] before t_b up to t_i
+    manoeuvres: of those known at t_i none may lie from `window` [s] before t_b up to t_i
     """
     known = at_estimate.loc[estimates["track"]]
     t = estimates["t"].to_numpy()
@@ -206,15 +206,13 @@ def may_depart(
 
 
 def _crosses_burn(estimates: pd.DataFrame, begin: np.ndarray, t_i: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Return which spans (n,) from begin over t_i to end [s] have a burn in them that `estimates` show.
+    """Return which spans (n,), from begin to t_i or on to end [s], have a burn in them that `estimates` show.
 
-    One before t_i counts where it was found by then. Fits begin anew behind it, so no window holds it.
+    It counts from when it was found. Fits begin anew behind it, so no window holds it.
     """
-    crosses = np.zeros(len(t_i), dtype=bool)
     shown = estimates[estimates["burn_t"].notna()] if "burn_t" in estimates else estimates.iloc[:0]
-    for _, row in shown.iterrows():
-        crosses |= (begin < row["burn_t"]) & (row["burn_t"] <= end) & (t_i >= row["t"])
-        crosses |= (t_i < row["burn_t"]) & (row["burn_t"] <= end)
+    burns = [Manoeuvre(row["burn_t"], row["t"]) for _, row in shown.iterrows()]
+    crosses: np.ndarray = contain_any(begin, t_i, burns) | contain_any(t_i, end, burns)
     return crosses
 
 

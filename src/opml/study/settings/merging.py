@@ -11,6 +11,7 @@ from typing import Any
 from opml import naming
 from opml.base.errors import InputError
 from opml.base.files import FilePath, project_file
+from opml.orbits.manoeuvres import read_times
 from opml.orbits.sheets import (
     Rso,
     Station,
@@ -98,6 +99,20 @@ class Settings:
         """File of the state that an RSO's first orbit starts from, by RSO."""
         folder = self.values.get("data", "")
         return {rso: os.path.join(folder, path) for rso, path in self.values.get("starts", {}).items()}
+
+    def manoeuvres(self, rso: str) -> list[str]:
+        """Return the UTC texts of an RSO's manoeuvres that the settings name, in a list or a file of one.
+
+        Raises InputError for a file that holds no such list.
+        """
+        path = self.manoeuvre_files.get(rso)
+        return read_times(path) if path else list(self.values.get("manoeuvres", {}).get(rso, []))
+
+    @property
+    def manoeuvre_files(self) -> dict[str, str]:
+        """File of an RSO's manoeuvres, by RSO, where the settings name one."""
+        folder, named = self.values.get("data", ""), self.values.get("manoeuvres", {})
+        return {rso: os.path.join(folder, path) for rso, path in named.items() if isinstance(path, str)}
 
     @property
     def asked(self) -> Mapping[str, Any]:

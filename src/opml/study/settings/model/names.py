@@ -46,7 +46,9 @@ Epoch = Annotated[
     Expected('UTC text in quotes, like "2016-09-28T12:09:45"'),
 ]
 
-Epochs = Annotated[list[str], Expected("a list of UTC texts in quotes")]
+Times = Annotated[
+    Text | list[str], Expected("a list of UTC texts in quotes, or the path of a YAML file with such a list")
+]
 
 Names = Annotated[list[str], MinLen(1), Unique(), Expected("a list of names")]
 

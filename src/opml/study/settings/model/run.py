@@ -11,7 +11,6 @@ from opml.study.settings.model.names import (
     Bodies,
     Degree,
     Epoch,
-    Epochs,
     Folder,
     Name,
     PathList,
@@ -19,6 +18,7 @@ from opml.study.settings.model.names import (
     RsoName,
     RsoNames,
     Seed,
+    Times,
     Variables,
 )
 from opml.study.settings.model.section import Section, setting
@@ -213,6 +213,11 @@ class HistorySettings(Section):
     leave_out_damaged: bool = setting(
         "whether damaged sets are left out and logged, not refused", default=False
     )
+    find_manoeuvres: bool = setting(
+        "whether burns are found where sets do not follow from those before them, beside `manoeuvres`",
+        see="elements.md#burns",
+        default=False,
+    )
 
 
 class Prediction(Section):
@@ -372,7 +377,8 @@ class RunAlone(Section):
         default={},
     )
     data: Text = setting(
-        "folder that relative paths of orbits, measurements and `starts` start from; else the project",
+        "folder that relative paths of orbits, measurements, `starts` and `manoeuvres` start from; else the"
+        " project",
         unit="path",
         default="",
     )
@@ -411,6 +417,8 @@ class RunAlone(Section):
         see="tracks.md",
         default={},
     )
-    manoeuvres: dict[RsoName, Epochs] = setting(
-        "manoeuvres of an RSO with `tracks`, `fixes` or `elements` that are known of", default={}
+    manoeuvres: dict[RsoName, Times] = setting(
+        "manoeuvres of an RSO with `tracks`, `fixes` or `elements` that are known of",
+        see="elements.md#burns",
+        default={},
     )

@@ -1,0 +1,142 @@
+"""Burns in a history of mean elements: where its sets do not follow from those before them.
+
+SGP4 brings the mean orbit of a set to the epoch of a later one. Where its size or its plane is then off by
+many times what is usual between such sets, and the next set agrees with the new orbit, the object burned. The
+burn is known with that next set, and no set after it counts. Its time is the epoch of the first set that is
+off: sets are made of tracks up to some hours after their epochs.
+"""
+
+import logging
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas as pd
+from sgp4.api import Satrec
+
+from opml.interop import ccsds
+from opml.interop.element_sets.histories import satellite
+from opml.orbits.manoeuvres import Manoeuvre
+
+OFF = 5.0
+"""How many standard deviations two sets are apart between which a burn lies."""
+
+_SETTLING = 5
+"""Sets after a burn that may be twice as far apart: some are made of tracks from both sides of it."""
+
+_FEWEST = 8
+"""Differences that make a past."""
+
+_RECENT = 40
+"""Newest differences that count."""
+
+_UNCLEAR = 5
+"""Sets in a row that follow from none, after which a new past begins."""
+
+_SIGMAS = 1.15
+"""Standard deviations within which three quarters of normal differences lie."""
+
+_EARTH_RADIUS = 6378.135e3  # WGS 72, the unit of SGP4's lengths [m]
+_MINUTE = 60.0
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class _Set:
+    """A set of mean elements: its epoch, when it was made [s], and what SGP4 flies."""
+
+    t: float
+    made: float
+    satellite: Satrec
+
+
+@dataclass
+class _Past:
+    """Differences between sets that followed from each other.
+
+    gaps: between the epochs of two sets [s]
+    sizes: of the differences (2,) [m]
+    since: number of sets since the last burn
+    """
+
+    gaps: list[float] = field(default_factory=list)
+    sizes: list[np.ndarray] = field(default_factory=list)
+    since: int = _SETTLING
+
+    def follows(self, earlier: _Set, later: _Set) -> bool:
+        """Return whether a set follows from an earlier one; their difference counts from then on if so."""
+        gap, size = later.t - earlier.t, _difference(earlier, later)
+        if not np.isfinite(size).all() or not (size <= self._most(gap)).all():
+            return False
+        self.gaps.append(gap)
+        self.sizes.append(size)
+        self.since += 1
+        return True
+
+    def _most(self, gap: float) -> np.ndarray:
+        """Return how large differences (2,) across a gap may be [m]; drag lets them grow with it."""
+        recent, gaps = self.sizes[-_RECENT:], self.gaps[-_RECENT:]
+        if len(recent) < _FEWEST:
+            return np.full(2, np.inf)
+        sigma = np.quantile(recent, 0.75, axis=0) / _SIGMAS
+        growth = max(1.0, gap / float(np.median(gaps))) * (2.0 if self.since < _SETTLING else 1.0)
+        most: np.ndarray = OFF * growth * sigma
+        return most
+
+
+def found(sets: pd.DataFrame, *, epoch: str) -> list[Manoeuvre]:
+    """Return the burns that a history tells of, in order of time.
+
+    sets: table `element_sets` of one object
+    epoch: UTC text, the table's
+
+    Each is logged.
+    """
+    burns, past = [], _Past()
+    followed: _Set | None = None
+    off: list[_Set] = []  # those after it, which do not follow from it
+    for one in _sets(sets, epoch):
+        if followed is None or past.follows(followed, one):
+            followed, off = one, []
+        elif len(off) == _UNCLEAR or (off and past.follows(off[-1], one)):
+            burns.append(Manoeuvre(off[0].t, one.made))
+            _log_found(followed, off, one, epoch)
+            past = _Past() if len(off) == _UNCLEAR else past
+            past.since = 0
+            followed, off = one, []
+        else:
+            off.append(one)
+    return burns
+
+
+def _sets(sets: pd.DataFrame, epoch: str) -> Iterator[_Set]:
+    """Yield the sets of a table; each is made when all before it are."""
+    made = np.maximum.accumulate(np.fmax(sets["t"], sets["t_created"]).to_numpy())
+    for k, (_, row) in enumerate(sets.iterrows()):
+        yield _Set(float(row["t"]), float(made[k]), satellite(row, epoch=epoch))
+
+
+def _difference(earlier: _Set, later: _Set) -> np.ndarray:
+    """Return how far two mean orbits are apart at the later epoch: semi-major axes and planes (2,) [m]."""
+    (a, i, node), (other_a, other_i, other_node) = (
+        _mean_orbit(one.satellite, later.t - one.t) for one in (later, earlier)
+    )
+    turn = np.remainder(node - other_node + np.pi, 2.0 * np.pi) - np.pi
+    tilt = np.hypot(i - other_i, np.sin(i) * turn)
+    return _EARTH_RADIUS * np.array([abs(a - other_a), a * tilt])
+
+
+def _mean_orbit(flying: Satrec, after: float) -> tuple[float, float, float]:
+    """Return mean semi-major axis [Earth radii], inclination and node [rad] some time [s] after the epoch.
+
+    All are NaN where SGP4 fails.
+    """
+    error, _, _ = flying.sgp4_tsince(after / _MINUTE)
+    return (flying.am, flying.im, flying.Om) if error == 0 else (np.nan, np.nan, np.nan)
+
+
+def _log_found(followed: _Set, off: Sequence[_Set], last: _Set, epoch: str) -> None:
+    """Tell between which sets a burn was found, and by which."""
+    begin, end, known = ccsds.utc_texts(epoch, np.array([followed.t, off[0].t, last.t]))
+    _log.info("a burn between %s and %s, found by the set of %s", begin, end, known)

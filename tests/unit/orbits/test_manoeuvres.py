@@ -1,0 +1,74 @@
+"""Manoeuvres: lists of them, what tables keep of them, and which spans they lie in, once known."""
+
+import math
+
+import numpy as np
+import pytest
+from element_histories import history
+from support import EPOCH
+
+from opml.base.errors import InputError
+from opml.orbits import manoeuvres
+from opml.orbits.manoeuvres import Manoeuvre
+from opml.tables import write_table
+
+PUBLISHED = """\
+SATCAT number: 25544
+manoeuvre_timestamps:
+- 2016-09-28 14:09:45
+- 2016-09-28T13:09:45.5Z
+name: ISS
+"""
+
+
+@pytest.mark.parametrize(
+    "content",
+    [PUBLISHED, "- 2016-09-28 14:09:45\n- '2016-09-28T13:09:45.500'\n"],
+    ids=["under a key", "a list alone"],
+)
+def test_a_file_of_manoeuvres_is_read_as_it_is(tmp_path, content):
+    (tmp_path / "burns.yaml").write_text(content)
+    times = manoeuvres.read_times(tmp_path / "burns.yaml")
+    assert [time[:21] for time in times] == ["2016-09-28T14:09:45", "2016-09-28T13:09:45.5"]
+    assert manoeuvres.at_times(times, epoch=EPOCH) == [Manoeuvre(3600.5), Manoeuvre(7200.0)]
+
+
+@pytest.mark.parametrize(
+    ("content", "expected"),
+    [
+        ("name: ISS\n", "expected a list of times, or one under manoeuvre_timestamps, got neither"),
+        ("noon\n", "expected a list of times, or one under manoeuvre_timestamps, got neither"),
+        ("manoeuvre_timestamps: 5\n", "expected a list of times, or one under manoeuvre_timestamps"),
+        (PUBLISHED.replace("14:09:45", ""), "entry 1: expected a time like 2016-09-28 12:09:45, got 2016-09"),
+        ("[noon]", "entry 1: expected a time like 2016-09-28 12:09:45, got noon"),
+        ("[a: 1]", "entry 1: expected a time like 2016-09-28 12:09:45, got {'a': 1}"),
+    ],
+)
+def test_a_file_that_is_no_list_of_manoeuvres_is_told(tmp_path, content, expected):
+    path = tmp_path / "burns.yaml"
+    path.write_text(content)
+    with pytest.raises(InputError) as refusal:
+        manoeuvres.read_times(path)
+    assert str(refusal.value).startswith(f"{path}: {expected}")
+
+
+def test_tables_keep_manoeuvres_and_since_when_they_are_known(tmp_path):
+    burns = [Manoeuvre(5.0), Manoeuvre(7.0, 9.0)]
+    facts = manoeuvres.facts(burns)
+    assert facts == {"manoeuvres": [{"t": 5.0}, {"t": 7.0, "known": 9.0}]}
+    write_table(tmp_path / "t.parquet", history([1.0]), "element_sets", metadata=facts)
+    assert manoeuvres.read_manoeuvres(tmp_path / "t.parquet") == burns
+
+
+@pytest.mark.parametrize(
+    ("burn", "contain"),
+    [
+        (Manoeuvre(2.0), [False, True, True, False]),
+        (Manoeuvre(2.0, 2.5), [False, False, True, False]),
+        (Manoeuvre(2.0, 3.0), [False, False, True, False]),
+        (Manoeuvre(2.0, math.inf), [False] * 4),
+    ],
+)
+def test_a_span_contains_what_was_known_by_its_end(burn, contain):
+    begin, end = np.array([0.0, 1.0, 1.0, 2.0]), np.array([1.0, 2.0, 3.0, 4.0])
+    assert manoeuvres.contain_any(begin, end, [burn]).tolist() == contain
