@@ -164,14 +164,17 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
     known = replace(known, others={hours: so_far.of_window(hours) for hours in asked})
     part = Part(watched.model.predictions, known, starts, Grid(candidates.STEP, plan.max_days, plan.end))
     paths = candidates.paths(part, plan.models, _spreads(watched, so_far), now=now)
+    # An ephemeris from the estimate of an earlier morning is that morning's, and judged once.
+    is_new = not records.issued["i"].isin(starts["track"]).any()
+    left = replace(left, paths=[paths] if is_new else [])
     try:
         flown = issued.chosen(so_far, list(plan.models), now=now)
     except InputError as reason:
         row = issued.row(now, starts, None, DO_NOT_USE)
-        return Left(replace(left, issued=row, paths=[paths]), recent, Verdict(DO_NOT_USE, str(reason)))
+        return Left(replace(left, issued=row), recent, Verdict(DO_NOT_USE, str(reason)))
     judgement = verdict(so_far, starts, now=now)
     return Left(
-        replace(left, issued=issued.row(now, starts, flown, judgement.word), paths=[paths]),
+        replace(left, issued=issued.row(now, starts, flown, judgement.word)),
         recent,
         judgement,
         product.ephemeris(paths, flown, step=plan.step),

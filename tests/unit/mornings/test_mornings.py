@@ -136,6 +136,20 @@ def test_what_leaves_is_the_path_of_the_model_that_the_past_chose(whole):
     assert len(segment.covariance_t) > 100
 
 
+def test_a_morning_without_a_new_estimate_is_judged_once(watched, tmp_path):
+    """What leaves starts where that of the morning before did, and is the same but for its last hours."""
+    ends = watched.tracking.groupby("track")["t"].transform("max")
+    silent = watched.tracking[ends <= CALENDAR.time(FIRST + timedelta(days=3))]
+    run(replace(watched, tracking=silent), tmp_path)
+    folder = Folder(tmp_path, "iss")
+    left = [read_table(folder.of_day(day) / "issued.parquet", "issued") for day in folder.done()[-2:]]
+    assert left[0]["i"].iloc[0] == left[1]["i"].iloc[0]
+    assert not (folder.of_day(LAST) / "paths.parquet").exists()
+    assert (folder.of_day(LAST) / "iss.oem").exists()
+    judged = read_tables([folder.of_day(day) / "judged.parquet" for day in folder.done()], "judged")
+    assert not judged.duplicated(["model", "i", "j"]).any()
+
+
 def test_a_first_morning_says_that_it_has_no_past(whole):
     folder = Folder(whole, "iss")
     found = json.loads((folder.of_day(folder.done()[0]) / DONE).read_text())
