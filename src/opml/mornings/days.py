@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base import epochs
-from opml.base.constants import DAY
+from opml.base.constants import DAY, HOUR
 from opml.interop import ccsds, oem
 from opml.learning.judge.error_sizes import INSIDE
 from opml.mornings.morning import Left, Plan, Watched, morning
@@ -34,7 +34,7 @@ class Calendar:
 
     def time(self, day: date) -> float:
         """Return when the morning of a date is [s]."""
-        return epochs.seconds_between(self.epoch, f"{day.isoformat()}T00:00:00") + 3600.0 * self.hour
+        return epochs.seconds_between(self.epoch, f"{day.isoformat()}T00:00:00") + HOUR * self.hour
 
     def first(self, known: float) -> date:
         """Return the first date whose morning is not before a time [s]."""

@@ -4,7 +4,7 @@ Nothing that was measured, published or made after the morning touches it. What 
 never made again.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -153,17 +153,9 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
     starts = known.estimates[known.may_depart()].tail(1)
     if starts.empty:
         return Left(left, recent, Verdict(DO_NOT_USE, "no estimate that an ephemeris may start from"))
-    other = [
-        fitting.at(starts, records.of_window(hours), hours=hours)
-        for hours in plan.other_windows
-        if starts["track"].iloc[0] not in set(records.of_window(hours)["track"])
-    ]
-    left = replace(left, estimates=pd.concat([made, *other], ignore_index=True))
+    left = replace(left, estimates=pd.concat([made, *_others(fitting, plan, records, starts)]))
     so_far = records.and_then(left, since=now)
-    asked = learners.arc_windows(plan.models.values())
-    known = replace(known, others={hours: so_far.of_window(hours) for hours in asked})
-    part = Part(watched.model.predictions, known, starts, Grid(candidates.STEP, plan.max_days, plan.end))
-    paths = candidates.paths(part, plan.models, _spreads(watched, so_far), now=now)
+    paths = _paths(watched, known, so_far, starts, now=now)
     # An ephemeris from the estimate of an earlier morning is that morning's, and judged once.
     is_new = not records.issued["i"].isin(starts["track"]).any()
     left = replace(left, paths=[paths] if is_new else [])
@@ -180,6 +172,29 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
         product.ephemeris(paths, flown, step=plan.step),
         corrected.basis(flown.replay, now),
     )
+
+
+def _others(
+    fitting: fits.Fitting, plan: Plan, records: Records, starts: pd.DataFrame
+) -> Iterator[pd.DataFrame]:
+    """Yield the fits over other windows of the track that ephemerides start from, where none are kept."""
+    for hours in plan.other_windows:
+        kept = records.of_window(hours)
+        if not kept["track"].isin(starts["track"]).any():
+            yield fitting.at(starts, kept, hours=hours)
+
+
+def _paths(
+    watched: Watched, known: Known, so_far: Records, starts: pd.DataFrame, *, now: float
+) -> pd.DataFrame:
+    """Return the ephemerides of all models; so_far: the records with those of the morning."""
+    plan, model = watched.plan, watched.model
+    asked = learners.arc_windows(plan.models.values())
+    whole = replace(known, others={hours: so_far.of_window(hours) for hours in asked})
+    part = Part(model.predictions, whole, starts, Grid(candidates.STEP, plan.max_days, plan.end))
+    base = so_far.of_window(plan.base)
+    spreads = partial(spread.build, model.flattened, base, futures=model.futures)
+    return candidates.paths(part, plan.models, spreads, now=now)
 
 
 def _nothing(now: float) -> Records:
@@ -219,9 +234,3 @@ def _known(watched: Watched, records: Records, recent: Recent) -> Known:
         manoeuvres=watched.manoeuvres,
         epoch=plan.epoch,
     )
-
-
-def _spreads(watched: Watched, records: Records) -> corrected.Spreads:
-    """Return how the spread of pairs is made."""
-    model, estimates = watched.model, records.of_window(watched.plan.base)
-    return partial(spread.build, model.flattened, estimates, futures=model.futures)
