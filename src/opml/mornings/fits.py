@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.catalog.fit.estimation import Estimation, estimate_all
+from opml.catalog.fit.estimation import Estimation, estimate_further
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.fit.first.first_orbit import TimedState
 from opml.catalog.fit.measurements import Measurements
@@ -58,7 +58,7 @@ class Fitting:
         """Return estimates of tracks over a window [h], with the window of each."""
         if not len(tracks):
             return SCHEMAS["kept_estimates"].empty()
-        found = estimate_all(
+        found = estimate_further(
             self.flight,
             starts,
             self.measured,

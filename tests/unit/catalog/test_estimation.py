@@ -11,6 +11,7 @@ from support import rsos
 from opml.base.constants import DAY, HOUR
 from opml.catalog.fit import estimation, neighbour_arcs, sightings, start_states
 from opml.catalog.fit.least_squares import NOT_CONVERGED, UNDERDETERMINED
+from opml.catalog.fit.solutions import Solution
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE
@@ -321,7 +322,7 @@ def test_an_absurd_estimate_is_nobodys_start(assumed_model, iss):
     normal = np.linalg.inv(np.diag([1e4] * 3 + [1e-2] * 3 + [1.0]) + 0.9 * (_tied() + _tied().T))
     for cd, kept in ((4.2, True), (-424469.0, False)):
         best = np.append(np.full(6, 7e6), cd)
-        known = run.with_known_cd(estimation.Solution(3, best, np.linalg.inv(normal), converged=True))
+        known = run.with_known_cd(Solution(3, best, np.linalg.inv(normal), converged=True))
         assert (known is not None) is kept
         if known:
             assert known[1][6] == pytest.approx(2.2)

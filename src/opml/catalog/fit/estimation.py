@@ -21,9 +21,10 @@ from opml.catalog.fit.first.round_orbits import eccentricity
 from opml.catalog.fit.least_squares import Evaluation, Fit, Method
 from opml.catalog.fit.measurements import Measurements, Window
 from opml.catalog.fit.neighbour_arcs import fly_around, fly_parameters
+from opml.catalog.fit.solutions import Known, Solution, solutions
 from opml.catalog.flight import Flight
 from opml.dynamics.ensemble import REASONS
-from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE, symmetric_matrices
+from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE
 
 BATCH = 16
 """Windows fitted side by side; each starts from the newest usable estimate before its batch.
@@ -96,6 +97,11 @@ class Estimate:
     fit: Fit
     kept: np.ndarray | None = None
 
+    @property
+    def solution(self) -> Solution:
+        """What the fit came to."""
+        return Solution(self.window.at, self.fit.best, self.fit.covariance, self.fit.converged)
+
 
 _log = logging.getLogger(__name__)
 
@@ -104,30 +110,6 @@ _EDITS = 10
 
 _NORMAL = 0.6745
 """Median of the size of a normal deviate."""
-
-Known = tuple[int, np.ndarray]
-"""An epoch of a run's measurements, by its number, and the parameters (7,) of an orbit there."""
-
-
-@dataclass(frozen=True)
-class Solution:
-    """What a fit came to.
-
-    at: number of its epoch among those of the run's measurements
-    best: (7,) parameters
-    covariance: (7, 7) of these
-    """
-
-    at: int
-    best: np.ndarray
-    covariance: np.ndarray
-    converged: bool
-
-    @classmethod
-    def ended(cls, estimate: Estimate) -> Self:
-        """Return what an estimate came to."""
-        fit = estimate.fit
-        return cls(estimate.window.at, fit.best, fit.covariance, fit.converged)
 
 
 def _have_same_numbers(one: Estimate, other: Estimate) -> bool:
@@ -153,6 +135,14 @@ class Run:
     settings: Estimation
     ages: np.ndarray = field(default_factory=lambda: np.empty(0))
     eccentricity_sigma: float | None = None
+
+    @classmethod
+    def begun(
+        cls, flight: Flight, starts: pd.DataFrame, measured: Measurements, settings: Estimation
+    ) -> Self:
+        """Return the run of a table `starts`; its callers tell the progress."""
+        quiet = flight.without_progress()
+        return cls(measured, quiet, starts[STATE].to_numpy(), settings, starts["age"].to_numpy())
 
     def method(self, free: np.ndarray) -> Method:
         """Return how the parameters that are free (7,) are fitted."""
@@ -432,59 +422,53 @@ class Run:
         usable = next(((one.at, one.best) for one in last_first if self.is_usable(one)), usable)
         return usable, next((known for known in map(self.with_known_cd, last_first) if known), spare)
 
-    def earlier(self, estimates: pd.DataFrame) -> list[Solution]:
-        """Return the solutions of rows of `estimates`."""
-        rows = zip(
-            self.measured.at[estimates["track"]],
-            estimates[PARAMETERS].to_numpy(),
-            symmetric_matrices(estimates, PARAMETER_COVARIANCES),
-            estimates["converged"],
-            strict=True,
-        )
-        return [Solution(int(at), best, covariance, bool(done)) for at, best, covariance, done in rows]
-
 
 def in_turn(
-    run: Run, method: Method, windows: Sequence[Window], *, earlier: pd.DataFrame | None = None
+    run: Run, method: Method, windows: Sequence[Window], *, earlier: Sequence[Solution] = ()
 ) -> Iterator[Estimate]:
-    """Yield the fits over windows, batch after batch, each from what is earlier, or the batches before tell.
-
-    earlier: rows of `estimates`
-    """
-    usable, spare = run.newest([] if earlier is None else run.earlier(earlier), None, None)
+    """Yield the fits over windows, batch after batch, each from what earlier ones tell."""
+    usable, spare = run.newest(earlier, None, None)
     for begin in range(0, len(windows), BATCH):
         estimates = run.fitted(windows[begin : begin + BATCH], usable, spare, method)
-        usable, spare = run.newest([Solution.ended(estimate) for estimate in estimates], usable, spare)
+        usable, spare = run.newest([estimate.solution for estimate in estimates], usable, spare)
         yield from estimates
 
 
 def estimate_all(
-    flight: Flight,
-    starts: pd.DataFrame,
-    measured: Measurements,
-    *,
-    settings: Estimation,
-    tracks: Sequence[int] | None = None,
-    earlier: pd.DataFrame | None = None,
+    flight: Flight, starts: pd.DataFrame, measured: Measurements, *, settings: Estimation
 ) -> pd.DataFrame:
     """Return the `estimates` table: one row per track, converged or with the reason why not.
 
     flight: under the assumed model
     starts: the table, a state at each track's start for fits where no estimate is at hand
-    tracks: those to be estimated, ascending; None: all
+    """
+    run = Run.begun(flight, starts, measured, settings)
+    windows = [run.window(track) for track in range(measured.tracks)]
+    estimates: list[Estimate] = []
+    for estimate in in_turn(run, run.method(run.free_parameters()), windows):
+        estimates.append(estimate)
+        if flight.progress:
+            flight.progress(len(estimates) / len(windows))
+    noise = biases.shown(measured, estimates, run.residuals)
+    _log.info("residuals in sigmas of the noise:\n%s", noise.round(2).to_string(index=False))
+    return pd.DataFrame([run.row(estimate) for estimate in estimates])
+
+
+def estimate_further(
+    flight: Flight,
+    starts: pd.DataFrame,
+    measured: Measurements,
+    *,
+    settings: Estimation,
+    tracks: Sequence[int],
+    earlier: pd.DataFrame,
+) -> pd.DataFrame:
+    """Return the rows of `estimates` of some tracks, ascending, as `estimate_all` does of all.
+
     earlier: rows of tracks before these that were estimated already, which fits may start from
     """
-    run = Run(
-        measured, flight.without_progress(), starts[STATE].to_numpy(), settings, starts["age"].to_numpy()
-    )
-    windows = [run.window(track) for track in (range(measured.tracks) if tracks is None else tracks)]
-    all_estimates: list[Estimate] = []
-    rows: list[dict[str, Any]] = []
-    for estimate in in_turn(run, run.method(run.free_parameters()), windows, earlier=earlier):
-        rows.append(run.row(estimate))
-        all_estimates.append(estimate)
-        if flight.progress:
-            flight.progress(len(rows) / len(windows))
-    noise = biases.shown(measured, all_estimates, run.residuals)
-    _log.info("residuals in sigmas of the noise:\n%s", noise.round(2).to_string(index=False))
-    return pd.DataFrame(rows)
+    run = Run.begun(flight, starts, measured, settings)
+    windows = [run.window(track) for track in tracks]
+    known = solutions(earlier, measured.at)
+    found = in_turn(run, run.method(run.free_parameters()), windows, earlier=known)
+    return pd.DataFrame([run.row(estimate) for estimate in found])

@@ -22,9 +22,9 @@ from opml.tables import PARAMETERS
 _CD = PARAMETERS.index("cd")
 
 CD_SPREAD = 0.1
-"""How far Cd may be from that of an estimate once its window is over, as a part of the body's own.
+"""How much the Cd of a body varies as a model feels it, beside the fits' noise, as a part of it.
 
-As much as models of the thermosphere err, see `other_windows`.
+Models of the thermosphere err by 10 to 15 % (Emmert 2015, Thermospheric mass density: A review, sec. 5).
 """
 
 _USUAL = 1.67

@@ -22,12 +22,13 @@ import pandas as pd
 from opml.base.constants import HOUR
 from opml.catalog.fit import estimation
 from opml.catalog.fit.burns import Burn, between
-from opml.catalog.fit.estimation import Estimate, Estimation, Known, Run, Solution
+from opml.catalog.fit.estimation import Estimate, Estimation, Run
 from opml.catalog.fit.innovations import CD_SPREAD, Orbit, Usual, farthest
 from opml.catalog.fit.least_squares import Fit, Method
 from opml.catalog.fit.measurements import Measurements
+from opml.catalog.fit.solutions import Known
 from opml.catalog.flight import Flight
-from opml.tables import BURN, PARAMETERS, STATE
+from opml.tables import BURN, PARAMETERS
 
 HELD_BACK = "track of no known orbit"
 """Why there is no estimate at a track that is held back."""
@@ -151,8 +152,7 @@ class Watch:
             self._sizes.append(float(self._run.row(estimate)["weighted_rms"]))
         if orbit := Orbit.of_estimate(estimate, self._run.flight.rso.cd):
             self._known.append(orbit)
-        found = [Solution.ended(estimate)]
-        self._usable, self._spare = self._run.newest(found, self._usable, self._spare)
+        self._usable, self._spare = self._run.newest([estimate.solution], self._usable, self._spare)
         return estimate
 
     def _goes_across(self, estimate: Estimate) -> bool:
@@ -261,9 +261,7 @@ def estimate_all(
     """
     if settings.suspect_sigma is None:
         return estimation.estimate_all(flight, starts, measured, settings=settings)
-    run = Run(
-        measured, flight.without_progress(), starts[STATE].to_numpy(), settings, starts["age"].to_numpy()
-    )
+    run = Run.begun(flight, starts, measured, settings)
     method = run.method(run.free_parameters())
     watch = Watch(replace(run, settings=replace(settings, after_hours=0.0)), method)
     rows = []

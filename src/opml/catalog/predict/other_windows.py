@@ -11,18 +11,13 @@ import pandas as pd
 
 from opml.base.constants import DAY, HOUR
 from opml.catalog.fit.estimation import APRIORI_SIGMA
+from opml.catalog.fit.innovations import CD_SPREAD
 from opml.catalog.flight import Flight
 from opml.catalog.predict.neighbours import Neighbours
 from opml.catalog.predict.sensitivity import CD_NUDGE, shift_with_cd
 from opml.orbits.elements import in_rsw
 from opml.orbits.manoeuvres import Manoeuvre, contain_any, read_manoeuvres
 from opml.tables import STATE, read_table
-
-CD_SPREAD = 0.1
-"""How much the Cd of a body varies as a model feels it, beside the fits' noise, as a part of it.
-
-Models of the thermosphere err by 10 to 15 % (Emmert 2015, Thermospheric mass density: A review, sec. 5).
-"""
 
 
 def undisturbed(estimates: pd.DataFrame, *, manoeuvres: Sequence[Manoeuvre], window: float) -> pd.DataFrame:
