@@ -17,7 +17,7 @@ rsos:
   mine: {area_to_mass_m2pkg: 0.05, cd: 2.2, cr: 1.25}
   broken: {area_to_mass_m2pkg: 0.05, cd: 2.2, cr: 1.25}
   absent: {area_to_mass_m2pkg: 0.05, cd: 2.2, cr: 1.25}
-environment: {solar_activity: OBSERVED, knowledge: forecast}
+environment: {solar_activity: weather.csv, knowledge: forecast}
 force_models: {assumed: {degree: 8, order: 8, third_bodies: [sun, moon]}}
 integrator: {max_step_s: 120}
 prediction: {max_days: 1}
@@ -26,6 +26,14 @@ study: {}
 day: {models: [fit24], hour: 12}
 """
 TRACKS = ROOT / "tests" / "reference" / "orekit.tdm"
+WEATHER = ROOT / "src" / "opml" / "data" / "space_weather.csv"
+
+
+def weather_comes(folder, until):
+    """Write the operator's file of the weather: what was measured until a date."""
+    lines = WEATHER.read_text().splitlines(keepends=True)
+    (last,) = (number for number, line in enumerate(lines) if line.startswith(until))
+    (folder / "weather.csv").write_text("".join(lines[: last + 1]))
 
 
 def opml_day(folder, *arguments):
@@ -57,6 +65,7 @@ def operator(tmp_path_factory):
     (folder / "tracks").mkdir()
     (folder / "tracks" / "mine.tdm").write_text(TRACKS.read_text())
     (folder / "tracks" / "broken.tdm").write_text("CCSDS_TDM_VERS = 2.0\nrubbish\n")
+    weather_comes(folder, "2016-09-29")
     return folder
 
 
@@ -80,6 +89,7 @@ def test_an_object_that_fails_stops_no_other_and_is_tried_again(operator):
 
 @pytest.mark.dag
 def test_a_day_later_the_days_between_are_caught_up(operator):
+    weather_comes(operator, "2016-10-01")
     code, told = opml_day(operator, "--date", "2016-10-01", "--since", "2016-09-30")
     assert code == 2, told
     assert "3 objects" in told

@@ -1,5 +1,5 @@
 # Every morning of every object that was measured: `opml day`. What a morning left is never made again, whatever
-# has changed since: its inputs count as older than it.
+# has changed since: the job sees to it, as each day brings another table of the weather.
 OBJECTS = product("days/{date}/objects_{batch}")
 DAY = product("days/{date}/day")
 
@@ -7,9 +7,9 @@ if PLAN.watched:
 
     rule mornings:
         input:
-            **{f"fits_{name}": ancient(path) for name, path in ENVIRONMENT.fits.items()},
-            **{f"predictions_{name}": ancient(path) for name, path in ENVIRONMENT.predictions.items()},
-            futures=ancient(ENVIRONMENT.futures(config["uncertainty"]["futures"])),
+            **{f"fits_{name}": path for name, path in ENVIRONMENT.fits.items()},
+            **{f"predictions_{name}": path for name, path in ENVIRONMENT.predictions.items()},
+            futures=ENVIRONMENT.futures(config["uncertainty"]["futures"]),
         output:
             OBJECTS.file("json"),
         log:
@@ -31,9 +31,12 @@ if PLAN.watched:
 
     use rule errors as day with:
         input:
-            lambda wildcards: [
+            objects=lambda wildcards: [
                 OBJECTS.file("json").format(date=wildcards.date, batch=batch) for batch in PLAN.watched
             ],
+            activity=ENVIRONMENT.predictions["solar_activity"],
+            outlooks=ENVIRONMENT.predictions.get("outlooks", []),
+            futures=ENVIRONMENT.futures(config["uncertainty"]["futures"]),
         output:
             **{suffix: DAY.file(suffix) for suffix in ("md", "tsv", "html", "json")},
         log:
@@ -41,6 +44,6 @@ if PLAN.watched:
         benchmark:
             DAY.benchmark
         params:
-            **drawing("day", lambda wildcards: {"epoch": config["epoch"], "date": wildcards.date}),
+            **drawing("day", PARAMS.page_of_day),
         message:
             "The page of {wildcards.date}"

@@ -11,6 +11,8 @@ from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.results import NO_VALUE, length
 
 Outcome = Mapping[str, Any]
+Weather = Sequence[Mapping[str, Any]]
+"""Of the days about a morning, as `weather_of_day.read` returns them."""
 
 WORST_FIRST = (FAILED, DO_NOT_USE, WIDE, GOOD)
 """Verdicts, those to look at first."""
@@ -19,22 +21,33 @@ LEADS = (1, 3, 7)
 """Days of duration whose errors the page states."""
 
 
-def document(outcomes: Sequence[Outcome], *, date: str) -> list[Block]:
+def document(outcomes: Sequence[Outcome], weather: Weather, *, date: str) -> list[Block]:
     """Return the page of a date; outcomes: of all objects."""
-    return [Heading(f"{date}: {summary(outcomes)}", 1), *_objects(outcomes), *_explained(), *_past(outcomes)]
+    return [
+        Heading(f"{date}: {summary(outcomes)}", 1),
+        *_objects(outcomes),
+        *_explained(),
+        *_past(outcomes),
+        *_weather(weather),
+    ]
 
 
 def summary(outcomes: Sequence[Outcome]) -> str:
     """Return how many objects have which verdict, in words."""
     counts = Counter(outcome["verdict"] for outcome in outcomes)
     parts = [f"{counts[verdict]} {verdict}" for verdict in WORST_FIRST[::-1] if counts[verdict]]
-    return f"{len(outcomes)} objects: {', '.join(parts)}"
+    return f"{len(outcomes)} object{'s' * (len(outcomes) != 1)}: {', '.join(parts)}"
 
 
-def as_json(outcomes: Sequence[Outcome], *, date: str) -> dict[str, Any]:
+def as_json(outcomes: Sequence[Outcome], weather: Weather, *, date: str) -> dict[str, Any]:
     """Return the same for machines."""
     counts = Counter(outcome["verdict"] for outcome in outcomes)
-    return {"date": date, "verdicts": dict(sorted(counts.items())), "objects": list(outcomes)}
+    return {
+        "date": date,
+        "verdicts": dict(sorted(counts.items())),
+        "objects": list(outcomes),
+        "weather": list(weather),
+    }
 
 
 def _objects(outcomes: Sequence[Outcome]) -> Iterator[Block]:
@@ -102,3 +115,24 @@ def _fared(scores: Sequence[Mapping[str, Any]], day: int) -> str:
     (score,) = found
     median, most = length(score["along_track_m"]), length(score["along_track_95_m"])
     return f"{median} / {most}, {100.0 * score['inside']:.0f} %"
+
+
+def _weather(weather: Weather) -> Iterator[Block]:
+    yield Heading("Space weather")
+    yield Paragraph(
+        "At the hour of each morning: what was seen by this one, and what its ephemerides take for the days "
+        "ahead. In brackets is what 80 % of the futures lie between, which the intervals are made from."
+    )
+    header = ["morning", "known", "F10.7 of the day before [sfu]", "mean of 81 days", "Kp, mean of 24 h"]
+    yield Table(header, [_weather_row(row) for row in weather])
+
+
+def _weather_row(row: Mapping[str, Any]) -> list[str]:
+    figures = [_figure(row, name) for name in ("f107", "f107_mean", "kp_24h")]
+    return [row["date"], "seen" if row["is_seen"] else "ahead", *figures]
+
+
+def _figure(row: Mapping[str, Any], name: str) -> str:
+    low, high = row[f"{name}_low"], row[f"{name}_high"]
+    between = "" if low is None else f" ({low:.1f} to {high:.1f})"
+    return f"{row[name]:.1f}{between}"

@@ -105,3 +105,4 @@ class FigureSettings(SheetJobSettings):
     curves: Mapping[str, Sequence[str]]
     curve: str
     date: str
+    hour: float

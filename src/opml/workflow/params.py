@@ -248,6 +248,11 @@ class Params:
             "objects": {rso: self._watched(rso) for rso in self.plan.watched[wildcards.batch]},
         }
 
+    def page_of_day(self, wildcards: Wildcards) -> dict[str, Any]:
+        """Return the params of the page of the wildcard `date`."""
+        values, hour = self.plan.values, self.plan.settings.day.hour
+        return {"epoch": values["epoch"], "hour": hour, "date": wildcards.date}
+
     def _watched(self, rso: str) -> dict[str, Any]:
         """Return what is known of an RSO that is watched, and where its measurements are."""
         settings = self.plan.settings

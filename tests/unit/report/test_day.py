@@ -22,11 +22,18 @@ OUTCOMES = [
     outcome("third", "good", scores=[SCORE | {"along_track_m": 900.0}]),
     outcome("fourth", "failed", scores=[], past={}, model=""),
 ]
+FIGURES = {"f107": 67.25, "f107_mean": 70.0, "kp_24h": 2.0}
+RANGES = {"f107_low": 60.0, "f107_high": 90.0, "f107_mean_low": 69.0, "f107_mean_high": 72.0}
+RANGES |= {"kp_24h_low": 1.0, "kp_24h_high": 4.0}
+WEATHER = [
+    {"date": "2016-10-05", "is_seen": True} | FIGURES | dict.fromkeys(RANGES),
+    {"date": "2016-10-06", "is_seen": False} | FIGURES | RANGES,
+]
 
 
 @pytest.fixture(scope="module")
 def page():
-    return markdown(day.document(OUTCOMES, date="2016-10-05"))
+    return markdown(day.document(OUTCOMES, WEATHER, date="2016-10-05"))
 
 
 def test_those_to_look_at_come_first(page):
@@ -42,6 +49,12 @@ def test_what_was_flown_is_told_by_verdict(page):
 
 
 def test_machines_get_the_same():
-    found = day.as_json(OUTCOMES, date="2016-10-05")
+    found = day.as_json(OUTCOMES, WEATHER, date="2016-10-05")
     assert found["verdicts"] == {"do not use": 1, "failed": 1, "good": 2}
     assert found["objects"] == OUTCOMES
+    assert found["weather"] == WEATHER
+
+
+def test_the_weather_that_was_seen_stands_before_what_is_ahead(page):
+    assert "| 2016-10-05 | seen | 67.2 | 70.0 | 2.0 |" in page
+    assert "| 2016-10-06 | ahead | 67.2 (60.0 to 90.0) | 70.0 (69.0 to 72.0) | 2.0 (1.0 to 4.0) |" in page
