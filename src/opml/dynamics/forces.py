@@ -93,7 +93,8 @@ def build(
         gm=float(environment.gm),
         radius=float(environment.radius),
         issued=np.empty(0),
-        outlooks=np.empty((0, *activity.shape)),
+        known=np.empty(0, int),
+        outlooks=np.empty((0, 0, activity.shape[1])),
     )
 
 
@@ -145,12 +146,14 @@ def with_outlooks(model: ForceModel, table: pd.DataFrame) -> ForceModel:
     Up to an issue the activity is that of the model. Beyond the forecast it is not finite, so that no arc
     flies there unnoticed.
     """
-    t = model.first + model.step * np.arange(model.activity.shape[1])
     issued, outlook = np.unique(table["issued"].to_numpy(), return_inverse=True)
-    expected = np.where((t <= issued[:, None])[..., None], model.activity[0], np.nan)
     node = np.round((table["t"].to_numpy() - model.first) / model.step).astype(int)
-    expected[outlook, node] = table[ACTIVITY].to_numpy(float)
-    return model._replace(issued=issued, outlooks=expected)
+    known = np.full(len(issued), model.activity.shape[1])
+    np.minimum.at(known, outlook, node)
+    after = node - known[outlook]
+    expected = np.full((len(issued), after.max(initial=-1) + 1, len(ACTIVITY)), np.nan)
+    expected[outlook, after] = table[ACTIVITY].to_numpy(float)
+    return model._replace(issued=issued, known=known, outlooks=expected)
 
 
 def _coefficients(gravity_field: pd.DataFrame, degree: int, order: int) -> tuple[np.ndarray, np.ndarray]:

@@ -8,6 +8,7 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
@@ -25,7 +26,7 @@ from opml.mornings.measured import Source, Span
 from opml.mornings.morning import Model, Plan, Watched
 from opml.mornings.records import DONE
 from opml.orbits.sheets import Rso, Station
-from opml.tables import read_table
+from opml.tables import SCHEMAS, read_runs, read_table
 
 FAILED = "failed"
 """The verdict where a morning could not be run."""
@@ -47,7 +48,7 @@ class Surroundings:
 
     @classmethod
     def read(cls, files: Any, settings: Mapping[str, Any]) -> "Surroundings":
-        """Read them; raise InputError where a table is missing or damaged."""
+        """Read them, with few of the futures; raise InputError where a table is damaged."""
         paths = dict(files.items())
         fits, predictions = (
             {name.removeprefix(kind): path for name, path in paths.items() if name.startswith(kind)}
@@ -59,7 +60,7 @@ class Surroundings:
             force_model.read(predictions, epoch=epoch, settings=assumed),
             force_model.read(predictions, epoch=epoch, settings=spread.FLATTENED),
             force_model.integrator(settings["integrator"]),
-            read_table(files.futures, "futures") if files.futures else None,
+            _futures(files.futures, since=_flown_since(settings)) if files.futures else None,
             read_table(fits["earth_orientation"], "earth_orientation"),
             [Station(**station) for station in settings["stations"]],
         )
@@ -84,6 +85,24 @@ def run(files: Any, settings: Mapping[str, Any], *, metadata: Mapping[str, Any])
         _outcome(name, surroundings, settings, settings["objects"][name], metadata)
         for name in settings["objects"]
     ]
+
+
+def _futures(path: FilePath, *, since: float) -> pd.DataFrame:
+    """Return the table `futures` of the issues after a time [s]: of a year, all would be a gigabyte."""
+    runs = read_runs(path, "futures", "issued")
+    kept = [rows for rows in runs if rows["issued"].iloc[0] > since]
+    return pd.concat(kept or [SCHEMAS["futures"].empty()], ignore_index=True)
+
+
+def _flown_since(settings: Mapping[str, Any]) -> float:
+    """Return the time after which the weather is issued that the mornings to be run fly under [s]."""
+    calendar = days.Calendar(settings["epoch"], settings["hour"])
+    until = date.fromisoformat(settings["date"])
+    done = [days.Folder(Path(settings["days"]), name).done(until) for name in settings["objects"]]
+    begins = [calendar.time(before[-1]) if before else -np.inf for before in done]
+    # An ephemeris starts less than its length before the morning, and from an issue of at most a day before.
+    reach: float = settings["max_days"] + 1.0
+    return min(begins) - DAY * reach
 
 
 def write(path: FilePath, outcomes: Any) -> None:
@@ -131,7 +150,7 @@ def _catch_up(
     """Run the mornings of an object that are not over yet."""
     rso, calendar = Rso(**one["rso"]), days.Calendar(settings["epoch"], settings["hour"])
     until = date.fromisoformat(settings["date"])
-    if until in folder.done():
+    if until in folder.done(until):
         return
     span = Span(settings["epoch"], DAY * settings["duration_days"])
     source = Source(one["kind"], one["files"], one["taking"], one["start"], one["manoeuvres"])

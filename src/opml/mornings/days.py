@@ -57,15 +57,16 @@ class Folder:
         """Return where what a morning left of the object is."""
         return self.days / day.isoformat() / self.rso
 
-    def done(self) -> list[date]:
-        """Return the dates of the mornings that are over, ascending."""
+    def done(self, until: date) -> list[date]:
+        """Return the dates up to one of the mornings that are over, ascending."""
         found = self.days.glob(f"[0-9]*/{self.rso}/{DONE}")
-        return sorted(date.fromisoformat(path.parent.parent.name) for path in found)
+        days = (date.fromisoformat(path.parent.parent.name) for path in found)
+        return sorted(day for day in days if day <= until)
 
 
 def since(folder: Folder, calendar: Calendar, plan: Plan, until: date) -> float:
     """Return the time from which measurements count for the mornings up to a date [s]."""
-    done = [day for day in folder.done() if day <= until]
+    done = folder.done(until)
     return calendar.time(done[-1]) - plan.reach - DAY if done else -np.inf
 
 
@@ -76,7 +77,7 @@ def catch_up(
 
     Raises InputError where a morning cannot be run.
     """
-    done = [day for day in folder.done() if day <= until]
+    done = folder.done(until)
     reach = DAY * watched.plan.max_days
     records = Records.read(
         [folder.of_day(day) for day in done[-HORIZON:]],

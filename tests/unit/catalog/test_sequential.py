@@ -288,7 +288,8 @@ def test_a_leg_flies_under_what_is_known_when_its_track_begins(assumed_model, fl
     quiet = assumed_model.activity
     active = quiet * [1.5, 1.5, 1.0, 1.0]
     outlooks = np.concatenate([activity.reshape(1, -1, 4) for activity in (quiet, active, quiet)])
-    model = assumed_model._replace(issued=np.array([-1.0, 2.0, 8.0]) * HOUR, outlooks=outlooks)
+    issued, known = np.array([-1.0, 2.0, 8.0]) * HOUR, np.zeros(3, int)
+    model = assumed_model._replace(issued=issued, known=known, outlooks=outlooks)
     paths = [
         Leg.fly(replace(flight, model=model), start, 0.0, np.array([6.0 * HOUR])).path
         for model in (model, assumed_model._replace(activity=active), assumed_model)

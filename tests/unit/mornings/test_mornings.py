@@ -98,7 +98,7 @@ def test_a_morning_that_was_cut_short_runs_again(watched, whole, tmp_path):
 
 def test_every_track_is_estimated_once_and_judges_what_was_flown_before(watched, whole):
     folder = Folder(whole, "iss")
-    done = folder.done()
+    done = folder.done(LAST)
     assert done[-1] == LAST
     tables = [folder.of_day(day) / "kept_estimates.parquet" for day in done]
     made = read_tables(tables, "kept_estimates")
@@ -142,17 +142,17 @@ def test_a_morning_without_a_new_estimate_is_judged_once(watched, tmp_path):
     silent = watched.tracking[ends <= CALENDAR.time(FIRST + timedelta(days=3))]
     run(replace(watched, tracking=silent), tmp_path)
     folder = Folder(tmp_path, "iss")
-    left = [read_table(folder.of_day(day) / "issued.parquet", "issued") for day in folder.done()[-2:]]
+    left = [read_table(folder.of_day(day) / "issued.parquet", "issued") for day in folder.done(LAST)[-2:]]
     assert left[0]["i"].iloc[0] == left[1]["i"].iloc[0]
     assert not (folder.of_day(LAST) / "paths.parquet").exists()
     assert (folder.of_day(LAST) / "iss.oem").exists()
-    judged = read_tables([folder.of_day(day) / "judged.parquet" for day in folder.done()], "judged")
+    judged = read_tables([folder.of_day(day) / "judged.parquet" for day in folder.done(LAST)], "judged")
     assert not judged.duplicated(["model", "i", "j"]).any()
 
 
 def test_a_first_morning_says_that_it_has_no_past(whole):
     folder = Folder(whole, "iss")
-    found = json.loads((folder.of_day(folder.done()[0]) / DONE).read_text())
+    found = json.loads((folder.of_day(folder.done(LAST)[0]) / DONE).read_text())
     assert (found["verdict"], found["message"]) == (DO_NOT_USE, "")
     assert found["reason"] == "no estimate that an ephemeris may start from"
 

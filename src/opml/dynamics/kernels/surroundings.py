@@ -54,7 +54,8 @@ class ForceModel(NamedTuple):
     gm: float  # of the Earth, as the field gives it [m3/s2]
     radius: float  # of the field [m]
     issued: np.ndarray  # (outlooks,) times of issue of the outlooks, ascending [s]; none: activity is for all
-    outlooks: np.ndarray  # (outlooks, nodes, 4): activity known at each issue, and its forecast after that
+    known: np.ndarray  # (outlooks,) number of the nodes up to each issue: there `activity` holds
+    outlooks: np.ndarray  # (outlooks, width, 4): activity as forecast at each issue, at the nodes after these
 
     def jumps(self, begin: float, end: float) -> np.ndarray:
         """Return the times between two times [s] on both sides of each midnight.
@@ -73,8 +74,9 @@ class ForceModel(NamedTuple):
     def known_at(self, t: float) -> "ForceModel":
         """Return the model under what is known at a time [s], whenever an arc begins."""
         newest = int(self.newest_outlook(np.array(t)))
-        outlooks = self.outlooks[max(newest, 0) : newest + 1]
-        return self._replace(issued=np.full(len(outlooks), -np.inf), outlooks=outlooks)
+        one = slice(max(newest, 0), newest + 1)
+        known, outlooks = self.known[one], self.outlooks[one]
+        return self._replace(issued=np.full(len(outlooks), -np.inf), known=known, outlooks=outlooks)
 
     def truncated(self, degree: int) -> "ForceModel":
         """Return the model with its field to a degree and order, without tides; itself if it has no more."""
@@ -95,9 +97,17 @@ class ForceModel(NamedTuple):
 
         Where tides change the weights with each `look_up`, they are the block's own.
         """
-        activity = np.stack([self.outlooks[one] if one >= 0 else self.activity[0] for one in outlooks])
+        activity = np.stack([self._under(one) if one >= 0 else self.activity[0] for one in outlooks])
         weights = self.weights.copy() if len(self.tides.nodes) else self.weights
         return self._replace(activity=activity, weights=weights)
+
+    def _under(self, outlook: int) -> np.ndarray:
+        """Return the activity (nodes, 4) of an outlook, not finite beyond its forecast."""
+        begin, activity = self.known[outlook], np.full(self.activity.shape[1:], np.nan)
+        ahead = activity[begin:][: self.outlooks.shape[1]]
+        activity[:begin] = self.activity[0, :begin]
+        ahead[:] = self.outlooks[outlook, : len(ahead)]
+        return activity
 
 
 def allocate(model: ForceModel) -> tuple[np.ndarray, np.ndarray]:
