@@ -1,5 +1,6 @@
 """The mornings of several objects, one after the other; what is wrong with one stops no other."""
 
+import errno
 import json
 import logging
 from collections.abc import Mapping, Sequence
@@ -30,6 +31,9 @@ from opml.tables import SCHEMAS, read_runs, read_table
 
 FAILED = "failed"
 """The verdict where a morning could not be run."""
+
+_FULL = (errno.ENOSPC, errno.EDQUOT)
+"""Errors of a disk that is full: of no object, and the job ends."""
 
 _log = logging.getLogger(__name__)
 
@@ -134,6 +138,8 @@ def _outcome(
         _log.warning("%s: %s", name, reason)
         return days.failed(name, day, FAILED, str(reason))
     except Exception as reason:
+        if isinstance(reason, OSError) and reason.errno in _FULL:
+            raise
         _log.exception("%s: failed", name)
         return days.failed(name, day, FAILED, f"{type(reason).__name__}: see the log of the job")
     return days.read_outcome(folder.of_day(day) / DONE)
