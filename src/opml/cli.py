@@ -141,7 +141,8 @@ def _add_day(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--date", type=date.fromisoformat, help="the day, as 2016-10-05 (today, UTC)")
     parser.add_argument("--since", type=date.fromisoformat, help="first day that gets a page (the same)")
     parser.add_argument("--configfile", nargs="*", default=[], help="files of settings")
-    parser.add_argument("-j", "--cores", type=int, default=2, help="cores (2)")
+    parser.add_argument("-j", "--cores", type=int, help="cores (2)")
+    parser.add_argument("--profile", help="a profile of Snakemake, as profiles/slurm")
     parser.add_argument("-n", "--dry-run", action="store_true", help="show the plan alone")
 
 
@@ -149,9 +150,16 @@ def _day(options: argparse.Namespace) -> None:
     from opml.workflow import daily
 
     day = options.date or datetime.now(UTC).date()
-    call = daily.Call(day, options.since or day, options.configfile, options.cores, options.dry_run)
+    call = daily.Call(day, options.since or day, options.configfile, _where(options), options.dry_run)
     if code := daily.run(call):
         sys.exit(code)
+
+
+def _where(options: argparse.Namespace) -> list[str]:
+    """Return the options of Snakemake that tell where jobs run; the number of cores may be a profile's."""
+    if options.profile:
+        return ["--profile", options.profile, *([f"-j{options.cores}"] if options.cores else [])]
+    return [f"-j{options.cores or 2}"]
 
 
 def _add_table(parser: argparse.ArgumentParser) -> None:

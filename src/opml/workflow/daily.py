@@ -25,14 +25,14 @@ class Call:
     day: the last date of mornings
     first: the first date that has a page
     configfiles: files of settings
-    cores: that the workflow may use
+    where: options of Snakemake that tell where jobs run
     dry: whether the plan alone is shown
     """
 
     day: date
     first: date
     configfiles: Sequence[str]
-    cores: int
+    where: Sequence[str]
     dry: bool
 
 
@@ -66,7 +66,7 @@ def _snakemake(call: Call, pages: Sequence[str]) -> int:
     """Run the workflow for some pages; return its exit code."""
     how = ["-n"] if call.dry else ["--quiet", "all"]
     settings = ["--configfile", *call.configfiles] if call.configfiles else []
-    command = [sys.executable, "-m", "snakemake", f"-j{call.cores}", *how, *settings, "--", *pages]
+    command = [sys.executable, "-m", "snakemake", *call.where, *how, *settings, "--", *pages]
     return subprocess.run(command, check=False).returncode
 
 
