@@ -34,6 +34,7 @@ _MEMBERS, _LEVEL = 30, 0.9
 _EVERY, _YEAR = 5, 73
 """Days between the issues of futures, and the number of these issues in a year."""
 _SPANS = (1, 3, 5, 7)
+"""Days ahead that tables tell."""
 
 
 def skill(first: str = _FIRST, last: str = _LAST) -> dict[str, np.ndarray]:
@@ -146,12 +147,11 @@ def _rms(expected: np.ndarray, true: np.ndarray) -> np.ndarray:
 
 def table(errors: Mapping[str, np.ndarray]) -> str:
     """Return the skill as a Markdown table, one row per quantity and method."""
-    leads = range(1, _LEADS + 1)
-    lines = [f"| RMS of | method | {' | '.join(f'{lead} d' for lead in leads)} |"]
-    lines.append("| --- | --- |" + _LEADS * " --- |")
+    lines = [f"| RMS of | method | {' | '.join(f'{span} d' for span in _SPANS)} |"]
+    lines.append("| --- | --- |" + len(_SPANS) * " --- |")
     for column, (quantity, digits) in enumerate((("F10.7, sfu", 1), ("Kp", 2), ("density, %", 1))):
         for name, rms in errors.items():
-            cells = " | ".join(f"{value:.{digits}f}" for value in rms[:, column])
+            cells = " | ".join(f"{rms[span - 1, column]:.{digits}f}" for span in _SPANS)
             lines.append(f"| {quantity} | `{name}` | {cells} |")
     return "\n".join(lines) + "\n"
 
