@@ -1,12 +1,13 @@
 """The estimates of a morning: of the tracks that no earlier morning estimated."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
+from opml.catalog.fit import several_windows
 from opml.catalog.fit.estimation import Estimation, estimate_further
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.fit.first.first_orbit import TimedState
@@ -40,33 +41,35 @@ class Fitting:
         Raises InputError where an orbit has to be determined and cannot be.
         """
         tracks = np.flatnonzero(~np.isin(self.recent.numbers, kept["track"]))
-        return self._estimates(kept, tracks.tolist(), self._starts(kept), hours=self.settings.window_hours)
-
-    def at(self, start: pd.DataFrame, kept: pd.DataFrame, *, hours: float) -> pd.DataFrame:
-        """Return the estimate of one track over another window [h].
-
-        start: the track's estimate over the base window, which the fit starts from
-        kept: earlier estimates over the other window
-        """
-        (track,) = np.flatnonzero(self.recent.numbers == start["track"].iloc[0])
-        starts = self._table(start.assign(track=track), age=0.0)
-        return self._estimates(kept, [int(track)], starts, hours=hours)
-
-    def _estimates(
-        self, kept: pd.DataFrame, tracks: Sequence[int], starts: pd.DataFrame, *, hours: float
-    ) -> pd.DataFrame:
-        """Return estimates of tracks over a window [h], with the window of each."""
         if not len(tracks):
             return SCHEMAS["kept_estimates"].empty()
         found = estimate_further(
             self.flight,
-            starts,
+            self._starts(kept),
             self.measured,
-            settings=replace(self.settings, window_hours=hours),
-            tracks=tracks,
+            settings=self.settings,
+            tracks=tracks.tolist(),
             earlier=self._numbered(kept),
         )
+        hours = self.settings.window_hours
         return found.assign(track=self.recent.numbers[found["track"]], window_hours=hours)
+
+    def over(self, start: pd.DataFrame, kept: Mapping[float, pd.DataFrame]) -> pd.DataFrame:
+        """Return the estimates of one track over other windows.
+
+        start: the track's estimate over the base window, which the fits start from
+        kept: earlier estimates, by the window [h]
+        """
+        (track,) = np.flatnonzero(self.recent.numbers == start["track"].iloc[0])
+        found = several_windows.estimate(
+            self.flight,
+            self._table(start.assign(track=track), age=0.0),
+            self.measured,
+            settings=self.settings,
+            track=int(track),
+            earlier={hours: self._numbered(rows) for hours, rows in kept.items()},
+        )
+        return found.assign(track=self.recent.numbers[found["track"]])
 
     def _starts(self, kept: pd.DataFrame) -> pd.DataFrame:
         """Return the `starts` table: of earlier estimates, or determined where these are too old."""

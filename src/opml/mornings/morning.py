@@ -4,7 +4,7 @@ Nothing that was measured, published or made after the morning touches it. What 
 never made again.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -31,7 +31,7 @@ from opml.mornings.tracks import Recent
 from opml.mornings.verdict import DO_NOT_USE, Verdict, verdict
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.orbits.sheets import Station
-from opml.tables import STATE
+from opml.tables import SCHEMAS, STATE
 
 _LOOKED_AT = 4
 """Newest estimates among which one is found to start from."""
@@ -153,7 +153,7 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
     starts = known.estimates[known.may_depart()].tail(1)
     if starts.empty:
         return Left(left, recent, Verdict(DO_NOT_USE, "no estimate that an ephemeris may start from"))
-    left = replace(left, estimates=pd.concat([made, *_others(fitting, plan, records, starts)]))
+    left = replace(left, estimates=pd.concat([made, _others(fitting, plan, records, starts)]))
     so_far = records.and_then(left, since=now)
     paths = _paths(watched, known, so_far, starts, now=now)
     # An ephemeris from the estimate of an earlier morning is that morning's, and judged once.
@@ -174,14 +174,11 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
     )
 
 
-def _others(
-    fitting: fits.Fitting, plan: Plan, records: Records, starts: pd.DataFrame
-) -> Iterator[pd.DataFrame]:
-    """Yield the fits over other windows of the track that ephemerides start from, where none are kept."""
-    for hours in plan.other_windows:
-        kept = records.of_window(hours)
-        if not kept["track"].isin(starts["track"]).any():
-            yield fitting.at(starts, kept, hours=hours)
+def _others(fitting: fits.Fitting, plan: Plan, records: Records, starts: pd.DataFrame) -> pd.DataFrame:
+    """Return the fits over other windows of the track that ephemerides start from, where none are kept."""
+    kept = {hours: records.of_window(hours) for hours in plan.other_windows}
+    lacking = {hours: rows for hours, rows in kept.items() if not rows["track"].isin(starts["track"]).any()}
+    return fitting.over(starts, lacking) if lacking else SCHEMAS["kept_estimates"].empty()
 
 
 def _paths(

@@ -9,7 +9,7 @@ from support import BOUNDED_ESTIMATION as SETTINGS
 from support import rsos
 
 from opml.base.constants import DAY, HOUR
-from opml.catalog.fit import estimation, neighbour_arcs, sightings, start_states
+from opml.catalog.fit import estimation, neighbour_arcs, several_windows, sightings, start_states
 from opml.catalog.fit.least_squares import NOT_CONVERGED, UNDERDETERMINED
 from opml.catalog.fit.solutions import Solution
 from opml.catalog.flight import Flight
@@ -366,3 +366,27 @@ def test_a_cd_that_is_believed_beforehand_stays_near_it(
     used = (weak["tracks_used"] >= 3).to_numpy()
     free = table["cd"].to_numpy()[:16][used]
     np.testing.assert_allclose(weak["cd"][used], free, atol=0.05)
+
+
+def test_windows_of_several_lengths_side_by_side_have_the_bits_of_each_alone(
+    assumed_model, orbit, rows, table, earth_orientation, three_stations, iss
+):
+    """One starts from an earlier fit, the other from the state that is given."""
+    flight, last = Flight(assumed_model, iss), int(table["track"].iloc[-1])
+    measured = sightings.Measured(rows, earth_orientation, three_stations)
+    starts = start_states.perturbed(orbit, rows, rso="iss", settings=SETTINGS, seed=1)
+    earlier = {6.0: table.iloc[:0], 12.0: table.iloc[:-1]}
+    found = several_windows.estimate(flight, starts, measured, settings=SETTINGS, track=last, earlier=earlier)
+    assert found["window_hours"].tolist() == [6.0, 12.0]
+    for hours, known in earlier.items():
+        alone = estimation.estimate_further(
+            flight,
+            starts,
+            measured,
+            settings=replace(SETTINGS, window_hours=hours),
+            tracks=[last],
+            earlier=known,
+        )
+        row = found[found["window_hours"] == hours].drop(columns="window_hours").reset_index(drop=True)
+        assert row["converged"].all()
+        pd.testing.assert_frame_equal(row, alone)

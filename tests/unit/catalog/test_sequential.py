@@ -132,7 +132,8 @@ def test_without_noise_the_last_row_is_the_batch_fit_of_all_tracks(calm):
     settings = replace(ESTIMATION, window_hours=(t[-1] - t[1]) / HOUR + 0.1)
     run = Run(case.measured(), case.flight, states, settings, np.zeros(len(states)))
     window = run.window(len(states) - 1)
-    [estimate] = run.fitted([window], None, None, run.method(np.ones(7, dtype=bool)))
+    starts = run.starts_in_turn([window], None, None)
+    [estimate] = run.fitted([window], starts, [run.method(np.ones(7, dtype=bool))])
     fitted = run.row(estimate)
     parted = np.array([filtered[name] - fitted[name] for name in PARAMETERS])
     formal = estimate.fit.covariance

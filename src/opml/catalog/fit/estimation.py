@@ -8,7 +8,7 @@ so no variational equations are needed.
 """
 
 import logging
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Self
 
@@ -158,7 +158,8 @@ class Run:
         start = np.append(self.starts[known], self.flight.rso.cd)
         pair = np.stack([start, start + np.eye(7)[_CD]])
         epochs = np.array([begin, begin + self._window])
-        flown = fly_parameters(self.flight, epochs, pair, np.zeros(2, int), np.ones(2, int)).states[:, :3]
+        near = self.flight.for_neighbours()  # drag is the same under all harmonics
+        flown = fly_parameters(near, epochs, pair, np.zeros(2, int), np.ones(2, int)).states[:, :3]
         free = np.ones(7, bool)
         # An arc that comes down on the way has no displacement, and feels drag all the more.
         free[_CD] = not np.linalg.norm(flown[1] - flown[0]) < self.settings.least_drag_m
@@ -172,24 +173,26 @@ class Run:
     def fitted(
         self,
         windows: Sequence[Window],
-        usable: Known | None,
-        spare: Known | None,
-        method: Method,
+        candidates: Iterable[np.ndarray],
+        methods: Sequence[Method],
     ) -> list[Estimate]:
         """Return estimates over `windows`, each from the best start that its arc can be flown from.
 
-        usable: of the newest estimate whose Cd is known
-        spare: of the newest estimate that has a state at least
+        candidates: parameters (windows, 7) to start from, as `starts_in_turn` yields them
+        methods: of each window
         """
-        estimates = [Estimate(window, Fit(np.full(7, np.nan), method)) for window in windows]
-        for starts in self._starts_in_turn(windows, usable, spare):
+        estimates = [
+            Estimate(window, Fit(np.full(7, np.nan), method))
+            for window, method in zip(windows, methods, strict=True)
+        ]
+        for starts in candidates:
             waiting = [
                 k
                 for k, estimate in enumerate(estimates)
                 if not estimate.fit.started and np.all(np.isfinite(starts[k]))
             ]
             for k in waiting:
-                estimates[k] = Estimate(windows[k], Fit(starts[k], method))
+                estimates[k] = Estimate(windows[k], Fit(starts[k], methods[k]))
             for k, estimate in zip(waiting, self.ended([estimates[k] for k in waiting]), strict=True):
                 estimates[k] = estimate
             if all(estimate.fit.started for estimate in estimates):
@@ -199,10 +202,13 @@ class Run:
                 estimate.fit.reject(NO_START)
         return estimates
 
-    def _starts_in_turn(
+    def starts_in_turn(
         self, windows: Sequence[Window], usable: Known | None, spare: Known | None
     ) -> Iterator[np.ndarray]:
         """Yield parameters (windows, 7) to start from, the best first; not finite where there are none.
+
+        usable: of the newest estimate whose Cd is known
+        spare: of the newest estimate that has a state at least
 
         First those of the newest usable estimate, carried to each track's start; then the newer of the state
         in `starts` and the spare estimate; then the older.
@@ -429,7 +435,8 @@ def in_turn(
     """Yield the fits over windows, batch after batch, each from what earlier ones tell."""
     usable, spare = run.newest(earlier, None, None)
     for begin in range(0, len(windows), BATCH):
-        estimates = run.fitted(windows[begin : begin + BATCH], usable, spare, method)
+        batch = windows[begin : begin + BATCH]
+        estimates = run.fitted(batch, run.starts_in_turn(batch, usable, spare), [method] * len(batch))
         usable, spare = run.newest([estimate.solution for estimate in estimates], usable, spare)
         yield from estimates
 

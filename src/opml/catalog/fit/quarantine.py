@@ -132,7 +132,9 @@ class Watch:
     def _fitted(self, track: int) -> Estimate:
         """Return the fit over the window at a track, to what is neither foreign nor beyond a burn."""
         window = self._run.window(track, without=self.left_out(track))
-        [estimate] = self._run_since_burn(track).fitted([window], self._usable, self._spare, self._method)
+        run = self._run_since_burn(track)
+        starts = run.starts_in_turn([window], self._usable, self._spare)
+        [estimate] = run.fitted([window], starts, [self._method])
         return estimate
 
     def _run_since_burn(self, track: int) -> Run:
