@@ -1,7 +1,6 @@
 """A figure of what predictions are worth where objects may collide."""
 
 import pandas as pd
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from opml.base.errors import InputError
@@ -18,10 +17,13 @@ from opml.figures.style import (
 from opml.learning.data.components import UNCORRECTED
 
 _COLORS = (TRUE_COLOR, PREDICTED_COLOR, OBSERVED_COLOR, RESIDUAL)
+_LINES = ("-", "--", ":")
 
 
 def by_duration(table: pd.DataFrame, *, note: str = "") -> Figure:
-    """Draw alarms per collision and the share of collisions that is flagged, a line per model and covariance.
+    """Draw alarms per collision and the share of collisions that is flagged, a line per row of the report.
+
+    Models and covariances have colours; the weather beside that of the study is dashed.
 
     table: `conjunctions`
     note: what was replayed
@@ -32,12 +34,17 @@ def by_duration(table: pd.DataFrame, *, note: str = "") -> Figure:
         raise InputError("conjunctions: expected predictions that state a size, got none")
     figure = page_figure(height_mm=78.0)
     alarms, flagged = figure.subplots(1, 2)
-    groups = table.groupby(["model", "covariance"], sort=False)
-    for k, ((model, covariance), rows) in enumerate(groups):
-        name = "no correction" if model == UNCORRECTED else display_learner(str(model))
-        label = f"{name}, covariance {covariance}"
-        _draw(alarms, rows["day"], rows["alarms"], k, label)
-        _draw(flagged, rows["day"], 100.0 * rows["flagged"], k, label)
+    weathers = list(dict.fromkeys(table["weather"]))
+    for number, weather in enumerate(weathers):
+        groups = table[table["weather"] == weather].groupby(["model", "covariance"], sort=False)
+        for k, ((model, covariance), rows) in enumerate(groups):
+            name = "no correction" if model == UNCORRECTED else display_learner(str(model))
+            known = f", weather {weather}" if len(weathers) > 1 else ""
+            label = f"{name}, covariance {covariance}{known}"
+            look = {"color": _COLORS[k % len(_COLORS)], "marker": MARKERS[k % len(MARKERS)]}
+            look |= {"linestyle": _LINES[number % len(_LINES)], "label": label}
+            alarms.plot(rows["day"], rows["alarms"], **look)
+            flagged.plot(rows["day"], 100.0 * rows["flagged"], **look)
     alarms.set_yscale("log")
     alarms.set_ylabel("alarms per collision")
     flagged.set_ylabel("collisions that raise an alarm [%]")
@@ -46,8 +53,3 @@ def by_duration(table: pd.DataFrame, *, note: str = "") -> Figure:
         axes.set_xlabel("prediction duration [d]")
     legend(figure, columns=2, note=note)
     return figure
-
-
-def _draw(axes: Axes, days: pd.Series, values: pd.Series, number: int, label: str) -> None:
-    (line,) = axes.plot(days, values, label=label)
-    line.set(color=_COLORS[number % len(_COLORS)], marker=MARKERS[number % len(MARKERS)])
