@@ -11,7 +11,6 @@ Sources: Coppola 2012, Including velocity uncertainty in the probability of coll
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,43 +56,40 @@ def chance(states: np.ndarray, covariances: np.ndarray, radius: float, period: f
     radius: sum of the radii [m]
     period: shortest time of a revolution [s]
     """
-    total, mended, begin = 0.0, False, None
-    for way in (-1.0, 1.0):
-        flows, clouds = [], []
-        for t in _panels(0.5 * way * period):
-            cloud, widened = _widened(_relative(states, covariances, t), LEAST_SIGMA * radius)
-            flows.append(0.5 * float(_TIME_WEIGHTS @ _flow(cloud, radius)))
-            clouds.append(cloud)
-            mended |= widened
-        least = _least_after_the_peak(np.array(flows))
-        total += float(_durations(0.5 * period)[: least + 1] @ flows[: least + 1])
-        begin = begin or _Cloud(clouds[least].mean[-1:], clouds[least].covariance[-1:])
-    return Chance(min(total + _inside(begin, radius), 1.0), math.nan, math.nan, mended)
+    before, after = (_summed(states, covariances, radius, 0.5 * period * share) for share in (-1.0, 1.0))
+    probability = before.probability + after.probability + _inside(before.last, radius)
+    return Chance(min(probability, 1.0), math.nan, math.nan, before.mended or after.mended)
 
 
-def _edges(end: float) -> np.ndarray:
-    """Return the limits (_PANELS + 1,) of panels from 0 to a time [s], closer at the beginning."""
-    shares = np.linspace(0.0, _CLUSTERING, _PANELS + 1)
-    edges: np.ndarray = end * np.sinh(shares) / math.sinh(_CLUSTERING)
-    return edges
+@dataclass(frozen=True, eq=False)
+class _Side:
+    """What flows into the sphere before the closest approach, or after it.
+
+    probability: of that, up to the least flow
+    last: the relative state about the time of the least flow
+    mended: whether the covariance was widened
+    """
+
+    probability: float
+    last: _Cloud
+    mended: bool
 
 
-def _durations(end: float) -> np.ndarray:
-    return np.diff(_edges(end))
-
-
-def _panels(end: float) -> Iterator[np.ndarray]:
-    """Yield the times [s] of Gauss's quadrature in each panel from 0 to `end`."""
-    edges = _edges(end)
-    for begin, step in zip(edges[:-1], np.diff(edges), strict=True):
-        yield begin + 0.5 * step * (1.0 + _TIMES)
-
-
-def _least_after_the_peak(flows: np.ndarray) -> int:
-    """Return the panel of the least flow, beyond that of the largest in the first quarter of a revolution."""
-    first = int(np.searchsorted(_edges(1.0), 0.5))
-    peak = int(np.argmax(flows[:first]))
-    return peak + int(np.argmin(flows[peak:]))
+def _summed(states: np.ndarray, covariances: np.ndarray, radius: float, end: float) -> _Side:
+    """Return what flows into the sphere from the closest approach to the least flow before `end` [s]."""
+    edges = end * np.sinh(np.linspace(0.0, _CLUSTERING, _PANELS + 1)) / math.sinh(_CLUSTERING)
+    steps, flows, clouds, mended = np.diff(edges), np.empty(_PANELS), [], False
+    for k, (begin, step) in enumerate(zip(edges[:-1], steps, strict=True)):
+        cloud = _relative(states, covariances, begin + 0.5 * step * (1.0 + _TIMES))
+        cloud, widened = _widened(cloud, LEAST_SIGMA * radius)
+        flows[k] = 0.5 * float(_TIME_WEIGHTS @ _flow(cloud, radius))
+        clouds.append(cloud)
+        mended |= widened
+    # The least flow lies beyond the largest in the first quarter of a revolution.
+    peak = int(np.argmax(np.where(edges[:-1] / end < 0.5, flows, 0.0)))
+    least = peak + int(np.argmin(flows[peak:]))
+    last = _Cloud(clouds[least].mean[-1:], clouds[least].covariance[-1:])
+    return _Side(float(np.abs(steps[: least + 1]) @ flows[: least + 1]), last, mended)
 
 
 def _relative(states: np.ndarray, covariances: np.ndarray, t: np.ndarray) -> _Cloud:
@@ -169,7 +165,8 @@ def _inward(cloud: _Cloud, radius: float) -> np.ndarray:
     speed = -np.sum(_POINTS * velocity, axis=1)
     sigma = np.sqrt(np.maximum(np.sum(_POINTS * (free @ _POINTS), axis=1), 1e-20))
     ratio = speed / sigma
-    return sigma * np.exp(-0.5 * ratio**2) / math.sqrt(2.0 * math.pi) + speed * ndtr(ratio)
+    mean: np.ndarray = sigma * np.exp(-0.5 * ratio**2) / math.sqrt(2.0 * math.pi) + speed * ndtr(ratio)
+    return mean
 
 
 def _inside(cloud: _Cloud, radius: float) -> float:
