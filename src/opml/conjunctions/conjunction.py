@@ -25,7 +25,7 @@ class Participant:
 
     @property
     def inertial_covariance(self) -> np.ndarray:
-        """Covariance (6, 6) in GCRF [m, m/s], zero where it is unknown, as if the object were known exactly."""
+        """Covariance (6, 6) in GCRF [m, m/s], zero where it is unknown: known exactly, then."""
         if self.covariance is None:
             return np.zeros((6, 6))
         axes = np.kron(np.eye(2), rsw_rotation(self.state[None])[0])
