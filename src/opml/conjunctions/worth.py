@@ -29,7 +29,7 @@ from opml.tables import SCHEMAS
 FORMAL, LEARNED = "the fit's own", "of past errors"
 """Covariances that predictions go with."""
 
-_DRAWS = 256  # a power of two, as Sobol's points are balanced in
+_DRAWS, _AREAS = 1024, 256  # collisions, and areas of alarms; powers of two balance Sobol's points
 _HALF_DAY = 0.5 * DAY
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 _FARTHEST = 60.0  # standard deviations beyond which no alarm is raised
@@ -119,7 +119,7 @@ def _drawn(known: pd.DataFrame, screening: Screening, rng: np.random.Generator) 
     errors = known[[f"e_{axis}" for axis in AXES]].to_numpy()
     variances = known[[f"sigma_{axis}" for axis in AXES]].to_numpy() ** 2
     points = qmc.Sobol(5, seed=rng).random(_DRAWS)
-    flagged, alarms = np.empty(_DRAWS, bool), np.empty(_DRAWS)
+    flagged, alarms = np.empty(_DRAWS, bool), []
     for k, point in enumerate(points.tolist()):
         one, other = (int(share * len(known)) for share in point[:2])
         plane, turn = _crossing(2.0 * math.pi * point[2])
@@ -129,8 +129,9 @@ def _drawn(known: pd.DataFrame, screening: Screening, rng: np.random.Generator) 
         miss = away * np.array([math.cos(angle), math.sin(angle)])
         along, sigmas = _principal(miss + off, plane @ covariance @ plane.T, screening.radius)
         flagged[k] = integral(along, sigmas, screening.radius) >= screening.threshold
-        alarms[k] = _alarm_area(sigmas, screening) / (math.pi * screening.radius**2)
-    return float(flagged.mean()), float(alarms.mean())
+        if k < _AREAS:
+            alarms.append(_alarm_area(sigmas, screening) / (math.pi * screening.radius**2))
+    return float(flagged.mean()), float(np.mean(alarms))
 
 
 def _crossing(angle: float) -> tuple[np.ndarray, np.ndarray]:

@@ -17,13 +17,13 @@ from opml.figures.style import (
 from opml.learning.data.components import UNCORRECTED
 
 _COLORS = (TRUE_COLOR, PREDICTED_COLOR, OBSERVED_COLOR, RESIDUAL)
-_LINES = ("-", "--", ":")
+_LINES = ("solid", "dashed", "dotted")
 
 
 def by_duration(table: pd.DataFrame, *, note: str = "") -> Figure:
     """Draw alarms per collision and the share of collisions that is flagged, a line per row of the report.
 
-    Models and covariances have colours; the weather beside that of the study is dashed.
+    Models and covariances have colours; lines under other weather are dashed, and the note tells which.
 
     table: `conjunctions`
     note: what was replayed
@@ -34,15 +34,16 @@ def by_duration(table: pd.DataFrame, *, note: str = "") -> Figure:
         raise InputError("conjunctions: expected predictions that state a size, got none")
     figure = page_figure(height_mm=78.0)
     alarms, flagged = figure.subplots(1, 2)
-    weathers = list(dict.fromkeys(table["weather"]))
-    for number, weather in enumerate(weathers):
+    lines = dict(zip(dict.fromkeys(table["weather"]), _LINES, strict=False))
+    for weather, line in lines.items():
         groups = table[table["weather"] == weather].groupby(["model", "covariance"], sort=False)
         for k, ((model, covariance), rows) in enumerate(groups):
             name = "no correction" if model == UNCORRECTED else display_learner(str(model))
-            known = f", weather {weather}" if len(weathers) > 1 else ""
-            label = f"{name}, covariance {covariance}{known}"
             look = {"color": _COLORS[k % len(_COLORS)], "marker": MARKERS[k % len(MARKERS)]}
-            look |= {"linestyle": _LINES[number % len(_LINES)], "label": label}
+            look |= {
+                "linestyle": line,
+                "label": f"{name}, covariance {covariance}" if line == _LINES[0] else "",
+            }
             alarms.plot(rows["day"], rows["alarms"], **look)
             flagged.plot(rows["day"], 100.0 * rows["flagged"], **look)
     alarms.set_yscale("log")
@@ -51,5 +52,7 @@ def by_duration(table: pd.DataFrame, *, note: str = "") -> Figure:
     flagged.set_ylim(0.0, 103.0)
     for axes in (alarms, flagged):
         axes.set_xlabel("prediction duration [d]")
+    if len(lines) > 1:
+        note += "\n" + ", ".join(f"{line}: weather {weather}" for weather, line in lines.items())
     legend(figure, columns=2, note=note)
     return figure

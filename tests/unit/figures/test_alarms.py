@@ -37,11 +37,11 @@ def test_each_model_and_covariance_has_a_line_in_both_panels():
 
 def test_other_weather_stands_beside_in_the_same_colours():
     table = pd.concat([TABLE, TABLE.assign(weather="observed", alarms=7.0)], ignore_index=True)
-    lines = alarms.by_duration(table).axes[0].get_lines()
-    assert [line.get_label().rpartition(", ")[2] for line in lines] == [
-        *["weather forecast"] * 3,
-        *["weather observed"] * 3,
-    ]
+    figure = alarms.by_duration(table, note="a note")
+    lines = figure.axes[0].get_lines()
+    note = figure.legends[0].get_title().get_text()
+    assert note == "a note\nsolid: weather forecast, dashed: weather observed"
+    assert len(figure.legends[0].get_texts()) == 3
     assert [line.get_color() for line in lines[:3]] == [line.get_color() for line in lines[3:]]
     assert [line.get_linestyle() for line in lines] == [*["-"] * 3, *["--"] * 3]
     blocks = section.section({("swarm", "eglin"): table}, {"radius_m": 20.0, "threshold": 1e-4})
