@@ -25,6 +25,8 @@ LONGEST_STEP = 300.0
 
 _FASTEST = 16e3  # relative speed of two objects near the Earth [m/s]
 _POLYNOMIAL_MISS = 1e3  # of the cubics between states that are LONGEST_STEP apart [m]
+_NEAREST, _FARTHEST = 6e6, 1e9  # from the Earth's centre [m]
+_ROUGH = 0.1  # of a way that the mean velocity of its ends may be off
 _NODES = 4
 _TIME_TOLERANCE = 1e-6
 
@@ -42,12 +44,28 @@ class Path:
     states: np.ndarray
 
     def __post_init__(self) -> None:
-        """Raise InputError for fewer than four states, and for states that are too far apart."""
+        """Raise InputError for fewer than four states, ones too far apart, and ones that make no orbit."""
         if len(self.t) < _NODES:
             raise InputError(f"{self.name}: expected at least {_NODES} states, got {len(self.t)}")
         if not (longest := float(np.diff(self.t).max())) <= LONGEST_STEP:
             raise InputError(
                 f"{self.name}: expected states at most {LONGEST_STEP:g} s apart, got {longest:g}"
+            )
+
+        low, high = self.heights
+        if not _NEAREST <= low <= high <= _FARTHEST:
+            raise InputError(
+                f"{self.name}: expected positions {_NEAREST / 1e3:g} to {_FARTHEST / 1e3:g} km from the "
+                f"Earth's centre, got {low / 1e3:g} to {high / 1e3:g}"
+            )
+        steps, velocities = np.diff(self.t)[:, None], self.states[:, 3:]
+        moved, flown = np.diff(self.states[:, :3], axis=0), 0.5 * steps * (velocities[1:] + velocities[:-1])
+        off = np.linalg.norm(moved - flown, axis=1) - _ROUGH * np.linalg.norm(moved, axis=1)
+        worst = int(np.argmax(off))
+        if off[worst] > _POLYNOMIAL_MISS:
+            raise InputError(
+                f"{self.name}: expected velocities that lead from position to position, got others at state "
+                f"{worst + 1} or {worst + 2}"
             )
 
     @cached_property
@@ -101,7 +119,7 @@ def find(paths: Sequence[Path], *, within: float, first_alone: bool = False) -> 
 
     A minimum at an end of the time that two paths share is none of theirs.
     """
-    times = _looks(paths)
+    times = _looks(paths, paths[:1] if first_alone else paths)
     states = np.stack([path.coarse(times) for path in paths])
     found = [
         approach
@@ -112,11 +130,15 @@ def find(paths: Sequence[Path], *, within: float, first_alone: bool = False) -> 
     return sorted(found, key=lambda approach: (approach.t, approach.first, approach.second))
 
 
-def _looks(paths: Sequence[Path]) -> np.ndarray:
-    """Return the times [s] at which distances are looked at: whole minutes, and the ends of all paths."""
+def _looks(paths: Sequence[Path], wanted: Sequence[Path]) -> np.ndarray:
+    """Return the times [s] at which distances are looked at: whole minutes, and the ends of all paths.
+
+    wanted: paths whose span counts
+    """
     ends = np.array([[path.t[0], path.t[-1]] for path in paths])
-    minutes = np.arange(math.ceil(ends.min() / STEP), math.floor(ends.max() / STEP) + 1)
-    return np.union1d(STEP * minutes, ends)
+    begin, end = min(path.t[0] for path in wanted), max(path.t[-1] for path in wanted)
+    minutes = STEP * np.arange(math.ceil(begin / STEP), math.floor(end / STEP) + 1)
+    return np.union1d(minutes, ends[(ends >= begin) & (ends <= end)])
 
 
 def _candidates(
