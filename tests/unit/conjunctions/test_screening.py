@@ -93,10 +93,12 @@ def swapped(lines, at):
 
 def in_metres(lines, columns):
     """Lines in which some columns of the states are a thousand times larger."""
-    rows = [line.split() if line.startswith("20") else line for line in lines]
     return [
-        row if isinstance(row, str) else " ".join(f"{value}e3" if k in columns else value for k, value in row)
-        for row in (row if isinstance(row, str) else list(enumerate(row)) for row in rows)
+        " ".join(
+            f"{value}e3" if line.startswith("20") and column in columns else value
+            for column, value in enumerate(line.split())
+        )
+        for line in lines
     ]
 
 
