@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -78,7 +79,7 @@ class Conjunction:
     def _period(self) -> float:
         return min(self.first.period, self.second.period)
 
-    @property
+    @cached_property
     def chance(self) -> Chance | None:
         """How likely a collision is; None where it is unknown, and for a long encounter of no ellipses."""
         encounter, pair = self.encounter, (self.first, self.second)

@@ -140,6 +140,13 @@ def test_ephemerides_that_share_no_time_are_told(short, files):
     assert screening.screen([ours, later, other], within=1.0, radius=20.0) == []
 
 
+def test_the_command_names_those_at_other_times(short, files, tmp_path, capsys):
+    (segment,) = oem.read(short, epoch=EPOCH)
+    oem.write(tmp_path / "late.oem", [replace(segment, name="late", t=segment.t + 1e7)], epoch=EPOCH)
+    assert cli.main(["screen", str(short), str(files[0][0]), str(tmp_path / "late.oem")]) == 0
+    assert capsys.readouterr().err == f"opml: at other times than {short}: late\n"
+
+
 @pytest.mark.parametrize("lengths", [(0.0, 20.0), (float("nan"), 20.0), (1e3, -1.0), (1e3, float("inf"))])
 def test_lengths_that_are_none_are_refused(short, files, lengths):
     with pytest.raises(InputError, match=r"^(within|radius): expected a length above 0, got"):
