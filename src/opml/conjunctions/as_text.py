@@ -9,6 +9,7 @@ from opml.conjunctions.conjunction import Conjunction
 from opml.interop import ccsds
 
 NONE = "no conjunction"
+_MORE = 1.5  # times the probability of an encounter that its revolution has to hold to be told
 
 
 def table(conjunctions: Sequence[Conjunction], *, epoch: str) -> pd.DataFrame:
@@ -57,6 +58,7 @@ def _remark(conjunction: Conjunction) -> str:
     remarks = (
         (f"{', '.join(unknown)} without covariance", bool(unknown)),
         ("long encounter", not conjunction.is_short),
+        (f"{chance.around:.1e} in its revolution", chance.around > _MORE * chance.probability),
         ("covariance widened", chance.mended),
         ("diluted", chance.is_diluted),
     )

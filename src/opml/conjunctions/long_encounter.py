@@ -3,7 +3,8 @@
 While slow objects pass, the relative motion bends and the covariance changes. So probability flows, at any
 time and from all sides, into the sphere of the sum of their radii, and its flow is summed over the time from
 one least flow to the next, half a revolution to either side at most. What is in the sphere to begin with is
-added. Both objects fly by Kepler's laws about their closest approach, their deviations linearly. Who enters
+added. What flows at other times of the revolution, where the expected distance may have no minimum, is told
+beside. Both objects fly by Kepler's laws about their closest approach, their deviations linearly. Who enters
 twice counts twice.
 
 Sources: Coppola 2012, Including velocity uncertainty in the probability of collision between space objects
@@ -57,8 +58,10 @@ def chance(states: np.ndarray, covariances: np.ndarray, radius: float, period: f
     period: shortest time of a revolution [s]
     """
     before, after = (_summed(states, covariances, radius, 0.5 * period * share) for share in (-1.0, 1.0))
-    probability = before.probability + after.probability + _inside(before.last, radius)
-    return Chance(min(probability, 1.0), math.nan, math.nan, before.mended or after.mended)
+    inside, mended = _inside(before.last, radius), before.mended or after.mended
+    probability = min(before.probability + after.probability + inside, 1.0)
+    around = min(before.around + after.around + inside, 1.0)
+    return Chance(probability, math.nan, math.nan, mended, around)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,11 +69,13 @@ class _Side:
     """What flows into the sphere before the closest approach, or after it.
 
     probability: of that, up to the least flow
+    around: the same up to half a revolution away
     last: the relative state about the time of the least flow
     mended: whether the covariance was widened
     """
 
     probability: float
+    around: float
     last: _Cloud
     mended: bool
 
@@ -89,7 +94,8 @@ def _summed(states: np.ndarray, covariances: np.ndarray, radius: float, end: flo
     peak = int(np.argmax(np.where(edges[:-1] / end < 0.5, flows, 0.0)))
     least = peak + int(np.argmin(flows[peak:]))
     last = _Cloud(clouds[least].mean[-1:], clouds[least].covariance[-1:])
-    return _Side(float(np.abs(steps[: least + 1]) @ flows[: least + 1]), last, mended)
+    summed = np.cumsum(np.abs(steps) * flows)
+    return _Side(float(summed[least]), float(summed[-1]), last, mended)
 
 
 def _relative(states: np.ndarray, covariances: np.ndarray, t: np.ndarray) -> _Cloud:

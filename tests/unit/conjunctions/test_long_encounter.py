@@ -71,6 +71,14 @@ def test_a_fast_encounter_is_that_in_two_dimensions():
     assert found.probability == pytest.approx(fast.chance.probability, rel=1e-3)
 
 
+def test_what_flows_at_other_times_of_the_revolution_is_told():
+    conjunction = cdm.read(shared("real/cdm/AlfanoTestCase06.cdm"), epoch=EPOCH)
+    assert conjunction.chance.around == pytest.approx(0.0078, rel=0.01)
+    (remark,) = as_text.table([conjunction], epoch=EPOCH)["remark"]
+    assert remark == "long encounter; 7.8e-03 in its revolution"
+    assert SLOW.chance.probability <= SLOW.chance.around < 1.5 * SLOW.chance.probability
+
+
 def test_objects_that_never_are_apart_collide():
     docked = met(1e-7, (1.0, 1.0, 1.0, 1e-4, 1e-4, 1e-4), miss=2.0)
     assert docked.chance.probability == pytest.approx(1.0, abs=0.01)
