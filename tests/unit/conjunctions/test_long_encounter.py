@@ -73,9 +73,9 @@ def test_a_fast_encounter_is_that_in_two_dimensions():
 
 def test_what_flows_at_other_times_of_the_revolution_is_told():
     conjunction = cdm.read(shared("real/cdm/AlfanoTestCase06.cdm"), epoch=EPOCH)
-    assert conjunction.chance.around == pytest.approx(0.0078, rel=0.01)
+    assert conjunction.chance.around == pytest.approx(0.0088, rel=0.01)
     (remark,) = as_text.table([conjunction], epoch=EPOCH)["remark"]
-    assert remark == "long encounter; 7.8e-03 in its revolution"
+    assert remark == "long encounter; 8.8e-03 in its revolution"
     assert SLOW.chance.probability <= SLOW.chance.around < 1.5 * SLOW.chance.probability
 
 
