@@ -47,6 +47,7 @@ if OWN.is_asked:
             replays=rules.study_residuals.input.replays,
             judge=rules.study_residuals.input.judge,
             fits=at_window("", rules.covariances.output[0]),
+            beside=lambda wildcards: OWN.beside(wildcards.rso, wildcards.stations),
         output:
             CONJUNCTIONS.table,
         log:
@@ -56,7 +57,7 @@ if OWN.is_asked:
         conda:
             "../envs/opml.yaml"
         params:
-            settings=lambda wildcards: PARAMS.mornings(wildcards) | OWN.conjunctions,
+            settings=lambda wildcards: PARAMS.conjunctions(wildcards),
             code=code("conjunctions.py"),
         message:
             "Conjunctions: what predictions of {wildcards.rso} by {wildcards.stations} are worth there"

@@ -12,8 +12,10 @@ with job(snakemake) as metadata:
         read_mornings(files, settings),
         read_table(files.fits, "covariances"),
         worth.Screening(settings.radius_m, settings.threshold),
+        weather=settings.weather,
         laws=settings.laws,
         days=settings.days,
         seed=settings.seed,
     )
-    write_table(snakemake.output[0], table, "conjunctions", metadata=metadata)
+    others = [read_table(path, "conjunctions") for path in files.beside]
+    write_table(snakemake.output[0], worth.beside(table, others), "conjunctions", metadata=metadata)

@@ -25,6 +25,8 @@ LONGEST_STEP = 300.0
 
 _FASTEST = 16e3  # relative speed of two objects near the Earth [m/s]
 _POLYNOMIAL_MISS = 1e3  # of the cubics between states that are LONGEST_STEP apart [m]
+_NEAREST, _FARTHEST = 6e6, 1e9  # from the Earth's centre [m]
+_ROUGH = 0.1  # of a way that the mean velocity of its ends may be off
 _NODES = 4
 _TIME_TOLERANCE = 1e-6
 
@@ -42,12 +44,28 @@ class Path:
     states: np.ndarray
 
     def __post_init__(self) -> None:
-        """Raise InputError for fewer than four states, and for states that are too far apart."""
+        """Raise InputError for fewer than four states, ones too far apart, and ones that make no orbit."""
         if len(self.t) < _NODES:
             raise InputError(f"{self.name}: expected at least {_NODES} states, got {len(self.t)}")
         if not (longest := float(np.diff(self.t).max())) <= LONGEST_STEP:
             raise InputError(
                 f"{self.name}: expected states at most {LONGEST_STEP:g} s apart, got {longest:g}"
+            )
+
+        low, high = self.heights
+        if not _NEAREST <= low <= high <= _FARTHEST:
+            raise InputError(
+                f"{self.name}: expected positions {_NEAREST / 1e3:g} to {_FARTHEST / 1e3:g} km from the "
+                f"Earth's centre, got {low / 1e3:g} to {high / 1e3:g}"
+            )
+        steps, velocities = np.diff(self.t)[:, None], self.states[:, 3:]
+        moved, flown = np.diff(self.states[:, :3], axis=0), 0.5 * steps * (velocities[1:] + velocities[:-1])
+        off = np.linalg.norm(moved - flown, axis=1) - _ROUGH * np.linalg.norm(moved, axis=1)
+        worst = int(np.argmax(off))
+        if off[worst] > _POLYNOMIAL_MISS:
+            raise InputError(
+                f"{self.name}: expected velocities that lead from position to position, got others at state "
+                f"{worst + 1} or {worst + 2}"
             )
 
     @cached_property
@@ -101,27 +119,35 @@ def find(paths: Sequence[Path], *, within: float, first_alone: bool = False) -> 
 
     A minimum at an end of the time that two paths share is none of theirs.
     """
-    t = np.arange(
-        math.ceil(min(path.t[0] for path in paths) / STEP),
-        math.floor(max(path.t[-1] for path in paths) / STEP) + 1,
-    )
-    times = STEP * t
+    times = _looks(paths, paths[:1] if first_alone else paths)
     states = np.stack([path.coarse(times) for path in paths])
     found = [
         approach
         for first in range(1 if first_alone else len(paths) - 1)
-        for second, k in _candidates(paths, states, first, within)
-        if (approach := _refined(paths, first, second, times[k], within))
+        for second, k in _candidates(paths, times, states, first, within)
+        if (approach := _refined(paths, first, second, (times[k], times[k + 1]), within))
     ]
     return sorted(found, key=lambda approach: (approach.t, approach.first, approach.second))
 
 
+def _looks(paths: Sequence[Path], wanted: Sequence[Path]) -> np.ndarray:
+    """Return the times [s] at which distances are looked at: whole minutes, and the ends of all paths.
+
+    wanted: paths whose span counts
+    """
+    ends = np.array([[path.t[0], path.t[-1]] for path in paths])
+    begin, end = min(path.t[0] for path in wanted), max(path.t[-1] for path in wanted)
+    minutes = STEP * np.arange(math.ceil(begin / STEP), math.floor(end / STEP) + 1)
+    return np.union1d(minutes, ends[(ends >= begin) & (ends <= end)])
+
+
 def _candidates(
-    paths: Sequence[Path], states: np.ndarray, first: int, within: float
+    paths: Sequence[Path], times: np.ndarray, states: np.ndarray, first: int, within: float
 ) -> Iterator[tuple[int, int]]:
     """Yield (second path, number of the time before a minimum) for minima that may be near enough.
 
-    states: (paths, times, 6)
+    times: (n,) [s]
+    states: (paths, n, 6)
     """
     low, high = paths[first].heights
     margin = within + _POLYNOMIAL_MISS
@@ -140,12 +166,13 @@ def _candidates(
         parting = np.einsum("nk,nk->n", relative[:, :3], relative[:, 3:])
         turns = (parting[:-1] < 0.0) & (parting[1:] >= 0.0) & (np.diff(wanted) == 1)
         for k in np.flatnonzero(turns):
-            if _least(relative[k], relative[k + 1]) <= margin:
-                yield second, int(wanted[k])
+            look = int(wanted[k])
+            if _least(relative[k], relative[k + 1], times[look + 1] - times[look]) <= margin:
+                yield second, look
 
 
-def _least(before: np.ndarray, after: np.ndarray) -> float:
-    """Return a bound from below on the distance [m] between two relative states (6,) a step apart.
+def _least(before: np.ndarray, after: np.ndarray, step: float) -> float:
+    """Return a bound from below on the distance [m] between two relative states (6,) a step [s] apart.
 
     The relative path is a straight line from either state but for what gravity bends it in a step.
     """
@@ -153,14 +180,16 @@ def _least(before: np.ndarray, after: np.ndarray) -> float:
     for state, sign in ((before, 1.0), (after, -1.0)):
         position, velocity = state[:3], sign * state[3:]
         along = -float(position @ velocity) / max(float(velocity @ velocity), 1e-12)
-        nearest = position + min(max(along, 0.0), STEP) * velocity
+        nearest = position + min(max(along, 0.0), step) * velocity
         distances.append(float(np.linalg.norm(nearest)))
-    bent = float(np.linalg.norm(before[:3] + STEP * before[3:] - after[:3]))
+    bent = float(np.linalg.norm(before[:3] + step * before[3:] - after[:3]))
     return min(distances) - bent
 
 
-def _refined(paths: Sequence[Path], first: int, second: int, begin: float, within: float) -> Approach | None:
-    """Return the minimum in the step from a time [s], None where it is too far or beyond the step."""
+def _refined(
+    paths: Sequence[Path], first: int, second: int, step: tuple[float, float], within: float
+) -> Approach | None:
+    """Return the minimum between two times [s], None where it is too far or beyond them."""
     one, other = paths[first], paths[second]
 
     def parting(t: float) -> float:
@@ -168,7 +197,8 @@ def _refined(paths: Sequence[Path], first: int, second: int, begin: float, withi
         return float(relative[:3] @ relative[3:])
 
     # Cubics and the finer polynomials may disagree on the side of a time that a minimum is on.
-    begin, end = begin - 1e-2, begin + STEP + 1e-2
+    begin = max(step[0] - 1e-2, one.t[0], other.t[0])
+    end = min(step[1] + 1e-2, one.t[-1], other.t[-1])
     if parting(begin) > 0.0 or parting(end) < 0.0:
         return None
     t = float(brentq(parting, begin, end, xtol=_TIME_TOLERANCE))

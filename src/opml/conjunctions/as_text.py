@@ -9,13 +9,15 @@ from opml.conjunctions.conjunction import Conjunction
 from opml.interop import ccsds
 
 NONE = "no conjunction"
+_MORE = 1.5  # times the probability of an encounter that its revolution has to hold to be told
 
 
 def table(conjunctions: Sequence[Conjunction], *, epoch: str) -> pd.DataFrame:
     """Return a row per conjunction.
 
     Columns: tca, UTC text; first, second: names; miss_m; r_m, s_m, w_m of the second in RSW of the first;
-    speed_mps; probability, and the largest under any multiple of the covariance, NaN where unknown; remark
+    speed_mps; probability, and the largest under any multiple of the covariance, NaN where unknown and, the
+    largest, for a long encounter; remark
     """
     times = ccsds.utc_texts(epoch, np.array([one.t for one in conjunctions])) if conjunctions else []
     rows = []
@@ -55,6 +57,8 @@ def _remark(conjunction: Conjunction) -> str:
     unknown = [one.name for one in (conjunction.first, conjunction.second) if one.covariance is None]
     remarks = (
         (f"{', '.join(unknown)} without covariance", bool(unknown)),
+        ("long encounter", not conjunction.is_short),
+        (f"{chance.around:.1e} in its revolution", chance.around > _MORE * chance.probability),
         ("covariance widened", chance.mended),
         ("diluted", chance.is_diluted),
     )

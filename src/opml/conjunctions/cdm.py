@@ -4,8 +4,10 @@ Source: CCSDS 508.0-B-1. RTN there is RSW here. The sum of the radii, which the 
 a comment `HBR`, as in the messages of NASA's CARA.
 """
 
+import math
 import re
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -23,8 +25,20 @@ _AXES = ("R", "T", "N", "RDOT", "TDOT", "NDOT")
 _STATE = ("X", "Y", "Z", "X_DOT", "Y_DOT", "Z_DOT")
 _UNITS = ("m", "m/s")
 _LOWER = [(row, column) for row in range(6) for column in range(row + 1)]
-_UNIT = re.compile(r"\s*\[[^\]]*\]$")
+_ROUGH_MISS = 0.01  # of a miss that the states of a message may be off, as they are rounded
+_UNIT = re.compile(r"\s*\[([^\]]*)\]$")
 _RADIUS = re.compile(r"^\s*COMMENT\s+HBR\s*=\s*(\S+)", re.MULTILINE)
+
+
+def _covariance_key(row: int, column: int) -> str:
+    return f"C{_AXES[row]}_{_AXES[column]}"
+
+
+_UNITS_OF = {key: "km/s" if key.endswith("_DOT") else "km" for key in _STATE} | {
+    _covariance_key(row, column): ("m**2", "m**2/s", "m**2/s**2")[(row > 2) + (column > 2)]
+    for row, column in _LOWER
+}
+"""Units of what is read, by key; a message may leave them out."""
 
 
 def matches(content: bytes) -> bool:
@@ -51,7 +65,8 @@ def write_all(folder: FilePath, conjunctions: Iterable[Conjunction], *, epoch: s
 
 def _name(conjunction: Conjunction, epoch: str) -> str:
     (tca,) = ccsds.utc_texts(epoch, np.array([conjunction.t]))
-    return f"{conjunction.first.name}_{conjunction.second.name}_{re.sub('[-:.]', '', tca)}"
+    name = f"{conjunction.first.name}_{conjunction.second.name}_{re.sub('[-:.]', '', tca)}"
+    return re.sub(r"[^\w.+-]", "-", name).lstrip(".")
 
 
 def _lines(conjunction: Conjunction, epoch: str) -> Iterator[str]:
@@ -70,7 +85,9 @@ def _lines(conjunction: Conjunction, epoch: str) -> Iterator[str]:
         yield f"RELATIVE_{kind}_{_AXES[k % 3]} = {value!r} [{_UNITS[k // 3]}]"
     if chance is not None:
         yield f"COLLISION_PROBABILITY = {chance.probability!r}"
-        yield "COLLISION_PROBABILITY_METHOD = FOSTER-1992"
+        # The standard's registry has no name for that of a long encounter.
+        if conjunction.is_short:
+            yield "COLLISION_PROBABILITY_METHOD = FOSTER-1992"
     yield f"COMMENT HBR = {conjunction.radius!r}"
     for number, participant in enumerate((first, second), start=1):
         yield from _participant_lines(participant, number)
@@ -89,11 +106,10 @@ def _participant_lines(participant: Participant, number: int) -> Iterator[str]:
     yield "MANEUVERABLE = N/A"
     yield "REF_FRAME = GCRF"
     for key, value in zip(_STATE, participant.state, strict=True):
-        yield f"{key} = {ccsds.number_text(value, -_KILO)} [{'km/s' if key.endswith('_DOT') else 'km'}]"
+        yield f"{key} = {ccsds.number_text(value, -_KILO)} [{_UNITS_OF[key]}]"
     for row, column in _LOWER:
-        per = (row > 2) + (column > 2)  # seconds in the unit
-        unit = ("m**2", "m**2/s", "m**2/s**2")[per]
-        yield f"C{_AXES[row]}_{_AXES[column]} = {float(participant.covariance[row, column])!r} [{unit}]"
+        key = _covariance_key(row, column)
+        yield f"{key} = {float(participant.covariance[row, column])!r} [{_UNITS_OF[key]}]"
 
 
 def read(path: FilePath, *, epoch: str, radius: float | None = None) -> Conjunction:
@@ -107,13 +123,22 @@ def read(path: FilePath, *, epoch: str, radius: float | None = None) -> Conjunct
     """
     message = ccsds.Message(path, version_key=_KEY, versions=("1.0",))
     head, *parts = _blocks(message)
-    if len(parts) != 2:
-        raise InputError(f"{path}: expected OBJECT1 and OBJECT2, got {len(parts)} objects")
+    if (objects := [part.text("OBJECT") for part in parts]) != ["OBJECT1", "OBJECT2"]:
+        raise InputError(f"{path}: expected OBJECT1 and OBJECT2, got {' and '.join(objects) or 'none'}")
     t = head.time("TCA", np.nan, epoch=epoch, scale="UTC")
     if not np.isfinite(t):
         raise InputError(f"{path}: expected TCA before the objects, got none")
     first, second = (_participant(message, block) for block in parts)
+    _check_miss(message, head, float(np.linalg.norm(second.state[:3] - first.state[:3])))
     return Conjunction(t, first, second, _radius(path) if radius is None else radius)
+
+
+def _check_miss(message: ccsds.Message, head: ccsds.Pairs, distance: float) -> None:
+    """Raise InputError where the states are not as far apart [m] as the message says."""
+    line = head.line("MISS_DISTANCE")
+    stated = message.scale(head.text("MISS_DISTANCE", repr(distance)), 0, line)
+    if abs(stated - distance) > _ROUGH_MISS * stated + 1.0:
+        raise message.error(f"states that are MISS_DISTANCE = {stated:g} m apart", f"{distance:g} m", line)
 
 
 def _blocks(message: ccsds.Message) -> list[ccsds.Pairs]:
@@ -125,7 +150,11 @@ def _blocks(message: ccsds.Message) -> list[ccsds.Pairs]:
             blocks.append({})
         if key in blocks[-1]:
             raise message.error(f"{key} once", "it twice", number)
+        if (unit := _UNIT.search(value)) and unit[1] != _UNITS_OF.get(key, unit[1]):
+            raise message.error(f"{key} in [{_UNITS_OF[key]}]", unit[0].strip(), number)
         blocks[-1][key] = number, _UNIT.sub("", value)
+    if not blocks[0]:
+        raise message.error("KEY = value", message.peek())
     return [ccsds.Pairs(message, block, max(number for number, _ in block.values())) for block in blocks]
 
 
@@ -137,15 +166,16 @@ def _participant(message: ccsds.Message, block: ccsds.Pairs) -> Participant:
     state = np.array([number(key, _KILO) for key in _STATE])
     covariance = np.empty((6, 6))
     for row, column in _LOWER:
-        covariance[row, column] = covariance[column, row] = number(f"C{_AXES[row]}_{_AXES[column]}", 0)
+        key = _covariance_key(row, column)
+        covariance[row, column] = covariance[column, row] = number(key, 0)
+        if row == column and covariance[row, row] < 0.0:
+            raise message.error("a variance of 0 or more", block.text(key), block.line(key))
     return Participant(block.text("OBJECT_NAME"), np.kron(np.eye(2), turn) @ state, covariance)
 
 
 def _radius(path: FilePath) -> float:
     match = _RADIUS.search(contents(path).decode("utf-8-sig"))
-    try:
-        if match:
+    with suppress(ValueError):
+        if match and 0.0 < float(match[1]) < math.inf:
             return float(match[1])
-    except ValueError:
-        pass
     raise InputError(f"{path}: expected a radius [m] in COMMENT HBR, got {match[1] if match else 'none'}")

@@ -2,10 +2,12 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from opml.base.constants import EARTH_GM
+from opml.conjunctions import long_encounter
 from opml.conjunctions.probability import Chance, Encounter, chance
 from opml.orbits.elements import in_rsw, rsw_rotation
 
@@ -23,12 +25,12 @@ class Participant:
     covariance: np.ndarray | None = None
 
     @property
-    def position_covariance(self) -> np.ndarray | None:
-        """Covariance (3, 3) of the position in GCRF [m2]."""
+    def inertial_covariance(self) -> np.ndarray:
+        """Covariance (6, 6) in GCRF [m, m/s], zero where it is unknown: known exactly, then."""
         if self.covariance is None:
-            return None
-        axes = rsw_rotation(self.state[None])[0]
-        turned: np.ndarray = axes.T @ self.covariance[:3, :3] @ axes
+            return np.zeros((6, 6))
+        axes = np.kron(np.eye(2), rsw_rotation(self.state[None])[0])
+        turned: np.ndarray = axes.T @ self.covariance @ axes
         return turned
 
     @property
@@ -60,25 +62,31 @@ class Conjunction:
 
     @property
     def encounter(self) -> Encounter | None:
-        """The encounter, None where the covariance of neither object is known.
-
-        An object without a covariance counts as known exactly.
-        """
-        known = [one.position_covariance for one in (self.first, self.second)]
-        covariances = [one for one in known if one is not None]
-        if not covariances:
+        """The encounter, None where the covariance of neither object is known."""
+        if self.first.covariance is None and self.second.covariance is None:
             return None
         relative = self.second.state - self.first.state
-        return Encounter(relative[:3], relative[3:], np.sum(covariances, axis=0), self.radius)
+        covariance = self.first.inertial_covariance + self.second.inertial_covariance
+        return Encounter(relative[:3], relative[3:], covariance[:3, :3], self.radius)
 
     @property
     def is_short(self) -> bool:
         """Whether the encounter, if there is one, is short beside a revolution of either object."""
         encounter = self.encounter
-        return encounter is not None and encounter.is_short(min(self.first.period, self.second.period))
+        return encounter is not None and encounter.is_short(self._period)
 
     @property
+    def _period(self) -> float:
+        return min(self.first.period, self.second.period)
+
+    @cached_property
     def chance(self) -> Chance | None:
-        """How likely a collision is; None where it is unknown, and for an encounter that is not short."""
-        encounter = self.encounter
-        return chance(encounter) if encounter is not None and self.is_short else None
+        """How likely a collision is; None where it is unknown, and for a long encounter of no ellipses."""
+        encounter, pair = self.encounter, (self.first, self.second)
+        if encounter is not None and self.is_short:
+            return chance(encounter)
+        if encounter is None or any(math.isinf(one.period) for one in pair):
+            return None
+        states = np.array([one.state for one in pair])
+        covariances = np.array([one.inertial_covariance for one in pair])
+        return long_encounter.chance(states, covariances, self.radius, self._period)

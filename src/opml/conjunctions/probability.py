@@ -86,15 +86,17 @@ class Chance:
     """How likely a collision is.
 
     probability: of a collision
-    most: largest probability under any multiple of the covariance
+    most: largest probability under any multiple of the covariance, NaN for a long encounter
     scale: factor of the standard deviations at which it is reached; below 1 the probability is diluted
     mended: whether the covariance was no covariance, or too narrow, and was widened
+    around: the probability within half a revolution to either side, NaN for a short encounter
     """
 
     probability: float
     most: float
     scale: float
     mended: bool
+    around: float = math.nan
 
     @property
     def is_diluted(self) -> bool:

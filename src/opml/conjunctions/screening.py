@@ -3,6 +3,7 @@
 opml screen ours.oem others/*.oem catalogue.tle --within 5 --radius 20
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -10,10 +11,10 @@ import numpy as np
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.conjunctions import approaches
+from opml.conjunctions import approaches, cdm
 from opml.conjunctions.approaches import Path
 from opml.conjunctions.conjunction import Conjunction, Participant
-from opml.interop import oem
+from opml.interop import ccsds, oem
 from opml.interop.element_sets import histories
 from opml.interop.orbit_arcs import contents
 from opml.orbits.elements import rsw_rotation
@@ -34,6 +35,10 @@ class Ephemeris:
     covariance_t: np.ndarray = field(default_factory=lambda: np.empty(0))
     covariances: np.ndarray = field(default_factory=lambda: np.empty((0, 6, 6)))
 
+    def shares_time(self, other: "Ephemeris") -> bool:
+        """Return whether both are known at some time."""
+        return bool(self.path.t[0] < other.path.t[-1] and other.path.t[0] < self.path.t[-1])
+
     def participant(self, t: float) -> Participant:
         """Return the object at a time [s], its covariance linear between those that are known, if any is."""
         covariance = None
@@ -53,8 +58,11 @@ def read(paths: Sequence[FilePath]) -> list[Ephemeris]:
     before the middle of the span flies, by SGP4. Raises InputError, naming the file, for what cannot be read,
     and where no file is an OEM.
     """
+    for path in paths:
+        if cdm.matches(contents(path)):
+            raise InputError(f"{path}: expected an ephemeris or mean elements, got a CDM: it is read alone")
     messages = [path for path in paths if oem.matches(contents(path))]
-    known = [_of_segment(segment) for path in messages for segment in oem.read(path, epoch=EPOCH)]
+    known = [ephemeris for path in messages for ephemeris in _of_message(path)]
     if not known:
         raise InputError(f"{paths[0]}: expected an OEM among the files, got none")
     others = [path for path in paths if path not in messages]
@@ -71,18 +79,34 @@ def screen(ephemerides: Sequence[Ephemeris], *, within: float, radius: float) ->
     within: largest distance [m]
     radius: sum of the radii of two objects [m]
 
-    Ephemerides of one name are of one object, which does not meet itself.
+    Ephemerides of one name are of one object, which does not meet itself. Raises InputError for a distance
+    or a radius that is none, and where no other object shares time with the first.
     """
+    for name, value in (("within", within), ("radius", radius)):
+        if not 0.0 < value < math.inf:
+            raise InputError(f"{name}: expected a length above 0, got {value:g} m")
     ours, *rest = ephemerides
     others = [ephemeris for ephemeris in rest if ephemeris.path.name != ours.path.name]
     if not others:
         raise InputError("conjunctions: expected ephemerides of another object, got none")
+    others = [one for one in others if one.shares_time(ours)]
+    if not others:
+        begin, end = ccsds.utc_texts(EPOCH, ours.path.t[[0, -1]])
+        raise InputError(f"conjunctions: expected another ephemeris from {begin} to {end}, got none")
     flown = [ours, *others]
     found = approaches.find([one.path for one in flown], within=within, first_alone=True)
     return [
         Conjunction(one.t, flown[one.first].participant(one.t), flown[one.second].participant(one.t), radius)
         for one in found
     ]
+
+
+def _of_message(path: FilePath) -> list[Ephemeris]:
+    segments = oem.read(path, epoch=EPOCH)
+    try:
+        return [_of_segment(segment) for segment in segments]
+    except InputError as reason:
+        raise InputError(f"{path}: {reason}") from None
 
 
 def _of_segment(segment: oem.Segment) -> Ephemeris:

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 from scipy.optimize import brentq
+from scipy.stats import qmc
 
 from opml.base import seeds
 from opml.base.constants import DAY
@@ -28,7 +29,7 @@ from opml.tables import SCHEMAS
 FORMAL, LEARNED = "the fit's own", "of past errors"
 """Covariances that predictions go with."""
 
-_DRAWS = 200
+_DRAWS, _AREAS = 1024, 256  # collisions, and areas of alarms; powers of two balance Sobol's points
 _HALF_DAY = 0.5 * DAY
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 _FARTHEST = 60.0  # standard deviations beyond which no alarm is raised
@@ -51,6 +52,7 @@ def compare(
     fits: pd.DataFrame,
     screening: Screening,
     *,
+    weather: str,
     laws: Sequence[str],
     days: Sequence[float],
     seed: int,
@@ -59,6 +61,7 @@ def compare(
 
     mornings: replayed
     fits: table `covariances` of the fits that are not corrected
+    weather: that the predictions knew, in a word
     laws: models that learned
     days, seed: as in `worth`
     """
@@ -74,7 +77,13 @@ def compare(
         worth(table, screening, days=days, seed=seed).assign(model=model, covariance=covariance)
         for model, covariance, table in cases
     ]
-    return pd.concat(tables, ignore_index=True)[SCHEMAS["conjunctions"].names]
+    return pd.concat(tables, ignore_index=True).assign(weather=weather)[SCHEMAS["conjunctions"].names]
+
+
+def beside(table: pd.DataFrame, others: Sequence[pd.DataFrame]) -> pd.DataFrame:
+    """Return a `conjunctions` table with the rows of others that are under weather that it has not."""
+    unlike = [other[~other["weather"].isin(table["weather"])] for other in others]
+    return pd.concat([table, *unlike], ignore_index=True)
 
 
 def _with_covariances(replay: pd.DataFrame, fits: pd.DataFrame) -> pd.DataFrame:
@@ -105,20 +114,24 @@ def worth(replay: pd.DataFrame, screening: Screening, *, days: Sequence[float], 
 
 def _drawn(known: pd.DataFrame, screening: Screening, rng: np.random.Generator) -> tuple[float, float]:
     """Return the share of collisions that is flagged, and the alarms per collision, over draws."""
+    # Points of Sobol's are spread evenly over predictions in the order of their sizes.
+    known = known.sort_values(["sigma_y", "sigma_x", "sigma_z"], kind="stable")
     errors = known[[f"e_{axis}" for axis in AXES]].to_numpy()
     variances = known[[f"sigma_{axis}" for axis in AXES]].to_numpy() ** 2
-    flagged, alarms = np.empty(_DRAWS, bool), np.empty(_DRAWS)
-    for k in range(_DRAWS):
-        one, other = rng.integers(len(known), size=2)
-        plane, turn = _crossing(rng.uniform(0.0, 2.0 * math.pi))
+    points = qmc.Sobol(5, seed=rng).random(_DRAWS)
+    flagged, alarms = np.empty(_DRAWS, bool), []
+    for k, point in enumerate(points.tolist()):
+        one, other = (int(share * len(known)) for share in point[:2])
+        plane, turn = _crossing(2.0 * math.pi * point[2])
         covariance = np.diag(variances[one]) + turn @ np.diag(variances[other]) @ turn.T
         off = plane @ (turn @ errors[other] - errors[one])
-        away, angle = screening.radius * math.sqrt(rng.uniform()), rng.uniform(0.0, 2.0 * math.pi)
+        away, angle = screening.radius * math.sqrt(point[3]), 2.0 * math.pi * point[4]
         miss = away * np.array([math.cos(angle), math.sin(angle)])
         along, sigmas = _principal(miss + off, plane @ covariance @ plane.T, screening.radius)
         flagged[k] = integral(along, sigmas, screening.radius) >= screening.threshold
-        alarms[k] = _alarm_area(sigmas, screening) / (math.pi * screening.radius**2)
-    return float(flagged.mean()), float(alarms.mean())
+        if k < _AREAS:
+            alarms.append(_alarm_area(sigmas, screening) / (math.pi * screening.radius**2))
+    return float(flagged.mean()), float(np.mean(alarms))
 
 
 def _crossing(angle: float) -> tuple[np.ndarray, np.ndarray]:

@@ -201,7 +201,7 @@ def read(path: FilePath, *, epoch: str) -> list[Segment]:
 
     The message may use the time systems of `ccsds.SCALES` and the frames of `ccsds.FRAMES`. Accelerations
     are ignored. Raises InputError, naming file and line, for a malformed message, one that is not centred on
-    Earth and another frame.
+    Earth, another frame, times that do not ascend and negative variances.
     """
     message = _open(path)
     message.skip_header()
@@ -297,9 +297,11 @@ def _segment(message: ccsds.Message, epoch: str) -> Segment:
     scale = metadata.choice("TIME_SYSTEM", ccsds.SCALES)
     lines, times, texts = _state_texts(message)
     covariance_t, covariances, covariance_frame = _covariances(message, frame, scale, epoch)
+    t = message.times(times, lines, epoch=epoch, scale=scale)
+    check_ascending(message.path, t, np.array(lines))
     return Segment(
         name=metadata.text("OBJECT_NAME"),
-        t=message.times(times, lines, epoch=epoch, scale=scale),
+        t=t,
         states=_numbers(message, lines, texts) @ _state_rotation(frame).T,
         covariance_t=covariance_t,
         covariances=covariances,
@@ -387,6 +389,7 @@ def _covariances(
         message.take()
     shape = (len(covariances), 6, 6)
     t = message.times(times, numbers, epoch=epoch, scale=scale)
+    check_ascending(message.path, t, np.array(numbers))
     return t, np.reshape(covariances, shape), frames.pop() if frames else "GCRF"
 
 
@@ -409,6 +412,8 @@ def _covariance(message: ccsds.Message) -> np.ndarray:
         if len(values) != k + 1:
             raise message.error(f"row {k + 1} of a covariance's lower triangle", line, number)
         row = [message.scale(value, 2 * _KILO, number) for value in values]
+        if row[-1] < 0.0:
+            raise message.error("a variance of 0 or more", values[-1], number)
         covariance[k, : k + 1] = covariance[: k + 1, k] = row
     return covariance
 

@@ -33,10 +33,12 @@ def section(tables: Mapping[Dataset, pd.DataFrame], screening: Mapping[str, floa
         days = list(dict.fromkeys(table["day"]))
         yield Paragraph(f"**{rso}, {stations}.**")
         rows = [
-            [_named(str(model)), str(covariance), *_cells(found, days)]
-            for (model, covariance), found in table.groupby(["model", "covariance"], sort=False)
+            [_named(str(model)), str(covariance), str(weather), *_cells(found, days)]
+            for (model, covariance, weather), found in table.groupby(
+                ["model", "covariance", "weather"], sort=False
+            )
         ]
-        yield Table(["model", "covariance", *(f"{day:g} d" for day in days)], rows)
+        yield Table(["model", "covariance", "weather", *(f"{day:g} d" for day in days)], rows)
 
 
 def _named(model: str) -> str:

@@ -49,7 +49,7 @@ class OwnStudyReport:
     trained_anew: Mapping[str, Any]  # on which days, how often, on how many days' labels [days]
     marks: Sequence[float]  # prediction durations that errors are stated at [days]
     durations: Sequence[float]  # prediction durations that coverage is stated at [days]
-    screening: Mapping[str, float]  # radius and threshold of conjunctions
+    screening: Mapping[str, Any]  # radius and threshold of conjunctions
     sources: Mapping[Dataset, Sources]  # what the answers point at
     settings: Mapping[str, Any]
 

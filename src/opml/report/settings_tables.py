@@ -81,6 +81,12 @@ def weather(settings: Mapping[str, Any]) -> str:
     return f"Space weather: {source} as it stands, measured values of the days predicted to included."
 
 
+def weather_word(settings: Mapping[str, Any]) -> str:
+    """Return in a word or three what predictions know of the space weather; settings: of the run."""
+    words = {"forecast": "forecast", "hindcast": "observed", "monthly": "monthly"}
+    return words.get(settings["environment"].get("knowledge", ""), "as it stands")
+
+
 def _knowledge(environment: Mapping[str, Any]) -> str:
     """Return as the end of a cell what the assumed model knows of the activity; empty without a setting."""
     match environment.get("knowledge"):

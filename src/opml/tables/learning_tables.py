@@ -157,6 +157,7 @@ LEARNING_SCHEMAS = (
         (
             text("model", "that predicts: none, the best without learning, or the one chosen by the past"),
             text("covariance", "that it goes with: the fit's own, or of past errors"),
+            text("weather", "that the predictions knew: forecast, observed, monthly or as it stands"),
             real("day", "d", "prediction duration"),
             real("flagged", "1", "share of the collisions that raise an alarm"),
             real("alarms", "1", "alarms that are raised per collision"),

@@ -12,6 +12,7 @@ from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models import learners
 from opml.naming import Experiment
 from opml.orbits import sheets
+from opml.report.settings_tables import weather_word
 from opml.workflow.plan import Plan, end_plan
 
 
@@ -336,6 +337,16 @@ class Params:
             "weather": self.plan.weather,
             "learners": list(experiments),
             **names,
+        }
+
+    def conjunctions(self, wildcards: Wildcards) -> dict[str, Any]:
+        """Return the params of what a study's predictions are worth in conjunctions."""
+        values = self.plan.own_study.conjunctions
+        return {
+            **self.mornings(wildcards),
+            "radius_m": values["radius_m"],
+            "threshold": values["threshold"],
+            "weather": weather_word(self.plan.values),
         }
 
     def mornings(self, wildcards: Wildcards) -> dict[str, Any]:

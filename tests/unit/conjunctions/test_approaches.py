@@ -65,6 +65,48 @@ def test_paths_may_have_other_times_and_parts_of_the_span():
     assert all(other[0] <= one.t <= other[-1] for one in find(paths, within=1e7))
 
 
+@pytest.mark.parametrize("begin", [-20.0, 20.0 - 600.0 * 60.0])
+def test_encounters_between_an_end_and_a_whole_minute_are_found(begin):
+    first, second, _, miss = built(np.random.default_rng(6))
+    at = 0.5 * DAY + 30.0
+    t = at + begin + 60.0 * np.arange(601)
+    paths = [Path(name, t, kepler(state, at, t)) for name, state in (("a", first), ("b", second))]
+    near = [one for one in find(paths, within=5000.0) if abs(one.t - at) < 5.0]
+    assert [one.distance for one in near] == [pytest.approx(miss, abs=1.0)]
+
+
+def side_by_side(rng, radial, speed):
+    """Velocities (2, 3) of an ellipse and of another that nearly keeps up; directions as in `built`."""
+    ahead = np.array([radial, speed, 0.0])
+    return ahead, ahead + rng.normal(size=3) * rng.choice([1.0, 10.0, 100.0])
+
+
+def head_on(rng, radial, speed):
+    ahead = np.array([radial, speed, 0.0])
+    return ahead, -ahead * rng.uniform(0.98, 1.02)
+
+
+@pytest.mark.parametrize("velocities", [side_by_side, head_on])
+def test_slow_and_opposite_encounters_of_eccentric_orbits_are_found(velocities):
+    rng = np.random.default_rng(7)
+    for _ in range(10):
+        at, radius, e = rng.uniform(0.1, 0.4) * DAY, rng.uniform(6.8e6, 9e6), rng.uniform(0.0, 0.6)
+        nu = rng.uniform(-0.5, 0.5)
+        scale = np.sqrt(EARTH_GM / (radius * (1.0 + e * np.cos(nu))))
+        one, other = velocities(rng, scale * e * np.sin(nu), scale * (1.0 + e * np.cos(nu)))
+        aside = np.cross(other - one, rng.normal(size=3))
+        position = np.array([radius, 0.0, 0.0])
+        beside = position + 500.0 * aside / np.linalg.norm(aside)
+        t = T[T <= 0.5 * DAY] + 11.0
+        states = (np.concatenate([position, one]), np.concatenate([beside, other]))
+        paths = [Path(name, t, kepler(state, at, t)) for name, state in zip("ab", states, strict=True)]
+        fine = np.arange(at - 300.0, at + 300.0, 0.1)
+        apart = np.linalg.norm((kepler(states[1], at, fine) - kepler(states[0], at, fine))[:, :3], axis=1)
+        (found,) = (one for one in find(paths, within=5000.0) if abs(one.t - at) < 300.0)
+        assert found.distance == pytest.approx(apart.min(), abs=1.0)
+        assert abs(found.t - fine[np.argmin(apart)]) < 0.2
+
+
 def test_pairs_are_those_asked_for_in_the_order_of_time():
     states = [built(np.random.default_rng(seed))[0] for seed in range(6)]
     paths = [Path(str(k), T, kepler(state, 0.0, T)) for k, state in enumerate(states)]

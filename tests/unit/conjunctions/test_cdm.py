@@ -1,5 +1,7 @@
 """Conjunction data messages: published cases, a way out and back, and damaged files told in one line."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from support import REPOSITORY, shared
@@ -70,6 +72,11 @@ def test_messages_are_named_by_objects_and_time_and_need_both_covariances(tmp_pa
         ("COMMENT HBR = 20.0", "COMMENT HBR = wide", "expected a radius \\[m\\] in COMMENT HBR, got wide"),
         ("COMMENT HBR = 20.0\n", "", "expected a radius \\[m\\] in COMMENT HBR, got none"),
         ("X = ", "X ", "expected KEY = value"),
+        ("[km/s]", "[m/s]", r"expected X_DOT in \[km/s\], got \[m/s\]"),
+        ("CR_R = ", "CR_R = -", "expected a variance of 0 or more, got -"),
+        ("X = 7", "X = -7", r"expected states that are MISS_DISTANCE = 50 m apart, got 1\.4"),
+        ("OBJECT = OBJECT2", "OBJECT = OBJECT1", "expected OBJECT1 and OBJECT2, got OBJECT1 and OBJECT1"),
+        ("COMMENT HBR = 20.0", "COMMENT HBR = -20.0", "expected a radius .*, got -20"),
     ],
 )
 def test_damaged_messages_are_told_in_one_line(tmp_path, old, new, expected):
@@ -82,6 +89,20 @@ def test_damaged_messages_are_told_in_one_line(tmp_path, old, new, expected):
         cdm.read(path, epoch=EPOCH)
     assert str(raised.value).startswith(str(path))
     assert "\n" not in str(raised.value)
+
+
+def test_a_message_that_ends_at_once_is_told(tmp_path):
+    (tmp_path / "one.cdm").write_text("CCSDS_CDM_VERS = 1.0\n")
+    with pytest.raises(InputError, match=r"one\.cdm: line 1: expected KEY = value, got nothing"):
+        cdm.read(tmp_path / "one.cdm", epoch=EPOCH)
+
+
+def test_a_name_stays_within_the_folder(tmp_path):
+    pair = [replace(one, name=f"../{one.name} 1/b") for one in (CONJUNCTION.first, CONJUNCTION.second)]
+    cdm.write_all(tmp_path / "m", [Conjunction(0.0, *pair, 20.0)], epoch=EPOCH)
+    (written,) = (tmp_path / "m").iterdir()
+    assert written.name == "-ours-1-b_..-other-1-b_20000101T000000000000.cdm"
+    assert [path.name for path in tmp_path.iterdir()] == ["m"]
 
 
 def test_other_files_are_no_cdm():

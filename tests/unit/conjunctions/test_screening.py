@@ -1,5 +1,7 @@
 """Conjunctions between files: OEM with covariances, mean elements, and what the command prints."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from test_approaches import T, built, kepler
@@ -71,6 +73,90 @@ def test_mean_elements_have_no_covariance_and_it_is_said(files, tmp_path, capsys
     lines = capsys.readouterr().out.splitlines()[1:]
     assert lines
     assert all("77 without covariance" in line for line in lines)
+
+
+@pytest.fixture
+def short(tmp_path):
+    """An OEM of twenty minutes, with a covariance every ten."""
+    t = T[:21]
+    states = kepler(built(np.random.default_rng(5))[0], 0.0, t)
+    covariances = np.repeat(COVARIANCE[None], 3, axis=0)
+    path = tmp_path / "short.oem"
+    segment = oem.Segment("short", t, states, t[::10], covariances, covariance_frame="RSW")
+    oem.write(path, [segment], epoch=RUN)
+    return path
+
+
+def swapped(lines, at):
+    return [*lines[:at], lines[at + 1], lines[at], *lines[at + 2 :]]
+
+
+def in_metres(lines, columns):
+    """Lines in which some columns of the states are a thousand times larger."""
+    return [
+        " ".join(
+            f"{value}e3" if line.startswith("20") and column in columns else value
+            for column, value in enumerate(line.split())
+        )
+        for line in lines
+    ]
+
+
+FIRST = 14  # line of the first state, counted from 0
+DAMAGES = {
+    "a state before its time": (lambda lines: swapped(lines, FIRST + 3), "line 19: expected a later epoch"),
+    "a time twice": (lambda lines: [*lines[:19], *lines[18:]], "line 20: expected a later epoch"),
+    "a covariance twice": (
+        lambda lines: [*lines[:-9], *lines[-17:]],
+        "expected a later epoch than before",
+    ),
+    "a negative variance": (
+        lambda lines: [line.replace("0.0009", "-0.0009") for line in lines],
+        "expected a variance of 0 or more, got -0.0009",
+    ),
+    "metres": (lambda lines: in_metres(lines, range(1, 7)), "short: expected positions 6000 to 1e\\+06 km"),
+    "metres per second": (lambda lines: in_metres(lines, range(4, 7)), "velocities that lead from position"),
+    "three states": (lambda lines: [*lines[: FIRST + 3], *lines[FIRST + 21 :]], "at least 4 states, got 3"),
+    "a gap": (lambda lines: [*lines[:20], *lines[30:]], "short: expected states at most 300 s apart"),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_damaged_ephemerides_are_told_in_one_line(short, damage):
+    harm, expected = DAMAGES[damage]
+    screening.read([short])
+    short.write_text("\n".join(harm(short.read_text().splitlines())) + "\n")
+    with pytest.raises(InputError, match=expected) as raised:
+        screening.read([short])
+    assert str(raised.value).startswith(str(short))
+    assert "\n" not in str(raised.value)
+
+
+def test_ephemerides_that_share_no_time_are_told(short, files):
+    (ours,), (other, *_) = screening.read([short]), screening.read(files[0])
+    later = replace(other, path=replace(other.path, t=other.path.t + 1e9))
+    with pytest.raises(InputError, match=r"another ephemeris from 2023-05-01T00:00:00\.0+ to .*, got none"):
+        screening.screen([ours, later], within=1e3, radius=20.0)
+    assert screening.screen([ours, later, other], within=1.0, radius=20.0) == []
+
+
+def test_the_command_names_those_at_other_times(short, files, tmp_path, capsys):
+    (segment,) = oem.read(short, epoch=EPOCH)
+    oem.write(tmp_path / "late.oem", [replace(segment, name="late", t=segment.t + 1e7)], epoch=EPOCH)
+    assert cli.main(["screen", str(short), str(files[0][0]), str(tmp_path / "late.oem")]) == 0
+    assert capsys.readouterr().err == f"opml: at other times than {short}: late\n"
+
+
+@pytest.mark.parametrize("lengths", [(0.0, 20.0), (float("nan"), 20.0), (1e3, -1.0), (1e3, float("inf"))])
+def test_lengths_that_are_none_are_refused(short, files, lengths):
+    with pytest.raises(InputError, match=r"^(within|radius): expected a length above 0, got"):
+        screening.screen(screening.read([short, *files[0]]), within=lengths[0], radius=lengths[1])
+
+
+def test_a_message_is_no_ephemeris(short, tmp_path):
+    (tmp_path / "case.cdm").write_text("CCSDS_CDM_VERS = 1.0\n")
+    with pytest.raises(InputError, match=r"case\.cdm: expected an ephemeris or mean elements, got a CDM"):
+        screening.read([short, tmp_path / "case.cdm"])
 
 
 def test_what_cannot_be_screened_is_told_in_one_line(files, tmp_path):

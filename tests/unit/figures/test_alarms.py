@@ -13,6 +13,7 @@ TABLE = pd.DataFrame(
     {
         "model": ["none", "none", "none", "chosen by the past"],
         "covariance": ["the fit's own", "of past errors", "of past errors", "of past errors"],
+        "weather": "forecast",
         "day": [1.0, 1.0, 3.0, 1.0],
         "flagged": [0.5, 0.9, 0.8, 1.0],
         "alarms": [500.0, 400.0, 3000.0, 31.8],
@@ -34,6 +35,24 @@ def test_each_model_and_covariance_has_a_line_in_both_panels():
     assert len({line.get_color() for line in raised.get_lines()}) == 3
 
 
+def test_other_weather_stands_beside_in_the_same_colours():
+    table = pd.concat([TABLE, TABLE.assign(weather="observed", alarms=7.0)], ignore_index=True)
+    figure = alarms.by_duration(table, note="a note")
+    lines = figure.axes[0].get_lines()
+    note = figure.legends[0].get_title().get_text()
+    assert note == "a note\nsolid: weather forecast, dashed: weather observed"
+    assert len(figure.legends[0].get_texts()) == 3
+    assert [line.get_color() for line in lines[:3]] == [line.get_color() for line in lines[3:]]
+    assert [line.get_linestyle() for line in lines] == [*["-"] * 3, *["--"] * 3]
+    blocks = section.section({("swarm", "eglin"): table}, {"radius_m": 20.0, "threshold": 1e-4})
+    (stated,) = (block for block in blocks if isinstance(block, Table))
+    assert stated.rows[3:] == [
+        ["no correction", "the fit's own", "observed", "7 / 50", NO_VALUE],
+        ["no correction", "of past errors", "observed", "7 / 90", "7 / 80"],
+        ["chosen by the past", "of past errors", "observed", "7 / 100", NO_VALUE],
+    ]
+
+
 def test_nothing_to_draw_is_told():
     with pytest.raises(InputError, match="conjunctions: expected predictions"):
         alarms.by_duration(TABLE.iloc[:0])
@@ -42,8 +61,8 @@ def test_nothing_to_draw_is_told():
 def test_the_section_states_alarms_and_collisions():
     blocks = list(section.section({("swarm", "eglin"): TABLE}, {"radius_m": 20.0, "threshold": 1e-4}))
     (table,) = (block for block in blocks if isinstance(block, Table))
-    assert table.header == ["model", "covariance", "1 d", "3 d"]
-    assert table.rows[1] == ["no correction", "of past errors", "400 / 90", "3000 / 80"]
-    assert table.rows[2] == ["chosen by the past", "of past errors", "32 / 100", NO_VALUE]
+    assert table.header == ["model", "covariance", "weather", "1 d", "3 d"]
+    assert table.rows[1] == ["no correction", "of past errors", "forecast", "400 / 90", "3000 / 80"]
+    assert table.rows[2] == ["chosen by the past", "of past errors", "forecast", "32 / 100", NO_VALUE]
     assert any("a sum of radii of 20 m" in block.text for block in blocks if isinstance(block, Paragraph))
     assert list(section.section({}, {})) == []

@@ -38,6 +38,8 @@ def estimates(count=3):
     generator = np.random.default_rng(1)
     frame = pd.DataFrame(generator.normal(size=(count, len(SCHEMAS["estimates"].names))))
     frame.columns = SCHEMAS["estimates"].names
+    variances = [f"cov_{name}_{name}" for name in STATE]
+    frame[variances] = frame[variances].abs()
     frame["track"], frame["t"] = np.arange(count), 100.0 * np.arange(count)
     frame["converged"] = np.arange(count) != 1
     frame["reason"] = ""

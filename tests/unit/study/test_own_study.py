@@ -18,7 +18,7 @@ from opml.learning.judge.model_choice import Mornings
 from opml.learning.judge.rolling_origins import by_day
 from opml.report import absurd_fits, document
 from opml.report import own_study as report
-from opml.report.settings_tables import weather
+from opml.report.settings_tables import weather, weather_word
 from opml.study.own_study import MODELS, MODELS_OF_ELEMENTS, REPLAYED, OwnStudy
 from opml.tables import SIGMA_STATE
 
@@ -54,6 +54,16 @@ def test_days_make_three_splits():
     }
     assert own.shown == "unseen"
     assert list(own.study.span_days) == [0, 8]
+
+
+def test_conjunctions_under_other_weather_are_those_that_there_are(tmp_path):
+    folder = tmp_path / "conjunctions" / "lares"
+    folder.mkdir(parents=True)
+    (folder / "eglin.parquet").touch()
+    asked = {"radius_m": 20.0, "threshold": 1e-4}
+    own = own_of(conjunctions={**asked, "beside": str(tmp_path)})
+    assert own.beside("lares", "eglin") == [str(folder / "eglin.parquet")]
+    assert own.beside("lares", "clear") == own_of(conjunctions=asked).beside("lares", "eglin") == []
 
 
 def test_what_a_study_leaves_out():
@@ -160,16 +170,17 @@ def test_the_report_says_what_flew(given, told, untold):
 def test_the_report_says_what_was_known_of_the_weather():
     assert weather(paper_values()).startswith("Space weather: MSAFE's monthly figures")
     told = {
-        "forecast": "up to each estimate, then forecast (`regression`, every 24 h)",
-        "hindcast": "up to the time predicted to: a hindcast",
-        None: "measured values of the days predicted to included",
+        "forecast": ("up to each estimate, then forecast (`regression`, every 24 h)", "forecast"),
+        "hindcast": ("up to the time predicted to: a hindcast", "observed"),
+        None: ("measured values of the days predicted to included", "as it stands"),
     }
-    for knowledge, words in told.items():
+    for knowledge, (words, word) in told.items():
         values = paper_values()
         values["environment"] |= {"solar_activity": "OBSERVED"} | (
             {"knowledge": knowledge} if knowledge else {}
         )
         assert words in weather(values)
+        assert weather_word(values) == word
 
 
 def test_splits_of_ones_own():

@@ -59,9 +59,11 @@ def test_conjunctions_of_a_study_are_told_and_drawn(tmp_path):
     fits = past[["i", "j"]].assign(**dict.fromkeys(POSITION_COVARIANCES, 1.0))
     write_table(tmp_path / "fits", fits, "covariances", metadata={})
     settings = {"learners": ["none", "running"], "laws": [], "seed": 1, "days": [1.0], "note": "a note"}
-    settings |= {"epoch": "2019-09-03T00:00:00", "radius_m": 20.0, "threshold": 1e-4}
+    settings |= {"epoch": "2019-09-03T00:00:00", "radius_m": 20.0, "threshold": 1e-4, "weather": "forecast"}
     told, drawn = tmp_path / "told", Files(pdf=[tmp_path / "c.pdf"], png=[tmp_path / "c.png"])
-    files = Files(replays=[tmp_path / "none", tmp_path / "running"], judge=[], fits=tmp_path / "fits")
+    files = Files(
+        replays=[tmp_path / "none", tmp_path / "running"], judge=[], fits=tmp_path / "fits", beside=[]
+    )
     for rule, read, made in (
         ("conjunctions", files, Files(told)),
         ("study_conjunctions", Files(told), drawn),
@@ -75,6 +77,8 @@ def test_conjunctions_of_a_study_are_told_and_drawn(tmp_path):
         )
         script = REPOSITORY / "workflow" / "scripts" / f"{rule}.py"
         runpy.run_path(str(script), init_globals={"snakemake": snakemake})
-    models = read_table(told, "conjunctions")["model"]
+    table = read_table(told, "conjunctions")
+    assert set(table["weather"]) == {"forecast"}
+    models = table["model"]
     assert models.tolist() == ["none", "none", "running", "chosen by the past"]
     assert all(path.stat().st_size > 0 for path in (*drawn.pdf, *drawn.png))

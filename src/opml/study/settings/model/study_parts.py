@@ -117,6 +117,9 @@ class ConjunctionSettings(Section):
 
     radius_m: Positive = setting("sum of the radii of two objects", unit="m")
     threshold: Share = setting("probability from which on an alarm is raised")
+    beside: Absent[Text] = setting(
+        "results of the same study under other weather, to show beside", unit="folder", default=None
+    )
 
 
 class CleaningSettings(Section):

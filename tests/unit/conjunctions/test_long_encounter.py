@@ -1,0 +1,107 @@
+"""Long encounters: Alfano's Monte Carlo, one of our own, the straight line, and what never is apart."""
+
+import math
+
+import numpy as np
+import pytest
+from support import shared
+
+from opml.conjunctions import as_text, cdm, long_encounter
+from opml.conjunctions.conjunction import Conjunction, Participant
+from opml.conjunctions.long_encounter import kepler
+
+EPOCH = "2000-01-01T00:00:00"
+ALFANO = {1: 0.217467140, 4: 0.073089530, 6: 0.004300500, 7: 0.000161462, 9: 0.365116060}
+"""Probabilities of Alfano 2009 (AAS 09-233), by Monte Carlo with 10^8 draws."""
+
+SPEED = math.sqrt(3.986004418e14 / 7e6)
+
+
+def met(turn, sigma, miss=30.0, slower=0.0):
+    """Two objects on circular orbits that cross at a small angle, `miss` above each other."""
+    first = np.array([7e6, 0.0, 0.0, 0.0, SPEED, 0.0])
+    way = np.array([0.0, math.cos(turn), math.sin(turn)])
+    second = np.concatenate([[7e6 + miss, 0.0, 0.0], (SPEED - slower) * way])
+    mixed = np.diag(sigma)
+    mixed[3, 1] = mixed[4, 0] = -SPEED / 7e6
+    mixed[3, 1] *= sigma[1]
+    mixed[4, 0] *= sigma[0]
+    pair = (Participant(name, state, mixed @ mixed.T) for name, state in (("a", first), ("b", second)))
+    return Conjunction(0.0, *pair, 20.0)
+
+
+SLOW = met(1e-4, (15.0, 60.0, 20.0, 0.01, 0.01, 0.01))
+
+
+@pytest.mark.parametrize("number", ALFANO)
+def test_alfanos_long_cases_have_their_probability(number):
+    conjunction = cdm.read(shared(f"real/cdm/AlfanoTestCase{number:02d}.cdm"), epoch=EPOCH)
+    assert not conjunction.is_short
+    assert conjunction.chance.probability == pytest.approx(ALFANO[number], rel=0.01)
+
+
+def test_a_slow_encounter_is_that_of_drawn_orbits():
+    """Between the times of least flow, a quarter of a revolution to either side."""
+    rng, draws = np.random.default_rng(1), 10_000
+    drawn = [
+        one.state + rng.multivariate_normal(np.zeros(6), one.inertial_covariance, draws)
+        for one in (SLOW.first, SLOW.second)
+    ]
+    step = 50.0
+    nearest = np.full(draws, np.inf)
+    for t in np.arange(-1450.0, 1451.0, step):
+        first, second = (kepler(states, np.array([t]))[0] for states in drawn)
+        relative = second - first
+        position, velocity = relative[:, :3], relative[:, 3:]
+        along = -np.sum(position * velocity, axis=1) / np.sum(velocity**2, axis=1)
+        passed = position + np.clip(along, -0.5 * step, 0.5 * step)[:, None] * velocity
+        nearest = np.minimum(nearest, np.linalg.norm(passed, axis=1))
+    expected = float((nearest < SLOW.radius).mean())
+    assert not SLOW.is_short
+    assert SLOW.chance.probability == pytest.approx(expected, abs=3.0 * math.sqrt(expected / draws))
+
+
+def test_a_fast_encounter_is_that_in_two_dimensions():
+    fast = met(0.3, (15.0, 200.0, 20.0, 0.01, 0.01, 0.01))
+    assert fast.is_short
+    states = np.array([fast.first.state, fast.second.state])
+    covariances = np.array([fast.first.inertial_covariance, fast.second.inertial_covariance])
+    # Many panels have to find a flow of a fraction of a second: a short revolution makes them short.
+    found = long_encounter.chance(states, covariances, fast.radius, 2.0)
+    assert found.probability == pytest.approx(fast.chance.probability, rel=1e-3)
+
+
+def test_what_flows_at_other_times_of_the_revolution_is_told():
+    conjunction = cdm.read(shared("real/cdm/AlfanoTestCase06.cdm"), epoch=EPOCH)
+    assert conjunction.chance.around == pytest.approx(0.0088, rel=0.01)
+    (remark,) = as_text.table([conjunction], epoch=EPOCH)["remark"]
+    assert remark == "long encounter; 8.8e-03 in its revolution"
+    assert SLOW.chance.probability <= SLOW.chance.around < 1.5 * SLOW.chance.probability
+
+
+def test_objects_that_never_are_apart_collide():
+    docked = met(1e-7, (1.0, 1.0, 1.0, 1e-4, 1e-4, 1e-4), miss=2.0)
+    assert docked.chance.probability == pytest.approx(1.0, abs=0.01)
+    assert docked.chance.mended
+
+
+def test_a_long_encounter_is_told(tmp_path):
+    row = as_text.table([SLOW], epoch=EPOCH).iloc[0]
+    assert row["remark"] == "long encounter"
+    assert row["probability"] == SLOW.chance.probability
+    assert np.isnan(row["largest"])
+    cdm.write(tmp_path / "slow.cdm", SLOW, epoch=EPOCH)
+    text = (tmp_path / "slow.cdm").read_text()
+    assert f"COLLISION_PROBABILITY = {SLOW.chance.probability!r}" in text
+    assert "METHOD = FOSTER" not in text
+
+
+def test_one_known_object_is_enough_and_ellipses_are_needed():
+    bare = Participant("b", SLOW.second.state)
+    alone = Conjunction(0.0, SLOW.first, bare, SLOW.radius)
+    assert 0.0 < alone.chance.probability < 1.0
+    leaving = SLOW.first.state * np.array([1, 1, 1, 1, 1.5, 1])
+    gone = Conjunction(0.0, SLOW.first, Participant("gone", leaving, 1e12 * np.eye(6)), SLOW.radius)
+    assert gone.chance is None
+    (remark,) = as_text.table([gone], epoch=EPOCH)["remark"]
+    assert remark == "long encounter: no probability"
