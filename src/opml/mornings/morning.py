@@ -134,7 +134,8 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
     records: of earlier mornings
     now: when it is [s]
 
-    Raises InputError where nothing was measured in the last days, and where no orbit can be determined.
+    What cannot be made of what was measured is told by the verdict: a morning that raised an error for it
+    would be tried again for ever.
     """
     plan = watched.plan
     recent = tracks.over(watched.tracking, records.of_window(plan.base), now=now, reach=plan.reach)
@@ -147,7 +148,10 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
         plan.estimation,
         watched.given,
     )
-    made = fitting.further(records.of_window(plan.base))
+    try:
+        made = fitting.further(records.of_window(plan.base))
+    except InputError as reason:
+        return Left(_nothing(now), recent, Verdict(DO_NOT_USE, str(reason)))
     left = replace(_nothing(now), estimates=made, judged=_judged(watched, made, recent, records))
     known = _known(watched, records.and_then(left, since=now), recent)
     starts = known.estimates[known.may_depart()].tail(1)
@@ -155,23 +159,23 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
         return Left(left, recent, Verdict(DO_NOT_USE, "no estimate that an ephemeris may start from"))
     left = replace(left, estimates=pd.concat([made, _others(fitting, plan, records, starts)]))
     so_far = records.and_then(left, since=now)
-    paths = _paths(watched, known, so_far, starts, now=now)
+    try:
+        paths = _paths(watched, known, so_far, starts, now=now)
+    except InputError as reason:
+        return Left(left, recent, Verdict(DO_NOT_USE, str(reason)))
     # An ephemeris from the estimate of an earlier morning is that morning's, and judged once.
     is_new = not records.issued["i"].isin(starts["track"]).any()
     left = replace(left, paths=[paths] if is_new else [])
+    judgement = verdict(so_far, starts, now=now)
     try:
         flown = issued.chosen(so_far, list(plan.models), now=now)
+        ephemeris = product.ephemeris(paths, flown, step=plan.step)
     except InputError as reason:
         row = issued.row(now, starts, None, DO_NOT_USE)
-        return Left(replace(left, issued=row), recent, Verdict(DO_NOT_USE, str(reason)))
-    judgement = verdict(so_far, starts, now=now)
-    return Left(
-        replace(left, issued=issued.row(now, starts, flown, judgement.word)),
-        recent,
-        judgement,
-        product.ephemeris(paths, flown, step=plan.step),
-        corrected.basis(flown.replay, now),
-    )
+        return Left(replace(left, issued=row), recent, judgement.or_not_for(str(reason)))
+    row = issued.row(now, starts, flown, judgement.word)
+    basis = corrected.basis(flown.replay, now)
+    return Left(replace(left, issued=row), recent, judgement, ephemeris, basis)
 
 
 def _others(fitting: fits.Fitting, plan: Plan, records: Records, starts: pd.DataFrame) -> pd.DataFrame:

@@ -35,6 +35,10 @@ class Verdict:
     word: str
     reason: str
 
+    def or_not_for(self, reason: str) -> "Verdict":
+        """Return the verdict on what could not be flown for a reason: this one where it says as much."""
+        return self if self.word == DO_NOT_USE else Verdict(DO_NOT_USE, reason)
+
 
 def verdict(records: Records, start: pd.DataFrame, *, now: float) -> Verdict:
     """Return the verdict on an ephemeris from an estimate, by what was judged by `now` [s]."""
