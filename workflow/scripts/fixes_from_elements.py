@@ -1,9 +1,8 @@
 """Take what SGP4 tells before the epochs of mean elements for the tracks of an RSO."""
 
-from opml.base.constants import DAY, HOUR
+from opml.base.constants import DAY
 from opml.catalog.fit import fixes
 from opml.interop.element_sets import burns_in_sets, measured_sets
-from opml.interop.element_sets.sgp4_points import Sampling
 from opml.orbits import manoeuvres
 from opml.tables import read_table, write_table
 from opml.workflow.job_settings import JobSettings
@@ -18,7 +17,7 @@ with job(snakemake) as metadata:
         known += burns_in_sets.found(sets, epoch=settings.epoch)
     measured = measured_sets.measured(
         sets,
-        measured_sets.Taking(Sampling(HOUR * history["reach_hours"], history["every_s"]), history["sigma_m"]),
+        measured_sets.Taking.from_settings(history),
         epoch=settings.epoch,
         duration=duration,
         manoeuvres=known,

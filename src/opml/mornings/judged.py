@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
+from opml.catalog.fit import fixes
 from opml.catalog.predict import labels
 from opml.ephemerides.corrected import between
 from opml.ephemerides.replays import missed
@@ -15,13 +16,17 @@ from opml.tables import DOUBT, SIGMA_STATE, SIGMAS, STATE
 
 
 def later_states(estimates: pd.DataFrame, recent: Recent) -> pd.DataFrame:
-    """Return what estimates tell of the orbit: j, t_j, t_known, DOUBT and a state of each that converged."""
+    """Return what estimates tell of the orbit: j, t_j, t_known, DOUBT and a state of each that converged.
+
+    They are `alike` where mean elements are fitted.
+    """
     ends = dict(zip(recent.numbers, recent.ends, strict=True))
     known = labels.with_sigmas(estimates[estimates["converged"].astype(bool)])
     doubt = dict(zip(DOUBT, (known[name] for name in SIGMAS[:3]), strict=True))
-    return known.assign(j=known["track"], t_j=known["t"], t_known=known["track"].map(ends), **doubt)[
+    states = known.assign(j=known["track"], t_j=known["t"], t_known=known["track"].map(ends), **doubt)[
         ["j", "t_j", "t_known", *DOUBT, *STATE]
     ]
+    return states.assign(alike=True) if fixes.are_of_sets(recent.tracking) else states
 
 
 def judged(

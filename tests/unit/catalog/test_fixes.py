@@ -124,6 +124,12 @@ def sets(orbit, epochs, *, reach=12 * HOUR, known=(np.nan,) * 3, **given):
     return fixes.of_sets(np.asarray(epochs), before, known=np.asarray(known))
 
 
+def test_sets_are_told_from_points_along_an_orbit(orbit):
+    assert fixes.are_of_sets(sets(orbit, [DAY], known=[np.nan], sigmas=TEN))
+    assert not fixes.are_of_sets(fixes.stretches(points(orbit, sigmas=TEN)))
+    assert not fixes.are_of_sets(pd.DataFrame({"track": [0], "t": [5.0]}))
+
+
 def test_a_set_is_fitted_at_its_epoch_to_the_points_before_it(flight, orbit):
     epochs = np.array([12.0, 17.0, 23.0]) * HOUR
     table = sets(orbit, epochs, sigmas=TEN)

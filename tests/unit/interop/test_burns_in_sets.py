@@ -13,7 +13,6 @@ from opml.base.constants import DAY, HOUR
 from opml.catalog.fit import fixes
 from opml.interop.element_sets import burns_in_sets
 from opml.interop.element_sets.measured_sets import Taking, measured
-from opml.interop.element_sets.sgp4_points import Sampling
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, STATE
 
@@ -96,7 +95,7 @@ def test_a_burn_changes_nothing_before_it_was_found():
     for name, sets in (("quiet", quiet), ("burned", burned)):
         measured_sets = measured(
             sets,
-            Taking(Sampling(36 * HOUR, 1200.0)),
+            Taking(1200.0, 36 * HOUR),
             epoch=EPOCH,
             duration=20 * DAY,
             manoeuvres=found(sets),

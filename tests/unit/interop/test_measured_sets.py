@@ -28,7 +28,8 @@ def weighed(sets, **options):
 
 
 def taken(sets, sigmas=None, *, duration=20 * DAY, **options):
-    return measured(sets, Taking(SAMPLING, sigmas), epoch=EPOCH, duration=duration, **options)
+    taking = Taking(SAMPLING.step, SAMPLING.reach, sigmas)
+    return measured(sets, taking, epoch=EPOCH, duration=duration, **options)
 
 
 def table_of(found):

@@ -106,6 +106,11 @@ def measurements(table: pd.DataFrame, orientation: pd.DataFrame, stations: Seque
     return Measured(table, orientation, stations) if "station" in table else Fixes(table)
 
 
+def are_of_sets(table: pd.DataFrame) -> bool:
+    """Return whether points of a table `fixes` are of mean elements: before their set's epoch."""
+    return "t_estimate" in table and bool((table["t"] < table["t_estimate"]).any())
+
+
 def stretches(points: pd.DataFrame, *, length: float = STRETCH) -> pd.DataFrame:
     """Return the `fixes` table of points along an orbit, gathered in stretches.
 

@@ -1,8 +1,9 @@
 """Sets of mean elements as measurements: the points that stand for each, and how much they count."""
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
@@ -13,6 +14,9 @@ from opml.interop.element_sets import agreement, sgp4_points, spans
 from opml.interop.element_sets.sgp4_points import Sampling
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS
+
+USUAL_REACH = DAY
+"""Time before the epoch of a set over which its points lie where its span is unknown [s]."""
 
 PAST = 60.0 * DAY
 """Sets so long before a run tell what its first ones are worth [s]."""
@@ -30,12 +34,21 @@ _log = logging.getLogger(__name__)
 class Taking:
     """How sets are taken for measurements.
 
-    sampling: of the points that stand for a set
+    step: between the points that stand for a set [s]
+    reach: from the first of them to its epoch [s]; None: as long as it was fitted to, where the sets up to it
+        tell
     sigmas: (3,) standard deviations of a set in RSW [m]; None: learned from the sets before it
     """
 
-    sampling: Sampling
+    step: float
+    reach: float | None = None
     sigmas: Sequence[float] | None = None
+
+    @classmethod
+    def from_settings(cls, history: Mapping[str, Any]) -> Self:
+        """Return how the settings `histories` of an object take its sets."""
+        hours = history["reach_hours"]
+        return cls(history["every_s"], HOUR * hours if hours else None, history["sigma_m"])
 
 
 @dataclass(frozen=True)
@@ -70,23 +83,36 @@ def measured(
     Raises InputError where no set is left.
     """
     sets = of_run(sets, duration)
-    worth = agreement.weighed(sets, epoch=epoch, sampling=taking.sampling, manoeuvres=manoeuvres)
+    usual = Sampling(taking.reach or USUAL_REACH, taking.step)
+    worth = agreement.weighed(sets, epoch=epoch, sampling=usual, manoeuvres=manoeuvres)
     if taking.sigmas is not None:
         worth[FIX_SIGMAS[:3]] = np.tile(taking.sigmas, (len(worth), 1))
     counting = worth["counts"].to_numpy() & (sets["t"].to_numpy() >= 0.0)
+    reaches = np.full(len(sets), usual.reach)
+    if taking.reach is None:
+        reaches[worth["counts"]] = _over_spans(sets[worth["counts"]], epoch=epoch)
     kept, points = [], []
     for k in np.flatnonzero(counting):
-        found = _points(sets.iloc[k], worth.iloc[k], taking.sampling, epoch=epoch, manoeuvres=manoeuvres)
+        sampling = Sampling(float(reaches[k]), taking.step)
+        found = _points(sets.iloc[k], worth.iloc[k], sampling, epoch=epoch, manoeuvres=manoeuvres)
         if found is not None:
             kept.append(k)
             points.append(found)
     if not kept:
         raise InputError(f"element sets: expected a set within the run that counts, got {len(sets)} others")
     _log.info("sets that count as measurements: %d", len(kept))
-    if length := spans.span(sets[worth["counts"]], epoch=epoch):
-        _log.info("the sets part as fits to %.0f hours each do: see histories.reach_hours", length / HOUR)
     epochs, known = (sets[name].to_numpy()[kept] for name in ("t", "t_created"))
     return MeasuredSets(epochs, known, points)
+
+
+def _over_spans(sets: pd.DataFrame, *, epoch: str) -> np.ndarray:
+    """Return how far points of sets (n,) reach back [s]: over what was fitted where sets up to each tell."""
+    lengths = spans.found(sets, epoch=epoch)
+    told = np.isfinite(lengths)
+    if told.any():
+        hours = lengths[told][-1] / HOUR
+        _log.info("sets part as fits to %.0f hours each do: their points go back as far", hours)
+    return np.where(told, lengths, USUAL_REACH)
 
 
 def _points(
