@@ -12,9 +12,8 @@ with job(snakemake) as metadata:
     settings = JobSettings(snakemake.params.settings)
     history, duration = settings.history, DAY * settings.duration_days
     sets = measured_sets.of_run(read_table(snakemake.input[0], "element_sets"), duration)
-    known = manoeuvres.at_times(settings.manoeuvres, epoch=settings.epoch)
-    if history["find_manoeuvres"]:
-        known += burns_in_sets.found(sets, epoch=settings.epoch)
+    named = manoeuvres.at_times(settings.manoeuvres, epoch=settings.epoch)
+    known = burns_in_sets.known(sets, named, epoch=settings.epoch, find=history["find_manoeuvres"])
     measured = measured_sets.measured(
         sets,
         measured_sets.Taking.from_settings(history),

@@ -57,5 +57,5 @@ def _ahead(
     t_i, t_j = float(rows["t_i"].iloc[0]), later["t_j"].to_numpy()
     reached = (t_j > t_i) & (t_j >= rows["t_j"].iloc[0]) & (t_j <= rows["t_j"].iloc[-1])
     # A fit to tracks from both sides of a manoeuvre tells no orbit.
-    across = contain_any(np.full(len(t_j), t_i - window), t_j, manoeuvres)
+    across = contain_any(np.full(len(t_j), t_i), t_j, manoeuvres, window=window)
     return between(later[reached & ~across].assign(i=rows["i"].iloc[0]), rows)

@@ -73,8 +73,7 @@ def _of_elements(source: Source, span: Span, known: list[Manoeuvre]) -> tuple[pd
         source.files, epoch=span.epoch, leave_out_damaged=source.taking["leave_out_damaged"]
     )
     sets = measured_sets.of_run(histories.of_object(history.sets, source.taking["number"]), span.duration)
-    if source.taking["find_manoeuvres"]:
-        known = known + burns_in_sets.found(sets, epoch=span.epoch)
+    known = burns_in_sets.known(sets, known, epoch=span.epoch, find=source.taking["find_manoeuvres"])
     found = measured_sets.measured(
         sets,
         measured_sets.Taking.from_settings(source.taking),

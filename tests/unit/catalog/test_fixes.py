@@ -9,12 +9,13 @@ from support import BOUNDED_ESTIMATION
 
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation, fixes, sequential
+from opml.catalog.fit import estimation, fixes, neighbour_arcs, sequential
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.flight import Flight
 from opml.catalog.predict import labels, prediction
 from opml.catalog.simulate import truth
 from opml.orbits.elements import in_rsw, rsw_rotation
+from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, PARAMETER_COVARIANCES, STATE, symmetric_matrices
 
 SETTINGS = replace(BOUNDED_ESTIMATION, window_hours=9.0, convergence=1e-5)
@@ -101,6 +102,47 @@ def test_weights_are_those_of_radial_along_and_cross_track(flight, orbit):
     untold = full(estimates(flight, fixes.stretches(alike, length=3 * HOUR)))
     assert np.abs(off(told, orbit)[:, [0, 2]]).max() < 5.0
     assert np.median(np.abs(off(untold, orbit)[:, 0])) > 5.0 * np.median(np.abs(off(told, orbit)[:, 0]))
+
+
+def test_residuals_of_points_that_are_far_off_turn_with_the_orbit_tried(flight, orbit):
+    """The derivative is that of the residuals in the axes of each orbit, 50 km off as on it."""
+    table = stretched(orbit, sigmas=TEN)
+    far = table.assign(**dict(zip(STATE[:3], table[STATE[:3]].to_numpy().T + 3e4, strict=True)))
+    measured = fixes.Fixes(far)
+    window = measured.window(2, 9 * HOUR)
+    start = np.append(orbit.set_index("t").loc[measured.epochs[window.at], STATE].to_numpy(), flight.rso.cd)
+    paths, _ = neighbour_arcs.fly_around(flight, measured.epochs, [window], start[None])
+    nominal = measured.evaluation(window, paths[0])
+    for k, nudge in enumerate(neighbour_arcs.NUDGES):
+        others = np.broadcast_to(paths[0][1 + k], paths[0].shape)
+        change = nominal.residuals - measured.evaluation(window, others).residuals
+        off_by = np.abs(nominal.jacobian[:, k] * nudge - change).max()
+        assert off_by < 2e-4 * np.abs(change).max()
+
+
+def test_windows_begin_anew_behind_a_burn_that_is_known(orbit):
+    epochs = np.array([6.0, 12.0, 18.0, 23.0]) * HOUR
+    table = sets(orbit, epochs, reach=5 * HOUR, known=np.full(4, np.nan), sigmas=TEN)
+    burn = Manoeuvre(9.0 * HOUR, 18.0 * HOUR, anew=True)
+    measured = fixes.Fixes(table, [burn])
+    windows = [measured.window(track, 20 * HOUR) for track in range(4)]
+    # Nobody knew at 12 h; the points of that set begin before the burn.
+    assert [window.tracks for window in windows] == [1, 2, 1, 2]
+    assert [measured.epochs[window.first] / HOUR for window in windows] == [1.0, 1.0, 13.0, 13.0]
+    unmoved = fixes.Fixes(table, [replace(burn, anew=False)])
+    assert unmoved.window(3, 20 * HOUR).tracks == 4
+
+
+def test_fits_behind_a_burn_start_from_no_orbit_before_it(flight, orbit):
+    table = sets(orbit, np.array([6.0, 18.0]) * HOUR, reach=5 * HOUR, known=(np.nan,) * 2, sigmas=TEN)
+    burn = Manoeuvre(9.0 * HOUR, anew=True)
+    measured = fixes.Fixes(table, [burn])
+    starts = first_orbit.starts(flight, measured, known=None, settings=SETTINGS)
+    run = estimation.Run.begun(flight, starts, measured, SETTINGS)
+    usable = int(measured.at[0]), np.append(starts[STATE].to_numpy()[0], 7.0)
+    first, second, *_ = run._starts_in_turn([measured.window(k, DAY) for k in range(2)], usable, None)
+    assert np.isfinite(first).all(axis=1).tolist() == [True, False]
+    assert second[:, 6].tolist() == [flight.rso.cd] * 2
 
 
 def test_estimates_depend_neither_on_threads_nor_on_later_fixes(flight, orbit):

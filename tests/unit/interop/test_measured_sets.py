@@ -78,6 +78,13 @@ def test_a_long_gap_makes_larger_disagreements_usual():
     assert weighed(history(days, noise=100.0, ahead={20.0: 20e3}))["counts"].all()
 
 
+def test_a_gap_between_sets_a_few_hours_apart_makes_none_usual():
+    days = np.append(np.arange(1.0, 4.0, 0.1), 5.0)
+    far = weighed(history(days, noise=100.0, ahead={4.5: 20e3}))["counts"]
+    assert far.iloc[:-1].all()
+    assert not far.iloc[-1]
+
+
 def test_nothing_is_held_against_a_set_before_a_known_manoeuvre():
     worth = weighed(history(DAYS, noise=100.0, ahead={8.0: 20e3}), manoeuvres=[Manoeuvre(7.5 * DAY)])
     assert worth["counts"].all()

@@ -7,9 +7,10 @@ and across it (RSW). Points are gathered in tracks, as measurements of radars ar
 * a set of mean elements, whose theory gives points before their epoch. Its estimate is at that epoch. The
   points of a set reach behind the epoch of the set before it, and are known when the set is made.
 
-Residuals are measured less predicted, turned to RSW of the orbit tried. Their axes count as fixed while a fit
-takes a step: a residual of 10 km turns with them by a thousandth of the step. Neighbouring arcs part by a
-kilometre along the track in days, where the orbit bends by decimetres. That bend is none of the derivative.
+Residuals are measured less predicted, turned to RSW of the orbit tried. They turn with these axes while a fit
+takes a step: a residual of 10 km by a thousandth of it, without which fits to points that are kilometres off
+would end nowhere. Neighbouring arcs part by a kilometre along the track in days, where the orbit bends by
+decimetres. That bend is none of the derivative.
 """
 
 from collections.abc import Sequence
@@ -26,6 +27,7 @@ from opml.catalog.fit.measurements import Measurements, Rows, Window
 from opml.catalog.fit.neighbour_arcs import NUDGES
 from opml.catalog.fit.sightings import Measured
 from opml.orbits.elements import rsw_rotation
+from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres
 from opml.orbits.sheets import Station
 from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, read_measured, read_table
 
@@ -38,8 +40,11 @@ class Fixes(Measurements):
 
     smooth_for = 1200.0
 
-    def __init__(self, fixes: pd.DataFrame) -> None:
-        """Take the table. Raises InputError where velocities count in some rows and not in others."""
+    def __init__(self, fixes: pd.DataFrame, manoeuvres: Sequence[Manoeuvre] = ()) -> None:
+        """Take the table. Raises InputError where velocities count in some rows and not in others.
+
+        manoeuvres: `anew` behind which windows begin
+        """
         super().__init__(*(fixes[name].to_numpy() for name in ("track", "t", "t_estimate")))
         counting = np.isfinite(fixes[FIX_SIGMAS[3:]].to_numpy()).all(axis=1)
         if counting.any() and not counting.all():
@@ -52,6 +57,9 @@ class Fixes(Measurements):
         self.sigmas = fixes[FIX_SIGMAS[: self.numbers]].to_numpy()
         if not (np.isfinite(self.values).all() and np.all(self.sigmas > 0.0)):
             raise InputError("fixes: expected numbers, and sigmas above 0, of all that counts, got others")
+        for one in manoeuvres:
+            since = max(one.t, one.known) if one.anew else np.inf
+            self.anew[self.epochs[self.at] >= since] = one.t
         there = fixes.loc[fixes["t"] == fixes["t_estimate"], STATE].to_numpy()
         if len(there) == self.tracks and np.isfinite(there).all():
             self.states = there
@@ -65,19 +73,19 @@ class Fixes(Measurements):
         """Return residuals and partial derivatives, as `Measurements.evaluation`; no light has to travel."""
         rows = window.rows
         at_rows = states[:, self.epoch_of_row[rows] - window.first]
-        axes = rsw_rotation(at_rows[0])
+        axes = rsw_rotation(at_rows)
         paths, sigmas = at_rows[..., : self.numbers], self.sigmas[rows]
-        residual = _in_axes(axes, self.values[rows] - paths[0]) / sigmas
-        shifts = _in_axes(axes, paths[1:] - paths[0])
+        missed = _in_axes(axes, np.broadcast_to(self.values[rows] - paths[0], paths.shape))
+        shifts = _in_axes(np.broadcast_to(axes[0], axes[1:].shape), paths[1:] - paths[0])
         shifts[..., 0] += _bend(shifts, np.linalg.norm(paths[0][:, :3], axis=1))
-        weighted = shifts / sigmas / NUDGES[:, None, None]
-        return Evaluation(residual.ravel(), weighted.reshape(len(NUDGES), -1).T)
+        weighted = (shifts + missed[0] - missed[1:]) / sigmas / NUDGES[:, None, None]
+        return Evaluation((missed[0] / sigmas).ravel(), weighted.reshape(len(NUDGES), -1).T)
 
 
 def _in_axes(axes: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """Return vectors (..., n, 3) or pairs of them (..., n, 6) in axes (n, 3, 3)."""
+    """Return vectors (..., n, 3) or pairs of them (..., n, 6) in axes (..., n, 3, 3)."""
     parts = vectors.reshape(*vectors.shape[:-1], -1, 3)
-    turned: np.ndarray = np.einsum("nij,...nkj->...nki", axes, parts).reshape(vectors.shape)
+    turned: np.ndarray = np.einsum("...nij,...nkj->...nki", axes, parts).reshape(vectors.shape)
     return turned
 
 
@@ -93,17 +101,24 @@ def read(files: Any, stations: Sequence[Station]) -> Measurements:
     Raises InputError where a table is missing or damaged.
     """
     orientation = read_table(files.earth_orientation, "earth_orientation")
-    return measurements(read_measured(files.tracking), orientation, stations)
+    known = read_manoeuvres(files.tracking)
+    return measurements(read_measured(files.tracking), orientation, stations, known)
 
 
-def measurements(table: pd.DataFrame, orientation: pd.DataFrame, stations: Sequence[Station]) -> Measurements:
+def measurements(
+    table: pd.DataFrame,
+    orientation: pd.DataFrame,
+    stations: Sequence[Station],
+    manoeuvres: Sequence[Manoeuvre] = (),
+) -> Measurements:
     """Return the measurements of a table `tracking`, by the stations, or of one that stands in its place.
 
     orientation: table `earth_orientation`
+    manoeuvres: in the order of their times
     """
     if "zenith_delay" in table:
         return LaserRanges(table, orientation)
-    return Measured(table, orientation, stations) if "station" in table else Fixes(table)
+    return Measured(table, orientation, stations) if "station" in table else Fixes(table, manoeuvres)
 
 
 def are_of_sets(table: pd.DataFrame) -> bool:

@@ -50,6 +50,7 @@ class Measurements(ABC):
     row_at: (tracks,) row of each track that is nearest to its estimate
     numbers: in a measurement at most
     smooth_for: how long from its beginning a track may be laid through by one curve [s]
+    anew: (tracks,) time before which the window of an estimate holds nothing [s]
     states: (tracks, 6) GCRF at the epochs of the estimates, where the measurements themselves tell them
     """
 
@@ -71,6 +72,7 @@ class Measurements(ABC):
             zip(starts, self.first_row[1:], strict=True),
         )
         self.row_at = np.array([begin + int(np.argmin(away[begin:end])) for begin, end in bounds])
+        self.anew = np.full(self.tracks, -np.inf)
         self.states: np.ndarray | None = None
 
     def window(
@@ -83,7 +85,9 @@ class Measurements(ABC):
         at = self.epochs[self.at]
         oldest = int(np.searchsorted(at, at[track] - length))
         newest = int(np.searchsorted(at, at[track] + after, side="right")) - 1
-        return self.of_tracks(track, [k for k in range(oldest, newest + 1) if k not in without])
+        begins, since = self.epochs[self.begins], self.anew[track]
+        kept = [k for k in range(oldest, newest + 1) if k not in without and begins[k] >= since]
+        return self.of_tracks(track, kept)
 
     def track(self, track: int) -> Window:
         """Return the window of one track alone."""

@@ -23,6 +23,9 @@ _GAPS = (0.1 * DAY, 3.0 * DAY)
 _FEWEST, _MOST = 8, 30
 """Pairs of sets that tell a span."""
 
+_UNIT = 0.5 * DAY
+"""Spans are multiples of it [s]: people choose them, and pairs tell them to some hours."""
+
 _UNEXPLAINED = 0.5
 """Part of the rates' size that a span may leave; an object with little drag has none that explains them."""
 
@@ -50,7 +53,8 @@ def _length(curvatures: np.ndarray, rates: np.ndarray) -> float:
         return np.nan
     length = _slope(curvatures, rates)
     left = np.abs(rates - length * curvatures).sum()
-    return length if length > 0.0 and left <= _UNEXPLAINED * np.abs(rates).sum() else np.nan
+    is_told = length > 0.0 and left <= _UNEXPLAINED * np.abs(rates).sum()
+    return max(round(length / _UNIT), 1) * _UNIT if is_told else np.nan
 
 
 def _is_near(earlier: pd.Series, later: pd.Series) -> bool:
