@@ -9,7 +9,7 @@ from support import BOUNDED_ESTIMATION
 
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation, fixes, neighbour_arcs, sequential
+from opml.catalog.fit import estimation, fixes, sequential
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.flight import Flight
 from opml.catalog.predict import labels, prediction
@@ -104,22 +104,6 @@ def test_weights_are_those_of_radial_along_and_cross_track(flight, orbit):
     assert np.median(np.abs(off(untold, orbit)[:, 0])) > 5.0 * np.median(np.abs(off(told, orbit)[:, 0]))
 
 
-def test_residuals_of_points_that_are_far_off_turn_with_the_orbit_tried(flight, orbit):
-    """The derivative is that of the residuals in the axes of each orbit, 50 km off as on it."""
-    table = stretched(orbit, sigmas=TEN)
-    far = table.assign(**dict(zip(STATE[:3], table[STATE[:3]].to_numpy().T + 3e4, strict=True)))
-    measured = fixes.Fixes(far)
-    window = measured.window(2, 9 * HOUR)
-    start = np.append(orbit.set_index("t").loc[measured.epochs[window.at], STATE].to_numpy(), flight.rso.cd)
-    paths, _ = neighbour_arcs.fly_around(flight, measured.epochs, [window], start[None])
-    nominal = measured.evaluation(window, paths[0])
-    for k, nudge in enumerate(neighbour_arcs.NUDGES):
-        others = np.broadcast_to(paths[0][1 + k], paths[0].shape)
-        change = nominal.residuals - measured.evaluation(window, others).residuals
-        off_by = np.abs(nominal.jacobian[:, k] * nudge - change).max()
-        assert off_by < 2e-4 * np.abs(change).max()
-
-
 def test_windows_begin_anew_behind_a_burn_that_is_known(orbit):
     epochs = np.array([6.0, 12.0, 18.0, 23.0]) * HOUR
     table = sets(orbit, epochs, reach=5 * HOUR, known=np.full(4, np.nan), sigmas=TEN)
@@ -133,16 +117,16 @@ def test_windows_begin_anew_behind_a_burn_that_is_known(orbit):
     assert unmoved.window(3, 20 * HOUR).tracks == 4
 
 
-def test_fits_behind_a_burn_start_from_no_orbit_before_it(flight, orbit):
+def test_fits_to_sets_start_from_their_own_states(flight, orbit):
+    """An earlier estimate, whose Cd is wild, is days of flight away."""
     table = sets(orbit, np.array([6.0, 18.0]) * HOUR, reach=5 * HOUR, known=(np.nan,) * 2, sigmas=TEN)
-    burn = Manoeuvre(9.0 * HOUR, anew=True)
-    measured = fixes.Fixes(table, [burn])
+    measured = fixes.Fixes(table)
     starts = first_orbit.starts(flight, measured, known=None, settings=SETTINGS)
     run = estimation.Run.begun(flight, starts, measured, SETTINGS)
-    usable = int(measured.at[0]), np.append(starts[STATE].to_numpy()[0], 7.0)
-    first, second, *_ = run._starts_in_turn([measured.window(k, DAY) for k in range(2)], usable, None)
-    assert np.isfinite(first).all(axis=1).tolist() == [True, False]
-    assert second[:, 6].tolist() == [flight.rso.cd] * 2
+    usable = int(measured.at[0]), np.append(starts[STATE].to_numpy()[0], -7.0)
+    first, second, *_ = run._starts_in_turn([measured.window(1, DAY)], usable, None)
+    np.testing.assert_array_equal(first[0], [*measured.states[1], flight.rso.cd])
+    assert second[0, 6] == -7.0
 
 
 def test_estimates_depend_neither_on_threads_nor_on_later_fixes(flight, orbit):

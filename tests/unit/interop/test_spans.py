@@ -34,18 +34,18 @@ def fitted(hours, *, bend=400.0, rate=60.0):
     return sets
 
 
-def told(sets):
+def newest(sets):
     """Over how long the newest of the sets was fitted, as all of them tell [h]."""
     return spans.found(sets, epoch=EPOCH)[-1] / HOUR
 
 
 @pytest.mark.parametrize("hours", [36.0, 72.0])
 def test_the_span_of_fits_is_found(hours):
-    assert told(fitted(hours)) == hours
+    assert newest(fitted(hours)) == hours
 
 
 def test_rates_that_no_span_explains_tell_none():
-    assert np.isnan(told(fitted(72.0, bend=20.0, rate=400.0)))
+    assert np.isnan(newest(fitted(72.0, bend=20.0, rate=400.0)))
 
 
 def test_a_few_sets_tell_no_span():
@@ -57,7 +57,7 @@ def test_a_few_sets_tell_no_span():
 def test_sets_by_which_the_object_decays_do_not_count():
     sets = fitted(72.0)
     sets.loc[5, "bstar"] = 10.0
-    assert told(sets) == 72.0
+    assert newest(sets) == 72.0
 
 
 def test_the_same_orbit_twice_tells_nothing():

@@ -204,15 +204,16 @@ class Run:
     ) -> Iterator[np.ndarray]:
         """Yield parameters (windows, 7) to start from, the best first; not finite where there are none.
 
-        First those of the newest usable estimate, carried to each track's start, unless its orbit has ended;
-        then the newer of the state in `starts` and the spare estimate; then the older.
+        First those that the measurements themselves tell, then those of the newest usable estimate, carried
+        to each track's start; then the newer of the state in `starts` and the spare estimate; then the older.
         """
         at = np.array([window.at for window in windows])
         tracks = [window.track for window in windows]
-        if usable is not None:
-            same_orbit = self.measured.epochs[usable[0]] >= self.measured.anew[tracks]
-            yield np.where(same_orbit[:, None], self.carried(*usable, at), np.nan)
         first = np.column_stack([self.starts[tracks], np.full(len(tracks), self.flight.rso.cd)])
+        if self.measured.states is not None:
+            yield first
+        if usable is not None:
+            yield self.carried(*usable, at)
         if spare is None:
             yield first
             return

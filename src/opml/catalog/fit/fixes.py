@@ -7,10 +7,9 @@ and across it (RSW). Points are gathered in tracks, as measurements of radars ar
 * a set of mean elements, whose theory gives points before their epoch. Its estimate is at that epoch. The
   points of a set reach behind the epoch of the set before it, and are known when the set is made.
 
-Residuals are measured less predicted, turned to RSW of the orbit tried. They turn with these axes while a fit
-takes a step: a residual of 10 km by a thousandth of it, without which fits to points that are kilometres off
-would end nowhere. Neighbouring arcs part by a kilometre along the track in days, where the orbit bends by
-decimetres. That bend is none of the derivative.
+Residuals are measured less predicted, turned to RSW of the orbit tried. Their axes count as fixed while a fit
+takes a step: a residual of 10 km turns with them by a thousandth of the step. Neighbouring arcs part by a
+kilometre along the track in days, where the orbit bends by decimetres. That bend is none of the derivative.
 """
 
 from collections.abc import Sequence
@@ -73,19 +72,19 @@ class Fixes(Measurements):
         """Return residuals and partial derivatives, as `Measurements.evaluation`; no light has to travel."""
         rows = window.rows
         at_rows = states[:, self.epoch_of_row[rows] - window.first]
-        axes = rsw_rotation(at_rows)
+        axes = rsw_rotation(at_rows[0])
         paths, sigmas = at_rows[..., : self.numbers], self.sigmas[rows]
-        missed = _in_axes(axes, np.broadcast_to(self.values[rows] - paths[0], paths.shape))
-        shifts = _in_axes(np.broadcast_to(axes[0], axes[1:].shape), paths[1:] - paths[0])
+        residual = _in_axes(axes, self.values[rows] - paths[0]) / sigmas
+        shifts = _in_axes(axes, paths[1:] - paths[0])
         shifts[..., 0] += _bend(shifts, np.linalg.norm(paths[0][:, :3], axis=1))
-        weighted = (shifts + missed[0] - missed[1:]) / sigmas / NUDGES[:, None, None]
-        return Evaluation((missed[0] / sigmas).ravel(), weighted.reshape(len(NUDGES), -1).T)
+        weighted = shifts / sigmas / NUDGES[:, None, None]
+        return Evaluation(residual.ravel(), weighted.reshape(len(NUDGES), -1).T)
 
 
 def _in_axes(axes: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """Return vectors (..., n, 3) or pairs of them (..., n, 6) in axes (..., n, 3, 3)."""
+    """Return vectors (..., n, 3) or pairs of them (..., n, 6) in axes (n, 3, 3)."""
     parts = vectors.reshape(*vectors.shape[:-1], -1, 3)
-    turned: np.ndarray = np.einsum("...nij,...nkj->...nki", axes, parts).reshape(vectors.shape)
+    turned: np.ndarray = np.einsum("nij,...nkj->...nki", axes, parts).reshape(vectors.shape)
     return turned
 
 

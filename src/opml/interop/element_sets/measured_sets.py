@@ -108,11 +108,11 @@ def measured(
 def _over_spans(sets: pd.DataFrame, *, epoch: str) -> np.ndarray:
     """Return how far points of sets (n,) reach back [s]: over what was fitted where sets up to each tell."""
     lengths = spans.found(sets, epoch=epoch)
-    told = np.isfinite(lengths)
-    if told.any():
-        hours = lengths[told][-1] / HOUR
+    is_known = np.isfinite(lengths)
+    if is_known.any():
+        hours = lengths[is_known][-1] / HOUR
         _log.info("sets part as fits to %.0f hours each do: their points go back as far", hours)
-    return np.where(told, lengths, USUAL_REACH)
+    return np.where(is_known, lengths, USUAL_REACH)
 
 
 def _points(
