@@ -117,6 +117,17 @@ def test_windows_begin_anew_behind_a_burn_that_is_known(orbit):
     assert unmoved.window(3, 20 * HOUR).tracks == 4
 
 
+def test_windows_of_long_sets_are_no_longer_in_time():
+    """Of 96 hours and sets of a day no point is older than 120 hours, nor of 96 and sets of three days."""
+    orbit = pd.DataFrame(np.ones((25, 6)), columns=STATE).assign(t=np.arange(25) * 12 * HOUR)
+    epochs = np.arange(3.0, 13.0) * DAY
+    for reach, oldest in ((DAY, 8.0), (3 * DAY, 10.0), (8 * DAY, 12.0)):
+        measured = fixes.Fixes(sets(orbit, epochs, reach=reach, known=np.full(10, np.nan), sigmas=TEN))
+        window = measured.window(9, 4 * DAY)
+        assert window.tracks == 13 - oldest
+        assert measured.epochs[window.first] == oldest * DAY - reach
+
+
 def test_fits_to_sets_start_from_their_own_states(flight, orbit):
     """An earlier estimate, whose Cd is wild, is days of flight away."""
     table = sets(orbit, np.array([6.0, 18.0]) * HOUR, reach=5 * HOUR, known=(np.nan,) * 2, sigmas=TEN)

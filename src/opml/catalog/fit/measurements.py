@@ -7,7 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from opml.base.constants import DAY
 from opml.catalog.fit.least_squares import Evaluation
+
+BEHIND = 1.25 * DAY
+"""Time for which measurements of a window may lie before its oldest estimate [s]."""
 
 Rows = slice | np.ndarray
 """Rows of measurements: all between two of them, or those of an index."""
@@ -81,12 +85,16 @@ class Measurements(ABC):
         """Return the window from `length` [s] before the estimate of a track to `after` [s] behind it.
 
         without: tracks that are left out
+
+        Other tracks begin at most BEHIND before it: those of long sets of mean elements end it sooner.
         """
         at = self.epochs[self.at]
         oldest = int(np.searchsorted(at, at[track] - length))
         newest = int(np.searchsorted(at, at[track] + after, side="right")) - 1
-        begins, since = self.epochs[self.begins], self.anew[track]
-        kept = [k for k in range(oldest, newest + 1) if k not in without and begins[k] >= since]
+        begins, since = self.epochs[self.begins], max(self.anew[track], at[track] - length - BEHIND)
+        kept = [
+            k for k in range(oldest, newest + 1) if k not in without and (k == track or begins[k] >= since)
+        ]
         return self.of_tracks(track, kept)
 
     def track(self, track: int) -> Window:
