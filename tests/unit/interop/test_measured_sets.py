@@ -130,6 +130,14 @@ def test_points_lie_behind_the_last_manoeuvre_and_sets_just_after_it_do_not_coun
     assert len(cut.points[5]) < len(cut.points[4])
 
 
+def test_of_a_long_set_half_a_day_behind_a_manoeuvre_is_enough():
+    taking = Taking(1200.0, 72 * HOUR, (50.0, 100.0, 20.0))
+    burns = [Manoeuvre(5.4 * DAY), Manoeuvre(8.6 * DAY)]
+    found = measured(history(DAYS), taking, epoch=EPOCH, duration=20 * DAY, manoeuvres=burns)
+    assert (found.epochs / DAY).tolist() == [1, 2, 3, 4, 5, 6, 7, 8, 10, 11, 12]
+    assert found.points[5]["t"].iloc[0] >= 5.4 * DAY
+
+
 def test_a_run_without_sets_that_count_is_told():
     with pytest.raises(
         InputError, match="element sets: expected a set within the run that counts, got 0 others"

@@ -25,7 +25,7 @@ _NUMBERS = 6
 """What a set tells of an orbit, however many points it gives."""
 
 _LEAST = 0.5
-"""Part of a set's points that lie within the run and after a manoeuvre, at least."""
+"""Part of a set's points, of a day at most, that lie within the run and after a manoeuvre, at least."""
 
 _log = logging.getLogger(__name__)
 
@@ -122,7 +122,7 @@ def _points(
     points = sgp4_points.before(one, epoch=epoch, sampling=sampling)
     begin = max([0.0, *(burn.t for burn in manoeuvres if max(burn.t, burn.known) <= one["t"])])
     rows = points[points["t"] >= begin]
-    if len(rows) < _LEAST * len(points):
+    if len(rows) < _LEAST * min(sampling.reach, USUAL_REACH) / sampling.step:
         return None
     sigmas = worth[FIX_SIGMAS[:3]].to_numpy(float) * np.sqrt(3 * len(points) / _NUMBERS)
     return rows.assign(**dict(zip(FIX_SIGMAS, [*sigmas, *[np.nan] * 3], strict=True)))
