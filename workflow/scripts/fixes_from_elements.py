@@ -1,9 +1,8 @@
 """Take what SGP4 tells before the epochs of mean elements for the tracks of an RSO."""
 
-from opml.base.constants import DAY, HOUR
+from opml.base.constants import DAY
 from opml.catalog.fit import fixes
 from opml.interop.element_sets import burns_in_sets, measured_sets
-from opml.interop.element_sets.sgp4_points import Sampling
 from opml.orbits import manoeuvres
 from opml.tables import read_table, write_table
 from opml.workflow.job_settings import JobSettings
@@ -13,12 +12,11 @@ with job(snakemake) as metadata:
     settings = JobSettings(snakemake.params.settings)
     history, duration = settings.history, DAY * settings.duration_days
     sets = measured_sets.of_run(read_table(snakemake.input[0], "element_sets"), duration)
-    known = manoeuvres.at_times(settings.manoeuvres, epoch=settings.epoch)
-    if history["find_manoeuvres"]:
-        known += burns_in_sets.found(sets, epoch=settings.epoch)
+    named = manoeuvres.at_times(settings.manoeuvres, epoch=settings.epoch)
+    known = burns_in_sets.known(sets, named, epoch=settings.epoch, find=history["find_manoeuvres"])
     measured = measured_sets.measured(
         sets,
-        measured_sets.Taking(Sampling(HOUR * history["reach_hours"], history["every_s"]), history["sigma_m"]),
+        measured_sets.Taking.from_settings(history),
         epoch=settings.epoch,
         duration=duration,
         manoeuvres=known,

@@ -23,7 +23,8 @@ with job(snakemake) as metadata:
         lessons = Lessons(dataset.read(files.dataset, beside), learner, settings.seed, settings.train_days[0])
         first_day = replays.first_day(lessons, known, train_days=settings.train_days)
         starts = replays.morning_departures(known, every_hours=settings.every_hours, first_day=first_day)
-        judge = replays.at_starts(replays.judge(lessons.dataset, predictions, later), starts, spread)
+        judged = replays.judge(lessons.dataset, predictions, later, alike=known.are_of_sets)
+        judge = replays.at_starts(judged, starts, spread)
         series.append(replays.Series(lessons, starts, judge))
     tables = replays.build(
         Flight.read(files, settings.values, threads=snakemake.threads, progress=progress),

@@ -9,6 +9,7 @@ import pandas as pd
 
 from opml.base.constants import HOUR
 from opml.base.errors import InputError
+from opml.catalog.fit import fixes
 from opml.catalog.predict import other_windows
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
@@ -31,6 +32,7 @@ class Known:
     manoeuvres: those that any table tells of, each with the time since which it is known
     epoch: UTC text that times count from
     element_sets: history of mean elements, where learners ask for SGP4
+    are_of_sets: whether estimates are fits to mean elements
     """
 
     estimates: pd.DataFrame
@@ -44,6 +46,7 @@ class Known:
     manoeuvres: Sequence[Manoeuvre] = ()
     epoch: str = ""
     element_sets: pd.DataFrame | None = None
+    are_of_sets: bool = False
 
     @classmethod
     def read(cls, files: Any, settings: Mapping[str, Any]) -> Self:
@@ -56,11 +59,12 @@ class Known:
         Raises InputError where a table is missing, damaged or does not belong to the others.
         """
         estimates = read_table(files.estimates, "estimates")
+        tracking = read_measured(files.tracking)
         gm, mechanism = read_metadata(files.gravity_field)["gm"], settings["mechanism"]
         at_estimates = dataset.of_estimates(
             estimates,
             read_table(files.predictions, "predictions"),
-            read_measured(files.tracking),
+            tracking,
             gm=gm,
             cleaning=Cleaning.from_settings(settings["cleaning"]),
         )
@@ -81,6 +85,7 @@ class Known:
             manoeuvres=read_manoeuvres(files.manoeuvres) if files.manoeuvres else [],
             epoch=settings["epoch"],
             element_sets=read_table(sets, "element_sets") if sets else None,
+            are_of_sets=fixes.are_of_sets(tracking),
         )
 
     @property

@@ -65,17 +65,21 @@ def first_day(lessons: Lessons, known: Known, *, train_days: Sequence[float]) ->
     return begin + max(hours) / 24.0
 
 
-def judge(dataset: pd.DataFrame, predictions: pd.DataFrame, later: pd.DataFrame | None) -> pd.DataFrame:
+def judge(
+    dataset: pd.DataFrame, predictions: pd.DataFrame, later: pd.DataFrame | None, *, alike: bool = False
+) -> pd.DataFrame:
     """Return what ephemerides are held against: i, j, t_j, t_known and a state for each pair of a dataset.
 
     Pairs that were dropped are left out.
     predictions: the table, whose true states are taken where `later` is None
     later: the estimates that labels are from, which come with their doubt
+    alike: whether these are off as the predictions are, `fixes.are_of_sets`
     """
     kept = dataset[dataset["keep"]]
     doubt = {name: kept.get(f"sigma_e_{name[-1]}", 0.0) for name in DOUBT}
     pairs = kept[["i", "j", "t_j"]].assign(t_known=known_at(kept), **doubt)
     if later is not None:
+        pairs = pairs.assign(alike=True) if alike else pairs
         return pairs.join(later.set_index("track")[STATE], on="j")
     true = predictions.set_index(["i", "j"])[TRUE].set_axis(STATE, axis=1)
     return pairs.join(true, on=["i", "j"])
@@ -142,7 +146,9 @@ def _together(task: Task, series: Sequence[Series]) -> Iterator[pd.DataFrame]:
     for tables in found:
         table = task.joined(tables)
         sigma = as_known(table, table["morning"].to_numpy())
-        yield table.assign(**dict(zip(SIGMA_STATE, sigma.T, strict=True)))[SCHEMAS["replay"].names]
+        yield table.assign(**dict(zip(SIGMA_STATE, sigma.T, strict=True)))[
+            SCHEMAS["replay"].among(table.columns).names
+        ]
 
 
 def _ephemerides(part: Part, series: Series) -> Iterator[pd.DataFrame]:
@@ -175,7 +181,7 @@ def missed(rows: pd.DataFrame, along: np.ndarray, later: pd.DataFrame, *, now: f
         in_rsw(through(t, path)(at) - states, states)
         for path in (np.ascontiguousarray(rows[STATE]), moved(rows, along))
     )
-    return later[["i", "j", "t_j", "t_known", *DOUBT, *SPREAD]].assign(
+    return later.drop(columns=STATE).assign(
         t_i=t_i,
         morning=now,
         duration=at - t_i,

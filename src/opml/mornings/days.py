@@ -14,7 +14,7 @@ import pandas as pd
 from opml.base import epochs
 from opml.base.constants import DAY, HOUR
 from opml.interop import ccsds, oem
-from opml.learning.judge.error_sizes import INSIDE
+from opml.learning.judge.error_sizes import INSIDE, along_track
 from opml.mornings.morning import Left, Plan, Watched, morning
 from opml.mornings.records import DONE, HORIZON, Records
 
@@ -155,7 +155,7 @@ def scores(flown: pd.DataFrame) -> list[dict[str, Any]]:
             "predictions": len(rows),
             "along_track_m": _rounded(rows["e_y"].abs().quantile(0.5)),
             "along_track_95_m": _rounded(rows["e_y"].abs().quantile(0.95)),
-            "inside": float(np.mean(rows["e_y"].abs() < INSIDE * np.hypot(rows["sigma_y"], rows["doubt_y"]))),
+            "inside": float(np.mean(rows["e_y"].abs() < INSIDE * along_track(rows))),
         }
         for day, rows in flown.groupby(lead)
     ]

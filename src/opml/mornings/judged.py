@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
+from opml.catalog.fit import fixes
 from opml.catalog.predict import labels
 from opml.ephemerides.corrected import between
 from opml.ephemerides.replays import missed
@@ -15,13 +16,17 @@ from opml.tables import DOUBT, SIGMA_STATE, SIGMAS, STATE
 
 
 def later_states(estimates: pd.DataFrame, recent: Recent) -> pd.DataFrame:
-    """Return what estimates tell of the orbit: j, t_j, t_known, DOUBT and a state of each that converged."""
+    """Return what estimates tell of the orbit: j, t_j, t_known, DOUBT and a state of each that converged.
+
+    They are `alike` where mean elements are fitted.
+    """
     ends = dict(zip(recent.numbers, recent.ends, strict=True))
     known = labels.with_sigmas(estimates[estimates["converged"].astype(bool)])
     doubt = dict(zip(DOUBT, (known[name] for name in SIGMAS[:3]), strict=True))
-    return known.assign(j=known["track"], t_j=known["t"], t_known=known["track"].map(ends), **doubt)[
+    states = known.assign(j=known["track"], t_j=known["t"], t_known=known["track"].map(ends), **doubt)[
         ["j", "t_j", "t_known", *DOUBT, *STATE]
     ]
+    return states.assign(alike=True) if fixes.are_of_sets(recent.tracking) else states
 
 
 def judged(
@@ -52,5 +57,5 @@ def _ahead(
     t_i, t_j = float(rows["t_i"].iloc[0]), later["t_j"].to_numpy()
     reached = (t_j > t_i) & (t_j >= rows["t_j"].iloc[0]) & (t_j <= rows["t_j"].iloc[-1])
     # A fit to tracks from both sides of a manoeuvre tells no orbit.
-    across = contain_any(np.full(len(t_j), t_i - window), t_j, manoeuvres)
+    across = contain_any(np.full(len(t_j), t_i), t_j, manoeuvres, window=window)
     return between(later[reached & ~across].assign(i=rows["i"].iloc[0]), rows)

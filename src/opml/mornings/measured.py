@@ -12,7 +12,6 @@ from opml.catalog.fit.first import first_orbit
 from opml.catalog.fit.first.first_orbit import TimedState
 from opml.interop import first_state, points_from_files, tdm
 from opml.interop.element_sets import burns_in_sets, histories, measured_sets
-from opml.interop.element_sets.sgp4_points import Sampling
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.orbits import manoeuvres
 from opml.orbits.manoeuvres import Manoeuvre
@@ -74,12 +73,10 @@ def _of_elements(source: Source, span: Span, known: list[Manoeuvre]) -> tuple[pd
         source.files, epoch=span.epoch, leave_out_damaged=source.taking["leave_out_damaged"]
     )
     sets = measured_sets.of_run(histories.of_object(history.sets, source.taking["number"]), span.duration)
-    if source.taking["find_manoeuvres"]:
-        known = known + burns_in_sets.found(sets, epoch=span.epoch)
-    sampling = Sampling(HOUR * source.taking["reach_hours"], source.taking["every_s"])
+    known = burns_in_sets.known(sets, known, epoch=span.epoch, find=source.taking["find_manoeuvres"])
     found = measured_sets.measured(
         sets,
-        measured_sets.Taking(sampling, source.taking["sigma_m"]),
+        measured_sets.Taking.from_settings(source.taking),
         epoch=span.epoch,
         duration=span.duration,
         manoeuvres=known,

@@ -143,7 +143,7 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
         return Left(_nothing(now), recent, Verdict(DO_NOT_USE, "no tracks of the last days"))
     fitting = fits.Fitting(
         watched.model.fits,
-        fixes.measurements(recent.tracking, watched.model.orientation, watched.stations),
+        fixes.measurements(recent.tracking, watched.model.orientation, watched.stations, watched.manoeuvres),
         recent,
         plan.estimation,
         watched.given,

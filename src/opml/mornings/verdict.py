@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.learning.judge.error_sizes import INSIDE, LEVEL
+from opml.learning.judge.error_sizes import INSIDE, LEVEL, along_track
 from opml.mornings.records import Records
 
 GOOD, WIDE, DO_NOT_USE = "good", "wide", "do not use"
@@ -44,7 +44,7 @@ def verdict(records: Records, start: pd.DataFrame, *, now: float) -> Verdict:
     """Return the verdict on an ephemeris from an estimate, by what was judged by `now` [s]."""
     age = now - float(start["t"].iloc[0])
     flown = records.judged[np.isfinite(records.judged["sigma_y"].to_numpy(float))]
-    off = (flown["e_y"].abs() / np.hypot(flown["sigma_y"], flown["doubt_y"])).to_numpy(float)
+    off = flown["e_y"].abs().to_numpy(float) / along_track(flown)
     newest = (flown["t_known"] > now - DAY).to_numpy(bool) & (flown["duration"] < 2.0 * DAY).to_numpy(bool)
     recent = (flown["t_known"] > now - PAST).to_numpy(bool)
     mornings = records.judged["morning"].nunique()

@@ -24,17 +24,25 @@ class Manoeuvre:
 
     t: when it was [s]
     known: since when it is known [s]; one that somebody named always was
+    anew: whether the windows of fits begin anew behind it, once it is known
     """
 
     t: float
     known: float = -math.inf
+    anew: bool = False
 
 
-def contain_any(begin: np.ndarray, end: np.ndarray, manoeuvres: Sequence[Manoeuvre]) -> np.ndarray:
-    """Return which spans (begin, end], (n,) [s], contain a manoeuvre that was known by their ends: (n,)."""
+def contain_any(
+    begin: np.ndarray, end: np.ndarray, manoeuvres: Sequence[Manoeuvre], *, window: float = 0.0
+) -> np.ndarray:
+    """Return which spans (begin, end], (n,) [s], contain a manoeuvre that was known by their ends: (n,).
+
+    window: of the fits that spans begin with [s], which have to be free of one, too, if they hold it
+    """
     contain = np.zeros(len(end), dtype=bool)
     for one in manoeuvres:
-        contain |= (begin < one.t) & (max(one.t, one.known) <= end)
+        first = begin if one.anew else begin - window
+        contain |= (first < one.t) & (max(one.t, one.known) <= end)
     return contain
 
 
@@ -50,14 +58,19 @@ def at_times(times: Sequence[str], *, epoch: str) -> list[Manoeuvre]:
 
 def facts(manoeuvres: Sequence[Manoeuvre]) -> dict[str, Any]:
     """Return manoeuvres as a table's metadata hold them."""
-    since = ({"known": one.known} if math.isfinite(one.known) else {} for one in manoeuvres)
-    return {"manoeuvres": [{"t": one.t} | known for one, known in zip(manoeuvres, since, strict=True)]}
+    return {"manoeuvres": [_fact(one) for one in manoeuvres]}
+
+
+def _fact(one: Manoeuvre) -> dict[str, Any]:
+    """Return what metadata hold of a manoeuvre: what is not as usual."""
+    known = {"known": one.known} if math.isfinite(one.known) else {}
+    return {"t": one.t} | known | ({"anew": True} if one.anew else {})
 
 
 def read_manoeuvres(path: FilePath) -> list[Manoeuvre]:
     """Read the manoeuvres that a table's metadata hold. Raises as `read_metadata` does."""
     found = read_metadata(path).get("manoeuvres", [])
-    return [Manoeuvre(one["t"], one.get("known", -math.inf)) for one in found]
+    return [Manoeuvre(one["t"], one.get("known", -math.inf), one.get("anew", False)) for one in found]
 
 
 def read_times(path: FilePath) -> list[str]:

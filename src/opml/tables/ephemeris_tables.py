@@ -9,6 +9,7 @@ from opml.tables.columns import (
     Schema,
     count,
     covariance,
+    flag,
     real,
     state_columns,
 )
@@ -40,8 +41,11 @@ REPLAY_COLUMNS = (
     ),
 )
 
+ALIKE = (flag("alike", "whether that state errs as the prediction does, as both are of mean elements"),)
+"""Optional column of replays."""
+
 EPHEMERIS_SCHEMAS = (
-    Schema("replay", "a pair of an estimate i and a later track start j", REPLAY_COLUMNS),
+    Schema("replay", "a pair of an estimate i and a later track start j", REPLAY_COLUMNS, ALIKE),
     Schema(
         "corrected",
         "an epoch after an estimate",

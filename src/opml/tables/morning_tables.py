@@ -13,7 +13,7 @@ from opml.tables.columns import (
     state_columns,
     text,
 )
-from opml.tables.ephemeris_tables import REPLAY_COLUMNS
+from opml.tables.ephemeris_tables import ALIKE, REPLAY_COLUMNS
 
 SIZES = {
     **{f"constant_{axis}": ("m", f"constant, {axis}") for axis in "xyz"},
@@ -37,6 +37,7 @@ MORNING_SCHEMAS = (
         "judged",
         "a model, an estimate i that a morning started from, and a later track start j",
         (text("model", "name of the model"), *REPLAY_COLUMNS),
+        ALIKE,
     ),
     Schema(
         "issued",

@@ -15,6 +15,7 @@ from opml.catalog.flight import Flight
 from opml.catalog.predict import labels, prediction
 from opml.catalog.simulate import truth
 from opml.orbits.elements import in_rsw, rsw_rotation
+from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, PARAMETER_COVARIANCES, STATE, symmetric_matrices
 
 SETTINGS = replace(BOUNDED_ESTIMATION, window_hours=9.0, convergence=1e-5)
@@ -103,6 +104,42 @@ def test_weights_are_those_of_radial_along_and_cross_track(flight, orbit):
     assert np.median(np.abs(off(untold, orbit)[:, 0])) > 5.0 * np.median(np.abs(off(told, orbit)[:, 0]))
 
 
+def test_windows_begin_anew_behind_a_burn_that_is_known(orbit):
+    epochs = np.array([6.0, 12.0, 18.0, 23.0]) * HOUR
+    table = sets(orbit, epochs, reach=5 * HOUR, known=np.full(4, np.nan), sigmas=TEN)
+    burn = Manoeuvre(9.0 * HOUR, 18.0 * HOUR, anew=True)
+    measured = fixes.Fixes(table, [burn])
+    windows = [measured.window(track, 20 * HOUR) for track in range(4)]
+    # Nobody knew at 12 h; the points of that set begin before the burn.
+    assert [window.tracks for window in windows] == [1, 2, 1, 2]
+    assert [measured.epochs[window.first] / HOUR for window in windows] == [1.0, 1.0, 13.0, 13.0]
+    unmoved = fixes.Fixes(table, [replace(burn, anew=False)])
+    assert unmoved.window(3, 20 * HOUR).tracks == 4
+
+
+def test_windows_of_long_sets_are_no_longer_in_time():
+    """Of 96 hours and sets of a day no point is older than 120 hours, nor of 96 and sets of three days."""
+    orbit = pd.DataFrame(np.ones((25, 6)), columns=STATE).assign(t=np.arange(25) * 12 * HOUR)
+    epochs = np.arange(3.0, 13.0) * DAY
+    for reach, oldest in ((DAY, 8.0), (3 * DAY, 10.0), (8 * DAY, 12.0)):
+        measured = fixes.Fixes(sets(orbit, epochs, reach=reach, known=np.full(10, np.nan), sigmas=TEN))
+        window = measured.window(9, 4 * DAY)
+        assert window.tracks == 13 - oldest
+        assert measured.epochs[window.first] == oldest * DAY - reach
+
+
+def test_fits_to_sets_start_from_their_own_states(flight, orbit):
+    """An earlier estimate, whose Cd is wild, is days of flight away."""
+    table = sets(orbit, np.array([6.0, 18.0]) * HOUR, reach=5 * HOUR, known=(np.nan,) * 2, sigmas=TEN)
+    measured = fixes.Fixes(table)
+    starts = first_orbit.starts(flight, measured, known=None, settings=SETTINGS)
+    run = estimation.Run.begun(flight, starts, measured, SETTINGS)
+    usable = int(measured.at[0]), np.append(starts[STATE].to_numpy()[0], -7.0)
+    first, second, *_ = run._starts_in_turn([measured.window(1, DAY)], usable, None)
+    np.testing.assert_array_equal(first[0], [*measured.states[1], flight.rso.cd])
+    assert second[0, 6] == -7.0
+
+
 def test_estimates_depend_neither_on_threads_nor_on_later_fixes(flight, orbit):
     table = stretched(orbit, sigmas=TEN, velocities=True, seed=3)
     found = estimates(flight, table)
@@ -122,6 +159,12 @@ def sets(orbit, epochs, *, reach=12 * HOUR, known=(np.nan,) * 3, **given):
     rows = points(orbit, velocities=True, **given)
     before = [rows[(rows["t"] <= epoch) & (rows["t"] >= epoch - reach)] for epoch in epochs]
     return fixes.of_sets(np.asarray(epochs), before, known=np.asarray(known))
+
+
+def test_sets_are_told_from_points_along_an_orbit(orbit):
+    assert fixes.are_of_sets(sets(orbit, [DAY], known=[np.nan], sigmas=TEN))
+    assert not fixes.are_of_sets(fixes.stretches(points(orbit, sigmas=TEN)))
+    assert not fixes.are_of_sets(pd.DataFrame({"track": [0], "t": [5.0]}))
 
 
 def test_a_set_is_fitted_at_its_epoch_to_the_points_before_it(flight, orbit):

@@ -89,6 +89,18 @@ def test_the_table_is_the_schemas_and_comes_back(table, tmp_path):
     )
 
 
+def test_rows_against_fits_to_mean_elements_are_marked(flight, tables, tmp_path):
+    series = series_of(flight, tables, NONE)
+    later = tables["known"].estimates
+    judge = replays.judge(tables["rows"], tables["predictions"], later, alike=True)
+    assert "alike" not in replays.judge(tables["rows"], tables["predictions"], later)
+    assert judge["alike"].all()
+    marked = replace(series, starts=series.starts[:3], judge=series.judge.assign(alike=True))
+    (table,) = replays.build(flight, tables["known"], [marked], max_days=0.3)
+    write_table(tmp_path / "r.parquet", table, "replay", metadata={})
+    assert read_table(tmp_path / "r.parquet", "replay")["alike"].all()
+
+
 def test_without_a_correction_errors_are_those_of_the_predictions(flight, tables):
     """The path through states two minutes apart is the arc itself."""
     table = replayed(flight, tables, NONE)

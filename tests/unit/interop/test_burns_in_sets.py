@@ -13,7 +13,6 @@ from opml.base.constants import DAY, HOUR
 from opml.catalog.fit import fixes
 from opml.interop.element_sets import burns_in_sets
 from opml.interop.element_sets.measured_sets import Taking, measured
-from opml.interop.element_sets.sgp4_points import Sampling
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, STATE
 
@@ -82,6 +81,20 @@ def test_an_orbit_that_is_raised_set_by_set_begins_a_new_past():
     assert first == Manoeuvre(4.0 * DAY, 9.0 * DAY)
 
 
+def test_a_gap_between_sets_a_few_hours_apart_hides_no_burn():
+    """Drag has no more time than between daily sets."""
+    days = np.concatenate([np.arange(-10.0, 3.9, 0.2), np.arange(4.9, 10.0, 0.2)])
+    (burn,) = found(sets_with({4.5: 60.0}, days=days))
+    assert burn.t == pytest.approx(4.9 * DAY)
+
+
+def test_burns_stand_in_order_and_windows_begin_anew_behind_them():
+    named = [Manoeuvre(8.0 * DAY)]
+    both = burns_in_sets.known(sets_with({4.5: 60.0}), named, epoch=EPOCH, find=True)
+    assert both == [Manoeuvre(5.0 * DAY, 6.0 * DAY, anew=True), Manoeuvre(8.0 * DAY, anew=True)]
+    assert burns_in_sets.known(sets_with({4.5: 60.0}), named, epoch=EPOCH, find=False) == both[1:]
+
+
 def test_sets_after_a_burn_may_settle():
     settling = 1.7 * burns_in_sets.OFF * np.sqrt(2.0) * NOISE
     assert len(found(sets_with({9.5: settling}))) == 1
@@ -96,7 +109,7 @@ def test_a_burn_changes_nothing_before_it_was_found():
     for name, sets in (("quiet", quiet), ("burned", burned)):
         measured_sets = measured(
             sets,
-            Taking(Sampling(36 * HOUR, 1200.0)),
+            Taking(1200.0, 36 * HOUR),
             epoch=EPOCH,
             duration=20 * DAY,
             manoeuvres=found(sets),

@@ -28,7 +28,8 @@ def weighed(sets, **options):
 
 
 def taken(sets, sigmas=None, *, duration=20 * DAY, **options):
-    return measured(sets, Taking(SAMPLING, sigmas), epoch=EPOCH, duration=duration, **options)
+    taking = Taking(SAMPLING.step, SAMPLING.reach, sigmas)
+    return measured(sets, taking, epoch=EPOCH, duration=duration, **options)
 
 
 def table_of(found):
@@ -77,6 +78,13 @@ def test_a_long_gap_makes_larger_disagreements_usual():
     assert weighed(history(days, noise=100.0, ahead={20.0: 20e3}))["counts"].all()
 
 
+def test_a_gap_between_sets_a_few_hours_apart_makes_none_usual():
+    days = np.append(np.arange(1.0, 4.0, 0.1), 5.0)
+    far = weighed(history(days, noise=100.0, ahead={4.5: 20e3}))["counts"]
+    assert far.iloc[:-1].all()
+    assert not far.iloc[-1]
+
+
 def test_nothing_is_held_against_a_set_before_a_known_manoeuvre():
     worth = weighed(history(DAYS, noise=100.0, ahead={8.0: 20e3}), manoeuvres=[Manoeuvre(7.5 * DAY)])
     assert worth["counts"].all()
@@ -120,6 +128,14 @@ def test_points_lie_behind_the_last_manoeuvre_and_sets_just_after_it_do_not_coun
     cut = taken(history(DAYS), manoeuvres=[Manoeuvre(5.6 * DAY)])
     assert cut.points[5]["t"].iloc[0] >= 5.6 * DAY
     assert len(cut.points[5]) < len(cut.points[4])
+
+
+def test_of_a_long_set_half_a_day_behind_a_manoeuvre_is_enough():
+    taking = Taking(1200.0, 72 * HOUR, (50.0, 100.0, 20.0))
+    burns = [Manoeuvre(5.4 * DAY), Manoeuvre(8.6 * DAY)]
+    found = measured(history(DAYS), taking, epoch=EPOCH, duration=20 * DAY, manoeuvres=burns)
+    assert (found.epochs / DAY).tolist() == [1, 2, 3, 4, 5, 6, 7, 8, 10, 11, 12]
+    assert found.points[5]["t"].iloc[0] >= 5.4 * DAY
 
 
 def test_a_run_without_sets_that_count_is_told():

@@ -35,7 +35,7 @@ def test_points_are_states_of_sgp4_up_to_the_epoch(days):
 
 
 def test_fits_to_sets_are_at_their_epochs_and_as_close_as_sgp4_is(assumed_model, iss):
-    taking = measured_sets.Taking(SAMPLING, (300.0, 1000.0, 300.0))
+    taking = measured_sets.Taking(SAMPLING.step, SAMPLING.reach, (300.0, 1000.0, 300.0))
     found = measured_sets.measured(history([1.0, 2.5]), taking, epoch=EPOCH, duration=3 * DAY)
     table = fixes.of_sets(found.epochs, found.points, known=found.known)
     settings = replace(BOUNDED_ESTIMATION, window_hours=0.0, cd_sigma=0.5)

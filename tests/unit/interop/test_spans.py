@@ -10,7 +10,6 @@ from support import EPOCH
 from opml.base.constants import DAY, HOUR
 from opml.interop.element_sets import spans
 from opml.interop.element_sets.measured_sets import Taking, measured
-from opml.interop.element_sets.sgp4_points import Sampling
 
 DAYS = np.arange(1.0, 21.0)
 RADIUS = 6.78e6
@@ -35,27 +34,48 @@ def fitted(hours, *, bend=400.0, rate=60.0):
     return sets
 
 
+def newest(sets):
+    """Over how long the newest of the sets was fitted, as all of them tell [h]."""
+    return spans.found(sets, epoch=EPOCH)[-1] / HOUR
+
+
 @pytest.mark.parametrize("hours", [36.0, 72.0])
 def test_the_span_of_fits_is_found(hours):
-    assert spans.span(fitted(hours), epoch=EPOCH) == pytest.approx(hours * HOUR, rel=0.15)
+    assert newest(fitted(hours)) == hours
 
 
 def test_rates_that_no_span_explains_tell_none():
-    assert spans.span(fitted(72.0, bend=20.0, rate=400.0), epoch=EPOCH) is None
+    assert np.isnan(newest(fitted(72.0, bend=20.0, rate=400.0)))
 
 
 def test_a_few_sets_tell_no_span():
-    assert spans.span(fitted(72.0).iloc[:8], epoch=EPOCH) is None
+    lengths = spans.found(fitted(72.0), epoch=EPOCH)
+    assert np.isnan(lengths[:8]).all()
+    assert np.isfinite(lengths[8:]).all()
 
 
 def test_sets_by_which_the_object_decays_do_not_count():
     sets = fitted(72.0)
     sets.loc[5, "bstar"] = 10.0
-    assert spans.span(sets, epoch=EPOCH) == pytest.approx(72.0 * HOUR, rel=0.15)
+    assert newest(sets) == 72.0
 
 
-def test_the_span_is_logged_beside_the_sets_that_count(caplog):
+def test_the_same_orbit_twice_tells_nothing():
+    assert np.isnan(spans._parting(*(history([1.0, 2.0]).iloc[k] for k in (0, 0)), EPOCH)).all()
+
+
+def reaches(sets, **taking):
+    """How far the points of each set reach back [h]."""
+    found = measured(sets, Taking(1200.0, **taking), epoch=EPOCH, duration=30 * DAY)
+    return [float(np.ptp(points["t"])) / HOUR for points in found.points]
+
+
+def test_points_reach_back_over_the_span_once_it_is_told(caplog):
     caplog.set_level(logging.INFO)
-    measured(fitted(72.0), Taking(Sampling(DAY, 1200.0)), epoch=EPOCH, duration=30 * DAY)
-    (line,) = [line for line in caplog.messages if "reach_hours" in line]
-    assert 60.0 < float(line.split("fits to ")[1].split()[0]) < 84.0
+    sets = fitted(72.0).iloc[:11]
+    found = reaches(sets)
+    assert found == [24.0] * 8 + [72.0] * 3
+    (line,) = [line for line in caplog.messages if "sets part" in line]
+    assert line.startswith("sets part as fits to 72 hours each do")
+    assert reaches(sets.iloc[:10]) == found[:10]
+    assert reaches(sets, reach=36 * HOUR) == [24.0] + [36.0] * 10

@@ -15,7 +15,7 @@ from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.ephemerides.along_track_shift import corrected
 from opml.interop import oem
-from opml.mornings import days, tracks
+from opml.mornings import days, judged, tracks
 from opml.mornings.days import Calendar, Folder
 from opml.mornings.morning import Model, Plan, Watched
 from opml.mornings.records import DONE, Records
@@ -177,3 +177,12 @@ def test_a_track_keeps_its_number_and_one_that_comes_late_gets_none():
     np.testing.assert_array_equal(recent.tracking["track"].unique(), [0, 1, 2])
     recent = tracks.over(measured, kept, now=30 * HOUR + 100.0, reach=DAY)
     np.testing.assert_array_equal(recent.numbers, [8])  # one is too old, one is not over
+
+
+def test_fits_to_mean_elements_are_marked_as_what_errs_alike(watched, whole):
+    (folder,) = (whole / LAST.isoformat()).glob("iss")
+    made = read_table(folder / "kept_estimates.parquet", "kept_estimates").query("window_hours == 12.0")
+    recent = tracks.over(watched.tracking, made, now=CALENDAR.time(LAST), reach=2 * DAY)
+    assert "alike" not in judged.later_states(made, recent)
+    before = recent.tracking.assign(t_estimate=recent.tracking["t"] + HOUR)
+    assert judged.later_states(made, replace(recent, tracking=before))["alike"].all()

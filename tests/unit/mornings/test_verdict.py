@@ -51,6 +51,15 @@ def test_after_few_mornings_nothing_is_good():
     assert verdict(few, start(), now=NOW).word == WIDE
 
 
+def test_intervals_are_held_against_what_differences_show():
+    """Of 100 m a later estimate hides 90: errors of 100 m are too many for what is left."""
+    past = records(sigma=100.0)
+    hidden = past.judged["sigma_y"] * 0.9
+    alike = Records(past.estimates, past.judged.assign(doubt_y=hidden, alike=True), past.issued)
+    assert verdict(alike, start(), now=NOW).word == WIDE
+    assert verdict(past, start(), now=NOW).word == GOOD
+
+
 def test_what_was_not_flown_has_no_say():
     """Of a model that was only a candidate no standard deviation was stated."""
     past = records(sigma=100.0)

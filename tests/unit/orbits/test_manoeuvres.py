@@ -53,9 +53,9 @@ def test_a_file_that_is_no_list_of_manoeuvres_is_told(tmp_path, content, expecte
 
 
 def test_tables_keep_manoeuvres_and_since_when_they_are_known(tmp_path):
-    burns = [Manoeuvre(5.0), Manoeuvre(7.0, 9.0)]
+    burns = [Manoeuvre(5.0), Manoeuvre(7.0, 9.0), Manoeuvre(8.0, anew=True)]
     facts = manoeuvres.facts(burns)
-    assert facts == {"manoeuvres": [{"t": 5.0}, {"t": 7.0, "known": 9.0}]}
+    assert facts == {"manoeuvres": [{"t": 5.0}, {"t": 7.0, "known": 9.0}, {"t": 8.0, "anew": True}]}
     write_table(tmp_path / "t.parquet", history([1.0]), "element_sets", metadata=facts)
     assert manoeuvres.read_manoeuvres(tmp_path / "t.parquet") == burns
 
@@ -72,3 +72,10 @@ def test_tables_keep_manoeuvres_and_since_when_they_are_known(tmp_path):
 def test_a_span_contains_what_was_known_by_its_end(burn, contain):
     begin, end = np.array([0.0, 1.0, 1.0, 2.0]), np.array([1.0, 2.0, 3.0, 4.0])
     assert manoeuvres.contain_any(begin, end, [burn]).tolist() == contain
+
+
+def test_a_window_counts_unless_fits_begin_anew():
+    begin, end = np.array([1.0, 2.5, 4.0]), np.array([3.0, 3.0, 5.0])
+    for anew, contain in ((False, [True, True, False]), (True, [True, False, False])):
+        burn = Manoeuvre(2.0, anew=anew)
+        assert manoeuvres.contain_any(begin, end, [burn], window=1.0).tolist() == contain

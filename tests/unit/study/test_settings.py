@@ -750,7 +750,7 @@ def test_mean_elements_stand_where_tracks_do_with_windows_of_their_own(tmp_path)
     settings = checked(source)
     assert settings.elements == settings.measured == {"mine": [f"{tmp_path}/sets.tle"]}
     assert settings.history("mine").sigma_m == (50.0, 150.0, 20.0)
-    assert settings.history("iss").reach_hours == 24.0
+    assert settings.history("iss").reach_hours is None
     assert settings.values["estimation"]["window_hours"] == 96
     study = Study(replace(settings, values=settings.values | {"study": {"rsos": ["mine"]}}))
     assert (study.station_sets, study.label, study.truth_of("mine")) == (["fixes"], "later", "measured")

@@ -101,7 +101,7 @@ def test_sets_of_mean_elements_are_read_weighed_and_flown_as_the_settings_say(ta
     np.testing.assert_allclose(table["t_estimate"].unique(), [DAY, 2 * DAY], atol=1e-3)
     np.testing.assert_allclose(table[FIX_SIGMAS[:3]].iloc[0], np.array(told["sigma_m"]) * np.sqrt(37 / 2))
     assert fitted_to(tmp_path, orientation).states is not None
-    assert facts["manoeuvres"] == [{"t": HOUR + 0.5}, {"t": 2 * HOUR}]
+    assert facts["manoeuvres"] == [{"t": HOUR + 0.5, "anew": True}, {"t": 2 * HOUR, "anew": True}]
     learned, _ = taken(
         "fixes_from_elements", Files(str(path)), duration_days=2.5, history=settings | {"sigma_m": None}
     )
@@ -117,8 +117,9 @@ def test_burns_that_are_found_stand_beside_those_that_are_named(taken, tmp_path)
     _, facts = taken(
         "fixes_from_elements", Files(str(tmp_path / "sets.parquet")), duration_days=8.0, history=settings
     )
-    found = {"t": 5 * DAY, "known": 6 * DAY}
-    assert facts["manoeuvres"] == [{"t": HOUR + 0.5}, {"t": 2 * HOUR}, found]
+    found = {"t": 5 * DAY, "known": 6 * DAY, "anew": True}
+    named = [{"t": HOUR + 0.5, "anew": True}, {"t": 2 * HOUR, "anew": True}]
+    assert facts["manoeuvres"] == [*named, found]
 
 
 def test_sgp4_is_held_against_predictions(taken, tmp_path):

@@ -26,6 +26,7 @@ from opml.catalog.fit.measurements import Measurements, Rows, Window
 from opml.catalog.fit.neighbour_arcs import NUDGES
 from opml.catalog.fit.sightings import Measured
 from opml.orbits.elements import rsw_rotation
+from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres
 from opml.orbits.sheets import Station
 from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, read_measured, read_table
 
@@ -38,8 +39,11 @@ class Fixes(Measurements):
 
     smooth_for = 1200.0
 
-    def __init__(self, fixes: pd.DataFrame) -> None:
-        """Take the table. Raises InputError where velocities count in some rows and not in others."""
+    def __init__(self, fixes: pd.DataFrame, manoeuvres: Sequence[Manoeuvre] = ()) -> None:
+        """Take the table. Raises InputError where velocities count in some rows and not in others.
+
+        manoeuvres: `anew` behind which windows begin
+        """
         super().__init__(*(fixes[name].to_numpy() for name in ("track", "t", "t_estimate")))
         counting = np.isfinite(fixes[FIX_SIGMAS[3:]].to_numpy()).all(axis=1)
         if counting.any() and not counting.all():
@@ -52,6 +56,9 @@ class Fixes(Measurements):
         self.sigmas = fixes[FIX_SIGMAS[: self.numbers]].to_numpy()
         if not (np.isfinite(self.values).all() and np.all(self.sigmas > 0.0)):
             raise InputError("fixes: expected numbers, and sigmas above 0, of all that counts, got others")
+        for one in manoeuvres:
+            since = max(one.t, one.known) if one.anew else np.inf
+            self.anew[self.epochs[self.at] >= since] = one.t
         there = fixes.loc[fixes["t"] == fixes["t_estimate"], STATE].to_numpy()
         if len(there) == self.tracks and np.isfinite(there).all():
             self.states = there
@@ -93,17 +100,29 @@ def read(files: Any, stations: Sequence[Station]) -> Measurements:
     Raises InputError where a table is missing or damaged.
     """
     orientation = read_table(files.earth_orientation, "earth_orientation")
-    return measurements(read_measured(files.tracking), orientation, stations)
+    known = read_manoeuvres(files.tracking)
+    return measurements(read_measured(files.tracking), orientation, stations, known)
 
 
-def measurements(table: pd.DataFrame, orientation: pd.DataFrame, stations: Sequence[Station]) -> Measurements:
+def measurements(
+    table: pd.DataFrame,
+    orientation: pd.DataFrame,
+    stations: Sequence[Station],
+    manoeuvres: Sequence[Manoeuvre] = (),
+) -> Measurements:
     """Return the measurements of a table `tracking`, by the stations, or of one that stands in its place.
 
     orientation: table `earth_orientation`
+    manoeuvres: in the order of their times
     """
     if "zenith_delay" in table:
         return LaserRanges(table, orientation)
-    return Measured(table, orientation, stations) if "station" in table else Fixes(table)
+    return Measured(table, orientation, stations) if "station" in table else Fixes(table, manoeuvres)
+
+
+def are_of_sets(table: pd.DataFrame) -> bool:
+    """Return whether points of a table `fixes` are of mean elements: before their set's epoch."""
+    return "t_estimate" in table and bool((table["t"] < table["t_estimate"]).any())
 
 
 def stretches(points: pd.DataFrame, *, length: float = STRETCH) -> pd.DataFrame:

@@ -7,7 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from opml.base.constants import DAY
 from opml.catalog.fit.least_squares import Evaluation
+
+BEHIND = 1.25 * DAY
+"""Time for which measurements of a window may lie before its oldest estimate [s]."""
 
 Rows = slice | np.ndarray
 """Rows of measurements: all between two of them, or those of an index."""
@@ -50,6 +54,7 @@ class Measurements(ABC):
     row_at: (tracks,) row of each track that is nearest to its estimate
     numbers: in a measurement at most
     smooth_for: how long from its beginning a track may be laid through by one curve [s]
+    anew: (tracks,) time before which the window of an estimate holds nothing [s]
     states: (tracks, 6) GCRF at the epochs of the estimates, where the measurements themselves tell them
     """
 
@@ -71,6 +76,7 @@ class Measurements(ABC):
             zip(starts, self.first_row[1:], strict=True),
         )
         self.row_at = np.array([begin + int(np.argmin(away[begin:end])) for begin, end in bounds])
+        self.anew = np.full(self.tracks, -np.inf)
         self.states: np.ndarray | None = None
 
     def window(
@@ -79,11 +85,17 @@ class Measurements(ABC):
         """Return the window from `length` [s] before the estimate of a track to `after` [s] behind it.
 
         without: tracks that are left out
+
+        Other tracks begin at most BEHIND before it: those of long sets of mean elements end it sooner.
         """
         at = self.epochs[self.at]
         oldest = int(np.searchsorted(at, at[track] - length))
         newest = int(np.searchsorted(at, at[track] + after, side="right")) - 1
-        return self.of_tracks(track, [k for k in range(oldest, newest + 1) if k not in without])
+        begins, since = self.epochs[self.begins], max(self.anew[track], at[track] - length - BEHIND)
+        kept = [
+            k for k in range(oldest, newest + 1) if k not in without and (k == track or begins[k] >= since)
+        ]
+        return self.of_tracks(track, kept)
 
     def track(self, track: int) -> Window:
         """Return the window of one track alone."""

@@ -27,7 +27,7 @@ def undisturbed(estimates: pd.DataFrame, *, manoeuvres: Sequence[Manoeuvre], win
     window: of the fits [s]
     """
     t = estimates["t"].to_numpy()
-    disturbed = contain_any(t - window, t, manoeuvres)
+    disturbed = contain_any(t, t, manoeuvres, window=window)
     return estimates.assign(converged=estimates["converged"] & ~disturbed)
 
 

@@ -62,14 +62,17 @@ class _Past:
         """Standard deviation (3,) of a set in RSW [m]: two sets make a distance."""
         return USUAL if self.usual is None else self.usual / np.sqrt(2.0)
 
-    def is_usual(self, gap: float, distance: np.ndarray) -> bool:
+    def is_usual(self, gap: float, distance: np.ndarray, *, reach: float) -> bool:
         """Return whether a disagreement is a usual one; all are without a past.
 
-        It may grow with the square of the gap, as what drag does.
+        It may grow with the square of the time to the farthest point, as what drag does.
+
+        reach: of the points that it was taken at [s]
         """
         if self.usual is None:
             return bool(np.isfinite(distance).all())
-        growth = max(1.0, gap / float(np.median(self.gaps[-_RECENT:]))) ** 2
+        usual = float(np.median(self.gaps[-_RECENT:]))
+        growth = max(1.0, (gap + reach) / (usual + reach)) ** 2
         return bool(np.linalg.norm(distance) <= GROSS * growth * np.linalg.norm(self.usual))
 
 
@@ -107,7 +110,7 @@ def _agree(past: _Past, earlier: pd.Series, later: pd.Series, epoch: str, sampli
     states, others = (states_of(one, epoch=epoch, t=t) for one in (later, earlier))
     distance = np.sqrt(np.mean(in_rsw(others - states, states)[:, :3] ** 2, axis=0))
     gap = later["t"] - earlier["t"]
-    is_usual = past.is_usual(gap, distance)
+    is_usual = past.is_usual(gap, distance, reach=sampling.reach)
     if is_usual:
         past.add(gap, distance)
     return is_usual

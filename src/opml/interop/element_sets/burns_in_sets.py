@@ -8,12 +8,13 @@ off: sets are made of tracks up to some hours after their epochs.
 
 import logging
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pandas as pd
 from sgp4.api import Satrec
 
+from opml.base.constants import DAY
 from opml.interop import ccsds
 from opml.interop.element_sets.histories import satellite
 from opml.orbits.manoeuvres import Manoeuvre
@@ -29,6 +30,9 @@ _FEWEST = 8
 
 _RECENT = 40
 """Newest differences that count."""
+
+_ALWAYS = 0.5 * DAY
+"""Gap in which drag parts two sets as much as the noise of their fits does [s]."""
 
 _UNCLEAR = 5
 """Sets in a row that follow from none, after which a new past begins."""
@@ -75,14 +79,28 @@ class _Past:
         return True
 
     def _most(self, gap: float) -> np.ndarray:
-        """Return how large differences (2,) across a gap may be [m]; drag lets them grow with it."""
+        """Return how large differences (2,) across a gap may be [m].
+
+        Drag lets them grow with it, but two sets a minute apart are apart, too.
+        """
         recent, gaps = self.sizes[-_RECENT:], self.gaps[-_RECENT:]
         if len(recent) < _FEWEST:
             return np.full(2, np.inf)
         sigma = np.quantile(recent, 0.75, axis=0) / _SIGMAS
-        growth = max(1.0, gap / float(np.median(gaps))) * (2.0 if self.since < _SETTLING else 1.0)
+        grown = (gap + _ALWAYS) / (float(np.median(gaps)) + _ALWAYS)
+        growth = max(1.0, grown) * (2.0 if self.since < _SETTLING else 1.0)
         most: np.ndarray = OFF * growth * sigma
         return most
+
+
+def known(sets: pd.DataFrame, named: Sequence[Manoeuvre], *, epoch: str, find: bool) -> list[Manoeuvre]:
+    """Return the manoeuvres of an object, in order of time; windows of fits begin anew behind each.
+
+    named: those that somebody named
+    find: whether those that its history tells of stand beside them
+    """
+    burns = [*named, *(found(sets, epoch=epoch) if find else [])]
+    return sorted((replace(one, anew=True) for one in burns), key=lambda one: one.t)
 
 
 def found(sets: pd.DataFrame, *, epoch: str) -> list[Manoeuvre]:

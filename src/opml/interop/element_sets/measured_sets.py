@@ -1,8 +1,9 @@
 """Sets of mean elements as measurements: the points that stand for each, and how much they count."""
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
@@ -14,6 +15,9 @@ from opml.interop.element_sets.sgp4_points import Sampling
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS
 
+USUAL_REACH = DAY
+"""Time before the epoch of a set over which its points lie where its span is unknown [s]."""
+
 PAST = 60.0 * DAY
 """Sets so long before a run tell what its first ones are worth [s]."""
 
@@ -21,7 +25,7 @@ _NUMBERS = 6
 """What a set tells of an orbit, however many points it gives."""
 
 _LEAST = 0.5
-"""Part of a set's points that lie within the run and after a manoeuvre, at least."""
+"""Part of a set's points, of a day at most, that lie within the run and after a manoeuvre, at least."""
 
 _log = logging.getLogger(__name__)
 
@@ -30,12 +34,21 @@ _log = logging.getLogger(__name__)
 class Taking:
     """How sets are taken for measurements.
 
-    sampling: of the points that stand for a set
+    step: between the points that stand for a set [s]
+    reach: from the first of them to its epoch [s]; None: as long as it was fitted to, where the sets up to it
+        tell
     sigmas: (3,) standard deviations of a set in RSW [m]; None: learned from the sets before it
     """
 
-    sampling: Sampling
+    step: float
+    reach: float | None = None
     sigmas: Sequence[float] | None = None
+
+    @classmethod
+    def from_settings(cls, history: Mapping[str, Any]) -> Self:
+        """Return how the settings `histories` of an object take its sets."""
+        hours = history["reach_hours"]
+        return cls(history["every_s"], HOUR * hours if hours else None, history["sigma_m"])
 
 
 @dataclass(frozen=True)
@@ -70,23 +83,36 @@ def measured(
     Raises InputError where no set is left.
     """
     sets = of_run(sets, duration)
-    worth = agreement.weighed(sets, epoch=epoch, sampling=taking.sampling, manoeuvres=manoeuvres)
+    usual = Sampling(taking.reach or USUAL_REACH, taking.step)
+    worth = agreement.weighed(sets, epoch=epoch, sampling=usual, manoeuvres=manoeuvres)
     if taking.sigmas is not None:
         worth[FIX_SIGMAS[:3]] = np.tile(taking.sigmas, (len(worth), 1))
     counting = worth["counts"].to_numpy() & (sets["t"].to_numpy() >= 0.0)
+    reaches = np.full(len(sets), usual.reach)
+    if taking.reach is None:
+        reaches[worth["counts"]] = _over_spans(sets[worth["counts"]], epoch=epoch)
     kept, points = [], []
     for k in np.flatnonzero(counting):
-        found = _points(sets.iloc[k], worth.iloc[k], taking.sampling, epoch=epoch, manoeuvres=manoeuvres)
+        sampling = Sampling(float(reaches[k]), taking.step)
+        found = _points(sets.iloc[k], worth.iloc[k], sampling, epoch=epoch, manoeuvres=manoeuvres)
         if found is not None:
             kept.append(k)
             points.append(found)
     if not kept:
         raise InputError(f"element sets: expected a set within the run that counts, got {len(sets)} others")
     _log.info("sets that count as measurements: %d", len(kept))
-    if length := spans.span(sets[worth["counts"]], epoch=epoch):
-        _log.info("the sets part as fits to %.0f hours each do: see histories.reach_hours", length / HOUR)
     epochs, known = (sets[name].to_numpy()[kept] for name in ("t", "t_created"))
     return MeasuredSets(epochs, known, points)
+
+
+def _over_spans(sets: pd.DataFrame, *, epoch: str) -> np.ndarray:
+    """Return how far points of sets (n,) reach back [s]: over what was fitted where sets up to each tell."""
+    lengths = spans.found(sets, epoch=epoch)
+    is_known = np.isfinite(lengths)
+    if is_known.any():
+        hours = lengths[is_known][-1] / HOUR
+        _log.info("sets part as fits to %.0f hours each do: their points go back as far", hours)
+    return np.where(is_known, lengths, USUAL_REACH)
 
 
 def _points(
@@ -96,7 +122,7 @@ def _points(
     points = sgp4_points.before(one, epoch=epoch, sampling=sampling)
     begin = max([0.0, *(burn.t for burn in manoeuvres if max(burn.t, burn.known) <= one["t"])])
     rows = points[points["t"] >= begin]
-    if len(rows) < _LEAST * len(points):
+    if len(rows) < _LEAST * min(sampling.reach, USUAL_REACH) / sampling.step:
         return None
     sigmas = worth[FIX_SIGMAS[:3]].to_numpy(float) * np.sqrt(3 * len(points) / _NUMBERS)
     return rows.assign(**dict(zip(FIX_SIGMAS, [*sigmas, *[np.nan] * 3], strict=True)))

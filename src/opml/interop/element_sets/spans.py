@@ -5,7 +5,7 @@ they part knows nothing of the curvature: of errors of least squares, one is odd
 middle lies half a span before the mean of both epochs, where the rate is thus the curvature times the span.
 """
 
-from itertools import islice, pairwise
+from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -23,24 +23,38 @@ _GAPS = (0.1 * DAY, 3.0 * DAY)
 _FEWEST, _MOST = 8, 30
 """Pairs of sets that tell a span."""
 
+_UNIT = 0.5 * DAY
+"""Spans are multiples of it [s]: people choose them, and pairs tell them to some hours."""
+
 _UNEXPLAINED = 0.5
 """Part of the rates' size that a span may leave; an object with little drag has none that explains them."""
 
 
-def span(sets: pd.DataFrame, *, epoch: str) -> float | None:
-    """Return over how long the first sets of a history were fitted [s]; None where they do not tell.
+def found(sets: pd.DataFrame, *, epoch: str) -> np.ndarray:
+    """Return over how long sets (n,) were fitted [s], each as it and those before it tell; NaN where not.
 
     sets: table `element_sets` of one object
     epoch: UTC text, the table's
+
+    The first pairs of a history tell, so that the span hardly changes once it is found.
     """
-    pairs = (pair for pair in pairwise(row for _, row in sets.iterrows()) if _is_near(*pair))
-    found = np.array([_parting(*pair, epoch) for pair in islice(pairs, _MOST)]).reshape(-1, 2)
-    curvatures, rates = found[np.isfinite(found[:, 0]) & (found[:, 0] != 0.0)].T
+    lengths, partings = np.full(len(sets), np.nan), np.empty((0, 2))
+    for later, pair in enumerate(pairwise(row for _, row in sets.iterrows()), start=1):
+        if len(partings) < _MOST and _is_near(*pair):
+            parting = _parting(*pair, epoch)
+            partings = np.vstack([partings, parting]) if np.all(np.isfinite(parting)) else partings
+        lengths[later] = _length(*partings.T)
+    return lengths
+
+
+def _length(curvatures: np.ndarray, rates: np.ndarray) -> float:
+    """Return the span [s] that explains the rates (n,) of pairs by their curvatures (n,); NaN without one."""
     if len(rates) < _FEWEST:
-        return None
+        return np.nan
     length = _slope(curvatures, rates)
     left = np.abs(rates - length * curvatures).sum()
-    return length if length > 0.0 and left <= _UNEXPLAINED * np.abs(rates).sum() else None
+    is_told = length > 0.0 and left <= _UNEXPLAINED * np.abs(rates).sum()
+    return max(round(length / _UNIT), 1) * _UNIT if is_told else np.nan
 
 
 def _is_near(earlier: pd.Series, later: pd.Series) -> bool:
@@ -50,12 +64,12 @@ def _is_near(earlier: pd.Series, later: pd.Series) -> bool:
 def _parting(earlier: pd.Series, later: pd.Series, epoch: str) -> tuple[float, float]:
     """Return half the curvature [m/s2] and, at the mean epoch, the rate [m/s] by which two sets part.
 
-    NaN where SGP4 has the object decayed.
+    NaN where SGP4 has the object decayed, and for the same orbit twice.
     """
     t = later["t"] - _BACK
     states, others = (states_of(one, epoch=epoch, t=t) for one in (later, earlier))
     apart = in_rsw(others - states, states)[:, 1]
-    if not np.isfinite(apart).all():
+    if not np.isfinite(apart).all() or not apart.any():
         return np.nan, np.nan
     curvature, rate, _ = np.polyfit(t - 0.5 * (earlier["t"] + later["t"]), apart, 2)
     return float(curvature), float(rate)

@@ -64,8 +64,8 @@ class Cleaning:
         t: (n,) time of their prediction's estimate; of manoeuvres up to it those count that were known then
         known: (n,) when their error is known, and with it manoeuvres in between
         """
-        before, after = (begin - self.window, t), (t, known)
-        crossed: np.ndarray = contain_any(*before, self.manoeuvres) | contain_any(*after, self.manoeuvres)
+        crossed: np.ndarray = contain_any(begin, t, self.manoeuvres, window=self.window)
+        crossed |= contain_any(t, known, self.manoeuvres)
         return crossed
 
 

@@ -200,7 +200,7 @@ def may_depart(
     t = estimates["t"].to_numpy()
     whole = known["converged"] & known["cd_inside"] & known["eps_y"].notna()
     begin = np.fmin(known["t_b"].to_numpy(), t)
-    crosses = contain_any(begin - window, t, manoeuvres) | _crosses_burn(estimates, begin, t, t)
+    crosses = contain_any(begin, t, manoeuvres, window=window) | _crosses_burn(estimates, begin, t, t)
     usable: np.ndarray = whole.to_numpy() & ~crosses
     return usable
 

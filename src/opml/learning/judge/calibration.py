@@ -15,10 +15,10 @@ import pandas as pd
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.learning.data.components import POSITION
-from opml.learning.judge.error_sizes import covariances
+from opml.learning.judge.error_sizes import covariances, of_differences
 from opml.learning.judge.errors_by_duration import REACH_DAYS
 from opml.orbits.rsw_covariance import half_width, mahalanobis
-from opml.tables import COMPONENTS, DOUBT, ELLIPSOID, LEVELS, PLANE, SIGMA_STATE, WHOLE
+from opml.tables import COMPONENTS, ELLIPSOID, LEVELS, PLANE, SIGMA_STATE, WHOLE
 
 _MARKS = (1.0, 3.0, 5.0, 7.0)
 """Prediction durations that the shares are stated at [days]."""
@@ -118,11 +118,12 @@ def of_replays(replays: Mapping[str, pd.DataFrame], *, days: Sequence[float]) ->
 def _stated(replay: pd.DataFrame) -> tuple[pd.DataFrame, np.ndarray]:
     """Return the rows of a `replay` table that have a covariance, and the covariances (n, 6, 6) of errors.
 
-    The variance of the state that a prediction is compared with is added.
+    What the state that a prediction is compared with is off by stands in them as `of_differences` has it.
     """
     rows = replay[np.isfinite(replay[SIGMA_STATE].to_numpy()).all(axis=1)]
-    covariance = covariances(rows, rows[SIGMA_STATE].to_numpy())
-    covariance[:, range(3), range(3)] += rows[DOUBT].to_numpy() ** 2
+    sigma, shown = of_differences(rows)
+    covariance = covariances(rows, sigma)
+    covariance[:, range(3), range(3)] += shown**2
     return rows, covariance
 
 

@@ -14,7 +14,10 @@ distribution. The degrees of freedom are one and a half times the number of pred
 fit into the past side by side: errors of predictions that overlap by a share are correlated by that share,
 and the sum of their squares then counts as that of so many independent errors.
 
-Later estimates, which errors are measured against, have a variance of their own. It is no part of sigma.
+Later estimates, which errors are measured against, have a variance of their own. It is no part of sigma
+where their errors have nothing to do with the prediction's. Fits to mean elements err alike, and the later
+one is made of more: what it is off by is in the prediction, too, and does not show in their difference. There
+its variance is a part of sigma.
 
 A velocity follows its position (opml.orbits.rsw_covariance). What it may differ by beyond that is
 proportional to the radial or cross-track size. A factor that changes with the duration makes the ellipsoids
@@ -22,7 +25,9 @@ of the past hold nine tenths.
 
 Source: Koenker & Bassett 1978, Regression quantiles, Econometrica 46; Student's t as the predictive
 distribution of few normal deviates, e.g. Gelman et al. 2013, Bayesian Data Analysis, sec. 3.2; Bartlett 1946,
-On the theoretical specification and sampling properties of autocorrelated time-series, J. R. Stat. Soc. 8.
+On the theoretical specification and sampling properties of autocorrelated time-series, J. R. Stat. Soc. 8;
+Hausman 1978, Specification tests in econometrics, Econometrica 46: the variance of the difference from a
+better estimate is the difference of the variances.
 """
 
 from collections.abc import Sequence
@@ -35,7 +40,7 @@ import pandas as pd
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.orbits.rsw_covariance import AXES, free_parts, half_width, rsw_covariances
-from opml.tables import COMPONENTS, DOUBT
+from opml.tables import COMPONENTS, DOUBT, SIGMA_STATE
 
 LEVEL = 0.9
 """Share of the errors that intervals and ellipsoids are to hold, and the level that reports print."""
@@ -66,6 +71,9 @@ _NEARBY = 0.35
 _FIRST_GUESSES = ((-0.5, -1.0, -1.0), (-1.0, -1.0, 0.0))
 _SMALLEST = 1.0
 """Least size of an error that is stated for a position [m]."""
+
+_LEAST_SHOWN = 0.5
+"""Least part of a size that differences from estimates are taken to show that err alike."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,17 +145,49 @@ class Sizes:
         constant, rate, drag = np.array([_fit_axis(past, axis, weight) for axis in AXES]).T
         plain = cls(constant, rate, drag, np.ones(3), np.ones(len(_FACTORS_AT)), days, reach)
         parts = free_parts(past[list(COMPONENTS)].to_numpy(), past["rate"].to_numpy())
-        doubt = past[DOUBT].to_numpy()
+        shown, hidden = doubts(past)
+        # An error that goes round with the orbit has a velocity in proportion.
+        turning = past["rate"].to_numpy()[:, None] * hidden[:, [0, 0, 2]]
+        sizes = np.hypot(parts[:, 3:], INSIDE * turning)
         velocity = np.array(
             [
-                weighted_quantile(np.abs(part) / sigma, weight, LEVEL) / INSIDE
-                for part, sigma in zip(parts[:, 3:].T, plain._shown(past)[:, 3:].T, strict=True)
+                weighted_quantile(size / sigma, weight, LEVEL) / INSIDE
+                for size, sigma in zip(sizes.T, plain._shown(past)[:, 3:].T, strict=True)
             ]
         )
         whole = replace(plain, velocity=velocity)
-        square = whole._shown(past)[:, :3] ** 2 + doubt**2
-        distance = np.sum(parts[:, :3] ** 2 / square, axis=1)
+        square = whole._shown(past)[:, :3] ** 2 + shown**2
+        distance = np.sum((parts[:, :3] ** 2 + _within() / 3.0 * hidden**2) / square, axis=1)
         return replace(whole, inflation=_inflation(distance, past["duration"].to_numpy(), weight))
+
+
+def doubts(rows: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
+    """Return what errors against later states show of the deviations of these, and what not: (n, 3) [m].
+
+    rows: of a `replay` table
+    """
+    doubt = rows[DOUBT].to_numpy(float)
+    alike = rows["alike"].eq(True).to_numpy()[:, None] if "alike" in rows else np.zeros((len(rows), 1), bool)
+    return np.where(alike, 0.0, doubt), np.where(alike, doubt, 0.0)
+
+
+def of_differences(rows: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
+    """Return the deviations in errors against later states: of predictions (n, 6), of these states (n, 3).
+
+    rows: of a `replay` table that have a sigma [m, m/s]
+    """
+    sigma = rows[SIGMA_STATE].to_numpy(float)
+    shown, hidden = doubts(rows)
+    size = sigma[:, :3]
+    left = np.sqrt(np.maximum(size**2 - hidden**2, (_LEAST_SHOWN * size) ** 2))
+    return np.hstack([np.where(hidden > 0.0, left, size), sigma[:, 3:]]), shown
+
+
+def along_track(rows: pd.DataFrame) -> np.ndarray:
+    """Return the standard deviations (n,) of e_y in such rows [m]."""
+    sigma, shown = of_differences(rows)
+    deviations: np.ndarray = np.hypot(sigma[:, 1], shown[:, 1])
+    return deviations
 
 
 def widening(duration: np.ndarray, days: float) -> np.ndarray:
@@ -161,13 +201,18 @@ def widening(duration: np.ndarray, days: float) -> np.ndarray:
 
 def _inflation(distance: np.ndarray, duration: np.ndarray, weight: np.ndarray) -> np.ndarray:
     """Return the factors that make ellipsoids with squared distances (n,) hold nine tenths, by duration."""
-    from scipy.stats import chi2
-
     apart = np.log(np.maximum(duration, HOUR)[None] / _FACTORS_AT[:, None]) / _NEARBY
     bells = weight * np.exp(-0.5 * apart**2)
     holding = np.array([weighted_quantile(distance, bell, LEVEL) for bell in bells])
-    factors: np.ndarray = holding / chi2.ppf(LEVEL, 3)
+    factors: np.ndarray = holding / _within()
     return factors
+
+
+def _within() -> float:
+    """Return the squared distance within which LEVEL of normal errors of three axes lie."""
+    from scipy.stats import chi2
+
+    return float(chi2.ppf(LEVEL, 3))
 
 
 def weighted_quantile(values: np.ndarray, weight: np.ndarray, level: float) -> float:
@@ -184,8 +229,10 @@ def _fit_axis(past: pd.DataFrame, axis: str, weight: np.ndarray) -> tuple[float,
     """
     from scipy.optimize import minimize
 
-    size, duration = past[f"e_{axis}"].abs().to_numpy(), past["duration"].to_numpy()
-    drag, weather, doubt = (past[f"{name}_{axis}"].to_numpy() for name in ("drag", "weather", "doubt"))
+    duration = past["duration"].to_numpy()
+    drag, weather = (past[f"{name}_{axis}"].to_numpy() for name in ("drag", "weather"))
+    doubt, hidden = (deviations[:, "xyz".index(axis)] for deviations in doubts(past))
+    size = np.hypot(past[f"e_{axis}"].to_numpy(), INSIDE * hidden)
     day = np.ceil(duration / DAY)
     typical = np.ones(len(past))
     for number in np.unique(day):

@@ -200,8 +200,11 @@ class HistorySettings(Section):
     number: Absent[Annotated[int, Ge(1), Expected("a catalogue number from 1")]] = setting(
         "catalogue number of the RSO, needed where the files hold several objects", default=None
     )
-    reach_hours: Positive = setting(
-        "time before the epoch of each set over which SGP4 gives points", unit="h", default=24.0
+    reach_hours: Absent[Positive] = setting(
+        "time before the epoch of each set over which SGP4 gives points; by default that which it was fitted"
+        " to, where the sets up to it tell, else 24",
+        unit="h",
+        default=None,
     )
     every_s: Positive = setting("time between these points", unit="s", default=600.0)
     sigma_m: Absent[Sigmas] = setting(
