@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import DAY
+from opml.base.constants import DAY, SPEED_OF_LIGHT
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop.orbit_arcs import (
@@ -23,7 +23,7 @@ from opml.interop.orbit_arcs import (
     seconds_since,
 )
 
-_HECTO, _NANO, _PERCENT = 1e2, 1e-9, 1e-2
+_HECTO, _NANO, _PICO, _PERCENT = 1e2, 1e-9, 1e-12, 1e-2
 
 _UTC = ("3", "4", "7")
 """Time scales of a station that are UTC: of the observatory, of GPS, of the BIPM."""
@@ -48,16 +48,22 @@ def read(paths: Sequence[FilePath], *, epoch: str, satellite: str | None = None)
     """Read the normal points of CRD files, in the order of their passes.
 
     epoch: UTC text from which times count
-    satellite: name, ILRS number, SIC or NORAD number; None: any satellite
+    satellite: name, ILRS number, SIC or NORAD number; None: that of the first pass
 
     Columns: track, the number of the pass; t, when the light was received [s]; station, its number, and
-    system, with which it was occupied; flight, of the light there and back [s]; wavelength [m]; pressure
-    [Pa], temperature [K] and humidity [1], between those of the pass; path and line.
+    system, with which it was occupied; flight, of the light there and back [s]; scatter, of the single ranges
+    of a point, one way [m], NaN where nobody tells; wavelength [m]; pressure [Pa], temperature [K] and
+    humidity [1], between those of the pass; path and line.
 
     Raises InputError, naming file and line, for a malformed or truncated file, another satellite, and data
     that are no ranges there and back by UTC, or are without refraction or to the centre of mass.
     """
-    tables = [_points(path, one, epoch) for path in paths for one in _passes(path, satellite) if one.points]
+    tables = []
+    for path in paths:
+        for one in _passes(path, satellite):
+            satellite = satellite or one.head["H3"][1][1]
+            if one.points:
+                tables.append(_points(path, one, epoch))
     if not tables:
         raise InputError(f"{paths[0]}: expected normal points, got none")
     tables.sort(key=lambda table: float(table["t"].iloc[0]))
@@ -76,6 +82,7 @@ def _passes(path: FilePath, satellite: str | None) -> Iterator[_Pass]:
             head[kind] = number, words
             if kind == "H4":
                 _check_head(path, head, satellite)
+                satellite = satellite or head["H3"][1][1]
                 current = _Pass(dict(head))
         elif kind == "H8" and current is not None:
             yield current
@@ -143,6 +150,7 @@ def _points(path: FilePath, one: _Pass, epoch: str) -> pd.DataFrame:
             "station": one.head["H2"][1][2],
             "system": "".join(word.zfill(2) for word in one.head["H2"][1][3:5]),
             "flight": flight,
+            "scatter": _scatter(one),
             "wavelength": _wavelengths(path, one),
             **_weather(path, one, seconds),
             "path": str(path),
@@ -167,6 +175,13 @@ def _since_midnight(path: FilePath, one: _Pass, seconds: np.ndarray) -> np.ndarr
     hour, minute, second = numbers(path, np.array([words[5:8]]), np.array([number]))[0]
     begin = 3600.0 * hour + 60.0 * minute + second
     return np.where(seconds < begin - 0.5 * DAY, seconds + DAY, seconds)
+
+
+def _scatter(one: _Pass) -> np.ndarray:
+    """Return the scatter (n,) [m] of the single ranges of each point, NaN where its record has none."""
+    told = pd.Series([words[7] if len(words) > 7 else "" for _, words in one.points], dtype="str")
+    spread = pd.to_numeric(told, errors="coerce").to_numpy(float)
+    return np.where(spread > 0.0, 0.5 * SPEED_OF_LIGHT * _PICO * spread, np.nan)
 
 
 def _wavelengths(path: FilePath, one: _Pass) -> np.ndarray:

@@ -18,7 +18,7 @@ from opml.learning.data.components import CORRECTED
 from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models import learners
 from opml.orbits import sheets
-from opml.study import element_checks
+from opml.study import element_checks, range_checks
 from opml.study.experiments import Study
 from opml.study.paper import Paper
 from opml.study.settings.merging import Settings, with_sheets
@@ -69,6 +69,7 @@ def check_data(source: Source, settings: Settings) -> None:
     ):  # every morning looks at each object's files itself, and leaves out bad ones
         _check_tracks(source, settings)
         _check_fixes(source, settings)
+        range_checks.check(source, settings)
         element_checks.check(source, settings)
     _check_starts(source, settings)
 
@@ -210,6 +211,8 @@ def _check_paths(source: Source, settings: Settings) -> None:
         "orbits": settings.orbits,
         "tracks": settings.tracks,
         "fixes": settings.fixes,
+        "ranges": settings.ranges,
+        "ranging": settings.station_files,
         "elements": settings.elements,
         "starts": settings.starts,
         "manoeuvres": settings.manoeuvre_files,
@@ -277,7 +280,7 @@ def _check_starts(source: Source, settings: Settings) -> None:
         for name in source.values.get(kind, {}):
             with source.naming((kind, name)):
                 if name not in settings.measured:
-                    raise InputError("expected an RSO that has tracks, fixes or elements")
+                    raise InputError("expected an RSO that has tracks, fixes, ranges or elements")
                 if kind == "starts":
                     first_state.check(settings.starts[name])
                 else:
@@ -312,11 +315,12 @@ def _check_label(source: Source, study: Study) -> None:
 
 
 def _check_stations(source: Source, study: Study) -> None:
-    """Raise InputError where stations stand beside RSOs that have points, or fixes beside others."""
+    """Raise InputError where stations stand beside RSOs that others measured, or fixes beside others."""
     for rso in study.rsos:
         for stations in study.station_sets:
-            if study.has_fixes(rso) != (stations == naming.FIXES):
-                expected = "RSOs that all have fixes" if study.has_fixes(rso) else "an RSO that has fixes"
+            known_by = study.in_place_of_stations(rso)
+            if known_by != (stations if stations in naming.WITHOUT_STATIONS else ""):
+                expected = f"RSOs that all have {known_by}" if known_by else f"an RSO that has {stations}"
                 key = ("study", "rsos") if "rsos" in study else ("study", "station_sets")
                 raise source.wrong(key, f"expected {expected} for {stations}, got {rso} among them")
 
@@ -425,7 +429,7 @@ class _Checks:
             self._rso(name(rso, value, self._settings.rsos))
 
     def _stations(self, text: str) -> None:
-        if text != naming.FIXES:
+        if text not in naming.WITHOUT_STATIONS:
             sheets.parse_stations(text, self._settings.stations)
 
     def _learner(self, text: str) -> None:

@@ -68,13 +68,18 @@ class Study:
 
     @property
     def _usual_stations(self) -> str:
-        """All stations together, or none where the study's RSOs have fixes or mean elements."""
-        has_fixes = any(self.has_fixes(rso) for rso in self.rsos)
-        return naming.FIXES if has_fixes else "-".join(self.settings.stations)
+        """All stations together, or the name in their place where none of the sheet measured the RSOs."""
+        in_place = filter(None, map(self.in_place_of_stations, self.rsos))
+        return next(in_place, "-".join(self.settings.stations))
 
-    def has_fixes(self, rso: str) -> bool:
-        """Return whether an RSO is known by points that no station measured: fixes, or those of SGP4."""
-        return self._is_of("fixes", rso) or self.has_elements(rso)
+    def in_place_of_stations(self, rso: str) -> str:
+        """Return the name in the place of stations, '' where those of the sheet measure an RSO.
+
+        Fixes, and points of SGP4, are measured by no station, laser ranges by others.
+        """
+        if self._is_of("ranges", rso):
+            return naming.RANGES
+        return naming.FIXES if self._is_of("fixes", rso) or self.has_elements(rso) else ""
 
     def has_elements(self, rso: str) -> bool:
         """Return whether an RSO is known by mean elements."""
@@ -105,7 +110,7 @@ class Study:
         return str(self.settings.asked.get("label", default))
 
     def is_measured(self, rso: str) -> bool:
-        """Return whether tracks, fixes or mean elements of an RSO are real, so that none are simulated."""
+        """Return whether measurements or mean elements of an RSO are real, so that none are simulated."""
         return naming.rso_parts(rso, self.sheet)[0] in self.measured
 
     def has_truth(self, rso: str) -> bool:

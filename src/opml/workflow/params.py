@@ -76,8 +76,8 @@ class Params:
         return [station.row for station in self.plan.settings.stations.values()]
 
     def stations(self, wildcards: Wildcards) -> list[dict[str, Any]]:
-        """Return the stations of the wildcard `stations`; none where it stands for fixes."""
-        if wildcards.stations == naming.FIXES:
+        """Return the stations of the wildcard `stations`; none where it stands for none of the sheet."""
+        if wildcards.stations in naming.WITHOUT_STATIONS:
             return []
         names = naming.strip_seed(wildcards.stations, naming.NOISE)
         return [station.row for station in sheets.parse_stations(names, self.plan.settings.stations)]
@@ -167,6 +167,10 @@ class Params:
             "every_s": fixing.every_s,
             "stretch_hours": fixing.stretch_hours,
         }
+
+    def ranging(self, wildcards: Wildcards) -> dict[str, Any]:
+        """Return how the laser ranges of the wildcard `rso` are taken."""
+        return self.plan.settings.ranging(wildcards.rso).model_dump(include={"reflectors_m", "sigma_m"})
 
     def history(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return how the history of mean elements of the wildcard `rso` is taken."""

@@ -77,8 +77,13 @@ class Plan:
         return self.settings.elements
 
     @cached_property
+    def ranges(self) -> Mapping[str, list[str]]:
+        """Files of ranges that laser stations measured, by RSO."""
+        return self.settings.ranges
+
+    @cached_property
     def measured(self) -> Mapping[str, list[str]]:
-        """Files of all that was measured, by RSO: of tracks, of fixes, or of mean elements."""
+        """Files of all that was measured, by RSO: of tracks, of fixes, of ranges, or of mean elements."""
         return self.settings.measured
 
     @cached_property
@@ -148,7 +153,7 @@ class Plan:
         return {
             "rso": rso,
             "target": rso,
-            "stations": f"(?:{naming.stations_pattern(self.settings.stations)}{noise}|{naming.FIXES})",
+            "stations": f"(?:{naming.stations_pattern(self.settings.stations)}{noise}|{naming.alternatives(naming.WITHOUT_STATIONS)})",
             "window": f"(?:{self.window_pattern}|{naming.PERFECT}|{naming.FILTERED})",
             "arc": naming.ARC_PATTERN,
             "memory": naming.MEMORY_PATTERN,
