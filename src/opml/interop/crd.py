@@ -179,8 +179,8 @@ def _since_midnight(path: FilePath, one: _Pass, seconds: np.ndarray) -> np.ndarr
 
 def _scatter(one: _Pass) -> np.ndarray:
     """Return the scatter (n,) [m] of the single ranges of each point, NaN where its record has none."""
-    told = pd.Series([words[7] if len(words) > 7 else "" for _, words in one.points], dtype="str")
-    spread = pd.to_numeric(told, errors="coerce").to_numpy(float)
+    texts = pd.Series([words[7] if len(words) > 7 else "" for _, words in one.points], dtype="str")
+    spread = pd.to_numeric(texts, errors="coerce").to_numpy(float)
     return np.where(spread > 0.0, 0.5 * SPEED_OF_LIGHT * _PICO * spread, np.nan)
 
 

@@ -36,7 +36,5 @@ def _check_files(source: Source, settings: Settings, name: str) -> None:
     epoch, duration = source.values["epoch"], DAY * source.values["duration_days"]
     points = laser_ranges.of_run(crd.read(settings.ranges[name], epoch=epoch), duration)
     coordinates, eccentricities = settings.station_files[name]
-    sites = laser_ranges.Sites(
-        sinex.read_coordinates(coordinates), sinex.read_eccentricities(eccentricities)
-    )
+    sites = laser_ranges.Sites(sinex.read_coordinates(coordinates), sinex.read_eccentricities(eccentricities))
     laser_ranges.positions(points, sites, epoch=epoch)

@@ -150,10 +150,11 @@ class Plan:
         rso = naming.rso_pattern(self.settings.rsos)
         noise = naming.seed_pattern(naming.NOISE, default=self.seeds["noise"])
         split = naming.seed_pattern(naming.SPLIT, default=self.seeds["split"])
+        in_place = naming.alternatives(naming.WITHOUT_STATIONS)
         return {
             "rso": rso,
             "target": rso,
-            "stations": f"(?:{naming.stations_pattern(self.settings.stations)}{noise}|{naming.alternatives(naming.WITHOUT_STATIONS)})",
+            "stations": f"(?:{naming.stations_pattern(self.settings.stations)}{noise}|{in_place})",
             "window": f"(?:{self.window_pattern}|{naming.PERFECT}|{naming.FILTERED})",
             "arc": naming.ARC_PATTERN,
             "memory": naming.MEMORY_PATTERN,

@@ -4,14 +4,16 @@ import runpy
 from dataclasses import asdict
 from types import SimpleNamespace
 
+import laser_files
 import numpy as np
 import pandas as pd
 import pytest
 from element_histories import history, tle_text
 from support import EPOCH, EXCERPTS, REPOSITORY, environment, stations
 
-from opml.base.constants import DAY, HOUR
+from opml.base.constants import DAY, HOUR, SPEED_OF_LIGHT
 from opml.catalog.fit import fixes
+from opml.catalog.fit.laser_ranges import LaserRanges
 from opml.catalog.fit.sightings import Measured
 from opml.catalog.simulate.truth import kepler_orbit
 from opml.interop import oem
@@ -106,6 +108,23 @@ def test_sets_of_mean_elements_are_read_weighed_and_flown_as_the_settings_say(ta
         "fixes_from_elements", Files(str(path)), duration_days=2.5, history=settings | {"sigma_m": None}
     )
     assert learned["sigma_r"].iloc[0] == pytest.approx(100.0 * np.sqrt(37 / 2))
+
+
+def test_laser_ranges_know_their_stations_and_the_manoeuvres_of_the_settings(taken, tmp_path, orientation):
+    laser_files.write(tmp_path)
+    bodies = str(tmp_path / "ephemerides.parquet")
+    write_table(bodies, environment()["ephemerides"], "ephemerides", metadata={})
+    tables = {"earth_orientation": orientation, "ephemerides": bodies}
+    sites = [str(tmp_path / f"{name}.snx") for name in ("coordinates", "eccentricities")]
+    files = Files(points=[str(tmp_path / "lageos.crd")], sites=sites, **tables)
+    ranging = {"reflectors_m": 0.25, "sigma_m": 0.01}
+    table, facts = taken("ranges_from_files", files, duration_days=1.0, ranging=ranging)
+    assert table["station"].tolist() == ["7090", "7090"]
+    one_way = 0.5 * np.array([0.0392, 0.0391]) * SPEED_OF_LIGHT
+    np.testing.assert_allclose(table["range"], one_way + 0.25, rtol=1e-12)
+    assert table["sigma_range"].tolist() == [0.01, 0.01]
+    assert facts["manoeuvres"] == [{"t": HOUR + 0.5}, {"t": 2 * HOUR}]
+    assert isinstance(fitted_to(tmp_path, orientation), LaserRanges)
 
 
 def test_burns_that_are_found_stand_beside_those_that_are_named(taken, tmp_path):

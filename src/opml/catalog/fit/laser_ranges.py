@@ -158,7 +158,7 @@ def _tracks(points: pd.DataFrame) -> np.ndarray:
     """Return the number (n,) of each point's track: of its pass and those that overlap."""
     spans = points.groupby("track")["t"].agg(["min", "max"]).sort_values("min")
     latest = spans["max"].cummax().shift(fill_value=-np.inf)
-    return (spans["min"] > latest).cumsum().sub(1).reindex(points["track"]).to_numpy()
+    return np.asarray((spans["min"] > latest).cumsum().sub(1).reindex(points["track"]))
 
 
 def _tides(

@@ -80,7 +80,10 @@ class Settings:
 
     def ranging(self, rso: str) -> RangeSettings:
         """Return how the laser ranges of an RSO are taken, relative paths in the folder of the data."""
-        ranging, folder = RangeSettings.model_validate(self.values["ranging"][rso]), self.values.get("data", "")
+        ranging, folder = (
+            RangeSettings.model_validate(self.values["ranging"][rso]),
+            self.values.get("data", ""),
+        )
         paths = {"coordinates": ranging.coordinates, "eccentricities": ranging.eccentricities}
         return ranging.model_copy(update={kind: os.path.join(folder, path) for kind, path in paths.items()})
 
@@ -102,11 +105,13 @@ class Settings:
     def are_radars(self, stations: str) -> bool:
         """Return whether all of a station set are radars; fixes and laser ranges are none."""
         names = naming.strip_seed(stations, naming.NOISE)
-        return names not in naming.WITHOUT_STATIONS and all(one.is_radar for one in parse_stations(names, self.stations))
+        return names not in naming.WITHOUT_STATIONS and all(
+            one.is_radar for one in parse_stations(names, self.stations)
+        )
 
     @property
     def measured(self) -> dict[str, list[str]]:
-        """Files of all that was really measured, by RSO: of tracks, of fixes, of ranges, or of mean elements."""
+        """Files of all that was really measured, by RSO: tracks, fixes, ranges, or mean elements."""
         return self.tracks | self.fixes | self.ranges | self.elements
 
     def _files(self, kind: str) -> dict[str, list[str]]:
@@ -144,7 +149,8 @@ def merged(files: Sequence[FilePath], on_top: Layer | None = None) -> Source:
     """Return settings merged from files, later ones on top, and from a layer above them; the study in full.
 
     The settings for real satellites lie between the first file and the others, where these name any, and
-    above them those for laser ranges and for mean elements. Raises InputError for a file that is missing or not YAML.
+    above them those for laser ranges and for mean elements. Raises InputError for a file that is missing or
+    not YAML.
     """
     first, *rest = [*map(read_layer, files), *([on_top] if on_top else [])]
     between = {REAL_SATELLITES: _FROM_FILES, RANGES: ("ranges",), ELEMENTS: ("elements",)}

@@ -434,14 +434,14 @@ class RunAlone(Section):
         default={},
     )
     starts: dict[RsoName, Text] = setting(
-        "where the first orbit of an RSO with `tracks` starts: a TLE, OMM, OEM, SP3 or CPF; by default its elements,"
-        " or it is determined from the tracks",
+        "where the first orbit of an RSO that was measured starts: a TLE, OMM, OEM, SP3 or CPF; by default"
+        " its elements, or it is determined from the tracks",
         unit="path",
         see="tracks.md",
         default={},
     )
     manoeuvres: dict[RsoName, Times] = setting(
-        "manoeuvres of an RSO that was measured that are known of",
+        "known manoeuvres of an RSO that was measured",
         see="elements.md#burns",
         default={},
     )
