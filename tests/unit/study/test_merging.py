@@ -36,7 +36,7 @@ def test_laser_ranges_are_flown_to_a_tenth_of_a_millimetre_and_fitted_over_days(
     path.write_text("ranges: {mine: a.crd}\nestimation: {max_iterations: 7}")
     values = merged(["config/config.yaml", path]).values
     assert values["integrator"] | {"position_tolerance_m": 1e-4, "max_step_s": 75} == values["integrator"]
-    assert values["estimation"] | {"window_hours": 72, "max_iterations": 7} == values["estimation"]
+    assert values["estimation"] | {"window_hours": 96, "max_iterations": 7} == values["estimation"]
 
 
 def test_what_a_user_says_lies_above_it(tmp_path):
