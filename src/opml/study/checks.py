@@ -99,6 +99,10 @@ def _check_day(source: Source, settings: Settings) -> None:
         raise source.wrong(
             ("estimation", "suspect_sigma"), "expected none where mornings are asked for (day)"
         )
+    if "day" in values and settings.ranges:
+        raise source.wrong(
+            ("ranges",), "expected none where mornings are asked for (day), as these read none"
+        )
     for name in settings.day.models if "day" in values else []:
         with source.naming(("day", "models")):
             learner = learners.resolved(

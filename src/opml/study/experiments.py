@@ -15,6 +15,9 @@ from opml.study.settings.merging import Settings, with_sheets
 SIMULATED, FILES, MEASURED = "simulated", "files", "measured"
 """Where an RSO's orbit comes from."""
 
+FILTERS = ("filtered", "filtered_mean")
+"""Kinds of learners that are sequential filters."""
+
 ROLLING = {"every_days": 1, "last_days": 30}
 """How often learners are trained anew, and on how many days' labels, where a study does not say [days]."""
 
@@ -108,6 +111,12 @@ class Study:
         """
         default = "later" if any(self.is_measured(rso) for rso in self.rsos) else "truth"
         return str(self.settings.asked.get("label", default))
+
+    @property
+    def not_filtered(self) -> str:
+        """The setting of the fits that sequential filters know nothing of, '' where there is none."""
+        estimation = self.settings.values["estimation"]
+        return next((name for name in ("reject_sigma", "bias_sigma") if name in estimation), "")
 
     def is_measured(self, rso: str) -> bool:
         """Return whether measurements or mean elements of an RSO are real, so that none are simulated."""

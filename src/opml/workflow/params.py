@@ -222,6 +222,11 @@ class Params:
                 f"truth of '{wildcards.rso}': expected an RSO without measurements of its own, as {known}"
             )
 
+    def check_filtered(self, _: Wildcards) -> None:
+        """Raise InputError for a filter beside a setting of the fits that filters know nothing of."""
+        if name := self.plan.study.not_filtered:
+            raise InputError(f"estimation.{name}: expected none for sequential filters, which know no such")
+
     def check_without_truth(self, wildcards: Wildcards) -> None:
         """Raise InputError for a learner that knows what only a simulation does."""
         for name, settings in self.learners(wildcards).items():

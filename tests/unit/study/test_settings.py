@@ -943,6 +943,25 @@ def test_learners_suit_mean_elements(tmp_path, kind, study, said):
     assert said in refused(given(tmp_path, text))
 
 
+@pytest.mark.parametrize("known", ["reject_sigma", "bias_sigma"])
+def test_filters_are_refused_what_they_know_nothing_of(tmp_path, known):
+    study = "study: {{rsos: [iss], station_sets: [eglin], days: {{train: [0, 8], test: [8, 12]}}{}}}\n"
+    fits = f"estimation: {{{known}: 5}}\n"
+    checked(given(tmp_path, study.format(", learners: [filter]")))
+    usual = OwnStudy(Study(checked(given(tmp_path, fits + study.format("")))))
+    assert {"filter", "filtermean"}.isdisjoint(usual.learners)
+    assert {"fit48", "running"} < {*usual.learners}
+    for part in ("learners", "replayed"):
+        refusal = refused(given(tmp_path, fits + study.format(f", {part}: [none, filtermean]")))
+        line = f"study.{part}: expected fits over windows, as filters know no estimation.{known}"
+        assert f"mine.yaml: {line}, got filtermean" in refusal
+
+
+def test_mornings_read_no_laser_ranges(tmp_path):
+    line = "ranges: expected none where mornings are asked for (day), as these read none"
+    assert line in refused(with_ranges(tmp_path, "day: {hour: 6}"))
+
+
 def test_no_learner_of_telescopes_asks_for_what_radars_measure(tmp_path):
     row = "latitude_deg: 20, longitude_deg: 0, altitude_m: 0, max_range_km: 50000, min_elevation_deg: 10"
     text = f"stations: {{tenerife: {{{row}, max_elevation_deg: 90, sigma_declination_deg: 0.001}}}}\n"

@@ -359,6 +359,12 @@ def test_what_was_measured_has_no_truth():
         jobs.check_simulated(wildcards(rso="mine"))
 
 
+def test_filters_are_told_what_they_know_nothing_of():
+    params().check_filtered(wildcards())
+    with pytest.raises(InputError, match=r"estimation\.bias_sigma: expected none for sequential filters"):
+        params(estimation={"bias_sigma": 3}).check_filtered(wildcards())
+
+
 def test_fixes_have_no_stations_and_learners_none_of_what_these_measure():
     jobs, name = user_inputs().params, experiment(rso="placed", stations="fixes")
     assert re.fullmatch(jobs.plan.constraints["stations"], "fixes")
