@@ -35,14 +35,14 @@ def read(path: FilePath, *, epoch: str, t: float) -> tuple[float, np.ndarray]:
     InputError, naming file and line or key, for a malformed file and for mean elements that are too old.
     """
     content = contents(path)
-    if is_orbit(content) and not oem.matches(content):
-        return _nearest(OrbitFiles([path], epoch, 0.0), t)
     if oem.matches(content):
         segments = oem.read(path, epoch=epoch)
         times = np.concatenate([segment.t for segment in segments])
         states = np.concatenate([segment.states for segment in segments])
         nearest = int(np.abs(times - t).argmin())
         return float(times[nearest]), states[nearest]
+    if is_orbit(content):
+        return _nearest(OrbitFiles([path], epoch, 0.0), t)
     satellite, start = mean_elements.read(path), ccsds.utc_texts(epoch, np.array([t]))[0]
     mean_elements.check_age(satellite, start)
     return t, mean_elements.state(satellite, epoch=start)
