@@ -11,8 +11,9 @@ from opml.workflow.jobs import job
 with job(snakemake) as metadata:
     settings, files = JobSettings(snakemake.params.settings), snakemake.input
     coordinates, eccentricities = files.sites
+    points, without = crd.read(files.points, epoch=settings.epoch), settings.ranging["without"]
     table = laser_ranges.table(
-        laser_ranges.of_run(crd.read(files.points, epoch=settings.epoch), DAY * settings.duration_days),
+        laser_ranges.of_run(points, DAY * settings.duration_days, without=without),
         laser_ranges.Sites(sinex.read_coordinates(coordinates), sinex.read_eccentricities(eccentricities)),
         epoch=settings.epoch,
         earth_orientation=read_table(files.earth_orientation, "earth_orientation"),

@@ -34,7 +34,8 @@ def _check_files(source: Source, settings: Settings, name: str) -> None:
     from opml.catalog.fit import laser_ranges
 
     epoch, duration = source.values["epoch"], DAY * source.values["duration_days"]
-    points = laser_ranges.of_run(crd.read(settings.ranges[name], epoch=epoch), duration)
+    points, without = crd.read(settings.ranges[name], epoch=epoch), settings.ranging(name).without
+    points = laser_ranges.of_run(points, duration, without=without)
     coordinates, eccentricities = settings.station_files[name]
     sites = laser_ranges.Sites(sinex.read_coordinates(coordinates), sinex.read_eccentricities(eccentricities))
     laser_ranges.positions(points, sites, epoch=epoch)

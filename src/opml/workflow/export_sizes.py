@@ -51,7 +51,8 @@ def _tracking(params: Params, wildcards: Wildcards) -> pd.DataFrame:
     if rso in plan.elements:
         return _sets(params, wildcards)
     if rso in plan.ranges:
-        return laser_ranges.of_run(crd.read(plan.ranges[rso], epoch=epoch), duration)
+        points, without = crd.read(plan.ranges[rso], epoch=epoch), params.ranging(wildcards)["without"]
+        return laser_ranges.of_run(points, duration, without=without)
     if rso in plan.fixes:
         return _fixes(params, wildcards)
     if rso in plan.orbits:

@@ -170,7 +170,8 @@ class Params:
 
     def ranging(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return how the laser ranges of the wildcard `rso` are taken."""
-        return self.plan.settings.ranging(wildcards.rso).model_dump(include={"reflectors_m", "sigma_m"})
+        taken = {"reflectors_m", "sigma_m", "without"}
+        return self.plan.settings.ranging(wildcards.rso).model_dump(include=taken)
 
     def history(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return how the history of mean elements of the wildcard `rso` is taken."""

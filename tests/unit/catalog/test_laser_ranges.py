@@ -210,3 +210,9 @@ def test_points_outside_of_the_run_are_left_out(points):
     days = "normal points within the run, of 1 days, got some from day \\+10.*"
     with pytest.raises(InputError, match=days):
         laser_ranges.of_run(points.assign(t=points["t"] + 10 * DAY, path="a.crd"), DAY)
+
+
+def test_stations_may_be_left_out(points):
+    assert set(laser_ranges.of_run(points, DAY, without=[7090])["station"]) == {"7941"}
+    with pytest.raises(InputError, match=r"a\.crd: expected others within the run"):
+        laser_ranges.of_run(points.assign(path="a.crd"), DAY, without=[7090, 7941])

@@ -781,6 +781,8 @@ def test_laser_ranges_stand_where_tracks_do_and_bring_stations_of_their_own(tmp_
         ({"edit": ("eccentricities.snx", "UNE", "XYZ")}, "eccentricities.snx: line 3: expected ecc"),
         ({"ranging": None}, "mine.yaml: ranges.mine: expected mine under ranging, too, got none"),
         ({"ranging": {"reflectors_m": 0.25}}, "ranging.mine.coordinates: expected a value, got none"),
+        ({"ranging": RANGING | {"without": [7090]}}, "lageos.crd: expected others within the run"),
+        ({"ranging": RANGING | {"without": ["x"]}}, "ranging.mine.without"),
         ({"ranging": RANGING | {"sigma_m": 0}}, "ranging.mine.sigma_m: expected a number above 0"),
         (
             {"ranging": RANGING | {"coordinates": "{a}.snx"}},

@@ -379,7 +379,7 @@ def test_laser_ranges_bring_their_stations_and_learners_have_none_of_what_radars
     jobs, name = user_inputs().params, experiment(rso="lasered", stations="ranges")
     assert re.fullmatch(jobs.plan.constraints["stations"], "ranges")
     assert jobs.stations(name) == []
-    assert jobs.ranging(name) == {"reflectors_m": 0.25, "sigma_m": 0.02}
+    assert jobs.ranging(name) == {"reflectors_m": 0.25, "sigma_m": 0.02, "without": []}
     assert not set(MEASUREMENT) & set(jobs.learner(name)["variables"])
     assert jobs.plan.ranges["lasered"] == ["a.crd"]
     assert jobs.plan.settings.station_files["lasered"] == ["coordinates.snx", "eccentricities.snx"]
@@ -472,6 +472,7 @@ def test_ephemerides_from_each_estimate_of_fixes_are_as_many_as_their_stretches(
 def test_ephemerides_from_each_estimate_of_laser_ranges_are_as_many_as_their_passes(tmp_path):
     laser_files.write(tmp_path)
     users = {"ranges": {"lasered": [str(tmp_path / "lageos.crd")]}, "rsos": {"lasered": BODY}}
+    users["ranging"] = {"lasered": RANGING}
     days = {"duration_days": 3, "study": {"rsos": ["lasered"]}}
     count, _, _ = size_of(experiment(rso="lasered", stations="ranges", train="days-0-1"), **users, **days)
     assert count == 1

@@ -4,6 +4,7 @@ Stations stand where coordinates, velocities, eccentricities and the solid tide 
 relativity's belong to the orbit that is tried.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import erfa
@@ -130,12 +131,17 @@ class LaserRanges(Measured):
         return np.asarray(self.values[rows] - (air + bent(left, stands.position))[:, None])
 
 
-def of_run(points: pd.DataFrame, duration: float) -> pd.DataFrame:
-    """Return the points within a run of a duration [s]. Raises InputError where there are none."""
-    within = points[points["t"].between(0.0, duration)]
+def of_run(points: pd.DataFrame, duration: float, *, without: Collection[int] = ()) -> pd.DataFrame:
+    """Return the points within a run of a duration [s], but for some stations'.
+
+    Raises InputError where there are none.
+    """
+    wanted = points[~points["station"].isin([str(number) for number in without])]
+    within = wanted[wanted["t"].between(0.0, duration)]
     if within.empty:
         days = " to ".join(f"{t / DAY:+.2f}" for t in points["t"].agg(["min", "max"]))
-        expected = f"normal points within the run, of {duration / DAY:g} days"
+        whose = "others" if without else "normal points"
+        expected = f"{whose} within the run, of {duration / DAY:g} days"
         raise InputError(f"{points['path'].iloc[0]}: expected {expected}, got some from day {days}")
     return within.reset_index(drop=True)
 

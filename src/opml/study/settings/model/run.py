@@ -207,6 +207,9 @@ class RangeSettings(Section):
         unit="m",
         default=0.02,
     )
+    without: Annotated[list[Annotated[int, Ge(1)]], Unique(), Expected("numbers of stations")] = setting(
+        "stations whose ranges are left out", unit="numbers", default=[]
+    )
 
 
 class HistorySettings(Section):
