@@ -1,13 +1,13 @@
 """Finds burns and tracks of other objects by fits that hold them back, and prints how many and when:
 
-    python -m validation.burns_in_tracks <hours of the fits> [folder of a satellite's orbit in SP3 files]
+    python -m validation.burns_in_tracks <hours of the fits> [folder of a satellite's orbit in SP3] [--seed N]
 
 A month of Swarm A's orbit is simulated, seen by the paper's stations: without a burn, with burns, and with
 tracks of objects that pass before or behind it. The folder holds a real orbit without burns, for false ones.
 """
 
+import argparse
 import logging
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -60,9 +60,9 @@ class Burning:
     velocity: np.ndarray
 
 
-def burns(size: float, axis: int) -> list[Burning]:
+def burns(size: float, axis: int, seed: int) -> list[Burning]:
     """Return a month's burns of a size [m/s], forwards and backwards along one of the axes of RSW."""
-    chance = np.random.default_rng(5)
+    chance = np.random.default_rng(5 + seed)
     days = EVERY * np.arange(1, COUNT + 1) + chance.uniform(0.0, 1.0, COUNT)
     signs = chance.choice([-1.0, 1.0], COUNT)
     return [
@@ -90,19 +90,21 @@ def orbit(flight: opml.Flight, burned: Sequence[Burning]) -> pd.DataFrame:
 
 @dataclass(frozen=True)
 class Month:
-    """An object's flight under the assumed model, its Earth and the stations that see it."""
+    """An object's flight under the assumed model, its Earth and stations, and the seed of all chance."""
 
     flight: opml.Flight
     environment: opml.Environment
     stations: Sequence[Station]
+    seed: int
 
     def seen(self, orbit: pd.DataFrame) -> pd.DataFrame:
         """Return the `tracking` table of an orbit."""
-        return tracking.simulate(orbit, self.environment.earth_orientation, self.stations, rso="a", seed=1)
+        earth, seed = self.environment.earth_orientation, 1 + self.seed
+        return tracking.simulate(orbit, earth, self.stations, rso="a", seed=seed)
 
     def with_foreign(self, orbit: pd.DataFrame, rows: pd.DataFrame) -> tuple[pd.DataFrame, np.ndarray]:
         """Return tracks of which some are of objects before or behind, and which these are."""
-        chance = np.random.default_rng(9)
+        chance = np.random.default_rng(9 + self.seed)
         tracks = np.sort(chance.choice(rows["track"].max(), round(FOREIGN * rows["track"].max()), False))
         shifts = np.exp(chance.uniform(*np.log(SHIFTS), len(tracks))) * chance.choice(
             [-1.0, 1.0], len(tracks)
@@ -120,7 +122,7 @@ class Month:
 
     def estimates(self, rows: pd.DataFrame, orbit: pd.DataFrame, method: Estimation) -> pd.DataFrame:
         """Return the `estimates` table, with their errors [m] in the column off."""
-        starts = start_states.perturbed(orbit, rows, rso="a", settings=method, seed=42)
+        starts = start_states.perturbed(orbit, rows, rso="a", settings=method, seed=42 + self.seed)
         measured = sightings.Measured(rows, self.environment.earth_orientation, self.stations)
         table = quarantine.estimate_all(self.flight, starts, measured, settings=method)
         true = orbit.set_index("t").loc[table["t"], STATE[:3]].to_numpy()
@@ -132,7 +134,7 @@ def stations() -> list[Station]:
     return list(opml.read_stations("config/stations.tsv").values())
 
 
-def simulated() -> tuple[Month, opml.Flight]:
+def simulated(seed: int) -> tuple[Month, opml.Flight]:
     """Return a month of Swarm A's orbit, and its flight under the true model."""
     environment = opml.make_environment(EPOCH, days=DAYS + 1.0)
     swarm = replace(opml.read_rsos("config/rsos.tsv")["swarma"], **BODY)
@@ -140,12 +142,10 @@ def simulated() -> tuple[Month, opml.Flight]:
         opml.Flight(opml.force_model(environment, degree=degree, order=degree), swarm, INTEGRATOR)
         for degree in (20, 40)
     ]
-    return Month(flights[0], environment, list(opml.read_stations("config/stations.tsv").values())), flights[
-        1
-    ]
+    return Month(flights[0], environment, stations(), seed), flights[1]
 
 
-def real(folder: Path) -> tuple[Month, pd.DataFrame]:
+def real(folder: Path, seed: int) -> tuple[Month, pd.DataFrame]:
     """Return a month of a real orbit, and the orbit."""
     files = OrbitFiles(sorted(folder.glob("*.sp3.gz")), REAL_EPOCH, DAYS * DAY)
     states, _ = truth_from_orbit.truth(files, step=STEP)
@@ -153,7 +153,7 @@ def real(folder: Path) -> tuple[Month, pd.DataFrame]:
     model = opml.force_model(environment, degree=20, order=20)
     unknown = dict.fromkeys(("a", "e", "i", "argp", "raan", "mean_anomaly"), np.nan)
     flight = opml.Flight(model, Rso("swarm", **unknown, **BODY), INTEGRATOR)
-    return Month(flight, environment, stations()), states
+    return Month(flight, environment, stations(), seed), states
 
 
 def errors(table: pd.DataFrame) -> str:
@@ -189,14 +189,14 @@ def print_found(table: pd.DataFrame, burned: Sequence[Burning], axis: int) -> No
     print(f"  hours until found {told[0]}\n  minutes off {told[1]}\n  cm/s off {told[2]}", flush=True)
 
 
-def main(hours: float, folder: Path | None) -> None:
-    """Print what is found in fits over windows [h]."""
+def main(hours: float, folder: Path | None, seed: int) -> None:
+    """Print what is found in fits over windows [h]; seed: 0 is that of the tables in notes/."""
     method = settings(hours)
     if folder:
-        month, states = real(folder)
+        month, states = real(folder, seed)
         table = month.estimates(month.seen(states), states, method)
         print(f"{folder.name}: {held_back(table, [])}", flush=True)
-    month, flight = simulated()
+    month, flight = simulated(seed)
     states = orbit(flight, [])
     rows = month.seen(states)
     print(f"clean: {held_back(month.estimates(rows, states, method), [])}", flush=True)
@@ -205,7 +205,7 @@ def main(hours: float, folder: Path | None) -> None:
     print(f"  counted: {errors(month.estimates(spoilt, states, settings(hours, None)))}", flush=True)
     for name, axis in AXES.items():
         for size in SIZES:
-            burned = burns(size, axis)
+            burned = burns(size, axis, seed)
             states = orbit(flight, burned)
             table = month.estimates(month.seen(states), states, method)
             print(f"{100.0 * size:g} cm/s {name} track: {errors(table)}")
@@ -214,4 +214,8 @@ def main(hours: float, folder: Path | None) -> None:
 
 if __name__ == "__main__":
     logging.basicConfig(level=logging.INFO, format="%(message)s")
-    main(float(sys.argv[1]), Path(sys.argv[2]) if len(sys.argv) > 2 else None)
+    parser = argparse.ArgumentParser()
+    parser.add_argument("hours", type=float)
+    parser.add_argument("folder", type=Path, nargs="?")
+    parser.add_argument("--seed", type=int, default=0)
+    main(**vars(parser.parse_args()))

@@ -308,14 +308,14 @@ def read_laser_ranges(
     """Read normal points of laser ranging from CRD: the table `laser_ranges`, in the place of `tracking`.
 
     coordinates, eccentricities: SINEX files of the stations; offset: of the reflectors from the satellite's
-    centre of mass, towards the station [m]; sigma: of a point [m]; satellite: name or number that all files
-    have to have. Raises InputError, naming file and line, for malformed files, and for a station that they
-    have not.
+    centre of mass, towards the station [m]; sigma: least one of a point [m]; satellite: name or number that
+    all files have to have. Raises InputError, naming file and line, for malformed files, and for a station
+    that they have not.
 
     >>> ranges = opml.read_laser_ranges(
     ...     "lageos.crd",
     ...     environment=environment,
-    ...     coordinates="stations.snx",
+    ...     coordinates="coordinates.snx",
     ...     eccentricities="eccentricities.snx",
     ...     offset=0.251,
     ... )

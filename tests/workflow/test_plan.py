@@ -3,8 +3,10 @@
 import re
 import shutil
 
+import laser_files
 import pytest
 from element_histories import history, tle_text
+from laser_files import RANGING
 from project import ROOT, Project, jobs
 
 ONCE = ["earth_orientation", "ephemerides", "gravity_field", "solar_activity"]
@@ -262,6 +264,19 @@ def test_fixes_need_no_truth_and_no_station(project):
         **dict.fromkeys(["fixes_from_files", "first_orbit", "dataset", "mechanism"], 1),
         **dict.fromkeys(["estimation", "prediction", "sensitivities"], 2),  # the window of 24 hours, too
     }
+
+
+def test_laser_ranges_need_no_truth_and_bring_their_stations(project):
+    laser_files.write(project.folder)
+    ranges = f"ranges: {{mine: lageos.crd}}\nranging: {{mine: {RANGING}}}\nstarts: {{mine: mine.tle}}"
+    (project.folder / "mine.yaml").write_text(TRACKED.replace("tracks: {mine: orekit.tdm}", ranges))
+    (project.folder / "mine.tle").write_text(tle_text(history([1.0])))
+    targets = ["dataset/mine/ranges.parquet", "corrected/mine/ranges_later/days-0-20/fit48.oem"]
+    names = [f"results/{target}" for target in targets]
+    plan = jobs(project.snakemake("-n", *names, "--configfile", "mine.yaml").stdout)
+    once = ("ranges_from_files", "first_orbit", "labels", "dataset", "corrected")
+    assert {name: plan[name] for name in once} == dict.fromkeys(once, 1)
+    assert not {"truth", "tracking"} & set(plan)
 
 
 def test_mean_elements_need_no_truth_and_sgp4_flies_them(project):

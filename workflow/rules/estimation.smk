@@ -47,6 +47,7 @@ rule filter:
         **ENVIRONMENT.fits,
         estimates=at_window("", rules.estimation.output[0]),
         tracking=rules.tracking.output[0],
+        check=checks(PARAMS.check_filtered),
     output:
         FILTERED_ESTIMATES.table,
     log:

@@ -1,4 +1,4 @@
-# Measured tracks, fixes or mean elements in the place of simulated tracks, and a first orbit that needs no truth.
+# Measured tracks, fixes, ranges or mean elements in the place of simulated tracks, and a first orbit that needs no truth.
 FIRST_ORBIT = product("starts/{rso}/{stations}")
 ELEMENT_SETS = product("element_sets/{rso}")
 
@@ -63,6 +63,40 @@ if PLAN.fixes:
             "../scripts/fixes_from_files.py"
 
     ruleorder: fixes_from_files > tracking
+
+
+if PLAN.ranges:
+
+    rule ranges_from_files:
+        input:
+            points=lambda wildcards: users(PLAN.ranges[wildcards.rso]),
+            sites=lambda wildcards: users(PLAN.settings.station_files[wildcards.rso]),
+            earth_orientation=EARTH_ORIENTATION.table,
+            ephemerides=EPHEMERIDES.table,
+        output:
+            TRACKING.table,
+        log:
+            TRACKING.log,
+        benchmark:
+            TRACKING.benchmark
+        wildcard_constraints:
+            rso=naming.alternatives(PLAN.ranges),
+            stations=naming.RANGES,
+        conda:
+            "../envs/opml.yaml"
+        params:
+            settings=lambda wildcards: {
+                **PARAMS.span,
+                "ranging": PARAMS.ranging(wildcards),
+                "manoeuvres": PLAN.settings.manoeuvres(wildcards.rso),
+            },
+            code=code("ranges_from_files.py"),
+        message:
+            "Ranges: how far {wildcards.rso} was from laser stations, from {input[0]}"
+        script:
+            "../scripts/ranges_from_files.py"
+
+    ruleorder: ranges_from_files > tracking
 
 
 if PLAN.elements:
@@ -134,7 +168,7 @@ if PLAN.measured:
             FIRST_ORBIT.benchmark
         wildcard_constraints:
             rso=naming.alternatives(PLAN.measured),
-            stations=f"(?:{naming.stations_pattern(PLAN.settings.stations)}|{naming.FIXES})",
+            stations=f"(?:{naming.stations_pattern(PLAN.settings.stations)}|{naming.alternatives(naming.WITHOUT_STATIONS)})",
         conda:
             "../envs/opml.yaml"
         resources:

@@ -1,6 +1,6 @@
 """Estimate state and drag coefficient at each track's start."""
 
-from opml.catalog.fit import estimation, fixes, quarantine, start_states
+from opml.catalog.fit import biases, estimation, fixes, quarantine, start_states
 from opml.catalog.flight import Flight
 from opml.orbits.sheets import Station
 from opml.tables import read_kind, read_measured, read_table, write_table
@@ -15,5 +15,7 @@ with job(snakemake) as metadata:
     states = read_table(files.start, read_kind(files.start))
     measured = fixes.read(files, [Station(**station) for station in settings.stations])
     starts = start_states.chosen(states, tracking, rso=flight.rso.name, settings=method, seed=settings.seed)
-    table = quarantine.estimate_all(flight, starts, measured, settings=method)
+    table, noise = quarantine.with_noise(flight, starts, measured, settings=method)
+    if read_kind(files.start) == "starts":  # noise that was simulated is known
+        metadata |= biases.facts(noise)
     write_table(snakemake.output[0], table, "estimates", metadata=metadata)

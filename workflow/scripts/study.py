@@ -1,5 +1,6 @@
 """Report a study: errors in metres, skill, models against splits, rows used."""
 
+from opml.catalog.fit.biases import read_noise
 from opml.report import document, own_study
 from opml.study.experiments import read_study
 from opml.study.own_study import OwnStudy
@@ -14,6 +15,7 @@ with job(snakemake):
         evaluations=read_by_key(study.stated, files.evaluations, "evaluation"),
         datasets=read_by_key(study.datasets, files.datasets, "dataset"),
         estimates=read_by_key(study.datasets, files.estimates, "estimates"),
+        noise=dict(zip(study.datasets, map(read_noise, files.estimates), strict=True)),
         rolling=read_by_key(study.rolling, files.rolling, "rolling"),
         replays=read_by_key(study.replayed, files.replays, "replay"),
         truths=read_by_key(study.judged, files.truths, "dataset"),

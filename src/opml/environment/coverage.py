@@ -33,7 +33,7 @@ def check(values: Mapping[str, Any]) -> None:
     celestial_bodies.tabulate(sources["ephemerides"], epoch, ends)
     flown = ["solar_activity", "true_solar_activity"]
     if sources.get("knowledge") == knowledge.FORECAST and (
-        {"tracks", "fixes", "elements"} & set(values) or flown[1] in sources
+        {"tracks", "fixes", "ranges", "elements"} & set(values) or flown[1] in sources
     ):
         flown.remove("solar_activity")  # measurements before a forecast need not reach into the days ahead
     for setting in flown:

@@ -4,6 +4,7 @@ Normal points are read, ranges to a satellite there and back; full-rate data are
 Source: Ricklefs & Moore 2009, Consolidated Laser Ranging Data Format, version 1.01; version 2.01, 2019.
 """
 
+import logging
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -11,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import DAY
+from opml.base.constants import DAY, SPEED_OF_LIGHT
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop.orbit_arcs import (
@@ -23,7 +24,7 @@ from opml.interop.orbit_arcs import (
     seconds_since,
 )
 
-_HECTO, _NANO, _PERCENT = 1e2, 1e-9, 1e-2
+_HECTO, _NANO, _PICO, _PERCENT = 1e2, 1e-9, 1e-12, 1e-2
 
 _UTC = ("3", "4", "7")
 """Time scales of a station that are UTC: of the observatory, of GPS, of the BIPM."""
@@ -32,6 +33,7 @@ _TWO_WAY = "2"
 _SENT, _BOUNCED, _RECEIVED = "2", "1", "0"
 _PASSED_OVER = re.compile(r"00|10|12|21|30|4[0-2]|5[0-1]|60|9\d|C[1-7]|H5|H9")
 _Row = tuple[int, list[str]]  # line and words
+_log = logging.getLogger(__name__)
 
 
 @dataclass
@@ -48,20 +50,48 @@ def read(paths: Sequence[FilePath], *, epoch: str, satellite: str | None = None)
     """Read the normal points of CRD files, in the order of their passes.
 
     epoch: UTC text from which times count
-    satellite: name, ILRS number, SIC or NORAD number; None: any satellite
+    satellite: name, ILRS number, SIC or NORAD number; None: that of the first pass
 
     Columns: track, the number of the pass; t, when the light was received [s]; station, its number, and
-    system, with which it was occupied; flight, of the light there and back [s]; wavelength [m]; pressure
-    [Pa], temperature [K] and humidity [1], between those of the pass; path and line.
+    system, with which it was occupied; flight, of the light there and back [s]; scatter, of the single ranges
+    of a point, one way [m], NaN where nobody tells; wavelength [m]; pressure [Pa], temperature [K] and
+    humidity [1], between those of the pass; path and line. Of passes of a station that overlap, which are one
+    that was released again, the newest release counts.
 
     Raises InputError, naming file and line, for a malformed or truncated file, another satellite, and data
     that are no ranges there and back by UTC, or are without refraction or to the centre of mass.
     """
-    tables = [_points(path, one, epoch) for path in paths for one in _passes(path, satellite) if one.points]
+    tables = []
+    for path in paths:
+        for one in _passes(path, satellite):
+            satellite = satellite or one.head["H3"][1][1]
+            if one.points:
+                tables.append(_points(path, one, epoch))
     if not tables:
         raise InputError(f"{paths[0]}: expected normal points, got none")
-    tables.sort(key=lambda table: float(table["t"].iloc[0]))
-    return pd.concat([table.assign(track=number) for number, table in enumerate(tables)], ignore_index=True)
+    passes = sorted(_newest(tables), key=lambda table: float(table["t"].iloc[0]))
+    whole = pd.concat([table.assign(track=number) for number, table in enumerate(passes)], ignore_index=True)
+    return whole.drop(columns="release")
+
+
+def _newest(tables: Sequence[pd.DataFrame]) -> list[pd.DataFrame]:
+    """Return the passes, of those that overlap and are of one station the newest release alone."""
+    found: list[pd.DataFrame] = []
+    for table in sorted(tables, key=lambda table: (table["station"].iloc[0], table["t"].min())):
+        if found and _is_again(table, found[-1]):
+            found[-1] = max(found[-1], table, key=lambda one: int(one["release"].iloc[0]))
+        else:
+            found.append(table)
+    if len(found) < len(tables):
+        _log.info("%d passes are left out, as others of their station overlap them", len(tables) - len(found))
+    return found
+
+
+def _is_again(table: pd.DataFrame, before: pd.DataFrame) -> bool:
+    """Return whether a pass is of the same station as one that began before, and begins within it."""
+    return bool(
+        table["station"].iloc[0] == before["station"].iloc[0] and table["t"].min() <= before["t"].max()
+    )
 
 
 def _passes(path: FilePath, satellite: str | None) -> Iterator[_Pass]:
@@ -76,6 +106,7 @@ def _passes(path: FilePath, satellite: str | None) -> Iterator[_Pass]:
             head[kind] = number, words
             if kind == "H4":
                 _check_head(path, head, satellite)
+                satellite = satellite or head["H3"][1][1]
                 current = _Pass(dict(head))
         elif kind == "H8" and current is not None:
             yield current
@@ -141,8 +172,10 @@ def _points(path: FilePath, one: _Pass, epoch: str) -> pd.DataFrame:
         {
             "t": _midnight(path, one, epoch) + seconds + later,
             "station": one.head["H2"][1][2],
+            "release": _release(path, one),
             "system": "".join(word.zfill(2) for word in one.head["H2"][1][3:5]),
             "flight": flight,
+            "scatter": _scatter(one),
             "wavelength": _wavelengths(path, one),
             **_weather(path, one, seconds),
             "path": str(path),
@@ -167,6 +200,19 @@ def _since_midnight(path: FilePath, one: _Pass, seconds: np.ndarray) -> np.ndarr
     hour, minute, second = numbers(path, np.array([words[5:8]]), np.array([number]))[0]
     begin = 3600.0 * hour + 60.0 * minute + second
     return np.where(seconds < begin - 0.5 * DAY, seconds + DAY, seconds)
+
+
+def _release(path: FilePath, one: _Pass) -> int:
+    """Return the number of a pass's release, 0 for the first one."""
+    line, words = one.head["H4"]
+    return int(numbers(path, np.array([words[14:15]]), np.array([line]))[0, 0])
+
+
+def _scatter(one: _Pass) -> np.ndarray:
+    """Return the scatter (n,) [m] of the single ranges of each point, NaN where its record has none."""
+    texts = pd.Series([words[7] if len(words) > 7 else "" for _, words in one.points], dtype="str")
+    spread = pd.to_numeric(texts, errors="coerce").to_numpy(float)
+    return np.where(spread > 0.0, 0.5 * SPEED_OF_LIGHT * _PICO * spread, np.nan)
 
 
 def _wavelengths(path: FilePath, one: _Pass) -> np.ndarray:

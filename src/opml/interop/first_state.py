@@ -1,19 +1,26 @@
-"""Reader of the state that a first orbit starts from: a TLE or an OMM flown by SGP4, or an OEM's state."""
+"""Reader of the state that a first orbit starts from: a TLE or an OMM flown by SGP4, or one of an orbit."""
+
+from dataclasses import replace
 
 import numpy as np
 
 from opml.base.files import FilePath
 from opml.interop import ccsds, oem
 from opml.interop.element_sets import mean_elements
-from opml.interop.orbit_arcs import contents
+from opml.interop.orbit_arcs import MOST_APART, contents
+from opml.interop.orbit_from_files import OrbitFiles, is_orbit, whole_arcs
+from opml.tables import STATE
 
 _ANY = "2000-01-01T12:00:00"
 
 
 def check(path: FilePath) -> None:
     """Raise InputError, naming file and line or key, where a file has no state to start from."""
-    if oem.matches(contents(path)):
+    content = contents(path)
+    if oem.matches(content):
         oem.read(path, epoch=_ANY)
+    elif is_orbit(content):
+        whole_arcs(OrbitFiles([path], _ANY, 0.0))
     else:
         mean_elements.read(path)
 
@@ -24,15 +31,30 @@ def read(path: FilePath, *, epoch: str, t: float) -> tuple[float, np.ndarray]:
     epoch: UTC text
     t: [s since `epoch`]
 
-    Mean elements are flown to `t` itself; from an OEM the nearest state is taken. Raises InputError, naming
-    file and line or key, for a malformed file and for mean elements that are too old.
+    Mean elements are flown to `t` itself; from an OEM, SP3 or CPF the nearest state is taken. Raises
+    InputError, naming file and line or key, for a malformed file and for mean elements that are too old.
     """
-    if oem.matches(contents(path)):
+    content = contents(path)
+    if oem.matches(content):
         segments = oem.read(path, epoch=epoch)
         times = np.concatenate([segment.t for segment in segments])
         states = np.concatenate([segment.states for segment in segments])
         nearest = int(np.abs(times - t).argmin())
         return float(times[nearest]), states[nearest]
+    if is_orbit(content):
+        return _nearest(OrbitFiles([path], epoch, 0.0), t)
     satellite, start = mean_elements.read(path), ccsds.utc_texts(epoch, np.array([t]))[0]
     mean_elements.check_age(satellite, start)
     return t, mean_elements.state(satellite, epoch=start)
+
+
+def _nearest(files: OrbitFiles, t: float) -> tuple[float, np.ndarray]:
+    """Return the time of the node of an orbit that is nearest to a time [s], and the GCRF state (6,) then."""
+    # Brings the compiled kernels with it, which no plan should wait for.
+    from opml.interop import truth_from_orbit
+
+    times = np.concatenate([arc.t for arc in whole_arcs(files)])
+    nearest = float(times[np.abs(times - t).argmin()])
+    there = replace(files, epoch=ccsds.utc_texts(files.epoch, np.array([nearest]))[0])
+    states, _ = truth_from_orbit.truth(there, step=MOST_APART)
+    return nearest, states[STATE].to_numpy()[0]

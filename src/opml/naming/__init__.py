@@ -49,7 +49,9 @@ from opml.naming.experiment import (
 )
 from opml.naming.objects import (
     FIXES,
+    RANGES,
     WITHOUT,
+    WITHOUT_STATIONS,
     learner_pattern,
     leave_out,
     parse_learner,
@@ -105,6 +107,7 @@ __all__ = [
     "NUMBER",
     "PERFECT",
     "POSITIVE",
+    "RANGES",
     "READINGS",
     "SPLIT",
     "STANDARDISATIONS",
@@ -114,6 +117,7 @@ __all__ = [
     "TRACK",
     "TRAIN",
     "WITHOUT",
+    "WITHOUT_STATIONS",
     "Experiment",
     "Split",
     "add_seed",

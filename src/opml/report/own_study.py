@@ -15,7 +15,7 @@ from opml.learning.judge.model_choice import Mornings
 from opml.learning.judge.rolling_origins import by_day
 from opml.learning.models.learners import learns
 from opml.naming import SPLIT, Experiment, parse_test, parse_train, strip_seed
-from opml.report import absurd_fits, answer, conjunctions, mornings, uncertainty
+from opml.report import absurd_fits, answer, conjunctions, instruments, mornings, uncertainty
 from opml.report.answer import Sources
 from opml.report.beyond import model_table
 from opml.report.document import Block, Heading, Paragraph, Table
@@ -62,6 +62,7 @@ class OwnStudyTables:
     evaluations: Mapping[ModelKey, pd.DataFrame]  # of the stated experiments
     datasets: Mapping[Dataset, pd.DataFrame]
     estimates: Mapping[Dataset, pd.DataFrame]
+    noise: Mapping[Dataset, pd.DataFrame]  # what residuals tell of instruments, of what was measured
     rolling: Mapping[ModelKey, pd.DataFrame]  # of the learners that are trained anew
     replays: Mapping[ModelKey, pd.DataFrame]
     truths: Mapping[Dataset, pd.DataFrame]  # datasets with true errors, where others hold labels
@@ -107,6 +108,7 @@ def document(report: OwnStudyReport, tables: OwnStudyTables) -> list[Block]:
         *_splits(report, Results(tables.metrics), tables.evaluations, papers),
         *_rolling(report, tables.rolling),
         *_rows(report, tables, papers),
+        *instruments.section(tables.noise, tables.estimates, epoch=report.settings["epoch"]),
         *model_table(report.learners),
         *_forces(report),
     ]

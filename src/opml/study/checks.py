@@ -18,7 +18,7 @@ from opml.learning.data.components import CORRECTED
 from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models import learners
 from opml.orbits import sheets
-from opml.study import element_checks
+from opml.study import element_checks, range_checks
 from opml.study.experiments import Study
 from opml.study.paper import Paper
 from opml.study.settings.merging import Settings, with_sheets
@@ -70,6 +70,7 @@ def check_data(source: Source, settings: Settings) -> None:
     ):  # every morning looks at each object's files itself, and leaves out bad ones
         _check_tracks(source, settings)
         _check_fixes(source, settings)
+        range_checks.check(source, settings)
         element_checks.check(source, settings)
     _check_starts(source, settings)
 
@@ -98,6 +99,10 @@ def _check_day(source: Source, settings: Settings) -> None:
     if "day" in values and "suspect_sigma" in values["estimation"]:
         raise source.wrong(
             ("estimation", "suspect_sigma"), "expected none where mornings are asked for (day)"
+        )
+    if "day" in values and settings.ranges:
+        raise source.wrong(
+            ("ranges",), "expected none where mornings are asked for (day), as these read none"
         )
     for name in settings.day.models if "day" in values else []:
         with source.naming(("day", "models")):
@@ -219,6 +224,8 @@ def _check_paths(source: Source, settings: Settings) -> None:
         "orbits": settings.orbits,
         "tracks": settings.tracks,
         "fixes": settings.fixes,
+        "ranges": settings.ranges,
+        "ranging": settings.station_files,
         "elements": settings.elements,
         "starts": settings.starts,
         "manoeuvres": settings.manoeuvre_files,
@@ -286,7 +293,7 @@ def _check_starts(source: Source, settings: Settings) -> None:
         for name in source.values.get(kind, {}):
             with source.naming((kind, name)):
                 if name not in settings.measured:
-                    raise InputError("expected an RSO that has tracks, fixes or elements")
+                    raise InputError("expected an RSO that has tracks, fixes, ranges or elements")
                 if kind == "starts":
                     first_state.check(settings.starts[name])
                 else:
@@ -321,11 +328,12 @@ def _check_label(source: Source, study: Study) -> None:
 
 
 def _check_stations(source: Source, study: Study) -> None:
-    """Raise InputError where stations stand beside RSOs that have points, or fixes beside others."""
+    """Raise InputError where stations stand beside RSOs that others measured, or fixes beside others."""
     for rso in study.rsos:
         for stations in study.station_sets:
-            if study.has_fixes(rso) != (stations == naming.FIXES):
-                expected = "RSOs that all have fixes" if study.has_fixes(rso) else "an RSO that has fixes"
+            known_by = study.in_place_of_stations(rso)
+            if known_by != (stations if stations in naming.WITHOUT_STATIONS else ""):
+                expected = f"RSOs that all have {known_by}" if known_by else f"an RSO that has {stations}"
                 key = ("study", "rsos") if "rsos" in study else ("study", "station_sets")
                 raise source.wrong(key, f"expected {expected} for {stations}, got {rso} among them")
 
@@ -434,7 +442,7 @@ class _Checks:
             self._rso(name(rso, value, self._settings.rsos))
 
     def _stations(self, text: str) -> None:
-        if text != naming.FIXES:
+        if text not in naming.WITHOUT_STATIONS:
             sheets.parse_stations(text, self._settings.stations)
 
     def _learner(self, text: str) -> None:

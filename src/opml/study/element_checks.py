@@ -8,15 +8,12 @@ from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.interop.element_sets import histories
 from opml.orbits import sheets
-from opml.study.experiments import Study
+from opml.study.experiments import FILTERS, Study
 from opml.study.settings.merging import Settings
 from opml.study.settings.overlay import Key, Source
 
 FEWEST_SETS = 3
 """Sets of mean elements that a window of fits holds at least: Cd goes wild in fits to fewer."""
-
-FILTERS = ("filtered", "filtered_mean")
-"""Kinds of learners that are sequential filters."""
 
 
 def check(source: Source, settings: Settings) -> None:
@@ -44,9 +41,9 @@ def check(source: Source, settings: Settings) -> None:
 
 
 def check_learners(source: Source, study: Study) -> None:
-    """Raise InputError where a study asks for SGP4 without mean elements, or for a filter with them.
+    """Raise InputError where a study asks for SGP4 without mean elements, or for a filter that cannot be.
 
-    Its RSOs all have mean elements, or none has.
+    A filter goes forwards, and takes all measurements as they are. RSOs all have mean elements, or none has.
     """
     has_elements = study.has_elements(study.rsos[0])
     for rso in study.rsos:
@@ -57,6 +54,9 @@ def check_learners(source: Source, study: Study) -> None:
             kind = naming.parse_learner(name, study.learners)["kind"]
             if kind == "sgp4" and not has_elements:
                 raise source.wrong(key, f"expected RSOs that have elements for {name}, got others")
+            if kind in FILTERS and study.not_filtered:
+                expected = f"expected fits over windows, as filters know no estimation.{study.not_filtered}"
+                raise source.wrong(key, f"{expected}, got {name}")
             if kind in FILTERS and has_elements:
                 expected = "expected fits over windows, as points of mean elements overlap in time"
                 raise source.wrong(key, f"{expected}, got {name}")

@@ -15,6 +15,9 @@ from opml.study.settings.merging import Settings, with_sheets
 SIMULATED, FILES, MEASURED = "simulated", "files", "measured"
 """Where an RSO's orbit comes from."""
 
+FILTERS = ("filtered", "filtered_mean")
+"""Kinds of learners that are sequential filters."""
+
 ROLLING = {"every_days": 1, "last_days": 30}
 """How often learners are trained anew, and on how many days' labels, where a study does not say [days]."""
 
@@ -68,13 +71,18 @@ class Study:
 
     @property
     def _usual_stations(self) -> str:
-        """All stations together, or none where the study's RSOs have fixes or mean elements."""
-        has_fixes = any(self.has_fixes(rso) for rso in self.rsos)
-        return naming.FIXES if has_fixes else "-".join(self.settings.stations)
+        """All stations together, or the name in their place where none of the sheet measured the RSOs."""
+        in_place = filter(None, map(self.in_place_of_stations, self.rsos))
+        return next(in_place, "-".join(self.settings.stations))
 
-    def has_fixes(self, rso: str) -> bool:
-        """Return whether an RSO is known by points that no station measured: fixes, or those of SGP4."""
-        return self._is_of("fixes", rso) or self.has_elements(rso)
+    def in_place_of_stations(self, rso: str) -> str:
+        """Return the name in the place of stations, '' where those of the sheet measure an RSO.
+
+        Fixes, and points of SGP4, are measured by no station, laser ranges by others.
+        """
+        if self._is_of("ranges", rso):
+            return naming.RANGES
+        return naming.FIXES if self._is_of("fixes", rso) or self.has_elements(rso) else ""
 
     def has_elements(self, rso: str) -> bool:
         """Return whether an RSO is known by mean elements."""
@@ -104,8 +112,14 @@ class Study:
         default = "later" if any(self.is_measured(rso) for rso in self.rsos) else "truth"
         return str(self.settings.asked.get("label", default))
 
+    @property
+    def not_filtered(self) -> str:
+        """The setting of the fits that sequential filters know nothing of, '' where there is none."""
+        estimation = self.settings.values["estimation"]
+        return next((name for name in ("reject_sigma", "bias_sigma") if name in estimation), "")
+
     def is_measured(self, rso: str) -> bool:
-        """Return whether tracks, fixes or mean elements of an RSO are real, so that none are simulated."""
+        """Return whether measurements or mean elements of an RSO are real, so that none are simulated."""
         return naming.rso_parts(rso, self.sheet)[0] in self.measured
 
     def has_truth(self, rso: str) -> bool:

@@ -14,7 +14,7 @@ from opml.learning.models.learners import learns, resolved
 from opml.naming import Experiment
 from opml.report.answer import ALL_MODELS, Sources
 from opml.report.own_study import OwnStudyReport
-from opml.study.experiments import FILES, MEASURED, SIMULATED, Study
+from opml.study.experiments import FILES, FILTERS, MEASURED, SIMULATED, Study
 
 RUNNING = ("running24m3", "running24", "running48m3", "running", "running96m3", "running96")
 """Laws on the running mean of Cd. Those of one window share their arcs: another memory costs nothing."""
@@ -84,7 +84,10 @@ class OwnStudy:
     def learners(self) -> list[str]:
         """The models that are compared."""
         models = MODELS_OF_ELEMENTS if self.study.has_elements(self.study.rsos[0]) else MODELS
-        known = [name for name in models if name in self.study.learners]
+        settings = self.study.learners
+        known = [name for name in models if name in settings]
+        if self.study.not_filtered:
+            known = [name for name in known if settings[name]["kind"] not in FILTERS]
         return list(self.study.settings.asked.get("learners") or known)
 
     @cached_property

@@ -4,10 +4,10 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY, HOUR
-from opml.catalog.fit import fixes, measured_tracks
+from opml.catalog.fit import fixes, laser_ranges, measured_tracks
 from opml.catalog.simulate import tracking, truth
 from opml.environment import earth_orientation, nodes
-from opml.interop import oem, points_from_files, tdm, truth_from_orbit
+from opml.interop import crd, oem, points_from_files, tdm, truth_from_orbit
 from opml.interop.element_sets import histories
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.orbits import sheets
@@ -50,6 +50,9 @@ def _tracking(params: Params, wildcards: Wildcards) -> pd.DataFrame:
         return measured_tracks.tracks(tdm.measurements(plan.tracks[rso], epoch=epoch), stations)
     if rso in plan.elements:
         return _sets(params, wildcards)
+    if rso in plan.ranges:
+        points, without = crd.read(plan.ranges[rso], epoch=epoch), params.ranging(wildcards)["without"]
+        return laser_ranges.of_run(points, duration, without=without)
     if rso in plan.fixes:
         return _fixes(params, wildcards)
     if rso in plan.orbits:

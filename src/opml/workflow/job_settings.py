@@ -32,6 +32,7 @@ class JobSettings:
     stations: Sequence[Values]
     estimation: Values
     fixing: Values
+    ranging: Values
     history: Values
     light_time: bool
     cleaning: Values

@@ -77,8 +77,8 @@ class Params:
         return [station.row for station in self.plan.settings.stations.values()]
 
     def stations(self, wildcards: Wildcards) -> list[dict[str, Any]]:
-        """Return the stations of the wildcard `stations`; none where it stands for fixes."""
-        if wildcards.stations == naming.FIXES:
+        """Return the stations of the wildcard `stations`; none where it stands for none of the sheet."""
+        if wildcards.stations in naming.WITHOUT_STATIONS:
             return []
         names = naming.strip_seed(wildcards.stations, naming.NOISE)
         return [station.row for station in sheets.parse_stations(names, self.plan.settings.stations)]
@@ -169,6 +169,11 @@ class Params:
             "stretch_hours": fixing.stretch_hours,
         }
 
+    def ranging(self, wildcards: Wildcards) -> dict[str, Any]:
+        """Return how the laser ranges of the wildcard `rso` are taken."""
+        taken = {"reflectors_m", "sigma_m", "without"}
+        return self.plan.settings.ranging(wildcards.rso).model_dump(include=taken)
+
     def history(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return how the history of mean elements of the wildcard `rso` is taken."""
         return self._history(wildcards.rso)
@@ -218,6 +223,11 @@ class Params:
             raise InputError(
                 f"truth of '{wildcards.rso}': expected an RSO without measurements of its own, as {known}"
             )
+
+    def check_filtered(self, _: Wildcards) -> None:
+        """Raise InputError for a filter beside a setting of the fits that filters know nothing of."""
+        if name := self.plan.study.not_filtered:
+            raise InputError(f"estimation.{name}: expected none for sequential filters, which know no such")
 
     def check_without_truth(self, wildcards: Wildcards) -> None:
         """Raise InputError for a learner that knows what only a simulation does."""

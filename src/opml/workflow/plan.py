@@ -77,8 +77,13 @@ class Plan:
         return self.settings.elements
 
     @cached_property
+    def ranges(self) -> Mapping[str, list[str]]:
+        """Files of ranges that laser stations measured, by RSO."""
+        return self.settings.ranges
+
+    @cached_property
     def measured(self) -> Mapping[str, list[str]]:
-        """Files of all that was measured, by RSO: of tracks, of fixes, or of mean elements."""
+        """Files of all that was measured, by RSO: of tracks, of fixes, of ranges, or of mean elements."""
         return self.settings.measured
 
     @cached_property
@@ -145,10 +150,11 @@ class Plan:
         rso = naming.rso_pattern(self.settings.rsos)
         noise = naming.seed_pattern(naming.NOISE, default=self.seeds["noise"])
         split = naming.seed_pattern(naming.SPLIT, default=self.seeds["split"])
+        in_place = naming.alternatives(naming.WITHOUT_STATIONS)
         return {
             "rso": rso,
             "target": rso,
-            "stations": f"(?:{naming.stations_pattern(self.settings.stations)}{noise}|{naming.FIXES})",
+            "stations": f"(?:{naming.stations_pattern(self.settings.stations)}{noise}|{in_place})",
             "window": f"(?:{self.window_pattern}|{naming.PERFECT}|{naming.FILTERED})",
             "arc": naming.ARC_PATTERN,
             "memory": naming.MEMORY_PATTERN,

@@ -7,11 +7,12 @@ import numpy as np
 import pandas as pd
 import pytest
 from support import BOUNDED_ESTIMATION as SETTINGS
+from support import environment
 
-from opml.catalog.fit.biases import summary, whitened
+from opml.catalog.fit.biases import facts, read_noise, summary, whitened
 from opml.catalog.fit.fixes import Fixes
 from opml.catalog.fit.least_squares import Evaluation
-from opml.tables import FIX_SIGMAS, STATE
+from opml.tables import FIX_SIGMAS, STATE, write_table
 
 BEARING = replace(SETTINGS, bias_sigma=3.0)
 
@@ -70,10 +71,20 @@ def test_the_log_tells_the_noise_and_the_constant_errors(known_rows, biased, lat
 
 
 def test_what_residuals_tell_of_an_instrument():
-    found = summary(np.array(["a", "b", "a"]), np.array([3.0, 1.0, 5.0]))
+    found = summary(np.array(["a", "b", "a"]), np.array([3.0, 1.0, 5.0]), np.array([1.0, 2.0, 7.0]))
     assert found["instrument"].tolist() == ["a", "b"]
     assert found["numbers"].tolist() == [2, 1]
-    np.testing.assert_allclose(found[["rms", "mean"]], [[np.sqrt(17.0), 4.0], [1.0, 1.0]])
+    np.testing.assert_allclose(found[["sigma", "rms", "mean"]], [[5.0, np.sqrt(17.0), 4.0], [2.0, 1.0, 1.0]])
+
+
+def test_a_table_keeps_what_residuals_tell(tmp_path):
+    noise = summary(np.array(["a", "b"]), np.array([3.0, 1.0]), np.array([1.0, 2.0]))
+    for name, metadata in (("measured", facts(noise)), ("simulated", {})):
+        write_table(
+            tmp_path / name, environment()["earth_orientation"], "earth_orientation", metadata=metadata
+        )
+    pd.testing.assert_frame_equal(read_noise(tmp_path / "measured"), noise)
+    assert read_noise(tmp_path / "simulated").empty
 
 
 def test_positions_have_an_instrument_for_each_axis():
@@ -82,3 +93,4 @@ def test_positions_have_an_instrument_for_each_axis():
     measured = Fixes(points.assign(**dict.fromkeys(FIX_SIGMAS[3:], np.nan)))
     assert measured.instruments(slice(0, 2)).tolist() == [0, 1, 2, 0, 1, 2]
     assert measured.instrument_names()[:3] == ["radial", "along track", "across track"]
+    assert measured.deviations(slice(0, 2)).tolist() == [5.0] * 6

@@ -4,6 +4,7 @@ import logging
 from dataclasses import replace
 
 import numpy as np
+import orbit_files
 import pandas as pd
 import pytest
 from support import BOUNDED_ESTIMATION as SETTINGS
@@ -17,6 +18,7 @@ from opml.catalog.fit.first import first_orbit
 from opml.catalog.fit.sightings import Measured
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
+from opml.catalog.simulate.truth import kepler_orbit
 from opml.interop import first_state, oem, tdm
 from opml.tables import STATE
 
@@ -168,8 +170,21 @@ def test_the_nearest_state_of_a_message_is_taken(orbit, tmp_path):
     assert state.tolist() == part[STATE].iloc[1].tolist()
 
 
-@pytest.mark.parametrize("name", ["none.tle", "broken.oem", "broken.tle"])
+def test_the_nearest_state_of_positions_is_taken(tmp_path, earth_orientation, iss):
+    at = np.arange(0.0, 3601.0, 120.0)
+    known = kepler_orbit(iss, duration=3600.0, step=120.0)[STATE].to_numpy()
+    states = orbit_files.flown(orbit_files.attraction_of(earth_orientation), known[0], at)
+    orbit_files.cpf(tmp_path / "iss.cpf", at, orbit_files.in_itrf(states, at, earth_orientation))
+    first_state.check(tmp_path / "iss.cpf")
+    for t, nearest in ((3000.0, 25), (1e6, 30)):
+        found, state = first_state.read(tmp_path / "iss.cpf", epoch=EPOCH, t=t)
+        assert found == pytest.approx(at[nearest], abs=1e-3)
+        np.testing.assert_allclose(state, states[nearest], atol=0.01)
+
+
+@pytest.mark.parametrize("name", ["none.tle", "broken.oem", "broken.tle", "broken.cpf"])
 def test_a_file_without_a_state_is_told(tmp_path, name):
+    (tmp_path / "broken.cpf").write_text("H1 CPF  1  SGF 2016  2 13  2  5441 lageos2\nH9\n")
     (tmp_path / "broken.oem").write_text("CCSDS_OEM_VERS = 2.0\nORIGINATOR\n")
     (tmp_path / "broken.tle").write_text(LINES[0][:-1] + "5\n" + LINES[1])
     with pytest.raises(InputError, match=name):

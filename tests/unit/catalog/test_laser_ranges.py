@@ -98,7 +98,13 @@ def points(orbit, earth_orientation, sites):
     states = orbit[STATE].to_numpy().reshape(-1, 2, 3)
     for station in MARKS:
         place = sites.position(station, "0513", pd.Timestamp(EPOCH))
-        air = {"pressure": 98e3, "temperature": 290.0, "humidity": 0.4, "wavelength": 532e-9}
+        air = {
+            "pressure": 98e3,
+            "temperature": 290.0,
+            "humidity": 0.4,
+            "wavelength": 532e-9,
+            "scatter": np.nan,
+        }
         known = pd.DataFrame({"track": 0, "t": t, "station": station, "system": "0513", "flight": 1.0, **air})
         given = laser_ranges.table(known, sites, **environmental(), sigma=SIGMA, offset=0.0)
         moved, axes = (
@@ -176,3 +182,37 @@ def test_a_fit_finds_the_orbit_behind_ranges(tmp_path, points, sites, orbit, fli
     np.testing.assert_allclose(left["residual"], SIGMA * left["weighted"])
     assert left["residual"].abs().max() < 3e-3
     np.testing.assert_allclose(measured.misses(measured.row_at, states[:, :3]), 0.0, atol=200.0)
+
+
+def test_a_point_weighs_no_more_than_its_own_ranges_do(points, sites):
+    scattered = points.assign(scatter=[0.07, 0.001, *[np.nan] * (len(points) - 2)])
+    table = laser_ranges.table(scattered, sites, **environmental(), sigma=SIGMA, offset=OFFSET)
+    spread = table.set_index(table["t"])["sigma_range"]
+    assert spread[points["t"].iloc[:3]].tolist() == [0.07, SIGMA, SIGMA]
+
+
+def test_passes_that_overlap_are_one_track(points, sites):
+    first = points[points["track"] == 0]
+    late = first.assign(track=9, station="7941", t=first["t"] + 30.0)
+    apart = first.assign(track=2, t=first["t"] + DAY)
+    both = pd.concat([first, apart, late], ignore_index=True)
+    table = laser_ranges.table(both, sites, **environmental(), sigma=SIGMA, offset=OFFSET)
+    assert table.groupby("track").size().tolist() == [2 * len(first), len(first)]
+    assert (table.groupby("track")["t"].diff().dropna() > 0.0).all()
+    stood = np.linalg.norm(table[["x_station", "y_station", "z_station"]], axis=1)
+    by_station = pd.Series(stood).groupby(table["station"])
+    assert (by_station.max() - by_station.min()).max() < 1.0
+
+
+def test_points_outside_of_the_run_are_left_out(points):
+    last = points["t"].max()
+    assert laser_ranges.of_run(points, 0.5 * last)["t"].between(0.0, 0.5 * last).all()
+    days = "normal points within the run, of 1 days, got some from day \\+10.*"
+    with pytest.raises(InputError, match=days):
+        laser_ranges.of_run(points.assign(t=points["t"] + 10 * DAY, path="a.crd"), DAY)
+
+
+def test_stations_may_be_left_out(points):
+    assert set(laser_ranges.of_run(points, DAY, without=[7090])["station"]) == {"7941"}
+    with pytest.raises(InputError, match=r"a\.crd: expected others within the run"):
+        laser_ranges.of_run(points.assign(path="a.crd"), DAY, without=[7090, 7941])

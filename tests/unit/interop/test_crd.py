@@ -45,6 +45,35 @@ def test_points_are_read(tmp_path):
     np.testing.assert_allclose(late["pressure"], [98370.0, 98370.0 + 20.0 * share])
     np.testing.assert_allclose(late["humidity"], [0.24, 0.24 + 0.02 * share])
     assert late["line"].tolist() == [9, 11]
+    np.testing.assert_allclose(late["scatter"], [57e-12 * 299792458.0 / 2, 65e-12 * 299792458.0 / 2])
+
+
+@pytest.mark.parametrize("nothing", ["-1.0", "na", "0"])
+def test_a_point_may_tell_no_scatter(tmp_path, nothing):
+    table = crd.read([written(tmp_path, PASS.replace("57.0", nothing))], epoch=EPOCH)
+    assert table["scatter"].isna().tolist() == [True, False]
+
+
+def test_a_pass_that_was_released_again_counts_once(tmp_path):
+    again = PASS.replace("46  0 0 0", "46  1 0 0").replace("0.04 std", "0.041 std")
+    for texts in ((PASS, again, EARLIER), (again, EARLIER, PASS)):
+        table = crd.read([written(tmp_path, *texts)], epoch=EPOCH)
+        assert table["track"].tolist() == [0, 0, 1, 1]
+        assert table["flight"].tolist()[2:] == [0.041, 0.05]
+        assert "release" not in table
+    with pytest.raises(InputError, match="line 4: expected a finite number, got none"):
+        crd.read([written(tmp_path, PASS.replace("46  0 0 0", "46  none 0 0"))], epoch=EPOCH)
+
+
+def test_points_of_two_satellites_do_not_mix(tmp_path):
+    other = EARLIER.replace("lageos2     9207002 5986    22195", "lageos1 7603901 1155 8820")
+    for texts in ([PASS + other], [PASS, other]):
+        paths = []
+        for number, text in enumerate(texts):
+            paths.append(tmp_path / f"{number}.crd")
+            paths[-1].write_text(text + "h9\n")
+        with pytest.raises(InputError, match="expected satellite lageos2, got lageos1"):
+            crd.read(paths, epoch=EPOCH)
 
 
 @pytest.mark.parametrize(("event", "later"), [("0", 0.0), ("1", 0.5), ("2", 1.0)])

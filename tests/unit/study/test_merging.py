@@ -14,7 +14,7 @@ def assumed(tmp_path, **settings):
     return merged(["config/config.yaml", path]).values["force_models"]["assumed"]
 
 
-@pytest.mark.parametrize("kind", ["orbits", "tracks", "fixes", "elements"])
+@pytest.mark.parametrize("kind", ["orbits", "tracks", "fixes", "ranges", "elements"])
 def test_real_satellites_fly_under_what_a_catalogue_has(tmp_path, kind):
     model = assumed(tmp_path, **{kind: {"mine": "a.file"}})
     assert (model["degree"], model["order"], len(model["third_bodies"])) == (70, 70, 10)
@@ -29,6 +29,14 @@ def test_mean_elements_are_fitted_over_days_where_the_user_says_nothing_else(tmp
     assert values["learners"]["sgp4"] == {"kind": "sgp4"}
     assert values["learners"]["held144"] == {"kind": "held", "window_hours": 144, "memory_days": 10}
     assert merged(["config/config.yaml"]).values["estimation"]["window_hours"] == 12
+
+
+def test_laser_ranges_are_flown_to_a_tenth_of_a_millimetre_and_fitted_over_days(tmp_path):
+    path = tmp_path / "mine.yaml"
+    path.write_text("ranges: {mine: a.crd}\nestimation: {max_iterations: 7}")
+    values = merged(["config/config.yaml", path]).values
+    assert values["integrator"] | {"position_tolerance_m": 1e-4, "max_step_s": 75} == values["integrator"]
+    assert values["estimation"] | {"window_hours": 96, "max_iterations": 7} == values["estimation"]
 
 
 def test_what_a_user_says_lies_above_it(tmp_path):

@@ -233,7 +233,9 @@ def estimates_of(table):
 
 def tables(metrics, evaluations, datasets, estimates, rolling=()):
     """Tables of a study without replays."""
-    return report.OwnStudyTables(metrics, evaluations, datasets, estimates, dict(rolling), {}, {}, {}, {}, {})
+    return report.OwnStudyTables(
+        metrics, evaluations, datasets, estimates, {}, dict(rolling), {}, {}, {}, {}, {}
+    )
 
 
 SHARES = {"rows": 100, "estimates": 7, "p_ml": 20.0, "p_ml_low": 18.0, "p_ml_high": 23.0}

@@ -4,10 +4,12 @@ import json
 import shutil
 from dataclasses import MISSING, asdict, fields, replace
 
+import laser_files
 import pytest
 import yaml
 from element_histories import history, tle_text
 from jsonschema import Draft202012Validator
+from laser_files import RANGING
 from support import EXCERPTS, REPOSITORY, paper_source, paper_values, setting_keys, study_of
 
 from opml.base.errors import InputError
@@ -700,7 +702,7 @@ def test_fixes_stand_where_tracks_do_and_no_station_measured_them(tmp_path):
         (["fixing: {iss: {every_s: 10}}"], GPS, "fixing.iss: expected an RSO that has fixes"),
         (["fixing: {mine: {sigma_m: [1, 2]}}"], GPS, "fixing.mine.sigma_m: expected three numbers above 0"),
         (["fixing: {mine: {sigma_m: [1, 2, 0]}}"], GPS, "fixing.mine.sigma_m"),
-        (["starts: {iss: a.tle}"], GPS, "starts.iss: expected an RSO that has tracks, fixes or elements"),
+        (["starts: {iss: a.tle}"], GPS, "starts.iss: expected an RSO that has tracks, fixes, ranges or el"),
     ],
 )
 def test_fixes_that_do_not_fit_are_told_in_one_line(tmp_path, lines, content, said):
@@ -729,6 +731,83 @@ def test_no_learner_of_fixes_asks_for_what_stations_measure(tmp_path):
     learner = "learners: {ridge: {variables: [duration, elevation_max]}}"
     refusal = refused(given(tmp_path, f"{text}{learner}\n"))
     assert "learners.ridge.variables: expected variables that fixes have, too, got elevation_max" in refusal
+
+
+RANGES = TRACKS.replace('tracks: {{mine: "*.tdm"}}', "ranges: {{mine: lageos.crd}}")
+
+
+def with_ranges(tmp_path, *lines, text=RANGES, start="starts: {mine: mine.tle}", ranging=RANGING, edit=()):
+    """Settings with laser ranges of their own, further lines, and an edit of a file: name, old, new."""
+    laser_files.write(tmp_path)
+    (tmp_path / "mine.tle").write_text("\n".join(TLE))
+    if edit:
+        name, old, new = edit
+        content = (tmp_path / name).read_text()
+        assert old in content
+        (tmp_path / name).write_text(content.replace(old, new))
+    taken = f"ranging: {{mine: {ranging}}}" if ranging else ""
+    return given(tmp_path, "\n".join([text.format(folder=tmp_path), start, taken, *lines]))
+
+
+def test_laser_ranges_stand_where_tracks_do_and_bring_stations_of_their_own(tmp_path):
+    settings = checked(with_ranges(tmp_path))
+    assert settings.ranges == settings.measured == {"mine": [f"{tmp_path}/lageos.crd"]}
+    sites = [f"{tmp_path}/{name}.snx" for name in ("coordinates", "eccentricities")]
+    assert settings.station_files == {"mine": sites}
+    assert (settings.ranging("mine").reflectors_m, settings.ranging("mine").sigma_m) == (0.25, 0.02)
+    study = Study(replace(settings, values=settings.values | {"study": {"rsos": ["mine"]}}))
+    assert (study.station_sets, study.label, study.truth_of("mine")) == (["ranges"], "later", "measured")
+    elements = "a_km: 12271, e: 0, i_deg: 110, argp_deg: 0, raan_deg: 0, mean_anomaly_deg: 0, area"
+    checked(with_ranges(tmp_path, text=RANGES.replace("area", elements), start=""))
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"edit": ("lageos.crd", "H8\n", "")}, "ranges.mine: {folder}/lageos.crd: line 9: expected "),
+        ({"edit": ("lageos.crd", "2016 9 28", "2017 9 28")}, "expected normal points within the run, of 50"),
+        (
+            {"edit": ("lageos.crd", "7090", "7119")},
+            "ranges.mine: station 7119: expected coordinates on 2016-09-28, got none",
+        ),
+        (
+            {"edit": ("lageos.crd", "5 13 3", "5 12 3")},
+            "ranges.mine: station 7090: expected an eccentricity of its system 0512 on 2016-09-28, got none",
+        ),
+        (
+            {"edit": ("coordinates.snx", "STAY", "STAX")},
+            "ranges.mine: {folder}/coordinates.snx: expected stations with",
+        ),
+        ({"edit": ("eccentricities.snx", "UNE", "XYZ")}, "eccentricities.snx: line 3: expected ecc"),
+        ({"ranging": None}, "mine.yaml: ranges.mine: expected mine under ranging, too, got none"),
+        ({"ranging": {"reflectors_m": 0.25}}, "ranging.mine.coordinates: expected a value, got none"),
+        ({"ranging": RANGING | {"without": [7090]}}, "lageos.crd: expected others within the run"),
+        ({"ranging": RANGING | {"without": ["x"]}}, "ranging.mine.without"),
+        ({"ranging": RANGING | {"sigma_m": 0}}, "ranging.mine.sigma_m: expected a number above 0"),
+        (
+            {"ranging": RANGING | {"coordinates": "{a}.snx"}},
+            "ranging.mine: expected a path without braces, got {folder}/{a}.snx",
+        ),
+        ({"ranging": RANGING | {"coordinates": "none.snx"}}, "ranges.mine: {folder}/none.snx: no such file"),
+        (
+            {"start": ""},
+            "rsos.mine: expected elements, or a file under starts, as ranges alone tell no first",
+        ),
+        ({"text": RANGES.replace("ranges: ", "fixes: ")}, "ranging.mine: expected an RSO that has ranges"),
+        (
+            {"text": RANGES.replace("ranges:", "elements: {{mine: mine.tle}}\nranges:")},
+            "expected ranges, tracks, fixes or elements, got more than one of them",
+        ),
+        (
+            {"text": RANGES.replace("study: {{}}", "study: {{rsos: [mine, iss]}}")},
+            "that has ranges for ranges",
+        ),
+    ],
+)
+def test_laser_ranges_that_do_not_fit_are_told_in_one_line(tmp_path, monkeypatch, changes, said):
+    monkeypatch.setattr(checks, "_check_fixes", lambda *_: None)
+    refusal = refused(with_ranges(tmp_path, **changes))
+    assert said.replace("{folder}", str(tmp_path)) in refusal
 
 
 ELEMENTS = TRACKS.replace('tracks: {{mine: "*.tdm"}}', "elements: {{mine: sets.tle}}")
@@ -864,6 +943,25 @@ def test_learners_suit_mean_elements(tmp_path, kind, study, said):
     (tmp_path / "gps.csv").write_text(GPS)
     text = texts[kind].format(folder=tmp_path).replace("study: {}", f"study: {study}")
     assert said in refused(given(tmp_path, text))
+
+
+@pytest.mark.parametrize("known", ["reject_sigma", "bias_sigma"])
+def test_filters_are_refused_what_they_know_nothing_of(tmp_path, known):
+    study = "study: {{rsos: [iss], station_sets: [eglin], days: {{train: [0, 8], test: [8, 12]}}{}}}\n"
+    fits = f"estimation: {{{known}: 5}}\n"
+    checked(given(tmp_path, study.format(", learners: [filter]")))
+    usual = OwnStudy(Study(checked(given(tmp_path, fits + study.format("")))))
+    assert {"filter", "filtermean"}.isdisjoint(usual.learners)
+    assert {"fit48", "running"} < {*usual.learners}
+    for part in ("learners", "replayed"):
+        refusal = refused(given(tmp_path, fits + study.format(f", {part}: [none, filtermean]")))
+        line = f"study.{part}: expected fits over windows, as filters know no estimation.{known}"
+        assert f"mine.yaml: {line}, got filtermean" in refusal
+
+
+def test_mornings_read_no_laser_ranges(tmp_path):
+    line = "ranges: expected none where mornings are asked for (day), as these read none"
+    assert line in refused(with_ranges(tmp_path, "day: {hour: 6}"))
 
 
 def test_no_learner_of_telescopes_asks_for_what_radars_measure(tmp_path):

@@ -5,7 +5,9 @@ import re
 import time
 from types import SimpleNamespace
 
+import laser_files
 import pytest
+from laser_files import RANGING
 from snakemake.io import IOFile, flag
 from support import EPOCH, EXCERPTS, paper_values, rsos, stations
 
@@ -39,6 +41,7 @@ USERS = {
     "orbits": {"flown": "flown.sp3", "judged": "judged.sp3"},
     "tracks": {"mine": "mine.tdm"},
     "fixes": {"placed": "gps.csv"},
+    "ranges": {"lasered": "a.crd"},
     "elements": {"judged": "sets.tle"},
 }
 ESTIMATES = "estimates/{rso}/{stations}{window}.parquet"
@@ -90,7 +93,10 @@ def inputs(**changes):
 def user_inputs():
     """Inputs of a run where `flown` has an orbit from a file, `mine` measured tracks and `placed` fixes."""
     return inputs(
-        rsos=dict.fromkeys(["flown", "mine", "placed", "judged"], BODY), study={"rsos": ["mine"]}, **USERS
+        rsos=dict.fromkeys(["flown", "mine", "placed", "lasered", "judged"], BODY),
+        study={"rsos": ["mine"]},
+        ranging={"lasered": RANGING},
+        **USERS,
     )
 
 
@@ -366,6 +372,12 @@ def test_what_was_measured_has_no_truth():
         jobs.check_simulated(wildcards(rso="mine"))
 
 
+def test_filters_are_told_what_they_know_nothing_of():
+    params().check_filtered(wildcards())
+    with pytest.raises(InputError, match=r"estimation\.bias_sigma: expected none for sequential filters"):
+        params(estimation={"bias_sigma": 3}).check_filtered(wildcards())
+
+
 def test_fixes_have_no_stations_and_learners_none_of_what_these_measure():
     jobs, name = user_inputs().params, experiment(rso="placed", stations="fixes")
     assert re.fullmatch(jobs.plan.constraints["stations"], "fixes")
@@ -374,6 +386,16 @@ def test_fixes_have_no_stations_and_learners_none_of_what_these_measure():
     by_radars = jobs.learner(experiment())["variables"]
     assert jobs.learner(name)["variables"] == [one for one in by_radars if one not in MEASUREMENT]
     assert set(MEASUREMENT) < set(by_radars)
+
+
+def test_laser_ranges_bring_their_stations_and_learners_have_none_of_what_radars_measure():
+    jobs, name = user_inputs().params, experiment(rso="lasered", stations="ranges")
+    assert re.fullmatch(jobs.plan.constraints["stations"], "ranges")
+    assert jobs.stations(name) == []
+    assert jobs.ranging(name) == {"reflectors_m": 0.25, "sigma_m": 0.02, "without": []}
+    assert not set(MEASUREMENT) & set(jobs.learner(name)["variables"])
+    assert jobs.plan.ranges["lasered"] == ["a.crd"]
+    assert jobs.plan.settings.station_files["lasered"] == ["coordinates.snx", "eccentricities.snx"]
 
 
 def test_learners_have_nothing_of_radars_beside_telescopes():
@@ -458,6 +480,15 @@ def test_ephemerides_from_each_estimate_of_fixes_are_as_many_as_their_stretches(
     settings["study"] = {"rsos": ["placed"]}
     count, _, _ = size_of(experiment(rso="placed", stations="fixes", train="days-0-1"), **settings)
     assert count == 25  # from the end of the first day to that of the third
+
+
+def test_ephemerides_from_each_estimate_of_laser_ranges_are_as_many_as_their_passes(tmp_path):
+    laser_files.write(tmp_path)
+    users = {"ranges": {"lasered": [str(tmp_path / "lageos.crd")]}, "rsos": {"lasered": BODY}}
+    users["ranging"] = {"lasered": RANGING}
+    days = {"duration_days": 3, "study": {"rsos": ["lasered"]}}
+    count, _, _ = size_of(experiment(rso="lasered", stations="ranges", train="days-0-1"), **users, **days)
+    assert count == 1
 
 
 def test_ephemerides_from_each_estimate_of_an_orbit_from_files_are_as_many_as_its_tracks(tmp_path):

@@ -4,18 +4,23 @@ import runpy
 from dataclasses import asdict
 from types import SimpleNamespace
 
+import laser_files
 import numpy as np
 import pandas as pd
 import pytest
 from element_histories import history, tle_text
-from support import EPOCH, EXCERPTS, REPOSITORY, environment, stations
+from support import EPOCH, ESTIMATION, EXCERPTS, REPOSITORY, environment, force_model, stations
 
-from opml.base.constants import DAY, HOUR
-from opml.catalog.fit import fixes
+from opml.base.constants import DAY, GM, HOUR, SPEED_OF_LIGHT
+from opml.catalog.fit import fixes, start_states
+from opml.catalog.fit.laser_ranges import LaserRanges
 from opml.catalog.fit.sightings import Measured
+from opml.catalog.flight import Flight
+from opml.catalog.simulate import truth
 from opml.catalog.simulate.truth import kepler_orbit
+from opml.environment import gravity_field
 from opml.interop import oem
-from opml.tables import FIX_SIGMAS, SCHEMAS, read_kind, read_metadata, read_table, write_table
+from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, read_kind, read_metadata, read_table, write_table
 
 MANOEUVRES = ["2016-09-28T14:09:45", "2016-09-28T13:09:45.500"]
 
@@ -40,6 +45,7 @@ def taken(tmp_path):
             params=SimpleNamespace(settings={"epoch": EPOCH, "manoeuvres": MANOEUVRES, **settings}),
             input=files,
             output=[str(out)],
+            threads=1,
         )
         path = REPOSITORY / "workflow" / "scripts" / f"{script}.py"
         runpy.run_path(str(path), init_globals={"snakemake": snakemake})
@@ -106,6 +112,65 @@ def test_sets_of_mean_elements_are_read_weighed_and_flown_as_the_settings_say(ta
         "fixes_from_elements", Files(str(path)), duration_days=2.5, history=settings | {"sigma_m": None}
     )
     assert learned["sigma_r"].iloc[0] == pytest.approx(100.0 * np.sqrt(37 / 2))
+
+
+def test_laser_ranges_know_their_stations_and_the_manoeuvres_of_the_settings(taken, tmp_path, orientation):
+    laser_files.write(tmp_path)
+    bodies = str(tmp_path / "ephemerides.parquet")
+    write_table(bodies, environment()["ephemerides"], "ephemerides", metadata={})
+    tables = {"earth_orientation": orientation, "ephemerides": bodies}
+    sites = [str(tmp_path / f"{name}.snx") for name in ("coordinates", "eccentricities")]
+    files = Files(points=[str(tmp_path / "lageos.crd")], sites=sites, **tables)
+    ranging = {"reflectors_m": 0.25, "sigma_m": 0.01, "without": [7119]}
+    table, facts = taken("ranges_from_files", files, duration_days=1.0, ranging=ranging)
+    assert table["station"].tolist() == ["7090", "7090"]
+    one_way = 0.5 * np.array([0.0392, 0.0391]) * SPEED_OF_LIGHT
+    np.testing.assert_allclose(table["range"], one_way + 0.25, rtol=1e-12)
+    assert table["sigma_range"].tolist() == [0.01, 0.01]
+    assert facts["manoeuvres"] == [{"t": HOUR + 0.5}, {"t": 2 * HOUR}]
+    assert isinstance(fitted_to(tmp_path, orientation), LaserRanges)
+
+
+class NamedFiles(dict):
+    """The files of a job, all of them named."""
+
+    def __init__(self, **named):
+        super().__init__(named)
+        vars(self).update(named)
+
+
+@pytest.fixture
+def fixed(tmp_path, iss):
+    """Files of an orbit of three hours that was measured as fixes, and settings of fits to it."""
+    field = gravity_field.read_icgem(gravity_field.resolve("EGM2008")).truncate(2, 2)
+    metadata = {"gravity_field": gravity_field.metadata(field), "ephemerides": {"gm": GM}}
+    orbit = truth.simulate(Flight(force_model(2, ()), iss), duration=3 * HOUR, step=60.0)
+    sigmas = dict(zip(FIX_SIGMAS, [10.0] * 3 + [np.nan] * 3, strict=True))
+    begins = orbit[orbit["t"] % HOUR == 0.0].reset_index(drop=True)
+    tables = environment(1.0) | {
+        "gravity_field": gravity_field.table(field, EPOCH),
+        "fixes": fixes.stretches(orbit.assign(**sigmas)),
+        "starts": start_states.starts_table(begins["t"], begins[STATE].to_numpy(), known=0.0),
+        "truth": orbit,
+    }
+    paths = {name: str(tmp_path / f"{name}.parquet") for name in tables}
+    for name, table in tables.items():
+        write_table(paths[name], table, name, metadata=metadata.get(name, {}))
+    integrator = {"position_tolerance_m": 0.1, "min_step_s": 1e-3, "max_step_s": 90.0}
+    settings = {"seed": 1, "stations": [], "integrator": integrator, "estimation": asdict(ESTIMATION)}
+    model = {"force_model": {"degree": 2, "order": 2, "third_bodies": []}, "rso": asdict(iss)}
+    return paths, settings | model
+
+
+@pytest.mark.parametrize(
+    ("start", "axes"), [("starts", ["radial", "along track", "across track"]), ("truth", [])]
+)
+def test_estimates_tell_the_noise_of_what_was_measured_alone(taken, fixed, start, axes):
+    paths, settings = fixed
+    files = NamedFiles(**paths, tracking=paths["fixes"], start=paths[start])
+    estimates, facts = taken("estimation", files, **settings)
+    assert estimates["converged"].all()
+    assert [one["instrument"] for one in facts.get("instruments", [])] == axes
 
 
 def test_burns_that_are_found_stand_beside_those_that_are_named(taken, tmp_path):

@@ -8,17 +8,24 @@ Source: Tapley, Schutz & Born 2004, Statistical Orbit Determination, sec. 6.2 (c
 Morrison 1950, Annals of Mathematical Statistics 21, 124-127.
 """
 
+import logging
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 
+from opml.base.files import FilePath
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements
+from opml.tables import read_metadata
 
 if TYPE_CHECKING:
     from opml.catalog.fit.estimation import Estimate
+
+_KEY = "instruments"
+_COLUMNS = ["instrument", "numbers", "sigma", "rms", "mean"]
+_log = logging.getLogger(__name__)
 
 
 def whitened(evaluation: Evaluation, instruments: np.ndarray, sigma: float) -> Evaluation:
@@ -35,20 +42,23 @@ def whitened(evaluation: Evaluation, instruments: np.ndarray, sigma: float) -> E
     return Evaluation(columns[:, 0], columns[:, 1:])
 
 
-def summary(instruments: np.ndarray, weighted: np.ndarray) -> pd.DataFrame:
+def summary(instruments: np.ndarray, weighted: np.ndarray, sigmas: np.ndarray) -> pd.DataFrame:
     """Return what residuals tell of the instruments that they are of, one a row.
 
     instruments: (numbers,) names
     weighted: (numbers,) residuals in standard deviations of the noise
+    sigmas: (numbers,) these deviations [rad, m, m/s]
 
-    Columns instrument, numbers, rms and mean, both in those deviations: an rms of 2 says that the noise is
-    twice what was given, a mean of 1 that a constant error as large as the noise is left.
+    Columns instrument, numbers; sigma, the root mean square of its deviations [rad, m, m/s]; rms and mean of
+    the residuals in them: an rms of 2 says that the noise is twice what was given, a mean of 1 that a
+    constant error as large as the noise is left.
     """
-    rows = pd.DataFrame({"instrument": instruments, "weighted": weighted, "squared": weighted**2})
+    squares = {"sigma": sigmas**2, "rms": weighted**2}
+    rows = pd.DataFrame({"instrument": instruments, "mean": weighted, **squares})
     by_name = rows.groupby("instrument", sort=False)
-    found = by_name["weighted"].agg(numbers="size", mean="mean")
-    found["rms"] = np.sqrt(by_name["squared"].mean())
-    return found.reset_index()[["instrument", "numbers", "rms", "mean"]]
+    found = by_name["mean"].agg(numbers="size", mean="mean")
+    found[list(squares)] = np.sqrt(by_name[list(squares)].mean())
+    return found.reset_index()[_COLUMNS]
 
 
 def shown(
@@ -56,7 +66,7 @@ def shown(
     estimates: Sequence["Estimate"],
     residuals: Callable[[Sequence["Estimate"]], list[np.ndarray]],
 ) -> pd.DataFrame:
-    """Return what residuals tell of each instrument, as `summary`, from all numbers that count.
+    """Return what residuals tell of each instrument, as `summary`, from all numbers that count; log it.
 
     They are of the newest estimates that converged and have no track in common.
 
@@ -67,7 +77,25 @@ def shown(
         if one.fit.converged and (not apart or one.window.last < apart[-1].window.first):
             apart.append(one)
     kept = [slice(None) if one.kept is None else one.kept for one in apart]
-    numbers = [measured.instruments(one.window.rows)[use] for one, use in zip(apart, kept, strict=True)]
+    counting = [(one.window.rows, use) for one, use in zip(apart, kept, strict=True)]
+    numbers = [measured.instruments(rows)[use] for rows, use in counting]
+    sigmas = [measured.deviations(rows)[use] for rows, use in counting]
     left = [one[use] for one, use in zip(residuals(apart) if apart else [], kept, strict=True)]
-    names = np.array(measured.instrument_names())
-    return summary(names[np.concatenate([*numbers, []]).astype(int)], np.concatenate([*left, []]))
+    names = np.array(measured.instrument_names())[np.concatenate([*numbers, []]).astype(int)]
+    found = summary(names, np.concatenate([*left, []]), np.concatenate([*sigmas, []]))
+    shares = found[["instrument", "numbers", "rms", "mean"]].round(2)
+    _log.info("residuals in sigmas of the noise:\n%s", shares.to_string(index=False))
+    return found
+
+
+def facts(noise: pd.DataFrame) -> dict[str, Any]:
+    """Return what `shown` found as a table's metadata hold it."""
+    return {_KEY: noise.to_dict("records")}
+
+
+def read_noise(path: FilePath) -> pd.DataFrame:
+    """Read what a table's metadata hold of instruments, an empty table where they hold nothing.
+
+    Raises InputError as `read_metadata` does.
+    """
+    return pd.DataFrame(read_metadata(path).get(_KEY, []), columns=_COLUMNS)

@@ -7,7 +7,6 @@ neighbouring arcs: the nominal arc and seven that differ in one parameter fly as
 so no variational equations are needed.
 """
 
-import logging
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Self
@@ -102,8 +101,6 @@ class Estimate:
         """What the fit came to."""
         return Solution(self.window.at, self.fit.best, self.fit.covariance, self.fit.converged)
 
-
-_log = logging.getLogger(__name__)
 
 _EDITS = 10
 """Times that outliers are looked for in a fit at most."""
@@ -451,6 +448,13 @@ def estimate_all(
     flight: under the assumed model
     starts: the table, a state at each track's start for fits where no estimate is at hand
     """
+    return with_noise(flight, starts, measured, settings=settings)[0]
+
+
+def with_noise(
+    flight: Flight, starts: pd.DataFrame, measured: Measurements, *, settings: Estimation
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Return the `estimates` table as `estimate_all`, and what the fits tell of the noise: `biases.shown`."""
     run = Run.begun(flight, starts, measured, settings)
     windows = [run.window(track) for track in range(measured.tracks)]
     estimates: list[Estimate] = []
@@ -458,9 +462,8 @@ def estimate_all(
         estimates.append(estimate)
         if flight.progress:
             flight.progress(len(estimates) / len(windows))
-    noise = biases.shown(measured, estimates, run.residuals)
-    _log.info("residuals in sigmas of the noise:\n%s", noise.round(2).to_string(index=False))
-    return pd.DataFrame([run.row(estimate) for estimate in estimates])
+    table = pd.DataFrame([run.row(estimate) for estimate in estimates])
+    return table, biases.shown(measured, estimates, run.residuals)
 
 
 def estimate_further(

@@ -4,6 +4,7 @@ Stations stand where coordinates, velocities, eccentricities and the solid tide 
 relativity's belong to the orbit that is tried.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import erfa
@@ -11,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base import epochs
-from opml.base.constants import GM, SPEED_OF_LIGHT
+from opml.base.constants import DAY, GM, SPEED_OF_LIGHT
 from opml.base.errors import InputError
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements, Rows, Window
@@ -77,12 +78,13 @@ def table(
     points: of `interop.crd.read`, by passes
     epoch: UTC text from which their times count
     earth_orientation, ephemerides: tables of the environment
-    sigma: standard deviation of a point [m]
+    sigma: least standard deviation of a point [m]; the scatter of its ranges counts where that is larger
     offset: of the reflectors from the satellite's centre of mass, towards the station [m]
 
-    Raises InputError for a station that is nowhere.
+    Passes that overlap are one track. Raises InputError for a station that is nowhere.
     """
-    stood, t = _positions(points, sites, epoch), points["t"].to_numpy()
+    points = points.assign(track=_tracks(points)).sort_values(["track", "t"], ignore_index=True)
+    stood, t = positions(points, sites, epoch=epoch), points["t"].to_numpy()
     _, latitude, height = erfa.gc2gd(_WGS84, stood)
     moved = stood + _tides(stood, t, earth_orientation, ephemerides)
     pressure, temperature, humidity, wavelength = (
@@ -91,7 +93,7 @@ def table(
     vapour = vapour_pressure(pressure, temperature, humidity)
     columns = {
         "range": 0.5 * SPEED_OF_LIGHT * points["flight"] + offset,
-        "sigma_range": sigma,
+        "sigma_range": np.fmax(sigma, points["scatter"]),
         **dict(zip(_STATION, moved.T, strict=True)),
         "zenith_delay": zenith_delay(pressure, vapour, wavelength, latitude, height),
         "temperature": temperature,
@@ -129,14 +131,40 @@ class LaserRanges(Measured):
         return np.asarray(self.values[rows] - (air + bent(left, stands.position))[:, None])
 
 
-def _positions(points: pd.DataFrame, sites: Sites, epoch: str) -> np.ndarray:
-    """Return the stations' positions (n, 3) in ITRF [m] at their passes."""
+def of_run(points: pd.DataFrame, duration: float, *, without: Collection[int] = ()) -> pd.DataFrame:
+    """Return the points within a run of a duration [s], but for some stations'.
+
+    Raises InputError where there are none.
+    """
+    wanted = points[~points["station"].isin([str(number) for number in without])]
+    within = wanted[wanted["t"].between(0.0, duration)]
+    if within.empty:
+        days = " to ".join(f"{t / DAY:+.2f}" for t in points["t"].agg(["min", "max"]))
+        whose = "others" if without else "normal points"
+        expected = f"{whose} within the run, of {duration / DAY:g} days"
+        raise InputError(f"{points['path'].iloc[0]}: expected {expected}, got some from day {days}")
+    return within.reset_index(drop=True)
+
+
+def positions(points: pd.DataFrame, sites: Sites, *, epoch: str) -> np.ndarray:
+    """Return the stations' positions (n, 3) in ITRF [m] at the passes of points, without tides.
+
+    epoch: UTC text from which their times count. Raises InputError for a station that is nowhere.
+    """
     year, month, day, hour, minute, second = epochs.parse(epoch)
-    zero, found = pd.Timestamp(year, month, day, hour, minute, int(second)), {}
-    for (track, station, system), rows in points.groupby(["track", "station", "system"], sort=False):
-        date = zero + pd.Timedelta(seconds=float(rows["t"].iloc[0]))
-        found[track] = sites.position(str(station), str(system), date)
-    return np.array([found[track] for track in points["track"]])
+    zero, found = pd.Timestamp(year, month, day, hour, minute, int(second)), np.empty((len(points), 3))
+    by_pass = points.groupby(["track", "station", "system"], sort=False)
+    for (_, station, system), rows in by_pass.indices.items():
+        date = zero + pd.Timedelta(seconds=float(points["t"].iloc[rows[0]]))
+        found[rows] = sites.position(str(station), str(system), date)
+    return found
+
+
+def _tracks(points: pd.DataFrame) -> np.ndarray:
+    """Return the number (n,) of each point's track: of its pass and those that overlap."""
+    spans = points.groupby("track")["t"].agg(["min", "max"]).sort_values("min")
+    latest = spans["max"].cummax().shift(fill_value=-np.inf)
+    return np.asarray((spans["min"] > latest).cumsum().sub(1).reindex(points["track"]))
 
 
 def _tides(

@@ -56,8 +56,10 @@ class Measurements(ABC):
     smooth_for: how long from its beginning a track may be laid through by one curve [s]
     anew: (tracks,) time before which the window of an estimate holds nothing [s]
     states: (tracks, 6) GCRF at the epochs of the estimates, where the measurements themselves tell them
+    sigmas: (rows, observables) standard deviations [rad, m, m/s]
     """
 
+    sigmas: np.ndarray
     numbers = 3
     smooth_for = math.inf
 
@@ -124,6 +126,12 @@ class Measurements(ABC):
         """Return the row, from the first one, and the observable of each number (numbers,) that rows hold."""
         row, observable = np.divmod(np.arange(self.count(rows)), self.numbers)
         return row, observable
+
+    def deviations(self, rows: Rows) -> np.ndarray:
+        """Return the standard deviation of each number (numbers,) that rows hold [rad, m, m/s]."""
+        row, observable = self.held(rows)
+        deviations: np.ndarray = self.sigmas[rows][row, observable]
+        return deviations
 
     def times(self, rows: Rows) -> np.ndarray:
         """Return the epochs (n,) of rows [s]."""

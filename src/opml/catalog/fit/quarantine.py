@@ -20,7 +20,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import HOUR
-from opml.catalog.fit import estimation
+from opml.catalog.fit import biases, estimation
 from opml.catalog.fit.burns import Burn, between
 from opml.catalog.fit.estimation import Estimate, Estimation, Run
 from opml.catalog.fit.innovations import CD_SPREAD, Orbit, Usual, farthest
@@ -261,17 +261,27 @@ def estimate_all(
 
     Where no setting asks for it, all tracks count.
     """
+    return with_noise(flight, starts, measured, settings=settings)[0]
+
+
+def with_noise(
+    flight: Flight, starts: pd.DataFrame, measured: Measurements, *, settings: Estimation
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Return the `estimates` table as `estimate_all`, and what the fits tell of the noise: `biases.shown`."""
     if settings.suspect_sigma is None:
-        return estimation.estimate_all(flight, starts, measured, settings=settings)
+        return estimation.with_noise(flight, starts, measured, settings=settings)
     run = Run.begun(flight, starts, measured, settings)
     method = run.method(run.free_parameters())
     watch = Watch(replace(run, settings=replace(settings, after_hours=0.0)), method)
-    rows = []
+    rows, estimates = [], []
     for track in range(measured.tracks):
-        rows.append(watch.row(*watch.take(track)))
+        estimate, burn = watch.take(track)
+        rows.append(watch.row(estimate, burn))
+        estimates.append(estimate)
         if flight.progress:
             flight.progress((track + 1) / measured.tracks)
-    return pd.DataFrame(rows if settings.after_hours == 0.0 else _smoothed(run, method, watch, rows))
+    table = pd.DataFrame(rows if settings.after_hours == 0.0 else _smoothed(run, method, watch, rows))
+    return table, biases.shown(measured, estimates, run.residuals)
 
 
 def _smoothed(run: Run, method: Method, watch: Watch, rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:

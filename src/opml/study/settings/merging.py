@@ -21,7 +21,7 @@ from opml.orbits.sheets import (
     rsos_from_rows,
     stations_from_rows,
 )
-from opml.study.settings.model.run import DaySettings, FixSettings, HistorySettings
+from opml.study.settings.model.run import DaySettings, FixSettings, HistorySettings, RangeSettings
 from opml.study.settings.overlay import MISSING, Key, Layer, Source, laid_over, read_layer
 
 STUDIES = "config/studies"
@@ -33,7 +33,10 @@ REAL_SATELLITES = "config/real_satellites.yaml"
 ELEMENTS = "config/elements.yaml"
 """Settings above these for RSOs that are known by public mean elements."""
 
-_FROM_FILES = ("orbits", "tracks", "fixes", "elements")
+RANGES = "config/ranges.yaml"
+"""Settings above these for RSOs that lasers range to."""
+
+_FROM_FILES = ("orbits", "tracks", "fixes", "ranges", "elements")
 
 _NAME = re.compile(r"[\w-]+")
 
@@ -66,9 +69,29 @@ class Settings:
         """Files of histories of mean elements, by RSO."""
         return self._files("elements")
 
+    @property
+    def ranges(self) -> dict[str, list[str]]:
+        """Files of ranges that laser stations measured, by RSO."""
+        return self._files("ranges")
+
     def fixing(self, rso: str) -> FixSettings:
         """Return how the fixes of an RSO are taken."""
         return FixSettings.model_validate(self.values.get("fixing", {}).get(rso, {}))
+
+    def ranging(self, rso: str) -> RangeSettings:
+        """Return how the laser ranges of an RSO are taken, relative paths in the folder of the data."""
+        ranging, folder = (
+            RangeSettings.model_validate(self.values["ranging"][rso]),
+            self.values.get("data", ""),
+        )
+        paths = {"coordinates": ranging.coordinates, "eccentricities": ranging.eccentricities}
+        return ranging.model_copy(update={kind: os.path.join(folder, path) for kind, path in paths.items()})
+
+    @property
+    def station_files(self) -> dict[str, list[str]]:
+        """Files of where laser stations are, coordinates and then eccentricities, by RSO."""
+        found = {rso: self.ranging(rso) for rso in self.values.get("ranging", {})}
+        return {rso: [ranging.coordinates, ranging.eccentricities] for rso, ranging in found.items()}
 
     def history(self, rso: str) -> HistorySettings:
         """Return how the history of an RSO's mean elements is taken."""
@@ -80,14 +103,16 @@ class Settings:
         return DaySettings.model_validate(self.values.get("day", {}))
 
     def are_radars(self, stations: str) -> bool:
-        """Return whether all of a station set are radars; fixes are none."""
+        """Return whether all of a station set are radars; fixes and laser ranges are none."""
         names = naming.strip_seed(stations, naming.NOISE)
-        return names != naming.FIXES and all(one.is_radar for one in parse_stations(names, self.stations))
+        return names not in naming.WITHOUT_STATIONS and all(
+            one.is_radar for one in parse_stations(names, self.stations)
+        )
 
     @property
     def measured(self) -> dict[str, list[str]]:
-        """Files of all that was really measured, by RSO: of tracks, of fixes, or of mean elements."""
-        return self.tracks | self.fixes | self.elements
+        """Files of all that was really measured, by RSO: tracks, fixes, ranges, or mean elements."""
+        return self.tracks | self.fixes | self.ranges | self.elements
 
     def _files(self, kind: str) -> dict[str, list[str]]:
         """Return the user's own files of a kind, by RSO; a pattern without files stays."""
@@ -124,10 +149,11 @@ def merged(files: Sequence[FilePath], on_top: Layer | None = None) -> Source:
     """Return settings merged from files, later ones on top, and from a layer above them; the study in full.
 
     The settings for real satellites lie between the first file and the others, where these name any, and
-    above them those for mean elements. Raises InputError for a file that is missing or not YAML.
+    above them those for laser ranges and for mean elements. Raises InputError for a file that is missing or
+    not YAML.
     """
     first, *rest = [*map(read_layer, files), *([on_top] if on_top else [])]
-    between = {REAL_SATELLITES: _FROM_FILES, ELEMENTS: ("elements",)}
+    between = {REAL_SATELLITES: _FROM_FILES, RANGES: ("ranges",), ELEMENTS: ("elements",)}
     asked = [path for path, kinds in between.items() if _name_any(rest, kinds)]
     layers = [first, *(read_layer(project_file(path)) for path in asked), *rest]
     values: Any = {}

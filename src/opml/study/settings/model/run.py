@@ -194,6 +194,24 @@ class FixSettings(Section):
         return (*self.sigma_m, *(self.sigma_mps or ()))
 
 
+class RangeSettings(Section):
+    """How the laser ranges of an RSO are taken."""
+
+    coordinates: Text = setting("SINEX of the stations' coordinates and velocities", unit="path")
+    eccentricities: Text = setting("SINEX of how far instruments stand off from the marks", unit="path")
+    reflectors_m: NotNegative = setting(
+        "how far the reflectors are before the centre of mass, seen from a station", unit="m"
+    )
+    sigma_m: Positive = setting(
+        "least standard deviation of a normal point; the scatter of its ranges counts where it is larger",
+        unit="m",
+        default=0.02,
+    )
+    without: Annotated[list[Annotated[int, Ge(1)]], Unique(), Expected("numbers of stations")] = setting(
+        "stations whose ranges are left out", unit="numbers", default=[]
+    )
+
+
 class HistorySettings(Section):
     """How the history of an RSO's mean elements is taken."""
 
@@ -405,6 +423,14 @@ class RunAlone(Section):
     fixing: dict[RsoName, FixSettings] = setting(
         "how these are weighed, thinned and gathered, where not by default", see="tracks.md#fixes", default={}
     )
+    ranges: dict[RsoName, PathList] = setting(
+        "laser ranges that were measured, normal points, in the place of `tracks` (CRD)",
+        see="lasers.md",
+        default={},
+    )
+    ranging: dict[RsoName, RangeSettings] = setting(
+        "where their stations are, and how they are weighed", see="lasers.md", default={}
+    )
     elements: dict[RsoName, PathList] = setting(
         "histories of mean elements, in the place of `tracks` (TLE, OMM)", see="elements.md", default={}
     )
@@ -414,14 +440,14 @@ class RunAlone(Section):
         default={},
     )
     starts: dict[RsoName, Text] = setting(
-        "where the first orbit of an RSO with `tracks` starts: a TLE, OMM or OEM; by default its elements,"
-        " or it is determined from the tracks",
+        "where the first orbit of an RSO that was measured starts: a TLE, OMM, OEM, SP3 or CPF; by default"
+        " its elements, or it is determined from the tracks",
         unit="path",
         see="tracks.md",
         default={},
     )
     manoeuvres: dict[RsoName, Times] = setting(
-        "manoeuvres of an RSO with `tracks`, `fixes` or `elements` that are known of",
+        "known manoeuvres of an RSO that was measured",
         see="elements.md#burns",
         default={},
     )
