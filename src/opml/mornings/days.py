@@ -125,12 +125,18 @@ def outcome(rso: str, day: date, left: Left, plan: Plan) -> dict[str, Any]:
         "reason": left.verdict.reason,
         "model": row["model"],
         "message": f"{rso}.oem" if left.ephemeris is not None else "",
-        "newest_estimate": ccsds.utc_texts(plan.epoch, np.array([row["t_i"]]))[0] if row["i"] >= 0 else "",
+        "newest_estimate": _utc(plan.epoch, row["t_i"]),
+        "burn": _utc(plan.epoch, row["burn_t"]),
         "tracks": len(base),
         "converged": int(base["converged"].sum()),
         "late": left.recent.late,
         "scores": scores(_flown(left.records.judged)),
     }
+
+
+def _utc(epoch: str, t: float) -> str:
+    """Return a time as UTC text, empty where there is none."""
+    return ccsds.utc_texts(epoch, np.array([t]))[0] if np.isfinite(t) else ""
 
 
 def past(records: Records) -> dict[str, list[dict[str, Any]]]:
@@ -168,7 +174,15 @@ def _rounded(length: float) -> float:
 
 def failed(rso: str, day: date, verdict: str, reason: str) -> dict[str, Any]:
     """Return what became of an object whose morning could not be run, as `outcome` does."""
-    nothing = {"model": "", "message": "", "newest_estimate": "", "tracks": 0, "converged": 0, "late": 0}
+    nothing = {
+        "model": "",
+        "message": "",
+        "newest_estimate": "",
+        "burn": "",
+        "tracks": 0,
+        "converged": 0,
+        "late": 0,
+    }
     return {
         "object": rso,
         "date": day.isoformat(),

@@ -45,7 +45,7 @@ class Fitting:
             return SCHEMAS["kept_estimates"].empty()
         found = estimate_further(
             self.flight,
-            self._starts(kept),
+            self.starts(kept),
             self.measured,
             settings=self.settings,
             tracks=tracks.tolist(),
@@ -71,7 +71,7 @@ class Fitting:
         )
         return found.assign(track=self.recent.numbers[found["track"]])
 
-    def _starts(self, kept: pd.DataFrame) -> pd.DataFrame:
+    def starts(self, kept: pd.DataFrame) -> pd.DataFrame:
         """Return the `starts` table: of earlier estimates, or determined where these are too old."""
         earlier = self._numbered(kept)
         newest = earlier["t"].to_numpy(float)[earlier["converged"].to_numpy(bool)].max(initial=-np.inf)

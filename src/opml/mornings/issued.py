@@ -10,8 +10,8 @@ import pandas as pd
 from opml.base.errors import InputError
 from opml.learning.judge.error_sizes import Sizes
 from opml.learning.judge.model_choice import choose
-from opml.mornings.records import Records
 from opml.mornings.verdict import DO_NOT_USE
+from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SIGMA_STATE, SIZES
 
 _GROUPS = {"constant": "xyz", "rate": "xyz", "drag": "xyz", "velocity": "xyz", "inflation": "01234"}
@@ -29,26 +29,36 @@ class Flown:
     sizes: Sizes
 
 
-def chosen(records: Records, models: Sequence[str], *, now: float) -> Flown:
-    """Return the model that left the least by `now` [s]; raise InputError where the past is too short."""
-    replays = records.replays(models)
+def chosen(judged: pd.DataFrame, models: Sequence[str], *, now: float) -> Flown:
+    """Return the model that left the least by `now` [s]; raise InputError where the past is too short.
+
+    judged: rows of that table of all mornings
+    """
+    by_model = {name: judged[judged["model"] == name] for name in models}
+    replays = {name: rows.drop(columns="model") for name, rows in by_model.items() if len(rows)}
     if not replays:
         raise InputError("expected ephemerides of earlier mornings that were judged, got none")
     model = choose(replays, [], now=now, seed=0).chosen
     return Flown(model, replays[model], Sizes.learned(replays[model], now=now))
 
 
-def row(now: float, start: pd.DataFrame, flown: Flown | None, verdict: str) -> pd.DataFrame:
-    """Return the row of a morning whose ephemerides start from an estimate; None is flown without a past."""
+def row(
+    now: float, start: pd.DataFrame, flown: Flown | None, verdict: str, *, burn: Manoeuvre | None = None
+) -> pd.DataFrame:
+    """Return the row of a morning whose ephemerides start from an estimate; None is flown without a past.
+
+    burn: that the morning found
+    """
     begin = {"i": int(start["track"].iloc[0]), "t_i": float(start["t"].iloc[0])}
     what = {"model": flown.model if flown else "", "verdict": verdict}
     sizes = _columns(flown.sizes) if flown else dict.fromkeys([*SIZES, "days", "reach"], np.nan)
-    return pd.DataFrame([{"morning": now, **begin, **what, **sizes}])
+    found = {"burn_t": burn.t if burn else np.nan}
+    return pd.DataFrame([{"morning": now, **begin, **what, **found, **sizes}])
 
 
-def nothing(now: float) -> pd.DataFrame:
+def nothing(now: float, *, burn: Manoeuvre | None = None) -> pd.DataFrame:
     """Return the row of a morning that has no estimate to start from."""
-    return row(now, pd.DataFrame({"track": [-1], "t": [np.nan]}), None, DO_NOT_USE)
+    return row(now, pd.DataFrame({"track": [-1], "t": [np.nan]}), None, DO_NOT_USE, burn=burn)
 
 
 def with_sigmas(judged: pd.DataFrame, issued: pd.DataFrame) -> pd.DataFrame:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY, HOUR
@@ -25,7 +26,7 @@ from opml.ephemerides.part import Grid, Part
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models import learners
-from opml.mornings import candidates, fits, issued, judged, product, tracks
+from opml.mornings import burns, candidates, fits, issued, judged, product, tracks
 from opml.mornings.records import Records
 from opml.mornings.tracks import Recent
 from opml.mornings.verdict import DO_NOT_USE, Verdict, verdict
@@ -138,26 +139,21 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
     would be tried again for ever.
     """
     plan = watched.plan
-    recent = tracks.over(watched.tracking, records.of_window(plan.base), now=now, reach=plan.reach)
+    recent = tracks.over(watched.tracking, records.made(plan.base), now=now, reach=plan.reach)
     if not recent.tracks:
         return Left(_nothing(now), recent, Verdict(DO_NOT_USE, "no tracks of the last days"))
-    fitting = fits.Fitting(
-        watched.model.fits,
-        fixes.measurements(recent.tracking, watched.model.orientation, watched.stations, watched.manoeuvres),
-        recent,
-        plan.estimation,
-        watched.given,
-    )
     try:
-        made = fitting.further(records.of_window(plan.base))
+        fitted = _fitted(_aware_of(watched, records.burns), recent, records)
     except InputError as reason:
         return Left(_nothing(now), recent, Verdict(DO_NOT_USE, str(reason)))
-    left = replace(_nothing(now), estimates=made, judged=_judged(watched, made, recent, records))
+    watched, left = fitted.watched, replace(_nothing(now, fitted.burn), estimates=fitted.made)
+    left = replace(left, judged=fitted.judged)
     known = _known(watched, records.and_then(left, since=now), recent)
     starts = known.estimates[known.may_depart()].tail(1)
     if starts.empty:
         return Left(left, recent, Verdict(DO_NOT_USE, "no estimate that an ephemeris may start from"))
-    left = replace(left, estimates=pd.concat([made, _others(fitting, plan, records, starts)]))
+    others = _others(fitted.fitting, plan, records, starts)
+    left = replace(left, estimates=pd.concat([fitted.made, others]))
     so_far = records.and_then(left, since=now)
     try:
         paths = _paths(watched, known, so_far, starts, now=now)
@@ -165,22 +161,65 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
         return Left(left, recent, Verdict(DO_NOT_USE, str(reason)))
     # An ephemeris from the estimate of an earlier morning is that morning's, and judged once.
     is_new = not records.issued["i"].isin(starts["track"]).any()
-    left = replace(left, paths=[paths] if is_new else [])
-    judgement = verdict(so_far, starts, now=now)
+    left, past = replace(left, paths=[paths] if is_new else []), so_far.free(plan.base)
+    judgement = verdict(past, starts, now=now, burns=so_far.burns, window=plan.base * HOUR)
     try:
-        flown = issued.chosen(so_far, list(plan.models), now=now)
+        flown = issued.chosen(past, list(plan.models), now=now)
         ephemeris = product.ephemeris(paths, flown, step=plan.step)
     except InputError as reason:
-        row = issued.row(now, starts, None, DO_NOT_USE)
+        row = issued.row(now, starts, None, DO_NOT_USE, burn=fitted.burn)
         return Left(replace(left, issued=row), recent, judgement.or_not_for(str(reason)))
-    row = issued.row(now, starts, flown, judgement.word)
+    row = issued.row(now, starts, flown, judgement.word, burn=fitted.burn)
     basis = corrected.basis(flown.replay, now)
     return Left(replace(left, issued=row), recent, judgement, ephemeris, basis)
 
 
+@dataclass(frozen=True)
+class _Fitted:
+    """The new estimates of a morning.
+
+    watched: with the burns that are known by now
+    judged: how far ephemerides of earlier mornings were off
+    burn: that the estimates showed, with which they were made again
+    """
+
+    watched: Watched
+    fitting: fits.Fitting
+    made: pd.DataFrame
+    judged: pd.DataFrame
+    burn: Manoeuvre | None = None
+
+
+def _fitted(watched: Watched, recent: Recent, records: Records) -> _Fitted:
+    """Return the estimates of the tracks that are new; again behind a burn, where they show one."""
+    kept, fitting = records.made(watched.plan.base), _fitting(watched, recent)
+    made = fitting.further(kept)
+    off = _judged(watched, made, recent, records)
+    if not ("station" in watched.tracking and burns.are_far(off)):
+        return _Fitted(watched, fitting, made, off)
+    burn = burns.newest(fitting, kept, since=max((one.t for one in records.burns), default=-np.inf))
+    if burn is None:
+        return _Fitted(watched, fitting, made, off)
+    watched = _aware_of(watched, [burn])
+    fitting = _fitting(watched, recent)
+    return _Fitted(watched, fitting, fitting.further(kept), off, burn)
+
+
+def _aware_of(watched: Watched, found: Sequence[Manoeuvre]) -> Watched:
+    """Return what is watched, with burns that its tracks showed."""
+    return replace(watched, manoeuvres=sorted([*watched.manoeuvres, *found], key=lambda one: one.t))
+
+
+def _fitting(watched: Watched, recent: Recent) -> fits.Fitting:
+    measured = fixes.measurements(
+        recent.tracking, watched.model.orientation, watched.stations, watched.manoeuvres
+    )
+    return fits.Fitting(watched.model.fits, measured, recent, watched.plan.estimation, watched.given)
+
+
 def _others(fitting: fits.Fitting, plan: Plan, records: Records, starts: pd.DataFrame) -> pd.DataFrame:
     """Return the fits over other windows of the track that ephemerides start from, where none are kept."""
-    kept = {hours: records.of_window(hours) for hours in plan.other_windows}
+    kept = {hours: records.made(hours) for hours in plan.other_windows}
     lacking = {hours: rows for hours, rows in kept.items() if not rows["track"].isin(starts["track"]).any()}
     return fitting.over(starts, lacking) if lacking else SCHEMAS["kept_estimates"].empty()
 
@@ -198,9 +237,9 @@ def _paths(
     return candidates.paths(part, plan.models, spreads, now=now)
 
 
-def _nothing(now: float) -> Records:
-    """Return the records of a morning without an estimate to start from."""
-    return replace(Records.empty(), issued=issued.nothing(now))
+def _nothing(now: float, burn: Manoeuvre | None = None) -> Records:
+    """Return the records of a morning without an estimate to start from; burn: that it found."""
+    return replace(Records.empty(), issued=issued.nothing(now, burn=burn))
 
 
 def _judged(watched: Watched, made: pd.DataFrame, recent: Recent, records: Records) -> pd.DataFrame:

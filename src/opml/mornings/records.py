@@ -13,10 +13,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Self
 
+import numpy as np
 import pandas as pd
 
+from opml.base.constants import HOUR
 from opml.base.errors import InputError
 from opml.base.files import replacing
+from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SCHEMAS, paths_schema, read_metadata, read_table, write_table
 
 DONE = "morning.json"
@@ -75,15 +78,33 @@ class Records:
         recent = [folders[k] for k in whole.issued.index[whole.issued["morning"] > since]]
         return replace(whole, paths=[paths for folder in recent for paths in _paths_in(folder)])
 
-    def of_window(self, hours: float) -> pd.DataFrame:
-        """Return the estimates over a window [h]."""
+    @property
+    def burns(self) -> list[Manoeuvre]:
+        """The burns that mornings found, which windows of fits begin anew behind."""
+        times = self.issued["burn_t"].dropna()
+        return [Manoeuvre(float(t), anew=True) for t in times]
+
+    def made(self, hours: float) -> pd.DataFrame:
+        """Return the estimates over a window [h] as they were made."""
         rows = self.estimates[self.estimates["window_hours"] == hours]
         return rows.drop(columns="window_hours").reset_index(drop=True)
 
-    def replays(self, models: Sequence[str]) -> dict[str, pd.DataFrame]:
-        """Return rows of the table `replay` by model, of those models that were judged."""
-        rows = {name: self.judged[self.judged["model"] == name] for name in models}
-        return {name: table.drop(columns="model") for name, table in rows.items() if len(table)}
+    def of_window(self, hours: float) -> pd.DataFrame:
+        """Return the estimates over a window [h]; a fit across a burn, found later, has not converged."""
+        rows = self.made(hours)
+        return rows.assign(converged=rows["converged"] & ~self._across(rows["t"], rows["t"], hours))
+
+    def free(self, hours: float) -> pd.DataFrame:
+        """Return the rows of `judged` whose estimates, over a window [h], know of all burns on their way."""
+        return self.judged[~self._across(self.judged["t_i"], self.judged["t_j"], hours)]
+
+    def _across(self, begin: pd.Series, end: pd.Series, hours: float) -> np.ndarray:
+        """Return which spans hold a burn, or begin with a fit across it that was made before it was found."""
+        across, before = np.zeros(len(begin), bool), self.issued["morning"].shift(fill_value=-np.inf)
+        found = self.issued["burn_t"].notna()
+        for t, unaware in zip(self.issued.loc[found, "burn_t"], before[found], strict=True):
+            across |= (begin - hours * HOUR < t) & (t < end) & ((begin < t) | (begin < unaware))
+        return across
 
     def and_then(self, more: "Records", *, since: float) -> Self:
         """Return the records with those of the next morning; since: as for `read`."""

@@ -1,13 +1,15 @@
 """Whether to trust an ephemeris, by how those of earlier mornings fared."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import DAY
-from opml.learning.judge.error_sizes import INSIDE, LEVEL, along_track
-from opml.mornings.records import Records
+from opml.base.constants import DAY, HOUR
+from opml.learning.judge.error_sizes import INSIDE, LEVEL
+from opml.mornings.burns import FAR, sigmas_off
+from opml.orbits.manoeuvres import Manoeuvre
 
 GOOD, WIDE, DO_NOT_USE = "good", "wide", "do not use"
 """Verdicts."""
@@ -17,9 +19,6 @@ OLDEST = 1.5 * DAY
 
 FEWEST = 7
 """Mornings whose ephemerides were judged, below which intervals are hardly known."""
-
-BURN = 6.0
-"""Newest estimates that are so many standard deviations off, in the median, are of another orbit."""
 
 PAST = 14.0 * DAY
 """How far back intervals are looked at [s]."""
@@ -40,21 +39,36 @@ class Verdict:
         return self if self.word == DO_NOT_USE else Verdict(DO_NOT_USE, reason)
 
 
-def verdict(records: Records, start: pd.DataFrame, *, now: float) -> Verdict:
-    """Return the verdict on an ephemeris from an estimate, by what was judged by `now` [s]."""
-    age = now - float(start["t"].iloc[0])
-    flown = records.judged[np.isfinite(records.judged["sigma_y"].to_numpy(float))]
-    off = flown["e_y"].abs().to_numpy(float) / along_track(flown)
+def verdict(
+    judged: pd.DataFrame,
+    start: pd.DataFrame,
+    *,
+    now: float,
+    burns: Sequence[Manoeuvre] = (),
+    window: float = 0.0,
+) -> Verdict:
+    """Return the verdict on an ephemeris from an estimate, by what was judged by `now` [s].
+
+    judged: rows of that table of all mornings
+    burns: that the tracks showed
+    window: of the fits [s], which is cut short behind one
+    """
+    begin = float(start["t"].iloc[0])
+    age, burned = now - begin, max((one.t for one in burns), default=-np.inf)
+    flown = judged[np.isfinite(judged["sigma_y"].to_numpy(float))]
+    off = sigmas_off(flown)
     newest = (flown["t_known"] > now - DAY).to_numpy(bool) & (flown["duration"] < 2.0 * DAY).to_numpy(bool)
     recent = (flown["t_known"] > now - PAST).to_numpy(bool)
-    mornings = records.judged["morning"].nunique()
+    mornings = judged["morning"].nunique()
     if age > OLDEST:
         return Verdict(DO_NOT_USE, f"the newest estimate is {age / DAY:.1f} days old")
-    if newest.any() and np.median(off[newest]) > BURN:
+    if begin - burned < window:
+        return Verdict(DO_NOT_USE, f"its tracks show a burn {(now - burned) / HOUR:.0f} hours ago")
+    if newest.any() and np.median(off[newest]) > FAR:
         return Verdict(
             DO_NOT_USE,
             f"the day's estimates are {np.median(off[newest]):.0f} sigma off the ephemeris before: "
-            "a manoeuvre, a storm, or another object",
+            "a storm, another object, or a burn that the tracks do not show",
         )
     if mornings < FEWEST:
         return Verdict(WIDE, f"{mornings} mornings were judged, fewer than {FEWEST}")

@@ -108,12 +108,12 @@ def test_windows_begin_anew_behind_a_burn_that_is_known(orbit):
     epochs = np.array([6.0, 12.0, 18.0, 23.0]) * HOUR
     table = sets(orbit, epochs, reach=5 * HOUR, known=np.full(4, np.nan), sigmas=TEN)
     burn = Manoeuvre(9.0 * HOUR, 18.0 * HOUR, anew=True)
-    measured = fixes.Fixes(table, [burn])
+    measured = fixes.Fixes(table).begin_anew([burn])
     windows = [measured.window(track, 20 * HOUR) for track in range(4)]
     # Nobody knew at 12 h; the points of that set begin before the burn.
     assert [window.tracks for window in windows] == [1, 2, 1, 2]
     assert [measured.epochs[window.first] / HOUR for window in windows] == [1.0, 1.0, 13.0, 13.0]
-    unmoved = fixes.Fixes(table, [replace(burn, anew=False)])
+    unmoved = fixes.Fixes(table).begin_anew([replace(burn, anew=False)])
     assert unmoved.window(3, 20 * HOUR).tracks == 4
 
 
@@ -135,7 +135,7 @@ def test_fits_to_sets_start_from_their_own_states(flight, orbit):
     starts = first_orbit.starts(flight, measured, known=None, settings=SETTINGS)
     run = estimation.Run.begun(flight, starts, measured, SETTINGS)
     usable = int(measured.at[0]), np.append(starts[STATE].to_numpy()[0], -7.0)
-    first, second, *_ = run._starts_in_turn([measured.window(1, DAY)], usable, None)
+    first, second, *_ = run.starts_in_turn([measured.window(1, DAY)], usable, None)
     np.testing.assert_array_equal(first[0], [*measured.states[1], flight.rso.cd])
     assert second[0, 6] == -7.0
 

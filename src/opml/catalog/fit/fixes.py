@@ -39,11 +39,8 @@ class Fixes(Measurements):
 
     smooth_for = 1200.0
 
-    def __init__(self, fixes: pd.DataFrame, manoeuvres: Sequence[Manoeuvre] = ()) -> None:
-        """Take the table. Raises InputError where velocities count in some rows and not in others.
-
-        manoeuvres: `anew` behind which windows begin
-        """
+    def __init__(self, fixes: pd.DataFrame) -> None:
+        """Take the table. Raises InputError where velocities count in some rows and not in others."""
         super().__init__(*(fixes[name].to_numpy() for name in ("track", "t", "t_estimate")))
         counting = np.isfinite(fixes[FIX_SIGMAS[3:]].to_numpy()).all(axis=1)
         if counting.any() and not counting.all():
@@ -56,9 +53,6 @@ class Fixes(Measurements):
         self.sigmas = fixes[FIX_SIGMAS[: self.numbers]].to_numpy()
         if not (np.isfinite(self.values).all() and np.all(self.sigmas > 0.0)):
             raise InputError("fixes: expected numbers, and sigmas above 0, of all that counts, got others")
-        for one in manoeuvres:
-            since = max(one.t, one.known) if one.anew else np.inf
-            self.anew[self.epochs[self.at] >= since] = one.t
         there = fixes.loc[fixes["t"] == fixes["t_estimate"], STATE].to_numpy()
         if len(there) == self.tracks and np.isfinite(there).all():
             self.states = there
@@ -117,7 +111,8 @@ def measurements(
     """
     if "zenith_delay" in table:
         return LaserRanges(table, orientation)
-    return Measured(table, orientation, stations) if "station" in table else Fixes(table, manoeuvres)
+    found = Measured(table, orientation, stations) if "station" in table else Fixes(table)
+    return found.begin_anew(manoeuvres)
 
 
 def are_of_sets(table: pd.DataFrame) -> bool:

@@ -4,11 +4,13 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
 from opml.base.constants import DAY
 from opml.catalog.fit.least_squares import Evaluation
+from opml.orbits.manoeuvres import Manoeuvre
 
 BEHIND = 1.25 * DAY
 """Time for which measurements of a window may lie before its oldest estimate [s]."""
@@ -80,6 +82,16 @@ class Measurements(ABC):
         self.row_at = np.array([begin + int(np.argmin(away[begin:end])) for begin, end in bounds])
         self.anew = np.full(self.tracks, -np.inf)
         self.states: np.ndarray | None = None
+
+    def begin_anew(self, manoeuvres: Sequence[Manoeuvre]) -> Self:
+        """Let the windows of estimates hold nothing from before manoeuvres that are known by then; return it.
+
+        manoeuvres: in the order of their times; those count that are `anew`
+        """
+        for one in manoeuvres:
+            since = max(one.t, one.known) if one.anew else np.inf
+            self.anew[self.epochs[self.at] >= since] = one.t
+        return self
 
     def window(
         self, track: int, length: float, after: float = 0.0, *, without: Collection[int] = ()
