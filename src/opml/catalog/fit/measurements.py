@@ -56,6 +56,7 @@ class Measurements(ABC):
     smooth_for: how long from its beginning a track may be laid through by one curve [s]
     anew: (tracks,) time before which the window of an estimate holds nothing [s]
     states: (tracks, 6) GCRF at the epochs of the estimates, where the measurements themselves tell them
+    of_theory: whether these are good enough to fit from, as those of mean elements
     """
 
     numbers = 3
@@ -78,6 +79,7 @@ class Measurements(ABC):
         self.row_at = np.array([begin + int(np.argmin(away[begin:end])) for begin, end in bounds])
         self.anew = np.full(self.tracks, -np.inf)
         self.states: np.ndarray | None = None
+        self.of_theory = False
 
     def window(
         self, track: int, length: float, after: float = 0.0, *, without: Collection[int] = ()
