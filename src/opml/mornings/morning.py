@@ -26,7 +26,7 @@ from opml.ephemerides.part import Grid, Part
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models import learners
-from opml.mornings import burns, candidates, fits, issued, judged, product, tracks
+from opml.mornings import burns_in_tracks, candidates, fits, issued, judged, product, tracks
 from opml.mornings.records import Records
 from opml.mornings.tracks import Recent
 from opml.mornings.verdict import DO_NOT_USE, Verdict, verdict
@@ -195,9 +195,9 @@ def _fitted(watched: Watched, recent: Recent, records: Records) -> _Fitted:
     kept, fitting = records.made(watched.plan.base), _fitting(watched, recent)
     made = fitting.further(kept)
     off = _judged(watched, made, recent, records)
-    if not ("station" in watched.tracking and burns.are_far(off)):
+    if not ("station" in watched.tracking and burns_in_tracks.are_far(off)):
         return _Fitted(watched, fitting, made, off)
-    burn = burns.newest(fitting, kept, since=max((one.t for one in records.burns), default=-np.inf))
+    burn = burns_in_tracks.newest(fitting, kept, since=max((one.t for one in records.burns), default=-np.inf))
     if burn is None:
         return _Fitted(watched, fitting, made, off)
     watched = _aware_of(watched, [burn])

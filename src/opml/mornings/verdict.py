@@ -8,7 +8,7 @@ import pandas as pd
 
 from opml.base.constants import DAY, HOUR
 from opml.learning.judge.error_sizes import INSIDE, LEVEL
-from opml.mornings.burns import FAR, sigmas_off
+from opml.mornings.burns_in_tracks import FAR, sigmas_off
 from opml.orbits.manoeuvres import Manoeuvre
 
 GOOD, WIDE, DO_NOT_USE = "good", "wide", "do not use"

@@ -138,6 +138,8 @@ def test_fits_to_sets_start_from_their_own_states(flight, orbit):
     first, second, *_ = run.starts_in_turn([measured.window(1, DAY)], usable, None)
     np.testing.assert_array_equal(first[0], [*measured.states[1], flight.rso.cd])
     assert second[0, 6] == -7.0
+    # A velocity that was measured may be a metre a second off.
+    assert not fixes.Fixes(stretched(orbit, sigmas=TEN, velocities=True)).of_theory
 
 
 def test_estimates_depend_neither_on_threads_nor_on_later_fixes(flight, orbit):

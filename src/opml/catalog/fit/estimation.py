@@ -207,13 +207,13 @@ class Run:
         usable: of the newest estimate whose Cd is known
         spare: of the newest estimate that has a state at least
 
-        First those that the measurements themselves tell, then those of the newest usable estimate, carried
+        First those of a theory where that was measured, then those of the newest usable estimate, carried
         to each track's start; then the newer of the state in `starts` and the spare estimate; then the older.
         """
         at = np.array([window.at for window in windows])
         tracks = [window.track for window in windows]
         first = np.column_stack([self.starts[tracks], np.full(len(tracks), self.flight.rso.cd)])
-        if self.measured.states is not None:
+        if self.measured.of_theory:
             yield first
         if usable is not None:
             yield self.carried(*usable, at)

@@ -56,6 +56,7 @@ class Fixes(Measurements):
         there = fixes.loc[fixes["t"] == fixes["t_estimate"], STATE].to_numpy()
         if len(there) == self.tracks and np.isfinite(there).all():
             self.states = there
+            self.of_theory = are_of_sets(fixes)
 
     def places(self, rows: Rows) -> np.ndarray:
         """Return positions (n, 3) in GCRF [m] of rows of points."""

@@ -58,6 +58,7 @@ class Measurements(ABC):
     smooth_for: how long from its beginning a track may be laid through by one curve [s]
     anew: (tracks,) time before which the window of an estimate holds nothing [s]
     states: (tracks, 6) GCRF at the epochs of the estimates, where the measurements themselves tell them
+    of_theory: whether these are good enough to fit from, as those of mean elements
     sigmas: (rows, observables) standard deviations [rad, m, m/s]
     """
 
@@ -82,6 +83,7 @@ class Measurements(ABC):
         self.row_at = np.array([begin + int(np.argmin(away[begin:end])) for begin, end in bounds])
         self.anew = np.full(self.tracks, -np.inf)
         self.states: np.ndarray | None = None
+        self.of_theory = False
 
     def begin_anew(self, manoeuvres: Sequence[Manoeuvre]) -> Self:
         """Let the windows of estimates hold nothing from before manoeuvres that are known by then; return it.
