@@ -73,8 +73,13 @@ def _row(outcome: Outcome) -> list[str]:
         str(outcome["late"]),
         *errors,
         f"{100.0 * inside / count:.0f} %" if count else NO_VALUE,
-        outcome["reason"].replace("|", "/"),
+        _why(outcome).replace("|", "/"),
     ]
+
+
+def _why(outcome: Outcome) -> str:
+    burn = f"; the tracks show a burn about {outcome['burn'][:16]}" if outcome["burn"] else ""
+    return f"{outcome['reason']}{burn}"
 
 
 def _miss(outcome: Outcome) -> float:

@@ -20,7 +20,7 @@ from opml.mornings.days import Calendar, Folder
 from opml.mornings.morning import Model, Plan, Watched
 from opml.mornings.records import DONE, Records
 from opml.mornings.verdict import DO_NOT_USE, WIDE
-from opml.tables import STATE, paths_schema, read_metadata, read_table, read_tables
+from opml.tables import SCHEMAS, STATE, paths_schema, read_metadata, read_table, read_tables
 
 ARC = {"window_hours": 18.0, "memory_days": 30.0}
 MODELS = {
@@ -148,6 +148,50 @@ def test_a_morning_without_a_new_estimate_is_judged_once(watched, tmp_path):
     assert (folder.of_day(LAST) / "iss.oem").exists()
     judged = read_tables([folder.of_day(day) / "judged.parquet" for day in folder.done(LAST)], "judged")
     assert not judged.duplicated(["model", "i", "j"]).any()
+
+
+def test_a_burn_that_nobody_named_is_found_and_windows_begin_anew_behind_it(
+    watched, truth_model, iss, tmp_path
+):
+    flight, burn = Flight(truth_model, iss), 3.2 * DAY
+    orbit = truth.simulate(flight, duration=5 * DAY, step=20.0)
+    later = orbit["t"].to_numpy() >= burn
+    state = orbit.loc[later, STATE].to_numpy()[0].copy()
+    state[3:] += 0.5 * state[3:] / np.linalg.norm(state[3:])
+    path = flight.fly(orbit["t"][later], state[None], cd=iss.cd, first=[0], last=[later.sum() - 1]).path(0)
+    orbit.loc[later, STATE] = np.vstack([state, path])
+    orientation, stations = watched.model.orientation, watched.stations
+    measured = tracking.simulate(orbit, orientation, stations, rso="iss", seed=1)
+    run(replace(watched, tracking=measured), tmp_path)
+    folder = Folder(tmp_path, "iss")
+    left = read_tables([folder.of_day(day) / "issued.parquet" for day in folder.done(LAST)], "issued")
+    assert left["burn_t"].iloc[:-1].isna().all()
+    assert left["burn_t"].iloc[-1] == pytest.approx(burn, abs=600.0)
+    found = json.loads((folder.of_day(LAST) / DONE).read_text())
+    assert found["burn"][:13] == "2016-10-01T16"
+    made = read_table(folder.of_day(LAST) / "kept_estimates.parquet", "kept_estimates")
+    behind = made[made["t"] > burn].set_index("t")
+    assert behind["converged"].sum() > 5
+    off = behind[STATE[:3]].sub(orbit.set_index("t").loc[behind.index, STATE[:3]])
+    assert np.linalg.norm(off, axis=1)[behind["converged"]].max() < 500.0
+
+
+def test_what_went_across_a_burn_has_no_say_once_it_is_known():
+    rows = (
+        SCHEMAS["judged"].empty().reindex(range(4)).assign(t_i=[1.0, 4.5, 5.5, 6.5], t_j=[6.0, 7.0, 7.0, 7.0])
+    )
+    issued = SCHEMAS["issued"].empty().reindex(range(2)).assign(morning=[6.0, 8.0], burn_t=[np.nan, 5.0])
+    made = SCHEMAS["kept_estimates"].empty().reindex(range(3)).assign(t=[4.0, 5.5, 6.5], window_hours=1.0)
+    hours = DAY / HOUR
+    scaled = {
+        "judged": rows.assign(t_i=rows["t_i"] * DAY, t_j=rows["t_j"] * DAY),
+        "issued": issued * DAY,
+        "estimates": made.assign(t=made["t"] * DAY, window_hours=hours, converged=True),
+    }
+    records = Records(**scaled)
+    assert records.free(hours).index.tolist() == [3]  # across, across, from a fit across, free
+    assert records.of_window(hours)["converged"].tolist() == [True, False, True]
+    assert records.made(hours)["converged"].all()
 
 
 def test_a_first_morning_says_that_it_has_no_past(whole):
