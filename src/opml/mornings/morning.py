@@ -162,7 +162,7 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
     # An ephemeris from the estimate of an earlier morning is that morning's, and judged once.
     is_new = not records.issued["i"].isin(starts["track"]).any()
     left, past = replace(left, paths=[paths] if is_new else []), so_far.free(plan.base)
-    judgement = verdict(past, starts, now=now, burns=so_far.burns, window=plan.base * HOUR)
+    judgement = verdict(past, starts, now=now, burns=watched.manoeuvres, window=plan.base * HOUR)
     try:
         flown = issued.chosen(past, list(plan.models), now=now)
         ephemeris = product.ephemeris(paths, flown, step=plan.step)

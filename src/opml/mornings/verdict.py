@@ -50,11 +50,11 @@ def verdict(
     """Return the verdict on an ephemeris from an estimate, by what was judged by `now` [s].
 
     judged: rows of that table of all mornings
-    burns: that the tracks showed
+    burns: all that anybody knows of
     window: of the fits [s], which is cut short behind one
     """
     begin = float(start["t"].iloc[0])
-    age, burned = now - begin, max((one.t for one in burns), default=-np.inf)
+    age, burned = now - begin, max((one.t for one in burns if max(one.t, one.known) <= now), default=-np.inf)
     flown = judged[np.isfinite(judged["sigma_y"].to_numpy(float))]
     off = sigmas_off(flown)
     newest = (flown["t_known"] > now - DAY).to_numpy(bool) & (flown["duration"] < 2.0 * DAY).to_numpy(bool)
@@ -63,7 +63,7 @@ def verdict(
     if age > OLDEST:
         return Verdict(DO_NOT_USE, f"the newest estimate is {age / DAY:.1f} days old")
     if begin - burned < window:
-        return Verdict(DO_NOT_USE, f"its tracks show a burn {(now - burned) / HOUR:.0f} hours ago")
+        return Verdict(DO_NOT_USE, f"a burn {(now - burned) / HOUR:.0f} hours ago, which fits begin behind")
     if newest.any() and np.median(off[newest]) > FAR:
         return Verdict(
             DO_NOT_USE,

@@ -62,8 +62,10 @@ def test_intervals_are_held_against_what_differences_show():
 def test_nothing_is_good_within_a_window_of_a_burn():
     past, burn = judged(sigma=100.0), [Manoeuvre(NOW - 0.4 * DAY)]
     found = verdict(past, start(), now=NOW, burns=burn, window=0.5 * DAY)
-    assert found == Verdict(DO_NOT_USE, "its tracks show a burn 10 hours ago")
+    assert found == Verdict(DO_NOT_USE, "a burn 10 hours ago, which fits begin behind")
     assert verdict(past, start(), now=NOW, burns=burn, window=0.25 * DAY).word == GOOD
+    planned = [Manoeuvre(NOW + 0.1 * DAY), Manoeuvre(NOW - 0.1 * DAY, known=NOW + 1.0)]
+    assert verdict(past, start(), now=NOW, burns=planned, window=0.5 * DAY).word == GOOD
 
 
 def test_what_was_not_flown_has_no_say():
