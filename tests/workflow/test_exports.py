@@ -8,7 +8,7 @@ import pytest
 from project import ROOT
 
 from opml.interop import oem
-from opml.tables import SCHEMAS, STATE, read_table, write_table
+from opml.tables import SCHEMAS, STATE, STATE_COVARIANCES, read_table, write_table
 
 TRIMMED = "--configfile=config/ci.yaml"
 
@@ -31,6 +31,7 @@ def test_ephemerides_from_each_estimate_are_as_many_files_as_estimates_departed(
     """Made of a table alone, whose making takes long; an earlier run had left another file."""
     names, count = SCHEMAS["corrected"].names, 40
     table = pd.DataFrame(np.random.default_rng(1).normal(size=(3 * count, len(names))), columns=names)
+    table[STATE_COVARIANCES] = np.tile(np.eye(6)[np.tril_indices(6)], (3 * count, 1))
     table["i"] = np.repeat([4, 5, 9], count)
     table["t_i"] = np.repeat([100.0, 5000.0, 90_000.0], count)
     table["t"] = table["t_i"] + np.tile(60.0 * np.arange(count), 3)

@@ -6,7 +6,6 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.catalog.simulate.observing import ANGLES
 from opml.interop import ccsds
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.mornings import Dataset
@@ -14,6 +13,8 @@ from opml.report.results import NO_VALUE
 from opml.tables import BURN
 
 TITLE = "What the measurements tell"
+
+_ANGLES = ("azimuth", "elevation", "right_ascension", "declination")
 
 _MOST = 12
 """Tracks that are named at most."""
@@ -61,9 +62,10 @@ def _cells(row: Mapping[str, float]) -> list[str]:
 
 def _unit(instrument: str, sigma: float) -> tuple[str, float]:
     """Return a unit that suits an instrument, and its part of rad, m or m/s."""
-    if instrument.split()[-1] in ANGLES:
+    observable = instrument.split()[-1]
+    if observable in _ANGLES:
         return "deg", float(np.degrees(1.0))
-    if "rate" in instrument:
+    if observable.endswith("rate"):
         return "m/s", 1.0
     return ("m", 1.0) if sigma >= 1.0 else ("cm", 100.0)
 
