@@ -84,6 +84,7 @@ class FigureSettings(SheetJobSettings):
     days: Sequence[float]
     radius_m: float
     threshold: float
+    weather: str
     note: str
     published: Any  # by what the figure varies
     splits: Mapping[str, Sequence[str]]
