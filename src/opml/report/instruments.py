@@ -14,8 +14,6 @@ from opml.tables import BURN
 
 TITLE = "What the measurements tell"
 
-_ANGLES = ("azimuth", "elevation", "right_ascension", "declination")
-
 _MOST = 12
 """Tracks that are named at most."""
 
@@ -62,8 +60,10 @@ def _cells(row: Mapping[str, float]) -> list[str]:
 
 def _unit(instrument: str, sigma: float) -> tuple[str, float]:
     """Return a unit that suits an instrument, and its part of rad, m or m/s."""
+    from opml.catalog.simulate.observing import ANGLES  # loads the kernels, too long for a plan
+
     observable = instrument.split()[-1]
-    if observable in _ANGLES:
+    if observable in ANGLES:
         return "deg", float(np.degrees(1.0))
     if observable.endswith("rate"):
         return "m/s", 1.0
