@@ -14,6 +14,7 @@ with job(snakemake):
     figure = scan_figure.scan_curves(
         {str(outcome.combination): outcome.numbers for outcome in nearest_first},
         scanned.published,
+        {name: experiment for name, (experiment, _) in scanned.numbers.items()},
         default=str(scanned.combinations[0]),
     )
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

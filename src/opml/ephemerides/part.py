@@ -107,18 +107,32 @@ class Part:
         """Return predictions to the grid from the same tracks, by fits over another window [h]."""
         return self._predicted(self._at_starts(hours))
 
-    def fly_together(self, windows: Sequence[float]) -> None:
-        """Make `pairs`, and `predictions` of several windows [h], side by side.
+    def fly_together(self, windows: Sequence[float], held: Sequence[tuple[float, float]] = ()) -> None:
+        """Make `pairs`, `predictions` of windows [h], and `held_predictions` of arcs, side by side.
+
+        held: window [h] and memory [days] of each of these arcs
 
         A few arcs that fly alone leave most lanes of a block empty.
         """
-        families = [self.starts, *map(self._at_starts, windows)]
-        numbered = pd.concat(families, ignore_index=True)
+        families: dict[Hashable, pd.DataFrame] = {
+            ("pairs", (), ()): self.starts,
+            **{("predictions", (hours,), ()): self._at_starts(hours) for hours in windows},
+            **{("held_predictions", arc, ()): self._with_held_cd(*arc) for arc in held},
+        }
+        numbered = pd.concat(families.values(), ignore_index=True)
         flown = self._predicted(numbered.assign(track=np.arange(len(numbered))))
-        family = np.repeat(np.arange(len(families)), [len(one) for one in families])[flown["i"]]
+        family = np.repeat(np.arange(len(families)), [len(one) for one in families.values()])[flown["i"]]
         flown["i"] = numbered["track"].to_numpy()[flown["i"]]
-        keys = [("pairs", (), ()), *(("predictions", (hours,), ()) for hours in windows)]
-        self.made.update({key: flown[family == k].reset_index(drop=True) for k, key in enumerate(keys)})
+        self.made.update({key: flown[family == k].reset_index(drop=True) for k, key in enumerate(families)})
+
+    def _with_held_cd(self, hours: float, memory_days: float) -> pd.DataFrame:
+        """Return the fits over a window [h] that ephemerides start from, their Cd held by its past."""
+        return other_windows.with_held_cd(
+            self.known.undisturbed(hours),
+            self.starts["track"],
+            apriori=self.flight.rso.cd,
+            memory_days=memory_days,
+        )
 
     def _at_starts(self, hours: float) -> pd.DataFrame:
         """Return the fits over another window [h] of the tracks that ephemerides start from."""
@@ -164,12 +178,16 @@ class Part:
     @_once
     def held(self, hours: float, memory_days: float) -> pd.DataFrame:
         """Return the `held` table of fits over a window [h]."""
-        return other_windows.build_held(
-            self.flight,
+        return other_windows.held_beside(
             self.pairs(),
+            self.held_predictions(hours, memory_days),
             arc_estimates=self.known.undisturbed(hours),
-            memory_days=memory_days,
         )
+
+    @_once
+    def held_predictions(self, hours: float, memory_days: float) -> pd.DataFrame:
+        """Return predictions to the grid by fits over a window [h], their Cd held by its past."""
+        return self._predicted(self._with_held_cd(hours, memory_days))
 
     @_once
     def sgp4(self) -> pd.DataFrame:

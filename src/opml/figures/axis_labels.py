@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from opml import naming
-from opml.figures.display_names import describe_run, display_learner, display_rso
+from opml.figures.display_names import describe_run, display_learner, display_rso, display_stations
 from opml.naming import Split
 
 PAPER = "Peng & Bai"
@@ -87,6 +87,19 @@ def describe_experiment(names: Mapping[str, Any]) -> str:
     where = "" if target == rso else f"{target.removeprefix(f'{rso}, ')}, "
     trained = f"{display_learner(names['learner'])} trained on {describe_training(names['train'])}"
     return f"{describe_run(names)}; {trained}, tested on {where}{describe_test(names['test'])}"
+
+
+def tick_label(names: Mapping[str, Any]) -> str:
+    """Return as three lines what sets an experiment apart in a study: radars or RSO, training, test.
+
+    names: parts of an experiment by name; others are ignored
+    """
+    rso, target = display_rso(names["rso"]), display_rso(names["target"])
+    where = display_stations(names["stations"]).partition(" (")[0]
+    if target != rso:
+        where = target.removeprefix(f"{rso}, ")
+    trained = describe_training(names["train"]).partition(" of ")[0]
+    return f"{where}\n{trained},\n{describe_test(names['test'])}"
 
 
 def describe_splits(pairs: Mapping[str, Sequence[str]]) -> str:

@@ -36,7 +36,7 @@ def paths(
     models: resolved settings of learners that learn nothing, by name
     now: when they are made [s]
     """
-    part.fly_together(learners.arc_windows(models.values()))
+    part.fly_together(learners.arc_windows(models.values()), learners.held_arcs(models.values()))
     table = part.pairs().assign(morning=now)
     for name, settings in models.items():
         table[f"e_y_{name}"] = _along(part, settings)

@@ -1,12 +1,16 @@
 """The numbers of the paper as marks, and those of combinations of readings as lines."""
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 from matplotlib.figure import Figure
 
 from opml.base.errors import InputError
+from opml.figures.axis_labels import tick_label
+from opml.figures.display_names import display_learner
 from opml.figures.style import MUTED, PREDICTED_COLOR, PUBLISHED, RESIDUAL, add_note, page_figure
+from opml.naming import Experiment
 
 _MOST = 130.0
 """End of the axis [%]: corrections that leave more than this are equally bad."""
@@ -15,6 +19,7 @@ _MOST = 130.0
 def scan_curves(
     combinations: Mapping[str, Mapping[str, float]],
     published: Mapping[str, float],
+    experiments: Mapping[str, Experiment],
     *,
     default: str,
     published_name: str = "Peng & Bai",
@@ -23,6 +28,7 @@ def scan_curves(
 
     combinations: P_ML [%] by combination, the nearest first, and by number
     published: P_ML [%] by number
+    experiments: what gives each number
     default: the combination of default readings
 
     Raises InputError without combinations.
@@ -34,7 +40,7 @@ def scan_curves(
     nearest = next(iter(combinations))
     looks: dict[str, dict[str, Any]] = {
         nearest: {"color": RESIDUAL, "zorder": 3, "label": f"{nearest}, the nearest"},
-        default: {"color": PREDICTED_COLOR, "zorder": 3, "label": f"{default}, the default"},
+        default: {"color": PREDICTED_COLOR, "zorder": 3, "label": f"{display_learner(default)}, the default"},
     }
     others: dict[str, Any] = {"color": MUTED, "lw": 0.7, "alpha": 0.6, "zorder": 1}
     for name, numbers in combinations.items():
@@ -51,7 +57,8 @@ def scan_curves(
     )
     axes.set_ylim(0.0, _MOST)
     axes.set_ylabel(r"$P_{\mathrm{ML}}$ [%]")
-    axes.set_xticks(range(len(published)), list(published), rotation=20, ha="right")
+    labels = [tick_label(asdict(experiments[number])) for number in published]
+    axes.set_xticks(range(len(published)), labels, fontsize="small")
     axes.legend(loc="upper left")
     add_note(figure, f"lines: {len(combinations)} combinations of readings, each one setting for all numbers")
     return figure

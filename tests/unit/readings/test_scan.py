@@ -90,13 +90,19 @@ def test_the_nearest_comes_first(asked):
     assert "| `svr_s5.6` | 1.0 | 8 |" in text
 
 
-def test_the_figure_has_a_line_for_each_and_the_papers_marks():
+def test_the_figure_has_a_line_for_each_and_the_papers_marks(asked):
     published = {"one": 20.0, "other": 40.0}
+    experiments = {
+        "one": asked.numbers["svr_training_1station"][0],
+        "other": asked.numbers["inclination_50"][0],
+    }
     found = {"near": {"one": 21.0, "other": 44.0}, "svr": {"one": 50.0, "other": 90.0}, "far": published}
-    axes = figures.scan_curves(found, published, default="svr").axes[0]
+    axes = figures.scan_curves(found, published, experiments, default="svr").axes[0]
     assert [line.get_ydata()[0] for line in axes.lines] == [21.0, 50.0, 20.0, 20.0]
     labels = axes.get_legend_handles_labels()[1]
-    assert labels == ["near, the nearest", "svr, the default", "Peng & Bai"]
+    assert labels == ["near, the nearest", "the paper's SVR, the default", "Peng & Bai"]
+    ticks = [tick.get_text() for tick in axes.get_xticklabels()]
+    assert ticks == ["one radar\n80 %,\nthe same rows", "i = 50 deg\ndays 0 to 30,\ndays 30 to 40"]
 
 
 def test_the_scan_that_comes_with_the_settings_is_one():

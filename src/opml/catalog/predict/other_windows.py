@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
 
 from opml.base.constants import DAY, HOUR
 from opml.catalog.fit.estimation import APRIORI_SIGMA
@@ -85,25 +86,47 @@ def build_past(
 def build_held(
     flight: Flight, predictions: pd.DataFrame, *, arc_estimates: pd.DataFrame, memory_days: float
 ) -> pd.DataFrame:
-    """Return the `held` table: one row per pair of `predictions`, in their order.
+    """Return the `held` table of `held_beside`, whose arcs fly here.
 
     flight: under the assumed model
+    """
+    departing = with_held_cd(
+        arc_estimates, np.unique(predictions["i"]), apriori=flight.rso.cd, memory_days=memory_days
+    )
+    # Cd as held may be far from the estimate's own, so these arcs need the whole field.
+    flown, _ = flight.fly_pairs(predictions, departing[STATE].to_numpy(), cd=departing["cd"].to_numpy())
+    return held_beside(predictions, _flown(predictions, flown), arc_estimates=arc_estimates)
+
+
+def with_held_cd(
+    arc_estimates: pd.DataFrame, tracks: ArrayLike, *, apriori: float, memory_days: float
+) -> pd.DataFrame:
+    """Return the estimates of `tracks`, ascending, with Cd held by its past and the states that go with it.
+
+    arc_estimates: estimates over another window, or over the same
+    apriori, memory_days: as for `past_cd`
+    """
+    past = past_cd(arc_estimates, apriori=apriori, memory_days=memory_days)
+    first = np.searchsorted(arc_estimates["track"], tracks)
+    own = arc_estimates.iloc[first]
+    change = held_cd(own, past.iloc[first]) - own["cd"].to_numpy()
+    moved = own[STATE].to_numpy() + change[:, None] * shift_with_cd(own)
+    return own.assign(**dict(zip(STATE, moved.T, strict=True)), cd=own["cd"].to_numpy() + change)
+
+
+def held_beside(
+    predictions: pd.DataFrame, held_predictions: pd.DataFrame, *, arc_estimates: pd.DataFrame
+) -> pd.DataFrame:
+    """Return the `held` table: one row per pair of `predictions`, in their order.
+
+    held_predictions: of the same pairs, from `with_held_cd`
     arc_estimates: of the same tracks, estimated over another window, or over the same
-    memory_days: of the arcs' Cd, see `past_cd`
 
     h_arc_* is the prediction less that of the arc with its Cd held by its past, in RSW of the predicted state
     [m, m/s]; 0 where the arc did not converge or does not reach t_j.
     """
     predicted = predictions[STATE].to_numpy()
-    past = past_cd(arc_estimates, apriori=flight.rso.cd, memory_days=memory_days)
-    first = np.searchsorted(arc_estimates["track"], np.unique(predictions["i"]))
-    started = arc_estimates.iloc[first]
-    held = held_cd(started, past.iloc[first])
-    change = held - started["cd"].to_numpy()
-    moved = started[STATE].to_numpy() + change[:, None] * shift_with_cd(started)
-    # Cd as held may be far from the estimate's own, so these arcs need the whole field.
-    flown, _ = flight.fly_pairs(predictions, moved, cd=started["cd"].to_numpy() + change)
-    differences = {"h_arc": predicted - _flown(predictions, flown)[STATE].to_numpy()}
+    differences = {"h_arc": predicted - held_predictions[STATE].to_numpy()}
     usable = _usable(_by_pair(arc_estimates, predictions), differences)
     return predictions[["i", "j"]].assign(**_turned(differences, predicted, usable))
 
