@@ -1,6 +1,6 @@
 """The ephemerides of all models from the newest estimate of a morning: the table `paths`."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -36,7 +36,7 @@ def paths(
     models: resolved settings of learners that learn nothing, by name
     now: when they are made [s]
     """
-    part.fly_together(learners.arc_windows(models.values()), learners.held_arcs(models.values()))
+    part.fly_together(learners.arc_windows(models.values()), _held_arcs(models.values()))
     table = part.pairs().assign(morning=now)
     for name, settings in models.items():
         table[f"e_y_{name}"] = _along(part, settings)
@@ -47,6 +47,12 @@ def paths(
     sparse = reached.iloc[::EVERY]
     causes = sparse[["t_j"]].join(spreads(sparse)[SPREAD].set_axis(sparse.index))
     return between(reached, causes).drop(columns=["j", "reason"])
+
+
+def _held_arcs(settings: Iterable[Mapping[str, Any]]) -> list[tuple[float, float]]:
+    """Return window [h] and memory [days] of the arcs with Cd held that models ask for, each once."""
+    asking = (one for one in settings if "held" in learners.tables_asked(one["variables"]))
+    return list(dict.fromkeys(arc for arc in map(learners.arc_of, asking) if arc))
 
 
 def _along(part: Part, settings: Mapping[str, Any]) -> np.ndarray:

@@ -179,12 +179,6 @@ def arc_windows(settings: Iterable[Settings]) -> list[float]:
     return list(dict.fromkeys(arc[0] for arc in map(arc_of, settings) if arc))
 
 
-def held_arcs(settings: Iterable[Settings]) -> list[tuple[float, float]]:
-    """Return window [h] and memory [days] of the arcs with Cd held that learners ask for, each once."""
-    asking = (one for one in settings if "held" in tables_asked(one["variables"]))
-    return list(dict.fromkeys(arc for arc in map(arc_of, asking) if arc))
-
-
 def paths_of_each(paths: Iterable[Path], settings: Iterable[Settings]) -> list[list[Path]]:
     """Return the tables of each learner, of those of `tables_asked` that stand learner after learner.
 
