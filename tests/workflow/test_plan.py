@@ -365,41 +365,6 @@ def test_ephemerides_from_each_estimate_are_a_folder_whose_size_is_told(project)
     assert len(re.findall(r"^opml: ephemerides of iss from each estimate: about \d+ files", plan, re.M)) == 1
 
 
-def test_a_catalogue_flies_together_and_reads_one_thermometer(project):
-    target = "results/catalogue/thermometer/sky21/eglin.parquet"
-    found = jobs(project.snakemake("-n", target, "--configfile", "config/catalogue.yaml").stdout)
-    # Two flights of twenty-four, and one job for all tracks; the long fits of the twenty that make it, and
-    # both of the one left out.
-    assert found["truths"] == 2
-    assert found["trackings"] == 1
-    assert "truth" not in found
-    assert "tracking" not in found
-    assert found["thermosphere"] == 1
-    assert found["estimation"] == 22
-    assert found["prediction"] == 2
-
-
-WARM = (
-    TRACKED
-    + """
-thermometer:
-  {rsos: [iss, mine], window_hours: 48, step_hours: 12, decay_days: 0.5, factor_sigma: 0.15, body_sigma: 0.5,
-   drift_sigma: 0.002, noise_sigma: 0.01}
-learners: {thermometer: {kind: thermometer}}
-"""
-)
-
-
-def test_tracks_that_were_measured_make_the_thermometer_beside_simulated_ones(project):
-    (project.folder / "mine.yaml").write_text(WARM)
-    shutil.copy(ROOT / "tests" / "reference" / "orekit.tdm", project.folder)
-    target = "results/thermometer/mine/eglin-clear-kaena.parquet"
-    plan = jobs(project.snakemake("-n", target, "--configfile", "mine.yaml").stdout)
-    # The fits of 48 hours of both; the half-day fits and predictions of the tracks that were measured.
-    assert (plan["tracking_from_tdm"], plan["trackings"], plan["estimation"]) == (1, 1, 3)
-    assert plan["thermometer"] == 1
-
-
 def test_a_second_configfile_option_is_told(project):
     files = ["--configfile", "config/ci.yaml", "--configfile", "config/observed.yaml"]
     done = project.snakemake("-n", *files, check=False)

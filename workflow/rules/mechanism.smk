@@ -5,7 +5,6 @@ ARCS = product("arcs/{rso}/{stations}{window}{arc}")
 CD_PAST = product("cd_past/{rso}/{stations}{window}{arc}{memory}")
 HELD = product("held/{rso}/{stations}{window}{arc}{memory}")
 SGP4 = product("sgp4/{rso}/{stations}{window}")
-THERMOMETER = product("thermometer/{rso}/{stations}{window}")
 PERFECT_ESTIMATES = product(f"estimates/{{rso}}/{{stations}}{naming.PERFECT}")
 ORACLE = product("oracle/{rso}/{stations}")
 POOL = product("{table}/{pool}/{rest}")
@@ -175,45 +174,6 @@ rule sgp4:
         "SGP4: predictions of {wildcards.rso} from the newest set of mean elements"
     script:
         "../scripts/sgp4.py"
-
-
-if PLAN.catalogue:
-    FIT_WINDOW = PLAN.window(PLAN.thermometer["window_hours"])
-
-    rule thermometer:
-        input:
-            catalogue=lambda wildcards: [
-                path_of(rules.estimation.output[0], rso=name, stations=wildcards.stations, window=FIT_WINDOW)
-                for name in PLAN.thermometer["rsos"]
-            ],
-            estimates=at_window(FIT_WINDOW, rules.estimation.output[0]),
-            predictions=rules.prediction.output[0],
-            sensitivities=rules.sensitivities.output[0],
-            arcs=lambda wildcards: path_of(
-                rules.arcs.output[0],
-                **dict(wildcards.items()),
-                arc=naming.arc_suffix(PLAN.thermometer["window_hours"]),
-            ),
-        output:
-            THERMOMETER.table,
-        log:
-            THERMOMETER.log,
-        benchmark:
-            THERMOMETER.benchmark
-        conda:
-            "../envs/opml.yaml"
-        resources:
-            mem_mb=1000,
-        params:
-            settings=lambda wildcards: {
-                "epoch": config["epoch"],
-                **PARAMS.thermometer(wildcards),
-            },
-            code=code("thermometer.py"),
-        message:
-            "Thermometer: what the drag of a catalogue says of {wildcards.rso} by {wildcards.stations}"
-        script:
-            "../scripts/thermometer.py"
 
 
 rule perfect_estimates:

@@ -84,7 +84,6 @@ def check_study(source: Source, settings: Settings, *, last_day: float | None = 
     for key, kind, value in _parts(settings.asked):
         with source.naming(("study", *key)):
             checks.get(kind, bool)(value)
-    _check_catalogue(source, settings)
     _check_seen(source, settings)
     _check_references(source, settings)
     _check_label(source, Study(settings))
@@ -299,17 +298,6 @@ def _check_starts(source: Source, settings: Settings) -> None:
                 else:
                     for time in settings.manoeuvres(name):
                         epochs.parse(time)
-
-
-def _check_catalogue(source: Source, settings: Settings) -> None:
-    """Hold the RSOs of the thermometer against the sheet; each either makes it or is left out."""
-    given = source.values.get("thermometer", {})
-    for part in ("rsos", "left_out"):
-        for name in given.get(part, []):
-            with source.naming(("thermometer", part)):
-                sheets.parse_rso(name, settings.rsos)
-                if part == "left_out" and name in given["rsos"]:
-                    raise InputError(f"expected an RSO that is none of rsos, got {name}")
 
 
 def _check_seen(source: Source, settings: Settings) -> None:

@@ -32,7 +32,7 @@ POSITION_COVARIANCES = covariance_names("xyz")
 SIGMAS = [f"sigma_{name}" for name in COMPONENTS]
 """Columns of a label's uncertainty, by error component."""
 
-MECHANISM_AXES = ("s", "v", "r", "l", "v_long", "floor", "l_arc", "v_arc", "h_arc", "thermo", "sgp4")
+MECHANISM_AXES = ("s", "v", "r", "l", "v_long", "floor", "l_arc", "v_arc", "h_arc", "sgp4")
 """Prefixes of the mechanism's columns for each error component, such as `v_y` for e_y."""
 
 FIX_SIGMAS = [f"sigma_{axis}" for axis in ("r", "s", "w", "vr", "vs", "vw")]
@@ -84,15 +84,6 @@ _CD_PAST = (
 _HELD = state_columns(PREDICTED, "prediction minus that of the arc with Cd held by its past", prefix="h_arc_")
 
 _SGP4 = state_columns(PREDICTED, "prediction minus that of SGP4 from the newest set at t_i", prefix="sgp4_")
-
-_THERMOMETER = (
-    real(
-        "factor", "1", "logarithm of the density over the assumed one in the step of t_i, but for a constant"
-    ),
-    real("cd_window", "1", "drag coefficient of the arc's window, as the catalogue's fits together have it"),
-    real("cd_ahead", "1", "drag coefficient from t_i on that makes up for what the factor did and will do"),
-    *state_columns(PREDICTED, "prediction minus that of the arc with these", prefix="thermo_"),
-)
 
 
 def mechanism_schema(resonances: Sequence[tuple[int, int]]) -> Schema:
@@ -283,7 +274,6 @@ CATALOG_SCHEMAS = (
     Schema("cd_past", "a pair of an estimate i and a later track start j", (*PAIR, *_CD_PAST)),
     Schema("held", "a pair of an estimate i and a later track start j", (*PAIR, *_HELD)),
     Schema("sgp4", "a pair of an estimate i and a later track start j", (*PAIR, *_SGP4)),
-    Schema("thermometer", "a pair of an estimate i and a later track start j", (*PAIR, *_THERMOMETER)),
     Schema(
         "ensemble",
         "a pair of the predictions, and a future",

@@ -40,7 +40,6 @@ class JobSettings:
     cd_bounds: Sequence[float] | None
     resonances: Sequence[Sequence[int]]
     long_window_hours: float
-    thermometer: Values
     member: int | None
     members: int
     level: float

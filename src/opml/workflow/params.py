@@ -114,15 +114,6 @@ class Params:
         """Return window [h] and memory [days] of arcs."""
         return self.arc(wildcards) | {"memory_days": naming.parse_memory(wildcards.memory)}
 
-    def thermometer(self, wildcards: Wildcards) -> dict[str, Any]:
-        """Return the settings of the thermometer, and the place of the RSO in its catalogue, if any."""
-        settings = self.plan.thermometer
-        rsos = settings["rsos"]
-        return {
-            "thermometer": {key: settings[key] for key in settings if key not in ("rsos", "left_out")},
-            "member": rsos.index(wildcards.rso) if wildcards.rso in rsos else None,
-        }
-
     def cleaning(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the settings of the cleaning, with the reading of t_b that the wildcards ask for."""
         study = self.plan.study

@@ -98,26 +98,9 @@ class Plan:
         return EnvironmentFiles(self.values)
 
     @cached_property
-    def thermometer(self) -> Mapping[str, Any]:
-        """Settings of the catalogue that measures the thermosphere; empty where there is none."""
-        thermometer: Mapping[str, Any] = self.values.get("thermometer", {})
-        return thermometer
-
-    @cached_property
-    def catalogue(self) -> list[str]:
-        """The RSOs of the thermometer's catalogue, those that are left out included."""
-        return [*self.thermometer.get("rsos", []), *self.thermometer.get("left_out", [])]
-
-    @cached_property
-    def simulated_catalogue(self) -> list[str]:
-        """The RSOs of that catalogue whose orbit is not from files, nor measured."""
-        given = {*self.settings.orbits, *self.settings.measured}
-        return [rso for rso in self.catalogue if rso not in given]
-
-    @cached_property
     def truth_groups(self) -> list[tuple[str, ...]]:
-        """The RSOs of the catalogue and of the studies, by the job that flies their truths together."""
-        rsos = [*self.catalogue, *shared_truths.named_rsos(self.paper, self.beyond, self.own_study)]
+        """The RSOs of the studies, by the job that flies their truths together."""
+        rsos = shared_truths.named_rsos(self.paper, self.beyond, self.own_study)
         return shared_truths.groups(self.study, dict.fromkeys(rsos), results=Path(self.values["results"]))
 
     @cached_property

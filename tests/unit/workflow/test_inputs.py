@@ -232,11 +232,6 @@ def test_the_weather_is_a_line_of_a_figure():
     assert not line.endswith(".")
 
 
-def test_the_catalogue_holds_the_rsos_that_are_left_out():
-    assert plan().catalogue == []
-    assert plan(thermometer={"rsos": ["iss"], "left_out": ["lares"]}).catalogue == ["iss", "lares"]
-
-
 def test_truths_of_a_study_fly_in_groups(tmp_path):
     groups = plan(results=str(tmp_path)).truth_groups
     assert groups[0][0] == "iss"
@@ -292,12 +287,6 @@ def test_an_arc_has_a_window_and_a_memory():
     name = wildcards(arc="_l48", memory="_m30")
     assert params().arc(name) == {"window_hours": 48.0}
     assert params().arc_with_past(name) == {"window_hours": 48.0, "memory_days": 30.0}
-
-
-@pytest.mark.parametrize(("rso", "member"), [("lares", 1), ("iss", None)])
-def test_a_thermometer_knows_its_members(rso, member):
-    jobs = params(thermometer={"rsos": ["egp", "lares"], "left_out": ["iss"], "window_hours": 24})
-    assert jobs.thermometer(wildcards(rso=rso)) == {"thermometer": {"window_hours": 24}, "member": member}
 
 
 def test_the_reading_of_t_b_is_the_studys_or_that_of_the_name():

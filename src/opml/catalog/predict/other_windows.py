@@ -108,10 +108,10 @@ def with_held_cd(
     """
     past = past_cd(arc_estimates, apriori=apriori, memory_days=memory_days)
     first = np.searchsorted(arc_estimates["track"], tracks)
-    own = arc_estimates.iloc[first]
-    change = held_cd(own, past.iloc[first]) - own["cd"].to_numpy()
-    moved = own[STATE].to_numpy() + change[:, None] * shift_with_cd(own)
-    return own.assign(**dict(zip(STATE, moved.T, strict=True)), cd=own["cd"].to_numpy() + change)
+    free = arc_estimates.iloc[first]
+    change = held_cd(free, past.iloc[first]) - free["cd"].to_numpy()
+    moved = free[STATE].to_numpy() + change[:, None] * shift_with_cd(free)
+    return free.assign(**dict(zip(STATE, moved.T, strict=True)), cd=free["cd"].to_numpy() + change)
 
 
 def held_beside(

@@ -109,11 +109,3 @@ FILTERED_MEAN = _law(
 )
 
 SGP4 = _law("sgp4", "SGP4 from the newest set of mean elements, nothing fitted", [], "sgp4")
-
-THERMOMETER = _law(
-    "thermometer",
-    "fit over another window, with Cd as the fits of many RSOs together have it",
-    [],
-    "thermo",
-)
-"""Its window and memory are those of the run's `thermometer`, as all RSOs share it."""

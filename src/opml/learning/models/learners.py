@@ -54,14 +54,13 @@ LEARNERS: tuple[Learner, ...] = (
     fixed_laws.FILTERED,
     fixed_laws.FILTERED_MEAN,
     fixed_laws.SGP4,
-    fixed_laws.THERMOMETER,
 )
 """The kinds that stand alone. Any two of them make a stack."""
 
 ARC_TABLES = ("arcs", "cd_past", "held")
 """Kinds of tables beside the dataset that are made for the window, and the memory, of a learner's arcs."""
 
-_BESIDE = ("oracle", *ARC_TABLES, "sgp4", "thermometer")
+_BESIDE = ("oracle", *ARC_TABLES, "sgp4")
 """Kinds of tables beside the dataset with columns of their own; all other columns are the mechanism's."""
 
 
@@ -216,8 +215,6 @@ def check(values: Mapping[str, Any]) -> None:
                 f"config: learners.{name}: expected learning variables and columns of the mechanism, "
                 f"got {unknown[0]}"
             )
-        if settings["kind"] == "thermometer" and "thermometer" not in values:
-            raise InputError(f"config: learners.{name}: expected a setting thermometer beside it, got none")
 
 
 def _by_kind() -> dict[str, Learner]:

@@ -16,7 +16,6 @@ from opml.study.settings.model.names import (
     PathList,
     ResonanceList,
     RsoName,
-    RsoNames,
     Seed,
     Times,
     Variables,
@@ -257,33 +256,6 @@ class Learning(Section):
     )
 
 
-class ThermometerSettings(Section):
-    """A catalogue that measures the density by its fits; deviations are of logarithms."""
-
-    rsos: RsoNames = setting(
-        "RSOs whose fits make the thermometer", see="weather.md#the-catalogue-as-a-thermometer"
-    )
-    left_out: Absent[RsoNames] = setting("other RSOs that the thermometer is tried on", default=None)
-    window_hours: Positive = setting("window of the fits", unit="h")
-    step_hours: Positive = setting("length of one value of the density's factor", unit="h")
-    decay_days: Positive = setting("memory of the factor", unit="days")
-    factor_sigma: Positive = setting("standard deviation of the factor's logarithm, before any fit")
-    body_sigma: Positive = setting(
-        "standard deviation of the logarithm of a body's Cd about 2.2, before any fit"
-    )
-    drift_sigma: Positive = setting("standard deviation of the daily change of a body's ln Cd")
-    noise_sigma: Positive = setting(
-        "standard deviation of the error of a fit's ln Cd, in addition to its formal error"
-    )
-    excess: Positive = setting(
-        "factor on the formal error of a fit for errors of the assumed forces", default=1.0
-    )
-    level_sigma: NotNegative = setting(
-        "standard deviation of the logarithm of a lasting error of the density, 0 for none",
-        default=0.0,
-    )
-
-
 class Mechanism(Section):
     """Columns that laws learn from."""
 
@@ -371,9 +343,6 @@ class RunAlone(Section):
     estimation: EstimationSettings = setting("fits of an orbit and a drag coefficient to tracks")
     prediction: Prediction = setting("predictions")
     learning: Learning = setting("what all learners share")
-    thermometer: Absent[ThermometerSettings] = setting(
-        "a catalogue that measures the density by its fits", default=None
-    )
     learners: Annotated[dict[Name, LearnerSettings], MinLen(1)] = setting(
         "a learner: its `kind`, and that kind's own settings; `variables` replaces the default ones,"
         " `without` leaves some of them out",
