@@ -12,7 +12,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from opml.base.constants import DAY
 from opml.figures.axis_labels import P_ML, PAPER, VARIED, in_words, lines, symbol, unit
-from opml.figures.display_names import display_rso, display_stations
+from opml.figures.display_names import display_learner, display_rso, display_stations
 from opml.figures.p_ml_curves import INTERVAL, NO_CORRECTION
 from opml.figures.style import (
     MARKERS,
@@ -57,10 +57,10 @@ def splits(
         axes.axvline(NO_CORRECTION, color=MUTED, ls="--", lw=1.0, zorder=1)
         axes.set_title(display_stations(stations), fontsize=8.0, loc="left")
         axes.set_xscale("log")
-        _number_decades(axes.xaxis)
-        axes.set_xlabel(f"{P_ML} of the {in_words(component)} {symbol(component)} [%]")
+        _number(axes.xaxis, (1.0,))
         axes.set_yticks(np.arange(len(learners))[::-1], learners)
     _explain(figure.axes[-1], models)
+    figure.supxlabel(f"{P_ML} of the {in_words(component)} {symbol(component)} [%]", fontsize="medium")
     legend(figure, columns=4, note=lines(note, INTERVAL))
     return figure
 
@@ -87,9 +87,9 @@ def _draw_splits(
             axes.plot(published[split], papers, ls="", ms=7.0, label=label, zorder=4, **style)
 
 
-def _number_decades(axis: Axis) -> None:
-    """Put numbers at 1, 2 and 5 of each decade of a logarithmic axis."""
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+def _number(axis: Axis, parts: Sequence[float]) -> None:
+    """Put numbers at some parts of each decade of a logarithmic axis."""
+    axis.set_major_locator(LogLocator(subs=parts))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_formatter(NullFormatter())
 
@@ -128,13 +128,19 @@ def transfers(
             points = rows[rows["target"].isin(list(varied))].set_index("target").loc[list(varied)]
             x, color = list(varied.values()), SERIES[k % len(SERIES)]
             axes.fill_between(x, points["p_ml_low"], points["p_ml_high"], color=color, alpha=0.2, lw=0.0)
-            axes.plot(x, points["p_ml"], f"{MARKERS[k % len(MARKERS)]}-", color=color, label=learner)
+            axes.plot(
+                x,
+                points["p_ml"],
+                f"{MARKERS[k % len(MARKERS)]}-",
+                color=color,
+                label=display_learner(learner),
+            )
         papers = {value: published[target] for target, value in varied.items() if target in published}
         style = {"markerfacecolor": "none", "markeredgecolor": PUBLISHED, "ms": 6.5}
         axes.plot(list(papers), list(papers.values()), "D", label=PAPER, zorder=4, **style)
         axes.axhline(NO_CORRECTION, color=MUTED, ls="--", lw=1.0, zorder=1)
         axes.set_yscale("log")
-        _number_decades(axes.yaxis)
+        _number(axes.yaxis, (1.0, 2.0, 5.0))
         axes.set_xlabel(VARIED[curve])
     panels[0].set_ylabel(f"{P_ML} of the {in_words(component)} {symbol(component)} [%]")
     untransferred = metrics.loc[metrics["target"] == metrics["rso"], "target"]

@@ -1,6 +1,6 @@
 """What a model is, in the few words that a figure has room for."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from opml.learning.models.learners import description
@@ -12,6 +12,9 @@ SHORT = {
 }
 """Short descriptions of the kinds whose own is too long for a figure."""
 
+_LISTED = 3
+"""Terms of a law that are named, where there are no more."""
+
 
 def describe_model(settings: Mapping[str, Any]) -> str:
     """Return in a few words what the model of a learner's settings is.
@@ -20,10 +23,19 @@ def describe_model(settings: Mapping[str, Any]) -> str:
     """
     kind = settings["kind"]
     words = [SHORT.get(kind) or description(kind).split(" (")[0]]
+    if isinstance(scale := settings.get("kernel_scale"), int | float):
+        words.append(f"kernel scale {scale:g}")
     if terms := settings.get("terms"):
-        words.append(f"{len(terms)} terms")
+        words.append(_few(terms) if len(terms) <= _LISTED else f"{len(terms)} terms")
     if hours := settings.get("window_hours"):
         words.append(f"{hours:g} h")
     if days := settings.get("memory_days"):
         words.append(f"memory {days:g} d")
     return ", ".join(words)
+
+
+def _few(terms: Sequence[str]) -> str:
+    """Return terms in a row, each as a product: `duration², duration² cd`."""
+    return ", ".join(
+        term.replace("duration*duration", "duration\N{SUPERSCRIPT TWO}").replace("*", " ") for term in terms
+    )

@@ -1,5 +1,6 @@
 """Points before the epoch of mean elements, and fits to them."""
 
+import logging
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,6 @@ from element_histories import history
 from support import BOUNDED_ESTIMATION, EPOCH
 
 from opml.base.constants import DAY, HOUR
-from opml.base.errors import InputError
 from opml.catalog.fit import estimation, fixes
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.flight import Flight
@@ -49,7 +49,20 @@ def test_fits_to_sets_are_at_their_epochs_and_as_close_as_sgp4_is(assumed_model,
     assert estimates["weighted_rms"].between(0.001, 3.0).all()
 
 
-def test_an_orbit_that_sgp4_loses_is_told():
+def test_points_go_back_no_farther_than_sgp4():
     row = history([1.0], bstar=0.1).iloc[0]
-    with pytest.raises(InputError, match=r"mean elements: expected an orbit at -1209600 s, got"):
-        sgp4_points.before(row, epoch=EPOCH, sampling=Sampling(2000.0 * DAY, DAY))
+    points = sgp4_points.before(row, epoch=EPOCH, sampling=Sampling(2000.0 * DAY, DAY))
+    assert 0 < len(points) < 2001
+    assert np.isfinite(points[STATE].to_numpy()).all()
+    assert points["t"].iloc[-1] == row["t"]
+    earlier = histories.states_of(row, epoch=EPOCH, t=points["t"].to_numpy()[:1] - DAY)
+    assert np.isnan(earlier).all()
+
+
+def test_a_set_that_sgp4_loses_counts_and_is_told(caplog):
+    taking = measured_sets.Taking(DAY, 2000.0 * DAY, (300.0, 1000.0, 300.0))
+    with caplog.at_level(logging.WARNING):
+        found = measured_sets.measured(history([1.0], bstar=0.1), taking, epoch=EPOCH, duration=3 * DAY)
+    assert found.epochs.tolist() == [DAY]
+    assert found.points[0]["t"].tolist() == [0.0, DAY]
+    assert "no farther back than SGP4 goes" in caplog.text

@@ -100,7 +100,7 @@ def weighed(
         known = [one] if counts else [*known, one]
         rows.append([counts, *past.sigma])
         if not counts:
-            _log_left_out(one, epoch)
+            _log.warning("%s disagrees with those before it and is left out: a burn?", place(one, epoch))
     return pd.DataFrame(rows, columns=["counts", *FIX_SIGMAS[:3]], index=sets.index)
 
 
@@ -116,7 +116,7 @@ def _agree(past: _Past, earlier: pd.Series, later: pd.Series, epoch: str, sampli
     return is_usual
 
 
-def _log_left_out(one: pd.Series, epoch: str) -> None:
+def place(one: pd.Series, epoch: str) -> str:
+    """Return where a set stands in its file, and of when it is, for a log."""
     (time,) = ccsds.utc_texts(epoch, np.array([one["t"]]))
-    place = f"{one['file']}: line {one['line']}"
-    _log.warning("%s: the set of %s disagrees with those before it and is left out: a burn?", place, time)
+    return f"{one['file']}: line {one['line']}: the set of {time}"

@@ -120,6 +120,8 @@ def _points(
 ) -> pd.DataFrame | None:
     """Return the points of a set in the run and behind the last manoeuvre before it; None if they are few."""
     points = sgp4_points.before(one, epoch=epoch, sampling=sampling)
+    if len(points) < len(sampling.times(one["t"])):
+        _log.warning("%s has points no farther back than SGP4 goes", agreement.place(one, epoch))
     begin = max([0.0, *(burn.t for burn in manoeuvres if max(burn.t, burn.known) <= one["t"])])
     rows = points[points["t"] >= begin]
     if len(rows) < _LEAST * min(sampling.reach, USUAL_REACH) / sampling.step:

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from opml.base.errors import InputError
 from opml.interop.element_sets.histories import states_of
 from opml.tables import STATE
 
@@ -28,16 +27,15 @@ class Sampling:
 
 
 def before(row: pd.Series, *, epoch: str, sampling: Sampling) -> pd.DataFrame:
-    """Return the points of a set of mean elements up to its epoch: t, state in GCRF.
+    """Return the points of a set of mean elements up to its epoch, where SGP4 has them: t, state in GCRF.
 
     row: of a table `element_sets`
     epoch: UTC text, the table's
 
-    Raises InputError where SGP4 fails.
+    Shortly before a re-entry SGP4 may fail within hours.
     """
     t = sampling.times(row["t"])
     states = states_of(row, epoch=epoch, t=t)
     failed = np.flatnonzero(np.isnan(states[:, 0]))
-    if failed.size:
-        raise InputError(f"mean elements: expected an orbit at {t[failed[0]]:.0f} s, got none by SGP4")
-    return pd.DataFrame(states, columns=STATE).assign(t=t)
+    first = failed[-1] + 1 if failed.size else 0
+    return pd.DataFrame(states[first:], columns=STATE).assign(t=t[first:])
