@@ -258,7 +258,8 @@ def _known(watched: Watched, records: Records, recent: Recent) -> Known:
     """Return what is known of the object, of which its newest estimates may start ephemerides."""
     plan, flight = watched.plan, watched.model.predictions
     estimates = records.of_window(plan.base)
-    rows = estimates.tail(_LOOKED_AT + 1)
+    # Of an object that is seldom seen the newest estimates may be older than all that is read of its tracks.
+    rows = estimates[estimates["track"].isin(recent.numbers)].tail(_LOOKED_AT + 1)
     tracking = recent.tracking.assign(track=recent.numbers[recent.tracking["track"]])
     made = partial(dataset.of_estimates, tracking=tracking, gm=flight.model.gm, cleaning=Cleaning())
     at_estimates = made(rows, pd.DataFrame(columns=["i", "j", *STATE, "reason"]))

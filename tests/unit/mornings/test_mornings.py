@@ -150,6 +150,17 @@ def test_a_morning_without_a_new_estimate_is_judged_once(watched, tmp_path):
     assert not judged.duplicated(["model", "i", "j"]).any()
 
 
+def test_an_object_that_is_seldom_seen_is_watched_on(watched, tmp_path):
+    """One track a day: of the newest five estimates some are older than the windows reach."""
+    begins = watched.tracking.groupby("track")["t"].min()
+    seldom = begins.groupby(np.floor(begins / DAY)).idxmin().to_numpy()
+    rows = watched.tracking[watched.tracking["track"].isin(seldom)]
+    numbered = rows.assign(track=np.searchsorted(seldom, rows["track"]))
+    place = Folder(run(replace(watched, tracking=numbered), tmp_path), "iss").of_day(LAST)
+    assert begins[seldom[-1]] - begins[seldom[0]] > watched.plan.reach
+    assert json.loads((place / DONE).read_text())["verdict"] == DO_NOT_USE  # one track does not tell an orbit
+
+
 def test_a_burn_that_nobody_named_is_found_and_windows_begin_anew_behind_it(
     watched, truth_model, iss, tmp_path
 ):
