@@ -72,9 +72,10 @@ def verdict(
         )
     if mornings < FEWEST:
         return Verdict(WIDE, f"{mornings} mornings were judged, fewer than {FEWEST}")
-    share = float(np.mean(off[recent] < INSIDE)) if recent.any() else np.nan
-    if not share >= LEAST_INSIDE:
-        return Verdict(
-            WIDE, f"its {100 * LEVEL:g} % intervals held {100 * share:.0f} % of the last days' errors"
-        )
-    return Verdict(GOOD, f"its {100 * LEVEL:g} % intervals held {100 * share:.0f} % of the last days' errors")
+    if not recent.any():
+        return Verdict(WIDE, f"nothing was judged in the last {PAST / DAY:.0f} days")
+    share = float(np.mean(off[recent] < INSIDE))
+    return Verdict(
+        GOOD if share >= LEAST_INSIDE else WIDE,
+        f"its {100 * LEVEL:g} % intervals held {100 * share:.0f} % of the last days' errors",
+    )

@@ -51,6 +51,12 @@ def test_after_few_mornings_nothing_is_good():
     assert verdict(past[past["morning"] >= 15 * DAY], start(), now=NOW).word == WIDE
 
 
+def test_intervals_of_an_object_that_was_lost_for_weeks_are_not_known():
+    later = NOW + 20.0 * DAY
+    found = verdict(judged(sigma=100.0), pd.DataFrame({"track": [1], "t": [later]}), now=later)
+    assert found == Verdict(WIDE, "nothing was judged in the last 14 days")
+
+
 def test_intervals_are_held_against_what_differences_show():
     """Of 100 m a later estimate hides 90: errors of 100 m are too many for what is left."""
     past = judged(sigma=100.0)
