@@ -136,7 +136,7 @@ def test_figure_of_splits_shows_every_model_and_the_paper():
     assert [label.get_text() for label in left.get_yticklabels()] == ENTRY["learners"]
     assert sum("Peng & Bai" in line.get_label() for line in left.lines) == 1
     assert sum("Peng & Bai" in line.get_label() for line in right.lines) == 0
-    assert "P_" in left.get_xlabel()
+    assert "P_" in figure.get_supxlabel()
 
 
 def test_figure_of_transfers_has_a_panel_a_curve(values):
