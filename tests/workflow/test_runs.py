@@ -18,6 +18,7 @@ from opml.tables import SCHEMAS, read_metadata, read_table
 pytestmark = pytest.mark.dag
 CI = "--configfile=config/ci.yaml"
 CURVE = "results/ci/figs/partition_curve.pdf"
+
 ENVIRONMENT = ("earth_orientation", "ephemerides", "gravity_field", "solar_activity")
 # What reads what: each rule needs one before it; what is drawn and tabulated needs the last of its row.
 CHAIN = ("truths", "tracking", "estimation", "prediction", "dataset", "train", "evaluate")

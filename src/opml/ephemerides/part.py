@@ -107,7 +107,7 @@ class Part:
         """Return predictions to the grid from the same tracks, by fits over another window [h]."""
         return self._predicted(self._at_starts(hours))
 
-    def fly_together(self, windows: Sequence[float], held: Sequence[tuple[float, float]] = ()) -> None:
+    def fly_together(self, windows: Sequence[float], held: Sequence[tuple[float, float]]) -> None:
         """Make `pairs`, `predictions` of windows [h], and `held_predictions` of arcs, side by side.
 
         held: window [h] and memory [days] of each of these arcs

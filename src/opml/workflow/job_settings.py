@@ -40,7 +40,6 @@ class JobSettings:
     cd_bounds: Sequence[float] | None
     resonances: Sequence[Sequence[int]]
     long_window_hours: float
-    member: int | None
     members: int
     level: float
     source: str
@@ -66,10 +65,9 @@ class JobSettings:
 
 
 class SheetJobSettings(JobSettings):
-    """Settings of a job that takes RSOs by their names alone."""
+    """Settings of a job that takes its RSO by its name alone."""
 
     rso: str  # type: ignore[assignment]  # its name
-    rsos: Sequence[str]  # type: ignore[assignment]
 
 
 class FigureSettings(SheetJobSettings):
