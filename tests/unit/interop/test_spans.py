@@ -48,6 +48,11 @@ def test_rates_that_no_span_explains_tell_none():
     assert np.isnan(newest(fitted(72.0, bend=20.0, rate=400.0)))
 
 
+def test_a_span_whose_middle_lies_before_all_that_was_looked_at_is_none():
+    assert newest(fitted(216.0, bend=200.0)) == 216.0
+    assert np.isnan(newest(fitted(480.0, bend=200.0)))
+
+
 def test_a_few_sets_tell_no_span():
     lengths = spans.found(fitted(72.0), epoch=EPOCH)
     assert np.isnan(lengths[:8]).all()

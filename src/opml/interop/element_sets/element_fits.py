@@ -23,7 +23,7 @@ from opml.base.files import FilePath
 from opml.interop import ccsds, truth_from_orbit
 from opml.interop.element_sets import tle
 from opml.interop.element_sets.element_set import satellite
-from opml.interop.element_sets.mean_elements import teme_to_gcrf
+from opml.interop.element_sets.teme import teme_to_gcrf
 from opml.interop.orbit_from_files import OrbitFiles, read_arcs
 from opml.orbits.elements import coe_from_cartesian, mean_from_true_anomaly
 from opml.tables import STATE

@@ -3,11 +3,7 @@
     opml rso iss.tle --name mine --epoch 2016-09-28T12:09:45 \\
         --area-to-mass 0.05 --cd 2.2 --cr 1.25 >> config/rsos.tsv
 
-adds an RSO to the sheet. SGP4's states are in TEME, which turns with the mean equinox. The rotation to GCRF
-goes through the Earth's rotation: Greenwich mean sidereal time of 1982 against the Earth rotation angle about
-the CIP of IAU 2006/2000A. UT1 enters both angles and cancels, so UTC will do and no bulletin is needed.
-Source: Vallado, Crawford, Hujsak & Kelso 2006, Revisiting Spacetrack Report #3 (AIAA 2006-6753), appendix C;
-IERS Conventions 2010, section 5.4; CCSDS 502.0-B-2, section 4 (OMM).
+adds an RSO to the sheet. Source: CCSDS 502.0-B-2, section 4 (OMM).
 """
 
 import logging
@@ -17,7 +13,6 @@ from dataclasses import fields
 from functools import partial
 from typing import NamedTuple
 
-import erfa
 import numpy as np
 from sgp4.api import SGP4_ERRORS, Satrec
 
@@ -27,6 +22,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop.element_sets import omm, tle
 from opml.interop.element_sets.element_set import ElementSet, each, elements_epoch, seconds_since
+from opml.interop.element_sets.teme import teme_to_gcrf
 from opml.interop.orbit_arcs import contents
 from opml.orbits import sheets
 from opml.orbits.elements import coe_from_cartesian, mean_from_true_anomaly
@@ -113,17 +109,6 @@ def _fly(satellite: Satrec, epoch: str, t: np.ndarray) -> tuple[np.ndarray, np.n
     turns = teme_to_gcrf(epoch, t)
     turned = [np.einsum("nij,nj->ni", turns, vectors) for vectors in (positions, velocities)]
     return errors, 1e3 * np.concatenate(turned, axis=1)
-
-
-def teme_to_gcrf(epoch: str, t: np.ndarray) -> np.ndarray:
-    """Return the rotations (n, 3, 3) of TEME to GCRF; at 7e-12 rad/s they move no velocity.
-
-    epoch: UTC text
-    t: (n,) [s since `epoch`]
-    """
-    utc, tt = epochs.utc(epoch, t), epochs.tt(epoch, t)
-    to_cirs = erfa.rz(erfa.gmst82(*utc) - erfa.era00(*utc), np.eye(3))
-    return np.asarray(erfa.c2ixys(*erfa.xys06a(*tt)).transpose(0, 2, 1) @ to_cirs)
 
 
 class Body(NamedTuple):

@@ -20,6 +20,9 @@ _BACK = np.arange(0.0, 5.0 * DAY, 1800.0)
 _GAPS = (0.1 * DAY, 3.0 * DAY)
 """Least and longest time between the epochs of two sets."""
 
+_LONGEST = 2.0 * float(_BACK[-1])
+"""Longest span that is told [s]: the middle of a longer one lies before all that two sets are held at."""
+
 _FEWEST, _MOST = 8, 30
 """Pairs of sets that tell a span."""
 
@@ -53,7 +56,7 @@ def _length(curvatures: np.ndarray, rates: np.ndarray) -> float:
         return np.nan
     length = _slope(curvatures, rates)
     left = np.abs(rates - length * curvatures).sum()
-    is_told = length > 0.0 and left <= _UNEXPLAINED * np.abs(rates).sum()
+    is_told = 0.0 < length < _LONGEST and left <= _UNEXPLAINED * np.abs(rates).sum()
     return max(round(length / _UNIT), 1) * _UNIT if is_told else np.nan
 
 
