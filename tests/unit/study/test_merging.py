@@ -14,11 +14,20 @@ def assumed(tmp_path, **settings):
     return merged(["config/config.yaml", path]).values["force_models"]["assumed"]
 
 
-@pytest.mark.parametrize("kind", ["orbits", "tracks", "fixes", "ranges", "elements"])
+@pytest.mark.parametrize("kind", ["orbits", "tracks", "fixes", "ranges"])
 def test_real_satellites_fly_under_what_a_catalogue_has(tmp_path, kind):
     model = assumed(tmp_path, **{kind: {"mine": "a.file"}})
     assert (model["degree"], model["order"], len(model["third_bodies"])) == (70, 70, 10)
     assert (model["solid_tides"], model["relativity"]) == (True, True)
+
+
+def test_mean_elements_alone_fly_under_as_much_of_the_field_as_they_tell(tmp_path):
+    sets = {"elements": {"mine": "a.file"}}
+    alone = assumed(tmp_path, **sets, orbits={"mine": "a.file"})
+    assert (alone["degree"], alone["order"], len(alone["third_bodies"])) == (40, 40, 10)
+    assert (alone["solid_tides"], alone["relativity"]) == (True, True)
+    for kind in ("tracks", "fixes", "ranges"):
+        assert assumed(tmp_path, **sets, **{kind: {"other": "a.file"}})["degree"] == 70
 
 
 def test_mean_elements_are_fitted_over_days_where_the_user_says_nothing_else(tmp_path):

@@ -33,10 +33,15 @@ REAL_SATELLITES = "config/real_satellites.yaml"
 ELEMENTS = "config/elements.yaml"
 """Settings above these for RSOs that are known by public mean elements."""
 
+ELEMENTS_ALONE = "config/elements_alone.yaml"
+"""Settings above these where nothing sharper was measured of any."""
+
 RANGES = "config/ranges.yaml"
 """Settings above these for RSOs that lasers range to."""
 
-_FROM_FILES = ("orbits", "tracks", "fixes", "ranges", "elements")
+_SHARP = ("tracks", "fixes", "ranges")
+
+_FROM_FILES = ("orbits", *_SHARP, "elements")
 
 _NAME = re.compile(r"[\w-]+")
 
@@ -149,12 +154,13 @@ def merged(files: Sequence[FilePath], on_top: Layer | None = None) -> Source:
     """Return settings merged from files, later ones on top, and from a layer above them; the study in full.
 
     The settings for real satellites lie between the first file and the others, where these name any, and
-    above them those for laser ranges and for mean elements. Raises InputError for a file that is missing or
-    not YAML.
+    above them those for laser ranges, for mean elements, and for these alone. Raises InputError for a file
+    that is missing or not YAML.
     """
     first, *rest = [*map(read_layer, files), *([on_top] if on_top else [])]
     between = {REAL_SATELLITES: _FROM_FILES, RANGES: ("ranges",), ELEMENTS: ("elements",)}
     asked = [path for path, kinds in between.items() if _name_any(rest, kinds)]
+    asked += [ELEMENTS_ALONE] if ELEMENTS in asked and not _name_any(rest, _SHARP) else []
     layers = [first, *(read_layer(project_file(path)) for path in asked), *rest]
     values: Any = {}
     for layer in layers:
