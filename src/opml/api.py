@@ -6,7 +6,7 @@ example goes on where the one before it stopped, in the order of this file.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,7 @@ from opml.catalog.fit import measured_tracks as from_measurements
 from opml.catalog.fit.first import first_orbit as first_orbits
 from opml.catalog.flight import Flight
 from opml.catalog.predict import labels, prediction, spread
+from opml.catalog.predict.spread import Weathers
 from opml.catalog.simulate import tracking, truth
 from opml.dynamics import forces
 from opml.dynamics.ensemble import Integrator
@@ -601,9 +602,9 @@ def _spreads(flight: Flight, catalogue: Catalogue) -> corrected.Spreads:
     flattened = force_model(catalogue.environment, **spread.FLATTENED)
     return partial(
         spread.build,
-        replace(flight.without_progress(), model=flattened),
+        flight.without_progress().under(flattened),
         catalogue.estimates,
-        futures=None,
+        weathers=Weathers.of(flattened, None),
     )
 
 

@@ -19,7 +19,7 @@ if PLAN.watched:
         conda:
             "../envs/opml.yaml"
         resources:
-            mem_mb=1750,
+            mem_mb=2500,
             runtime=15,
         params:
             settings=PARAMS.mornings_of,

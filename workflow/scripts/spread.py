@@ -14,10 +14,12 @@ with job(snakemake) as metadata:
     known = Known.read(files, settings.values)
     starts = replays.morning_departures(known, every_hours=settings.every_hours)
     predictions = read_table(files.predictions, "predictions")
+    flight = Flight.read(files, flattened, threads=snakemake.threads, progress=progress)
+    futures = read_table(files.futures, "futures") if files.futures else None
     table = spread.build(
-        Flight.read(files, flattened, threads=snakemake.threads, progress=progress),
+        flight,
         known.estimates,
         predictions[predictions["i"].isin(starts["track"])],
-        futures=read_table(files.futures, "futures") if files.futures else None,
+        weathers=spread.Weathers.of(flight.model, futures),
     )
     write_table(snakemake.output[0], table, "spread", metadata=metadata)

@@ -26,12 +26,18 @@ Progress = Callable[[float], None]
 """Called with the share of the work that is done, from 0 to 1."""
 
 
+def near_part(model: ForceModel) -> ForceModel:
+    """Return the part of a force model with a large field that neighbours fly under."""
+    return model.truncated(_NEAR)
+
+
 @dataclass(frozen=True)
 class Flight:
     """An RSO under a force model, and how it is integrated.
 
     Area, mass and Cr of all arcs are the RSO's. threads: number that arcs fly on; progress: called with the
-    share of the work that is done, if not None.
+    share of the work that is done, if not None; propagate: flies the arcs; near: the part of the
+    model that neighbours fly under, where it is made already.
     """
 
     model: ForceModel
@@ -39,6 +45,8 @@ class Flight:
     integrator: Integrator = field(default_factory=Integrator)
     threads: int = 1
     progress: Progress | None = None
+    propagate: Callable[..., Arcs] = propagate
+    near: ForceModel | None = None
 
     @classmethod
     def read(
@@ -71,7 +79,11 @@ class Flight:
         if self.model.degree <= _LARGE:
             return self
         longer = replace(self.integrator, max_step=max(self.integrator.max_step, _STEP_NEAR))
-        return replace(self, model=self.model.truncated(_NEAR), integrator=longer)
+        return replace(self.under(self.near or near_part(self.model)), integrator=longer)
+
+    def under(self, model: ForceModel) -> Self:
+        """Return this flight under another force model."""
+        return replace(self, model=model, near=None)
 
     def without_progress(self) -> Self:
         """Return this flight for work whose caller tells the progress itself."""
@@ -85,6 +97,7 @@ class Flight:
         cd: np.ndarray | float,
         first: ArrayLike,
         last: ArrayLike,
+        outlook: np.ndarray | None = None,
     ) -> Arcs:
         """Propagate arcs, each with its own drag coefficient.
 
@@ -92,6 +105,7 @@ class Flight:
         states: (arcs, 6) GCRF [m, m/s]
         cd: (arcs,) or one for all
         first, last: (arcs,) index of the epoch at which an arc begins and ends
+        outlook: (arcs,) as in `ensemble.Departures`
         """
         count = len(states)
         departures = Departures(
@@ -100,8 +114,9 @@ class Flight:
             last=last,
             ballistic=np.full(count, cd) * self.rso.area_to_mass,
             reflection=np.full(count, self.rso.cr * self.rso.area_to_mass),
+            outlook=outlook,
         )
-        return propagate(
+        return self.propagate(
             self.model,
             epochs,
             departures,
@@ -111,13 +126,14 @@ class Flight:
         )
 
     def fly_pairs(
-        self, pairs: pd.DataFrame, states: np.ndarray, *, cd: np.ndarray
+        self, pairs: pd.DataFrame, states: np.ndarray, *, cd: np.ndarray, outlook: np.ndarray | None = None
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return (states, status) at t_j of pairs (n,), of one arc per estimate i that begins at t_i.
 
         pairs: rows of i, t_i and t_j in the order of i
         states: (arcs, 6) GCRF [m, m/s] in the order of i
         cd: (arcs,) in the order of i
+        outlook: (arcs,) as in `ensemble.Departures`
 
         The states returned are (n, 6) in GCRF, not finite where an arc does not reach; the status (n,) is an
         index into `ensemble.REASONS`.
@@ -127,6 +143,6 @@ class Flight:
         by_arc = pairs.groupby("i", sort=True)
         first = np.searchsorted(epochs, by_arc["t_i"].first())
         last = np.searchsorted(epochs, by_arc["t_j"].max())
-        arcs = self.fly(epochs, states, cd=cd, first=first, last=last)
+        arcs = self.fly(epochs, states, cd=cd, first=first, last=last, outlook=outlook)
         place = arcs.start[arc] + np.searchsorted(epochs, pairs["t_j"]) - first[arc] - 1
         return arcs.states[place], arcs.status[arc]

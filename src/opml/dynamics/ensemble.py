@@ -38,7 +38,8 @@ class Departures:
     """Arcs as they begin, and how far they go.
 
     states: (arcs, 6) GCRF [m, m/s]; first, last: (arcs,) index of the epoch at which an arc begins and ends,
-    first <= last; ballistic: (arcs,) Cd A/m, reflection: (arcs,) Cr A/m [m2/kg].
+    first <= last; ballistic: (arcs,) Cd A/m, reflection: (arcs,) Cr A/m [m2/kg]; outlook: (arcs,) index of
+    the model's outlook that each flies under, -1 for the model's activity; None: the newest as it begins.
     """
 
     states: ArrayLike
@@ -46,6 +47,11 @@ class Departures:
     last: ArrayLike
     ballistic: ArrayLike
     reflection: ArrayLike
+    outlook: np.ndarray | None = None
+
+    def __len__(self) -> int:
+        """Return the number of the arcs."""
+        return len(np.asarray(self.first))
 
 
 @dataclass(frozen=True)
@@ -93,7 +99,7 @@ def propagate(
         arcs=Arcs(np.full((start[-1], 6), np.nan), start, np.zeros(len(first), np.int64)),
         integrator=integrator,
     )
-    outlook = model.newest_outlook(epochs[first])
+    outlook = model.newest_outlook(epochs[first]) if departures.outlook is None else departures.outlook
 
     def fly(members: np.ndarray) -> int:
         kinds, kind = np.unique(outlook[members], return_inverse=True)
@@ -102,7 +108,7 @@ def propagate(
 
     done = 0
     with ThreadPoolExecutor(threads) as pool:
-        for count in pool.map(fly, _blocks(first, last)):
+        for count in pool.map(fly, _blocks(outlook, first, last)):
             done += count
             if progress:
                 progress(done / len(first))
@@ -174,7 +180,7 @@ class _Ensemble:
         self.arcs.status[members] = status[: len(members)]
 
 
-def _blocks(first: np.ndarray, last: np.ndarray) -> Iterator[np.ndarray]:
-    """Yield the arcs of each block: of the same time, so that few lanes stand idle."""
-    order = np.lexsort((last, first))
+def _blocks(outlook: np.ndarray, first: np.ndarray, last: np.ndarray) -> Iterator[np.ndarray]:
+    """Yield the arcs of each block: under few outlooks, and of the same time, so that few lanes idle."""
+    order = np.lexsort((last, first, outlook))
     yield from (order[k : k + WIDTH] for k in range(0, len(order), WIDTH))

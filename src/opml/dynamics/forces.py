@@ -156,6 +156,20 @@ def with_outlooks(model: ForceModel, table: pd.DataFrame) -> ForceModel:
     return model._replace(issued=issued, known=known, outlooks=expected)
 
 
+def joined(models: Sequence[ForceModel]) -> ForceModel:
+    """Return the first of models that differ in their outlooks alone, with those of all behind its own.
+
+    Those behind its own are no newest ones: an arc flies under one where its departure names it.
+    """
+    width = max(model.outlooks.shape[1] for model in models)
+    rows = [
+        np.pad(model.outlooks, [(0, 0), (0, width - model.outlooks.shape[1]), (0, 0)], constant_values=np.nan)
+        for model in models
+    ]
+    known = np.concatenate([model.known for model in models])
+    return models[0]._replace(known=known, outlooks=np.concatenate(rows))
+
+
 def _coefficients(gravity_field: pd.DataFrame, degree: int, order: int) -> tuple[np.ndarray, np.ndarray]:
     """Return cosine and sine coefficients (degree + 1, order + 1) of a field, 0 where the table has none."""
     c, s = np.zeros((degree + 1, order + 1)), np.zeros((degree + 1, order + 1))

@@ -14,6 +14,7 @@ import pandas as pd
 from opml.base.constants import DAY
 from opml.catalog.flight import Flight
 from opml.catalog.predict import spread
+from opml.catalog.predict.spread import Weathers
 from opml.ephemerides.along_track_shift import check_smooth, corrected, through
 from opml.ephemerides.known import Known
 from opml.ephemerides.part import Grid, Part
@@ -36,7 +37,7 @@ def spreading(files: Any, settings: Mapping[str, Any], known: Known, *, threads:
     """Return how a job makes the `spread` of pairs; futures of the weather are optional among its files."""
     flight = Flight.read(files, {**settings, "force_model": spread.FLATTENED}, threads=threads)
     futures = read_table(files.futures, "futures") if files.futures else None
-    return partial(spread.build, flight, known.estimates, futures=futures)
+    return partial(spread.build, flight, known.estimates, weathers=Weathers.of(flight.model, futures))
 
 
 def build(

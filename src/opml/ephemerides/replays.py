@@ -164,28 +164,26 @@ def _ephemerides(part: Part, series: Series) -> Iterator[pd.DataFrame]:
 def _held(rows: pd.DataFrame, later: pd.DataFrame, lessons: Lessons) -> pd.DataFrame:
     """Return how far one ephemeris is off the states of later tracks."""
     now = morning(float(rows["t_i"].iloc[0]))
-    return missed(rows, expected(rows, lessons(now)), later, now=now)
+    return missed(rows, [expected(rows, lessons(now))], later, now=now)
 
 
-def missed(rows: pd.DataFrame, along: np.ndarray, later: pd.DataFrame, *, now: float) -> pd.DataFrame:
-    """Return how far an ephemeris, corrected by e_y (n,) [m], is off later states, but for SIGMA_STATE.
+def missed(
+    rows: pd.DataFrame, corrections: Sequence[np.ndarray], later: pd.DataFrame, *, now: float
+) -> pd.DataFrame:
+    """Return how far an ephemeris is off later states by each correction in turn, but for SIGMA_STATE.
 
     rows: of one estimate: t_i, t_j and a state (STATE) at each epoch of the ephemeris
+    corrections: e_y (n,) that are taken from it [m]
     later: as `judge` returns it, with SPREAD
     now: when it was made [s]
     """
     t, t_i = rows["t_j"].to_numpy(), float(rows["t_i"].iloc[0])
     later = later[later["t_j"].between(t[0], t[-1])]
     at, states = later["t_j"].to_numpy(), np.ascontiguousarray(later[STATE])
-    before, after = (
-        in_rsw(through(t, path)(at) - states, states)
-        for path in (np.ascontiguousarray(rows[STATE]), moved(rows, along))
+    paths = [np.ascontiguousarray(rows[STATE]), *(moved(rows, along) for along in corrections)]
+    before, *after = (in_rsw(through(t, path)(at) - states, states) for path in paths)
+    off = later.drop(columns=STATE).assign(
+        t_i=t_i, morning=now, duration=at - t_i, rate=rates(states), before=before[:, 1]
     )
-    return later.drop(columns=STATE).assign(
-        t_i=t_i,
-        morning=now,
-        duration=at - t_i,
-        rate=rates(states),
-        before=before[:, 1],
-        **dict(zip(COMPONENTS, after.T, strict=True)),
-    )
+    components = dict(zip(COMPONENTS, np.concatenate(after).T, strict=True))
+    return pd.concat([off] * len(after), ignore_index=True).assign(**components)

@@ -1,11 +1,12 @@
-"""The mornings of several objects, one after the other; what is wrong with one stops no other."""
+"""The mornings of several objects, their arcs side by side; what is wrong with one stops no other."""
 
 import errno
 import json
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +18,13 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing
 from opml.base.provenance import settings_digest
 from opml.catalog.fit.estimation import Estimation
-from opml.catalog.flight import Flight
+from opml.catalog.flight import Flight, near_part
 from opml.catalog.predict import spread
+from opml.catalog.predict.spread import Weathers
 from opml.dynamics import force_model
-from opml.dynamics.ensemble import Integrator
+from opml.dynamics.ensemble import Arcs, Integrator
 from opml.dynamics.kernels.surroundings import ForceModel
+from opml.dynamics.shared_blocks import SharedBlocks
 from opml.mornings import days, measured
 from opml.mornings.measured import Source, Span
 from opml.mornings.morning import Model, Plan, Watched
@@ -40,18 +43,22 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What all objects of a job fly in: force models as of `morning.Model`, and the stations."""
+    """What all objects of a job fly in: force models as of `morning.Model`, and the stations.
 
-    fits: ForceModel
-    predictions: ForceModel
-    flattened: ForceModel
+    The models of fits and predictions stand with the parts of them that neighbours fly under, made once: arcs
+    under one model fly together.
+    """
+
+    fits: tuple[ForceModel, ForceModel]
+    predictions: tuple[ForceModel, ForceModel]
     integrator: Integrator
-    futures: pd.DataFrame | None
+    weathers: Weathers
     orientation: pd.DataFrame
     stations: Sequence[Station]
+    propagate: Callable[..., Arcs]
 
     @classmethod
-    def read(cls, files: Any, settings: Mapping[str, Any]) -> "Surroundings":
+    def read(cls, files: Any, settings: Mapping[str, Any], propagate: Callable[..., Arcs]) -> "Surroundings":
         """Read them, with few of the futures; raise InputError where a table is damaged."""
         paths = dict(files.items())
         fits, predictions = (
@@ -59,22 +66,29 @@ class Surroundings:
             for kind in ("fits_", "predictions_")
         )
         epoch, assumed = settings["epoch"], settings["force_model"]
+        of_fits, of_predictions = (
+            force_model.read(one, epoch=epoch, settings=assumed) for one in (fits, predictions)
+        )
+        flattened = force_model.read(predictions, epoch=epoch, settings=spread.FLATTENED)
+        futures = _futures(files.futures, since=_flown_since(settings)) if files.futures else None
         return cls(
-            force_model.read(fits, epoch=epoch, settings=assumed),
-            force_model.read(predictions, epoch=epoch, settings=assumed),
-            force_model.read(predictions, epoch=epoch, settings=spread.FLATTENED),
+            (of_fits, near_part(of_fits)),
+            (of_predictions, near_part(of_predictions)),
             force_model.integrator(settings["integrator"]),
-            _futures(files.futures, since=_flown_since(settings)) if files.futures else None,
+            Weathers.of(flattened, futures),
             read_table(fits["earth_orientation"], "earth_orientation"),
             [Station(**station) for station in settings["stations"]],
+            propagate,
         )
 
     def model(self, rso: Rso) -> Model:
         """Return how an object flies."""
-        fits, predictions, flattened = (
-            Flight(model, rso, self.integrator) for model in (self.fits, self.predictions, self.flattened)
+        fits, predictions = (
+            Flight(model, rso, self.integrator, propagate=self.propagate, near=near)
+            for model, near in (self.fits, self.predictions)
         )
-        return Model(fits, predictions, flattened, self.futures, self.orientation)
+        flattened = Flight(self.weathers.model, rso, self.integrator, propagate=self.propagate)
+        return Model(fits, predictions, flattened, self.weathers, self.orientation)
 
 
 def run(files: Any, settings: Mapping[str, Any], *, metadata: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -84,11 +98,14 @@ def run(files: Any, settings: Mapping[str, Any], *, metadata: Mapping[str, Any])
     settings: of the job
     metadata: of tables
     """
-    surroundings = Surroundings.read(files, settings)
-    return [
-        _outcome(name, surroundings, settings, settings["objects"][name], metadata)
-        for name in settings["objects"]
-    ]
+    blocks = SharedBlocks()
+    surroundings = Surroundings.read(files, settings, blocks.propagate)
+    return blocks.run(
+        [
+            partial(_outcome, name, surroundings, settings, one, metadata)
+            for name, one in settings["objects"].items()
+        ]
+    )
 
 
 def _futures(path: FilePath, *, since: float) -> pd.DataFrame:
@@ -175,6 +192,7 @@ def _catch_up(
         surroundings.orientation,
         since=days.since(folder, calendar, plan, until),
     )
-    given = measured.given_state(source, span, rso, tracking, surroundings.predictions.gm)
-    watched = Watched(surroundings.model(rso), plan, tracking, surroundings.stations, manoeuvres, given)
+    model = surroundings.model(rso)
+    given = measured.given_state(source, span, rso, tracking, model.predictions.model.gm)
+    watched = Watched(model, plan, tracking, surroundings.stations, manoeuvres, given)
     days.catch_up(folder, watched, calendar, until, metadata=metadata)

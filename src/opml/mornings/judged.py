@@ -44,9 +44,10 @@ def judged(
         ahead = _ahead(rows, later, manoeuvres=manoeuvres, window=window)
         if ahead.empty:
             continue
-        for name in (column for column in rows if column.startswith("e_y_")):
-            off = missed(rows, rows[name].to_numpy(), ahead, now=rows["morning"].iloc[0])
-            tables.append(off.assign(model=name.removeprefix("e_y_"), **dict.fromkeys(SIGMA_STATE, np.nan)))
+        names = [column for column in rows if column.startswith("e_y_")]
+        off = missed(rows, [rows[name].to_numpy() for name in names], ahead, now=rows["morning"].iloc[0])
+        models = np.repeat([name.removeprefix("e_y_") for name in names], len(ahead))
+        tables.append(off.assign(model=models, **dict.fromkeys(SIGMA_STATE, np.nan)))
     return pd.concat(tables, ignore_index=True) if tables else Records.empty().judged
 
 

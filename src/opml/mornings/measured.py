@@ -1,7 +1,7 @@
 """What was measured of an object, from its files: tracks, fixes or mean elements."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import pandas as pd
@@ -10,6 +10,7 @@ from opml.base.constants import HOUR
 from opml.catalog.fit import fixes, measured_tracks
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.fit.first.first_orbit import TimedState
+from opml.dynamics import shared_blocks
 from opml.interop import first_state, points_from_files, tdm
 from opml.interop.element_sets import burns_in_sets, histories, measured_sets
 from opml.interop.orbit_from_files import OrbitFiles
@@ -76,7 +77,8 @@ def _of_elements(source: Source, span: Span, known: list[Manoeuvre]) -> tuple[pd
     known = burns_in_sets.known(sets, known, epoch=span.epoch, find=source.taking["find_manoeuvres"])
     found = measured_sets.measured(
         sets,
-        measured_sets.Taking.from_settings(source.taking),
+        # On the raster arcs of several objects share blocks.
+        replace(measured_sets.Taking.from_settings(source.taking), raster=shared_blocks.STEP),
         epoch=span.epoch,
         duration=span.duration,
         manoeuvres=known,

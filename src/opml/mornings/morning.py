@@ -20,6 +20,7 @@ from opml.catalog.fit.first.first_orbit import TimedState
 from opml.catalog.flight import Flight
 from opml.catalog.predict import spread
 from opml.catalog.predict.prediction import predict
+from opml.catalog.predict.spread import Weathers
 from opml.ephemerides import corrected
 from opml.ephemerides.known import Known
 from opml.ephemerides.part import Grid, Part
@@ -48,14 +49,14 @@ class Model:
     fits: under what was measured of the weather by the time of each fit
     predictions: under what was known of it by t_i
     flattened: the same under the Earth's flattening alone, for the spread
-    futures: of the weather; None where the days ahead are taken for known
+    weathers: expected, and as they may come
     orientation: table `earth_orientation`
     """
 
     fits: Flight
     predictions: Flight
     flattened: Flight
-    futures: pd.DataFrame | None
+    weathers: Weathers
     orientation: pd.DataFrame
 
 
@@ -233,7 +234,7 @@ def _paths(
     whole = replace(known, others={hours: so_far.of_window(hours) for hours in asked})
     part = Part(model.predictions, whole, starts, Grid(candidates.STEP, plan.max_days, plan.end))
     base = so_far.of_window(plan.base)
-    spreads = partial(spread.build, model.flattened, base, futures=model.futures)
+    spreads = partial(spread.build, model.flattened, base, weathers=model.weathers)
     return candidates.paths(part, plan.models, spreads, now=now)
 
 

@@ -1,5 +1,6 @@
 """What a run's settings mean for all rules: studies, products, and the patterns of wildcards."""
 
+import math
 import re
 import sys
 from collections.abc import Mapping
@@ -88,9 +89,12 @@ class Plan:
 
     @cached_property
     def watched(self) -> dict[str, list[str]]:
-        """The RSOs of every morning by the number of their job; none where no mornings are asked for."""
-        rsos, together = list(self.measured) if "day" in self.values else [], self.settings.day.together
-        return {str(k // together): rsos[k : k + together] for k in range(0, len(rsos), together)}
+        """The RSOs of every morning by the number of their job, in even shares; none without mornings."""
+        if "day" not in self.values:
+            return {}
+        rsos = list(self.measured)
+        jobs = math.ceil(len(rsos) / self.settings.day.together)
+        return {str(k): rsos[k * len(rsos) // jobs : (k + 1) * len(rsos) // jobs] for k in range(jobs)}
 
     @cached_property
     def environment(self) -> EnvironmentFiles:

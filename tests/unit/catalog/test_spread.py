@@ -8,6 +8,7 @@ from support import EPOCH, environment, force_model
 from opml.base.constants import DAY, HOUR
 from opml.catalog.flight import Flight
 from opml.catalog.predict import spread
+from opml.catalog.predict.spread import Weathers
 from opml.catalog.simulate.truth import initial_state
 from opml.dynamics.forces import with_outlooks
 from opml.environment import knowledge
@@ -32,7 +33,8 @@ def pairs():
 
 
 def built(iss, estimates, pairs, futures=None, model=None):
-    return spread.build(Flight(model or force_model(2), iss), estimates, pairs, futures=futures)
+    model = model or force_model(2)
+    return spread.build(Flight(model, iss), estimates, pairs, weathers=Weathers.of(model, futures))
 
 
 def test_a_tenth_more_drag_takes_it_as_far_as_under_all_forces(iss, estimates, pairs, assumed_model):

@@ -12,6 +12,7 @@ from opml.base.errors import InputError
 from opml.catalog.fit import estimation, sightings, start_states
 from opml.catalog.flight import Flight
 from opml.catalog.predict import prediction, spread
+from opml.catalog.predict.spread import Weathers
 from opml.catalog.simulate import tracking, truth
 from opml.ephemerides import corrected, replays
 from opml.ephemerides.known import Known
@@ -65,7 +66,7 @@ def series_of(flight, tables, learner=LAW, rows=None):
     first = replays.first_day(lessons, known, train_days=TRAIN)
     starts = replays.morning_departures(known, every_hours=3.0, first_day=first)
     pairs = predictions[predictions["i"].isin(starts["track"])]
-    spreads = spread.build(flight, known.estimates, pairs, futures=None)
+    spreads = spread.build(flight, known.estimates, pairs, weathers=Weathers.of(flight.model, None))
     judge = replays.at_starts(replays.judge(tables["rows"], predictions, None), starts, spreads)
     return replays.Series(lessons, starts, judge)
 
@@ -197,7 +198,9 @@ def test_the_message_of_a_morning_has_the_errors_and_the_covariance_that_were_re
         Task(flight, known, starts, Grid(replays.STEP, 1.0, 3.0 * DAY)),
         lessons,
         table,
-        spreads=lambda pairs: spread.build(flight, known.estimates, pairs, futures=None),
+        spreads=lambda pairs: spread.build(
+            flight, known.estimates, pairs, weathers=Weathers.of(flight.model, None)
+        ),
         first_morning=now,
     )
     oem.write(tmp_path / "m.oem", oem.corrected_segments(made, rso="iss"), epoch=EPOCH)

@@ -153,6 +153,25 @@ def test_a_set_is_known_when_it_and_all_before_it_are_made():
     assert (untold["t_known"] == untold["t_estimate"]).all()
 
 
+def test_points_on_a_raster_end_at_the_next_multiple_behind_each_epoch():
+    """Each set has a multiple of its own, and no later set moves it."""
+    days = np.array([1.0, 2.0, 2.0 + 10.0 / DAY, 2.0 + 20.0 / DAY, 3.0 + 1.0 / DAY])
+    sets = history(days, created=days + [0.1, 0.1, 0.1, 0.1, 0.0])
+    taking = Taking(1200.0, SAMPLING.reach, [100.0, 300.0, 100.0], raster=300.0)
+    found = measured(sets, taking, epoch=EPOCH, duration=20 * DAY)
+    np.testing.assert_array_equal(
+        found.epochs, DAY * np.array([1.0, 2.0, 2.0, 2.0, 3.0]) + [0, 0, 300, 600, 300]
+    )
+    assert all((points["t"] % 300.0 == 0.0).all() for points in found.points)
+    fewer = measured(sets.iloc[:2], taking, epoch=EPOCH, duration=20 * DAY)
+    np.testing.assert_array_equal(fewer.epochs, found.epochs[:2])
+    known = table_of(found).groupby("track")["t_known"].first()
+    assert (known >= found.epochs).all()
+    assert known.iloc[-1] == 3.0 * DAY + 300.0
+    late = found.points[-1].iloc[-1]
+    np.testing.assert_array_equal(late[STATE], states_of(sets.iloc[-1], epoch=EPOCH, t=found.epochs[-1:])[0])
+
+
 def test_the_baseline_is_sgp4_from_the_set_of_the_estimate():
     sets = history(DAYS, noise=300.0)
     t_i, t_j = np.array([2.0, 2.0, 5.5, 0.5]) * DAY, np.array([3.0, 4.5, 7.0, 2.0]) * DAY

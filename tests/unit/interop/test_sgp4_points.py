@@ -24,7 +24,7 @@ SAMPLING = Sampling(12 * HOUR, 600.0)
 @pytest.mark.parametrize("days", [1.0, 2.5])
 def test_points_are_states_of_sgp4_up_to_the_epoch(days):
     row = history([days]).iloc[0]
-    points = sgp4_points.before(row, epoch=EPOCH, sampling=SAMPLING)
+    points = sgp4_points.before(row, row["t"], epoch=EPOCH, sampling=SAMPLING)
     assert len(points) == 73
     assert points["t"].iloc[-1] == row["t"] == DAY * days
     satellite = histories.satellite(row, epoch=EPOCH)
@@ -51,7 +51,7 @@ def test_fits_to_sets_are_at_their_epochs_and_as_close_as_sgp4_is(assumed_model,
 
 def test_points_go_back_no_farther_than_sgp4():
     row = history([1.0], bstar=0.1).iloc[0]
-    points = sgp4_points.before(row, epoch=EPOCH, sampling=Sampling(2000.0 * DAY, DAY))
+    points = sgp4_points.before(row, row["t"], epoch=EPOCH, sampling=Sampling(2000.0 * DAY, DAY))
     assert 0 < len(points) < 2001
     assert np.isfinite(points[STATE].to_numpy()).all()
     assert points["t"].iloc[-1] == row["t"]

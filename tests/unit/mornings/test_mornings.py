@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from datetime import date, timedelta
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -11,8 +12,11 @@ from support import EPOCH, ESTIMATION
 
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
+from opml.catalog.fit import fixes
 from opml.catalog.flight import Flight
+from opml.catalog.predict.spread import Weathers
 from opml.catalog.simulate import tracking, truth
+from opml.dynamics.shared_blocks import SharedBlocks
 from opml.ephemerides.along_track_shift import corrected
 from opml.interop import oem
 from opml.mornings import days, judged, tracks
@@ -20,7 +24,7 @@ from opml.mornings.days import Calendar, Folder
 from opml.mornings.morning import Model, Plan, Watched
 from opml.mornings.records import DONE, Records
 from opml.mornings.verdict import DO_NOT_USE, WIDE
-from opml.tables import SCHEMAS, STATE, paths_schema, read_metadata, read_table, read_tables
+from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, paths_schema, read_metadata, read_table, read_tables
 
 ARC = {"window_hours": 18.0, "memory_days": 30.0}
 MODELS = {
@@ -41,7 +45,7 @@ def watched(truth_model, assumed_model, iss, earth_orientation, three_stations):
     flight = Flight(assumed_model, iss)
     first = (0.0, orbit[STATE].to_numpy()[0])
     plan = Plan(MODELS, ESTIMATION, 2.0, 60.0, 7 * DAY, EPOCH)
-    model = Model(flight, flight, flight, None, earth_orientation)
+    model = Model(flight, flight, flight, Weathers.of(assumed_model, None), earth_orientation)
     return Watched(model, plan, measured, three_stations, given=first)
 
 
@@ -210,6 +214,46 @@ def test_a_first_morning_says_that_it_has_no_past(whole):
     found = json.loads((folder.of_day(folder.done(LAST)[0]) / DONE).read_text())
     assert (found["verdict"], found["message"]) == (DO_NOT_USE, "")
     assert found["reason"] == "no estimate that an ephemeris may start from"
+
+
+@pytest.fixture(scope="module")
+def by_points(watched, truth_model, iss):
+    """Two objects whose positions are known every ten minutes, the second higher up."""
+    objects = {}
+    for name, raised in (("low", 0.0), ("high", 30e3)):
+        rso = replace(iss, name=name, a=iss.a + raised)
+        orbit = truth.simulate(Flight(truth_model, rso), duration=4 * DAY, step=600.0)
+        noise = np.random.default_rng(len(objects)).normal(scale=10.0, size=(len(orbit), 3))
+        points = orbit[["t", *STATE]].copy()
+        points[STATE[:3]] += noise
+        sigmas = dict.fromkeys(FIX_SIGMAS[:3], 10.0) | dict.fromkeys(FIX_SIGMAS[3:], np.nan)
+        table = fixes.stretches(points.assign(**sigmas), length=6 * HOUR)
+        first = (0.0, orbit[STATE].to_numpy()[0])
+        objects[name] = replace(watched, tracking=table, stations=[], given=first), rso
+    return objects
+
+
+def beside(objects, folder, until):
+    """Run the mornings of objects in one job, and return the bytes that each left."""
+    blocks = SharedBlocks()
+
+    def caller(name, one, rso):
+        flight = replace(one.model.fits, rso=rso, propagate=blocks.propagate)
+        model = replace(one.model, fits=flight, predictions=flight, flattened=flight)
+        watched = replace(one, model=model)
+        days.catch_up(Folder(folder, name), watched, CALENDAR, until, metadata=METADATA)
+
+    blocks.run([partial(caller, name, *one) for name, one in objects.items()])
+    left = contents(folder, until)
+    return {name: {path: left[path] for path in left if f"/{name}/" in path} for name in objects}
+
+
+def test_an_object_leaves_the_same_bytes_whoever_shares_its_job(by_points, tmp_path):
+    until = FIRST + timedelta(days=3)
+    together = beside(by_points, tmp_path / "together", until)
+    assert all(any(path.endswith("judged.parquet") for path in left) for left in together.values())
+    for name, one in by_points.items():
+        assert beside({name: one}, tmp_path / name, until)[name] == together[name]
 
 
 def test_records_of_other_settings_are_refused(watched, whole):

@@ -25,7 +25,7 @@ Transactions on Automatic Control 10, 434-439 (the bank of filters).
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
@@ -105,7 +105,7 @@ class Leg:
         It flies under what is known when that track begins. Raises LostError where it comes down before.
         """
         grid = np.linspace(begin, seen[0], math.ceil((seen[0] - begin) / STEP) + 1)
-        known = replace(flight, model=flight.model.known_at(float(seen[0])))
+        known = flight.under(flight.model.known_at(float(seen[0])))
         states, status = fly_beside(known, np.append(grid, seen[1:]), parameters)
         if status:
             raise LostError(REASONS[status])

@@ -5,16 +5,16 @@ them from the prediction is known at t_i. Drag alone parts them, so the Earth's 
 they need; and their Cd is the mean of its past, as one short fit may tell nothing of it.
 """
 
-from collections.abc import Mapping
-from dataclasses import replace
-from typing import Any
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
 
 from opml.catalog.flight import Flight
 from opml.catalog.predict.other_windows import past_cd
-from opml.dynamics.forces import with_outlooks
+from opml.dynamics.forces import joined, with_outlooks
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.orbits.elements import in_rsw
 from opml.tables import SPREAD, STATE
@@ -31,34 +31,64 @@ TENTH = 0.1
 _MEMORY_DAYS = 30.0
 
 
+@dataclass(frozen=True)
+class Weathers:
+    """The weather that is expected, and its futures, in one force model.
+
+    model: its outlooks are the expected ones, and behind these each future's
+    issued: of each weather, when its outlooks were issued [s], ascending
+    """
+
+    model: ForceModel
+    issued: Sequence[np.ndarray]
+
+    @classmethod
+    def of(cls, model: ForceModel, futures: pd.DataFrame | None) -> Self:
+        """Return the weather of a model with its futures, a table; None where it is taken for known."""
+        members = [] if futures is None else [future for _, future in futures.groupby("member")]
+        models = [model, *(with_outlooks(model, future) for future in members)]
+        return cls(joined(models), [one.issued for one in models])
+
+    def outlooks(self, t: np.ndarray) -> np.ndarray:
+        """Return the outlook of each weather that is the newest at times t (n,) [s]: (weathers, n)."""
+        begins = np.cumsum([0, *(len(issued) for issued in self.issued[:-1])])
+        newest = np.array([np.searchsorted(issued, t, side="right") - 1 for issued in self.issued])
+        return np.where(newest < 0, -1, newest + begins[:, None])
+
+
 def build(
-    flight: Flight, estimates: pd.DataFrame, pairs: pd.DataFrame, *, futures: pd.DataFrame | None
+    flight: Flight, estimates: pd.DataFrame, pairs: pd.DataFrame, *, weathers: Weathers
 ) -> pd.DataFrame:
     """Return the `spread` table, one row per pair: distances [m] in RSW of the prediction, never negative.
 
     flight: under the assumed model, `FLATTENED`
     pairs: i, j, t_i and t_j in the order of i
-    futures: the table; None where the weather ahead is taken for known
+    weathers: of the flight's model
 
     drag_* is the distance of an arc with a TENTH more drag, weather_* the root mean square of the futures', 0
     without any. Not finite where an arc does not reach.
     """
     started = estimates.set_index("track").loc[np.unique(pairs["i"])]
     cd = _past_cd(estimates, flight.rso.cd).loc[started.index].to_numpy()
-    coarse = replace(flight, integrator=replace(flight.integrator, max_step=LONGEST_STEP))
-    members = [] if futures is None else [future for _, future in futures.groupby("member")]
-
-    def fly(turn: int, model: ForceModel, drag: float) -> np.ndarray:
-        turned = replace(coarse, model=model).part(turn, 2 + len(members))
-        return turned.fly_pairs(pairs, started[STATE].to_numpy(), cd=drag * cd)[0]
-
-    predicted = fly(0, flight.model, 1.0)
-    drag = np.abs(in_rsw(fly(1, flight.model, 1.0 + TENTH) - predicted, predicted)[:, :3])
-    square = np.zeros(drag.shape)
-    for turn, future in enumerate(members, start=2):
-        states = fly(turn, with_outlooks(flight.model, future), 1.0)
-        square += in_rsw(states - predicted, predicted)[:, :3] ** 2
-    distances = np.hstack([drag, np.sqrt(square / max(1, len(members)))])
+    integrator = replace(flight.integrator, max_step=LONGEST_STEP)
+    coarse = replace(flight.under(weathers.model), integrator=integrator)
+    # First the prediction, then more drag, then the futures, all side by side.
+    expected, *futures = weathers.outlooks(started["t"].to_numpy())
+    outlook = np.array([expected, expected, *futures])
+    drag = np.ones(len(outlook))
+    drag[1] += TENTH
+    arc = np.unique(pairs["i"], return_inverse=True)[1]
+    turns = [pairs[["t_i", "t_j"]].assign(i=arc + turn * len(started)) for turn in range(len(outlook))]
+    flown, _ = coarse.fly_pairs(
+        pd.concat(turns, ignore_index=True),
+        np.tile(started[STATE].to_numpy(), (len(outlook), 1)),
+        cd=np.outer(drag, cd).ravel(),
+        outlook=outlook.ravel(),
+    )
+    predicted, *others = flown.reshape(len(outlook), len(pairs), len(STATE))
+    more, *ahead = (in_rsw(states - predicted, predicted)[:, :3] for states in others)
+    square = np.sum([shift**2 for shift in ahead], axis=0) if ahead else np.zeros(more.shape)
+    distances = np.hstack([np.abs(more), np.sqrt(square / max(1, len(ahead)))])
     return pairs[["i", "j"]].assign(**dict(zip(SPREAD, distances.T, strict=True)))
 
 

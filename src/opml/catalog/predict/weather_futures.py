@@ -5,8 +5,6 @@ the sample has the uncertainty of the weather, which lasts, and that of the fit,
 hours, or where measurements are poor.
 """
 
-from dataclasses import replace
-
 import numpy as np
 import pandas as pd
 
@@ -49,7 +47,7 @@ def sample(
     for turn, (member, future) in enumerate(members):
         random = derive(seed, "ensembles", flight.rso.name, str(member))
         drawn = mean + np.einsum("nij,nj->ni", root, random.normal(size=mean.shape))
-        ahead = replace(flight, model=with_outlooks(flight.model, future)).part(turn, len(members))
+        ahead = flight.under(with_outlooks(flight.model, future)).part(turn, len(members))
         states, _ = ahead.fly_pairs(predictions, drawn[:, :6], cd=drawn[:, 6])
         shift = in_rsw(states - predicted, predicted)[:, :3]
         parts.append(

@@ -38,11 +38,13 @@ class Taking:
     reach: from the first of them to its epoch [s]; None: as long as it was fitted to, where the sets up to it
         tell
     sigmas: (3,) standard deviations of a set in RSW [m]; None: learned from the sets before it
+    raster: points of sets end at its multiples, the next one behind each epoch [s]; None: at the epochs
     """
 
     step: float
     reach: float | None = None
     sigmas: Sequence[float] | None = None
+    raster: float | None = None
 
     @classmethod
     def from_settings(cls, history: Mapping[str, Any]) -> Self:
@@ -50,12 +52,21 @@ class Taking:
         hours = history["reach_hours"]
         return cls(history["every_s"], HOUR * hours if hours else None, history["sigma_m"])
 
+    def ends(self, epochs: np.ndarray) -> np.ndarray:
+        """Return when points of sets end [s]: each at a multiple of its own, whatever sets follow."""
+        if self.raster is None:
+            return epochs
+        number = np.arange(len(epochs))
+        multiples = np.maximum.accumulate(np.ceil(epochs / self.raster) - number) + number
+        ends: np.ndarray = self.raster * multiples
+        return ends
+
 
 @dataclass(frozen=True)
 class MeasuredSets:
     """The sets of a run that count, in ascending order.
 
-    epochs: (sets,) [s]
+    epochs: (sets,) of their last points [s]
     known: (sets,) when they were made, NaN where nobody tells [s]
     points: of each set: t, state in GCRF, standard deviations in RSW
     """
@@ -87,22 +98,23 @@ def measured(
     worth = agreement.weighed(sets, epoch=epoch, sampling=usual, manoeuvres=manoeuvres)
     if taking.sigmas is not None:
         worth[FIX_SIGMAS[:3]] = np.tile(taking.sigmas, (len(worth), 1))
-    counting = worth["counts"].to_numpy() & (sets["t"].to_numpy() >= 0.0)
+    ends = taking.ends(sets["t"].to_numpy())
+    counting = worth["counts"].to_numpy() & (sets["t"].to_numpy() >= 0.0) & (ends <= duration)
     reaches = np.full(len(sets), usual.reach)
     if taking.reach is None:
         reaches[worth["counts"]] = _over_spans(sets[worth["counts"]], epoch=epoch)
     kept, points = [], []
     for k in np.flatnonzero(counting):
         sampling = Sampling(float(reaches[k]), taking.step)
-        found = _points(sets.iloc[k], worth.iloc[k], sampling, epoch=epoch, manoeuvres=manoeuvres)
+        one, end = sets.iloc[k], float(ends[k])
+        found = _points(one, worth.iloc[k], sampling, epoch=epoch, end=end, manoeuvres=manoeuvres)
         if found is not None:
             kept.append(k)
             points.append(found)
     if not kept:
         raise InputError(f"element sets: expected a set within the run that counts, got {len(sets)} others")
     _log.info("sets that count as measurements: %d", len(kept))
-    epochs, known = (sets[name].to_numpy()[kept] for name in ("t", "t_created"))
-    return MeasuredSets(epochs, known, points)
+    return MeasuredSets(ends[kept], sets["t_created"].to_numpy()[kept], points)
 
 
 def _over_spans(sets: pd.DataFrame, *, epoch: str) -> np.ndarray:
@@ -116,13 +128,19 @@ def _over_spans(sets: pd.DataFrame, *, epoch: str) -> np.ndarray:
 
 
 def _points(
-    one: pd.Series, worth: pd.Series, sampling: Sampling, *, epoch: str, manoeuvres: Sequence[Manoeuvre]
+    one: pd.Series,
+    worth: pd.Series,
+    sampling: Sampling,
+    *,
+    epoch: str,
+    end: float,
+    manoeuvres: Sequence[Manoeuvre],
 ) -> pd.DataFrame | None:
     """Return the points of a set in the run and behind the last manoeuvre before it; None if they are few."""
-    points = sgp4_points.before(one, epoch=epoch, sampling=sampling)
-    if len(points) < len(sampling.times(one["t"])):
+    points = sgp4_points.before(one, end, epoch=epoch, sampling=sampling)
+    if len(points) < len(sampling.times(end)):
         _log.warning("%s has points no farther back than SGP4 goes", agreement.place(one, epoch))
-    begin = max([0.0, *(burn.t for burn in manoeuvres if max(burn.t, burn.known) <= one["t"])])
+    begin = max([0.0, *(burn.t for burn in manoeuvres if max(burn.t, burn.known) <= end)])
     rows = points[points["t"] >= begin]
     if len(rows) < _LEAST * min(sampling.reach, USUAL_REACH) / sampling.step:
         return None

@@ -13,7 +13,7 @@ from opml.tables import STATE
 class Sampling:
     """Which points stand for a set of mean elements.
 
-    reach: from the first point to the epoch [s]
+    reach: from the first point to the last [s]
     step: between points [s]
     """
 
@@ -21,20 +21,21 @@ class Sampling:
     step: float
 
     def times(self, end: float) -> np.ndarray:
-        """Return the times (n,) of the points of a set [s]; the last one is its epoch, `end`."""
+        """Return the times (n,) of the points of a set up to its last one, `end` [s]."""
         times: np.ndarray = end - self.step * np.arange(round(self.reach / self.step), -1, -1)
         return times
 
 
-def before(row: pd.Series, *, epoch: str, sampling: Sampling) -> pd.DataFrame:
-    """Return the points of a set of mean elements up to its epoch, where SGP4 has them: t, state in GCRF.
+def before(row: pd.Series, end: float, *, epoch: str, sampling: Sampling) -> pd.DataFrame:
+    """Return the points of a set of mean elements up to a time, where SGP4 has them: t, state in GCRF.
 
     row: of a table `element_sets`
+    end: the set's epoch, or soon behind it [s]
     epoch: UTC text, the table's
 
     Shortly before a re-entry SGP4 may fail within hours.
     """
-    t = sampling.times(row["t"])
+    t = sampling.times(end)
     states = states_of(row, epoch=epoch, t=t)
     failed = np.flatnonzero(np.isnan(states[:, 0]))
     first = failed[-1] + 1 if failed.size else 0

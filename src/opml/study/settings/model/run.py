@@ -313,7 +313,7 @@ class DaySettings(Section):
         "time of a morning, UTC", unit="h", default=0.0
     )
     together: Annotated[int, Ge(1), Expected("a whole number from 1")] = setting(
-        "objects that one job takes, one after the other", default=8
+        "objects that one job takes at most; their arcs fly side by side", default=32
     )
 
 

@@ -1,0 +1,169 @@
+"""Arcs of several callers in the same blocks: objects that fly a few arcs each leave no lanes empty.
+
+Each caller runs in a thread of its own, one at a time. One that asks for arcs waits until all others have
+asked for theirs or ended; then all arcs of a kind fly together. They fly on a raster of epochs that is the
+same whoever flies beside them, so no caller's arcs depend on the others.
+"""
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, field
+from threading import Condition
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from opml.dynamics import ensemble
+from opml.dynamics.ensemble import Arcs, Departures, Integrator
+from opml.dynamics.kernels.surroundings import ForceModel
+
+STEP = 300.0
+"""Between the epochs of the raster, which are its multiples [s]."""
+
+Outcome = TypeVar("Outcome")
+
+_Kind = tuple[int, Integrator, bool]
+
+
+@dataclass(frozen=True)
+class _Request:
+    """Arcs that a caller waits for: arguments as those of `ensemble.propagate`, epochs by their multiple."""
+
+    model: ForceModel
+    epochs: np.ndarray
+    departures: Departures
+    integrator: Integrator
+    arcs: Future[Arcs] = field(default_factory=Future)
+
+    @property
+    def kind(self) -> _Kind:
+        """What arcs have to have in common to fly together: model, integrator and direction."""
+        return id(self.model), self.integrator, bool(self.epochs[0] <= self.epochs[-1])
+
+    @property
+    def begin(self) -> int:
+        """When the newest of the arcs begins."""
+        return int(self.epochs[np.asarray(self.departures.first)].max())
+
+
+class SharedBlocks:
+    """Callers whose arcs share blocks."""
+
+    def __init__(self) -> None:
+        """Begin without callers."""
+        self._turn = Condition()
+        self._under_way = 0
+        self._waiting: list[_Request] = []
+
+    def run(self, callers: Sequence[Callable[[], Outcome]]) -> list[Outcome]:
+        """Return what callers return, in their order; raise what the first of them raises."""
+        if not callers:
+            return []
+        self._under_way = len(callers)
+        with ThreadPoolExecutor(len(callers)) as threads:
+            outcomes = [threads.submit(self._run, caller) for caller in callers]
+        return [outcome.result() for outcome in outcomes]
+
+    def propagate(
+        self,
+        model: ForceModel,
+        epochs: ArrayLike,
+        departures: Departures,
+        *,
+        integrator: Integrator,
+        threads: int = 1,
+        progress: Callable[[float], None] | None = None,
+    ) -> Arcs:
+        """Propagate arcs as `ensemble.propagate`; those on the raster beside other callers'."""
+        epochs = np.asarray(epochs, float)
+        multiples = np.round(epochs / STEP)
+        stand_still = np.array_equal(departures.first, departures.last)
+        if stand_still or not np.array_equal(STEP * multiples, epochs):
+            return ensemble.propagate(
+                model, epochs, departures, integrator=integrator, threads=threads, progress=progress
+            )
+        request = _Request(model, multiples.astype(np.int64), departures, integrator)
+        self._waiting.append(request)
+        self._fly_when_all_wait()
+        self._turn.wait_for(request.arcs.done)
+        return request.arcs.result()
+
+    def _run(self, caller: Callable[[], Outcome]) -> Outcome:
+        """Run a caller while all others wait, and let these go on when it has ended."""
+        with self._turn:
+            try:
+                return caller()
+            finally:
+                self._under_way -= 1
+                self._fly_when_all_wait()
+
+    def _fly_when_all_wait(self) -> None:
+        """Fly arcs of one kind, when there is no caller that does not wait for its own.
+
+        It is the kind of the arcs that begin first: who is behind catches up, and then more fly together.
+        """
+        if not self._waiting or len(self._waiting) < self._under_way:
+            return
+        kind = min(self._waiting, key=lambda request: request.begin).kind
+        _fly([request for request in self._waiting if request.kind == kind])
+        self._waiting = [request for request in self._waiting if request.kind != kind]
+        self._turn.notify_all()
+
+
+def _fly(requests: Sequence[_Request]) -> None:
+    """Fly the arcs of requests of one kind, and hand them out."""
+    try:
+        arcs = _flown(requests)
+    except Exception as reason:
+        for request in requests:
+            request.arcs.set_exception(reason)
+        return
+    begin = 0
+    for request in requests:
+        count = len(request.departures)
+        request.arcs.set_result(_own(arcs, begin, request))
+        begin += count
+
+
+def _flown(requests: Sequence[_Request]) -> Arcs:
+    """Return the arcs of requests, at all epochs of the raster."""
+    one = requests[0]
+    raster = _raster(requests)
+    places = [np.abs(request.epochs - raster[0]) for request in requests]
+    departures = [request.departures for request in requests]
+    outlooks = [
+        one.model.newest_outlook(STEP * request.epochs[np.asarray(request.departures.first)])
+        if request.departures.outlook is None
+        else request.departures.outlook
+        for request in requests
+    ]
+    together = Departures(
+        np.concatenate([np.asarray(each.states) for each in departures]),
+        first=np.concatenate([at[each.first] for at, each in zip(places, departures, strict=True)]),
+        last=np.concatenate([at[each.last] for at, each in zip(places, departures, strict=True)]),
+        ballistic=np.concatenate([np.asarray(each.ballistic) for each in departures]),
+        reflection=np.concatenate([np.asarray(each.reflection) for each in departures]),
+        outlook=np.concatenate(outlooks),
+    )
+    return ensemble.propagate(one.model, STEP * raster, together, integrator=one.integrator)
+
+
+def _raster(requests: Sequence[_Request]) -> np.ndarray:
+    """Return the multiples from the first epoch of any request to the last, in their direction."""
+    ends = np.array([[request.epochs[0], request.epochs[-1]] for request in requests])
+    if requests[0].epochs[0] <= requests[0].epochs[-1]:
+        return np.arange(ends[:, 0].min(), ends[:, 1].max() + 1)
+    return np.arange(ends[:, 0].max(), ends[:, 1].min() - 1, -1)
+
+
+def _own(arcs: Arcs, begin: int, request: _Request) -> Arcs:
+    """Return a request's own arcs, from the one at `begin` on, at the request's own epochs."""
+    first, last = (np.asarray(ends) for ends in (request.departures.first, request.departures.last))
+    count = last - first
+    start = np.concatenate([[0], np.cumsum(count)])
+    arc = np.repeat(np.arange(len(first)), count)
+    epoch = first[arc] + np.arange(start[-1]) - start[arc] + 1
+    passed = np.abs(request.epochs[epoch] - request.epochs[first[arc]])
+    status = arcs.status[begin : begin + len(first)]
+    return Arcs(arcs.states[arcs.start[begin + arc] + passed - 1], start, status)
