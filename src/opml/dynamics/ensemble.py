@@ -53,6 +53,11 @@ class Departures:
         """Return the number of the arcs."""
         return len(np.asarray(self.first))
 
+    def outlooks(self, model: ForceModel, epochs: np.ndarray) -> np.ndarray:
+        """Return the outlook (arcs,) of a model that each arc flies under; epochs: (n,) [s]."""
+        newest = model.newest_outlook(epochs[np.asarray(self.first)])
+        return newest if self.outlook is None else self.outlook
+
 
 @dataclass(frozen=True)
 class Arcs:
@@ -99,7 +104,7 @@ def propagate(
         arcs=Arcs(np.full((start[-1], 6), np.nan), start, np.zeros(len(first), np.int64)),
         integrator=integrator,
     )
-    outlook = model.newest_outlook(epochs[first]) if departures.outlook is None else departures.outlook
+    outlook = departures.outlooks(model, epochs)
 
     def fly(members: np.ndarray) -> int:
         kinds, kind = np.unique(outlook[members], return_inverse=True)

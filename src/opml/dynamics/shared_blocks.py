@@ -132,12 +132,7 @@ def _flown(requests: Sequence[_Request]) -> Arcs:
     raster = _raster(requests)
     places = [np.abs(request.epochs - raster[0]) for request in requests]
     departures = [request.departures for request in requests]
-    outlooks = [
-        one.model.newest_outlook(STEP * request.epochs[np.asarray(request.departures.first)])
-        if request.departures.outlook is None
-        else request.departures.outlook
-        for request in requests
-    ]
+    outlooks = [request.departures.outlooks(one.model, STEP * request.epochs) for request in requests]
     together = Departures(
         np.concatenate([np.asarray(each.states) for each in departures]),
         first=np.concatenate([at[each.first] for at, each in zip(places, departures, strict=True)]),

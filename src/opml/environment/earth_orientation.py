@@ -122,10 +122,10 @@ def _interpolate(path: str | Path, tai: epochs.JulianDate) -> np.ndarray:
             f"got {epochs.calendar(mjd.min())} to {epochs.calendar(mjd.max())}"
         )
     window = start[:, None] + np.arange(4)
-    return np.asarray(np.einsum("qk,qkc->cq", _lagrange_weights(days[window], mjd), values[window]))
+    return np.asarray(np.einsum("qk,qkc->cq", lagrange_weights(days[window], mjd), values[window]))
 
 
-def _lagrange_weights(nodes: np.ndarray, x: np.ndarray) -> np.ndarray:
+def lagrange_weights(nodes: np.ndarray, x: np.ndarray) -> np.ndarray:
     """Return the weights (q, k) of Lagrange's polynomial through `nodes` (q, k) at `x` (q,)."""
     weights = np.ones_like(nodes)
     for k in range(nodes.shape[1]):

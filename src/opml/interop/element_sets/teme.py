@@ -13,6 +13,7 @@ import numpy as np
 
 from opml.base import epochs
 from opml.base.constants import DAY
+from opml.environment.earth_orientation import lagrange_weights
 
 _ZERO = "2000-01-01T12:00:00"
 """UTC text from which nodes count."""
@@ -20,7 +21,7 @@ _ZERO = "2000-01-01T12:00:00"
 _STEP = 0.25 * DAY
 """Between the nodes of the slow angles [s]; Lagrange's polynomial through six has them to 1e-13 rad."""
 
-_AROUND = np.arange(-2, 4)
+_AROUND = np.arange(-2.0, 4.0)
 """Nodes about a time, from the one before it."""
 
 
@@ -31,9 +32,10 @@ def teme_to_gcrf(epoch: str, t: np.ndarray) -> np.ndarray:
     t: (n,) [s since `epoch`]
     """
     number, part = np.divmod((epochs.seconds_between(_ZERO, epoch) + t) / _STEP, 1.0)
-    before, place = np.unique(number.astype(int), return_inverse=True)
+    before, place = np.unique(number, return_inverse=True)
     nodes = np.array([[_slow_angles(int(one)) for one in k + _AROUND] for k in before])
-    x, y, s, angle = np.einsum("nk,nka->an", _weights(part), nodes[place])
+    weights = lagrange_weights(np.tile(_AROUND, (len(part), 1)), part)
+    x, y, s, angle = np.einsum("nk,nka->an", weights, nodes[place])
     to_cirs = erfa.rz(angle, np.eye(3))
     return np.asarray(erfa.c2ixys(x, y, s).transpose(0, 2, 1) @ to_cirs)
 
@@ -45,10 +47,3 @@ def _slow_angles(node: int) -> tuple[float, float, float, float]:
     utc, tt = epochs.utc(_ZERO, t), epochs.tt(_ZERO, t)
     x, y, s = erfa.xys06a(*tt)
     return float(x), float(y), float(s), float(erfa.anpm(erfa.gmst82(*utc) - erfa.era00(*utc)))
-
-
-def _weights(part: np.ndarray) -> np.ndarray:
-    """Return the weights (n, 6) of Lagrange's polynomial at parts (n,) of a step behind the node before."""
-    others = [_AROUND[node != _AROUND] for node in _AROUND]
-    factors = [(part[:, None] - away) / (node - away) for node, away in zip(_AROUND, others, strict=True)]
-    return np.stack([factor.prod(axis=1) for factor in factors], axis=1)
