@@ -41,41 +41,50 @@ def corrected(t: np.ndarray, states: np.ndarray, along_track: np.ndarray) -> np.
 
     Raises InputError for fewer than LEAST_EPOCHS.
     """
+    [found] = corrected_by_each(t, states, along_track[None])
+    return np.asarray(found)
+
+
+def corrected_by_each(t: np.ndarray, states: np.ndarray, along_track: np.ndarray) -> np.ndarray:
+    """Return (k, n, 6) what `corrected` returns of one path by each of several corrections (k, n)."""
     if len(t) < LEAST_EPOCHS:
         raise InputError(f"ephemeris: expected at least {LEAST_EPOCHS} epochs to correct, got {len(t)}")
     radius = np.linalg.norm(states[:, :3], axis=1)
     rate = np.linalg.norm(np.cross(states[:, :3], states[:, 3:]), axis=1) / radius**2
     late = np.arcsin(np.clip(along_track / radius, -1.0, 1.0)) / rate
-    shifted: np.ndarray = through(t, states)(t - late)
-    shifted[:, 3:] *= 1.0 - _derivative(t, late)[:, None]
+    shifted = through(t, states)(t - late)
+    shifted[..., 3:] *= 1.0 - _derivative(t, late)[..., None]
     radial = radial_part(t, late, radius)
-    axes = rsw_rotation(shifted)
-    shifted[:, :3] -= radial[:, None] * axes[:, 0]
-    shifted[:, 3:] -= _derivative(t, radial)[:, None] * axes[:, 0] + (radial * rate)[:, None] * axes[:, 1]
+    axes = rsw_rotation(shifted.reshape(-1, 6)).reshape(*late.shape, 3, 3)
+    shifted[..., :3] -= radial[..., None] * axes[..., 0, :]
+    shifted[..., 3:] -= _derivative(t, radial)[..., None] * axes[..., 0, :]
+    shifted[..., 3:] -= (radial * rate)[..., None] * axes[..., 1, :]
     return shifted
 
 
 def through(t: np.ndarray, states: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """Return the path through states (n, 6) at t (n,): a function of times that returns states."""
+    """Return the path through states (n, ...) at t (n,): a function of times that returns states."""
     path: Callable[[np.ndarray], np.ndarray] = make_interp_spline(t, states, _PATH)
     return path
 
 
 def radial_part(t: np.ndarray, late: np.ndarray, radius: np.ndarray) -> np.ndarray:
-    """Return the radial error (n,) [m] that goes with being `late` (n,) [s] on an orbit of `radius` (n,) [m].
+    """Return the radial error [m] that goes with being `late` (..., n) [s] on an orbit of `radius` (n,) [m].
 
     What a cubic spline with a knot a day can follow is the slow drift, the rest a matter of revolutions.
     """
     days = max(1, round((t[-1] - t[0]) / DAY))
     inner = np.linspace(t[0], t[-1], days + 1)
     knots = np.concatenate([np.repeat(t[0], _SLOW), inner, np.repeat(t[-1], _SLOW)])
-    drift: np.ndarray = make_lsq_spline(t, late, knots, _SLOW).derivative()(t)
+    drift = make_lsq_spline(t, np.moveaxis(late, -1, 0), knots, _SLOW).derivative()(t)
+    drift = np.moveaxis(drift, 0, -1)
     radial: np.ndarray = -radius * (2.0 / 3.0 * drift + 0.5 * (_derivative(t, late) - drift))
     return radial
 
 
 def _derivative(t: np.ndarray, values: np.ndarray) -> np.ndarray:
-    slope: np.ndarray = make_interp_spline(t, values, _FAST).derivative()(t)
+    """Return the derivative (..., n) of values (..., n) at t (n,)."""
+    slope: np.ndarray = make_interp_spline(t, values, _FAST, axis=-1).derivative()(t)
     return slope
 
 

@@ -13,7 +13,7 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.catalog.flight import Flight
+from opml.catalog.flight import Flight, beside
 from opml.catalog.predict import mechanism, other_windows
 from opml.catalog.predict.mechanism import FittedArcs
 from opml.catalog.predict.prediction import predict
@@ -22,6 +22,10 @@ from opml.catalog.predict.sensitivity import sensitivities
 from opml.ephemerides.known import Known
 from opml.interop.element_sets import baseline
 from opml.learning.models.learners import tables_asked
+from opml.tables import STATE
+
+PARTED = {f"l_arc_{axis}" for axis in STATE}
+"""Columns of the table `arcs` that tell how its arcs part from predictions."""
 
 Arguments = ParamSpec("Arguments")
 _Method = Callable[Concatenate["Part", Arguments], pd.DataFrame]
@@ -77,18 +81,23 @@ class Part:
 
         j is the number of the epoch on the grid. Rows without numbers are where an arc does not reach.
         """
-        columns = self.pairs().join(self.known.at_estimates, on="i")
-        columns["duration"] = columns["t_j"] - columns["t_i"]
+        columns = self._from_estimates()
         for kind in tables_asked(variables):
-            columns = columns.join(self._beside(kind, arc).drop(columns=["i", "j"]))
+            columns = columns.join(self._beside(kind, arc, variables).drop(columns=["i", "j"]))
         return columns
 
-    def _beside(self, kind: str, arc: tuple[float, float] | None) -> pd.DataFrame:
+    @_once
+    def _from_estimates(self) -> pd.DataFrame:
+        """Return predictions from the starts to the grid, with what belongs to the estimates."""
+        columns = self.pairs().join(self.known.at_estimates, on="i")
+        return columns.assign(duration=columns["t_j"] - columns["t_i"])
+
+    def _beside(self, kind: str, arc: tuple[float, float] | None, variables: Sequence[str]) -> pd.DataFrame:
         """Return the table of a kind; raise InputError for one that asks for more than one RSO."""
         hours, memory_days = arc or (0.0, 0.0)
         makers: dict[str, Callable[[], pd.DataFrame]] = {
             "mechanism": self.mechanism,
-            "arcs": partial(self.arcs, hours),
+            "arcs": partial(self.parted if set(variables) <= PARTED else self.arcs, hours),
             "cd_past": partial(self.cd_past, hours, memory_days),
             "held": partial(self.held, hours, memory_days),
             "sgp4": self.sgp4,
@@ -100,19 +109,20 @@ class Part:
     @_once
     def pairs(self) -> pd.DataFrame:
         """Return predictions from the starts to the grid."""
-        return self._predicted(self.starts)
+        return self._predicted(self.starts, self.flight)
 
     @_once
     def predictions(self, hours: float) -> pd.DataFrame:
         """Return predictions to the grid from the same tracks, by fits over another window [h]."""
-        return self._predicted(self._at_starts(hours))
+        return self._predicted(self._at_starts(hours), self.flight)
 
     def fly_together(self, windows: Sequence[float], held: Sequence[tuple[float, float]]) -> None:
-        """Make `pairs`, `predictions` of windows [h], and `held_predictions` of arcs, side by side.
+        """Make `pairs`, `predictions` of windows [h], and `held_predictions` of arcs, all from one start.
 
         held: window [h] and memory [days] of each of these arcs
 
-        A few arcs that fly alone leave most lanes of a block empty.
+        In a large field the first fly under all of it, and the others beside them. A few arcs that fly alone
+        leave most lanes of a block empty.
         """
         families: dict[Hashable, pd.DataFrame] = {
             ("pairs", (), ()): self.starts,
@@ -120,7 +130,10 @@ class Part:
             **{("held_predictions", arc, ()): self._with_held_cd(*arc) for arc in held},
         }
         numbered = pd.concat(families.values(), ignore_index=True)
-        flown = self._predicted(numbered.assign(track=np.arange(len(numbered))))
+        near = self.flight.for_neighbours()
+        flown = self._predicted(numbered.assign(track=np.arange(len(numbered))), near)
+        if near is not self.flight:
+            flown = _beside(self.pairs(), flown)
         family = np.repeat(np.arange(len(families)), [len(one) for one in families.values()])[flown["i"]]
         flown["i"] = numbered["track"].to_numpy()[flown["i"]]
         self.made.update({key: flown[family == k].reset_index(drop=True) for k, key in enumerate(families)})
@@ -166,6 +179,15 @@ class Part:
         )
 
     @_once
+    def parted(self, hours: float) -> pd.DataFrame:
+        """Return the columns `l_arc` of that table, for which no further arcs fly."""
+        return other_windows.parted(
+            self.pairs(),
+            arc_estimates=self.known.undisturbed(hours),
+            arc_predictions=self.predictions(hours),
+        )
+
+    @_once
     def cd_past(self, hours: float, memory_days: float) -> pd.DataFrame:
         """Return the `cd_past` table of fits over a window [h]."""
         return other_windows.build_past(
@@ -187,14 +209,24 @@ class Part:
     @_once
     def held_predictions(self, hours: float, memory_days: float) -> pd.DataFrame:
         """Return predictions to the grid by fits over a window [h], their Cd held by its past."""
-        return self._predicted(self._with_held_cd(hours, memory_days))
+        return self._predicted(self._with_held_cd(hours, memory_days), self.flight)
 
     @_once
     def sgp4(self) -> pd.DataFrame:
         """Return the `sgp4` table."""
         return baseline.build(self.pairs(), self.known.history(), epoch=self.known.epoch)
 
-    def _predicted(self, estimates: pd.DataFrame) -> pd.DataFrame:
-        """Return predictions of estimates to the grid."""
+    def _predicted(self, estimates: pd.DataFrame, flight: Flight) -> pd.DataFrame:
+        """Return predictions of estimates to the grid, as they fly."""
         arrivals = self.grid.epochs(estimates["t"].iloc[-1])
-        return predict(self.flight, estimates, arrivals=arrivals, max_days=self.grid.max_days)
+        return predict(flight, estimates, arrivals=arrivals, max_days=self.grid.max_days)
+
+
+def _beside(predictions: pd.DataFrame, near: pd.DataFrame) -> pd.DataFrame:
+    """Return predictions that begin at one time, from those under the near part of their field.
+
+    predictions: of the first of them, under all of the field
+    """
+    whole, paths = predictions[STATE].to_numpy(), near[STATE].to_numpy().reshape(-1, len(predictions), 6)
+    moved = np.concatenate([beside(whole, paths[0], path) for path in paths])
+    return near.assign(**dict(zip(STATE, moved.T, strict=True)))

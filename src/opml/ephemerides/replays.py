@@ -16,8 +16,8 @@ from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.catalog.flight import Flight
 from opml.catalog.predict.prediction import TRUE
-from opml.ephemerides.along_track_shift import through
-from opml.ephemerides.corrected import expected, morning, moved
+from opml.ephemerides.along_track_shift import corrected_by_each, through
+from opml.ephemerides.corrected import expected, morning
 from opml.ephemerides.known import Known
 from opml.ephemerides.part import Grid, Part
 from opml.ephemerides.task import Task, reached
@@ -180,10 +180,12 @@ def missed(
     t, t_i = rows["t_j"].to_numpy(), float(rows["t_i"].iloc[0])
     later = later[later["t_j"].between(t[0], t[-1])]
     at, states = later["t_j"].to_numpy(), np.ascontiguousarray(later[STATE])
-    paths = [np.ascontiguousarray(rows[STATE]), *(moved(rows, along) for along in corrections)]
-    before, *after = (in_rsw(through(t, path)(at) - states, states) for path in paths)
-    off = later.drop(columns=STATE).assign(
-        t_i=t_i, morning=now, duration=at - t_i, rate=rates(states), before=before[:, 1]
-    )
-    components = dict(zip(COMPONENTS, np.concatenate(after).T, strict=True))
-    return pd.concat([off] * len(after), ignore_index=True).assign(**components)
+    predicted = np.ascontiguousarray(rows[STATE])
+    paths = [predicted, *corrected_by_each(t, predicted, np.array(corrections))]
+    arrived = through(t, np.stack(paths, axis=1))(at)
+    before, *after = (in_rsw(arrived[:, k] - states, states) for k in range(len(paths)))
+    known = {name: later[name].to_numpy() for name in later.columns.difference(STATE, sort=False)}
+    known |= {"t_i": np.full(len(at), t_i), "morning": np.full(len(at), now), "duration": at - t_i}
+    known |= {"rate": rates(states), "before": before[:, 1]}
+    each = {name: np.tile(values, len(after)) for name, values in known.items()}
+    return pd.DataFrame(each | dict(zip(COMPONENTS, np.concatenate(after).T, strict=True)))

@@ -13,6 +13,8 @@ from decimal import Context, Decimal
 
 import erfa
 import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
 
 from opml import __version__
 from opml.base import epochs
@@ -203,6 +205,26 @@ class Pairs:
 def number_text(value: float, power: int) -> str:
     """Return the shortest text of a number times 10**power from which `Message.scale` restores the number."""
     return str(Decimal(repr(float(value))).scaleb(power))
+
+
+def number_texts(values: np.ndarray, power: int) -> list[str]:
+    """Return the `number_text` of each of many numbers (n,) times a negative power of ten."""
+    texts = pa.array(np.asarray(values, float)).cast(pa.string())
+    # Of numbers from 1 on that have no exponent the point moves in all texts in one go.
+    parts = pc.extract_regex(texts, r"^(?P<sign>-?)(?P<whole>[1-9]\d*)\.(?P<rest>\d+)$")
+    sign, whole, rest = (pc.struct_field(parts, name) for name in ("sign", "whole", "rest"))
+    whole = pc.utf8_lpad(whole, 1 - power, "0")
+    before, behind = pc.utf8_slice_codeunits(whole, 0, power), pc.utf8_slice_codeunits(whole, power)
+    found = pc.binary_join_element_wise(sign, before, ".", behind, rest, "").to_pylist()
+    return [
+        number_text(value, power) if text is None else text for value, text in zip(values, found, strict=True)
+    ]
+
+
+def lines(times: Sequence[str], numbers: np.ndarray, power: int) -> list[str]:
+    """Return a line of each time and its numbers (n, k) times a negative power of ten."""
+    columns = [number_texts(column, power) for column in numbers.T]
+    return [" ".join(line) for line in zip(times, *columns, strict=True)]
 
 
 def degrees_text(angle: float) -> str:

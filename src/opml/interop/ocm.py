@@ -54,8 +54,7 @@ def _lines(segment: Segment, epoch: str, comment: str) -> Iterator[str]:
     yield "TRAJ_REF_FRAME = GCRF"
     yield "TRAJ_TYPE = CARTPV"
     yield "TRAJ_UNITS = [km,km,km,km/s,km/s,km/s]"
-    for time, state in zip(times, segment.states.tolist(), strict=True):
-        yield " ".join([time, *(ccsds.number_text(value, -_KILO) for value in state)])
+    yield from ccsds.lines(times, segment.states, -_KILO)
     yield "TRAJ_STOP"
     if len(segment.covariances):
         yield ""
@@ -69,7 +68,5 @@ def _covariance_lines(segment: Segment, epoch: str) -> Iterator[str]:
     yield "COV_ORDERING = LTM"
     yield "COV_UNITS = [km,km,km,km/s,km/s,km/s]"
     times = ccsds.utc_texts(epoch, segment.covariance_t)
-    for time, covariance in zip(times, segment.covariances, strict=True):
-        lower = covariance[np.tril_indices(6)].tolist()
-        yield " ".join([time, *(ccsds.number_text(value, -2 * _KILO) for value in lower)])
+    yield from ccsds.lines(times, segment.covariances[:, *np.tril_indices(6)], -2 * _KILO)
     yield "COV_STOP"

@@ -9,6 +9,7 @@ Source: CCSDS 502.0-B-2, section 5.
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 
 import numpy as np
 import pandas as pd
@@ -266,8 +267,7 @@ def _lines(segments: Sequence[Segment], epoch: str, comment: str) -> Iterator[st
             yield "INTERPOLATION = HERMITE"
             yield f"INTERPOLATION_DEGREE = {segment.degree}"
         yield "META_STOP"
-        for time, state in zip(times, segment.states.tolist(), strict=True):
-            yield " ".join([time, *(ccsds.number_text(value, -_KILO) for value in state)])
+        yield from ccsds.lines(times, segment.states, -_KILO)
         if len(segment.covariances):
             yield from _covariance_lines(segment, epoch)
 
@@ -277,11 +277,11 @@ def _covariance_lines(segment: Segment, epoch: str) -> Iterator[str]:
     if segment.covariance_frame == _RSW:
         yield f"COMMENT {_AXES_ONLY}"
     times = ccsds.utc_texts(epoch, segment.covariance_t)
-    for time, covariance in zip(times, segment.covariances, strict=True):
+    texts = iter(ccsds.number_texts(segment.covariances[:, *_LOWER].ravel(), -2 * _KILO))
+    for time in times:
         yield f"EPOCH = {time}"
         yield f"COV_REF_FRAME = {segment.covariance_frame}"
-        for k in range(6):
-            yield " ".join(ccsds.number_text(value, -2 * _KILO) for value in covariance[k, : k + 1])
+        yield from (" ".join(islice(texts, k + 1)) for k in range(6))
     yield "COVARIANCE_STOP"
 
 

@@ -63,12 +63,12 @@ def nothing(now: float, *, burn: Manoeuvre | None = None) -> pd.DataFrame:
 
 def with_sigmas(judged: pd.DataFrame, issued: pd.DataFrame) -> pd.DataFrame:
     """Return rows of `judged` with the standard deviations that were stated of the models that were flown."""
-    whole = judged.copy()
-    for flight in issued[issued["model"] != ""].to_dict("records"):
-        rows = (judged["model"] == flight["model"]) & (judged["morning"] == flight["morning"])
-        if rows.any():
-            whole.loc[rows, SIGMA_STATE] = _sizes(flight).sigmas(judged[rows])
-    return whole
+    sigmas = judged[SIGMA_STATE].to_numpy(copy=True)
+    flown = issued[(issued["model"] != "") & issued["morning"].isin(judged["morning"])]
+    for flight in flown.to_dict("records"):
+        rows = ((judged["model"] == flight["model"]) & (judged["morning"] == flight["morning"])).to_numpy()
+        sigmas[rows] = _sizes(flight).sigmas(judged[rows])
+    return judged.assign(**dict(zip(SIGMA_STATE, sigmas.T, strict=True)))
 
 
 def _columns(sizes: Sizes) -> dict[str, float]:

@@ -39,16 +39,19 @@ def judged(
     manoeuvres: which no ephemeris goes across
     window: of the fits that tell the later states [s]
     """
-    tables = []
+    tables: list[pd.DataFrame] = []
+    models: list[str] = []
     for rows in paths:
         ahead = _ahead(rows, later, manoeuvres=manoeuvres, window=window)
         if ahead.empty:
             continue
         names = [column for column in rows if column.startswith("e_y_")]
-        off = missed(rows, [rows[name].to_numpy() for name in names], ahead, now=rows["morning"].iloc[0])
-        models = np.repeat([name.removeprefix("e_y_") for name in names], len(ahead))
-        tables.append(off.assign(model=models, **dict.fromkeys(SIGMA_STATE, np.nan)))
-    return pd.concat(tables, ignore_index=True) if tables else Records.empty().judged
+        tables.append(missed(rows, rows[names].to_numpy().T, ahead, now=rows["morning"].iloc[0]))
+        models += [name.removeprefix("e_y_") for name in names for _ in range(len(ahead))]
+    if not tables:
+        return Records.empty().judged
+    off = pd.concat(tables, ignore_index=True)
+    return off.assign(model=models, **dict.fromkeys(SIGMA_STATE, np.nan))
 
 
 def _ahead(

@@ -19,7 +19,7 @@ from opml.catalog.fit.estimation import Estimation
 from opml.catalog.fit.first.first_orbit import TimedState
 from opml.catalog.flight import Flight
 from opml.catalog.predict import spread
-from opml.catalog.predict.prediction import predict
+from opml.catalog.predict.prediction import predict_pairs
 from opml.catalog.predict.spread import Weathers
 from opml.ephemerides import corrected
 from opml.ephemerides.known import Known
@@ -264,10 +264,12 @@ def _known(watched: Watched, records: Records, recent: Recent) -> Known:
     tracking = recent.tracking.assign(track=recent.numbers[recent.tracking["track"]])
     made = partial(dataset.of_estimates, tracking=tracking, gm=flight.model.gm, cleaning=Cleaning())
     at_estimates = made(rows, pd.DataFrame(columns=["i", "j", *STATE, "reason"]))
-    earlier = rows[rows["track"].isin(at_estimates["b"])]
-    if len(earlier):
-        times = rows.set_index("track")["t"]
-        at_estimates = made(rows, predict(flight, earlier, arrivals=times, max_days=plan.max_days))
+    begun = at_estimates[at_estimates["b"] != dataset.NO_PREVIOUS]
+    if len(begun):
+        t_j = rows.set_index("track")["t"].loc[begun.index]
+        from_previous = begun.assign(i=begun["b"], j=begun.index, t_i=begun["t_b"], t_j=t_j)
+        pairs = from_previous[["i", "j", "t_i", "t_j"]].reset_index(drop=True)
+        at_estimates = made(rows, predict_pairs(flight, rows, pairs))
     return Known(
         rows,
         at_estimates,

@@ -7,7 +7,8 @@ from support import BOUNDED_ESTIMATION, force_model
 from opml.base.constants import DAY
 from opml.catalog import flight as flights
 from opml.catalog.fit import estimation, sightings, start_states
-from opml.catalog.flight import Flight
+from opml.catalog.fit import iterations as iterations_of_fits
+from opml.catalog.flight import Flight, beside
 from opml.catalog.predict import covariance, prediction, sensitivity
 from opml.catalog.simulate import tracking, truth
 from opml.tables import PARAMETERS, STATE
@@ -62,6 +63,50 @@ def test_fits_come_to_the_same_answer(run, whole_field):
     assert not np.array_equal(estimates[PARAMETERS], expected[PARAMETERS])
     assert np.abs((estimates[PARAMETERS] - expected[PARAMETERS]).to_numpy() / sigmas).max() < 0.01
     np.testing.assert_allclose(estimates[SIGMAS], expected[SIGMAS], rtol=0.01)
+
+
+def test_the_first_trial_of_a_fit_alone_flies_under_the_whole_field(run, monkeypatch):
+    counts = []
+    fly = Flight.fly
+
+    def counted(flight, epochs, states, **arguments):
+        if flight.model.degree > 20 and epochs[0] > epochs[-1]:
+            counts.append(len(states))
+        return fly(flight, epochs, states, **arguments)
+
+    monkeypatch.setattr(Flight, "fly", counted)
+    estimates, _ = run()
+    iterations = estimates["iterations"].sum()
+    assert estimates["converged"].all()
+    assert len(estimates) <= sum(counts) < 0.7 * iterations
+    counts.clear()
+    monkeypatch.setattr(iterations_of_fits, "NEAR", -1.0)
+    every, _ = run()
+    assert sum(counts) >= every["iterations"].sum()
+    sigmas = np.sqrt(every[SIGMAS].to_numpy())
+    assert np.abs((estimates[PARAMETERS] - every[PARAMETERS]).to_numpy() / sigmas).max() < 0.01
+
+
+@pytest.mark.parametrize(
+    ("ahead", "faster", "part"), [(0.0, 0.01, 3e-4), (0.0, -0.3, 3e-4), (300.0, 0.0, 3e-3)]
+)
+def test_an_arc_beside_another_is_where_it_would_have_flown(flight, iss, ahead, faster, part):
+    """Two days: one as fast as the other but ahead [m], others faster [m/s]."""
+    start = np.array([6.8e6, 0.0, 0.0, 0.0, 4.7e3, 6.0e3])
+    angle = ahead / 6.8e6
+    turned = np.cos(angle) * start[:3] + np.sin(angle) * 6.8e6 * start[3:] / np.linalg.norm(start[3:])
+    other = np.concatenate([turned, np.cos(angle) * start[3:] - np.sin(angle) * start[:3] / 6.8e6 * 7622.0])
+    other[3:] *= 1.0 + faster / 7622.0
+    epochs = np.arange(0.0, 2 * DAY + 1.0, 300.0)
+    states, ends = np.array([start, other]), {"first": [0, 0], "last": [len(epochs) - 1] * 2}
+    whole, near = (
+        one.fly(epochs, states, cd=2.2, **ends).states.reshape(2, -1, 6)
+        for one in (flight, flight.for_neighbours())
+    )
+    found = beside(whole[0], *near)
+    distance, off = (np.linalg.norm((one - whole[1])[:, :3], axis=1) for one in (whole[0], found))
+    assert distance.max() > 250.0
+    assert 0.0 < off.max() < part * distance.max()
 
 
 def test_sensitivities_and_covariances_are_the_same_but_for_a_part_of_a_percent(flight, run, whole_field):

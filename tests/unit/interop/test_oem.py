@@ -61,6 +61,12 @@ def test_a_number_keeps_every_bit(value, power):
     assert np.float64(back).tobytes() == np.float64(value).tobytes()
 
 
+@given(st.lists(DOUBLES, max_size=4), st.lists(st.floats(-1e9, 1e9), max_size=4), st.sampled_from([-6, -3]))
+def test_many_numbers_have_the_texts_of_each(values, lengths, power):
+    numbers = np.array([*values, *lengths, 5.0, -7612.0, 512.25], float)
+    assert ccsds.number_texts(numbers, power) == [ccsds.number_text(value, power) for value in numbers]
+
+
 @settings(deadline=None)
 @given(st.lists(st.integers(-(10**13), 10**13), min_size=1, max_size=5))
 def test_times_come_back_to_the_microsecond_across_leap_seconds(microseconds):

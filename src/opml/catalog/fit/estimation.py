@@ -17,12 +17,12 @@ import pandas as pd
 from opml.base.constants import HOUR
 from opml.catalog.fit import biases
 from opml.catalog.fit.first.round_orbits import eccentricity
+from opml.catalog.fit.iterations import Iterations
 from opml.catalog.fit.least_squares import Evaluation, Fit, Method
 from opml.catalog.fit.measurements import Measurements, Window
 from opml.catalog.fit.neighbour_arcs import fly_around, fly_parameters
 from opml.catalog.fit.solutions import Known, Solution, solutions
 from opml.catalog.flight import Flight
-from opml.dynamics.ensemble import REASONS
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE
 
 BATCH = 16
@@ -38,12 +38,6 @@ SCALES = np.array([1e3, 1e3, 1e3, 1.0, 1.0, 1.0, 1.0])
 
 NO_START = "no orbit to start from"
 """Why a fit did not begin."""
-
-FASTEST = 1e6
-"""Speed of trials above which their arcs are not flown [m/s]: fits to short tracks of angles wander far."""
-
-TOO_FAST = "start arc faster than any orbit"
-"""Why such a fit did not begin."""
 
 LINEAR = 10e3
 """How far a state may be moved along its covariance [m], to where it would be had Cd been known."""
@@ -234,20 +228,13 @@ class Run:
 
     def fit(self, estimates: Sequence[Estimate]) -> None:
         """Iterate all fits side by side until they end, or the settings' number of iterations is reached."""
-        for _ in range(self.settings.max_iterations):
-            for estimate in estimates:
-                while estimate.fit.running and np.linalg.norm(estimate.fit.trial[3:6]) > FASTEST:
-                    estimate.fit.reject(TOO_FAST)
-            running = [estimate for estimate in estimates if estimate.fit.running]
-            if not running:
-                break
-            windows, trials = [one.window for one in running], np.array([one.fit.trial for one in running])
-            paths, status = fly_around(self.flight, self.measured.epochs, windows, trials)
-            for estimate, states, lost in zip(running, paths, status, strict=True):
-                if lost:
-                    estimate.fit.reject(f"start arc {REASONS[lost]}")
-                else:
-                    estimate.fit.take(self._evaluation(estimate, states))
+        windows, fits = [one.window for one in estimates], [one.fit for one in estimates]
+
+        def evaluation(k: int, states: np.ndarray) -> Evaluation:
+            return self._evaluation(estimates[k], states)
+
+        iterations = Iterations(self.flight, self.measured.epochs, windows, evaluation)
+        iterations.run(fits, most=self.settings.max_iterations)
 
     def _evaluation(self, estimate: Estimate, states: np.ndarray) -> Evaluation:
         """Return the evaluation of a trial, from states (8, epochs, 6) of its arc and the neighbours."""
@@ -277,9 +264,11 @@ class Run:
         return nominal
 
     def _best_paths(self, estimates: Sequence[Estimate]) -> list[np.ndarray]:
-        """Return the states of the best of each estimate and its neighbours, as `fly_around`."""
+        """Return the states (8, epochs, 6) of the best of each estimate and its neighbours."""
         windows, best = [one.window for one in estimates], np.array([one.fit.best for one in estimates])
-        return fly_around(self.flight, self.measured.epochs, windows, best.reshape(-1, len(PARAMETERS)))[0]
+        trials = best.reshape(-1, len(PARAMETERS))
+        arounds, _ = fly_around(self.flight, self.measured.epochs, windows, trials)
+        return [around.states for around in arounds]
 
     def edited(self, estimates: Sequence[Estimate]) -> list[Estimate]:
         """Return estimates fitted without outliers, first those from the start, until these stay the same.

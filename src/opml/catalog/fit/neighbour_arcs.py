@@ -1,11 +1,12 @@
 """Arcs of a trial and its neighbours, which differ in one parameter each and tell the partial derivatives."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from opml.catalog.fit.measurements import Window
-from opml.catalog.flight import Flight
+from opml.catalog.flight import Flight, beside
 from opml.dynamics.ensemble import Arcs
 from opml.tables import PARAMETERS
 
@@ -35,8 +36,8 @@ def fly_beside(flight: Flight, epochs: np.ndarray, parameters: np.ndarray) -> tu
     states, status = _fly_forward(near, epochs, parameters + _NEIGHBOURS)
     if near is flight:
         return states, status
-    nominal, lost = _fly_forward(flight, epochs, parameters[None])
-    return states + (nominal - states[:1]), max(status, lost)
+    [whole], lost = _fly_forward(flight, epochs, parameters[None])
+    return _all_beside(whole, states), max(status, lost)
 
 
 def _fly_forward(flight: Flight, epochs: np.ndarray, parameters: np.ndarray) -> tuple[np.ndarray, int]:
@@ -47,39 +48,64 @@ def _fly_forward(flight: Flight, epochs: np.ndarray, parameters: np.ndarray) -> 
     return np.concatenate([parameters[:, None, :6], later], axis=1), int(arcs.status.max())
 
 
+def _all_beside(path: np.ndarray, arcs: np.ndarray) -> np.ndarray:
+    """Return the states (8, n, 6) of arcs beside a path (n, 6), from their own under the near part."""
+    return np.stack([beside(path, arcs[0], arc) for arc in arcs])
+
+
+@dataclass(frozen=True)
+class Around:
+    """The arcs of a trial and its neighbours, through the epochs of a window.
+
+    states: (8, epochs, 6) GCRF [m, m/s], those of the trial first
+    near: (epochs, 6) the trial's own under the part of the field that neighbours fly under
+    """
+
+    states: np.ndarray
+    near: np.ndarray
+
+    def moved(self, near: np.ndarray) -> np.ndarray:
+        """Return the states (8, epochs, 6) of another trial near by; near: as that of this one."""
+        path = self.states[0]
+        moved: np.ndarray = self.states + (beside(path, self.near, near) - path)
+        return moved
+
+
 def fly_around(
     flight: Flight, epochs: np.ndarray, windows: Sequence[Window], trials: np.ndarray
-) -> tuple[list[np.ndarray], np.ndarray]:
-    """Return (states of each trial (n, 7) of a window and its neighbours, their worst status).
+) -> tuple[list[Around], np.ndarray]:
+    """Return (arcs of each trial (n, 7) of a window and its neighbours, their worst status).
 
-    The states are (8, epochs, 6) GCRF [m, m/s] at the epochs of the window; the status is an index into
-    REASONS.
+    The status is an index into REASONS.
 
     In a large field the trials alone fly under all of it. Two-day fits of Swarm A under 70x70 then have the
     same answers to 0.0004 of their sigma, in 43 % of the time.
     """
     near = flight.for_neighbours()
-    states, status = _fly_neighbours(near, epochs, trials, windows)
-    if near is flight:
-        return states, status
-    nominal, lost = _fly_windows(flight, epochs, trials, windows)
-    moved = [arcs + (path - arcs[0]) for arcs, path in zip(states, nominal, strict=True)]
-    return moved, np.maximum(status, lost)
-
-
-def _fly_neighbours(
-    flight: Flight, epochs: np.ndarray, trials: np.ndarray, windows: Sequence[Window]
-) -> tuple[list[np.ndarray], np.ndarray]:
-    """Return states and status as `fly_around`, of trials (n, 7) and their neighbours under one field."""
     count = len(_NEIGHBOURS)
     lanes = (trials[:, None] + _NEIGHBOURS).reshape(-1, 7)
-    paths, status = _fly_windows(flight, epochs, lanes, [window for window in windows for _ in range(count)])
+    paths, status = _fly_windows(near, epochs, [window for window in windows for _ in range(count)], lanes)
     states = [np.stack(paths[k : k + count]) for k in range(0, len(paths), count)]
-    return states, status.reshape(-1, count).max(axis=1)
+    worst = status.reshape(-1, count).max(axis=1)
+    arounds = [Around(arcs, arcs[0]) for arcs in states]
+    if near is flight:
+        return arounds, worst
+    whole, lost = _fly_windows(flight, epochs, windows, trials)
+    moved = [
+        replace(one, states=_all_beside(path, one.states)) for one, path in zip(arounds, whole, strict=True)
+    ]
+    return moved, np.maximum(worst, lost)
+
+
+def fly_near(
+    flight: Flight, epochs: np.ndarray, windows: Sequence[Window], trials: np.ndarray
+) -> tuple[list[np.ndarray], np.ndarray]:
+    """Return (states (epochs, 6), status) of each trial alone, as `Around.near`."""
+    return _fly_windows(flight.for_neighbours(), epochs, windows, trials)
 
 
 def _fly_windows(
-    flight: Flight, epochs: np.ndarray, parameters: np.ndarray, windows: Sequence[Window]
+    flight: Flight, epochs: np.ndarray, windows: Sequence[Window], parameters: np.ndarray
 ) -> tuple[list[np.ndarray], np.ndarray]:
     """Return (states (epochs, 6) of each window, status) of arcs from parameters (n, 7)."""
     first, at, last = (

@@ -6,8 +6,7 @@ from typing import Self
 import numpy as np
 import pandas as pd
 
-from opml.catalog.flight import Flight
-from opml.orbits.elements import from_rsw, in_rsw
+from opml.catalog.flight import Flight, beside
 from opml.tables import STATE
 
 
@@ -51,7 +50,4 @@ class Neighbours:
         flown, _ = self.flight.fly_pairs(self.predictions, states, cd=cd)
         if self.origin is None:
             return flown
-        predicted = self.predictions[STATE].to_numpy(float)
-        parted = in_rsw(flown - self.origin, self.origin)
-        moved: np.ndarray = predicted + from_rsw(parted, predicted)
-        return moved
+        return beside(self.predictions[STATE].to_numpy(float), self.origin, flown)

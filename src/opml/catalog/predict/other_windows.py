@@ -57,10 +57,9 @@ def build_arcs(
     arc's prediction answers to its Cd along the fit's covariance. Where the arc did not converge or does not
     reach t_j, it tells nothing: l and v are 0, cd_arc is that of the sheet.
     """
-    pairs = pd.MultiIndex.from_frame(predictions[["i", "j"]])
     predicted = predictions[STATE].to_numpy()
     arc, nudged = (
-        states.set_index(["i", "j"])[STATE].reindex(pairs).to_numpy()
+        _at_pairs(states, predictions)
         for states in (arc_predictions, _nudged(flight, arc_estimates, arc_predictions))
     )
     differences = {"l_arc": predicted - arc, "v_arc": (nudged - arc) / CD_NUDGE}
@@ -68,6 +67,16 @@ def build_arcs(
     usable = _usable(estimates, differences)
     table = predictions[["i", "j"]].assign(cd_arc=np.where(usable, estimates["cd"], flight.rso.cd))
     return table.assign(**_turned(differences, predicted, usable))
+
+
+def parted(
+    predictions: pd.DataFrame, *, arc_estimates: pd.DataFrame, arc_predictions: pd.DataFrame
+) -> pd.DataFrame:
+    """Return i, j and the columns l_arc_* of the table `arcs`; arguments as of `build_arcs`."""
+    predicted = predictions[STATE].to_numpy()
+    differences = {"l_arc": predicted - _at_pairs(arc_predictions, predictions)}
+    usable = _usable(_by_pair(arc_estimates, predictions), differences)
+    return predictions[["i", "j"]].assign(**_turned(differences, predicted, usable))
 
 
 def build_past(
@@ -147,6 +156,13 @@ def _flown(predictions: pd.DataFrame, states: np.ndarray) -> pd.DataFrame:
     Differences are taken of columns of tables, as sums of another layout in memory round differently.
     """
     return predictions[["i", "j"]].assign(**dict(zip(STATE, states.T, strict=True)))
+
+
+def _at_pairs(states: pd.DataFrame, predictions: pd.DataFrame) -> np.ndarray:
+    """Return the states (n, 6) of a table at the pairs of predictions, NaN where it has none."""
+    pairs = pd.MultiIndex.from_frame(predictions[["i", "j"]])
+    found: np.ndarray = states.set_index(["i", "j"])[STATE].reindex(pairs).to_numpy()
+    return found
 
 
 def _by_pair(estimates: pd.DataFrame, predictions: pd.DataFrame) -> pd.DataFrame:

@@ -50,7 +50,11 @@ def predict(flight: Flight, estimates: pd.DataFrame, *, arrivals: pd.Series, max
     flight, estimates, max_days: as in `predict_all`
     arrivals: epochs to predict to [s], ascending, by their numbers j in the table
     """
-    pairs = _pairs(estimates, arrivals, max_days)
+    return predict_pairs(flight, estimates, _pairs(estimates, arrivals, max_days))
+
+
+def predict_pairs(flight: Flight, estimates: pd.DataFrame, pairs: pd.DataFrame) -> pd.DataFrame:
+    """Return what `predict` does, of pairs: i, j, t_i and t_j in the order of i."""
     started = estimates.set_index("track").loc[np.unique(pairs["i"])]
     states, status = flight.fly_pairs(pairs, started[STATE].to_numpy(), cd=started["cd"].to_numpy())
     reason = np.where(np.isfinite(states[:, 0]), "", np.array(REASONS, object)[status])

@@ -1,0 +1,99 @@
+"""Iterations of several fits side by side.
+
+In a large field only the first trial of a fit flies under all of it, with its neighbours. A later trial near
+by parts from it under the first degrees of the field as under all of it, and the partial derivatives are the
+same. So it flies alone, under these.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from opml.catalog.fit.least_squares import Evaluation, Fit
+from opml.catalog.fit.measurements import Window
+from opml.catalog.fit.neighbour_arcs import Around, fly_around, fly_near
+from opml.catalog.flight import Flight
+from opml.dynamics.ensemble import REASONS
+
+FASTEST = 1e6
+"""Speed of trials above which their arcs are not flown [m/s]: fits to short tracks of angles wander far."""
+
+TOO_FAST = "start arc faster than any orbit"
+"""Why such a fit did not begin."""
+
+NEAR = 3.0
+"""Largest change of a residual, in its standard deviation, between trials that are near each other.
+
+What parts two arcs that near is known to some 0.0003 of itself, `flight.beside`, a residual to 0.001 of its
+standard deviation.
+"""
+
+
+@dataclass(frozen=True)
+class Iterations:
+    """What the iterations of several fits share.
+
+    epochs: of the run [s]
+    windows: of the fits
+    evaluation: of a fit, by its number, from states (8, epochs, 6) of a trial and its neighbours
+    """
+
+    flight: Flight
+    epochs: np.ndarray
+    windows: Sequence[Window]
+    evaluation: Callable[[int, np.ndarray], Evaluation]
+
+    def run(self, fits: Sequence[Fit], *, most: int) -> None:
+        """Iterate the fits until they end, or after so many iterations."""
+        known: dict[int, _Flown] = {}
+        for _ in range(most):
+            trials = {k: fit.trial for k, fit in enumerate(fits) if _is_running(fit)}
+            if not trials:
+                break
+            near = self._near({k: trial for k, trial in trials.items() if k in known}, known)
+            for k, evaluation in near.items():
+                fits[k].take(evaluation)
+            far = {k: trial for k, trial in trials.items() if k not in near}
+            for k, around, lost in self._flown(far):
+                if lost:
+                    fits[k].reject(f"start arc {REASONS[lost]}")
+                else:
+                    known[k] = _Flown(around, self.evaluation(k, around.states))
+                    fits[k].take(known[k].evaluation)
+
+    def _flown(self, trials: Mapping[int, np.ndarray]) -> Iterator[tuple[int, Around, int]]:
+        """Yield the arcs around trials, by the numbers of their fits, and their status."""
+        if trials:
+            windows, parameters = [self.windows[k] for k in trials], np.array(list(trials.values()))
+            yield from zip(trials, *fly_around(self.flight, self.epochs, windows, parameters), strict=True)
+
+    def _near(self, trials: Mapping[int, np.ndarray], known: Mapping[int, "_Flown"]) -> dict[int, Evaluation]:
+        """Return the evaluations of those trials that are near what flew for the same fits."""
+        if not trials or self.flight.for_neighbours() is self.flight:
+            return {}
+        windows, parameters = [self.windows[k] for k in trials], np.array(list(trials.values()))
+        paths, _ = fly_near(self.flight, self.epochs, windows, parameters)
+        found = {
+            k: self.evaluation(k, known[k].around.moved(path)) for k, path in zip(trials, paths, strict=True)
+        }
+        return {k: one for k, one in found.items() if known[k].is_near(one)}
+
+
+@dataclass(frozen=True)
+class _Flown:
+    """A trial of a fit that flew under all of the field, and its evaluation."""
+
+    around: Around
+    evaluation: Evaluation
+
+    def is_near(self, other: Evaluation) -> bool:
+        """Whether the trial of another evaluation is near."""
+        return bool(np.abs(other.residuals - self.evaluation.residuals).max(initial=0.0) <= NEAR)
+
+
+def _is_running(fit: Fit) -> bool:
+    """Return whether a fit goes on, at a trial that can be flown."""
+    while fit.running and np.linalg.norm(fit.trial[3:6]) > FASTEST:
+        fit.reject(TOO_FAST)
+    return fit.running
