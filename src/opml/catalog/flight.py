@@ -20,7 +20,7 @@ _LARGE = 21
 _NEAR = 8
 """Degree and order of the part of a large field that neighbours fly under."""
 
-_STEP_NEAR = 150.0
+_STEP_NEAR = 300.0
 """Longest step of their integration at least [s]: this part of a field is smooth."""
 
 Progress = Callable[[float], None]

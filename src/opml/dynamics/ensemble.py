@@ -93,6 +93,8 @@ def propagate(
     """
     epochs = np.asarray(epochs, float)
     first, last = np.asarray(departures.first, np.int64), np.asarray(departures.last, np.int64)
+    if np.array_equal(first, last):
+        return Arcs(np.empty((0, 6)), np.zeros(len(first) + 1, np.int64), np.zeros(len(first), np.int64))
     grid = _Grid(epochs, model.jumps(epochs[0], epochs[-1]), integrator.max_step)
     start = np.concatenate([[0], np.cumsum(last - first)])
     ensemble = _Ensemble(
