@@ -10,6 +10,7 @@ from support import EPOCH
 from opml.base.constants import DAY, HOUR
 from opml.interop.element_sets import spans
 from opml.interop.element_sets.measured_sets import Taking, measured
+from opml.orbits.manoeuvres import Manoeuvre
 
 DAYS = np.arange(1.0, 21.0)
 RADIUS = 6.78e6
@@ -84,3 +85,20 @@ def test_points_reach_back_over_the_span_once_it_is_told(caplog):
     assert line.startswith("sets part as fits to 72 hours each do")
     assert reaches(sets.iloc[:10]) == found[:10]
     assert reaches(sets, reach=36 * HOUR) == [24.0] + [36.0] * 10
+
+
+def test_sets_about_a_burn_tell_nothing_once_it_is_known():
+    calm, burns = fitted(72.0), DAY * np.array([4.5, 7.5, 10.5, 13.5])
+    sets = calm.copy()
+    for burn in burns:
+        faster = 3e3 / DAY / RADIUS
+        sets["mean_motion"] += np.where(sets["t"] > burn, faster, 0.0)
+        sets["mean_anomaly"] += faster * np.maximum(sets["t"] - burn, 0.0)
+    at_once, late = ([Manoeuvre(t, known) for t in burns] for known in (-np.inf, 18.5 * DAY))
+    expected = spans.found(calm, epoch=EPOCH, manoeuvres=at_once)[-1]
+    assert expected == 60.0 * HOUR  # of eleven pairs, half a day from the truth
+    assert newest(sets) != 60.0
+    assert spans.found(sets, epoch=EPOCH, manoeuvres=at_once)[-1] == expected
+    lengths, before = spans.found(sets, epoch=EPOCH, manoeuvres=late), sets["t"] < 18.5 * DAY
+    np.testing.assert_array_equal(lengths[before], spans.found(sets[before], epoch=EPOCH))
+    assert (lengths[~before] == expected).all()

@@ -102,7 +102,7 @@ def measured(
     counting = worth["counts"].to_numpy() & (sets["t"].to_numpy() >= 0.0) & (ends <= duration)
     reaches = np.full(len(sets), usual.reach)
     if taking.reach is None:
-        reaches[worth["counts"]] = _over_spans(sets[worth["counts"]], epoch=epoch)
+        reaches[worth["counts"]] = _over_spans(sets[worth["counts"]], epoch, manoeuvres)
     kept, points = [], []
     for k in np.flatnonzero(counting):
         sampling = Sampling(float(reaches[k]), taking.step)
@@ -117,9 +117,9 @@ def measured(
     return MeasuredSets(ends[kept], sets["t_created"].to_numpy()[kept], points)
 
 
-def _over_spans(sets: pd.DataFrame, *, epoch: str) -> np.ndarray:
+def _over_spans(sets: pd.DataFrame, epoch: str, manoeuvres: Sequence[Manoeuvre]) -> np.ndarray:
     """Return how far points of sets (n,) reach back [s]: over what was fitted where sets up to each tell."""
-    lengths = spans.found(sets, epoch=epoch)
+    lengths = spans.found(sets, epoch=epoch, manoeuvres=manoeuvres)
     is_known = np.isfinite(lengths)
     if is_known.any():
         hours = lengths[is_known][-1] / HOUR

@@ -5,6 +5,8 @@ they part knows nothing of the curvature: of errors of least squares, one is odd
 middle lies half a span before the mean of both epochs, where the rate is thus the curvature times the span.
 """
 
+from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -13,12 +15,16 @@ import pandas as pd
 from opml.base.constants import DAY
 from opml.interop.element_sets.histories import states_of
 from opml.orbits.elements import in_rsw
+from opml.orbits.manoeuvres import Manoeuvre, contain_any
 
 _BACK = np.arange(0.0, 5.0 * DAY, 1800.0)
 """Times before the later epoch at which two sets are held against each other [s]."""
 
 _GAPS = (0.1 * DAY, 3.0 * DAY)
 """Least and longest time between the epochs of two sets."""
+
+_BEFORE = DAY
+"""Time before two sets in which a manoeuvre spoils what they tell [s]: the earlier was fitted across it."""
 
 _LONGEST = 2.0 * float(_BACK[-1])
 """Longest span that is told [s]: the middle of a longer one lies before all that two sets are held at."""
@@ -33,21 +39,37 @@ _UNEXPLAINED = 0.5
 """Part of the rates' size that a span may leave; an object with little drag has none that explains them."""
 
 
-def found(sets: pd.DataFrame, *, epoch: str) -> np.ndarray:
+def found(sets: pd.DataFrame, *, epoch: str, manoeuvres: Sequence[Manoeuvre] = ()) -> np.ndarray:
     """Return over how long sets (n,) were fitted [s], each as it and those before it tell; NaN where not.
 
     sets: table `element_sets` of one object
     epoch: UTC text, the table's
+    manoeuvres: pairs of sets with one between them or shortly before tell nothing, from when it is known
 
     The first pairs of a history tell, so that the span hardly changes once it is found.
     """
-    lengths, partings = np.full(len(sets), np.nan), np.empty((0, 2))
+    t, partings = sets["t"].to_numpy(), np.full((len(sets), 2), np.nan)
+    begins, enough = np.concatenate([[np.nan], t[:-1] - _BEFORE]), _MOST
     for later, pair in enumerate(pairwise(row for _, row in sets.iterrows()), start=1):
-        if len(partings) < _MOST and _is_near(*pair):
-            parting = _parting(*pair, epoch)
-            partings = np.vstack([partings, parting]) if np.all(np.isfinite(parting)) else partings
-        lengths[later] = _length(*partings.T)
+        if enough and _is_near(*pair):
+            partings[later] = _parting(*pair, epoch)
+            enough -= _tell(partings, begins, t, manoeuvres)[later]
+    lengths = np.full(len(sets), np.nan)
+    for newest in range(1, len(sets)):
+        known = [one for one in manoeuvres if max(one.t, one.known) <= t[newest]]
+        seen = slice(newest + 1)
+        pairs = partings[seen][_tell(partings[seen], begins[seen], t[seen], known)]
+        lengths[newest] = _length(*pairs[:_MOST].T)
     return lengths
+
+
+def _tell(
+    partings: np.ndarray, begins: np.ndarray, ends: np.ndarray, manoeuvres: Sequence[Manoeuvre]
+) -> np.ndarray:
+    """Return which partings (n, 2) are known and hold no manoeuvre from `begins` to `ends` (n,) [s]."""
+    at_once = [replace(one, known=one.t) for one in manoeuvres]
+    tells: np.ndarray = np.isfinite(partings).all(axis=1) & ~contain_any(begins, ends, at_once)
+    return tells
 
 
 def _length(curvatures: np.ndarray, rates: np.ndarray) -> float:
