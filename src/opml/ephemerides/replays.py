@@ -6,7 +6,7 @@ off by. So nothing behind a row was known after its t_i, but the row's own error
 from has been through all that the next ephemeris will go through.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -163,27 +163,37 @@ def _ephemerides(part: Part, series: Series) -> Iterator[pd.DataFrame]:
 
 def _held(rows: pd.DataFrame, later: pd.DataFrame, lessons: Lessons) -> pd.DataFrame:
     """Return how far one ephemeris is off the states of later tracks."""
-    now = morning(float(rows["t_i"].iloc[0]))
-    return missed(rows, [expected(rows, lessons(now))], later, now=now)
+    t, t_i = rows["t_j"].to_numpy(), float(rows["t_i"].iloc[0])
+    now = morning(t_i)
+    arrived = arrivals(rows, [expected(rows, lessons(now))])
+    return missed(arrived, later[later["t_j"].between(t[0], t[-1])], t_i=t_i, now=now)
+
+
+def arrivals(rows: pd.DataFrame, corrections: Sequence[np.ndarray]) -> Callable[[np.ndarray], np.ndarray]:
+    """Return where an ephemeris is, and where each of some corrections has it: a function of times (m,) [s].
+
+    rows: of one estimate: t_j and a state (STATE) at each epoch of the ephemeris
+    corrections: e_y (n,) that are taken from it [m]
+
+    The function returns states (m, 1 + corrections, 6) GCRF [m, m/s].
+    """
+    t, predicted = rows["t_j"].to_numpy(), np.ascontiguousarray(rows[STATE])
+    paths = [predicted, *corrected_by_each(t, predicted, np.array(corrections))]
+    return through(t, np.stack(paths, axis=1))
 
 
 def missed(
-    rows: pd.DataFrame, corrections: Sequence[np.ndarray], later: pd.DataFrame, *, now: float
+    arrived: Callable[[np.ndarray], np.ndarray], later: pd.DataFrame, *, t_i: float, now: float
 ) -> pd.DataFrame:
     """Return how far an ephemeris is off later states by each correction in turn, but for SIGMA_STATE.
 
-    rows: of one estimate: t_i, t_j and a state (STATE) at each epoch of the ephemeris
-    corrections: e_y (n,) that are taken from it [m]
-    later: as `judge` returns it, with SPREAD
-    now: when it was made [s]
+    arrived: from `arrivals`
+    later: as `judge` returns it, with SPREAD, at times that the ephemeris has
+    t_i, now: when the ephemeris begins, and when it was made [s]
     """
-    t, t_i = rows["t_j"].to_numpy(), float(rows["t_i"].iloc[0])
-    later = later[later["t_j"].between(t[0], t[-1])]
     at, states = later["t_j"].to_numpy(), np.ascontiguousarray(later[STATE])
-    predicted = np.ascontiguousarray(rows[STATE])
-    paths = [predicted, *corrected_by_each(t, predicted, np.array(corrections))]
-    arrived = through(t, np.stack(paths, axis=1))(at)
-    before, *after = (in_rsw(arrived[:, k] - states, states) for k in range(len(paths)))
+    there = arrived(at)
+    before, *after = (in_rsw(there[:, k] - states, states) for k in range(there.shape[1]))
     known = {name: later[name].to_numpy() for name in later.columns.difference(STATE, sort=False)}
     known |= {"t_i": np.full(len(at), t_i), "morning": np.full(len(at), now), "duration": at - t_i}
     known |= {"rate": rates(states), "before": before[:, 1]}

@@ -9,6 +9,7 @@ from opml.catalog.fit import fixes
 from opml.catalog.predict import labels
 from opml.ephemerides.corrected import between
 from opml.ephemerides.replays import missed
+from opml.mornings.paths import Paths
 from opml.mornings.records import Records
 from opml.mornings.tracks import Recent
 from opml.orbits.manoeuvres import Manoeuvre, contain_any
@@ -30,24 +31,23 @@ def later_states(estimates: pd.DataFrame, recent: Recent) -> pd.DataFrame:
 
 
 def judged(
-    paths: Sequence[pd.DataFrame], later: pd.DataFrame, *, manoeuvres: Sequence[Manoeuvre], window: float
+    paths: Sequence[Paths], later: pd.DataFrame, *, manoeuvres: Sequence[Manoeuvre], window: float
 ) -> pd.DataFrame:
     """Return rows of the table `judged`: every model of every ephemeris against later states.
 
-    paths: tables of that name
+    paths: of earlier mornings
     later: from `later_states`
     manoeuvres: which no ephemeris goes across
     window: of the fits that tell the later states [s]
     """
     tables: list[pd.DataFrame] = []
     models: list[str] = []
-    for rows in paths:
-        ahead = _ahead(rows, later, manoeuvres=manoeuvres, window=window)
-        if ahead.empty:
-            continue
-        names = [column for column in rows if column.startswith("e_y_")]
-        tables.append(missed(rows, rows[names].to_numpy().T, ahead, now=rows["morning"].iloc[0]))
-        models += [name.removeprefix("e_y_") for name in names for _ in range(len(ahead))]
+    for one in paths:
+        ahead = _ahead(one.table, later, manoeuvres=manoeuvres, window=window)
+        if len(ahead):
+            t_i = float(one.table["t_i"].iloc[0])
+            tables.append(missed(one.arrivals, ahead, t_i=t_i, now=one.made))
+            models += [name for name in one.models for _ in range(len(ahead))]
     if not tables:
         return Records.empty().judged
     off = pd.concat(tables, ignore_index=True)

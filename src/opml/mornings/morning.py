@@ -28,6 +28,7 @@ from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models import learners
 from opml.mornings import burns_in_tracks, candidates, fits, issued, judged, product, tracks
+from opml.mornings.paths import Paths
 from opml.mornings.records import Records
 from opml.mornings.tracks import Recent
 from opml.mornings.verdict import DO_NOT_USE, Verdict, verdict
@@ -162,7 +163,7 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
         return Left(left, recent, Verdict(DO_NOT_USE, str(reason)))
     # An ephemeris from the estimate of an earlier morning is that morning's, and judged once.
     is_new = not records.issued["i"].isin(starts["track"]).any()
-    left, past = replace(left, paths=[paths] if is_new else []), so_far.free(plan.base)
+    left, past = replace(left, paths=[Paths(paths)] if is_new else []), so_far.free(plan.base)
     judgement = verdict(past, starts, now=now, burns=watched.manoeuvres, window=plan.base * HOUR)
     try:
         flown = issued.chosen(past, list(plan.models), now=now)

@@ -19,6 +19,7 @@ import pandas as pd
 from opml.base.constants import HOUR
 from opml.base.errors import InputError
 from opml.base.files import replacing
+from opml.mornings.paths import Paths
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SCHEMAS, paths_schema, read_metadata, read_table, write_table
 
@@ -40,13 +41,13 @@ class Records:
     estimates: with the window of each, `window_hours`
     judged: rows of `replay` tables, with the `model` of each
     issued: a row a morning
-    paths: tables of that name, of mornings whose ephemerides tracks to come may reach
+    paths: of mornings whose ephemerides tracks to come may reach
     """
 
     estimates: pd.DataFrame
     judged: pd.DataFrame
     issued: pd.DataFrame
-    paths: Sequence[pd.DataFrame] = ()
+    paths: Sequence[Paths] = ()
 
     @classmethod
     def empty(cls) -> Self:
@@ -113,7 +114,7 @@ class Records:
             estimates=_below([self.estimates, more.estimates], "kept_estimates"),
             judged=_below([self.judged, more.judged], "judged"),
             issued=_below([self.issued, more.issued], "issued"),
-            paths=[paths for paths in (*self.paths, *more.paths) if paths["morning"].iloc[0] > since],
+            paths=[paths for paths in (*self.paths, *more.paths) if paths.made > since],
         )
 
     def write(self, folder: Path, outcome: Mapping[str, Any], *, metadata: Mapping[str, Any]) -> None:
@@ -121,9 +122,8 @@ class Records:
         for name, table in zip(_TABLES, (self.estimates, self.judged, self.issued), strict=True):
             write_table(folder / f"{name}.parquet", table, name, metadata=metadata)
         for paths in self.paths:
-            models = [name.removeprefix("e_y_") for name in paths if name.startswith("e_y_")]
-            table = folder / f"{_PATHS}.parquet"
-            write_table(table, paths, paths_schema(models), metadata={**metadata, "models": models})
+            models, file = paths.models, folder / f"{_PATHS}.parquet"
+            write_table(file, paths.table, paths_schema(models), metadata={**metadata, "models": models})
         with replacing(folder / DONE) as temporary:
             temporary.write_text(json.dumps(outcome, indent=1, allow_nan=False) + "\n", encoding="utf-8")
 
@@ -134,7 +134,7 @@ def _below(tables: Sequence[pd.DataFrame], name: str) -> pd.DataFrame:
     return pd.concat(filled, ignore_index=True) if filled else SCHEMAS[name].empty()
 
 
-def _paths_in(folder: Path) -> list[pd.DataFrame]:
-    """Return the table of ephemerides that a morning left, if any."""
-    path = folder / f"{_PATHS}.parquet"
-    return [read_table(path, paths_schema(read_metadata(path)["models"]))] if path.exists() else []
+def _paths_in(folder: Path) -> list[Paths]:
+    """Return the ephemerides that a morning left, if any."""
+    file = folder / f"{_PATHS}.parquet"
+    return [Paths(read_table(file, paths_schema(read_metadata(file)["models"])))] if file.exists() else []
