@@ -145,18 +145,21 @@ class Flight:
         """Return (states, status) at t_j of pairs (n,), of one arc per estimate i that begins at t_i.
 
         pairs: rows of i, t_i and t_j in the order of i
-        states: (arcs, 6) GCRF [m, m/s] in the order of i
-        cd: (arcs,) in the order of i
+        states: (arcs, 6) GCRF [m, m/s] in the order of i; of several families of arcs one behind the other
+        cd: (arcs,) as the states
         outlook: (arcs,) as in `ensemble.Departures`
 
         The states returned are (n, 6) in GCRF, not finite where an arc does not reach; the status (n,) is an
-        index into `ensemble.REASONS`.
+        index into `ensemble.REASONS`. Of several families they are one behind the other.
         """
         epochs = np.unique(pairs[["t_i", "t_j"]])
         arc = np.unique(pairs["i"], return_inverse=True)[1]
         by_arc = pairs.groupby("i", sort=True)
         first = np.searchsorted(epochs, by_arc["t_i"].first())
         last = np.searchsorted(epochs, by_arc["t_j"].max())
-        arcs = self.fly(epochs, states, cd=cd, first=first, last=last, outlook=outlook)
-        place = arcs.start[arc] + np.searchsorted(epochs, pairs["t_j"]) - first[arc] - 1
-        return arcs.states[place], arcs.status[arc]
+        families = len(states) // len(first)
+        ends = {"first": np.tile(first, families), "last": np.tile(last, families)}
+        arcs = self.fly(epochs, states, cd=cd, outlook=outlook, **ends)
+        passed = np.searchsorted(epochs, pairs["t_j"]) - first[arc] - 1
+        arc = (arc + len(first) * np.arange(families)[:, None]).ravel()
+        return arcs.states[arcs.start[arc] + np.tile(passed, families)], arcs.status[arc]

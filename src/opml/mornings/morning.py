@@ -264,18 +264,26 @@ def _known(watched: Watched, records: Records, recent: Recent) -> Known:
     rows = estimates[estimates["track"].isin(recent.numbers)].tail(_LOOKED_AT + 1)
     tracking = recent.tracking.assign(track=recent.numbers[recent.tracking["track"]])
     made = partial(dataset.of_estimates, tracking=tracking, gm=flight.model.gm, cleaning=Cleaning())
-    at_estimates = made(rows, pd.DataFrame(columns=["i", "j", *STATE, "reason"]))
-    begun = at_estimates[at_estimates["b"] != dataset.NO_PREVIOUS]
-    if len(begun):
-        t_j = rows.set_index("track")["t"].loc[begun.index]
-        from_previous = begun.assign(i=begun["b"], j=begun.index, t_i=begun["t_b"], t_j=t_j)
-        pairs = from_previous[["i", "j", "t_i", "t_j"]].reset_index(drop=True)
-        at_estimates = made(rows, predict_pairs(flight, rows, pairs))
-    return Known(
+    nothing = pd.DataFrame(columns=["i", "j", *STATE, "reason"])
+    known = Known(
         rows,
-        at_estimates,
+        made(rows, nothing),
         plan.base,
         flight.model.gm,
         manoeuvres=watched.manoeuvres,
         epoch=plan.epoch,
     )
+    pairs = _from_previous(known)
+    # Where the newest may start one, nobody asks for the others.
+    for flown in (pairs.tail(1), pairs) if len(pairs) else ():
+        known = replace(known, at_estimates=made(rows, predict_pairs(flight, rows, flown)))
+        if known.may_depart().any():
+            break
+    return known
+
+
+def _from_previous(known: Known) -> pd.DataFrame:
+    """Return the pairs of an estimate before and one that may start an ephemeris, if the first reaches it."""
+    table = known.at_estimates.assign(t_i=known.at_estimates["t_b"], t_j=known.estimates["t"].to_numpy())
+    usable = table["converged"] & table["cd_inside"] & (table["b"] != dataset.NO_PREVIOUS)
+    return table[usable].rename_axis("j").reset_index().rename(columns={"b": "i"})[["i", "j", "t_i", "t_j"]]

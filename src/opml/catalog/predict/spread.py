@@ -16,7 +16,7 @@ from opml.catalog.flight import Flight
 from opml.catalog.predict.other_windows import past_cd
 from opml.dynamics.forces import joined, with_outlooks
 from opml.dynamics.kernels.surroundings import ForceModel
-from opml.orbits.elements import in_rsw
+from opml.orbits.elements import rsw_rotation
 from opml.tables import SPREAD, STATE
 
 FLATTENED: Mapping[str, Any] = {"degree": 2, "order": 0, "third_bodies": []}
@@ -77,16 +77,15 @@ def build(
     outlook = np.array([expected, expected, *futures])
     drag = np.ones(len(outlook))
     drag[1] += TENTH
-    arc = np.unique(pairs["i"], return_inverse=True)[1]
-    turns = [pairs[["t_i", "t_j"]].assign(i=arc + turn * len(started)) for turn in range(len(outlook))]
     flown, _ = coarse.fly_pairs(
-        pd.concat(turns, ignore_index=True),
+        pairs,
         np.tile(started[STATE].to_numpy(), (len(outlook), 1)),
         cd=np.outer(drag, cd).ravel(),
         outlook=outlook.ravel(),
     )
     predicted, *others = flown.reshape(len(outlook), len(pairs), len(STATE))
-    more, *ahead = (in_rsw(states - predicted, predicted)[:, :3] for states in others)
+    away = np.array(others)[:, :, :3] - predicted[:, :3]
+    more, *ahead = np.einsum("nij,knj->kni", rsw_rotation(predicted), away)
     square = np.sum([shift**2 for shift in ahead], axis=0) if ahead else np.zeros(more.shape)
     distances = np.hstack([np.abs(more), np.sqrt(square / max(1, len(ahead)))])
     return pairs[["i", "j"]].assign(**dict(zip(SPREAD, distances.T, strict=True)))

@@ -58,7 +58,7 @@ both sides of 0)."""
 LEAST_FREEDOM = 2.0
 """Least degrees of freedom: a factor of 1.8."""
 
-_LEAST_ROWS = 20
+LEAST_ROWS = 20
 """Least number of past errors to learn sizes from."""
 
 _MOST_ROWS = 3000
@@ -134,9 +134,9 @@ class Sizes:
         Raises InputError for fewer than LEAST_ROWS.
         """
         past = past[past["t_known"] <= now]
-        if len(past) < _LEAST_ROWS:
+        if len(past) < LEAST_ROWS:
             raise InputError(
-                f"sizes: expected {_LEAST_ROWS} predictions that were over by day {now / DAY:g} to learn "
+                f"sizes: expected {LEAST_ROWS} predictions that were over by day {now / DAY:g} to learn "
                 f"from, got {len(past)}"
             )
         days, reach = (now - past["t_i"].min()) / DAY, float(past["duration"].max())
