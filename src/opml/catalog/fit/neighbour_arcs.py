@@ -79,7 +79,7 @@ def fly_around(
     The status is an index into REASONS.
 
     In a large field the trials alone fly under all of it. Two-day fits of Swarm A under 70x70 then have the
-    same answers to 0.0004 of their sigma, in 43 % of the time.
+    same answers to 0.002 of their sigma, in a third of the time.
     """
     near = flight.for_neighbours()
     count = len(_NEIGHBOURS)
