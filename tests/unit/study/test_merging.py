@@ -24,7 +24,7 @@ def test_real_satellites_fly_under_what_a_catalogue_has(tmp_path, kind):
 def test_mean_elements_alone_fly_under_as_much_of_the_field_as_they_tell(tmp_path):
     sets = {"elements": {"mine": "a.file"}}
     alone = assumed(tmp_path, **sets, orbits={"mine": "a.file"})
-    assert (alone["degree"], alone["order"], len(alone["third_bodies"])) == (40, 40, 10)
+    assert (alone["degree"], alone["order"], len(alone["third_bodies"])) == (48, 48, 10)
     assert (alone["solid_tides"], alone["relativity"]) == (True, True)
     for kind in ("tracks", "fixes", "ranges"):
         assert assumed(tmp_path, **sets, **{kind: {"other": "a.file"}})["degree"] == 70
