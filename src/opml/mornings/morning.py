@@ -273,7 +273,7 @@ def _known(watched: Watched, records: Records, recent: Recent) -> Known:
         manoeuvres=watched.manoeuvres,
         epoch=plan.epoch,
     )
-    pairs = _from_previous(known)
+    pairs = _from_previous(known, longest=DAY * plan.max_days)
     # Where the newest may start one, nobody asks for the others.
     for flown in (pairs.tail(1), pairs) if len(pairs) else ():
         known = replace(known, at_estimates=made(rows, predict_pairs(flight, rows, flown)))
@@ -282,8 +282,12 @@ def _known(watched: Watched, records: Records, recent: Recent) -> Known:
     return known
 
 
-def _from_previous(known: Known) -> pd.DataFrame:
-    """Return the pairs of an estimate before and one that may start an ephemeris, if the first reaches it."""
+def _from_previous(known: Known, *, longest: float) -> pd.DataFrame:
+    """Return the pairs of an estimate before and one that may start an ephemeris, if the first reaches it.
+
+    longest: arc [s]
+    """
     table = known.at_estimates.assign(t_i=known.at_estimates["t_b"], t_j=known.estimates["t"].to_numpy())
-    usable = table["converged"] & table["cd_inside"] & (table["b"] != dataset.NO_PREVIOUS)
+    near = (table["b"] != dataset.NO_PREVIOUS) & (table["t_j"] - table["t_i"] <= longest)
+    usable = table["converged"] & table["cd_inside"] & near
     return table[usable].rename_axis("j").reset_index().rename(columns={"b": "i"})[["i", "j", "t_i", "t_j"]]

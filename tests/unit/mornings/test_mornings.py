@@ -18,8 +18,9 @@ from opml.catalog.predict.spread import Weathers
 from opml.catalog.simulate import tracking, truth
 from opml.dynamics.shared_blocks import SharedBlocks
 from opml.ephemerides.along_track_shift import corrected
+from opml.ephemerides.known import Known
 from opml.interop import oem
-from opml.mornings import days, judged, tracks
+from opml.mornings import days, judged, morning, tracks
 from opml.mornings.days import Calendar, Folder
 from opml.mornings.morning import Model, Plan, Watched
 from opml.mornings.records import DONE, Records
@@ -285,3 +286,13 @@ def test_fits_to_mean_elements_are_marked_as_what_errs_alike(watched, whole):
     assert "alike" not in judged.later_states(made, recent)
     before = recent.tracking.assign(t_estimate=recent.tracking["t"] + HOUR)
     assert judged.later_states(made, replace(recent, tracking=before))["alike"].all()
+
+
+def test_an_estimate_long_after_the_one_before_is_not_flown_to():
+    """Arcs of predictions end after `max_days`, and no ephemeris starts from what they do not reach."""
+    t = DAY * np.array([0.0, 1.0, 9.0])
+    columns = {"t_b": [np.nan, *t[:2]], "b": [-1, 4, 5], "converged": True, "cd_inside": True}
+    at_estimates = pd.DataFrame(columns, index=pd.Index([4, 5, 6], name="track"))
+    known = Known(pd.DataFrame({"track": [4, 5, 6], "t": t}), at_estimates, 12.0, 4e14)
+    assert morning._from_previous(known, longest=7.0 * DAY)[["i", "j"]].to_numpy().tolist() == [[4, 5]]
+    assert morning._from_previous(known, longest=8.0 * DAY)["j"].tolist() == [5, 6]

@@ -49,27 +49,21 @@ def found(sets: pd.DataFrame, *, epoch: str, manoeuvres: Sequence[Manoeuvre] = (
     The first pairs of a history tell, so that the span hardly changes once it is found.
     """
     t, partings = sets["t"].to_numpy(), np.full((len(sets), 2), np.nan)
-    begins, enough = np.concatenate([[np.nan], t[:-1] - _BEFORE]), _MOST
+    begins = np.concatenate([[np.nan], t[:-1] - _BEFORE])
+    across = np.zeros((len(manoeuvres), len(sets)), bool)
+    for row, one in zip(across, manoeuvres, strict=True):
+        row[:] = contain_any(begins, t, [replace(one, known=one.t)])
+    enough = _MOST
     for later, pair in enumerate(pairwise(row for _, row in sets.iterrows()), start=1):
         if enough and _is_near(*pair):
             partings[later] = _parting(*pair, epoch)
-            enough -= _tell(partings, begins, t, manoeuvres)[later]
-    lengths = np.full(len(sets), np.nan)
+            enough -= bool(np.isfinite(partings[later]).all() and not across[:, later].any())
+    lengths, are_known = np.full(len(sets), np.nan), np.isfinite(partings).all(axis=1)
+    since = np.array([max(one.t, one.known) for one in manoeuvres])
     for newest in range(1, len(sets)):
-        known = [one for one in manoeuvres if max(one.t, one.known) <= t[newest]]
-        seen = slice(newest + 1)
-        pairs = partings[seen][_tell(partings[seen], begins[seen], t[seen], known)]
-        lengths[newest] = _length(*pairs[:_MOST].T)
+        tell = are_known & ~across[since <= t[newest]].any(axis=0)
+        lengths[newest] = _length(*partings[: newest + 1][tell[: newest + 1]][:_MOST].T)
     return lengths
-
-
-def _tell(
-    partings: np.ndarray, begins: np.ndarray, ends: np.ndarray, manoeuvres: Sequence[Manoeuvre]
-) -> np.ndarray:
-    """Return which partings (n, 2) are known and hold no manoeuvre from `begins` to `ends` (n,) [s]."""
-    at_once = [replace(one, known=one.t) for one in manoeuvres]
-    tells: np.ndarray = np.isfinite(partings).all(axis=1) & ~contain_any(begins, ends, at_once)
-    return tells
 
 
 def _length(curvatures: np.ndarray, rates: np.ndarray) -> float:
