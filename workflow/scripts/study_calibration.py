@@ -1,6 +1,7 @@
 """Draw nominal against achieved coverage of intervals and of ellipsoids, one panel per model."""
 
 from opml.figures import reliability, style
+from opml.figures.display_names import display_learner
 from opml.learning.data.components import CORRECTED
 from opml.learning.judge import calibration
 from opml.learning.judge.model_choice import CHOSEN
@@ -12,8 +13,8 @@ from opml.workflow.replayed import read_mornings
 with job(snakemake):
     settings, files = FigureSettings(snakemake.params.settings), snakemake.input
     mornings = read_mornings(files, settings)
-    flown = {CHOSEN: mornings.flown, **mornings.tables}
-    tables = calibration.of_replays(flown, days=settings.days)
+    flown = {display_learner(name): table for name, table in mornings.tables.items()}
+    tables = calibration.of_replays({CHOSEN: mornings.flown, **flown}, days=settings.days)
     tables["the fit's own covariance"] = read_table(files.fit, "calibration")
     figures = [
         reliability.coverage_curves(tables, quantity=quantity, note=settings.note)

@@ -28,7 +28,7 @@ from opml.learning.models.daily_training import Lessons
 from opml.learning.models.learners import tables_asked
 from opml.orbits.elements import in_rsw
 from opml.orbits.rsw_covariance import rates
-from opml.tables import COMPONENTS, DOUBT, SCHEMAS, SIGMA_STATE, SPREAD, STATE
+from opml.tables import COMPONENTS, DOUBT, SCHEMAS, SPREAD, STATE
 
 STEP = 120.0
 """Time between the epochs of the ephemerides that are replayed [s]: a centimetre from those of a minute."""
@@ -144,11 +144,9 @@ def _together(task: Task, series: Sequence[Series]) -> Iterator[pd.DataFrame]:
         for tables, one in zip(found, series, strict=True):
             tables += _ephemerides(part, one)
     for tables in found:
-        table = task.joined(tables)
-        sigma = as_known(table, table["morning"].to_numpy())
-        yield table.assign(**dict(zip(SIGMA_STATE, sigma.T, strict=True)))[
-            SCHEMAS["replay"].among(table.columns).names
-        ]
+        joined = task.joined(tables)
+        table = as_known(joined, joined["morning"].to_numpy())
+        yield table[SCHEMAS["replay"].among(table.columns).names]
 
 
 def _ephemerides(part: Part, series: Series) -> Iterator[pd.DataFrame]:

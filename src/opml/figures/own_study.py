@@ -43,7 +43,7 @@ _COLUMNS = 3
 
 BIN_DAYS = 0.5
 LEAST_ROWS = 5
-"""Rows that a bin of durations needs for its quantiles to say something."""
+"""Rows that a bin of durations needs for its quantiles to say something, where any bin has so many."""
 
 UNCORRECTED_NOTE = "errors without correction: medians and middle halves by a prediction's first day"
 """Note on the errors below Cd."""
@@ -135,7 +135,13 @@ def sizes(table: pd.DataFrame, column: str) -> pd.DataFrame:
     percentiles = bins.quantile([0.05, 0.25, 0.5, 0.75, 0.95]).unstack()
     percentiles = percentiles.set_axis(days.groupby(np.ceil(days / width)).mean(), axis=0)
     percentiles = percentiles.set_axis(["5", "25", "50", "75", "95"], axis=1)
-    return percentiles[(bins.size() >= LEAST_ROWS).to_numpy()]
+    return percentiles[_that_tell(bins.size().to_numpy())]
+
+
+def _that_tell(rows: np.ndarray) -> np.ndarray:
+    """Return which bins of so many rows (n,) are drawn: those of LEAST_ROWS, or all where none has them."""
+    enough: np.ndarray = rows >= LEAST_ROWS
+    return enough if enough.any() else rows > 0
 
 
 def _draw_bands(axes: Axes, percentiles: pd.DataFrame, color: str, marker: str, label: str) -> None:
@@ -163,7 +169,7 @@ def _draw_growth(axes: Axes, evaluation: pd.DataFrame, component: str) -> None:
     """Draw the median and the 95th percentile before and after, in bins of the duration."""
     reach = evaluation["duration"].max() / DAY
     growth = by_duration(evaluation, width_days=min(BIN_DAYS, reach / 4.0))
-    growth = growth[growth["rows"] >= LEAST_ROWS]
+    growth = growth[_that_tell(growth["rows"].to_numpy())]
     for when, color, marker, label in (
         ("before", TRUE_COLOR, "o", "no correction"),
         ("after", RESIDUAL, "^", "corrected"),

@@ -15,6 +15,7 @@ from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SIGMA_STATE, SIZES
 
 _GROUPS = {"constant": "xyz", "rate": "xyz", "drag": "xyz", "velocity": "xyz", "inflation": "01234"}
+_TIMES = ("days", "reach", "flat")
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ def row(
     """
     begin = {"i": int(start["track"].iloc[0]), "t_i": float(start["t"].iloc[0])}
     what = {"model": flown.model if flown else "", "verdict": verdict}
-    sizes = _columns(flown.sizes) if flown else dict.fromkeys([*SIZES, "days", "reach"], np.nan)
+    sizes = _columns(flown.sizes) if flown else dict.fromkeys([*SIZES, *_TIMES], np.nan)
     found = {"burn_t": burn.t if burn else np.nan}
     return pd.DataFrame([{"morning": now, **begin, **what, **found, **sizes}])
 
@@ -82,11 +83,11 @@ def _columns(sizes: Sizes) -> dict[str, float]:
         for group, parts in _GROUPS.items()
         for part, value in zip(parts, getattr(sizes, group), strict=True)
     }
-    return values | {"days": sizes.days, "reach": sizes.reach}
+    return values | {name: getattr(sizes, name) for name in _TIMES}
 
 
 def _sizes(flight: Mapping[str, Any]) -> Sizes:
-    groups = {
+    values: dict[str, Any] = {
         group: np.array([flight[f"{group}_{part}"] for part in parts]) for group, parts in _GROUPS.items()
     }
-    return Sizes(**groups, days=flight["days"], reach=flight["reach"])
+    return Sizes(**values, **{name: flight[name] for name in _TIMES})

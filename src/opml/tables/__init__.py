@@ -40,6 +40,7 @@ from opml.tables.environment_tables import (
 from opml.tables.ephemeris_tables import (
     DOUBT,
     SIGMA_STATE,
+    UNSEEN,
 )
 from opml.tables.learning_tables import (
     ELLIPSOID,
@@ -100,6 +101,7 @@ __all__ = [
     "STATE_COVARIANCES",
     "THERMOSPHERE",
     "TRUTH_GROUPS",
+    "UNSEEN",
     "WHOLE",
     "Column",
     "Schema",

@@ -20,6 +20,9 @@ DOUBT = [f"doubt_{axis}" for axis in "xyz"]
 SIGMA_STATE = [f"sigma_{name}" for name in STATE]
 """Columns of the standard deviations behind a covariance (`rsw_covariance.rsw_covariances`)."""
 
+UNSEEN = ["unseen_x", "unseen_z"]
+"""Columns of the part of these that errors against states that err alike do not show."""
+
 _KNOWN_STATE = "RSW of the state that it is held against"
 
 REPLAY_COLUMNS = (
@@ -42,10 +45,17 @@ REPLAY_COLUMNS = (
 )
 
 ALIKE = (flag("alike", "whether that state errs as the prediction does, as both are of mean elements"),)
-"""Optional column of replays."""
+"""Optional column of errors against later states."""
+
+_UNSEEN = tuple(
+    real(
+        name, "m", "part of that deviation that no such state shows; only where they err alike", _KNOWN_STATE
+    )
+    for name in UNSEEN
+)
 
 EPHEMERIS_SCHEMAS = (
-    Schema("replay", "a pair of an estimate i and a later track start j", REPLAY_COLUMNS, ALIKE),
+    Schema("replay", "a pair of an estimate i and a later track start j", REPLAY_COLUMNS, (*ALIKE, *_UNSEEN)),
     Schema(
         "corrected",
         "an epoch after an estimate",

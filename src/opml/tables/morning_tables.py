@@ -52,6 +52,7 @@ MORNING_SCHEMAS = (
             *(real(name, unit, f"size of errors, {meaning}") for name, (unit, meaning) in SIZES.items()),
             real("days", "days", "length of the past that the sizes come from"),
             real("reach", "s", "longest prediction of that past"),
+            real("flat", "s", "least duration that radial and cross-track sizes count, 0 but for sets"),
         ),
     ),
 )

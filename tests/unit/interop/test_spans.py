@@ -23,9 +23,9 @@ def curvature():
     return spans._parting(two.iloc[0], two.iloc[1], EPOCH)[0] / RADIUS / 1e-3
 
 
-def fitted(hours, *, bend=400.0, rate=60.0):
+def fitted(hours, *, bend=400.0, rate=60.0, days=DAYS):
     """Sets that were fitted to so many hours; bend and rate of their errors over a day are random [m]."""
-    sets, half = history(DAYS), 0.5 * hours * HOUR
+    sets, half = history(days), 0.5 * hours * HOUR
     generator = np.random.default_rng(2)
     bends = bend / DAY**2 / RADIUS * generator.normal(size=len(sets))
     rates = rate / DAY / RADIUS * generator.normal(size=len(sets))
@@ -40,13 +40,14 @@ def newest(sets):
     return spans.found(sets, epoch=EPOCH)[-1] / HOUR
 
 
-@pytest.mark.parametrize("hours", [36.0, 72.0])
-def test_the_span_of_fits_is_found(hours):
-    assert newest(fitted(hours)) == hours
+@pytest.mark.parametrize(("hours", "days"), [(36.0, np.arange(1.0, 21.0, 0.5)), (72.0, DAYS)])
+def test_the_span_of_fits_is_found(hours, days):
+    assert newest(fitted(hours, days=days)) == hours
 
 
-def test_rates_that_no_span_explains_tell_none():
-    assert np.isnan(newest(fitted(72.0, bend=20.0, rate=400.0)))
+@pytest.mark.parametrize(("bend", "rate"), [(20.0, 400.0), (200.0, 200.0)])
+def test_rates_that_a_span_does_not_explain_or_not_enough_tell_none(bend, rate):
+    assert np.isnan(newest(fitted(72.0, bend=bend, rate=rate)))
 
 
 def test_a_span_whose_middle_lies_before_all_that_was_looked_at_is_none():

@@ -109,6 +109,35 @@ def test_the_doubt_of_estimates_that_err_alike_is_a_part_of_a_size():
         np.testing.assert_allclose(inside, 0.92, atol=0.06)
 
 
+def held_within_days(past, *, off):
+    """Rows against the truth and against later fits, where planes of fits are `off` [m] for some days."""
+    rng, days = np.random.default_rng(6), np.arange(-1.0, 80.0, 0.05)
+    waves = [
+        off * np.cos(2.0 * np.pi * (days / period + rng.uniform(size=2)[:, None])) for period in (25.0, 31.0)
+    ]
+    at_i, at_j = (
+        np.array([np.interp(past[when] / DAY, days, part) for part in sum(waves)]) for when in ("t_i", "t_j")
+    )
+    true, differences = (
+        past.assign(e_z=past["e_z"] + z, e_vz=past["e_vz"] + RATE * turned, alike=True)
+        for z, turned in (at_i, at_i - at_j)
+    )
+    return true, differences
+
+
+def test_what_fits_err_alike_for_days_shows_in_those_far_apart():
+    """One day ahead differences have a third of the error of the plane, and are stated as such."""
+    true, differences = held_within_days(replays(days=60), off=100.0)
+    stated = as_known(differences, differences["morning"].to_numpy())
+    assert np.median(differences.query("duration < 9e4")["e_z"].abs()) < 50.0
+    told = stated[stated["t_i"] > 20.0 * DAY]
+    for table in (told, true.loc[told.index].assign(**{name: told[name] for name in SIGMA_STATE})):
+        shares = calibration.of_replay(table, days=[1.0, 3.0, 7.0]).query("level == 0.9")
+        for quantity in ("e_z", "ellipsoid"):
+            inside = shares.loc[shares["quantity"] == quantity, "inside"]
+            np.testing.assert_allclose(inside, 0.92, atol=0.08)
+
+
 def test_differences_from_estimates_that_err_alike_are_held_against_less():
     _, rows = held_alike(replays(days=60), off=40.0)
     along = 100.0 * rows["duration"] / DAY
@@ -154,7 +183,9 @@ def test_what_is_known_later_moves_no_earlier_size():
     past = replays(days=20)
     later = past["t_known"] > 10.0 * DAY
     moved = past.assign(**{name: past[name].where(~later, 99.0 * past[name]) for name in COMPONENTS})
-    first, again = (as_known(table, table["morning"].to_numpy()) for table in (past, moved))
+    first, again = (
+        as_known(table, table["morning"].to_numpy())[SIGMA_STATE].to_numpy() for table in (past, moved)
+    )
     mornings = past["morning"] <= 10.0 * DAY
     np.testing.assert_array_equal(first[mornings], again[mornings])
     assert not np.array_equal(first[~mornings], again[~mornings], equal_nan=True)

@@ -81,8 +81,9 @@ def test_what_was_not_flown_has_no_say():
     assert verdict(pd.concat([past, other]), start(), now=NOW) == verdict(past, start(), now=NOW)
 
 
-def test_the_sizes_of_a_morning_come_back_from_its_row():
-    past = replays(days=20, a_morning=1).assign(model="fit96")
+@pytest.mark.parametrize("alike", [False, True])
+def test_the_sizes_of_a_morning_come_back_from_its_row(alike):
+    past = replays(days=20, a_morning=1).assign(model="fit96", alike=alike)
     past = past[past["t_known"] <= NOW]
     row = issued.row(NOW, start(), issued.chosen(past, ["fit96"], now=NOW), GOOD)
     later = past.head(5).assign(morning=NOW, **dict.fromkeys(SIGMA_STATE, np.nan))

@@ -501,6 +501,15 @@ def test_percentiles_of_sizes_by_duration():
     assert found.index.is_monotonic_increasing
 
 
+def test_errors_of_a_few_predictions_are_drawn(tmp_path):
+    few = evaluation().iloc[:6].assign(duration=DAY * np.arange(1.0, 7.0))
+    figure = figures.errors({"svr": few}, component="e_y")
+    (axes,) = figure.axes
+    np.testing.assert_allclose(axes.lines[0].get_ydata(), few["true"].abs())
+    figure.savefig(tmp_path / "few.pdf")
+    assert len(figures.sizes(few, "true")) == 6
+
+
 def test_figure_of_rows_adds_up_to_all():
     shares = {"lares, eglin": {"used": 0.75, "no prediction": 0.25}, "iss, eglin": {"used": 1.0}}
     (axes,) = figures.rows_figure(shares).axes

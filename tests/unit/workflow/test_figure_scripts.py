@@ -9,7 +9,7 @@ from support import REPOSITORY
 
 from opml.learning.judge import rolling_origins
 from opml.learning.judge.error_sizes import as_known
-from opml.tables import POSITION_COVARIANCES, SCHEMAS, SIGMA_STATE, read_table, write_table
+from opml.tables import POSITION_COVARIANCES, SCHEMAS, read_table, write_table
 from opml.workflow import jobs
 
 
@@ -52,9 +52,8 @@ class Files(list):
 def test_conjunctions_of_a_study_are_told_and_drawn(tmp_path):
     past = replays(days=20)
     for name, larger in (("none", 9.0), ("running", 1.0)):
-        sigma = as_known(past, past["morning"].to_numpy())
-        stated = dict(zip(SIGMA_STATE, sigma.T, strict=True))
-        table = past.assign(**stated, e_y=larger * past["e_y"], before=9.0 * past["e_y"])
+        stated = as_known(past, past["morning"].to_numpy())
+        table = stated.assign(e_y=larger * past["e_y"], before=9.0 * past["e_y"])
         write_table(tmp_path / name, table[SCHEMAS["replay"].names], "replay", metadata={})
     fits = past[["i", "j"]].assign(**dict.fromkeys(POSITION_COVARIANCES, 1.0))
     write_table(tmp_path / "fits", fits, "covariances", metadata={})

@@ -19,6 +19,11 @@ where their errors have nothing to do with the prediction's. Fits to mean elemen
 one is made of more: what it is off by is in the prediction, too, and does not show in their difference. There
 its variance is a part of sigma.
 
+The plane and the eccentricity of such fits are off by what changes within days, so that only fits far apart
+differ by it, and then by twice its variance. Radial and across the track D counts there as the longest
+duration of the past over the root of two at least. As sets have their epochs at one angle of the orbit, these
+errors are root mean squares over a turn at least, which position and velocity tell.
+
 A velocity follows its position (opml.orbits.rsw_covariance). What it may differ by beyond that is
 proportional to the radial or cross-track size. A factor that changes with the duration makes the ellipsoids
 of the past hold nine tenths.
@@ -40,7 +45,7 @@ import pandas as pd
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.orbits.rsw_covariance import AXES, free_parts, half_width, rsw_covariances
-from opml.tables import COMPONENTS, DOUBT, SIGMA_STATE
+from opml.tables import COMPONENTS, DOUBT, SIGMA_STATE, UNSEEN
 
 LEVEL = 0.9
 """Share of the errors that intervals and ellipsoids are to hold, and the level that reports print."""
@@ -72,6 +77,9 @@ _FIRST_GUESSES = ((-0.5, -1.0, -1.0), (-1.0, -1.0, 0.0))
 _SMALLEST = 1.0
 """Least size of an error that is stated for a position [m]."""
 
+_TURNING = np.array([True, False, True])
+"""Axes whose errors go round with the orbit."""
+
 _LEAST_SHOWN = 0.5
 """Least part of a size that differences from estimates are taken to show that err alike."""
 
@@ -87,6 +95,7 @@ class Sizes:
     inflation: (5,) factors of the variances, at the durations `_FACTORS_AT`
     days: length of the past that the sizes come from
     reach: its longest prediction [s]
+    flat: least D in the radial and the cross-track size [s]: 0 but where estimates err alike
     """
 
     constant: np.ndarray
@@ -96,16 +105,33 @@ class Sizes:
     inflation: np.ndarray
     days: float
     reach: float
+    flat: float = 0.0
 
     def sigmas(self, rows: pd.DataFrame) -> np.ndarray:
         """Return standard deviations (n, 6) [m, m/s] of the parts for `rsw_covariance.rsw_covariances`.
 
         rows: duration [s], rate [rad/s], drag_* and weather_* [m]
         """
+        sigmas: np.ndarray = self._factors(rows)[:, None] * self._shown(rows)
+        return sigmas
+
+    def unseen(self, rows: pd.DataFrame) -> np.ndarray:
+        """Return the part (n, 3) of these sizes that errors against later estimates do not show [m]."""
+        unseen: np.ndarray = self._factors(rows)[:, None] * self._unseen(rows["duration"].to_numpy())
+        return unseen
+
+    def _factors(self, rows: pd.DataFrame) -> np.ndarray:
+        """Return by what (n,) sizes are larger than the past showed them: widening and inflation."""
         wide = widening(rows["duration"].to_numpy(), self.days)
         factor = np.interp(np.log(np.maximum(rows["duration"], HOUR)), np.log(_FACTORS_AT), self.inflation)
-        sigmas: np.ndarray = (wide * np.sqrt(factor))[:, None] * self._shown(rows)
-        return sigmas
+        factors: np.ndarray = wide * np.sqrt(factor)
+        return factors
+
+    def _unseen(self, duration: np.ndarray) -> np.ndarray:
+        """Return that part as the past showed it."""
+        missing = np.sqrt(np.maximum(self.flat**2 - duration**2, 0.0))
+        unseen: np.ndarray = np.where(_TURNING, missing[:, None] * self.rate, 0.0)
+        return unseen
 
     def _shown(self, rows: pd.DataFrame) -> np.ndarray:
         """Return standard deviations (n, 6) as the past showed them, without widening and inflation."""
@@ -116,7 +142,7 @@ class Sizes:
             [
                 np.sqrt(
                     self.constant[k] ** 2
-                    + (self.rate[k] * grown) ** 2
+                    + (self.rate[k] * (np.maximum(grown, self.flat) if _TURNING[k] else grown)) ** 2
                     + (self.drag[k] * rows[f"drag_{axis}"]) ** 2
                     + rows[f"weather_{axis}"] ** 2
                 )
@@ -142,10 +168,14 @@ class Sizes:
         days, reach = (now - past["t_i"].min()) / DAY, float(past["duration"].max())
         past = past.iloc[:: -(-len(past) // _MOST_ROWS)]
         weight = np.exp((past["t_j"].to_numpy() - now) / (MEMORY_DAYS * DAY))
-        constant, rate, drag = np.array([_fit_axis(past, axis, weight) for axis in AXES]).T
-        plain = cls(constant, rate, drag, np.ones(3), np.ones(len(_FACTORS_AT)), days, reach)
         parts = free_parts(past[list(COMPONENTS)].to_numpy(), past["rate"].to_numpy())
-        shown, hidden = doubts(past)
+        errors, (shown, hidden) = _error_sizes(past, parts), doubts(past)
+        whole = np.hypot(errors, INSIDE * hidden)
+        fitted = [_fit_axis(past, *axis, weight=weight) for axis in zip(AXES, whole.T, shown.T, strict=True)]
+        constant, rate, drag = np.array(fitted).T
+        flat = reach / np.sqrt(2.0) if _are_alike(past).any() else 0.0
+        plain = cls(constant, rate, drag, np.ones(3), np.ones(len(_FACTORS_AT)), days, reach, flat)
+        hidden = np.hypot(hidden, plain._unseen(past["duration"].to_numpy()))
         # An error that goes round with the orbit has a velocity in proportion.
         turning = past["rate"].to_numpy()[:, None] * hidden[:, [0, 0, 2]]
         sizes = np.hypot(parts[:, 3:], INSIDE * turning)
@@ -155,10 +185,10 @@ class Sizes:
                 for size, sigma in zip(sizes.T, plain._shown(past)[:, 3:].T, strict=True)
             ]
         )
-        whole = replace(plain, velocity=velocity)
-        square = whole._shown(past)[:, :3] ** 2 + shown**2
-        distance = np.sum((parts[:, :3] ** 2 + _within() / 3.0 * hidden**2) / square, axis=1)
-        return replace(whole, inflation=_inflation(distance, past["duration"].to_numpy(), weight))
+        stated = replace(plain, velocity=velocity)
+        square = stated._shown(past)[:, :3] ** 2 + shown**2
+        distance = np.sum((errors**2 + _within() / 3.0 * hidden**2) / square, axis=1)
+        return replace(stated, inflation=_inflation(distance, past["duration"].to_numpy(), weight))
 
 
 def doubts(rows: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
@@ -166,9 +196,28 @@ def doubts(rows: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
 
     rows: of a `replay` table
     """
-    doubt = rows[DOUBT].to_numpy(float)
-    alike = rows["alike"].eq(True).to_numpy()[:, None] if "alike" in rows else np.zeros((len(rows), 1), bool)
+    doubt, alike = rows[DOUBT].to_numpy(float), _are_alike(rows)[:, None]
     return np.where(alike, 0.0, doubt), np.where(alike, doubt, 0.0)
+
+
+def _are_alike(rows: pd.DataFrame) -> np.ndarray:
+    """Return whether the states err alike (n,) that errors are against and that predictions start from."""
+    alike: np.ndarray = rows["alike"].eq(True).to_numpy() if "alike" in rows else np.zeros(len(rows), bool)
+    return alike
+
+
+def _error_sizes(rows: pd.DataFrame, parts: np.ndarray) -> np.ndarray:
+    """Return sizes (n, 3) of errors [m].
+
+    parts: (n, 6) their `free_parts`
+
+    Where states err alike, sizes radial and across the track are root mean squares over a turn at least.
+    """
+    sizes: np.ndarray = np.abs(parts[:, :3])
+    turned = np.hypot(parts[:, [0, 2]], parts[:, [3, 5]] / rows["rate"].to_numpy()[:, None])
+    alike = np.ix_(_are_alike(rows), _TURNING)
+    sizes[alike] = np.maximum(sizes[alike], turned[_are_alike(rows)] / np.sqrt(2.0))
+    return sizes
 
 
 def of_differences(rows: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
@@ -178,6 +227,8 @@ def of_differences(rows: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
     """
     sigma = rows[SIGMA_STATE].to_numpy(float)
     shown, hidden = doubts(rows)
+    if UNSEEN[0] in rows:
+        hidden[:, _TURNING] = np.hypot(hidden[:, _TURNING], rows[UNSEEN])
     size = sigma[:, :3]
     left = np.sqrt(np.maximum(size**2 - hidden**2, (_LEAST_SHOWN * size) ** 2))
     return np.hstack([np.where(hidden > 0.0, left, size), sigma[:, 3:]]), shown
@@ -222,17 +273,19 @@ def weighted_quantile(values: np.ndarray, weight: np.ndarray, level: float) -> f
     return float(values[order][min(int(np.searchsorted(share, level * share[-1])), len(values) - 1)])
 
 
-def _fit_axis(past: pd.DataFrame, axis: str, weight: np.ndarray) -> tuple[float, float, float]:
+def _fit_axis(
+    past: pd.DataFrame, axis: str, size: np.ndarray, doubt: np.ndarray, *, weight: np.ndarray
+) -> tuple[float, float, float]:
     """Return a, b and c of an axis by quantile regression.
 
+    size: (n,) of the errors [m]
+    doubt: (n,) standard deviations of what they are held against [m]
     weight: (n,); an error counts in units of the typical error of its day of duration
     """
     from scipy.optimize import minimize
 
     duration = past["duration"].to_numpy()
     drag, weather = (past[f"{name}_{axis}"].to_numpy() for name in ("drag", "weather"))
-    doubt, hidden = (deviations[:, "xyz".index(axis)] for deviations in doubts(past))
-    size = np.hypot(past[f"e_{axis}"].to_numpy(), INSIDE * hidden)
     day = np.ceil(duration / DAY)
     typical = np.ones(len(past))
     for number in np.unique(day):
@@ -256,14 +309,14 @@ def _fit_axis(past: pd.DataFrame, axis: str, weight: np.ndarray) -> tuple[float,
     return float(a), float(b), float(c)
 
 
-def as_known(replay: pd.DataFrame, mornings: Sequence[float]) -> np.ndarray:
-    """Return standard deviations (n, 6) of the rows of a `replay` table, each as known on its morning.
+def as_known(replay: pd.DataFrame, mornings: Sequence[float]) -> pd.DataFrame:
+    """Return the rows of a `replay` table with their standard deviations, each as known on its morning.
 
     mornings: (n,) time of each row's morning [s]
 
-    They are not finite where the past was too short.
+    They are not finite where the past was too short. Where states err alike, UNSEEN stands beside them.
     """
-    sigma = np.full((len(replay), 6), np.nan)
+    sigma, unseen = np.full((len(replay), 6), np.nan), np.full((len(replay), 3), np.nan)
     when = np.asarray(mornings)
     for now in np.unique(when):
         rows = when == now
@@ -271,8 +324,11 @@ def as_known(replay: pd.DataFrame, mornings: Sequence[float]) -> np.ndarray:
             sizes = Sizes.learned(replay, now=float(now))
         except InputError:
             continue
-        sigma[rows] = sizes.sigmas(replay[rows])
-    return sigma
+        sigma[rows], unseen[rows] = sizes.sigmas(replay[rows]), sizes.unseen(replay[rows])
+    known = dict(zip(SIGMA_STATE, sigma.T, strict=True))
+    if _are_alike(replay).any():
+        known |= dict(zip(UNSEEN, unseen[:, _TURNING].T, strict=True))
+    return replay.assign(**known)
 
 
 def covariances(rows: pd.DataFrame, sigma: np.ndarray) -> np.ndarray:
