@@ -18,7 +18,7 @@ with job(snakemake) as metadata:
     futures = read_table(files.futures, "futures") if files.futures else None
     table = spread.build(
         flight,
-        known.estimates,
+        known.own(),
         predictions[predictions["i"].isin(starts["track"])],
         weathers=spread.Weathers.of(flight.model, futures),
     )

@@ -19,7 +19,7 @@ from opml.ephemerides.along_track_shift import check_smooth, corrected, through
 from opml.ephemerides.known import Known
 from opml.ephemerides.part import Grid, Part
 from opml.ephemerides.task import Task, ephemeris_table, reached
-from opml.learning.judge.error_sizes import Sizes
+from opml.learning.judge.error_sizes import Sizes, are_over
 from opml.learning.models.contract import Model
 from opml.learning.models.daily_training import Lessons
 from opml.orbits.elements import in_rsw
@@ -37,7 +37,7 @@ def spreading(files: Any, settings: Mapping[str, Any], known: Known, *, threads:
     """Return how a job makes the `spread` of pairs; futures of the weather are optional among its files."""
     flight = Flight.read(files, {**settings, "force_model": spread.FLATTENED}, threads=threads)
     futures = read_table(files.futures, "futures") if files.futures else None
-    return partial(spread.build, flight, known.estimates, weathers=Weathers.of(flight.model, futures))
+    return partial(spread.build, flight, known.own(), weathers=Weathers.of(flight.model, futures))
 
 
 def build(
@@ -76,7 +76,7 @@ def build(
 
 def basis(replay: pd.DataFrame, now: float) -> str:
     """Return what the covariances of ephemerides as of `now` [s] rest on, in words; replay: that table."""
-    past = replay[replay["t_known"] <= now]
+    past = replay[are_over(replay, now)]
     mornings, longest = past["morning"].nunique(), past["duration"].max() / DAY
     return (
         f"covariances from {len(past)} predictions of {mornings} mornings that were over by "

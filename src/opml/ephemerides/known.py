@@ -110,6 +110,10 @@ class Known:
         """Return the fits over another window [h] as `other_windows.undisturbed` has them."""
         return other_windows.undisturbed(self.other(hours), manoeuvres=self.manoeuvres, window=HOUR * hours)
 
+    def own(self) -> pd.DataFrame:
+        """Return the fits as `other_windows.undisturbed` has them."""
+        return other_windows.undisturbed(self.estimates, manoeuvres=self.manoeuvres, window=self.window)
+
     def may_depart(self) -> np.ndarray:
         """Return which estimates (n,) ephemerides may start from."""
         return dataset.may_depart(

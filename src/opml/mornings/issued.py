@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.errors import InputError
-from opml.learning.judge.error_sizes import LEAST_ROWS, Sizes
+from opml.learning.judge.error_sizes import LEAST_ROWS, Sizes, are_over
 from opml.learning.judge.model_choice import choose
 from opml.mornings.verdict import DO_NOT_USE
 from opml.orbits.manoeuvres import Manoeuvre
@@ -40,7 +40,7 @@ def chosen(judged: pd.DataFrame, models: Sequence[str], *, now: float) -> Flown:
     if not replays:
         raise InputError("no ephemeris of an earlier morning was judged yet")
     model = choose(replays, [], now=now, seed=0).chosen
-    over = int(np.count_nonzero(replays[model]["t_known"] <= now))
+    over = int(np.count_nonzero(are_over(replays[model], now)))
     if over < LEAST_ROWS:
         raise InputError(
             f"{over} predictions were judged, fewer than the {LEAST_ROWS} that tell how large errors are"

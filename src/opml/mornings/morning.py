@@ -113,6 +113,10 @@ class Watched:
     manoeuvres: Sequence[Manoeuvre] = ()
     given: TimedState | None = None
 
+    def known_by(self, now: float) -> list[Manoeuvre]:
+        """Return the manoeuvres that are known by a time [s]."""
+        return [one for one in self.manoeuvres if max(one.t, one.known) <= now]
+
 
 @dataclass(frozen=True)
 class Left:
@@ -150,7 +154,7 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
         return Left(_nothing(now), recent, Verdict(DO_NOT_USE, str(reason)))
     watched, left = fitted.watched, replace(_nothing(now, fitted.burn), estimates=fitted.made)
     left = replace(left, judged=fitted.judged)
-    known = _known(watched, records.and_then(left, since=now), recent)
+    known = _known(watched, records.and_then(left, since=now), recent, now=now)
     starts = known.estimates[known.may_depart()].tail(1)
     if starts.empty:
         return Left(left, recent, Verdict(DO_NOT_USE, "no estimate that an ephemeris may start from"))
@@ -163,7 +167,10 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
         return Left(left, recent, Verdict(DO_NOT_USE, str(reason)))
     # An ephemeris from the estimate of an earlier morning is that morning's, and judged once.
     is_new = not records.issued["i"].isin(starts["track"]).any()
-    left, past = replace(left, paths=[Paths(paths)] if is_new else []), so_far.free(plan.base)
+    left, past = (
+        replace(left, paths=[Paths(paths)] if is_new else []),
+        so_far.free(plan.base, watched.known_by(now)),
+    )
     judgement = verdict(past, starts, now=now, burns=watched.manoeuvres, window=plan.base * HOUR)
     try:
         flown = issued.chosen(past, list(plan.models), now=now)
@@ -231,10 +238,10 @@ def _paths(
 ) -> pd.DataFrame:
     """Return the ephemerides of all models; so_far: the records with those of the morning."""
     plan, model = watched.plan, watched.model
-    asked = learners.arc_windows(plan.models.values())
-    whole = replace(known, others={hours: so_far.of_window(hours) for hours in asked})
+    asked, burns = learners.arc_windows(plan.models.values()), watched.known_by(now)
+    whole = replace(known, others={hours: so_far.of_window(hours, burns) for hours in asked})
     part = Part(model.predictions, whole, starts, Grid(candidates.STEP, plan.max_days, plan.end))
-    base = so_far.of_window(plan.base)
+    base = so_far.of_window(plan.base, burns)
     spreads = partial(spread.build, model.flattened, base, weathers=model.weathers)
     return candidates.paths(part, plan.models, spreads, now=now)
 
@@ -256,10 +263,10 @@ def _judged(watched: Watched, made: pd.DataFrame, recent: Recent, records: Recor
     return issued.with_sigmas(off, records.issued)
 
 
-def _known(watched: Watched, records: Records, recent: Recent) -> Known:
+def _known(watched: Watched, records: Records, recent: Recent, *, now: float) -> Known:
     """Return what is known of the object, of which its newest estimates may start ephemerides."""
     plan, flight = watched.plan, watched.model.predictions
-    estimates = records.of_window(plan.base)
+    estimates = records.of_window(plan.base, watched.known_by(now))
     # Of an object that is seldom seen the newest estimates may be older than all that is read of its tracks.
     rows = estimates[estimates["track"].isin(recent.numbers)].tail(_LOOKED_AT + 1)
     tracking = recent.tracking.assign(track=recent.numbers[recent.tracking["track"]])

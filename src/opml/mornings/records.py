@@ -20,7 +20,7 @@ from opml.base.constants import HOUR
 from opml.base.errors import InputError
 from opml.base.files import replacing
 from opml.mornings.paths import Paths
-from opml.orbits.manoeuvres import Manoeuvre
+from opml.orbits.manoeuvres import Manoeuvre, are_unaware
 from opml.tables import SCHEMAS, paths_schema, read_metadata, read_table, write_table
 
 DONE = "morning.json"
@@ -90,22 +90,31 @@ class Records:
         rows = self.estimates[self.estimates["window_hours"] == hours]
         return rows.drop(columns="window_hours").reset_index(drop=True)
 
-    def of_window(self, hours: float) -> pd.DataFrame:
-        """Return the estimates over a window [h]; a fit across a burn, found later, has not converged."""
+    def of_window(self, hours: float, manoeuvres: Sequence[Manoeuvre] = ()) -> pd.DataFrame:
+        """Return the estimates over a window [h]; a fit across a burn, found later, has not converged.
+
+        manoeuvres: that are known, beside those that mornings found
+        """
         rows = self.made(hours)
-        return rows.assign(converged=rows["converged"] & ~self._across(rows["t"], rows["t"], hours))
+        return rows.assign(
+            converged=rows["converged"] & ~self._across(rows["t"], rows["t"], hours, manoeuvres)
+        )
 
-    def free(self, hours: float) -> pd.DataFrame:
-        """Return the rows of `judged` whose estimates, over a window [h], know of all burns on their way."""
-        return self.judged[~self._across(self.judged["t_i"], self.judged["t_j"], hours)]
+    def free(self, hours: float, manoeuvres: Sequence[Manoeuvre] = ()) -> pd.DataFrame:
+        """Return the rows of `judged` whose estimates, over a window [h], know of all burns on their way.
 
-    def _across(self, begin: pd.Series, end: pd.Series, hours: float) -> np.ndarray:
+        manoeuvres: as for `of_window`
+        """
+        return self.judged[~self._across(self.judged["t_i"], self.judged["t_j"], hours, manoeuvres)]
+
+    def _across(
+        self, begin: pd.Series, end: pd.Series, hours: float, manoeuvres: Sequence[Manoeuvre]
+    ) -> np.ndarray:
         """Return which spans hold a burn, or begin with a fit across it that was made before it was found."""
-        across, before = np.zeros(len(begin), bool), self.issued["morning"].shift(fill_value=-np.inf)
-        found = self.issued["burn_t"].notna()
-        for t, unaware in zip(self.issued.loc[found, "burn_t"], before[found], strict=True):
-            across |= (begin - hours * HOUR < t) & (t < end) & ((begin < t) | (begin < unaware))
-        return across
+        found, before = self.issued["burn_t"].notna(), self.issued["morning"].shift(fill_value=-np.inf)
+        burns = map(Manoeuvre, self.issued.loc[found, "burn_t"], before[found])
+        spans = begin.to_numpy(float), end.to_numpy(float)
+        return are_unaware(*spans, [*burns, *manoeuvres], window=HOUR * hours)
 
     def and_then(self, more: "Records", *, since: float) -> Self:
         """Return the records with those of the next morning; since: as for `read`."""

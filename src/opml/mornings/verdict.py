@@ -57,7 +57,9 @@ def verdict(
     age, burned = now - begin, max((one.t for one in burns if max(one.t, one.known) <= now), default=-np.inf)
     flown = judged[np.isfinite(judged["sigma_y"].to_numpy(float))]
     off = sigmas_off(flown)
-    newest = (flown["t_known"] > now - DAY).to_numpy(bool) & (flown["duration"] < 2.0 * DAY).to_numpy(bool)
+    # On a day without tracks the last ones still have their say.
+    last = (flown["t_known"] > flown["t_known"].max() - DAY).to_numpy(bool)
+    newest = last & (flown["duration"] < 2.0 * DAY).to_numpy(bool)
     recent = (flown["t_known"] > now - PAST).to_numpy(bool)
     mornings = judged["morning"].nunique()
     if age > OLDEST:
@@ -67,7 +69,7 @@ def verdict(
     if newest.any() and np.median(off[newest]) > FAR:
         return Verdict(
             DO_NOT_USE,
-            f"the day's estimates are {np.median(off[newest]):.0f} sigma off the ephemeris before: "
+            f"the newest estimates are {np.median(off[newest]):.0f} sigma off the ephemeris before: "
             "a storm, another object, or a burn that the tracks do not show",
         )
     if mornings < FEWEST:

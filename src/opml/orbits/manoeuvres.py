@@ -46,6 +46,33 @@ def contain_any(
     return contain
 
 
+def spoilt_since(begin: np.ndarray, end: np.ndarray, manoeuvres: Sequence[Manoeuvre]) -> np.ndarray:
+    """Return since when it is known of spans (begin, end], (n,) [s], that they hold a manoeuvre: (n,) [s].
+
+    Infinite without one, and where fits had begun anew behind it by the end of the span.
+    """
+    since = np.full(len(end), np.inf)
+    for one in manoeuvres:
+        found = max(one.t, one.known)
+        hold = (begin < one.t) & (one.t <= end) & ((found > end) | (not one.anew))
+        since[hold] = np.minimum(since[hold], found)
+    return since
+
+
+def are_unaware(
+    begin: np.ndarray, end: np.ndarray, manoeuvres: Sequence[Manoeuvre], *, window: float
+) -> np.ndarray:
+    """Return which predictions (begin, end], (n,) [s], go across a manoeuvre, or begin with a fit across it.
+
+    manoeuvres: that are known now; of fits that were made since they are, none goes across
+    window: of the fits [s]
+    """
+    unaware = np.zeros(len(end), bool)
+    for one in manoeuvres:
+        unaware |= (begin - window < one.t) & (one.t < end) & ((begin < one.t) | (begin < one.known))
+    return unaware
+
+
 def at_times(times: Sequence[str], *, epoch: str) -> list[Manoeuvre]:
     """Return manoeuvres at UTC texts, in order of time.
 

@@ -54,8 +54,19 @@ _UNSEEN = tuple(
     for name in UNSEEN
 )
 
+_SPOILT = (
+    real(
+        "spoilt", "s", f"when a manoeuvre was found that spoils the row, {SINCE}; infinite without, optional"
+    ),
+)
+
 EPHEMERIS_SCHEMAS = (
-    Schema("replay", "a pair of an estimate i and a later track start j", REPLAY_COLUMNS, (*ALIKE, *_UNSEEN)),
+    Schema(
+        "replay",
+        "a pair of an estimate i and a later track start j",
+        REPLAY_COLUMNS,
+        (*ALIKE, *_UNSEEN, *_SPOILT),
+    ),
     Schema(
         "corrected",
         "an epoch after an estimate",

@@ -108,6 +108,22 @@ def test_the_past_is_weighted_by_its_variance_and_fades(assumed_model):
     assert short["mean"].to_numpy()[[0, 1, 2, 4]] == pytest.approx([2.01, 2.39, 2.2, 2.2], abs=0.02)
 
 
+def test_a_fit_that_turns_out_to_hold_a_burn_leaves_the_past(assumed_model):
+    """At 1.1 days nobody knows of the burn at 0.9, and Cd takes it in; the next set tells it."""
+    cd = [2.2, 2.2, -180.0, 2.2, 2.2]
+    table = estimates(assumed_model.gm, cd)
+    burn = Manoeuvre(0.9 * DAY, 2.0 * DAY, anew=True)
+    found = other_windows.undisturbed(table, manoeuvres=[burn], window=DAY)
+    assert found["converged"].all()
+    past = other_windows.past_cd(found, apriori=2.2, memory_days=30.0)
+    assert past["mean"][2] < -10.0
+    np.testing.assert_allclose(past["mean"].drop(2), 2.2)
+    np.testing.assert_allclose(past["prior"], 2.2)
+    # As it was known then, what was flown from the spoilt fit stays.
+    before = other_windows.past_cd(table, apriori=2.2, memory_days=30.0)
+    pd.testing.assert_frame_equal(past[:3], before[:3])
+
+
 def test_the_spread_is_a_part_of_the_bodys_own_cd(assumed_model):
     """Not of the sheet's, which may be off by more than half."""
     table = estimates(assumed_model.gm, 1.0, sigma=0.05)

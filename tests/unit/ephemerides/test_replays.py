@@ -21,6 +21,7 @@ from opml.ephemerides.task import Task
 from opml.interop import oem
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
+from opml.learning.judge.error_sizes import are_over
 from opml.learning.models.daily_training import Lessons
 from opml.orbits.elements import in_rsw
 from opml.orbits.manoeuvres import Manoeuvre
@@ -100,6 +101,27 @@ def test_rows_against_fits_to_mean_elements_are_marked(flight, tables, tmp_path)
     (table,) = replays.build(flight, tables["known"], [marked], max_days=0.3)
     write_table(tmp_path / "r.parquet", table, "replay", metadata={})
     assert read_table(tmp_path / "r.parquet", "replay")["alike"].all()
+
+
+def test_rows_that_a_burn_spoils_tell_when_it_was_found(flight, tables, tmp_path):
+    """From a day and a half on nobody is to learn from what the burn at 1.2 days did."""
+    series, burn = series_of(flight, tables, NONE), Manoeuvre(1.2 * DAY, 1.5 * DAY, anew=True)
+    series = replace(series, starts=series.starts[:6])
+    unaware, aware = (
+        replays.build(flight, replace(tables["known"], manoeuvres=burns), [series], max_days=0.6)[0]
+        for burns in ([], [burn])
+    )
+    assert "spoilt" not in unaware
+    pd.testing.assert_frame_equal(aware.drop(columns="spoilt"), unaware)
+    write_table(tmp_path / "r.parquet", aware, "replay", metadata={})
+    across = (aware["t_i"] < burn.t) & aware["t_j"].between(burn.t, burn.known, inclusive="left")
+    across |= aware["t_i"].between(burn.t, burn.known, inclusive="left")
+    assert 0 < across.sum() < len(aware)
+    np.testing.assert_array_equal(aware["spoilt"], np.where(across, burn.known, np.inf))
+    now = 3.0 * DAY
+    assert are_over(unaware, now).all()
+    np.testing.assert_array_equal(are_over(aware, now), ~across)
+    np.testing.assert_array_equal(are_over(aware, 1.4 * DAY), are_over(unaware, 1.4 * DAY))
 
 
 def test_without_a_correction_errors_are_those_of_the_predictions(flight, tables):

@@ -25,6 +25,7 @@ from opml.mornings.days import Calendar, Folder
 from opml.mornings.morning import Model, Plan, Watched
 from opml.mornings.records import DONE, Records
 from opml.mornings.verdict import DO_NOT_USE, WIDE
+from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, paths_schema, read_metadata, read_table, read_tables
 
 ARC = {"window_hours": 18.0, "memory_days": 30.0}
@@ -205,9 +206,13 @@ def test_what_went_across_a_burn_has_no_say_once_it_is_known():
         "estimates": made.assign(t=made["t"] * DAY, window_hours=hours, converged=True),
     }
     records = Records(**scaled)
-    assert records.free(hours).index.tolist() == [3]  # across, across, from a fit across, free
-    assert records.of_window(hours)["converged"].tolist() == [True, False, True]
-    assert records.made(hours)["converged"].all()
+    # A burn that tracks showed on the morning after 6.0, and the same one found in mean elements by then.
+    sets = replace(records, issued=SCHEMAS["issued"].empty())
+    assert sets.free(hours).index.tolist() == [0, 1, 2, 3]
+    for known, burns in ((records, []), (sets, [Manoeuvre(5.0 * DAY, 6.0 * DAY, anew=True)])):
+        assert known.free(hours, burns).index.tolist() == [3]  # across, across, from a fit across, free
+        assert known.of_window(hours, burns)["converged"].tolist() == [True, False, True]
+        assert known.made(hours)["converged"].all()
 
 
 def test_a_first_morning_says_that_it_has_no_past(whole):

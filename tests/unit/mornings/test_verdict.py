@@ -46,6 +46,13 @@ def test_verdicts_follow_from_what_was_judged(past, age, word, reason):
     assert reason in found.reason
 
 
+def test_a_day_without_tracks_mends_nothing():
+    tomorrow, past = NOW + DAY, judged(sigma=100.0, left=5000.0)
+    found = verdict(past, pd.DataFrame({"track": [1], "t": [NOW]}), now=tomorrow)
+    assert found.word == DO_NOT_USE
+    assert "sigma off" in found.reason
+
+
 def test_after_few_mornings_nothing_is_good():
     past = judged(sigma=100.0)
     assert verdict(past[past["morning"] >= 15 * DAY], start(), now=NOW).word == WIDE

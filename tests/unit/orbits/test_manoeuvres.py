@@ -79,3 +79,11 @@ def test_a_window_counts_unless_fits_begin_anew():
     for anew, contain in ((False, [True, True, False]), (True, [True, False, False])):
         burn = Manoeuvre(2.0, anew=anew)
         assert manoeuvres.contain_any(begin, end, [burn], window=1.0).tolist() == contain
+
+
+def test_fits_are_spoilt_from_when_a_manoeuvre_in_their_window_is_known():
+    t, named, found = np.array([1.0, 2.5, 3.0, 4.0]), Manoeuvre(2.0), Manoeuvre(2.0, 2.8, anew=True)
+    since = {burns: manoeuvres.spoilt_since(t - 1.5, t, burns).tolist() for burns in ((), (named,), (found,))}
+    assert since[()] == [math.inf] * 4
+    assert since[(named,)] == [math.inf, 2.0, 2.0, math.inf]
+    assert since[(found,)] == [math.inf, 2.8, math.inf, math.inf]  # the window at 3.0 begins behind it

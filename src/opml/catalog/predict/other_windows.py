@@ -17,7 +17,7 @@ from opml.catalog.flight import Flight
 from opml.catalog.predict.neighbours import Neighbours
 from opml.catalog.predict.sensitivity import CD_NUDGE, shift_with_cd
 from opml.orbits.elements import in_rsw
-from opml.orbits.manoeuvres import Manoeuvre, contain_any, read_manoeuvres
+from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres, spoilt_since
 from opml.tables import STATE, read_table
 
 
@@ -26,10 +26,12 @@ def undisturbed(estimates: pd.DataFrame, *, manoeuvres: Sequence[Manoeuvre], win
 
     manoeuvres: of which those count that were known at an estimate
     window: of the fits [s]
+
+    `spoilt` is since when such a manoeuvre is known [s], infinite without one: from then on no mean has it.
     """
     t = estimates["t"].to_numpy()
-    disturbed = contain_any(t, t, manoeuvres, window=window)
-    return estimates.assign(converged=estimates["converged"] & ~disturbed)
+    spoilt = spoilt_since(t - window, t, manoeuvres)
+    return estimates.assign(converged=estimates["converged"] & (spoilt > t), spoilt=spoilt)
 
 
 def read_estimates(files: Any, *, window_hours: float) -> pd.DataFrame:
@@ -191,7 +193,8 @@ def _turned(
 def past_cd(estimates: pd.DataFrame, *, apriori: float, memory_days: float) -> pd.DataFrame:
     """Return what is known of Cd at each estimate: `mean` with its own Cd, `prior` and `variance` without.
 
-    Each estimate that converged counts by 1 / (its formal variance + spread^2), fading by e in memory_days;
+    Each estimate that converged counts by 1 / (its formal variance + spread^2), fading by e in memory_days,
+    until it is found `spoilt`, where estimates are `undisturbed`;
     `apriori`, the value of the sheet, counts as an estimate with a deviation of APRIORI_SIGMA of itself. So a
     fit that tells nothing of Cd moves nothing, and of many good fits none counts alone. The spread is
     CD_SPREAD of the mean before each estimate, which is the sheet's value until there is a past.
@@ -200,7 +203,10 @@ def past_cd(estimates: pd.DataFrame, *, apriori: float, memory_days: float) -> p
     trusted = estimates["converged"].to_numpy() & (formal > 0.0)
     values = np.where(trusted, estimates["cd"].to_numpy(), 0.0)
     age = (t[:, None] - t[None, :]) / (memory_days * DAY)
-    fading = np.where(trusted & (age >= 0.0), np.exp(-np.maximum(age, 0.0)), 0.0)
+    counts = trusted & (age >= 0.0)
+    if "spoilt" in estimates:
+        counts &= t[:, None] < estimates["spoilt"].to_numpy()
+    fading = np.where(counts, np.exp(-np.maximum(age, 0.0)), 0.0)
     apriori_weight = (APRIORI_SIGMA * apriori) ** -2.0
 
     def weighted(spread: np.ndarray) -> pd.DataFrame:

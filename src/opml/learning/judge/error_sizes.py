@@ -159,7 +159,7 @@ class Sizes:
 
         Raises InputError for fewer than LEAST_ROWS.
         """
-        past = past[past["t_known"] <= now]
+        past = past[are_over(past, now)]
         if len(past) < LEAST_ROWS:
             raise InputError(
                 f"sizes: expected {LEAST_ROWS} predictions that were over by day {now / DAY:g} to learn "
@@ -189,6 +189,15 @@ class Sizes:
         square = stated._shown(past)[:, :3] ** 2 + shown**2
         distance = np.sum((errors**2 + _within() / 3.0 * hidden**2) / square, axis=1)
         return replace(stated, inflation=_inflation(distance, past["duration"].to_numpy(), weight))
+
+
+def are_over(rows: pd.DataFrame, now: float) -> np.ndarray:
+    """Return which rows (n,) of a `replay` table tell by `now` [s] how far predictions err.
+
+    Their errors are known by then, and no manoeuvre that nobody knew of when they were made.
+    """
+    over: np.ndarray = (rows["t_known"] <= now).to_numpy()
+    return over & (rows["spoilt"] > now).to_numpy() if "spoilt" in rows else over
 
 
 def doubts(rows: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:

@@ -16,7 +16,7 @@ import pandas as pd
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.seeds import derive
-from opml.learning.judge.error_sizes import MEMORY_DAYS
+from opml.learning.judge.error_sizes import MEMORY_DAYS, are_over
 from opml.tables import COMPONENTS, DOUBT, UNSEEN
 
 CONFIDENCE = 0.95
@@ -84,9 +84,7 @@ class _Past:
     @classmethod
     def known(cls, replays: Mapping[str, pd.DataFrame], plains: Sequence[str], now: float) -> Self:
         """Return what `replay` tables by model showed by `now` [s]; plains: models that learned nothing."""
-        known = {
-            name: table[table["t_known"] <= now].set_index(["i", "j"]) for name, table in replays.items()
-        }
+        known = {name: table[are_over(table, now)].set_index(["i", "j"]) for name, table in replays.items()}
         sizes = pd.DataFrame({name: table["e_y"].abs() for name, table in known.items()})
         pairs = pd.concat([table[["t_j", "duration"]] for table in known.values()])
         pairs = pairs[~pairs.index.duplicated()].reindex(sizes.index)
