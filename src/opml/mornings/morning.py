@@ -167,10 +167,8 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
         return Left(left, recent, Verdict(DO_NOT_USE, str(reason)))
     # An ephemeris from the estimate of an earlier morning is that morning's, and judged once.
     is_new = not records.issued["i"].isin(starts["track"]).any()
-    left, past = (
-        replace(left, paths=[Paths(paths)] if is_new else []),
-        so_far.free(plan.base, watched.known_by(now)),
-    )
+    left = replace(left, paths=[Paths(paths)] if is_new else [])
+    past = so_far.free(plan.base, watched.known_by(now))
     judgement = verdict(past, starts, now=now, burns=watched.manoeuvres, window=plan.base * HOUR)
     try:
         flown = issued.chosen(past, list(plan.models), now=now)
