@@ -194,10 +194,10 @@ def past_cd(estimates: pd.DataFrame, *, apriori: float, memory_days: float) -> p
     """Return what is known of Cd at each estimate: `mean` with its own Cd, `prior` and `variance` without.
 
     Each estimate that converged counts by 1 / (its formal variance + spread^2), fading by e in memory_days,
-    until it is found `spoilt`, where estimates are `undisturbed`. `apriori`, the value of the sheet, counts as
-    an estimate with a deviation of APRIORI_SIGMA of itself. So a fit that tells nothing of Cd moves nothing,
-    and of many good fits none counts alone. The spread is CD_SPREAD of the mean before each estimate, which
-    is the sheet's value until there is a past.
+    until it is found `spoilt`, where estimates are `undisturbed`. `apriori`, the value of the sheet, counts
+    as an estimate with a deviation of APRIORI_SIGMA of itself. So a fit that tells nothing of Cd moves
+    nothing, and of many good fits none counts alone. The spread is CD_SPREAD of the mean before each
+    estimate, which is the sheet's value until there is a past.
     """
     t, formal = estimates["t"].to_numpy(), estimates["cov_cd_cd"].to_numpy()
     trusted = estimates["converged"].to_numpy() & (formal > 0.0)
