@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 
+import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
@@ -56,7 +57,18 @@ def _verdict(mornings: Mornings, laws: Sequence[str]) -> str:
         f"What the past chose has a skill of {skill} % against `{best}`, the best without learning. Flown on "
         f"{len(mornings.choices)} mornings, days {begin:g} to {end:g}: {flown}; on {sure} the past was sure "
         f"that learning helps. {len(mornings.flown)} predictions; {mornings.earlier} more began before all "
-        "models could be flown, and count nowhere."
+        f"models could be flown, and count nowhere.{_of_burns(mornings.flown)}"
+    )
+
+
+def _of_burns(flown: pd.DataFrame) -> str:
+    """Return as text how many rows of a `replay` table a burn spoilt before it was known, if any."""
+    spoilt = int(np.isfinite(flown["spoilt"]).sum()) if "spoilt" in flown else 0
+    if not spoilt:
+        return ""
+    return (
+        f" {spoilt} predictions went across a burn, or began with a fit across it, before it was known: they "
+        "count here, but from then on they choose no model and no size of errors."
     )
 
 

@@ -157,6 +157,21 @@ def test_the_report_leads_with_what_was_flown(replayed):
     assert uncertainty.TOO_SHORT in short
 
 
+def test_rows_that_a_burn_spoilt_choose_nothing_once_it_is_known(errors):
+    """Across a burn found on day ten the law is far off, as any model would have been."""
+    burned = errors["t_i"].between(8.0 * DAY, 10.0 * DAY)
+    law = scaled(errors, 0.3)
+    law.loc[burned, "e_y"] *= 1e4
+    spoilt = law.assign(spoilt=np.where(burned, 10.0 * DAY, np.inf))
+    assert choose({"running": errors, "law": law}, ["law"], now=NOW, seed=1).chosen == "running"
+    assert choose({"running": errors, "law": spoilt}, ["law"], now=NOW, seed=1).chosen == "law"
+    found = Mornings.from_replays({"running": errors, "law": spoilt}, ["law"], seed=1)
+    rows = int(np.isfinite(found.flown["spoilt"]).sum())
+    assert rows > 0
+    text = document.markdown(mornings.section({("lares", "eglin"): found}, [1, 7], ["law"]))
+    assert f"{rows} predictions went across a burn" in text
+
+
 def test_a_study_without_replays_has_neither_section():
     assert not list(mornings.section({}, [1], []))
     assert not list(uncertainty.section({}, {}, [1.0]))
