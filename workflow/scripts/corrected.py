@@ -13,7 +13,7 @@ with job(snakemake) as metadata:
     settings, files = JobSettings(snakemake.params.settings), snakemake.input
     task = Task.read(files, settings.values, threads=snakemake.threads, progress=progress)
     (learner,) = settings.learners
-    labelled = dataset.read(files.dataset, files.beside)
+    labelled = task.known.marked(dataset.read(files.dataset, files.beside))
     replay = read_table(files.replay, "replay")
     table = corrected.build(
         task,

@@ -20,7 +20,8 @@ with job(snakemake) as metadata:
     for learner, beside in zip(
         settings.learners, paths_of_each(files.beside, settings.learners), strict=True
     ):
-        lessons = Lessons(dataset.read(files.dataset, beside), learner, settings.seed, settings.train_days[0])
+        rows = known.marked(dataset.read(files.dataset, beside))
+        lessons = Lessons(rows, learner, settings.seed, settings.train_days[0])
         first_day = replays.first_day(lessons, known, train_days=settings.train_days)
         starts = replays.morning_departures(known, every_hours=settings.every_hours, first_day=first_day)
         judged = replays.judge(lessons.dataset, predictions, later, alike=known.are_of_sets)

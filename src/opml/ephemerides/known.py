@@ -14,7 +14,7 @@ from opml.catalog.predict import other_windows
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models.learners import arc_windows
-from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres
+from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres, spoilt_since
 from opml.tables import read_measured, read_metadata, read_table
 
 
@@ -113,6 +113,16 @@ class Known:
     def own(self) -> pd.DataFrame:
         """Return the fits as `other_windows.undisturbed` has them."""
         return other_windows.undisturbed(self.estimates, manoeuvres=self.manoeuvres, window=self.window)
+
+    def marked(self, rows: pd.DataFrame) -> pd.DataFrame:
+        """Return rows of predictions with when a manoeuvre was found that spoils them, where there was one.
+
+        rows: with t_i and t_j, of a table that leaves out what goes across a manoeuvre that was known
+        """
+        t_i, t_j = rows["t_i"].to_numpy(), rows["t_j"].to_numpy()
+        spans = ((t_i - self.window, t_i), (t_i, t_j))
+        since = np.minimum(*(spoilt_since(*span, self.manoeuvres) for span in spans))
+        return rows.assign(spoilt=since) if np.isfinite(since).any() else rows
 
     def may_depart(self) -> np.ndarray:
         """Return which estimates (n,) ephemerides may start from."""

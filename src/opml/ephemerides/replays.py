@@ -27,7 +27,6 @@ from opml.learning.models.contract import hours_to_fill
 from opml.learning.models.daily_training import Lessons
 from opml.learning.models.learners import tables_asked
 from opml.orbits.elements import in_rsw
-from opml.orbits.manoeuvres import spoilt_since
 from opml.orbits.rsw_covariance import rates
 from opml.tables import COMPONENTS, DOUBT, SCHEMAS, SPREAD, STATE
 
@@ -145,20 +144,9 @@ def _together(task: Task, series: Sequence[Series]) -> Iterator[pd.DataFrame]:
         for tables, one in zip(found, series, strict=True):
             tables += _ephemerides(part, one)
     for tables in found:
-        joined = _with_spoilt(task.joined(tables), task.known)
+        joined = task.known.marked(task.joined(tables))
         table = as_known(joined, joined["morning"].to_numpy())
         yield table[SCHEMAS["replay"].among(table.columns).names]
-
-
-def _with_spoilt(rows: pd.DataFrame, known: Known) -> pd.DataFrame:
-    """Return rows with when a manoeuvre was found that spoils them, where there was one.
-
-    One that was known when a prediction was over, or that its fit had begun anew behind, left no row.
-    """
-    t_i, t_j = rows["t_i"].to_numpy(), rows["t_j"].to_numpy()
-    spans = ((t_i - known.window, t_i), (t_i, t_j))
-    since = np.minimum(*(spoilt_since(*span, known.manoeuvres) for span in spans))
-    return rows.assign(spoilt=since) if np.isfinite(since).any() else rows
 
 
 def _ephemerides(part: Part, series: Series) -> Iterator[pd.DataFrame]:

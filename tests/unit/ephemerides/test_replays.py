@@ -124,6 +124,20 @@ def test_rows_that_a_burn_spoils_tell_when_it_was_found(flight, tables, tmp_path
     np.testing.assert_array_equal(are_over(aware, 1.4 * DAY), are_over(unaware, 1.4 * DAY))
 
 
+def test_a_law_learns_nothing_of_a_burn_once_it_is_known(tables):
+    """Rows of the dataset that begin before the burn at 1.2 days and end before it is found."""
+    burn = Manoeuvre(1.2 * DAY, 1.6 * DAY, anew=True)
+    known = replace(tables["known"], manoeuvres=[burn])
+    rows = known.marked(tables["rows"])
+    spoilt = np.isfinite(rows["spoilt"].to_numpy())
+    assert 0 < spoilt.sum() < len(rows)
+    wild = rows.assign(e_y=np.where(spoilt, 1.5, 1.0) * rows["e_y"])
+    probe = tables["rows"][["duration"]].head().to_numpy()
+    for day, alike in ((1.59, False), (1.61, True)):
+        calm, spoiled = (Lessons(table, LAW, seed=1)(day * DAY).predict(probe) for table in (rows, wild))
+        assert np.array_equal(calm, spoiled) is alike
+
+
 def test_without_a_correction_errors_are_those_of_the_predictions(flight, tables):
     """The path through states two minutes apart is the arc itself."""
     table = replayed(flight, tables, NONE)

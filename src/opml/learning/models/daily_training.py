@@ -55,9 +55,12 @@ class Lessons:
         return self._trained[now]
 
     def _known(self, now: float) -> pd.DataFrame:
-        """Return the kept rows whose error is known at `now` [s]."""
+        """Return the kept rows whose error is known at `now` [s], and no manoeuvre that spoilt it."""
         within = in_days(self.dataset["t_j"].to_numpy(), (self.first_day, now / DAY))
-        rows = self.dataset[self.dataset["keep"].to_numpy() & within & (known_at(self.dataset) <= now)]
+        known = known_at(self.dataset) <= now
+        if "spoilt" in self.dataset:
+            known &= self.dataset["spoilt"].to_numpy() > now
+        rows = self.dataset[self.dataset["keep"].to_numpy() & within & known]
         if rows.empty:
             raise InputError(f"training: expected errors that were known by day {now / DAY:g}, got none")
         return rows
