@@ -16,10 +16,8 @@ with job(snakemake) as metadata:
     predictions = read_table(files.predictions, "predictions")
     later = read_table(files.later, "estimates") if files.later else None
     spread = read_table(files.spread, "spread")
-    series = []
-    for learner, beside in zip(
-        settings.learners, paths_of_each(files.beside, settings.learners), strict=True
-    ):
+    series, paths = [], paths_of_each(files.beside, settings.learners)
+    for learner, beside in zip(settings.learners, paths, strict=True):
         rows = known.marked(dataset.read(files.dataset, beside))
         lessons = Lessons(rows, learner, settings.seed, settings.train_days[0])
         first_day = replays.first_day(lessons, known, train_days=settings.train_days)
