@@ -19,7 +19,8 @@ from opml.ephemerides.along_track_shift import check_smooth, corrected, through
 from opml.ephemerides.known import Known
 from opml.ephemerides.part import Grid, Part
 from opml.ephemerides.task import Task, ephemeris_table, reached
-from opml.learning.judge.error_sizes import Sizes, are_over
+from opml.learning.data.splits import are_over
+from opml.learning.judge.error_sizes import Sizes
 from opml.learning.models.contract import Model
 from opml.learning.models.daily_training import Lessons
 from opml.orbits.elements import in_rsw

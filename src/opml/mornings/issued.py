@@ -8,7 +8,8 @@ import numpy as np
 import pandas as pd
 
 from opml.base.errors import InputError
-from opml.learning.judge.error_sizes import LEAST_ROWS, Sizes, are_over
+from opml.learning.data.splits import are_over
+from opml.learning.judge.error_sizes import LEAST_ROWS, Sizes
 from opml.learning.judge.model_choice import choose
 from opml.mornings.verdict import DO_NOT_USE
 from opml.orbits.manoeuvres import Manoeuvre

@@ -115,7 +115,7 @@ class Watched:
 
     def known_by(self, now: float) -> list[Manoeuvre]:
         """Return the manoeuvres that are known by a time [s]."""
-        return [one for one in self.manoeuvres if max(one.t, one.known) <= now]
+        return [one for one in self.manoeuvres if one.counts_from <= now]
 
 
 @dataclass(frozen=True)

@@ -54,7 +54,7 @@ def verdict(
     window: of the fits [s], which is cut short behind one
     """
     begin = float(start["t"].iloc[0])
-    age, burned = now - begin, max((one.t for one in burns if max(one.t, one.known) <= now), default=-np.inf)
+    age, burned = now - begin, max((one.t for one in burns if one.counts_from <= now), default=-np.inf)
     flown = judged[np.isfinite(judged["sigma_y"].to_numpy(float))]
     off = sigmas_off(flown)
     # On a day without tracks the last ones still have their say.

@@ -31,6 +31,11 @@ class Manoeuvre:
     known: float = -math.inf
     anew: bool = False
 
+    @property
+    def counts_from(self) -> float:
+        """Since when it counts [s]: it was, and is known."""
+        return max(self.t, self.known)
+
 
 def contain_any(
     begin: np.ndarray, end: np.ndarray, manoeuvres: Sequence[Manoeuvre], *, window: float = 0.0
@@ -42,7 +47,7 @@ def contain_any(
     contain = np.zeros(len(end), dtype=bool)
     for one in manoeuvres:
         first = begin if one.anew else begin - window
-        contain |= (first < one.t) & (max(one.t, one.known) <= end)
+        contain |= (first < one.t) & (one.counts_from <= end)
     return contain
 
 
@@ -53,7 +58,7 @@ def spoilt_since(begin: np.ndarray, end: np.ndarray, manoeuvres: Sequence[Manoeu
     """
     since = np.full(len(end), np.inf)
     for one in manoeuvres:
-        found = max(one.t, one.known)
+        found = one.counts_from
         hold = (begin < one.t) & (one.t <= end) & ((found > end) | (not one.anew))
         since[hold] = np.minimum(since[hold], found)
     return since

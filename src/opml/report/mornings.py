@@ -68,7 +68,7 @@ def _of_burns(flown: pd.DataFrame) -> str:
         return ""
     return (
         f" {spoilt} predictions went across a burn, or began with a fit across it, before it was known: they "
-        "count here, but from then on they choose no model and no size of errors."
+        "count here, but from then on they train no law, choose no model and no size of errors."
     )
 
 

@@ -21,7 +21,7 @@ from opml.ephemerides.task import Task
 from opml.interop import oem
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
-from opml.learning.judge.error_sizes import are_over
+from opml.learning.data.splits import are_over
 from opml.learning.models.daily_training import Lessons
 from opml.orbits.elements import in_rsw
 from opml.orbits.manoeuvres import Manoeuvre

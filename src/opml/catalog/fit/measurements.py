@@ -91,7 +91,7 @@ class Measurements(ABC):
         manoeuvres: in the order of their times; those count that are `anew`
         """
         for one in manoeuvres:
-            since = max(one.t, one.known) if one.anew else np.inf
+            since = one.counts_from if one.anew else np.inf
             self.anew[self.epochs[self.at] >= since] = one.t
         return self
 

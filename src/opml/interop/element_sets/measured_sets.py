@@ -140,7 +140,7 @@ def _points(
     points = sgp4_points.before(one, end, epoch=epoch, sampling=sampling)
     if len(points) < len(sampling.times(end)):
         _log.warning("%s has points no farther back than SGP4 goes", agreement.place(one, epoch))
-    begin = max([0.0, *(burn.t for burn in manoeuvres if max(burn.t, burn.known) <= end)])
+    begin = max([0.0, *(burn.t for burn in manoeuvres if burn.counts_from <= end)])
     rows = points[points["t"] >= begin]
     if len(rows) < _LEAST * min(sampling.reach, USUAL_REACH) / sampling.step:
         return None

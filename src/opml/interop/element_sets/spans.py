@@ -63,7 +63,7 @@ def found(sets: pd.DataFrame, *, epoch: str, manoeuvres: Sequence[Manoeuvre] = (
             partings[later] = _parting(*pair, epoch)
             enough -= bool(np.isfinite(partings[later]).all() and not across[:, later].any())
     lengths, are_known = np.full(len(sets), np.nan), np.isfinite(partings).all(axis=1)
-    since = np.array([max(one.t, one.known) for one in manoeuvres])
+    since = np.array([one.counts_from for one in manoeuvres])
     for newest in range(1, len(sets)):
         tell = are_known & ~across[since <= t[newest]].any(axis=0)
         lengths[newest] = _length(*partings[: newest + 1][tell[: newest + 1]][:_MOST].T)

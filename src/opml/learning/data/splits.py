@@ -47,6 +47,15 @@ def known_at(dataset: pd.DataFrame) -> np.ndarray:
     return known
 
 
+def are_over(rows: pd.DataFrame, now: float) -> np.ndarray:
+    """Return which rows (n,) of a dataset or a replay tell by `now` [s] how far predictions err.
+
+    Their errors are known by then, and no manoeuvre that nobody knew of when they were made.
+    """
+    over: np.ndarray = known_at(rows) <= now
+    return over & (rows["spoilt"] > now).to_numpy() if "spoilt" in rows else over
+
+
 def training_rows(dataset: pd.DataFrame, name: str, *, span_days: Sequence[float], seed: int) -> np.ndarray:
     """Return which rows (bool, n) of a dataset the split `name` trains on.
 

@@ -44,6 +44,7 @@ import pandas as pd
 
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
+from opml.learning.data.splits import are_over
 from opml.orbits.rsw_covariance import AXES, free_parts, half_width, rsw_covariances
 from opml.tables import COMPONENTS, DOUBT, SIGMA_STATE, UNSEEN
 
@@ -191,15 +192,6 @@ class Sizes:
         return replace(stated, inflation=_inflation(distance, past["duration"].to_numpy(), weight))
 
 
-def are_over(rows: pd.DataFrame, now: float) -> np.ndarray:
-    """Return which rows (n,) of a `replay` table tell by `now` [s] how far predictions err.
-
-    Their errors are known by then, and no manoeuvre that nobody knew of when they were made.
-    """
-    over: np.ndarray = (rows["t_known"] <= now).to_numpy()
-    return over & (rows["spoilt"] > now).to_numpy() if "spoilt" in rows else over
-
-
 def doubts(rows: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
     """Return what errors against later states show of the deviations of these, and what not: (n, 3) [m].
 
@@ -224,8 +216,9 @@ def _error_sizes(rows: pd.DataFrame, parts: np.ndarray) -> np.ndarray:
     """
     sizes: np.ndarray = np.abs(parts[:, :3])
     turned = np.hypot(parts[:, [0, 2]], parts[:, [3, 5]] / rows["rate"].to_numpy()[:, None])
-    alike = np.ix_(_are_alike(rows), _TURNING)
-    sizes[alike] = np.maximum(sizes[alike], turned[_are_alike(rows)] / np.sqrt(2.0))
+    alike = _are_alike(rows)
+    place = np.ix_(alike, _TURNING)
+    sizes[place] = np.maximum(sizes[place], turned[alike] / np.sqrt(2.0))
     return sizes
 
 
@@ -326,16 +319,18 @@ def as_known(replay: pd.DataFrame, mornings: Sequence[float]) -> pd.DataFrame:
     They are not finite where the past was too short. Where states err alike, UNSEEN stands beside them.
     """
     sigma, unseen = np.full((len(replay), 6), np.nan), np.full((len(replay), 3), np.nan)
-    when = np.asarray(mornings)
+    when, alike = np.asarray(mornings), _are_alike(replay).any()
     for now in np.unique(when):
         rows = when == now
         try:
             sizes = Sizes.learned(replay, now=float(now))
         except InputError:
             continue
-        sigma[rows], unseen[rows] = sizes.sigmas(replay[rows]), sizes.unseen(replay[rows])
+        sigma[rows] = sizes.sigmas(replay[rows])
+        if alike:
+            unseen[rows] = sizes.unseen(replay[rows])
     known = dict(zip(SIGMA_STATE, sigma.T, strict=True))
-    if _are_alike(replay).any():
+    if alike:
         known |= dict(zip(UNSEEN, unseen[:, _TURNING].T, strict=True))
     return replay.assign(**known)
 

@@ -16,7 +16,8 @@ import pandas as pd
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.seeds import derive
-from opml.learning.judge.error_sizes import MEMORY_DAYS, are_over
+from opml.learning.data.splits import are_over
+from opml.learning.judge.error_sizes import MEMORY_DAYS
 from opml.tables import COMPONENTS, DOUBT, UNSEEN
 
 CONFIDENCE = 0.95

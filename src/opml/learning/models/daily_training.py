@@ -9,7 +9,7 @@ import pandas as pd
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.learning.data.components import CORRECTED
-from opml.learning.data.splits import in_days, known_at
+from opml.learning.data.splits import are_over, in_days
 from opml.learning.models import learners
 from opml.learning.models.contract import Model
 
@@ -57,10 +57,7 @@ class Lessons:
     def _known(self, now: float) -> pd.DataFrame:
         """Return the kept rows whose error is known at `now` [s], and no manoeuvre that spoilt it."""
         within = in_days(self.dataset["t_j"].to_numpy(), (self.first_day, now / DAY))
-        known = known_at(self.dataset) <= now
-        if "spoilt" in self.dataset:
-            known &= self.dataset["spoilt"].to_numpy() > now
-        rows = self.dataset[self.dataset["keep"].to_numpy() & within & known]
+        rows = self.dataset[self.dataset["keep"].to_numpy() & within & are_over(self.dataset, now)]
         if rows.empty:
             raise InputError(f"training: expected errors that were known by day {now / DAY:g}, got none")
         return rows
