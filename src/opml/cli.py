@@ -139,6 +139,55 @@ def _screen(options: argparse.Namespace) -> None:
     print(table.to_csv(index=False) if options.csv else as_text.text(table))
 
 
+def _add_improve(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("sets", nargs="+", help="files and folders of TLEs or OMMs (JSON, CSV, XML, KVN)")
+    parser.add_argument("-o", "--output", required=True, help="better sets: .tle, .json, .csv, .xml or .kvn")
+    parser.add_argument("--table", help="what was done, and the errors expected: .parquet or .csv")
+    parser.add_argument("--date", help="UTC, as 2026-07-15T06:00:00: only what was public then counts (now)")
+    parser.add_argument("--latency", type=float, help="hours from epoch to publication (6; 0 without --date)")
+    parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
+    parser.add_argument("--model", help="a model of `opml train` (that of the package)")
+
+
+def _improve(options: argparse.Namespace) -> None:
+    from opml.element_sets import improve, model
+    from opml.interop.element_sets import rewriting
+
+    rewriting.check_suffix(options.output)
+    date = options.date or datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%S")
+    latency = (6.0 if options.date else 0.0) if options.latency is None else options.latency
+    known = improve.read(options.sets, date=date, weather=options.weather, latency=latency / 24.0)
+    better = improve.improve(known, model.read(options.model), progress=_say)
+    missing = better.write(options.output)
+    if options.table:
+        better.write_table(options.table)
+    beyond = f", {missing} without a number that a TLE has" if missing else ""
+    print(f"{options.output}: {len(better.sets) - missing} sets{beyond}")
+
+
+def _add_train(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("sets", nargs="+", metavar="[NAME=]PATH", help="files and folders by population")
+    parser.add_argument("-o", "--output", required=True, help="the model, .parquet")
+    parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
+
+
+def _train(options: argparse.Namespace) -> None:
+    from opml.element_sets import model, training
+
+    populations: dict[str, list[str]] = {}
+    for one in options.sets:
+        name, is_named, path = one.rpartition("=")
+        populations.setdefault(name if is_named else "all", []).append(path)
+    trained = training.train(populations, weather=options.weather, progress=_say)
+    model.write(options.output, trained)
+    print(f"{options.output}: {', '.join(populations)}")
+
+
+def _say(line: str) -> None:
+    """Tell what is going on, beside the output."""
+    print(f"opml: {line}", file=sys.stderr, flush=True)
+
+
 def _add_day(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--date", type=date.fromisoformat, help="the day, as 2016-10-05 (today, UTC)")
     parser.add_argument("--since", type=date.fromisoformat, help="first day that gets a page (the same)")
@@ -226,6 +275,8 @@ COMMANDS = (
     Command("rso", "print the line of the sheet of RSOs for a file of mean elements", _add_rso, _rso),
     Command("sheet", "print a sheet of RSOs drawn at random", _add_sheet, _sheet),
     Command("elements", "print TLEs fitted to an orbit in files, for tests", _add_elements, _elements),
+    Command("improve", "make element sets better by what a catalogue teaches", _add_improve, _improve),
+    Command("train", "learn from element sets what makes them better", _add_train, _train),
     Command("screen", "find close approaches of ephemerides", _add_screen, _screen),
     Command("day", "run a morning of all objects that are measured", _add_day, _day),
     Command("docs", "list the pages of the documentation, or print one", _add_docs, _docs),

@@ -63,14 +63,24 @@ def read_weather(source: str | Path, epoch: str, t: np.ndarray) -> np.ndarray:
         raise InputError(f"{source}: expected weather that was measured day by day, OBSERVED or a CSSI file")
     flux = space_weather.tabulate(path, text, epoch, t)[["f107", "f107_mean"]].to_numpy()
     days = space_weather.read(path, text)
-    thirds = np.round(3.0 * days[KP].to_numpy().ravel()).astype(int)
     elapsed = space_weather.days(epoch, t) - days.index[0]
     interval = np.floor(INTERVALS * (elapsed + ROUNDING)).astype(int)
     if interval.min() < _RUN_UP:
         raise InputError(f"{path.name}: epoch: expected three days of weather before it, got fewer")
-    ap = _AP_OF_THIRDS[thirds][interval[:, None] - np.arange(_RUN_UP)]
-    means = [ap[:, begin : begin + INTERVALS].mean(axis=1) for begin in (0, 4, 12)]
-    return np.column_stack([flux, means[0], ap[:, :4], means[1], means[2]])
+    ap = ap_of_kp(days[KP].to_numpy().ravel())
+    return np.column_stack([flux, np.array([ap_inputs(ap, one) for one in interval])])
+
+
+def ap_of_kp(kp: np.ndarray) -> np.ndarray:
+    """Return the three-hourly ap of Kp, by Bartels's table."""
+    return np.asarray(_AP_OF_THIRDS[np.round(3.0 * kp).astype(int)])
+
+
+def ap_inputs(ap: np.ndarray, interval: int) -> np.ndarray:
+    """Return the seven ap (7,) that the model takes in an interval of three hours, see `read_weather`."""
+    newest = ap[interval - _RUN_UP + 1 : interval + 1][::-1]
+    means = [newest[begin : begin + INTERVALS].mean() for begin in (0, 4, 12)]
+    return np.array([means[0], *newest[:4], *means[1:]])
 
 
 def densities(

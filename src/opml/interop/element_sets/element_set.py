@@ -113,7 +113,8 @@ def each(
 def check_orbit(path: FilePath, line: int, satellite: Satrec) -> None:
     """Raise InputError, naming the line, for elements that are none of an orbit, or that SGP4 cannot fly."""
     motion, eccentricity = satellite.no_kozai * PER_DAY, satellite.ecco
-    inclination, *angles = np.rad2deg([satellite.inclo, satellite.nodeo, satellite.argpo, satellite.mo])
+    inclination = math.degrees(satellite.inclo)
+    angles = map(math.degrees, (satellite.nodeo, satellite.argpo, satellite.mo))
     if not 0.0 < motion < _FASTEST:
         expected = f"a mean motion above 0 and below {_FASTEST:g} revolutions per day"
         raise line_error(path, line, expected, f"{motion:.8g}")

@@ -59,7 +59,7 @@ def read_sets(path: FilePath, damaged: list[InputError] | None = None) -> list[E
 
     Raises InputError, naming file and line, for a file that cannot be read as a whole or has no set.
     """
-    text = _text(path)
+    text = read_text(path)
     if omm.matches(text):
         sets = [*each(omm.records(path, text), partial(omm.element_set, path), damaged)]
     else:
@@ -69,7 +69,8 @@ def read_sets(path: FilePath, damaged: list[InputError] | None = None) -> list[E
     return sets
 
 
-def _text(path: FilePath) -> str:
+def read_text(path: FilePath) -> str:
+    """Return the text of a file of element sets. Raises InputError for bytes that are none."""
     try:
         text = contents(path).decode()
     except UnicodeDecodeError as reason:

@@ -10,7 +10,7 @@ import json
 import math
 import re
 import xml.sax
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import zip_longest
 from typing import Any, NamedTuple
 from xml.sax.handler import ContentHandler
@@ -114,11 +114,17 @@ def element_set(path: FilePath, record: Record) -> ElementSet:
         "EPOCH": values.time("EPOCH"),
         "NORAD_CAT_ID": str(number if number <= LARGEST_NUMBER else 0),
     }
-    satellite = Satrec()
-    omm.initialize(satellite, _UNUSED | {key: values.known[key] for key in _NUMBERS} | identity)
-    check_orbit(path, record.line, satellite)
+    made = satellite({key: values.known[key] for key in _NUMBERS} | identity)
+    check_orbit(path, record.line, made)
     created = values.time("CREATION_DATE") if "CREATION_DATE" in values.known else ""
-    return ElementSet(path, record.line, number, created, satellite)
+    return ElementSet(path, record.line, number, created, made)
+
+
+def satellite(values: Mapping[str, str]) -> Satrec:
+    """Return what SGP4 flies of a message's values, with all that a TLE has beside its orbit."""
+    made = Satrec()
+    omm.initialize(made, {**_UNUSED, **values})
+    return made
 
 
 def write(path: FilePath, satellite: Satrec, *, name: str, number: int, epoch: str, comment: str) -> None:

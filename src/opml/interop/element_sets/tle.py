@@ -33,6 +33,9 @@ _FIRST_YEAR = 57
 
 _LONGEST_NAME = 40
 
+_WORTH = bytes(int(chr(k)) if chr(k) in "0123456789" else chr(k) == "-" for k in range(256))
+"""What each byte counts in a checksum: digits their value, minus signs one."""
+
 
 def _right(width: int) -> str:
     """Return the pattern of a field of digits, blanks before them."""
@@ -112,6 +115,14 @@ def lines(satellite: Satrec, number: int) -> tuple[str, str]:
     )
 
 
+def with_drag(first: str, second: str, *, motion: float, bstar: float) -> tuple[str, str]:
+    """Return the two lines of a set with another mean motion [rad/min] and B*."""
+    return (
+        _summed(f"{first[:53]}{_exponent_text(bstar)}{first[61:68]}"),
+        _summed(f"{second[:52]}{motion * PER_DAY:11.8f}{second[63:68]}"),
+    )
+
+
 def write(path: FilePath, satellite: Satrec, number: int) -> None:
     """Write a set as a TLE, whole or not at all. Raises InputError for a number beyond those of TLEs."""
     ccsds.write(path, lines(satellite, number))
@@ -152,7 +163,7 @@ def _check_line(path: FilePath, last: int, line: Line | None, kind: str) -> None
 
 
 def _checksum(line: str) -> int:
-    return sum(int(c) if c.isdigit() else c == "-" for c in line[:68]) % 10
+    return sum(line[:68].encode("ascii").translate(_WORTH)) % 10
 
 
 def _check_day(path: FilePath, number: int, first: str) -> None:

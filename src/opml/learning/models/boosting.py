@@ -43,15 +43,13 @@ class BoostingModel:
 
     def predict(self, x: np.ndarray) -> np.ndarray:
         """Return the predicted target (n,) in its own unit; raise InputError as `check_rows` does."""
-        x = check_rows(x, self.variables)
-        rows = np.arange(len(x))
+        # Imported only to predict: it brings Numba, which takes a second to start.
+        from opml.learning.models.tree_kernels import add_leaves
+
+        x = np.ascontiguousarray(check_rows(x, self.variables))
         predicted = np.full(len(x), self.offset)
-        for root in self.roots:
-            node = np.full(len(x), root)
-            while np.any(self.feature[node] >= 0):
-                below = x[rows, self.feature[node]] <= self.threshold[node]
-                node = np.where(below, self.left[node], self.right[node])
-            predicted += self.value[node]
+        nodes = (np.ascontiguousarray(getattr(self, name)) for name in _NODE)
+        add_leaves(x, self.roots, *nodes, predicted)
         return predicted
 
     def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
@@ -105,10 +103,10 @@ def fit(training: Training, settings: Settings) -> BoostingModel:
     )
     with threadpool_limits(limits=1):  # sums in one order, whatever the machine
         machine.fit(training.x, training.y, None if weights is None else np.sqrt(weights))
-    return _model(machine, training.variables)
+    return from_machine(machine, training.variables)
 
 
-def _model(machine: "HistGradientBoostingRegressor", variables: Sequence[str]) -> BoostingModel:
+def from_machine(machine: "HistGradientBoostingRegressor", variables: Sequence[str]) -> BoostingModel:
     """Return the trees of a trained machine.
 
     scikit-learn has no public way to them; a test compares the predictions of both.

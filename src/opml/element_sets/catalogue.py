@@ -1,0 +1,136 @@
+"""The sets of many objects, as people download them, and which of them were known on a morning."""
+
+import logging
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from sgp4.api import Satrec
+
+from opml.base import epochs
+from opml.base.constants import EARTH_GM, WGS84_A
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+from opml.interop.element_sets import mean_elements
+from opml.interop.element_sets.element_set import ElementSet
+
+LATENCY = 0.25
+"""Days from the epoch of a set to its publication, where the set does not tell when it was made."""
+
+SUFFIXES = (".tle", ".txt", ".3le", ".json", ".csv", ".xml", ".kvn", ".omm")
+"""Endings of the files of a folder that are read, `.gz` after them or not."""
+
+_MINUTE = 60.0
+_MOST_DAYS = 1e6  # more than any modified Julian day
+_DAMAGED = 20
+"""A file is refused where more than one set of so many cannot be read."""
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, eq=False)
+class Catalogue:
+    """Sets of mean elements, by object and epoch.
+
+    table: columns number (of the catalogue), t (epoch), known (when it was public; modified Julian days,
+        UTC), bstar [1/(6378.135 km)], motion [rad/min], eccentricity, inclination [rad], height [m] (mean,
+        above the equatorial radius), file and line (where the set stands)
+    satellites: what SGP4 flies, a set a row
+    """
+
+    table: pd.DataFrame
+    satellites: list[Satrec]
+
+    def until(self, date: float) -> "Catalogue":
+        """Return the sets that were known at a time (modified Julian day, UTC)."""
+        return self.take(np.flatnonzero(self.table["known"].to_numpy() <= date))
+
+    def daily(self) -> "Catalogue":
+        """Return the last set of each object and UTC day."""
+        day = self.table["number"].to_numpy() * _MOST_DAYS + np.floor(self.table["t"].to_numpy())
+        return self.take(np.flatnonzero(np.append(day[1:] != day[:-1], True)))
+
+    def take(self, rows: np.ndarray) -> "Catalogue":
+        """Return the sets of some rows, in order."""
+        return Catalogue(self.table.iloc[rows].reset_index(drop=True), [self.satellites[row] for row in rows])
+
+
+def find_files(paths: Iterable[FilePath]) -> list[Path]:
+    """Return the files of paths, those of a folder by their names.
+
+    Raises InputError for a path that is missing, and a folder without element sets.
+    """
+    return [file for path in paths for file in _files_of(Path(path))]
+
+
+def _files_of(path: Path) -> list[Path]:
+    if not path.is_dir():
+        return [path]
+    files = sorted(
+        file for file in path.rglob("*") if file.name.lower().removesuffix(".gz").endswith(SUFFIXES)
+    )
+    if not files:
+        raise InputError(f"{path}: expected files of element sets ({', '.join(SUFFIXES)}), got none")
+    return files
+
+
+def read(paths: Iterable[FilePath], *, latency: float = LATENCY) -> Catalogue:
+    """Read the sets of files and folders, in all formats that `mean_elements` reads.
+
+    latency: days from epoch to publication of sets that do not tell when they were made
+
+    Raises InputError where a file is unreadable, or more than one of twenty of its sets.
+    """
+    sets = [one for path in find_files(paths) for one in _readable(path)]
+    sets.sort(key=lambda one: (one.number, _epoch(one.satellite), one.created))
+    return Catalogue(_table(sets, latency), [one.satellite for one in sets])
+
+
+def _readable(path: Path) -> Iterator[ElementSet]:
+    """Yield the sets of a file that tell their object; the others are counted in the log."""
+    damaged: list[InputError] = []
+    sets = mean_elements.read_sets(path, damaged)
+    if _DAMAGED * len(damaged) > len(sets) + len(damaged):
+        raise damaged[0]
+    if damaged:
+        _log.warning("%s: damaged sets left out: %d, the first: %s", path, len(damaged), damaged[0])
+    return (one for one in sets if one.number)
+
+
+def _epoch(satellite: Satrec) -> float:
+    """Return the epoch of a set as modified Julian day (UTC)."""
+    return float(satellite.jdsatepoch - epochs.MJD_ZERO + satellite.jdsatepochF)
+
+
+def _table(sets: list[ElementSet], latency: float) -> pd.DataFrame:
+    flown = [one.satellite for one in sets]
+    t = np.array([_epoch(one) for one in flown], dtype=float)
+    created = np.array([modified_julian_day(one.created) if one.created else np.nan for one in sets])
+    motion = np.array([one.no_kozai for one in flown], dtype=float)
+    return pd.DataFrame(
+        {
+            "number": np.array([one.number for one in sets], dtype=np.int64),
+            "t": t,
+            "known": np.where(np.isfinite(created), np.fmax(created, t), t + latency),
+            "bstar": np.array([one.bstar for one in flown], dtype=float),
+            "motion": motion,
+            "eccentricity": np.array([one.ecco for one in flown], dtype=float),
+            "inclination": np.array([one.inclo for one in flown], dtype=float),
+            "height": semi_major_axis(motion) - WGS84_A,
+            "file": [str(one.path) for one in sets],
+            "line": np.array([one.line for one in sets], dtype=np.int64),
+        }
+    )
+
+
+def semi_major_axis(motion: np.ndarray) -> np.ndarray:
+    """Return semi-major axes [m] of mean motions [rad/min]."""
+    return np.asarray(np.cbrt(EARTH_GM / (np.asarray(motion) / _MINUTE) ** 2))
+
+
+def modified_julian_day(text: str) -> float:
+    """Return the modified Julian day of UTC text. Raises InputError for a malformed one."""
+    day, fraction = epochs.utc(text, 0.0)
+    return float((day - epochs.MJD_ZERO) + fraction)

@@ -1,0 +1,234 @@
+"""The corrector: what a catalogue teaches of what is left of a density-scaled prediction along the track.
+
+Two learners stand side by side. `trees` is gradient boosting with absolute loss, for three groups of bands,
+all leads together. `svr` is the paper's support vector regression (Peng & Bai 2018), for each band and lead.
+How much of either is believed, and how large what it leaves may be, comes from objects and weeks held out.
+"""
+
+import os
+from collections.abc import Callable, Mapping
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from multiprocessing import get_context
+
+import numpy as np
+import pandas as pd
+from threadpoolctl import threadpool_limits
+
+from opml.base.errors import InputError
+from opml.base.seeds import derive
+from opml.element_sets.features import BANDS, DISTANCES, FEATURES
+from opml.element_sets.pairs import LEADS
+from opml.learning.models import boosting, svr
+from opml.learning.models.boosting import BoostingModel
+from opml.learning.models.contract import Predictor
+from opml.learning.models.inputs import Training, subsample
+
+LEVEL = 0.9
+"""Share of the errors that the learned size holds."""
+
+FEWEST = 2000
+"""Rows below which nothing is learned for a part of the catalogue."""
+
+_NORMAL = 1.6449
+"""Standard deviations within which LEVEL of normal errors lie."""
+
+_ALL_BANDS = tuple(range(len(BANDS) - 1))
+_GROUPS = (_ALL_BANDS[:4], _ALL_BANDS[4:5], _ALL_BANDS[5:])
+_TREES = {"max_iter": 150, "learning_rate": 0.08, "max_features": 0.5, "early_stopping": False}
+_LEAVES, _ROWS_A_LEAF = 31, 300
+_MOST_ROWS = 60_000
+_SIZE_LEAVES = 15
+_SMALLEST = 1e-4  # of what is left, in scales
+_APART = tuple(f"{name}_apart" for name in DISTANCES)
+_SVR = {"kernel_scale": float(np.sqrt(2.0 * len(_APART))), "c": 1.0, "epsilon": 0.1, "tol": 1e-3}
+_SVR_ROWS, _SVR_CLIP = 8000, 5.0
+_BLOCK = 28  # days
+_FEWEST_HELD_OUT = 200
+_TRIED = np.linspace(0.0, 1.2, 13)
+
+
+Shares = Mapping[tuple[int, int], float]
+"""Shares of learned misses by band and lead."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """Models of some bands and leads.
+
+    miss: of what is left of the density-scaled prediction, in scales
+    size: of the logarithm of the size of what the correction leaves, in scales
+    shares: by band and lead, how much of the miss is taken off
+    """
+
+    bands: tuple[int, ...]
+    leads: tuple[int, ...]
+    miss: Predictor
+    size: BoostingModel
+    shares: Shares
+
+    def rows_of(self, rows: pd.DataFrame) -> np.ndarray:
+        """Return the numbers of the rows that can be corrected and belong to this part."""
+        return np.flatnonzero(rows["is_fit"] & rows["band"].isin(self.bands) & rows["lead"].isin(self.leads))
+
+
+@dataclass(frozen=True, eq=False)
+class Corrector:
+    """What one population taught."""
+
+    parts: tuple[Part, ...]
+
+    def apply(self, rows: pd.DataFrame) -> pd.DataFrame:
+        """Return what to take off SGP4's position along the track, and its sigma, for rows of features.
+
+        Columns: correction [m], sigma [m]; NaN for rows that cannot be corrected.
+        """
+        found = pd.DataFrame(np.nan, index=rows.index, columns=["correction", "sigma"])
+        for part in self.parts:
+            members = part.rows_of(rows)
+            own = rows.iloc[members]
+            scale = own["scale"].to_numpy()
+            miss = part.miss.predict(own[list(part.miss.variables)].to_numpy())
+            miss *= _share_of(own, part.shares)
+            size = part.size.predict(own[list(part.size.variables)].to_numpy())
+            found.iloc[members, 0] = own["density"].to_numpy() + scale * miss
+            found.iloc[members, 1] = scale * np.exp(size) / _NORMAL
+        return found
+
+
+Fit = Callable[[pd.DataFrame, int], Predictor]
+"""Learns the target of rows; the seed is the second argument."""
+
+
+def fit(rows: pd.DataFrame, learner: str, *, seed: int) -> Corrector:
+    """Learn from the rows of `features.build` that have a target.
+
+    learner: one of LEARNERS
+
+    Raises InputError where no part of the catalogue has enough rows.
+    """
+    known = rows[rows["is_fit"] & np.isfinite(rows["target"])]
+    jobs = [
+        (_drawn(part, _MOST_ROWS, seed), bands, leads, LEARNERS[learner].fit, seed)
+        for bands, leads in LEARNERS[learner].parts
+        if len(part := known[known["band"].isin(bands) & known["lead"].isin(leads)]) >= FEWEST
+    ]
+    if not jobs:
+        expected = f"{FEWEST} rows with a later set to learn from"
+        raise InputError(f"element sets: expected {expected} in a group of heights, got {len(known)} in all")
+    # Each part is learned by one thread, so that sums have one order: several parts side by side.
+    with ProcessPoolExecutor(min(len(jobs), os.cpu_count() or 1), mp_context=get_context("spawn")) as pool:
+        return Corrector(tuple(pool.map(_fit_part, *zip(*jobs, strict=True))))
+
+
+def _fit_part(
+    rows: pd.DataFrame, bands: tuple[int, ...], leads: tuple[int, ...], fit: Fit, seed: int
+) -> Part:
+    """Learn the miss from rows of a part, and from rows held out how far to believe it and what it leaves."""
+    held_out = _held_out(rows, fit, seed)
+    shares = _shares(rows, held_out)
+    left = (rows["error"] - rows["density"]) / rows["scale"] - _share_of(rows, shares) * held_out
+    size = np.log(np.maximum(np.abs(left.to_numpy()), _SMALLEST))
+    sizes = _boosted(rows, size, seed, loss="quantile", leaves=_SIZE_LEAVES)
+    return Part(bands, leads, fit(rows, seed), sizes, shares)
+
+
+def _held_out(rows: pd.DataFrame, fit: Fit, seed: int) -> np.ndarray:
+    """Return the misses (n,) by models that saw neither the object of a row nor its weeks.
+
+    Objects fall into two halves, and so do blocks of four weeks, by turns.
+    """
+    number = rows["number"].to_numpy()
+    numbers, place = np.unique(number, return_inverse=True)
+    half = np.array([int(derive(seed, "half", one).integers(2)) for one in numbers])[place]
+    block = np.floor(rows["morning"].to_numpy() / _BLOCK).astype(int) % 2
+    found = np.zeros(len(rows))
+    for own in (0, 1):
+        for weeks in (0, 1):
+            seen, asked = (half != own) & (block != weeks), (half == own) & (block == weeks)
+            if np.count_nonzero(seen) >= _FEWEST_HELD_OUT and asked.any():
+                model = fit(rows[seen], seed)
+                found[asked] = model.predict(rows.loc[asked, list(model.variables)].to_numpy())
+    return found
+
+
+def _shares(rows: pd.DataFrame, held_out: np.ndarray) -> Shares:
+    """Return by band and lead the share of the misses held out that leaves least of the targets."""
+    target = rows["target"].to_numpy()
+    shares = {}
+    for key, members in rows.groupby(["band", "lead"]).indices.items():
+        losses = [np.abs(target[members] - share * held_out[members]).sum() for share in _TRIED]
+        shares[key] = float(_TRIED[int(np.argmin(losses))])
+    return shares
+
+
+def _share_of(rows: pd.DataFrame, shares: Shares) -> np.ndarray:
+    """Return the shares (n,) of rows; 0 for a band and lead without rows to learn from."""
+    keys = zip(rows["band"], rows["lead"], strict=True)
+    return np.array([shares.get(key, 0.0) for key in keys])
+
+
+def _drawn(rows: pd.DataFrame, most: int, seed: int) -> pd.DataFrame:
+    """Return at most so many rows, drawn at random, in their order."""
+    return rows.iloc[subsample(len(rows), most, derive(seed, "rows"))]
+
+
+def _fit_trees(rows: pd.DataFrame, seed: int) -> BoostingModel:
+    return _boosted(rows, rows["target"].to_numpy(), seed, loss="absolute_error", leaves=_LEAVES)
+
+
+def _boosted(rows: pd.DataFrame, target: np.ndarray, seed: int, *, loss: str, leaves: int) -> BoostingModel:
+    """Return trees of a target; rows count by the inverse of the median target of their band and lead."""
+    from sklearn.ensemble import HistGradientBoostingRegressor  # imported only to train: it takes a second
+
+    sizes = np.abs(rows["target"]).groupby([rows["band"], rows["lead"]]).transform("median")
+    machine = HistGradientBoostingRegressor(
+        **_TREES,
+        loss=loss,
+        quantile=LEVEL if loss == "quantile" else None,
+        max_leaf_nodes=leaves,
+        min_samples_leaf=min(_ROWS_A_LEAF, max(20, len(rows) // 50)),
+        random_state=int(derive(seed, "trees").integers(2**31)),
+    )
+    with threadpool_limits(limits=1):  # sums in one order, whatever the machine
+        machine.fit(rows[list(FEATURES)].to_numpy(), target, 1.0 / sizes.to_numpy())
+    return boosting.from_machine(machine, FEATURES)
+
+
+@dataclass(frozen=True, eq=False)
+class _ClippedSvr:
+    """A support vector regression of variables that are held within some deviations of those it has seen."""
+
+    model: svr.SvrModel
+
+    @property
+    def variables(self) -> tuple[str, ...]:
+        return self.model.variables
+
+    def predict(self, x: np.ndarray) -> np.ndarray:
+        reach = _SVR_CLIP * self.model.x_scale
+        return self.model.predict(np.clip(x, self.model.x_mean - reach, self.model.x_mean + reach))
+
+
+def _fit_svr(rows: pd.DataFrame, seed: int) -> _ClippedSvr:
+    """Return the paper's regression of a sample of the rows."""
+    sample = _drawn(rows, _SVR_ROWS, seed)
+    x = sample[list(_APART)].to_numpy()
+    mean, scale = x.mean(axis=0), x.std(axis=0)
+    x = np.clip(x, mean - _SVR_CLIP * scale, mean + _SVR_CLIP * scale)
+    return _ClippedSvr(svr.fit(Training(x, sample["target"].to_numpy(), _APART, seed), _SVR))
+
+
+@dataclass(frozen=True)
+class Learner:
+    """How a corrector is learned: the parts of the catalogue with a model each, and how one is fitted."""
+
+    parts: tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]
+    fit: Fit
+
+
+LEARNERS: Mapping[str, Learner] = {
+    "trees": Learner(tuple((bands, LEADS) for bands in _GROUPS), _fit_trees),
+    "svr": Learner(tuple(((band,), (lead,)) for band in _ALL_BANDS for lead in LEADS), _fit_svr),
+}
+"""The learners by their names."""

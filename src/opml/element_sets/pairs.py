@@ -1,0 +1,205 @@
+"""What SGP4 makes of the newest sets of mornings: errors at later sets, misses of those before.
+
+A row is an object, a morning and a lead. SGP4 flies the newest set that was known on the morning; the state
+of the later set nearest to morning plus lead, at its own epoch, judges it. Where no later set is at hand, as
+today, the row is at morning plus lead and has no error.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from sgp4.api import WGS72, Satrec
+
+from opml.element_sets.catalogue import Catalogue
+
+LEADS = (1, 3, 5, 7)
+"""Days from the morning to what is predicted."""
+
+BACK = 5
+"""Sets before the newest one that it is held against."""
+
+OLDEST = 3.0
+"""Age of the newest set [d] beyond which an object has no prediction on a morning."""
+
+_REACH = 0.5
+"""Largest distance of the set that judges from morning plus lead [d]."""
+
+_STEP = 0.05
+"""Part of B* by which it is changed to see what SGP4 makes of it."""
+
+_SGP4_ZERO = 2433281.5  # Julian date from which sgp4init counts days
+_SPAN = 1e6  # more days than any table has
+_MINUTES = 1440.0
+
+
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """The rows, and what the sets among them miss.
+
+    rows: columns number, morning (modified Julian day), lead [d], newest (row of the catalogue), tau (days
+        from the epoch of the newest set to what is predicted), judged (when the judge was known, NaN without
+        one), error (SGP4 less the judge, along the track [m], NaN without one), response (of the along-track
+        position to B* [m earth radii])
+    misses: (sets, BACK), along-track distance [m] of a set that SGP4 carries back from each of the sets
+        before it, the one before it first; NaN where there is none
+    """
+
+    rows: pd.DataFrame
+    misses: np.ndarray
+
+
+def build(catalogue: Catalogue, mornings: np.ndarray) -> Pairs:
+    """Return the pairs of mornings (n,), modified Julian days (UTC), ascending."""
+    rows, judges = _rows(catalogue, mornings)
+    flights = _fly(catalogue, rows)
+    own = _own_states(catalogue)
+    error = np.where(judges >= 0, along_track(flights.positions, *own.take(judges)), np.nan)
+    moved = along_track(flights.kicked, flights.positions, flights.velocities)
+    bstar = catalogue.table["bstar"].to_numpy()[rows["newest"]]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rows = rows.assign(error=error, response=moved / (_STEP * bstar))
+    earlier = np.arange(len(own.positions))[:, None] - np.arange(1, BACK + 1)
+    at = own.take(earlier.ravel())
+    misses = along_track(flights.back.reshape(-1, 3), *at).reshape(-1, BACK)
+    return Pairs(rows, misses)
+
+
+def along_track(positions: np.ndarray, reference: np.ndarray, velocities: np.ndarray) -> np.ndarray:
+    """Return the arc (n,) [m] along an orbit from its positions to others, all (n, 3) [km] in one frame."""
+    radius = np.linalg.norm(reference, axis=1)
+    x = reference / radius[:, None]
+    ahead = velocities - np.sum(velocities * x, axis=1)[:, None] * x
+    y = ahead / np.linalg.norm(ahead, axis=1)[:, None]
+    angle = np.arctan2(np.sum(positions * y, axis=1), np.sum(positions * x, axis=1))
+    return np.asarray(1e3 * radius * angle)
+
+
+@dataclass(frozen=True, eq=False)
+class _States:
+    """Positions [km] and velocities [km/s] (n, 3) in TEME."""
+
+    positions: np.ndarray
+    velocities: np.ndarray
+
+    def take(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the states of rows; those of a negative row are of no meaning."""
+        return self.positions[np.maximum(rows, 0)], self.velocities[np.maximum(rows, 0)]
+
+
+@dataclass(frozen=True, eq=False)
+class _Flights:
+    """What SGP4 makes of the newest sets, NaN where it fails.
+
+    positions, velocities: (rows, 3) at what is predicted
+    kicked: (rows, 3) positions there with a larger B*
+    back: (sets, BACK, 3) positions at the epochs of the sets before
+    """
+
+    positions: np.ndarray
+    velocities: np.ndarray
+    kicked: np.ndarray
+    back: np.ndarray
+
+
+def _rows(catalogue: Catalogue, mornings: np.ndarray) -> tuple[pd.DataFrame, np.ndarray]:
+    """Return the rows without errors, by object, morning and lead, and the sets (rows,) that judge, or -1."""
+    table = catalogue.table
+    numbers, place = np.unique(table["number"].to_numpy(), return_inverse=True)
+    t = table["t"].to_numpy()
+    first = np.searchsorted(place, np.arange(len(numbers)))
+    ends = np.searchsorted(place, np.arange(len(numbers)), side="right")
+    objects = np.repeat(np.arange(len(numbers)), len(mornings))
+    morning = np.tile(mornings, len(numbers))
+    known = np.maximum.accumulate(_ordered(place, table["known"].to_numpy()))
+    newest = np.searchsorted(known, _ordered(objects, morning), side="right") - 1
+    fresh = newest >= first[objects]
+    fresh[fresh] &= morning[fresh] - t[newest[fresh]] <= OLDEST
+    objects, morning, newest = (np.repeat(part[fresh], len(LEADS)) for part in (objects, morning, newest))
+    lead = np.tile(LEADS, len(objects) // len(LEADS))
+    target = morning + lead
+    judge = _nearest(_ordered(place, t), _ordered(objects, target), first[objects], ends[objects])
+    judge = np.where((judge > newest) & (np.abs(t[judge] - target) <= _REACH), judge, -1)
+    until = np.where(judge >= 0, t[judge], target)
+    return pd.DataFrame(
+        {
+            "number": numbers[objects],
+            "morning": morning,
+            "lead": lead,
+            "newest": newest,
+            "tau": until - t[newest],
+            "judged": np.where(judge >= 0, table["known"].to_numpy()[judge], np.nan),
+        }
+    ), judge
+
+
+def _ordered(place: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """Return times that ascend over all objects: those of the object in place k lie k spans later."""
+    return np.asarray(_SPAN * place + time)
+
+
+def _nearest(times: np.ndarray, wanted: np.ndarray, first: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """Return the rows (n,) from `first` to before `ends` whose time is nearest to the one wanted."""
+    after = np.searchsorted(times, wanted)
+    left, right = (np.clip(after - 1, first, ends - 1), np.clip(after, first, ends - 1))
+    return np.where(wanted - times[left] <= times[right] - wanted, left, right)
+
+
+def _own_states(catalogue: Catalogue) -> _States:
+    """Return the states of all sets at their own epochs."""
+    flown = [one.sgp4_tsince(0.0)[1:] for one in catalogue.satellites]
+    states = np.array(flown, dtype=float).reshape(-1, 6)
+    return _States(states[:, :3], states[:, 3:])
+
+
+def _fly(catalogue: Catalogue, rows: pd.DataFrame) -> _Flights:
+    """Return what SGP4 makes of the newest sets of rows."""
+    t, number = catalogue.table["t"].to_numpy(), catalogue.table["number"].to_numpy()
+    newest, tau = rows["newest"].to_numpy(), rows["tau"].to_numpy()
+    order = np.argsort(newest, kind="stable")
+    sets, begins = np.unique(newest[order], return_index=True)
+    positions, velocities, kicked = (np.full((len(rows), 3), np.nan) for _ in range(3))
+    back = np.full((len(t), BACK, 3), np.nan)
+    for one, members in zip(sets, np.split(order, begins[1:]), strict=True):
+        earlier = np.arange(one - 1, max(one - BACK, 0) - 1, -1)
+        earlier = earlier[number[earlier] == number[one]]
+        minutes = _MINUTES * np.concatenate([t[earlier] - t[one], tau[members]])
+        satellite, known = catalogue.satellites[one], len(earlier)
+        flown, speeds = _positions(satellite, minutes)
+        back[one, :known] = flown[:known]
+        positions[members], velocities[members] = flown[known:], speeds[known:]
+        kicked[members] = _positions(kick(satellite, _STEP), minutes[known:])[0]
+    return _Flights(positions, velocities, kicked, back)
+
+
+def _positions(satellite: Satrec, minutes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return positions [km] and velocities [km/s] (n, 3) in TEME after times (n,) [min], else NaN."""
+    whole = np.full(len(minutes), satellite.jdsatepoch)
+    errors, positions, velocities = satellite.sgp4_array(whole, satellite.jdsatepochF + minutes / _MINUTES)
+    positions[errors != 0] = np.nan
+    return positions, velocities
+
+
+def kick(satellite: Satrec, part: float) -> Satrec:
+    """Return a set with its B* larger by a part of it."""
+    return changed(satellite, satellite.no_kozai, (1.0 + part) * satellite.bstar)
+
+
+def changed(satellite: Satrec, motion: float, bstar: float) -> Satrec:
+    """Return a set with another mean motion [rad/min] and B*."""
+    made = Satrec()
+    made.sgp4init(
+        WGS72,
+        "i",
+        0,
+        satellite.jdsatepoch - _SGP4_ZERO + satellite.jdsatepochF,
+        bstar,
+        *(0.0, 0.0),  # derivatives of the mean motion, which SGP4 does not use
+        satellite.ecco,
+        satellite.argpo,
+        satellite.inclo,
+        satellite.mo,
+        motion,
+        satellite.nodeo,
+    )
+    return made

@@ -1,0 +1,78 @@
+"""Training of a model on the element sets of populations of objects, such as payloads and fragments."""
+
+import hashlib
+import logging
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from opml.base import epochs
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+from opml.element_sets import catalogue as catalogues
+from opml.element_sets import corrector, density, features, pairs
+from opml.element_sets.density import LearnedAir
+from opml.element_sets.model import Model
+from opml.environment import knowledge
+
+HOUR_OF_MORNING = 0.25
+"""Time of day [d] of the mornings that are learned from, 06 UTC."""
+
+FIRST_DAY = 52275
+"""Modified Julian day from which the forecast of the density learns, 2002-01-01."""
+
+SEED = 42
+"""Seed of the draws of a training."""
+
+_log = logging.getLogger(__name__)
+
+
+def train(
+    populations: Mapping[str, Iterable[FilePath]],
+    *,
+    weather: str | Path,
+    seed: int = SEED,
+    progress: Callable[[str], None] = _log.info,
+) -> Model:
+    """Return a model of the sets in files and folders, by the name of the population.
+
+    weather: OBSERVED or a CSSI file; what comes after its measurements is not learned from
+
+    Raises InputError for unreadable files, and where there is too little to learn from.
+    """
+    known = density.clean(knowledge.read(weather))
+    progress("densities of the thermosphere since 2002")
+    air = density.learned_air(known, first=FIRST_DAY, end=density.end_of(known))
+    correctors, cards = {}, {}
+    for name, paths in populations.items():
+        files = catalogues.find_files(paths)
+        progress(f"{name}: predictions")
+        rows = mornings_of(catalogues.read(files).daily(), air)
+        progress(f"{name}: {len(rows)} predictions to learn from")
+        correctors[name] = corrector.fit(rows, "trees", seed=seed)
+        cards[name] = card(rows, files)
+    return Model(air.outlook, correctors, {"populations": cards, "seed": seed, "weather": Path(weather).name})
+
+
+def mornings_of(sets: catalogues.Catalogue, air: LearnedAir) -> pd.DataFrame:
+    """Return the rows of `features.build` for each morning between the first and the last set."""
+    t = sets.table["t"]
+    mornings = np.arange(np.ceil(t.min()), np.ceil(t.max()) + 1.0) + HOUR_OF_MORNING
+    return features.build(sets, pairs.build(sets, mornings), air)
+
+
+def card(rows: pd.DataFrame, files: Iterable[Path]) -> dict[str, Any]:
+    """Return what a model card tells of the rows of a population: data with digests, span, objects, rows."""
+    known = rows[rows["is_fit"] & np.isfinite(rows["target"])]
+    if known.empty:
+        raise InputError("element sets: expected objects with later sets to learn from, got none")
+    return {
+        "files": {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files},
+        "from": epochs.calendar(known["morning"].min()),
+        "to": epochs.calendar(known["morning"].max()),
+        "objects": int(known["number"].nunique()),
+        "rows": len(known),
+    }

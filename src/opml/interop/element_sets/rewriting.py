@@ -1,0 +1,215 @@
+"""Element sets written back with another mean motion and B*: TLEs, or OMMs in JSON, CSV, XML or KVN.
+
+Names, numbers, epochs and all that is not changed stay as the file has them. Formats: CelesTrak, GP data
+formats; CCSDS 502.0-B-2, section 4.
+"""
+
+import csv
+import io
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+from xml.sax.saxutils import escape
+
+from sgp4 import exporter
+from sgp4.api import Satrec
+
+from opml.base.errors import InputError
+from opml.base.files import FilePath, replacing
+from opml.interop.element_sets import mean_elements, omm, tle
+from opml.interop.element_sets.element_set import PER_DAY
+
+Fields = Mapping[str, str]
+"""An OMM: values by their keys."""
+
+_HEADER = ("CCSDS_OMM_VERS", "CREATION_DATE", "ORIGINATOR")
+_METADATA = (
+    *("OBJECT_NAME", "OBJECT_ID", "CENTER_NAME", "REF_FRAME", "REF_FRAME_EPOCH", "TIME_SYSTEM"),
+    "MEAN_ELEMENT_THEORY",
+)
+_ELEMENTS = (
+    *("EPOCH", "SEMI_MAJOR_AXIS", "MEAN_MOTION", "ECCENTRICITY", "INCLINATION", "RA_OF_ASC_NODE"),
+    *("ARG_OF_PERICENTER", "MEAN_ANOMALY", "GM"),
+)
+_OF_TLES = (
+    *("EPHEMERIS_TYPE", "CLASSIFICATION_TYPE", "NORAD_CAT_ID", "ELEMENT_SET_NO", "REV_AT_EPOCH", "BSTAR"),
+    *("MEAN_MOTION_DOT", "MEAN_MOTION_DDOT"),
+)
+_TEXTS = {*_HEADER, *_METADATA, "EPOCH", "CLASSIFICATION_TYPE"}
+_STANDARD = {
+    "CENTER_NAME": "EARTH",
+    "REF_FRAME": "TEME",
+    "TIME_SYSTEM": "UTC",
+    "MEAN_ELEMENT_THEORY": "SGP4",
+    "CLASSIFICATION_TYPE": "U",
+    "EPHEMERIS_TYPE": "0",
+}
+
+
+@dataclass(frozen=True)
+class Better:
+    """A set of a file, by path and line, and what it gets.
+
+    motion: mean motion [rad/min]
+    bstar: B* [1/(6378.135 km)]
+    """
+
+    path: str
+    line: int
+    motion: float
+    bstar: float
+
+
+def check_suffix(path: FilePath) -> None:
+    """Raise InputError for a path whose suffix is of no format."""
+    if Path(path).suffix.lower() not in _WRITERS:
+        raise InputError(
+            f"{path}: expected a suffix {', '.join(_WRITERS)}, got {Path(path).suffix or 'none'}"
+        )
+
+
+def write(path: FilePath, sets: Sequence[Better]) -> int:
+    """Write sets in the format of the path's suffix, whole or not at all; return how many it cannot hold.
+
+    Raises InputError for another suffix, and where a file has changed since it was read.
+    """
+    check_suffix(path)
+    found = [one for _, group in groupby(sets, key=lambda one: one.path) for one in _of_file([*group])]
+    text, missing = _WRITERS[Path(path).suffix.lower()](found)
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    return missing
+
+
+@dataclass(frozen=True)
+class _Tle:
+    """A TLE with its name, which may be empty."""
+
+    name: str
+    first: str
+    second: str
+
+
+def _of_file(sets: Sequence[Better]) -> Iterator[_Tle | Fields]:
+    """Yield sets of one file with their new values."""
+    path = sets[0].path
+    text = mean_elements.read_text(path)
+    wanted = {one.line: one for one in sets}
+    found: dict[int, _Tle | Fields] = {}
+    if omm.matches(text):
+        for record in omm.records(path, text):
+            if record.line in wanted:
+                found[record.line] = _better_omm(record, wanted[record.line])
+    else:
+        for number, one in map(_tle, tle.pieces(text)):
+            if number in wanted:
+                found[number] = _better_tle(one, wanted[number])
+    for line in wanted:
+        if line not in found:
+            raise InputError(f"{path}: line {line}: expected the set that was read there, got another")
+        yield found[line]
+
+
+def _tle(piece: Sequence[tle.Line]) -> tuple[int, _Tle]:
+    """Return the number of line 1, and the set, of a piece that was read before."""
+    *name, (number, first), (_, second) = piece
+    return number, _Tle(name[0][1].removeprefix("0 ") if name else "", first, second)
+
+
+def _better_tle(one: _Tle, better: Better) -> _Tle:
+    return _Tle(one.name, *tle.with_drag(one.first, one.second, motion=better.motion, bstar=better.bstar))
+
+
+def _better_omm(record: omm.Record, better: Better) -> Fields:
+    fields = {pair.key: pair.value for pair in record.pairs if pair.key and pair.value}
+    return fields | {"MEAN_MOTION": f"{better.motion * PER_DAY:.10f}", "BSTAR": f"{better.bstar:.10g}"}
+
+
+def _fields(one: _Tle | Fields) -> Fields:
+    """Return a set as an OMM."""
+    if not isinstance(one, _Tle):
+        return one
+    exported = exporter.export_omm(Satrec.twoline2rv(one.first, one.second), one.name or "UNKNOWN")
+    return {
+        key: f"{value:.10g}" if isinstance(value, float) else str(value) for key, value in exported.items()
+    }
+
+
+def _as_tle(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
+    """Return the text of TLEs, and how many sets have a number that no TLE has."""
+    lines, missing = [], 0
+    for one in sets:
+        if not isinstance(one, _Tle):
+            if int(one["NORAD_CAT_ID"]) > tle.LARGEST_NUMBER:
+                missing += 1
+                continue
+            one = _Tle(one.get("OBJECT_NAME", ""), *exporter.export_tle(omm.satellite(one)))
+        lines += [*([one.name] if one.name else []), one.first, one.second]
+    return "".join(f"{line}\n" for line in lines), missing
+
+
+def _as_json(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
+    """Return a list of objects with numbers, as CelesTrak's."""
+    objects = ",\n".join(
+        "{"
+        + ",".join(f"{json.dumps(key)}:{_json_value(key, value)}" for key, value in _fields(one).items())
+        + "}"
+        for one in sets
+    )
+    return f"[{objects}]\n", 0
+
+
+def _json_value(key: str, value: str) -> str:
+    if key in _TEXTS or key not in (*_ELEMENTS, *_OF_TLES):
+        return json.dumps(value)
+    return repr(float(value)) if any(mark in value.lower() for mark in ".e") else str(int(value))
+
+
+def _as_csv(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
+    """Return lines under a heading of all keys."""
+    rows = [_fields(one) for one in sets]
+    text = io.StringIO()
+    writer = csv.DictWriter(
+        text, list(dict.fromkeys(key for row in rows for key in row)), lineterminator="\n"
+    )
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue(), 0
+
+
+def _as_kvn(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
+    """Return messages one after the other."""
+    keys = (*_HEADER, *_METADATA, *_ELEMENTS, *_OF_TLES)
+    whole = [{"CCSDS_OMM_VERS": "2.0", **_STANDARD, **_fields(one)} for one in sets]
+    return "\n".join("".join(f"{key} = {one[key]}\n" for key in keys if key in one) for one in whole), 0
+
+
+def _as_xml(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
+    """Return one navigation data message with all sets, as CelesTrak's."""
+    messages = "".join(map(_xml_message, ({**_STANDARD, **_fields(one)} for one in sets)))
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n<ndm>\n{messages}</ndm>\n', 0
+
+
+def _xml_message(one: Fields) -> str:
+    def part(keys: Sequence[str]) -> str:
+        return "".join(f"<{key}>{escape(one[key])}</{key}>" for key in keys if key in one)
+
+    return (
+        '<omm id="CCSDS_OMM_VERS" version="2.0">'
+        f"<header>{part(_HEADER[1:])}</header>"
+        f"<body><segment><metadata>{part(_METADATA)}</metadata>"
+        f"<data><meanElements>{part(_ELEMENTS)}</meanElements>"
+        f"<tleParameters>{part(_OF_TLES)}</tleParameters></data></segment></body></omm>\n"
+    )
+
+
+_WRITERS: Mapping[str, Callable[[Sequence[_Tle | Fields]], tuple[str, int]]] = {
+    **dict.fromkeys((".tle", ".txt", ".3le"), _as_tle),
+    ".json": _as_json,
+    ".csv": _as_csv,
+    ".xml": _as_xml,
+    **dict.fromkeys((".kvn", ".omm"), _as_kvn),
+}
+"""Writers by the suffix of the file."""

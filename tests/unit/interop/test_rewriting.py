@@ -1,0 +1,94 @@
+"""Element sets written back: two numbers change, in every notation, and nothing else."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from opml.base.errors import InputError
+from opml.interop.element_sets import mean_elements, rewriting
+from opml.interop.element_sets.element_set import PER_DAY
+from opml.interop.element_sets.rewriting import Better
+
+NAME = "CALSPHERE 1"
+FIRST = "1 00900U 64063C   26015.67312183  .00000482  00000+0  48308-3 0  9992"
+SECOND = "2 00900  90.2182  68.2436 0026047  39.2139  83.7270 13.76418255 50440"
+MOTION, BSTAR = 13.76418300 / PER_DAY, 5.1e-4
+SUFFIXES = (".tle", ".txt", ".3le", ".json", ".csv", ".xml", ".kvn", ".omm")
+
+
+@pytest.fixture
+def source(tmp_path: Path) -> Path:
+    path = tmp_path / "sets.tle"
+    path.write_text(f"{NAME}\n{FIRST}\n{SECOND}\n")
+    return path
+
+
+def better(path: Path, **changes: float) -> Better:
+    (one,) = mean_elements.read_sets(path)
+    return Better(str(path), one.line, **({"motion": MOTION, "bstar": BSTAR} | changes))
+
+
+def test_a_tle_keeps_all_but_two_fields_and_its_checksums(source: Path, tmp_path: Path) -> None:
+    rewriting.write(tmp_path / "better.tle", [better(source)])
+
+    name, first, second = (tmp_path / "better.tle").read_text().splitlines()
+    assert name == NAME
+    assert first[:53] + first[61:68] == FIRST[:53] + FIRST[61:68]
+    assert second[:52] + second[63:68] == SECOND[:52] + SECOND[63:68]
+    assert (first[53:61], second[52:63]) == (" 51000-3", "13.76418300")
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_every_notation_is_read_back_with_the_new_values(suffix: str, source: Path, tmp_path: Path) -> None:
+    """What is written in one notation is written back from it in any other, too."""
+    path = tmp_path / f"better{suffix}"
+
+    assert rewriting.write(path, [better(source)]) == 0
+
+    (one,) = mean_elements.read_sets(path)
+    (old,) = mean_elements.read_sets(source)
+    assert one.number == 900
+    np.testing.assert_allclose([one.satellite.no_kozai, one.satellite.bstar], [MOTION, BSTAR], rtol=1e-9)
+    for name in ("ecco", "inclo", "nodeo", "argpo", "mo"):
+        assert getattr(one.satellite, name) == pytest.approx(getattr(old.satellite, name), abs=1e-9)
+    days = [each.satellite.jdsatepoch + each.satellite.jdsatepochF for each in (one, old)]
+    assert days[0] == days[1]
+
+    for other in SUFFIXES:
+        again = tmp_path / f"again{other}"
+        rewriting.write(again, [better(path, bstar=-BSTAR)])
+        assert mean_elements.read_sets(again)[0].satellite.bstar == pytest.approx(-BSTAR)
+        assert NAME in again.read_text()
+
+
+def test_json_has_numbers_and_texts_as_celestrak_has_them(source: Path, tmp_path: Path) -> None:
+    rewriting.write(tmp_path / "better.json", [better(source)])
+
+    (one,) = json.loads((tmp_path / "better.json").read_text())
+    assert (one["OBJECT_NAME"], one["OBJECT_ID"], one["NORAD_CAT_ID"]) == (NAME, "1964-063C", 900)
+    assert one["ECCENTRICITY"] == 0.0026047
+
+
+def test_a_number_beyond_those_of_tles_is_counted_and_kept_in_other_notations(tmp_path: Path) -> None:
+    path = tmp_path / "sets.csv"
+    path.write_text(
+        "OBJECT_NAME,EPOCH,MEAN_MOTION,ECCENTRICITY,INCLINATION,RA_OF_ASC_NODE,ARG_OF_PERICENTER,"
+        "MEAN_ANOMALY,NORAD_CAT_ID,BSTAR\n"
+        "NEW,2026-07-15T06:00:00,15.1,.001,53,10,20,30,800123,.0003\n"
+    )
+
+    assert rewriting.write(tmp_path / "better.tle", [better(path)]) == 1
+    assert rewriting.write(tmp_path / "better.csv", [better(path)]) == 0
+    assert mean_elements.read_sets(tmp_path / "better.csv")[0].number == 800123
+
+
+def test_another_suffix_and_a_changed_file_are_refused(source: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"better\.oem: expected a suffix \.tle, .*, got \.oem"):
+        rewriting.write(tmp_path / "better.oem", [better(source)])
+    one = better(source)
+    source.write_text(f"{FIRST}\n{SECOND}\n")
+    with pytest.raises(InputError, match=r"sets\.tle: line 2: expected the set that was read there"):
+        rewriting.write(tmp_path / "better.tle", [one])
+    assert not (tmp_path / "better.tle").exists()
