@@ -1,11 +1,12 @@
 """Fixtures shared by all tests; `support.py` beside this file holds plain functions for them.
 
-No test may change in place what tests share: `unchanged.py` sees to it.
+No test may change in place what tests share: `unchanged.py` sees to it; `case_names.py` to names of cases.
 """
 
 import numpy as np
 import pytest
 import threadpoolctl
+from case_names import pytest_make_parametrize_id  # noqa: F401
 from support import ASSUMED_BODIES, environment, force_model, rsos, stations
 from unchanged import pytest_fixture_setup, shared_values_stay  # noqa: F401
 

@@ -37,7 +37,11 @@ def test_two_clones_share_a_folder_and_what_it_holds(tmp_path):
     assert one.get_source_stamp() == two.get_source_stamp()
 
 
-@pytest.mark.parametrize("changed", ["import numpy\nx = 2\n", "import opml.dynamics.kernels.drag\nx = 1\n"])
+@pytest.mark.parametrize(
+    "changed",
+    ["import numpy\nx = 2\n", "import opml.dynamics.kernels.drag\nx = 1\n"],
+    ids=["other source", "other imports"],
+)
 def test_other_source_or_other_imports_have_a_folder_of_their_own(tmp_path, changed):
     (tmp_path / "kernel.py").write_text("import numpy\nx = 1\n")
     before = kernel_folder(tmp_path / "kernel.py")
