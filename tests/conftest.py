@@ -7,11 +7,17 @@ import numpy as np
 import pytest
 import threadpoolctl
 from case_names import pytest_make_parametrize_id  # noqa: F401
+from hypothesis import settings
 from support import ASSUMED_BODIES, environment, force_model, rsos, stations
 from unchanged import pytest_fixture_setup, shared_values_stay  # noqa: F401
 
 # As in a job; there are as many processes of tests as cores.
 threadpoolctl.threadpool_limits(1, user_api="blas")
+
+# Drawn cases are the same in every run, but for `make draws`. A loaded machine may take its time over each.
+settings.register_profile("same", derandomize=True, deadline=None)
+settings.register_profile("anew", derandomize=False, deadline=None, print_blob=True)
+settings.load_profile("same")
 
 
 @pytest.fixture(scope="session")

@@ -7,6 +7,7 @@ import sys
 
 import pytest
 from case_names import LINE
+from hypothesis import settings
 from support import REPOSITORY
 
 pytest_plugins = ["pytester"]
@@ -62,3 +63,8 @@ def test_two_collections_are_the_same():
     assert first == second
     assert len(first) > 3000
     assert not [name for name in first if re.search(rf"[-\[]{re.escape(str(REPOSITORY))}/", name)]
+
+
+def test_drawn_cases_are_the_same_on_any_machine():
+    assert settings.default.derandomize
+    assert settings.default.deadline is None

@@ -39,7 +39,7 @@ def around(tmp_path):
 
     def start(*arguments, by=forked, path=ROOT / "src", **environment):
         env = os.environ | {"PYTHONPATH": str(path), "NO_COLOR": "1"} | environment
-        return by(["--cores", "1", *arguments], cwd=tmp_path, env=env, timeout=100)
+        return by(["--cores", "1", *arguments], cwd=tmp_path, env=env)
 
     return start
 

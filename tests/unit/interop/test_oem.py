@@ -6,7 +6,7 @@ import erfa
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from support import EPOCH
 
@@ -67,7 +67,6 @@ def test_many_numbers_have_the_texts_of_each(values, lengths, power):
     assert ccsds.number_texts(numbers, power) == [ccsds.number_text(value, power) for value in numbers]
 
 
-@settings(deadline=None)
 @given(st.lists(st.integers(-(10**13), 10**13), min_size=1, max_size=5))
 def test_times_come_back_to_the_microsecond_across_leap_seconds(microseconds):
     t = np.array(microseconds) / 1e6
