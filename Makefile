@@ -41,11 +41,13 @@ check: $(INSTALLED)
 	$(BIN)/lint-imports
 	$(PYTEST) -m "not slow" tests/unit tests/project
 
+# What was reached is told where all passed: of a run that fails, the last lines are why.
 # Tests of the workflow start Python some hundred times: each start reads what an earlier one compiled.
 test: export PYTHONDONTWRITEBYTECODE =
 test: $(VENV)/.docs
 	$(PYTEST) tests/workflow
-	$(PYTEST) tests/reference tests/project tests/unit --cov
+	$(PYTEST) tests/reference tests/project tests/unit --cov --cov-report= --cov-fail-under=0
+	$(BIN)/python tests/reached.py
 
 faults: $(INSTALLED)
 	$(BIN)/python -m pytest tests/faults
