@@ -9,16 +9,25 @@ import platformdirs
 
 
 def lend_cache() -> None:
-    """Have `.snakemake/cache` stand for the user's, here and in all jobs, where that cannot be written.
+    """Have another folder stand for the user's cache, here and in all jobs, where that cannot be written.
 
-    Without one Snakemake would not start, and each job would compile the kernels anew.
+    It is beside the installed packages, which all projects share, or in the folder of the run. Without one
+    Snakemake would not start, and each job would compile the kernels anew.
     """
-    own = Path(platformdirs.user_cache_dir())
+    if not _can_be_written(Path(platformdirs.user_cache_dir())):
+        shared = Path(sys.prefix, "cache")
+        lent = shared if _can_be_written(shared) else Path(".snakemake", "cache").resolve()
+        os.environ["XDG_CACHE_HOME"] = str(lent)
+
+
+def _can_be_written(folder: Path) -> bool:
+    """Return whether files can be made in a folder, which may be made for them."""
     try:
-        own.mkdir(parents=True, exist_ok=True)
-        tempfile.TemporaryFile(dir=own).close()
+        folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
     except OSError:
-        os.environ["XDG_CACHE_HOME"] = str(Path(".snakemake", "cache").resolve())
+        return False
+    return True
 
 
 def name_python() -> None:

@@ -9,23 +9,20 @@ from opml.workflow.surroundings import lend_cache, name_python
 
 
 @pytest.fixture
-def home(tmp_path, monkeypatch):
-    """The place of the user's cache, where nothing stands yet."""
+def places(tmp_path, monkeypatch):
+    """The user's cache, the one beside the packages, and the one in the run's folder; none stands yet."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "prefix", str(tmp_path / "venv"))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "home" / "cache"))
-    return tmp_path / "home"
+    return [tmp_path / "home" / "cache", tmp_path / "venv" / "cache", tmp_path / ".snakemake" / "cache"]
 
 
-def test_a_cache_that_can_be_written_is_used(home):
+@pytest.mark.parametrize("taken", [0, 1, 2], ids=["own", "beside the packages", "of the run"])
+def test_the_first_cache_that_can_be_written_is_used(places, taken):
+    for place in places[:taken]:
+        place.parent.touch()  # no folder
     lend_cache()
-    assert os.environ["XDG_CACHE_HOME"] == str(home / "cache")
-    assert list((home / "cache").iterdir()) == []
-
-
-def test_without_one_there_is_another_in_the_folder_of_the_run(home):
-    home.touch()  # no folder
-    lend_cache()
-    assert os.environ["XDG_CACHE_HOME"] == str(home.parent / ".snakemake" / "cache")
+    assert os.environ["XDG_CACHE_HOME"] == str(places[taken])
 
 
 @pytest.mark.parametrize(
