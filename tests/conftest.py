@@ -8,8 +8,13 @@ import pytest
 import threadpoolctl
 from case_names import pytest_make_parametrize_id  # noqa: F401
 from hypothesis import settings
-from support import ASSUMED_BODIES, environment, force_model, rsos, stations
-from unchanged import pytest_fixture_setup, shared_values_stay  # noqa: F401
+
+from opml.workflow.surroundings import lend_cache
+
+lend_cache()  # before the kernels look for theirs
+
+from support import ASSUMED_BODIES, environment, force_model, rsos, stations  # noqa: E402
+from unchanged import pytest_fixture_setup, shared_values_stay  # noqa: E402, F401
 
 # As in a job; there are as many processes of tests as cores.
 threadpoolctl.threadpool_limits(1, user_api="blas")
