@@ -1,7 +1,8 @@
 # make        the paper's partition curve, from a full simulation
-# make check  types, style and imports, and the tests that take no seconds (a minute and a half)
-# make test   all tests, of the documentation's site too, and how much of the package they reach
+# make check  types, style and imports, and the tests that take no seconds (two minutes)
+# make test   all tests, of the documentation's site too, and how much of the package they reach (14 minutes)
 # make faults runs that are killed and damaged at 600 random moments (an hour and a half)
+# make draws  the cases that tests draw, drawn anew: each run has others (two minutes)
 # make docs   the documentation as a site, in build/site
 # make pictures   the paper's figures in the documentation, from a full run (half an hour): docs/images/paper
 # make wheel  the package as others install it, in build/wheel
@@ -26,7 +27,7 @@ MAKE_VENV := $(UV) venv --quiet --seed --allow-existing --python $(PYTHON)
 INSTALL := $(UV) pip install --quiet --python $(BIN)/python
 endif
 
-.PHONY: all check test faults lint docs pictures wheel crate validate weather bench clean
+.PHONY: all check test faults draws lint docs pictures wheel crate validate weather bench clean
 
 all: $(INSTALLED)
 	$(BIN)/snakemake -j2 results/figs/partition_curve.pdf
@@ -40,14 +41,19 @@ check: $(INSTALLED)
 	$(BIN)/lint-imports
 	$(PYTEST) -m "not slow" tests/unit tests/project
 
+# What was reached is told where all passed: of a run that fails, the last lines are why.
 # Tests of the workflow start Python some hundred times: each start reads what an earlier one compiled.
 test: export PYTHONDONTWRITEBYTECODE =
 test: $(VENV)/.docs
 	$(PYTEST) tests/workflow
-	$(PYTEST) tests/reference tests/project tests/unit --cov
+	$(PYTEST) tests/reference tests/project tests/unit --cov --cov-report= --cov-fail-under=0
+	$(BIN)/python tests/reached.py
 
 faults: $(INSTALLED)
 	$(BIN)/python -m pytest tests/faults
+
+draws: $(INSTALLED)
+	$(PYTEST) -m hypothesis --hypothesis-profile anew tests/unit
 
 lint: $(INSTALLED)
 	$(BIN)/ruff check

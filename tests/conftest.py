@@ -1,16 +1,28 @@
 """Fixtures shared by all tests; `support.py` beside this file holds plain functions for them.
 
-No test may change in place what tests share: `unchanged.py` sees to it.
+No test may change in place what tests share: `unchanged.py` sees to it; `case_names.py` to names of cases.
 """
 
 import numpy as np
 import pytest
 import threadpoolctl
-from support import ASSUMED_BODIES, environment, force_model, rsos, stations
-from unchanged import pytest_fixture_setup, shared_values_stay  # noqa: F401
+from case_names import pytest_make_parametrize_id  # noqa: F401
+from hypothesis import settings
+
+from opml.workflow.surroundings import lend_cache
+
+lend_cache()  # before the kernels look for theirs
+
+from support import ASSUMED_BODIES, environment, force_model, rsos, stations  # noqa: E402
+from unchanged import pytest_fixture_setup, shared_values_stay  # noqa: E402, F401
 
 # As in a job; there are as many processes of tests as cores.
 threadpoolctl.threadpool_limits(1, user_api="blas")
+
+# Drawn cases are the same in every run, but for `make draws`. A loaded machine may take its time over each.
+settings.register_profile("same", derandomize=True, deadline=None)
+settings.register_profile("anew", derandomize=False, deadline=None, print_blob=True)
+settings.load_profile("same")
 
 
 @pytest.fixture(scope="session")

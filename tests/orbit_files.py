@@ -121,5 +121,5 @@ def oem(path, parts, *, frame="EME2000", scale="UTC", name="ISS", extra=()):
 
 def _written(path, lines):
     content = "".join(f"{line}\n" for line in lines).encode()
-    Path(path).write_bytes(gzip.compress(content) if str(path).endswith(".gz") else content)
+    Path(path).write_bytes(gzip.compress(content, mtime=0) if str(path).endswith(".gz") else content)
     return path

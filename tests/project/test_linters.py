@@ -4,9 +4,14 @@ import re
 import subprocess
 import sys
 import tomllib
+from importlib.metadata import distributions
 
 import pytest
+from packaging.specifiers import SpecifierSet
+from packaging.utils import canonicalize_name
 from support import REPOSITORY
+
+PROJECT = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())["project"]
 
 
 def run(*command):
@@ -52,16 +57,28 @@ def test_scripts_are_short():
         assert len(path.read_text().splitlines()) <= 35, path.name
 
 
+def pins_of(lock):
+    """Versions by the name of the package, in a file of pins."""
+    return dict(re.findall(r"^([\w.-]+)==(\S+)$", (REPOSITORY / lock).read_text(), re.MULTILINE))
+
+
 def test_one_set_of_pins():
-    pins = dict(
-        re.findall(r"^([\w.-]+)==(\S+)$", (REPOSITORY / "requirements.lock").read_text(), re.MULTILINE)
-    )
-    project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())["project"]
-    extras = project["optional-dependencies"]
-    needed = [*project["dependencies"], *extras["workflow"]]
+    pins = pins_of("requirements.lock")
+    extras = PROJECT["optional-dependencies"]
+    needed = [*PROJECT["dependencies"], *extras["workflow"]]
     wanted = [*needed, *extras["crate"], *extras["test"]]
     assert {re.match(r"[\w-]+", text)[0] for text in wanted} <= set(pins)
     conda = (REPOSITORY / "workflow" / "envs" / "opml.yaml").read_text()
     conda_pins = dict(re.findall(r"- ([\w-]+)==(\S+)", conda))
     assert {re.match(r"[\w-]+", text)[0] for text in needed} <= set(conda_pins)
     assert conda_pins.items() <= pins.items()
+
+
+@pytest.mark.parametrize("lock", ["requirements.lock", "requirements-docs.lock"])
+def test_pins_are_for_the_first_release_of_the_oldest_python(lock):
+    oldest = PROJECT["requires-python"].removeprefix(">=") + ".0"
+    known = {
+        canonicalize_name(package.name): package.metadata["Requires-Python"] for package in distributions()
+    }
+    wanted = {name: known.get(name) or "" for name in pins_of(lock)}  # of those that are installed
+    assert {name for name, versions in wanted.items() if oldest not in SpecifierSet(versions)} == set()

@@ -200,7 +200,7 @@ def test_a_sound_history_has_its_sets(read, name):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", READ)
-@settings(max_examples=300, deadline=None, derandomize=True)
+@settings(max_examples=300)
 @given(damage=DAMAGES)
 def test_a_damaged_file_is_read_or_refused_in_one_line(files, folder, name, damage):
     path = folder / name

@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from project import ROOT, Project, command
+from project import HUNG, ROOT, Project, command
 
 REAL_RUN = "snakemake -j"
 """What stands in commands that take minutes."""
@@ -59,7 +59,7 @@ class Reader:
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
-            timeout=300,
+            timeout=HUNG,
         )
         assert done.returncode == 0, f"{text}\n{done.stdout}"
         return done.stdout

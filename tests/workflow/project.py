@@ -14,6 +14,8 @@ from unittest import mock
 
 ROOT = Path(__file__).parents[2]
 SNAKEMAKE = [sys.executable, "-m", "snakemake"]
+HUNG = 1800.0
+"""Seconds after which what a test started hangs, however slow or loaded the machine is."""
 
 
 def command(*arguments, source: Path = ROOT) -> list[str]:
@@ -61,21 +63,21 @@ def _forget_opml() -> None:
 
 
 def forked(
-    arguments: list[str], *, cwd: Path, env: dict[str, str], timeout: float, package: Path = ROOT / "src"
+    arguments: list[str], *, cwd: Path, env: dict[str, str], package: Path = ROOT / "src"
 ) -> tuple[int, str]:
     """Exit code and output of Snakemake in a forked process, which finds opml in the folder `package`."""
     _warm_up()
     with tempfile.NamedTemporaryFile() as output:
         process = _STARTS.Process(target=_start, args=(cwd, env, arguments, output.name, package))
         process.start()
-        process.join(timeout)
+        process.join(HUNG)
         if process.exitcode is None:
             process.kill()
-            raise subprocess.TimeoutExpired(arguments, timeout)
+            raise subprocess.TimeoutExpired(arguments, HUNG)
         return process.exitcode, Path(output.name).read_text()
 
 
-def started(arguments: list[str], *, cwd: Path, env: dict[str, str], timeout: float) -> tuple[int, str]:
+def started(arguments: list[str], *, cwd: Path, env: dict[str, str]) -> tuple[int, str]:
     """Exit code and output of Snakemake in a process of its own."""
     done = subprocess.run(
         [*SNAKEMAKE, *arguments],
@@ -84,7 +86,7 @@ def started(arguments: list[str], *, cwd: Path, env: dict[str, str], timeout: fl
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
-        timeout=timeout,
+        timeout=HUNG,
     )
     return done.returncode, done.stdout
 
@@ -110,7 +112,7 @@ class Project:
         """Run snakemake here; its output, both streams together, is in `.stdout`."""
         line, package = command(*arguments, source=self.source), self.source / "src"
         env = os.environ | {"PYTHONPATH": str(package), "NO_COLOR": "1"}
-        code, output = forked(line[len(SNAKEMAKE) :], cwd=self.folder, env=env, timeout=900, package=package)
+        code, output = forked(line[len(SNAKEMAKE) :], cwd=self.folder, env=env, package=package)
         if check:
             assert code == 0, output
         return subprocess.CompletedProcess(line, code, output)

@@ -83,6 +83,7 @@ def test_unknown_station(project):
             "got '181'",
         ),
     ],
+    ids=["no test", "test", "days", "learner", "target"],
 )
 def test_bad_experiment(project, entry, message):
     (project.folder / "mine.yaml").write_text(

@@ -1,6 +1,7 @@
 """The workflow for those who do not clone it: a module of another project, or read by a plain Snakemake."""
 
 import os
+import shlex
 import sys
 
 import pytest
@@ -39,7 +40,7 @@ def around(tmp_path):
 
     def start(*arguments, by=forked, path=ROOT / "src", **environment):
         env = os.environ | {"PYTHONPATH": str(path), "NO_COLOR": "1"} | environment
-        return by(["--cores", "1", *arguments], cwd=tmp_path, env=env, timeout=100)
+        return by(["--cores", "1", *arguments], cwd=tmp_path, env=env)
 
     return start
 
@@ -99,7 +100,8 @@ def test_it_starts_again_where_the_package_is(around, absent, tmp_path):
     """A `python` on the path that has the package stands for the environment that conda would make."""
     python = tmp_path / "bin" / "python"
     python.parent.mkdir()
-    python.write_text(f'#!/bin/sh\nPYTHONPATH={ROOT / "src"} exec {sys.executable} "$@"\n')
+    package, program = shlex.quote(str(ROOT / "src")), shlex.quote(sys.executable)
+    python.write_text(f'#!/bin/sh\nPYTHONPATH={package} exec {program} "$@"\n')
     python.chmod(0o755)
     (tmp_path / "Snakefile").write_text(AROUND.partition("rule around")[0].replace(" as opml_*", ""))
     where = f"{python.parent}:{os.environ['PATH']}"

@@ -15,6 +15,7 @@ import numba
 import platformdirs
 from numba.core.caching import UserProvidedCacheLocator
 
+from opml.base.errors import InputError
 from opml.base.provenance import script_digest
 
 Decorator = Callable[[Callable[..., Any]], Any]
@@ -25,9 +26,18 @@ def decorators(**options: Any) -> tuple[Decorator, Decorator]:
     """Return the decorators (compiled, entry) under Numba's `options`.
 
     compiled: of a kernel that other kernels call
-    entry: of a kernel that Python calls; its machine code is kept
+    entry: of a kernel that Python calls; its machine code is kept. Raises InputError where no folder
+        can hold it: each process would compile anew.
     """
-    return numba.njit(**options), numba.njit(cache=True, **options)
+
+    def entry(kernel: Callable[..., Any]) -> Any:
+        try:
+            return numba.njit(cache=True, **options)(kernel)
+        except RuntimeError as error:
+            folder = numba.config.CACHE_DIR  # type: ignore[attr-defined]  # made at run time
+            raise InputError(f"{folder}: expected a folder for compiled kernels: set OPML_CACHE") from error
+
+    return numba.njit(**options), entry
 
 
 def kernel_folder(source: str | Path) -> str:

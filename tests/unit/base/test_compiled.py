@@ -1,11 +1,13 @@
 """Compiled kernels are kept once for all clones of the same source."""
 
+import runpy
 from pathlib import Path
 
 import numba
 import pytest
 
-from opml.base.compiled import SharedLocator, kernel_folder
+from opml.base.compiled import SharedLocator, decorators, kernel_folder
+from opml.base.errors import InputError
 from opml.dynamics import attraction, ensemble, frames
 from opml.learning.models import smo_kernels
 
@@ -37,9 +39,26 @@ def test_two_clones_share_a_folder_and_what_it_holds(tmp_path):
     assert one.get_source_stamp() == two.get_source_stamp()
 
 
-@pytest.mark.parametrize("changed", ["import numpy\nx = 2\n", "import opml.dynamics.kernels.drag\nx = 1\n"])
+@pytest.mark.parametrize(
+    "changed",
+    ["import numpy\nx = 2\n", "import opml.dynamics.kernels.drag\nx = 1\n"],
+    ids=["other source", "other imports"],
+)
 def test_other_source_or_other_imports_have_a_folder_of_their_own(tmp_path, changed):
     (tmp_path / "kernel.py").write_text("import numpy\nx = 1\n")
     before = kernel_folder(tmp_path / "kernel.py")
     (tmp_path / "kernel.py").write_text(changed)
     assert kernel_folder(tmp_path / "kernel.py") != before
+
+
+def test_no_folder_that_can_be_written_is_told_in_one_line(tmp_path, monkeypatch):
+    no_folder = tmp_path / "__pycache__"  # beside the source, too
+    no_folder.touch()
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(no_folder))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(no_folder))
+    (tmp_path / "kernel.py").write_text("def same(x):\n    return x\n")
+    _, entry = decorators()
+    with pytest.raises(
+        InputError, match=f"^{no_folder}: expected a folder for compiled kernels: set OPML_CACHE"
+    ):
+        entry(runpy.run_path(str(tmp_path / "kernel.py"))["same"])

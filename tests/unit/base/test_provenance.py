@@ -96,6 +96,16 @@ def test_digest_changes_with_what_is_used_only(small, changed, counts):
         "x = 'import this (and) that'\nfrom opml import lonely",
         '"""\nfrom all we know, import no doubt\n"""\nfrom opml import lonely',
     ],
+    ids=[
+        "in a block",
+        "after another",
+        "brackets",
+        "from, cut",
+        "cut",
+        "as",
+        "behind a text",
+        "behind a doc",
+    ],
 )
 def test_an_import_is_found_however_it_is_written(tmp_path, monkeypatch, source):
     package(tmp_path, monkeypatch, lonely="", top=source)

@@ -110,7 +110,9 @@ def test_a_missing_file_is_refused(tmp_path):
         celestial_bodies.tabulate(tmp_path / "absent.bsp", EPOCH, np.array([0.0]))
 
 
-@pytest.mark.parametrize("content", [b"", b"not an ephemeris\n", b"DAF/PCK " + 2000 * b" "])
+@pytest.mark.parametrize(
+    "content", [b"", b"not an ephemeris\n", b"DAF/PCK " + 2000 * b" "], ids=["empty", "text", "PCK"]
+)
 def test_a_file_that_is_no_spk_is_refused(tmp_path, content):
     path = tmp_path / "other.bsp"
     path.write_bytes(content)

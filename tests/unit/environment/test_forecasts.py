@@ -137,8 +137,8 @@ def test_predicted_days_of_cssi_count_as_issued_when_the_measured_ones_end(tmp_p
         ("\t7\n", "\n", "line 5: ap: expected a number from 0 to 400, got ''"),
         ("1995-10-13", "1995-10-09", "line 5: valid: expected no day before that of the issue"),
         ("f107", "flux", "expected the columns issued, valid, f107 and kp or ap, got no f107"),
-        (TABLE, "", "expected the columns"),
-        (TABLE[TABLE.index("1995") :], "", "expected forecasts, got none"),
+        pytest.param(TABLE, "", "expected the columns", id="empty"),
+        pytest.param(TABLE[TABLE.index("1995") :], "", "expected forecasts, got none", id="heading alone"),
     ],
 )
 def test_a_wrong_file_is_told_in_one_line(tmp_path, old, new, message):

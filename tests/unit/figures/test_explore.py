@@ -10,6 +10,7 @@ import sys
 import numpy as np
 import pandas as pd
 import pytest
+from project import HUNG
 from support import EARTH, RADAR
 
 from opml.base.constants import DAY
@@ -112,7 +113,7 @@ def test_a_browser_shows_the_errors_of_the_estimate_that_is_picked(tables, tmp_p
     options = ["--headless", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", "--dump-dom"]
     options += [f"--user-data-dir={tmp_path}/browser", "--virtual-time-budget=10000"]
     run = [BROWSER, *options, opened.as_uri()]
-    shown = subprocess.run(run, capture_output=True, text=True, check=True, timeout=120).stdout
+    shown = subprocess.run(run, capture_output=True, text=True, check=True, timeout=HUNG).stdout
     assert "main-svg" in shown
     assert re.findall(r'data-globes="([^"]*)"', shown) == ["1"]  # drawn in three dimensions
     (seen,) = re.findall(r'data-seen="([^"]*)"', shown)

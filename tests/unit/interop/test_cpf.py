@@ -67,7 +67,12 @@ def test_another_satellite_is_refused(tmp_path):
         ("10 0 57659", "10 0 57669", "line 5: expected a later epoch than before"),
         ("10 0 57659", "15 0 57659", "line 4: expected a record 10 or 20, or 99 at the end, got 15 0"),
         ("\n99\n", "\n", "expected positions and a line 99 at the end, got neither"),
-        ("\n99\n", "\n99\n99\n", "line 8: expected a record 10 or 20, or 99 at the end, got 99"),
+        pytest.param(
+            "\n99\n",
+            "\n99\n99\n",
+            "line 8: expected a record 10 or 20, or 99 at the end, got 99",
+            id="two ends",
+        ),
     ],
 )
 def test_what_is_malformed_is_named_by_file_and_line(tmp_path, old, new, message):

@@ -160,7 +160,7 @@ def test_the_table_tells_where_each_set_stands(read):
 
 
 def test_gzipped_files_of_different_notations_are_one_history(read):
-    sets = read(gzip.compress(text(LINES[2]).encode()), json.dumps(SETS[:1]), kvn(SETS[1])).sets
+    sets = read(gzip.compress(text(LINES[2]).encode(), mtime=0), json.dumps(SETS[:1]), kvn(SETS[1])).sets
     np.testing.assert_allclose(sets["t"], (np.arange(3) + 0.5) * DAY, rtol=0, atol=1e-6)
     assert sets["file"].tolist() == ["sets1", "sets2", "sets0"]
 
@@ -214,6 +214,7 @@ def test_a_date_of_creation_counts_more_than_the_place(read):
         (csv(omm(NORAD_CAT_ID="799500001")), 799_500_001),
         (kvn(omm(NORAD_CAT_ID="999999999")), 999_999_999),
     ],
+    ids=["A0000", "J2931", "P4018", "Z9999", "blanks", "text of JSON", "number of JSON", "CSV", "KVN"],
 )
 def test_catalogue_numbers_have_up_to_nine_digits(read, content, number):
     assert read(content).sets["number"].tolist() == [number]
@@ -296,11 +297,11 @@ DAMAGED = {
     "error page behind sets": (text(*LINES) + PAGE, ": line 8: expected line 1 of a TLE, got '<html>"),
     "archive": (b"PK\3\4" + bytes(40), ": expected a TLE or an OMM in UTF-8 text, got bytes that are none"),
     "packed twice": (
-        gzip.compress(gzip.compress(text(*LINES).encode())),
+        gzip.compress(gzip.compress(text(*LINES).encode(), mtime=0), mtime=0),
         ": expected a TLE or an OMM in UTF-8 text",
     ),
     "more behind gzip": (
-        gzip.compress(text(*LINES).encode()) + b"more",
+        gzip.compress(text(*LINES).encode(), mtime=0) + b"more",
         ": expected a file that is whole, got Not a gzipped file (b'mo')",
     ),
     "tabs": (text(LINES[0]).replace(" ", "\t"), ": line 1: expected line 1 of a TLE, got '1\\t12345U"),
@@ -337,7 +338,7 @@ DAMAGED = {
     "binary": (bytes(range(256)), ": expected a TLE or an OMM in UTF-8 text"),
     "zeros": (b"\0" * 99, ": expected a TLE or an OMM in UTF-8 text, got bytes that are none"),
     "utf-16": (text(*LINES).encode("utf-16"), ": expected a TLE or an OMM in UTF-8 text"),
-    "cut gzip": (gzip.compress(text(*LINES).encode())[:-20], ": expected a file that is whole"),
+    "cut gzip": (gzip.compress(text(*LINES).encode(), mtime=0)[:-20], ": expected a file that is whole"),
     "words": ("No GP data found\n", ": line 1: expected line 1 of a TLE after this line, got none"),
     "checksum": (text([FIRST, SECOND[:-1] + "3"]), f": line 2: expected the checksum {SECOND[-1]}, got 3"),
     "line 2 of another": (text([FIRST, OTHER[1]]), ": line 2: expected catalogue number 12345, got 54321"),
@@ -445,7 +446,7 @@ RIGHT = {
     "other ends of lines": text(*LINES).replace("\n", "\r\n"),
     "old ends of lines": text(*LINES).replace("\n", "\r"),
     "blanks at the end": text(*LINES).replace("\n", "   \n"),
-    "gzip in parts": b"".join(gzip.compress(text(one).encode()) for one in LINES),
+    "gzip in parts": b"".join(gzip.compress(text(one).encode(), mtime=0) for one in LINES),
     "names": text(*(["0 NAME (A)", *one] for one in LINES)),
     "nulls": json.dumps(
         [one | dict.fromkeys(["OBJECT_ID", "DECAY_DATE", "MEAN_MOTION_DOT"]) for one in SETS]
@@ -489,6 +490,7 @@ def test_what_is_damaged_is_told_in_one_line(written, tmp_path, content, message
         (kvn(SETS[0], omm(BSTAR=""), SETS[2]), [37]),
         (xml(SETS[0], omm(BSTAR=""), SETS[2]), [33]),
     ],
+    ids=["no line 2", "no line 1", "line 1 moved", "cut, then no orbit", "JSON", "CSV", "KVN", "XML"],
 )
 def test_damaged_sets_are_left_out_where_asked_for_and_told(read, caplog, content, lines):
     history = read(content, leave_out_damaged=True)

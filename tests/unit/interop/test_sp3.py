@@ -78,7 +78,9 @@ def test_realisations_of_the_itrf_are_taken_for_it(tmp_path, frame):
             "line 13: expected a line %c with time system GPS or UTC or TAI or GAL or QZS, got",
         ),
         ("+    1", "+    2", "expected the ids of 2 satellites, got 1"),
-        ("/* a test\n*", "x\n*", "line 22: expected an epoch, position or velocity, got x"),
+        pytest.param(
+            "/* a test\n*", "x\n*", "line 22: expected an epoch, position or velocity, got x", id="no remark"
+        ),
         (
             "*  2016  9 28 12 11  2",
             "*  2016  9 28 12 11  x",

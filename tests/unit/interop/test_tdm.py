@@ -59,10 +59,11 @@ def test_segments_without_an_id_are_tracks_of_their_own(message):
         ),
         ("ANGLE_TYPE = AZEL", "ANGLE_TYPE = XEYN", "line 18: expected ANGLE_TYPE = AZEL or RADEC, got XEYN"),
         ("ANGLE_TYPE = AZEL", "ANGLE_TYPE = RADEC", "line 19: expected the key REFERENCE_FRAME before"),
-        (
+        pytest.param(
             "ANGLE_TYPE = AZEL",
             "ANGLE_TYPE = RADEC\nREFERENCE_FRAME = TEME",
             "line 19: expected REFERENCE_FRAME = GCRF or ICRF or EME2000, got TEME",
+            id="TEME",
         ),
         ("RANGE_UNITS = km", "RANGE_UNITS = s", "line 17: expected RANGE_UNITS = KM, got s"),
         ("DATA_START\n", "", "line 20: expected DATA_START, got ANGLE_1"),

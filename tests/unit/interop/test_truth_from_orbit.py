@@ -430,7 +430,7 @@ def refusal(path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["sp3", "cpf", "oem"])
-@settings(max_examples=150, deadline=None, derandomize=True)
+@settings(max_examples=150)
 @given(change=CHANGES)
 def test_a_damaged_file_is_refused_in_one_line_or_gives_the_right_orbit(sound, deviations, kind, change):
     folder, contents_of = sound

@@ -154,7 +154,11 @@ def test_cells_in_quotes_are_read(tmp_path):
     assert read_rsos(edited(tmp_path, "rsos.tsv", "6783.34", '"6783.34"')) == RSOS
 
 
-@pytest.mark.parametrize("content", [b"", b"# only a remark\n", b"\xff\xfe\x00", b"name\n"])
+@pytest.mark.parametrize(
+    "content",
+    [b"", b"# only a remark\n", b"\xff\xfe\x00", b"name\n"],
+    ids=["empty", "remark", "no text", "heading"],
+)
 def test_no_sheet_is_named(tmp_path, content):
     path = tmp_path / "rsos.tsv"
     path.write_bytes(content)

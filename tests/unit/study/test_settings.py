@@ -700,6 +700,7 @@ def test_fixes_stand_where_tracks_do_and_no_station_measured_them(tmp_path):
         (["fixing: {mine: {sigma_m: [1, 2, 0]}}"], GPS, "fixing.mine.sigma_m"),
         (["starts: {iss: a.tle}"], GPS, "starts.iss: expected an RSO that has tracks, fixes, ranges or el"),
     ],
+    ids=["text", "unit", "tracks", "orbits", "simulated", "two sigmas", "sigma 0", "start"],
 )
 def test_fixes_that_do_not_fit_are_told_in_one_line(tmp_path, lines, content, said):
     refusal = refused(with_fixes(tmp_path, *lines, content=content))
@@ -862,6 +863,7 @@ def test_mean_elements_stand_where_tracks_do_with_windows_of_their_own(tmp_path)
         ),
         (["tracks: {mine: sets.tle}"], None, "tracks.mine: "),
     ],
+    ids=["damaged", "two objects", "other", "simulated", "number 0", "two days", "window", "tracks"],
 )
 def test_mean_elements_that_do_not_fit_are_told_in_one_line(tmp_path, lines, content, said):
     refusal = refused(with_elements(tmp_path, *lines, content=content))
@@ -898,6 +900,7 @@ def test_manoeuvres_may_stand_in_a_file_and_be_found(tmp_path):
         ("burns.yaml", BURNS.replace("01:00:00", "noon"), "burns.yaml: entry 1: expected a time like 2016"),
         ("{a}.yaml", BURNS, "expected a path without braces"),
     ],
+    ids=["no file", "no list", "no time", "braces"],
 )
 def test_a_file_of_manoeuvres_that_is_none_is_told_in_one_line(tmp_path, path, content, expected):
     (tmp_path / "burns.yaml").write_text(content)
@@ -1007,6 +1010,7 @@ ROW = f"a_km: 6900, e: 0.001, i_deg: 97.5, argp_deg: 0, raan_deg: 120, mean_anom
             "b.yaml: stations.here: expected the keys",
         ),
     ],
+    ids=["second", "first", "both", "keys"],
 )
 def test_the_file_in_which_a_wrong_value_stands_is_named(tmp_path, monkeypatch, first, second, expected):
     files = [REPOSITORY / "config" / "config.yaml", tmp_path / "a.yaml", tmp_path / "b.yaml"]

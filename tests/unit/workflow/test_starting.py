@@ -38,6 +38,18 @@ TARGET = "expected a file of settings behind --configfile; targets stand before 
         ("a.yaml", b"seed: &s {noise: *s}\n", "expected YAML ("),
         ("a.yaml", b"- epoch\n", "expected a mapping of settings, got list"),
     ],
+    ids=[
+        "no file",
+        "target",
+        "file as target",
+        "table",
+        "UTF-16",
+        "Latin-1",
+        "tab",
+        "empty",
+        "anchor in itself",
+        "list",
+    ],
 )
 def test_a_file_behind_configfile_that_holds_no_settings_is_told(here, name, content, told):
     (here / "good.yaml").write_text("epoch: x\n")
