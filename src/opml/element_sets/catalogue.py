@@ -50,7 +50,7 @@ class Catalogue:
     def daily(self) -> "Catalogue":
         """Return the last set of each object and UTC day."""
         day = self.table["number"].to_numpy() * _MOST_DAYS + np.floor(self.table["t"].to_numpy())
-        return self.take(np.flatnonzero(np.append(day[1:] != day[:-1], True)))
+        return self.take(np.flatnonzero(np.append(day[1:], np.inf)[: len(day)] != day))
 
     def take(self, rows: np.ndarray) -> "Catalogue":
         """Return the sets of some rows, in order."""

@@ -111,7 +111,7 @@ def build(catalogue: Catalogue, pairs: Pairs, air: Callable[[float], Air]) -> pd
     apart = (found - found.groupby(groups).transform("median")).fillna(0.0).add_suffix("_apart")
     miss = ((made["error"] - made["density"]) / made["scale"]).where(made["is_fit"])
     made["target"] = miss - miss.groupby(groups).transform("median")
-    return pd.concat([made, found.fillna(0.0), apart, _own_misses(made).fillna(0.0)], axis=1)
+    return pd.concat([made, found.fillna(0.0), apart, own_misses(made).fillna(0.0)], axis=1)
 
 
 def _is_fit(sets: pd.DataFrame, scale: np.ndarray) -> np.ndarray:
@@ -160,8 +160,9 @@ def _sets_before(catalogue: Catalogue, newest: np.ndarray) -> np.ndarray:
     """Return the sets (n, _SETS) of an object, the newest first; -1 where there is none."""
     number, t = catalogue.table["number"].to_numpy(), catalogue.table["t"].to_numpy()
     before = newest[:, None] - np.arange(_SETS)
-    is_own = (before >= 0) & (number[before] == number[newest][:, None])
-    return np.where(is_own & (t[newest][:, None] - t[before] <= _OLD), before, -1)
+    row = np.maximum(before, 0)
+    is_own = (before >= 0) & (number[row] == number[newest][:, None])
+    return np.where(is_own & (t[newest][:, None] - t[row] <= _OLD), before, -1)
 
 
 def _levels(
@@ -193,7 +194,7 @@ def _medians(values: np.ndarray) -> np.ndarray:
         return np.asarray(np.nanmedian(values, axis=1))
 
 
-def _own_misses(rows: pd.DataFrame) -> pd.DataFrame:
+def own_misses(rows: pd.DataFrame) -> pd.DataFrame:
     """Return OWN_FEATURES: mean and mean size of an object's targets of the last mornings that are judged.
 
     Mornings are a day apart. A target counts a day after what was predicted, if its judge was known by then.

@@ -138,13 +138,13 @@ def improve(known: Known, model: Model, *, progress: Progress = _log.info) -> Im
     today = modified_julian_day(known.date)
     rows = replayed(known, model, np.arange(-PAST, 1) + today)
     progress(f"{len(rows)} predictions of {PAST + 1} mornings")
-    candidates = _candidates(rows, model)
+    ways = candidates(rows, model)
     is_today = rows["morning"] == today
     table = _table(
         known,
         rows[is_today],
-        {name: one[is_today] for name, one in candidates.items()},
-        _choice(rows, candidates),
+        {name: one[is_today] for name, one in ways.items()},
+        _choice(rows, ways),
     )
     sets = [Better(one.file, one.line, one.motion, one.bstar) for one in table.itertuples(index=False)]
     progress(", ".join(f"{name} {count}" for name, count in table["applied"].value_counts().items()))
@@ -159,7 +159,7 @@ def replayed(known: Known, model: Model, mornings: np.ndarray) -> pd.DataFrame:
     return features.build(known.catalogue, pairs.build(known.catalogue, mornings), air)
 
 
-def _candidates(rows: pd.DataFrame, model: Model) -> dict[str, pd.DataFrame]:
+def candidates(rows: pd.DataFrame, model: Model) -> dict[str, pd.DataFrame]:
     """Return correction and sigma [m] of rows by each way to correct them: not, by the density, as learned.
 
     A prediction apart from the learned one is as unsure as that, and as they are apart.
@@ -176,7 +176,7 @@ def _candidates(rows: pd.DataFrame, model: Model) -> dict[str, pd.DataFrame]:
     return plain | learned
 
 
-def _choice(rows: pd.DataFrame, candidates: Mapping[str, pd.DataFrame]) -> pd.Series:
+def _choice(rows: pd.DataFrame, ways: Mapping[str, pd.DataFrame]) -> pd.Series:
     """Return the way by the number of the object: the one that left least of the predictions that are judged.
 
     Rows of the whole band stand in where an object has few of its own.
@@ -186,7 +186,7 @@ def _choice(rows: pd.DataFrame, candidates: Mapping[str, pd.DataFrame]) -> pd.Se
     losses = pd.DataFrame(
         {
             name: np.minimum(np.abs(own["error"] - one.loc[judged, "correction"]) / own["scale"], _GROSS)
-            for name, one in candidates.items()
+            for name, one in ways.items()
         }
     )
     of_band = losses.groupby(own["band"]).mean()
@@ -200,7 +200,7 @@ def _choice(rows: pd.DataFrame, candidates: Mapping[str, pd.DataFrame]) -> pd.Se
 
 
 def _table(
-    known: Known, rows: pd.DataFrame, candidates: Mapping[str, pd.DataFrame], choice: pd.Series
+    known: Known, rows: pd.DataFrame, ways: Mapping[str, pd.DataFrame], choice: pd.Series
 ) -> pd.DataFrame:
     """Return the table `improved_sets` with file and line of each set.
 
@@ -209,7 +209,7 @@ def _table(
     newest = known.catalogue.table.groupby("number", sort=True).tail(1).set_index("number", drop=False)
     why = _why(known, newest, rows)
     way = choice.reindex(newest.index).where(why.isin(["", FEW]), UNCHANGED).mask(why.eq(FEW), DENSITY)
-    chosen = _of_way(rows, candidates, way)
+    chosen = _of_way(rows, ways, way)
     change = _changes(newest, chosen)
     table = pd.DataFrame(
         {
@@ -253,12 +253,12 @@ def _why(known: Known, newest: pd.DataFrame, rows: pd.DataFrame) -> pd.Series:
     return why
 
 
-def _of_way(rows: pd.DataFrame, candidates: Mapping[str, pd.DataFrame], way: pd.Series) -> pd.DataFrame:
+def _of_way(rows: pd.DataFrame, ways: Mapping[str, pd.DataFrame], way: pd.Series) -> pd.DataFrame:
     """Return rows that can be corrected with correction and sigma of their object's way."""
     of_row = rows["number"].map(way)
     parts = [
         rows[["number", "lead", "tau", "response"]].join(one)[rows["is_fit"] & of_row.eq(name)]
-        for name, one in candidates.items()
+        for name, one in ways.items()
     ]
     return pd.concat(parts).sort_index()
 

@@ -165,14 +165,14 @@ def _fly(catalogue: Catalogue, rows: pd.DataFrame) -> _Flights:
         earlier = earlier[number[earlier] == number[one]]
         minutes = _MINUTES * np.concatenate([t[earlier] - t[one], tau[members]])
         satellite, known = catalogue.satellites[one], len(earlier)
-        flown, speeds = _positions(satellite, minutes)
+        flown, speeds = fly(satellite, minutes)
         back[one, :known] = flown[:known]
         positions[members], velocities[members] = flown[known:], speeds[known:]
-        kicked[members] = _positions(kick(satellite, _STEP), minutes[known:])[0]
+        kicked[members] = fly(kick(satellite, _STEP), minutes[known:])[0]
     return _Flights(positions, velocities, kicked, back)
 
 
-def _positions(satellite: Satrec, minutes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def fly(satellite: Satrec, minutes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return positions [km] and velocities [km/s] (n, 3) in TEME after times (n,) [min], else NaN."""
     whole = np.full(len(minutes), satellite.jdsatepoch)
     errors, positions, velocities = satellite.sgp4_array(whole, satellite.jdsatepochF + minutes / _MINUTES)

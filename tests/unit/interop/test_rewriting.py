@@ -63,6 +63,17 @@ def test_every_notation_is_read_back_with_the_new_values(suffix: str, source: Pa
         assert NAME in again.read_text()
 
 
+def test_a_tle_without_an_international_designator_becomes_an_omm(source: Path, tmp_path: Path) -> None:
+    blank = FIRST.replace("64063C", "      ")
+    first = f"{blank[:68]}{sum(int(c) if c.isdigit() else c == '-' for c in blank[:68]) % 10}"
+    source.write_text(f"{first}\n{SECOND}\n")
+
+    rewriting.write(tmp_path / "better.json", [better(source)])
+
+    (one,) = json.loads((tmp_path / "better.json").read_text())
+    assert (one["OBJECT_NAME"], one["OBJECT_ID"]) == ("UNKNOWN", "UNKNOWN")
+
+
 def test_json_has_numbers_and_texts_as_celestrak_has_them(source: Path, tmp_path: Path) -> None:
     rewriting.write(tmp_path / "better.json", [better(source)])
 

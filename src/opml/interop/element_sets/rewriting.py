@@ -131,10 +131,16 @@ def _fields(one: _Tle | Fields) -> Fields:
     """Return a set as an OMM."""
     if not isinstance(one, _Tle):
         return one
-    exported = exporter.export_omm(Satrec.twoline2rv(one.first, one.second), one.name or "UNKNOWN")
-    return {
-        key: f"{value:.10g}" if isinstance(value, float) else str(value) for key, value in exported.items()
-    }
+    # sgp4 exports no set without an international designator.
+    designator = one.first[9:17].strip()
+    first = one.first if designator else f"{one.first[:9]}57001A  {one.first[17:]}"
+    exported = exporter.export_omm(Satrec.twoline2rv(first, one.second), one.name or "UNKNOWN")
+    fields = {key: _text(value) for key, value in exported.items()}
+    return fields if designator else {**fields, "OBJECT_ID": "UNKNOWN"}
+
+
+def _text(value: object) -> str:
+    return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
 def _as_tle(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:

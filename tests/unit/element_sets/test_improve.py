@@ -1,0 +1,218 @@
+"""Better sets for a morning: nothing later counts, two numbers carry the correction, each set says why."""
+
+from pathlib import Path
+
+import element_histories
+import numpy as np
+import pandas as pd
+import pytest
+
+from opml import cli
+from opml.base.errors import InputError
+from opml.element_sets import catalogue, density, features, improve, pairs
+from opml.element_sets import model as models
+from opml.interop.element_sets import mean_elements
+from opml.tables import read_table
+
+DATE = "2026-01-08T06:00:00"
+"""When 49 sets of each history were public."""
+
+NUMBERS = range(101, 121)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("sets")
+    element_histories.write(folder / "known.tle", NUMBERS, 49)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def model() -> models.Model:
+    return models.read()
+
+
+@pytest.fixture(scope="module")
+def better(folder: Path, model: models.Model) -> improve.Improved:
+    return improve.improve(improve.read([folder], date=DATE, weather="OBSERVED"), model)
+
+
+def test_no_later_set_and_no_later_weather_touches_a_morning(
+    folder: Path, better: improve.Improved, model: models.Model, tmp_path: Path
+) -> None:
+    """Sets of another future and weather that changes from the date on leave the same bytes."""
+    element_histories.write(tmp_path / "later.tle", NUMBERS, 60, seed=8)
+    later = (tmp_path / "later.tle").read_text().splitlines()[: 2 * 60 * len(NUMBERS)]
+    future = [later[k : k + 2] for k in range(0, len(later), 2)]
+    future = [pair for pair in future if float(pair[0][20:32]) < 300.0 and pair[0][18:20] == "26"]
+    future = [pair for pair in future if float(pair[0][20:32]) > 8.01]
+    assert len(future) > 8 * len(NUMBERS)
+    (tmp_path / "later.tle").write_text("".join(f"{line}\n" for pair in future for line in pair))
+    weather = tmp_path / "weather.csv"
+    weather.write_text(_with_storms_after("2026-01-08", density_source().read_text()))
+
+    known = improve.read([folder, tmp_path / "later.tle"], date=DATE, weather=str(weather))
+    again = improve.improve(known, model)
+
+    pd.testing.assert_frame_equal(again.table, better.table, check_exact=True)
+
+
+def density_source() -> Path:
+    from opml.environment import solar_activity
+
+    return solar_activity.resolve("OBSERVED")
+
+
+def _with_storms_after(day: str, text: str) -> str:
+    """Return CSSI's weather with Kp of 9 and a flux of 300 sfu from the day after a date on."""
+    lines = []
+    for line in text.splitlines():
+        cells = line.split(",")
+        if cells[0] > day and cells[0][:1] == "2":
+            cells[1:9], cells[9] = ["90"] * 8, "300.0"
+        lines.append(",".join(cells))
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize("way", [improve.DENSITY, "learned: payloads"])
+def test_sets_flown_by_plain_sgp4_carry_the_correction(
+    way: str, folder: Path, model: models.Model, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two numbers come as near to what four leads ask for as least squares does, and the epoch stays."""
+    monkeypatch.setattr(improve, "_choice", lambda rows, ways: pd.Series(way, index=[*NUMBERS]))
+    known = improve.read([folder], date=DATE, weather="OBSERVED")
+    improve.improve(known, model).write(tmp_path / "better.tle")
+    old = {one.number: one.satellite for one in mean_elements.read_sets(folder / "known.tle")}
+    new = {one.number: one.satellite for one in mean_elements.read_sets(tmp_path / "better.tle")}
+    today = catalogue.modified_julian_day(DATE)
+    rows = improve.replayed(known, model, np.arange(-improve.PAST, 1) + today)
+    wanted = improve.candidates(rows, model)[way]["correction"][rows["morning"] == today]
+
+    for number, own in rows.loc[wanted.index].groupby("number"):
+        assert new[number].jdsatepochF == old[number].jdsatepochF
+        minutes = 1440.0 * own["tau"].to_numpy()
+        flown = [pairs.fly(one[number], minutes) for one in (old, new)]
+        taken = pairs.along_track(flown[0][0], flown[1][0], flown[1][1])
+        tau, response, sought = (
+            part.to_numpy() for part in (own["tau"], own["response"], wanted[own.index])
+        )
+        design = np.column_stack([np.ones(len(own)), response / tau])
+        nearest = tau * (design @ np.linalg.lstsq(design, sought / tau)[0])
+        np.testing.assert_allclose(taken, nearest, atol=10.0 + 0.02 * np.abs(nearest).max())
+
+
+def test_each_object_says_what_was_done_and_why(
+    better: improve.Improved, model: models.Model, tmp_path: Path
+) -> None:
+    assert set(better.table["why"]) == {""}
+    assert better.table["number"].tolist() == list(NUMBERS)
+    for lead in pairs.LEADS:
+        expected, left = better.table[f"sgp4_{lead}d"], better.table[f"sigma_{lead}d"]
+        assert (left > 0.0).all()
+        assert (expected >= left).all()
+
+    lines = element_histories.sets_of(101, 49)
+    cases = {
+        "first sets": "\n".join(lines[-4:]),
+        "newest set older than 3 d": "\n".join(lines[:80]),
+        "no B* above 0": "\n".join(_negative_drag(lines)),
+        "burned lately": "\n".join([*lines[:-2], *_raised(lines[-2:])]),
+    }
+    for k, (why, text) in enumerate(cases.items()):
+        path = tmp_path / f"{k}.tle"
+        path.write_text(text + "\n")
+        known = improve.read([path], date=DATE, weather="OBSERVED")
+        (row,) = improve.improve(known, model).table.itertuples()
+        assert row.why == why
+        assert row.applied == (improve.DENSITY if why == "first sets" else improve.UNCHANGED)
+
+
+def _negative_drag(lines: list[str]) -> list[str]:
+    first, second = lines[-2:]
+    motion = float(second[52:63]) * 2.0 * np.pi / 1440.0
+    return [*lines[:-2], *mean_elements.tle.with_drag(first, second, motion=motion, bstar=-1e-4)]
+
+
+def _raised(pair: list[str]) -> list[str]:
+    first, second = pair
+    motion = (float(second[52:63]) - 0.02) * 2.0 * np.pi / 1440.0
+    return [*mean_elements.tle.with_drag(first, second, motion=motion, bstar=4e-4)]
+
+
+def test_the_command_writes_sets_and_table(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture
+) -> None:
+    table, output = tmp_path / "table.parquet", tmp_path / "better.json"
+
+    code = cli.main(["improve", str(folder), "-o", str(output), "--table", str(table), "--date", DATE])
+
+    assert code == 0
+    assert f"{output}: {len(NUMBERS)} sets" in capsys.readouterr().out
+    assert len(mean_elements.read_sets(output)) == len(NUMBERS)
+    assert read_table(table, "improved_sets")["number"].tolist() == list(NUMBERS)
+    code = cli.main(["improve", str(folder), "-o", str(output), "--table", f"{table}.csv", "--date", DATE])
+    assert code == 0
+    assert len(pd.read_csv(f"{table}.csv")) == len(NUMBERS)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["-o", "better.oem"], r"better\.oem: expected a suffix \.tle"),
+        (["-o", "better.tle", "--date", "yesterday"], "epoch: expected UTC text"),
+        (
+            ["-o", "better.tle", "--date", "2026-03-01T06:00:00"],
+            "measured up to 2026-03-01, got it up to 2026-01-",
+        ),
+        (
+            ["-o", "better.tle", "--date", "2025-11-19T06:00:00"],
+            "expected some that were public on 2025-11-19",
+        ),
+        (["-o", "better.tle", "--date", DATE, "--model", "no.parquet"], r"no\.parquet"),
+    ],
+    ids=["suffix", "date", "weather too old", "no set yet", "no model"],
+)
+def test_what_cannot_be_is_told_in_one_line(
+    arguments: list[str],
+    expected: str,
+    folder: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+
+    assert cli.main(["improve", str(folder), *arguments]) == 1
+
+    (line,) = capsys.readouterr().err.splitlines()[-1:]
+    assert line.startswith("opml: ")
+    assert pytest.importorskip("re").search(expected, line)
+    assert not (tmp_path / "better.tle").exists()
+
+
+def test_a_folder_without_sets_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="expected files of element sets"):
+        catalogue.read([tmp_path])
+
+
+def test_density_of_a_constant_thermosphere_makes_a_parabola() -> None:
+    log = np.full((4 * 120, len(density.HEIGHTS)), -28.0)
+    air = density.Air(density.Densities(61000, log), np.full((9, len(density.HEIGHTS)), -28.0), 61119.25)
+
+    height, after = np.array([455e3]), np.array([[-2.0, -0.3, 1.0, 7.4]])
+    found = air.displacement(height, np.array([61118.1]), after)
+
+    np.testing.assert_allclose(found, np.exp(-28.0) * 0.5 * after**2, rtol=1e-6)
+
+
+def test_own_misses_count_once_their_judge_was_public(folder: Path, model: models.Model) -> None:
+    """A target of the last days touches no own miss of a morning before its judge."""
+    known = improve.read([folder], date=DATE, weather="OBSERVED")
+    today = catalogue.modified_julian_day(DATE)
+    rows = improve.replayed(known, model, np.arange(-improve.PAST, 1) + today)
+    changed = rows.assign(target=rows["target"].where(rows["judged"] <= today - 4.0, 99.0))
+
+    before = changed["morning"] <= today - 4.0
+    own, other = (features.own_misses(one)[before] for one in (rows, changed))
+
+    pd.testing.assert_frame_equal(own, other, check_exact=True)
