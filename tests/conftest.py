@@ -9,7 +9,7 @@ import threadpoolctl
 from case_names import pytest_make_parametrize_id  # noqa: F401
 from hypothesis import settings
 
-from opml.workflow.surroundings import lend_cache
+from opml.workflow.host import lend_cache
 
 lend_cache()  # before the kernels look for theirs
 

@@ -16,7 +16,7 @@ from opml.workflow.params import Params
 from opml.workflow.plan import Plan, end_plan
 from opml.workflow.records import compare_tables_with_settings
 from opml.workflow.starting import date_back_to_now, hold_results, lift_job_rate, project_settings
-from opml.workflow.surroundings import name_python
+from opml.workflow.host import name_python
 
 name_python()
 

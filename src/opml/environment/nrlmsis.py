@@ -5,6 +5,7 @@ F10.7 of DTM2000 and the three-hourly ap of the 57 hours before (its storm mode)
 atmosphere turns with the Earth.
 """
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,9 @@ from opml.base.errors import InputError
 from opml.base.thermosphere_grid import ALTITUDES, DENSITIES, LATITUDES, LOCAL_TIMES
 from opml.environment import solar_activity, space_weather
 from opml.environment.space_weather import INTERVALS, KP, ROUNDING
+
+# Its compiled code takes letters beyond ASCII in the path of its parameters as bytes alone.
+pymsis.msis._MSIS_PARAMETER_PATH = os.fsencode(pymsis.msis._MSIS_PARAMETER_PATH)
 
 NAME = "NRLMSIS"
 """The model's name in the settings."""

@@ -1,10 +1,17 @@
 """NRLMSIS 2.1 as a table of the environment: against direct calls, and its weather against the files'."""
 
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
 import numba
 import numpy as np
 import pandas as pd
+import pymsis
 import pytest
-from support import EPOCH, environment, force_model, paper_values
+from support import EPOCH, REPOSITORY, environment, force_model, paper_values
 
 from opml.base.constants import HOUR
 from opml.base.errors import InputError
@@ -139,3 +146,19 @@ def test_single_precision_is_enough():
     exact = np.log(TABLE[[f"at_{ALTITUDES[8] / 1e3:.0f}_km"]].to_numpy().ravel())
     kept = forces.logarithms(TABLE)[..., 8].ravel()
     assert np.abs(np.expm1(kept - exact)).max() < 3e-6
+
+
+def test_the_model_may_be_installed_in_a_folder_with_an_umlaut(tmp_path):
+    installed, folder = Path(pymsis.__file__).parent, tmp_path / "Größe"
+    for path in installed.parent.glob("pymsis*"):
+        shutil.copytree(path, folder / path.name)
+    grid = [np.array([0.0, 1.0]), np.zeros(1), np.array([4e5])]
+    figures = np.array([100.0, 100.0, *[4.0] * 7])
+    call = "nrlmsis.densities(17072.5, [0.0, 1.0], [0.0], nrlmsis.np.array([4e5]), [100.0] * 2 + [4.0] * 7)"
+    done = subprocess.run(
+        [sys.executable, "-c", f"from opml.environment import nrlmsis; print({call}.tolist())"],
+        env=os.environ | {"PYTHONPATH": os.pathsep.join([str(folder), str(REPOSITORY / "src")])},
+        capture_output=True,
+        text=True,
+    )
+    assert done.stdout == f"{nrlmsis.densities(17072.5, *grid, figures).tolist()}\n", done.stderr

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from opml.workflow.surroundings import lend_cache, name_python
+from opml.workflow.host import lend_cache, name_python
 
 
 @pytest.fixture
