@@ -130,8 +130,6 @@ def _screen(options: argparse.Namespace) -> None:
         found = [cdm.read(options.ours, epoch=screening.EPOCH)]
     else:
         ephemerides = screening.read([options.ours, *options.others])
-        if apart := [one.path.name for one in ephemerides if not one.shares_time(ephemerides[0])]:
-            print(f"opml: at other times than {options.ours}: {', '.join(apart)}", file=sys.stderr)
         found = screening.screen(ephemerides, within=1e3 * options.within, radius=options.radius)
     if options.messages:
         cdm.write_all(options.messages, found, epoch=screening.EPOCH)

@@ -17,6 +17,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions.conjunction import Conjunction, Participant
 from opml.interop import ccsds
+from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import contents
 
 _KEY = "CCSDS_CDM_VERS"
@@ -65,7 +66,7 @@ def write_all(folder: FilePath, conjunctions: Iterable[Conjunction], *, epoch: s
 
 def _name(conjunction: Conjunction, epoch: str) -> str:
     (tca,) = ccsds.utc_texts(epoch, np.array([conjunction.t]))
-    name = f"{conjunction.first.name}_{conjunction.second.name}_{re.sub('[-:.]', '', tca)}"
+    name = f"{conjunction.first.identity.name}_{conjunction.second.identity.name}_{re.sub('[-:.]', '', tca)}"
     return re.sub(r"[^\w.+-]", "-", name).lstrip(".")
 
 
@@ -94,13 +95,14 @@ def _lines(conjunction: Conjunction, epoch: str) -> Iterator[str]:
 
 
 def _participant_lines(participant: Participant, number: int) -> Iterator[str]:
+    identity = participant.identity
     if participant.covariance is None:
-        raise InputError(f"{participant.name}: expected a covariance, as a CDM has to have, got none")
+        raise InputError(f"{identity}: expected a covariance, as a CDM has to have, got none")
     yield f"OBJECT = OBJECT{number}"
-    yield f"OBJECT_DESIGNATOR = {participant.name}"
-    yield "CATALOG_NAME = NONE"
-    yield f"OBJECT_NAME = {participant.name}"
-    yield "INTERNATIONAL_DESIGNATOR = UNKNOWN"
+    yield f"OBJECT_DESIGNATOR = {identity.number or identity.designator or identity.name}"
+    yield f"CATALOG_NAME = {'SATCAT' if identity.number else 'NONE'}"
+    yield f"OBJECT_NAME = {identity.name}"
+    yield f"INTERNATIONAL_DESIGNATOR = {identity.designator or 'UNKNOWN'}"
     yield "EPHEMERIS_NAME = NONE"
     yield "COVARIANCE_METHOD = CALCULATED"
     yield "MANEUVERABLE = N/A"
@@ -170,7 +172,9 @@ def _participant(message: ccsds.Message, block: ccsds.Pairs) -> Participant:
         covariance[row, column] = covariance[column, row] = number(key, 0)
         if row == column and covariance[row, row] < 0.0:
             raise message.error("a variance of 0 or more", block.text(key), block.line(key))
-    return Participant(block.text("OBJECT_NAME"), np.kron(np.eye(2), turn) @ state, covariance)
+    keys = ("OBJECT_DESIGNATOR", "INTERNATIONAL_DESIGNATOR")
+    identity = ObjectId.of(block.text("OBJECT_NAME"), *(block.text(key, "") for key in keys))
+    return Participant(identity, np.kron(np.eye(2), turn) @ state, covariance)
 
 
 def _radius(path: FilePath) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 from opml.base.constants import EARTH_GM
 from opml.conjunctions import long_encounter
 from opml.conjunctions.probability import Chance, Encounter, chance
+from opml.interop.object_ids import ObjectId
 from opml.orbits.elements import in_rsw, rsw_rotation
 
 
@@ -18,11 +19,13 @@ class Participant:
 
     state: (6,) GCRF [m, m/s]
     covariance: (6, 6) in RSW axes of the state, velocities inertial [m, m/s]; None where unknown
+    remarks: what to know of either
     """
 
-    name: str
+    identity: ObjectId
     state: np.ndarray
     covariance: np.ndarray | None = None
+    remarks: tuple[str, ...] = ()
 
     @property
     def inertial_covariance(self) -> np.ndarray:
@@ -47,12 +50,14 @@ class Conjunction:
 
     t: when [s since some epoch]
     radius: sum of the radii of both [m]
+    is_end: whether nothing is known beyond, where they may come nearer
     """
 
     t: float
     first: Participant
     second: Participant
     radius: float
+    is_end: bool = False
 
     @property
     def relative(self) -> np.ndarray:

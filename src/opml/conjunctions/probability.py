@@ -59,19 +59,17 @@ class Encounter:
     radius: float
 
     def __post_init__(self) -> None:
-        """Raise InputError for no radius, no motion, and numbers that are none."""
+        """Raise InputError for no radius, and numbers that are none."""
         if not 0.0 < self.radius < math.inf:
             raise InputError(f"encounter: expected a radius above 0 m, got {self.radius:g}")
-        speed = float(np.linalg.norm(self.velocity))
-        if not speed > 0.0:
-            raise InputError("encounter: expected a relative velocity, got none")
         if not (np.isfinite(self.position).all() and np.isfinite(self.covariance).all()):
             raise InputError("encounter: expected numbers for position and covariance, got others")
 
     @property
     def duration(self) -> float:
         """How long the objects may touch [s]: while they cross their uncertainty along the motion."""
-        speed = float(np.linalg.norm(self.velocity))
+        if not (speed := float(np.linalg.norm(self.velocity))) > 0.0:
+            return math.inf
         ahead = self.velocity / speed
         sigma = math.sqrt(max(float(ahead @ self.covariance @ ahead), 0.0))
         return 2.0 * (_INSIDE * sigma + self.radius) / speed

@@ -52,6 +52,7 @@ class Segment:
     covariance_frame: GCRF, or RSW of the states
     remark: comment in the metadata
     degree: of the Hermite interpolation of the states; 0 leaves it open
+    object_id: international designator or catalogue number; '' where the name is all
     """
 
     name: str
@@ -62,6 +63,7 @@ class Segment:
     covariance_frame: str = "GCRF"
     remark: str = ""
     degree: int = 0
+    object_id: str = ""
 
 
 def truth_segments(truth: pd.DataFrame, *, rso: str) -> list[Segment]:
@@ -257,7 +259,7 @@ def _lines(segments: Sequence[Segment], epoch: str, comment: str) -> Iterator[st
         if segment.remark:
             yield f"COMMENT {segment.remark}"
         yield f"OBJECT_NAME = {segment.name}"
-        yield f"OBJECT_ID = {segment.name}"
+        yield f"OBJECT_ID = {segment.object_id or segment.name}"
         yield "CENTER_NAME = EARTH"
         yield "REF_FRAME = GCRF"
         yield "TIME_SYSTEM = UTC"
@@ -306,6 +308,7 @@ def _segment(message: ccsds.Message, epoch: str) -> Segment:
         covariance_t=covariance_t,
         covariances=covariances,
         covariance_frame=covariance_frame,
+        object_id=metadata.text("OBJECT_ID", ""),
     )
 
 

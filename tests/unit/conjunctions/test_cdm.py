@@ -10,6 +10,7 @@ from opml.base.errors import InputError
 from opml.conjunctions import cdm
 from opml.conjunctions.conjunction import Conjunction, Participant
 from opml.conjunctions.probability import chance
+from opml.interop.object_ids import ObjectId
 
 EPOCH = "2000-01-01T00:00:00"
 PUBLISHED = {1: 0.146749549, 3: 0.100351176, 4: 0.049323406, 6: 0.004335455, 7: 0.000158147, 9: 0.290146291}
@@ -21,7 +22,7 @@ def participant(name, sign=1.0, sigma=(30.0, 400.0, 20.0, 0.4, 0.03, 0.02)):
     rng = np.random.default_rng(2)
     turn = np.linalg.qr(rng.normal(size=(6, 6)))[0]
     mixed = np.diag(sigma) @ (np.eye(6) + 0.1 * turn)
-    return Participant(name, state, mixed @ mixed.T)
+    return Participant(ObjectId(name), state, mixed @ mixed.T)
 
 
 CONJUNCTION = Conjunction(12345.678901, participant("ours"), participant("other", -1.0), 20.0)
@@ -41,7 +42,7 @@ def test_what_is_written_comes_back(tmp_path):
     assert found.t == pytest.approx(CONJUNCTION.t, abs=1e-6)
     assert found.radius == CONJUNCTION.radius
     for one, other in ((found.first, CONJUNCTION.first), (found.second, CONJUNCTION.second)):
-        assert one.name == other.name
+        assert one.identity == other.identity
         np.testing.assert_array_equal(one.state, other.state)
         np.testing.assert_array_equal(one.covariance, other.covariance)
     text = path.read_text()
@@ -50,7 +51,9 @@ def test_what_is_written_comes_back(tmp_path):
 
 
 def test_messages_are_named_by_objects_and_time_and_need_both_covariances(tmp_path):
-    lonely = Conjunction(0.0, CONJUNCTION.first, Participant("bare", CONJUNCTION.second.state), 20.0)
+    lonely = Conjunction(
+        0.0, CONJUNCTION.first, Participant(ObjectId("bare"), CONJUNCTION.second.state), 20.0
+    )
     cdm.write_all(tmp_path / "messages", [CONJUNCTION, lonely], epoch=EPOCH)
     assert [path.name for path in (tmp_path / "messages").iterdir()] == [
         "ours_other_20000101T032545678901.cdm"
@@ -98,7 +101,10 @@ def test_a_message_that_ends_at_once_is_told(tmp_path):
 
 
 def test_a_name_stays_within_the_folder(tmp_path):
-    pair = [replace(one, name=f"../{one.name} 1/b") for one in (CONJUNCTION.first, CONJUNCTION.second)]
+    pair = [
+        replace(one, identity=ObjectId(f"../{one.identity} 1/b"))
+        for one in (CONJUNCTION.first, CONJUNCTION.second)
+    ]
     cdm.write_all(tmp_path / "m", [Conjunction(0.0, *pair, 20.0)], epoch=EPOCH)
     (written,) = (tmp_path / "m").iterdir()
     assert written.name == "-ours-1-b_..-other-1-b_20000101T000000000000.cdm"

@@ -10,7 +10,7 @@ The prediction by the newest public set is what everybody has, and what any othe
 import logging
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -25,6 +25,7 @@ from opml.base.files import FilePath
 from opml.interop import ccsds
 from opml.interop.element_sets import element_set, mean_elements
 from opml.interop.element_sets.element_set import ElementSet, each, seconds_since
+from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import line_error
 from opml.tables import ELEMENTS, SCHEMAS
 
@@ -50,6 +51,7 @@ class History:
     superseded: number of sets in whose place others of the same epoch came
     out_of_order: number of sets that stood after a later one of their object
     damaged: errors of the sets that are left out
+    objects: what the newest set of each catalogue number tells of its object
     """
 
     sets: pd.DataFrame
@@ -57,6 +59,7 @@ class History:
     superseded: int
     out_of_order: int
     damaged: Sequence[InputError]
+    objects: Mapping[int, ObjectId]
 
 
 def read(paths: Iterable[FilePath], *, epoch: str, leave_out_damaged: bool = False) -> History:
@@ -82,6 +85,7 @@ def read(paths: Iterable[FilePath], *, epoch: str, leave_out_damaged: bool = Fal
         superseded=sum(map(len, kept)) - len(kept),
         out_of_order=_out_of_order(found),
         damaged=damaged,
+        objects={sets[-1].number: _object(sets[-1]) for sets in kept},
     )
     _log_counts(history)
     return history
@@ -159,6 +163,10 @@ def _numbered(one: ElementSet) -> ElementSet:
     if one.number == 0:
         raise line_error(one.path, one.line, "a catalogue number above 0", "none")
     return one
+
+
+def _object(one: ElementSet) -> ObjectId:
+    return ObjectId.of(one.name or str(one.number), one.designator, str(one.number))
 
 
 def _by_epoch(sets: Iterable[ElementSet]) -> dict[tuple[int, int], list[ElementSet]]:

@@ -117,7 +117,8 @@ def element_set(path: FilePath, record: Record) -> ElementSet:
     made = satellite({key: values.known[key] for key in _NUMBERS} | identity)
     check_orbit(path, record.line, made)
     created = values.time("CREATION_DATE") if "CREATION_DATE" in values.known else ""
-    return ElementSet(path, record.line, number, created, made)
+    name, designator = (values.known.get(key, "") for key in ("OBJECT_NAME", "OBJECT_ID"))
+    return ElementSet(path, record.line, number, created, made, name, designator)
 
 
 def satellite(values: Mapping[str, str]) -> Satrec:
