@@ -63,6 +63,7 @@ def _remark(conjunction: Conjunction) -> str:
         *((remark, True) for remark in told),
         (f"{', '.join(unknown)} without covariance", bool(unknown)),
         ("long encounter", not conjunction.is_short),
+        ("two dimensions do not suffice", conjunction.is_short and not conjunction.is_straight),
         (f"{chance.around:.1e} in its revolution", chance.around > _MORE * chance.probability),
         ("covariance widened", chance.mended),
         ("diluted", chance.is_diluted),

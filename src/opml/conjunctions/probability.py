@@ -40,6 +40,7 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 _SCALES = np.geomspace(1e-3, 1e3, 61)
 """Factors of the standard deviations among which the largest probability is looked for."""
 
+_ROUNDING = 1e-14
 _INSIDE = 5.73
 """Standard deviations along the relative velocity beyond which lies a part in 10^8."""
 
@@ -86,7 +87,7 @@ class Chance:
     probability: of a collision
     most: largest probability under any multiple of the covariance, NaN for a long encounter
     scale: factor of the standard deviations at which it is reached; below 1 the probability is diluted
-    mended: whether the covariance was no covariance, or too narrow, and was widened
+    mended: whether the covariance was none, or flat, and was widened
     around: the probability within half a revolution to either side, NaN for a short encounter
     """
 
@@ -113,7 +114,13 @@ def chance(encounter: Encounter) -> Chance:
         return integral(along, scale * sigmas, encounter.radius)
 
     most, scale = _largest(by_scale)
-    return Chance(by_scale(1.0), most, scale, bool(variances.min() < least))
+    return Chance(by_scale(1.0), most, scale, is_flat(covariance))
+
+
+def is_flat(covariance: np.ndarray) -> bool:
+    """Return whether a covariance (n, n) is none, or has a direction without variance, but for rounding."""
+    variances = np.linalg.eigvalsh(covariance)
+    return bool(variances[0] <= _ROUNDING * max(variances[-1], 0.0))
 
 
 def in_plane(encounter: Encounter) -> tuple[np.ndarray, np.ndarray]:

@@ -6,7 +6,6 @@ What is not held against ours is logged: ephemerides of our own object, and time
 """
 
 import logging
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import product
@@ -20,7 +19,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions import approaches, cdm
 from opml.conjunctions.approaches import Approach, Path
-from opml.conjunctions.conjunction import Conjunction, Participant
+from opml.conjunctions.conjunction import Conjunction, Participant, check_length
 from opml.interop import ccsds, oem
 from opml.interop.element_sets import histories
 from opml.interop.element_sets.mean_elements import MOST_DAYS, WARN_DAYS
@@ -30,6 +29,9 @@ from opml.orbits.elements import rsw_rotation
 
 EPOCH = "2000-01-01T12:00:00"
 """UTC text from which times of files count [s], to a microsecond."""
+
+RADIUS = 20.0
+"""Sum of the radii of two objects of which nothing is told [m]."""
 
 COVARIANCE_HELD = 600.0
 """Time for which a covariance holds before the first and beyond the last that is known [s]."""
@@ -77,12 +79,14 @@ class Ephemeris:
     identity: of the object
     source: the file's name
     trajectories: in the order of the file, none where the object has decayed, or its elements are too old
+    known: when the newest was known that it is made from [s]
     elements_t: epoch of the mean elements that are flown [s]; None for states
     """
 
     identity: ObjectId
     source: str
     trajectories: Sequence[Trajectory]
+    known: float
     elements_t: float | None = None
 
     def participant(self, trajectory: Trajectory, t: float) -> Participant:
@@ -143,9 +147,8 @@ def screen(ephemerides: Sequence[Ephemeris], *, within: float, radius: float) ->
     An object does not meet itself. Raises InputError for a distance or a radius that is none, and where no
     other object shares time with the first.
     """
-    for name, value in (("within", within), ("radius", radius)):
-        if not 0.0 < value < math.inf:
-            raise InputError(f"{name}: expected a length above 0, got {value:g} m")
+    check_length("within", within)
+    check_length("radius", radius)
     ours, *rest = ephemerides
     others = [one for one in rest if not one.identity.is_same(ours.identity)]
     for one in rest:
@@ -208,12 +211,12 @@ def _met_spans(ours: Ephemeris, other: Ephemeris) -> list[Span]:
 
 def _conjunctions(ours: Ephemeris, other: Ephemeris, within: float, radius: float) -> Iterator[Conjunction]:
     """Yield the close approaches of two objects."""
-    spans = _met_spans(ours, other)
+    spans, known = _met_spans(ours, other), max(ours.known, other.known)
     for one, another in product(ours.trajectories, other.trajectories):
         for approach in approaches.find(one.path, another.path, within=within):
             if not _goes_on(approach, approaches.shared(one.path, another.path), spans):
                 pair = ours.participant(one, approach.t), other.participant(another, approach.t)
-                yield Conjunction(approach.t, *pair, radius, is_end=approach.is_end)
+                yield Conjunction(approach.t, *pair, radius, approach.is_end, known)
 
 
 def _goes_on(approach: Approach, span: Span, spans: Sequence[Span]) -> bool:
@@ -226,15 +229,13 @@ def _of_message(path: FilePath) -> list[Ephemeris]:
     """Return an ephemeris of each object of an OEM."""
     segments = oem.read(path, epoch=EPOCH)
     try:
-        trajectories = [(ObjectId.of(one.name, one.object_id), _of_segment(one)) for one in segments]
+        flown = [(ObjectId.of(one.name, one.object_id), _of_segment(one)) for one in segments]
     except InputError as reason:
         raise InputError(f"{path}: {reason}") from None
-    objects = list(dict.fromkeys(identity for identity, _ in trajectories))
+    source, known = File(path).name, segments[0].newest
     return [
-        Ephemeris(
-            identity, File(path).name, [trajectory for owner, trajectory in trajectories if owner == identity]
-        )
-        for identity in objects
+        Ephemeris(identity, source, [one for owner, one in flown if owner == identity], known)
+        for identity in dict.fromkeys(identity for identity, _ in flown)
     ]
 
 
@@ -255,7 +256,9 @@ def _of_elements(paths: Sequence[FilePath], span: Span) -> list[Ephemeris]:
         known = histories.newest_before(sets.reset_index(drop=True), 0.5 * (span[0] + span[1]))
         row = sets.iloc[0 if known is None else known]
         identity = history.objects[number]
-        flown.append(Ephemeris(identity, row["file"], _flown(identity.name, row, span), row["t"]))
+        known_t = float(np.fmax(row["t"], row["t_created"]))
+        way = _flown(identity.name, row, span)
+        flown.append(Ephemeris(identity, row["file"], way, known_t, row["t"]))
     return flown
 
 

@@ -8,7 +8,7 @@ Source: CCSDS 502.0-B-2, section 5.
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 
 import numpy as np
@@ -53,6 +53,7 @@ class Segment:
     remark: comment in the metadata
     degree: of the Hermite interpolation of the states; 0 leaves it open
     object_id: international designator or catalogue number; '' where the name is all
+    known: when the newest was known that it is made from [s since the epoch]; None: its first state
     """
 
     name: str
@@ -64,11 +65,18 @@ class Segment:
     remark: str = ""
     degree: int = 0
     object_id: str = ""
+    known: float | None = None
+
+    @property
+    def newest(self) -> float:
+        """When the newest was known that the segment is made from [s since the epoch]."""
+        return float(self.t[0]) if self.known is None else self.known
 
 
 def truth_segments(truth: pd.DataFrame, *, rso: str) -> list[Segment]:
     """Return the segment of a table `truth`."""
-    return [Segment(rso, truth["t"].to_numpy(), truth[STATE].to_numpy(), remark="true orbit")]
+    t = truth["t"].to_numpy()
+    return [Segment(rso, t, truth[STATE].to_numpy(), remark="true orbit", known=t[-1])]
 
 
 def estimate_segments(estimates: pd.DataFrame, *, rso: str) -> list[Segment]:
@@ -80,7 +88,7 @@ def estimate_segments(estimates: pd.DataFrame, *, rso: str) -> list[Segment]:
     if usable.empty:
         raise none_converged(rso, [estimates])
     t, remark = usable["t"].to_numpy(), "estimates at the starts of tracks, not for interpolation"
-    return [Segment(rso, t, usable[STATE].to_numpy(), t, _matrices(usable), remark=remark)]
+    return [Segment(rso, t, usable[STATE].to_numpy(), t, _matrices(usable), remark=remark, known=t[-1])]
 
 
 def prediction_segments(predictions: pd.DataFrame, *, rso: str) -> list[Segment]:
@@ -207,11 +215,12 @@ def read(path: FilePath, *, epoch: str) -> list[Segment]:
     Earth, another frame, times that do not ascend and negative variances.
     """
     message = _open(path)
-    message.skip_header()
+    header = message.header()
     segments = [_segment(message, epoch)]
     while message.peek():
         segments.append(_segment(message, epoch))
-    return segments
+    known = header.time("CREATION_DATE", segments[0].newest, epoch=epoch, scale="UTC")
+    return [replace(segment, known=known) for segment in segments]
 
 
 def matches(content: bytes) -> bool:
@@ -230,7 +239,7 @@ def arcs(path: FilePath, *, epoch: str, satellite: str | None = None) -> list[Ar
     not centred on Earth and another frame.
     """
     message = _open(path)
-    message.skip_header()
+    message.header()
     named_arcs = [_named_arc(message, epoch)]
     while message.peek():
         named_arcs.append(_named_arc(message, epoch))
@@ -250,7 +259,7 @@ def _matrices(table: pd.DataFrame) -> np.ndarray:
 
 
 def _lines(segments: Sequence[Segment], epoch: str, comment: str) -> Iterator[str]:
-    version, *rest = ccsds.header(_KEY, epoch)
+    version, *rest = ccsds.header(_KEY, epoch, max(segment.newest for segment in segments))
     yield from (version, *([f"COMMENT {comment}"] if comment else []), *rest)
     for segment in segments:
         times = ccsds.utc_texts(epoch, segment.t)

@@ -89,7 +89,7 @@ def measurements(paths: Sequence[FilePath], *, epoch: str) -> pd.DataFrame:
     numbers = count()
     for path in paths:
         message = ccsds.Message(path, version_key=_KEY, versions=_VERSIONS)
-        message.skip_header()
+        message.header()
         segments.append(_segment(message, epoch, next(numbers)))
         while message.peek():
             segments.append(_segment(message, epoch, next(numbers)))
@@ -104,7 +104,7 @@ def measurements(paths: Sequence[FilePath], *, epoch: str) -> pd.DataFrame:
 
 
 def _lines(tracking: pd.DataFrame, epoch: str, rso: str) -> Iterator[str]:
-    yield from ccsds.header(_KEY, epoch)
+    yield from ccsds.header(_KEY, epoch, float(tracking["t"].max()))
     there_and_back = tracking["two_way"] if "two_way" in tracking else pd.Series(False, tracking.index)
     for (track, station, two_way), rows in tracking.groupby(["track", "station", there_and_back], sort=False):
         around = {"TRACK_ID": track, "PARTICIPANT_1": station, "PARTICIPANT_2": rso}

@@ -85,7 +85,8 @@ def test_what_flows_at_other_times_of_the_revolution_is_told():
 def test_objects_that_never_are_apart_collide():
     docked = met(1e-7, (1.0, 1.0, 1.0, 1e-4, 1e-4, 1e-4), miss=2.0)
     assert docked.chance.probability == pytest.approx(1.0, abs=0.01)
-    assert docked.chance.mended
+    assert not docked.chance.mended
+    assert met(1e-7, np.zeros(6), miss=2.0).chance.mended
 
 
 def test_a_long_encounter_is_told(tmp_path):

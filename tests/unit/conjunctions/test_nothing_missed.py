@@ -117,7 +117,7 @@ def is_found(kind, number):
     known = np.clip(at, max(edge[0] for edge in edges), min(edge[-1] for edge in edges))
     one, other = (kepler(state, at, np.array([known]))[0, :3] for state in states)
     pair = [
-        Ephemeris(identity, "", trajectories(rng, state, at, edge))
+        Ephemeris(identity, "", trajectories(rng, state, at, edge), 0.0)
         for identity, state, edge in zip((OURS, OTHER), states, edges, strict=True)
     ]
     near = SPAN if states_of is keeping_up else 5.0

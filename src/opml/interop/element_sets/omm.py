@@ -21,7 +21,13 @@ from sgp4.api import Satrec
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import ccsds
-from opml.interop.element_sets.element_set import PER_DAY, ElementSet, check_orbit, elements_epoch
+from opml.interop.element_sets.element_set import (
+    PER_DAY,
+    ElementSet,
+    check_orbit,
+    elements_epoch,
+    seconds_since,
+)
 from opml.interop.element_sets.tle import EPHEMERIS_TYPES, LARGEST_NUMBER
 from opml.interop.orbit_arcs import excerpt, line_error
 
@@ -136,7 +142,7 @@ def write(path: FilePath, satellite: Satrec, *, name: str, number: int, epoch: s
     epoch: of the run, UTC text
     comment: line for the whole message
     """
-    version, *header = ccsds.header(_VERSION, epoch)
+    version, *header = ccsds.header(_VERSION, epoch, float(seconds_since(epoch, [satellite])[0]))
     pairs = {
         "OBJECT_NAME": name,
         "OBJECT_ID": name,
