@@ -139,3 +139,12 @@ def test_single_precision_is_enough():
     exact = np.log(TABLE[[f"at_{ALTITUDES[8] / 1e3:.0f}_km"]].to_numpy().ravel())
     kept = forces.logarithms(TABLE)[..., 8].ravel()
     assert np.abs(np.expm1(kept - exact)).max() < 3e-6
+
+
+def test_a_missing_code_is_told_before_any_job(monkeypatch):
+    values = paper_values()
+    values["force_models"]["truth"]["atmosphere"] = "NRLMSIS"
+    values["environment"]["true_solar_activity"] = "OBSERVED"
+    monkeypatch.setattr(nrlmsis, "find_spec", lambda name: None)
+    with pytest.raises(InputError, match=r"NRLMSIS: expected the package pymsis, got none: pip install"):
+        check(values)

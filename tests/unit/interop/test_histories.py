@@ -292,8 +292,11 @@ OTHER = tle(number="54321")
 ROW = csv(omm())
 PAGE = "<!DOCTYPE html>\n<html><head><title>403</title></head>\n<body><br></body></html>\n"
 DAMAGED = {
-    "error page": (PAGE, ": line 3: expected OMMs in XML, got mismatched tag"),
-    "error page that is whole": (PAGE.replace("<br>", ""), ": expected a TLE or an OMM, got none"),
+    "error page": (PAGE, ": line 1: expected OMMs in XML, got a document type"),
+    "error page that is whole": (
+        PAGE.replace("<br>", ""),
+        ": line 1: expected OMMs in XML, got a document type",
+    ),
     "error page behind sets": (text(*LINES) + PAGE, ": line 8: expected line 1 of a TLE, got '<html>"),
     "archive": (b"PK\3\4" + bytes(40), ": expected a TLE or an OMM in UTF-8 text, got bytes that are none"),
     "packed twice": (
@@ -426,6 +429,10 @@ DAMAGED = {
     "csv quote": (ROW + '"A', ": line 3: expected CSV, got unexpected end of data"),
     "csv text": (ROW.replace("51.64", "51,64"), ": line 2: expected a key for each value, got 0"),
     "xml": (xml(*SETS)[:-9], ": line 53: expected OMMs in XML, got"),
+    "xml of entities": (
+        xml(*SETS).replace("<ndm", '<!DOCTYPE ndm [<!ENTITY a "a"><!ENTITY b "&a;&a;">]><ndm', 1),
+        ": line 2: expected OMMs in XML, got a document type",
+    ),
     "xml of nothing": ("<ndm></ndm>", ": expected a TLE or an OMM, got none"),
     "xml value": (xml(omm(BSTAR="")), ": line 16: BSTAR: expected a finite number, got nothing"),
     "kvn value": (kvn(omm(BSTAR="")), ": line 17: BSTAR: expected a finite number, got nothing"),

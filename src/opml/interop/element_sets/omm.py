@@ -13,7 +13,7 @@ import xml.sax
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import zip_longest
 from typing import Any, NamedTuple
-from xml.sax.handler import ContentHandler
+from xml.sax.handler import ContentHandler, LexicalHandler, property_lexical_handler
 
 from sgp4 import omm
 from sgp4.api import Satrec
@@ -276,15 +276,17 @@ def _pairs(line: int, value: Any) -> list[Pair]:
 
 
 def _xml(path: FilePath, text: str) -> Iterator[Record]:
-    messages = _Messages()
+    messages, parser = _Messages(), xml.sax.make_parser()
+    parser.setContentHandler(messages)
+    parser.setProperty(property_lexical_handler, messages)
     try:
-        xml.sax.parseString(text, messages)
+        parser.parse(io.StringIO(text))
     except xml.sax.SAXParseException as reason:
         raise line_error(path, reason.getLineNumber() or 1, "OMMs in XML", reason.getMessage()) from None
     yield from messages.records
 
 
-class _Messages(ContentHandler):
+class _Messages(ContentHandler, LexicalHandler):
     """Collector of the elements without children in each element `omm`."""
 
     def __init__(self) -> None:
@@ -295,6 +297,10 @@ class _Messages(ContentHandler):
     def setDocumentLocator(self, locator: Any) -> None:
         """Keep what tells the line."""
         self._place = locator
+
+    def startDTD(self, *_: Any) -> None:
+        """Refuse definitions: entities that stand for each other many times take for ever."""
+        raise xml.sax.SAXParseException("a document type", None, self._place)
 
     def startElement(self, name: str, attrs: Any) -> None:
         """Begin a message at `omm`, and a value at every element."""
