@@ -210,9 +210,10 @@ def read(path: FilePath, *, epoch: str) -> list[Segment]:
 
     epoch: UTC text from which times count
 
-    The message may use the time systems of `ccsds.SCALES` and the frames of `ccsds.FRAMES`. Accelerations
-    are ignored. Raises InputError, naming file and line, for a malformed message, one that is not centred on
-    Earth, another frame, times that do not ascend and negative variances.
+    The message may use the time systems of `ccsds.SCALES` and the frames of `ccsds.FRAMES`. States outside
+    the useable times are left out, accelerations are ignored. Raises InputError, naming file and line, for a
+    malformed message, one that is not centred on Earth, another frame, times that do not ascend and negative
+    variances.
     """
     message = _open(path)
     header = message.header()
@@ -310,10 +311,13 @@ def _segment(message: ccsds.Message, epoch: str) -> Segment:
     covariance_t, covariances, covariance_frame = _covariances(message, frame, scale, epoch)
     t = message.times(times, lines, epoch=epoch, scale=scale)
     check_ascending(message.path, t, np.array(lines))
+    useable = _useable(metadata, t, epoch, scale)
+    if not useable.any():
+        raise message.error("states within the useable times", "none", lines[0])
     return Segment(
         name=metadata.text("OBJECT_NAME"),
-        t=t,
-        states=_numbers(message, lines, texts) @ _state_rotation(frame).T,
+        t=t[useable],
+        states=(_numbers(message, lines, texts) @ _state_rotation(frame).T)[useable],
         covariance_t=covariance_t,
         covariances=covariances,
         covariance_frame=covariance_frame,
@@ -335,8 +339,7 @@ def _named_arc(message: ccsds.Message, epoch: str) -> tuple[tuple[str, str], Arc
     check_ascending(message.path, t, np.array(lines))
     if t[-1] < metadata.time("STOP_TIME", t[-1], epoch=epoch, scale=scale) - MOST_APART:
         raise message.error(f"states up to STOP_TIME = {metadata.text('STOP_TIME')}", times[-1], lines[-1])
-    useable = t >= metadata.time("USEABLE_START_TIME", t[0], epoch=epoch, scale=scale)
-    useable &= t <= metadata.time("USEABLE_STOP_TIME", t[-1], epoch=epoch, scale=scale)
+    useable = _useable(metadata, t, epoch, scale)
     states = _numbers(message, lines, texts)[useable]
     name = metadata.text("OBJECT_NAME")
     arc = Arc(
@@ -351,6 +354,13 @@ def _named_arc(message: ccsds.Message, epoch: str) -> tuple[tuple[str, str], Arc
         lines=np.array(lines)[useable],
     )
     return (name, metadata.text("OBJECT_ID", name)), arc
+
+
+def _useable(metadata: ccsds.Pairs, t: np.ndarray, epoch: str, scale: str) -> np.ndarray:
+    """Return which times (n,) [s] of a segment's states are within its useable times."""
+    begin = metadata.time("USEABLE_START_TIME", t[0], epoch=epoch, scale=scale)
+    end = metadata.time("USEABLE_STOP_TIME", t[-1], epoch=epoch, scale=scale)
+    return np.asarray((begin <= t) & (t <= end))
 
 
 def _state_texts(message: ccsds.Message) -> tuple[list[int], list[str], list[list[str]]]:
@@ -392,11 +402,11 @@ def _covariances(
                 raise message.error("EPOCH = time", f"{key} = {value}", number)
             numbers.append(number)
             times.append(value)
-            frame = _covariance_frame(message, frame)
-            frames.add(_RSW if frame == _RSW else "GCRF")
+            own = _covariance_frame(message, frame)
+            frames.add(_RSW if own == _RSW else "GCRF")
             if len(frames) > 1:
-                raise message.error("one COV_REF_FRAME for all covariances of a segment", frame, number)
-            turn = np.eye(6) if frame == _RSW else _state_rotation(frame)
+                raise message.error("one COV_REF_FRAME for all covariances of a segment", own, number)
+            turn = np.eye(6) if own == _RSW else _state_rotation(own)
             covariances.append(turn @ _covariance(message) @ turn.T)
         message.take()
     shape = (len(covariances), 6, 6)

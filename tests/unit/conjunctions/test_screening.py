@@ -292,3 +292,21 @@ def test_what_cannot_be_screened_is_told_in_one_line(files, tmp_path):
         screening.read([paths[0], sets])
     with pytest.raises(InputError, match="expected an OEM among the files"):
         screening.read([sets])
+
+
+def test_states_outside_the_useable_times_do_not_count(short):
+    text = short.read_text()
+    short.write_text(text.replace("META_STOP", "USEABLE_STOP_TIME = 2023-05-01T00:10:00\nMETA_STOP", 1))
+    (one,) = screening.read([short])
+    begin, end = one.trajectories[0].span
+    assert end - begin == 600.0
+    short.write_text(text.replace("META_STOP", "USEABLE_STOP_TIME = 2022-05-01T00:10:00\nMETA_STOP", 1))
+    with pytest.raises(InputError, match="line 16: expected states within the useable times, got none"):
+        screening.read([short])
+
+
+def test_a_covariance_without_a_frame_is_in_that_of_the_states(short):
+    first, _, rest = short.read_text().rpartition("COV_REF_FRAME = RSW\n")
+    short.write_text(first + rest)
+    with pytest.raises(InputError, match=r"expected one COV_REF_FRAME for all covariances .*, got GCRF"):
+        screening.read([short])

@@ -509,6 +509,18 @@ def test_damaged_sets_are_left_out_where_asked_for_and_told(read, caplog, conten
     assert str(history.damaged[0]) in caplog.text
 
 
+def test_one_set_in_twenty_may_be_damaged(read, caplog):
+    """As fields are blank in a set of TOPEX's history of 1992."""
+    good = [csv(omm(day=f"{day:02}")).splitlines() for day in range(1, 22)]
+    rows = [good[0][0], *(row for _, row in good)]
+    broken = csv(omm(BSTAR="")).splitlines()[1]
+    history = read("\n".join([*rows, broken]) + "\n")
+    assert len(history.sets) == 21
+    assert "damaged sets left out: 1" in caplog.text
+    with pytest.raises(InputError, match="line 23: BSTAR: expected a finite number, got nothing"):
+        read("\n".join([*rows, broken, broken]) + "\n")
+
+
 def test_a_file_that_is_no_list_is_refused_even_where_sets_are_left_out(read):
     with pytest.raises(InputError, match="line 1: expected a column BSTAR, got none"):
         read(ROW.replace("BSTAR", "DRAG"), leave_out_damaged=True)

@@ -36,6 +36,7 @@ _SAME = 1e-12
 """Relative difference of elements that two notations of the same number may have."""
 
 _MOST_LOGGED = 10
+_MOST_DAMAGED = 0.05  # of all sets
 _ZERO = 2433281.5  # some Julian date at midnight
 _MINUTE = 60.0
 
@@ -67,16 +68,19 @@ def read(paths: Iterable[FilePath], *, epoch: str, leave_out_damaged: bool = Fal
 
     paths: plain or gzipped, of any formats; of sets made at the same time the one that is read later counts
     epoch: UTC text
-    leave_out_damaged: damaged sets are counted and logged instead of raised
+    leave_out_damaged: however many damaged sets there are; otherwise one in twenty at most
+
+    Damaged sets are left out, counted and logged.
 
     Of several sets of an object with the same epoch, the one with the latest date of creation counts, without
     such dates the last one. Counts of all that is not in the table are logged. Raises InputError, naming file
-    and line, for a damaged set, and for a file that cannot be read as a whole.
+    and line, for the first of too many damaged sets, and for a file that cannot be read as a whole.
     """
     damaged: list[InputError] = []
-    errors = damaged if leave_out_damaged else None
-    sets = chain.from_iterable(mean_elements.read_sets(path, errors) for path in paths)
-    found = list(each(sets, _numbered, errors))
+    sets = chain.from_iterable(mean_elements.read_sets(path, damaged) for path in paths)
+    found = list(each(sets, _numbered, damaged))
+    if not leave_out_damaged and len(damaged) > _MOST_DAMAGED * (len(found) + len(damaged)):
+        raise damaged[0]
     issues = _by_epoch(found)
     kept = [_distinct(sets) for sets in issues.values()]
     history = History(

@@ -231,7 +231,8 @@ class HistorySettings(Section):
         default=None,
     )
     leave_out_damaged: bool = setting(
-        "whether damaged sets are left out and logged, not refused", default=False
+        "whether damaged sets are left out and logged however many there are, not one in twenty at most",
+        default=False,
     )
     find_manoeuvres: bool = setting(
         "whether burns are found where sets do not follow from those before them, beside `manoeuvres`",
