@@ -13,10 +13,12 @@ import pandas as pd
 
 from opml.base import epochs
 from opml.base.constants import DAY, HOUR
+from opml.base.errors import InputError
 from opml.interop import ccsds, oem
 from opml.learning.judge.error_sizes import INSIDE, along_track
 from opml.mornings.morning import Left, Plan, Watched, morning
 from opml.mornings.records import DONE, HORIZON, Records
+from opml.mornings.verdict import OLDEST
 
 _log = logging.getLogger(__name__)
 
@@ -68,6 +70,23 @@ def since(folder: Folder, calendar: Calendar, plan: Plan, until: date) -> float:
     """Return the time from which measurements count for the mornings up to a date [s]."""
     done = folder.done(until)
     return calendar.time(done[-1]) - plan.reach - DAY if done else -np.inf
+
+
+def last_known(tracking: pd.DataFrame) -> float:
+    """Return when the last of what was measured was known [s]."""
+    return float(tracking["t_known" if "t_known" in tracking else "t"].max())
+
+
+def check_reached(calendar: Calendar, until: date, known: float) -> None:
+    """Raise InputError for a date that lies beyond what is known: its morning would be over before its day.
+
+    known: when the last weather or measurement was [s]
+    """
+    if calendar.time(until) > known + OLDEST:
+        (last,) = ccsds.utc_texts(calendar.epoch, np.array([known]))
+        raise InputError(
+            f"expected tracks or weather until {until} or the day before, got none after {last[:16]}"
+        )
 
 
 def catch_up(

@@ -301,3 +301,10 @@ def test_an_estimate_long_after_the_one_before_is_not_flown_to():
     known = Known(pd.DataFrame({"track": [4, 5, 6], "t": t}), at_estimates, 12.0, 4e14)
     assert morning._from_previous(known, longest=7.0 * DAY)[["i", "j"]].to_numpy().tolist() == [[4, 5]]
     assert morning._from_previous(known, longest=8.0 * DAY)["j"].tolist() == [5, 6]
+
+
+def test_a_day_of_which_nothing_is_known_stays_open():
+    known = CALENDAR.time(date(2016, 10, 1))
+    days.check_reached(CALENDAR, date(2016, 10, 2), known)
+    with pytest.raises(InputError, match=r"^expected tracks or weather until 2016-10-03 or the day before"):
+        days.check_reached(CALENDAR, date(2016, 10, 3), known)
