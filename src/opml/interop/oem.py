@@ -110,9 +110,13 @@ def prediction_segments(predictions: pd.DataFrame, *, rso: str) -> list[Segment]
     ]
 
 
-def corrected_segments(corrected: pd.DataFrame, *, rso: str) -> list[Segment]:
-    """Return the segments of a table `corrected`, one per estimate, with a covariance every ten minutes."""
-    return _ephemeris_segments(corrected, rso, "corrected prediction")
+def corrected_segments(corrected: pd.DataFrame, *, rso: str, object_id: str = "") -> list[Segment]:
+    """Return the segments of a table `corrected`, one per estimate, with a covariance every ten minutes.
+
+    rso: its name; object_id: as in `Segment`
+    """
+    segments = _ephemeris_segments(corrected, rso, "corrected prediction")
+    return [replace(segment, object_id=object_id) for segment in segments]
 
 
 def forecast_segments(forecast: pd.DataFrame, *, rso: str) -> list[Segment]:

@@ -193,15 +193,17 @@ def _catch_up(
         span.duration,
         span.epoch,
     )
-    tracking, manoeuvres = measured.read(
+    found = measured.read(
         source,
         span,
         surroundings.stations,
         surroundings.orientation,
         since=days.since(folder, calendar, plan, until),
     )
-    days.check_reached(calendar, until, max(surroundings.seen_until, days.last_known(tracking)))
+    days.check_reached(calendar, until, max(surroundings.seen_until, days.last_known(found.tracking)))
     model = surroundings.model(rso)
-    given = measured.given_state(source, span, rso, tracking, model.predictions.model.gm)
-    watched = Watched(model, plan, tracking, surroundings.stations, manoeuvres, given)
+    given = measured.given_state(source, span, rso, found.tracking, model.predictions.model.gm)
+    watched = Watched(
+        model, plan, found.tracking, surroundings.stations, found.manoeuvres, given, found.object_id
+    )
     days.catch_up(folder, watched, calendar, until, metadata=metadata)

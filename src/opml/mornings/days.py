@@ -107,7 +107,7 @@ def catch_up(
         now = calendar.time(day)
         left = morning(watched, records, now=now)
         records = records.and_then(left.records, since=now - reach)
-        _write(folder, day, left, records, watched.plan, metadata=metadata)
+        _write(folder, day, left, records, watched, metadata=metadata)
         _log.info("%s, %s: %s, %s", folder.rso, day, left.verdict.word, left.verdict.reason)
 
 
@@ -122,12 +122,12 @@ def _missing(done: list[date], watched: Watched, calendar: Calendar, until: date
 
 
 def _write(
-    folder: Folder, day: date, left: Left, records: Records, plan: Plan, *, metadata: Mapping[str, Any]
+    folder: Folder, day: date, left: Left, records: Records, watched: Watched, *, metadata: Mapping[str, Any]
 ) -> None:
     """Write what a morning left: the message first, the records behind it."""
-    place = folder.of_day(day)
+    place, plan = folder.of_day(day), watched.plan
     if left.ephemeris is not None:
-        segments = oem.corrected_segments(left.ephemeris, rso=folder.rso)
+        segments = oem.corrected_segments(left.ephemeris, rso=folder.rso, object_id=watched.object_id)
         oem.write(place / f"{folder.rso}.oem", segments, epoch=plan.epoch, comment=left.basis)
     found = outcome(folder.rso, day, left, plan) | {"past": past(records)}
     left.records.write(place, found, metadata=metadata)

@@ -104,6 +104,7 @@ class Watched:
     stations: of the tracks
     manoeuvres: each counts from when it is known
     given: a state that the very first fits may start from
+    object_id: international designator or catalogue number; '' where unknown
     """
 
     model: Model
@@ -112,6 +113,7 @@ class Watched:
     stations: Sequence[Station]
     manoeuvres: Sequence[Manoeuvre] = ()
     given: TimedState | None = None
+    object_id: str = ""
 
     def known_by(self, now: float) -> list[Manoeuvre]:
         """Return the manoeuvres that are known by a time [s]."""

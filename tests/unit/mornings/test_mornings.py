@@ -48,7 +48,7 @@ def watched(truth_model, assumed_model, iss, earth_orientation, three_stations):
     first = (0.0, orbit[STATE].to_numpy()[0])
     plan = Plan(MODELS, ESTIMATION, 2.0, 60.0, 7 * DAY, EPOCH)
     model = Model(flight, flight, flight, Weathers.of(assumed_model, None), earth_orientation)
-    return Watched(model, plan, measured, three_stations, given=first)
+    return Watched(model, plan, measured, three_stations, given=first, object_id="1998-067A")
 
 
 def run(watched, folder, until=LAST):
@@ -282,6 +282,11 @@ def test_a_track_keeps_its_number_and_one_that_comes_late_gets_none():
     np.testing.assert_array_equal(recent.tracking["track"].unique(), [0, 1, 2])
     recent = tracks.over(measured, kept, now=30 * HOUR + 100.0, reach=DAY)
     np.testing.assert_array_equal(recent.numbers, [8])  # one is too old, one is not over
+
+
+def test_messages_tell_the_object_by_what_its_files_tell(watched, whole):
+    (segment,) = oem.read(whole / LAST.isoformat() / "iss" / "iss.oem", epoch=EPOCH)
+    assert (segment.name, segment.object_id) == ("iss", "1998-067A")
 
 
 def test_fits_to_mean_elements_are_marked_as_what_errs_alike(watched, whole):
