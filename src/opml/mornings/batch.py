@@ -204,6 +204,13 @@ def _catch_up(
     model = surroundings.model(rso)
     given = measured.given_state(source, span, rso, found.tracking, model.predictions.model.gm)
     watched = Watched(
-        model, plan, found.tracking, surroundings.stations, found.manoeuvres, given, found.object_id
+        model,
+        plan,
+        found.tracking,
+        surroundings.stations,
+        found.manoeuvres,
+        given,
+        found.object_id,
+        found.sgp4,
     )
     days.catch_up(folder, watched, calendar, until, metadata=metadata)

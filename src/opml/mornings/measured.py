@@ -14,6 +14,7 @@ from opml.dynamics import shared_blocks
 from opml.interop import first_state, points_from_files, tdm
 from opml.interop.element_sets import burns_in_sets, histories, measured_sets
 from opml.interop.orbit_from_files import OrbitFiles
+from opml.mornings.beside_sgp4 import Sgp4
 from opml.orbits import manoeuvres
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.orbits.sheets import Rso, Station
@@ -51,11 +52,13 @@ class Found:
 
     tracking: the table, or `fixes` in its place
     object_id: what its files tell it by, designator or catalogue number; '' where they do not
+    sgp4: what anybody would have flown, where mean elements were taken
     """
 
     tracking: pd.DataFrame
     manoeuvres: list[Manoeuvre]
     object_id: str = ""
+    sgp4: Sgp4 | None = None
 
 
 def read(
@@ -98,7 +101,8 @@ def _of_elements(source: Source, span: Span, known: list[Manoeuvre]) -> Found:
         manoeuvres=known,
     )
     tracking = fixes.of_sets(found.epochs, found.points, known=found.known)
-    return Found(tracking, known, identity.designator or str(identity.number))
+    sgp4 = Sgp4(sets, span.epoch)
+    return Found(tracking, known, identity.designator or str(identity.number), sgp4)
 
 
 def given_state(source: Source, span: Span, rso: Rso, tracking: pd.DataFrame, gm: float) -> TimedState | None:
