@@ -381,6 +381,7 @@ class RunAlone(Section):
     )
     positions_alone: list[RsoName] = setting(
         "RSOs of whose `orbits` the velocities are passed over, as where they are in another unit",
+        unit="names",
         see="orbits.md",
         default=[],
     )
