@@ -86,7 +86,9 @@ def test_messages_are_named_by_objects_and_time_and_need_both_covariances(tmp_pa
         ("X = 7", "X = -7", r"expected states that are MISS_DISTANCE = 50 m apart, got 1\.4"),
         ("OBJECT = OBJECT2", "OBJECT = OBJECT1", "expected OBJECT1 and OBJECT2, got OBJECT1 and OBJECT1"),
         ("HBR = 20.0", "HBR = 20.0 [ft]", "expected a radius .*, got 20.0 ft"),
-        ("COMMENT HBR = 20.0", "COMMENT HBR = 20.0\nCOMMENT HBR = 5", "got 20.0 and 5"),
+        pytest.param(
+            "COMMENT HBR = 20.0", "COMMENT HBR = 20.0\nCOMMENT HBR = 5", "got 20.0 and 5", id="two radii"
+        ),
         ("COMMENT HBR = 20.0", "COMMENT HBR = -20.0", "expected a radius .*, got -20"),
     ],
 )
