@@ -1,4 +1,4 @@
-# The workflow with all that it needs, as the lock file has it; docs/clusters.md tells how to build and to run it.
+# The workflow with all that it needs, as the lock file has it; docs/install.md tells how to build and to run it.
 FROM python:3.11-slim
 WORKDIR /opml
 COPY requirements.lock ./

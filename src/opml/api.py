@@ -15,6 +15,7 @@ import pandas as pd
 
 from opml.base.constants import BODIES, DAY, HOUR
 from opml.base.errors import InputError
+from opml.base.files import project_file
 from opml.catalog.fit import estimation, fixes, laser_ranges, quarantine, start_states
 from opml.catalog.fit import measured_tracks as from_measurements
 from opml.catalog.fit.first import first_orbit as first_orbits
@@ -173,25 +174,27 @@ def force_model(
 def read_stations(path: str | Path) -> dict[str, Station]:
     """Read a sheet of radar stations, by name, in its order; columns as config/README.md tells.
 
-    Raises InputError, naming file, row and column.
+    Where there is none of that name, the package's own is read, such as config/stations.tsv. Raises
+    InputError, naming file, row and column.
 
     >>> stations = list(opml.read_stations("config/stations.tsv").values())
     >>> [station.name for station in stations]
     ['eglin', 'clear', 'kaena']
     """
-    return _read_stations(path)
+    return _read_stations(project_file(path))
 
 
 def read_rsos(path: str | Path) -> dict[str, Rso]:
     """Read a sheet of RSOs, by name: osculating GCRF elements at the epoch, and bodies (config/README.md).
 
-    Raises InputError, naming file, row and column.
+    Where there is none of that name, the package's own is read, such as config/rsos.tsv. Raises InputError,
+    naming file, row and column.
 
     >>> iss = opml.read_rsos("config/rsos.tsv")["iss"]
     >>> iss.a
     6783340.0
     """
-    return _read_rsos(path)
+    return _read_rsos(project_file(path))
 
 
 def read_elements(

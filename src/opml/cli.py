@@ -118,7 +118,7 @@ def _add_screen(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("ours", help="ephemeris of our object (OEM), or a conjunction data message (CDM)")
     parser.add_argument("others", nargs="*", help="ephemerides (OEM) and mean elements of other objects")
     parser.add_argument("--within", type=float, default=5.0, help="largest distance [km] (5)")
-    parser.add_argument("--radius", type=float, default=20.0, help="sum of the radii of two objects [m] (20)")
+    parser.add_argument("--radius", type=float, help="sum of the radii of two objects [m] (20, or a CDM's)")
     parser.add_argument("--csv", action="store_true", help="as comma-separated values")
     parser.add_argument("--messages", metavar="FOLDER", help="where to write a CDM of each with covariances")
 
@@ -127,12 +127,11 @@ def _screen(options: argparse.Namespace) -> None:
     from opml.conjunctions import as_text, cdm, screening
 
     if not options.others:
-        found = [cdm.read(options.ours, epoch=screening.EPOCH)]
+        found = [cdm.read(options.ours, epoch=screening.EPOCH, radius=options.radius)]
     else:
         ephemerides = screening.read([options.ours, *options.others])
-        if apart := [one.path.name for one in ephemerides if not one.shares_time(ephemerides[0])]:
-            print(f"opml: at other times than {options.ours}: {', '.join(apart)}", file=sys.stderr)
-        found = screening.screen(ephemerides, within=1e3 * options.within, radius=options.radius)
+        radius = screening.RADIUS if options.radius is None else options.radius
+        found = screening.screen(ephemerides, within=1e3 * options.within, radius=radius)
     if options.messages:
         cdm.write_all(options.messages, found, epoch=screening.EPOCH)
     table = as_text.table(found, epoch=screening.EPOCH)

@@ -35,6 +35,12 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
 
+def test_the_packages_sheets_are_read_from_any_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert "eglin" in opml.read_stations("config/stations.tsv")
+    assert "iss" in opml.read_rsos("config/rsos.tsv")
+
+
 @pytest.mark.usefixtures("folder")
 def test_each_function_has_an_example_that_holds():
     names = {"opml": opml, "Path": Path}

@@ -45,6 +45,13 @@ def test_the_page_can_be_followed_in_its_order(told):
     assert all("Job stats:" in plan for plan in plans(told).values())
 
 
+def test_the_page_tells_how_many_jobs_a_study_has(told):
+    (said,) = re.findall(r"Some (\d+) jobs take", PAGE)
+    (plan,) = (printed for text, printed in plans(told).items() if "-n study --configfile mine.yaml" in text)
+    (total,) = set(re.findall(r"^total +(\d+)$", plan, re.MULTILINE))
+    assert abs(int(said) - int(total)) <= 2
+
+
 def test_every_file_is_used_by_a_dry_run(told):
     assert FILES
     for name in FILES:

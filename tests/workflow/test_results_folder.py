@@ -1,9 +1,11 @@
 """A folder of results: whatever happens to it, no table of other settings is taken for one of these."""
 
 import fcntl
+import os
 import shutil
 
 import pytest
+from project import ROOT
 
 from opml.tables import read_table
 
@@ -51,6 +53,20 @@ def test_a_table_of_another_run_in_its_place_is_made_anew(made):
     shutil.copy2(made.folder / "other" / TABLE, made.folder / "results" / TABLE)
     run(made)
     assert highest(made) == 40
+
+
+def test_an_input_that_was_revised_under_an_older_stamp_is_seen(project):
+    """As `cp -p`, archives and downloads leave it."""
+    mine = project.folder / "mine.gfc"
+    text = (ROOT / "src" / "opml" / "data" / "egm2008_70.gfc").read_text()
+    mine.write_text(text)
+    source = "environment={gravity_field: mine.gfc}"
+    run(project, source)
+    os.utime(mine, (1.5e9, 1.5e9))
+    assert "Nothing to be done" in run(project, "-n", source).stdout
+    mine.write_text(text.replace("-0.000484165", "-0.000484166", 1))
+    os.utime(mine, (1.5e9, 1.5e9))
+    assert "params have changed" in run(project, "-n", source).stdout
 
 
 def test_a_second_run_in_a_folder_is_told_who_holds_it(made):

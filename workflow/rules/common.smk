@@ -6,7 +6,7 @@ import sys
 from opml import naming, tables
 from opml.base.errors import InputError
 from opml.base.files import PACKAGED
-from opml.base.provenance import script_digest
+from opml.base.provenance import contents_digest, script_digest
 from opml.report.sections import SECTIONS, section_of
 from opml.study.checks import check_data, load_settings
 from opml.study.settings.merging import merged
@@ -66,6 +66,11 @@ def announced(line):
 def users(paths):
     """Return the user's own files as inputs that no storage takes."""
     return [local(path) for path in paths]
+
+
+def contents(paths):
+    """Return the content of the user's own files as a setting: a time stamp may be older than what it replaces."""
+    return {"contents": contents_digest(paths)} if paths else {}
 
 
 def drawing(name, settings):

@@ -1,4 +1,6 @@
 # What Earth, Sun and Moon do, tabulated once per run.
+from opml.environment.earth_orientation import bulletin_digest
+
 EARTH_ORIENTATION = product("environment/earth_orientation")
 EPHEMERIDES = product("environment/ephemerides")
 SOLAR_ACTIVITY = product("environment/{activity}")
@@ -30,7 +32,7 @@ rule earth_orientation:
     conda:
         "../envs/opml.yaml"
     params:
-        settings=PARAMS.span,
+        settings=lambda _: PARAMS.span | {"bulletin": bulletin_digest(**PARAMS.span)},
         code=code("earth_orientation.py"),
     message:
         "Earth orientation: GCRF to ITRF with IAU 2006/2000A and the IERS's polar motion and UT1"
@@ -50,7 +52,9 @@ rule ephemerides:
     conda:
         "../envs/opml.yaml"
     params:
-        settings=PARAMS.span | {"kernel": ENVIRONMENT.sources["ephemerides"]},
+        settings=lambda _: PARAMS.span
+        | {"kernel": ENVIRONMENT.sources["ephemerides"]}
+        | contents(ENVIRONMENT.source_files("ephemerides")),
         code=code("ephemerides.py"),
     message:
         "Third bodies: positions of Sun, Moon, planets and Pluto"
@@ -76,7 +80,8 @@ rule solar_activity:
         | {
             "source": ENVIRONMENT.sources[wildcards.activity],
             "percentile": ENVIRONMENT.sources["percentile"],
-        },
+        }
+        | contents(ENVIRONMENT.source_files(wildcards.activity)),
         code=code("solar_activity.py"),
     message:
         "Solar activity: {params.settings[source]}"
@@ -98,7 +103,9 @@ rule thermosphere:
     resources:
         mem_mb=2000,
     params:
-        settings=PARAMS.span | {"source": ENVIRONMENT.sources[ENVIRONMENT.true_activity]},
+        settings=lambda _: PARAMS.span
+        | {"source": ENVIRONMENT.sources[ENVIRONMENT.true_activity]}
+        | contents(ENVIRONMENT.source_files(ENVIRONMENT.true_activity)),
         code=code("thermosphere.py"),
     message:
         "Thermosphere: densities of NRLMSIS 2.1 around the Earth under {params.settings[source]}"
@@ -118,8 +125,9 @@ rule hindcast:
     conda:
         "../envs/opml.yaml"
     params:
-        settings=PARAMS.span
-        | {"source": ENVIRONMENT.sources["solar_activity"], "knowledge": ENVIRONMENT.knowledge},
+        settings=lambda _: PARAMS.span
+        | {"source": ENVIRONMENT.sources["solar_activity"], "knowledge": ENVIRONMENT.knowledge}
+        | contents(ENVIRONMENT.source_files("solar_activity")),
         code=code("hindcast.py"),
     message:
         "Hindcast: the space weather of {params.settings[source]} as it was known at each time"
@@ -148,7 +156,8 @@ rule outlooks:
             "forecast": ENVIRONMENT.forecast,
             "issue_hours": int(wildcards.hours),
             "max_days": config["prediction"]["max_days"],
-        },
+        }
+        | contents([*ENVIRONMENT.source_files("solar_activity"), *ENVIRONMENT.forecast_files]),
         code=code("outlooks.py"),
     message:
         "Outlooks: the space weather as it was forecast every {wildcards.hours} hours"
@@ -178,7 +187,8 @@ rule futures:
             "members": int(wildcards.members),
             "issue_hours": ENVIRONMENT.sources.get("issue_hours"),
             "max_days": config["prediction"]["max_days"],
-        },
+        }
+        | contents([*ENVIRONMENT.source_files("solar_activity"), *ENVIRONMENT.forecast_files]),
         code=code("futures.py"),
     message:
         "Futures: {wildcards.members} courses that the space weather may take from each issue"
@@ -198,11 +208,12 @@ rule gravity_field:
     conda:
         "../envs/opml.yaml"
     params:
-        settings={
+        settings=lambda _: {
             "epoch": config["epoch"],
             "source": ENVIRONMENT.sources["gravity_field"],
             "degree": max(model["degree"] for model in config["force_models"].values()),
             "order": max(model["order"] for model in config["force_models"].values()),
+            **contents(ENVIRONMENT.source_files("gravity_field")),
         },
         code=code("gravity_field.py"),
     message:

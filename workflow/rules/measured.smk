@@ -23,6 +23,7 @@ if PLAN.tracks:
                 "epoch": config["epoch"],
                 "stations": PARAMS.stations(wildcards),
                 "manoeuvres": PLAN.settings.manoeuvres(wildcards.rso),
+                **contents(PLAN.tracks[wildcards.rso]),
             },
             code=code("tracking_from_tdm.py"),
         message:
@@ -55,6 +56,7 @@ if PLAN.fixes:
                 **PARAMS.span,
                 "fixing": PARAMS.fixing(wildcards),
                 "manoeuvres": PLAN.settings.manoeuvres(wildcards.rso),
+                **contents(PLAN.fixes[wildcards.rso]),
             },
             code=code("fixes_from_files.py"),
         message:
@@ -89,6 +91,7 @@ if PLAN.ranges:
                 **PARAMS.span,
                 "ranging": PARAMS.ranging(wildcards),
                 "manoeuvres": PLAN.settings.manoeuvres(wildcards.rso),
+                **contents([*PLAN.ranges[wildcards.rso], *PLAN.settings.station_files[wildcards.rso]]),
             },
             code=code("ranges_from_files.py"),
         message:
@@ -115,7 +118,11 @@ if PLAN.elements:
         conda:
             "../envs/opml.yaml"
         params:
-            settings=lambda wildcards: {"epoch": config["epoch"], "history": PARAMS.history(wildcards)},
+            settings=lambda wildcards: {
+                "epoch": config["epoch"],
+                "history": PARAMS.history(wildcards),
+                **contents(PLAN.elements[wildcards.rso]),
+            },
             code=code("element_sets.py"),
         message:
             "Mean elements: the history of {wildcards.rso}, from {input[0]}"

@@ -10,5 +10,5 @@ with job(snakemake) as metadata:
     settings = JobSettings(snakemake.params.settings)
     t = nodes(settings.epoch, DAY * settings.duration_days)
     table = nrlmsis.tabulate(settings.source, settings.epoch, t)
-    metadata |= {"source": settings.source, **nrlmsis.SOURCES}
+    metadata |= {"source": settings.source, **nrlmsis.sources()}
     write_table(snakemake.output[0], table, "thermosphere", metadata=metadata)

@@ -9,6 +9,11 @@ from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings = JobSettings(snakemake.params.settings)
-    files = OrbitFiles(list(snakemake.input), settings.epoch, DAY * settings.duration_days)
+    files = OrbitFiles(
+        list(snakemake.input),
+        settings.epoch,
+        DAY * settings.duration_days,
+        positions_alone=settings.positions_alone,
+    )
     table, facts = truth_from_orbit.truth(files, step=settings.step_s)
     write_table(snakemake.output[0], table, "truth", metadata=metadata | facts)

@@ -4,7 +4,7 @@ import ast
 import hashlib
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -22,6 +22,12 @@ _IMPORT = re.compile(
 def settings_digest(settings: Mapping[str, Any]) -> str:
     """Return the SHA-256 of settings (JSON values), whatever the order of their keys."""
     return hashlib.sha256(json.dumps(settings, sort_keys=True).encode()).hexdigest()
+
+
+def contents_digest(paths: Iterable[str | Path]) -> str:
+    """Return the SHA-256 over the contents of files, in their order; one that is missing counts as empty."""
+    digests = (_content_digest(Path(path)) if Path(path).is_file() else b"" for path in paths)
+    return hashlib.sha256(b"".join(digests)).hexdigest()
 
 
 def settings_of_each(settings: Mapping[str, Any]) -> list[dict[str, Any]]:

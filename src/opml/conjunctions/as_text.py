@@ -26,8 +26,8 @@ def table(conjunctions: Sequence[Conjunction], *, epoch: str) -> pd.DataFrame:
         rows.append(
             {
                 "tca": time,
-                "first": one.first.name,
-                "second": one.second.name,
+                "first": str(one.first.identity),
+                "second": str(one.second.identity),
                 "miss_m": float(np.linalg.norm(relative[:3])),
                 **dict(zip(("r_m", "s_m", "w_m"), relative[:3].tolist(), strict=True)),
                 "speed_mps": float(np.linalg.norm(relative[3:])),
@@ -51,13 +51,19 @@ def text(table: pd.DataFrame) -> str:
 
 def _remark(conjunction: Conjunction) -> str:
     """Return what to know of a probability: why there is none, or how far it can be trusted."""
-    chance = conjunction.chance
+    chance, pair = conjunction.chance, (conjunction.first, conjunction.second)
+    told = [remark for one in pair for remark in one.remarks]
+    if conjunction.is_end:
+        told.append("nothing known beyond")
     if chance is None:
-        return "no covariance" if conjunction.encounter is None else "long encounter: no probability"
-    unknown = [one.name for one in (conjunction.first, conjunction.second) if one.covariance is None]
+        none = "no covariance" if conjunction.encounter is None else "long encounter: no probability"
+        return "; ".join([*told, none])
+    unknown = [str(one.identity) for one in pair if one.covariance is None]
     remarks = (
+        *((remark, True) for remark in told),
         (f"{', '.join(unknown)} without covariance", bool(unknown)),
         ("long encounter", not conjunction.is_short),
+        ("two dimensions do not suffice", conjunction.is_short and not conjunction.is_straight),
         (f"{chance.around:.1e} in its revolution", chance.around > _MORE * chance.probability),
         ("covariance widened", chance.mended),
         ("diluted", chance.is_diluted),

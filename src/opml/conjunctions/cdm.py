@@ -4,6 +4,7 @@ Source: CCSDS 508.0-B-1. RTN there is RSW here. The sum of the radii, which the 
 a comment `HBR`, as in the messages of NASA's CARA.
 """
 
+import logging
 import math
 import re
 from collections.abc import Iterable, Iterator
@@ -15,9 +16,12 @@ import numpy as np
 from opml import __version__
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.conjunctions.conjunction import Conjunction, Participant
+from opml.conjunctions.conjunction import Conjunction, Participant, check_length
 from opml.interop import ccsds
+from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import contents
+
+_log = logging.getLogger(__name__)
 
 _KEY = "CCSDS_CDM_VERS"
 _KILO = 3
@@ -27,7 +31,8 @@ _UNITS = ("m", "m/s")
 _LOWER = [(row, column) for row in range(6) for column in range(row + 1)]
 _ROUGH_MISS = 0.01  # of a miss that the states of a message may be off, as they are rounded
 _UNIT = re.compile(r"\s*\[([^\]]*)\]$")
-_RADIUS = re.compile(r"^\s*COMMENT\s+HBR\s*=\s*(\S+)", re.MULTILINE)
+_RADIUS = re.compile(r"^\s*COMMENT\s+HBR\s*=\s*(\S+?)\s*(?:\[(\w+)\])?\s*$", re.MULTILINE)
+_METRES = {"": 1.0, "m": 1.0, "km": 1e3}
 
 
 def _covariance_key(row: int, column: int) -> str:
@@ -47,7 +52,7 @@ def matches(content: bytes) -> bool:
 
 
 def write(path: FilePath, conjunction: Conjunction, *, epoch: str) -> None:
-    """Write a conjunction, whole or not at all; its date is the time of the approach, so that calls repeat.
+    """Write a conjunction, whole or not at all.
 
     epoch: UTC text from which its time counts
 
@@ -57,15 +62,23 @@ def write(path: FilePath, conjunction: Conjunction, *, epoch: str) -> None:
 
 
 def write_all(folder: FilePath, conjunctions: Iterable[Conjunction], *, epoch: str) -> None:
-    """Write a message of each conjunction of which both covariances are known, named by objects and time."""
+    """Write a message of each conjunction, named by objects and time; those without covariances are counted.
+
+    A message has to have the covariances of both objects.
+    """
+    bare = 0
     for conjunction in conjunctions:
-        if all(one.covariance is not None for one in (conjunction.first, conjunction.second)):
+        if conjunction.first.covariance is None or conjunction.second.covariance is None:
+            bare += 1
+        else:
             write(Path(folder) / f"{_name(conjunction, epoch)}.cdm", conjunction, epoch=epoch)
+    if bare:
+        _log.warning("conjunctions without a message, as it needs both covariances: %d", bare)
 
 
 def _name(conjunction: Conjunction, epoch: str) -> str:
     (tca,) = ccsds.utc_texts(epoch, np.array([conjunction.t]))
-    name = f"{conjunction.first.name}_{conjunction.second.name}_{re.sub('[-:.]', '', tca)}"
+    name = f"{conjunction.first.identity.name}_{conjunction.second.identity.name}_{re.sub('[-:.]', '', tca)}"
     return re.sub(r"[^\w.+-]", "-", name).lstrip(".")
 
 
@@ -74,7 +87,8 @@ def _lines(conjunction: Conjunction, epoch: str) -> Iterator[str]:
     relative, chance = conjunction.relative, conjunction.chance
     first, second = conjunction.first, conjunction.second
     yield f"{_KEY} = 1.0"
-    yield f"CREATION_DATE = {tca}"
+    known = conjunction.t if conjunction.known is None else conjunction.known
+    yield f"CREATION_DATE = {ccsds.creation_date(epoch, known)}"
     yield f"ORIGINATOR = OPML {__version__}"
     yield f"MESSAGE_ID = {_name(conjunction, epoch)}"
     yield f"TCA = {tca}"
@@ -94,13 +108,14 @@ def _lines(conjunction: Conjunction, epoch: str) -> Iterator[str]:
 
 
 def _participant_lines(participant: Participant, number: int) -> Iterator[str]:
+    identity = participant.identity
     if participant.covariance is None:
-        raise InputError(f"{participant.name}: expected a covariance, as a CDM has to have, got none")
+        raise InputError(f"{identity}: expected a covariance, as a CDM has to have, got none")
     yield f"OBJECT = OBJECT{number}"
-    yield f"OBJECT_DESIGNATOR = {participant.name}"
-    yield "CATALOG_NAME = NONE"
-    yield f"OBJECT_NAME = {participant.name}"
-    yield "INTERNATIONAL_DESIGNATOR = UNKNOWN"
+    yield f"OBJECT_DESIGNATOR = {identity.number or identity.designator or identity.name}"
+    yield f"CATALOG_NAME = {'SATCAT' if identity.number else 'NONE'}"
+    yield f"OBJECT_NAME = {identity.name}"
+    yield f"INTERNATIONAL_DESIGNATOR = {identity.designator or 'UNKNOWN'}"
     yield "EPHEMERIS_NAME = NONE"
     yield "COVARIANCE_METHOD = CALCULATED"
     yield "MANEUVERABLE = N/A"
@@ -119,7 +134,7 @@ def read(path: FilePath, *, epoch: str, radius: float | None = None) -> Conjunct
     radius: sum of the radii [m]; None: that of the comment HBR
 
     States are turned from the frames of `ccsds.FRAMES` to GCRF. Raises InputError, naming file and line, for
-    a malformed message, another frame, and a radius that neither tells.
+    a malformed message, another frame, a radius that neither tells, and one that is none.
     """
     message = ccsds.Message(path, version_key=_KEY, versions=("1.0",))
     head, *parts = _blocks(message)
@@ -130,7 +145,10 @@ def read(path: FilePath, *, epoch: str, radius: float | None = None) -> Conjunct
         raise InputError(f"{path}: expected TCA before the objects, got none")
     first, second = (_participant(message, block) for block in parts)
     _check_miss(message, head, float(np.linalg.norm(second.state[:3] - first.state[:3])))
-    return Conjunction(t, first, second, _radius(path) if radius is None else radius)
+    radius = _radius(path) if radius is None else radius
+    check_length("radius", radius)
+    known = head.time("CREATION_DATE", t, epoch=epoch, scale="UTC")
+    return Conjunction(t, first, second, radius, known=known)
 
 
 def _check_miss(message: ccsds.Message, head: ccsds.Pairs, distance: float) -> None:
@@ -170,12 +188,17 @@ def _participant(message: ccsds.Message, block: ccsds.Pairs) -> Participant:
         covariance[row, column] = covariance[column, row] = number(key, 0)
         if row == column and covariance[row, row] < 0.0:
             raise message.error("a variance of 0 or more", block.text(key), block.line(key))
-    return Participant(block.text("OBJECT_NAME"), np.kron(np.eye(2), turn) @ state, covariance)
+    keys = ("OBJECT_DESIGNATOR", "INTERNATIONAL_DESIGNATOR")
+    identity = ObjectId.of(block.text("OBJECT_NAME"), *(block.text(key, "") for key in keys))
+    return Participant(identity, np.kron(np.eye(2), turn) @ state, covariance)
 
 
 def _radius(path: FilePath) -> float:
-    match = _RADIUS.search(contents(path).decode("utf-8-sig"))
-    with suppress(ValueError):
-        if match and 0.0 < float(match[1]) < math.inf:
-            return float(match[1])
-    raise InputError(f"{path}: expected a radius [m] in COMMENT HBR, got {match[1] if match else 'none'}")
+    """Return the sum of the radii [m] in the comment HBR; in metres, where it has no unit."""
+    told = set(_RADIUS.findall(contents(path).decode("utf-8-sig")))
+    with suppress(ValueError, KeyError):
+        radii = {float(number) * _METRES[unit] for number, unit in told}
+        if len(radii) == 1 and 0.0 < (radius := radii.pop()) < math.inf:
+            return radius
+    got = " and ".join(sorted(f"{number} {unit}".strip() for number, unit in told)) or "none"
+    raise InputError(f"{path}: expected a radius [m] in COMMENT HBR, or --radius, got {got}")

@@ -7,8 +7,10 @@ from functools import cached_property
 import numpy as np
 
 from opml.base.constants import EARTH_GM
-from opml.conjunctions import long_encounter
+from opml.base.errors import InputError
+from opml.conjunctions import curvature, long_encounter
 from opml.conjunctions.probability import Chance, Encounter, chance
+from opml.interop.object_ids import ObjectId
 from opml.orbits.elements import in_rsw, rsw_rotation
 
 
@@ -18,11 +20,13 @@ class Participant:
 
     state: (6,) GCRF [m, m/s]
     covariance: (6, 6) in RSW axes of the state, velocities inertial [m, m/s]; None where unknown
+    remarks: what to know of either
     """
 
-    name: str
+    identity: ObjectId
     state: np.ndarray
     covariance: np.ndarray | None = None
+    remarks: tuple[str, ...] = ()
 
     @property
     def inertial_covariance(self) -> np.ndarray:
@@ -47,12 +51,16 @@ class Conjunction:
 
     t: when [s since some epoch]
     radius: sum of the radii of both [m]
+    is_end: whether nothing is known beyond, where they may come nearer
+    known: when the newest was known of either [s since that epoch]; None: at the approach
     """
 
     t: float
     first: Participant
     second: Participant
     radius: float
+    is_end: bool = False
+    known: float | None = None
 
     @property
     def relative(self) -> np.ndarray:
@@ -79,14 +87,33 @@ class Conjunction:
     def _period(self) -> float:
         return min(self.first.period, self.second.period)
 
+    @property
+    def _longest_period(self) -> float:
+        return max(self.first.period, self.second.period)
+
     @cached_property
     def chance(self) -> Chance | None:
         """How likely a collision is; None where it is unknown, and for a long encounter of no ellipses."""
-        encounter, pair = self.encounter, (self.first, self.second)
+        encounter = self.encounter
         if encounter is not None and self.is_short:
             return chance(encounter)
-        if encounter is None or any(math.isinf(one.period) for one in pair):
+        if encounter is None or math.isinf(self._longest_period):
             return None
-        states = np.array([one.state for one in pair])
-        covariances = np.array([one.inertial_covariance for one in pair])
-        return long_encounter.chance(states, covariances, self.radius, self._period)
+        return long_encounter.chance(*self._pair, self.radius, self._period)
+
+    @property
+    def is_straight(self) -> bool:
+        """Whether two dimensions suffice for a short encounter; of hyperbolas that is not known."""
+        return math.isinf(self._longest_period) or curvature.suffice(*self._pair, self.radius)
+
+    @property
+    def _pair(self) -> tuple[np.ndarray, np.ndarray]:
+        """States (2, 6) and covariances (2, 6, 6) of both in GCRF [m, m/s]."""
+        pair = (self.first, self.second)
+        return np.array([one.state for one in pair]), np.array([one.inertial_covariance for one in pair])
+
+
+def check_length(name: str, length: float) -> None:
+    """Raise InputError for a length [m] that is none."""
+    if not 0.0 < length < math.inf:
+        raise InputError(f"{name}: expected a length above 0, got {length:g} m")

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.special import ndtr
 
 from opml.base.constants import EARTH_GM
-from opml.conjunctions.probability import Chance
+from opml.conjunctions.probability import Chance, is_flat
 from opml.orbits.elements import (
     cartesian_from_coe,
     coe_from_cartesian,
@@ -58,9 +58,10 @@ def chance(states: np.ndarray, covariances: np.ndarray, radius: float, period: f
     period: shortest time of a revolution [s]
     """
     before, after = (_summed(states, covariances, radius, 0.5 * period * share) for share in (-1.0, 1.0))
-    inside, mended = _inside(before.last, radius), before.mended or after.mended
+    inside = _inside(before.last, radius)
     probability = min(before.probability + after.probability + inside, 1.0)
     around = min(before.around + after.around + inside, 1.0)
+    mended = is_flat(covariances.sum(axis=0)[:3, :3])
     return Chance(probability, math.nan, math.nan, mended, around)
 
 
@@ -71,31 +72,28 @@ class _Side:
     probability: of that, up to the least flow
     around: the same up to half a revolution away
     last: the relative state about the time of the least flow
-    mended: whether the covariance was widened
     """
 
     probability: float
     around: float
     last: _Cloud
-    mended: bool
 
 
 def _summed(states: np.ndarray, covariances: np.ndarray, radius: float, end: float) -> _Side:
     """Return what flows into the sphere from the closest approach to the least flow before `end` [s]."""
     edges = end * np.sinh(np.linspace(0.0, _CLUSTERING, _PANELS + 1)) / math.sinh(_CLUSTERING)
-    steps, flows, clouds, mended = np.diff(edges), np.empty(_PANELS), [], False
+    steps, flows, clouds = np.diff(edges), np.empty(_PANELS), []
     for k, (begin, step) in enumerate(zip(edges[:-1], steps, strict=True)):
         cloud = _relative(states, covariances, begin + 0.5 * step * (1.0 + _TIMES))
-        cloud, widened = _widened(cloud, LEAST_SIGMA * radius)
+        cloud = _widened(cloud, LEAST_SIGMA * radius)
         flows[k] = 0.5 * float(_TIME_WEIGHTS @ _flow(cloud, radius))
         clouds.append(cloud)
-        mended |= widened
     # The least flow lies beyond the largest in the first quarter of a revolution.
     peak = int(np.argmax(np.where(edges[:-1] / end < 0.5, flows, 0.0)))
     least = peak + int(np.argmin(flows[peak:]))
     last = _Cloud(clouds[least].mean[-1:], clouds[least].covariance[-1:])
     summed = np.cumsum(np.abs(steps) * flows)
-    return _Side(float(summed[least]), float(summed[-1]), last, mended)
+    return _Side(float(summed[least]), float(summed[-1]), last)
 
 
 def _relative(states: np.ndarray, covariances: np.ndarray, t: np.ndarray) -> _Cloud:
@@ -121,13 +119,13 @@ def kepler(states: np.ndarray, t: np.ndarray) -> np.ndarray:
     return cartesian_from_coe(later, EARTH_GM)
 
 
-def _widened(cloud: _Cloud, least: float) -> tuple[_Cloud, bool]:
-    """Return a cloud whose positions have no standard deviation below `least` [m], and whether any had."""
+def _widened(cloud: _Cloud, least: float) -> _Cloud:
+    """Return a cloud whose positions have no standard deviation below `least` [m]."""
     variances, axes = np.linalg.eigh(cloud.covariance[:, :3, :3])
     missing = np.maximum(least**2 - variances, 0.0)
     covariance = cloud.covariance.copy()
     covariance[:, :3, :3] += (axes * missing[:, None, :]) @ axes.transpose(0, 2, 1)
-    return _Cloud(cloud.mean, covariance), bool(missing.any())
+    return _Cloud(cloud.mean, covariance)
 
 
 def _sphere() -> tuple[np.ndarray, np.ndarray]:

@@ -40,6 +40,7 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 _SCALES = np.geomspace(1e-3, 1e3, 61)
 """Factors of the standard deviations among which the largest probability is looked for."""
 
+_ROUNDING = 1e-14
 _INSIDE = 5.73
 """Standard deviations along the relative velocity beyond which lies a part in 10^8."""
 
@@ -59,19 +60,17 @@ class Encounter:
     radius: float
 
     def __post_init__(self) -> None:
-        """Raise InputError for no radius, no motion, and numbers that are none."""
+        """Raise InputError for no radius, and numbers that are none."""
         if not 0.0 < self.radius < math.inf:
             raise InputError(f"encounter: expected a radius above 0 m, got {self.radius:g}")
-        speed = float(np.linalg.norm(self.velocity))
-        if not speed > 0.0:
-            raise InputError("encounter: expected a relative velocity, got none")
         if not (np.isfinite(self.position).all() and np.isfinite(self.covariance).all()):
             raise InputError("encounter: expected numbers for position and covariance, got others")
 
     @property
     def duration(self) -> float:
         """How long the objects may touch [s]: while they cross their uncertainty along the motion."""
-        speed = float(np.linalg.norm(self.velocity))
+        if not (speed := float(np.linalg.norm(self.velocity))) > 0.0:
+            return math.inf
         ahead = self.velocity / speed
         sigma = math.sqrt(max(float(ahead @ self.covariance @ ahead), 0.0))
         return 2.0 * (_INSIDE * sigma + self.radius) / speed
@@ -88,7 +87,7 @@ class Chance:
     probability: of a collision
     most: largest probability under any multiple of the covariance, NaN for a long encounter
     scale: factor of the standard deviations at which it is reached; below 1 the probability is diluted
-    mended: whether the covariance was no covariance, or too narrow, and was widened
+    mended: whether the covariance was none, or flat, and was widened
     around: the probability within half a revolution to either side, NaN for a short encounter
     """
 
@@ -115,7 +114,13 @@ def chance(encounter: Encounter) -> Chance:
         return integral(along, scale * sigmas, encounter.radius)
 
     most, scale = _largest(by_scale)
-    return Chance(by_scale(1.0), most, scale, bool(variances.min() < least))
+    return Chance(by_scale(1.0), most, scale, is_flat(covariance))
+
+
+def is_flat(covariance: np.ndarray) -> bool:
+    """Return whether a covariance (n, n) is none, or has a direction without variance, but for rounding."""
+    variances = np.linalg.eigvalsh(covariance)
+    return bool(variances[0] <= _ROUNDING * max(variances[-1], 0.0))
 
 
 def in_plane(encounter: Encounter) -> tuple[np.ndarray, np.ndarray]:

@@ -1,31 +1,51 @@
 """Close approaches between ephemerides in files: OEM with covariances, and mean elements without.
 
 opml screen ours.oem others/*.oem catalogue.tle --within 5 --radius 20
+
+What is not held against ours is logged: ephemerides of our own object, and times that nothing is known of.
 """
 
-import math
-from collections.abc import Sequence
+import logging
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import product
+from pathlib import Path as File
 
 import numpy as np
+import pandas as pd
 
+from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions import approaches, cdm
-from opml.conjunctions.approaches import Path
-from opml.conjunctions.conjunction import Conjunction, Participant
+from opml.conjunctions.approaches import Approach, Path
+from opml.conjunctions.conjunction import Conjunction, Participant, check_length
 from opml.interop import ccsds, oem
 from opml.interop.element_sets import histories
+from opml.interop.element_sets.mean_elements import MOST_DAYS, WARN_DAYS
+from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import contents
 from opml.orbits.elements import rsw_rotation
 
 EPOCH = "2000-01-01T12:00:00"
 """UTC text from which times of files count [s], to a microsecond."""
 
+RADIUS = 20.0
+"""Sum of the radii of two objects of which nothing is told [m]."""
+
+COVARIANCE_HELD = 600.0
+"""Time for which a covariance holds before the first and beyond the last that is known [s]."""
+
+_SECONDS = len("2016-09-28T12:09:45")
+_log = logging.getLogger(__name__)
+
+Span = tuple[float, float]
+"""When something begins and ends [s]."""
+
 
 @dataclass(frozen=True, eq=False)
-class Ephemeris:
-    """Where an object is expected, and how surely.
+class Trajectory:
+    """Where an object is expected for a while, and how surely.
 
     covariance_t: (m,) ascending [s]
     covariances: (m, 6, 6) in RSW [m, m/s]
@@ -35,42 +55,87 @@ class Ephemeris:
     covariance_t: np.ndarray = field(default_factory=lambda: np.empty(0))
     covariances: np.ndarray = field(default_factory=lambda: np.empty((0, 6, 6)))
 
-    def shares_time(self, other: "Ephemeris") -> bool:
-        """Return whether both are known at some time."""
-        return bool(self.path.t[0] < other.path.t[-1] and other.path.t[0] < self.path.t[-1])
+    @property
+    def span(self) -> Span:
+        """When the trajectory begins and ends [s]."""
+        return float(self.path.t[0]), float(self.path.t[-1])
 
-    def participant(self, t: float) -> Participant:
-        """Return the object at a time [s], its covariance linear between those that are known, if any is."""
-        covariance = None
-        if len(self.covariance_t):
-            after = min(max(int(np.searchsorted(self.covariance_t, t)), 1), len(self.covariance_t) - 1)
-            before = max(after - 1, 0)
-            step = max(self.covariance_t[after] - self.covariance_t[before], 1e-9)
-            share = float(np.clip((t - self.covariance_t[before]) / step, 0.0, 1.0))
-            covariance = (1.0 - share) * self.covariances[before] + share * self.covariances[after]
-        return Participant(self.path.name, self.path.at(t), covariance)
+    def covariance(self, t: float) -> np.ndarray | None:
+        """Return the covariance at a time [s], linear between those that are known; None far from all."""
+        known = self.covariance_t
+        if not len(known) or not known[0] - COVARIANCE_HELD <= t <= known[-1] + COVARIANCE_HELD:
+            return None
+        after = min(max(int(np.searchsorted(known, t)), 1), len(known) - 1)
+        before = max(after - 1, 0)
+        share = float(np.clip((t - known[before]) / max(known[after] - known[before], 1e-9), 0.0, 1.0))
+        between: np.ndarray = (1.0 - share) * self.covariances[before] + share * self.covariances[after]
+        return between
+
+
+@dataclass(frozen=True, eq=False)
+class Ephemeris:
+    """What a file knows of an object.
+
+    identity: of the object
+    source: the file's name
+    trajectories: in the order of the file, none where the object has decayed, or its elements are too old
+    known: when the newest was known that it is made from [s]
+    elements_t: epoch of the mean elements that are flown [s]; None for states
+    """
+
+    identity: ObjectId
+    source: str
+    trajectories: Sequence[Trajectory]
+    known: float
+    elements_t: float | None = None
+
+    def participant(self, trajectory: Trajectory, t: float) -> Participant:
+        """Return the object at a time [s] of one of its trajectories."""
+        covariance, name, remarks = trajectory.covariance(t), self.identity.name, []
+        if covariance is None and len(trajectory.covariance_t):
+            remarks.append(f"covariances of {name} are of other times")
+        if self.elements_t is not None and abs(days := (t - self.elements_t) / DAY) > WARN_DAYS:
+            remarks.append(f"elements of {name} {abs(days):.0f} d {'old' if days > 0 else 'ahead'}")
+        return Participant(self.identity, trajectory.path.at(np.array([t]))[0], covariance, tuple(remarks))
+
+    def unknown(self, wanted: Sequence[Span]) -> list[Span]:
+        """Return those parts of spans, longer than a minute, that no trajectory covers."""
+        return [
+            (begin, end)
+            for span in wanted
+            for begin, end in _uncovered(span, sorted(trajectory.span for trajectory in self.trajectories))
+            if end - begin > approaches.STEP
+        ]
 
 
 def read(paths: Sequence[FilePath]) -> list[Ephemeris]:
-    """Read the ephemerides in files: OEM, and mean elements over the span of the OEM.
+    """Read the ephemerides in files, ours first: OEM, and mean elements over the span of ours.
 
-    A segment of an OEM is an ephemeris of its own. Of an object with several sets of elements the newest
-    before the middle of the span flies, by SGP4. Raises InputError, naming the file, for what cannot be read,
-    and where no file is an OEM.
+    The first file is of our object. Where it has mean elements, all of them fly over the span of the OEM. Of
+    an object with several sets the newest before the middle of the span flies, by SGP4, to 30 days from its
+    epoch at most. Raises InputError, naming the file, for what cannot be read, a first file of several
+    objects, and where no file is an OEM.
     """
     for path in paths:
         if cdm.matches(contents(path)):
             raise InputError(f"{path}: expected an ephemeris or mean elements, got a CDM: it is read alone")
-    messages = [path for path in paths if oem.matches(contents(path))]
-    known = [ephemeris for path in messages for ephemeris in _of_message(path)]
-    if not known:
-        raise InputError(f"{paths[0]}: expected an OEM among the files, got none")
-    others = [path for path in paths if path not in messages]
-    if not others:
-        return known
-    begin = min(ephemeris.path.t[0] for ephemeris in known)
-    end = max(ephemeris.path.t[-1] for ephemeris in known)
-    return known + _of_elements(others, begin, end)
+    first, *rest = paths
+    ours = _of_message(first) if _is_message(first) else []
+    messages = [path for path in rest if _is_message(path)]
+    others = [ephemeris for path in messages for ephemeris in _of_message(path)]
+    if not (
+        spans := [trajectory.span for ephemeris in ours or others for trajectory in ephemeris.trajectories]
+    ):
+        raise InputError(f"{first}: expected an OEM among the files, got none")
+    span = min(begin for begin, _ in spans), max(end for _, end in spans)
+    ours = ours or _of_elements([first], span)
+    if len(ours) > 1:
+        raise InputError(f"{first}: expected one object, ours, got {ours[0].identity}, {ours[1].identity}")
+    if not ours[0].trajectories:
+        begin, end = _texts(span)
+        raise InputError(f"{first}: expected elements that fly from {begin} to {end}, got others")
+    elements = [path for path in rest if path not in messages]
+    return [*ours, *others, *(_of_elements(elements, span) if elements else [])]
 
 
 def screen(ephemerides: Sequence[Ephemeris], *, within: float, radius: float) -> list[Conjunction]:
@@ -79,53 +144,136 @@ def screen(ephemerides: Sequence[Ephemeris], *, within: float, radius: float) ->
     within: largest distance [m]
     radius: sum of the radii of two objects [m]
 
-    Ephemerides of one name are of one object, which does not meet itself. Raises InputError for a distance
-    or a radius that is none, and where no other object shares time with the first.
+    An object does not meet itself. Raises InputError for a distance or a radius that is none, and where no
+    other object shares time with the first.
     """
-    for name, value in (("within", within), ("radius", radius)):
-        if not 0.0 < value < math.inf:
-            raise InputError(f"{name}: expected a length above 0, got {value:g} m")
+    check_length("within", within)
+    check_length("radius", radius)
     ours, *rest = ephemerides
-    others = [ephemeris for ephemeris in rest if ephemeris.path.name != ours.path.name]
+    others = [one for one in rest if not one.identity.is_same(ours.identity)]
+    for one in rest:
+        if one not in others:
+            _log.warning("%s: %s is ours itself", one.source, one.identity)
     if not others:
-        raise InputError("conjunctions: expected ephemerides of another object, got none")
-    others = [one for one in others if one.shares_time(ours)]
-    if not others:
-        begin, end = ccsds.utc_texts(EPOCH, ours.path.t[[0, -1]])
+        raise InputError(
+            f"conjunctions: expected ephemerides of another object than {ours.identity}, got none"
+        )
+    spans = [trajectory.span for trajectory in ours.trajectories]
+    whole = min(begin for begin, _ in spans), max(end for _, end in spans)
+    _tell_unknown(ours, [whole])
+    for one in others:
+        _tell_unknown(one, spans)
+    if not any(_met_spans(ours, one) for one in others):
+        begin, end = _texts(whole)
         raise InputError(f"conjunctions: expected another ephemeris from {begin} to {end}, got none")
-    flown = [ours, *others]
-    found = approaches.find([one.path for one in flown], within=within, first_alone=True)
-    return [
-        Conjunction(one.t, flown[one.first].participant(one.t), flown[one.second].participant(one.t), radius)
-        for one in found
+    found = [conjunction for one in others for conjunction in _conjunctions(ours, one, within, radius)]
+    return sorted(found, key=lambda conjunction: conjunction.t)
+
+
+def _is_message(path: FilePath) -> bool:
+    return oem.matches(contents(path))
+
+
+def _tell_unknown(ephemeris: Ephemeris, wanted: Sequence[Span]) -> None:
+    """Log the spans of which an ephemeris knows nothing."""
+    if not (unknown := ephemeris.unknown(wanted)):
+        return
+    begin, end = _texts(unknown[0])
+    more = f", and {len(unknown) - 1} times more" if len(unknown) > 1 else ""
+    epoch = ephemeris.elements_t
+    why = "" if epoch is None else f": its elements are of {_texts((epoch, epoch))[0]}"
+    _log.warning("%s: unknown from %s to %s%s%s", ephemeris.identity, begin, end, more, why)
+
+
+def _texts(span: Span) -> tuple[str, str]:
+    begin, end = ccsds.utc_texts(EPOCH, np.array(span))
+    return begin[:_SECONDS], end[:_SECONDS]
+
+
+def _uncovered(span: Span, covered: Sequence[Span]) -> Iterator[Span]:
+    """Yield the parts of a span beside those that are covered, which stand in the order of time."""
+    reached, end = span
+    for begin, until in covered:
+        if begin > reached:
+            yield reached, min(begin, end)
+        reached = max(reached, until)
+    yield reached, end
+
+
+def _met_spans(ours: Ephemeris, other: Ephemeris) -> list[Span]:
+    """Return the times that trajectories of both share."""
+    pairs = [
+        approaches.shared(one.path, another.path)
+        for one, another in product(ours.trajectories, other.trajectories)
     ]
+    return [(begin, end) for begin, end in pairs if begin < end]
+
+
+def _conjunctions(ours: Ephemeris, other: Ephemeris, within: float, radius: float) -> Iterator[Conjunction]:
+    """Yield the close approaches of two objects."""
+    spans, known = _met_spans(ours, other), max(ours.known, other.known)
+    for one, another in product(ours.trajectories, other.trajectories):
+        for approach in approaches.find(one.path, another.path, within=within):
+            if not _goes_on(approach, approaches.shared(one.path, another.path), spans):
+                pair = ours.participant(one, approach.t), other.participant(another, approach.t)
+                yield Conjunction(approach.t, *pair, radius, approach.is_end, known)
+
+
+def _goes_on(approach: Approach, span: Span, spans: Sequence[Span]) -> bool:
+    """Return whether an approach at the end of a span is looked at further in another."""
+    is_last = approach.is_end and approach.t == span[1]
+    return is_last and any(begin <= approach.t < end for begin, end in spans)
 
 
 def _of_message(path: FilePath) -> list[Ephemeris]:
+    """Return an ephemeris of each object of an OEM."""
     segments = oem.read(path, epoch=EPOCH)
     try:
-        return [_of_segment(segment) for segment in segments]
+        flown = [(ObjectId.of(one.name, one.object_id), _of_segment(one)) for one in segments]
     except InputError as reason:
         raise InputError(f"{path}: {reason}") from None
+    source, known = File(path).name, segments[0].newest
+    return [
+        Ephemeris(identity, source, [one for owner, one in flown if owner == identity], known)
+        for identity in dict.fromkeys(identity for identity, _ in flown)
+    ]
 
 
-def _of_segment(segment: oem.Segment) -> Ephemeris:
+def _of_segment(segment: oem.Segment) -> Trajectory:
     path = Path(segment.name, segment.t, segment.states)
     covariances = segment.covariances
     if segment.covariance_frame == "GCRF" and len(covariances):
-        turns = np.kron(np.eye(2), rsw_rotation(np.array([path.at(t) for t in segment.covariance_t])))
+        turns = np.kron(np.eye(2), rsw_rotation(path.at(segment.covariance_t)))
         covariances = turns @ covariances @ turns.transpose(0, 2, 1)
-    return Ephemeris(path, segment.covariance_t, covariances)
+    return Trajectory(path, segment.covariance_t, covariances)
 
 
-def _of_elements(paths: Sequence[FilePath], begin: float, end: float) -> list[Ephemeris]:
-    t = np.arange(begin, end + approaches.STEP, approaches.STEP)
-    sets = histories.read(paths, epoch=EPOCH).sets
+def _of_elements(paths: Sequence[FilePath], span: Span) -> list[Ephemeris]:
+    """Return an ephemeris over a span of each object that files have mean elements of."""
+    history = histories.read(paths, epoch=EPOCH)
     flown = []
-    for number, history in sets.groupby("number"):
-        known = histories.newest_before(history.reset_index(drop=True), 0.5 * (begin + end))
-        row = history.iloc[0 if known is None else known]
-        states = histories.states_of(row, epoch=EPOCH, t=t)
-        if np.isfinite(states).all():
-            flown.append(Ephemeris(Path(str(number), t, states)))
+    for number, sets in history.sets.groupby("number"):
+        known = histories.newest_before(sets.reset_index(drop=True), 0.5 * (span[0] + span[1]))
+        row = sets.iloc[0 if known is None else known]
+        identity = history.objects[number]
+        known_t = float(np.fmax(row["t"], row["t_created"]))
+        way = _flown(identity.name, row, span)
+        flown.append(Ephemeris(identity, row["file"], way, known_t, row["t"]))
     return flown
+
+
+def _flown(name: str, row: pd.Series, span: Span) -> list[Trajectory]:
+    """Return the trajectory of mean elements in a span, none where they are too old or SGP4 fails before.
+
+    Beyond a failure SGP4 may go on, for an object that has decayed.
+    """
+    most = DAY * MOST_DAYS
+    begin, end = max(span[0], row["t"] - most), min(span[1] + approaches.STEP, row["t"] + most)
+    t = np.arange(min(begin, row["t"]), max(end, row["t"]), approaches.STEP)
+    states = histories.states_of(row, epoch=EPOCH, t=t)
+    fails, epoch = ~np.isfinite(states).all(axis=1), np.searchsorted(t, row["t"])
+    first, last = np.flatnonzero(fails[:epoch]), epoch + np.flatnonzero(fails[epoch:])
+    flown = slice(first[-1] + 1 if len(first) else 0, last[0] if len(last) else len(t))
+    t, states = t[flown], states[flown]
+    wanted = (t >= begin) & (t < end)
+    return [Trajectory(Path(name, t[wanted], states[wanted]))] if wanted.sum() >= approaches.FEWEST else []

@@ -77,6 +77,7 @@ def measured(weather: Weather, first: int, end: float) -> Densities:
     Each quarter has the flux of the day before it, the mean of the 81 days up to that, and the ap of the 57
     hours before. Raises InputError where the weather does not reach so far back.
     """
+    nrlmsis.check_installed()
     days = first - weather.first
     if days < 82:
         raise InputError(f"weather: expected measurements 82 days before MJD {first}, got {days} days")

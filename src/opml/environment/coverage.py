@@ -65,11 +65,12 @@ def _check_knowledge(values: Mapping[str, Any], ends: np.ndarray) -> None:
 
 
 def _check_atmosphere(values: Mapping[str, Any], ends: np.ndarray) -> None:
-    """Raise InputError where the truth is to fly through NRLMSIS without measured weather."""
+    """Raise InputError where the truth is to fly through NRLMSIS without its code or measured weather."""
     sources = values["environment"]
     if values["force_models"]["truth"].get("atmosphere") != nrlmsis.NAME:
         return
     try:
+        nrlmsis.check_installed()
         nrlmsis.read_weather(
             sources.get("true_solar_activity", sources["solar_activity"]), values["epoch"], ends
         )

@@ -5,6 +5,7 @@ The sub-daily tidal and libration terms of its chapters 5 and 8 are not modelled
 days, 3 cm at an ISS).
 """
 
+import hashlib
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -18,6 +19,7 @@ from opml.base import epochs
 from opml.base.constants import DAY, EARTH_RATE
 from opml.base.errors import InputError
 
+_ABOUT = 4.0  # days beyond the ends of a run that its table may need
 _ARCSECOND = np.pi / 648000.0
 _TURN = 2.0 * np.pi
 
@@ -60,6 +62,21 @@ def tabulate(epoch: str, t: np.ndarray, *, bulletin: str | Path | None = None) -
             "era_offset": np.unwrap(np.mod(era - EARTH_RATE * t, _TURN)),
         }
     )
+
+
+def bulletin_digest(epoch: str, duration_days: float, *, bulletin: str | Path | None = None) -> str:
+    """Return the SHA-256 of the daily values that the table of a run is made from.
+
+    epoch, duration_days: of the run, UTC text and days
+    bulletin: as in `tabulate`
+
+    Values that were predicted change with a later bulletin, those of days that are over hardly.
+    """
+    days, values = _bulletin(bulletin or astropy_iers_data.IERS_A_FILE)
+    whole, part = epochs.tai(epoch, np.array([0.0, DAY * duration_days]))
+    begin, end = (whole - epochs.MJD_ZERO) + part
+    used = (days > begin - _ABOUT) & (days < end + _ABOUT)
+    return hashlib.sha256(np.ascontiguousarray(values[used]).tobytes()).hexdigest()
 
 
 def metadata() -> dict[str, str]:

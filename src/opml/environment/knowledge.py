@@ -69,7 +69,7 @@ def read(source: str | Path) -> Weather:
     text = solar_activity.read_text(path)
     if not space_weather.is_space_weather(text):
         raise InputError(f"{source}: expected weather that was measured day by day, OBSERVED or a CSSI file")
-    days = space_weather.read(path, text).iloc[: space_weather.observed_days(text)]
+    days = space_weather.read(path, text).iloc[: space_weather.observed_days(path, text)]
     if days.empty:
         raise InputError(f"{path}: expected measured days, got predicted ones only")
     return Weather(

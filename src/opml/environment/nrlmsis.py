@@ -6,11 +6,12 @@ atmosphere turns with the Earth.
 """
 
 import os
+from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-import pymsis
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
@@ -18,17 +19,8 @@ from opml.base.thermosphere_grid import ALTITUDES, DENSITIES, LATITUDES, LOCAL_T
 from opml.environment import solar_activity, space_weather
 from opml.environment.space_weather import INTERVALS, KP, ROUNDING
 
-# Its compiled code takes letters beyond ASCII in the path of its parameters as bytes alone.
-pymsis.msis._MSIS_PARAMETER_PATH = os.fsencode(pymsis.msis._MSIS_PARAMETER_PATH)
-
 NAME = "NRLMSIS"
 """The model's name in the settings."""
-
-SOURCES = {
-    "model": "NRLMSIS 2.1 (Emmert et al. 2022, JGR Space Physics 127, e2022JA030896)",
-    "code": f"pymsis {pymsis.__version__}",
-}
-"""Sources of the table's numbers, for its metadata."""
 
 _AP = (0, 2, 3, 4, 5, 6, 7, 9, 12, 15, 18, 22, 27, 32, 39, 48, 56, 67, 80, 94, 111, 132, 154, 179, 207, 236)
 _AP_OF_THIRDS = np.array([*_AP, 300, 400], float)
@@ -39,6 +31,20 @@ _UNIX_DAY = 40587
 
 _RUN_UP = 20
 """Intervals of ap that the model needs: those of 57 hours before, and the one at the time."""
+
+
+def sources() -> dict[str, str]:
+    """Return the sources of the table's numbers, for its metadata."""
+    return {
+        "model": "NRLMSIS 2.1 (Emmert et al. 2022, JGR Space Physics 127, e2022JA030896)",
+        "code": f"pymsis {version('pymsis')}",
+    }
+
+
+def check_installed() -> None:
+    """Raise InputError where the model's code is missing: its terms are not opml's, so it is an extra."""
+    if find_spec("pymsis") is None:
+        raise InputError("expected the package pymsis, got none: pip install 'opml-orbits[nrlmsis]'")
 
 
 def tabulate(source: str | Path, epoch: str, t: np.ndarray) -> pd.DataFrame:
@@ -97,6 +103,10 @@ def densities(
     altitude: altitudes [m] (WGS84)
     figures: (9,) inputs as from `weather`
     """
+    import pymsis
+
+    # Its compiled code takes letters beyond ASCII in the path of its parameters as bytes alone.
+    pymsis.msis._MSIS_PARAMETER_PATH = os.fsencode(pymsis.msis._MSIS_PARAMETER_PATH)
     moment = np.datetime64(round(clock * DAY * 1e3), "ms")
     flux, mean, *ap = figures
     output = pymsis.calculate(

@@ -6,11 +6,11 @@ Nodes are hourly and interpolated linearly, so that a step of Kp becomes a ramp 
 The 81-day mean is centred: it looks 40 days ahead. The weather as known on a day is in `knowledge`.
 """
 
+import logging
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from datetime import date
-from itertools import takewhile
 from operator import itemgetter
 from pathlib import Path
 
@@ -33,6 +33,14 @@ _TEXT_DAILY = ("OBSERVED", "DAILY_PREDICTED")
 # FORMAT(I4,I3,I3,I5,I3,8I3,I4,8I4,I4,F4.1,I2,I4,F6.1,I2,5F6.1): the flux as observed is the fourth of six.
 _TEXT_COLUMNS = [slice(18 + 3 * k, 21 + 3 * k) for k in range(8)] + [slice(112, 118), slice(118, 124)]
 
+_KP_AS_PRINTED = frozenset(round(10.0 * third / 3.0) for third in range(28))
+_LEAST_FLUX, _MOST_FLUX = 40.0, 1000.0
+"""What the Sun can do [sfu]; 53.5 and 938.6 were printed since 1957."""
+
+_BEFORE, _BURST = 5, 1.7  # days before a flux, and the multiple of their median from which it is a burst
+_CENTRED = 81  # days of the centred mean
+_MOST_TOLD = 5
+
 INTERVALS = 8
 """Intervals of Kp in a day."""
 
@@ -52,6 +60,8 @@ of a file from 2016-07-01 on, of the first runs of the paper's case.
 ROUNDING = 1e-8
 """Part of a day [d] by which rounding may move an epoch from a whole hour."""
 
+
+_log = logging.getLogger(__name__)
 
 _Row = tuple[int, str, list[str], bool]
 """Line, date and figures of a day, and whether the day was measured."""
@@ -75,10 +85,12 @@ def read(path: str | Path, text: str) -> pd.DataFrame:
     """
     rows = _text_rows if _TEXT_TITLE in text else _csv_rows
     days: list[list[float]] = []
-    for line, date_text, figures, _ in rows(text.splitlines()):
-        if not all(map(str.strip, figures[: len(KP)])):
+    listed = rows(text.splitlines())
+    for line, date_text, figures, is_measured in listed:
+        if not _has_kp(figures):
+            _check_ends(path, line, "eight Kp", listed)
             break
-        days.append(_day(path, line, date_text, figures))
+        days.append(_day(path, line, date_text, figures, is_measured))
         if len(days) > 1 and days[-1][0] != days[-2][0] + 1:
             expected, got = (epochs.calendar(mjd) for mjd in (days[-2][0] + 1, days[-1][0]))
             raise InputError(f"{path}: line {line}: expected the day {expected}, got {got}")
@@ -87,13 +99,53 @@ def read(path: str | Path, text: str) -> pd.DataFrame:
     weather = pd.DataFrame(days, columns=["mjd", *_FIGURES]).set_index("mjd")
     # Files print a third of Kp as ten times its value, rounded: 3, 7, 10.
     weather[KP] = np.round(0.3 * weather[KP]) / 3.0
-    return weather
+    return _without_bursts(path, weather)
 
 
-def observed_days(text: str) -> int:
-    """Return how many of the days of `read` were measured; the days after them are predicted."""
+def _without_bursts(path: str | Path, weather: pd.DataFrame) -> pd.DataFrame:
+    """Return the weather without bursts of the Sun in the hour of a measurement, which no atmosphere follows.
+
+    A flux far above the median of the days before it gives way to that median, in the centred mean as well.
+    No flux after it matters, as none was known then.
+    """
+    flux = weather["F10.7_OBS"]
+    usual = flux.rolling(_BEFORE).median().shift()
+    bursts = flux > _BURST * usual
+    if bursts.any():
+        days = ", ".join(epochs.calendar(mjd) for mjd in weather.index[bursts][-_MOST_TOLD:])
+        _log.info("%s: fluxes replaced that are bursts: %d, the last on %s", path, bursts.sum(), days)
+    excess = (flux - usual).where(bursts, 0.0)
+    mean = excess.rolling(_CENTRED, center=True, min_periods=1).sum() / _CENTRED
+    cleaned = {"F10.7_OBS": flux - excess, "F10.7_OBS_CENTER81": weather["F10.7_OBS_CENTER81"] - mean}
+    return weather.assign(**cleaned)
+
+
+def observed_days(path: str | Path, text: str) -> int:
+    """Return how many of the days of `read` were measured; the days after them are predicted.
+
+    path, text: as in `read`
+
+    Raises InputError for a predicted day before a measured one.
+    """
     rows = _text_rows if _TEXT_TITLE in text else _csv_rows
-    return sum(1 for _ in takewhile(itemgetter(3), rows(text.splitlines())))
+    listed, count = rows(text.splitlines()), 0
+    for line, _, _, is_measured in listed:
+        if not is_measured:
+            _check_ends(path, line, "a measured day", listed)
+            break
+        count += 1
+    return count
+
+
+def _has_kp(figures: list[str]) -> bool:
+    return all(map(str.strip, figures[: len(KP)]))
+
+
+def _check_ends(path: str | Path, line: int, expected: str, later: Iterable[_Row]) -> None:
+    """Raise InputError for a line where measurements seem to end, but later days were measured."""
+    after = next((n for n, _, figures, is_measured in later if is_measured and _has_kp(figures)), None)
+    if after is not None:
+        raise InputError(f"{path}: line {line}: expected {expected}, as line {after} has, got none")
 
 
 def reach(weather: pd.DataFrame) -> tuple[str, str]:
@@ -191,8 +243,11 @@ def _text_rows(lines: list[str]) -> Iterator[_Row]:
             yield number, "-".join(line[:10].split()), figures, section == _TEXT_DAILY[0]
 
 
-def _day(path: str | Path, line: int, day: str, figures: list[str]) -> list[float]:
-    """Return the modified Julian day and the figures of a row. Raises InputError for a malformed one."""
+def _day(path: str | Path, line: int, day: str, figures: list[str], is_measured: bool) -> list[float]:
+    """Return the modified Julian day and the figures of a row.
+
+    Raises InputError for a malformed one, and for figures that cannot be.
+    """
     try:
         mjd = date.fromisoformat(day).toordinal() - date(1858, 11, 17).toordinal()
         values = list(map(float, figures))
@@ -201,4 +256,12 @@ def _day(path: str | Path, line: int, day: str, figures: list[str]) -> list[floa
     if not all(map(math.isfinite, values)):
         got = " ".join([day, *map(str.strip, figures)])
         raise InputError(f"{path}: line {line}: expected a date, eight Kp and two fluxes, got '{got}'")
+    kp, fluxes = values[: len(KP)], values[len(KP) :]
+    if not all(value in _KP_AS_PRINTED or (not is_measured and 0.0 <= value <= 90.0) for value in kp):
+        got = " ".join(map(str.strip, figures[: len(KP)]))
+        raise InputError(f"{path}: line {line}: expected ten times Kp in thirds from 0 to 90, got {got}")
+    if not all(_LEAST_FLUX <= value <= _MOST_FLUX for value in fluxes):
+        got = " and ".join(map(str.strip, figures[len(KP) :]))
+        expected = f"two fluxes of {_LEAST_FLUX:g} to {_MOST_FLUX:g} sfu"
+        raise InputError(f"{path}: line {line}: expected {expected}, got {got}")
     return [mjd, *values]

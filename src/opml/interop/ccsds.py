@@ -6,9 +6,10 @@ Source: CCSDS 502.0-B-2 (orbit data messages), 503.0-B-2 (tracking data message)
 """
 
 import math
+import os
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from datetime import date, datetime, timedelta
+from datetime import UTC, date, datetime, timedelta
 from decimal import Context, Decimal
 
 import erfa
@@ -84,10 +85,13 @@ class Message:
             raise self.error(text, self.peek())
         self.take()
 
-    def skip_header(self) -> None:
-        """Pass the lines before the first segment. Raises InputError for a line that is no pair."""
+    def header(self) -> "Pairs":
+        """Return the pairs before the first segment. Raises InputError for a line that is no pair."""
+        values = {}
         while self.peek() not in ("", "META_START"):
-            self.pair()
+            number, key, value = self.pair()
+            values[key] = number, value
+        return Pairs(self, values, self.number)
 
     def skip(self, first: str, last: str) -> None:
         """Pass the lines from `first` to `last`, where the next is `first`. Raises InputError at the end."""
@@ -240,14 +244,31 @@ def utc_texts(epoch: str, t: np.ndarray) -> list[str]:
     return [f"{y:04d}-{mo:02d}-{d:02d}T{h:02d}:{mi:02d}:{s:02d}.{f:06d}" for y, mo, d, h, mi, s, f in rows]
 
 
-def header(version_key: str, epoch: str) -> list[str]:
-    """Return the first lines of a message; its date is the run's epoch, so that runs repeat byte for byte."""
+def header(version_key: str, epoch: str, newest: float) -> list[str]:
+    """Return the first lines of a message; version_key, and the others as in `creation_date`."""
     return [
         f"{version_key} = 2.0",
-        "COMMENT The creation date is the epoch of the simulation.",
-        f"CREATION_DATE = {utc_texts(epoch, np.zeros(1))[0]}",
+        "COMMENT The creation date is that of the newest input.",
+        f"CREATION_DATE = {creation_date(epoch, newest)}",
         f"ORIGINATOR = OPML {__version__}",
     ]
+
+
+def creation_date(epoch: str, newest: float) -> str:
+    """Return the date of a message, which is no clock's, so that runs repeat byte for byte.
+
+    epoch: UTC text
+    newest: time of the newest of what the message is made from [s since `epoch`]
+
+    The variable SOURCE_DATE_EPOCH of the environment [s since 1970] comes before it. Raises InputError where
+    that is no number. Source: reproducible-builds.org, SOURCE_DATE_EPOCH.
+    """
+    if (text := os.environ.get("SOURCE_DATE_EPOCH")) is None:
+        return utc_texts(epoch, np.array([newest]))[0]
+    try:
+        return datetime.fromtimestamp(int(text), UTC).replace(tzinfo=None).isoformat(timespec="microseconds")
+    except (OSError, OverflowError, ValueError):
+        raise InputError(f"SOURCE_DATE_EPOCH: expected seconds since 1970, got {text}") from None
 
 
 def write(path: FilePath, lines: Iterable[str]) -> None:

@@ -30,7 +30,16 @@ _UTC = ("3", "4", "7")
 """Time scales of a station that are UTC: of the observatory, of GPS, of the BIPM."""
 
 _TWO_WAY = "2"
+_QUALITY, _POOR = 21, "2"  # word of H4 that tells the quality
 _SENT, _BOUNCED, _RECEIVED = "2", "1", "0"
+_WEATHER = (
+    (400.0, 1100.0, "a pressure [hPa]"),
+    (200.0, 340.0, "a temperature [K]"),
+    (0.0, 100.0, "a humidity [%]"),
+)
+"""What the weather of a station can be."""
+
+_LIGHT = (300.0, 2000.0)  # wavelengths of lasers [nm]
 _PASSED_OVER = re.compile(r"00|10|12|21|30|4[0-2]|5[0-1]|60|9\d|C[1-7]|H5|H9")
 _Row = tuple[int, list[str]]  # line and words
 _log = logging.getLogger(__name__)
@@ -44,6 +53,12 @@ class _Pass:
     wavelengths: dict[str, _Row] = field(default_factory=dict)
     points: list[_Row] = field(default_factory=list)
     weather: list[_Row] = field(default_factory=list)
+
+    @property
+    def is_poor(self) -> bool:
+        """Whether the station itself calls the data poor."""
+        words = self.head["H4"][1]
+        return len(words) > _QUALITY and words[_QUALITY] == _POOR
 
 
 def read(paths: Sequence[FilePath], *, epoch: str, satellite: str | None = None) -> pd.DataFrame:
@@ -59,13 +74,16 @@ def read(paths: Sequence[FilePath], *, epoch: str, satellite: str | None = None)
     that was released again, the newest release counts.
 
     Raises InputError, naming file and line, for a malformed or truncated file, another satellite, and data
-    that are no ranges there and back by UTC, or are without refraction or to the centre of mass.
+    that are no ranges there and back by UTC, are without refraction, to the centre of mass or with the
+    station's delay, and weather that cannot be. Passes that their station calls poor are left out and logged.
     """
     tables = []
     for path in paths:
         for one in _passes(path, satellite):
             satellite = satellite or one.head["H3"][1][1]
-            if one.points:
+            if one.is_poor:
+                _log.warning("%s: line %d: a pass of poor quality is left out", path, one.head["H4"][0])
+            elif one.points:
                 tables.append(_points(path, one, epoch))
     if not tables:
         raise InputError(f"{paths[0]}: expected normal points, got none")
@@ -149,7 +167,12 @@ def _check_head(path: FilePath, head: dict[str, _Row], satellite: str | None) ->
     choose_satellite(path, [head["H3"][1][1:5]], satellite)
     if len(last) < 21:
         raise line_error(path, number, "H4 with times and flags", " ".join(last))
-    for word, wanted, what in ((15, "0", "refraction"), (16, "0", "centre of mass"), (20, _TWO_WAY, "ways")):
+    for word, wanted, what in (
+        (15, "0", "refraction"),
+        (16, "0", "centre of mass"),
+        (18, "1", "the station's delay"),
+        (20, _TWO_WAY, "ways"),
+    ):
         if last[word] != wanted:
             raise line_error(path, number, f"{wanted} for {what}", last[word])
 
@@ -222,7 +245,10 @@ def _wavelengths(path: FilePath, one: _Pass) -> np.ndarray:
         if words[3] not in one.wavelengths:
             raise line_error(path, number, f"a record C0 of {words[3]} in the pass", "none")
         line, setup = one.wavelengths[words[3]]
-        found.append(numbers(path, np.array([[setup[2]]]), np.array([line]))[0, 0] * _NANO)
+        length = numbers(path, np.array([[setup[2]]]), np.array([line]))[0, 0]
+        if not _LIGHT[0] <= length <= _LIGHT[1]:
+            raise line_error(path, line, f"a wavelength of {_LIGHT[0]:g} to {_LIGHT[1]:g} nm", setup[2])
+        found.append(length * _NANO)
     return np.array(found)
 
 
@@ -232,6 +258,10 @@ def _weather(path: FilePath, one: _Pass, seconds: np.ndarray) -> dict[str, np.nd
         raise line_error(path, one.points[0][0], "a record 20 of the weather in the pass", "none")
     lines = np.array([number for number, _ in one.weather])
     values = numbers(path, np.array([words[1:5] for _, words in one.weather]), lines)
+    for (number, words), row in zip(one.weather, values[:, 1:], strict=True):
+        for value, word, (low, high, what) in zip(row, words[2:5], _WEATHER, strict=True):
+            if not low <= value <= high:
+                raise line_error(path, number, f"{what} of {low:g} to {high:g}", word)
     at = _since_midnight(path, one, values[:, 0])
     order = np.argsort(at, kind="stable")
     units = {"pressure": _HECTO, "temperature": 1.0, "humidity": _PERCENT}

@@ -31,9 +31,9 @@ def _lines(segment: Segment, epoch: str, comment: str) -> Iterator[str]:
     times = ccsds.utc_texts(epoch, segment.t)
     (zero,) = ccsds.utc_texts(epoch, np.zeros(1))
     yield "CCSDS_OCM_VERS = 3.0"
-    yield "COMMENT The creation date is the epoch of the run."
+    yield "COMMENT The creation date is that of the newest input."
     yield from [f"COMMENT {comment}"] if comment else []
-    yield f"CREATION_DATE = {zero}"
+    yield f"CREATION_DATE = {ccsds.creation_date(epoch, segment.newest)}"
     yield f"ORIGINATOR = OPML {__version__}"
     yield ""
     yield "META_START"

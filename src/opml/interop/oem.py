@@ -8,7 +8,7 @@ Source: CCSDS 502.0-B-2, section 5.
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 
 import numpy as np
@@ -52,6 +52,8 @@ class Segment:
     covariance_frame: GCRF, or RSW of the states
     remark: comment in the metadata
     degree: of the Hermite interpolation of the states; 0 leaves it open
+    object_id: international designator or catalogue number; '' where the name is all
+    known: when the newest was known that it is made from [s since the epoch]; None: its first state
     """
 
     name: str
@@ -62,11 +64,19 @@ class Segment:
     covariance_frame: str = "GCRF"
     remark: str = ""
     degree: int = 0
+    object_id: str = ""
+    known: float | None = None
+
+    @property
+    def newest(self) -> float:
+        """When the newest was known that the segment is made from [s since the epoch]."""
+        return float(self.t[0]) if self.known is None else self.known
 
 
 def truth_segments(truth: pd.DataFrame, *, rso: str) -> list[Segment]:
     """Return the segment of a table `truth`."""
-    return [Segment(rso, truth["t"].to_numpy(), truth[STATE].to_numpy(), remark="true orbit")]
+    t = truth["t"].to_numpy()
+    return [Segment(rso, t, truth[STATE].to_numpy(), remark="true orbit", known=t[-1])]
 
 
 def estimate_segments(estimates: pd.DataFrame, *, rso: str) -> list[Segment]:
@@ -78,7 +88,7 @@ def estimate_segments(estimates: pd.DataFrame, *, rso: str) -> list[Segment]:
     if usable.empty:
         raise none_converged(rso, [estimates])
     t, remark = usable["t"].to_numpy(), "estimates at the starts of tracks, not for interpolation"
-    return [Segment(rso, t, usable[STATE].to_numpy(), t, _matrices(usable), remark=remark)]
+    return [Segment(rso, t, usable[STATE].to_numpy(), t, _matrices(usable), remark=remark, known=t[-1])]
 
 
 def prediction_segments(predictions: pd.DataFrame, *, rso: str) -> list[Segment]:
@@ -100,9 +110,13 @@ def prediction_segments(predictions: pd.DataFrame, *, rso: str) -> list[Segment]
     ]
 
 
-def corrected_segments(corrected: pd.DataFrame, *, rso: str) -> list[Segment]:
-    """Return the segments of a table `corrected`, one per estimate, with a covariance every ten minutes."""
-    return _ephemeris_segments(corrected, rso, "corrected prediction")
+def corrected_segments(corrected: pd.DataFrame, *, rso: str, object_id: str = "") -> list[Segment]:
+    """Return the segments of a table `corrected`, one per estimate, with a covariance every ten minutes.
+
+    rso: its name; object_id: as in `Segment`
+    """
+    segments = _ephemeris_segments(corrected, rso, "corrected prediction")
+    return [replace(segment, object_id=object_id) for segment in segments]
 
 
 def forecast_segments(forecast: pd.DataFrame, *, rso: str) -> list[Segment]:
@@ -200,16 +214,18 @@ def read(path: FilePath, *, epoch: str) -> list[Segment]:
 
     epoch: UTC text from which times count
 
-    The message may use the time systems of `ccsds.SCALES` and the frames of `ccsds.FRAMES`. Accelerations
-    are ignored. Raises InputError, naming file and line, for a malformed message, one that is not centred on
-    Earth, another frame, times that do not ascend and negative variances.
+    The message may use the time systems of `ccsds.SCALES` and the frames of `ccsds.FRAMES`. States outside
+    the useable times are left out, accelerations are ignored. Raises InputError, naming file and line, for a
+    malformed message, one that is not centred on Earth, another frame, times that do not ascend and negative
+    variances.
     """
     message = _open(path)
-    message.skip_header()
+    header = message.header()
     segments = [_segment(message, epoch)]
     while message.peek():
         segments.append(_segment(message, epoch))
-    return segments
+    known = header.time("CREATION_DATE", segments[0].newest, epoch=epoch, scale="UTC")
+    return [replace(segment, known=known) for segment in segments]
 
 
 def matches(content: bytes) -> bool:
@@ -228,7 +244,7 @@ def arcs(path: FilePath, *, epoch: str, satellite: str | None = None) -> list[Ar
     not centred on Earth and another frame.
     """
     message = _open(path)
-    message.skip_header()
+    message.header()
     named_arcs = [_named_arc(message, epoch)]
     while message.peek():
         named_arcs.append(_named_arc(message, epoch))
@@ -248,7 +264,7 @@ def _matrices(table: pd.DataFrame) -> np.ndarray:
 
 
 def _lines(segments: Sequence[Segment], epoch: str, comment: str) -> Iterator[str]:
-    version, *rest = ccsds.header(_KEY, epoch)
+    version, *rest = ccsds.header(_KEY, epoch, max(segment.newest for segment in segments))
     yield from (version, *([f"COMMENT {comment}"] if comment else []), *rest)
     for segment in segments:
         times = ccsds.utc_texts(epoch, segment.t)
@@ -257,7 +273,7 @@ def _lines(segments: Sequence[Segment], epoch: str, comment: str) -> Iterator[st
         if segment.remark:
             yield f"COMMENT {segment.remark}"
         yield f"OBJECT_NAME = {segment.name}"
-        yield f"OBJECT_ID = {segment.name}"
+        yield f"OBJECT_ID = {segment.object_id or segment.name}"
         yield "CENTER_NAME = EARTH"
         yield "REF_FRAME = GCRF"
         yield "TIME_SYSTEM = UTC"
@@ -299,13 +315,17 @@ def _segment(message: ccsds.Message, epoch: str) -> Segment:
     covariance_t, covariances, covariance_frame = _covariances(message, frame, scale, epoch)
     t = message.times(times, lines, epoch=epoch, scale=scale)
     check_ascending(message.path, t, np.array(lines))
+    useable = _useable(metadata, t, epoch, scale)
+    if not useable.any():
+        raise message.error("states within the useable times", "none", lines[0])
     return Segment(
         name=metadata.text("OBJECT_NAME"),
-        t=t,
-        states=_numbers(message, lines, texts) @ _state_rotation(frame).T,
+        t=t[useable],
+        states=(_numbers(message, lines, texts) @ _state_rotation(frame).T)[useable],
         covariance_t=covariance_t,
         covariances=covariances,
         covariance_frame=covariance_frame,
+        object_id=metadata.text("OBJECT_ID", ""),
     )
 
 
@@ -323,8 +343,7 @@ def _named_arc(message: ccsds.Message, epoch: str) -> tuple[tuple[str, str], Arc
     check_ascending(message.path, t, np.array(lines))
     if t[-1] < metadata.time("STOP_TIME", t[-1], epoch=epoch, scale=scale) - MOST_APART:
         raise message.error(f"states up to STOP_TIME = {metadata.text('STOP_TIME')}", times[-1], lines[-1])
-    useable = t >= metadata.time("USEABLE_START_TIME", t[0], epoch=epoch, scale=scale)
-    useable &= t <= metadata.time("USEABLE_STOP_TIME", t[-1], epoch=epoch, scale=scale)
+    useable = _useable(metadata, t, epoch, scale)
     states = _numbers(message, lines, texts)[useable]
     name = metadata.text("OBJECT_NAME")
     arc = Arc(
@@ -339,6 +358,13 @@ def _named_arc(message: ccsds.Message, epoch: str) -> tuple[tuple[str, str], Arc
         lines=np.array(lines)[useable],
     )
     return (name, metadata.text("OBJECT_ID", name)), arc
+
+
+def _useable(metadata: ccsds.Pairs, t: np.ndarray, epoch: str, scale: str) -> np.ndarray:
+    """Return which times (n,) [s] of a segment's states are within its useable times."""
+    begin = metadata.time("USEABLE_START_TIME", t[0], epoch=epoch, scale=scale)
+    end = metadata.time("USEABLE_STOP_TIME", t[-1], epoch=epoch, scale=scale)
+    return np.asarray((begin <= t) & (t <= end))
 
 
 def _state_texts(message: ccsds.Message) -> tuple[list[int], list[str], list[list[str]]]:
@@ -380,11 +406,11 @@ def _covariances(
                 raise message.error("EPOCH = time", f"{key} = {value}", number)
             numbers.append(number)
             times.append(value)
-            frame = _covariance_frame(message, frame)
-            frames.add(_RSW if frame == _RSW else "GCRF")
+            own = _covariance_frame(message, frame)
+            frames.add(_RSW if own == _RSW else "GCRF")
             if len(frames) > 1:
-                raise message.error("one COV_REF_FRAME for all covariances of a segment", frame, number)
-            turn = np.eye(6) if frame == _RSW else _state_rotation(frame)
+                raise message.error("one COV_REF_FRAME for all covariances of a segment", own, number)
+            turn = np.eye(6) if own == _RSW else _state_rotation(own)
             covariances.append(turn @ _covariance(message) @ turn.T)
         message.take()
     shape = (len(covariances), 6, 6)

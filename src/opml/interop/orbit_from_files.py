@@ -4,7 +4,7 @@ It needs no dynamics, so that a plan can check files of orbits without loading c
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -30,12 +30,14 @@ class OrbitFiles:
     epoch: of the run, UTC text
     duration: of the run [s]
     satellite: name or id in the files; None: the files have only one
+    positions_alone: whether velocities are passed over, as where they are in another unit
     """
 
     paths: Sequence[FilePath]
     epoch: str
     duration: float
     satellite: str | None = None
+    positions_alone: bool = False
 
 
 def check(files: OrbitFiles) -> None:
@@ -73,6 +75,8 @@ def whole_arcs(files: OrbitFiles) -> list[Arc]:
             raise InputError(f"{path}: expected the format of {files.paths[0]}, got another")
         arcs += read(path, content, epoch=files.epoch, satellite=files.satellite)
     check_together(arcs)
+    if files.positions_alone:
+        arcs = [replace(arc, velocities=np.full_like(arc.velocities, np.nan)) for arc in arcs]
     return sorted(arcs, key=lambda arc: float(arc.t[0]))
 
 

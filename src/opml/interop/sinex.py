@@ -28,29 +28,29 @@ _Row = tuple[int, list[str], str]  # line, words and text
 
 
 def read_coordinates(path: FilePath) -> pd.DataFrame:
-    """Read the solutions of stations: a row for each station and span of time.
+    """Read the solutions of stations: a row for each point of a station and span of time.
 
-    Columns: station, its code; begin and end of the span, and reference, dates to the second (NaT where
-    open); x, y, z [m] at the reference in ITRF; vx, vy, vz [m/s]. Raises InputError, naming file and line,
-    for a malformed file or a solution that lacks a coordinate.
+    Columns: station, its code; point, of its site; begin and end of the span, and reference, dates to the
+    second (NaT where open); x, y, z [m] at the reference in ITRF; vx, vy, vz [m/s]. Raises InputError, naming
+    file and line, for a malformed file or a solution that lacks a coordinate.
     """
     spans = {
-        (words[0], words[2]): (_date(path, line, words[4]), _date(path, line, words[5]))
+        tuple(words[:3]): (_date(path, line, words[4]), _date(path, line, words[5]))
         for line, words, _ in _block(path, "SOLUTION/EPOCHS", 7)
     }
-    solutions: dict[tuple[str, str], dict[str, Any]] = {}
+    solutions: dict[tuple[str, ...], dict[str, Any]] = {}
     for line, words, _ in _block(path, "SOLUTION/ESTIMATE", 9):
         if words[1] not in _COORDINATES:
             continue
-        name, key = _COORDINATES[words[1]], (words[2], words[4])
+        name, key = _COORDINATES[words[1]], tuple(words[2:5])
         if words[6] != _UNITS[name]:
             raise line_error(path, line, f"{words[1]} in {_UNITS[name]}", words[6])
         begin, end = spans.get(key, (pd.NaT, pd.NaT))
-        row = solutions.setdefault(key, {"station": words[2], "begin": begin, "end": end})
+        row = solutions.setdefault(key, {"station": words[2], "point": words[3], "begin": begin, "end": end})
         row["reference"] = _date(path, line, words[5])
         value = float(numbers(path, np.array([[words[8]]]), np.array([line]))[0, 0])
         row[name] = value / _YEAR if name.startswith("v") else value
-    return _table(path, solutions.values(), ["station", "begin", "end", "reference", *_UNITS])
+    return _table(path, solutions.values(), ["station", "point", "begin", "end", "reference", *_UNITS])
 
 
 def read_eccentricities(path: FilePath) -> pd.DataFrame:

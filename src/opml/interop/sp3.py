@@ -4,6 +4,7 @@ Positions are in km, velocities in dm/s, both in a realisation of the ITRF. Colu
 Source: Hilla 2010, The Extended Standard Product 3 Orbit Format (SP3-c); Hilla 2016, the same for SP3-d.
 """
 
+import logging
 import re
 from dataclasses import dataclass
 
@@ -30,7 +31,11 @@ _TERRESTRIAL = re.compile(r"ITR|IG[SbR]|SLR|WGS|ECF|DPOD", re.IGNORECASE)
 _FIELDS = ((3, 7), (8, 10), (11, 13), (14, 16), (17, 19), (20, 31))  # year to second of an epoch
 _AXES = ((4, 18), (18, 32), (32, 46))
 _KILOMETRE, _DECIMETRE = 1e3, 1e-1
+_MANOEUVRE, _PREDICTED = 78, 79  # columns of flags of a position
 _ABSENT = 999999.0  # numbers from here on mark an absent vector, as three zeros do
+
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -54,7 +59,8 @@ def read(path: FilePath, content: bytes, *, epoch: str, satellite: str | None = 
     epoch: UTC text from which times count
     satellite: id, such as L47; None: the file has only one
 
-    Positions marked as bad or absent are left out. Raises InputError, naming the line, for a malformed or
+    Positions marked as bad, absent or predicted are left out, those predicted are counted in the log, as are
+    marks of manoeuvres, which are looked for anyway. Raises InputError, naming the line, for a malformed or
     truncated file, another frame and another time system.
     """
     lines = content.splitlines()
@@ -66,9 +72,16 @@ def read(path: FilePath, content: bytes, *, epoch: str, satellite: str | None = 
     positions, position_lines = _vectors(path, rows, f"P{name}", epoch_rows)
     velocities, _ = _vectors(path, rows, f"V{name}", epoch_rows)
     known = np.isfinite(positions[:, 0])
+    predicted = known & (_flags(rows, position_lines, _PREDICTED) == b"P")
+    if predicted.any():
+        _log.warning("%s: predicted positions left out: %d", path, predicted.sum())
+        known &= ~predicted
+    if burns := int((_flags(rows, position_lines, _MANOEUVRE) == b"M").sum()):
+        _log.warning("%s: positions marked as after a manoeuvre: %d", path, burns)
     if not known.any():
         message = (
-            f"{path}: expected a position of {name}, got none: those at 0 or beyond 999999 km are absent"
+            f"{path}: expected a position of {name}, got none: those at 0 or beyond 999999 km are absent, "
+            "and predicted ones do not count"
         )
         raise InputError(message)
     return [
@@ -161,6 +174,11 @@ def _vectors(
     vectors, lines = np.full((len(epoch_rows), 3), np.nan), np.zeros(len(epoch_rows), int)
     vectors[epoch], lines[epoch] = values, index + 1
     return vectors, lines
+
+
+def _flags(rows: np.ndarray, lines: np.ndarray, column: int) -> np.ndarray:
+    """Return the flags (n,) in a column of the rows at lines (n,), counted from 1."""
+    return _column(rows[lines - 1], column, column + 1)
 
 
 def _row_error(path: FilePath, rows: np.ndarray, index: int, expected: str) -> InputError:

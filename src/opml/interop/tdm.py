@@ -5,6 +5,7 @@ kinds. The reader takes messages of any software; the station is the participant
 in the path. Range and rate of a path there and back are half of the whole. Source: CCSDS 503.0-B-2.
 """
 
+import logging
 import math
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -42,6 +43,12 @@ _PASSED_OVER = re.compile(
     r"|VLBI_DELAY"
 )
 """Types of data that the estimation does not use."""
+
+_DELAYS = (*(f"{end}_DELAY_{k}" for end in ("TRANSMIT", "RECEIVE") for k in range(1, 6)), "RANGE_MODULUS")
+_ABERRATIONS = ("CORRECTION_ABERRATION_YEARLY", "CORRECTION_ABERRATION_DIURNAL")
+_DEGRADED = "DEGRADED"
+_QUALITIES = ("RAW", "VALIDATED", _DEGRADED)
+_log = logging.getLogger(__name__)
 
 COLUMNS = ["track", "t", "station", "azimuth", "elevation", "range"]
 """Columns of the table `tracking` in a message, which has no noise-free values."""
@@ -83,13 +90,14 @@ def measurements(paths: Sequence[FilePath], *, epoch: str) -> pd.DataFrame:
     numbered through all files; path and line. What is not measured is NaN.
 
     Raises InputError, naming file and line, for a malformed message, a time that lacks an angle or range
-    that others have, other units and paths, and an RSO or time system that differs from the first.
+    that others have, other units and paths, delays, times of sending, aberration not corrected, and an RSO or
+    time system that differs from the first. Segments of degraded data are left out, and logged.
     """
     segments: list[pd.DataFrame] = []
     numbers = count()
     for path in paths:
         message = ccsds.Message(path, version_key=_KEY, versions=_VERSIONS)
-        message.skip_header()
+        message.header()
         segments.append(_segment(message, epoch, next(numbers)))
         while message.peek():
             segments.append(_segment(message, epoch, next(numbers)))
@@ -104,7 +112,7 @@ def measurements(paths: Sequence[FilePath], *, epoch: str) -> pd.DataFrame:
 
 
 def _lines(tracking: pd.DataFrame, epoch: str, rso: str) -> Iterator[str]:
-    yield from ccsds.header(_KEY, epoch)
+    yield from ccsds.header(_KEY, epoch, float(tracking["t"].max()))
     there_and_back = tracking["two_way"] if "two_way" in tracking else pd.Series(False, tracking.index)
     for (track, station, two_way), rows in tracking.groupby(["track", "station", there_and_back], sort=False):
         around = {"TRACK_ID": track, "PARTICIPANT_1": station, "PARTICIPANT_2": rso}
@@ -163,8 +171,12 @@ def _segment(message: ccsds.Message, epoch: str, number: int) -> pd.DataFrame:
     """Return the measurements of a segment; an empty table where it holds other types of data only."""
     message.expect("META_START")
     metadata = message.pairs("META_STOP")
+    _check_meaning(message, metadata)
     data = _data(message)
     if not data:
+        return pd.DataFrame()
+    if metadata.choice("DATA_QUALITY", _QUALITIES, _QUALITIES[0]) == _DEGRADED:
+        _log.warning("%s: a segment of degraded data is left out", message.path)
         return pd.DataFrame()
     kinds = [kind for kind in _TYPES if any(kind in measured for measured in data.values())]
     station, rso = _participants(metadata)
@@ -189,6 +201,16 @@ def _segment(message: ccsds.Message, epoch: str, number: int) -> pd.DataFrame:
             "line": lines,
         }
     )
+
+
+def _check_meaning(message: ccsds.Message, metadata: ccsds.Pairs) -> None:
+    """Raise InputError where times or values of a segment need what is not done here: they would be off."""
+    metadata.choice("TIMETAG_REF", ("RECEIVE",), "RECEIVE")
+    not_applied = metadata.text("CORRECTIONS_APPLIED", "") != "YES"
+    for key in (*_DELAYS, *(_ABERRATIONS if not_applied else ())):
+        text, number = metadata.text(key, "0"), metadata.line(key)
+        if message.scale(text, 0, number) != 0.0:
+            raise message.error(f"{key} = 0", text, number)
 
 
 def _observables(metadata: ccsds.Pairs, kinds: Sequence[str]) -> list[str]:

@@ -29,6 +29,7 @@ from opml.mornings import days, measured
 from opml.mornings.measured import Source, Span
 from opml.mornings.morning import Model, Plan, Watched
 from opml.mornings.records import DONE
+from opml.mornings.weather_of_day import FIGURES
 from opml.orbits.sheets import Rso, Station
 from opml.tables import SCHEMAS, read_runs, read_table
 
@@ -45,8 +46,8 @@ _log = logging.getLogger(__name__)
 class Surroundings:
     """What all objects of a job fly in: force models as of `morning.Model`, and the stations.
 
-    The models of fits and predictions stand with the parts of them that neighbours fly under, made once: arcs
-    under one model fly together.
+    The weather was seen until `seen_until` [s]. The models of fits and predictions stand with the parts of
+    them that neighbours fly under, made once: arcs under one model fly together.
     """
 
     fits: tuple[ForceModel, ForceModel]
@@ -55,6 +56,7 @@ class Surroundings:
     weathers: Weathers
     orientation: pd.DataFrame
     stations: Sequence[Station]
+    seen_until: float
     propagate: Callable[..., Arcs]
 
     @classmethod
@@ -78,6 +80,7 @@ class Surroundings:
             Weathers.of(flattened, futures),
             read_table(fits["earth_orientation"], "earth_orientation"),
             [Station(**station) for station in settings["stations"]],
+            _last_seen(read_table(fits["solar_activity"], "solar_activity")),
             propagate,
         )
 
@@ -106,6 +109,11 @@ def run(files: Any, settings: Mapping[str, Any], *, metadata: Mapping[str, Any])
             for name, one in settings["objects"].items()
         ]
     )
+
+
+def _last_seen(activity: pd.DataFrame) -> float:
+    """Return until when the weather of a table `solar_activity` was measured [s]."""
+    return float(activity.dropna(subset=list(FIGURES))["t"].max())
 
 
 def _futures(path: FilePath, *, since: float) -> pd.DataFrame:
@@ -185,14 +193,24 @@ def _catch_up(
         span.duration,
         span.epoch,
     )
-    tracking, manoeuvres = measured.read(
+    found = measured.read(
         source,
         span,
         surroundings.stations,
         surroundings.orientation,
         since=days.since(folder, calendar, plan, until),
     )
+    days.check_reached(calendar, until, max(surroundings.seen_until, days.last_known(found.tracking)))
     model = surroundings.model(rso)
-    given = measured.given_state(source, span, rso, tracking, model.predictions.model.gm)
-    watched = Watched(model, plan, tracking, surroundings.stations, manoeuvres, given)
+    given = measured.given_state(source, span, rso, found.tracking, model.predictions.model.gm)
+    watched = Watched(
+        model,
+        plan,
+        found.tracking,
+        surroundings.stations,
+        found.manoeuvres,
+        given,
+        found.object_id,
+        found.sgp4,
+    )
     days.catch_up(folder, watched, calendar, until, metadata=metadata)

@@ -13,10 +13,12 @@ import pandas as pd
 
 from opml.base import epochs
 from opml.base.constants import DAY, HOUR
+from opml.base.errors import InputError
 from opml.interop import ccsds, oem
 from opml.learning.judge.error_sizes import INSIDE, along_track
 from opml.mornings.morning import Left, Plan, Watched, morning
 from opml.mornings.records import DONE, HORIZON, Records
+from opml.mornings.verdict import OLDEST
 
 _log = logging.getLogger(__name__)
 
@@ -70,6 +72,23 @@ def since(folder: Folder, calendar: Calendar, plan: Plan, until: date) -> float:
     return calendar.time(done[-1]) - plan.reach - DAY if done else -np.inf
 
 
+def last_known(tracking: pd.DataFrame) -> float:
+    """Return when the last of what was measured was known [s]."""
+    return float(tracking["t_known" if "t_known" in tracking else "t"].max())
+
+
+def check_reached(calendar: Calendar, until: date, known: float) -> None:
+    """Raise InputError for a date that lies beyond what is known: its morning would be over before its day.
+
+    known: when the last weather or measurement was [s]
+    """
+    if calendar.time(until) > known + OLDEST:
+        (last,) = ccsds.utc_texts(calendar.epoch, np.array([known]))
+        raise InputError(
+            f"expected tracks or weather until {until} or the day before, got none after {last[:16]}"
+        )
+
+
 def catch_up(
     folder: Folder, watched: Watched, calendar: Calendar, until: date, *, metadata: Mapping[str, Any]
 ) -> None:
@@ -88,7 +107,7 @@ def catch_up(
         now = calendar.time(day)
         left = morning(watched, records, now=now)
         records = records.and_then(left.records, since=now - reach)
-        _write(folder, day, left, records, watched.plan, metadata=metadata)
+        _write(folder, day, left, records, watched, metadata=metadata)
         _log.info("%s, %s: %s, %s", folder.rso, day, left.verdict.word, left.verdict.reason)
 
 
@@ -103,12 +122,12 @@ def _missing(done: list[date], watched: Watched, calendar: Calendar, until: date
 
 
 def _write(
-    folder: Folder, day: date, left: Left, records: Records, plan: Plan, *, metadata: Mapping[str, Any]
+    folder: Folder, day: date, left: Left, records: Records, watched: Watched, *, metadata: Mapping[str, Any]
 ) -> None:
     """Write what a morning left: the message first, the records behind it."""
-    place = folder.of_day(day)
+    place, plan = folder.of_day(day), watched.plan
     if left.ephemeris is not None:
-        segments = oem.corrected_segments(left.ephemeris, rso=folder.rso)
+        segments = oem.corrected_segments(left.ephemeris, rso=folder.rso, object_id=watched.object_id)
         oem.write(place / f"{folder.rso}.oem", segments, epoch=plan.epoch, comment=left.basis)
     found = outcome(folder.rso, day, left, plan) | {"past": past(records)}
     left.records.write(place, found, metadata=metadata)

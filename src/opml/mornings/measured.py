@@ -14,6 +14,7 @@ from opml.dynamics import shared_blocks
 from opml.interop import first_state, points_from_files, tdm
 from opml.interop.element_sets import burns_in_sets, histories, measured_sets
 from opml.interop.orbit_from_files import OrbitFiles
+from opml.mornings.beside_sgp4 import Sgp4
 from opml.orbits import manoeuvres
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.orbits.sheets import Rso, Station
@@ -45,10 +46,25 @@ class Span:
     duration: float
 
 
+@dataclass(frozen=True)
+class Found:
+    """What was measured of an object.
+
+    tracking: the table, or `fixes` in its place
+    object_id: what its files tell it by, designator or catalogue number; '' where they do not
+    sgp4: what anybody would have flown, where mean elements were taken
+    """
+
+    tracking: pd.DataFrame
+    manoeuvres: list[Manoeuvre]
+    object_id: str = ""
+    sgp4: Sgp4 | None = None
+
+
 def read(
     source: Source, span: Span, stations: Sequence[Station], orientation: pd.DataFrame, *, since: float
-) -> tuple[pd.DataFrame, list[Manoeuvre]]:
-    """Return what was measured, the table `tracking` or `fixes` in its place, and the manoeuvres.
+) -> Found:
+    """Return what was measured of an object.
 
     since: earlier measurements of tracks are left out [s]
 
@@ -57,23 +73,24 @@ def read(
     known = manoeuvres.at_times(source.manoeuvres, epoch=span.epoch)
     if source.kind == "tracks":
         found = tdm.measurements(source.files, epoch=span.epoch)
-        return measured_tracks.tracks(found[found["t"] >= since], stations), known
+        return Found(measured_tracks.tracks(found[found["t"] >= since], stations), known)
     if source.kind == "fixes":
         points = points_from_files.read(
             OrbitFiles(source.files, span.epoch, span.duration),
             orientation,
             points_from_files.Sampling(source.taking["sigmas"], source.taking["every_s"]),
         )
-        return fixes.stretches(points, length=HOUR * source.taking["stretch_hours"]), known
+        return Found(fixes.stretches(points, length=HOUR * source.taking["stretch_hours"]), known)
     return _of_elements(source, span, known)
 
 
-def _of_elements(source: Source, span: Span, known: list[Manoeuvre]) -> tuple[pd.DataFrame, list[Manoeuvre]]:
-    """Return what mean elements measured, and the manoeuvres with those that they show, if asked for."""
+def _of_elements(source: Source, span: Span, known: list[Manoeuvre]) -> Found:
+    """Return what mean elements measured; the manoeuvres are with those that they show, if asked for."""
     history = histories.read(
         source.files, epoch=span.epoch, leave_out_damaged=source.taking["leave_out_damaged"]
     )
-    sets = measured_sets.of_run(histories.of_object(history.sets, source.taking["number"]), span.duration)
+    ours = histories.of_object(history.sets, source.taking["number"])
+    sets, identity = measured_sets.of_run(ours, span.duration), history.objects[int(ours["number"].iloc[0])]
     known = burns_in_sets.known(sets, known, epoch=span.epoch, find=source.taking["find_manoeuvres"])
     found = measured_sets.measured(
         sets,
@@ -83,7 +100,9 @@ def _of_elements(source: Source, span: Span, known: list[Manoeuvre]) -> tuple[pd
         duration=span.duration,
         manoeuvres=known,
     )
-    return fixes.of_sets(found.epochs, found.points, known=found.known), known
+    tracking = fixes.of_sets(found.epochs, found.points, known=found.known)
+    sgp4 = Sgp4(sets, span.epoch)
+    return Found(tracking, known, identity.designator or str(identity.number), sgp4)
 
 
 def given_state(source: Source, span: Span, rso: Rso, tracking: pd.DataFrame, gm: float) -> TimedState | None:

@@ -28,6 +28,7 @@ from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models import learners
 from opml.mornings import burns_in_tracks, candidates, fits, issued, judged, product, tracks
+from opml.mornings.beside_sgp4 import Sgp4
 from opml.mornings.paths import Paths
 from opml.mornings.records import Records
 from opml.mornings.tracks import Recent
@@ -104,6 +105,8 @@ class Watched:
     stations: of the tracks
     manoeuvres: each counts from when it is known
     given: a state that the very first fits may start from
+    object_id: international designator or catalogue number; '' where unknown
+    sgp4: what anybody would have flown, where mean elements were taken
     """
 
     model: Model
@@ -112,6 +115,8 @@ class Watched:
     stations: Sequence[Station]
     manoeuvres: Sequence[Manoeuvre] = ()
     given: TimedState | None = None
+    object_id: str = ""
+    sgp4: Sgp4 | None = None
 
     def known_by(self, now: float) -> list[Manoeuvre]:
         """Return the manoeuvres that are known by a time [s]."""
@@ -170,6 +175,8 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
     left = replace(left, paths=[Paths(paths)] if is_new else [])
     past = so_far.free(plan.base, watched.known_by(now))
     judgement = verdict(past, starts, now=now, burns=watched.manoeuvres, window=plan.base * HOUR)
+    if watched.sgp4 is not None:
+        judgement = watched.sgp4.beside(judgement, past, so_far.made(plan.base), now=now)
     try:
         flown = issued.chosen(past, list(plan.models), now=now)
         ephemeris = product.ephemeris(paths, flown, step=plan.step)

@@ -7,7 +7,7 @@ from typing import Any
 from opml.mornings.batch import FAILED
 from opml.mornings.records import HORIZON
 from opml.mornings.verdict import DO_NOT_USE, GOOD, WIDE
-from opml.report.document import Block, Heading, Paragraph, Table
+from opml.report.document import Block, Heading, Paragraph, Table, as_it_is
 from opml.report.results import NO_VALUE, length
 
 Outcome = Mapping[str, Any]
@@ -73,7 +73,7 @@ def _row(outcome: Outcome) -> list[str]:
         str(outcome["late"]),
         *errors,
         f"{100.0 * inside / count:.0f} %" if count else NO_VALUE,
-        _why(outcome).replace("|", "/"),
+        as_it_is(_why(outcome)),
     ]
 
 

@@ -123,6 +123,11 @@ _STYLE = (
     "code{background:var(--code);padding:0 .2em;overflow-wrap:anywhere}td code{overflow-wrap:normal}"
 )
 
+_LINK = re.compile(r"\[([^\]]+)\]\((https?://[^)\s]+|(?!//)[^):\s]+)\)")
+"""A link to a page or a place; to nothing that runs."""
+
+_MARKS = str.maketrans({"`": "'", "*": "\u2217", "[": "(", "]": ")", "|": "/"})
+
 _NUMBERS = re.compile(r"-|[-+]?\.?\d[\d.,e+\-]*( %)?( / [-+]?\d[\d.e+\-]*| \([^a-z]+ to [^a-z]+\))?")
 """A cell of a number, of two, or of one with its interval."""
 
@@ -140,6 +145,11 @@ def _markdown(block: Block) -> str:
             return "\n".join(f"| {' | '.join(line)} |" for line in lines)
         case Picture(_, link, shows):
             return f"![{shows}]({link})"
+
+
+def as_it_is(text: str) -> str:
+    """Return a text that somebody else wrote, such as a line of a file, without what would mark it up."""
+    return text.translate(_MARKS)
 
 
 def _html(block: Block) -> str:
@@ -171,5 +181,5 @@ def _row(cells: Sequence[str], tag: str, kinds: Sequence[str]) -> str:
 
 def _inline(text: str) -> str:
     bold = re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", html.escape(text))
-    linked = re.sub(r"\[([^\]]+)\]\(([^)\s]+)\)", r'<a href="\2">\1</a>', bold)
+    linked = _LINK.sub(r'<a href="\2">\1</a>', bold)
     return re.sub(r"`([^`]*)`", r"<code>\1</code>", linked)

@@ -240,11 +240,16 @@ def _check_paths(source: Source, settings: Settings) -> None:
 def _check_orbits(source: Source, settings: Settings) -> None:
     """Look at the orbits that stand in for a truth: their RSO, and whether they fit the run."""
     values = source.values
+    alone = values.get("positions_alone", [])
+    for name in alone:
+        if name not in settings.orbits:
+            raise source.wrong(("positions_alone",), f"expected RSOs that have orbits, got {name}")
     for name, paths in settings.orbits.items():
         with source.naming(("orbits", name)):
             sheets.parse_rso(name, settings.rsos)
+            duration = DAY * values["duration_days"]
             orbit_from_files.check(
-                orbit_from_files.OrbitFiles(paths, values["epoch"], DAY * values["duration_days"])
+                orbit_from_files.OrbitFiles(paths, values["epoch"], duration, positions_alone=name in alone)
             )
 
 

@@ -1,21 +1,25 @@
 """`opml day`: the workflow's page of a day, made and summed up."""
 
 import json
+import math
 import subprocess
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import date
+from datetime import UTC, date, datetime, timedelta
 from pathlib import Path
 
 from opml.base.errors import InputError
 from opml.mornings import batch
 from opml.mornings.verdict import DO_NOT_USE
 from opml.report.day import summary
+from opml.study.checks import load_settings
 from opml.study.settings.merging import merged
 
 ALL_RUN, WORKFLOW_FAILED, OBJECTS_FAILED = 0, 1, 2
 """Exit codes: all mornings were run, the workflow ended with an error, mornings of some objects did."""
+
+_PROJECT = "config/config.yaml"
 
 
 @dataclass(frozen=True)
@@ -39,13 +43,18 @@ class Call:
 def run(call: Call) -> int:
     """Run the workflow and print what became of the objects; return the exit code.
 
-    Mornings that failed are tried again. Raises InputError for settings that ask for no mornings.
+    Mornings that failed are tried again. Raises InputError for settings that ask for no mornings, and as
+    `check_dates` does.
     """
-    values = merged(["config/config.yaml", *call.configfiles]).values
-    if "day" not in values:
+    if not Path(_PROJECT).exists():
+        raise InputError(f"{_PROJECT}: no such file in {Path.cwd()}; `opml init FOLDER` makes a project")
+    source = merged([_PROJECT, *call.configfiles])
+    if "day" not in source.values:
         raise InputError(
             "day: expected a setting `day` that asks for mornings, got none; `day: {}` is enough"
         )
+    values = load_settings(source).values
+    check_dates(call, values["epoch"], values["duration_days"], today=datetime.now(UTC).date())
     dates = [date.fromordinal(k).isoformat() for k in range(call.first.toordinal(), call.day.toordinal() + 1)]
     folders = [Path(values["results"], "days", text) for text in dates]
     if not call.dry:
@@ -60,6 +69,18 @@ def run(call: Call) -> int:
     page = json.loads((folders[-1] / "day.json").read_text(encoding="utf-8"))
     print("\n".join(_lines(page, folders[-1])))
     return OBJECTS_FAILED if page["verdicts"].get(batch.FAILED) else ALL_RUN
+
+
+def check_dates(call: Call, epoch: str, duration_days: float, *, today: date) -> None:
+    """Raise InputError for dates that are no mornings: to come, outside the run, or in the wrong order."""
+    begin = date.fromisoformat(epoch[:10])
+    last = min(today, begin + timedelta(days=math.ceil(duration_days)))
+    for option, day in (("--date", call.day), ("--since", call.first)):
+        if not begin <= day <= last:
+            why = "today" if last == today else "the end of the run"
+            raise InputError(f"{option}: expected a day from {begin} to {last}, {why}, got {day}")
+    if call.first > call.day:
+        raise InputError(f"--since: expected {call.day}, the --date, or a day before it, got {call.first}")
 
 
 def _snakemake(call: Call, pages: Sequence[str]) -> int:

@@ -56,7 +56,9 @@ def _tracking(params: Params, wildcards: Wildcards) -> pd.DataFrame:
     if rso in plan.fixes:
         return _fixes(params, wildcards)
     if rso in plan.orbits:
-        flown, _ = truth_from_orbit.truth(OrbitFiles(plan.orbits[rso], epoch, duration), step=_STEP)
+        alone = rso in plan.values.get("positions_alone", [])
+        files = OrbitFiles(plan.orbits[rso], epoch, duration, positions_alone=alone)
+        flown, _ = truth_from_orbit.truth(files, step=_STEP)
     else:
         orbit = sheets.parse_rso(rso, plan.settings.rsos)
         flown = truth.kepler_orbit(orbit, duration=duration, step=_STEP)

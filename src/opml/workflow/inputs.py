@@ -214,8 +214,8 @@ class Inputs:
         return self._element_sets(wildcards)
 
     def history(self, wildcards: Wildcards) -> _Paths:
-        """Find the history of an RSO's mean elements; none where it is known by other measurements."""
-        return self._element_sets(wildcards) if wildcards.rso in self.plan.elements else []
+        """Find the history of an RSO's mean elements, in a list; empty for other measurements."""
+        return [self._element_sets(wildcards)] if wildcards.rso in self.plan.elements else []
 
     def _element_sets(self, wildcards: Wildcards) -> str:
         return self.plan.product(f"element_sets/{wildcards.rso}").table

@@ -35,6 +35,7 @@ class JobSettings:
     ranging: Values
     history: Values
     light_time: bool
+    positions_alone: bool
     cleaning: Values
     cd: float
     cd_bounds: Sequence[float] | None

@@ -81,7 +81,6 @@ def test_a_slow_encounter_is_not_short():
     ("changes", "expected"),
     [
         ({"radius": 0.0}, "a radius above 0 m, got 0"),
-        ({"speed": 0.0}, "a relative velocity, got none"),
         ({"position": (np.nan, 0.0, 0.0)}, "numbers for position"),
     ],
 )

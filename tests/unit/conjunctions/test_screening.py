@@ -1,16 +1,19 @@
 """Conjunctions between files: OEM with covariances, mean elements, and what the command prints."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from test_approaches import T, built, kepler
 
 from opml import cli
+from opml.base.constants import EARTH_GM
 from opml.base.errors import InputError
-from opml.conjunctions import cdm, screening
+from opml.conjunctions import as_text, cdm, screening
 from opml.conjunctions.screening import EPOCH
 from opml.interop import oem
+from opml.interop.element_sets import element_set, omm
 from opml.orbits.elements import rsw_rotation
 
 COVARIANCE = np.diag(np.square([30.0, 200.0, 10.0, 0.2, 0.03, 0.01]))
@@ -75,6 +78,130 @@ def test_mean_elements_have_no_covariance_and_it_is_said(files, tmp_path, capsys
     assert all("77 without covariance" in line for line in lines)
 
 
+def written(path, name, state, *, identifier="", at=9000.0, edges=(0.0, 18000.0), step=60.0):
+    """An OEM of an ellipse, a segment between each two edges [s]."""
+    spans = [np.arange(begin, end + 1.0, step) for begin, end in pairwise(edges)]
+    segments = [oem.Segment(name, t, kepler(state, at, t), object_id=identifier) for t in spans]
+    oem.write(path, segments, epoch=RUN)
+    return path
+
+
+SPEED = np.sqrt(EARTH_GM / 7e6)
+OURS = np.array([7e6, 0.0, 0.0, 0.0, SPEED, 0.0])
+CROSSING = np.array([7e6 + 20.0, 0.0, 0.0, 0.0, 0.28 * SPEED, 0.96 * SPEED])
+"""A state 20 m above ours, on another plane."""
+
+SLOWER = np.array([7e6 - 300.0, -500.0, 0.0, 0.0, SPEED * (1.0 + 1.5 * 300.0 / 7e6), 0.0])
+"""A state on a lower orbit, which catches up with ours, at its end half a kilometre away."""
+
+ECCENTRIC = np.array([7e6 + 7.0, 0.0, 0.0, 0.0, 0.5 * SPEED * np.sqrt(1.74), 0.87 * SPEED * np.sqrt(1.74)])
+"""A perigee 7 m above ours, of e 0.74."""
+
+FAR_BETWEEN = {"at": 9150.0, "step": 300.0}
+MEETINGS = {
+    "ours in segments": ((OURS, {"edges": (0.0, 6000.0, 18000.0)}), (CROSSING, {}), 20.0),
+    "the other in segments": ((OURS, {}), (CROSSING, {"edges": (0.0, 12000.0, 18000.0)}), 20.0),
+    "at the seam of segments": ((OURS, {"edges": (0.0, 9000.0, 18000.0)}), (CROSSING, {}), 20.0),
+    "a copy": ((OURS, {}), (OURS, {}), 0.0),
+    "closing in as the file ends": ((OURS, {"edges": (0.0, 9000.0)}), (SLOWER, {}), 583.0),
+    "a perigee between states": ((OURS, FAR_BETWEEN), (ECCENTRIC, {"at": 9150.0}), 7.0),
+    "both far between": ((OURS, FAR_BETWEEN), (ECCENTRIC, FAR_BETWEEN), 7.0),
+    "debris": ((OURS, {"identifier": "1999-025AAA"}), (CROSSING, {"identifier": "99025BBB"}), 20.0),
+}
+
+
+@pytest.mark.parametrize("meeting", MEETINGS)
+def test_a_meeting_is_not_missed(meeting, tmp_path):
+    (ours, ours_known), (other, other_known), miss = MEETINGS[meeting]
+    paths = [
+        written(tmp_path / "ours.oem", "DEB", ours, **{"identifier": "2000-001A"} | ours_known),
+        written(tmp_path / "other.oem", "DEB", other, **{"identifier": "2000-001B"} | other_known),
+    ]
+    found = screening.screen(screening.read(paths), within=1e3, radius=20.0)
+    nearest = min(np.linalg.norm(one.relative[:3]) for one in found)
+    assert nearest == pytest.approx(miss, abs=12.0)
+
+
+def test_where_nothing_is_known_beyond_it_is_said(tmp_path):
+    ours = written(tmp_path / "ours.oem", "ours", OURS, edges=(0.0, 9000.0))
+    found = screening.screen(
+        screening.read([ours, written(tmp_path / "b.oem", "b", SLOWER)]), within=1e3, radius=20.0
+    )
+    *_, row = as_text.table(found, epoch=EPOCH).to_dict("records")
+    assert row["remark"] == "nothing known beyond; no covariance"
+    assert row["tca"] == "2023-05-01T02:30:00.000000"
+
+
+def elements(path, *, epoch=RUN, identifier="2001-001A", bstar=0.0):
+    """An OMM of object 77 at 600 km."""
+    motion = 60.0 * np.sqrt(EARTH_GM / 7e6**3)
+    satellite = element_set.satellite(epoch, [motion, 1e-3, 1.0, 1.0, 1.0, 1.0, bstar])
+    omm.write(path, satellite, name="SAT", number=77, epoch=epoch, comment="")
+    path.write_text(path.read_text().replace("OBJECT_ID = SAT", f"OBJECT_ID = {identifier}"))
+    return path
+
+
+def test_our_own_elements_are_not_held_against_us_and_it_is_said(tmp_path, caplog):
+    ours = written(tmp_path / "ours.oem", "ISS", OURS, identifier="2001-001-A")
+    other = written(tmp_path / "other.oem", "b", CROSSING)
+    found = screening.screen(
+        screening.read([ours, other, elements(tmp_path / "own.omm")]), within=1.5e7, radius=20.0
+    )
+    assert {one.second.identity.name for one in found} == {"b"}
+    assert caplog.messages == ["own.omm: SAT (77, 2001-001A) is ours itself"]
+
+
+def test_elements_in_the_first_place_are_ours(files, tmp_path):
+    found = screening.screen(
+        screening.read([elements(tmp_path / "own.omm"), *files[0]]), within=1.5e7, radius=20.0
+    )
+    assert {one.first.identity.name for one in found} == {"SAT"}
+    assert {one.second.identity.name for one in found} == {"ours", "other"}
+
+
+AGES = {
+    "2023-04-29T00:00:00": [],
+    "2023-04-20T00:00:00": ["elements of SAT 11 d old"],
+    "2023-05-12T00:00:00": ["elements of SAT 11 d ahead"],
+}
+
+
+@pytest.mark.parametrize("epoch", AGES)
+def test_the_age_of_elements_is_told(epoch, tmp_path):
+    ours = written(tmp_path / "ours.oem", "ours", OURS)
+    sets = elements(tmp_path / "sets.omm", epoch=epoch)
+    found = screening.screen(screening.read([ours, sets]), within=1.5e7, radius=20.0)
+    assert [list(one.second.remarks) for one in found] == [AGES[epoch]] * len(found)
+    assert found
+
+
+def test_elements_that_are_too_old_do_not_fly(files, tmp_path, caplog):
+    sets = elements(tmp_path / "sets.omm", epoch="2005-01-01T00:00:00")
+    screening.screen(screening.read([*files[0], sets]), within=1.0, radius=20.0)
+    told = "unknown from 2023-05-01T00:00:00 to 2023-05-03T00:00:00: its elements are of 2005-01-01T00:00:00"
+    assert caplog.messages == [f"SAT (77, 2001-001A): {told}"]
+    with pytest.raises(InputError, match=r"sets\.omm: expected elements that fly from 2023-05-01"):
+        screening.read([sets, *files[0]])
+
+
+def test_covariances_do_not_reach_beyond_their_times(tmp_path):
+    t = np.arange(0.0, 18001.0, 60.0)
+    segment = oem.Segment("ours", t, kepler(OURS, 9000.0, t), t[:1], COVARIANCE[None], covariance_frame="RSW")
+    oem.write(tmp_path / "ours.oem", [segment], epoch=RUN)
+    paths = [tmp_path / "ours.oem", written(tmp_path / "other.oem", "b", CROSSING)]
+    rows = as_text.table(screening.screen(screening.read(paths), within=1e3, radius=20.0), epoch=EPOCH)
+    expected = ["b without covariance"] + ["covariances of ours are of other times; no covariance"] * 6
+    assert rows["remark"].tolist() == expected
+    assert rows["probability"].isna().tolist() == [False] + [True] * 6
+
+
+def test_our_file_is_of_one_object(files, tmp_path):
+    (one,), (other,) = (oem.read(path, epoch=EPOCH) for path in files[0])
+    oem.write(tmp_path / "both.oem", [one, other], epoch=EPOCH)
+    with pytest.raises(InputError, match=r"both\.oem: expected one object, ours, got ours, other"):
+        screening.read([tmp_path / "both.oem", files[0][0]])
+
+
 @pytest.fixture
 def short(tmp_path):
     """An OEM of twenty minutes, with a covariance every ten."""
@@ -132,19 +259,15 @@ def test_damaged_ephemerides_are_told_in_one_line(short, damage):
     assert "\n" not in str(raised.value)
 
 
-def test_ephemerides_that_share_no_time_are_told(short, files):
-    (ours,), (other, *_) = screening.read([short]), screening.read(files[0])
-    later = replace(other, path=replace(other.path, t=other.path.t + 1e9))
-    with pytest.raises(InputError, match=r"another ephemeris from 2023-05-01T00:00:00\.0+ to .*, got none"):
-        screening.screen([ours, later], within=1e3, radius=20.0)
-    assert screening.screen([ours, later, other], within=1.0, radius=20.0) == []
-
-
-def test_the_command_names_those_at_other_times(short, files, tmp_path, capsys):
+def test_ephemerides_that_share_no_time_are_told(short, files, tmp_path, caplog):
     (segment,) = oem.read(short, epoch=EPOCH)
-    oem.write(tmp_path / "late.oem", [replace(segment, name="late", t=segment.t + 1e7)], epoch=EPOCH)
-    assert cli.main(["screen", str(short), str(files[0][0]), str(tmp_path / "late.oem")]) == 0
-    assert capsys.readouterr().err == f"opml: at other times than {short}: late\n"
+    late = tmp_path / "late.oem"
+    oem.write(late, [replace(segment, name="late", object_id="late", t=segment.t + 1e7)], epoch=EPOCH)
+    with pytest.raises(InputError, match=r"another ephemeris from 2023-05-01T00:00:00 to .*, got none"):
+        screening.screen(screening.read([short, late]), within=1e3, radius=20.0)
+    caplog.clear()
+    assert screening.screen(screening.read([short, late, files[0][1]]), within=1.0, radius=20.0) == []
+    assert caplog.messages == ["late: unknown from 2023-05-01T00:00:00 to 2023-05-01T00:20:00"]
 
 
 @pytest.mark.parametrize("lengths", [(0.0, 20.0), (float("nan"), 20.0), (1e3, -1.0), (1e3, float("inf"))])
@@ -161,7 +284,7 @@ def test_a_message_is_no_ephemeris(short, tmp_path):
 
 def test_what_cannot_be_screened_is_told_in_one_line(files, tmp_path):
     paths, *_ = files
-    with pytest.raises(InputError, match="expected ephemerides of another"):
+    with pytest.raises(InputError, match=r"^conjunctions: expected ephemerides of another object than"):
         screening.screen(screening.read([paths[0], paths[0]]), within=1e3, radius=20.0)
     sets = tmp_path / "nothing.tle"
     sets.write_text("nothing\n")
@@ -169,3 +292,21 @@ def test_what_cannot_be_screened_is_told_in_one_line(files, tmp_path):
         screening.read([paths[0], sets])
     with pytest.raises(InputError, match="expected an OEM among the files"):
         screening.read([sets])
+
+
+def test_states_outside_the_useable_times_do_not_count(short):
+    text = short.read_text()
+    short.write_text(text.replace("META_STOP", "USEABLE_STOP_TIME = 2023-05-01T00:10:00\nMETA_STOP", 1))
+    (one,) = screening.read([short])
+    begin, end = one.trajectories[0].span
+    assert end - begin == 600.0
+    short.write_text(text.replace("META_STOP", "USEABLE_STOP_TIME = 2022-05-01T00:10:00\nMETA_STOP", 1))
+    with pytest.raises(InputError, match="line 16: expected states within the useable times, got none"):
+        screening.read([short])
+
+
+def test_a_covariance_without_a_frame_is_in_that_of_the_states(short):
+    first, _, rest = short.read_text().rpartition("COV_REF_FRAME = RSW\n")
+    short.write_text(first + rest)
+    with pytest.raises(InputError, match=r"expected one COV_REF_FRAME for all covariances .*, got GCRF"):
+        screening.read([short])

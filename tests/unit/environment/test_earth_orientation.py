@@ -112,3 +112,21 @@ def test_another_bulletin_is_read_in_place_of_the_packaged_one(tmp_path):
     packaged = earth_orientation.tabulate(EPOCH, t)
     np.testing.assert_allclose(table["x_pole"], 0.3 * np.pi / 648000.0, rtol=1e-12)
     np.testing.assert_array_equal(table["y_pole"], packaged["y_pole"])
+
+
+def test_a_later_bulletin_is_told_by_the_days_of_the_run(tmp_path):
+    lines = Path(astropy_iers_data.IERS_A_FILE).read_text().splitlines(keepends=True)
+    run = {"epoch": "2016-10-05T00:00:00", "duration_days": 3.0}
+
+    def digest(mjd):
+        """The digest where UT1 of a day is another."""
+        changed = [
+            f"{line[:58]} 0.1234567{line[68:154]}{'':11}{line[165:]}" if f"{mjd}.00" in line[7:15] else line
+            for line in lines
+        ]
+        (tmp_path / f"{mjd}.all").write_text("".join(changed))
+        return earth_orientation.bulletin_digest(**run, bulletin=tmp_path / f"{mjd}.all")
+
+    same = earth_orientation.bulletin_digest(**run)
+    assert digest(57650) == digest(57700) == same
+    assert digest(57667) != same

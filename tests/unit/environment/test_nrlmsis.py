@@ -162,3 +162,12 @@ def test_the_model_may_be_installed_in_a_folder_with_an_umlaut(tmp_path):
         text=True,
     )
     assert done.stdout == f"{nrlmsis.densities(17072.5, *grid, figures).tolist()}\n", done.stderr
+
+
+def test_a_missing_code_is_told_before_any_job(monkeypatch):
+    values = paper_values()
+    values["force_models"]["truth"]["atmosphere"] = "NRLMSIS"
+    values["environment"]["true_solar_activity"] = "OBSERVED"
+    monkeypatch.setattr(nrlmsis, "find_spec", lambda name: None)
+    with pytest.raises(InputError, match=r"NRLMSIS: expected the package pymsis, got none: pip install"):
+        check(values)

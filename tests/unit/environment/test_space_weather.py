@@ -9,9 +9,10 @@ import pytest
 from support import shared
 
 from opml.base import epochs
-from opml.base.constants import DAY
+from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
-from opml.environment import nodes, solar_activity, space_weather
+from opml.base.thermosphere_grid import DENSITIES
+from opml.environment import knowledge, nodes, nrlmsis, solar_activity, space_weather
 
 EPOCH = "2016-09-28T12:09:45"
 CSV = """# a comment
@@ -141,9 +142,9 @@ def test_the_packaged_weather_covers_the_papers_run_and_is_what_was_observed():
     ("day", "kp", "flux", "mean"),
     [
         ("1996-01-02", [5, 0, 2, 3, 3, 8, 7, 11], 74.8, 73.2),
-        # The storm of October 2003: Kp 9 three times.
-        ("2003-10-29", [14, 12, 27, 24, 23, 23, 26, 26], 291.7, 146.8),
-        ("2003-10-30", [26, 22, 16, 14, 15, 21, 27, 27], 271.4, 146.5),
+        # The storm of October 2003: Kp 9 three times. Means of 146.8 and 146.5, less the burst of November 4.
+        ("2003-10-29", [14, 12, 27, 24, 23, 23, 26, 26], 291.7, 142.472839506),
+        ("2003-10-30", [26, 22, 16, 14, 15, 21, 27, 27], 271.4, 142.172839506),
         ("2014-10-23", [4, 6, 6, 6, 7, 5, 10, 6], 227.1, 153.2),
         ("2026-01-13", [10, 8, 5, 6, 1, 3, 7, 6], 116.6, 149.5),
     ],
@@ -216,7 +217,26 @@ def test_flux_is_of_the_day_before_on_a_day_with_a_leap_second_too(weather):
         ("2016-12-29", "2016-13-29", "line 4: expected a date"),
         ("90.0,1.0,OBS", "nan,1.0,OBS", "line 5: expected a date"),
         ("2016-12-30,3,0,0", "2016-12-31,3,0,0", "line 5: expected the day 2016-12-30, got 2016-12-31"),
-        ("2016-12-29,2,27", "2016-12-29,2,", "expected at least two days with Kp, got 1"),
+        ("2016-12-29,2,27", "2016-12-29,2,", "line 4: expected eight Kp, as line 5 has, got none"),
+        ("2016-12-29,2,27,30", "2016-12-29,2,2.7,3", "line 4: expected ten times Kp in thirds from 0 to 90"),
+        (
+            "2016-12-29,2,27,30",
+            "2016-12-29,2,999,30",
+            "line 4: expected ten times Kp in thirds from 0 to 90, got 999 30",
+        ),
+        ("2016-12-29,2,27,30", "2016-12-29,2,-3,30", "line 4: expected ten times Kp in thirds from 0 to 90"),
+        (
+            "2016-12-31,4,10",
+            "2016-12-31,4,100",
+            "line 6: expected ten times Kp in thirds from 0 to 90, got 100",
+        ),
+        (
+            "80.0,1.0,OBS",
+            "-99.9,1.0,OBS",
+            "line 4: expected two fluxes of 40 to 1000 sfu, got -99.9 and 77.0",
+        ),
+        ("80.0,1.0,OBS", "0,1.0,OBS", "line 4: expected two fluxes of 40 to 1000 sfu, got 0 and 77.0"),
+        ("OBS,77.0", "OBS,9999.9", "line 4: expected two fluxes of 40 to 1000 sfu, got 80.0 and 9999.9"),
         ("F10.7_OBS,", "FLUX,", "expected an MSAFE bulletin or CSSI space weather"),
     ],
 )
@@ -225,3 +245,32 @@ def test_what_cannot_be_used_is_named_in_one_line(weather, old, new, message):
         activity(weather(CSV.replace(old, new)), "2016-12-30T12:00:00")
     assert f"weather.txt: {message}" in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_predicted_day_between_measured_ones_is_told(weather):
+    path = weather(CSV.replace("80.0,1.0,OBS", "80.0,1.0,PRD"))
+    with pytest.raises(InputError, match="line 4: expected a measured day, as line 5 has, got none"):
+        knowledge.read(path)
+    assert len(knowledge.read(weather(CSV)).flux) == 3
+
+
+@pytest.mark.parametrize(
+    ("day", "usual"), [("2011-03-07", 126.8), ("2005-09-09", 84.2), ("2006-12-06", 86.9)]
+)
+def test_a_burst_of_the_sun_is_no_weather(day, usual, caplog):
+    """Of 938.6, 707.6 and 573.4 sfu in the hour of the measurement: densities were 0 or no numbers."""
+    caplog.set_level("INFO")
+    t = epochs.seconds_between(EPOCH, f"{day}T20:00:00") + np.arange(-2.0, 3.0) * DAY
+    found = solar_activity.tabulate("OBSERVED", EPOCH, t, 50)
+    assert found["f107"].iloc[3] == pytest.approx(usual, abs=3.0)
+    assert found["f107"].max() < 170.0
+    assert np.ptp(found["f107_mean"]) < 3.0
+    assert "fluxes replaced that are bursts" in caplog.text
+
+
+def test_densities_are_finite_through_a_burst():
+    t = np.arange(0.0, 4.0 * DAY, 6.0 * HOUR)
+    table = nrlmsis.tabulate("OBSERVED", "2011-03-06T00:00:00", t)
+    densities = table[list(DENSITIES)].to_numpy()
+    assert np.isfinite(densities).all()
+    assert densities.min() > 0.0

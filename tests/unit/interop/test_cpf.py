@@ -60,6 +60,11 @@ def test_another_satellite_is_refused(tmp_path):
         (" larets", "", "line 1: expected H1 CPF of version 1 or 2, with"),
         ("H2 ", "H3 ", "line 2: expected H2 with ids, times and reference frame, got H3"),
         ("180 1 1  0", "180 1 1  1", "line 2: expected reference frame 0, the ITRF, got 1"),
+        (
+            "180 1 1  0 0 0",
+            "180 1 1  0 0 1",
+            "line 2: expected 0 for the centre of mass, not the reflectors'",
+        ),
         ("10 0 57659", "10 1 57659", "line 4: expected direction flag 0 and leap second flag 0, got 1 and 0"),
         ("000 0 ", "000 1 ", "line 4: expected direction flag 0 and leap second flag 0, got 0 and 1"),
         ("10 0 57659", "10 0 57659.5", "line 4: expected a modified Julian date and second of the day, got"),

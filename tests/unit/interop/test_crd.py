@@ -48,6 +48,13 @@ def test_points_are_read(tmp_path):
     np.testing.assert_allclose(late["scatter"], [57e-12 * 299792458.0 / 2, 65e-12 * 299792458.0 / 2])
 
 
+def test_passes_that_are_poor_are_left_out_and_told(tmp_path, caplog):
+    poor = EARLIER.replace("0 1 0 2 0\nc0", "0 1 0 2 2\nc0")
+    path = written(tmp_path, PASS, poor)
+    assert set(crd.read([path], epoch=EPOCH)["station"]) == {"7090"}
+    assert f"{path}: line 17: a pass of poor quality is left out" in caplog.messages
+
+
 @pytest.mark.parametrize("nothing", ["-1.0", "na", "0"])
 def test_a_point_may_tell_no_scatter(tmp_path, nothing):
     table = crd.read([written(tmp_path, PASS.replace("57.0", nothing))], epoch=EPOCH)
@@ -92,6 +99,16 @@ def test_the_light_is_received_after_the_event(tmp_path, event, later):
         ("6 46  0 0 0", "6 46  0 1 0", "line 4: expected 0 for refraction, got 1"),
         ("6 46  0 0 0", "6 46  0 0 1", "line 4: expected 0 for centre of mass, got 1"),
         pytest.param("0 2 0\nc0", "0 1 0\nc0", "line 4: expected 2 for ways, got 1", id="one way"),
+        pytest.param(
+            "0 1 0 2 0\nc0",
+            "0 0 0 2 0\nc0",
+            "line 4: expected 1 for the station's delay, got 0",
+            id="without the station's delay",
+        ),
+        (" 983.70 ", " 98370.0 ", "line 8: expected a pressure [hPa] of 400 to 1100, got 98370.0"),
+        (" 301.40 ", " 28.40 ", "line 8: expected a temperature [K] of 200 to 340, got 28.40"),
+        (" 24. 0", " 240. 0", "line 8: expected a humidity [%] of 0 to 100, got 240."),
+        (" 532.000 std", " 0.532 std", "line 5: expected a wavelength of 300 to 2000 nm, got 0.532"),
         ("2016  2 13 23", "2016  2 33 23", "line 4: expected a date, got 2016 2 33"),
         ("c0 0", "c0 0 0", "line 9: expected a record C0 of std in the pass, got none"),
         ("532.000 std", "green std", "line 5: expected a finite number, got green"),

@@ -292,8 +292,11 @@ OTHER = tle(number="54321")
 ROW = csv(omm())
 PAGE = "<!DOCTYPE html>\n<html><head><title>403</title></head>\n<body><br></body></html>\n"
 DAMAGED = {
-    "error page": (PAGE, ": line 3: expected OMMs in XML, got mismatched tag"),
-    "error page that is whole": (PAGE.replace("<br>", ""), ": expected a TLE or an OMM, got none"),
+    "error page": (PAGE, ": line 1: expected OMMs in XML, got a document type"),
+    "error page that is whole": (
+        PAGE.replace("<br>", ""),
+        ": line 1: expected OMMs in XML, got a document type",
+    ),
     "error page behind sets": (text(*LINES) + PAGE, ": line 8: expected line 1 of a TLE, got '<html>"),
     "archive": (b"PK\3\4" + bytes(40), ": expected a TLE or an OMM in UTF-8 text, got bytes that are none"),
     "packed twice": (
@@ -426,6 +429,10 @@ DAMAGED = {
     "csv quote": (ROW + '"A', ": line 3: expected CSV, got unexpected end of data"),
     "csv text": (ROW.replace("51.64", "51,64"), ": line 2: expected a key for each value, got 0"),
     "xml": (xml(*SETS)[:-9], ": line 53: expected OMMs in XML, got"),
+    "xml of entities": (
+        xml(*SETS).replace("<ndm", '<!DOCTYPE ndm [<!ENTITY a "a"><!ENTITY b "&a;&a;">]><ndm', 1),
+        ": line 2: expected OMMs in XML, got a document type",
+    ),
     "xml of nothing": ("<ndm></ndm>", ": expected a TLE or an OMM, got none"),
     "xml value": (xml(omm(BSTAR="")), ": line 16: BSTAR: expected a finite number, got nothing"),
     "kvn value": (kvn(omm(BSTAR="")), ": line 17: BSTAR: expected a finite number, got nothing"),
@@ -500,6 +507,18 @@ def test_damaged_sets_are_left_out_where_asked_for_and_told(read, caplog, conten
     )
     assert f"damaged sets left out: {len(lines)}" in caplog.text
     assert str(history.damaged[0]) in caplog.text
+
+
+def test_one_set_in_twenty_may_be_damaged(read, caplog):
+    """As fields are blank in a set of TOPEX's history of 1992."""
+    good = [csv(omm(day=f"{day:02}")).splitlines() for day in range(1, 22)]
+    rows = [good[0][0], *(row for _, row in good)]
+    broken = csv(omm(BSTAR="")).splitlines()[1]
+    history = read("\n".join([*rows, broken]) + "\n")
+    assert len(history.sets) == 21
+    assert "damaged sets left out: 1" in caplog.text
+    with pytest.raises(InputError, match="line 23: BSTAR: expected a finite number, got nothing"):
+        read("\n".join([*rows, broken, broken]) + "\n")
 
 
 def test_a_file_that_is_no_list_is_refused_even_where_sets_are_left_out(read):

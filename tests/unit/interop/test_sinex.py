@@ -5,6 +5,7 @@ import pandas as pd
 import pytest
 
 from opml.base.errors import InputError
+from opml.catalog.fit.laser_ranges import Sites
 from opml.interop import sinex
 
 COORDINATES = """\
@@ -67,7 +68,7 @@ def test_eccentricities_are_read_where_their_numbers_touch(tmp_path):
         ("read_coordinates", "m/y  2 0.51", "m/s  2 0.51", "line 14: expected VELZ in m/y, got m/s"),
         ("read_coordinates", "10:001:00000 m", "10-001-00000 m", "line 9: expected a time YY:DDD:SSSSS"),
         ("read_coordinates", "0.50433", "o.50433", "line 10: expected a finite number, got o.50433"),
-        ("read_coordinates", "3 STAZ", "3 STAW", "expected stations with all of station, begin,"),
+        ("read_coordinates", "3 STAZ", "3 STAW", "expected stations with all of station, point,"),
         ("read_coordinates", " 99:007:13417", "", "line 4: expected 7 words or more in SOLUTION/EPOCHS"),
         (
             "read_eccentricities",
@@ -85,3 +86,14 @@ def test_what_is_malformed_is_named_by_file_and_line(tmp_path, read, old, new, m
     with pytest.raises(InputError) as error:
         getattr(sinex, read)(path)
     assert str(error.value).startswith(f"{path}: {message}")
+
+
+def test_points_of_a_site_are_told_apart(tmp_path):
+    lines = COORDINATES.splitlines(keepends=True)
+    second = [line.replace(" A    1", " B    1").replace("-.2389006", "-.2389106") for line in lines[8:14]]
+    path = written(tmp_path, "".join([*lines[:14], *second, *lines[14:]]))
+    table = sinex.read_coordinates(path)
+    assert dict(zip(table["point"], table["x"], strict=True)) == {"A": -2389006.436, "B": -2389106.436}
+    sites = Sites(table, sinex.read_eccentricities(written(tmp_path, ECCENTRICITIES)))
+    with pytest.raises(InputError, match=r"^station 7090: expected one point of its site, got A and B"):
+        sites.position("7090", "0513", pd.Timestamp("2012-01-01"))

@@ -59,6 +59,19 @@ def test_bad_and_absent_values_are_left_out(tmp_path, absent):
     assert np.isfinite(arc.velocities).all(axis=1).tolist() == [True, False, True]
 
 
+def test_predicted_positions_do_not_count(tmp_path, caplog):
+    path = written(tmp_path / "orbit.sp3", T, STATES)
+    lines = path.read_text().splitlines()
+    lines[26], lines[29] = f"{lines[26]:<79.79}P", f"{lines[29]:<78.78}M"
+    path.write_text("\n".join(lines))
+    assert read(path).t.tolist() == [0.0, 120.0, 180.0]
+    told = ["predicted positions left out: 1", "positions marked as after a manoeuvre: 1"]
+    assert caplog.messages == [f"{path}: {one}" for one in told]
+    path.write_text("\n".join(f"{line:<79.79}P" if line.startswith("PL47") else line for line in lines))
+    with pytest.raises(InputError, match=r"expected a position of L47, got none: .* predicted ones do not"):
+        read(path)
+
+
 @pytest.mark.parametrize("frame", ["IGS14", "IGb14", "IGS20", "ITRF", "ITR97", "SLR08", "WGS84", "ECF"])
 def test_realisations_of_the_itrf_are_taken_for_it(tmp_path, frame):
     arc = read(written(tmp_path / "orbit.sp3", T, STATES, frame=frame))

@@ -66,6 +66,42 @@ def test_segments_without_an_id_are_tracks_of_their_own(message):
             id="TEME",
         ),
         ("RANGE_UNITS = km", "RANGE_UNITS = s", "line 17: expected RANGE_UNITS = KM, got s"),
+        pytest.param(
+            "MODE =",
+            "TIMETAG_REF = TRANSMIT\nMODE =",
+            "line 15: expected TIMETAG_REF = RECEIVE, got TRANSMIT",
+            id="times of sending",
+        ),
+        pytest.param(
+            "MODE =",
+            "RECEIVE_DELAY_1 = 0.001\nMODE =",
+            "line 15: expected RECEIVE_DELAY_1 = 0, got 0.001",
+            id="a delay",
+        ),
+        pytest.param(
+            "MODE =",
+            "TRANSMIT_DELAY_2 = x\nMODE =",
+            "line 15: expected a finite number, got x",
+            id="a delay that is none",
+        ),
+        pytest.param(
+            "MODE =",
+            "RANGE_MODULUS = 1000\nMODE =",
+            "line 15: expected RANGE_MODULUS = 0, got 1000",
+            id="ambiguous ranges",
+        ),
+        pytest.param(
+            "MODE =",
+            "CORRECTION_ABERRATION_YEARLY = 0.005\nCORRECTIONS_APPLIED = NO\nMODE =",
+            "line 15: expected CORRECTION_ABERRATION_YEARLY = 0, got 0.005",
+            id="aberration",
+        ),
+        pytest.param(
+            "MODE =",
+            "DATA_QUALITY = POOR\nMODE =",
+            "line 15: expected DATA_QUALITY = RAW or VALIDATED or",
+            id="another quality",
+        ),
         ("DATA_START\n", "", "line 20: expected DATA_START, got ANGLE_1"),
         (
             "ANGLE_2 = ",
@@ -155,6 +191,14 @@ def test_one_angle_to_the_stars_is_none(message):
     changed(message, ("ANGLE_TYPE = AZEL", "ANGLE_TYPE = RADEC\nREFERENCE_FRAME = ICRF"))
     with pytest.raises(InputError, match="line 18: expected ANGLE_1 and ANGLE_2, got one of them"):
         tdm.read(message, epoch=EPOCH)
+
+
+def test_degraded_segments_are_left_out_and_told(message, caplog):
+    table = tdm.read(message, epoch=EPOCH)
+    message.write_text(message.read_text().replace("MODE =", "DATA_QUALITY = DEGRADED\nMODE =", 1))
+    left = tdm.read(message, epoch=EPOCH)
+    assert 0 < len(left) < len(table)
+    assert caplog.messages == [f"{message}: a segment of degraded data is left out"]
 
 
 @pytest.mark.parametrize("path", ["1,2", "2,1,2"])

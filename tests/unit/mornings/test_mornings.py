@@ -48,7 +48,7 @@ def watched(truth_model, assumed_model, iss, earth_orientation, three_stations):
     first = (0.0, orbit[STATE].to_numpy()[0])
     plan = Plan(MODELS, ESTIMATION, 2.0, 60.0, 7 * DAY, EPOCH)
     model = Model(flight, flight, flight, Weathers.of(assumed_model, None), earth_orientation)
-    return Watched(model, plan, measured, three_stations, given=first)
+    return Watched(model, plan, measured, three_stations, given=first, object_id="1998-067A")
 
 
 def run(watched, folder, until=LAST):
@@ -284,6 +284,11 @@ def test_a_track_keeps_its_number_and_one_that_comes_late_gets_none():
     np.testing.assert_array_equal(recent.numbers, [8])  # one is too old, one is not over
 
 
+def test_messages_tell_the_object_by_what_its_files_tell(watched, whole):
+    (segment,) = oem.read(whole / LAST.isoformat() / "iss" / "iss.oem", epoch=EPOCH)
+    assert (segment.name, segment.object_id) == ("iss", "1998-067A")
+
+
 def test_fits_to_mean_elements_are_marked_as_what_errs_alike(watched, whole):
     (folder,) = (whole / LAST.isoformat()).glob("iss")
     made = read_table(folder / "kept_estimates.parquet", "kept_estimates").query("window_hours == 12.0")
@@ -301,3 +306,10 @@ def test_an_estimate_long_after_the_one_before_is_not_flown_to():
     known = Known(pd.DataFrame({"track": [4, 5, 6], "t": t}), at_estimates, 12.0, 4e14)
     assert morning._from_previous(known, longest=7.0 * DAY)[["i", "j"]].to_numpy().tolist() == [[4, 5]]
     assert morning._from_previous(known, longest=8.0 * DAY)["j"].tolist() == [5, 6]
+
+
+def test_a_day_of_which_nothing_is_known_stays_open():
+    known = CALENDAR.time(date(2016, 10, 1))
+    days.check_reached(CALENDAR, date(2016, 10, 2), known)
+    with pytest.raises(InputError, match=r"^expected tracks or weather until 2016-10-03 or the day before"):
+        days.check_reached(CALENDAR, date(2016, 10, 3), known)

@@ -3,16 +3,20 @@
 import numpy as np
 import pandas as pd
 import pytest
+from element_histories import history
 from mornings import replays
+from support import EPOCH
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
+from opml.interop.element_sets import histories
 from opml.learning.judge.error_sizes import Sizes
 from opml.mornings import days, issued
+from opml.mornings.beside_sgp4 import Sgp4
 from opml.mornings.records import Records
 from opml.mornings.verdict import DO_NOT_USE, GOOD, WIDE, Verdict, verdict
 from opml.orbits.manoeuvres import Manoeuvre
-from opml.tables import SIGMA_STATE
+from opml.tables import SIGMA_STATE, STATE
 
 NOW = 20.0 * DAY
 
@@ -116,3 +120,19 @@ def test_scores_are_by_day_of_duration():
     assert [score["day"] for score in scores] == [1, 2, 3, 4, 5, 6, 7]
     assert scores[6]["along_track_m"] > 3 * scores[0]["along_track_m"]
     assert 0.7 < np.mean([score["inside"] for score in scores]) < 1.0
+
+
+@pytest.mark.parametrize(("ahead", "word"), [(0.0, WIDE), (90e3, GOOD)])
+def test_a_good_ephemeris_beats_sgp4(ahead, word):
+    """Ours is 100 m off a day; the sets are those of the orbit, or ahead of it."""
+    sets = history(np.arange(0.0, 20.0, 0.5))
+    past = judged(sigma=100.0)
+    t = past["t_j"].to_numpy()
+    moved = history(np.arange(0.0, 20.0, 0.5), ahead={0.0: ahead})
+    true = histories.predict(moved, epoch=EPOCH, known=NOW, t=t)
+    estimates = pd.DataFrame(true, columns=STATE).assign(track=past["j"].to_numpy())
+    good = verdict(past, start(), now=NOW)
+    assert good.word == GOOD
+    found = Sgp4(sets, EPOCH).beside(good, past, estimates, now=NOW)
+    assert found.word == word
+    assert (found.reason == good.reason) or "SGP4 from the newest set was" in found.reason

@@ -6,7 +6,7 @@ import pytest
 
 from opml.mornings import days
 from opml.report import day
-from opml.report.document import markdown
+from opml.report.document import Paragraph, html_page, markdown
 
 SCORE = {"day": 1, "predictions": 5, "along_track_m": 40.0, "along_track_95_m": 90.0, "inside": 0.8}
 
@@ -58,3 +58,29 @@ def test_machines_get_the_same():
 def test_the_weather_that_was_seen_stands_before_what_is_ahead(page):
     assert "| 2016-10-05 | seen | 67.2 | 70.0 | 2.0 |" in page
     assert "| 2016-10-06 | ahead | 67.2 (60.0 to 90.0) | 70.0 (69.0 to 72.0) | 2.0 (1.0 to 4.0) |" in page
+
+
+LINE = "expected KEY, got [show the log](javascript:alert(1)) **b** [x](//evil) [y](https://evil)"
+
+
+def test_a_damaged_file_marks_nothing_up():
+    blocks = day.document([outcome("a", "failed", reason=LINE)], WEATHER, date="2016-10-05")
+    made = html_page(blocks, title="")
+    assert "expected KEY, got (show the log)(javascript:alert(1))" in made
+    assert "href" not in made
+    assert "<strong>" not in made
+
+
+@pytest.mark.parametrize(
+    ("text", "link"),
+    [
+        ("[a](#there)", '<a href="#there">a</a>'),
+        ("[a](https://example.org/x)", '<a href="https://example.org/x">a</a>'),
+        ("[a](figs/one.png)", '<a href="figs/one.png">a</a>'),
+        ("[a](javascript:alert)", "[a](javascript:alert)"),
+        ("[a](data:text/html,x)", "[a](data:text/html,x)"),
+        ("[a](//example.org)", "[a](//example.org)"),
+    ],
+)
+def test_links_lead_to_places_alone(text, link):
+    assert f"<p>{link}</p>" in html_page([Paragraph(text)], title="")

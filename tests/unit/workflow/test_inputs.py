@@ -617,7 +617,7 @@ def test_sgp4_flies_the_history_of_mean_elements():
 
 def test_mean_elements_of_ours_have_the_number_of_those_that_were_measured():
     files = inputs(rsos={"mine": BODY}, elements={"mine": "a.tle"})
-    assert files.history(experiment(rso="mine")) == "results/element_sets/mine.parquet"
+    assert files.history(experiment(rso="mine")) == ["results/element_sets/mine.parquet"]
     assert files.history(experiment()) == []
 
 

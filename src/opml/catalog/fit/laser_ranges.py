@@ -41,9 +41,12 @@ class Sites:
     def position(self, station: str, system: str, date: pd.Timestamp) -> np.ndarray:
         """Return the position (3,) in ITRF [m] that a station's ranges count from at a date.
 
-        Raises InputError for a station without coordinates or eccentricity then.
+        Raises InputError for a station of several points, and without coordinates or eccentricity then.
         """
-        mark = _valid(self.coordinates[self.coordinates["station"] == station], date)
+        marks = self.coordinates[self.coordinates["station"] == station]
+        if len(points := marks["point"].unique()) > 1:
+            raise InputError(f"station {station}: expected one point of its site, got {' and '.join(points)}")
+        mark = _valid(marks, date)
         ours = self.eccentricities["station"] == station
         away = _valid(self.eccentricities[ours & (self.eccentricities["system"] == system)], date)
         if mark is None or away is None:

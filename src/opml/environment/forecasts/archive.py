@@ -90,7 +90,7 @@ def _issue(rows: list[tuple[float, ...]]) -> _Issue:
 def _cssi_issue(path: str, text: str) -> _Issue:
     """Return the predicted days of a CSSI file. Raises InputError where it has none."""
     weather = space_weather.read(path, text)
-    days = weather.iloc[space_weather.observed_days(text) :]
+    days = weather.iloc[space_weather.observed_days(path, text) :]
     if days.empty:
         raise InputError(f"{path}: expected predicted days after those measured, got none")
     valid = (days.index.to_numpy()[:, None] + np.arange(INTERVALS) / INTERVALS).ravel()

@@ -40,6 +40,7 @@ class ElementSet:
     number: catalogue number, 0 where the file has none
     created: UTC text, '' where unknown
     satellite: the elements, initialised; sgp4's own number is 0 beyond those of TLEs
+    name, designator: of the object, as the file has them; '' where it has none
     """
 
     path: FilePath
@@ -47,6 +48,8 @@ class ElementSet:
     number: int
     created: str
     satellite: Satrec
+    name: str = ""
+    designator: str = ""
 
 
 def satellite(epoch: str, elements: Sequence[float]) -> Satrec:

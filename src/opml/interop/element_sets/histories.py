@@ -10,7 +10,7 @@ The prediction by the newest public set is what everybody has, and what any othe
 import logging
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -25,6 +25,7 @@ from opml.base.files import FilePath
 from opml.interop import ccsds
 from opml.interop.element_sets import element_set, mean_elements
 from opml.interop.element_sets.element_set import ElementSet, each, seconds_since
+from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import line_error
 from opml.tables import ELEMENTS, SCHEMAS
 
@@ -35,6 +36,7 @@ _SAME = 1e-12
 """Relative difference of elements that two notations of the same number may have."""
 
 _MOST_LOGGED = 10
+_MOST_DAMAGED = 0.05  # of all sets
 _ZERO = 2433281.5  # some Julian date at midnight
 _MINUTE = 60.0
 
@@ -50,6 +52,7 @@ class History:
     superseded: number of sets in whose place others of the same epoch came
     out_of_order: number of sets that stood after a later one of their object
     damaged: errors of the sets that are left out
+    objects: what the newest set of each catalogue number tells of its object
     """
 
     sets: pd.DataFrame
@@ -57,6 +60,7 @@ class History:
     superseded: int
     out_of_order: int
     damaged: Sequence[InputError]
+    objects: Mapping[int, ObjectId]
 
 
 def read(paths: Iterable[FilePath], *, epoch: str, leave_out_damaged: bool = False) -> History:
@@ -64,16 +68,19 @@ def read(paths: Iterable[FilePath], *, epoch: str, leave_out_damaged: bool = Fal
 
     paths: plain or gzipped, of any formats; of sets made at the same time the one that is read later counts
     epoch: UTC text
-    leave_out_damaged: damaged sets are counted and logged instead of raised
+    leave_out_damaged: however many damaged sets there are; otherwise one in twenty at most
+
+    Damaged sets are left out, counted and logged.
 
     Of several sets of an object with the same epoch, the one with the latest date of creation counts, without
     such dates the last one. Counts of all that is not in the table are logged. Raises InputError, naming file
-    and line, for a damaged set, and for a file that cannot be read as a whole.
+    and line, for the first of too many damaged sets, and for a file that cannot be read as a whole.
     """
     damaged: list[InputError] = []
-    errors = damaged if leave_out_damaged else None
-    sets = chain.from_iterable(mean_elements.read_sets(path, errors) for path in paths)
-    found = list(each(sets, _numbered, errors))
+    sets = chain.from_iterable(mean_elements.read_sets(path, damaged) for path in paths)
+    found = list(each(sets, _numbered, damaged))
+    if not leave_out_damaged and len(damaged) > _MOST_DAMAGED * (len(found) + len(damaged)):
+        raise damaged[0]
     issues = _by_epoch(found)
     kept = [_distinct(sets) for sets in issues.values()]
     history = History(
@@ -82,6 +89,7 @@ def read(paths: Iterable[FilePath], *, epoch: str, leave_out_damaged: bool = Fal
         superseded=sum(map(len, kept)) - len(kept),
         out_of_order=_out_of_order(found),
         damaged=damaged,
+        objects={sets[-1].number: _object(sets[-1]) for sets in kept},
     )
     _log_counts(history)
     return history
@@ -159,6 +167,10 @@ def _numbered(one: ElementSet) -> ElementSet:
     if one.number == 0:
         raise line_error(one.path, one.line, "a catalogue number above 0", "none")
     return one
+
+
+def _object(one: ElementSet) -> ObjectId:
+    return ObjectId.of(one.name or str(one.number), one.designator, str(one.number))
 
 
 def _by_epoch(sets: Iterable[ElementSet]) -> dict[tuple[int, int], list[ElementSet]]:

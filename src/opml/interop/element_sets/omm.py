@@ -13,7 +13,7 @@ import xml.sax
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import zip_longest
 from typing import Any, NamedTuple
-from xml.sax.handler import ContentHandler
+from xml.sax.handler import ContentHandler, LexicalHandler, property_lexical_handler
 
 from sgp4 import omm
 from sgp4.api import Satrec
@@ -21,7 +21,13 @@ from sgp4.api import Satrec
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import ccsds
-from opml.interop.element_sets.element_set import PER_DAY, ElementSet, check_orbit, elements_epoch
+from opml.interop.element_sets.element_set import (
+    PER_DAY,
+    ElementSet,
+    check_orbit,
+    elements_epoch,
+    seconds_since,
+)
 from opml.interop.element_sets.tle import EPHEMERIS_TYPES, LARGEST_NUMBER
 from opml.interop.orbit_arcs import excerpt, line_error
 
@@ -117,7 +123,8 @@ def element_set(path: FilePath, record: Record) -> ElementSet:
     made = satellite({key: values.known[key] for key in _NUMBERS} | identity)
     check_orbit(path, record.line, made)
     created = values.time("CREATION_DATE") if "CREATION_DATE" in values.known else ""
-    return ElementSet(path, record.line, number, created, made)
+    name, designator = (values.known.get(key, "") for key in ("OBJECT_NAME", "OBJECT_ID"))
+    return ElementSet(path, record.line, number, created, made, name, designator)
 
 
 def satellite(values: Mapping[str, str]) -> Satrec:
@@ -135,7 +142,7 @@ def write(path: FilePath, satellite: Satrec, *, name: str, number: int, epoch: s
     epoch: of the run, UTC text
     comment: line for the whole message
     """
-    version, *header = ccsds.header(_VERSION, epoch)
+    version, *header = ccsds.header(_VERSION, epoch, float(seconds_since(epoch, [satellite])[0]))
     pairs = {
         "OBJECT_NAME": name,
         "OBJECT_ID": name,
@@ -269,15 +276,17 @@ def _pairs(line: int, value: Any) -> list[Pair]:
 
 
 def _xml(path: FilePath, text: str) -> Iterator[Record]:
-    messages = _Messages()
+    messages, parser = _Messages(), xml.sax.make_parser()
+    parser.setContentHandler(messages)
+    parser.setProperty(property_lexical_handler, messages)
     try:
-        xml.sax.parseString(text, messages)
+        parser.parse(io.StringIO(text))
     except xml.sax.SAXParseException as reason:
         raise line_error(path, reason.getLineNumber() or 1, "OMMs in XML", reason.getMessage()) from None
     yield from messages.records
 
 
-class _Messages(ContentHandler):
+class _Messages(ContentHandler, LexicalHandler):
     """Collector of the elements without children in each element `omm`."""
 
     def __init__(self) -> None:
@@ -288,6 +297,10 @@ class _Messages(ContentHandler):
     def setDocumentLocator(self, locator: Any) -> None:
         """Keep what tells the line."""
         self._place = locator
+
+    def startDTD(self, *_: Any) -> None:
+        """Refuse definitions: entities that stand for each other many times take for ever."""
+        raise xml.sax.SAXParseException("a document type", None, self._place)
 
     def startElement(self, name: str, attrs: Any) -> None:
         """Begin a message at `omm`, and a value at every element."""

@@ -93,7 +93,9 @@ def element_set(path: FilePath, piece: Sequence[Line]) -> ElementSet:
     _check_day(path, number, first)
     satellite = Satrec.twoline2rv(first, second)
     check_orbit(path, second_number, satellite)
-    return ElementSet(path, number, from_alpha5(first[2:7].strip()), "", satellite)
+    name = piece[0][1].removeprefix("0 ").strip() if named else ""
+    catalogued, designator = from_alpha5(first[2:7].strip()), first[9:17].strip()
+    return ElementSet(path, number, catalogued, "", satellite, name, designator)
 
 
 def lines(satellite: Satrec, number: int) -> tuple[str, str]:

@@ -231,7 +231,8 @@ class HistorySettings(Section):
         default=None,
     )
     leave_out_damaged: bool = setting(
-        "whether damaged sets are left out and logged, not refused", default=False
+        "whether damaged sets are left out and logged however many there are, not one in twenty at most",
+        default=False,
     )
     find_manoeuvres: bool = setting(
         "whether burns are found where sets do not follow from those before them, beside `manoeuvres`",
@@ -377,6 +378,12 @@ class RunAlone(Section):
         " the RSO's entry then needs its body only",
         see="orbits.md",
         default={},
+    )
+    positions_alone: list[RsoName] = setting(
+        "RSOs of whose `orbits` the velocities are passed over, as where they are in another unit",
+        unit="names",
+        see="orbits.md",
+        default=[],
     )
     tracks: dict[RsoName, PathList] = setting(
         "tracks that were really measured, in place of simulated ones (CCSDS TDM); the RSO's entry may be"

@@ -1,0 +1,60 @@
+"""What tells one object in space from another: international designator and catalogue number before the name.
+
+Fragments of a break-up share their name, and a designator is written with or without the century and dashes.
+"""
+
+import re
+from dataclasses import dataclass
+
+_DESIGNATOR = re.compile(r"(\d{4}|\d{2})-?(\d{3})-?([A-Z]{1,3})", re.ASCII)
+_NUMBER = re.compile(r"\d{1,9}", re.ASCII)
+_FIRST_YEAR = 57  # two digits of the year of the first launch
+_UNKNOWN = ("", "UNKNOWN", "NONE", "N/A")
+
+
+@dataclass(frozen=True)
+class ObjectId:
+    """An object, as a file tells it.
+
+    name: many objects may share it
+    designator: international, as 1998-067A, or whatever else the file has for one; '' where unknown
+    number: of the catalogue, 0 where unknown
+    """
+
+    name: str
+    designator: str = ""
+    number: int = 0
+
+    @classmethod
+    def of(cls, name: str, *identifiers: str) -> "ObjectId":
+        """Return the object of a name and of what its file has for designator or number, in any order."""
+        designator, number = "", 0
+        for text in map(str.strip, identifiers):
+            if _NUMBER.fullmatch(text):
+                number = int(text)
+            elif text.upper() not in _UNKNOWN and text != name:
+                designator = _normal(text.upper())
+        return cls(name, designator, number)
+
+    def is_same(self, other: "ObjectId") -> bool:
+        """Return whether both are one object; names decide only where either has nothing else."""
+        pairs = ((self.designator, other.designator), (self.number, other.number))
+        if known := [one == another for one, another in pairs if one and another]:
+            return all(known)
+        either_is_bare = not (self.designator or self.number) or not (other.designator or other.number)
+        return either_is_bare and self.name == other.name
+
+    def __str__(self) -> str:
+        """Name, and what tells objects of that name apart."""
+        known = [str(one) for one in (self.number, self.designator) if one and str(one) != self.name]
+        return f"{self.name} ({', '.join(known)})" if known else self.name
+
+
+def _normal(text: str) -> str:
+    """Return an international designator as 1998-067A, any other text as it is."""
+    if not (match := _DESIGNATOR.fullmatch(text)):
+        return text
+    year = match[1]
+    if len(year) == 2:
+        year = f"{19 if int(year) >= _FIRST_YEAR else 20}{year}"
+    return f"{year}-{match[2]}{match[3]}"

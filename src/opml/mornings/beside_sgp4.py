@@ -1,0 +1,57 @@
+"""SGP4 from the newest set of mean elements: what everybody has, and what a good ephemeris has to beat."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from opml.interop.element_sets import histories
+from opml.mornings.verdict import GOOD, PAST, WIDE, Verdict
+from opml.orbits.elements import in_rsw
+from opml.tables import STATE
+
+
+@dataclass(frozen=True, eq=False)
+class Sgp4:
+    """What anybody would have flown of an object.
+
+    sets: table `element_sets` of the object
+    epoch: UTC text from which its times count
+    """
+
+    sets: pd.DataFrame
+    epoch: str
+
+    def along_track(self, flown: pd.DataFrame, estimates: pd.DataFrame) -> np.ndarray:
+        """Return how far SGP4 was off along the track (n,) [m], from the newest set known each morning.
+
+        flown: rows of `judged` (n)
+        estimates: that these were judged by, a row a track
+
+        NaN where no set was known, SGP4 fails, or the estimate is not kept.
+        """
+        by_track = estimates.drop_duplicates("track", keep="last").set_index("track")[STATE]
+        states, off = by_track.reindex(flown["j"]).to_numpy(), np.full(len(flown), np.nan)
+        for morning, rows in flown.reset_index(drop=True).groupby("morning"):
+            true, t = states[rows.index], rows["t_j"].to_numpy()
+            sgp4 = histories.predict(self.sets, epoch=self.epoch, known=float(str(morning)), t=t)
+            off[rows.index] = in_rsw(sgp4 - true, true)[:, 1]
+        return off
+
+    def beside(
+        self, judgement: Verdict, judged: pd.DataFrame, estimates: pd.DataFrame, *, now: float
+    ) -> Verdict:
+        """Return a verdict, which is not good where SGP4 was nearer in the median of the last two weeks.
+
+        judged: rows of that table of all mornings
+        estimates: as in `along_track`
+        """
+        flown = judged[np.isfinite(judged["sigma_y"]) & (judged["t_known"] > now - PAST)]
+        sgp4 = self.along_track(flown, estimates)
+        known = np.isfinite(sgp4)
+        if judgement.word != GOOD or not known.any():
+            return judgement
+        ours, theirs = (float(np.median(np.abs(off[known]))) for off in (flown["e_y"].to_numpy(), sgp4))
+        if ours <= theirs:
+            return judgement
+        return Verdict(WIDE, f"SGP4 from the newest set was {theirs:.0f} m off where this was {ours:.0f}")

@@ -1,0 +1,53 @@
+"""Objects are told apart by designator and number, however written, and by names where there are none."""
+
+import pytest
+
+from opml.interop.element_sets import tle
+from opml.interop.object_ids import ObjectId
+
+SAME = [
+    (("ISS", "1998-067-A"), ("ISS (ZARYA)", "98067A", "25544")),
+    (("ISS", "1998-067A"), ("ISS", "25544", "1998-067A")),
+    (("a", "57001B"), ("b", "1957-001B")),
+    (("a", "56001B"), ("b", "2056-001B")),
+    (("a", "25544"), ("b", "UNKNOWN", "25544")),
+    (("mine", "mine"), ("mine",)),
+    (("mine", "mine"), ("mine", "25544")),
+]
+OTHER = [
+    (("FENGYUN 1C DEB", "1999-025AAA"), ("FENGYUN 1C DEB", "1999-025BBB")),
+    (("DEB", "1999-025A"), ("DEB", "25544")),
+    (("DEB", "1999-025A", "30000"), ("DEB", "1999-025A", "30001")),
+    (("a",), ("b",)),
+    (("a", "mine"), ("a", "yours")),
+]
+
+
+@pytest.mark.parametrize(("one", "other"), SAME)
+def test_one_object(one, other):
+    assert ObjectId.of(*one).is_same(ObjectId.of(*other))
+    assert ObjectId.of(*other).is_same(ObjectId.of(*one))
+
+
+@pytest.mark.parametrize(("one", "other"), OTHER)
+def test_two_objects(one, other):
+    assert not ObjectId.of(*one).is_same(ObjectId.of(*other))
+    assert not ObjectId.of(*other).is_same(ObjectId.of(*one))
+
+
+def test_an_object_is_told_with_what_tells_it_from_others():
+    texts = [
+        str(ObjectId.of(*one)) for one in (("a",), ("a", "1999-025A"), ("77", "77"), ("a", "77", "99025A"))
+    ]
+    assert texts == ["a", "a (1999-025A)", "77", "a (77, 1999-025A)"]
+
+
+def test_a_tle_tells_name_and_designator():
+    lines = [
+        (1, "0 ISS (ZARYA)"),
+        (2, "1 25544U 98067A   08264.51782528 -.00002182  00000-0 -11606-4 0  2927"),
+        (3, "2 25544  51.6416 247.4627 0006703 130.5360 325.0288 15.72125391563537"),
+    ]
+    found = tle.element_set("iss.tle", lines)
+    assert (found.name, found.designator, found.number) == ("ISS (ZARYA)", "98067A", 25544)
+    assert tle.element_set("iss.tle", lines[1:]).name == ""

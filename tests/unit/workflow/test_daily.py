@@ -1,0 +1,47 @@
+"""Dates that `opml day` may be asked for."""
+
+from datetime import date
+
+import pytest
+
+from opml import cli
+from opml.base.errors import InputError
+from opml.workflow.daily import Call, check_dates
+
+EPOCH, TODAY = "2016-09-28T12:09:45", date(2016, 10, 3)
+WITHIN = "expected a day from 2016-09-28 to 2016-10-03, today, got"
+WRONG = {
+    ("2016-10-04", "2016-10-04"): f"--date: {WITHIN} 2016-10-04",
+    ("9999-12-31", "9999-12-31"): f"--date: {WITHIN} 9999-12-31",
+    ("2016-09-27", "2016-09-27"): f"--date: {WITHIN} 2016-09-27",
+    ("2016-10-01", "2016-09-01"): f"--since: {WITHIN} 2016-09-01",
+    ("2016-09-29", "2016-09-30"): (
+        "--since: expected 2016-09-29, the --date, or a day before it, got 2016-09-30"
+    ),
+}
+
+
+def check(day, first, *, duration_days=10.0):
+    call = Call(date.fromisoformat(day), date.fromisoformat(first), [], [], dry=True)
+    check_dates(call, EPOCH, duration_days, today=TODAY)
+
+
+@pytest.mark.parametrize("dates", WRONG)
+def test_dates_that_are_no_mornings_are_refused(dates):
+    with pytest.raises(InputError) as error:
+        check(*dates)
+    assert str(error.value) == WRONG[dates]
+
+
+def test_a_run_ends():
+    check("2016-10-01", "2016-09-28", duration_days=2.4)
+    with pytest.raises(InputError, match=r"to 2016-10-01, the end of the run, got 2016-10-02"):
+        check("2016-10-02", "2016-10-02", duration_days=2.4)
+
+
+def test_a_folder_without_a_project_is_told_how_to_make_one(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["day"]) == 1
+    assert capsys.readouterr().err == (
+        f"opml: config/config.yaml: no such file in {tmp_path}; `opml init FOLDER` makes a project\n"
+    )
