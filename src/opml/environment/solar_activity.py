@@ -5,7 +5,9 @@ package each month is from the newest bulletin that lists it, published half a y
 OBSERVED: measured activity, see `space_weather`.
 """
 
+import gzip
 import re
+import zlib
 from collections.abc import Callable
 from importlib.resources import files
 from pathlib import Path
@@ -19,6 +21,8 @@ from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.environment import space_weather
+
+_GZIP = b"\x1f\x8b"
 
 MSAFE = "MSAFE"
 OBSERVED = "OBSERVED"
@@ -114,10 +118,15 @@ def read(path: str | Path) -> pd.DataFrame:
 
 
 def read_text(path: str | Path) -> str:
-    """Read a file of solar activity as text. Raises InputError where the file is missing or no text."""
+    """Read a file of solar activity as text, gzipped or not.
+
+    Raises InputError where the file is missing or no text.
+    """
     try:
-        return Path(path).read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as reason:
+        content = Path(path).read_bytes()
+        plain = gzip.decompress(content) if content.startswith(_GZIP) else content
+        return plain.decode("utf-8-sig")
+    except (OSError, EOFError, zlib.error, UnicodeDecodeError) as reason:
         raise InputError(f"{path}: expected a table of solar activity, got {reason}") from None
 
 

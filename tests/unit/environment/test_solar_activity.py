@@ -1,5 +1,7 @@
 """Solar activity against Orekit's, and bulletins that cannot be used."""
 
+import gzip
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -186,3 +188,14 @@ def test_a_malformed_row_of_the_packaged_table_is_refused(tmp_path):
 def test_a_missing_file_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"absent\.txt: expected a table of solar activity"):
         solar_activity.read(tmp_path / "absent.txt")
+
+
+def test_a_gzipped_file_is_read_and_a_broken_one_is_refused(tmp_path):
+    content = solar_activity.resolve(solar_activity.OBSERVED).read_bytes()
+    packed = gzip.compress(content, mtime=0)
+    (tmp_path / "whole.gz").write_bytes(packed)
+    (tmp_path / "half.gz").write_bytes(packed[: len(packed) // 2])
+
+    assert solar_activity.read_text(tmp_path / "whole.gz") == content.decode()
+    with pytest.raises(InputError, match=r"half\.gz: expected a table of solar activity, got"):
+        solar_activity.read_text(tmp_path / "half.gz")
