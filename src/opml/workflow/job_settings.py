@@ -58,6 +58,10 @@ class JobSettings:
     rolling: Values
     manoeuvres: Sequence[str]
     table: str
+    weather: str
+    latency_hours: float
+    seasons: Mapping[str, Sequence[str]]
+    tests: Sequence[str]
 
     def __init__(self, values: Values):
         self.values = values
@@ -81,7 +85,6 @@ class FigureSettings(SheetJobSettings):
     days: Sequence[float]
     radius_m: float
     threshold: float
-    weather: str
     note: str
     published: Any  # by what the figure varies
     splits: Mapping[str, Sequence[str]]
