@@ -61,7 +61,8 @@ class JobSettings:
     weather: str
     latency_hours: float
     seasons: Mapping[str, Sequence[str]]
-    tests: Sequence[str]
+    seasons_of_tests: Mapping[str, Mapping[str, Sequence[str]]]
+    trials: Sequence[Sequence[str]]
 
     def __init__(self, values: Values):
         self.values = values
