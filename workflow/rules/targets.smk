@@ -50,6 +50,18 @@ BEYOND_FILES = (
     else []
 )
 SCAN_FILES = [*rules.scan_report.output, *rules.scan_curves.output] if "scan" in STUDY else []
+CATALOGUE_FILES = (
+    [
+        *rules.catalogue_report.output,
+        *(
+            path_of(file, test=test)
+            for test in PLAN.catalogue.tests
+            for file in rules.catalogue_shares.output
+        ),
+    ]
+    if PLAN.catalogue
+    else []
+)
 STUDY_FILES = (
     [
         *rules.study_report.output,

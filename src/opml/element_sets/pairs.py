@@ -160,7 +160,7 @@ def _fly(catalogue: Catalogue, rows: pd.DataFrame) -> _Flights:
     sets, begins = np.unique(newest[order], return_index=True)
     positions, velocities, kicked = (np.full((len(rows), 3), np.nan) for _ in range(3))
     back = np.full((len(t), BACK, 3), np.nan)
-    for one, members in zip(sets, np.split(order, begins[1:]), strict=True):
+    for one, members in zip(sets, np.split(order, begins)[1:], strict=True):
         earlier = np.arange(one - 1, max(one - BACK, 0) - 1, -1)
         earlier = earlier[number[earlier] == number[one]]
         minutes = _MINUTES * np.concatenate([t[earlier] - t[one], tau[members]])

@@ -18,7 +18,7 @@ from opml.learning.data.components import CORRECTED
 from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models import learners
 from opml.orbits import sheets
-from opml.study import element_checks, range_checks
+from opml.study import catalogue_checks, element_checks, range_checks
 from opml.study.experiments import Study
 from opml.study.paper import Paper
 from opml.study.settings.merging import Settings, with_sheets
@@ -54,6 +54,7 @@ def load_settings(source: Source) -> CheckedSettings:
     misfit = _misfit(source, settings)
     learners.check(source.values)
     _check_day(source, settings)
+    catalogue_checks.check(source, settings)
     return CheckedSettings(settings.values, settings.stations, settings.rsos, run, misfit)
 
 
@@ -73,6 +74,7 @@ def check_data(source: Source, settings: Settings) -> None:
         range_checks.check(source, settings)
         element_checks.check(source, settings)
     _check_starts(source, settings)
+    catalogue_checks.check_files(source, settings)
 
 
 def check_study(source: Source, settings: Settings, *, last_day: float | None = None) -> None:

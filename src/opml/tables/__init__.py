@@ -30,6 +30,8 @@ from opml.tables.columns import (
 )
 from opml.tables.element_tables import (
     ELEMENTS,
+    catalogue_densities_schema,
+    catalogue_rows_schema,
 )
 from opml.tables.environment_tables import (
     ENVIRONMENT,
@@ -105,6 +107,8 @@ __all__ = [
     "WHOLE",
     "Column",
     "Schema",
+    "catalogue_densities_schema",
+    "catalogue_rows_schema",
     "count",
     "flag",
     "head",

@@ -1,4 +1,6 @@
-"""Schema of the table of mean elements flown by SGP4."""
+"""Schemas of tables of mean elements flown by SGP4, and of what a catalogue of them teaches."""
+
+from collections.abc import Sequence
 
 from opml.tables.columns import SINCE, Schema, count, flag, real, text
 
@@ -10,6 +12,13 @@ IMPROVED_LEADS = (1, 3, 5, 7)
 
 _FRAME = "TEME of the set's epoch"
 _ALONG = "along the track"
+
+_PREDICTION = (
+    count("number", "catalogue number of the object"),
+    real("morning", "d", "when the prediction was made, modified Julian day (UTC)"),
+    count("lead", "days from the morning to what is predicted"),
+    count("band", "number of the band of height"),
+)
 
 ELEMENT_SCHEMAS = (
     Schema(
@@ -72,4 +81,75 @@ ELEMENT_SCHEMAS = (
             real("value", "1", "what a leaf adds, in scales or logarithms of these"),
         ),
     ),
+    Schema(
+        "catalogue_residuals",
+        "a judged prediction of an object that was not learned from",
+        (
+            *_PREDICTION,
+            real("error", "m", "SGP4 less the later set that judges", _ALONG),
+            real("scaled", "m", "what the density-scaled prediction leaves of it", _ALONG),
+            real("learned", "m", "what the learned prediction leaves of it", _ALONG),
+            real("sigma", "m", "expected size of what is left, NaN where nothing was learned", _ALONG),
+        ),
+    ),
+    Schema(
+        "catalogue_scores",
+        "a band of height and a lead of a test, and a learner",
+        (
+            text("test", "name of the test"),
+            text("learner", "name of the learner"),
+            count("band", "number of the band of height, -1 for all of them"),
+            count("lead", "days from the morning to what is predicted"),
+            *(count(name, f"number of {name}") for name in ("predictions", "objects", "weeks")),
+            real("sgp4_median", "m", "median error of SGP4", _ALONG),
+            real("sgp4_p95", "m", "95th percentile of the error of SGP4", _ALONG),
+            *(
+                column
+                for name in ("scaled", "learned")
+                for column in (
+                    real(f"{name}_median", "%", f"median of what the {name} prediction leaves, of SGP4's"),
+                    real(f"{name}_low", "%", f"2.5th percentile of {name}_median over weeks and objects"),
+                    real(f"{name}_high", "%", f"97.5th percentile of {name}_median over weeks and objects"),
+                    real(f"{name}_p95", "%", f"the same of the 95th percentile of the {name} prediction"),
+                    real(f"{name}_p_ml", "%", f"P_ML of the {name} prediction"),
+                )
+            ),
+            real("gain_median", "%", "median of what the learned prediction leaves, of the scaled one's"),
+            real("gain_low", "%", "2.5th percentile of gain_median over weeks and objects"),
+            real("gain_high", "%", "97.5th percentile of gain_median over weeks and objects"),
+            real("coverage", "%", "share of the errors inside the intervals of 90 %, NaN without any"),
+        ),
+    ),
 )
+
+
+def catalogue_densities_schema(heights: Sequence[str]) -> Schema:
+    """Return the schema of mean densities, by the names of the columns of the heights."""
+    return Schema(
+        "catalogue_densities",
+        "a quarter of a day",
+        (
+            real("t", "d", "begin of the quarter, modified Julian day (UTC)"),
+            *(
+                real(name, "ln kg/m3", "logarithm of the density of NRLMSIS at a height, mean over the globe")
+                for name in heights
+            ),
+        ),
+    )
+
+
+def catalogue_rows_schema(features: Sequence[str]) -> Schema:
+    """Return the schema of rows to learn from, by the names of their features."""
+    return Schema(
+        "catalogue_rows",
+        "a judged prediction of an object on a morning",
+        (
+            *_PREDICTION,
+            real("judged", "d", "when the set that judges was public, modified Julian day (UTC)"),
+            real("error", "m", "SGP4 less the later set that judges", _ALONG),
+            real("density", "m", "what the density-scaled prediction takes off it", _ALONG),
+            real("scale", "m", "unit of distances: the drag's own displacement and 30 m a day", _ALONG),
+            real("target", "1", "what is to be learned, in scales"),
+            *(real(name, "1", "feature of the corrector") for name in features),
+        ),
+    )

@@ -59,6 +59,11 @@ class JobSettings:
     rolling: Values
     manoeuvres: Sequence[str]
     table: str
+    weather: str
+    latency_hours: float
+    seasons: Mapping[str, Sequence[str]]
+    seasons_of_tests: Mapping[str, Mapping[str, Sequence[str]]]
+    trials: Sequence[Sequence[str]]
 
     def __init__(self, values: Values):
         self.values = values
@@ -82,7 +87,6 @@ class FigureSettings(SheetJobSettings):
     days: Sequence[float]
     radius_m: float
     threshold: float
-    weather: str
     note: str
     published: Any  # by what the figure varies
     splits: Mapping[str, Sequence[str]]

@@ -340,6 +340,37 @@ class Params:
             **names,
         }
 
+    @property
+    def catalogue_weather(self) -> dict[str, Any]:
+        """Weather that a catalogue's objects fly under."""
+        asked = self.plan.values["catalogue"]
+        return {"epoch": self.plan.values["epoch"], "weather": asked["weather"]}
+
+    @property
+    def catalogue_seasons(self) -> dict[str, Any]:
+        """Dates of all of a catalogue's tests."""
+        tests = self.plan.values["catalogue"]["tests"]
+        return {
+            "epoch": self.plan.values["epoch"],
+            "seasons_of_tests": {name: _seasons(test) for name, test in tests.items()},
+        }
+
+    def catalogue_season(self, wildcards: Wildcards) -> dict[str, Any]:
+        """Return the dates of the wildcard `test` of a catalogue."""
+        test = self.plan.values["catalogue"]["tests"][wildcards.test]
+        return {"epoch": self.plan.values["epoch"], "seasons": _seasons(test)}
+
+    def catalogue_rows(self, wildcards: Wildcards) -> dict[str, Any]:
+        """Return the params of the predictions of a catalogue's population in the seasons of a test."""
+        asked = self.plan.catalogue
+        latency = {"latency_hours": asked.latency_hours} if asked else {}
+        return self.catalogue_weather | self.catalogue_season(wildcards) | latency
+
+    def catalogue_residuals(self, wildcards: Wildcards) -> dict[str, Any]:
+        """Return the params of a trial of the wildcard `learner` on the wildcard `test`."""
+        own = {"learner": wildcards.learner, "seed": self.plan.seeds["split"]}
+        return self.catalogue_season(wildcards) | own
+
     def conjunctions(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of what a study's predictions are worth in conjunctions."""
         values = self.plan.own_study.conjunctions
@@ -361,3 +392,8 @@ class Params:
             "days": study.report.durations,
             "note": f"{describe_run(dict(wildcards.items()))}\n{self.plan.weather}",
         }
+
+
+def _seasons(test: Mapping[str, Any]) -> dict[str, list[str]]:
+    """Return the dates of a catalogue's test that are learned from, and those that judge."""
+    return {name: list(test[name]) for name in ("train", "test")}

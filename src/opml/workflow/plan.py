@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from opml import naming, tables
+from opml.environment.solar_activity import OBSERVED
 from opml.report.settings_tables import weather
 from opml.study import shared_truths
 from opml.study.beyond import Beyond
@@ -17,6 +18,7 @@ from opml.study.experiments import Study
 from opml.study.own_study import OwnStudy
 from opml.study.paper import Paper
 from opml.study.settings.merging import Settings
+from opml.study.settings.model.catalogue import CatalogueSettings
 from opml.workflow.environment_files import EnvironmentFiles
 from opml.workflow.products import Product
 
@@ -86,6 +88,23 @@ class Plan:
     def measured(self) -> Mapping[str, list[str]]:
         """Files of all that was measured, by RSO: of tracks, of fixes, of ranges, or of mean elements."""
         return self.settings.measured
+
+    @cached_property
+    def catalogue(self) -> CatalogueSettings | None:
+        """What is asked of a catalogue; None for nothing."""
+        return self.settings.catalogue
+
+    @property
+    def catalogue_weather_files(self) -> list[str]:
+        """The user's own file of the catalogue's weather; none where it is the packaged one."""
+        weather = self.catalogue.weather if self.catalogue else OBSERVED
+        return [] if weather == OBSERVED else [weather]
+
+    @property
+    def catalogue_trials(self) -> list[list[str]]:
+        """Test and learner of all that is judged of a catalogue."""
+        asked = self.catalogue
+        return [[test, learner] for test in asked.tests for learner in asked.learners] if asked else []
 
     @cached_property
     def watched(self) -> dict[str, list[str]]:

@@ -21,6 +21,7 @@ from opml.orbits.sheets import (
     rsos_from_rows,
     stations_from_rows,
 )
+from opml.study.settings.model.catalogue import CatalogueSettings
 from opml.study.settings.model.run import DaySettings, FixSettings, HistorySettings, RangeSettings
 from opml.study.settings.overlay import MISSING, Key, Layer, Source, laid_over, read_layer
 
@@ -106,6 +107,19 @@ class Settings:
     def day(self) -> DaySettings:
         """What is asked of every morning."""
         return DaySettings.model_validate(self.values.get("day", {}))
+
+    @property
+    def catalogue(self) -> CatalogueSettings | None:
+        """What is asked of a catalogue; None for nothing."""
+        asked = self.values.get("catalogue")
+        return CatalogueSettings.model_validate(asked) if asked else None
+
+    @property
+    def catalogue_files(self) -> dict[str, list[str]]:
+        """Files of element sets, by population of the catalogue."""
+        folder, asked = self.values.get("data", ""), self.catalogue
+        known = asked.populations if asked else {}
+        return {name: _files(population.files, folder) for name, population in known.items()}
 
     def are_radars(self, stations: str) -> bool:
         """Return whether all of a station set are radars; fixes and laser ranges are none."""

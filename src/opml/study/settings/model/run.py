@@ -6,6 +6,7 @@ from annotated_types import Ge, Le, Lt, MinLen
 from pydantic import Strict
 
 from opml.base.setting_types import Absent, Expected, NotNegative, Positive, Share, Text, Unique
+from opml.study.settings.model.catalogue import CatalogueSettings
 from opml.study.settings.model.kinds import ForecastSettings, LearnerSettings
 from opml.study.settings.model.names import (
     Bodies,
@@ -354,6 +355,7 @@ class RunAlone(Section):
     ephemeris: Ephemeris = setting("corrected ephemerides")
     uncertainty: Uncertainty = setting("how far corrected orbits may be off")
     day: Absent[DaySettings] = setting("every morning", see="day.md", default=None)
+    catalogue: Absent[CatalogueSettings] = setting("a study of a catalogue", default=None)
     sheets: Sheets = setting("the sheets")
     stations: dict[Name, dict[str, float]] = setting(
         "a station beside those of the sheet: the columns of a sheet's row as keys",

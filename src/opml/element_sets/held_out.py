@@ -1,0 +1,140 @@
+"""A corrector on trial: learned from one half of the objects in a season, judged on the other half later."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+import pandas as pd
+
+from opml.base import epochs
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+from opml.base.seeds import derive
+from opml.element_sets import catalogue as catalogues
+from opml.element_sets import corrector, density, features, pairs
+from opml.element_sets.catalogue import Catalogue, modified_julian_day
+from opml.element_sets.density import Densities, LearnedAir
+from opml.element_sets.features import FEATURES
+from opml.element_sets.training import FIRST_DAY, HOUR_OF_MORNING
+from opml.environment import knowledge
+from opml.tables import catalogue_densities_schema, catalogue_rows_schema
+
+_HEIGHTS = [f"log_density_{height / 1e3:g}km" for height in density.HEIGHTS]
+
+DENSITIES = catalogue_densities_schema(_HEIGHTS)
+"""Schema of the table of mean densities."""
+
+ROWS = catalogue_rows_schema([name for name in FEATURES if name != "lead"])
+"""Schema of the table of rows."""
+
+_SETS_BEFORE = 30.0
+"""Days of sets before the first morning, for the levels of drag."""
+
+_SETS_AFTER = 10.0
+"""Days of sets after the last morning, which judge."""
+
+
+@dataclass(frozen=True)
+class Seasons:
+    """First and last day (modified Julian days, UTC) that is learned from, and that judges."""
+
+    train: tuple[float, float]
+    test: tuple[float, float]
+
+    @classmethod
+    def of_dates(cls, train: Sequence[str], test: Sequence[str]) -> Self:
+        """Return the seasons between dates 'YYYY-MM-DD'. Raises InputError for a malformed one."""
+        days = [modified_julian_day(f"{date}T00:00:00") for date in (*train, *test)]
+        return cls((days[0], days[1]), (days[2], days[3]))
+
+    @property
+    def mornings(self) -> np.ndarray:
+        """Mornings from the first to the last day: those between the seasons tell of an object's past."""
+        return np.arange(self.train[0], self.test[1] + 1.0) + HOUR_OF_MORNING
+
+
+def densities(weather: str | Path) -> pd.DataFrame:
+    """Return the table DENSITIES since 2002 under measured weather, OBSERVED or a CSSI file.
+
+    Raises InputError where the weather is unreadable.
+    """
+    known = density.clean(knowledge.read(weather))
+    found = density.measured(known, max(FIRST_DAY, known.first + density.RUN_UP), density.end_of(known))
+    t = found.first + np.arange(len(found.log)) / density.QUARTERS
+    return pd.DataFrame(found.log, columns=_HEIGHTS).assign(t=t)
+
+
+def rows(
+    files: Iterable[FilePath],
+    table: pd.DataFrame,
+    seasons: Seasons,
+    *,
+    weather: str | Path,
+    latency: float,
+) -> pd.DataFrame:
+    """Return the table ROWS of the mornings of both seasons.
+
+    files: of element sets
+    table: of `densities`; their forecast is learned from what was measured before the first season
+    weather: that of the densities
+    latency: days from epoch to publication of sets that do not tell when they were made
+
+    Raises InputError for unreadable files, weather that ends too early or begins too late, and without rows.
+    """
+    known = density.clean(knowledge.read(weather))
+    if density.end_of(known) < seasons.test[1]:
+        expected = f"expected measured weather up to {epochs.calendar(seasons.test[1])}"
+        raise InputError(f"{weather}: {expected}, got it up to {epochs.calendar(density.end_of(known))}")
+    found = Densities(int(table["t"].iloc[0]), table[_HEIGHTS].to_numpy())
+    air = LearnedAir(known, found, density.fit(found, known, end=seasons.train[0]))
+    sets = _about(catalogues.read(files, latency=latency).daily(), seasons.mornings)
+    made = features.build(sets, pairs.build(sets, seasons.mornings), air)
+    is_asked = np.logical_or.reduce([_within(made, season) for season in (seasons.train, seasons.test)])
+    judged = made[is_asked & made["is_fit"] & np.isfinite(made["error"])]
+    if judged.empty:
+        raise InputError("element sets: expected sets of the seasons that judge each other, got none")
+    return judged[ROWS.names]
+
+
+def _about(sets: Catalogue, mornings: np.ndarray) -> Catalogue:
+    """Return the sets that count on mornings."""
+    t = sets.table["t"]
+    return sets.take(
+        np.flatnonzero(t.between(mornings[0] - _SETS_BEFORE, mornings[-1] + _SETS_AFTER).to_numpy())
+    )
+
+
+def _within(table: pd.DataFrame, season: tuple[float, float]) -> np.ndarray:
+    return np.asarray(np.floor(table["morning"]).between(*season))
+
+
+def residuals(table: pd.DataFrame, seasons: Seasons, learner: str, *, seed: int) -> pd.DataFrame:
+    """Return the table `catalogue_residuals`: what is left of the errors of the half not learned from.
+
+    table: ROWS
+    learner: one of corrector.LEARNERS
+
+    What is learned from was public before the first morning that judges. Where nothing could be learned for
+    a band, the density-scaled prediction stands. Raises InputError where there is too little to learn from.
+    """
+    half = half_of(table["number"].to_numpy(), seed=seed)
+    in_time = table["judged"].to_numpy() <= seasons.test[0]
+    fit = table.assign(is_fit=True)
+    seen = fit[(half == 0) & _within(table, seasons.train) & in_time]
+    asked = fit[(half == 1) & _within(table, seasons.test)].reset_index(drop=True)
+    found = corrector.fit(seen, learner, seed=seed).apply(asked)
+    scaled = asked["error"] - asked["density"]
+    return asked[["number", "morning", "lead", "band", "error"]].assign(
+        scaled=scaled,
+        learned=(asked["error"] - found["correction"]).fillna(scaled),
+        sigma=found["sigma"],
+    )
+
+
+def half_of(numbers: np.ndarray, *, seed: int) -> np.ndarray:
+    """Return 0 or 1 for each of the catalogue numbers (n,), by the number and the seed alone."""
+    objects, place = np.unique(numbers, return_inverse=True)
+    draws = [int(derive(seed, "half of a catalogue", str(one)).integers(2)) for one in objects]
+    return np.array(draws, dtype=int)[place]

@@ -1,0 +1,70 @@
+"""A figure of a catalogue's test: what predictions leave of SGP4's errors, by band of height and lead."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from opml.element_sets.features import BANDS
+from opml.element_sets.judge import ALL
+from opml.figures.axis_labels import clauses
+from opml.figures.display_names import display_learner
+from opml.figures.style import MARKERS, MUTED, SERIES, TRUE_COLOR, legend, panel_figure
+
+_COLUMNS = 4
+"""Panels side by side."""
+
+_APART = 0.2
+"""Days by which the marks of one lead stand apart."""
+
+_UNLEARNED = "density-scaled, nothing learned of the objects"
+
+
+def shares(scores: pd.DataFrame, seasons: Mapping[str, Sequence[str]], *, name: str) -> Figure:
+    """Draw the share of SGP4's median error [%] that is left, a panel per band, against the lead [d].
+
+    scores: `catalogue_scores` of one test
+    seasons: dates under `train` and `test`
+    name: of the test
+    """
+    bands = dict(zip(map(_title, scores["band"]), scores["band"], strict=True))
+
+    def draw(axes: Axes, title: str) -> None:
+        _draw_band(axes, scores[scores["band"] == bands[title]])
+
+    figure = panel_figure(list(bands), draw, columns=_COLUMNS, heights_mm=(20.0, 52.0))
+    figure.supxlabel("lead, from the morning [d]", fontsize=8.0)
+    figure.supylabel("what is left of SGP4's median error [%]", fontsize=8.0)
+    learned = f"learned from half of the objects, {' to '.join(seasons['train'])}"
+    note = clauses(
+        f"{name}: {learned}", f"judged on the others, {' to '.join(seasons['test'])}", "bars hold 95 %"
+    )
+    legend(figure, columns=4, note=note)
+    return figure
+
+
+def _title(band: int) -> str:
+    return "all heights" if band == ALL else f"{BANDS[band] / 1e3:g} to {BANDS[band + 1] / 1e3:g} km"
+
+
+def _draw_band(axes: Axes, scores: pd.DataFrame) -> None:
+    """Draw the marks of one band: the density-scaled prediction once, then each learner."""
+    axes.axhline(100.0, color=MUTED, lw=1.0, ls="--", label="SGP4")
+    by_learner = dict(list(scores.groupby("learner", sort=False)))
+    unlearned = next(iter(by_learner.values()))
+    _mark(axes, unlearned, "scaled", 0, {"color": TRUE_COLOR, "marker": "x", "label": _UNLEARNED})
+    for k, (learner, part) in enumerate(by_learner.items()):
+        look = {"color": SERIES[k], "marker": MARKERS[k], "label": f"learned by {display_learner(learner)}"}
+        _mark(axes, part, "learned", k + 1, look)
+    axes.set_xticks(sorted(set(scores["lead"])))
+
+
+def _mark(axes: Axes, scores: pd.DataFrame, way: str, place: int, look: Mapping[str, Any]) -> None:
+    """Draw the shares of one way to predict with their intervals."""
+    middle, low, high = (scores[f"{way}_{part}"] for part in ("median", "low", "high"))
+    at = scores["lead"] + _APART * (place - 1)
+    # The interval of a skew statistic need not hold it.
+    reach = [(middle - low).clip(lower=0.0), (high - middle).clip(lower=0.0)]
+    axes.errorbar(at, middle, yerr=reach, ms=3.5, lw=1.0, elinewidth=0.8, capsize=1.5, **look)

@@ -1,0 +1,72 @@
+"""The report of a catalogue: what correctors leave of SGP4's errors, test by test."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+from opml.element_sets.features import BANDS
+from opml.element_sets.judge import ALL, LEVEL
+from opml.report.document import Block, Heading, Items, Paragraph, Table
+from opml.report.results import NO_VALUE
+
+_HEADER = (
+    *("test", "height [km]", "lead [d]", "learner", "predictions", "objects", "weeks"),
+    *("SGP4, median / 95 % [m]", "scaled [%]", "learned [%]", "learned over scaled [%]"),
+    *("P_ML scaled / learned [%]", "inside [%]"),
+)
+
+
+def document(scores: pd.DataFrame, seasons: Mapping[str, Mapping[str, Sequence[str]]]) -> list[Block]:
+    """Return the document.
+
+    scores: `catalogue_scores`
+    seasons: by test, the dates under `train` and `test`
+    """
+    return [
+        Heading("What a catalogue teaches", level=1),
+        Paragraph(
+            "Errors of the newest public set along the track, judged by later sets. One half of the objects"
+            " was learned from, the other half judges in a later season."
+        ),
+        Items([_season(name, dates) for name, dates in seasons.items()]),
+        Paragraph(
+            "What is left is told in % of SGP4's: median / 95th percentile. **scaled**: SGP4 with the"
+            " density of the days ahead, as it was forecast; **learned**: with the corrector on top. In"
+            " brackets, 95 % intervals of medians over weeks and objects; a value above 100 is worse than"
+            f" SGP4's. **inside**: share of the errors in the learned intervals of {LEVEL:g} %."
+        ),
+        Table(_HEADER, [_cells(row) for row in _ordered(scores).to_dict("records")]),
+    ]
+
+
+def _season(name: str, dates: Mapping[str, Sequence[str]]) -> str:
+    (first, last), (begin, end) = dates["train"], dates["test"]
+    return f"**{name}**: learned from {first} to {last}, judged from {begin} to {end}"
+
+
+def _ordered(scores: pd.DataFrame) -> pd.DataFrame:
+    """Return the scores by test, in their order, band and lead, learners below each other."""
+    place = pd.Categorical(scores["test"], categories=scores["test"].unique())
+    return scores.assign(place=place.codes).sort_values(["place", "band", "lead"], kind="stable")
+
+
+def band_name(band: int) -> str:
+    """Return the heights of a band in words."""
+    return "all" if band == ALL else f"{BANDS[band] / 1e3:g}-{BANDS[band + 1] / 1e3:g}"
+
+
+def _cells(row: Mapping[str, Any]) -> list[str]:
+    return [
+        row["test"],
+        band_name(row["band"]),
+        str(row["lead"]),
+        f"`{row['learner']}`",
+        *(str(row[name]) for name in ("predictions", "objects", "weeks")),
+        f"{row['sgp4_median']:.0f} / {row['sgp4_p95']:.0f}",
+        *(f"{row[f'{way}_median']:.0f} / {row[f'{way}_p95']:.0f}" for way in ("scaled", "learned")),
+        f"{row['gain_median']:.0f} ({row['gain_low']:.0f} to {row['gain_high']:.0f})",
+        f"{row['scaled_p_ml']:.0f} / {row['learned_p_ml']:.0f}",
+        f"{row['coverage']:.0f}" if math.isfinite(row["coverage"]) else NO_VALUE,
+    ]

@@ -1,0 +1,39 @@
+"""Checks of a study of a catalogue: its tests against each other, and the user's files."""
+
+from pathlib import Path
+
+from opml.base import epochs
+from opml.environment import knowledge
+from opml.study.settings.merging import Settings
+from opml.study.settings.overlay import Source
+
+
+def check(source: Source, settings: Settings) -> None:
+    """Raise InputError for a test of an unknown population, or one that does not follow its training."""
+    known, tests = settings.catalogue_files, settings.catalogue.tests if settings.catalogue else {}
+    for name, test in tests.items():
+        key = ("catalogue", "tests", name)
+        if test.population not in known:
+            expected = f"expected one of {', '.join(known)}, got {test.population!r}"
+            raise source.wrong((*key, "population"), expected)
+        dates = [*test.train, *test.test]
+        with source.naming(key):
+            for date in dates:
+                epochs.parse(f"{date}T00:00:00")
+        if not dates[0] <= dates[1] < dates[2] <= dates[3]:
+            expected = "expected dates to train on before those to test on"
+            raise source.wrong(key, f"{expected}, got {', '.join(dates)}")
+
+
+def check_files(source: Source, settings: Settings) -> None:
+    """Raise InputError where element sets are missing, or the weather is unreadable."""
+    for name, files in settings.catalogue_files.items():
+        key = ("catalogue", "populations", name, "files")
+        for file in files:
+            if "{" in file:
+                raise source.wrong(key, f"expected a path without braces, got {file}")
+            if not Path(file).exists():
+                raise source.wrong(key, f"{file}: no such file; expected element sets (TLE, OMM)")
+    if settings.catalogue:
+        with source.naming(("catalogue", "weather")):
+            knowledge.read(settings.catalogue.weather)

@@ -1,0 +1,50 @@
+"""A study of a catalogue: populations of objects, and the spans that a corrector is learned and judged in."""
+
+from typing import Annotated, Literal
+
+from annotated_types import MinLen
+from pydantic import Strict
+
+from opml.base.setting_types import Expected, NotNegative, Pattern, Text, Unique
+from opml.study.settings.model.names import Name, PathList
+from opml.study.settings.model.section import Section, setting
+
+Date = Annotated[str, Pattern(r"^\d{4}-\d{2}-\d{2}$"), Expected('a date (UTC) in quotes, like "2026-03-15"')]
+
+Dates = Annotated[tuple[Date, Date], Strict(False), Expected("two dates in quotes, the first and the last")]
+
+
+class PopulationSettings(Section):
+    """Objects that learn from each other."""
+
+    files: PathList = setting("files or folders of element sets (TLE, OMM)", unit="path")
+
+
+class SeasonSettings(Section):
+    """A season that is learned from, and a later one that judges."""
+
+    population: str = setting("population of the objects", unit="name")
+    train: Dates = setting("mornings of one half of the objects that are learned from")
+    test: Dates = setting("later mornings of the other half that judge")
+
+
+class CatalogueSettings(Section):
+    """A study of a catalogue."""
+
+    populations: Annotated[dict[Name, PopulationSettings], MinLen(1)] = setting(
+        "objects that learn from each other"
+    )
+    weather: Text = setting("`OBSERVED` or a CSSI file, which reaches all mornings", unit="name or path")
+    latency_hours: NotNegative = setting(
+        "time from the epoch of a set to its publication, where the set does not tell when it was made",
+        unit="h",
+        default=6.0,
+    )
+    tests: Annotated[dict[Name, SeasonSettings], MinLen(1)] = setting(
+        "a season that is learned from, and a later one that judges"
+    )
+    learners: Annotated[list[Literal["trees", "svr"]], MinLen(1), Unique()] = setting(
+        "what learns: boosted trees, the paper's support vector regression",
+        unit="names",
+        default=["trees", "svr"],
+    )

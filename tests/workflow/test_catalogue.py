@@ -1,0 +1,81 @@
+"""A study of a catalogue from the command line: its plan, what it refuses, and a small one that runs."""
+
+import catalogue_files
+import pytest
+from project import jobs
+
+from opml.tables import read_table
+
+SETTINGS = """
+results: results/few
+catalogue:
+  populations: {payloads: {files: "*.tle"}}
+  weather: weather.csv
+  learners: [%s]
+  tests:
+    winter: {population: %s, train: ["2016-01-15", %s], test: ["2016-03-08", "2016-03-15"]}
+study: {}
+"""
+LAST = '"2016-02-25"'
+
+
+def asked(project, *, learners="trees", population="payloads", last=LAST):
+    """Write the settings of a small study; returns the option that names them."""
+    (project.folder / "few.yaml").write_text(SETTINGS % (learners, population, last))
+    return "--configfile=few.yaml"
+
+
+@pytest.fixture
+def few(project):
+    """A project with 48 objects and weather of two years."""
+    catalogue_files.write_sets(project.folder / "sets.tle", objects=48, days=90)
+    begin = catalogue_files.FIRST_DAY
+    catalogue_files.write_weather(project.folder / "weather.csv", first=begin - 600, last=begin + 90)
+    return project
+
+
+def test_plan_of_a_catalogue(few):
+    plan = jobs(few.snakemake("-n", "catalogue", asked(few, learners="trees, svr")).stdout)
+    once = ["densities", "rows", "scores", "report", "shares"]
+    assert plan == {
+        "catalogue": 1,
+        "catalogue_residuals": 2,
+        **{f"catalogue_{name}": 1 for name in once},
+    }
+
+
+def test_what_is_wrong_with_a_catalogue_is_told_in_one_line(few):
+    where = "opml: few.yaml: catalogue.tests.winter"
+    for wrong, told in (
+        ({"population": "debris"}, f"{where}.population: expected one of payloads, got 'debris'\n"),
+        ({"last": '"2016-03-08"'}, f"{where}: expected dates to train on before those to test on, got "),
+        ({"last": '"2016-02-30"'}, f"{where}: "),
+        ({"last": "5"}, f'{where}.train.1: expected a date (UTC) in quotes, like "2026-03-15", got 5\n'),
+    ):
+        done = few.snakemake("-n", "catalogue", asked(few, **wrong), check=False)
+        assert done.returncode != 0
+        assert told in done.stdout
+    assert "Traceback" not in done.stdout
+
+
+def test_the_shipped_study_names_the_files_that_it_lacks(project):
+    done = project.snakemake("-n", "catalogue", "--configfile", "config/studies/catalogue.yaml", check=False)
+    key = "catalogue.populations.payloads.files"
+    assert f"opml: config/studies/catalogue.yaml: {key}: catalogue/payloads.tle: no such file" in done.stdout
+
+
+def test_without_a_catalogue_there_is_no_target(project):
+    done = project.snakemake("-n", "catalogue", check=False)
+    assert "opml: study: expected a catalogue to train and to test on, got none" in done.stdout
+
+
+@pytest.mark.dag
+def test_a_small_catalogue_runs(few):
+    few.snakemake("-j2", "catalogue", asked(few))
+    results = few.folder / "results" / "few"
+    scores = read_table(results / "catalogue" / "scores.parquet", "catalogue_scores")
+    assert scores["lead"].tolist() == [1, 3, 5, 7] * 2
+    assert set(scores["learner"]) == {"trees"}
+    assert (scores["objects"] > 15).all()
+    for name in ("catalogue/catalogue.md", "catalogue/catalogue.html", "figs/catalogue/winter.pdf"):
+        assert (results / name).stat().st_size > 1000

@@ -1,0 +1,11 @@
+"""Report what correctors leave of SGP4's errors in all tests of a catalogue."""
+
+from opml.report import catalogue, document
+from opml.tables import read_table
+from opml.workflow.job_settings import JobSettings
+from opml.workflow.jobs import job
+
+with job(snakemake):
+    settings, output = JobSettings(snakemake.params.settings), snakemake.output
+    blocks = catalogue.document(read_table(snakemake.input[0], "catalogue_scores"), settings.seasons_of_tests)
+    document.write(blocks, output.md[0], output.tsv[0], output.html[0])

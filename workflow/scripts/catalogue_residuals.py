@@ -1,0 +1,18 @@
+"""Train a corrector on half of the objects in a season, and judge it on the others in a later one."""
+
+from opml.element_sets import held_out
+from opml.tables import read_table, write_table
+from opml.workflow.job_settings import JobSettings
+from opml.workflow.jobs import job
+
+# The processes that learn the parts read this file, too.
+if __name__ == "__main__":
+    with job(snakemake) as metadata:
+        settings = JobSettings(snakemake.params.settings)
+        residuals = held_out.residuals(
+            read_table(snakemake.input[0], held_out.ROWS),
+            held_out.Seasons.of_dates(**settings.seasons),
+            settings.learner,
+            seed=settings.seed,
+        )
+        write_table(snakemake.output[0], residuals, "catalogue_residuals", metadata=metadata)

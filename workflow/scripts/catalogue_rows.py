@@ -1,0 +1,17 @@
+"""Predict, by SGP4, the mornings of two seasons, and see what the corrector sees of each prediction."""
+
+from opml.element_sets import held_out
+from opml.tables import read_table, write_table
+from opml.workflow.job_settings import JobSettings
+from opml.workflow.jobs import job
+
+with job(snakemake) as metadata:
+    settings, files = JobSettings(snakemake.params.settings), snakemake.input
+    rows = held_out.rows(
+        files.sets,
+        read_table(files.densities, held_out.DENSITIES),
+        held_out.Seasons.of_dates(**settings.seasons),
+        weather=settings.weather,
+        latency=settings.latency_hours / 24.0,
+    )
+    write_table(snakemake.output[0], rows, held_out.ROWS, metadata=metadata)
