@@ -72,7 +72,7 @@ if PLAN.catalogue:
             learner=naming.alternatives(PLAN.catalogue.learners),
         conda:
             "../envs/opml.yaml"
-        threads: 128  # its parts are learned side by side
+        threads: 2  # its parts are learned side by side
         resources:
             mem_mb=6000,
             runtime=60,

@@ -35,7 +35,8 @@ def document(scores: pd.DataFrame, seasons: Mapping[str, Mapping[str, Sequence[s
             "What is left is told in % of SGP4's: median / 95th percentile. **scaled**: SGP4 with the"
             " density of the days ahead, as it was forecast; **learned**: with the corrector on top. In"
             " brackets, 95 % intervals of medians over weeks and objects; a value above 100 is worse than"
-            f" SGP4's. **inside**: share of the errors in the learned intervals of {LEVEL:g} %."
+            f" SGP4's. **inside**: share of the errors in the learned intervals of {LEVEL:g} %; without one,"
+            " rows were too few to learn from, and the scaled prediction stands."
         ),
         Table(_HEADER, [_cells(row) for row in _ordered(scores).to_dict("records")]),
     ]

@@ -1,0 +1,45 @@
+"""The figure of a catalogue's test: a panel per band, marks of each learner beside the unlearned ones."""
+
+import pandas as pd
+
+from opml.element_sets import judge
+from opml.figures.catalogue_shares import shares
+
+SEASONS = {"train": ["2026-03-15", "2026-05-07"], "test": ["2026-05-31", "2026-07-31"]}
+
+
+def scores():
+    """Scores of two bands and two leads by two learners."""
+    rows = [
+        {"learner": learner, "band": band, "lead": lead}
+        for learner in ("trees", "svr")
+        for band in (judge.ALL, 2)
+        for lead in (1, 3)
+    ]
+    shares = {f"{way}_{part}": 80.0 for way in ("scaled", "learned") for part in ("low", "median", "high")}
+    return pd.DataFrame(rows).assign(**shares | {"learned_low": 70.0, "scaled_high": 95.0})
+
+
+def test_panels_are_bands_and_marks_are_learners():
+    figure = shares(scores(), SEASONS, name="summer")
+    assert [axes.get_title("left") for axes in figure.axes] == ["all heights", "450 to 500 km"]
+    handles, labels = figure.axes[1].get_legend_handles_labels()
+    assert labels == [
+        "SGP4",
+        "density-scaled, nothing learned of the objects",
+        "learned by trees",
+        "learned by the paper's SVR",
+    ]
+    (learned,) = (handle for handle, label in zip(handles, labels, strict=True) if label.endswith("trees"))
+    assert learned.lines[0].get_ydata().tolist() == [80.0, 80.0]
+    ends = [segment[:, 1].tolist() for segment in learned.lines[2][0].get_segments()]
+    assert ends == [[70.0, 80.0]] * 2
+
+
+def test_the_note_tells_both_seasons():
+    figure = shares(scores(), SEASONS, name="summer")
+    note = figure.legends[0].get_title().get_text().replace("\n", " ")
+    assert note == (
+        "summer: learned from half of the objects, 2026-03-15 to 2026-05-07; judged on the others, "
+        "2026-05-31 to 2026-07-31; bars hold 95 %"
+    )
