@@ -110,7 +110,7 @@ class IntegratorSettings(Section):
         "longest step; 90 s is the paper's, and 120 s the better choice for a study of one's own: it takes"
         " three quarters of the time, and after seven days orbits above 300 km are within a metre",
         unit="s",
-        see="performance.md#how-long-a-step",
+        see="performance.md",
     )
 
 
