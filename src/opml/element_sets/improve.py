@@ -1,7 +1,7 @@
 """Better element sets for a morning: each object's newest set, its mean motion and B* corrected.
 
-    sets = improve.read(["catalogue"], date="2026-07-15T06:00:00", weather="SW-All.csv")
-    better = improve.improve(sets)
+    known = improve.read(["catalogue"], date="2026-07-15T06:00:00", weather="SW-All.csv")
+    better = improve.improve(known, model.read())
     better.write("better.tle")
 
 Nothing counts that was not public on the date: later sets, later weather. Sets fly, by every tool that knows
@@ -49,6 +49,9 @@ _GROSS = 4.0
 _FEWEST_SETS = 3
 _BURN = 25.0
 """Scales by which a set misses those before it where the object has burned."""
+
+_MOST_DRAG = 0.9
+"""Largest part of its B* that is taken off a set."""
 
 _DEEP = 2.0 * np.pi / 225.0  # mean motion [rad/min] below which SGP4 adds Sun and Moon
 _MINUTES = 1440.0
@@ -267,13 +270,14 @@ def _changes(newest: pd.DataFrame, rows: pd.DataFrame) -> pd.DataFrame:
     """Return the changes of mean motion [rad/min] and B* by object that come nearest to the corrections.
 
     Distances at all leads count by the inverse of the time to them. Along the track a change of the mean
-    motion goes with tau, one of B* with the response.
+    motion goes with tau, one of B* with the response. Some of the drag stays: without it an orbit would rise.
     """
     tau = rows["tau"]
     rate, sought = rows["response"] / tau, rows["correction"] / tau
     sums = pd.DataFrame({"n": 1.0, "r": rate, "rr": rate**2, "s": sought, "rs": rate * sought})
     n, r, rr, s, rs = (sums.groupby(rows["number"]).sum()[name] for name in ("n", "r", "rr", "s", "rs"))
     bstar = (n * rs - r * s) / (n * rr - r * r)
+    bstar = np.minimum(bstar, _MOST_DRAG * newest["bstar"].reindex(bstar.index))
     speed = (s - bstar * r) / n  # [m/d]
     radius = pd.Series(semi_major_axis(newest["motion"].to_numpy()), index=newest.index)
     found = pd.DataFrame({"motion": -speed / (_MINUTES * radius), "bstar": -bstar})

@@ -214,3 +214,22 @@ def test_own_misses_count_once_their_judge_was_public(folder: Path, model: model
     own, other = (features.own_misses(one)[before] for one in (rows, changed))
 
     pd.testing.assert_frame_equal(own, other, check_exact=True)
+
+
+def test_a_tenth_of_the_drag_stays_whatever_is_asked(
+    folder: Path, model: models.Model, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A correction of twice what drag does along the track would make an orbit rise."""
+
+    def twice(rows: pd.DataFrame, _: models.Model) -> dict[str, pd.DataFrame]:
+        return {
+            improve.DENSITY: pd.DataFrame({"correction": 2e-4 * rows["response"], "sigma": rows["scale"]})
+        }
+
+    monkeypatch.setattr(improve, "candidates", twice)
+
+    table = improve.improve(improve.read([folder], date=DATE, weather="OBSERVED"), model).table
+
+    drag = table.loc[table["bstar_before"] < 2e-4 / 0.9, ["bstar", "bstar_before"]]
+    assert len(drag) > 10
+    np.testing.assert_allclose(drag["bstar"], 0.1 * drag["bstar_before"], rtol=1e-9)
