@@ -1,42 +1,50 @@
-"""Histories of element sets that tests make: objects that sink as their drag has it, a set a day."""
-
-from pathlib import Path
+"""Histories of mean elements that agree with each other, but for noise and what a test adds."""
 
 import numpy as np
+import pandas as pd
+from support import EPOCH
 
-from opml.interop.element_sets import tle
-from opml.interop.element_sets.element_set import satellite
+from opml.base.constants import DAY
+from opml.interop.element_sets import histories, tle
+from opml.tables import ELEMENTS, SCHEMAS
 
-FIRST = "2025-11-20T02:00:00"
-"""Epoch of the first set of each history."""
-
-_MOTIONS = (15.50, 15.30, 15.05, 14.75)  # revolutions a day: 390 to 640 km
-_NOISE = 3e-6  # of the mean longitude [rad], some 20 m
-
-
-def sets_of(number: int, days: int, *, seed: int = 7) -> list[str]:
-    """Return lines of TLEs of one object, a set a day; its drag varies, its sets err."""
-    rng = np.random.default_rng([seed, number])
-    motion = 2.0 * np.pi / 1440.0 * (_MOTIONS[number % len(_MOTIONS)] + 0.02 * rng.random())
-    inclination, node, perigee, anomaly = rng.uniform([0.9, 0.0, 0.0, 0.0], [1.7, 6.2, 6.2, 6.2])
-    lines: list[str] = []
-    for day in range(days):
-        drag = 1e-4 * (1.0 + 0.3 * np.sin(0.4 * day + number) + 0.1 * rng.standard_normal())
-        epoch = str(np.datetime64(FIRST) + np.timedelta64(day, "D"))
-        noisy = (anomaly + _NOISE * rng.standard_normal()) % (2.0 * np.pi)
-        made = satellite(epoch, [motion, 1e-3, inclination, node, perigee, noisy, drag])
-        lines += tle.lines(made, number)
-        # A day on, without the noise; SGP4 keeps Brouwer's mean motion, a set has Kozai's.
-        made = satellite(epoch, [motion, 1e-3, inclination, node, perigee, anomaly, drag])
-        made.sgp4_tsince(0.0)
-        kozai = motion / made.nm
-        made.sgp4_tsince(1440.0)
-        motion = made.nm * kozai
-        node, perigee, anomaly = (angle % (2.0 * np.pi) for angle in (made.Om, made.om, made.mm))
-    return lines
+FIRST = [0.0676 / 60.0, 0.0006, *np.radians([51.64, 80.0, 250.0, 100.0])]
+"""Elements of an ISS at the epoch; its drag is none."""
 
 
-def write(path: Path, numbers: range, days: int, *, seed: int = 7) -> None:
-    """Write the histories of objects as a file of TLEs."""
-    lines = [line for number in numbers for line in sets_of(number, days, seed=seed)]
-    path.write_text("\n".join(lines) + "\n")
+def history(days, *, noise=0.0, ahead=None, bstar=0.0, created=None):
+    """The table of sets at days since the epoch, of an orbit without drag.
+
+    noise: standard deviation of the sets along the track [m]
+    ahead: by day from which on, how many metres along the track all sets are ahead
+    created: days when the sets were made
+    """
+    days = np.asarray(days, float)
+    shift = noise * np.random.default_rng(1).normal(size=len(days))
+    for begin, metres in (ahead or {}).items():
+        shift += np.where(days >= begin, metres, 0.0)
+    first = histories.satellite(pd.Series([0.0, *FIRST, 0.0], ["t", *ELEMENTS]), epoch=EPOCH)
+    minutes = days * DAY / 60.0
+    motion, eccentricity, inclination, node, perigee, anomaly = FIRST
+    columns = {
+        "number": np.full(len(days), 25544),
+        "t": days * DAY,
+        "mean_motion": motion,
+        "eccentricity": eccentricity,
+        "inclination": inclination,
+        "raan": (node + first.nodedot * minutes) % (2 * np.pi),
+        "argp": (perigee + first.argpdot * minutes) % (2 * np.pi),
+        "mean_anomaly": (anomaly + first.mdot * minutes + shift / 6.78e6) % (2 * np.pi),
+        "bstar": bstar,
+        "is_deep": False,
+        "t_created": np.nan if created is None else np.asarray(created, float) * DAY,
+        "file": "sets.tle",
+        "line": 2 * np.arange(len(days)) + 1,
+    }
+    return pd.DataFrame(columns)[SCHEMAS["element_sets"].names]
+
+
+def tle_text(sets, number=25544):
+    """The sets as TLEs of a catalogue number."""
+    satellites = [histories.satellite(sets.iloc[k], epoch=EPOCH) for k in range(len(sets))]
+    return "".join(line + "\n" for one in satellites for line in tle.lines(one, number))

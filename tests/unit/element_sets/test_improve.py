@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-import element_histories
 import numpy as np
 import pandas as pd
 import pytest
+import sinking_histories
 
 from opml import cli
 from opml.base.errors import InputError
@@ -23,7 +23,7 @@ NUMBERS = range(101, 121)
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("sets")
-    element_histories.write(folder / "known.tle", NUMBERS, 49)
+    sinking_histories.write(folder / "known.tle", NUMBERS, 49)
     return folder
 
 
@@ -41,7 +41,7 @@ def test_no_later_set_and_no_later_weather_touches_a_morning(
     folder: Path, better: improve.Improved, model: models.Model, tmp_path: Path
 ) -> None:
     """Sets of another future and weather that changes from the date on leave the same bytes."""
-    element_histories.write(tmp_path / "later.tle", NUMBERS, 60, seed=8)
+    sinking_histories.write(tmp_path / "later.tle", NUMBERS, 60, seed=8)
     later = (tmp_path / "later.tle").read_text().splitlines()[: 2 * 60 * len(NUMBERS)]
     future = [later[k : k + 2] for k in range(0, len(later), 2)]
     future = [pair for pair in future if float(pair[0][20:32]) < 300.0 and pair[0][18:20] == "26"]
@@ -109,7 +109,7 @@ def test_each_object_says_what_was_done_and_why(
         assert (left > 0.0).all()
         assert (expected >= left).all()
 
-    lines = element_histories.sets_of(101, 49)
+    lines = sinking_histories.sets_of(101, 49)
     cases = {
         "first sets": "\n".join(lines[-4:]),
         "newest set older than 3 d": "\n".join(lines[:80]),

@@ -1,0 +1,42 @@
+"""Histories of element sets that tests make: objects that sink as their drag has it, a set a day."""
+
+from pathlib import Path
+
+import numpy as np
+
+from opml.interop.element_sets import tle
+from opml.interop.element_sets.element_set import satellite
+
+FIRST = "2025-11-20T02:00:00"
+"""Epoch of the first set of each history."""
+
+_MOTIONS = (15.50, 15.30, 15.05, 14.75)  # revolutions a day: 390 to 640 km
+_NOISE = 3e-6  # of the mean longitude [rad], some 20 m
+
+
+def sets_of(number: int, days: int, *, seed: int = 7) -> list[str]:
+    """Return lines of TLEs of one object, a set a day; its drag varies, its sets err."""
+    rng = np.random.default_rng([seed, number])
+    motion = 2.0 * np.pi / 1440.0 * (_MOTIONS[number % len(_MOTIONS)] + 0.02 * rng.random())
+    inclination, node, perigee, anomaly = rng.uniform([0.9, 0.0, 0.0, 0.0], [1.7, 6.2, 6.2, 6.2])
+    lines: list[str] = []
+    for day in range(days):
+        drag = 1e-4 * (1.0 + 0.3 * np.sin(0.4 * day + number) + 0.1 * rng.standard_normal())
+        epoch = str(np.datetime64(FIRST) + np.timedelta64(day, "D"))
+        noisy = (anomaly + _NOISE * rng.standard_normal()) % (2.0 * np.pi)
+        made = satellite(epoch, [motion, 1e-3, inclination, node, perigee, noisy, drag])
+        lines += tle.lines(made, number)
+        # A day on, without the noise; SGP4 keeps Brouwer's mean motion, a set has Kozai's.
+        made = satellite(epoch, [motion, 1e-3, inclination, node, perigee, anomaly, drag])
+        made.sgp4_tsince(0.0)
+        kozai = motion / made.nm
+        made.sgp4_tsince(1440.0)
+        motion = made.nm * kozai
+        node, perigee, anomaly = (angle % (2.0 * np.pi) for angle in (made.Om, made.om, made.mm))
+    return lines
+
+
+def write(path: Path, numbers: range, days: int, *, seed: int = 7) -> None:
+    """Write the histories of objects as a file of TLEs."""
+    lines = [line for number in numbers for line in sets_of(number, days, seed=seed)]
+    path.write_text("\n".join(lines) + "\n")
