@@ -47,7 +47,7 @@ class BoostingModel:
         from opml.learning.models.tree_kernels import add_leaves
 
         x = np.ascontiguousarray(check_rows(x, self.variables))
-        predicted = np.full(len(x), self.offset)
+        predicted = np.full(len(x), self.offset, dtype=float)
         nodes = (np.ascontiguousarray(getattr(self, name)) for name in _NODE)
         add_leaves(x, self.roots, *nodes, predicted)
         return predicted
