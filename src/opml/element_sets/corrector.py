@@ -30,7 +30,7 @@ LEVEL = 0.9
 FEWEST = 2000
 """Rows below which nothing is learned for a part of the catalogue."""
 
-_NORMAL = 1.6449
+NORMAL = 1.6449
 """Standard deviations within which LEVEL of normal errors lie."""
 
 _ALL_BANDS = tuple(range(len(BANDS) - 1))
@@ -92,7 +92,7 @@ class Corrector:
             miss *= _share_of(own, part.shares)
             size = part.size.predict(own[list(part.size.variables)].to_numpy())
             found.iloc[members, 0] = own["density"].to_numpy() + scale * miss
-            found.iloc[members, 1] = scale * np.exp(size) / _NORMAL
+            found.iloc[members, 1] = scale * np.exp(size) / NORMAL
         return found
 
 
@@ -138,9 +138,7 @@ def _held_out(rows: pd.DataFrame, fit: Fit, seed: int) -> np.ndarray:
 
     Objects fall into two halves, and so do blocks of four weeks, by turns.
     """
-    number = rows["number"].to_numpy()
-    numbers, place = np.unique(number, return_inverse=True)
-    half = np.array([int(derive(seed, "half", one).integers(2)) for one in numbers])[place]
+    half = drawn_halves(rows["number"].to_numpy(), "half", seed=seed)
     block = np.floor(rows["morning"].to_numpy() / _BLOCK).astype(int) % 2
     found = np.zeros(len(rows))
     for own in (0, 1):
@@ -150,6 +148,13 @@ def _held_out(rows: pd.DataFrame, fit: Fit, seed: int) -> np.ndarray:
                 model = fit(rows[seen], seed)
                 found[asked] = model.predict(rows.loc[asked, list(model.variables)].to_numpy())
     return found
+
+
+def drawn_halves(numbers: np.ndarray, name: str, *, seed: int) -> np.ndarray:
+    """Return 0 or 1 for each catalogue number (n,), by the number, the draw's name and the seed alone."""
+    objects, place = np.unique(numbers, return_inverse=True)
+    draws = [int(derive(seed, name, str(one)).integers(2)) for one in objects]
+    return np.array(draws, dtype=int)[place]
 
 
 def _shares(rows: pd.DataFrame, held_out: np.ndarray) -> Shares:

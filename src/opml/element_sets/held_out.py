@@ -11,7 +11,6 @@ import pandas as pd
 from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.base.seeds import derive
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import corrector, density, features, pairs
 from opml.element_sets.catalogue import Catalogue, modified_julian_day
@@ -135,6 +134,4 @@ def residuals(table: pd.DataFrame, seasons: Seasons, learner: str, *, seed: int)
 
 def half_of(numbers: np.ndarray, *, seed: int) -> np.ndarray:
     """Return 0 or 1 for each of the catalogue numbers (n,), by the number and the seed alone."""
-    objects, place = np.unique(numbers, return_inverse=True)
-    draws = [int(derive(seed, "half of a catalogue", str(one)).integers(2)) for one in objects]
-    return np.array(draws, dtype=int)[place]
+    return corrector.drawn_halves(numbers, "half of a catalogue", seed=seed)

@@ -11,18 +11,16 @@ import numpy as np
 import pandas as pd
 
 from opml.base.seeds import derive
+from opml.element_sets import corrector
 
 ALL = -1
 """Number of the band that stands for all of them."""
 
-LEVEL = 90.0
+LEVEL = 100.0 * corrector.LEVEL
 """Share of the errors [%] that the intervals of the learned sigma are to hold."""
 
 DRAWS = 400
 """Draws of weeks and objects."""
-
-_NORMAL = 1.6449
-"""Standard deviations within which LEVEL of normal errors lie."""
 
 _WEEK = 7
 _INTERVAL = (2.5, 97.5)
@@ -79,7 +77,7 @@ def p_ml(error: np.ndarray, left: np.ndarray) -> float:
 def coverage(part: pd.DataFrame) -> float:
     """Return the share [%] of learned residuals inside their intervals of LEVEL; NaN without a sigma."""
     known = part[np.isfinite(part["sigma"])]
-    return float(100.0 * (known["learned"].abs() <= _NORMAL * known["sigma"]).mean())
+    return float(100.0 * (known["learned"].abs() <= corrector.NORMAL * known["sigma"]).mean())
 
 
 def _week(part: pd.DataFrame) -> np.ndarray:

@@ -9,11 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from sgp4.api import WGS72, Satrec
+from sgp4.api import Satrec
 
 from opml.element_sets.catalogue import Catalogue
+from opml.interop.element_sets.element_set import with_drag
+from opml.tables.element_tables import IMPROVED_LEADS
 
-LEADS = (1, 3, 5, 7)
+LEADS = IMPROVED_LEADS
 """Days from the morning to what is predicted."""
 
 BACK = 5
@@ -28,7 +30,6 @@ _REACH = 0.5
 _STEP = 0.05
 """Part of B* by which it is changed to see what SGP4 makes of it."""
 
-_SGP4_ZERO = 2433281.5  # Julian date from which sgp4init counts days
 _SPAN = 1e6  # more days than any table has
 _MINUTES = 1440.0
 
@@ -182,24 +183,4 @@ def fly(satellite: Satrec, minutes: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 def kick(satellite: Satrec, part: float) -> Satrec:
     """Return a set with its B* larger by a part of it."""
-    return changed(satellite, satellite.no_kozai, (1.0 + part) * satellite.bstar)
-
-
-def changed(satellite: Satrec, motion: float, bstar: float) -> Satrec:
-    """Return a set with another mean motion [rad/min] and B*."""
-    made = Satrec()
-    made.sgp4init(
-        WGS72,
-        "i",
-        0,
-        satellite.jdsatepoch - _SGP4_ZERO + satellite.jdsatepochF,
-        bstar,
-        *(0.0, 0.0),  # derivatives of the mean motion, which SGP4 does not use
-        satellite.ecco,
-        satellite.argpo,
-        satellite.inclo,
-        satellite.mo,
-        motion,
-        satellite.nodeo,
-    )
-    return made
+    return with_drag(satellite, (1.0 + part) * satellite.bstar)

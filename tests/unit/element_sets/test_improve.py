@@ -1,5 +1,6 @@
 """Better sets for a morning: nothing later counts, two numbers carry the correction, each set says why."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from opml import cli
 from opml.base.errors import InputError
 from opml.element_sets import catalogue, density, features, improve, pairs
 from opml.element_sets import model as models
+from opml.environment import solar_activity
 from opml.interop.element_sets import mean_elements
 from opml.tables import read_table
 
@@ -49,18 +51,12 @@ def test_no_later_set_and_no_later_weather_touches_a_morning(
     assert len(future) > 8 * len(NUMBERS)
     (tmp_path / "later.tle").write_text("".join(f"{line}\n" for pair in future for line in pair))
     weather = tmp_path / "weather.csv"
-    weather.write_text(_with_storms_after("2026-01-08", density_source().read_text()))
+    weather.write_text(_with_storms_after("2026-01-08", solar_activity.resolve("OBSERVED").read_text()))
 
     known = improve.read([folder, tmp_path / "later.tle"], date=DATE, weather=str(weather))
     again = improve.improve(known, model)
 
     pd.testing.assert_frame_equal(again.table, better.table, check_exact=True)
-
-
-def density_source() -> Path:
-    from opml.environment import solar_activity
-
-    return solar_activity.resolve("OBSERVED")
 
 
 def _with_storms_after(day: str, text: str) -> str:
@@ -184,7 +180,7 @@ def test_what_cannot_be_is_told_in_one_line(
 
     (line,) = capsys.readouterr().err.splitlines()[-1:]
     assert line.startswith("opml: ")
-    assert pytest.importorskip("re").search(expected, line)
+    assert re.search(expected, line)
     assert not (tmp_path / "better.tle").exists()
 
 

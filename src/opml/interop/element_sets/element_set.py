@@ -21,6 +21,7 @@ PER_DAY = 1440.0 / (2.0 * math.pi)
 """Revolutions per day of a radian per minute."""
 
 _SGP4_ZERO = datetime(1949, 12, 31)
+_SGP4_ZERO_JULIAN = 2433281.5
 
 _FASTEST = 18.0
 """Revolutions per day that no satellite makes: at the Earth's surface there were 17."""
@@ -59,8 +60,20 @@ def satellite(epoch: str, elements: Sequence[float]) -> Satrec:
     elements: mean motion [rad/min], eccentricity, inclination, right ascension of the node, argument of
         perigee, mean anomaly [rad], B*
     """
-    motion, eccentricity, inclination, node, perigee, anomaly, bstar = elements
     days = (datetime.fromisoformat(epoch) - _SGP4_ZERO) / timedelta(days=1)
+    return _initialised(days, elements)
+
+
+def with_drag(satellite: Satrec, bstar: float) -> Satrec:
+    """Return a set with another B*."""
+    days = satellite.jdsatepoch - _SGP4_ZERO_JULIAN + satellite.jdsatepochF
+    angles = satellite.inclo, satellite.nodeo, satellite.argpo, satellite.mo
+    return _initialised(days, [satellite.no_kozai, satellite.ecco, *angles, bstar])
+
+
+def _initialised(days: float, elements: Sequence[float]) -> Satrec:
+    """Return the satellite of mean elements as in `satellite`; days: from SGP4's zero to their epoch."""
+    motion, eccentricity, inclination, node, perigee, anomaly, bstar = elements
     made = Satrec()
     derivatives = 0.0, 0.0  # of the mean motion, which SGP4 does not use
     number = 0  # on which no orbit depends
