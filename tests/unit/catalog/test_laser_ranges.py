@@ -64,7 +64,7 @@ def test_the_moon_lifts_what_it_stands_above():
 def sites():
     reference = pd.Timestamp("2016-01-01")
     marks = [
-        {"station": name, "begin": pd.NaT, "end": pd.NaT, "reference": reference}
+        {"station": name, "point": "A", "begin": pd.NaT, "end": pd.NaT, "reference": reference}
         | dict(zip("xyz", place, strict=True))
         | {"vx": 1e-9, "vy": 0.0, "vz": 0.0}
         for name, place in MARKS.items()
