@@ -30,6 +30,15 @@ FLOOR = 30.0
 OWN = (3, 12)
 """Numbers of the object's own mornings whose misses count."""
 
+_RECENT = (1, 2, 3)
+"""Days since the mornings whose common miss a day ahead still counts."""
+
+_LASTING = dict(zip(LEADS, (0.3, 0.25, 0.2, 0.15), strict=True))
+"""Part of a common miss that is there again, by lead [d]."""
+
+_FEWEST_OF_BAND = 5
+"""Objects below which a band has no common miss."""
+
 _DAY_BEFORE = (-1.0, 0.0)
 _WINDOWS = ((-2.0, 0.0), (-1.0, 1.0), (-2.0, 1.0), (-3.0, 1.5), (0.0, 1.0))
 _LEVELS = (
@@ -111,6 +120,8 @@ def build(catalogue: Catalogue, pairs: Pairs, air: Callable[[float], Air]) -> pd
     apart = (found - found.groupby(groups).transform("median")).fillna(0.0).add_suffix("_apart")
     miss = ((made["error"] - made["density"]) / made["scale"]).where(made["is_fit"])
     made["target"] = miss - miss.groupby(groups).transform("median")
+    lasting = made["lead"].map(_LASTING) * common_misses(made.assign(miss=miss))
+    made["density"] += lasting * made["scale"]
     return pd.concat([made, found.fillna(0.0), apart, own_misses(made).fillna(0.0)], axis=1)
 
 
@@ -194,13 +205,37 @@ def _medians(values: np.ndarray) -> np.ndarray:
         return np.asarray(np.nanmedian(values, axis=1))
 
 
+def common_misses(rows: pd.DataFrame) -> np.ndarray:
+    """Return the mean (n,) of the medians that a band missed a day ahead on the last mornings, in scales.
+
+    rows: with `miss` of the prediction with Q alone
+
+    A miss counts if its judge is known on the row's morning; 0 where there are too few.
+    """
+    day = _days(rows)
+    ahead = rows.assign(day=day)[(rows["lead"] == LEADS[0]) & np.isfinite(rows["miss"])]
+    medians = []
+    for lag in _RECENT:
+        known = ahead[ahead["judged"] <= ahead["morning"] + lag]
+        found = known.groupby([known["day"] + lag, "band"])["miss"].agg(["median", "size"])
+        medians.append(found["median"].where(found["size"] >= _FEWEST_OF_BAND))
+    means = pd.concat(medians, axis=1).mean(axis=1)
+    of_row = means.reindex(pd.MultiIndex.from_arrays([day, rows["band"]]))
+    return np.nan_to_num(of_row.to_numpy(dtype=float))
+
+
+def _days(rows: pd.DataFrame) -> np.ndarray:
+    """Return the whole days (n,) of mornings since the first one."""
+    return np.asarray(np.round(rows["morning"] - rows["morning"].min()).astype(int))
+
+
 def own_misses(rows: pd.DataFrame) -> pd.DataFrame:
     """Return OWN_FEATURES: mean and mean size of an object's targets of the last mornings that are judged.
 
     Mornings are a day apart. A target counts a day after what was predicted, if its judge was known by then.
     """
     found = np.full((len(rows), len(OWN_FEATURES)), np.nan)
-    day = np.round(rows["morning"] - rows["morning"].min()).astype(int).to_numpy()
+    day = _days(rows)
     object_, numbers = pd.factorize(rows["number"])
     in_time = rows["judged"] <= rows["morning"] + rows["lead"] + 1.0
     target = rows["target"].where(in_time).to_numpy()
