@@ -221,7 +221,7 @@ def common_misses(rows: pd.DataFrame) -> np.ndarray:
         medians.append(found["median"].where(found["size"] >= _FEWEST_OF_BAND))
     means = pd.concat(medians, axis=1).mean(axis=1)
     of_row = means.reindex(pd.MultiIndex.from_arrays([day, rows["band"]]))
-    return np.nan_to_num(of_row.to_numpy(dtype=float))
+    return np.asarray(of_row.fillna(0.0), dtype=float)
 
 
 def _days(rows: pd.DataFrame) -> np.ndarray:
