@@ -10,7 +10,8 @@ import pandas as pd
 from benchmarks import case
 from opml.base.constants import DAY, HOUR
 from opml.base.seeds import derive
-from opml.catalog.fit.estimation import Estimate, Run
+from opml.catalog.fit.estimate import Estimate
+from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.least_squares import Fit
 from opml.catalog.fit.sightings import Measured
 from opml.catalog.flight import Flight

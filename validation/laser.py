@@ -16,7 +16,8 @@ import pandas as pd
 import opml
 from opml.base.constants import BODIES, DAY
 from opml.catalog.fit import fixes
-from opml.catalog.fit.estimation import Estimate, Estimation, Run
+from opml.catalog.fit.estimate import Estimate
+from opml.catalog.fit.estimation import Estimation, Run
 from opml.catalog.fit.first import first_orbit, track_fits
 from opml.catalog.fit.least_squares import Fit
 from opml.interop import truth_from_orbit

@@ -9,7 +9,8 @@ from support import EPOCH, environment, rsos
 from opml.base.constants import DAY, GM, SPEED_OF_LIGHT
 from opml.base.errors import InputError
 from opml.catalog.fit import fixes, laser_ranges
-from opml.catalog.fit.estimation import Estimate, Estimation, Run
+from opml.catalog.fit.estimate import Estimate
+from opml.catalog.fit.estimation import Estimation, Run
 from opml.catalog.fit.least_squares import Fit
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import laser, truth

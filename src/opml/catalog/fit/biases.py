@@ -10,18 +10,16 @@ Morrison 1950, Annals of Mathematical Statistics 21, 124-127.
 
 import logging
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from opml.base.files import FilePath
+from opml.catalog.fit.estimate import Estimate
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements
 from opml.tables import read_metadata
-
-if TYPE_CHECKING:
-    from opml.catalog.fit.estimation import Estimate
 
 _KEY = "instruments"
 _COLUMNS = ["instrument", "numbers", "sigma", "rms", "mean"]
@@ -63,8 +61,8 @@ def summary(instruments: np.ndarray, weighted: np.ndarray, sigmas: np.ndarray) -
 
 def shown(
     measured: Measurements,
-    estimates: Sequence["Estimate"],
-    residuals: Callable[[Sequence["Estimate"]], list[np.ndarray]],
+    estimates: Sequence[Estimate],
+    residuals: Callable[[Sequence[Estimate]], list[np.ndarray]],
 ) -> pd.DataFrame:
     """Return what residuals tell of each instrument, as `summary`, from all numbers that count; log it.
 

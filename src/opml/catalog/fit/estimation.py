@@ -16,6 +16,7 @@ import pandas as pd
 
 from opml.base.constants import HOUR
 from opml.catalog.fit import biases
+from opml.catalog.fit.estimate import Estimate
 from opml.catalog.fit.first.round_orbits import eccentricity
 from opml.catalog.fit.iterations import Iterations
 from opml.catalog.fit.least_squares import Evaluation, Fit, Method
@@ -77,23 +78,6 @@ class Estimation:
     reject_sigma: float | None = None
     bias_sigma: float | None = None
     suspect_sigma: float | None = None
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """One track's estimate under way.
-
-    kept: (numbers,) bool, which of the window's measured numbers count; None: all of them
-    """
-
-    window: Window
-    fit: Fit
-    kept: np.ndarray | None = None
-
-    @property
-    def solution(self) -> Solution:
-        """What the fit came to."""
-        return Solution(self.window.at, self.fit.best, self.fit.covariance, self.fit.converged)
 
 
 _EDITS = 10

@@ -14,7 +14,8 @@ from typing import Self
 
 import numpy as np
 
-from opml.catalog.fit.estimation import APRIORI_SIGMA, LINEAR, SCALES, Estimate, Run
+from opml.catalog.fit.estimate import Estimate
+from opml.catalog.fit.estimation import APRIORI_SIGMA, LINEAR, SCALES, Run
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.neighbour_arcs import fly_around
 from opml.tables import PARAMETERS

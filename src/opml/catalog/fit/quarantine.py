@@ -22,7 +22,8 @@ import pandas as pd
 from opml.base.constants import HOUR
 from opml.catalog.fit import biases, estimation
 from opml.catalog.fit.burns import Burn, between
-from opml.catalog.fit.estimation import Estimate, Estimation, Run
+from opml.catalog.fit.estimate import Estimate
+from opml.catalog.fit.estimation import Estimation, Run
 from opml.catalog.fit.innovations import CD_SPREAD, Orbit, Usual, farthest
 from opml.catalog.fit.least_squares import Fit, Method
 from opml.catalog.fit.measurements import Measurements

@@ -6,7 +6,8 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
-from opml.catalog.fit.estimation import Estimate, Run
+from opml.catalog.fit.estimate import Estimate
+from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements, Rows, Window
 from opml.catalog.fit.neighbour_arcs import NUDGES

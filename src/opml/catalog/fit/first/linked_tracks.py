@@ -15,7 +15,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from opml.base.errors import InputError
-from opml.catalog.fit.estimation import Estimate, Run
+from opml.catalog.fit.estimate import Estimate
+from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.first.round_orbits import round_orbits
 from opml.catalog.fit.first.track_fits import (
     axis_line,

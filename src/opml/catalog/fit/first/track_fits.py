@@ -5,7 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from opml.base.constants import DAY, HOUR
-from opml.catalog.fit.estimation import Estimate, Run
+from opml.catalog.fit.estimate import Estimate
+from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.least_squares import Fit
 from opml.catalog.fit.measurements import Measurements, Window
 from opml.catalog.fit.neighbour_arcs import fly_parameters
