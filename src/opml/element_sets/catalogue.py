@@ -31,7 +31,7 @@ _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
-class Catalogue:
+class ElementCatalogue:
     """Sets of mean elements, by object and epoch.
 
     table: columns number (of the catalogue), t (epoch), known (when it was public; modified Julian days,
@@ -43,18 +43,20 @@ class Catalogue:
     table: pd.DataFrame
     satellites: list[Satrec]
 
-    def until(self, date: float) -> "Catalogue":
+    def until(self, date: float) -> "ElementCatalogue":
         """Return the sets that were known at a time (modified Julian day, UTC)."""
         return self.take(np.flatnonzero(self.table["known"].to_numpy() <= date))
 
-    def daily(self) -> "Catalogue":
+    def daily(self) -> "ElementCatalogue":
         """Return the last set of each object and UTC day."""
         day = self.table["number"].to_numpy() * _MOST_DAYS + np.floor(self.table["t"].to_numpy())
         return self.take(np.flatnonzero(np.append(day[1:], np.inf)[: len(day)] != day))
 
-    def take(self, rows: np.ndarray) -> "Catalogue":
+    def take(self, rows: np.ndarray) -> "ElementCatalogue":
         """Return the sets of some rows, in order."""
-        return Catalogue(self.table.iloc[rows].reset_index(drop=True), [self.satellites[row] for row in rows])
+        return ElementCatalogue(
+            self.table.iloc[rows].reset_index(drop=True), [self.satellites[row] for row in rows]
+        )
 
 
 def find_files(paths: Iterable[FilePath]) -> list[Path]:
@@ -76,7 +78,7 @@ def _files_of(path: Path) -> list[Path]:
     return files
 
 
-def read(paths: Iterable[FilePath], *, latency: float = LATENCY) -> Catalogue:
+def read(paths: Iterable[FilePath], *, latency: float = LATENCY) -> ElementCatalogue:
     """Read the sets of files and folders, in all formats that `mean_elements` reads.
 
     latency: days from epoch to publication of sets that do not tell when they were made
@@ -85,7 +87,7 @@ def read(paths: Iterable[FilePath], *, latency: float = LATENCY) -> Catalogue:
     """
     sets = [one for path in find_files(paths) for one in _readable(path)]
     sets.sort(key=lambda one: (one.number, _epoch(one.satellite), one.created))
-    return Catalogue(_table(sets, latency), [one.satellite for one in sets])
+    return ElementCatalogue(_table(sets, latency), [one.satellite for one in sets])
 
 
 def _readable(path: Path) -> Iterator[ElementSet]:

@@ -53,7 +53,7 @@ Shares = Mapping[tuple[int, int], float]
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class BandModels:
     """Models of some bands and leads.
 
     miss: of what is left of the density-scaled prediction, in scales
@@ -76,7 +76,7 @@ class Part:
 class Corrector:
     """What one population taught."""
 
-    parts: tuple[Part, ...]
+    parts: tuple[BandModels, ...]
 
     def apply(self, rows: pd.DataFrame) -> pd.DataFrame:
         """Return what to take off SGP4's position along the track, and its sigma, for rows of features.
@@ -123,14 +123,14 @@ def fit(rows: pd.DataFrame, learner: str, *, seed: int) -> Corrector:
 
 def _fit_part(
     rows: pd.DataFrame, bands: tuple[int, ...], leads: tuple[int, ...], fit: Fit, seed: int
-) -> Part:
+) -> BandModels:
     """Learn the miss from rows of a part, and from rows held out how far to believe it and what it leaves."""
     held_out = _held_out(rows, fit, seed)
     shares = _shares(rows, held_out)
     left = (rows["error"] - rows["density"]) / rows["scale"] - _share_of(rows, shares) * held_out
     size = np.log(np.maximum(np.abs(left.to_numpy()), _SMALLEST))
     sizes = _boosted(rows, size, seed, loss="quantile", leaves=_SIZE_LEAVES)
-    return Part(bands, leads, fit(rows, seed), sizes, shares)
+    return BandModels(bands, leads, fit(rows, seed), sizes, shares)
 
 
 def _held_out(rows: pd.DataFrame, fit: Fit, seed: int) -> np.ndarray:
@@ -225,15 +225,15 @@ def _fit_svr(rows: pd.DataFrame, seed: int) -> _ClippedSvr:
 
 
 @dataclass(frozen=True)
-class Learner:
+class CorrectorLearner:
     """How a corrector is learned: the parts of the catalogue with a model each, and how one is fitted."""
 
     parts: tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]
     fit: Fit
 
 
-LEARNERS: Mapping[str, Learner] = {
-    "trees": Learner(tuple((bands, LEADS) for bands in _GROUPS), _fit_trees),
-    "svr": Learner(tuple(((band,), (lead,)) for band in _ALL_BANDS for lead in LEADS), _fit_svr),
+LEARNERS: Mapping[str, CorrectorLearner] = {
+    "trees": CorrectorLearner(tuple((bands, LEADS) for bands in _GROUPS), _fit_trees),
+    "svr": CorrectorLearner(tuple(((band,), (lead,)) for band in _ALL_BANDS for lead in LEADS), _fit_svr),
 }
 """The learners by their names."""

@@ -211,7 +211,7 @@ def _trailing(values: np.ndarray, last: np.ndarray, count: int) -> np.ndarray:
     return np.asarray((totals[last + 1] - totals[last + 1 - count]) / count)
 
 
-class Air:
+class MorningDensity:
     """The density about one morning, integrated twice over time: what drag does to a mean anomaly."""
 
     def __init__(self, densities: Densities, ahead: np.ndarray, morning: float) -> None:
@@ -261,10 +261,12 @@ class LearnedAir:
         """Take clean weather, the densities under it, and a forecast."""
         self._weather, self._densities, self.outlook = weather, densities, outlook
 
-    def __call__(self, morning: float) -> Air:
+    def __call__(self, morning: float) -> MorningDensity:
         """Return the density about a morning (modified Julian day), after the last measurement as of that."""
         issue = min(morning, end_of(self._weather))
-        return Air(self._densities, self.outlook.ahead(self._densities, self._weather, issue), issue)
+        return MorningDensity(
+            self._densities, self.outlook.ahead(self._densities, self._weather, issue), issue
+        )
 
 
 def learned_air(weather: Weather, *, first: int, end: float) -> LearnedAir:

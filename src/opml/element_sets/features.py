@@ -14,8 +14,8 @@ from collections.abc import Callable, Mapping
 import numpy as np
 import pandas as pd
 
-from opml.element_sets.catalogue import Catalogue
-from opml.element_sets.density import Air
+from opml.element_sets.catalogue import ElementCatalogue
+from opml.element_sets.density import MorningDensity
 from opml.element_sets.pairs import BACK, LEADS, Pairs
 
 BANDS = 1e3 * np.array([300.0, 400.0, 450.0, 500.0, 550.0, 600.0, 700.0, 1000.0])
@@ -86,7 +86,7 @@ COLUMNS = ("band", "scale", "density", "target", "is_fit", *DISTANCES, *FEATURES
 """Columns that `build` adds: band, scale [m], Q [m], what is to be learned, whether it can be corrected."""
 
 
-def build(catalogue: Catalogue, pairs: Pairs, air: Callable[[float], Air]) -> pd.DataFrame:
+def build(catalogue: ElementCatalogue, pairs: Pairs, air: Callable[[float], MorningDensity]) -> pd.DataFrame:
     """Return the rows of pairs with COLUMNS.
 
     air: gives the density about a morning, as it was known then
@@ -137,7 +137,9 @@ def _is_fit(sets: pd.DataFrame, scale: np.ndarray) -> np.ndarray:
     )
 
 
-def _of_morning(catalogue: Catalogue, pairs: Pairs, members: np.ndarray, air: Air) -> np.ndarray:
+def _of_morning(
+    catalogue: ElementCatalogue, pairs: Pairs, members: np.ndarray, air: MorningDensity
+) -> np.ndarray:
     """Return scale, Q and DISTANCES of the rows of one morning, all in metres."""
     rows = pairs.rows.iloc[members]
     newest, row_of = np.unique(rows["newest"].to_numpy(), return_inverse=True)
@@ -167,7 +169,7 @@ def _of_morning(catalogue: Catalogue, pairs: Pairs, members: np.ndarray, air: Ai
     return np.column_stack(columns)
 
 
-def _sets_before(catalogue: Catalogue, newest: np.ndarray) -> np.ndarray:
+def _sets_before(catalogue: ElementCatalogue, newest: np.ndarray) -> np.ndarray:
     """Return the sets (n, _SETS) of an object, the newest first; -1 where there is none."""
     number, t = catalogue.table["number"].to_numpy(), catalogue.table["t"].to_numpy()
     before = newest[:, None] - np.arange(_SETS)
@@ -177,7 +179,7 @@ def _sets_before(catalogue: Catalogue, newest: np.ndarray) -> np.ndarray:
 
 
 def _levels(
-    catalogue: Catalogue, before: np.ndarray, air: Air
+    catalogue: ElementCatalogue, before: np.ndarray, air: MorningDensity
 ) -> Mapping[tuple[tuple[float, float], int], np.ndarray]:
     """Return the levels of drag (n,) by window and number of sets."""
     sets, place = np.unique(before, return_inverse=True)
@@ -191,7 +193,9 @@ def _levels(
     return levels
 
 
-def _fitted(air: Air, height: np.ndarray, t: np.ndarray, window: tuple[float, float]) -> np.ndarray:
+def _fitted(
+    air: MorningDensity, height: np.ndarray, t: np.ndarray, window: tuple[float, float]
+) -> np.ndarray:
     """Return the coefficients (n, 3) of c0 + c1 s + c2 s^2 / 2 fitted to y(s) over a window about `t`."""
     after = np.linspace(*window, _NODES)
     design = np.linalg.pinv(np.column_stack([np.ones(_NODES), after, 0.5 * after**2]))

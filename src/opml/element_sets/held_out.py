@@ -13,7 +13,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import corrector, density, features, pairs
-from opml.element_sets.catalogue import Catalogue, modified_julian_day
+from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.density import Densities, LearnedAir
 from opml.element_sets.features import FEATURES
 from opml.element_sets.training import FIRST_DAY, HOUR_OF_MORNING
@@ -97,7 +97,7 @@ def rows(
     return judged[ROWS.names]
 
 
-def _about(sets: Catalogue, mornings: np.ndarray) -> Catalogue:
+def _about(sets: ElementCatalogue, mornings: np.ndarray) -> ElementCatalogue:
     """Return the sets that count on mornings."""
     t = sets.table["t"]
     return sets.take(

@@ -22,8 +22,8 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import density, features, pairs
-from opml.element_sets.catalogue import Catalogue, modified_julian_day, semi_major_axis
-from opml.element_sets.model import Model
+from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day, semi_major_axis
+from opml.element_sets.model import CatalogueModel
 from opml.element_sets.pairs import OLDEST
 from opml.environment import knowledge
 from opml.environment.weather import Weather
@@ -66,14 +66,14 @@ Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True, eq=False)
-class Known:
+class PublicData:
     """What is public on a date: sets, and the weather up to it.
 
     date: UTC text
     weather: clean, no later than the date
     """
 
-    catalogue: Catalogue
+    catalogue: ElementCatalogue
     weather: Weather
     date: str
 
@@ -109,7 +109,7 @@ class Improved:
 
 def read(
     paths: Iterable[FilePath], *, date: str, weather: str | Path, latency: float = catalogues.LATENCY
-) -> Known:
+) -> PublicData:
     """Read what was public on a date (UTC text).
 
     paths: files and folders of element sets
@@ -129,10 +129,10 @@ def read(
     sets = catalogues.read(paths, latency=latency).until(today).daily()
     if sets.table.empty:
         raise InputError(f"element sets: expected some that were public on {date}, got none")
-    return Known(sets, density.clean(found), date)
+    return PublicData(sets, density.clean(found), date)
 
 
-def improve(known: Known, model: Model, *, progress: Progress = _log.info) -> Improved:
+def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _log.info) -> Improved:
     """Return the newest set of each object, improved where its past shows that it gains.
 
     progress: takes a line for each stage
@@ -154,7 +154,7 @@ def improve(known: Known, model: Model, *, progress: Progress = _log.info) -> Im
     return Improved(table.drop(columns=["file", "line"]), sets, known.date)
 
 
-def replayed(known: Known, model: Model, mornings: np.ndarray) -> pd.DataFrame:
+def replayed(known: PublicData, model: CatalogueModel, mornings: np.ndarray) -> pd.DataFrame:
     """Return the rows of `features.build` on mornings, each with what was known on it."""
     first = int(np.floor(min(mornings[0], density.end_of(known.weather)))) - density.RUN_UP - 1
     densities = density.measured(known.weather, first, density.end_of(known.weather))
@@ -162,7 +162,7 @@ def replayed(known: Known, model: Model, mornings: np.ndarray) -> pd.DataFrame:
     return features.build(known.catalogue, pairs.build(known.catalogue, mornings), air)
 
 
-def candidates(rows: pd.DataFrame, model: Model) -> dict[str, pd.DataFrame]:
+def candidates(rows: pd.DataFrame, model: CatalogueModel) -> dict[str, pd.DataFrame]:
     """Return correction and sigma [m] of rows by each way to correct them: not, by the density, as learned.
 
     A prediction apart from the learned one is as unsure as that, and as they are apart.
@@ -203,7 +203,7 @@ def _choice(rows: pd.DataFrame, ways: Mapping[str, pd.DataFrame]) -> pd.Series:
 
 
 def _table(
-    known: Known, rows: pd.DataFrame, ways: Mapping[str, pd.DataFrame], choice: pd.Series
+    known: PublicData, rows: pd.DataFrame, ways: Mapping[str, pd.DataFrame], choice: pd.Series
 ) -> pd.DataFrame:
     """Return the table `improved_sets` with file and line of each set.
 
@@ -236,7 +236,7 @@ def _table(
     return table.assign(file=newest["file"], line=newest["line"]).reset_index(drop=True)
 
 
-def _why(known: Known, newest: pd.DataFrame, rows: pd.DataFrame) -> pd.Series:
+def _why(known: PublicData, newest: pd.DataFrame, rows: pd.DataFrame) -> pd.Series:
     """Return by the number of the object why its past does not choose, '' where it does."""
     counts = known.catalogue.table.groupby("number").size()
     missed = rows.groupby("number")[list(_MISSES)].agg(lambda one: one.abs().max()).max(axis=1)

@@ -14,7 +14,7 @@ import pandas as pd
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.element_sets.corrector import Corrector, Part
+from opml.element_sets.corrector import BandModels, Corrector
 from opml.element_sets.density import DAYS_AHEAD, HEIGHTS, Outlook
 from opml.element_sets.features import FEATURES
 from opml.learning.models.boosting import BoostingModel
@@ -28,7 +28,7 @@ _NODE = ("feature", "threshold", "left", "right", "value")
 
 
 @dataclass(frozen=True, eq=False)
-class Model:
+class CatalogueModel:
     """What a catalogue taught.
 
     outlook: the forecast of the density
@@ -41,7 +41,7 @@ class Model:
     card: Mapping[str, Any]
 
 
-def write(path: FilePath, model: Model) -> None:
+def write(path: FilePath, model: CatalogueModel) -> None:
     """Write a model of trees, whole or not at all."""
     tables: list[pd.DataFrame] = []
     parts: list[dict[str, Any]] = []
@@ -66,7 +66,7 @@ def write(path: FilePath, model: Model) -> None:
     write_table(path, pd.concat(tables, ignore_index=True), "corrector", metadata=metadata)
 
 
-def read(path: FilePath | None = None) -> Model:
+def read(path: FilePath | None = None) -> CatalogueModel:
     """Read a model; None: the one that comes with the package.
 
     Raises InputError for a file that is none, or of other features than this version's.
@@ -81,13 +81,13 @@ def read(path: FilePath | None = None) -> Model:
     if outlook.shape[::2] != (DAYS_AHEAD, len(HEIGHTS)):
         raise InputError(f"{path}: expected an outlook of {DAYS_AHEAD} days, got an array {outlook.shape}")
     nodes = dict(list(table.groupby(["part", "quantity"])))
-    correctors: dict[str, tuple[Part, ...]] = {}
+    correctors: dict[str, tuple[BandModels, ...]] = {}
     for k, part in enumerate(metadata["parts"]):
         miss, size = (_trees(nodes[k, quantity], part[quantity]) for quantity in _QUANTITIES)
         shares = {(band, lead): share for band, lead, share in part["shares"]}
-        own = Part(tuple(part["bands"]), tuple(part["leads"]), miss, size, shares)
+        own = BandModels(tuple(part["bands"]), tuple(part["leads"]), miss, size, shares)
         correctors[part["population"]] = (*correctors.get(part["population"], ()), own)
-    return Model(
+    return CatalogueModel(
         Outlook(outlook), {name: Corrector(parts) for name, parts in correctors.items()}, metadata["card"]
     )
 

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 from sgp4.api import Satrec
 
-from opml.element_sets.catalogue import Catalogue
+from opml.element_sets.catalogue import ElementCatalogue
 from opml.interop.element_sets.element_set import with_drag
 from opml.tables.element_tables import IMPROVED_LEADS
 
@@ -50,7 +50,7 @@ class Pairs:
     misses: np.ndarray
 
 
-def build(catalogue: Catalogue, mornings: np.ndarray) -> Pairs:
+def build(catalogue: ElementCatalogue, mornings: np.ndarray) -> Pairs:
     """Return the pairs of mornings (n,), modified Julian days (UTC), ascending."""
     rows, judges = _rows(catalogue, mornings)
     flights = _fly(catalogue, rows)
@@ -103,7 +103,7 @@ class _Flights:
     back: np.ndarray
 
 
-def _rows(catalogue: Catalogue, mornings: np.ndarray) -> tuple[pd.DataFrame, np.ndarray]:
+def _rows(catalogue: ElementCatalogue, mornings: np.ndarray) -> tuple[pd.DataFrame, np.ndarray]:
     """Return the rows without errors, by object, morning and lead, and the sets (rows,) that judge, or -1."""
     table = catalogue.table
     numbers, place = np.unique(table["number"].to_numpy(), return_inverse=True)
@@ -146,14 +146,14 @@ def _nearest(times: np.ndarray, wanted: np.ndarray, first: np.ndarray, ends: np.
     return np.where(wanted - times[left] <= times[right] - wanted, left, right)
 
 
-def _own_states(catalogue: Catalogue) -> _States:
+def _own_states(catalogue: ElementCatalogue) -> _States:
     """Return the states of all sets at their own epochs."""
     flown = [one.sgp4_tsince(0.0)[1:] for one in catalogue.satellites]
     states = np.array(flown, dtype=float).reshape(-1, 6)
     return _States(states[:, :3], states[:, 3:])
 
 
-def _fly(catalogue: Catalogue, rows: pd.DataFrame) -> _Flights:
+def _fly(catalogue: ElementCatalogue, rows: pd.DataFrame) -> _Flights:
     """Return what SGP4 makes of the newest sets of rows."""
     t, number = catalogue.table["t"].to_numpy(), catalogue.table["number"].to_numpy()
     newest, tau = rows["newest"].to_numpy(), rows["tau"].to_numpy()

@@ -15,7 +15,7 @@ from opml.base.files import FilePath
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import corrector, density, features, pairs
 from opml.element_sets.density import LearnedAir
-from opml.element_sets.model import Model
+from opml.element_sets.model import CatalogueModel
 from opml.environment import knowledge
 
 HOUR_OF_MORNING = 0.25
@@ -36,7 +36,7 @@ def train(
     weather: str | Path,
     seed: int = SEED,
     progress: Callable[[str], None] = _log.info,
-) -> Model:
+) -> CatalogueModel:
     """Return a model of the sets in files and folders, by the name of the population.
 
     weather: OBSERVED or a CSSI file; what comes after its measurements is not learned from
@@ -54,10 +54,12 @@ def train(
         progress(f"{name}: {len(rows)} predictions to learn from")
         correctors[name] = corrector.fit(rows, "trees", seed=seed)
         cards[name] = card(rows, files)
-    return Model(air.outlook, correctors, {"populations": cards, "seed": seed, "weather": Path(weather).name})
+    return CatalogueModel(
+        air.outlook, correctors, {"populations": cards, "seed": seed, "weather": Path(weather).name}
+    )
 
 
-def mornings_of(sets: catalogues.Catalogue, air: LearnedAir) -> pd.DataFrame:
+def mornings_of(sets: catalogues.ElementCatalogue, air: LearnedAir) -> pd.DataFrame:
     """Return the rows of `features.build` for each morning between the first and the last set."""
     t = sets.table["t"]
     mornings = np.arange(np.ceil(t.min()), np.ceil(t.max()) + 1.0) + HOUR_OF_MORNING

@@ -30,17 +30,17 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def model() -> models.Model:
+def model() -> models.CatalogueModel:
     return models.read()
 
 
 @pytest.fixture(scope="module")
-def better(folder: Path, model: models.Model) -> improve.Improved:
+def better(folder: Path, model: models.CatalogueModel) -> improve.Improved:
     return improve.improve(improve.read([folder], date=DATE, weather="OBSERVED"), model)
 
 
 def test_no_later_set_and_no_later_weather_touches_a_morning(
-    folder: Path, better: improve.Improved, model: models.Model, tmp_path: Path
+    folder: Path, better: improve.Improved, model: models.CatalogueModel, tmp_path: Path
 ) -> None:
     """Sets of another future and weather that changes from the date on leave the same bytes."""
     sinking_histories.write(tmp_path / "later.tle", NUMBERS, 60, seed=8)
@@ -72,7 +72,7 @@ def _with_storms_after(day: str, text: str) -> str:
 
 @pytest.mark.parametrize("way", [improve.DENSITY, "learned: payloads"])
 def test_sets_flown_by_plain_sgp4_carry_the_correction(
-    way: str, folder: Path, model: models.Model, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    way: str, folder: Path, model: models.CatalogueModel, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Two numbers come as near to what four leads ask for as least squares does, and the epoch stays."""
     monkeypatch.setattr(improve, "_choice", lambda rows, ways: pd.Series(way, index=[*NUMBERS]))
@@ -96,7 +96,7 @@ def test_sets_flown_by_plain_sgp4_carry_the_correction(
 
 
 def test_each_object_says_what_was_done_and_why(
-    better: improve.Improved, model: models.Model, tmp_path: Path
+    better: improve.Improved, model: models.CatalogueModel, tmp_path: Path
 ) -> None:
     assert set(better.table["why"]) == {""}
     assert better.table["number"].tolist() == list(NUMBERS)
@@ -191,7 +191,9 @@ def test_a_folder_without_sets_is_refused(tmp_path: Path) -> None:
 
 def test_density_of_a_constant_thermosphere_makes_a_parabola() -> None:
     log = np.full((4 * 120, len(density.HEIGHTS)), -28.0)
-    air = density.Air(density.Densities(61000, log), np.full((9, len(density.HEIGHTS)), -28.0), 61119.25)
+    air = density.MorningDensity(
+        density.Densities(61000, log), np.full((9, len(density.HEIGHTS)), -28.0), 61119.25
+    )
 
     height, after = np.array([455e3]), np.array([[-2.0, -0.3, 1.0, 7.4]])
     found = air.displacement(height, np.array([61118.1]), after)
@@ -199,7 +201,7 @@ def test_density_of_a_constant_thermosphere_makes_a_parabola() -> None:
     np.testing.assert_allclose(found, np.exp(-28.0) * 0.5 * after**2, rtol=1e-6)
 
 
-def test_own_misses_count_once_their_judge_was_public(folder: Path, model: models.Model) -> None:
+def test_own_misses_count_once_their_judge_was_public(folder: Path, model: models.CatalogueModel) -> None:
     """A target of the last days touches no own miss of a morning before its judge."""
     known = improve.read([folder], date=DATE, weather="OBSERVED")
     today = catalogue.modified_julian_day(DATE)
@@ -213,11 +215,11 @@ def test_own_misses_count_once_their_judge_was_public(folder: Path, model: model
 
 
 def test_a_tenth_of_the_drag_stays_whatever_is_asked(
-    folder: Path, model: models.Model, monkeypatch: pytest.MonkeyPatch
+    folder: Path, model: models.CatalogueModel, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A correction of twice what drag does along the track would make an orbit rise."""
 
-    def twice(rows: pd.DataFrame, _: models.Model) -> dict[str, pd.DataFrame]:
+    def twice(rows: pd.DataFrame, _: models.CatalogueModel) -> dict[str, pd.DataFrame]:
         return {
             improve.DENSITY: pd.DataFrame({"correction": 2e-4 * rows["response"], "sigma": rows["scale"]})
         }
