@@ -26,8 +26,8 @@ from opml.dynamics.ensemble import Arcs, Integrator
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.shared_blocks import SharedBlocks
 from opml.mornings import days, measured
-from opml.mornings.measured import Source, Span
-from opml.mornings.morning import Model, Plan, Watched
+from opml.mornings.measured import MeasurementSource, Span
+from opml.mornings.morning import FlightModel, MorningPlan, Watched
 from opml.mornings.records import DONE
 from opml.mornings.weather_of_day import FIGURES
 from opml.orbits.sheets import Rso, Station
@@ -44,7 +44,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What all objects of a job fly in: force models as of `morning.Model`, and the stations.
+    """What all objects of a job fly in: force models as of `morning.FlightModel`, and the stations.
 
     The weather was seen until `seen_until` [s]. The models of fits and predictions stand with the parts of
     them that neighbours fly under, made once: arcs under one model fly together.
@@ -84,14 +84,14 @@ class Surroundings:
             propagate,
         )
 
-    def model(self, rso: Rso) -> Model:
+    def model(self, rso: Rso) -> FlightModel:
         """Return how an object flies."""
         fits, predictions = (
             Flight(model, rso, self.integrator, propagate=self.propagate, near=near)
             for model, near in (self.fits, self.predictions)
         )
         flattened = Flight(self.weathers.model, rso, self.integrator, propagate=self.propagate)
-        return Model(fits, predictions, flattened, self.weathers, self.orientation)
+        return FlightModel(fits, predictions, flattened, self.weathers, self.orientation)
 
 
 def run(files: Any, settings: Mapping[str, Any], *, metadata: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -184,8 +184,8 @@ def _catch_up(
     if until in folder.done(until):
         return
     span = Span(settings["epoch"], DAY * settings["duration_days"])
-    source = Source(one["kind"], one["files"], one["taking"], one["start"], one["manoeuvres"])
-    plan = Plan(
+    source = MeasurementSource(one["kind"], one["files"], one["taking"], one["start"], one["manoeuvres"])
+    plan = MorningPlan(
         settings["models"],
         Estimation(**settings["estimation"]),
         settings["max_days"],

@@ -16,7 +16,7 @@ from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.interop import ccsds, oem
 from opml.learning.judge.error_sizes import INSIDE, along_track
-from opml.mornings.morning import Left, Plan, Watched, morning
+from opml.mornings.morning import Left, MorningPlan, Watched, morning
 from opml.mornings.records import DONE, HORIZON, Records
 from opml.mornings.verdict import OLDEST
 
@@ -66,7 +66,7 @@ class Folder:
         return sorted(day for day in days if day <= until)
 
 
-def since(folder: Folder, calendar: Calendar, plan: Plan, until: date) -> float:
+def since(folder: Folder, calendar: Calendar, plan: MorningPlan, until: date) -> float:
     """Return the time from which measurements count for the mornings up to a date [s]."""
     done = folder.done(until)
     return calendar.time(done[-1]) - plan.reach - DAY if done else -np.inf
@@ -133,7 +133,7 @@ def _write(
     left.records.write(place, found, metadata=metadata)
 
 
-def outcome(rso: str, day: date, left: Left, plan: Plan) -> dict[str, Any]:
+def outcome(rso: str, day: date, left: Left, plan: MorningPlan) -> dict[str, Any]:
     """Return what became of an object on a morning, as JSON values."""
     row, made = left.records.issued.iloc[0], left.records.estimates
     base = made[made["window_hours"] == plan.base]

@@ -21,7 +21,7 @@ from opml.orbits.sheets import Rso, Station
 
 
 @dataclass(frozen=True)
-class Source:
+class MeasurementSource:
     """Where the measurements of an object are.
 
     kind: tracks, fixes or elements
@@ -62,7 +62,12 @@ class Found:
 
 
 def read(
-    source: Source, span: Span, stations: Sequence[Station], orientation: pd.DataFrame, *, since: float
+    source: MeasurementSource,
+    span: Span,
+    stations: Sequence[Station],
+    orientation: pd.DataFrame,
+    *,
+    since: float,
 ) -> Found:
     """Return what was measured of an object.
 
@@ -84,7 +89,7 @@ def read(
     return _of_elements(source, span, known)
 
 
-def _of_elements(source: Source, span: Span, known: list[Manoeuvre]) -> Found:
+def _of_elements(source: MeasurementSource, span: Span, known: list[Manoeuvre]) -> Found:
     """Return what mean elements measured; the manoeuvres are with those that they show, if asked for."""
     history = histories.read(
         source.files, epoch=span.epoch, leave_out_damaged=source.taking["leave_out_damaged"]
@@ -105,7 +110,9 @@ def _of_elements(source: Source, span: Span, known: list[Manoeuvre]) -> Found:
     return Found(tracking, known, identity.designator or str(identity.number), sgp4)
 
 
-def given_state(source: Source, span: Span, rso: Rso, tracking: pd.DataFrame, gm: float) -> TimedState | None:
+def given_state(
+    source: MeasurementSource, span: Span, rso: Rso, tracking: pd.DataFrame, gm: float
+) -> TimedState | None:
     """Return the state that the very first fits may start from: of a file, or of the sheet's elements."""
     if source.start:
         return first_state.read(source.start, epoch=span.epoch, t=float(tracking["t"].iloc[0]))

@@ -45,7 +45,7 @@ _MARGIN = DAY
 
 
 @dataclass(frozen=True)
-class Model:
+class FlightModel:
     """How an object flies.
 
     fits: under what was measured of the weather by the time of each fit
@@ -63,7 +63,7 @@ class Model:
 
 
 @dataclass(frozen=True)
-class Plan:
+class MorningPlan:
     """What is asked of every morning of an object.
 
     models: resolved settings of learners that learn nothing, by name
@@ -109,8 +109,8 @@ class Watched:
     sgp4: what anybody would have flown, where mean elements were taken
     """
 
-    model: Model
-    plan: Plan
+    model: FlightModel
+    plan: MorningPlan
     tracking: pd.DataFrame
     stations: Sequence[Station]
     manoeuvres: Sequence[Manoeuvre] = ()
@@ -231,7 +231,7 @@ def _fitting(watched: Watched, recent: Recent) -> fits.Fitting:
     return fits.Fitting(watched.model.fits, measured, recent, watched.plan.estimation, watched.given)
 
 
-def _others(fitting: fits.Fitting, plan: Plan, records: Records, starts: pd.DataFrame) -> pd.DataFrame:
+def _others(fitting: fits.Fitting, plan: MorningPlan, records: Records, starts: pd.DataFrame) -> pd.DataFrame:
     """Return the fits over other windows of the track that ephemerides start from, where none are kept."""
     kept = {hours: records.made(hours) for hours in plan.other_windows}
     lacking = {hours: rows for hours, rows in kept.items() if not rows["track"].isin(starts["track"]).any()}

@@ -22,7 +22,7 @@ from opml.ephemerides.known import Known
 from opml.interop import oem
 from opml.mornings import days, judged, morning, tracks
 from opml.mornings.days import Calendar, Folder
-from opml.mornings.morning import Model, Plan, Watched
+from opml.mornings.morning import FlightModel, MorningPlan, Watched
 from opml.mornings.records import DONE, Records
 from opml.mornings.verdict import DO_NOT_USE, WIDE
 from opml.orbits.manoeuvres import Manoeuvre
@@ -46,8 +46,8 @@ def watched(truth_model, assumed_model, iss, earth_orientation, three_stations):
     measured = tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1)
     flight = Flight(assumed_model, iss)
     first = (0.0, orbit[STATE].to_numpy()[0])
-    plan = Plan(MODELS, ESTIMATION, 2.0, 60.0, 7 * DAY, EPOCH)
-    model = Model(flight, flight, flight, Weathers.of(assumed_model, None), earth_orientation)
+    plan = MorningPlan(MODELS, ESTIMATION, 2.0, 60.0, 7 * DAY, EPOCH)
+    model = FlightModel(flight, flight, flight, Weathers.of(assumed_model, None), earth_orientation)
     return Watched(model, plan, measured, three_stations, given=first, object_id="1998-067A")
 
 
