@@ -555,7 +555,7 @@ def replay(
     predictions = catalogue.predictions
     spread = _spreads(flight, catalogue)(predictions[predictions["i"].isin(starts["track"])])
     judge = replays.at_starts(replays.judge(lessons.dataset, predictions, None), starts, spread)
-    (table,) = replays.build(flight, known, [replays.Series(lessons, starts, judge)], max_days=max_days)
+    (table,) = replays.build(flight, known, [replays.ReplaySeries(lessons, starts, judge)], max_days=max_days)
     return table
 
 

@@ -108,7 +108,7 @@ def _elements(options: argparse.Namespace) -> None:
     from opml.interop.element_sets import element_fits
 
     every, span = HOUR * options.every, DAY * options.span
-    plan = element_fits.Plan(every, span, options.noise, options.seed, options.number)
+    plan = element_fits.SetPlan(every, span, options.noise, options.seed, options.number)
     fits = element_fits.from_files(options.files, plan, name=options.satellite)
     print(element_fits.as_tles(fits, plan))
     print(f"opml: {element_fits.left(fits)}", file=sys.stderr)

@@ -23,7 +23,7 @@ with job(snakemake) as metadata:
         first_day = replays.first_day(lessons, known, train_days=settings.train_days)
         starts = replays.morning_departures(known, every_hours=settings.every_hours, first_day=first_day)
         judged = replays.judge(lessons.dataset, predictions, later, alike=known.are_of_sets)
-        series.append(replays.Series(lessons, starts, replays.at_starts(judged, starts, spread)))
+        series.append(replays.ReplaySeries(lessons, starts, replays.at_starts(judged, starts, spread)))
     tables = replays.build(
         Flight.read(files, settings.values, threads=snakemake.threads, progress=progress),
         known,

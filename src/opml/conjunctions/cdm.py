@@ -151,7 +151,7 @@ def read(path: FilePath, *, epoch: str, radius: float | None = None) -> Conjunct
     return Conjunction(t, first, second, radius, known=known)
 
 
-def _check_miss(message: ccsds.Message, head: ccsds.Pairs, distance: float) -> None:
+def _check_miss(message: ccsds.Message, head: ccsds.KeyValues, distance: float) -> None:
     """Raise InputError where the states are not as far apart [m] as the message says."""
     line = head.line("MISS_DISTANCE")
     stated = message.scale(head.text("MISS_DISTANCE", repr(distance)), 0, line)
@@ -159,7 +159,7 @@ def _check_miss(message: ccsds.Message, head: ccsds.Pairs, distance: float) -> N
         raise message.error(f"states that are MISS_DISTANCE = {stated:g} m apart", f"{distance:g} m", line)
 
 
-def _blocks(message: ccsds.Message) -> list[ccsds.Pairs]:
+def _blocks(message: ccsds.Message) -> list[ccsds.KeyValues]:
     """Return the pairs before the objects, and those of each object."""
     blocks: list[dict[str, tuple[int, str]]] = [{}]
     while message.peek():
@@ -173,10 +173,10 @@ def _blocks(message: ccsds.Message) -> list[ccsds.Pairs]:
         blocks[-1][key] = number, _UNIT.sub("", value)
     if not blocks[0]:
         raise message.error("KEY = value", message.peek())
-    return [ccsds.Pairs(message, block, max(number for number, _ in block.values())) for block in blocks]
+    return [ccsds.KeyValues(message, block, max(number for number, _ in block.values())) for block in blocks]
 
 
-def _participant(message: ccsds.Message, block: ccsds.Pairs) -> Participant:
+def _participant(message: ccsds.Message, block: ccsds.KeyValues) -> Participant:
     def number(key: str, power: int) -> float:
         return message.scale(block.text(key), power, block.line(key))
 

@@ -73,7 +73,7 @@ class Trajectory:
 
 
 @dataclass(frozen=True, eq=False)
-class Ephemeris:
+class ScreenedObject:
     """What a file knows of an object.
 
     identity: of the object
@@ -108,7 +108,7 @@ class Ephemeris:
         ]
 
 
-def read(paths: Sequence[FilePath]) -> list[Ephemeris]:
+def read(paths: Sequence[FilePath]) -> list[ScreenedObject]:
     """Read the ephemerides in files, ours first: OEM, and mean elements over the span of ours.
 
     The first file is of our object. Where it has mean elements, all of them fly over the span of the OEM. Of
@@ -138,7 +138,7 @@ def read(paths: Sequence[FilePath]) -> list[Ephemeris]:
     return [*ours, *others, *(_of_elements(elements, span) if elements else [])]
 
 
-def screen(ephemerides: Sequence[Ephemeris], *, within: float, radius: float) -> list[Conjunction]:
+def screen(ephemerides: Sequence[ScreenedObject], *, within: float, radius: float) -> list[Conjunction]:
     """Return the close approaches of the first ephemeris's object and all others, in the order of time.
 
     within: largest distance [m]
@@ -174,7 +174,7 @@ def _is_message(path: FilePath) -> bool:
     return oem.matches(contents(path))
 
 
-def _tell_unknown(ephemeris: Ephemeris, wanted: Sequence[Span]) -> None:
+def _tell_unknown(ephemeris: ScreenedObject, wanted: Sequence[Span]) -> None:
     """Log the spans of which an ephemeris knows nothing."""
     if not (unknown := ephemeris.unknown(wanted)):
         return
@@ -200,7 +200,7 @@ def _uncovered(span: Span, covered: Sequence[Span]) -> Iterator[Span]:
     yield reached, end
 
 
-def _met_spans(ours: Ephemeris, other: Ephemeris) -> list[Span]:
+def _met_spans(ours: ScreenedObject, other: ScreenedObject) -> list[Span]:
     """Return the times that trajectories of both share."""
     pairs = [
         approaches.shared(one.path, another.path)
@@ -209,7 +209,9 @@ def _met_spans(ours: Ephemeris, other: Ephemeris) -> list[Span]:
     return [(begin, end) for begin, end in pairs if begin < end]
 
 
-def _conjunctions(ours: Ephemeris, other: Ephemeris, within: float, radius: float) -> Iterator[Conjunction]:
+def _conjunctions(
+    ours: ScreenedObject, other: ScreenedObject, within: float, radius: float
+) -> Iterator[Conjunction]:
     """Yield the close approaches of two objects."""
     spans, known = _met_spans(ours, other), max(ours.known, other.known)
     for one, another in product(ours.trajectories, other.trajectories):
@@ -225,7 +227,7 @@ def _goes_on(approach: Approach, span: Span, spans: Sequence[Span]) -> bool:
     return is_last and any(begin <= approach.t < end for begin, end in spans)
 
 
-def _of_message(path: FilePath) -> list[Ephemeris]:
+def _of_message(path: FilePath) -> list[ScreenedObject]:
     """Return an ephemeris of each object of an OEM."""
     segments = oem.read(path, epoch=EPOCH)
     try:
@@ -234,7 +236,7 @@ def _of_message(path: FilePath) -> list[Ephemeris]:
         raise InputError(f"{path}: {reason}") from None
     source, known = File(path).name, segments[0].newest
     return [
-        Ephemeris(identity, source, [one for owner, one in flown if owner == identity], known)
+        ScreenedObject(identity, source, [one for owner, one in flown if owner == identity], known)
         for identity in dict.fromkeys(identity for identity, _ in flown)
     ]
 
@@ -248,7 +250,7 @@ def _of_segment(segment: oem.Segment) -> Trajectory:
     return Trajectory(path, segment.covariance_t, covariances)
 
 
-def _of_elements(paths: Sequence[FilePath], span: Span) -> list[Ephemeris]:
+def _of_elements(paths: Sequence[FilePath], span: Span) -> list[ScreenedObject]:
     """Return an ephemeris over a span of each object that files have mean elements of."""
     history = histories.read(paths, epoch=EPOCH)
     flown = []
@@ -258,7 +260,7 @@ def _of_elements(paths: Sequence[FilePath], span: Span) -> list[Ephemeris]:
         identity = history.objects[number]
         known_t = float(np.fmax(row["t"], row["t_created"]))
         way = _flown(identity.name, row, span)
-        flown.append(Ephemeris(identity, row["file"], way, known_t, row["t"]))
+        flown.append(ScreenedObject(identity, row["file"], way, known_t, row["t"]))
     return flown
 
 

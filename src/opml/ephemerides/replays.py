@@ -103,7 +103,7 @@ def grid(judge: pd.DataFrame, *, max_days: float) -> Grid:
 
 
 @dataclass(frozen=True)
-class Series:
+class ReplaySeries:
     """The mornings of one learner that are to be run again.
 
     lessons: the learner as of a morning
@@ -116,7 +116,9 @@ class Series:
     judge: pd.DataFrame
 
 
-def build(flight: Flight, known: Known, series: Sequence[Series], *, max_days: float) -> list[pd.DataFrame]:
+def build(
+    flight: Flight, known: Known, series: Sequence[ReplaySeries], *, max_days: float
+) -> list[pd.DataFrame]:
     """Return the `replay` table of the ephemerides of each learner.
 
     flight: under the assumed model
@@ -137,7 +139,7 @@ def build(flight: Flight, known: Known, series: Sequence[Series], *, max_days: f
     return [tables[number] for number in range(len(series))]
 
 
-def _together(task: Task, series: Sequence[Series]) -> Iterator[pd.DataFrame]:
+def _together(task: Task, series: Sequence[ReplaySeries]) -> Iterator[pd.DataFrame]:
     """Yield the tables of learners that have the mornings of one task."""
     found: list[list[pd.DataFrame]] = [[] for _ in series]
     for part in task.parts():
@@ -149,7 +151,7 @@ def _together(task: Task, series: Sequence[Series]) -> Iterator[pd.DataFrame]:
         yield table[SCHEMAS["replay"].among(table.columns).names]
 
 
-def _ephemerides(part: Part, series: Series) -> Iterator[pd.DataFrame]:
+def _ephemerides(part: Part, series: ReplaySeries) -> Iterator[pd.DataFrame]:
     """Yield how far a learner's ephemerides are off the states of later tracks."""
     lessons, by_start = series.lessons, dict(tuple(series.judge.groupby("i")))
     columns = part.columns(lessons.variables, arc=lessons.arc)

@@ -85,13 +85,13 @@ class Message:
             raise self.error(text, self.peek())
         self.take()
 
-    def header(self) -> "Pairs":
+    def header(self) -> "KeyValues":
         """Return the pairs before the first segment. Raises InputError for a line that is no pair."""
         values = {}
         while self.peek() not in ("", "META_START"):
             number, key, value = self.pair()
             values[key] = number, value
-        return Pairs(self, values, self.number)
+        return KeyValues(self, values, self.number)
 
     def skip(self, first: str, last: str) -> None:
         """Pass the lines from `first` to `last`, where the next is `first`. Raises InputError at the end."""
@@ -106,7 +106,7 @@ class Message:
             raise self.error("KEY = value", self.peek())
         return self.take()[0], match[1], match[2].rstrip()
 
-    def pairs(self, end: str) -> "Pairs":
+    def pairs(self, end: str) -> "KeyValues":
         """Return the pairs before the line `end` and pass it. Raises InputError for a repeated key."""
         values: dict[str, tuple[int, str]] = {}
         while self.peek() != end:
@@ -117,7 +117,7 @@ class Message:
                 raise self.error(f"{key} once", "it twice", number)
             values[key] = number, value
         closing, _ = self.take()
-        return Pairs(self, values, closing)
+        return KeyValues(self, values, closing)
 
     def error(self, expected: str, got: str, number: int | None = None) -> InputError:
         """Return the error of a line, by default of the next line."""
@@ -167,7 +167,7 @@ class Message:
             raise self.error("a time that exists", texts[time.index], numbers[time.index]) from None
 
 
-class Pairs:
+class KeyValues:
     """The values of a header or of metadata by their keys, with their lines."""
 
     def __init__(self, message: Message, values: Mapping[str, tuple[int, str]], closing: int) -> None:

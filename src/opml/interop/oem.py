@@ -360,7 +360,7 @@ def _named_arc(message: ccsds.Message, epoch: str) -> tuple[tuple[str, str], Arc
     return (name, metadata.text("OBJECT_ID", name)), arc
 
 
-def _useable(metadata: ccsds.Pairs, t: np.ndarray, epoch: str, scale: str) -> np.ndarray:
+def _useable(metadata: ccsds.KeyValues, t: np.ndarray, epoch: str, scale: str) -> np.ndarray:
     """Return which times (n,) [s] of a segment's states are within its useable times."""
     begin = metadata.time("USEABLE_START_TIME", t[0], epoch=epoch, scale=scale)
     end = metadata.time("USEABLE_STOP_TIME", t[-1], epoch=epoch, scale=scale)

@@ -32,7 +32,7 @@ _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
-class Curve:
+class OrbitCurve:
     """An orbit in GCRF through ascending nodes.
 
     t: (n,) times of the nodes [s]
@@ -60,7 +60,7 @@ class Curve:
         return states
 
 
-def fit_curve(arcs: Sequence[Arc], orientation: pd.DataFrame, attraction: Attraction) -> Curve:
+def fit_curve(arcs: Sequence[Arc], orientation: pd.DataFrame, attraction: Attraction) -> OrbitCurve:
     """Return the curve through arcs.
 
     arcs: one after the other, without overlap
@@ -88,7 +88,7 @@ def fit_curve(arcs: Sequence[Arc], orientation: pd.DataFrame, attraction: Attrac
     wrong = _isolated_nodes(bridges.bridged)
     states[wrong] = np.nan
     _log_wrong_nodes(arcs, wrong)
-    return Curve(t, states, bridges, breaks, misses, (int(wrong.sum()), int(strange.sum())))
+    return OrbitCurve(t, states, bridges, breaks, misses, (int(wrong.sum()), int(strange.sum())))
 
 
 def rotate_to_gcrf(arc: Arc, orientation: pd.DataFrame) -> np.ndarray:

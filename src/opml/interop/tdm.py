@@ -203,7 +203,7 @@ def _segment(message: ccsds.Message, epoch: str, number: int) -> pd.DataFrame:
     )
 
 
-def _check_meaning(message: ccsds.Message, metadata: ccsds.Pairs) -> None:
+def _check_meaning(message: ccsds.Message, metadata: ccsds.KeyValues) -> None:
     """Raise InputError where times or values of a segment need what is not done here: they would be off."""
     metadata.choice("TIMETAG_REF", ("RECEIVE",), "RECEIVE")
     not_applied = metadata.text("CORRECTIONS_APPLIED", "") != "YES"
@@ -213,7 +213,7 @@ def _check_meaning(message: ccsds.Message, metadata: ccsds.Pairs) -> None:
             raise message.error(f"{key} = 0", text, number)
 
 
-def _observables(metadata: ccsds.Pairs, kinds: Sequence[str]) -> list[str]:
+def _observables(metadata: ccsds.KeyValues, kinds: Sequence[str]) -> list[str]:
     """Return what types of data are measurements of. Raises InputError for other angles and units."""
     names = dict(_DISTANCES)
     if any(kind.startswith("ANGLE") for kind in kinds):
@@ -224,7 +224,7 @@ def _observables(metadata: ccsds.Pairs, kinds: Sequence[str]) -> list[str]:
 
 
 def _in_gcrf(
-    message: ccsds.Message, metadata: ccsds.Pairs, columns: dict[str, np.ndarray]
+    message: ccsds.Message, metadata: ccsds.KeyValues, columns: dict[str, np.ndarray]
 ) -> dict[str, np.ndarray]:
     """Return measurements with angles within a turn, right ascension and declination on the axes of GCRF."""
     if "azimuth" in columns:
@@ -243,7 +243,7 @@ def _in_gcrf(
     return columns | {"right_ascension": wrap_turn(right_ascension), "declination": declination}
 
 
-def _participants(metadata: ccsds.Pairs) -> tuple[str, str]:
+def _participants(metadata: ccsds.KeyValues) -> tuple[str, str]:
     """Return the names of the station, which receives, and of the RSO."""
     metadata.choice("MODE", ("SEQUENTIAL",), default="SEQUENTIAL")
     receiver = metadata.choice("PATH", _PATHS)[-1]
@@ -251,7 +251,7 @@ def _participants(metadata: ccsds.Pairs) -> tuple[str, str]:
     return metadata.text(f"PARTICIPANT_{receiver}"), metadata.text(f"PARTICIPANT_{other}")
 
 
-def _corrections(message: ccsds.Message, metadata: ccsds.Pairs, kinds: Sequence[str]) -> np.ndarray:
+def _corrections(message: ccsds.Message, metadata: ccsds.KeyValues, kinds: Sequence[str]) -> np.ndarray:
     """Return the corrections that are not applied yet to each type of a segment (kinds,) [rad, m, m/s]."""
     keys = [f"CORRECTION_{kind.removesuffix('_INSTANTANEOUS')}" for kind in kinds]
     texts = [metadata.text(key, "") for key in keys]

@@ -20,7 +20,7 @@ from opml.dynamics.attraction import Attraction
 from opml.environment import earth_orientation, gravity_field, nodes
 from opml.interop import ccsds, orbit_breaks
 from opml.interop.orbit_arcs import Arc
-from opml.interop.orbit_curve import ON_NODE, Curve, fit_curve
+from opml.interop.orbit_curve import ON_NODE, OrbitCurve, fit_curve
 from opml.interop.orbit_from_files import OrbitFiles, read_arcs
 from opml.tables import STATE
 
@@ -70,7 +70,7 @@ def truth(files: OrbitFiles, *, step: float, limit: float = LIMIT) -> tuple[pd.D
     return pd.DataFrame({"t": grid[known], **columns}), facts
 
 
-def _curves(arcs: Sequence[Arc], epoch: str, duration: float) -> list[Curve]:
+def _curves(arcs: Sequence[Arc], epoch: str, duration: float) -> list[OrbitCurve]:
     """Return curves through the arcs, one for each sequence of arcs without overlap."""
     field = gravity_field.read_icgem(gravity_field.resolve(FIELD)).freeze(epoch)
     orientation = earth_orientation.tabulate(epoch, nodes(epoch, duration))
@@ -81,7 +81,7 @@ def _curves(arcs: Sequence[Arc], epoch: str, duration: float) -> list[Curve]:
     return [fit_curve([arc for _, arc in run], orientation, attraction) for _, run in runs]
 
 
-def _sample(curves: Sequence[Curve], grid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _sample(curves: Sequence[OrbitCurve], grid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the states (m, 6) on the grid, not finite where unknown, and the index of each state's curve.
 
     The last curve that covers a time counts; -1 stands for no curve.
@@ -103,7 +103,7 @@ def _origin(arcs: Sequence[Arc]) -> dict[str, Any]:
     }
 
 
-def _interpolation_error(curves: Sequence[Curve]) -> dict[str, float | None]:
+def _interpolation_error(curves: Sequence[OrbitCurve]) -> dict[str, float | None]:
     """Return root mean square and maximum of the curves' misses [m]; None without misses."""
     misses = np.concatenate([curve.misses for curve in curves])
     if not misses.size:
@@ -111,7 +111,7 @@ def _interpolation_error(curves: Sequence[Curve]) -> dict[str, float | None]:
     return {"rms": float(np.sqrt(np.mean(misses**2))), "max": float(misses.max())}
 
 
-def _left_out(curves: Sequence[Curve]) -> dict[str, int]:
+def _left_out(curves: Sequence[OrbitCurve]) -> dict[str, int]:
     """Return the numbers of positions and velocities in the files that do not fit the others."""
     positions, velocities = np.sum([curve.left_out for curve in curves], axis=0)
     return {"positions_left_out": int(positions), "velocities_left_out": int(velocities)}
@@ -126,7 +126,7 @@ def _gaps(grid: np.ndarray, known: np.ndarray, duration: float) -> list[list[flo
     return [[float(times[rows[k]]), float(times[rows[k + 1]])] for k in wide]
 
 
-def _breaks(curves: Sequence[Curve], grid: np.ndarray, owner: np.ndarray) -> dict[str, Any]:
+def _breaks(curves: Sequence[OrbitCurve], grid: np.ndarray, owner: np.ndarray) -> dict[str, Any]:
     """Return seams and manoeuvres within the run, in order of time [s]."""
     seams, manoeuvres = _changeovers(curves, grid, owner), []
     for k, curve in enumerate(curves):
@@ -143,7 +143,7 @@ def _breaks(curves: Sequence[Curve], grid: np.ndarray, owner: np.ndarray) -> dic
     }
 
 
-def _changeovers(curves: Sequence[Curve], grid: np.ndarray, owner: np.ndarray) -> list[dict[str, float]]:
+def _changeovers(curves: Sequence[OrbitCurve], grid: np.ndarray, owner: np.ndarray) -> list[dict[str, float]]:
     """Return the seams where the grid changes from one curve to another that overlaps it."""
     seams = []
     for row in np.flatnonzero(np.diff(owner)) + 1:

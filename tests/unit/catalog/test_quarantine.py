@@ -10,7 +10,7 @@ from support import BOUNDED_ESTIMATION as SETTINGS
 
 from opml.base.constants import DAY, HOUR
 from opml.catalog.fit import quarantine, sequential, sightings, start_states
-from opml.catalog.fit.innovations import Orbit
+from opml.catalog.fit.innovations import ReferenceOrbit
 from opml.catalog.fit.least_squares import Method
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
@@ -207,7 +207,7 @@ def estimate_of(cd, covariance):
 def test_a_fit_that_needs_another_drag_takes_no_far_track_in(monkeypatch, cd, goes):
     monkeypatch.setattr(quarantine.Watch, "_takes_in", lambda *_: True)
     watch = quarantine.Watch(SimpleNamespace(settings=WATCHING), Method(np.ones(7), np.ones(7, bool), 1e-3))
-    watch._before = [Orbit(0, 0, np.append(np.zeros(6), 2.0), np.zeros((7, 7)))]
+    watch._before = [ReferenceOrbit(0, 0, np.append(np.zeros(6), 2.0), np.zeros((7, 7)))]
     assert watch._goes_across(estimate_of(cd, np.zeros((7, 7)))) == goes
 
 
@@ -219,7 +219,7 @@ def test_a_burn_begins_at_the_newest_orbit_that_it_did_not_bend(monkeypatch, cd,
     watch = quarantine.Watch(SimpleNamespace(settings=WATCHING), Method(np.ones(7), np.ones(7, bool), 1e-3))
     watch._waiting = [8, 9]
     watch._before = [
-        Orbit(k, 0, np.append(np.zeros(6), one), np.zeros((7, 7))) for k, one in ((1, cd), (0, 2.0))
+        ReferenceOrbit(k, 0, np.append(np.zeros(6), one), np.zeros((7, 7))) for k, one in ((1, cd), (0, 2.0))
     ]
     for usual in watch._usual:
         usual.past.extend([1.0] * 5)
@@ -231,13 +231,13 @@ def test_an_orbit_whose_fit_tells_no_cd_is_moved_to_where_it_would_be():
     covariance = np.eye(7)
     covariance[6, 6], covariance[0, 6], covariance[6, 0] = 1e6, 1e4, 1e4
     covariance[0, 0] = 101.0
-    orbit = Orbit.of_estimate(estimate_of(52.2, covariance), 2.2)
+    orbit = ReferenceOrbit.of_estimate(estimate_of(52.2, covariance), 2.2)
     assert orbit.parameters[6] == pytest.approx(2.2, abs=1e-3)
     assert orbit.parameters[0] == pytest.approx(-0.5, abs=1e-3)
     assert orbit.covariance[6, 6] == pytest.approx(1.1**2, rel=1e-3)
     assert orbit.covariance[0, 0] == pytest.approx(1.0, rel=1e-3)
     held = np.diag([1.0] * 6 + [0.0])
-    assert Orbit.of_estimate(estimate_of(0.0, held), 0.0).parameters.tolist() == [0.0] * 7
+    assert ReferenceOrbit.of_estimate(estimate_of(0.0, held), 0.0).parameters.tolist() == [0.0] * 7
     far = covariance * 1.0
     far[0, 6] = far[6, 0] = 1e9
-    assert Orbit.of_estimate(estimate_of(52.2, far), 2.2) is None
+    assert ReferenceOrbit.of_estimate(estimate_of(52.2, far), 2.2) is None

@@ -9,7 +9,7 @@ from test_approaches import kepler
 from opml.base.constants import DAY, EARTH_GM
 from opml.conjunctions import screening
 from opml.conjunctions.approaches import Path
-from opml.conjunctions.screening import EPOCH, Ephemeris, Trajectory
+from opml.conjunctions.screening import EPOCH, ScreenedObject, Trajectory
 from opml.interop import oem
 from opml.interop.element_sets import element_set, mean_elements, tle
 from opml.interop.object_ids import ObjectId
@@ -117,7 +117,7 @@ def is_found(kind, number):
     known = np.clip(at, max(edge[0] for edge in edges), min(edge[-1] for edge in edges))
     one, other = (kepler(state, at, np.array([known]))[0, :3] for state in states)
     pair = [
-        Ephemeris(identity, "", trajectories(rng, state, at, edge), 0.0)
+        ScreenedObject(identity, "", trajectories(rng, state, at, edge), 0.0)
         for identity, state, edge in zip((OURS, OTHER), states, edges, strict=True)
     ]
     near = SPAN if states_of is keeping_up else 5.0

@@ -69,7 +69,7 @@ def series_of(flight, tables, learner=LAW, rows=None):
     pairs = predictions[predictions["i"].isin(starts["track"])]
     spreads = spread.build(flight, known.estimates, pairs, weathers=Weathers.of(flight.model, None))
     judge = replays.at_starts(replays.judge(tables["rows"], predictions, None), starts, spreads)
-    return replays.Series(lessons, starts, judge)
+    return replays.ReplaySeries(lessons, starts, judge)
 
 
 def replayed(flight, tables, learner=LAW, rows=None):

@@ -27,7 +27,7 @@ def flown(days, step=element_fits.CADENCE):
 
 
 def plan(**changed):
-    return element_fits.Plan(
+    return element_fits.SetPlan(
         **{"every": DAY, "span": 1.5 * DAY, "noise": 0.0, "seed": 1, "number": 5} | changed
     )
 

@@ -14,11 +14,11 @@ from opml.catalog.fit import fixes
 from opml.interop.element_sets import agreement, baseline, mean_elements
 from opml.interop.element_sets.histories import satellite, states_of
 from opml.interop.element_sets.measured_sets import Taking, measured
-from opml.interop.element_sets.sgp4_points import Sampling
+from opml.interop.element_sets.sgp4_points import SetSampling
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, STATE
 
-SAMPLING = Sampling(12 * HOUR, 1200.0)
+SAMPLING = SetSampling(12 * HOUR, 1200.0)
 DAYS = np.arange(1.0, 13.0)
 AXES = FIX_SIGMAS[:3]
 

@@ -15,10 +15,10 @@ from opml.catalog.fit.first import first_orbit
 from opml.catalog.flight import Flight
 from opml.interop.ccsds import utc_texts
 from opml.interop.element_sets import histories, mean_elements, measured_sets, sgp4_points
-from opml.interop.element_sets.sgp4_points import Sampling
+from opml.interop.element_sets.sgp4_points import SetSampling
 from opml.tables import STATE
 
-SAMPLING = Sampling(12 * HOUR, 600.0)
+SAMPLING = SetSampling(12 * HOUR, 600.0)
 
 
 @pytest.mark.parametrize("days", [1.0, 2.5])
@@ -51,7 +51,7 @@ def test_fits_to_sets_are_at_their_epochs_and_as_close_as_sgp4_is(assumed_model,
 
 def test_points_go_back_no_farther_than_sgp4():
     row = history([1.0], bstar=0.1).iloc[0]
-    points = sgp4_points.before(row, row["t"], epoch=EPOCH, sampling=Sampling(2000.0 * DAY, DAY))
+    points = sgp4_points.before(row, row["t"], epoch=EPOCH, sampling=SetSampling(2000.0 * DAY, DAY))
     assert 0 < len(points) < 2001
     assert np.isfinite(points[STATE].to_numpy()).all()
     assert points["t"].iloc[-1] == row["t"]

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from opml.catalog.fit.estimation import Run
-from opml.catalog.fit.innovations import Orbit
+from opml.catalog.fit.innovations import ReferenceOrbit
 from opml.catalog.fit.neighbour_arcs import NUDGES, fly_beside
 from opml.orbits.elements import rsw_rotation
 
@@ -42,7 +42,9 @@ class Burn:
     apart: float
 
 
-def between(run: Run, before: Orbit, after: Orbit, span: tuple[float, float], scale: float) -> Burn | None:
+def between(
+    run: Run, before: ReferenceOrbit, after: ReferenceOrbit, span: tuple[float, float], scale: float
+) -> Burn | None:
     """Return the burn that leads from an orbit before to one after; None where one of them is lost.
 
     span: from when to when it may have been [s]
@@ -66,7 +68,7 @@ def between(run: Run, before: Orbit, after: Orbit, span: tuple[float, float], sc
     return Burn(float(t[k]), axes @ change[k], sigma, float(np.sqrt(square[k] / 3.0)))
 
 
-def _flown(run: Run, orbit: Orbit, t: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+def _flown(run: Run, orbit: ReferenceOrbit, t: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     """Return states (n, 6) of an orbit at times (n,) [s] and their covariances (n, 6, 6); None if lost."""
     epochs = np.append(run.measured.epochs[orbit.at], t)
     states, status = fly_beside(run.flight, epochs, orbit.parameters)

@@ -22,7 +22,7 @@ from opml.catalog.fit.iterations import Iterations
 from opml.catalog.fit.least_squares import Evaluation, Fit, Method
 from opml.catalog.fit.measurements import Measurements, Window
 from opml.catalog.fit.neighbour_arcs import fly_around, fly_parameters
-from opml.catalog.fit.solutions import Known, Solution, solutions
+from opml.catalog.fit.solutions import Solution, StartParameters, solutions
 from opml.catalog.flight import Flight
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE
 
@@ -178,7 +178,7 @@ class Run:
         return estimates
 
     def starts_in_turn(
-        self, windows: Sequence[Window], usable: Known | None, spare: Known | None
+        self, windows: Sequence[Window], usable: StartParameters | None, spare: StartParameters | None
     ) -> Iterator[np.ndarray]:
         """Yield parameters (windows, 7) to start from, the best first; not finite where there are none.
 
@@ -376,7 +376,7 @@ class Run:
         arcs = fly_parameters(self.flight, epochs, parameters[None], np.array([0]), np.array([len(at)]))
         return np.column_stack([arcs.path(0), np.full(len(at), parameters[_CD])])
 
-    def with_known_cd(self, solution: Solution) -> Known | None:
+    def with_known_cd(self, solution: Solution) -> StartParameters | None:
         """Return what others may start from, had Cd been known beforehand at its a-priori value.
 
         A short fit may tell nothing of Cd, but the whole state. None where it did not converge, or its Cd is
@@ -393,8 +393,8 @@ class Run:
         return (solution.at, moved) if np.linalg.norm((moved - best)[:3]) < LINEAR else None
 
     def newest(
-        self, solutions: Sequence[Solution], usable: Known | None, spare: Known | None
-    ) -> tuple[Known | None, Known | None]:
+        self, solutions: Sequence[Solution], usable: StartParameters | None, spare: StartParameters | None
+    ) -> tuple[StartParameters | None, StartParameters | None]:
         """Return the newest usable and the newest spare start of solutions; without one, that given."""
         last_first = solutions[::-1]
         usable = next(((one.at, one.best) for one in last_first if self.is_usable(one)), usable)

@@ -61,7 +61,7 @@ def with_apriori_cd(
 
 
 @dataclass(frozen=True)
-class Orbit:
+class ReferenceOrbit:
     """What tracks are predicted from.
 
     track, at: of its estimate, and the number of its epoch among the run's
@@ -95,7 +95,7 @@ def deviations(evaluation: Evaluation, root: np.ndarray) -> np.ndarray:
     return along / np.sqrt(1.0 + size**2)
 
 
-def farthest(run: Run, orbit: Orbit, track: int) -> float:
+def farthest(run: Run, orbit: ReferenceOrbit, track: int) -> float:
     """Return the largest innovation of a track [1], predicted from an orbit before; infinite if lost."""
     alone = run.measured.track(track)
     window = replace(alone, first=min(orbit.at, alone.first), at=orbit.at)

@@ -24,10 +24,10 @@ from opml.catalog.fit import biases, estimation
 from opml.catalog.fit.burns import Burn, between
 from opml.catalog.fit.estimate import Estimate
 from opml.catalog.fit.estimation import Estimation, Run
-from opml.catalog.fit.innovations import CD_SPREAD, Orbit, Usual, farthest
+from opml.catalog.fit.innovations import CD_SPREAD, ReferenceOrbit, Usual, farthest
 from opml.catalog.fit.least_squares import Fit, Method
 from opml.catalog.fit.measurements import Measurements
-from opml.catalog.fit.solutions import Known
+from opml.catalog.fit.solutions import StartParameters
 from opml.catalog.flight import Flight
 from opml.tables import BURN, PARAMETERS
 
@@ -70,10 +70,10 @@ class Watch:
         self._run, self._method = run, method
         self._limit = run.settings.suspect_sigma or np.inf
         self._waiting: list[int] = []
-        self._before: list[Orbit] = []
-        self._known: list[Orbit] = []
-        self._usable: Known | None = None
-        self._spare: Known | None = None
+        self._before: list[ReferenceOrbit] = []
+        self._known: list[ReferenceOrbit] = []
+        self._usable: StartParameters | None = None
+        self._spare: StartParameters | None = None
         self._usual = Usual(), Usual()
         self._sizes: list[float] = []
 
@@ -118,7 +118,7 @@ class Watch:
     def _time(self, track: int) -> float:
         return float(self._run.measured.epochs[self._run.measured.at[track]])
 
-    def _predictors(self, track: int) -> list[Orbit]:
+    def _predictors(self, track: int) -> list[ReferenceOrbit]:
         """Return the orbits that predict a track: the newest, and the newest that is a window older."""
         epochs, oldest = self._run.measured.epochs, self._time(track) - self._run.settings.window_hours * HOUR
         older = [one for one in self._known if epochs[one.at] <= oldest]
@@ -153,7 +153,7 @@ class Watch:
             usual.take(one)
         if estimate.fit.converged:
             self._sizes.append(float(self._run.row(estimate)["weighted_rms"]))
-        if orbit := Orbit.of_estimate(estimate, self._run.flight.rso.cd):
+        if orbit := ReferenceOrbit.of_estimate(estimate, self._run.flight.rso.cd):
             self._known.append(orbit)
         self._usable, self._spare = self._run.newest([estimate.solution], self._usable, self._spare)
         return estimate
@@ -204,7 +204,7 @@ class Watch:
             if fitted is None:
                 continue
             window, fit = fitted.window, fitted.fit
-            after = Orbit(window.track, window.at, fit.best, fit.covariance)
+            after = ReferenceOrbit(window.track, window.at, fit.best, fit.covariance)
             burn = self._between(before, after, tracks[0])
             if burn is None or (burn.apart > self._limit and len(tracks) < MANY):
                 continue
@@ -214,7 +214,7 @@ class Watch:
             return burn
         return None
 
-    def _orbit(self, tracks: Sequence[int], before: Orbit) -> Estimate | None:
+    def _orbit(self, tracks: Sequence[int], before: ReferenceOrbit) -> Estimate | None:
         """Return the orbit that tracks lie on, with the Cd of an estimate before, if any."""
         window = self._run.measured.of_tracks(tracks[-1], tracks)
         start = self._run.carried(before.at, before.parameters, np.array([window.at]))[0]
@@ -222,13 +222,13 @@ class Watch:
         [estimate] = self._run.ended([Estimate(window, Fit(start, method))])
         return estimate if self._takes_in(estimate) else None
 
-    def _between(self, before: Orbit, after: Orbit, first: int) -> Burn | None:
+    def _between(self, before: ReferenceOrbit, after: ReferenceOrbit, first: int) -> Burn | None:
         """Return the burn between an orbit and one of tracks that were held back, by the first of these."""
         measured = self._run.measured
         span = float(measured.epochs[measured.ends[before.track]]), self._time(first)
         return between(self._run, before, after, span, self._usual[0].scale)
 
-    def _begin_anew(self, burn: Burn, after: Orbit, tracks: Sequence[int]) -> None:
+    def _begin_anew(self, burn: Burn, after: ReferenceOrbit, tracks: Sequence[int]) -> None:
         """Take a burn for found: what was held back on the new orbit counts, what is older does not."""
         self._cd = float(after.parameters[_CD])
         times = self._run.measured.epochs[self._run.measured.at]
@@ -240,7 +240,7 @@ class Watch:
         _log.info("burn at %.0f s: %s m/s along R, S, W, orbits %.1f sigma apart", burn.t, sizes, burn.apart)
 
 
-def _has_other_drag(cd: float, variance: float, before: Orbit) -> bool:
+def _has_other_drag(cd: float, variance: float, before: ReferenceOrbit) -> bool:
     """Return whether Cd, of a variance, is another one than that of an orbit before."""
     sigma = np.sqrt(variance + before.covariance[_CD, _CD])
     return bool(abs(cd - before.parameters[_CD]) > _DRAG * abs(before.parameters[_CD]) + sigma)

@@ -7,7 +7,7 @@ import pandas as pd
 
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, symmetric_matrices
 
-Known = tuple[int, np.ndarray]
+StartParameters = tuple[int, np.ndarray]
 """An epoch of a run's measurements, by its number, and the parameters (7,) of an orbit there."""
 
 

@@ -8,7 +8,13 @@ import numpy as np
 
 from opml.base.setting_types import Count
 from opml.environment.forecasts.bursts import remove_bursts
-from opml.environment.forecasts.method import Forecast, ForecastSettings, Future, FutureForecast, Method
+from opml.environment.forecasts.method import (
+    Forecast,
+    ForecastMethod,
+    ForecastSettings,
+    Future,
+    FutureForecast,
+)
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import Weather, trailing_mean
 
@@ -117,7 +123,7 @@ def _course(log_flux: np.ndarray, kp_means: np.ndarray, day: np.ndarray, interva
     return np.stack([flux[0], *changes, *(kp_means[interval - INTERVALS * lag] for lag in KP_LAGS)], axis=-1)
 
 
-METHOD = Method(
+METHOD = ForecastMethod(
     "analogues",
     {"members": Count},
     fit,

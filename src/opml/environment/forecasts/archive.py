@@ -19,7 +19,7 @@ from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.setting_types import Text
 from opml.environment import solar_activity, space_weather
-from opml.environment.forecasts.method import Forecast, ForecastSettings, Future, Method
+from opml.environment.forecasts.method import Forecast, ForecastMethod, ForecastSettings, Future
 from opml.environment.space_weather import INTERVALS, MEASURED, ROUNDING
 from opml.environment.weather import Weather
 
@@ -141,7 +141,7 @@ def _figure(where: str, name: str, text: str, least: float, most: float) -> floa
     return value
 
 
-METHOD = Method(
+METHOD = ForecastMethod(
     "archive",
     {"files": Annotated[list[Text], MinLen(1)]},
     fit,

@@ -52,7 +52,7 @@ class MakeForecast(Protocol):
 
 
 @dataclass(frozen=True)
-class Method:
+class ForecastMethod:
     """A kind of forecast, declared by its module and listed in `methods.METHODS`.
 
     kind: name in the settings

@@ -5,12 +5,12 @@ from typing import Any
 
 from opml.base.errors import InputError
 from opml.environment.forecasts import analogues, archive, error_dressing, persistence, regression
-from opml.environment.forecasts.method import Forecast, ForecastSettings, FutureForecast, Method
+from opml.environment.forecasts.method import Forecast, ForecastMethod, ForecastSettings, FutureForecast
 from opml.environment.weather import Weather
 
 METHODS = (persistence.METHOD, regression.METHOD, analogues.METHOD, archive.METHOD)
 
-_BY_KIND: Mapping[str, Method] = {method.kind: method for method in METHODS}
+_BY_KIND: Mapping[str, ForecastMethod] = {method.kind: method for method in METHODS}
 
 
 def settings_types() -> dict[str, Mapping[str, Any]]:

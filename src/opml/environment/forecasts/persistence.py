@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from opml.environment.forecasts.method import Forecast, ForecastSettings, Future, Method
+from opml.environment.forecasts.method import Forecast, ForecastMethod, ForecastSettings, Future
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import Weather
 
@@ -17,4 +17,4 @@ def fit(_history: Weather, days: int, _settings: ForecastSettings) -> Forecast:
     return forecast
 
 
-METHOD = Method("persistence", {}, fit)
+METHOD = ForecastMethod("persistence", {}, fit)

@@ -10,7 +10,7 @@ import numpy as np
 
 from opml.base.setting_types import Count, Positive
 from opml.environment.forecasts.bursts import remove_bursts
-from opml.environment.forecasts.method import Forecast, ForecastSettings, Future, Method
+from opml.environment.forecasts.method import Forecast, ForecastMethod, ForecastSettings, Future
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import HIGHEST_KP, Weather, trailing_mean
 
@@ -73,7 +73,7 @@ class _Ridge:
         return np.asarray(self._level + ((x - self._mean) / self._scale) @ self._slopes)
 
 
-METHOD = Method(
+METHOD = ForecastMethod(
     "regression",
     {"lags": Count, "ridge": Positive},
     fit,

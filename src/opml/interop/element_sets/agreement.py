@@ -15,7 +15,7 @@ import pandas as pd
 
 from opml.interop import ccsds
 from opml.interop.element_sets.histories import states_of
-from opml.interop.element_sets.sgp4_points import Sampling
+from opml.interop.element_sets.sgp4_points import SetSampling
 from opml.orbits.elements import in_rsw
 from opml.orbits.manoeuvres import Manoeuvre, contain_any
 from opml.tables import FIX_SIGMAS
@@ -77,7 +77,7 @@ class _Past:
 
 
 def weighed(
-    sets: pd.DataFrame, *, epoch: str, sampling: Sampling, manoeuvres: Sequence[Manoeuvre] = ()
+    sets: pd.DataFrame, *, epoch: str, sampling: SetSampling, manoeuvres: Sequence[Manoeuvre] = ()
 ) -> pd.DataFrame:
     """Return what each set of one object is worth: whether it `counts`, and its sigmas in RSW [m].
 
@@ -104,7 +104,7 @@ def weighed(
     return pd.DataFrame(rows, columns=["counts", *FIX_SIGMAS[:3]], index=sets.index)
 
 
-def _agree(past: _Past, earlier: pd.Series, later: pd.Series, epoch: str, sampling: Sampling) -> bool:
+def _agree(past: _Past, earlier: pd.Series, later: pd.Series, epoch: str, sampling: SetSampling) -> bool:
     """Return whether two sets are as near each other as usual, and take it for the past if they are."""
     t = sampling.times(later["t"])
     states, others = (states_of(one, epoch=epoch, t=t) for one in (later, earlier))

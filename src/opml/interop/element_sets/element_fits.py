@@ -43,7 +43,7 @@ _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
-class Plan:
+class SetPlan:
     """What sets are made of an orbit.
 
     every: time between their epochs [s]
@@ -70,14 +70,14 @@ class Plan:
 
 
 @dataclass(frozen=True)
-class Fit:
+class SetFit:
     """A set that was fitted, and the root mean square distance of the positions from it [m]."""
 
     satellite: Satrec
     rms: float
 
 
-def from_files(paths: Sequence[FilePath], plan: Plan, *, name: str | None = None) -> list[Fit]:
+def from_files(paths: Sequence[FilePath], plan: SetPlan, *, name: str | None = None) -> list[SetFit]:
     """Return the sets of an orbit in files, in SP3, CPF or OEM.
 
     name: name or id of the satellite in the files; None: the files have only one
@@ -97,18 +97,18 @@ def from_files(paths: Sequence[FilePath], plan: Plan, *, name: str | None = None
     return fits
 
 
-def as_tles(fits: Sequence[Fit], plan: Plan) -> str:
+def as_tles(fits: Sequence[SetFit], plan: SetPlan) -> str:
     """Return the lines of sets as TLEs."""
     return "\n".join(line for one in fits for line in tle.lines(one.satellite, plan.number))
 
 
-def left(fits: Sequence[Fit]) -> str:
+def left(fits: Sequence[SetFit]) -> str:
     """Return a line that tells how far the positions are from sets."""
     rms = [one.rms for one in fits]
     return f"{len(fits)} sets, {np.median(rms):.0f} m rms from the positions, at most {max(rms):.0f} m"
 
 
-def from_orbit(orbit: pd.DataFrame, plan: Plan, *, epoch: str) -> Iterator[Fit]:
+def from_orbit(orbit: pd.DataFrame, plan: SetPlan, *, epoch: str) -> Iterator[SetFit]:
     """Yield the sets of an orbit; an epoch with too few positions before it has none, and is logged.
 
     orbit: columns of the table `truth`, a row each CADENCE
@@ -141,7 +141,7 @@ def in_teme(states: np.ndarray, epoch: str, t: np.ndarray) -> tuple[np.ndarray, 
     return positions, velocities
 
 
-def fit(t: np.ndarray, positions: np.ndarray, *, at: float, known: np.ndarray, epoch: str) -> Fit:
+def fit(t: np.ndarray, positions: np.ndarray, *, at: float, known: np.ndarray, epoch: str) -> SetFit:
     """Return the set that comes nearest to positions.
 
     t: (n,) [s since `epoch`], ascending
@@ -161,7 +161,7 @@ def fit(t: np.ndarray, positions: np.ndarray, *, at: float, known: np.ndarray, e
     rms = 1e3 * math.sqrt(np.mean(np.sum(_misses(found, time, since, positions) ** 2, axis=1)))
     if not rms < 1e3 * _LOST:
         raise InputError(f"mean elements: expected an orbit that SGP4 can fly about {time}, got none")
-    return Fit(_satellite(found, time), rms)
+    return SetFit(_satellite(found, time), rms)
 
 
 def _osculating(state: np.ndarray) -> np.ndarray:

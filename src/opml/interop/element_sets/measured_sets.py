@@ -11,7 +11,7 @@ import pandas as pd
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.interop.element_sets import agreement, sgp4_points, spans
-from opml.interop.element_sets.sgp4_points import Sampling
+from opml.interop.element_sets.sgp4_points import SetSampling
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS
 
@@ -94,7 +94,7 @@ def measured(
     Raises InputError where no set is left.
     """
     sets = of_run(sets, duration)
-    usual = Sampling(taking.reach or USUAL_REACH, taking.step)
+    usual = SetSampling(taking.reach or USUAL_REACH, taking.step)
     worth = agreement.weighed(sets, epoch=epoch, sampling=usual, manoeuvres=manoeuvres)
     if taking.sigmas is not None:
         worth[FIX_SIGMAS[:3]] = np.tile(taking.sigmas, (len(worth), 1))
@@ -105,7 +105,7 @@ def measured(
         reaches[worth["counts"]] = _over_spans(sets[worth["counts"]], epoch, manoeuvres)
     kept, points = [], []
     for k in np.flatnonzero(counting):
-        sampling = Sampling(float(reaches[k]), taking.step)
+        sampling = SetSampling(float(reaches[k]), taking.step)
         one, end = sets.iloc[k], float(ends[k])
         found = _points(one, worth.iloc[k], sampling, epoch=epoch, end=end, manoeuvres=manoeuvres)
         if found is not None:
@@ -130,7 +130,7 @@ def _over_spans(sets: pd.DataFrame, epoch: str, manoeuvres: Sequence[Manoeuvre])
 def _points(
     one: pd.Series,
     worth: pd.Series,
-    sampling: Sampling,
+    sampling: SetSampling,
     *,
     epoch: str,
     end: float,

@@ -10,7 +10,7 @@ from opml.tables import STATE
 
 
 @dataclass(frozen=True)
-class Sampling:
+class SetSampling:
     """Which points stand for a set of mean elements.
 
     reach: from the first point to the last [s]
@@ -26,7 +26,7 @@ class Sampling:
         return times
 
 
-def before(row: pd.Series, end: float, *, epoch: str, sampling: Sampling) -> pd.DataFrame:
+def before(row: pd.Series, end: float, *, epoch: str, sampling: SetSampling) -> pd.DataFrame:
     """Return the points of a set of mean elements up to a time, where SGP4 has them: t, state in GCRF.
 
     row: of a table `element_sets`

@@ -35,7 +35,7 @@ MOST_STEPS = 1_000_000  # in one sweep
 
 
 @dataclass(frozen=True, eq=False)
-class Solution:
+class DualSolution:
     """Dual coefficients beta (n,), the offset of the function, and the number of pairs moved."""
 
     beta: np.ndarray
@@ -43,7 +43,7 @@ class Solution:
     steps: int
 
 
-def solve(z: np.ndarray, y: np.ndarray, limits: np.ndarray, *, epsilon: float, tol: float) -> Solution:
+def solve(z: np.ndarray, y: np.ndarray, limits: np.ndarray, *, epsilon: float, tol: float) -> DualSolution:
     """Solve the dual problem.
 
     z: (n, variables) rows in units of the kernel scale
@@ -133,7 +133,7 @@ class _Descent:
         self.size = min(WORKING, len(y))
         self.steps = 0
 
-    def run(self) -> Solution:
+    def run(self) -> DualSolution:
         """Sweep until no two slopes differ by tol; warn where that takes too many sweeps."""
         for sweep in range(1, MOST_SWEEPS + 1):
             violation = self._violation()
@@ -145,7 +145,7 @@ class _Descent:
                 f"SVR: stopped after {MOST_SWEEPS} sweeps, slopes {violation:.1e} apart; tol {self.tol:.1e}",
                 stacklevel=3,
             )
-        return Solution(self.beta, self._offset(), self.steps)
+        return DualSolution(self.beta, self._offset(), self.steps)
 
     def _violation(self) -> float:
         """Update the slopes; return by how much any two differ."""

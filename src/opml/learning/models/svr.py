@@ -26,7 +26,7 @@ from opml.learning.models.metadata import describe, restore
 from opml.tables import real
 
 if TYPE_CHECKING:
-    from opml.learning.models.smo import Solution
+    from opml.learning.models.smo import DualSolution
 
 NORMAL_IQR = 1.349  # interquartile range of the standard normal distribution
 MIN_ROWS = 2  # a standard deviation needs two
@@ -127,7 +127,7 @@ def _kernel_scale(scaled: Training, settings: Settings) -> float:
     raise InputError(f"kernel_scale: expected {', '.join(scales.RULES)} or a positive number, got {rule!r}")
 
 
-def _solve(scaled: Training, scale: float, settings: Settings) -> "Solution":
+def _solve(scaled: Training, scale: float, settings: Settings) -> "DualSolution":
     """Solve for standardised rows and the scaled target; the root of a weight scales the limit of its row."""
     # Imported only to train: it brings Numba, which takes longer to start than most models to predict.
     from opml.learning.models import smo

@@ -69,7 +69,7 @@ _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
-class Series:
+class TrackSeries:
     """Fits to one track more each.
 
     first: track that they begin with
@@ -100,7 +100,7 @@ def orbit_of_angles(run: Run) -> Estimate:
     Raises InputError where no track gives an orbit, and where no two tracks fit one.
     """
     run = replace(run, settings=replace(run.settings, max_iterations=_ITERATIONS))
-    tried: list[Series] = []
+    tried: list[TrackSeries] = []
     for sigma in (ROUND, None):
         trying = replace(run, eccentricity_sigma=sigma)
         for first in single_tracks(trying)[:FIRSTS]:
@@ -114,7 +114,7 @@ def orbit_of_angles(run: Run) -> Estimate:
     return max(right, key=lambda one: (one.linked, -_cost(run, one.last))).last
 
 
-def _expected(run: Run, tried: Sequence[Series]) -> str:
+def _expected(run: Run, tried: Sequence[TrackSeries]) -> str:
     """Return what the tracks should have been, and what they were."""
     if not tried:
         return (
@@ -146,7 +146,7 @@ def single_tracks(run: Run) -> list[Estimate]:
     return sorted(closed, key=lambda one: axis_sigma(one.fit, gm))
 
 
-def _linked(run: Run, first: Estimate) -> Series:
+def _linked(run: Run, first: Estimate) -> TrackSeries:
     """Return the series from a fit to one track, each from the last that fits."""
     last, linked, count = first, 0, 0
     for window in following(run, first.window):
@@ -158,7 +158,7 @@ def _linked(run: Run, first: Estimate) -> Series:
             break
     track = first.window.track
     _log.info("first orbit: of angles from track %d, %d of %d tracks linked", track, linked, count)
-    return Series(track, last, linked, count)
+    return TrackSeries(track, last, linked, count)
 
 
 def _fitted(run: Run, estimates: Sequence[Estimate]) -> list[Estimate]:
