@@ -80,7 +80,7 @@ def of_object(folder: Path, name: str) -> Judged:
     sets = histories.read([path], epoch=EPOCH).sets
     times = manoeuvres.at_times(manoeuvres.read_times(folder / "burns" / f"{name}.yaml"), epoch=EPOCH)
     span = float(sets["t"].iloc[0]) + FIRST, float(sets["t"].iloc[-1])
-    return judged(burns_in_sets.found(sets, epoch=EPOCH), np.array([one.t for one in times]), span)
+    return judged(burns_in_sets.find_burns(sets, epoch=EPOCH), np.array([one.t for one in times]), span)
 
 
 def main(folder: Path) -> None:

@@ -111,7 +111,7 @@ class Month:
         )
         where, found = pd.MultiIndex.from_frame(rows[["t", "station"]]), rows.copy()
         for track, shift in zip(tracks, shifts, strict=True):
-            away = truth.between(orbit, orbit["t"].to_numpy() + shift)
+            away = truth.interpolate(orbit, orbit["t"].to_numpy() + shift)
             other = pd.DataFrame({"t": orbit["t"], **dict(zip(STATE, away.T, strict=True))}).dropna()
             seen = self.seen(other).set_index(["t", "station"])[QUANTITIES].reindex(where).to_numpy()
             theirs = (rows["track"] == track).to_numpy()

@@ -97,7 +97,7 @@ def fits(folder: Path) -> dict[str, Comparison]:
     )
     measured = fixes.measurements(ranges, environment.earth_orientation, [])
     middle = path.iloc[len(path) // 2]
-    starts = first_orbit.carried(lageos, measured, (middle["t"], middle[STATE].to_numpy(float)))
+    starts = first_orbit.starts_from_state(lageos, measured, (middle["t"], middle[STATE].to_numpy(float)))
     settings = Estimation(24.0, 20, 1e-3, 0.0, 0.0, 1e3)
     run = Run(measured, lageos, starts[STATE].to_numpy(), settings, starts["age"].to_numpy())
     track = int(np.argmin(np.abs(starts["t"] - LAST * DAY)))

@@ -388,7 +388,7 @@ def estimate(
     True
     """
     method = _estimation(settings, "estimate")
-    starts = start_states.chosen(truth, tracks, rso=flight.rso.name, settings=method, seed=seed)
+    starts = start_states.build(truth, tracks, rso=flight.rso.name, settings=method, seed=seed)
     measured = fixes.measurements(tracks, environment.earth_orientation, stations)
     return quarantine.estimate_all(flight, starts, measured, settings=method)
 

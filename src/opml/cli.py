@@ -111,7 +111,7 @@ def _elements(options: argparse.Namespace) -> None:
     plan = element_fits.SetPlan(every, span, options.noise, options.seed, options.number)
     fits = element_fits.from_files(options.files, plan, name=options.satellite)
     print(element_fits.as_tles(fits, plan))
-    print(f"opml: {element_fits.left(fits)}", file=sys.stderr)
+    print(f"opml: {element_fits.fit_summary(fits)}", file=sys.stderr)
 
 
 def _add_screen(parser: argparse.ArgumentParser) -> None:

@@ -143,7 +143,7 @@ def test_orekit_reads_an_ephemeris_as_ocm(org, ephemeris, tmp_path):
 def test_orekit_flies_the_mean_elements_of_an_ephemeris(org, ephemeris, tmp_path):
     """It reads the OMM, and from the TLE it is as far from the ephemeris as the OMM says."""
     (segment,) = oem.corrected_segments(ephemeris, rso="iss")
-    satellite = ephemeris_elements.fitted(segment, epoch=EPOCH)
+    satellite = ephemeris_elements.fit_elements(segment, epoch=EPOCH)
     comment = ephemeris_elements.residual(satellite, segment, epoch=EPOCH)
     omm.write(tmp_path / "c.omm", satellite, name="iss", number=25544, epoch=EPOCH, comment=comment)
     message = parsed(org, "Omm", tmp_path / "c.omm")

@@ -30,7 +30,7 @@ def explore_page(satellite: Satellite) -> str:
     """Return the page of a satellite as HTML, with plotly as a file beside it."""
     study, results = satellite.study, satellite.results
     ((rso, stations),) = study.datasets
-    train, test = study.splits[study.shown]
+    train, test = study.splits[study.shown_split]
     settings = study.study.settings
     orbit = ObservedOrbit(
         read_table(results / "truth" / f"{rso}.parquet", "truth"),

@@ -75,7 +75,7 @@ class Satellite:
     def replay(self, learner: str) -> pd.DataFrame:
         """Return the `replay` table of a learner."""
         ((rso, stations),) = self.study.datasets
-        days = self.study.splits[self.study.shown][0]
+        days = self.study.splits[self.study.shown_split][0]
         return read_table(self.results / "replays" / rso / stations / days / f"{learner}.parquet", "replay")
 
     @property

@@ -28,7 +28,7 @@ if OWN.is_asked:
                     true_errors(wildcards.rso, wildcards.stations),
                     labelled(wildcards.rso, wildcards.stations),
                 ]
-                if (wildcards.rso, wildcards.stations) in OWN.judged
+                if (wildcards.rso, wildcards.stations) in OWN.datasets_with_truth
                 else []
             ),
         output:
@@ -83,7 +83,7 @@ if OWN.is_asked:
             metrics=paths_of(rules.evaluate.output.metrics, *OWN.experiments.values()),
             evaluations=paths_of(rules.evaluate.output.evaluation, *OWN.stated.values()),
             datasets=[labelled(rso, stations) for rso, stations in OWN.datasets],
-            truths=[true_errors(rso, stations) for rso, stations in OWN.judged],
+            truths=[true_errors(rso, stations) for rso, stations in OWN.datasets_with_truth],
             estimates=[
                 path_of(rules.estimation.output[0], rso=rso, stations=stations, window="")
                 for rso, stations in OWN.datasets

@@ -14,7 +14,7 @@ with job(snakemake) as metadata:
     tracking = read_measured(files.tracking)
     states = read_table(files.start, read_kind(files.start))
     measured = fixes.read(files, [Station(**station) for station in settings.stations])
-    starts = start_states.chosen(states, tracking, rso=flight.rso.name, settings=method, seed=settings.seed)
+    starts = start_states.build(states, tracking, rso=flight.rso.name, settings=method, seed=settings.seed)
     table, noise = quarantine.with_noise(flight, starts, measured, settings=method)
     if read_kind(files.start) == "starts":  # noise that was simulated is known
         metadata |= biases.facts(noise)

@@ -9,7 +9,7 @@ from opml.workflow.jobs import job
 with job(snakemake):
     settings = SheetJobSettings(snakemake.params.settings)
     (ephemeris,) = oem.corrected_segments(read_table(snakemake.input[0], "corrected"), rso=settings.rso)
-    satellite = ephemeris_elements.fitted(ephemeris, epoch=settings.epoch)
+    satellite = ephemeris_elements.fit_elements(ephemeris, epoch=settings.epoch)
     number = ephemeris_elements.catalogue_number(snakemake.input.history)
     tle.write(snakemake.output[0], satellite, number)
     written = mean_elements.read(snakemake.output[0])

@@ -13,7 +13,7 @@ with job(snakemake) as metadata:
     history, duration = settings.history, DAY * settings.duration_days
     sets = measured_sets.of_run(read_table(snakemake.input[0], "element_sets"), duration)
     named = manoeuvres.at_times(settings.manoeuvres, epoch=settings.epoch)
-    known = burns_in_sets.known(sets, named, epoch=settings.epoch, find=history["find_manoeuvres"])
+    known = burns_in_sets.manoeuvres_of(sets, named, epoch=settings.epoch, find=history["find_manoeuvres"])
     measured = measured_sets.measured(
         sets,
         measured_sets.Taking.from_settings(history),

@@ -18,7 +18,7 @@ with job(snakemake):
         noise=dict(zip(study.datasets, map(read_noise, files.estimates), strict=True)),
         rolling=read_by_key(study.rolling, files.rolling, "rolling"),
         replays=read_by_key(study.replayed, files.replays, "replay"),
-        truths=read_by_key(study.judged, files.truths, "dataset"),
+        truths=read_by_key(study.datasets_with_truth, files.truths, "dataset"),
         calibration=read_by_key(study.fits, files.fits, "calibration"),
         conjunctions=read_by_key(study.crossed, files.conjunctions, "conjunctions"),
         pictures=dict(zip(study.fits, files.pictures, strict=True)),

@@ -69,7 +69,7 @@ def build(
             check_smooth(rows["t_j"].to_numpy(), along)
             states = moved(rows, along)
             rate = rates(states)
-            caused = between(rows, causes[causes["i"] == rows["i"].iloc[0]]).assign(rate=rate)
+            caused = interpolate_spread(rows, causes[causes["i"] == rows["i"].iloc[0]]).assign(rate=rate)
             yield ephemeris_table(rows, states, rsw_covariances(sizes(now).sigmas(caused), rate))
 
     return task.joined([table for part in task.parts() for table in ephemerides(part)])
@@ -92,7 +92,7 @@ def _is_sparse(columns: pd.DataFrame, grid: Grid) -> pd.Series:
     return is_sparse
 
 
-def between(rows: pd.DataFrame, causes: pd.DataFrame) -> pd.DataFrame:
+def interpolate_spread(rows: pd.DataFrame, causes: pd.DataFrame) -> pd.DataFrame:
     """Return rows of one estimate with the columns of a spread that is known at part of their epochs."""
     finite = causes[np.isfinite(causes[SPREAD].to_numpy()).all(axis=1)]
     return rows.assign(**{name: np.interp(rows["t_j"], finite["t_j"], finite[name]) for name in SPREAD})

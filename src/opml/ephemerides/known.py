@@ -106,13 +106,13 @@ class Known:
             raise InputError("ephemeris: expected mean elements, as the learner asks for, got none")
         return self.element_sets
 
-    def undisturbed(self, hours: float) -> pd.DataFrame:
-        """Return the fits over another window [h] as `other_windows.undisturbed` has them."""
-        return other_windows.undisturbed(self.other(hours), manoeuvres=self.manoeuvres, window=HOUR * hours)
+    def estimates_without_burns(self, hours: float) -> pd.DataFrame:
+        """Return the fits over another window [h] as `other_windows.exclude_burns` has them."""
+        return other_windows.exclude_burns(self.other(hours), manoeuvres=self.manoeuvres, window=HOUR * hours)
 
     def own(self) -> pd.DataFrame:
-        """Return the fits as `other_windows.undisturbed` has them."""
-        return other_windows.undisturbed(self.estimates, manoeuvres=self.manoeuvres, window=self.window)
+        """Return the fits as `other_windows.exclude_burns` has them."""
+        return other_windows.exclude_burns(self.estimates, manoeuvres=self.manoeuvres, window=self.window)
 
     def marked(self, rows: pd.DataFrame) -> pd.DataFrame:
         """Return rows of predictions with when a manoeuvre was found that spoils them, where there was one.

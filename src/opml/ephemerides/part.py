@@ -49,13 +49,13 @@ def _once(make: _Method[Arguments]) -> _Method[Arguments]:
     """Return the method of a part that makes a table once for the same arguments."""
 
     @wraps(make)
-    def kept(part: "Part", /, *args: Arguments.args, **kwargs: Arguments.kwargs) -> pd.DataFrame:
+    def lookup(part: "Part", /, *args: Arguments.args, **kwargs: Arguments.kwargs) -> pd.DataFrame:
         key = (make.__name__, args, tuple(kwargs.items()))
         if key not in part.made:
             part.made[key] = make(part, *args, **kwargs)
         return part.made[key]
 
-    return kept
+    return lookup
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ class Part:
             "mechanism": self.mechanism,
             "arcs": partial(self.parted if set(variables) <= PARTED else self.arcs, hours),
             "cd_past": partial(self.cd_past, hours, memory_days),
-            "held": partial(self.held, hours, memory_days),
+            "held": partial(self.held_table, hours, memory_days),
             "sgp4": self.sgp4,
         }
         if kind not in makers:
@@ -141,7 +141,7 @@ class Part:
     def _with_held_cd(self, hours: float, memory_days: float) -> pd.DataFrame:
         """Return the fits over a window [h] that ephemerides start from, their Cd held by its past."""
         return other_windows.with_held_cd(
-            self.known.undisturbed(hours),
+            self.known.estimates_without_burns(hours),
             self.starts["track"],
             apriori=self.flight.rso.cd,
             memory_days=memory_days,
@@ -174,7 +174,7 @@ class Part:
         return other_windows.build_arcs(
             self.flight,
             self.pairs(),
-            arc_estimates=self.known.undisturbed(hours),
+            arc_estimates=self.known.estimates_without_burns(hours),
             arc_predictions=self.predictions(hours),
         )
 
@@ -183,7 +183,7 @@ class Part:
         """Return the columns `l_arc` of that table, for which no further arcs fly."""
         return other_windows.parted(
             self.pairs(),
-            arc_estimates=self.known.undisturbed(hours),
+            arc_estimates=self.known.estimates_without_burns(hours),
             arc_predictions=self.predictions(hours),
         )
 
@@ -192,18 +192,18 @@ class Part:
         """Return the `cd_past` table of fits over a window [h]."""
         return other_windows.build_past(
             self.pairs(),
-            arc_estimates=self.known.undisturbed(hours),
+            arc_estimates=self.known.estimates_without_burns(hours),
             apriori=self.flight.rso.cd,
             memory_days=memory_days,
         )
 
     @_once
-    def held(self, hours: float, memory_days: float) -> pd.DataFrame:
+    def held_table(self, hours: float, memory_days: float) -> pd.DataFrame:
         """Return the `held` table of fits over a window [h]."""
         return other_windows.held_beside(
             self.pairs(),
             self.held_predictions(hours, memory_days),
-            arc_estimates=self.known.undisturbed(hours),
+            arc_estimates=self.known.estimates_without_burns(hours),
         )
 
     @_once

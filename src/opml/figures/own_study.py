@@ -120,7 +120,7 @@ def _to_name(mornings: Mornings, laws: Collection[str]) -> list[str]:
     names = [name for name in mornings.tables if name != "none"]
     plain, learned = [name for name in names if name not in laws], [name for name in names if name in laws]
     best = {mornings.best(kind) for kind in (plain, learned) if kind}
-    return [name for name in names if name in best | {mornings.chosen, "svr"}]
+    return [name for name in names if name in best | {mornings.last_choice, "svr"}]
 
 
 def sizes(table: pd.DataFrame, column: str) -> pd.DataFrame:

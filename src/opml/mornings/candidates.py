@@ -8,7 +8,7 @@ import pandas as pd
 
 from opml.base.errors import InputError
 from opml.ephemerides.along_track_shift import LEAST_EPOCHS
-from opml.ephemerides.corrected import Spreads, between, expected
+from opml.ephemerides.corrected import Spreads, expected, interpolate_spread
 from opml.ephemerides.part import Part
 from opml.learning.data.components import CORRECTED
 from opml.learning.models import learners
@@ -46,7 +46,7 @@ def paths(
         raise InputError(f"ephemeris: expected at least {LEAST_EPOCHS} epochs ahead, got {len(reached)}")
     sparse = reached.iloc[::EVERY]
     causes = sparse[["t_j"]].join(spreads(sparse)[SPREAD].set_axis(sparse.index))
-    return between(reached, causes).drop(columns=["j", "reason"])
+    return interpolate_spread(reached, causes).drop(columns=["j", "reason"])
 
 
 def _held_arcs(settings: Iterable[Mapping[str, Any]]) -> list[tuple[float, float]]:

@@ -31,7 +31,7 @@ class Flown:
     sizes: Sizes
 
 
-def chosen(judged: pd.DataFrame, models: Sequence[str], *, now: float) -> Flown:
+def choose_model(judged: pd.DataFrame, models: Sequence[str], *, now: float) -> Flown:
     """Return the model that left the least by `now` [s]; raise InputError where the past is too short.
 
     judged: rows of that table of all mornings

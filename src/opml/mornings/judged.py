@@ -7,7 +7,7 @@ import pandas as pd
 
 from opml.catalog.fit import fixes
 from opml.catalog.predict import labels
-from opml.ephemerides.corrected import between
+from opml.ephemerides.corrected import interpolate_spread
 from opml.ephemerides.replays import missed
 from opml.mornings.paths import Paths
 from opml.mornings.records import Records
@@ -30,7 +30,7 @@ def later_states(estimates: pd.DataFrame, recent: Recent) -> pd.DataFrame:
     return states.assign(alike=True) if fixes.are_of_sets(recent.tracking) else states
 
 
-def judged(
+def judge(
     paths: Sequence[Paths], later: pd.DataFrame, *, manoeuvres: Sequence[Manoeuvre], window: float
 ) -> pd.DataFrame:
     """Return rows of the table `judged`: every model of every ephemeris against later states.
@@ -46,7 +46,7 @@ def judged(
         ahead = _ahead(one.table, later, manoeuvres=manoeuvres, window=window)
         if len(ahead):
             t_i = float(one.table["t_i"].iloc[0])
-            tables.append(missed(one.arrivals, ahead, t_i=t_i, now=one.made))
+            tables.append(missed(one.arrivals, ahead, t_i=t_i, now=one.made_at))
             models += [name for name in one.models for _ in range(len(ahead))]
     if not tables:
         return Records.empty().judged
@@ -62,4 +62,4 @@ def _ahead(
     reached = (t_j > t_i) & (t_j >= rows["t_j"].iloc[0]) & (t_j <= rows["t_j"].iloc[-1])
     # A fit to tracks from both sides of a manoeuvre tells no orbit.
     across = contain_any(np.full(len(t_j), t_i), t_j, manoeuvres, window=window)
-    return between(later[reached & ~across].assign(i=rows["i"].iloc[0]), rows)
+    return interpolate_spread(later[reached & ~across].assign(i=rows["i"].iloc[0]), rows)

@@ -96,7 +96,7 @@ def _of_elements(source: MeasurementSource, span: Span, known: list[Manoeuvre]) 
     )
     ours = histories.of_object(history.sets, source.taking["number"])
     sets, identity = measured_sets.of_run(ours, span.duration), history.objects[int(ours["number"].iloc[0])]
-    known = burns_in_sets.known(sets, known, epoch=span.epoch, find=source.taking["find_manoeuvres"])
+    known = burns_in_sets.manoeuvres_of(sets, known, epoch=span.epoch, find=source.taking["find_manoeuvres"])
     found = measured_sets.measured(
         sets,
         # On the raster arcs of several objects share blocks.

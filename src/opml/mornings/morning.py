@@ -150,7 +150,7 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
     would be tried again for ever.
     """
     plan = watched.plan
-    recent = tracks.over(watched.tracking, records.made(plan.base), now=now, reach=plan.reach)
+    recent = tracks.over(watched.tracking, records.estimates_over(plan.base), now=now, reach=plan.reach)
     if not recent.tracks:
         return Left(_nothing(now), recent, Verdict(DO_NOT_USE, "no tracks of the last days"))
     try:
@@ -173,12 +173,12 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
     # An ephemeris from the estimate of an earlier morning is that morning's, and judged once.
     is_new = not records.issued["i"].isin(starts["track"]).any()
     left = replace(left, paths=[Paths(paths)] if is_new else [])
-    past = so_far.free(plan.base, watched.known_by(now))
+    past = so_far.rows_unaffected_by_burns(plan.base, watched.known_by(now))
     judgement = verdict(past, starts, now=now, burns=watched.manoeuvres, window=plan.base * HOUR)
     if watched.sgp4 is not None:
-        judgement = watched.sgp4.beside(judgement, past, so_far.made(plan.base), now=now)
+        judgement = watched.sgp4.beside(judgement, past, so_far.estimates_over(plan.base), now=now)
     try:
-        flown = issued.chosen(past, list(plan.models), now=now)
+        flown = issued.choose_model(past, list(plan.models), now=now)
         ephemeris = product.ephemeris(paths, flown, step=plan.step)
     except InputError as reason:
         row = issued.row(now, starts, None, DO_NOT_USE, burn=fitted.burn)
@@ -206,7 +206,7 @@ class _Fitted:
 
 def _fitted(watched: Watched, recent: Recent, records: Records) -> _Fitted:
     """Return the estimates of the tracks that are new; again behind a burn, where they show one."""
-    kept, fitting = records.made(watched.plan.base), _fitting(watched, recent)
+    kept, fitting = records.estimates_over(watched.plan.base), _fitting(watched, recent)
     made = fitting.further(kept)
     off = _judged(watched, made, recent, records)
     if not ("station" in watched.tracking and burns_in_tracks.are_far(off)):
@@ -233,7 +233,7 @@ def _fitting(watched: Watched, recent: Recent) -> fits.Fitting:
 
 def _others(fitting: fits.Fitting, plan: MorningPlan, records: Records, starts: pd.DataFrame) -> pd.DataFrame:
     """Return the fits over other windows of the track that ephemerides start from, where none are kept."""
-    kept = {hours: records.made(hours) for hours in plan.other_windows}
+    kept = {hours: records.estimates_over(hours) for hours in plan.other_windows}
     lacking = {hours: rows for hours, rows in kept.items() if not rows["track"].isin(starts["track"]).any()}
     return fitting.over(starts, lacking) if lacking else SCHEMAS["kept_estimates"].empty()
 
@@ -259,7 +259,7 @@ def _nothing(now: float, burn: Manoeuvre | None = None) -> Records:
 def _judged(watched: Watched, made: pd.DataFrame, recent: Recent, records: Records) -> pd.DataFrame:
     """Return how far ephemerides of earlier mornings were off the new estimates."""
     plan = watched.plan
-    off = judged.judged(
+    off = judged.judge(
         records.paths,
         judged.later_states(made, recent),
         manoeuvres=watched.manoeuvres,

@@ -20,7 +20,7 @@ class Paths:
     table: pd.DataFrame
 
     @property
-    def made(self) -> float:
+    def made_at(self) -> float:
         """When they were made [s]."""
         return float(self.table["morning"].iloc[0])
 

@@ -5,7 +5,7 @@ import pandas as pd
 from scipy.interpolate import make_interp_spline
 
 from opml.ephemerides.along_track_shift import check_smooth, corrected, through
-from opml.ephemerides.corrected import between
+from opml.ephemerides.corrected import interpolate_spread
 from opml.ephemerides.task import ephemeris_table
 from opml.mornings.issued import Flown
 from opml.orbits.rsw_covariance import rates, rsw_covariances
@@ -32,5 +32,5 @@ def ephemeris(paths: pd.DataFrame, flown: Flown, *, step: float) -> pd.DataFrame
         i=paths["i"].iloc[0], t_i=paths["t_i"].iloc[0], t_j=at
     )
     rate = rates(states)
-    caused = between(rows, paths).assign(rate=rate, duration=at - rows["t_i"])
+    caused = interpolate_spread(rows, paths).assign(rate=rate, duration=at - rows["t_i"])
     return ephemeris_table(rows, states, rsw_covariances(flown.sizes.sigmas(caused), rate))

@@ -85,7 +85,7 @@ class Records:
         times = self.issued["burn_t"].dropna()
         return [Manoeuvre(float(t), anew=True) for t in times]
 
-    def made(self, hours: float) -> pd.DataFrame:
+    def estimates_over(self, hours: float) -> pd.DataFrame:
         """Return the estimates over a window [h] as they were made."""
         rows = self.estimates[self.estimates["window_hours"] == hours]
         return rows.drop(columns="window_hours").reset_index(drop=True)
@@ -95,12 +95,12 @@ class Records:
 
         manoeuvres: that are known, beside those that mornings found
         """
-        rows = self.made(hours)
+        rows = self.estimates_over(hours)
         return rows.assign(
             converged=rows["converged"] & ~self._across(rows["t"], rows["t"], hours, manoeuvres)
         )
 
-    def free(self, hours: float, manoeuvres: Sequence[Manoeuvre] = ()) -> pd.DataFrame:
+    def rows_unaffected_by_burns(self, hours: float, manoeuvres: Sequence[Manoeuvre] = ()) -> pd.DataFrame:
         """Return the rows of `judged` whose estimates, over a window [h], know of all burns on their way.
 
         manoeuvres: as for `of_window`
@@ -123,7 +123,7 @@ class Records:
             estimates=_below([self.estimates, more.estimates], "kept_estimates"),
             judged=_below([self.judged, more.judged], "judged"),
             issued=_below([self.issued, more.issued], "issued"),
-            paths=[paths for paths in (*self.paths, *more.paths) if paths.made > since],
+            paths=[paths for paths in (*self.paths, *more.paths) if paths.made_at > since],
         )
 
     def write(self, folder: Path, outcome: Mapping[str, Any], *, metadata: Mapping[str, Any]) -> None:

@@ -72,7 +72,7 @@ def section(
         if found is None:
             verdict = "No morning was replayed, so nothing tells which model to fly."
         else:
-            chosen = found.chosen
+            chosen = found.last_choice
             verdict = (
                 f"Fly `{chosen}`: {_left(found, marks)} {_held(found, durations)} {_others(found, laws)}"
             )
@@ -94,7 +94,7 @@ def _left(found: Mornings, marks: Sequence[float]) -> str:
     names = [choice.chosen for choice in found.choices.values()]
     return (
         f"{', '.join(words)} (median along-track error of what the past chose on {len(names)} mornings, this "
-        f"model on {names.count(found.chosen)})."
+        f"model on {names.count(found.last_choice)})."
     )
 
 

@@ -23,7 +23,7 @@ def section(
 ) -> Iterator[Block]:
     """Yield the section, nothing where all was simulated and no track was watched.
 
-    noise: of `biases.shown`, empty of what was simulated
+    noise: of `biases.instrument_residuals`, empty of what was simulated
     epoch: UTC text from which times of `estimates` count
     """
     known = {dataset: table for dataset, table in noise.items() if not table.empty}

@@ -78,7 +78,7 @@ def document(report: OwnStudyReport, tables: OwnStudyTables) -> list[Block]:
         for dataset, replayed in _by_dataset(tables.replays).items()
     }
     replays |= {
-        dataset: replays[dataset].judged(truth, tables.datasets[dataset])
+        dataset: replays[dataset].against_truth(truth, tables.datasets[dataset])
         for dataset, truth in tables.truths.items()
         if dataset in replays
     }

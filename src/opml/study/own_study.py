@@ -70,7 +70,7 @@ class OwnStudy:
         }
 
     @cached_property
-    def shown(self) -> str:
+    def shown_split(self) -> str:
         """The split whose errors are drawn and stated.
 
         The first whose predictions start after the training; else the first of later days; else the first.
@@ -96,7 +96,7 @@ class OwnStudy:
         return [(rso, stations) for rso in self.study.rsos for stations in self.study.station_sets]
 
     @cached_property
-    def judged(self) -> list[tuple[str, str]]:
+    def datasets_with_truth(self) -> list[tuple[str, str]]:
         """RSO and station set of the datasets that are learned from labels while the truth is known."""
         if self.study.label == "truth":
             return []
@@ -123,7 +123,7 @@ class OwnStudy:
     def corrections(self, rso: str, stations: str) -> dict[str, Experiment]:
         """Return the experiments of the shown split that correct something, by model."""
         return {
-            learner: self.experiments[rso, stations, learner, self.shown]
+            learner: self.experiments[rso, stations, learner, self.shown_split]
             for learner in self.learners
             if naming.parse_learner(learner, self.study.learners)["kind"] != "none"
         }
@@ -140,7 +140,7 @@ class OwnStudy:
     @cached_property
     def rolling(self) -> dict[tuple[str, str, str], Experiment]:
         """Experiments of learners that are trained anew, by RSO, station set and learner."""
-        train, test = self.splits[self.shown]
+        train, test = self.splits[self.shown_split]
         return {
             (rso, stations, learner): self.study.experiment(
                 {}, rso=rso, stations=stations, learner=learner, train=train, test=test
@@ -154,7 +154,7 @@ class OwnStudy:
         """The models whose mornings are replayed; none without days to train on."""
         if not self.is_asked:
             return []
-        train, _ = self.splits[self.shown]
+        train, _ = self.splits[self.shown_split]
         if naming.parse_train(naming.strip_seed(train, naming.SPLIT)).kind != "days":
             return []
         return self.study.settings.asked.get("replayed") or [
@@ -173,7 +173,7 @@ class OwnStudy:
                 "window": "",
                 "reading": "",
                 "label": naming.LABELS[self.study.label],
-                "train": self.splits[self.shown][0],
+                "train": self.splits[self.shown_split][0],
                 "learner": learner,
             }
             for rso, stations in self.datasets
@@ -183,7 +183,7 @@ class OwnStudy:
     def _first_day(self, learner: str) -> float:
         """Return the day of a model's first morning, as `opml.ephemerides.replays` has it."""
         settings, values = naming.parse_learner(learner, self.study.learners), self.study.settings.values
-        train = naming.strip_seed(self.splits[self.shown][0], naming.SPLIT)
+        train = naming.strip_seed(self.splits[self.shown_split][0], naming.SPLIT)
         first, last = naming.parse_train(train).days
         if learns(settings):
             return math.ceil(first + 0.5 * (last - first))
@@ -211,7 +211,7 @@ class OwnStudy:
     @cached_property
     def fits(self) -> dict[tuple[str, str], Experiment]:
         """The experiments that test the fits' own covariances, by RSO and station set."""
-        train, test = self.splits[self.shown]
+        train, test = self.splits[self.shown_split]
         return {
             (rso, stations): self.study.experiment(
                 {},
@@ -268,7 +268,7 @@ class OwnStudy:
         return OwnStudyReport(
             experiments=self.experiments,
             pairs=self.splits,
-            shown=self.shown,
+            shown=self.shown_split,
             stated=self.stated,
             datasets=self.datasets,
             learners={name: naming.parse_learner(name, self.study.learners) for name in self.learners},
@@ -288,7 +288,7 @@ class OwnStudy:
 
     def _sources(self, rso: str, stations: str) -> Sources:
         """Return what the report's answer points at; figures are linked to as seen from the report."""
-        values, (train, test) = self.study.settings.values, self.splits[self.shown]
+        values, (train, test) = self.study.settings.values, self.splits[self.shown_split]
         first, last = naming.parse_train(naming.strip_seed(train, naming.SPLIT)).days
         later = naming.parse_test(test)
         end = later.days[1] if later.kind == "days" else last

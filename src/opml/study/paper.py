@@ -220,7 +220,7 @@ class Paper:
         return replace(read, test=naming.treat_test(read.test, fence=fence, standardisation=standardisation))
 
     @cached_property
-    def drawn(self) -> dict[str, Experiment]:
+    def drawn_experiments(self) -> dict[str, Experiment]:
         """Every experiment whose number is drawn, by the figure and the point."""
         drawn = dict(self.evaluations)
         for ratio in self.study.entry("partition").get("ratios", []):
@@ -234,7 +234,12 @@ class Paper:
     @cached_property
     def reported(self) -> list[Experiment]:
         """Every experiment whose number stands in the reproduction, each once."""
-        reported = [*self.evaluations.values(), *self.partitions, *self.kernel_scales, *self.drawn.values()]
+        reported = [
+            *self.evaluations.values(),
+            *self.partitions,
+            *self.kernel_scales,
+            *self.drawn_experiments.values(),
+        ]
         for headline in self.headlines:
             reported += [headline.experiment, headline.fixed, *headline.over_splits, *headline.over_noise]
         for experiments in self.readings.values():
@@ -252,7 +257,7 @@ class Paper:
             evaluations=self.evaluations,
             scales={experiment: self.kernel_scale(experiment) for experiment in self.kernel_scales},
             claims=self.claims,
-            drawn=self.drawn,
+            drawn=self.drawn_experiments,
             rule=str(learner["kernel_scale"]),
             fixed_scale=float(self.study.learners[entry["fixed"]]["kernel_scale"]),
             calibrated=entry["calibrated"],

@@ -17,4 +17,4 @@ def read_mornings(files: Any, settings: FigureSettings) -> Mornings:
     mornings = Mornings.from_replays(replays, settings.laws, seed=settings.seed)
     if not files.judge:
         return mornings
-    return mornings.judged(*(read_table(path, "dataset") for path in files.judge))
+    return mornings.against_truth(*(read_table(path, "dataset") for path in files.judge))

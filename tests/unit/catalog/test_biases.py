@@ -9,7 +9,7 @@ import pytest
 from support import BOUNDED_ESTIMATION as SETTINGS
 from support import environment
 
-from opml.catalog.fit.biases import facts, read_noise, summary, whitened
+from opml.catalog.fit.biases import facts, read_noise, summary, whiten
 from opml.catalog.fit.fixes import Fixes
 from opml.catalog.fit.least_squares import Evaluation
 from opml.tables import FIX_SIGMAS, STATE, write_table
@@ -47,7 +47,7 @@ def test_a_constant_error_is_as_good_as_an_unknown():
     whole = np.block([[jacobian, each], [np.zeros((2, 3)), np.eye(2) / sigma]])
     normal, gradient = whole.T @ whole, whole.T @ np.append(residuals, [0.0, 0.0])
     step = np.linalg.solve(normal, gradient)[:3]
-    found = whitened(Evaluation(residuals, jacobian), instruments, sigma)
+    found = whiten(Evaluation(residuals, jacobian), instruments, sigma)
     n = found.jacobian.T @ found.jacobian
     np.testing.assert_allclose(np.linalg.solve(n, found.jacobian.T @ found.residuals), step, rtol=1e-10)
     np.testing.assert_allclose(np.linalg.inv(n), np.linalg.inv(normal)[:3, :3], rtol=1e-10)

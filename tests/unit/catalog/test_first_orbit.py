@@ -104,11 +104,11 @@ def test_what_was_exported_and_read_gives_the_same_estimates_to_the_bit(
 
 
 def test_elements_are_carried_to_every_track(flight, measured, orbit):
-    table = first_orbit.carried(flight, measured, first_orbit.of_sheet(flight.rso, flight.model.gm))
+    table = first_orbit.starts_from_state(flight, measured, first_orbit.of_sheet(flight.rso, flight.model.gm))
     assert apart(table, orbit).max() < 50e3
     # From a state in the middle, forward and backward.
     middle = orbit[STATE].iloc[4320].to_numpy()
-    table = first_orbit.carried(flight, measured, (DAY, middle))
+    table = first_orbit.starts_from_state(flight, measured, (DAY, middle))
     assert apart(table, orbit).max() < 20e3
     assert apart(table[np.abs(table["t"] - DAY) < 20e3], orbit).max() < 2e3
 
@@ -122,7 +122,7 @@ def test_tracks_of_another_rso_are_told(flight, measured):
     with pytest.raises(
         InputError, match=r"iss: expected tracks near the orbit .*, got tracks that are \d+ km"
     ):
-        first_orbit.carried(flight, measured, other)
+        first_orbit.starts_from_state(flight, measured, other)
 
 
 def test_tracks_that_give_no_orbit_are_told(flight, rows, earth_orientation, three_stations):
@@ -133,7 +133,7 @@ def test_tracks_that_give_no_orbit_are_told(flight, rows, earth_orientation, thr
 
 def test_the_log_tells_what_was_done(flight, measured, caplog):
     caplog.set_level(logging.INFO)
-    first_orbit.carried(flight, measured, first_orbit.of_sheet(flight.rso, flight.model.gm))
+    first_orbit.starts_from_state(flight, measured, first_orbit.of_sheet(flight.rso, flight.model.gm))
     assert "km from the first day's tracks" in caplog.text
 
 

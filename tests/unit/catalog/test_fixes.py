@@ -133,7 +133,7 @@ def test_fits_to_sets_start_from_their_own_states(flight, orbit):
     table = sets(orbit, np.array([6.0, 18.0]) * HOUR, reach=5 * HOUR, known=(np.nan,) * 2, sigmas=TEN)
     measured = fixes.Fixes(table)
     starts = first_orbit.starts(flight, measured, known=None, settings=SETTINGS)
-    run = estimation.Run.begun(flight, starts, measured, SETTINGS)
+    run = estimation.Run.of_starts(flight, starts, measured, SETTINGS)
     usable = int(measured.at[0]), np.append(starts[STATE].to_numpy()[0], -7.0)
     first, second, *_ = run.starts_in_turn([measured.window(1, DAY)], usable, None)
     np.testing.assert_array_equal(first[0], [*measured.states[1], flight.rso.cd])
@@ -180,7 +180,7 @@ def test_a_set_is_fitted_at_its_epoch_to_the_points_before_it(flight, orbit):
     # A state that is known elsewhere is carried to the epochs, too, and one is determined from positions.
     measured = fixes.Fixes(table)
     start = orbit[STATE].to_numpy()[0]
-    carried = first_orbit.carried(flight, measured, (0.0, start))
+    carried = first_orbit.starts_from_state(flight, measured, (0.0, start))
     assert carried["t"].tolist() == epochs.tolist()
     assert np.abs(off(carried, orbit)).max() < 1.0
     determined = first_orbit.determined(flight, measured, settings=SETTINGS)

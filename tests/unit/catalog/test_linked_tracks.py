@@ -12,7 +12,7 @@ from opml.catalog.fit import estimation
 from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.fit.first.round_orbits import eccentricity, round_orbits
-from opml.catalog.fit.first.track_fits import begun_there
+from opml.catalog.fit.first.track_fits import start_estimate_there
 from opml.catalog.fit.sightings import Measured
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
@@ -130,7 +130,7 @@ def test_no_arc_is_flown_that_is_faster_than_any_orbit(assumed_model, iss, seen,
     measured = Measured(rows, earth_orientation, stations)
     run = Run(measured, Flight(assumed_model, iss), np.empty((0, 6)), SETTINGS)
     start = np.array([7e6, 0.0, 0.0, 0.0, 1.3e7, 0.0, 2.2])
-    estimate = begun_there(run, measured.track(0), start)
+    estimate = start_estimate_there(run, measured.track(0), start)
     run.fit([estimate])
     assert estimate.fit.reason == "start arc faster than any orbit"
 

@@ -83,7 +83,8 @@ def test_an_arc_that_did_not_converge_says_nothing(assumed_model, iss):
 def test_an_arc_across_a_manoeuvre_says_nothing(assumed_model, iss):
     short, arc = estimates(assumed_model.gm, 3.0), estimates(assumed_model.gm, 2.2)
     arcs = (
-        other_windows.undisturbed(arc, manoeuvres=burns, window=DAY) for burns in ([], [Manoeuvre(1.0 * DAY)])
+        other_windows.exclude_burns(arc, manoeuvres=burns, window=DAY)
+        for burns in ([], [Manoeuvre(1.0 * DAY)])
     )
     quiet, disturbed = (built(assumed_model, iss, short, one) for one in arcs)
     across = quiet["i"] == 12  # a tenth of a day after it; the next is a whole day later
@@ -113,7 +114,7 @@ def test_a_fit_that_turns_out_to_hold_a_burn_leaves_the_past(assumed_model):
     cd = [2.2, 2.2, -180.0, 2.2, 2.2]
     table = estimates(assumed_model.gm, cd)
     burn = Manoeuvre(0.9 * DAY, 2.0 * DAY, anew=True)
-    found = other_windows.undisturbed(table, manoeuvres=[burn], window=DAY)
+    found = other_windows.exclude_burns(table, manoeuvres=[burn], window=DAY)
     assert found["converged"].all()
     past = other_windows.past_cd(found, apriori=2.2, memory_days=30.0)
     assert past["mean"][2] < -10.0

@@ -133,7 +133,7 @@ def test_without_noise_the_last_row_is_the_batch_fit_of_all_tracks(calm):
     run = Run(case.measured(), case.flight, states, settings, np.zeros(len(states)))
     window = run.window(len(states) - 1)
     starts = run.starts_in_turn([window], None, None)
-    [estimate] = run.fitted([window], starts, [run.method(np.ones(7, dtype=bool))])
+    [estimate] = run.fit_windows([window], starts, [run.method(np.ones(7, dtype=bool))])
     fitted = run.row(estimate)
     parted = np.array([filtered[name] - fitted[name] for name in PARAMETERS])
     formal = estimate.fit.covariance

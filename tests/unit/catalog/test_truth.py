@@ -80,9 +80,9 @@ def test_a_truth_is_known_between_the_epochs_of_its_grid_but_in_no_gap(truth_mod
     flown = truth.simulate(Flight(truth_model, iss), duration=600.0, step=10.0)
     coarse = flown[::2].reset_index(drop=True)
     t = flown["t"].to_numpy()
-    off = truth.between(coarse, t) - flown[STATE].to_numpy()
+    off = truth.interpolate(coarse, t) - flown[STATE].to_numpy()
     assert np.linalg.norm(off[:, :3], axis=1).max() < 6e-3
     assert np.linalg.norm(off[:, 3:], axis=1).max() < 2e-3
     gappy = coarse[(coarse["t"] < 200.0) | (coarse["t"] > 300.0)]
-    assert np.isnan(truth.between(gappy, np.array([-1.0, 250.0, 601.0]))).all()
-    assert np.isfinite(truth.between(gappy, np.array([0.0, 175.0, 330.0, 600.0]))).all()
+    assert np.isnan(truth.interpolate(gappy, np.array([-1.0, 250.0, 601.0]))).all()
+    assert np.isfinite(truth.interpolate(gappy, np.array([0.0, 175.0, 330.0, 600.0]))).all()

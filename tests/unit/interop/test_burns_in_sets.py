@@ -44,7 +44,7 @@ def sets_with(raised=None, tilted=None, created=None, days=DAYS):
 
 
 def found(sets):
-    return burns_in_sets.found(sets, epoch=EPOCH)
+    return burns_in_sets.find_burns(sets, epoch=EPOCH)
 
 
 @pytest.mark.parametrize("step", [{"raised": {4.5: 60.0}}, {"raised": {4.5: -60.0}}, {"tilted": {4.5: 60.0}}])
@@ -90,9 +90,9 @@ def test_a_gap_between_sets_a_few_hours_apart_hides_no_burn():
 
 def test_burns_stand_in_order_and_windows_begin_anew_behind_them():
     named = [Manoeuvre(8.0 * DAY)]
-    both = burns_in_sets.known(sets_with({4.5: 60.0}), named, epoch=EPOCH, find=True)
+    both = burns_in_sets.manoeuvres_of(sets_with({4.5: 60.0}), named, epoch=EPOCH, find=True)
     assert both == [Manoeuvre(5.0 * DAY, 6.0 * DAY, anew=True), Manoeuvre(8.0 * DAY, anew=True)]
-    assert burns_in_sets.known(sets_with({4.5: 60.0}), named, epoch=EPOCH, find=False) == both[1:]
+    assert burns_in_sets.manoeuvres_of(sets_with({4.5: 60.0}), named, epoch=EPOCH, find=False) == both[1:]
 
 
 def test_sets_after_a_burn_may_settle():

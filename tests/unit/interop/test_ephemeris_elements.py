@@ -34,7 +34,7 @@ def ephemeris():
 
 @pytest.fixture(scope="module")
 def fitted(ephemeris):
-    return ephemeris_elements.fitted(ephemeris, epoch=EPOCH)
+    return ephemeris_elements.fit_elements(ephemeris, epoch=EPOCH)
 
 
 def farthest(found, ephemeris):
@@ -69,7 +69,7 @@ def test_a_tle_begins_at_a_time_that_it_can_tell(ephemeris, fitted, tmp_path):
 def test_the_residual_is_told_and_logged(caplog):
     caplog.set_level("INFO")
     bent = flown(days=2.0, behind=300.0)
-    found = ephemeris_elements.fitted(bent, epoch=EPOCH)
+    found = ephemeris_elements.fit_elements(bent, epoch=EPOCH)
     sentence = ephemeris_elements.residual(found, bent, epoch=EPOCH)
     assert sentence in caplog.messages
     states = mean_elements.states(found, epoch=EPOCH, t=bent.t)

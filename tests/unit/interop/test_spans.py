@@ -37,7 +37,7 @@ def fitted(hours, *, bend=400.0, rate=60.0, days=DAYS):
 
 def newest(sets):
     """Over how long the newest of the sets was fitted, as all of them tell [h]."""
-    return spans.found(sets, epoch=EPOCH)[-1] / HOUR
+    return spans.fit_spans(sets, epoch=EPOCH)[-1] / HOUR
 
 
 @pytest.mark.parametrize(("hours", "days"), [(36.0, np.arange(1.0, 21.0, 0.5)), (72.0, DAYS)])
@@ -56,7 +56,7 @@ def test_a_span_whose_middle_lies_before_all_that_was_looked_at_is_none():
 
 
 def test_a_few_sets_tell_no_span():
-    lengths = spans.found(fitted(72.0), epoch=EPOCH)
+    lengths = spans.fit_spans(fitted(72.0), epoch=EPOCH)
     assert np.isnan(lengths[:8]).all()
     assert np.isfinite(lengths[8:]).all()
 
@@ -96,10 +96,10 @@ def test_sets_about_a_burn_tell_nothing_once_it_is_known():
         sets["mean_motion"] += np.where(sets["t"] > burn, faster, 0.0)
         sets["mean_anomaly"] += faster * np.maximum(sets["t"] - burn, 0.0)
     at_once, late = ([Manoeuvre(t, known) for t in burns] for known in (-np.inf, 18.5 * DAY))
-    expected = spans.found(calm, epoch=EPOCH, manoeuvres=at_once)[-1]
+    expected = spans.fit_spans(calm, epoch=EPOCH, manoeuvres=at_once)[-1]
     assert expected == 60.0 * HOUR  # of eleven pairs, half a day from the truth
     assert newest(sets) != 60.0
-    assert spans.found(sets, epoch=EPOCH, manoeuvres=at_once)[-1] == expected
-    lengths, before = spans.found(sets, epoch=EPOCH, manoeuvres=late), sets["t"] < 18.5 * DAY
-    np.testing.assert_array_equal(lengths[before], spans.found(sets[before], epoch=EPOCH))
+    assert spans.fit_spans(sets, epoch=EPOCH, manoeuvres=at_once)[-1] == expected
+    lengths, before = spans.fit_spans(sets, epoch=EPOCH, manoeuvres=late), sets["t"] < 18.5 * DAY
+    np.testing.assert_array_equal(lengths[before], spans.fit_spans(sets[before], epoch=EPOCH))
     assert (lengths[~before] == expected).all()

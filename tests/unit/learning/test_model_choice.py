@@ -98,7 +98,7 @@ def test_the_truth_judges_mornings_but_chooses_none(replayed):
     labelled = pairs.assign(**dict.fromkeys(COMPONENTS, 5.0))
     true = labelled.assign(e_x=6.0, e_y=105.0)
     true.loc[3, list(COMPONENTS)] = np.nan
-    judged = replayed.judged(true, labelled)
+    judged = replayed.against_truth(true, labelled)
     assert judged.choices == replayed.choices
     kept = np.arange(len(pairs)) != 3
     for name, table in judged.tables.items():
@@ -121,7 +121,7 @@ def test_the_truth_judges_mornings_but_chooses_none(replayed):
 def test_the_truth_shows_all_that_sets_are_off_by_alike(replayed):
     tables = {name: table.assign(**dict.fromkeys(UNSEEN, 30.0)) for name, table in replayed.tables.items()}
     pairs = replayed.tables["running"][["i", "j"]].assign(**dict.fromkeys(COMPONENTS, 5.0))
-    judged = replace(replayed, tables=tables).judged(pairs, pairs)
+    judged = replace(replayed, tables=tables).against_truth(pairs, pairs)
     assert (judged.tables["running"][UNSEEN] == 0.0).all(axis=None)
 
 

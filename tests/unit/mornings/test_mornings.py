@@ -208,11 +208,13 @@ def test_what_went_across_a_burn_has_no_say_once_it_is_known():
     records = Records(**scaled)
     # A burn that tracks showed on the morning after 6.0, and the same one found in mean elements by then.
     sets = replace(records, issued=SCHEMAS["issued"].empty())
-    assert sets.free(hours).index.tolist() == [0, 1, 2, 3]
+    assert sets.rows_unaffected_by_burns(hours).index.tolist() == [0, 1, 2, 3]
     for known, burns in ((records, []), (sets, [Manoeuvre(5.0 * DAY, 6.0 * DAY, anew=True)])):
-        assert known.free(hours, burns).index.tolist() == [3]  # across, across, from a fit across, free
+        assert known.rows_unaffected_by_burns(hours, burns).index.tolist() == [
+            3
+        ]  # across, across, from a fit across, free
         assert known.of_window(hours, burns)["converged"].tolist() == [True, False, True]
-        assert known.made(hours)["converged"].all()
+        assert known.estimates_over(hours)["converged"].all()
 
 
 def test_a_first_morning_says_that_it_has_no_past(whole):

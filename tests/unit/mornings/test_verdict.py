@@ -96,7 +96,7 @@ def test_what_was_not_flown_has_no_say():
 def test_the_sizes_of_a_morning_come_back_from_its_row(alike):
     past = replays(days=20, a_morning=1).assign(model="fit96", alike=alike)
     past = past[past["t_known"] <= NOW]
-    row = issued.row(NOW, start(), issued.chosen(past, ["fit96"], now=NOW), GOOD)
+    row = issued.row(NOW, start(), issued.choose_model(past, ["fit96"], now=NOW), GOOD)
     later = past.head(5).assign(morning=NOW, **dict.fromkeys(SIGMA_STATE, np.nan))
     other = later.assign(model="other")
     found = issued.with_sigmas(pd.concat([later, other], ignore_index=True), row)
@@ -108,11 +108,11 @@ def test_the_sizes_of_a_morning_come_back_from_its_row(alike):
 
 def test_without_a_past_no_model_is_chosen():
     with pytest.raises(InputError, match="no ephemeris of an earlier morning was judged yet"):
-        issued.chosen(Records.empty().judged, ["fit96"], now=NOW)
+        issued.choose_model(Records.empty().judged, ["fit96"], now=NOW)
     few = judged(sigma=100.0).head(19)
     expected = "^19 predictions were judged, fewer than the 20 that tell how large errors are$"
     with pytest.raises(InputError, match=expected):
-        issued.chosen(few, ["fit96"], now=NOW)
+        issued.choose_model(few, ["fit96"], now=NOW)
 
 
 def test_scores_are_by_day_of_duration():

@@ -52,7 +52,7 @@ def test_days_make_three_splits():
         "later": ("days-0-8", "days-8-12"),
         "unseen": ("days-0-8", "days-8-12-unseen"),
     }
-    assert own.shown == "unseen"
+    assert own.shown_split == "unseen"
     assert list(own.study.span_days) == [0, 8]
 
 
@@ -114,12 +114,12 @@ def test_mean_elements_have_models_of_their_own():
 
 
 def test_what_is_learned_from_labels_is_judged_by_the_truth_where_there_is_one():
-    assert own_of().judged == []
-    assert own_of(label="later").judged == [("lares", "eglin-clear-kaena")]
-    assert own_of(tracks=["lares"]).judged == []
+    assert own_of().datasets_with_truth == []
+    assert own_of(label="later").datasets_with_truth == [("lares", "eglin-clear-kaena")]
+    assert own_of(tracks=["lares"]).datasets_with_truth == []
     values = paper_values() | {"elements": {"lares": ["sets.tle"]}, "orbits": {"lares": ["an.orbit"]}}
     values["study"] = {"rsos": ["lares"], "days": {"train": [0, 8], "test": [8, 12]}}
-    assert OwnStudy(study_of(values)).judged == [("lares", "fixes")]
+    assert OwnStudy(study_of(values)).datasets_with_truth == [("lares", "fixes")]
 
 
 def test_manoeuvres_of_what_was_measured_are_those_named_even_where_an_orbit_judges():
@@ -186,7 +186,7 @@ def test_the_report_says_what_was_known_of_the_weather():
 def test_splits_of_ones_own():
     own = own_of(splits={"past": ["random-50", "rest"]}, learners=["svr"])
     assert own.splits == {"past": ("random-50", "rest")}
-    assert own.shown == "past"
+    assert own.shown_split == "past"
 
 
 def test_a_study_without_days_or_splits_asks_for_nothing():
@@ -287,7 +287,7 @@ def labelled_report(own):
         {key: estimates_of(table)},
         dict.fromkeys(own.rolling, trained_anew(table)),
     )
-    truths = dict.fromkeys(own.judged, dataset_of(table))
+    truths = dict.fromkeys(own.datasets_with_truth, dataset_of(table))
     return document.markdown(report.document(own.report, replace(held, truths=truths)))
 
 

@@ -26,7 +26,7 @@ _COLUMNS = ["instrument", "numbers", "sigma", "rms", "mean"]
 _log = logging.getLogger(__name__)
 
 
-def whitened(evaluation: Evaluation, instruments: np.ndarray, sigma: float) -> Evaluation:
+def whiten(evaluation: Evaluation, instruments: np.ndarray, sigma: float) -> Evaluation:
     """Return an evaluation whose residuals do not correlate, where each instrument has a constant error.
 
     instruments: (numbers,) of each residual, from 0 on
@@ -59,7 +59,7 @@ def summary(instruments: np.ndarray, weighted: np.ndarray, sigmas: np.ndarray) -
     return found.reset_index()[_COLUMNS]
 
 
-def shown(
+def instrument_residuals(
     measured: Measurements,
     estimates: Sequence[Estimate],
     residuals: Callable[[Sequence[Estimate]], list[np.ndarray]],
@@ -87,7 +87,7 @@ def shown(
 
 
 def facts(noise: pd.DataFrame) -> dict[str, Any]:
-    """Return what `shown` found as a table's metadata hold it."""
+    """Return what `instrument_residuals` found as a table's metadata hold it."""
     return {_KEY: noise.to_dict("records")}
 
 

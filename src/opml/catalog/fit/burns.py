@@ -42,7 +42,7 @@ class Burn:
     apart: float
 
 
-def between(
+def burn_between(
     run: Run, before: ReferenceOrbit, after: ReferenceOrbit, span: tuple[float, float], scale: float
 ) -> Burn | None:
     """Return the burn that leads from an orbit before to one after; None where one of them is lost.

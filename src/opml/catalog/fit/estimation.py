@@ -112,7 +112,7 @@ class Run:
     eccentricity_sigma: float | None = None
 
     @classmethod
-    def begun(
+    def of_starts(
         cls, flight: Flight, starts: pd.DataFrame, measured: Measurements, settings: Estimation
     ) -> Self:
         """Return the run of a table `starts`; its callers tell the progress."""
@@ -145,7 +145,7 @@ class Run:
         after = self.settings.after_hours * HOUR
         return self.measured.window(track, self._window, after, without=without)
 
-    def fitted(
+    def fit_windows(
         self,
         windows: Sequence[Window],
         candidates: Iterable[np.ndarray],
@@ -168,7 +168,7 @@ class Run:
             ]
             for k in waiting:
                 estimates[k] = Estimate(windows[k], Fit(starts[k], methods[k]))
-            for k, estimate in zip(waiting, self.ended([estimates[k] for k in waiting]), strict=True):
+            for k, estimate in zip(waiting, self.complete([estimates[k] for k in waiting]), strict=True):
                 estimates[k] = estimate
             if all(estimate.fit.started for estimate in estimates):
                 break
@@ -194,19 +194,19 @@ class Run:
         if self.measured.of_theory:
             yield first
         if usable is not None:
-            yield self.carried(*usable, at)
+            yield self.propagate(*usable, at)
         if spare is None:
             yield first
             return
-        kept, epochs = self.carried(*spare, at), self.measured.epochs
+        kept, epochs = self.propagate(*spare, at), self.measured.epochs
         is_newer = (epochs[at] - epochs[spare[0]] < self.ages[tracks])[:, None]
         yield np.where(is_newer, kept, first)
         yield np.where(is_newer, first, kept)
 
-    def ended(self, estimates: Sequence[Estimate]) -> Sequence[Estimate]:
+    def complete(self, estimates: Sequence[Estimate]) -> Sequence[Estimate]:
         """Return estimates whose fits have ended, without outliers where the settings reject them."""
         if self.settings.reject_sigma is not None:
-            return self.edited(estimates)
+            return self.without_outliers(estimates)
         self.fit(estimates)
         return estimates
 
@@ -229,7 +229,7 @@ class Run:
             evaluation = Evaluation(evaluation.residuals[kept], evaluation.jacobian[kept])
         if self.settings.bias_sigma is not None:
             instruments = self.measured.instruments(estimate.window.rows)[kept]
-            evaluation = biases.whitened(evaluation, instruments, self.settings.bias_sigma)
+            evaluation = biases.whiten(evaluation, instruments, self.settings.bias_sigma)
         evaluation = self.with_apriori_cd(evaluation, estimate.fit.trial)
         return self._with_apriori_shape(evaluation, estimate.fit.trial)
 
@@ -254,7 +254,7 @@ class Run:
         arounds, _ = fly_around(self.flight, self.measured.epochs, windows, trials)
         return [around.states for around in arounds]
 
-    def edited(self, estimates: Sequence[Estimate]) -> list[Estimate]:
+    def without_outliers(self, estimates: Sequence[Estimate]) -> list[Estimate]:
         """Return estimates fitted without outliers, first those from the start, until these stay the same.
 
         Each time all numbers are judged anew, so that one that a bad orbit made an outlier comes back.
@@ -288,7 +288,7 @@ class Run:
 
         Each observable has a scale of its own, its residuals' scatter by their median, but 1 at least.
         """
-        _, observables = self.measured.held(window.rows)
+        _, observables = self.measured.layout(window.rows)
         kept, most = np.ones(len(weighted), bool), self.settings.reject_sigma or np.inf
         for observable in np.unique(observables):
             size = np.abs(weighted[observables == observable])
@@ -360,7 +360,7 @@ class Run:
         if kept is None:
             return {"rejected": 0, "rejected_of_track": 0}
         first, last = self.measured.first_row[window.track : window.track + 2]
-        rows = window.index[self.measured.held(window.rows)[0]]
+        rows = window.index[self.measured.layout(window.rows)[0]]
         return {
             "rejected": int(np.count_nonzero(~kept)),
             "rejected_of_track": int(np.count_nonzero(~kept & (rows >= first) & (rows < last))),
@@ -370,7 +370,7 @@ class Run:
     def _window(self) -> float:
         return self.settings.window_hours * HOUR
 
-    def carried(self, begin: int, parameters: np.ndarray, at: np.ndarray) -> np.ndarray:
+    def propagate(self, begin: int, parameters: np.ndarray, at: np.ndarray) -> np.ndarray:
         """Return parameters (7,) at an epoch `begin` carried to epochs `at`: (n, 7), lost ones not finite."""
         epochs = self.measured.epochs[np.append(begin, at)]
         arcs = fly_parameters(self.flight, epochs, parameters[None], np.array([0]), np.array([len(at)]))
@@ -408,7 +408,7 @@ def in_turn(
     usable, spare = run.newest(earlier, None, None)
     for begin in range(0, len(windows), BATCH):
         batch = windows[begin : begin + BATCH]
-        estimates = run.fitted(batch, run.starts_in_turn(batch, usable, spare), [method] * len(batch))
+        estimates = run.fit_windows(batch, run.starts_in_turn(batch, usable, spare), [method] * len(batch))
         usable, spare = run.newest([estimate.solution for estimate in estimates], usable, spare)
         yield from estimates
 
@@ -427,8 +427,8 @@ def estimate_all(
 def with_noise(
     flight: Flight, starts: pd.DataFrame, measured: Measurements, *, settings: Estimation
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return the `estimates` table as `estimate_all`, and what the fits tell of the noise: `biases.shown`."""
-    run = Run.begun(flight, starts, measured, settings)
+    """Return the `estimates` table as `estimate_all`, and what the fits tell of the noise, see `biases`."""
+    run = Run.of_starts(flight, starts, measured, settings)
     windows = [run.window(track) for track in range(measured.tracks)]
     estimates: list[Estimate] = []
     for estimate in in_turn(run, run.method(run.free_parameters()), windows):
@@ -436,7 +436,7 @@ def with_noise(
         if flight.progress:
             flight.progress(len(estimates) / len(windows))
     table = pd.DataFrame([run.row(estimate) for estimate in estimates])
-    return table, biases.shown(measured, estimates, run.residuals)
+    return table, biases.instrument_residuals(measured, estimates, run.residuals)
 
 
 def estimate_further(
@@ -452,7 +452,7 @@ def estimate_further(
 
     earlier: rows of tracks before these that were estimated already, which fits may start from
     """
-    run = Run.begun(flight, starts, measured, settings)
+    run = Run.of_starts(flight, starts, measured, settings)
     windows = [run.window(track) for track in tracks]
     known = solutions(earlier, measured.at)
     found = in_turn(run, run.method(run.free_parameters()), windows, earlier=known)

@@ -136,14 +136,14 @@ class Measurements(ABC):
         """Return how many numbers rows of measurements hold."""
         return self.numbers * _size(rows)
 
-    def held(self, rows: Rows) -> tuple[np.ndarray, np.ndarray]:
+    def layout(self, rows: Rows) -> tuple[np.ndarray, np.ndarray]:
         """Return the row, from the first one, and the observable of each number (numbers,) that rows hold."""
         row, observable = np.divmod(np.arange(self.count(rows)), self.numbers)
         return row, observable
 
     def deviations(self, rows: Rows) -> np.ndarray:
         """Return the standard deviation of each number (numbers,) that rows hold [rad, m, m/s]."""
-        row, observable = self.held(rows)
+        row, observable = self.layout(rows)
         deviations: np.ndarray = self.sigmas[rows][row, observable]
         return deviations
 
@@ -162,7 +162,7 @@ class Measurements(ABC):
 
     def instruments(self, rows: Rows) -> np.ndarray:
         """Return the instrument of each number (numbers,) that rows hold, from 0 on: here its observable."""
-        return self.held(rows)[1]
+        return self.layout(rows)[1]
 
     def instrument_names(self) -> list[str]:
         """Return the names of all instruments."""

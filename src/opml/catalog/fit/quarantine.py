@@ -21,7 +21,7 @@ import pandas as pd
 
 from opml.base.constants import HOUR
 from opml.catalog.fit import biases, estimation
-from opml.catalog.fit.burns import Burn, between
+from opml.catalog.fit.burns import Burn, burn_between
 from opml.catalog.fit.estimate import Estimate
 from opml.catalog.fit.estimation import Estimation, Run
 from opml.catalog.fit.innovations import CD_SPREAD, ReferenceOrbit, Usual, farthest
@@ -135,7 +135,7 @@ class Watch:
         window = self._run.window(track, without=self.left_out(track))
         run = self._run_since_burn(track)
         starts = run.starts_in_turn([window], self._usable, self._spare)
-        [estimate] = run.fitted([window], starts, [self._method])
+        [estimate] = run.fit_windows([window], starts, [self._method])
         return estimate
 
     def _run_since_burn(self, track: int) -> Run:
@@ -170,7 +170,7 @@ class Watch:
         if not estimate.fit.converged:
             return False
         measured, window = self._run.measured, estimate.window
-        rows, observables = measured.held(window.rows)
+        rows, observables = measured.layout(window.rows)
         tracks = np.searchsorted(measured.first_row, window.index[rows], side="right")
         together = pd.Series(self._run.residuals([estimate])[0]).groupby([tracks, observables])
         pulls = together.median().abs() * np.sqrt(together.size()) / _MEDIAN
@@ -217,16 +217,16 @@ class Watch:
     def _orbit(self, tracks: Sequence[int], before: ReferenceOrbit) -> Estimate | None:
         """Return the orbit that tracks lie on, with the Cd of an estimate before, if any."""
         window = self._run.measured.of_tracks(tracks[-1], tracks)
-        start = self._run.carried(before.at, before.parameters, np.array([window.at]))[0]
+        start = self._run.propagate(before.at, before.parameters, np.array([window.at]))[0]
         method = replace(self._method, free=self._method.free & (np.arange(7) != _CD))
-        [estimate] = self._run.ended([Estimate(window, Fit(start, method))])
+        [estimate] = self._run.complete([Estimate(window, Fit(start, method))])
         return estimate if self._takes_in(estimate) else None
 
     def _between(self, before: ReferenceOrbit, after: ReferenceOrbit, first: int) -> Burn | None:
         """Return the burn between an orbit and one of tracks that were held back, by the first of these."""
         measured = self._run.measured
         span = float(measured.epochs[measured.ends[before.track]]), self._time(first)
-        return between(self._run, before, after, span, self._usual[0].scale)
+        return burn_between(self._run, before, after, span, self._usual[0].scale)
 
     def _begin_anew(self, burn: Burn, after: ReferenceOrbit, tracks: Sequence[int]) -> None:
         """Take a burn for found: what was held back on the new orbit counts, what is older does not."""
@@ -268,10 +268,10 @@ def estimate_all(
 def with_noise(
     flight: Flight, starts: pd.DataFrame, measured: Measurements, *, settings: Estimation
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return the `estimates` table as `estimate_all`, and what the fits tell of the noise: `biases.shown`."""
+    """Return the `estimates` table as `estimate_all`, and what the fits tell of the noise, see `biases`."""
     if settings.suspect_sigma is None:
         return estimation.with_noise(flight, starts, measured, settings=settings)
-    run = Run.begun(flight, starts, measured, settings)
+    run = Run.of_starts(flight, starts, measured, settings)
     method = run.method(run.free_parameters())
     watch = Watch(replace(run, settings=replace(settings, after_hours=0.0)), method)
     rows, estimates = [], []
@@ -282,7 +282,7 @@ def with_noise(
         if flight.progress:
             flight.progress((track + 1) / measured.tracks)
     table = pd.DataFrame(rows if settings.after_hours == 0.0 else _smoothed(run, method, watch, rows))
-    return table, biases.shown(measured, estimates, run.residuals)
+    return table, biases.instrument_residuals(measured, estimates, run.residuals)
 
 
 def _smoothed(run: Run, method: Method, watch: Watch, rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:

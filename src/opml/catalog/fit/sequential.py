@@ -196,7 +196,7 @@ class Filters:
         return cls(float(estimate["t"]), [meeting] * size, np.zeros(size), count, measurements)
 
     @property
-    def chosen(self) -> Meeting:
+    def likeliest(self) -> Meeting:
         """That of the filter whose innovations were the likeliest so far."""
         return self.meetings[int(np.argmax(self.scores))]
 
@@ -219,7 +219,7 @@ class Filtering:
         """Return the filters at the next track, with its measurements. Raises LostError."""
         window = self.measured.track(track)
         seen = self.measured.epochs[window.first : window.last + 1]
-        leg = Leg.fly(self.flight, filters.chosen.mean, filters.t, seen)
+        leg = Leg.fly(self.flight, filters.likeliest.mean, filters.t, seen)
 
         def evaluate(parameters: np.ndarray) -> Evaluation:
             path = leg.seen + leg.to_seen @ (parameters[:_CD] - leg.path[-1])
@@ -269,7 +269,7 @@ class Filtering:
 
     def row(self, filters: Filters, track: int) -> dict[str, Any]:
         """Return the estimate that the filters agree on as a row of the table."""
-        meeting = filters.chosen
+        meeting = filters.likeliest
         covariance = meeting.root @ meeting.root.T
         return {
             "track": track,

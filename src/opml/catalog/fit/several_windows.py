@@ -31,14 +31,16 @@ def estimate(
 
     Besides, the window of each row, `window_hours`.
     """
-    runs = [Run.begun(flight, starts, measured, replace(settings, window_hours=hours)) for hours in earlier]
+    runs = [
+        Run.of_starts(flight, starts, measured, replace(settings, window_hours=hours)) for hours in earlier
+    ]
     windows = [run.window(track) for run in runs]
     candidates = [
         run.starts_in_turn([window], *run.newest(solutions(rows, measured.at), None, None))
         for run, window, rows in zip(runs, windows, earlier.values(), strict=True)
     ]
     methods = [run.method(run.free_parameters()) for run in runs]
-    estimates = runs[0].fitted(windows, _side_by_side(candidates), methods)
+    estimates = runs[0].fit_windows(windows, _side_by_side(candidates), methods)
     rows = [run.row(estimate) for run, estimate in zip(runs, estimates, strict=True)]
     return pd.DataFrame(rows).assign(window_hours=list(earlier))
 

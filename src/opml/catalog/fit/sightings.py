@@ -51,7 +51,7 @@ class Measured(Measurements):
         """Return how many numbers rows of measurements hold."""
         return int(self.counting[rows].sum())
 
-    def held(self, rows: Rows) -> tuple[np.ndarray, np.ndarray]:
+    def layout(self, rows: Rows) -> tuple[np.ndarray, np.ndarray]:
         """Return the row, from the first one, and the observable of each number (numbers,) that rows hold."""
         row, observable = np.nonzero(self.counting[rows])
         return row, observable
@@ -62,7 +62,7 @@ class Measured(Measurements):
 
     def instruments(self, rows: Rows) -> np.ndarray:
         """Return the instrument of each number (numbers,) that rows hold: station and observable."""
-        row, observable = self.held(rows)
+        row, observable = self.layout(rows)
         station_of_row, _ = self._measuring
         instruments: np.ndarray = len(self.names) * station_of_row[rows][row] + observable
         return instruments
@@ -132,7 +132,7 @@ class Measured(Measurements):
         same in sigmas.
         """
         rows, [left] = estimate.window.rows, run.residuals([estimate])
-        row, column = self.held(rows)
+        row, column = self.layout(rows)
         return pd.DataFrame(
             {
                 "t": self.epochs[self.epoch_of_row[rows]][row],

@@ -12,7 +12,7 @@ from opml.catalog.fit.estimation import Estimation
 from opml.tables import STATE
 
 
-def chosen(
+def build(
     states: pd.DataFrame, tracking: pd.DataFrame, *, rso: str, settings: Estimation, seed: int
 ) -> pd.DataFrame:
     """Return the `starts` table of an RSO's tracks.

@@ -21,7 +21,7 @@ from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres, spoilt_since
 from opml.tables import STATE, read_table
 
 
-def undisturbed(estimates: pd.DataFrame, *, manoeuvres: Sequence[Manoeuvre], window: float) -> pd.DataFrame:
+def exclude_burns(estimates: pd.DataFrame, *, manoeuvres: Sequence[Manoeuvre], window: float) -> pd.DataFrame:
     """Return the estimates, of which those with a manoeuvre in their window count as not converged.
 
     manoeuvres: of which those count that were known at an estimate
@@ -35,12 +35,12 @@ def undisturbed(estimates: pd.DataFrame, *, manoeuvres: Sequence[Manoeuvre], win
 
 
 def read_estimates(files: Any, *, window_hours: float) -> pd.DataFrame:
-    """Return the `arc_estimates` of a job, which are over another window [h], `undisturbed`.
+    """Return the `arc_estimates` of a job, which are over another window [h], with `exclude_burns`.
 
     files: the job's input, with the table whose metadata hold the manoeuvres. Raises InputError where a table
     is missing or damaged.
     """
-    return undisturbed(
+    return exclude_burns(
         read_table(files.arc_estimates, "estimates"),
         manoeuvres=read_manoeuvres(files.manoeuvres),
         window=HOUR * window_hours,
@@ -194,7 +194,7 @@ def past_cd(estimates: pd.DataFrame, *, apriori: float, memory_days: float) -> p
     """Return what is known of Cd at each estimate: `mean` with its own Cd, `prior` and `variance` without.
 
     Each estimate that converged counts by 1 / (its formal variance + spread^2), fading by e in memory_days,
-    until it is found `spoilt`, where estimates are `undisturbed`. `apriori`, the value of the sheet, counts
+    until a burn in its window is known, where burns are excluded. `apriori`, the value of the sheet, counts
     as an estimate with a deviation of APRIORI_SIGMA of itself. So a fit that tells nothing of Cd moves
     nothing, and of many good fits none counts alone. The spread is CD_SPREAD of the mean before each
     estimate, which is the sheet's value until there is a past.

@@ -5,7 +5,7 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.catalog.flight import Flight
-from opml.catalog.simulate.truth import between
+from opml.catalog.simulate.truth import interpolate
 from opml.dynamics.ensemble import REASONS
 from opml.orbits.elements import in_rsw
 from opml.tables import COMPONENTS, STATE
@@ -40,7 +40,7 @@ def _true_states(truth: pd.DataFrame | None, t: pd.Series) -> np.ndarray:
     if truth is None:
         return np.full((len(t), 6), np.nan)
     if not t.isin(truth["t"]).all():
-        return between(truth, t.to_numpy())
+        return interpolate(truth, t.to_numpy())
     return np.ascontiguousarray(truth.set_index("t")[STATE].loc[t])
 
 

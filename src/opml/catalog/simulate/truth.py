@@ -76,7 +76,7 @@ def simulate_together(
     return [_table(t, np.vstack([start, arcs.path(k)])) for k, start in enumerate(starts)]
 
 
-def between(truth: pd.DataFrame, t: np.ndarray) -> np.ndarray:
+def interpolate(truth: pd.DataFrame, t: np.ndarray) -> np.ndarray:
     """Return true states (n, 6) at times t (n,) [s] off a truth's grid, NaN beside it or in a gap.
 
     Cubic in time: 5 mm off in a low orbit between epochs 20 s apart.

@@ -93,17 +93,19 @@ class _Past:
         return most
 
 
-def known(sets: pd.DataFrame, named: Sequence[Manoeuvre], *, epoch: str, find: bool) -> list[Manoeuvre]:
+def manoeuvres_of(
+    sets: pd.DataFrame, named: Sequence[Manoeuvre], *, epoch: str, find: bool
+) -> list[Manoeuvre]:
     """Return the manoeuvres of an object, in order of time; windows of fits begin anew behind each.
 
     named: those that somebody named
     find: whether those that its history tells of stand beside them
     """
-    burns = [*named, *(found(sets, epoch=epoch) if find else [])]
+    burns = [*named, *(find_burns(sets, epoch=epoch) if find else [])]
     return sorted((replace(one, anew=True) for one in burns), key=lambda one: one.t)
 
 
-def found(sets: pd.DataFrame, *, epoch: str) -> list[Manoeuvre]:
+def find_burns(sets: pd.DataFrame, *, epoch: str) -> list[Manoeuvre]:
     """Return the burns that a history tells of, in order of time.
 
     sets: table `element_sets` of one object

@@ -102,7 +102,7 @@ def as_tles(fits: Sequence[SetFit], plan: SetPlan) -> str:
     return "\n".join(line for one in fits for line in tle.lines(one.satellite, plan.number))
 
 
-def left(fits: Sequence[SetFit]) -> str:
+def fit_summary(fits: Sequence[SetFit]) -> str:
     """Return a line that tells how far the positions are from sets."""
     rms = [one.rms for one in fits]
     return f"{len(fits)} sets, {np.median(rms):.0f} m rms from the positions, at most {max(rms):.0f} m"

@@ -27,7 +27,7 @@ _FOR_TESTS = 99999
 _log = logging.getLogger(__name__)
 
 
-def fitted(ephemeris: Segment, *, epoch: str) -> Satrec:
+def fit_elements(ephemeris: Segment, *, epoch: str) -> Satrec:
     """Return mean elements at the beginning of an ephemeris by which SGP4 comes nearest to it.
 
     epoch: UTC text from which its times count

@@ -119,7 +119,7 @@ def measured(
 
 def _over_spans(sets: pd.DataFrame, epoch: str, manoeuvres: Sequence[Manoeuvre]) -> np.ndarray:
     """Return how far points of sets (n,) reach back [s]: over what was fitted where sets up to each tell."""
-    lengths = spans.found(sets, epoch=epoch, manoeuvres=manoeuvres)
+    lengths = spans.fit_spans(sets, epoch=epoch, manoeuvres=manoeuvres)
     is_known = np.isfinite(lengths)
     if is_known.any():
         hours = lengths[is_known][-1] / HOUR

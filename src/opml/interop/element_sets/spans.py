@@ -43,7 +43,7 @@ Sets a day apart leave more of a short span: 0.35 of 48 hours.
 """
 
 
-def found(sets: pd.DataFrame, *, epoch: str, manoeuvres: Sequence[Manoeuvre] = ()) -> np.ndarray:
+def fit_spans(sets: pd.DataFrame, *, epoch: str, manoeuvres: Sequence[Manoeuvre] = ()) -> np.ndarray:
     """Return over how long sets (n,) were fitted [s], each as it and those before it tell; NaN where not.
 
     sets: table `element_sets` of one object

@@ -60,7 +60,7 @@ def choose(replays: Mapping[str, pd.DataFrame], laws: Sequence[str], *, now: flo
     Raises InputError where nothing is known yet of the models that learned nothing.
     """
     plains = [name for name in replays if name not in laws]
-    past = _Past.known(replays, plains, now)
+    past = _Past.over_by(replays, plains, now)
     plain = past.best(plains)
     if plain is None:
         raise InputError(f"choice: expected replays that were over by day {now / DAY:g}, got none")
@@ -83,7 +83,7 @@ class _Past:
     block: pd.Series  # number of the block of days in which the prediction ended
 
     @classmethod
-    def known(cls, replays: Mapping[str, pd.DataFrame], plains: Sequence[str], now: float) -> Self:
+    def over_by(cls, replays: Mapping[str, pd.DataFrame], plains: Sequence[str], now: float) -> Self:
         """Return what `replay` tables by model showed by `now` [s]; plains: models that learned nothing."""
         known = {name: table[are_over(table, now)].set_index(["i", "j"]) for name, table in replays.items()}
         sizes = pd.DataFrame({name: table["e_y"].abs() for name, table in known.items()})
@@ -144,7 +144,7 @@ class Mornings:
     earlier: int
 
     @property
-    def chosen(self) -> str:
+    def last_choice(self) -> str:
         """The model that the past chose on the last morning."""
         return self.choices[max(self.choices)].chosen
 
@@ -177,7 +177,7 @@ class Mornings:
         longest = max(replays.values(), key=len)
         return cls(tables, _flown(tables, choices), choices, int((longest["morning"] < min(choices)).sum()))
 
-    def judged(self, truth: pd.DataFrame, labelled: pd.DataFrame) -> Self:
+    def against_truth(self, truth: pd.DataFrame, labelled: pd.DataFrame) -> Self:
         """Return the same mornings, and choices, with errors against the truth in the place of labels.
 
         truth: table `dataset`, with true errors

@@ -20,12 +20,12 @@ from opml.catalog.fit.first.linked_tracks import orbit_of_angles
 from opml.catalog.fit.first.three_positions import orbit_state
 from opml.catalog.fit.first.track_fits import (
     axis_sigma,
-    begun,
-    begun_there,
     everywhere,
     first_windows,
     following,
     is_of_first_day,
+    start_estimate,
+    start_estimate_there,
 )
 from opml.catalog.fit.measurements import Measurements
 from opml.catalog.flight import Flight
@@ -59,7 +59,7 @@ def starts(
 
     Measurements that tell states themselves need neither.
 
-    flight: under the assumed model. Raises InputError as `carried` and `determined` do.
+    flight: under the assumed model. Raises InputError as `starts_from_state` and `determined` do.
     """
     flight = flight.without_progress()
     if known is None and measured.states is not None:
@@ -67,10 +67,10 @@ def starts(
         return start_states.starts_table(times, measured.states, known=times.to_numpy())
     if known is None:
         return determined(flight, measured, settings=settings)
-    return carried(flight, measured, known)
+    return starts_from_state(flight, measured, known)
 
 
-def carried(flight: Flight, measured: Measurements, known: TimedState) -> pd.DataFrame:
+def starts_from_state(flight: Flight, measured: Measurements, known: TimedState) -> pd.DataFrame:
     """Return the `starts` table of a known state, flown under the assumed model to every track.
 
     Raises InputError where the first day's tracks are far from it.
@@ -114,7 +114,7 @@ def single_tracks(run: Run) -> list[Estimate]:
         if len(np.unique(t)) < FEWEST or t[-1] - t[0] < SHORTEST:
             continue
         smooth = max(FEWEST, int(np.searchsorted(t, t[0] + measured.smooth_for, side="right")))
-        estimates.append(begun(run, window, *orbit_state(t[:smooth], positions[:smooth], gm)))
+        estimates.append(start_estimate(run, window, *orbit_state(t[:smooth], positions[:smooth], gm)))
     run.fit(estimates)
     return [estimate for estimate in estimates if estimate.fit.converged]
 
@@ -129,8 +129,8 @@ def _grown(run: Run, alone: list[Estimate]) -> Estimate:
     t, axis = run.measured.epochs[best.window.at], axis_sigma(best.fit, gm)
     _log.info("first orbit: of track %d at %.0f s, semi-major axis to %.0f m", best.window.track, t, axis)
     for window in following(run, best.window):
-        start = run.carried(best.window.at, best.fit.best, np.array([window.at]))[0]
-        longer = begun_there(run, window, start)
+        start = run.propagate(best.window.at, best.fit.best, np.array([window.at]))[0]
+        longer = start_estimate_there(run, window, start)
         run.fit([longer])
         best = longer if longer.fit.converged else best
     return best

@@ -21,10 +21,10 @@ from opml.catalog.fit.first.round_orbits import round_orbits
 from opml.catalog.fit.first.track_fits import (
     axis_line,
     axis_sigma,
-    begun,
-    begun_there,
     first_windows,
     following,
+    start_estimate,
+    start_estimate_there,
 )
 from opml.catalog.fit.measurements import Window
 from opml.catalog.fit.neighbour_arcs import fly_parameters
@@ -141,7 +141,7 @@ def single_tracks(run: Run) -> list[Estimate]:
             continue
         ends = known[[0, -1]]
         states = round_orbits(t[ends], standing[ends], sights[ends], gm)
-        found += _fitted(run, [begun(run, window, t[ends[0]], state) for state in states])[:1]
+        found += _fitted(run, [start_estimate(run, window, t[ends[0]], state) for state in states])[:1]
     closed = [one for one in found if np.isfinite(axis_sigma(one.fit, gm))]
     return sorted(closed, key=lambda one: axis_sigma(one.fit, gm))
 
@@ -151,7 +151,7 @@ def _linked(run: Run, first: Estimate) -> TrackSeries:
     last, linked, count = first, 0, 0
     for window in following(run, first.window):
         starts = _starts(run, last, window)
-        fits = _fitted(run, [begun_there(run, window, start) for start in starts])
+        fits = _fitted(run, [start_estimate_there(run, window, start) for start in starts])
         near = [one for one in fits[:1] if _is_near(run, one)]
         last, linked, count = near[0] if near else last, linked + len(near), count + 1
         if not linked and count == ENOUGH:

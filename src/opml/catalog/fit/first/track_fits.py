@@ -36,14 +36,14 @@ def following(run: Run, first: Window) -> Iterator[Window]:
         yield run.measured.window(int(track), times[track] - begin)
 
 
-def begun(run: Run, window: Window, t: float, state: np.ndarray) -> Estimate:
+def start_estimate(run: Run, window: Window, t: float, state: np.ndarray) -> Estimate:
     """Return the estimate of a window that starts from a state (6,) at a time [s]."""
     at, cd = run.measured.epochs[[window.at]], run.flight.rso.cd
     start = everywhere(run.flight, at, t, np.append(state, cd))[0]
-    return begun_there(run, window, np.append(start, cd))
+    return start_estimate_there(run, window, np.append(start, cd))
 
 
-def begun_there(run: Run, window: Window, start: np.ndarray) -> Estimate:
+def start_estimate_there(run: Run, window: Window, start: np.ndarray) -> Estimate:
     """Return the estimate of a window that starts from parameters (7,) at its epoch."""
     return Estimate(window, Fit(start, run.method(WITHOUT_CD)))
 
