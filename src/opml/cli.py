@@ -10,7 +10,6 @@ from datetime import UTC, date, datetime
 from importlib.util import find_spec
 
 from opml import __version__
-from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 
 
@@ -92,26 +91,6 @@ def _sheet(options: argparse.Namespace) -> None:
     from opml.orbits import random_sheet
 
     print(random_sheet.sheet(options.prefix, options.count, options.seed).rstrip("\n"))
-
-
-def _add_elements(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("files", nargs="+", help="an orbit in SP3, CPF or OEM")
-    parser.add_argument("--every", type=float, default=12.0, help="time between epochs [h] (12)")
-    parser.add_argument("--span", type=float, default=3.0, help="time before an epoch that is fitted [d] (3)")
-    parser.add_argument("--noise", type=float, default=0.0, help="of each coordinate of a position [m] (0)")
-    parser.add_argument("--number", type=int, default=99999, help="catalogue number of the sets (99999)")
-    parser.add_argument("--satellite", help="name or id in the files, where they have several")
-    parser.add_argument("--seed", type=int, default=42, help="seed of the noise (42)")
-
-
-def _elements(options: argparse.Namespace) -> None:
-    from opml.interop.element_sets import element_fits
-
-    every, span = HOUR * options.every, DAY * options.span
-    plan = element_fits.SetPlan(every, span, options.noise, options.seed, options.number)
-    fits = element_fits.from_files(options.files, plan, name=options.satellite)
-    print(element_fits.as_tles(fits, plan))
-    print(f"opml: {element_fits.fit_summary(fits)}", file=sys.stderr)
 
 
 def _add_screen(parser: argparse.ArgumentParser) -> None:
@@ -273,7 +252,6 @@ COMMANDS = (
     Command("init", "write a project that can be run, with a study to begin with", _add_init, _init),
     Command("rso", "print the line of the sheet of RSOs for a file of mean elements", _add_rso, _rso),
     Command("sheet", "print a sheet of RSOs drawn at random", _add_sheet, _sheet),
-    Command("elements", "print TLEs fitted to an orbit in files, for tests", _add_elements, _elements),
     Command("improve", "make element sets better by what a catalogue teaches", _add_improve, _improve),
     Command("train", "learn from element sets what makes them better", _add_train, _train),
     Command("screen", "find close approaches of ephemerides", _add_screen, _screen),

@@ -38,7 +38,7 @@ def fit_elements(ephemeris: Segment, *, epoch: str) -> Satrec:
     at = ephemeris.t[0] - 1e-6 * _microseconds_after_tick(begin)
     positions, velocities = element_fits.in_teme(ephemeris.states, epoch, ephemeris.t)
     known = np.concatenate([positions[0], velocities[0]])
-    return element_fits.fit(ephemeris.t, positions, at=at, known=known, epoch=epoch).satellite
+    return element_fits.fit(ephemeris.t, positions, at=at, known=known, epoch=epoch)
 
 
 def residual(satellite: Satrec, ephemeris: Segment, *, epoch: str) -> str:
