@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mornings import replays
 
-from opml.figures import real_satellites as figures
+from validation.pictures import satellite_figures as figures
 from validation.pictures.real_satellites import NAMES, Satellite
 
 

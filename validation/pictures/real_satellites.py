@@ -19,7 +19,6 @@ from matplotlib.figure import Figure
 
 from opml.base.constants import WGS84_A
 from opml.base.errors import InputError
-from opml.figures import real_satellites as figures
 from opml.figures.display_names import display_rso
 from opml.figures.reliability import coverage_curves
 from opml.figures.style import save
@@ -30,6 +29,7 @@ from opml.study.own_study import OwnStudy
 from opml.study.settings.merging import merged, with_sheets
 from opml.tables import ELLIPSOID, read_table
 from validation.case import ROOT
+from validation.pictures import satellite_figures as figures
 from validation.pictures.shrunk import IMAGES, shrink
 
 NAMES = ("swarm", "larets", "sentinel3a", "lageos2")

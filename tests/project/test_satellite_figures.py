@@ -5,7 +5,7 @@ from matplotlib.text import Annotation
 from mornings import replays
 
 from opml.figures import line_ends
-from opml.figures import real_satellites as figures
+from validation.pictures import satellite_figures as figures
 
 
 @pytest.fixture
