@@ -34,7 +34,7 @@ def test_every_model_is_in_the_table(beyond):
         "none",
         "durationmean",
         "repredicted",
-        "ridge",
+        "boosting",
         "svr",
         "covariance",
         "mechanism",
@@ -61,10 +61,10 @@ def test_what_a_pool_is_trained_on_leaves_its_target_out(beyond):
 
 def test_without_a_truth_labels_are_learned_from_and_the_truth_judges(beyond):
     names = {
-        label: f"metrics/iss/eglin-clear-kaena{label}/days-0-2/ridge/e_y/iss/days-2-3.parquet"
+        label: f"metrics/iss/eglin-clear-kaena{label}/days-0-2/boosting/e_y/iss/days-2-3.parquet"
         for label in ("", "_later", "_smoothed")
     }
-    rolling = "rolling/iss/eglin-clear-kaena_later/ridge/e_y.parquet"
+    rolling = "rolling/iss/eglin-clear-kaena_later/boosting/e_y.parquet"
     beyond.snakemake("-j2", CI, *(f"results/ci/{name}" for name in (*names.values(), rolling)))
     found = {label: read_table(results(beyond, name), "metrics").iloc[0] for label, name in names.items()}
     assert len({one["rows"] for one in found.values()}) == 1

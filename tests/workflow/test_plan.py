@@ -199,7 +199,7 @@ study:
 def test_a_study_of_ones_own_names_all_its_products(project):
     (project.folder / "mine.yaml").write_text(OWN)
     # Another learner than the study's is replayed alone.
-    other = "results/mine/replays/mine/eglin-kaena/days-0-8/ridge.parquet"
+    other = "results/mine/replays/mine/eglin-kaena/days-0-8/boosting.parquet"
     plan = project.snakemake("-n", "study", other, "--configfile", "mine.yaml").stdout
     for name in ("study.md", "study.html", "figs/study/rows.pdf", "figs/study/mine/models.pdf"):
         assert f"results/mine/{name}" in plan

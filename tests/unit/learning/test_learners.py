@@ -11,14 +11,12 @@ import pandas as pd
 import pytest
 from pydantic import ValidationError
 from sklearn.ensemble import HistGradientBoostingRegressor
-from sklearn.gaussian_process import GaussianProcessRegressor
-from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
-from sklearn.linear_model import QuantileRegressor, Ridge
+from sklearn.linear_model import QuantileRegressor
 from support import REPOSITORY, paper_source
 
 from opml.base.errors import InputError
 from opml.learning.judge.evaluation import evaluate
-from opml.learning.models import boosting, gaussian_process, learners, linear_law, mlp, ridge
+from opml.learning.models import boosting, learners, linear_law
 from opml.learning.models.inputs import Training
 from opml.study import checks
 from opml.study.settings.model.kinds import LEARNER_KINDS
@@ -32,11 +30,8 @@ SETTINGS = {
     "none": {"kind": "none"},
     "durationmean": {"kind": "durationmean", "bin_hours": 12},
     "repredicted": {"kind": "repredicted"},
-    "ridge": {"kind": "ridge", "alpha": 0.5},
     "linear_law": MECHANISM,
     "boosting": BOOSTING,
-    "gaussian": {"kind": "gaussian", "rows": 120},
-    "mlp": {"kind": "mlp", "neurons": [12, 8], "alpha": 1e-3, "epochs": 60},
     "svr": {"kind": "svr", "kernel_scale": "sigest", "c": 1.0, "epsilon": 0.1, "tol": 1e-3},
     "stacked": {"kind": "stacked", "first": MECHANISM, "second": BOOSTING},
     "refitted": {"kind": "refitted", "window_hours": 48},
@@ -157,9 +152,7 @@ def test_what_each_kind_is_worth_on_what_it_can_learn(models):
     for kind, share in (("refitted", 0.5), ("held", 0.8), ("sgp4", -2.0)):
         assert left[kind] == pytest.approx(np.abs(y - share * new["r_y"]).sum() / np.abs(y).sum())
     assert left["stacked"] < 0.5 * left["linear_law"]
-    assert left["linear_law"] < left["boosting"] < left["ridge"] < 1.0
-    assert left["gaussian"] < left["ridge"]
-    assert left["mlp"] < left["ridge"]
+    assert left["linear_law"] < left["boosting"] < 1.0
 
 
 def test_the_arcs_that_a_learner_asks_for():
@@ -191,20 +184,6 @@ def test_mean_by_duration_is_the_mean_of_a_bin():
     model = trained("durationmean", rows, y)
     at = pd.DataFrame({"duration": np.array([0.0, 2.0, 8.0, 14.0, 40.0, 99.0]) * 3600.0})
     assert predicted(model, at).tolist() == pytest.approx([2.0, 2.0, 11.0, 20.0, 5.0, 5.0])
-
-
-def test_ridge_is_scikit_learns(models):
-    rows, y = sample(400)
-    model, x = models["ridge"], rows[VARIABLES].to_numpy()
-    expected = Ridge(alpha=0.5).fit((x - model.x_mean) / model.x_scale, y)
-    np.testing.assert_allclose(model.coefficient, expected.coef_, rtol=1e-9)
-    assert model.offset == pytest.approx(expected.intercept_)
-
-
-def test_ridge_passes_over_a_constant_variable():
-    rows, y = sample(100)
-    rows = rows.assign(d_a=0.1)
-    assert trained("ridge", rows, y).coefficient[1] == pytest.approx(0.0, abs=1e-6)
 
 
 @pytest.mark.parametrize("terms", [["v_y", "v_y*cd"], ["v_y"], ["v_y", "v_y*cd", "duration*duration"]])
@@ -273,49 +252,9 @@ def test_boosting_is_scikit_learns(models):
     )
 
 
-def test_a_gaussian_process_is_the_posterior_mean_of_its_kernel():
-    rows, y = sample(100)
-    model = trained("gaussian", rows, y)
-    assert model.rows == 100
-    kernel = ConstantKernel(model.amplitude**2) * RBF(model.length) + WhiteKernel(model.noise**2)
-    z = (rows[VARIABLES].to_numpy() - model.x_mean) / model.x_scale
-    machine = GaussianProcessRegressor(kernel, optimizer=None).fit(z, (y - model.offset) / model.y_scale)
-    new, _ = sample(50, seed=1)
-    z = (new[VARIABLES].to_numpy() - model.x_mean) / model.x_scale
-    expected = model.offset + model.y_scale * machine.predict(z)
-    np.testing.assert_allclose(predicted(model, new), expected, rtol=1e-5, atol=1e-3 * model.y_scale)
-
-
-def test_a_gaussian_process_draws_its_rows_with_the_seed():
-    rows, y = sample(300)
-    one, other = (trained("gaussian", rows, y, seed=seed, changes={"rows": 60}) for seed in (1, 2))
-    assert one.rows == 60
-    assert not np.array_equal(one.vectors, other.vectors)
-
-
-def test_a_perceptron_is_scikit_learns(monkeypatch):
-    from sklearn import neural_network
-
-    made = []
-
-    class Kept(neural_network.MLPRegressor):
-        def __init__(self, **options):
-            super().__init__(**options)
-            made.append(self)
-
-    monkeypatch.setattr(neural_network, "MLPRegressor", Kept)
-    rows, y = sample(200)
-    model = trained("mlp", rows, y)
-    z = (rows[VARIABLES].to_numpy() - model.x_mean) / model.x_scale
-    expected = model.offset + model.y_scale * made[0].predict(z)
-    np.testing.assert_allclose(predicted(model, rows), expected, rtol=1e-9, atol=1e-6)
-    assert [weight.shape for weight in model.weights] == [(4, 12), (12, 8), (8, 1)]
-
-
-@pytest.mark.parametrize("module", [boosting, gaussian_process, mlp, ridge])
-def test_too_few_rows_are_refused(module):
+def test_too_few_rows_are_refused():
     with pytest.raises(InputError, match="training rows: expected at least 2, got 1"):
-        module.fit(Training(np.ones((1, 1)), np.ones(1), ["a"], seed=1), {})
+        boosting.fit(Training(np.ones((1, 1)), np.ones(1), ["a"], seed=1), {})
 
 
 def test_the_second_of_a_stack_learns_what_the_first_leaves(models):
@@ -335,14 +274,14 @@ def test_settings_are_resolved_for_a_component():
     assert resolve({"kind": "none"})["variables"] == []
     assert resolve({"kind": "durationmean", "bin_hours": 1})["variables"] == ["duration"]
     assert resolve({"kind": "repredicted"})["variables"] == ["r_vx"]
-    assert resolve({"kind": "ridge", "alpha": 1}) == {"kind": "ridge", "alpha": 1, "variables": known}
+    assert resolve(BOOSTING) == BOOSTING | {"variables": known}
     assert resolve({"kind": "svr", "without": ["cd_b"]}) == {"kind": "svr", "variables": ["duration"]}
-    assert resolve({"kind": "mlp", "variables": ["v", "cd"]})["variables"] == ["v_vx", "cd"]
+    assert resolve({"kind": "boosting", "variables": ["v", "cd"]})["variables"] == ["v_vx", "cd"]
     law = {"kind": "linear_law", "terms": ["l", "v_long", "v_long*cd_long", "cos_2_31"]}
     found = resolve(law)
     assert found["terms"] == ["l_vx", "v_long_vx", "v_long_vx*cd_long", "cos_2_31"]
     assert found["variables"] == ["l_vx", "v_long_vx", "cd_long", "cos_2_31"]
-    stack = resolve({"kind": "stacked", "first": law, "second": {"kind": "ridge", "alpha": 1}})
+    stack = resolve({"kind": "stacked", "first": law, "second": BOOSTING})
     assert stack["variables"] == [*found["variables"], *known]
     assert stack["first"] == found
     assert stack["second"]["variables"] == known

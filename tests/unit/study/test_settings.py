@@ -143,7 +143,7 @@ def test_an_editor_takes_every_file_of_settings(editor, path):
         ("study: paper", True),
         ("learners: {svr: {c: 2}}", True),
         ("learners: {svr: {kind: svr, d: 2}}", False),
-        ("learners: {mine: {kind: stacked, first: {kind: ridge, alpha: 0}}}", False),
+        ("learners: {mine: {kind: stacked, first: {kind: durationmean, bin_hours: 0}}}", False),
         ("study: {evaluations: {mine: {claims: [{says: it is small}]}}}", False),
         ("tracking: {step: 20}", False),
         ("tracking: {step_s: '20'}", False),
@@ -330,7 +330,7 @@ def test_the_typed_run_has_the_values():
         ("learners.none", "none", "learners.none: expected a mapping, got 'none'"),
         ("learners.none.kind", "oracle", "learners.none.kind: expected one of svr, none"),
         ("learners.none.c", 1.0, "learners.none.c: unknown key; expected one of kind"),
-        ("learners.ridge", {"kind": "ridge"}, "learners.ridge.alpha: expected a value, got none"),
+        ("learners.none", {"kind": "durationmean"}, "learners.none.bin_hours: expected a value, got none"),
         ("learners.stacked.first.terms", [], "learners.stacked.first.terms: expected a list of products"),
         ("learners.covariance.terms", ["v+cd"], "terms.0: expected a product of variables, such as v*cd"),
         ("mechanism.resonances", [[1, 0]], "resonances.0.1: expected a whole number above 0, got 0"),
@@ -725,9 +725,11 @@ def test_fixes_and_stations_do_not_mix_in_a_study(tmp_path, study, said):
 def test_no_learner_of_fixes_asks_for_what_stations_measure(tmp_path):
     text = FIXES.format(folder=tmp_path).replace("study: {}", "study: {rsos: [mine]}")
     (tmp_path / "gps.csv").write_text(GPS)
-    learner = "learners: {ridge: {variables: [duration, elevation_max]}}"
+    learner = "learners: {boosting: {variables: [duration, elevation_max]}}"
     refusal = refused(given(tmp_path, f"{text}{learner}\n"))
-    assert "learners.ridge.variables: expected variables that fixes have, too, got elevation_max" in refusal
+    assert (
+        "learners.boosting.variables: expected variables that fixes have, too, got elevation_max" in refusal
+    )
 
 
 RANGES = TRACKS.replace('tracks: {{mine: "*.tdm"}}', "ranges: {{mine: lageos.crd}}")
@@ -967,10 +969,10 @@ def test_no_learner_of_telescopes_asks_for_what_radars_measure(tmp_path):
     row = "latitude_deg: 20, longitude_deg: 0, altitude_m: 0, max_range_km: 50000, min_elevation_deg: 10"
     text = f"stations: {{tenerife: {{{row}, max_elevation_deg: 90, sigma_declination_deg: 0.001}}}}\n"
     text += "study: {rsos: [iss], station_sets: [eglin-tenerife]}\n"
-    learner = "learners: {ridge: {variables: [duration, elevation_max]}}"
+    learner = "learners: {boosting: {variables: [duration, elevation_max]}}"
     checked(given(tmp_path, text))
     expected = "expected variables that eglin-tenerife have, too, got elevation_max"
-    assert f"learners.ridge.variables: {expected}" in refused(given(tmp_path, f"{text}{learner}\n"))
+    assert f"learners.boosting.variables: {expected}" in refused(given(tmp_path, f"{text}{learner}\n"))
 
 
 def test_layers_are_laid_key_by_key():

@@ -11,13 +11,17 @@ from opml.workflow.jobs import metadata_of_each
 from opml.workflow.records import tables_of_other_settings
 
 EPOCH = {"epoch": "2016-09-28T12:09:45"}
-NONE, RIDGE, OTHER = {"kind": "none"}, {"kind": "ridge", "alpha": 1.0}, {"kind": "ridge", "alpha": 2.0}
+NONE, MEAN, OTHER = (
+    {"kind": "none"},
+    {"kind": "durationmean", "bin_hours": 6.0},
+    {"kind": "durationmean", "bin_hours": 12.0},
+)
 
 
 @pytest.fixture
 def paths(tmp_path):
     """Tables that one job made for two learners."""
-    made = EPOCH | {"learners": [NONE, RIDGE]}
+    made = EPOCH | {"learners": [NONE, MEAN]}
     table = pd.DataFrame({"rso": ["iss"]})
     paths = [str(tmp_path / f"{learner['kind']}.parquet") for learner in made["learners"]]
     for path, metadata in zip(paths, metadata_of_each(made), strict=True):
@@ -31,20 +35,18 @@ def found(output, learners):
 
 
 def test_tables_made_together_are_those_of_each_alone(paths):
-    none, ridge = paths
-    assert found(paths, [NONE, RIDGE]) == found([none], [NONE]) == found([ridge], [RIDGE]) == set()
-    assert (
-        found([*paths, "later.parquet"], [NONE, RIDGE, OTHER]) == set()
-    )  # that it lacks one, Snakemake sees
+    none, mean = paths
+    assert found(paths, [NONE, MEAN]) == found([none], [NONE]) == found([mean], [MEAN]) == set()
+    assert found([*paths, "later.parquet"], [NONE, MEAN, OTHER]) == set()  # that it lacks one, Snakemake sees
 
 
 def test_a_learner_with_other_settings_is_found(paths):
-    _, ridge = paths
-    assert found(paths, [NONE, OTHER]) == {ridge}
-    assert found([ridge], [OTHER]) == {ridge}
+    _, mean = paths
+    assert found(paths, [NONE, OTHER]) == {mean}
+    assert found([mean], [OTHER]) == {mean}
 
 
 def test_a_damaged_table_counts_as_one_of_other_settings(paths):
     none, _ = paths
     Path(none).write_bytes(b"no table")
-    assert found(paths, [NONE, RIDGE]) == {none}
+    assert found(paths, [NONE, MEAN]) == {none}
