@@ -42,8 +42,7 @@ def test_ephemerides_from_each_estimate_are_as_many_files_as_estimates_departed(
 
     target = str((made / "running_oem").relative_to(project.folder))
     only = ["--force", "--allowed-rules", "export_each_corrected"]
-    done = project.snakemake("-j1", target, *only, "--config", "ephemeris={from: each}")
-    assert done.stdout.count("opml: ephemerides of iss from each estimate: about ") == 1
+    project.snakemake("-j1", target, *only, "--config", "ephemeris={from: each}")
     paths = sorted(path for path in (made / "running_oem").iterdir() if path.suffix)
     times = ["2016-09-28T121125Z", "2016-09-28T133305Z", "2016-09-29T130945Z"]
     assert [path.name for path in paths] == [f"{time}.oem" for time in times]

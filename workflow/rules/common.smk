@@ -11,7 +11,7 @@ from opml.report.sections import SECTIONS, section_of
 from opml.study.checks import check_data, load_settings
 from opml.study.settings.merging import merged
 from opml.study.settings.overlay import COMMAND_LINE, Layer, with_numbers
-from opml.workflow.inputs import Inputs, announcement, at_window, checks, path_of, paths_of, tables_of, target
+from opml.workflow.inputs import Inputs, at_window, checks, path_of, paths_of, tables_of, target
 from opml.workflow.params import Params
 from opml.workflow.plan import Plan, end_plan
 from opml.workflow.records import compare_tables_with_settings
@@ -58,11 +58,6 @@ def code(script):
     return script_digest(workflow.source_path(f"../scripts/{script}"))
 
 
-def announced(line):
-    """Return the input function of what is to be known of a product beforehand; jobs do not say it again."""
-    return announcement(line) if workflow.is_main_process else []
-
-
 def users(paths):
     """Return the user's own files as inputs that no storage takes."""
     return [local(path) for path in paths]
@@ -105,13 +100,3 @@ def labelled(rso, stations):
     """Return the dataset of an RSO and a station set with the errors that the study learns from."""
     parts = {"rso": rso, "stations": stations, "window": "", "reading": ""}
     return path_of(rules.labelled_dataset.output[0], **parts, label=naming.LABELS[STUDY.label])
-
-
-def size_line(wildcards):
-    """Return the line on the size of ephemerides from each estimate.
-
-    Its module brings the compiled kernels with it, half a second that no other plan should wait for.
-    """
-    from opml.workflow import export_sizes
-
-    return export_sizes.size_line(PARAMS, wildcards)

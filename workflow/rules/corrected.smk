@@ -142,7 +142,6 @@ rule export_each_corrected:
     input:
         rules.corrected.output[0],
         check=checks(PARAMS.check_from_each),
-        amount=announced(size_line),
     output:
         directory(CORRECTED_OEM.folder),
     log:
@@ -246,7 +245,6 @@ if ENVIRONMENT.is_forecast:
         input:
             rules.forecast.output[0],
             check=checks(PARAMS.check_from_each),
-            amount=announced(size_line),
         output:
             directory(FORECASTS_OEM.folder),
         log:

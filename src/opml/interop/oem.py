@@ -32,9 +32,6 @@ _AXES_ONLY = "covariances in RSW: axes of the states only, velocities are inerti
 _COVARIANCE_STEP = 600.0
 """Time between covariances of an ephemeris [s]: they change over hours, and are twice as long as a state."""
 
-_STATE_BYTES, _COVARIANCE_BYTES = 140.0, 295.0
-"""Size of a line of a state, and of the lines of a covariance, in ephemerides of one to seven days."""
-
 _SECONDS = len("2016-09-28T12:09:45")
 _DEGREE = 7  # of the interpolation; a state each minute is then good to a millimetre
 _FRAMES = (*ccsds.FRAMES, "ITRF")
@@ -147,22 +144,8 @@ def _ephemeris_segments(table: pd.DataFrame, rso: str, content: str) -> list[Seg
 
 def _covariance_rows(t: np.ndarray) -> np.ndarray:
     """Return the indices of those ascending times (n,) [s] that have a covariance; the last one has."""
-    every = _covariance_spacing(float(np.median(np.diff(t))))
+    every = max(1, round(_COVARIANCE_STEP / float(np.median(np.diff(t)))))
     return np.unique(np.append(np.arange(0, len(t), every), len(t) - 1))
-
-
-def _covariance_spacing(step: float) -> int:
-    """Return how many states, `step` [s] apart, there are to a covariance."""
-    return max(1, round(_COVARIANCE_STEP / step))
-
-
-def ephemeris_bytes(duration: float, step: float) -> float:
-    """Return about how many bytes the message of an ephemeris takes.
-
-    duration: from its first state to its last [s]
-    step: between its states [s]
-    """
-    return duration / step * (_STATE_BYTES + _COVARIANCE_BYTES / _covariance_spacing(step))
 
 
 SEGMENTS = {

@@ -4,7 +4,6 @@ Functions and methods that find something return such an input function. They ta
 outputs of other rules.
 """
 
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -85,22 +84,6 @@ def checks(*functions: Callable[[Wildcards], object]) -> InputFunction:
         return []
 
     return check
-
-
-def announcement(line: Callable[[Wildcards], str]) -> InputFunction:
-    """Find no file, but print a line on stderr, once for each name; end the plan as `checks` does.
-
-    line: returns what is to be known of a product before it is made
-    """
-    announced = set()
-
-    def announce(wildcards: Wildcards) -> None:
-        name = tuple(wildcards.items())
-        if name not in announced:
-            announced.add(name)
-            print(f"opml: {line(wildcards)}", file=sys.stderr)
-
-    return checks(announce)
 
 
 def _tables_asked(settings: Mapping[str, Any]) -> list[tuple[str, str]]:

@@ -5,25 +5,19 @@ import re
 import time
 from types import SimpleNamespace
 
-import laser_files
 import pytest
 from laser_files import RANGING
 from snakemake.io import IOFile, flag
-from support import EPOCH, EXCERPTS, paper_values, rsos, stations
+from support import paper_values
 
 from opml import tables
-from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.catalog.fit import measured_tracks
-from opml.catalog.simulate.truth import kepler_orbit
-from opml.interop import oem, tdm
 from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models.learners import paths_of_each
 from opml.naming import Experiment
 from opml.study.settings.merging import with_sheets
 from opml.workflow.environment_files import EnvironmentFiles
-from opml.workflow.export_sizes import size_line
-from opml.workflow.inputs import Inputs, announcement, at_window, checks, path_of, paths_of, tables_of, target
+from opml.workflow.inputs import Inputs, at_window, checks, path_of, paths_of, tables_of, target
 from opml.workflow.params import Params
 from opml.workflow.plan import Plan
 from opml.workflow.products import Product
@@ -433,77 +427,6 @@ def test_one_message_or_a_folder_of_them_is_named_as_the_settings_have_it():
         params(**EACH).check_from_newest(name)
     with pytest.raises(InputError, match=r"ephemeris\.from: expected each for a folder .*, got newest"):
         params().check_from_each(name)
-
-
-def size_of(name, **changes):
-    """The expected number of messages, MB of each, and GB of all of them."""
-    line = size_line(params(**EACH | changes), name)
-    about, numbers = line.split(": about ")
-    assert about == f"ephemerides of {name.rso} from each estimate"
-    found = re.fullmatch(r"(\d+) files of about (\S+) MB each \((\S+) GB in all\)", numbers)
-    return [float(number) for number in found.groups()]
-
-
-def test_ephemerides_from_each_estimate_are_as_many_as_tracks_that_are_to_come():
-    """The paper's ISS has fifteen tracks a day by three stations; an ephemeris of a week takes 1.7 MB."""
-    name = experiment(stations="eglin-clear-kaena", train="days-0-20")
-    count, each, total = size_of(name, duration_days=30)
-    assert count == pytest.approx(150, rel=0.1)
-    assert each == pytest.approx(1.7 * (3 * 7 + 7 * 3.5) / (10 * 7), rel=0.1)  # the last end with the run
-    assert total == pytest.approx(count * each / 1e3, rel=0.1)
-    sparse = size_of(name, duration_days=30, ephemeris={"from": "each", "step_s": 300})
-    assert sparse[0] == count
-    assert sparse[1] < 0.5 * each
-
-
-def test_ephemerides_from_each_estimate_of_measured_tracks_are_as_many_as_these():
-    settings = {
-        "tracks": {"mine": [str(EXCERPTS / "orekit.tdm")]},
-        "rsos": {"mine": BODY},
-        "study": {"rsos": ["mine"]},
-        "duration_days": 3.5,
-    }
-    measured = measured_tracks.tracks(
-        tdm.measurements([EXCERPTS / "orekit.tdm"], epoch=EPOCH), [stations()["eglin"]]
-    )
-    starts = measured.groupby("track")["t"].min()
-    count, _, _ = size_of(experiment(rso="mine", train="days-0-1"), **settings)
-    assert count == (starts > DAY).sum() + 1
-
-
-def test_ephemerides_from_each_estimate_of_fixes_are_as_many_as_their_stretches(tmp_path):
-    orbit = kepler_orbit(rsos()["iss"], duration=3 * DAY, step=60.0)
-    oem.write(tmp_path / "iss.oem", oem.truth_segments(orbit, rso="iss"), epoch=EPOCH)
-    users = {"fixes": {"placed": [str(tmp_path / "iss.oem")]}, "rsos": {"placed": BODY}}
-    settings = users | {"fixing": {"placed": {"stretch_hours": 2}}, "duration_days": 3}
-    settings["study"] = {"rsos": ["placed"]}
-    count, _, _ = size_of(experiment(rso="placed", stations="fixes", train="days-0-1"), **settings)
-    assert count == 25  # from the end of the first day to that of the third
-
-
-def test_ephemerides_from_each_estimate_of_laser_ranges_are_as_many_as_their_passes(tmp_path):
-    laser_files.write(tmp_path)
-    users = {"ranges": {"lasered": [str(tmp_path / "lageos.crd")]}, "rsos": {"lasered": BODY}}
-    users["ranging"] = {"lasered": RANGING}
-    days = {"duration_days": 3, "study": {"rsos": ["lasered"]}}
-    count, _, _ = size_of(experiment(rso="lasered", stations="ranges", train="days-0-1"), **users, **days)
-    assert count == 1
-
-
-def test_ephemerides_from_each_estimate_of_an_orbit_from_files_are_as_many_as_its_tracks(tmp_path):
-    days = {"duration_days": 3}
-    orbit = kepler_orbit(rsos()["iss"], duration=3 * DAY, step=60.0)
-    oem.write(tmp_path / "iss.oem", oem.truth_segments(orbit, rso="iss"), epoch=EPOCH)
-    users = {"orbits": {"flown": [str(tmp_path / "iss.oem")]}, "rsos": {"flown": BODY}}
-    simulated = size_of(experiment(train="days-0-1"), **days)
-    assert size_of(experiment(rso="flown", train="days-0-1"), **users, **days) == simulated
-
-
-def test_a_line_is_announced_once_for_each_name(capsys):
-    find = announcement(lambda wildcards: f"{wildcards.rso} takes 2 GB")
-    for name in (wildcards(), wildcards(), wildcards(rso="lares")):
-        assert find(name) == []
-    assert capsys.readouterr().err == "opml: iss takes 2 GB\nopml: lares takes 2 GB\n"
 
 
 def test_models_are_compared_on_one_test():
