@@ -1,4 +1,4 @@
-"""SGP4 from the newest set of mean elements: what everybody has, and what a good ephemeris has to beat."""
+"""SGP4 from the newest set of mean elements: a model that may be flown, and that a good ephemeris beats."""
 
 from dataclasses import dataclass
 
@@ -9,6 +9,9 @@ from opml.interop.element_sets import histories
 from opml.mornings.verdict import GOOD, PAST, WIDE, Verdict
 from opml.orbits.elements import in_rsw
 from opml.tables import STATE
+
+NAME = "sgp4"
+"""Name of the model that is flown along the track where SGP4 is."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,6 +24,18 @@ class Sgp4:
 
     sets: pd.DataFrame
     epoch: str
+
+    def expected(self, path: pd.DataFrame, *, now: float) -> np.ndarray:
+        """Return how far a path would be off along the track (n,) [m], were the object where SGP4 has it.
+
+        path: states at t_j
+        now: by when the set is known [s]
+
+        NaN where no set was known, and where SGP4 fails.
+        """
+        predicted = np.ascontiguousarray(path[STATE])
+        flown = histories.predict(self.sets, epoch=self.epoch, known=now, t=path["t_j"].to_numpy())
+        return in_rsw(predicted - flown, predicted)[:, 1]
 
     def along_track(self, flown: pd.DataFrame, estimates: pd.DataFrame) -> np.ndarray:
         """Return how far SGP4 was off along the track (n,) [m], from the newest set known each morning.

@@ -1,6 +1,6 @@
 """The ephemerides of all models from the newest estimate of a morning: the table `paths`."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -28,19 +28,32 @@ def model(settings: Mapping[str, Any], columns: pd.DataFrame) -> Model:
     return learners.train(row, component=CORRECTED, settings=settings, seed=0)
 
 
+Expected = Callable[[pd.DataFrame], np.ndarray]
+"""How far a path is off along the track (n,) [m], by what another orbit says."""
+
+
 def paths(
-    part: Part, models: Mapping[str, Mapping[str, Any]], spreads: Spreads, *, now: float
+    part: Part,
+    models: Mapping[str, Mapping[str, Any]],
+    spreads: Spreads,
+    *,
+    now: float,
+    others: Mapping[str, Expected],
 ) -> pd.DataFrame:
     """Return the ephemerides of models from the one start of a part, as far as all of them reach.
 
     models: resolved settings of learners that learn nothing, by name
     now: when they are made [s]
+    others: orbits of other makers that may be flown along the track, by name
     """
     part.fly_together(learners.arc_windows(models.values()), _held_arcs(models.values()))
     table = part.pairs().assign(morning=now)
     for name, settings in models.items():
         table[f"e_y_{name}"] = _along(part, settings)
-    lost = ~np.isfinite(table[[*STATE, *(f"e_y_{name}" for name in models)]].to_numpy()).all(axis=1)
+    for name, expected_by in others.items():
+        table[f"e_y_{name}"] = expected_by(table)
+    asked = [*STATE, *(f"e_y_{name}" for name in (*models, *others))]
+    lost = ~np.isfinite(table[asked].to_numpy()).all(axis=1)
     reached = table[np.cumsum(lost) == 0]
     if len(reached) < LEAST_EPOCHS:
         raise InputError(f"ephemeris: expected at least {LEAST_EPOCHS} epochs ahead, got {len(reached)}")

@@ -36,16 +36,21 @@ def choose_model(judged: pd.DataFrame, models: Sequence[str], *, now: float) -> 
 
     judged: rows of that table of all mornings
     """
-    by_model = {name: judged[judged["model"] == name] for name in models}
-    replays = {name: rows.drop(columns="model") for name, rows in by_model.items() if len(rows)}
-    if not replays:
+    past = judged[judged["model"].isin(models) & are_over(judged, now)]
+    if past.empty:
         raise InputError("no ephemeris of an earlier morning was judged yet")
-    model = choose(replays, [], now=now, seed=0).chosen
-    over = int(np.count_nonzero(are_over(replays[model], now)))
-    if over < LEAST_ROWS:
+    over = past["model"].value_counts()
+    if (most := over.max()) < LEAST_ROWS:
         raise InputError(
-            f"{over} predictions were judged, fewer than the {LEAST_ROWS} that tell how large errors are"
+            f"{most} predictions were judged, fewer than the {LEAST_ROWS} that tell how large errors are"
         )
+    # A model that is new in the menu waits for a past of its own.
+    replays = {
+        name: judged[judged["model"] == name].drop(columns="model")
+        for name in models
+        if over.get(name, 0) >= LEAST_ROWS
+    }
+    model = choose(replays, [], now=now, seed=0).chosen
     return Flown(model, replays[model], Sizes.learned(replays[model], now=now))
 
 

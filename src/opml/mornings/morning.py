@@ -27,7 +27,7 @@ from opml.ephemerides.part import Grid, Part
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models import learners
-from opml.mornings import burns_in_tracks, candidates, fits, issued, judged, product, tracks
+from opml.mornings import beside_sgp4, burns_in_tracks, candidates, fits, issued, judged, product, tracks
 from opml.mornings.beside_sgp4 import Sgp4
 from opml.mornings.paths import Paths
 from opml.mornings.records import Records
@@ -178,7 +178,7 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
     if watched.sgp4 is not None:
         judgement = watched.sgp4.beside(judgement, past, so_far.estimates_over(plan.base), now=now)
     try:
-        flown = issued.choose_model(past, list(plan.models), now=now)
+        flown = issued.choose_model(past, Paths(paths).models, now=now)
         ephemeris = product.ephemeris(paths, flown, step=plan.step)
     except InputError as reason:
         row = issued.row(now, starts, None, DO_NOT_USE, burn=fitted.burn)
@@ -248,7 +248,8 @@ def _paths(
     part = Part(model.predictions, whole, starts, Grid(candidates.STEP, plan.max_days, plan.end))
     base = so_far.of_window(plan.base, burns)
     spreads = partial(spread.build, model.flattened, base, weathers=model.weathers)
-    return candidates.paths(part, plan.models, spreads, now=now)
+    others = {} if watched.sgp4 is None else {beside_sgp4.NAME: partial(watched.sgp4.expected, now=now)}
+    return candidates.paths(part, plan.models, spreads, now=now, others=others)
 
 
 def _nothing(now: float, burn: Manoeuvre | None = None) -> Records:

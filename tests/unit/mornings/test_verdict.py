@@ -136,3 +136,30 @@ def test_a_good_ephemeris_beats_sgp4(ahead, word):
     found = Sgp4(sets, EPOCH).beside(good, past, estimates, now=NOW)
     assert found.word == word
     assert (found.reason == good.reason) or "SGP4 from the newest set was" in found.reason
+
+
+def test_a_path_corrected_by_sgp4_is_where_sgp4_is():
+    """Along the track; a set that nobody knew of on the morning changes nothing."""
+    sets = history(np.arange(0.0, 20.0, 0.5))
+    t = NOW + 300.0 * np.arange(5)
+    true = histories.predict(sets, epoch=EPOCH, known=NOW, t=t)
+    step = true[:, 3:] / np.linalg.norm(true[:, 3:], axis=1)[:, None]
+    path = pd.DataFrame(np.column_stack([true[:, :3] + 250.0 * step, true[:, 3:]]), columns=STATE).assign(
+        t_j=t
+    )
+    expected = Sgp4(sets, EPOCH).expected(path, now=NOW)
+    np.testing.assert_allclose(expected, 250.0, atol=1.0)
+    later = sets.assign(bstar=sets["bstar"].mask(sets["t"] > NOW, 1.0))
+    np.testing.assert_array_equal(Sgp4(later, EPOCH).expected(path, now=NOW), expected)
+
+
+def test_a_model_that_is_new_in_the_menu_waits_for_a_past_of_its_own():
+    past = replays(days=20, a_morning=1).assign(model="fit96")
+    past = past[past["t_known"] <= NOW]
+    better = past.tail(19).assign(model="sgp4", e_y=0.0)
+    menu = ["fit96", "sgp4"]
+    assert issued.choose_model(pd.concat([past, better]), menu, now=NOW).model == "fit96"
+    assert (
+        issued.choose_model(pd.concat([past, past.assign(model="sgp4", e_y=0.0)]), menu, now=NOW).model
+        == "sgp4"
+    )
