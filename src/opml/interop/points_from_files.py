@@ -4,7 +4,7 @@ They are taken as they stand, without a curve through them: a fit weighs each by
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
@@ -12,6 +12,7 @@ import pandas as pd
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import fixes_csv
+from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.interop.orbit_arcs import MOST_APART, Arc, contents
 from opml.interop.orbit_curve import rotate_to_gcrf
 from opml.interop.orbit_from_files import OrbitFiles, check_together, is_orbit, outside, whole_arcs
@@ -62,6 +63,12 @@ def read(files: OrbitFiles, orientation: pd.DataFrame, sampling: Sampling) -> pd
         parts.append(pd.DataFrame(rotate_to_gcrf(arc, orientation), columns=STATE).assign(t=arc.t))
         parts[-1][FIX_SIGMAS] = sigmas
     return pd.concat(parts, ignore_index=True).sort_values("t", ignore_index=True)
+
+
+def identity(files: OrbitFiles) -> ObjectId:
+    """Return what the first of some files tells of its object; a CSV tells nothing."""
+    first = replace(files, paths=files.paths[:1])
+    return whole_arcs(first)[0].identity if is_orbit(contents(first.paths[0])) else UNKNOWN
 
 
 def _within(files: OrbitFiles, sampling: Sampling) -> list[_Points]:

@@ -18,7 +18,7 @@ import pandas as pd
 from opml.base.errors import InputError
 from opml.dynamics.attraction import Attraction
 from opml.environment import earth_orientation, gravity_field, nodes
-from opml.interop import ccsds, orbit_breaks
+from opml.interop import ccsds, object_ids, orbit_breaks
 from opml.interop.orbit_arcs import Arc
 from opml.interop.orbit_curve import ON_NODE, Curve, fit_curve
 from opml.interop.orbit_from_files import OrbitFiles, read_arcs
@@ -94,12 +94,13 @@ def _sample(curves: Sequence[Curve], grid: np.ndarray) -> tuple[np.ndarray, np.n
 
 
 def _origin(arcs: Sequence[Arc]) -> dict[str, Any]:
-    """Return files, satellite, frame and time system of the orbit."""
+    """Return files, satellite, frame, time system and object of the orbit."""
     return {
         "files": list(dict.fromkeys(Path(arc.path).name for arc in arcs)),
         "satellite": arcs[0].satellite,
         "frame": ", ".join(dict.fromkeys(arc.realisation for arc in arcs)),
         "time_system": arcs[0].scale,
+        **object_ids.facts(arcs[0].identity),
     }
 
 
