@@ -20,6 +20,7 @@ with job(snakemake) as metadata:
         points_from_files.Sampling(settings.fixing["sigmas"], settings.fixing["every_s"]),
     )
     table = fixes.stretches(points, length=HOUR * settings.fixing["stretch_hours"])
-    metadata |= manoeuvres.facts(manoeuvres.at_times(settings.manoeuvres, epoch=settings.epoch))
-    metadata |= object_ids.facts(points_from_files.identity(files))
+    identity, burns = points_from_files.beside(files)
+    named = manoeuvres.at_times(settings.manoeuvres, epoch=settings.epoch)
+    metadata |= manoeuvres.facts(named + burns) | object_ids.facts(identity)
     write_table(snakemake.output[0], table, "fixes", metadata=metadata)

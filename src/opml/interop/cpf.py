@@ -27,6 +27,7 @@ from opml.interop.orbit_arcs import (
 _NAME = {"1": 9, "2": 10}  # word of the first line with the satellite's name, by version
 _IDS = slice(1, 4)  # words of the second line: COSPAR, SIC and NORAD number
 _FRAME = 19  # word of the second line: 0 for the ITRF
+_ROTATION = 20  # word of the second line: 0 where the target does not turn, as the Moon does
 _CENTRE = 21  # word of the second line: 0 for the centre of mass
 _MJD_ZERO = np.datetime64("1858-11-17")
 _PASSED_OVER = re.compile(r"00|30|40|50|60|70|H[3459]")
@@ -91,6 +92,8 @@ def _satellite(path: FilePath, rows: Sequence[_Row], wanted: str | None) -> tupl
         raise line_error(path, number, "H2 with ids, times and reference frame", " ".join(second))
     if second[_FRAME] != "0":
         raise line_error(path, number, "reference frame 0, the ITRF", second[_FRAME])
+    if len(second) > _ROTATION and second[_ROTATION] != "0":
+        raise line_error(path, number, "rotation angles 0, of no body that turns", second[_ROTATION])
     if len(second) > _CENTRE and second[_CENTRE] != "0":
         raise line_error(path, number, "0 for the centre of mass, not the reflectors'", second[_CENTRE])
     name = first[_NAME[version]]

@@ -41,6 +41,7 @@ class Arc:
     velocities: (n, 3) [m/s], not finite where absent
     lines: (n,) line numbers of the nodes
     identity: what else than the name tells the satellite
+    burns: when the file has it manoeuvre [s since the run's epoch]
     """
 
     path: FilePath
@@ -53,6 +54,7 @@ class Arc:
     velocities: np.ndarray
     lines: np.ndarray
     identity: ObjectId = UNKNOWN
+    burns: Sequence[float] = ()
 
     def part(self, rows: np.ndarray) -> Self:
         """Return the arc of some rows (n,) alone."""

@@ -4,7 +4,7 @@ They are taken as they stand, without a curve through them: a fit weighs each by
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
@@ -16,6 +16,7 @@ from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.interop.orbit_arcs import MOST_APART, Arc, contents
 from opml.interop.orbit_curve import rotate_to_gcrf
 from opml.interop.orbit_from_files import OrbitFiles, check_together, is_orbit, outside, whole_arcs
+from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, STATE
 
 ALIEN = 0.03
@@ -65,10 +66,11 @@ def read(files: OrbitFiles, orientation: pd.DataFrame, sampling: Sampling) -> pd
     return pd.concat(parts, ignore_index=True).sort_values("t", ignore_index=True)
 
 
-def identity(files: OrbitFiles) -> ObjectId:
-    """Return what the first of some files tells of its object; a CSV tells nothing."""
-    first = replace(files, paths=files.paths[:1])
-    return whole_arcs(first)[0].identity if is_orbit(contents(first.paths[0])) else UNKNOWN
+def beside(files: OrbitFiles) -> tuple[ObjectId, list[Manoeuvre]]:
+    """Return what files tell beside points: the object, and when it manoeuvred; a CSV tells nothing."""
+    arcs = whole_arcs(files) if is_orbit(contents(files.paths[0])) else []
+    marked = sorted({t for arc in arcs for t in arc.burns})
+    return (arcs[0].identity if arcs else UNKNOWN), [Manoeuvre(t, known=t) for t in marked]
 
 
 def _within(files: OrbitFiles, sampling: Sampling) -> list[_Points]:

@@ -80,7 +80,8 @@ def read(
         sampling = points_from_files.Sampling(source.taking["sigmas"], source.taking["every_s"])
         points = points_from_files.read(files, orientation, sampling)
         tracking = fixes.stretches(points, length=HOUR * source.taking["stretch_hours"])
-        return Found(tracking, known, points_from_files.identity(files))
+        identity, burns = points_from_files.beside(files)
+        return Found(tracking, known + burns, identity)
     return _of_elements(source, span, known)
 
 
