@@ -54,6 +54,7 @@ from opml.tables.learning_tables import (
 )
 from opml.tables.listing import (
     HOW_TO_CSV,
+    comma_separated,
     head,
     write_csv,
 )
@@ -109,6 +110,7 @@ __all__ = [
     "Schema",
     "catalogue_densities_schema",
     "catalogue_rows_schema",
+    "comma_separated",
     "count",
     "flag",
     "head",

@@ -65,6 +65,8 @@ def test_the_command_prints_a_line_of_each_and_writes_messages(files, tmp_path, 
     assert capsys.readouterr().out.startswith("tca,first,second,miss_m,r_m")
     assert cli.main(["screen", *arguments[:2], "--within", "0.000001"]) == 0
     assert capsys.readouterr().out == "no conjunction\n"
+    assert cli.main(["screen", *map(str, paths), "--within", "0.001", "--csv"]) == 0
+    assert capsys.readouterr().out == ",".join(as_text.table([], epoch=EPOCH).columns) + "\n"
 
 
 def test_mean_elements_have_no_covariance_and_it_is_said(files, tmp_path, capsys):
