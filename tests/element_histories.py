@@ -44,7 +44,7 @@ def history(days, *, noise=0.0, ahead=None, bstar=0.0, created=None):
     return pd.DataFrame(columns)[SCHEMAS["element_sets"].names]
 
 
-def tle_text(sets, number=25544):
-    """The sets as TLEs of a catalogue number."""
+def tle_text(sets, number=25544, launch=""):
+    """The sets as TLEs of a catalogue number and a designator."""
     satellites = [histories.satellite(sets.iloc[k], epoch=EPOCH) for k in range(len(sets))]
-    return "".join(line + "\n" for one in satellites for line in tle.lines(one, number))
+    return "".join(line + "\n" for one in satellites for line in tle.lines(one, number, launch))

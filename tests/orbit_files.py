@@ -85,6 +85,14 @@ def sp3(path, t, states, *, scale="GPS", satellite="L47", velocities=True, frame
     return _written(path, [*lines, "EOF"])
 
 
+def flagged(path, line, flag, column):
+    """Put a flag into a column of a line of SP3, both counted from 0."""
+    lines = path.read_text().splitlines()
+    lines[line] = f"{lines[line]:<{column}.{column}}{flag}"
+    path.write_text("\n".join(lines))
+    return path
+
+
 def cpf(path, t, states, *, version=1, velocities=False, name="larets", frame=0):
     """Write states (n, 6) [m, m/s] in ITRF as CPF."""
     sequence = "9001" if version == 1 else "272 1"

@@ -103,6 +103,7 @@ def _add_screen(parser: argparse.ArgumentParser) -> None:
 
 
 def _screen(options: argparse.Namespace) -> None:
+    from opml import tables
     from opml.conjunctions import as_text, cdm, screening
 
     if not options.others:
@@ -114,7 +115,10 @@ def _screen(options: argparse.Namespace) -> None:
     if options.messages:
         cdm.write_all(options.messages, found, epoch=screening.EPOCH)
     table = as_text.table(found, epoch=screening.EPOCH)
-    print(table.to_csv(index=False) if options.csv else as_text.text(table))
+    if options.csv:
+        tables.comma_separated(table, sys.stdout)
+    else:
+        print(as_text.text(table))
 
 
 def _add_improve(parser: argparse.ArgumentParser) -> None:

@@ -29,6 +29,14 @@ def test_the_image_installs_as_the_makefile_does():
     assert [text for step, text in STEPS if step == "RUN"] == [f"{install} {what}" for what in installed]
 
 
+def test_the_image_is_of_an_exact_release_and_runs_as_nobody_in_particular():
+    steps = dict(STEPS)
+    assert re.fullmatch(r"python:3\.11\.\d+-slim-\w+(@sha256:[0-9a-f]{64})?", steps["FROM"])
+    last, user = max((k, text) for k, (step, text) in enumerate(STEPS) if step == "USER")
+    assert int(user.partition(":")[0]) >= 1000
+    assert "RUN" not in [step for step, _ in STEPS[last:]]
+
+
 def test_the_hosted_tests_make_targets_that_there_are():
     targets = set(re.search(r"^\.PHONY: (.*)$", MAKEFILE, re.MULTILINE)[1].split())
     once = CI["jobs"]["once"]["strategy"]["matrix"]["target"]

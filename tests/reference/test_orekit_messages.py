@@ -11,6 +11,7 @@ from opml.conjunctions.probability import chance
 from opml.ephemerides.along_track_shift import corrected
 from opml.interop import ocm, oem, tdm
 from opml.interop.element_sets import ephemeris_elements, mean_elements, omm, tle
+from opml.interop.object_ids import ObjectId
 from opml.orbits.elements import cartesian_from_coe, true_from_mean_anomaly
 from opml.tables import SCHEMAS, STATE, STATE_COVARIANCES
 
@@ -145,7 +146,8 @@ def test_orekit_flies_the_mean_elements_of_an_ephemeris(org, ephemeris, tmp_path
     (segment,) = oem.corrected_segments(ephemeris, rso="iss")
     satellite = ephemeris_elements.fit_elements(segment, epoch=EPOCH)
     comment = ephemeris_elements.residual(satellite, segment, epoch=EPOCH)
-    omm.write(tmp_path / "c.omm", satellite, name="iss", number=25544, epoch=EPOCH, comment=comment)
+    identity = ObjectId("iss", "1998-067A", 25544)
+    omm.write(tmp_path / "c.omm", satellite, identity=identity, epoch=EPOCH, comment=comment)
     message = parsed(org, "Omm", tmp_path / "c.omm")
     assert str(message.getHeader().getComments()[0]) == comment
     data = message.getData()
@@ -155,7 +157,7 @@ def test_orekit_flies_the_mean_elements_of_an_ephemeris(org, ephemeris, tmp_path
     assert float(elements.getAnomaly()) == pytest.approx(satellite.mo, rel=1e-14)
     assert (int(of_tle.getNoradID()), float(of_tle.getBStar())) == (25544, satellite.bstar)
 
-    tle.write(tmp_path / "c.tle", satellite, 25544)
+    tle.write(tmp_path / "c.tle", satellite, identity)
     propagation = org.orekit.propagation.analytical.tle
     lines = propagation.TLE(*(tmp_path / "c.tle").read_text().splitlines())
     propagator = propagation.TLEPropagator.selectExtrapolator(lines)

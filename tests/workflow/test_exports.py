@@ -56,7 +56,9 @@ def test_an_exported_truth_stands_in_for_the_simulated_one(project):
     truth, message = "results/ci/truth/iss.parquet", "results/ci/exports/truth/iss.oem"
     project.snakemake("-j1", TRIMMED, message)
     simulated = read_table(project.folder / truth, "truth")
-    (project.folder / message).rename(project.folder / "iss.oem")
+    told = (project.folder / message).read_text().replace("OBJECT_ID = iss", "OBJECT_ID = 1998-067A")
+    (project.folder / "iss.oem").write_text(told)
+    (project.folder / message).unlink()
     (project.folder / truth).unlink()
 
     # Beside it tracks that were measured, of an RSO without any truth.
@@ -64,10 +66,11 @@ def test_an_exported_truth_stands_in_for_the_simulated_one(project):
     shutil.copy(ROOT / "tests" / "reference" / "orekit.tdm", project.folder)
     body = "{mine: {area_to_mass_m2pkg: 0.05, cd: 2.2, cr: 1.25}}"
     settings = ["orbits={iss: iss.oem}", "tracks={mine: orekit.tdm}", f"rsos={body}"]
-    done = project.snakemake("-j1", TRIMMED, truth, tracked, "--config", *settings)
+    done = project.snakemake("-j1", TRIMMED, truth, message, tracked, "--config", *settings)
     assert "Truth: the orbit of iss from iss.oem" in done.stdout
     assert "Truth dynamic model" not in done.stdout
     assert read_table(project.folder / truth, "truth").equals(simulated)
+    assert (project.folder / message).read_text() == told
 
     predictions = read_table(project.folder / tracked, "predictions")
     assert (predictions["reason"] == "").mean() > 0.9

@@ -51,6 +51,7 @@ rule corrected:
 use rule export_truth as export_corrected with:
     input:
         rules.corrected.output[0],
+        source=INPUTS.source,
         check=checks(PARAMS.check_from_newest),
     output:
         CORRECTED.file("oem"),
@@ -70,6 +71,7 @@ use rule export_truth as export_corrected with:
 rule export_corrected_ocm:
     input:
         rules.corrected.output[0],
+        source=INPUTS.source,
         check=checks(PARAMS.check_from_newest),
     output:
         CORRECTED.file("ocm"),
@@ -93,7 +95,7 @@ rule export_corrected_ocm:
 rule export_corrected_omm:
     input:
         rules.corrected.output[0],
-        history=INPUTS.history,
+        source=INPUTS.source,
         check=checks(PARAMS.check_from_newest),
     output:
         CORRECTED.file("omm"),
@@ -117,7 +119,7 @@ rule export_corrected_omm:
 rule export_corrected_tle:
     input:
         rules.corrected.output[0],
-        history=INPUTS.history,
+        source=INPUTS.source,
         check=checks(PARAMS.check_from_newest),
     output:
         CORRECTED.file("tle"),
@@ -141,6 +143,7 @@ rule export_corrected_tle:
 rule export_each_corrected:
     input:
         rules.corrected.output[0],
+        source=INPUTS.source,
         check=checks(PARAMS.check_from_each),
     output:
         directory(CORRECTED_OEM.folder),
@@ -226,6 +229,7 @@ if ENVIRONMENT.is_forecast:
     use rule export_truth as export_forecast with:
         input:
             rules.forecast.output[0],
+            source=INPUTS.source,
             check=checks(PARAMS.check_from_newest),
         output:
             FORECASTS.file("oem"),
@@ -244,6 +248,7 @@ if ENVIRONMENT.is_forecast:
     use rule export_each_corrected as export_each_forecast with:
         input:
             rules.forecast.output[0],
+            source=INPUTS.source,
             check=checks(PARAMS.check_from_each),
         output:
             directory(FORECASTS_OEM.folder),

@@ -8,6 +8,7 @@ TRACKING_TDM = product("exports/tracking/{rso}/{stations}")
 rule export_truth:
     input:
         rules.truth.output[0],
+        source=INPUTS.source,
     output:
         TRUTH_OEM.file("oem"),
     log:
@@ -28,6 +29,7 @@ rule export_truth:
 use rule export_truth as export_estimates with:
     input:
         rules.estimation.output[0],
+        source=INPUTS.source,
     output:
         ESTIMATES_OEM.file("oem"),
     log:
@@ -44,6 +46,7 @@ use rule export_truth as export_estimates with:
 use rule export_truth as export_predictions with:
     input:
         rules.prediction.output[0],
+        source=INPUTS.source,
     output:
         PREDICTIONS_OEM.file("oem"),
     log:

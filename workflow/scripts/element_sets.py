@@ -1,5 +1,6 @@
 """Read the history of an RSO's mean elements."""
 
+from opml.interop import object_ids
 from opml.interop.element_sets import histories
 from opml.tables import write_table
 from opml.workflow.job_settings import JobSettings
@@ -11,5 +12,6 @@ with job(snakemake) as metadata:
         snakemake.input, epoch=settings.epoch, leave_out_damaged=settings.history["leave_out_damaged"]
     )
     sets = histories.of_object(history.sets, settings.history["number"])
+    metadata |= object_ids.facts(history.objects[sets["number"].iloc[0]])
     metadata |= {"damaged": len(history.damaged), "doubles": history.doubles}
     write_table(snakemake.output[0], sets, "element_sets", metadata=metadata)

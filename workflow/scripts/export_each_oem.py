@@ -1,6 +1,6 @@
 """Write ephemerides as CCSDS's orbit ephemeris messages, one of each estimate that they start from."""
 
-from opml.interop import oem
+from opml.interop import object_ids, oem
 from opml.tables import read_metadata, read_runs
 from opml.workflow.job_settings import SheetJobSettings
 from opml.workflow.jobs import job
@@ -11,7 +11,7 @@ with job(snakemake):
         snakemake.output[0],
         read_runs(snakemake.input[0], settings.table, "i"),
         settings.table,
-        rso=settings.rso,
+        identity=object_ids.of_tables(snakemake.input.source, name=settings.rso),
         epoch=settings.epoch,
         comment=read_metadata(snakemake.input[0]).get("covariance", ""),
     )

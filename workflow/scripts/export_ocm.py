@@ -1,6 +1,6 @@
 """Write an ephemeris as CCSDS's orbit comprehensive message."""
 
-from opml.interop import ocm, oem
+from opml.interop import object_ids, ocm, oem
 from opml.tables import read_metadata, read_table
 from opml.workflow.job_settings import SheetJobSettings
 from opml.workflow.jobs import job
@@ -8,6 +8,7 @@ from opml.workflow.jobs import job
 with job(snakemake):
     settings = SheetJobSettings(snakemake.params.settings)
     table = read_table(snakemake.input[0], settings.table)
-    (segment,) = oem.SEGMENTS[settings.table](table, rso=settings.rso)
+    identity = object_ids.of_tables(snakemake.input.source, name=settings.rso)
+    (segment,) = oem.segments_of(table, settings.table, identity)
     comment = read_metadata(snakemake.input[0]).get("covariance", "")
     ocm.write(snakemake.output[0], segment, epoch=settings.epoch, comment=comment)

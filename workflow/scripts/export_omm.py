@@ -1,6 +1,6 @@
 """Write mean elements of an ephemeris as CCSDS's orbit mean-elements message."""
 
-from opml.interop import oem
+from opml.interop import object_ids, oem
 from opml.interop.element_sets import ephemeris_elements, omm
 from opml.tables import read_table
 from opml.workflow.job_settings import SheetJobSettings
@@ -13,8 +13,7 @@ with job(snakemake):
     omm.write(
         snakemake.output[0],
         satellite,
-        name=settings.rso,
-        number=ephemeris_elements.catalogue_number(snakemake.input.history),
+        identity=object_ids.of_tables(snakemake.input.source, name=settings.rso),
         epoch=settings.epoch,
         comment=ephemeris_elements.residual(satellite, ephemeris, epoch=settings.epoch),
     )

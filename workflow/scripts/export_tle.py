@@ -1,6 +1,6 @@
 """Write mean elements of an ephemeris as a TLE, and log how far it is from the ephemeris."""
 
-from opml.interop import oem
+from opml.interop import object_ids, oem
 from opml.interop.element_sets import ephemeris_elements, mean_elements, tle
 from opml.tables import read_table
 from opml.workflow.job_settings import SheetJobSettings
@@ -10,7 +10,7 @@ with job(snakemake):
     settings = SheetJobSettings(snakemake.params.settings)
     (ephemeris,) = oem.corrected_segments(read_table(snakemake.input[0], "corrected"), rso=settings.rso)
     satellite = ephemeris_elements.fit_elements(ephemeris, epoch=settings.epoch)
-    number = ephemeris_elements.catalogue_number(snakemake.input.history)
-    tle.write(snakemake.output[0], satellite, number)
+    identity = object_ids.of_tables(snakemake.input.source, name=settings.rso)
+    tle.write(snakemake.output[0], satellite, identity)
     written = mean_elements.read(snakemake.output[0])
     ephemeris_elements.residual(written, ephemeris, epoch=settings.epoch)

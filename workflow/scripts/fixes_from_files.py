@@ -2,7 +2,7 @@
 
 from opml.base.constants import DAY, HOUR
 from opml.catalog.fit import fixes
-from opml.interop import points_from_files
+from opml.interop import object_ids, points_from_files
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.orbits import manoeuvres
 from opml.tables import read_table, write_table
@@ -12,15 +12,15 @@ from opml.workflow.jobs import job
 with job(snakemake) as metadata:
     settings = JobSettings(snakemake.params.settings)
     orientation = snakemake.input.earth_orientation
+    paths = [path for path in snakemake.input if path != orientation]
+    files = OrbitFiles(paths, settings.epoch, DAY * settings.duration_days)
     points = points_from_files.read(
-        OrbitFiles(
-            [path for path in snakemake.input if path != orientation],
-            settings.epoch,
-            DAY * settings.duration_days,
-        ),
+        files,
         read_table(orientation, "earth_orientation"),
         points_from_files.Sampling(settings.fixing["sigmas"], settings.fixing["every_s"]),
     )
     table = fixes.stretches(points, length=HOUR * settings.fixing["stretch_hours"])
-    metadata |= manoeuvres.facts(manoeuvres.at_times(settings.manoeuvres, epoch=settings.epoch))
+    identity, burns = points_from_files.beside(files)
+    named = manoeuvres.at_times(settings.manoeuvres, epoch=settings.epoch)
+    metadata |= manoeuvres.facts(named + burns) | object_ids.facts(identity)
     write_table(snakemake.output[0], table, "fixes", metadata=metadata)

@@ -8,6 +8,10 @@ import pandas as pd
 from opml.conjunctions.conjunction import Conjunction
 from opml.interop import ccsds
 
+_COLUMNS = [
+    *("tca", "first", "second", "miss_m", "r_m", "s_m", "w_m"),
+    *("speed_mps", "probability", "largest", "remark"),
+]
 NONE = "no conjunction"
 _MORE = 1.5  # times the probability of an encounter that its revolution has to hold to be told
 
@@ -36,7 +40,7 @@ def table(conjunctions: Sequence[Conjunction], *, epoch: str) -> pd.DataFrame:
                 "remark": _remark(one),
             }
         )
-    return pd.DataFrame(rows)
+    return pd.DataFrame(rows, columns=_COLUMNS)
 
 
 def text(table: pd.DataFrame) -> str:

@@ -231,7 +231,7 @@ def _of_message(path: FilePath) -> list[ScreenedObject]:
     """Return an ephemeris of each object of an OEM."""
     segments = oem.read(path, epoch=EPOCH)
     try:
-        flown = [(ObjectId.of(one.name, one.object_id), _of_segment(one)) for one in segments]
+        flown = [(one.identity, _of_segment(one)) for one in segments]
     except InputError as reason:
         raise InputError(f"{path}: {reason}") from None
     source, known = File(path).name, segments[0].newest

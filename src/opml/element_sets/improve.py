@@ -29,7 +29,7 @@ from opml.environment import knowledge
 from opml.environment.weather import Weather
 from opml.interop.element_sets import rewriting
 from opml.interop.element_sets.rewriting import Better
-from opml.tables import write_table
+from opml.tables import comma_separated, write_table
 
 PAST = 20
 """Mornings before the date whose predictions tell which model an object gets."""
@@ -102,7 +102,7 @@ class Improved:
         """Write the table as Parquet, or as CSV by the suffix."""
         if Path(path).suffix.lower() == ".csv":
             with replacing(path) as temporary:
-                self.table.to_csv(temporary, index=False)
+                comma_separated(self.table, temporary)
         else:
             write_table(path, self.table, "improved_sets", metadata={"date": self.date})
 

@@ -13,6 +13,7 @@ import numpy as np
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
+from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import (
     Arc,
     NoSuchTime,
@@ -26,6 +27,7 @@ from opml.interop.orbit_arcs import (
 _NAME = {"1": 9, "2": 10}  # word of the first line with the satellite's name, by version
 _IDS = slice(1, 4)  # words of the second line: COSPAR, SIC and NORAD number
 _FRAME = 19  # word of the second line: 0 for the ITRF
+_ROTATION = 20  # word of the second line: 0 where the target does not turn, as the Moon does
 _CENTRE = 21  # word of the second line: 0 for the centre of mass
 _MJD_ZERO = np.datetime64("1858-11-17")
 _PASSED_OVER = re.compile(r"00|30|40|50|60|70|H[3459]")
@@ -56,7 +58,7 @@ def read(path: FilePath, content: bytes, *, epoch: str, satellite: str | None = 
     """
     rows = [(n, line.split()) for n, line in enumerate(content.decode("latin-1").splitlines(), 1)]
     rows = [(n, words) for n, words in rows if words]
-    name = _satellite(path, rows, satellite)
+    name, number = _satellite(path, rows, satellite)
     records = _records(path, rows[2:])
     lines = np.array([number for number, _ in records.positions])
     t = _times(path, records.positions, lines, epoch)
@@ -71,12 +73,16 @@ def read(path: FilePath, content: bytes, *, epoch: str, satellite: str | None = 
             positions=numbers(path, np.array([words[5:8] for _, words in records.positions]), lines),
             velocities=_velocities(path, records.velocities),
             lines=lines,
+            identity=ObjectId.of(name, number),
         )
     ]
 
 
-def _satellite(path: FilePath, rows: Sequence[_Row], wanted: str | None) -> str:
-    """Return the satellite's name. Raises InputError for another version, frame or satellite."""
+def _satellite(path: FilePath, rows: Sequence[_Row], wanted: str | None) -> tuple[str, str]:
+    """Return the satellite's name and catalogue number.
+
+    Raises InputError for another version, frame or satellite.
+    """
     number, first = rows[0]
     version = first[2].lstrip("0") if len(first) > 2 else ""
     if version not in _NAME or len(first) <= _NAME[version]:
@@ -86,11 +92,14 @@ def _satellite(path: FilePath, rows: Sequence[_Row], wanted: str | None) -> str:
         raise line_error(path, number, "H2 with ids, times and reference frame", " ".join(second))
     if second[_FRAME] != "0":
         raise line_error(path, number, "reference frame 0, the ITRF", second[_FRAME])
+    if len(second) > _ROTATION and second[_ROTATION] != "0":
+        raise line_error(path, number, "rotation angles 0, of no body that turns", second[_ROTATION])
     if len(second) > _CENTRE and second[_CENTRE] != "0":
         raise line_error(path, number, "0 for the centre of mass, not the reflectors'", second[_CENTRE])
     name = first[_NAME[version]]
-    choose_satellite(path, [[name, *second[_IDS]]], wanted)
-    return name
+    ids = second[_IDS]
+    choose_satellite(path, [[name, *ids]], wanted)
+    return name, ids[-1]
 
 
 def _records(path: FilePath, rows: Sequence[_Row]) -> _Records:

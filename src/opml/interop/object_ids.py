@@ -4,7 +4,12 @@ Fragments of a break-up share their name, and a designator is written with or wi
 """
 
 import re
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from opml.base.files import FilePath
+from opml.tables import read_metadata
 
 _DESIGNATOR = re.compile(r"(\d{4}|\d{2})-?(\d{3})-?([A-Z]{1,3})", re.ASCII)
 _NUMBER = re.compile(r"\d{1,9}", re.ASCII)
@@ -36,6 +41,17 @@ class ObjectId:
                 designator = _normal(text.upper())
         return cls(name, designator, number)
 
+    @property
+    def identifier(self) -> str:
+        """International designator, else catalogue number; '' where neither is known."""
+        return self.designator or (str(self.number) if self.number else "")
+
+    @property
+    def launch(self) -> str:
+        """International designator as TLEs have it, 98067A; '' where there is none."""
+        match = _DESIGNATOR.fullmatch(self.designator)
+        return f"{match[1][-2:]}{match[2]}{match[3]}" if match else ""
+
     def is_same(self, other: "ObjectId") -> bool:
         """Return whether both are one object; names decide only where either has nothing else."""
         pairs = ((self.designator, other.designator), (self.number, other.number))
@@ -48,6 +64,21 @@ class ObjectId:
         """Name, and what tells objects of that name apart."""
         known = [str(one) for one in (self.number, self.designator) if one and str(one) != self.name]
         return f"{self.name} ({', '.join(known)})" if known else self.name
+
+
+UNKNOWN = ObjectId("")
+"""An object of which no file tells anything."""
+
+
+def facts(identity: ObjectId) -> dict[str, Any]:
+    """Return what a table's metadata tell of its object."""
+    return {"object": asdict(identity)}
+
+
+def of_tables(paths: Sequence[FilePath], *, name: str) -> ObjectId:
+    """Return the object that the metadata of the first of some tables tell of, under another name."""
+    told = read_metadata(paths[0]).get("object", {}) if paths else {}
+    return ObjectId(**told | {"name": name})
 
 
 def _normal(text: str) -> str:

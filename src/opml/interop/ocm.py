@@ -38,6 +38,9 @@ def _lines(segment: Segment, epoch: str, comment: str) -> Iterator[str]:
     yield ""
     yield "META_START"
     yield f"OBJECT_NAME = {segment.name}"
+    identity = segment.identity
+    yield from [f"INTERNATIONAL_DESIGNATOR = {identity.designator}"] if identity.designator else []
+    yield from ["CATALOG_NAME = SATCAT", f"OBJECT_DESIGNATOR = {identity.number}"] if identity.number else []
     yield "TIME_SYSTEM = UTC"
     yield f"EPOCH_TZERO = {zero}"
     yield f"START_TIME = {times[0]}"

@@ -17,6 +17,7 @@ import pandas as pd
 from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing_folder
 from opml.interop import ccsds
+from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.interop.orbit_arcs import MOST_APART, Arc, check_ascending, choose_satellite
 from opml.tables import STATE
 from opml.tables.convergence import none_converged
@@ -49,7 +50,7 @@ class Segment:
     covariance_frame: GCRF, or RSW of the states
     remark: comment in the metadata
     degree: of the Hermite interpolation of the states; 0 leaves it open
-    object_id: international designator or catalogue number; '' where the name is all
+    identity: what else than the name tells the object
     known: when the newest was known that it is made from [s since the epoch]; None: its first state
     """
 
@@ -61,7 +62,7 @@ class Segment:
     covariance_frame: str = "GCRF"
     remark: str = ""
     degree: int = 0
-    object_id: str = ""
+    identity: ObjectId = UNKNOWN
     known: float | None = None
 
     @property
@@ -107,13 +108,9 @@ def prediction_segments(predictions: pd.DataFrame, *, rso: str) -> list[Segment]
     ]
 
 
-def corrected_segments(corrected: pd.DataFrame, *, rso: str, object_id: str = "") -> list[Segment]:
-    """Return the segments of a table `corrected`, one per estimate, with a covariance every ten minutes.
-
-    rso: its name; object_id: as in `Segment`
-    """
-    segments = _ephemeris_segments(corrected, rso, "corrected prediction")
-    return [replace(segment, object_id=object_id) for segment in segments]
+def corrected_segments(corrected: pd.DataFrame, *, rso: str) -> list[Segment]:
+    """Return the segments of a table `corrected`, one per estimate, with a covariance every ten minutes."""
+    return _ephemeris_segments(corrected, rso, "corrected prediction")
 
 
 def forecast_segments(forecast: pd.DataFrame, *, rso: str) -> list[Segment]:
@@ -158,6 +155,11 @@ SEGMENTS = {
 """Makers of the segments of a message, by the table."""
 
 
+def segments_of(table: pd.DataFrame, kind: str, identity: ObjectId) -> list[Segment]:
+    """Return the segments of a table of a kind, of an object by its name in the run."""
+    return [replace(segment, identity=identity) for segment in SEGMENTS[kind](table, rso=identity.name)]
+
+
 def write(path: FilePath, segments: Sequence[Segment], *, epoch: str, comment: str = "") -> None:
     """Write segments as an OEM, whole or not at all.
 
@@ -172,7 +174,7 @@ def write_each(
     ephemerides: Iterable[pd.DataFrame],
     kind: str,
     *,
-    rso: str,
+    identity: ObjectId,
     epoch: str,
     comment: str = "",
 ) -> None:
@@ -189,7 +191,8 @@ def write_each(
     with replacing_folder(folder) as new:
         for rows in ephemerides:
             name = ccsds.utc_texts(epoch, rows["t_i"].iloc[:1])[0][:_SECONDS].replace(":", "")
-            write(new / f"{name}Z.oem", SEGMENTS[kind](rows, rso=rso), epoch=epoch, comment=comment)
+            segments = segments_of(rows, kind, identity)
+            write(new / f"{name}Z.oem", segments, epoch=epoch, comment=comment)
 
 
 def read(path: FilePath, *, epoch: str) -> list[Segment]:
@@ -256,7 +259,7 @@ def _lines(segments: Sequence[Segment], epoch: str, comment: str) -> Iterator[st
         if segment.remark:
             yield f"COMMENT {segment.remark}"
         yield f"OBJECT_NAME = {segment.name}"
-        yield f"OBJECT_ID = {segment.object_id or segment.name}"
+        yield f"OBJECT_ID = {segment.identity.identifier or segment.name}"
         yield "CENTER_NAME = EARTH"
         yield "REF_FRAME = GCRF"
         yield "TIME_SYSTEM = UTC"
@@ -308,7 +311,7 @@ def _segment(message: ccsds.Message, epoch: str) -> Segment:
         covariance_t=covariance_t,
         covariances=covariances,
         covariance_frame=covariance_frame,
-        object_id=metadata.text("OBJECT_ID", ""),
+        identity=_identity(metadata),
     )
 
 
@@ -339,8 +342,13 @@ def _named_arc(message: ccsds.Message, epoch: str) -> tuple[tuple[str, str], Arc
         positions=states[:, :3],
         velocities=states[:, 3:],
         lines=np.array(lines)[useable],
+        identity=_identity(metadata),
     )
     return (name, metadata.text("OBJECT_ID", name)), arc
+
+
+def _identity(metadata: ccsds.KeyValues) -> ObjectId:
+    return ObjectId.of(metadata.text("OBJECT_NAME"), metadata.text("OBJECT_ID", ""))
 
 
 def _useable(metadata: ccsds.KeyValues, t: np.ndarray, epoch: str, scale: str) -> np.ndarray:

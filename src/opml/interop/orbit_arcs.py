@@ -15,6 +15,7 @@ from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
+from opml.interop.object_ids import UNKNOWN, ObjectId
 
 MOST_APART = 300.0
 """Longest time between two nodes for interpolation [s]."""
@@ -39,6 +40,8 @@ class Arc:
     positions: (n, 3) [m]
     velocities: (n, 3) [m/s], not finite where absent
     lines: (n,) line numbers of the nodes
+    identity: what else than the name tells the satellite
+    burns: when the file has it manoeuvre [s since the run's epoch]
     """
 
     path: FilePath
@@ -50,6 +53,8 @@ class Arc:
     positions: np.ndarray
     velocities: np.ndarray
     lines: np.ndarray
+    identity: ObjectId = UNKNOWN
+    burns: Sequence[float] = ()
 
     def part(self, rows: np.ndarray) -> Self:
         """Return the arc of some rows (n,) alone."""

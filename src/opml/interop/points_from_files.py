@@ -12,9 +12,11 @@ import pandas as pd
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import fixes_csv
+from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.interop.orbit_arcs import MOST_APART, Arc, contents
 from opml.interop.orbit_curve import rotate_to_gcrf
 from opml.interop.orbit_from_files import OrbitFiles, check_together, is_orbit, outside, whole_arcs
+from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, STATE
 
 ALIEN = 0.03
@@ -62,6 +64,13 @@ def read(files: OrbitFiles, orientation: pd.DataFrame, sampling: Sampling) -> pd
         parts.append(pd.DataFrame(rotate_to_gcrf(arc, orientation), columns=STATE).assign(t=arc.t))
         parts[-1][FIX_SIGMAS] = sigmas
     return pd.concat(parts, ignore_index=True).sort_values("t", ignore_index=True)
+
+
+def beside(files: OrbitFiles) -> tuple[ObjectId, list[Manoeuvre]]:
+    """Return what files tell beside points: the object, and when it manoeuvred; a CSV tells nothing."""
+    arcs = whole_arcs(files) if is_orbit(contents(files.paths[0])) else []
+    marked = sorted({t for arc in arcs for t in arc.burns})
+    return (arcs[0].identity if arcs else UNKNOWN), [Manoeuvre(t, known=t) for t in marked]
 
 
 def _within(files: OrbitFiles, sampling: Sampling) -> list[_Points]:

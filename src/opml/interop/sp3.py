@@ -59,9 +59,9 @@ def read(path: FilePath, content: bytes, *, epoch: str, satellite: str | None = 
     epoch: UTC text from which times count
     satellite: id, such as L47; None: the file has only one
 
-    Positions marked as bad, absent or predicted are left out, those predicted are counted in the log, as are
-    marks of manoeuvres, which are looked for anyway. Raises InputError, naming the line, for a malformed or
-    truncated file, another frame and another time system.
+    Positions marked as bad, absent or predicted are left out, those predicted are counted in the log. A mark
+    of a manoeuvre is one halfway from the epoch before. Raises InputError, naming the line, for a malformed
+    or truncated file, another frame and another time system.
     """
     lines = content.splitlines()
     header = _header(path, lines)
@@ -76,8 +76,7 @@ def read(path: FilePath, content: bytes, *, epoch: str, satellite: str | None = 
     if predicted.any():
         _log.warning("%s: predicted positions left out: %d", path, predicted.sum())
         known &= ~predicted
-    if burns := int((_flags(rows, position_lines, _MANOEUVRE) == b"M").sum()):
-        _log.warning("%s: positions marked as after a manoeuvre: %d", path, burns)
+    marked = (position_lines > 0) & (_flags(rows, position_lines, _MANOEUVRE) == b"M")
     if not known.any():
         message = (
             f"{path}: expected a position of {name}, got none: those at 0 or beyond 999999 km are absent, "
@@ -95,6 +94,7 @@ def read(path: FilePath, content: bytes, *, epoch: str, satellite: str | None = 
             positions=positions[known] * _KILOMETRE,
             velocities=velocities[known] * _DECIMETRE,
             lines=position_lines[known],
+            burns=(0.5 * (t + np.append(t[:1], t[:-1])))[marked].tolist(),
         )
     ]
 

@@ -7,7 +7,7 @@ files or segments overlap, that with the later beginning counts.
 """
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -18,8 +18,8 @@ import pandas as pd
 from opml.base.errors import InputError
 from opml.dynamics.attraction import Attraction
 from opml.environment import earth_orientation, gravity_field, nodes
-from opml.interop import ccsds, orbit_breaks
-from opml.interop.orbit_arcs import Arc
+from opml.interop import ccsds, object_ids, orbit_breaks
+from opml.interop.orbit_arcs import MOST_APART, Arc
 from opml.interop.orbit_curve import ON_NODE, OrbitCurve, fit_curve
 from opml.interop.orbit_from_files import OrbitFiles, read_arcs
 from opml.tables import STATE
@@ -61,7 +61,7 @@ def truth(files: OrbitFiles, *, step: float, limit: float = LIMIT) -> tuple[pd.D
         "interpolation_error_m": _interpolation_error(curves),
         **_left_out(curves),
         "gaps": _gaps(grid, known, files.duration),
-        **_breaks(curves, grid, owner),
+        **_breaks(curves, grid, owner, {t for arc in arcs for t in arc.burns}),
     }
     _log_facts(facts)
     _check_steps(arcs, facts["seams"], files.epoch)
@@ -94,12 +94,13 @@ def _sample(curves: Sequence[OrbitCurve], grid: np.ndarray) -> tuple[np.ndarray,
 
 
 def _origin(arcs: Sequence[Arc]) -> dict[str, Any]:
-    """Return files, satellite, frame and time system of the orbit."""
+    """Return files, satellite, frame, time system and object of the orbit."""
     return {
         "files": list(dict.fromkeys(Path(arc.path).name for arc in arcs)),
         "satellite": arcs[0].satellite,
         "frame": ", ".join(dict.fromkeys(arc.realisation for arc in arcs)),
         "time_system": arcs[0].scale,
+        **object_ids.facts(arcs[0].identity),
     }
 
 
@@ -126,8 +127,13 @@ def _gaps(grid: np.ndarray, known: np.ndarray, duration: float) -> list[list[flo
     return [[float(times[rows[k]]), float(times[rows[k + 1]])] for k in wide]
 
 
-def _breaks(curves: Sequence[OrbitCurve], grid: np.ndarray, owner: np.ndarray) -> dict[str, Any]:
-    """Return seams and manoeuvres within the run, in order of time [s]."""
+def _breaks(
+    curves: Sequence[OrbitCurve], grid: np.ndarray, owner: np.ndarray, marked: Iterable[float]
+) -> dict[str, Any]:
+    """Return seams and manoeuvres within the run, in order of time [s].
+
+    marked: when files have the satellite manoeuvre [s], whether it shows in the orbit or not
+    """
     seams, manoeuvres = _changeovers(curves, grid, owner), []
     for k, curve in enumerate(curves):
         for event in curve.breaks:
@@ -137,6 +143,10 @@ def _breaks(curves: Sequence[OrbitCurve], grid: np.ndarray, owner: np.ndarray) -
                 manoeuvres.append({"t": event.t, "dv_mps": event.velocity})
             elif event.is_seam:
                 seams.append({"t": event.t, "step_m": event.step})
+    found = np.array([one["t"] for one in manoeuvres])
+    manoeuvres += [
+        {"t": t} for t in marked if grid[0] <= t <= grid[-1] and not (np.abs(found - t) <= MOST_APART).any()
+    ]
     return {
         "seams": sorted(seams, key=lambda seam: seam["t"]),
         "manoeuvres": sorted(manoeuvres, key=lambda manoeuvre: manoeuvre["t"]),
@@ -169,7 +179,8 @@ def _log_facts(facts: dict[str, Any]) -> None:
     for seam in facts["seams"]:
         _log.info("seam at %.0f s: a step of %.2f m", seam["t"], seam["step_m"])
     for manoeuvre in facts["manoeuvres"]:
-        _log.info("manoeuvre at %.0f s: %.4f m/s", manoeuvre["t"], manoeuvre["dv_mps"])
+        size = f"{manoeuvre['dv_mps']:.4f} m/s" if "dv_mps" in manoeuvre else "marked"
+        _log.info("manoeuvre at %.0f s: %s", manoeuvre["t"], size)
 
 
 def _check_steps(arcs: Sequence[Arc], seams: Sequence[dict[str, float]], epoch: str) -> None:

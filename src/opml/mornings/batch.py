@@ -210,7 +210,7 @@ def _catch_up(
         surroundings.stations,
         found.manoeuvres,
         given,
-        found.object_id,
+        found.identity,
         found.sgp4,
     )
     days.catch_up(folder, watched, calendar, until, metadata=metadata)

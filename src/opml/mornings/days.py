@@ -3,7 +3,7 @@
 import json
 import logging
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import date, timedelta
 from pathlib import Path
 from typing import Any
@@ -127,7 +127,8 @@ def _write(
     """Write what a morning left: the message first, the records behind it."""
     place, plan = folder.of_day(day), watched.plan
     if left.ephemeris is not None:
-        segments = oem.corrected_segments(left.ephemeris, rso=folder.rso, object_id=watched.object_id)
+        identity = replace(watched.identity, name=folder.rso)
+        segments = oem.segments_of(left.ephemeris, "corrected", identity)
         oem.write(place / f"{folder.rso}.oem", segments, epoch=plan.epoch, comment=left.basis)
     found = outcome(folder.rso, day, left, plan) | {"past": past(records)}
     left.records.write(place, found, metadata=metadata)

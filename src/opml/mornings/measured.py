@@ -13,6 +13,7 @@ from opml.catalog.fit.first.first_orbit import TimedState
 from opml.dynamics import shared_blocks
 from opml.interop import first_state, points_from_files, tdm
 from opml.interop.element_sets import burns_in_sets, histories, measured_sets
+from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.mornings.beside_sgp4 import Sgp4
 from opml.orbits import manoeuvres
@@ -51,13 +52,13 @@ class Found:
     """What was measured of an object.
 
     tracking: the table, or `fixes` in its place
-    object_id: what its files tell it by, designator or catalogue number; '' where they do not
+    identity: what its files tell of the object
     sgp4: what anybody would have flown, where mean elements were taken
     """
 
     tracking: pd.DataFrame
     manoeuvres: list[Manoeuvre]
-    object_id: str = ""
+    identity: ObjectId = UNKNOWN
     sgp4: Sgp4 | None = None
 
 
@@ -80,12 +81,12 @@ def read(
         found = tdm.measurements(source.files, epoch=span.epoch)
         return Found(measured_tracks.tracks(found[found["t"] >= since], stations), known)
     if source.kind == "fixes":
-        points = points_from_files.read(
-            OrbitFiles(source.files, span.epoch, span.duration),
-            orientation,
-            points_from_files.Sampling(source.taking["sigmas"], source.taking["every_s"]),
-        )
-        return Found(fixes.stretches(points, length=HOUR * source.taking["stretch_hours"]), known)
+        files = OrbitFiles(source.files, span.epoch, span.duration)
+        sampling = points_from_files.Sampling(source.taking["sigmas"], source.taking["every_s"])
+        points = points_from_files.read(files, orientation, sampling)
+        tracking = fixes.stretches(points, length=HOUR * source.taking["stretch_hours"])
+        identity, burns = points_from_files.beside(files)
+        return Found(tracking, known + burns, identity)
     return _of_elements(source, span, known)
 
 
@@ -106,8 +107,7 @@ def _of_elements(source: MeasurementSource, span: Span, known: list[Manoeuvre]) 
         manoeuvres=known,
     )
     tracking = fixes.of_sets(found.epochs, found.points, known=found.known)
-    sgp4 = Sgp4(sets, span.epoch)
-    return Found(tracking, known, identity.designator or str(identity.number), sgp4)
+    return Found(tracking, known, identity, Sgp4(sets, span.epoch))
 
 
 def given_state(

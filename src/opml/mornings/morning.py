@@ -24,6 +24,7 @@ from opml.catalog.predict.spread import Weathers
 from opml.ephemerides import corrected
 from opml.ephemerides.known import Known
 from opml.ephemerides.part import Grid, Part
+from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models import learners
@@ -105,7 +106,7 @@ class Watched:
     stations: of the tracks
     manoeuvres: each counts from when it is known
     given: a state that the very first fits may start from
-    object_id: international designator or catalogue number; '' where unknown
+    identity: what else than its name in the run tells the object
     sgp4: what anybody would have flown, where mean elements were taken
     """
 
@@ -115,7 +116,7 @@ class Watched:
     stations: Sequence[Station]
     manoeuvres: Sequence[Manoeuvre] = ()
     given: TimedState | None = None
-    object_id: str = ""
+    identity: ObjectId = UNKNOWN
     sgp4: Sgp4 | None = None
 
     def known_by(self, now: float) -> list[Manoeuvre]:

@@ -26,6 +26,9 @@ PAST = 14.0 * DAY
 LEAST_INSIDE = 0.75
 """Share of these that intervals of 90 % have to hold."""
 
+RARE = 3.0
+"""Standard deviations that one of the newest errors hardly reaches by chance: drag rises, say."""
+
 
 @dataclass(frozen=True)
 class Verdict:
@@ -77,6 +80,9 @@ def verdict(
     if not recent.any():
         return Verdict(WIDE, f"nothing was judged in the last {PAST / DAY:.0f} days")
     share = float(np.mean(off[recent] < INSIDE))
+    most = off[newest].max(initial=0.0)
+    if share >= LEAST_INSIDE and most > RARE:
+        return Verdict(WIDE, f"one of the newest estimates is {most:.1f} sigma off the ephemeris before")
     return Verdict(
         GOOD if share >= LEAST_INSIDE else WIDE,
         f"its {100 * LEVEL:g} % intervals held {100 * share:.0f} % of the last days' errors",

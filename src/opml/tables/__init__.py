@@ -54,6 +54,7 @@ from opml.tables.learning_tables import (
 )
 from opml.tables.listing import (
     HOW_TO_CSV,
+    comma_separated,
     head,
     write_csv,
 )

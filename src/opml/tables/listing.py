@@ -1,6 +1,7 @@
 """Tables as text for people: what a file holds, and all of it as comma-separated values."""
 
 import json
+import re
 from typing import TextIO
 
 import pandas as pd
@@ -10,6 +11,9 @@ from opml.tables.columns import Column
 from opml.tables.parquet import read_metadata, read_schema, read_table
 
 FIRST_ROWS = 3
+
+_FORMULA = re.compile(r"[=@\t]|[+-](?!(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?$)")
+"""How a text begins that a spreadsheet works out; a number is none."""
 
 HOW_TO_CSV = "Any table as CSV: `opml table FILE --csv`"
 """What every page of results ends with."""
@@ -38,12 +42,25 @@ def head(path: FilePath) -> str:
     )
 
 
+def comma_separated(frame: pd.DataFrame, file: TextIO | FilePath) -> None:
+    """Write rows as comma-separated values, a line for the names of the columns first.
+
+    Texts that a spreadsheet would take for a formula begin with an apostrophe.
+    """
+    texts = frame.select_dtypes(["object", "string"]).map(_as_text)
+    frame.assign(**texts).to_csv(file, index=False)
+
+
 def write_csv(path: FilePath, file: TextIO) -> None:
-    """Write a table as comma-separated values to an open file, a line for the names of the columns first.
+    """Write a table to an open file as `comma_separated` has it.
 
     Raises InputError where the table's file is missing or damaged; nothing is written then.
     """
-    read_table(path, read_schema(path)).to_csv(file, index=False)
+    comma_separated(read_table(path, read_schema(path)), file)
+
+
+def _as_text(value: object) -> object:
+    return f"'{value}" if isinstance(value, str) and _FORMULA.match(value) else value
 
 
 def _cell(value: object) -> str:

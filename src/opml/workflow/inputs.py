@@ -196,9 +196,14 @@ class Inputs:
             return []
         return self._element_sets(wildcards)
 
-    def history(self, wildcards: Wildcards) -> _Paths:
-        """Find the history of an RSO's mean elements, in a list; empty for other measurements."""
-        return [self._element_sets(wildcards)] if wildcards.rso in self.plan.elements else []
+    def source(self, wildcards: Wildcards) -> _Paths:
+        """Find the table of what was read of an RSO, which tells its object, in a list; empty without any."""
+        rso, plan = wildcards.rso, self.plan
+        if rso in plan.elements:
+            return [self._element_sets(wildcards)]
+        if rso in plan.fixes:
+            return [plan.product(f"tracking/{rso}/{naming.FIXES}").table]
+        return [plan.product(f"truth/{rso}").table] if rso in plan.orbits else []
 
     def _element_sets(self, wildcards: Wildcards) -> str:
         return self.plan.product(f"element_sets/{wildcards.rso}").table

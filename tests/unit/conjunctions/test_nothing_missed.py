@@ -143,7 +143,7 @@ def is_found_before_it_decays(folder, number):
     rng = np.random.default_rng(number)
     satellite, end = sinking(rng)
     at = rng.uniform(EDGE, end - 60.0)
-    tle.write(folder / "sinking.tle", satellite, 40004)
+    tle.write(folder / "sinking.tle", satellite, ObjectId("sinking", number=40004))
     (read,) = mean_elements.read_sets(folder / "sinking.tle")
     (state,) = mean_elements.states(read.satellite, epoch=EPOCH, t=np.array([at]))
     up = state[:3] / np.linalg.norm(state[:3])

@@ -14,6 +14,7 @@ from opml.conjunctions import as_text, cdm, screening
 from opml.conjunctions.screening import EPOCH
 from opml.interop import oem
 from opml.interop.element_sets import element_set, omm
+from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.orbits.elements import rsw_rotation
 
 COVARIANCE = np.diag(np.square([30.0, 200.0, 10.0, 0.2, 0.03, 0.01]))
@@ -64,6 +65,8 @@ def test_the_command_prints_a_line_of_each_and_writes_messages(files, tmp_path, 
     assert capsys.readouterr().out.startswith("tca,first,second,miss_m,r_m")
     assert cli.main(["screen", *arguments[:2], "--within", "0.000001"]) == 0
     assert capsys.readouterr().out == "no conjunction\n"
+    assert cli.main(["screen", *map(str, paths), "--within", "0.001", "--csv"]) == 0
+    assert capsys.readouterr().out == ",".join(as_text.table([], epoch=EPOCH).columns) + "\n"
 
 
 def test_mean_elements_have_no_covariance_and_it_is_said(files, tmp_path, capsys):
@@ -81,7 +84,8 @@ def test_mean_elements_have_no_covariance_and_it_is_said(files, tmp_path, capsys
 def written(path, name, state, *, identifier="", at=9000.0, edges=(0.0, 18000.0), step=60.0):
     """An OEM of an ellipse, a segment between each two edges [s]."""
     spans = [np.arange(begin, end + 1.0, step) for begin, end in pairwise(edges)]
-    segments = [oem.Segment(name, t, kepler(state, at, t), object_id=identifier) for t in spans]
+    identity = ObjectId.of(name, identifier)
+    segments = [oem.Segment(name, t, kepler(state, at, t), identity=identity) for t in spans]
     oem.write(path, segments, epoch=RUN)
     return path
 
@@ -136,7 +140,7 @@ def elements(path, *, epoch=RUN, identifier="2001-001A", bstar=0.0):
     """An OMM of object 77 at 600 km."""
     motion = 60.0 * np.sqrt(EARTH_GM / 7e6**3)
     satellite = element_set.satellite(epoch, [motion, 1e-3, 1.0, 1.0, 1.0, 1.0, bstar])
-    omm.write(path, satellite, name="SAT", number=77, epoch=epoch, comment="")
+    omm.write(path, satellite, identity=ObjectId("SAT", number=77), epoch=epoch, comment="")
     path.write_text(path.read_text().replace("OBJECT_ID = SAT", f"OBJECT_ID = {identifier}"))
     return path
 
@@ -262,7 +266,7 @@ def test_damaged_ephemerides_are_told_in_one_line(short, damage):
 def test_ephemerides_that_share_no_time_are_told(short, files, tmp_path, caplog):
     (segment,) = oem.read(short, epoch=EPOCH)
     late = tmp_path / "late.oem"
-    oem.write(late, [replace(segment, name="late", object_id="late", t=segment.t + 1e7)], epoch=EPOCH)
+    oem.write(late, [replace(segment, name="late", identity=UNKNOWN, t=segment.t + 1e7)], epoch=EPOCH)
     with pytest.raises(InputError, match=r"another ephemeris from 2023-05-01T00:00:00 to .*, got none"):
         screening.screen(screening.read([short, late]), within=1e3, radius=20.0)
     caplog.clear()

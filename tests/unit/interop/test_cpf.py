@@ -65,6 +65,11 @@ def test_another_satellite_is_refused(tmp_path):
             "180 1 1  0 0 1",
             "line 2: expected 0 for the centre of mass, not the reflectors'",
         ),
+        (
+            "180 1 1  0 0 0",
+            "180 1 1  0 1 0",
+            "line 2: expected rotation angles 0, of no body that turns, got 1",
+        ),
         ("10 0 57659", "10 1 57659", "line 4: expected direction flag 0 and leap second flag 0, got 1 and 0"),
         ("000 0 ", "000 1 ", "line 4: expected direction flag 0 and leap second flag 0, got 0 and 1"),
         ("10 0 57659", "10 0 57659.5", "line 4: expected a modified Julian date and second of the day, got"),

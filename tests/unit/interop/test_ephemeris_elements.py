@@ -1,7 +1,6 @@
 """Mean elements of an ephemeris: those that it was flown with, as OMM and TLE that others read."""
 
 import numpy as np
-import pandas as pd
 import pytest
 from sgp4 import omm as others
 from sgp4.api import Satrec
@@ -12,8 +11,8 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.interop.element_sets import ephemeris_elements, mean_elements, omm, tle
 from opml.interop.element_sets.element_set import elements_epoch, satellite
+from opml.interop.object_ids import ObjectId
 from opml.interop.oem import Segment
-from opml.tables import SCHEMAS, write_table
 
 AT = 1234.567891
 """Time of the elements [s], not one that a TLE can tell."""
@@ -45,7 +44,7 @@ def farthest(found, ephemeris):
 
 def test_an_omm_is_read_by_us_and_by_the_package_sgp4(ephemeris, fitted, tmp_path):
     path = tmp_path / "made.omm"
-    omm.write(path, fitted, name="made", number=123456789, epoch=EPOCH, comment="far off")
+    omm.write(path, fitted, identity=ObjectId("made", number=123456789), epoch=EPOCH, comment="far off")
     assert path.read_text().splitlines()[1] == "COMMENT far off"
     (ours,) = mean_elements.read_sets(path)
     assert (ours.number, ours.created) == (123456789, elements_epoch(fitted))
@@ -57,9 +56,9 @@ def test_an_omm_is_read_by_us_and_by_the_package_sgp4(ephemeris, fitted, tmp_pat
 
 
 def test_a_tle_begins_at_a_time_that_it_can_tell(ephemeris, fitted, tmp_path):
-    tle.write(tmp_path / "made.tle", fitted, 25544)
+    tle.write(tmp_path / "made.tle", fitted, ObjectId("made", "1998-067A", 25544))
     (ours,) = mean_elements.read_sets(tmp_path / "made.tle")
-    assert ours.number == 25544
+    assert (ours.number, ours.designator) == (25544, "98067A")
     assert elements_epoch(ours.satellite) == elements_epoch(fitted) == "2016-09-28T12:30:19.567584"
     assert farthest(ours.satellite, ephemeris) < 15.0  # what the digits of the angles leave
     theirs = Satrec.twoline2rv(*(tmp_path / "made.tle").read_text().splitlines())
@@ -85,9 +84,8 @@ def test_elements_that_decay_within_the_ephemeris_are_refused():
         ephemeris_elements.residual(dying, flown(2.0), epoch=EPOCH)
 
 
-def test_an_object_has_the_number_of_its_history(tmp_path):
-    row = dict.fromkeys(SCHEMAS["element_sets"].names, 0.0)
-    row |= {"number": 25544, "is_deep": False, "file": "sets.tle", "line": 1}
-    write_table(tmp_path / "sets.parquet", pd.DataFrame([row]), "element_sets", metadata={})
-    assert ephemeris_elements.catalogue_number([tmp_path / "sets.parquet"]) == 25544
-    assert ephemeris_elements.catalogue_number([]) == 99999
+def test_an_object_that_nothing_tells_has_the_number_of_tests(fitted, tmp_path):
+    omm.write(tmp_path / "made.omm", fitted, identity=ObjectId("made"), epoch=EPOCH, comment="")
+    tle.write(tmp_path / "made.tle", fitted, ObjectId("made"))
+    found = [mean_elements.read_sets(tmp_path / name)[0] for name in ("made.omm", "made.tle")]
+    assert [(one.number, one.designator) for one in found] == [(99999, "made"), (99999, "")]

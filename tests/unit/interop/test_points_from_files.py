@@ -4,16 +4,18 @@ import gzip
 
 import numpy as np
 import pytest
-from orbit_files import AHEAD_OF_UTC, cpf, in_itrf, oem, sp3
+from orbit_files import AHEAD_OF_UTC, cpf, flagged, in_itrf, oem, sp3
 from support import EPOCH
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.catalog.simulate.truth import initial_state
 from opml.interop import ccsds, points_from_files
+from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.interop.points_from_files import Sampling
 from opml.orbits.elements import rsw_rotation
+from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, STATE
 
 PLACES = Sampling((3.0, 6.0, 4.0))
@@ -60,6 +62,14 @@ def csv(path, t, states, *, frame="itrf", scale="utc", unit="m", velocities=Fals
         lines.append(",".join([text, *numbers, *(str(value) for _, value in extra)]))
     path.write_text("\n".join(lines) + "\n")
     return path
+
+
+def test_what_files_tell_beside_points(tmp_path, t, states):
+    orbit = flagged(sp3(tmp_path / "orbit.sp3", t, states), 23 + 3, "M", 78)
+    files = [orbit, cpf(tmp_path / "orbit.cpf", t, states), csv(tmp_path / "orbit.csv", t, states)]
+    told = [points_from_files.beside(OrbitFiles([path], EPOCH, DAY)) for path in files]
+    assert told[0] == (UNKNOWN, [Manoeuvre(30.0, known=30.0)])
+    assert told[1:] == [(ObjectId("larets", number=27944), []), (UNKNOWN, [])]
 
 
 @pytest.mark.parametrize("scale", ["utc", "gps", "tai"])

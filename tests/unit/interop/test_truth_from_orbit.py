@@ -211,6 +211,13 @@ def test_files_that_share_an_epoch_follow_each_other(tmp_path, nodes, deviations
     assert worst(deviations(table)) < 0.01
 
 
+def test_a_burn_that_a_file_marks_is_one_however_small(tmp_path, nodes, deviations):
+    path = orbit_files.sp3(tmp_path / "orbit.sp3", *nodes(60.0), velocities=False)
+    table, facts = read_truth([orbit_files.flagged(path, 22 + 2 * 100 + 1, "M", 78)])
+    assert facts["manoeuvres"] == [{"t": 5970.0}]
+    assert worst(deviations(table)) < 0.02
+
+
 def burn(orbit, attraction, start, length, size):
     """Times and states: every 240 s before a burn, every 2 s within it, every 240 s after it."""
     coarse = np.arange(0.0, start, 240.0)

@@ -20,6 +20,7 @@ from opml.dynamics.shared_blocks import SharedBlocks
 from opml.ephemerides.along_track_shift import corrected
 from opml.ephemerides.known import Known
 from opml.interop import oem
+from opml.interop.object_ids import ObjectId
 from opml.mornings import days, judged, morning, tracks
 from opml.mornings.days import Calendar, Folder
 from opml.mornings.morning import FlightModel, MorningPlan, Watched
@@ -48,7 +49,8 @@ def watched(truth_model, assumed_model, iss, earth_orientation, three_stations):
     first = (0.0, orbit[STATE].to_numpy()[0])
     plan = MorningPlan(MODELS, ESTIMATION, 2.0, 60.0, 7 * DAY, EPOCH)
     model = FlightModel(flight, flight, flight, Weathers.of(assumed_model, None), earth_orientation)
-    return Watched(model, plan, measured, three_stations, given=first, object_id="1998-067A")
+    identity = ObjectId("ISS", "1998-067A", 25544)
+    return Watched(model, plan, measured, three_stations, given=first, identity=identity)
 
 
 def run(watched, folder, until=LAST):
@@ -288,7 +290,7 @@ def test_a_track_keeps_its_number_and_one_that_comes_late_gets_none():
 
 def test_messages_tell_the_object_by_what_its_files_tell(watched, whole):
     (segment,) = oem.read(whole / LAST.isoformat() / "iss" / "iss.oem", epoch=EPOCH)
-    assert (segment.name, segment.object_id) == ("iss", "1998-067A")
+    assert (segment.name, segment.identity.designator) == ("iss", "1998-067A")
 
 
 def test_fits_to_mean_elements_are_marked_as_what_errs_alike(watched, whole):

@@ -31,6 +31,14 @@ def judged(*, sigma, days=20, left=None):
     return past
 
 
+def sinking(off):
+    """Rows of an object whose drag has begun to rise: one of the newest errors is so many sigma."""
+    past = judged(sigma=100.0)
+    newest = past.index[(past["t_known"] > past["t_known"].max() - DAY) & (past["duration"] < 2.0 * DAY)]
+    past.loc[newest[-1], "e_y"] = off * past.loc[newest[-1], "sigma_y"]
+    return past
+
+
 def start(age=0.1):
     return pd.DataFrame({"track": [1], "t": [NOW - age * DAY]})
 
@@ -42,6 +50,8 @@ def start(age=0.1):
         (judged(sigma=40.0), 0.1, WIDE, "90 % intervals held"),
         (judged(sigma=100.0), 2.0, DO_NOT_USE, "2.0 days old"),
         (judged(sigma=100.0, left=5000.0), 0.1, DO_NOT_USE, "sigma off"),
+        (sinking(4.0), 0.1, WIDE, "one of the newest estimates is 4.0 sigma off"),
+        (sinking(2.0), 0.1, GOOD, "90 % intervals held"),
     ],
 )
 def test_verdicts_follow_from_what_was_judged(past, age, word, reason):

@@ -1,5 +1,6 @@
 """Tables: what is written comes back, and what is damaged is noticed."""
 
+import io
 from pathlib import Path
 
 import numpy as np
@@ -190,3 +191,16 @@ def test_data_page_describes_the_schemas():
     page = REPOSITORY / "docs" / "data.md"
     expected = tables.tables_page(learners.schemas()) + "\n"
     assert page.read_text() == expected, "run: opml tables > docs/data.md"
+
+
+FORMULAS = ["=1+1", "+cmd|' /C calc'!A1", "-2+3", "@SUM(A1)", "\t=1"]
+PLAIN = ["", "-5", "+1.5e-3", "-.5", "ISS (ZARYA)", "a=b", "2 - 1", "'quoted"]
+
+
+def test_no_cell_of_a_csv_is_a_formula():
+    frame = pd.DataFrame({"name": FORMULAS + PLAIN, "e_y": -1.5})
+    written = io.StringIO()
+    tables.comma_separated(frame, written)
+    read = pd.read_csv(io.StringIO(written.getvalue(), newline=""), keep_default_na=False, dtype=str)
+    assert read["name"].tolist() == [f"'{one}" for one in FORMULAS] + PLAIN
+    assert set(read["e_y"]) == {"-1.5"}

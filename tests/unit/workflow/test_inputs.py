@@ -538,10 +538,19 @@ def test_sgp4_flies_the_history_of_mean_elements():
     assert files.element_sets(experiment(learner="none")) == []
 
 
-def test_mean_elements_of_ours_have_the_number_of_those_that_were_measured():
-    files = inputs(rsos={"mine": BODY}, elements={"mine": "a.tle"})
-    assert files.history(experiment(rso="mine")) == ["results/element_sets/mine.parquet"]
-    assert files.history(experiment()) == []
+@pytest.mark.parametrize(
+    ("given", "table"),
+    [
+        ({"elements": {"mine": "a.tle"}, "orbits": {"mine": "a.oem"}}, "element_sets/mine"),
+        ({"fixes": {"mine": "a.oem"}}, "tracking/mine/fixes"),
+        ({"orbits": {"mine": "a.oem"}}, "truth/mine"),
+    ],
+    ids=["elements", "fixes", "orbits"],
+)
+def test_what_was_read_tells_the_object_of_what_is_written(given, table):
+    files = inputs(rsos={"mine": BODY}, **given)
+    assert files.source(experiment(rso="mine")) == [f"results/{table}.parquet"]
+    assert files.source(experiment()) == []
 
 
 def test_labels_are_judged_by_the_truth_of_the_rso_under_test():

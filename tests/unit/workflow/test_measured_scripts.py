@@ -20,6 +20,7 @@ from opml.catalog.simulate import truth
 from opml.catalog.simulate.truth import kepler_orbit
 from opml.environment import gravity_field
 from opml.interop import oem
+from opml.interop.object_ids import ObjectId
 from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, read_kind, read_metadata, read_table, write_table
 
 MANOEUVRES = ["2016-09-28T14:09:45", "2016-09-28T13:09:45.500"]
@@ -77,7 +78,8 @@ def test_tracks_know_the_manoeuvres_of_the_settings(taken, tmp_path, orientation
 
 def test_fixes_are_thinned_and_gathered_as_the_settings_say(taken, tmp_path, orientation, iss):
     orbit = kepler_orbit(iss, duration=DAY, step=60.0)
-    oem.write(tmp_path / "iss.oem", oem.truth_segments(orbit, rso="iss"), epoch=EPOCH)
+    segments = oem.segments_of(orbit, "truth", ObjectId("iss", "1998-067A"))
+    oem.write(tmp_path / "iss.oem", segments, epoch=EPOCH)
     files = Files(str(tmp_path / "iss.oem"), earth_orientation=orientation)
     fixing = {"sigmas": [1.0, 2.0, 3.0], "every_s": 600.0, "stretch_hours": 2.0}
     table, facts = taken("fixes_from_files", files, duration_days=0.5, fixing=fixing)
@@ -85,6 +87,7 @@ def test_fixes_are_thinned_and_gathered_as_the_settings_say(taken, tmp_path, ori
     assert (table[["sigma_r", "sigma_s", "sigma_w"]].to_numpy() == fixing["sigmas"]).all()
     measured = fitted_to(tmp_path, orientation)
     assert (measured.tracks, measured.numbers) == (7, 3)
+    assert facts["object"] == {"name": "iss", "designator": "1998-067A", "number": 0}
     assert facts["manoeuvres"] == [{"t": HOUR + 0.5}, {"t": 2 * HOUR}]
 
 
@@ -98,8 +101,9 @@ def test_sets_of_mean_elements_are_read_weighed_and_flown_as_the_settings_say(ta
         "find_manoeuvres": False,
     }
     told = settings | {"sigma_m": [50.0, 100.0, 20.0]}
-    sets, _ = taken("element_sets", Files(str(tmp_path / "sets.tle")), history=told)
+    sets, facts = taken("element_sets", Files(str(tmp_path / "sets.tle")), history=told)
     assert sets["number"].tolist() == [25544] * 3
+    assert facts["object"] == {"name": "25544", "designator": "", "number": 25544}
     path = tmp_path / "sets.parquet"
     write_table(path, sets, "element_sets", metadata={})
     table, facts = taken("fixes_from_elements", Files(str(path)), duration_days=2.5, history=told)

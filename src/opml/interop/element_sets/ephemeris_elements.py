@@ -4,7 +4,6 @@ A fit to its first days alone is hardly nearer to them, and leaves the ephemeris
 """
 
 import logging
-from collections.abc import Sequence
 from datetime import datetime, timedelta
 
 import numpy as np
@@ -12,17 +11,12 @@ from sgp4.api import Satrec
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.base.files import FilePath
 from opml.interop import ccsds
 from opml.interop.element_sets import element_fits, mean_elements
 from opml.interop.oem import Segment
-from opml.tables import read_table
 
 _TLE_TICK = 864
 """Microseconds in the last digit of a TLE's epoch; at its other half a low orbit would be 3 m off."""
-
-_FOR_TESTS = 99999
-"""Catalogue number of an object of which none is known."""
 
 _log = logging.getLogger(__name__)
 
@@ -61,14 +55,6 @@ def residual(satellite: Satrec, ephemeris: Segment, *, epoch: str) -> str:
     )
     _log.info("%s", sentence)
     return sentence
-
-
-def catalogue_number(history: Sequence[FilePath]) -> int:
-    """Return the number of an object.
-
-    history: the table `element_sets` of the object, where it has one
-    """
-    return int(read_table(history[0], "element_sets")["number"].iloc[0]) if history else _FOR_TESTS
 
 
 def _microseconds_after_tick(time: str) -> int:

@@ -28,7 +28,8 @@ from opml.interop.element_sets.element_set import (
     elements_epoch,
     seconds_since,
 )
-from opml.interop.element_sets.tle import EPHEMERIS_TYPES, LARGEST_NUMBER
+from opml.interop.element_sets.tle import EPHEMERIS_TYPES, FOR_TESTS, LARGEST_NUMBER
+from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import excerpt, line_error
 
 _NUMBERS = (
@@ -134,18 +135,17 @@ def satellite(values: Mapping[str, str]) -> Satrec:
     return made
 
 
-def write(path: FilePath, satellite: Satrec, *, name: str, number: int, epoch: str, comment: str) -> None:
+def write(path: FilePath, satellite: Satrec, *, identity: ObjectId, epoch: str, comment: str) -> None:
     """Write mean elements as an OMM in KVN, whole or not at all.
 
-    name: of the object
-    number: its catalogue number
+    identity: of the object, by its name in the run
     epoch: of the run, UTC text
     comment: line for the whole message
     """
     version, *header = ccsds.header(_VERSION, epoch, float(seconds_since(epoch, [satellite])[0]))
     pairs = {
-        "OBJECT_NAME": name,
-        "OBJECT_ID": name,
+        "OBJECT_NAME": identity.name,
+        "OBJECT_ID": identity.designator or identity.name,
         "CENTER_NAME": "EARTH",
         "REF_FRAME": "TEME",
         "TIME_SYSTEM": "UTC",
@@ -159,7 +159,7 @@ def write(path: FilePath, satellite: Satrec, *, name: str, number: int, epoch: s
         "MEAN_ANOMALY": ccsds.degrees_text(satellite.mo),
         "EPHEMERIS_TYPE": 0,
         "CLASSIFICATION_TYPE": "U",
-        "NORAD_CAT_ID": number,
+        "NORAD_CAT_ID": identity.number or FOR_TESTS,
         "ELEMENT_SET_NO": 0,
         "REV_AT_EPOCH": 0,
         "BSTAR": ccsds.number_text(satellite.bstar, 0),

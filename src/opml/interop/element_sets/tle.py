@@ -17,6 +17,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import ccsds
 from opml.interop.element_sets.element_set import PER_DAY, ElementSet, check_orbit
+from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import line_error
 
 Line = tuple[int, str]
@@ -24,6 +25,9 @@ Line = tuple[int, str]
 
 LARGEST_NUMBER = 339_999
 """Largest catalogue number of a TLE, Z9999 there."""
+
+FOR_TESTS = 99999
+"""Catalogue number of an object of which none is known."""
 
 EPHEMERIS_TYPES = ("0", "2", "3")
 """Types of elements that SGP4 flies, 0 in what is published; 4 are those of SGP4-XP, another theory."""
@@ -98,8 +102,10 @@ def element_set(path: FilePath, piece: Sequence[Line]) -> ElementSet:
     return ElementSet(path, number, catalogued, "", satellite, name, designator)
 
 
-def lines(satellite: Satrec, number: int) -> tuple[str, str]:
-    """Return the two lines of a set under a catalogue number, its international designator left blank.
+def lines(satellite: Satrec, number: int, launch: str = "") -> tuple[str, str]:
+    """Return the two lines of a set under a catalogue number.
+
+    launch: international designator as TLEs have it, 98067A
 
     Raises InputError for a number beyond those of TLEs.
     """
@@ -110,7 +116,7 @@ def lines(satellite: Satrec, number: int) -> tuple[str, str]:
     epoch = f"{satellite.epochyr % 100:02d}{satellite.epochdays:012.8f}"
     motion = f"{satellite.no_kozai * PER_DAY:11.8f}"
     return _summed(
-        f"1 {name}U          {epoch}  .00000000  00000+0 {_exponent_text(satellite.bstar)} 0    0"
+        f"1 {name}U {launch:8} {epoch}  .00000000  00000+0 {_exponent_text(satellite.bstar)} 0    0"
     ), _summed(
         f"2 {name} {np.rad2deg(satellite.inclo):8.4f} {node} {round(1e7 * satellite.ecco):07d} "
         f"{perigee} {anomaly} {motion}    0"
@@ -125,9 +131,12 @@ def with_drag(first: str, second: str, *, motion: float, bstar: float) -> tuple[
     )
 
 
-def write(path: FilePath, satellite: Satrec, number: int) -> None:
-    """Write a set as a TLE, whole or not at all. Raises InputError for a number beyond those of TLEs."""
-    ccsds.write(path, lines(satellite, number))
+def write(path: FilePath, satellite: Satrec, identity: ObjectId) -> None:
+    """Write a set of an object as a TLE, whole or not at all.
+
+    Raises InputError for a number beyond those of TLEs.
+    """
+    ccsds.write(path, lines(satellite, identity.number or FOR_TESTS, identity.launch))
 
 
 def check_number(number: int) -> None:
