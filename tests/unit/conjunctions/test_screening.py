@@ -13,7 +13,7 @@ from opml.base.errors import InputError
 from opml.conjunctions import as_text, cdm, screening
 from opml.conjunctions.screening import EPOCH
 from opml.interop import oem
-from opml.interop.element_sets import element_set, omm
+from opml.interop.element_sets import element_set, ephemeris_elements, omm, tle
 from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.orbits.elements import rsw_rotation
 
@@ -72,9 +72,9 @@ def test_the_command_prints_a_line_of_each_and_writes_messages(files, tmp_path, 
 def test_mean_elements_have_no_covariance_and_it_is_said(files, tmp_path, capsys):
     """The set is SGP4 fitted to the second object, which ours meets."""
     paths, *_ = files
-    assert cli.main(["elements", str(paths[1]), "--every", "24", "--span", "1", "--number", "77"]) == 0
+    (orbit,) = oem.read(paths[1], epoch=RUN)
     sets = tmp_path / "sets.tle"
-    sets.write_text(capsys.readouterr().out)
+    tle.write(sets, ephemeris_elements.fit_elements(orbit, epoch=RUN), ObjectId("SAT", number=77))
     assert cli.main(["screen", str(paths[0]), str(sets), "--within", "900"]) == 0
     lines = capsys.readouterr().out.splitlines()[1:]
     assert lines
