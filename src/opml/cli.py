@@ -219,24 +219,6 @@ def _docs(options: argparse.Namespace) -> None:
     print(manual.page(options.page) if options.page else manual.contents())
 
 
-def _add_nothing(parser: argparse.ArgumentParser) -> None:
-    """Add no argument to a command that has none."""
-
-
-def _tables(_: argparse.Namespace) -> None:
-    from opml import tables
-    from opml.learning.models import learners
-
-    print(tables.tables_page(learners.schemas()))
-
-
-def _settings(_: argparse.Namespace) -> None:
-    from opml.study.settings import documents
-
-    documents.write()
-    print(f"{documents.SCHEMA} and {documents.KEYS} are written")
-
-
 def _add_pack(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--configfile", nargs="*", default=[], help="files of settings that the run had")
     parser.add_argument(
@@ -262,8 +244,6 @@ COMMANDS = (
     Command("day", "run a morning of all objects that are measured", _add_day, _day),
     Command("docs", "list the pages of the documentation, or print one", _add_docs, _docs),
     Command("table", "print what a table holds, or all of it as CSV", _add_table, _table),
-    Command("tables", "print the page that describes every table, column by column", _add_nothing, _tables),
-    Command("settings", "write schema and tables of settings from their models", _add_nothing, _settings),
     Command("pack", "pack a finished run into one archive that tells its making", _add_pack, _pack),
 )
 """The subcommands, in the order of the help."""

@@ -11,7 +11,6 @@ from support import REPOSITORY
 
 import opml
 from opml.environment import solar_activity
-from opml.study.settings import documents
 
 LINK = re.compile(r"\]\((?!\w+:|#)([^)\s#]+)")
 PAGES = [
@@ -30,12 +29,10 @@ NOT_BY_HAND = {"data.md", "reference.md", "changes.md", "contributing.md"}
 
 @pytest.mark.parametrize("folder", ["src/opml", "workflow"])
 def test_what_is_printed_names_pages_as_installed_users_have_them(folder):
-    ours = {"tables/page.py", "study/settings/documents.py"}  # they write the pages themselves
     for path in (REPOSITORY / folder).rglob("*.py"):
         text = path.read_text(encoding="utf-8")
         docstrings = re.compile(r'^ *""".*?"""$|^ *#.*$', re.DOTALL | re.MULTILINE)
-        if path.relative_to(REPOSITORY / folder).as_posix() not in ours:
-            assert "docs/" not in docstrings.sub("", text), path
+        assert "docs/" not in docstrings.sub("", text), path
         for page in re.findall(r"`opml docs ([a-z]+)`", text):
             assert (REPOSITORY / "docs" / f"{page}.md").is_file(), path
 
@@ -119,10 +116,6 @@ SETTINGS = (REPOSITORY / "config" / "README.md").read_text(encoding="utf-8")
 
 
 KEYS = (REPOSITORY / "config" / "keys.md").read_text(encoding="utf-8")
-
-
-def test_the_page_of_keys_is_that_of_the_models():
-    assert documents.keys_page() == KEYS, "opml settings"
 
 
 def test_every_setting_of_the_tables_has_a_sentence():

@@ -62,11 +62,6 @@ def test_a_sheet_of_random_rsos_is_read_as_one(tmp_path, capsys):
     assert list(read_rsos(tmp_path / "rsos.tsv")) == ["sat01", "sat02", "sat03"]
 
 
-def test_the_page_of_tables_is_the_one_in_the_docs(capsys):
-    assert cli.main(["tables"]) == 0
-    assert capsys.readouterr().out == (REPOSITORY / "docs" / "data.md").read_text(encoding="utf-8")
-
-
 def test_every_page_of_the_documentation_is_listed_and_printed(capsys):
     assert cli.main(["docs"]) == 0
     listed = dict(re.findall(r"^  (\w+) +(.+)$", capsys.readouterr().out, re.MULTILINE))

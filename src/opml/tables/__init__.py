@@ -62,9 +62,6 @@ from opml.tables.morning_tables import (
     SIZES,
     paths_schema,
 )
-from opml.tables.page import (
-    tables_page,
-)
 from opml.tables.parquet import (
     read_kind,
     read_measured,

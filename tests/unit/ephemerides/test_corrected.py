@@ -22,6 +22,7 @@ from opml.ephemerides.task import Task, departures
 from opml.figures import later_errors
 from opml.interop import oem
 from opml.interop.element_sets import baseline
+from opml.interop.object_ids import ObjectId
 from opml.learning.judge.error_sizes import Sizes
 from opml.learning.models.linear_law import LinearLaw
 from opml.orbits.elements import cartesian_from_coe, in_rsw
@@ -317,7 +318,8 @@ def test_an_oem_holds_the_table_to_its_digits(table, tmp_path):
 
 def test_each_ephemeris_is_a_message(table, tmp_path):
     each = [rows for _, rows in table.groupby("i")]
-    oem.write_each(tmp_path / "c_oem", each, "corrected", rso="iss", epoch=EPOCH, comment="of mornings")
+    told = {"identity": ObjectId("iss"), "epoch": EPOCH, "comment": "of mornings"}
+    oem.write_each(tmp_path / "c_oem", each, "corrected", **told)
     paths = sorted((tmp_path / "c_oem").iterdir())
     # 0.3 and 0.61 days after the epoch.
     assert [path.name for path in paths] == ["2016-09-28T192145Z.oem", "2016-09-29T024809Z.oem"]

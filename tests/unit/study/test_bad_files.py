@@ -1,4 +1,4 @@
-"""Data files and cells of the sheets made wrong, one at a time: each is told in one line that names it."""
+"""Files, cells of the sheets and settings made wrong, one at a time: each is told in one line."""
 
 import contextlib
 import re
@@ -6,7 +6,7 @@ import shutil
 
 import pytest
 from data_files import sound_files
-from support import REPOSITORY
+from support import REPOSITORY, paper_source
 
 from opml.base.errors import InputError
 from opml.study import checks
@@ -144,3 +144,63 @@ def test_a_wrong_cell_is_told_in_one_line(project, sheet, column, text):
     row[column] = text
     path.write_text("\n".join([*before, "\t".join(row)]) + "\n")
     assert refusal(project).startswith(f"config/{sheet}.tsv: ")
+
+
+LEARNERS = ", ".join(paper_source().values["learners"])
+ENTRIES = [
+    ("{train: random-80}", "mine.test: expected a value, got none"),
+    (
+        "{train: random-80, test: rst}",
+        "mine.test: expected seen, rest, days-<first>-<last> or days-<first>-<last>-unseen, got 'rst'",
+    ),
+    (
+        "{train: days-0-30, test: days-40-60}",
+        "mine.test: split 'days-40-60': expected ascending days up to duration_days, 50, got 40 and 60",
+    ),
+    (
+        "{train: random-80, test: rest, learner: forest}",
+        f"mine.learner: learner 'forest': expected one of {LEARNERS}; an svr may end in _s<kernel scale>",
+    ),
+    (
+        "{train: random-80, test: rest, target: iss_i181}",
+        "mine.target: RSO 'iss_i181': inclination: expected a number of at least 0 and at most 180, "
+        "got '181'",
+    ),
+]
+OVERLAYS = [
+    (
+        {"epoch": "1998-08-20T12:09:45"},
+        "environment.solar_activity: MSAFE reaches from 1998-09-01 to 2041-10-01, "
+        "this run needs 1998-08-20 to 1998-10-09; for other dates give the path of a bulletin",
+    ),
+    ({"epoch": "2016-02-30T00:00:00"}, "epoch: expected an instant that exists"),
+    ({"epoch": "1957-10-04T19:28:34"}, "finals2000A"),
+    ({"environment": {"ephemerides": "week.bsp"}}, "week.bsp: "),
+    ({"environment": {"gravity_field": "none.gfc"}}, "none.gfc: expected an ICGEM file"),
+    ({"environment": {"solar_activity": "none.txt"}}, "none.txt: expected a table"),
+    ({"force_models": {"truth": {"degree": 71, "order": 71}}}, "EGM2008: degree: expected 0 to 70, got 71"),
+]
+
+
+@pytest.mark.parametrize(("entry", "message"), ENTRIES, ids=["no test", "test", "days", "learner", "target"])
+def test_a_wrong_experiment_is_told_in_one_line(project, entry, message):
+    (project / "mine.yaml").write_text(f"study: {{extends: [paper], evaluations: {{mine: {entry}}}}}\n")
+    assert refusal(project, ["mine.yaml"]) == f"mine.yaml: study.evaluations.{message}"
+
+
+@pytest.mark.parametrize(
+    ("overlay", "beginning"),
+    OVERLAYS,
+    ids=["before the bulletin", "no day", "before the finals", "week", "no field", "no sun", "degree"],
+)
+def test_data_that_do_not_reach_far_enough_are_told_in_one_line(project, overlay, beginning):
+    sound_files(project)  # a kernel of ten days, for a run of fifty
+    assert refusal(project, on_top=Layer(COMMAND_LINE, overlay)).startswith(beginning)
+
+
+def test_limits_of_elevation_that_are_swapped_are_told(project):
+    path = project / "config" / "stations.tsv"
+    path.write_text(path.read_text().replace("\t1\t90\t32.1", "\t90\t1\t32.1"))
+    assert refusal(project) == (
+        "config/stations.tsv: eglin: min_elevation_deg: expected less than max_elevation_deg, got 90 and 1"
+    )

@@ -7,7 +7,6 @@ import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
 import pytest
-from support import REPOSITORY
 
 from opml import tables
 from opml.base.errors import InputError
@@ -185,12 +184,6 @@ def test_model_schema_follows_the_variables(tmp_path):
     frame = pd.DataFrame({"dual_coef": [1.0], "duration": [0.5], "gap": [-0.5]})
     write_table(tmp_path / "t", frame, schema, metadata={"variables": ["duration", "gap"]})
     pd.testing.assert_frame_equal(read_table(tmp_path / "t", schema), frame, check_column_type=False)
-
-
-def test_data_page_describes_the_schemas():
-    page = REPOSITORY / "docs" / "data.md"
-    expected = tables.tables_page(learners.schemas()) + "\n"
-    assert page.read_text() == expected, "run: opml tables > docs/data.md"
 
 
 FORMULAS = ["=1+1", "+cmd|' /C calc'!A1", "-2+3", "@SUM(A1)", "\t=1"]

@@ -1,7 +1,6 @@
 """The learners by `kind`, and what can be done with any of them.
 
 A kind is declared by a `Learner` in its own module and named in `LEARNERS`; docs/howto.md shows how.
-`opml tables` prints docs/data.md.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence

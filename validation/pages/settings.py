@@ -1,7 +1,4 @@
-"""What is written of the settings from their models: the schema that editors read, and a page of their keys.
-
-``opml settings`` writes both, in the project's folder.
-"""
+"""What is written of the settings from their models: the schema that editors read, and a page of keys."""
 
 import json
 from collections.abc import Iterator
@@ -59,8 +56,8 @@ _PARTS = (
 
 _TOP = """# Settings, key by key
 
-Written by `opml settings` from the models that check them. How files of settings are laid over each other:
-[settings](README.md).
+Written by `python -m validation.pages` from the models that check them. How files of settings are laid over
+each other: [settings](README.md).
 """
 
 _ONLY_IN_TABLES = ("unit", "see", "shared", "placeholder")
@@ -143,9 +140,3 @@ def _words(node: TypeSchema) -> str:
     if names := choices(node) or choices(node.get("properties", {}).get("kind", {})):
         return ", ".join(f"`{name}`" for name in names)
     return {"boolean": "`true`, `false`", "number": "a number"}.get(node.get("type", ""), "")
-
-
-def write() -> None:
-    """Write the schema and the page of keys of the project in the present folder."""
-    SCHEMA.write_text(editor_schema(), encoding="utf-8")
-    KEYS.write_text(keys_page(), encoding="utf-8")

@@ -1,0 +1,1 @@
+"""Pages and the schema that are written from what the package declares: `python -m validation.pages`."""

@@ -1,0 +1,17 @@
+"""Write docs/data.md, config/keys.md and the schema of settings: `python -m validation.pages`."""
+
+from opml.base.files import replacing
+from validation.case import ROOT
+from validation.pages import settings, tables
+
+PAGES = {
+    tables.PAGE: tables.tables_page,
+    settings.KEYS: settings.keys_page,
+    settings.SCHEMA: settings.editor_schema,
+}
+
+if __name__ == "__main__":
+    for path, text in PAGES.items():
+        with replacing(ROOT / path) as temporary:
+            temporary.write_text(text(), encoding="utf-8")
+        print(f"{path} is written")
