@@ -1,6 +1,7 @@
 """The command `opml`: a new project, lines for the sheet of RSOs, pages, tables, a run as an archive."""
 
 import argparse
+import io
 import logging
 import os
 import sys
@@ -27,6 +28,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a subcommand; return the exit code, 1 after one line that tells what is wrong."""
     logging.basicConfig(format="opml: %(message)s")
     options = _parser().parse_args(arguments)
+    if isinstance(sys.stdout, io.TextIOWrapper):  # of names that the terminal has no letters for
+        sys.stdout.reconfigure(errors="backslashreplace")
     try:
         options.run(options)
         sys.stdout.flush()

@@ -1,6 +1,7 @@
 """The command `opml`: what it writes, and when it refuses to."""
 
 import csv
+import io
 import os
 import re
 import sys
@@ -60,6 +61,27 @@ def test_a_sheet_of_random_rsos_is_read_as_one(tmp_path, capsys):
     assert cli.main(["sheet", "--count", "3", "--seed", "7", "--prefix", "sat"]) == 0
     (tmp_path / "rsos.tsv").write_text(capsys.readouterr().out)
     assert list(read_rsos(tmp_path / "rsos.tsv")) == ["sat01", "sat02", "sat03"]
+
+
+@pytest.mark.parametrize(
+    ("count", "prefix", "told"),
+    [
+        ("-1", "sat", "--count: expected a whole number from 1, got -1"),
+        ("2", "../x", "--prefix: expected lower-case letters and digits, a letter first, got '../x'"),
+    ],
+)
+def test_a_sheet_that_none_could_read_is_not_drawn(count, prefix, told, capsys):
+    assert cli.main(["sheet", "--count", count, "--seed", "7", "--prefix", prefix]) == 1
+    assert capsys.readouterr() == ("", f"opml: {told}\n")
+
+
+def test_a_terminal_without_the_letters_of_a_name_shows_others(table, monkeypatch):
+    path = table[0].with_name("müll.parquet")
+    table[0].rename(path)
+    written = io.BytesIO()
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(written, "ascii"))
+    assert cli.main(["table", str(path)]) == 0
+    assert b"m\\xfcll.parquet: oracle" in written.getvalue()
 
 
 def test_every_page_of_the_documentation_is_listed_and_printed(capsys):

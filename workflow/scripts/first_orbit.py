@@ -4,7 +4,7 @@ from opml.catalog.fit import fixes
 from opml.catalog.fit.estimation import Estimation
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.flight import Flight
-from opml.interop import first_state
+from opml.interop import first_state, object_ids
 from opml.orbits.sheets import Station
 from opml.tables import read_measured, write_table
 from opml.workflow.job_settings import JobSettings
@@ -16,6 +16,7 @@ with job(snakemake) as metadata:
     if files.start:
         first = read_measured(files.tracking)["t"].iloc[0]
         known = first_state.read(files.start, epoch=settings.epoch, t=first)
+        metadata |= object_ids.facts(first_state.identity(files.start))
     else:
         known = first_orbit.of_sheet(flight.rso, flight.model.gm)
     measured = fixes.read(files, [Station(**station) for station in settings.stations])

@@ -32,6 +32,7 @@ _LOWER = [(row, column) for row in range(6) for column in range(row + 1)]
 _ROUGH_MISS = 0.01  # of a miss that the states of a message may be off, as they are rounded
 _UNIT = re.compile(r"\s*\[([^\]]*)\]$")
 _RADIUS = re.compile(r"^\s*COMMENT\s+HBR\s*=\s*(\S+?)\s*(?:\[(\w+)\])?\s*$", re.MULTILINE)
+_LONGEST = 60  # letters of a name in that of a file
 _METRES = {"": 1.0, "m": 1.0, "km": 1e3}
 
 
@@ -78,8 +79,8 @@ def write_all(folder: FilePath, conjunctions: Iterable[Conjunction], *, epoch: s
 
 def _name(conjunction: Conjunction, epoch: str) -> str:
     (tca,) = ccsds.utc_texts(epoch, np.array([conjunction.t]))
-    name = f"{conjunction.first.identity.name}_{conjunction.second.identity.name}_{re.sub('[-:.]', '', tca)}"
-    return re.sub(r"[^\w.+-]", "-", name).lstrip(".")
+    names = (one.identity.name[:_LONGEST] for one in (conjunction.first, conjunction.second))
+    return re.sub(r"[^\w.+-]", "-", "_".join([*names, re.sub("[-:.]", "", tca)])).lstrip(".")
 
 
 def _lines(conjunction: Conjunction, epoch: str) -> Iterator[str]:

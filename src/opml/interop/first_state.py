@@ -7,6 +7,7 @@ import numpy as np
 from opml.base.files import FilePath
 from opml.interop import ccsds, oem
 from opml.interop.element_sets import mean_elements
+from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import MOST_APART, contents
 from opml.interop.orbit_from_files import OrbitFiles, is_orbit, whole_arcs
 from opml.tables import STATE
@@ -46,6 +47,17 @@ def read(path: FilePath, *, epoch: str, t: float) -> tuple[float, np.ndarray]:
     satellite, start = mean_elements.read(path), ccsds.utc_texts(epoch, np.array([t]))[0]
     mean_elements.check_age(satellite, start)
     return t, mean_elements.state(satellite, epoch=start)
+
+
+def identity(path: FilePath) -> ObjectId:
+    """Return what a file with a state tells of its object. Raises InputError as `check` does."""
+    content = contents(path)
+    if oem.matches(content):
+        return oem.read(path, epoch=_ANY)[0].identity
+    if is_orbit(content):
+        return whole_arcs(OrbitFiles([path], _ANY, 0.0))[0].identity
+    (one,) = mean_elements.read_sets(path)
+    return ObjectId.of(one.name, one.designator, str(one.number))
 
 
 def _nearest(files: OrbitFiles, t: float) -> tuple[float, np.ndarray]:

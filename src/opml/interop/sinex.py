@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop.orbit_arcs import contents, line_error, numbers
@@ -20,6 +21,7 @@ _TIME = re.compile(r"(\d\d):(\d{3}):(\d{5})", re.ASCII)
 _AXES, _WIDTH = 45, 9
 """First column of an eccentricity, and columns of each axis."""
 
+_LONGEST_YEAR = 366  # days
 _CENTURY = 50
 """Years of two digits up to this one are of this century, later ones of the last."""
 
@@ -111,5 +113,7 @@ def _date(path: FilePath, line: int, text: str) -> pd.Timestamp:
     year, day, second = map(int, match.groups())
     if (year, day, second) == (0, 0, 0):
         return pd.NaT
+    if day > _LONGEST_YEAR or second > DAY:
+        raise line_error(path, line, "a day of the year and a second of the day", text)
     first = pd.Timestamp(year + (2000 if year <= _CENTURY else 1900), 1, 1)
     return first + pd.Timedelta(days=day - 1, seconds=second)

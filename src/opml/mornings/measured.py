@@ -79,7 +79,8 @@ def read(
     known = manoeuvres.at_times(source.manoeuvres, epoch=span.epoch)
     if source.kind == "tracks":
         found = tdm.measurements(source.files, epoch=span.epoch)
-        return Found(measured_tracks.tracks(found[found["t"] >= since], stations), known)
+        tracking = measured_tracks.tracks(found[found["t"] >= since], stations)
+        return Found(tracking, known, first_state.identity(source.start) if source.start else UNKNOWN)
     if source.kind == "fixes":
         files = OrbitFiles(source.files, span.epoch, span.duration)
         sampling = points_from_files.Sampling(source.taking["sigmas"], source.taking["every_s"])

@@ -3,7 +3,9 @@
 import numpy as np
 
 from opml.base.constants import WGS84_A
+from opml.base.errors import InputError
 from opml.base.seeds import derive
+from opml.orbits.sheets import NAME
 
 _COLUMNS = (
     "name",
@@ -43,6 +45,13 @@ def draw(name: str, seed: int) -> list[str]:
 
 
 def sheet(prefix: str, count: int, seed: int) -> str:
-    """Return a sheet of `count` RSOs, whose names are `prefix` and a number from 01 on."""
+    """Return a sheet of `count` RSOs, whose names are `prefix` and a number from 01 on.
+
+    Raises InputError for no count, and for a prefix that no name has.
+    """
+    if count < 1:
+        raise InputError(f"--count: expected a whole number from 1, got {count}")
+    if not NAME.fullmatch(prefix):
+        raise InputError(f"--prefix: expected lower-case letters and digits, a letter first, got {prefix!r}")
     lines = [_COLUMNS, *(draw(f"{prefix}{number:02d}", seed) for number in range(1, count + 1))]
     return "".join("\t".join(line) + "\n" for line in lines)

@@ -15,7 +15,9 @@ from opml import naming
 from opml.base.constants import WGS84_A
 from opml.base.errors import InputError
 
-_NAME = re.compile(r"[a-z][a-z0-9]*")
+NAME = re.compile(r"[a-z][a-z0-9]*")
+"""Names in sheets."""
+
 
 LOWEST_PERIGEE = 120e3
 """Lower limit of the atmosphere model [m] (DTM2000: from 120 km up)."""
@@ -268,7 +270,7 @@ def _odd(found: Iterable[str], expected: Iterable[str], optional: Iterable[str])
 
 def _check_name(where: str, name: str, numbers: Mapping[str, int]) -> None:
     """Raise InputError for a misspelt or repeated name; `numbers` are the lines of the names so far."""
-    if not _NAME.fullmatch(name):
+    if not NAME.fullmatch(name):
         raise InputError(f"{where}: expected lower-case letters and digits, a letter first, got {name!r}")
     if name in numbers:
         raise InputError(

@@ -203,7 +203,10 @@ class Inputs:
             return [self._element_sets(wildcards)]
         if rso in plan.fixes:
             return [plan.product(f"tracking/{rso}/{naming.FIXES}").table]
-        return [plan.product(f"truth/{rso}").table] if rso in plan.orbits else []
+        if rso in plan.orbits:
+            return [plan.product(f"truth/{rso}").table]
+        started = rso in plan.settings.starts
+        return [plan.product(f"starts/{rso}/{wildcards.stations}").table] if started else []
 
     def _element_sets(self, wildcards: Wildcards) -> str:
         return self.plan.product(f"element_sets/{wildcards.rso}").table

@@ -20,6 +20,7 @@ from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.truth import kepler_orbit
 from opml.interop import first_state, oem, tdm
+from opml.interop.object_ids import ObjectId
 from opml.tables import STATE
 
 
@@ -158,13 +159,16 @@ def test_a_state_is_read_from_mean_elements_at_the_time_asked_for(tmp_path):
     t, state = first_state.read(tmp_path / "iss.tle", epoch=EPOCH, t=3600.0)
     assert t == 3600.0
     assert 6.7e6 < np.linalg.norm(state[:3]) < 6.9e6
+    assert first_state.identity(tmp_path / "iss.tle") == ObjectId("", "1998-067A", 25544)
     with pytest.raises(InputError, match="at most 30 days"):
         first_state.read(tmp_path / "iss.tle", epoch=EPOCH, t=40 * DAY)
 
 
 def test_the_nearest_state_of_a_message_is_taken(orbit, tmp_path):
     part = orbit.iloc[::180]
-    oem.write(tmp_path / "iss.oem", oem.truth_segments(part, rso="iss"), epoch=EPOCH)
+    told = ObjectId("iss", "1998-067A")
+    oem.write(tmp_path / "iss.oem", oem.segments_of(part, "truth", told), epoch=EPOCH)
+    assert first_state.identity(tmp_path / "iss.oem") == told
     t, state = first_state.read(tmp_path / "iss.oem", epoch=EPOCH, t=4000.0)
     assert t == 3600.0
     assert state.tolist() == part[STATE].iloc[1].tolist()
@@ -176,6 +180,7 @@ def test_the_nearest_state_of_positions_is_taken(tmp_path, earth_orientation, is
     states = orbit_files.flown(orbit_files.attraction_of(earth_orientation), known[0], at)
     orbit_files.cpf(tmp_path / "iss.cpf", at, orbit_files.in_itrf(states, at, earth_orientation))
     first_state.check(tmp_path / "iss.cpf")
+    assert first_state.identity(tmp_path / "iss.cpf") == ObjectId("larets", number=27944)
     for t, nearest in ((3000.0, 25), (1e6, 30)):
         found, state = first_state.read(tmp_path / "iss.cpf", epoch=EPOCH, t=t)
         assert found == pytest.approx(at[nearest], abs=1e-3)

@@ -69,6 +69,15 @@ def test_the_command_prints_a_line_of_each_and_writes_messages(files, tmp_path, 
     assert capsys.readouterr().out == ",".join(as_text.table([], epoch=EPOCH).columns) + "\n"
 
 
+def test_a_message_of_a_long_name_has_a_file(files, tmp_path):
+    paths, *_ = files
+    (segment,) = oem.read(paths[1], epoch=EPOCH)
+    oem.write(tmp_path / "long.oem", [replace(segment, name="N" * 300)], epoch=EPOCH)
+    folder = tmp_path / "messages"
+    assert cli.main(["screen", str(paths[0]), str(tmp_path / "long.oem"), "--messages", str(folder)]) == 0
+    assert list(folder.iterdir())
+
+
 def test_mean_elements_have_no_covariance_and_it_is_said(files, tmp_path, capsys):
     """The set is SGP4 fitted to the second object, which ours meets."""
     paths, *_ = files

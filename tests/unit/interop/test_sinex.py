@@ -67,6 +67,7 @@ def test_eccentricities_are_read_where_their_numbers_touch(tmp_path):
         ("read_coordinates", "-SOLUTION/EST", "-SOL/EST", "expected a block +SOLUTION/ESTIMATE to"),
         ("read_coordinates", "m/y  2 0.51", "m/s  2 0.51", "line 14: expected VELZ in m/y, got m/s"),
         ("read_coordinates", "10:001:00000 m", "10-001-00000 m", "line 9: expected a time YY:DDD:SSSSS"),
+        ("read_coordinates", "10:001:00000 m", "10:400:00000 m", "line 9: expected a day of the year and a"),
         ("read_coordinates", "0.50433", "o.50433", "line 10: expected a finite number, got o.50433"),
         ("read_coordinates", "3 STAZ", "3 STAW", "expected stations with all of station, point,"),
         ("read_coordinates", " 99:007:13417", "", "line 4: expected 7 words or more in SOLUTION/EPOCHS"),
