@@ -23,8 +23,8 @@ FEWEST = 7
 PAST = 14.0 * DAY
 """How far back intervals are looked at [s]."""
 
-LEAST_INSIDE = 0.75
-"""Share of these that intervals of 90 % have to hold."""
+LEAST_INSIDE = 0.85
+"""Share of these that intervals of 90 % have to hold, on each day ahead."""
 
 RARE = 3.0
 """Standard deviations that one of the newest errors hardly reaches by chance: drag rises, say."""
@@ -79,11 +79,24 @@ def verdict(
         return Verdict(WIDE, f"{mornings} mornings were judged, fewer than {FEWEST}")
     if not recent.any():
         return Verdict(WIDE, f"nothing was judged in the last {PAST / DAY:.0f} days")
-    share = float(np.mean(off[recent] < INSIDE))
+    share, day = _least_inside(off[recent], flown["duration"].to_numpy(float)[recent])
     most = off[newest].max(initial=0.0)
     if share >= LEAST_INSIDE and most > RARE:
         return Verdict(WIDE, f"one of the newest estimates is {most:.1f} sigma off the ephemeris before")
     return Verdict(
         GOOD if share >= LEAST_INSIDE else WIDE,
-        f"its {100 * LEVEL:g} % intervals held {100 * share:.0f} % of the last days' errors",
+        f"its {100 * LEVEL:g} % intervals held {100 * share:.0f} % of the last errors on day {day:.0f} ahead",
     )
+
+
+def _least_inside(off: np.ndarray, duration: np.ndarray) -> tuple[float, float]:
+    """Return the least share inside intervals of a day ahead, and its number.
+
+    off: (n,) in standard deviations
+    duration: (n,) [s]
+
+    Days of few errors count only where no day has many.
+    """
+    shares = pd.Series(off < INSIDE).groupby(np.ceil(duration / DAY)).agg(["mean", "size"])
+    known = shares[shares["size"] >= min(FEWEST, shares["size"].max())]["mean"]
+    return float(known.min()), float(known.idxmin())

@@ -102,6 +102,14 @@ def test_what_was_not_flown_has_no_say():
     assert verdict(pd.concat([past, other]), start(), now=NOW) == verdict(past, start(), now=NOW)
 
 
+def test_intervals_have_to_hold_on_each_day_ahead():
+    past = judged(sigma=100.0)
+    fifth = np.ceil(past["duration"] / DAY) == 5.0
+    found = verdict(past.assign(e_y=past["e_y"].mask(fifth, 1e5)), start(), now=NOW)
+    assert found.word == WIDE
+    assert found.reason.endswith("held 0 % of the last errors on day 5 ahead")
+
+
 @pytest.mark.parametrize("alike", [False, True])
 def test_the_sizes_of_a_morning_come_back_from_its_row(alike):
     past = replays(days=20, a_morning=1).assign(model="fit96", alike=alike)
