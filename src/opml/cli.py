@@ -121,10 +121,32 @@ def _screen(options: argparse.Namespace) -> None:
         print(as_text.text(table))
 
 
+def _add_compare(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("ours", help="an orbit: OEM, SP3, CPF, CSV of points, TLE or OMM")
+    parser.add_argument("other", nargs="+", help="another, such as the truth, in one file or several")
+    parser.add_argument("--object", help="name or number of the object in the first, where it has several")
+    parser.add_argument("--other-object", help="the same of the second")
+    parser.add_argument("-o", "--output", help="every time: .csv, .json or .parquet")
+
+
+def _compare(options: argparse.Namespace) -> None:
+    from opml import tables
+    from opml.conjunctions import comparison
+
+    if options.output:
+        tables.check_suffix(options.output)
+    ours = comparison.read([options.ours], options.object)
+    table = comparison.compare(ours, comparison.read(options.other, options.other_object))
+    if options.output:
+        metadata = {"ours": options.ours, "other": options.other}
+        tables.write_as(options.output, table, "comparison", metadata=metadata)
+    print(comparison.summary(table))
+
+
 def _add_improve(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("sets", nargs="+", help="files and folders of TLEs or OMMs (JSON, CSV, XML, KVN)")
     parser.add_argument("-o", "--output", required=True, help="better sets: .tle, .json, .csv, .xml or .kvn")
-    parser.add_argument("--table", help="what was done, and the errors expected: .parquet or .csv")
+    parser.add_argument("--table", help="what was done, and the errors expected: .csv, .json or .parquet")
     parser.add_argument("--date", help="UTC, as 2026-07-15T06:00:00: only what was public then counts (now)")
     parser.add_argument("--latency", type=float, help="hours from epoch to publication (6; 0 without --date)")
     parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
@@ -240,6 +262,7 @@ COMMANDS = (
     Command("sheet", "print a sheet of RSOs drawn at random", _add_sheet, _sheet),
     Command("improve", "make element sets better by what a catalogue teaches", _add_improve, _improve),
     Command("train", "learn from element sets what makes them better", _add_train, _train),
+    Command("compare", "tell how far two orbits are apart", _add_compare, _compare),
     Command("screen", "find close approaches of ephemerides", _add_screen, _screen),
     Command("day", "run a morning of all objects that are measured", _add_day, _day),
     Command("docs", "list the pages of the documentation, or print one", _add_docs, _docs),

@@ -19,7 +19,7 @@ import pandas as pd
 
 from opml.base import epochs
 from opml.base.errors import InputError
-from opml.base.files import FilePath, replacing
+from opml.base.files import FilePath
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import density, features, pairs
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day, semi_major_axis
@@ -29,7 +29,7 @@ from opml.environment import knowledge
 from opml.environment.weather import Weather
 from opml.interop.element_sets import rewriting
 from opml.interop.element_sets.rewriting import Better
-from opml.tables import comma_separated, write_table
+from opml.tables import write_as
 
 PAST = 20
 """Mornings before the date whose predictions tell which model an object gets."""
@@ -99,12 +99,8 @@ class Improved:
         return rewriting.write(path, self.sets)
 
     def write_table(self, path: FilePath) -> None:
-        """Write the table as Parquet, or as CSV by the suffix."""
-        if Path(path).suffix.lower() == ".csv":
-            with replacing(path) as temporary:
-                comma_separated(self.table, temporary)
-        else:
-            write_table(path, self.table, "improved_sets", metadata={"date": self.date})
+        """Write the table as CSV, JSON or Parquet, by the suffix."""
+        write_as(path, self.table, "improved_sets", metadata={"date": self.date})
 
 
 def read(
