@@ -85,11 +85,14 @@ class Improved:
     table: `improved_sets`, a row an object
     sets: those of the table, as they are written
     date: UTC text
+    past: judged predictions of the mornings before: number, morning (modified Julian day), lead [d], error
+        (of SGP4), left (of it, by the way that the object's set is improved now), sigma [m]
     """
 
     table: pd.DataFrame
     sets: list[Better]
     date: str
+    past: pd.DataFrame
 
     def write(self, path: FilePath) -> int:
         """Write the sets in the format of the suffix; return how many it cannot hold.
@@ -147,7 +150,17 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
     )
     sets = [Better(one.file, one.line, one.motion, one.bstar) for one in table.itertuples(index=False)]
     progress(", ".join(f"{name} {count}" for name, count in table["applied"].value_counts().items()))
-    return Improved(table.drop(columns=["file", "line"]), sets, known.date)
+    way = table["applied"] + (": " + table["population"]).where(table["population"].ne(""), "")
+    past = _past(rows, ways, way.set_axis(table["number"]))
+    return Improved(table.drop(columns=["file", "line"]), sets, known.date, past)
+
+
+def _past(rows: pd.DataFrame, ways: Mapping[str, pd.DataFrame], way: pd.Series) -> pd.DataFrame:
+    """Return the judged rows with what their object's way leaves of the error."""
+    judged = rows[np.isfinite(rows["error"])]
+    past = judged[["morning", "error"]].join(_of_way(judged, ways, way), how="inner")
+    past["left"] = past["error"] - past["correction"]
+    return past[["number", "morning", "lead", "error", "left", "sigma"]].reset_index(drop=True)
 
 
 def replayed(known: PublicData, model: CatalogueModel, mornings: np.ndarray) -> pd.DataFrame:
@@ -225,8 +238,8 @@ def _table(
             "bstar_before": newest["bstar"],
         }
     )
-    for lead, part in chosen.groupby("lead"):
-        one = part.set_index("number").reindex(newest.index)
+    for lead in pairs.LEADS:
+        one = chosen[chosen["lead"] == lead].set_index("number").reindex(newest.index)
         table[f"sgp4_{lead}d"] = np.hypot(one["sigma"], one["correction"])
         table[f"sigma_{lead}d"] = one["sigma"]
     return table.assign(file=newest["file"], line=newest["line"]).reset_index(drop=True)
