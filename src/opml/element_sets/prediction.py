@@ -89,15 +89,12 @@ _COVARIANCE_EVERY = 10  # states
 class Prediction:
     """An object from a date on.
 
-    date: UTC text at which it begins, when the newest set was known
-    days: how long it is
-    improved, published: the newest set with the better numbers, and as it was
-    how: row of the table `improved_sets`: which way was used, and why
-    sizes: by lead [d]: r, s, w, standard deviations of the prediction, and sgp4, that of the published set
-        along the track [m]
-    past: judged predictions of the object that these rest on, as `improve.Improved.past`; of an object whose
-        set nothing improves, those of SGP4
-    better: the set as it is written
+    date: UTC text at which it begins, when the newest set was known; days: how long it is; improved,
+    published: the newest set with better numbers, and as it was; how: row of the table `improved_sets`;
+    sizes: by lead [d] r, s, w, standard deviations of the prediction, and sgp4, that of the published set
+    along the track [m]; past: judged predictions of the object that these rest on, as
+    `improve.Improved.past`, of an object whose set nothing improves those of SGP4; better: the set as it is
+    written.
     """
 
     identity: ObjectId

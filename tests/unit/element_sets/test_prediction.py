@@ -143,7 +143,7 @@ def test_the_command_writes_every_format(file, made, tmp_path, capsys):
     assert made.way in out
     assert made.reason in out
     (segment,) = oem.read(tmp_path / "mine.oem", epoch=DATE)
-    assert (segment.name, segment.object_id, segment.covariance_frame) == ("101", "101", "RSW")
+    assert (segment.name, segment.identity.number, segment.covariance_frame) == ("101", 101, "RSW")
     np.testing.assert_allclose(segment.states[60], made.states(made.t[60:61])[0], rtol=1e-12)
     np.testing.assert_allclose(segment.covariances[-1], made.covariance("2026-01-15T06:00:00"), rtol=1e-9)
     expected = made.expected()
