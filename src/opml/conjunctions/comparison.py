@@ -23,7 +23,7 @@ from opml.conjunctions.approaches import FEWEST, LONGEST_STEP, STEP, Path
 from opml.conjunctions.screening import EPOCH, covariances_at
 from opml.environment import earth_orientation, nodes
 from opml.interop import ccsds, fixes_csv, oem
-from opml.interop.element_sets import histories, omm
+from opml.interop.element_sets import histories
 from opml.interop.element_sets.mean_elements import MOST_DAYS
 from opml.interop.orbit_arcs import Arc, contents
 from opml.interop.orbit_curve import rotate_to_gcrf
@@ -171,7 +171,7 @@ def read(paths: Sequence[FilePath], wanted: str | None = None) -> Orbit:
     content = contents(paths[0])
     if is_orbit(content):
         return _of_orbit(paths, wanted, is_message=oem.matches(content))
-    if not _is_csv_of_points(content):
+    if not fixes_csv.matches(content):
         return _of_sets(paths, wanted)
     return _of_arcs([fixes_csv.read(path, contents(path), epoch=EPOCH)[0] for path in paths])
 
@@ -306,13 +306,6 @@ def _with_velocities(t: np.ndarray, states: np.ndarray) -> np.ndarray:
         return states
     curve = make_interp_spline(t - t[0], states[:, :3], k=min(_DEGREE, len(t) - 1 - len(t) % 2))
     return np.hstack([states[:, :3], curve.derivative()(t - t[0])])
-
-
-def _is_csv_of_points(content: bytes) -> bool:
-    """Return whether a file's first line has columns, and not those of mean elements."""
-    text = content.decode("utf-8", errors="replace")
-    first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
-    return "," in first and not omm.matches(text)
 
 
 def _of_sets(paths: Sequence[FilePath], wanted: str | None) -> Sets:

@@ -25,10 +25,12 @@ from opml.base.files import FilePath
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import improve, model
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
-from opml.interop import ccsds, oem
+from opml.interop import ccsds, fixes_csv, oem, tdm
 from opml.interop.element_sets import mean_elements, rewriting
 from opml.interop.element_sets.element_set import ElementSet, changed, elements_epoch
 from opml.interop.object_ids import ObjectId
+from opml.interop.orbit_arcs import contents
+from opml.interop.orbit_from_files import is_orbit
 from opml.orbits.elements import rsw_rotation
 from opml.orbits.rsw_covariance import rates, rsw_covariances
 from opml.tables import STATE
@@ -269,12 +271,10 @@ def predict(
 
 def _history(paths: Sequence[FilePath], wanted: str | None) -> list[ElementSet]:
     """Return the sets of one object in the order of their epochs."""
-    sets = [
-        one
-        for path in catalogues.find_files(paths)
-        for one in mean_elements.read_sets(path, damaged=[])
-        if one.number
-    ]
+    files = catalogues.find_files(paths)
+    for path in files:
+        _check_sets(path)
+    sets = [one for path in files for one in mean_elements.read_sets(path, damaged=[]) if one.number]
     sets.sort(key=lambda one: (elements_epoch(one.satellite), one.created))
     newest = {one.number: one for one in sets}
     named = {
@@ -288,6 +288,19 @@ def _history(paths: Sequence[FilePath], wanted: str | None) -> list[ElementSet]:
         expected = "--object for one of several objects" if wanted is None else f"one object {wanted}"
         raise InputError(f"{paths[0]}: expected {expected}, got {there or 'no set'}{more}")
     return [one for one in sets if one.number in named]
+
+
+def _check_sets(path: FilePath) -> None:
+    """Raise InputError for points and tracks, which a project fits."""
+    content = contents(path)
+    kinds = {
+        "points of an orbit: fit them": is_orbit(content) or fixes_csv.matches(content),
+        "tracks: fit them": tdm.matches(content),
+    }
+    for kind in (kind for kind, is_so in kinds.items() if is_so):
+        raise InputError(
+            f"{path}: expected element sets, got {kind} in a project, as `opml docs tracks` tells"
+        )
 
 
 def _known(one: ElementSet) -> str:
