@@ -203,7 +203,5 @@ POINTS = {
 def test_points_and_tracks_are_sent_to_where_they_are_fitted(kind, tmp_path):
     text, got = POINTS[kind]
     (tmp_path / "mine.txt").write_text(text)
-    with pytest.raises(
-        InputError, match=f"mine.txt: expected element sets, got {got}: fit them in a project"
-    ):
+    with pytest.raises(InputError, match=f"mine.txt: expected element sets, got {got}: fit them"):
         prediction.predict(tmp_path / "mine.txt")
