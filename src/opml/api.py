@@ -15,7 +15,7 @@ import pandas as pd
 
 from opml.base.constants import BODIES, DAY, HOUR
 from opml.base.errors import InputError
-from opml.base.files import project_file
+from opml.base.files import FilePath, project_file
 from opml.catalog.fit import estimation, fixes, laser_ranges, quarantine, start_states
 from opml.catalog.fit import measured_tracks as from_measurements
 from opml.catalog.fit.first import first_orbit as first_orbits
@@ -27,6 +27,8 @@ from opml.dynamics import forces
 from opml.dynamics.ensemble import Integrator
 from opml.dynamics.forces import Environment
 from opml.dynamics.kernels.surroundings import ForceModel
+from opml.element_sets import prediction as set_prediction
+from opml.element_sets.prediction import Prediction
 from opml.environment import (
     MARGIN_S,
     celestial_bodies,
@@ -59,7 +61,7 @@ from opml.readings.own_standardisation import as_tested
 from opml.study.settings import packaged
 from opml.tables import COMPONENTS, LEARNING_VARIABLES
 
-__all__ = ["Environment", "Flight", "InputError", "Integrator", "Rso", "Station"]
+__all__ = ["Environment", "Flight", "InputError", "Integrator", "Prediction", "Rso", "Station"]
 
 TRUTH: Mapping[str, Any] = packaged.RUN["force_models"]["truth"]
 """The paper's truth model, as options of `force_model`."""
@@ -394,6 +396,42 @@ def estimate(
 
 
 def predict(
+    sets: FilePath | Sequence[FilePath],
+    *,
+    days: float = 7.0,
+    object: str | int | None = None,
+    date: str | None = None,
+    weather: FilePath = "OBSERVED",
+    catalogue: Sequence[FilePath] = (),
+    trained: FilePath | None = None,
+) -> Prediction:
+    """Predict an object from its public element sets, with a covariance: SGP4 from its newest set, improved.
+
+    sets: files or folders of TLEs or OMMs; days: 7 at most; object: name, designator or number, of several;
+    date: UTC text, None for when the newest set was known; weather: OBSERVED, the packaged one, or a CSSI
+    file; catalogue: sets of other objects to compare with; trained: a model of ``opml train``.
+    Raises InputError for unreadable files, an object that is not there, days out of range, old weather.
+    Source: ``opml docs improve``.
+
+    >>> made = opml.predict("sets.tle", days=3)
+    >>> made.state("2026-01-09T00:00:00").shape, made.covariance("2026-01-09T00:00:00").shape
+    ((6,), (6, 6))
+    >>> made.to_oem("mine.oem")
+    >>> bool(made.to_pandas()["sigma_s"].is_monotonic_increasing)
+    True
+    """
+    return set_prediction.predict(
+        sets,
+        days=days,
+        object=object,
+        date=date,
+        weather=weather,
+        catalogue=catalogue,
+        trained=trained,
+    )
+
+
+def predict_tracks(
     flight: Flight, truth: pd.DataFrame | None, estimates: pd.DataFrame, *, max_days: float = 7.0
 ) -> pd.DataFrame:
     """Predict from each estimate to every later track start: the table `predictions`, with the true errors.
@@ -402,7 +440,7 @@ def predict(
     max_days: longest prediction. A pair that the arc does not reach has its reason.
     Source: sec. Orbit Prediction and Machine Learning Model of the Prediction Error.
 
-    >>> predictions = opml.predict(flight, truth, estimates)
+    >>> predictions = opml.predict_tracks(flight, truth, estimates)
     >>> bool((predictions["t_j"] > predictions["t_i"]).all())
     True
     """

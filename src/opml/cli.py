@@ -124,10 +124,32 @@ def _screen(options: argparse.Namespace) -> None:
         print(as_text.text(table))
 
 
+def _add_compare(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("ours", help="an orbit: OEM, SP3, CPF, CSV of points, TLE or OMM")
+    parser.add_argument("other", nargs="+", help="another, such as the truth, in one file or several")
+    parser.add_argument("--object", help="name or number of the object in the first, where it has several")
+    parser.add_argument("--other-object", help="the same of the second")
+    parser.add_argument("-o", "--output", help="every time: .csv, .json or .parquet")
+
+
+def _compare(options: argparse.Namespace) -> None:
+    from opml import tables
+    from opml.conjunctions import comparison
+
+    if options.output:
+        tables.check_suffix(options.output)
+    ours = comparison.read([options.ours], options.object)
+    table = comparison.compare(ours, comparison.read(options.other, options.other_object))
+    if options.output:
+        metadata = {"ours": options.ours, "other": options.other}
+        tables.write_as(options.output, table, "comparison", metadata=metadata)
+    print(comparison.summary(table))
+
+
 def _add_improve(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("sets", nargs="+", help="files and folders of TLEs or OMMs (JSON, CSV, XML, KVN)")
     parser.add_argument("-o", "--output", required=True, help="better sets: .tle, .json, .csv, .xml or .kvn")
-    parser.add_argument("--table", help="what was done, and the errors expected: .parquet or .csv")
+    parser.add_argument("--table", help="what was done, and the errors expected: .csv, .json or .parquet")
     parser.add_argument("--date", help="UTC, as 2026-07-15T06:00:00: only what was public then counts (now)")
     parser.add_argument("--latency", type=float, help="hours from epoch to publication (6; 0 without --date)")
     parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
@@ -148,6 +170,47 @@ def _improve(options: argparse.Namespace) -> None:
         better.write_table(options.table)
     beyond = f", {missing} without a number that a TLE has" if missing else ""
     print(f"{options.output}: {len(better.sets) - missing} sets{beyond}")
+
+
+def _add_predict(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("sets", nargs="+", help="files and folders of TLEs or OMMs (JSON, CSV, XML, KVN)")
+    parser.add_argument("-o", "--output", action="append", default=[], help=_PREDICTED)
+    parser.add_argument("--object", help="name, designator or number, where the files have several objects")
+    parser.add_argument("--days", type=float, default=7.0, help="how long (7)")
+    parser.add_argument("--date", help="UTC, as 2026-07-15T06:00:00 (when the newest set was known)")
+    parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
+    parser.add_argument("--catalogue", nargs="+", default=[], help="sets of other objects, to compare with")
+    parser.add_argument("--model", help="a model of `opml train` (that of the package)")
+    parser.add_argument("--station", action="append", default=[], help="latitude,longitude,altitude [deg, m]")
+
+
+_PREDICTED = (
+    "what is written, by suffix, as often as wanted: .oem, .tle, .kvn, .xml, .csv, .json, .czml, .html"
+)
+
+
+def _predict(options: argparse.Namespace) -> None:
+    from opml.element_sets import passes, prediction
+    from opml.workflow import predicted
+
+    predicted.check(options.output)
+    places = [passes.place(text) for text in options.station]
+    made = prediction.predict(
+        options.sets,
+        days=options.days,
+        object=options.object,
+        date=options.date,
+        weather=options.weather,
+        catalogue=options.catalogue,
+        trained=options.model,
+        progress=_say,
+    )
+    for path in options.output:
+        predicted.write(path, made, places)
+    print(f"{made.identity} from {made.date} UTC: {made.way}, flown by SGP4 ({made.reason})")
+    print(made.expected().to_string(index=False, float_format="{:.0f}".format))
+    for path in options.output:
+        print(f"{path} is written")
 
 
 def _add_train(parser: argparse.ArgumentParser) -> None:
@@ -241,8 +304,10 @@ COMMANDS = (
     Command("init", "write a project that can be run, with a study to begin with", _add_init, _init),
     Command("rso", "print the line of the sheet of RSOs for a file of mean elements", _add_rso, _rso),
     Command("sheet", "print a sheet of RSOs drawn at random", _add_sheet, _sheet),
+    Command("predict", "predict an object from its public element sets", _add_predict, _predict),
     Command("improve", "make element sets better by what a catalogue teaches", _add_improve, _improve),
     Command("train", "learn from element sets what makes them better", _add_train, _train),
+    Command("compare", "tell how far two orbits are apart", _add_compare, _compare),
     Command("screen", "find close approaches of ephemerides", _add_screen, _screen),
     Command("day", "run a morning of all objects that are measured", _add_day, _day),
     Command("docs", "list the pages of the documentation, or print one", _add_docs, _docs),

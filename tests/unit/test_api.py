@@ -12,6 +12,7 @@ from types import SimpleNamespace
 import laser_files
 import pandas as pd
 import pytest
+import sinking_histories
 from support import REPOSITORY, paper_values
 
 import opml
@@ -29,9 +30,10 @@ FUNCTIONS = [
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """A folder with the project's sheets and laser ranges, where examples may write."""
+    """A folder with the project's sheets, laser ranges and element sets, where examples may write."""
     shutil.copytree(REPOSITORY / "config", tmp_path / "config")
     laser_files.write(tmp_path)
+    sinking_histories.write(tmp_path / "sets.tle", range(101, 102), 49)
     monkeypatch.chdir(tmp_path)
 
 

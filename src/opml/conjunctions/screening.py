@@ -43,6 +43,22 @@ Span = tuple[float, float]
 """When something begins and ends [s]."""
 
 
+def covariances_at(known: np.ndarray, covariances: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """Return covariances (n, k, k) at times (n,) [s], linear between those known, NaN far from all.
+
+    known: (m,) ascending [s]; covariances: (m, k, k) in RSW
+    """
+    if not len(known):
+        return np.full((len(t), *covariances.shape[1:]), np.nan)
+    after = np.clip(np.searchsorted(known, t), 1, len(known) - 1) if len(known) > 1 else np.zeros(len(t), int)
+    before = np.maximum(after - 1, 0)
+    share = np.clip((t - known[before]) / np.maximum(known[after] - known[before], 1e-9), 0.0, 1.0)
+    share = share[:, None, None]
+    between = (1.0 - share) * covariances[before] + share * covariances[after]
+    is_near = (t >= known[0] - COVARIANCE_HELD) & (t <= known[-1] + COVARIANCE_HELD)
+    return np.where(is_near[:, None, None], between, np.nan)
+
+
 @dataclass(frozen=True, eq=False)
 class Trajectory:
     """Where an object is expected for a while, and how surely.
@@ -62,14 +78,8 @@ class Trajectory:
 
     def covariance(self, t: float) -> np.ndarray | None:
         """Return the covariance at a time [s], linear between those that are known; None far from all."""
-        known = self.covariance_t
-        if not len(known) or not known[0] - COVARIANCE_HELD <= t <= known[-1] + COVARIANCE_HELD:
-            return None
-        after = min(max(int(np.searchsorted(known, t)), 1), len(known) - 1)
-        before = max(after - 1, 0)
-        share = float(np.clip((t - known[before]) / max(known[after] - known[before], 1e-9), 0.0, 1.0))
-        between: np.ndarray = (1.0 - share) * self.covariances[before] + share * self.covariances[after]
-        return between
+        found = covariances_at(self.covariance_t, self.covariances, np.array([t]))[0]
+        return found if np.isfinite(found).all() else None
 
 
 @dataclass(frozen=True, eq=False)

@@ -115,7 +115,7 @@ def build(catalogue: ElementCatalogue, pairs: Pairs, air: Callable[[float], Morn
         age=rows["morning"].to_numpy() - sets["t"].to_numpy(),
         drag=np.log(np.maximum(scale - FLOOR * rows["tau"].to_numpy(), 1e-3)),
     )
-    groups = [made["morning"].where(made["is_fit"]), made["band"], made["lead"]]
+    groups = [made[name] for name in ("is_fit", "morning", "band", "lead")]
     # A set that is not there says nothing: as if it agreed with the others.
     apart = (found - found.groupby(groups).transform("median")).fillna(0.0).add_suffix("_apart")
     miss = ((made["error"] - made["density"]) / made["scale"]).where(made["is_fit"])

@@ -19,7 +19,7 @@ import pandas as pd
 
 from opml.base import epochs
 from opml.base.errors import InputError
-from opml.base.files import FilePath, replacing
+from opml.base.files import FilePath
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import density, features, pairs
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day, semi_major_axis
@@ -29,7 +29,7 @@ from opml.environment import knowledge
 from opml.environment.weather import Weather
 from opml.interop.element_sets import rewriting
 from opml.interop.element_sets.rewriting import Better
-from opml.tables import comma_separated, write_table
+from opml.tables import write_as
 
 PAST = 20
 """Mornings before the date whose predictions tell which model an object gets."""
@@ -85,11 +85,14 @@ class Improved:
     table: `improved_sets`, a row an object
     sets: those of the table, as they are written
     date: UTC text
+    past: judged predictions of the mornings before: number, morning (modified Julian day), lead [d], error
+        (of SGP4), left (of it, by the way that the object's set is improved now), sigma [m]
     """
 
     table: pd.DataFrame
     sets: list[Better]
     date: str
+    past: pd.DataFrame
 
     def write(self, path: FilePath) -> int:
         """Write the sets in the format of the suffix; return how many it cannot hold.
@@ -99,12 +102,8 @@ class Improved:
         return rewriting.write(path, self.sets)
 
     def write_table(self, path: FilePath) -> None:
-        """Write the table as Parquet, or as CSV by the suffix."""
-        if Path(path).suffix.lower() == ".csv":
-            with replacing(path) as temporary:
-                comma_separated(self.table, temporary)
-        else:
-            write_table(path, self.table, "improved_sets", metadata={"date": self.date})
+        """Write the table as CSV, JSON or Parquet, by the suffix."""
+        write_as(path, self.table, "improved_sets", metadata={"date": self.date})
 
 
 def read(
@@ -151,7 +150,17 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
     )
     sets = [Better(one.file, one.line, one.motion, one.bstar) for one in table.itertuples(index=False)]
     progress(", ".join(f"{name} {count}" for name, count in table["applied"].value_counts().items()))
-    return Improved(table.drop(columns=["file", "line"]), sets, known.date)
+    way = table["applied"] + (": " + table["population"]).where(table["population"].ne(""), "")
+    past = _past(rows, ways, way.set_axis(table["number"]))
+    return Improved(table.drop(columns=["file", "line"]), sets, known.date, past)
+
+
+def _past(rows: pd.DataFrame, ways: Mapping[str, pd.DataFrame], way: pd.Series) -> pd.DataFrame:
+    """Return the judged rows with what their object's way leaves of the error."""
+    judged = rows[np.isfinite(rows["error"])]
+    past = judged[["morning", "error"]].join(_of_way(judged, ways, way), how="inner")
+    past["left"] = past["error"] - past["correction"]
+    return past[["number", "morning", "lead", "error", "left", "sigma"]].reset_index(drop=True)
 
 
 def replayed(known: PublicData, model: CatalogueModel, mornings: np.ndarray) -> pd.DataFrame:
@@ -229,8 +238,8 @@ def _table(
             "bstar_before": newest["bstar"],
         }
     )
-    for lead, part in chosen.groupby("lead"):
-        one = part.set_index("number").reindex(newest.index)
+    for lead in pairs.LEADS:
+        one = chosen[chosen["lead"] == lead].set_index("number").reindex(newest.index)
         table[f"sgp4_{lead}d"] = np.hypot(one["sigma"], one["correction"])
         table[f"sigma_{lead}d"] = one["sigma"]
     return table.assign(file=newest["file"], line=newest["line"]).reset_index(drop=True)

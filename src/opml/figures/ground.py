@@ -73,14 +73,14 @@ def world(
     longitude, latitude, height = geodetic_places(orbit.itrf(rows))
     figure = page_figure(height_mm=108.0)
     axes = figure.add_subplot()
-    _draw_land(axes)
-    axes.plot(*_split_line(longitude, latitude), color=MUTED, lw=0.7, label="ground track")
+    draw_land(axes)
+    axes.plot(*split_line(longitude, latitude), color=MUTED, lw=0.7, label="ground track")
     is_tracked = rows["t"].isin(tracking["t"]).to_numpy()
     tracked = np.where(is_tracked, latitude, np.nan)
-    axes.plot(*_split_line(longitude, tracked), color=OBSERVED_COLOR, lw=1.8, label="tracked")
+    axes.plot(*split_line(longitude, tracked), color=OBSERVED_COLOR, lw=1.8, label="tracked")
     for k, station in enumerate(orbit.stations):
         _draw_station(axes, station, float(height.mean()), k)
-    _frame(axes)
+    frame(axes)
     begin = datetime.fromisoformat(epoch) + timedelta(days=first_day)
     day = f"24 h from {begin:%Y-%m-%d %H:%M} UTC (day {first_day:g})"
     legend(figure, columns=5, note=clauses(note, day, f"circles: in sight at {height.mean() / 1e3:.0f} km"))
@@ -123,20 +123,21 @@ def outlines() -> list[np.ndarray]:
     return [np.loadtxt(block.splitlines(), delimiter=",", comments="#") for block in blocks if block.strip()]
 
 
-def _draw_land(axes: Axes) -> None:
+def draw_land(axes: Axes) -> None:
+    """Draw land below all else."""
     for outline in outlines():
         axes.fill(*outline.T, facecolor=LAND_COLOR, edgecolor=MUTED, lw=0.3, zorder=0.5)
 
 
 def _draw_station(axes: Axes, station: Station, height: float, k: int) -> None:
     color = STATIONS[k % len(STATIONS)]
-    axes.plot(*_split_line(*circle(station, sight_angle(station, height))), color=color, lw=1.0, zorder=3.0)
+    axes.plot(*split_line(*circle(station, sight_angle(station, height))), color=color, lw=1.0, zorder=3.0)
     place = np.degrees([station.longitude, station.latitude])
     look: dict[str, Any] = {"ls": "", "color": color, "mec": "white", "mew": 0.5, "ms": 6.0, "zorder": 4.0}
     axes.plot(*place[:, None], marker=MARKERS[k % len(MARKERS)], label=station.name.capitalize(), **look)
 
 
-def _split_line(longitude: np.ndarray, latitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def split_line(longitude: np.ndarray, latitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return a line that ends where it leaves the map on one side, and goes on from the other."""
     jumps = np.flatnonzero(np.abs(np.diff(longitude)) > 180.0) + 1
     edge = np.copysign(180.0, longitude[jumps - 1])
@@ -150,7 +151,7 @@ def _split_line(longitude: np.ndarray, latitude: np.ndarray) -> tuple[np.ndarray
     )
 
 
-def _frame(axes: Axes) -> None:
+def frame(axes: Axes) -> None:
     """Show the whole Earth under a graticule of 30 degrees."""
     axes.set(xlim=(-180.0, 180.0), ylim=(-90.0, 90.0), aspect="equal")
     axes.set_xticks(np.arange(-180, 181, 30))

@@ -178,7 +178,12 @@ def _wrap(figure: Figure, note: str) -> str:
 def save(figure: Figure, path_pdf: FilePath, path_png: FilePath) -> None:
     """Write the figure as PDF and PNG, each whole or not at all; the same figure gives the same bytes."""
     _write(figure, path_pdf, "pdf", metadata={"CreationDate": None})
-    _write(figure, path_png, "png", metadata={"Software": None})
+    save_png(figure, path_png)
+
+
+def save_png(figure: Figure, path: FilePath) -> None:
+    """Write the figure as PNG alone, as `save` does."""
+    _write(figure, path, "png", metadata={"Software": None})
 
 
 def save_all(figures: Iterable[Figure], paths_pdf: Iterable[FilePath], paths_png: Iterable[FilePath]) -> None:

@@ -17,6 +17,7 @@ import numpy as np
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
+from opml.interop.element_sets import omm
 from opml.interop.orbit_arcs import Arc, NoSuchTime, check_ascending, line_error, numbers, seconds_since
 
 PASSED_OVER = "-"
@@ -31,6 +32,13 @@ _STATE = re.compile(r"(?P<axis>v?[xyz])_(?P<frame>itrf|gcrf)_(?P<unit>k?m(?:ps)?
 _SIGMA = re.compile(r"sigma_(?P<axis>v?[rsw])_(?P<unit>k?m(?:ps)?)")
 _GROUPS = (("x", "y", "z"), ("vx", "vy", "vz"), ("r", "s", "w"), ("vr", "vs", "vw"))
 _TIME = re.compile(r"(\d{4})-(\d\d)-(\d\d)[T ](\d\d):(\d\d):(\d\d(?:\.\d+)?)Z?", re.ASCII)
+
+
+def matches(content: bytes) -> bool:
+    """Return whether the first line of a file has columns, and not those of mean elements."""
+    text = content.decode("utf-8", errors="replace")
+    first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
+    return "," in first and not omm.matches(text)
 
 
 def read(path: FilePath, content: bytes, *, epoch: str) -> tuple[Arc, np.ndarray]:

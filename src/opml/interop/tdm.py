@@ -57,6 +57,11 @@ FURTHER = ["range_rate", "right_ascension", "declination", "two_way"]
 """Columns that few messages have."""
 
 
+def matches(content: bytes) -> bool:
+    """Return whether a file looks like a TDM in KVN, of any version."""
+    return re.match(rb"(?:\s|COMMENT\b.*)*CCSDS_TDM_VERS\b", content) is not None
+
+
 def write(path: FilePath, tracking: pd.DataFrame, *, epoch: str, rso: str) -> None:
     """Write the measurements of a table `tracking` as a TDM, whole or not at all.
 

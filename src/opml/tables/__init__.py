@@ -44,6 +44,10 @@ from opml.tables.ephemeris_tables import (
     SIGMA_STATE,
     UNSEEN,
 )
+from opml.tables.export import (
+    check_suffix,
+    write_as,
+)
 from opml.tables.learning_tables import (
     ELLIPSOID,
     LEARNING_COLUMNS,

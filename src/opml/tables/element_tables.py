@@ -82,6 +82,18 @@ ELEMENT_SCHEMAS = (
         ),
     ),
     Schema(
+        "expected_errors",
+        "a lead of a prediction from element sets",
+        (
+            count("lead", "days from the date of the prediction"),
+            text("utc", "time, UTC"),
+            real("along_track", "m", "standard deviation of the prediction along the track"),
+            real("radial", "m", "the same outwards"),
+            real("cross_track", "m", "the same across"),
+            real("sgp4_along_track", "m", "the same of SGP4 from the published set, along the track"),
+        ),
+    ),
+    Schema(
         "catalogue_residuals",
         "a judged prediction of an object that was not learned from",
         (

@@ -12,6 +12,7 @@ from opml.tables.columns import (
     flag,
     real,
     state_columns,
+    text,
 )
 
 DOUBT = [f"doubt_{axis}" for axis in "xyz"]
@@ -22,6 +23,9 @@ SIGMA_STATE = [f"sigma_{name}" for name in STATE]
 
 UNSEEN = ["unseen_x", "unseen_z"]
 """Columns of the part of these that errors against states that err alike do not show."""
+
+_HELD_AGAINST = "RSW of the other"
+_WAYS = {"r": "outwards", "s": "ahead along the track, as an arc", "w": "across"}
 
 _KNOWN_STATE = "RSW of the state that it is held against"
 
@@ -88,6 +92,24 @@ EPHEMERIS_SCHEMAS = (
             TIME,
             *state_columns("GCRF", "predicted state"),
             *covariance(STATE, "RSW of the predicted state"),
+        ),
+    ),
+    Schema(
+        "comparison",
+        "a time at which one orbit is held against another",
+        (
+            text("utc", "time, UTC"),
+            real("hours", "h", "time since the first row"),
+            *(
+                real(axis, "m", f"one orbit less the other, {way}", _HELD_AGAINST)
+                for axis, way in _WAYS.items()
+            ),
+            real("distance", "m", "distance of the two"),
+            *(
+                real(f"sigma_{axis}", "m", f"standard deviation of the first, {way}; NaN where unknown")
+                for axis, way in _WAYS.items()
+            ),
+            real("ellipsoid", "1", "share of a normal distribution that is nearer by the first's covariance"),
         ),
     ),
 )

@@ -79,6 +79,6 @@ def test_the_map_shows_the_day_what_was_tracked_and_the_stations(truth, tmp_path
 
 
 def test_a_line_goes_to_the_edge_of_the_map_and_on_from_the_other():
-    longitude, latitude = ground._split_line(np.array([170.0, 178.0, -174.0]), np.array([0.0, 8.0, 16.0]))
+    longitude, latitude = ground.split_line(np.array([170.0, 178.0, -174.0]), np.array([0.0, 8.0, 16.0]))
     assert longitude == pytest.approx([170.0, 178.0, 180.0, np.nan, -180.0, -174.0], nan_ok=True)
     assert latitude == pytest.approx([0.0, 8.0, 10.0, np.nan, 10.0, 16.0], nan_ok=True)

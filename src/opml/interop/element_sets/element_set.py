@@ -66,9 +66,14 @@ def satellite(epoch: str, elements: Sequence[float]) -> Satrec:
 
 def with_drag(satellite: Satrec, bstar: float) -> Satrec:
     """Return a set with another B*."""
+    return changed(satellite, satellite.no_kozai, bstar)
+
+
+def changed(satellite: Satrec, motion: float, bstar: float) -> Satrec:
+    """Return a set with another mean motion [rad/min] and B*."""
     days = satellite.jdsatepoch - _SGP4_ZERO_JULIAN + satellite.jdsatepochF
     angles = satellite.inclo, satellite.nodeo, satellite.argpo, satellite.mo
-    return _initialised(days, [satellite.no_kozai, satellite.ecco, *angles, bstar])
+    return _initialised(days, [motion, satellite.ecco, *angles, bstar])
 
 
 def _initialised(days: float, elements: Sequence[float]) -> Satrec:

@@ -1,0 +1,87 @@
+"""The page of a prediction from element sets: what was used and why, errors to expect, passes."""
+
+from collections.abc import Iterator, Mapping
+
+import pandas as pd
+
+from opml.element_sets.passes import LEVEL, Place
+from opml.element_sets.prediction import MORNINGS, Prediction
+from opml.report.document import Block, Heading, Paragraph, Picture, Table, as_it_is
+from opml.report.results import length
+
+_SECONDS = len("2016-09-28T12:09:45")
+
+
+def document(
+    prediction: Prediction, passes: Mapping[Place, pd.DataFrame], pictures: tuple[Picture, Picture]
+) -> list[Block]:
+    """Return the page; passes: by place; pictures: the ground track, and errors over days."""
+    track, errors = pictures
+    return [
+        Heading(as_it_is(f"{prediction.identity}: {prediction.days:g} days from {_z(prediction.date)}"), 1),
+        *_how(prediction),
+        _expected(prediction),
+        errors,
+        _rests_on(prediction),
+        Heading("Where it goes"),
+        track,
+        *(block for where, rows in passes.items() for block in _passes(where, rows)),
+    ]
+
+
+def _how(prediction: Prediction) -> Iterator[Block]:
+    how = prediction.how
+    yield Paragraph(
+        f"Used: **{prediction.way}**, flown by SGP4. Why: {prediction.reason}. The newest set was "
+        f"{how['age']:.1f} days old, the mean height is {how['height'] / 1e3:.0f} km."
+    )
+    yield Paragraph(
+        f"Mean motion {how['motion']:.10f} rad/min (published {how['motion_before']:.10f}), B* "
+        f"{how['bstar']:.4e} (published {how['bstar_before']:.4e})."
+    )
+
+
+def _expected(prediction: Prediction) -> Table:
+    header = ["days ahead", "UTC", "SGP4 along track [m]", "along track [m]", "radial [m]", "cross-track [m]"]
+    columns = ("sgp4_along_track", "along_track", "radial", "cross_track")
+    return Table(
+        header,
+        [
+            [str(row["lead"]), _z(row["utc"]), *(length(row[name]) for name in columns)]
+            for row in prediction.expected().to_dict("records")
+        ],
+    )
+
+
+def _rests_on(prediction: Prediction) -> Paragraph:
+    past = prediction.past
+    return Paragraph(
+        f"One sigma each. They rest on {len(past)} predictions of the object's own "
+        f"{past['morning'].nunique()} mornings, held against later sets; radial and cross-track on "
+        f"{MORNINGS} mornings at most. What objects of that height usually show counts as eight predictions, "
+        "and what all sets err alike is added."
+    )
+
+
+def _passes(where: Place, rows: pd.DataFrame) -> Iterator[Block]:
+    yield Heading(as_it_is(f"Passes over {where.name}"))
+    if rows.empty:
+        yield Paragraph("None above 5 degrees.")
+        return
+    yield Paragraph(f"Above 5 degrees. {100.0 * LEVEL:.0f} % are no earlier or later than told.")
+    header = ["rise", "highest", "set", "elevation [deg]", "early or late [s]"]
+    yield Table(
+        header,
+        [
+            [
+                *(_z(row[name]) for name in header[:3]),
+                f"{row['elevation']:.0f}",
+                f"{row['early_or_late']:.1f}",
+            ]
+            for row in rows.to_dict("records")
+        ],
+    )
+
+
+def _z(time: str) -> str:
+    return f"{time[:_SECONDS]}Z"

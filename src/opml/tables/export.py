@@ -1,0 +1,54 @@
+"""Tables in the notation of a file's suffix, for tools that read no Parquet."""
+
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from opml.base.errors import InputError
+from opml.base.files import FilePath, replacing
+from opml.tables.columns import Schema
+from opml.tables.listing import comma_separated
+from opml.tables.parquet import write_table
+
+TABLE_SUFFIXES = (".csv", ".json", ".parquet")
+"""Suffixes that `write_as` knows."""
+
+
+def check_suffix(path: FilePath) -> None:
+    """Raise InputError for a path whose suffix is of no notation of tables."""
+    if (suffix := Path(path).suffix.lower()) not in TABLE_SUFFIXES:
+        raise InputError(f"{path}: expected a suffix {', '.join(TABLE_SUFFIXES)}, got {suffix or 'none'}")
+
+
+def write_as(
+    path: FilePath, frame: pd.DataFrame, schema: str | Schema, *, metadata: Mapping[str, Any]
+) -> None:
+    """Write a table as CSV, JSON (metadata and rows) or Parquet, whole or not at all; NaN is empty or null.
+
+    frame, schema, metadata: as in `write_table`
+
+    Raises InputError for another suffix.
+    """
+    check_suffix(path)
+    _WRITERS[Path(path).suffix.lower()](path, frame, schema, metadata=metadata)
+
+
+def _write_csv(path: FilePath, frame: pd.DataFrame, _: str | Schema, *, metadata: Mapping[str, Any]) -> None:
+    with replacing(path) as temporary:
+        comma_separated(frame, temporary)
+
+
+def _write_json(path: FilePath, frame: pd.DataFrame, _: str | Schema, *, metadata: Mapping[str, Any]) -> None:
+    rows = json.loads(frame.to_json(orient="records", double_precision=15))
+    with replacing(path) as temporary:
+        temporary.write_text(json.dumps({**metadata, "rows": rows}, indent=1) + "\n", encoding="utf-8")
+
+
+_WRITERS: Mapping[str, Callable[..., None]] = {
+    ".csv": _write_csv,
+    ".json": _write_json,
+    ".parquet": write_table,
+}

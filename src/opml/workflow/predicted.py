@@ -1,0 +1,84 @@
+"""What `opml predict` writes: each file by its suffix."""
+
+import tempfile
+from collections.abc import Callable, Sequence
+from importlib.util import find_spec
+from pathlib import Path
+
+from opml.base.errors import InputError
+from opml.base.files import FilePath, replacing
+from opml.element_sets.passes import Place, passes
+from opml.element_sets.prediction import Prediction
+from opml.interop import czml
+from opml.interop.element_sets import rewriting
+from opml.tables import write_as
+
+Writer = Callable[[FilePath, Prediction, Sequence[Place]], None]
+
+
+def check(paths: Sequence[FilePath]) -> None:
+    """Raise InputError for a path whose suffix tells no format, and for a page without what draws it."""
+    for path in paths:
+        suffix = Path(path).suffix.lower()
+        if suffix not in WRITERS:
+            raise InputError(f"{path}: expected a suffix {', '.join(WRITERS)}, got {suffix or 'none'}")
+        if suffix == ".html" and find_spec("matplotlib") is None:
+            raise InputError(f"{path}: expected matplotlib, got none: pip install 'opml-orbits[workflow]'")
+
+
+def write(path: FilePath, prediction: Prediction, places: Sequence[Place]) -> None:
+    """Write a prediction in the format of the suffix, whole or not at all."""
+    WRITERS[Path(path).suffix.lower()](path, prediction, places)
+
+
+def _oem(path: FilePath, prediction: Prediction, _: Sequence[Place]) -> None:
+    prediction.to_oem(path)
+
+
+def _set(path: FilePath, prediction: Prediction, _: Sequence[Place]) -> None:
+    if rewriting.write(path, [prediction.better]):
+        raise InputError(f"{path}: expected an object whose number a TLE has, got {prediction.identity}")
+
+
+def _table(path: FilePath, prediction: Prediction, _: Sequence[Place]) -> None:
+    metadata = {"object": str(prediction.identity), "used": prediction.way, "why": prediction.reason}
+    write_as(path, prediction.expected(), "expected_errors", metadata=metadata)
+
+
+def _czml(path: FilePath, prediction: Prediction, _: Sequence[Place]) -> None:
+    positions = prediction.states(prediction.t)[:, :3]
+    czml.write(path, prediction.identity.name, prediction.t, positions, epoch=prediction.date)
+
+
+def _page(path: FilePath, prediction: Prediction, places: Sequence[Place]) -> None:
+    from opml.figures import predicted as figures
+    from opml.figures.style import save_png
+    from opml.report import predicted as report
+    from opml.report.document import Picture, html_page
+
+    drawn = {
+        "track.png": (figures.ground_track(prediction, list(places)), "Ground track of the first day"),
+        "errors.png": (figures.expected_errors(prediction), "Expected errors along the track by days ahead"),
+    }
+    with tempfile.TemporaryDirectory() as folder, replacing(path) as temporary:
+        pictures = []
+        for name, (figure, shows) in drawn.items():
+            save_png(figure, Path(folder, name))
+            pictures.append(Picture(Path(folder, name), name, shows))
+        blocks = report.document(
+            prediction, {where: passes(prediction, where) for where in places}, (pictures[0], pictures[1])
+        )
+        temporary.write_text(html_page(blocks, title=str(prediction.identity)), encoding="utf-8")
+
+
+WRITERS: dict[str, Writer] = {
+    ".oem": _oem,
+    ".tle": _set,
+    ".kvn": _set,
+    ".xml": _set,
+    ".csv": _table,
+    ".json": _table,
+    ".czml": _czml,
+    ".html": _page,
+}
+"""By suffix; sets in JSON and CSV are written by `opml improve`."""

@@ -1,0 +1,151 @@
+"""Two orbits held against each other: distances in RSW, what a covariance holds, and all formats."""
+
+import json
+
+import numpy as np
+import orbit_files
+import pandas as pd
+import pytest
+from element_histories import history, tle_text
+from support import EPOCH as RUN
+from support import environment
+from test_approaches import kepler
+
+from opml import cli
+from opml.base.constants import EARTH_GM
+from opml.base.errors import InputError
+from opml.conjunctions import comparison
+from opml.interop import oem
+from opml.orbits.elements import rsw_rotation
+from opml.tables import read_table
+
+RADIUS = 7e6
+SPEED = np.sqrt(EARTH_GM / RADIUS)
+STATE = np.array([RADIUS, 0.0, 0.0, 0.0, 0.6 * SPEED, 0.8 * SPEED])
+T = np.arange(0.0, 7201.0, 60.0)
+SIGMA = np.array([30.0, 200.0, 10.0])
+
+
+def moved(states, apart):
+    """States [m, m/s] on their circle, farther out, ahead by an arc, and across, by metres each."""
+    out, ahead, across = np.broadcast_to(apart, (len(states), 3)).T[:, :, None]
+    axes = rsw_rotation(states)
+    angle = ahead / RADIUS
+    x, y, z = (axes[:, k] for k in range(3))
+    positions = (RADIUS + out) * (np.cos(angle) * x + np.sin(angle) * y) + across * z
+    velocities = SPEED * (np.cos(angle) * y - np.sin(angle) * x)
+    return np.hstack([positions, velocities])
+
+
+def written(path, states, covariances=None, frame="RSW"):
+    known = {} if covariances is None else {"covariance_t": T, "covariances": covariances}
+    oem.write(path, [oem.Segment("ONE", T, states, covariance_frame=frame, **known)], epoch=RUN)
+    return path
+
+
+@pytest.fixture(scope="module")
+def truth():
+    return kepler(STATE, 0.0, T)
+
+
+def test_the_distance_along_the_track_is_an_arc(truth, tmp_path):
+    other = written(tmp_path / "truth.oem", truth)
+    ours = written(tmp_path / "ours.oem", moved(truth, [50.0, 400e3, -20.0]))
+    table = comparison.compare(comparison.read([ours]), comparison.read([other]))
+    assert len(table) == len(T)
+    np.testing.assert_allclose(table[["r", "s", "w"]], np.tile([50.0, 400e3, -20.0], (len(T), 1)), rtol=1e-6)
+    assert table["ellipsoid"].isna().all()
+    assert table["hours"].iloc[-1] == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("frame", ["RSW", "GCRF"])
+def test_a_true_covariance_holds_what_it_says(truth, tmp_path, frame):
+    misses = SIGMA * np.random.default_rng(3).normal(size=(len(T), 3))
+    covariances = np.tile(np.diag(np.square([*SIGMA, 1.0, 1.0, 1.0])), (len(T), 1, 1))
+    states = moved(truth, misses)
+    states[:, 3:] = truth[:, 3:]
+    if frame == "GCRF":
+        turns = np.kron(np.eye(2), rsw_rotation(states).transpose(0, 2, 1))
+        covariances = turns @ covariances @ turns.transpose(0, 2, 1)
+    ours = comparison.read([written(tmp_path / "ours.oem", states, covariances, frame)])
+    table = comparison.compare(ours, comparison.read([written(tmp_path / "truth.oem", truth)]))
+    np.testing.assert_allclose(
+        table[["sigma_r", "sigma_s", "sigma_w"]], np.tile(SIGMA, (len(T), 1)), rtol=1e-4
+    )
+    inside = [np.mean(table["ellipsoid"] <= level) for level in (0.5, 0.9)]
+    np.testing.assert_allclose(inside, [0.5, 0.9], atol=0.1)
+    assert f"{100 * inside[1]:.0f} % inside its 90 %" in comparison.summary(table)
+
+
+def in_formats(states, tmp_path):
+    """The orbit as SP3 without velocities, as CPF, and as CSV of points."""
+    orientation = environment()["earth_orientation"]
+    fixed = orbit_files.in_itrf(states, T, orientation)
+    points = pd.DataFrame(states[:, :3] / 1e3, columns=[f"{axis}_gcrf_km" for axis in "xyz"])
+    points.insert(0, "utc", oem.ccsds.utc_texts(RUN, T))
+    points.to_csv(tmp_path / "points.csv", index=False)
+    return {
+        "SP3": orbit_files.sp3(tmp_path / "orbit.sp3", T, fixed, velocities=False),
+        "CPF": orbit_files.cpf(tmp_path / "orbit.cpf", T, fixed),
+        "OEM in ITRF": orbit_files.oem(tmp_path / "itrf.oem", [(T, fixed)], frame="ITRF2014"),
+        "CSV": tmp_path / "points.csv",
+    }
+
+
+@pytest.mark.parametrize("kind", ["SP3", "CPF", "OEM in ITRF", "CSV"])
+def test_every_format_is_the_same_orbit(truth, tmp_path, kind):
+    path = in_formats(truth, tmp_path)[kind]
+    ours = comparison.read([written(tmp_path / "ours.oem", truth)])
+    for pair in ((ours, comparison.read([path])), (comparison.read([path]), ours)):
+        table = comparison.compare(*pair)
+        assert len(table) == len(T)
+        assert table["distance"].max() < 0.02
+
+
+def test_between_states_without_velocities_the_orbit_goes_on(truth, tmp_path):
+    paths = in_formats(truth, tmp_path)
+    orbit = comparison.read([paths["SP3"]])
+    between = orbit.at(orbit.t[10:-10] + 30.0)
+    assert np.linalg.norm(between - kepler(STATE, 0.0, T[10:-10] + 30.0), axis=1).max() < 0.1
+
+
+def test_of_sets_the_nearest_flies(tmp_path):
+    sets = history([0.0, 1.0, 2.0], ahead={1.0: 1000.0})
+    (tmp_path / "late.tle").write_text(tle_text(sets))
+    (tmp_path / "first.tle").write_text(tle_text(sets.iloc[:1]))
+    both = [comparison.read([tmp_path / name]) for name in ("first.tle", "late.tle")]
+    table = comparison.compare(*both)
+    assert len(table) == 7 * 1440
+    before, after = table[table["hours"] < 11.9], table[table["hours"] > 12.1]
+    assert before["distance"].max() < 1e-3
+    np.testing.assert_allclose(after["s"], -1000.0, atol=30.0)
+
+
+def test_the_command_writes_and_prints(truth, tmp_path, capsys):
+    paths = [
+        written(tmp_path / "ours.oem", moved(truth, [0.0, 300.0, 0.0])),
+        written(tmp_path / "t.oem", truth),
+    ]
+    for suffix in ("csv", "json", "parquet"):
+        assert cli.main(["compare", *map(str, paths), "-o", str(tmp_path / f"out.{suffix}")]) == 0
+        assert " 300 " in capsys.readouterr().out
+    tables = [
+        pd.read_csv(tmp_path / "out.csv"),
+        pd.DataFrame(json.loads((tmp_path / "out.json").read_text())["rows"]),
+        read_table(tmp_path / "out.parquet", "comparison"),
+    ]
+    for table in tables:
+        np.testing.assert_allclose(table["s"], 300.0, rtol=1e-6)
+    assert cli.main(["compare", *map(str, paths), "-o", str(tmp_path / "out.xls")]) == 1
+    assert "out.xls: expected a suffix .csv, .json, .parquet, got .xls" in capsys.readouterr().err
+
+
+def test_orbits_of_other_times_and_objects_are_refused(truth, tmp_path):
+    ours = comparison.read([written(tmp_path / "ours.oem", truth)])
+    (tmp_path / "sets.tle").write_text(tle_text(history([100.0])) + tle_text(history([100.0]), number=7))
+    with pytest.raises(InputError, match="which object, got objects 7, 25544"):
+        comparison.read([tmp_path / "sets.tle"])
+    with pytest.raises(InputError, match=r"sets\.tle: expected object 8, got"):
+        comparison.read([tmp_path / "sets.tle"], "8")
+    with pytest.raises(InputError, match=r"expected two orbits of the same time, got .*ours"):
+        comparison.compare(ours, comparison.read([tmp_path / "sets.tle"], "7"))

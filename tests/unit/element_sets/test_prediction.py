@@ -1,0 +1,207 @@
+"""A prediction from element sets: nothing later counts, its covariance is its past's, all files agree."""
+
+import json
+import re
+from datetime import UTC, datetime
+
+import numpy as np
+import pandas as pd
+import pytest
+import sinking_histories
+from element_histories import history, tle_text
+from support import EPOCH
+
+from opml import cli
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.element_sets import catalogue, improve, passes, prediction
+from opml.interop import oem
+from opml.interop.element_sets import mean_elements
+from opml.workflow import predicted
+
+DATE = "2026-01-08T06:00:00"
+NUMBER = 101
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("sets") / "sets.tle"
+    sinking_histories.write(path, range(NUMBER, NUMBER + 1), 49)
+    return path
+
+
+@pytest.fixture(scope="module")
+def made(file):
+    return prediction.predict(file, date=DATE)
+
+
+def test_it_is_the_better_set_flown_by_sgp4(file, tmp_path, monkeypatch):
+    monkeypatch.setattr(improve, "_choice", lambda rows, ways: pd.Series(improve.DENSITY, index=[NUMBER]))
+    made = prediction.predict(file, date=DATE)
+    assert made.way == "set improved by the density ahead"
+    predicted.write(tmp_path / "better.tle", made, [])
+    t = DAY * np.array([0.0, 3.0, 7.0])
+    flown = mean_elements.states(mean_elements.read(tmp_path / "better.tle"), epoch=DATE, t=t)
+    # A TLE rounds the mean motion to 1e-8 revolutions a day.
+    assert np.linalg.norm(made.states(t) - flown, axis=1).max() < 30.0
+    published = mean_elements.states(made.published, epoch=DATE, t=t)
+    assert np.linalg.norm((made.states(t) - published)[-1, :3]) > 100.0
+
+
+def test_later_sets_change_nothing(made, tmp_path):
+    sinking_histories.write(tmp_path / "more.tle", range(NUMBER, NUMBER + 1), 56)
+    again = prediction.predict(tmp_path / "more.tle", date=DATE)
+    pd.testing.assert_frame_equal(again.sizes, made.sizes, check_exact=True)
+    np.testing.assert_array_equal(again.state(DATE), made.state(DATE))
+
+
+def test_without_a_date_it_begins_with_the_newest_set(file):
+    assert prediction.predict(file, days=1.0).date == "2026-01-07T02:00:00"
+
+
+def test_times_are_text_or_clocks_and_lie_within(made):
+    clock = datetime(2026, 1, 10, 6, tzinfo=UTC)
+    np.testing.assert_array_equal(made.state(clock), made.states(np.array([2 * DAY]))[0])
+    np.testing.assert_array_equal(made.state("2026-01-10T06:00:00Z"), made.state(clock))
+    with pytest.raises(InputError, match=r"expected a time from 2026-01-08T06.* to 2026-01-15T06"):
+        made.state("2026-01-15T06:00:01")
+
+
+def test_covariances_have_the_sizes_and_grow(made):
+    times = ["2026-01-08T06:00:00", "2026-01-09T06:00:00", "2026-01-11T06:00:00", "2026-01-15T06:00:00"]
+    sizes = [np.sqrt(np.diag(made.covariance(time))[:3]) for time in times]
+    np.testing.assert_allclose(sizes, made.sizes.loc[[0, 1, 3, 7], [*"rsw"]])
+    assert np.all(np.diff(np.array(sizes), axis=0) >= 0.0)
+    assert np.linalg.eigvalsh(made.covariance(times[-1])).min() > 0.0
+
+
+def test_a_past_that_errs_more_widens(made):
+    """Errors of twice their sigmas tell twice the sigmas, the more of them there are; burns count little."""
+    leads, sigma = np.tile([1, 3, 5, 7], 500), np.full(2000, 10.0)
+    past = pd.DataFrame({"lead": leads, "left": 20.0, "sigma": sigma})
+    assert prediction._factor(past) == pytest.approx(2.0, abs=0.05)
+    assert prediction._factor(past.iloc[:0]) == 1.0
+    assert 1.0 < prediction._factor(past.iloc[:8]) < 1.5
+    assert prediction._factor(past.assign(left=1e6)) < 4.0
+
+
+def test_errors_of_sets_are_those_of_later_ones(tmp_path):
+    """Of sets that are a kilometre ahead from the last day on, those before err by this."""
+    (tmp_path / "sets.tle").write_text(tle_text(history(np.arange(15.0), ahead={14.0: 1000.0})))
+    date = str(np.datetime64(EPOCH) + np.timedelta64(14, "D") + np.timedelta64(6, "h"))
+    found = prediction.errors_of_sets(catalogue.read([tmp_path / "sets.tle"]), date)
+    last = found[found["morning"] + found["lead"] > found["morning"].max() + 0.9]
+    assert len(last) > 3
+    np.testing.assert_allclose(last["s"], -1000.0, atol=30.0)
+    rest = found.drop(last.index)
+    assert rest[["s", "w"]].abs().max().max() < 30.0
+
+
+def test_where_nothing_improves_the_own_past_tells(tmp_path):
+    """Sets without drag fly as published; a single one of them has no past."""
+    (tmp_path / "sets.tle").write_text(tle_text(history(np.arange(30.0), noise=2000.0)))
+    made = prediction.predict(tmp_path / "sets.tle")
+    assert (made.way, made.reason) == ("set as published", "no B* above 0")
+    assert made.sizes.loc[7, "s"] > 1500.0
+    (tmp_path / "one.tle").write_text(tle_text(history([0.0])))
+    with pytest.raises(InputError, match=r"expected a longer history of 25544.*no B\* above 0"):
+        prediction.predict(tmp_path / "one.tle")
+
+
+def test_passes_rise_and_set_at_five_degrees(made):
+    place = passes.place("52.2,21.0,110")
+    found = passes.passes(made, place)
+    assert len(found) > 20
+    for row in found.head(5).to_dict("records"):
+        t = made._seconds(row["rise"]), made._seconds(row["highest"]), made._seconds(row["set"])
+        low, high, end = (float(np.degrees(passes._elevation(made, place, one)[0])) for one in t)
+        assert (low, end) == pytest.approx((5.0, 5.0), abs=0.2)
+        assert high == pytest.approx(row["elevation"], abs=1e-3)
+        around = passes._elevation(made, place, t[1] + np.array([-60.0, 60.0]))
+        assert np.degrees(around).max() < high
+    late = found["early_or_late"].to_numpy()
+    assert late[-1] > late[0]
+    assert late[0] == pytest.approx(
+        1.645 * made.sigmas(made._seconds(found["highest"][0]))[0, 1] / 7600, rel=0.02
+    )
+
+
+@pytest.mark.parametrize("text", ["52.2", "91,0,0", "a,b,c", "1,2,3,4"])
+def test_a_place_is_latitude_longitude_altitude(text):
+    with pytest.raises(InputError, match=f"--station: expected .* got {text}"):
+        passes.place(text)
+
+
+SUFFIXES = ("oem", "tle", "kvn", "xml", "csv", "json", "czml", "html")
+
+
+def test_the_command_writes_every_format(file, made, tmp_path, capsys):
+    outputs = [part for suffix in SUFFIXES for part in ("-o", str(tmp_path / f"mine.{suffix}"))]
+    place = ["--station", "52.2,21.0,110"]
+    assert cli.main(["predict", str(file), "--date", DATE, *place, *outputs]) == 0
+    out = capsys.readouterr().out
+    assert made.way in out
+    assert made.reason in out
+    (segment,) = oem.read(tmp_path / "mine.oem", epoch=DATE)
+    assert (segment.name, segment.identity.number, segment.covariance_frame) == ("101", 101, "RSW")
+    np.testing.assert_allclose(segment.states[60], made.states(made.t[60:61])[0], rtol=1e-12)
+    np.testing.assert_allclose(segment.covariances[-1], made.covariance("2026-01-15T06:00:00"), rtol=1e-9)
+    expected = made.expected()
+    pd.testing.assert_frame_equal(pd.read_csv(tmp_path / "mine.csv"), expected)
+    rows = json.loads((tmp_path / "mine.json").read_text())["rows"]
+    np.testing.assert_allclose([row["along_track"] for row in rows], expected["along_track"])
+    sets = [mean_elements.read(tmp_path / f"mine.{suffix}") for suffix in ("tle", "kvn", "xml")]
+    assert [one.no_kozai for one in sets] == pytest.approx([made.improved.no_kozai] * 3, rel=1e-9)
+    document, orbit = json.loads((tmp_path / "mine.czml").read_text())
+    assert document["clock"]["interval"] == "2026-01-08T06:00:00Z/2026-01-15T06:00:00Z"
+    samples = np.array(orbit["position"]["cartesian"]).reshape(-1, 4)
+    np.testing.assert_allclose(samples[10], [600.0, *made.states(np.array([600.0]))[0, :3]], atol=1e-3)
+    page = (tmp_path / "mine.html").read_text()
+    assert page.count("data:image/png;base64,") == 2
+    assert "Passes over 52.2,21.0,110" in page
+    assert f"{made.sizes.loc[7, 's']:.0f}" in page
+    assert "http" not in page.replace("http-equiv", "")
+
+
+REFUSED = {
+    "another suffix": (["-o", "mine.xlsx"], r"mine\.xlsx: expected a suffix \.oem"),
+    "too many days": (["--days", "8"], "expected more than 0 and at most 7 days, got 8"),
+    "another object": (["--object", "102"], "expected one object 102, got 101"),
+    "old weather": (
+        ["--date", "2026-03-01T00:00:00"],
+        "space weather measured up to 2026-03-01.*newer: https",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_cannot_be_is_refused_in_a_line(case, file, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    arguments, message = REFUSED[case]
+    assert cli.main(["predict", str(file), "-o", "mine.oem", *arguments]) == 1
+    (line,) = [line for line in capsys.readouterr().err.splitlines() if "expected" in line]
+    assert re.search(message, line)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_of_several_objects_one_is_named(tmp_path):
+    sinking_histories.write(tmp_path / "sets.tle", range(101, 104), 30)
+    with pytest.raises(InputError, match="expected --object for one of several objects, got 101, 102, 103"):
+        prediction.predict(tmp_path / "sets.tle")
+    assert prediction.predict(tmp_path / "sets.tle", object=102).identity.number == 102
+
+
+POINTS = {
+    "CSV": ("utc,x_itrf_m,y_itrf_m,z_itrf_m\n2019-09-03T00:00:00,7e6,0,0\n", "points of an orbit"),
+    "OEM": ("CCSDS_OEM_VERS = 2.0\n", "points of an orbit"),
+    "SP3": ("#cP2016  9 28 12  9 45.00000000\n", "points of an orbit"),
+    "TDM": ("COMMENT a test\nCCSDS_TDM_VERS = 1.0\n", "tracks"),
+}
+
+
+@pytest.mark.parametrize("kind", POINTS)
+def test_points_and_tracks_are_sent_to_where_they_are_fitted(kind, tmp_path):
+    text, got = POINTS[kind]
+    (tmp_path / "mine.txt").write_text(text)
+    with pytest.raises(InputError, match=f"mine.txt: expected element sets, got {got}: fit them"):
+        prediction.predict(tmp_path / "mine.txt")
