@@ -6,7 +6,7 @@ CATALOGUE_SCORES = product("catalogue/scores")
 CATALOGUE_REPORT = product("catalogue/catalogue")
 CATALOGUE_SHARES = product("figs/catalogue/{test}")
 
-if PLAN.catalogue:
+if PLAN.settings.catalogue:
 
     rule catalogue_densities:
         input:
@@ -39,8 +39,8 @@ if PLAN.catalogue:
         benchmark:
             CATALOGUE_ROWS.benchmark
         wildcard_constraints:
-            population=naming.alternatives(PLAN.catalogue.populations),
-            test=naming.alternatives(PLAN.catalogue.tests),
+            population=naming.alternatives(PLAN.settings.catalogue.populations),
+            test=naming.alternatives(PLAN.settings.catalogue.tests),
         conda:
             "../envs/opml.yaml"
         resources:
@@ -58,7 +58,7 @@ if PLAN.catalogue:
         input:
             lambda wildcards: path_of(
                 rules.catalogue_rows.output[0],
-                population=PLAN.catalogue.tests[wildcards.test].population,
+                population=PLAN.settings.catalogue.tests[wildcards.test].population,
                 test=wildcards.test,
             ),
         output:
@@ -68,8 +68,8 @@ if PLAN.catalogue:
         benchmark:
             CATALOGUE_RESIDUALS.benchmark
         wildcard_constraints:
-            test=naming.alternatives(PLAN.catalogue.tests),
-            learner=naming.alternatives(PLAN.catalogue.learners),
+            test=naming.alternatives(PLAN.settings.catalogue.tests),
+            learner=naming.alternatives(PLAN.settings.catalogue.learners),
         conda:
             "../envs/opml.yaml"
         threads: 2  # its parts are learned side by side
@@ -136,7 +136,7 @@ if PLAN.catalogue:
         benchmark:
             CATALOGUE_SHARES.benchmark
         wildcard_constraints:
-            test=naming.alternatives(PLAN.catalogue.tests),
+            test=naming.alternatives(PLAN.settings.catalogue.tests),
         params:
             **drawing(
                 "catalogue_shares",

@@ -3,7 +3,7 @@ ESTIMATES = product("estimates/{rso}/{stations}{window}")
 FILTERED_ESTIMATES = product(f"estimates/{{rso}}/{{stations}}{naming.FILTERED}")
 # Fits start from the truth, or from the first orbit of what was measured.
 STARTS = rules.truth.output[0]
-if PLAN.measured:
+if PLAN.settings.measured:
     STARTS = INPUTS.truth_or(rules.truth.output[0], rules.first_orbit.output[0])
 
 

@@ -80,11 +80,11 @@ rule export_tracking:
         "../scripts/export_tdm.py"
 
 
-if PLAN.orbits:
+if PLAN.settings.orbits:
 
     rule truth_from_orbit:
         input:
-            lambda wildcards: users(PLAN.orbits[wildcards.rso]),
+            lambda wildcards: users(PLAN.settings.orbits[wildcards.rso]),
         output:
             TRUTH.table,
         log:
@@ -92,7 +92,7 @@ if PLAN.orbits:
         benchmark:
             TRUTH.benchmark
         wildcard_constraints:
-            rso=naming.alternatives(PLAN.orbits),
+            rso=naming.alternatives(PLAN.settings.orbits),
         conda:
             "../envs/opml.yaml"
         resources:
@@ -104,7 +104,7 @@ if PLAN.orbits:
                 "duration_days": config["duration_days"],
                 "step_s": config["tracking"]["step_s"],
                 "positions_alone": wildcards.rso in config.get("positions_alone", []),
-                **contents(PLAN.orbits[wildcards.rso]),
+                **contents(PLAN.settings.orbits[wildcards.rso]),
             },
             code=code("truth_from_orbit.py"),
         message:

@@ -2,11 +2,11 @@
 FIRST_ORBIT = product("starts/{rso}/{stations}")
 ELEMENT_SETS = product("element_sets/{rso}")
 
-if PLAN.tracks:
+if PLAN.settings.tracks:
 
     rule tracking_from_tdm:
         input:
-            lambda wildcards: users(PLAN.tracks[wildcards.rso]),
+            lambda wildcards: users(PLAN.settings.tracks[wildcards.rso]),
         output:
             TRACKING.table,
         log:
@@ -14,7 +14,7 @@ if PLAN.tracks:
         benchmark:
             TRACKING.benchmark
         wildcard_constraints:
-            rso=naming.alternatives(PLAN.tracks),
+            rso=naming.alternatives(PLAN.settings.tracks),
             stations=naming.stations_pattern(PLAN.settings.stations),
         conda:
             "../envs/opml.yaml"
@@ -23,7 +23,7 @@ if PLAN.tracks:
                 "epoch": config["epoch"],
                 "stations": PARAMS.stations(wildcards),
                 "manoeuvres": PLAN.settings.manoeuvres(wildcards.rso),
-                **contents(PLAN.tracks[wildcards.rso]),
+                **contents(PLAN.settings.tracks[wildcards.rso]),
             },
             code=code("tracking_from_tdm.py"),
         message:
@@ -34,11 +34,11 @@ if PLAN.tracks:
     ruleorder: tracking_from_tdm > tracking
 
 
-if PLAN.fixes:
+if PLAN.settings.fixes:
 
     rule fixes_from_files:
         input:
-            lambda wildcards: users(PLAN.fixes[wildcards.rso]),
+            lambda wildcards: users(PLAN.settings.fixes[wildcards.rso]),
             earth_orientation=EARTH_ORIENTATION.table,
         output:
             TRACKING.table,
@@ -47,7 +47,7 @@ if PLAN.fixes:
         benchmark:
             TRACKING.benchmark
         wildcard_constraints:
-            rso=naming.alternatives(PLAN.fixes),
+            rso=naming.alternatives(PLAN.settings.fixes),
             stations=naming.FIXES,
         conda:
             "../envs/opml.yaml"
@@ -56,7 +56,7 @@ if PLAN.fixes:
                 **PARAMS.span,
                 "fixing": PARAMS.fixing(wildcards),
                 "manoeuvres": PLAN.settings.manoeuvres(wildcards.rso),
-                **contents(PLAN.fixes[wildcards.rso]),
+                **contents(PLAN.settings.fixes[wildcards.rso]),
             },
             code=code("fixes_from_files.py"),
         message:
@@ -67,11 +67,11 @@ if PLAN.fixes:
     ruleorder: fixes_from_files > tracking
 
 
-if PLAN.ranges:
+if PLAN.settings.ranges:
 
     rule ranges_from_files:
         input:
-            points=lambda wildcards: users(PLAN.ranges[wildcards.rso]),
+            points=lambda wildcards: users(PLAN.settings.ranges[wildcards.rso]),
             sites=lambda wildcards: users(PLAN.settings.station_files[wildcards.rso]),
             earth_orientation=EARTH_ORIENTATION.table,
             ephemerides=EPHEMERIDES.table,
@@ -82,7 +82,7 @@ if PLAN.ranges:
         benchmark:
             TRACKING.benchmark
         wildcard_constraints:
-            rso=naming.alternatives(PLAN.ranges),
+            rso=naming.alternatives(PLAN.settings.ranges),
             stations=naming.RANGES,
         conda:
             "../envs/opml.yaml"
@@ -91,7 +91,9 @@ if PLAN.ranges:
                 **PARAMS.span,
                 "ranging": PARAMS.ranging(wildcards),
                 "manoeuvres": PLAN.settings.manoeuvres(wildcards.rso),
-                **contents([*PLAN.ranges[wildcards.rso], *PLAN.settings.station_files[wildcards.rso]]),
+                **contents(
+                    [*PLAN.settings.ranges[wildcards.rso], *PLAN.settings.station_files[wildcards.rso]]
+                ),
             },
             code=code("ranges_from_files.py"),
         message:
@@ -102,11 +104,11 @@ if PLAN.ranges:
     ruleorder: ranges_from_files > tracking
 
 
-if PLAN.elements:
+if PLAN.settings.elements:
 
     rule element_sets:
         input:
-            lambda wildcards: users(PLAN.elements[wildcards.rso]),
+            lambda wildcards: users(PLAN.settings.elements[wildcards.rso]),
         output:
             ELEMENT_SETS.table,
         log:
@@ -114,14 +116,14 @@ if PLAN.elements:
         benchmark:
             ELEMENT_SETS.benchmark
         wildcard_constraints:
-            rso=naming.alternatives(PLAN.elements),
+            rso=naming.alternatives(PLAN.settings.elements),
         conda:
             "../envs/opml.yaml"
         params:
             settings=lambda wildcards: {
                 "epoch": config["epoch"],
                 "history": PARAMS.history(wildcards),
-                **contents(PLAN.elements[wildcards.rso]),
+                **contents(PLAN.settings.elements[wildcards.rso]),
             },
             code=code("element_sets.py"),
         message:
@@ -139,7 +141,7 @@ if PLAN.elements:
         benchmark:
             TRACKING.benchmark
         wildcard_constraints:
-            rso=naming.alternatives(PLAN.elements),
+            rso=naming.alternatives(PLAN.settings.elements),
             stations=naming.FIXES,
         conda:
             "../envs/opml.yaml"
@@ -158,7 +160,7 @@ if PLAN.elements:
     ruleorder: fixes_from_elements > tracking
 
 
-if PLAN.measured:
+if PLAN.settings.measured:
 
     rule first_orbit:
         input:
@@ -174,7 +176,7 @@ if PLAN.measured:
         benchmark:
             FIRST_ORBIT.benchmark
         wildcard_constraints:
-            rso=naming.alternatives(PLAN.measured),
+            rso=naming.alternatives(PLAN.settings.measured),
             stations=f"(?:{naming.stations_pattern(PLAN.settings.stations)}|{naming.alternatives(naming.WITHOUT_STATIONS)})",
         conda:
             "../envs/opml.yaml"

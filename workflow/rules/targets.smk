@@ -55,11 +55,11 @@ CATALOGUE_FILES = (
         *rules.catalogue_report.output,
         *(
             path_of(file, test=test)
-            for test in PLAN.catalogue.tests
+            for test in PLAN.settings.catalogue.tests
             for file in rules.catalogue_shares.output
         ),
     ]
-    if PLAN.catalogue
+    if PLAN.settings.catalogue
     else []
 )
 STUDY_FILES = (

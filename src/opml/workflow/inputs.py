@@ -108,14 +108,18 @@ class Inputs:
     def activity(self, wildcards: Wildcards) -> str:
         """Return the path of the solar activity that an RSO flew under, or of the assumed one if unknown."""
         environment = self.plan.environment
-        tables = environment.predictions if wildcards.rso in self.plan.measured else environment.truth
+        tables = (
+            environment.predictions if wildcards.rso in self.plan.settings.measured else environment.truth
+        )
         return tables["solar_activity"]
 
     def truth(self, truth: _Pattern) -> InputFunction:
         """Find the truth of an RSO; none where it was measured and no orbit judges."""
 
         def find(wildcards: Wildcards) -> _Paths:
-            has_truth = wildcards.rso not in self.plan.measured or wildcards.rso in self.plan.orbits
+            has_truth = (
+                wildcards.rso not in self.plan.settings.measured or wildcards.rso in self.plan.settings.orbits
+            )
             return path_of(truth, rso=wildcards.rso) if has_truth else []
 
         return find
@@ -127,7 +131,7 @@ class Inputs:
         """
 
         def find(wildcards: Wildcards) -> _Paths:
-            if wildcards.rso in self.plan.measured:
+            if wildcards.rso in self.plan.settings.measured:
                 return path_of(measured, rso=wildcards.rso, stations=wildcards.stations)
             return path_of(truth, rso=wildcards.rso)
 
@@ -143,7 +147,11 @@ class Inputs:
 
         def find(wildcards: Wildcards) -> _Paths:
             base, *_ = naming.rso_parts(wildcards.rso, self.plan.settings.rsos)
-            return find_any(wildcards) if base in {*self.plan.orbits, *self.plan.measured} else []
+            return (
+                find_any(wildcards)
+                if base in {*self.plan.settings.orbits, *self.plan.settings.measured}
+                else []
+            )
 
         return find
 
@@ -199,11 +207,11 @@ class Inputs:
     def source(self, wildcards: Wildcards) -> _Paths:
         """Find the table of what was read of an RSO, which tells its object, in a list; empty without any."""
         rso, plan = wildcards.rso, self.plan
-        if rso in plan.elements:
+        if rso in plan.settings.elements:
             return [self._element_sets(wildcards)]
-        if rso in plan.fixes:
+        if rso in plan.settings.fixes:
             return [plan.product(f"tracking/{rso}/{naming.FIXES}").table]
-        if rso in plan.orbits:
+        if rso in plan.settings.orbits:
             return [plan.product(f"truth/{rso}").table]
         started = rso in plan.settings.starts
         return [plan.product(f"starts/{rso}/{wildcards.stations}").table] if started else []

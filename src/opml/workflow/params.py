@@ -209,7 +209,7 @@ class Params:
 
     def check_simulated(self, wildcards: Wildcards) -> None:
         """Raise InputError for the truth of an RSO that was measured, and that no orbit of files judges."""
-        if wildcards.rso in self.plan.measured and wildcards.rso not in self.plan.orbits:
+        if wildcards.rso in self.plan.settings.measured and wildcards.rso not in self.plan.settings.orbits:
             known = "what was measured has no truth, and no seed of the noise"
             raise InputError(
                 f"truth of '{wildcards.rso}': expected an RSO without measurements of its own, as {known}"
@@ -362,7 +362,7 @@ class Params:
 
     def catalogue_rows(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of the predictions of a catalogue's population in the seasons of a test."""
-        asked = self.plan.catalogue
+        asked = self.plan.settings.catalogue
         latency = {"latency_hours": asked.latency_hours} if asked else {}
         return self.catalogue_weather | self.catalogue_season(wildcards) | latency
 

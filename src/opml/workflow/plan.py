@@ -18,7 +18,6 @@ from opml.study.experiments import Study
 from opml.study.own_study import OwnStudy
 from opml.study.paper import Paper
 from opml.study.settings.merging import Settings
-from opml.study.settings.model.catalogue import CatalogueSettings
 from opml.workflow.environment_files import EnvironmentFiles
 from opml.workflow.products import Product
 
@@ -59,51 +58,16 @@ class Plan:
         """The experiments of a study of any RSO."""
         return OwnStudy(self.study)
 
-    @cached_property
-    def orbits(self) -> Mapping[str, list[str]]:
-        """Files of the orbits that stand in for a simulated truth, by RSO."""
-        return self.settings.orbits
-
-    @cached_property
-    def tracks(self) -> Mapping[str, list[str]]:
-        """Files of tracks that were measured, by RSO."""
-        return self.settings.tracks
-
-    @cached_property
-    def fixes(self) -> Mapping[str, list[str]]:
-        """Files of positions that were measured, by RSO."""
-        return self.settings.fixes
-
-    @cached_property
-    def elements(self) -> Mapping[str, list[str]]:
-        """Files of histories of mean elements, by RSO."""
-        return self.settings.elements
-
-    @cached_property
-    def ranges(self) -> Mapping[str, list[str]]:
-        """Files of ranges that laser stations measured, by RSO."""
-        return self.settings.ranges
-
-    @cached_property
-    def measured(self) -> Mapping[str, list[str]]:
-        """Files of all that was measured, by RSO: of tracks, of fixes, of ranges, or of mean elements."""
-        return self.settings.measured
-
-    @cached_property
-    def catalogue(self) -> CatalogueSettings | None:
-        """What is asked of a catalogue; None for nothing."""
-        return self.settings.catalogue
-
     @property
     def catalogue_weather_files(self) -> list[str]:
         """The user's own file of the catalogue's weather; none where it is the packaged one."""
-        weather = self.catalogue.weather if self.catalogue else OBSERVED
+        weather = self.settings.catalogue.weather if self.settings.catalogue else OBSERVED
         return [] if weather == OBSERVED else [weather]
 
     @property
     def catalogue_trials(self) -> list[list[str]]:
         """Test and learner of all that is judged of a catalogue."""
-        asked = self.catalogue
+        asked = self.settings.catalogue
         return [[test, learner] for test in asked.tests for learner in asked.learners] if asked else []
 
     @cached_property
@@ -111,7 +75,7 @@ class Plan:
         """The RSOs of every morning by the number of their job, in even shares; none without mornings."""
         if "day" not in self.values:
             return {}
-        rsos = list(self.measured)
+        rsos = list(self.settings.measured)
         jobs = math.ceil(len(rsos) / self.settings.day.together)
         return {str(k): rsos[k * len(rsos) // jobs : (k + 1) * len(rsos) // jobs] for k in range(jobs)}
 

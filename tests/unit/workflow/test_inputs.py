@@ -387,7 +387,7 @@ def test_laser_ranges_bring_their_stations_and_learners_have_none_of_what_radars
     assert jobs.stations(name) == []
     assert jobs.ranging(name) == {"reflectors_m": 0.25, "sigma_m": 0.02, "without": []}
     assert not set(MEASUREMENT) & set(jobs.learner(name)["variables"])
-    assert jobs.plan.ranges["lasered"] == ["a.crd"]
+    assert jobs.plan.settings.ranges["lasered"] == ["a.crd"]
     assert jobs.plan.settings.station_files["lasered"] == ["coordinates.snx", "eccentricities.snx"]
 
 

@@ -4,7 +4,7 @@ import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from glob import glob
 from typing import Any
 
@@ -55,27 +55,27 @@ class Settings:
     stations: Mapping[str, Station]
     rsos: Mapping[str, Rso]
 
-    @property
+    @cached_property
     def orbits(self) -> dict[str, list[str]]:
         """Files of the orbits that stand in for a simulated truth, or judge, by RSO."""
         return self._files("orbits")
 
-    @property
+    @cached_property
     def tracks(self) -> dict[str, list[str]]:
         """Files of tracks that were really measured, by RSO."""
         return self._files("tracks")
 
-    @property
+    @cached_property
     def fixes(self) -> dict[str, list[str]]:
         """Files of positions that were measured, by RSO."""
         return self._files("fixes")
 
-    @property
+    @cached_property
     def elements(self) -> dict[str, list[str]]:
         """Files of histories of mean elements, by RSO."""
         return self._files("elements")
 
-    @property
+    @cached_property
     def ranges(self) -> dict[str, list[str]]:
         """Files of ranges that laser stations measured, by RSO."""
         return self._files("ranges")
@@ -108,7 +108,7 @@ class Settings:
         """What is asked of every morning."""
         return DaySettings.model_validate(self.values.get("day", {}))
 
-    @property
+    @cached_property
     def catalogue(self) -> CatalogueSettings | None:
         """What is asked of a catalogue; None for nothing."""
         asked = self.values.get("catalogue")
@@ -128,7 +128,7 @@ class Settings:
             one.is_radar for one in parse_stations(names, self.stations)
         )
 
-    @property
+    @cached_property
     def measured(self) -> dict[str, list[str]]:
         """Files of all that was really measured, by RSO: tracks, fixes, ranges, or mean elements."""
         return self.tracks | self.fixes | self.ranges | self.elements
