@@ -17,7 +17,7 @@ from threadpoolctl import threadpool_limits
 
 from opml.base.errors import InputError
 from opml.base.seeds import derive
-from opml.element_sets.features import BANDS, DISTANCES, FEATURES
+from opml.element_sets.features import APART, BANDS, FEATURES
 from opml.element_sets.pairs import LEADS
 from opml.learning.models import boosting, svr
 from opml.learning.models.boosting import BoostingModel
@@ -40,8 +40,7 @@ _LEAVES, _ROWS_A_LEAF = 31, 300
 _MOST_ROWS = 200_000
 _SIZE_LEAVES = 15
 _SMALLEST = 1e-4  # of what is left, in scales
-_APART = tuple(f"{name}_apart" for name in DISTANCES)
-_SVR = {"kernel_scale": float(np.sqrt(2.0 * len(_APART))), "c": 1.0, "epsilon": 0.1, "tol": 1e-3}
+_SVR = {"kernel_scale": float(np.sqrt(2.0 * len(APART))), "c": 1.0, "epsilon": 0.1, "tol": 1e-3}
 _SVR_ROWS, _SVR_CLIP = 8000, 5.0
 _BLOCK = 28  # days
 _FEWEST_HELD_OUT = 200
@@ -218,10 +217,10 @@ class _ClippedSvr:
 def _fit_svr(rows: pd.DataFrame, seed: int) -> _ClippedSvr:
     """Return the paper's regression of a sample of the rows."""
     sample = _drawn(rows, _SVR_ROWS, seed)
-    x = sample[list(_APART)].to_numpy()
+    x = sample[list(APART)].to_numpy()
     mean, scale = x.mean(axis=0), x.std(axis=0)
     x = np.clip(x, mean - _SVR_CLIP * scale, mean + _SVR_CLIP * scale)
-    return _ClippedSvr(svr.fit(Training(x, sample["target"].to_numpy(), _APART, seed), _SVR))
+    return _ClippedSvr(svr.fit(Training(x, sample["target"].to_numpy(), APART, seed), _SVR))
 
 
 @dataclass(frozen=True)

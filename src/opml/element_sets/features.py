@@ -73,16 +73,21 @@ DISTANCES = (
 As features they are less their medians of the band, lead and morning, as the target is.
 """
 
+APART = tuple(f"{name}_apart" for name in DISTANCES)
+"""The features that these are."""
+
 OWN_FEATURES = tuple(f"own_{count}_{what}" for count in OWN for what in ("mean", "size"))
 
 FEATURES = (
-    *(f"{name}_apart" for name in DISTANCES),
+    *APART,
     *("height", "inclination", "age", "drag", "lead", "tau"),
     *OWN_FEATURES,
 )
 """All features, in the order of the model's columns."""
 
-COLUMNS = ("band", "scale", "density", "target", "is_fit", *DISTANCES, *FEATURES)
+_MISSES = tuple(f"miss_{k + 1}_1" for k in range(BACK))
+
+COLUMNS = ("band", "scale", "density", "target", "is_fit", "missed", *FEATURES)
 """Columns that `build` adds: band, scale [m], Q [m], what is to be learned, whether it can be corrected."""
 
 
@@ -101,8 +106,9 @@ def build(catalogue: ElementCatalogue, pairs: Pairs, air: Callable[[float], Morn
         for morning, members in rows.groupby("morning", sort=True).indices.items():
             table[members] = _of_morning(catalogue, pairs, members, air(float(morning)))
         scale = table[:, 0]
-        ratios = np.clip(table[:, 2:] / scale[:, None], -_CLIP, _CLIP)
-    found = pd.DataFrame(ratios, columns=list(DISTANCES))
+        distances = np.divide(table[:, 2:], scale[:, None], out=table[:, 2:])
+    np.clip(distances, -_CLIP, _CLIP, out=distances)
+    found = pd.DataFrame(distances, columns=list(DISTANCES), copy=False)
     sets = catalogue.table.iloc[rows["newest"]]
     height = sets["height"].to_numpy()
     made = rows.reset_index(drop=True).assign(
@@ -116,13 +122,15 @@ def build(catalogue: ElementCatalogue, pairs: Pairs, air: Callable[[float], Morn
         drag=np.log(np.maximum(scale - FLOOR * rows["tau"].to_numpy(), 1e-3)),
     )
     groups = [made[name] for name in ("is_fit", "morning", "band", "lead")]
+    made["missed"] = found[list(_MISSES)].abs().max(axis=1)
+    distances -= found.groupby(groups).transform("median").to_numpy()
     # A set that is not there says nothing: as if it agreed with the others.
-    apart = (found - found.groupby(groups).transform("median")).fillna(0.0).add_suffix("_apart")
+    apart = pd.DataFrame(np.nan_to_num(distances, copy=False), columns=list(APART), copy=False)
     miss = ((made["error"] - made["density"]) / made["scale"]).where(made["is_fit"])
     made["target"] = miss - miss.groupby(groups).transform("median")
     lasting = made["lead"].map(_LASTING) * common_misses(made.assign(miss=miss))
     made["density"] += lasting * made["scale"]
-    return pd.concat([made, found.fillna(0.0), apart, own_misses(made).fillna(0.0)], axis=1)
+    return pd.concat([made, apart, own_misses(made).fillna(0.0)], axis=1)
 
 
 def _is_fit(sets: pd.DataFrame, scale: np.ndarray) -> np.ndarray:

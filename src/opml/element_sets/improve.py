@@ -55,7 +55,6 @@ _MOST_DRAG = 0.9
 
 _DEEP = 2.0 * np.pi / 225.0  # mean motion [rad/min] below which SGP4 adds Sun and Moon
 _MINUTES = 1440.0
-_MISSES = tuple(f"miss_{k + 1}_1" for k in range(pairs.BACK))
 
 UNCHANGED, DENSITY, FEW = "unchanged", "density", "first sets"
 
@@ -248,7 +247,7 @@ def _table(
 def _why(known: PublicData, newest: pd.DataFrame, rows: pd.DataFrame) -> pd.Series:
     """Return by the number of the object why its past does not choose, '' where it does."""
     counts = known.catalogue.table.groupby("number").size()
-    missed = rows.groupby("number")[list(_MISSES)].agg(lambda one: one.abs().max()).max(axis=1)
+    missed = rows.groupby("number")["missed"].max()
     age = modified_julian_day(known.date) - newest["t"]
     reasons = {
         FEW: counts < _FEWEST_SETS,
