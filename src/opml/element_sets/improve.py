@@ -277,12 +277,15 @@ def _of_way(rows: pd.DataFrame, ways: Mapping[str, pd.DataFrame], way: pd.Series
 def _changes(newest: pd.DataFrame, rows: pd.DataFrame) -> pd.DataFrame:
     """Return the changes of mean motion [rad/min] and B* by object that come nearest to the corrections.
 
-    Distances at all leads count by the inverse of the time to them. Along the track a change of the mean
-    motion goes with tau, one of B* with the response. Some of the drag stays: without it an orbit would rise.
+    Distances count by the inverse of the time to them to the power of 1.5, as errors grow. Along the track a
+    change of the mean motion goes with tau, one of B* with the response. Some of the drag stays: without it
+    an orbit would rise.
     """
     tau = rows["tau"]
     rate, sought = rows["response"] / tau, rows["correction"] / tau
-    sums = pd.DataFrame({"n": 1.0, "r": rate, "rr": rate**2, "s": sought, "rs": rate * sought})
+    sums = pd.DataFrame({"n": 1.0, "r": rate, "rr": rate**2, "s": sought, "rs": rate * sought}).div(
+        tau, axis=0
+    )
     n, r, rr, s, rs = (sums.groupby(rows["number"]).sum()[name] for name in ("n", "r", "rr", "s", "rs"))
     bstar = (n * rs - r * s) / (n * rr - r * r)
     bstar = np.minimum(bstar, _MOST_DRAG * newest["bstar"].reindex(bstar.index))

@@ -90,8 +90,8 @@ def test_sets_flown_by_plain_sgp4_carry_the_correction(
         flown = [pairs.fly(one[number], minutes) for one in (old, new)]
         taken = pairs.along_track(flown[0][0], flown[1][0], flown[1][1])
         tau, response, sought = (part.to_numpy() for part in (own["tau"], own["response"], wanted[own.index]))
-        design = np.column_stack([np.ones(len(own)), response / tau])
-        nearest = tau * (design @ np.linalg.lstsq(design, sought / tau)[0])
+        design, weight = np.column_stack([tau, response]), tau**-1.5
+        nearest = design @ np.linalg.lstsq(design * weight[:, None], sought * weight)[0]
         np.testing.assert_allclose(taken, nearest, atol=10.0 + 0.02 * np.abs(nearest).max())
 
 
