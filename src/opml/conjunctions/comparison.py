@@ -45,7 +45,7 @@ _DEGREE = 7  # of the polynomials that give velocities to positions
 _SAME = 1e-5  # [s]
 
 
-class Orbit(Protocol):
+class ComparedOrbit(Protocol):
     """Where an object is, as files tell it."""
 
     @property
@@ -117,7 +117,7 @@ class States:
         return times
 
     def at(self, t: np.ndarray) -> np.ndarray:
-        """Return states as `Orbit.at`."""
+        """Return states as `ComparedOrbit.at`."""
         states = np.full((len(t), 6), np.nan)
         for one in self.stretches:
             held = one.holds(t)
@@ -125,7 +125,7 @@ class States:
         return states
 
     def covariances(self, t: np.ndarray) -> np.ndarray:
-        """Return covariances as `Orbit.covariances`."""
+        """Return covariances as `ComparedOrbit.covariances`."""
         found = np.full((len(t), 3, 3), np.nan)
         for one in self.stretches:
             held = one.holds(t)
@@ -147,7 +147,7 @@ class Sets:
         return np.asarray(self.sets["t"])
 
     def at(self, t: np.ndarray) -> np.ndarray:
-        """Return states as `Orbit.at`; a set flies 30 days at most."""
+        """Return states as `ComparedOrbit.at`; a set flies 30 days at most."""
         states = np.full((len(t), 6), np.nan)
         nearest = np.searchsorted(0.5 * (self.t[1:] + self.t[:-1]), t)
         young = np.abs(t - self.t[nearest]) <= DAY * MOST_DAYS
@@ -157,11 +157,11 @@ class Sets:
         return states
 
     def covariances(self, t: np.ndarray) -> np.ndarray:
-        """Return covariances as `Orbit.covariances`: sets have none."""
+        """Return covariances as `ComparedOrbit.covariances`: sets have none."""
         return np.full((len(t), 3, 3), np.nan)
 
 
-def read(paths: Sequence[FilePath], wanted: str | None = None) -> Orbit:
+def read(paths: Sequence[FilePath], wanted: str | None = None) -> ComparedOrbit:
     """Read an orbit of one object from files of one format, times from EPOCH on.
 
     wanted: name or number of the object in the files; None: they have only one
@@ -176,7 +176,7 @@ def read(paths: Sequence[FilePath], wanted: str | None = None) -> Orbit:
     return _of_arcs([fixes_csv.read(path, contents(path), epoch=EPOCH)[0] for path in paths])
 
 
-def compare(ours: Orbit, other: Orbit) -> pd.DataFrame:
+def compare(ours: ComparedOrbit, other: ComparedOrbit) -> pd.DataFrame:
     """Return the table `comparison`: ours less the other, at the times of the other's states.
 
     Where the other has mean elements, or ours knows nothing between its own states, the times are those of
@@ -236,7 +236,7 @@ def summary(table: pd.DataFrame) -> str:
     return "\n".join(lines)
 
 
-def _times(ours: Orbit, other: Orbit) -> np.ndarray:
+def _times(ours: ComparedOrbit, other: ComparedOrbit) -> np.ndarray:
     if ours.is_flown and other.is_flown:
         return np.arange(ours.t[-1], ours.t[-1] + DAY * FLOWN_DAYS, STEP)
     if other.is_flown or not np.isfinite(ours.at(other.t)).any():
@@ -244,7 +244,7 @@ def _times(ours: Orbit, other: Orbit) -> np.ndarray:
     return other.t
 
 
-def _span(orbit: Orbit) -> str:
+def _span(orbit: ComparedOrbit) -> str:
     begin, end = ccsds.utc_texts(EPOCH, orbit.t[[0, -1]])
     return f"{orbit.source} from {begin} to {end}"
 

@@ -242,7 +242,7 @@ class HistorySettings(Section):
     )
 
 
-class Prediction(Section):
+class PredictionSettings(Section):
     """Predictions."""
 
     max_days: Positive = setting("longest prediction", unit="days")
@@ -343,7 +343,7 @@ class RunAlone(Section):
     integrator: IntegratorSettings = setting("the Dormand-Prince 8(5,3) method")
     tracking: Tracking = setting("measurements")
     estimation: EstimationSettings = setting("fits of an orbit and a drag coefficient to tracks")
-    prediction: Prediction = setting("predictions")
+    prediction: PredictionSettings = setting("predictions")
     learning: Learning = setting("what all learners share")
     learners: Annotated[dict[Name, LearnerSettings], MinLen(1)] = setting(
         "a learner: its `kind`, and that kind's own settings; `variables` replaces the default ones,"
