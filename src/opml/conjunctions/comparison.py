@@ -28,7 +28,7 @@ from opml.interop.element_sets.mean_elements import MOST_DAYS
 from opml.interop.orbit_arcs import Arc, contents
 from opml.interop.orbit_curve import rotate_to_gcrf
 from opml.interop.orbit_from_files import OrbitFiles, is_orbit, whole_arcs
-from opml.orbits.elements import rsw_rotation
+from opml.orbits.elements import bent_rsw, rsw_rotation
 from opml.orbits.rsw_covariance import mahalanobis
 
 FLOWN_DAYS = 7.0
@@ -193,7 +193,7 @@ def compare(ours: ComparedOrbit, other: ComparedOrbit) -> pd.DataFrame:
         spans = " and ".join(_span(one) for one in (ours, other))
         raise InputError(f"compare: expected two orbits of the same time, got {spans}")
     t, mine, theirs = t[both], mine[both], theirs[both]
-    apart = _bent_rsw(mine, theirs)
+    apart = bent_rsw(mine[:, :3], theirs)
     covariances = ours.covariances(t)
     known = np.isfinite(covariances).all(axis=(1, 2))
     share = np.full(len(t), np.nan)
@@ -247,15 +247,6 @@ def _times(ours: ComparedOrbit, other: ComparedOrbit) -> np.ndarray:
 def _span(orbit: ComparedOrbit) -> str:
     begin, end = ccsds.utc_texts(EPOCH, orbit.t[[0, -1]])
     return f"{orbit.source} from {begin} to {end}"
-
-
-def _bent_rsw(states: np.ndarray, reference: np.ndarray) -> np.ndarray:
-    """Return (n, 3) [m]: height above the reference, the arc ahead of it along its track, across."""
-    in_axes = np.einsum("nij,nj->ni", rsw_rotation(reference), states[:, :3])
-    radius = np.linalg.norm(reference[:, :3], axis=1)
-    x, y, z = in_axes.T
-    bent: np.ndarray = np.stack([np.hypot(x, y) - radius, radius * np.arctan2(y, x), z], axis=1)
-    return bent
 
 
 def _of_orbit(paths: Sequence[FilePath], wanted: str | None, *, is_message: bool) -> States:
@@ -318,7 +309,7 @@ def _number(path: FilePath, history: histories.History, wanted: str | None) -> i
     if wanted is None:
         return None
     for number, one in history.objects.items():
-        if wanted.upper() in (str(number), one.name.upper(), one.designator.upper()):
+        if one.is_called(wanted):
             return number
     objects = ", ".join(str(one) for one in [*history.objects.values()][:5])
     raise InputError(f"{path}: expected object {wanted}, got {objects}")

@@ -128,7 +128,8 @@ def build(catalogue: ElementCatalogue, pairs: Pairs, air: Callable[[float], Morn
     apart = pd.DataFrame(np.nan_to_num(distances, copy=False), columns=list(APART), copy=False)
     miss = ((made["error"] - made["density"]) / made["scale"]).where(made["is_fit"])
     made["target"] = miss - miss.groupby(groups).transform("median")
-    lasting = made["lead"].map(_LASTING) * common_misses(made.assign(miss=miss))
+    judged = made[["morning", "lead", "band", "judged"]].assign(miss=miss)
+    lasting = made["lead"].map(_LASTING) * common_misses(judged)
     made["density"] += lasting * made["scale"]
     return pd.concat([made, apart, own_misses(made).fillna(0.0)], axis=1)
 

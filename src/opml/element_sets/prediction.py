@@ -31,7 +31,7 @@ from opml.interop.element_sets.element_set import ElementSet, changed, elements_
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import contents
 from opml.interop.orbit_from_files import is_orbit
-from opml.orbits.elements import rsw_rotation
+from opml.orbits.elements import bent_rsw
 from opml.orbits.rsw_covariance import rates, rsw_covariances
 from opml.tables import STATE
 from opml.tables.element_tables import IMPROVED_LEADS
@@ -161,8 +161,8 @@ class Prediction:
 
     def to_oem(self, path: FilePath) -> None:
         """Write the ephemeris with covariances as an OEM."""
-        states, sparse = self.states(self.t), np.unique(np.r_[0 : len(self.t) : _COVARIANCE_EVERY, -1])
-        sparse = np.unique(sparse % len(self.t))
+        states, last = self.states(self.t), len(self.t) - 1
+        sparse = np.unique(np.r_[0 : last + 1 : _COVARIANCE_EVERY, last])
         segment = oem.Segment(
             self.identity.name,
             self.t,
@@ -280,7 +280,7 @@ def _history(paths: Sequence[FilePath], wanted: str | None) -> list[ElementSet]:
     named = {
         number
         for number, one in newest.items()
-        if wanted is None or wanted.upper() in (str(number), one.name.upper(), one.designator.upper())
+        if wanted is None or ObjectId(one.name, one.designator, number).is_called(wanted)
     }
     if len(named) != 1:
         there = ", ".join(f"{number} {one.name}".strip() for number, one in sorted(newest.items())[:_TOLD])
@@ -335,9 +335,8 @@ def _apart(flown: Satrec, judge: Satrec) -> tuple[float, float, float]:
     """Return how far SGP4 flies from another set at the epoch of that: outwards, ahead, across [m]."""
     _, *own = judge.sgp4_tsince(0.0)
     _, position, _ = flown.sgp4(judge.jdsatepoch, judge.jdsatepochF)
-    radius = float(np.linalg.norm(own[0]))
-    x, y, z = rsw_rotation(np.concatenate(own)[None])[0] @ position
-    return 1e3 * (np.hypot(x, y) - radius), 1e3 * radius * np.arctan2(y, x), 1e3 * z
+    r, s, w = 1e3 * bent_rsw(np.array([position]), np.concatenate(own)[None])[0]
+    return r, s, w
 
 
 def _sizes(identity: ObjectId, how: pd.Series, past: pd.DataFrame, errors: pd.DataFrame) -> pd.DataFrame:

@@ -52,6 +52,10 @@ class ObjectId:
         match = _DESIGNATOR.fullmatch(self.designator)
         return f"{match[1][-2:]}{match[2]}{match[3]}" if match else ""
 
+    def is_called(self, wanted: str) -> bool:
+        """Return whether a user's word is its catalogue number, name or designator, in any case."""
+        return wanted.upper() in (str(self.number), self.name.upper(), self.designator.upper())
+
     def is_same(self, other: "ObjectId") -> bool:
         """Return whether both are one object; names decide only where either has nothing else."""
         pairs = ((self.designator, other.designator), (self.number, other.number))

@@ -108,6 +108,18 @@ def in_rsw(differences: np.ndarray, states: np.ndarray) -> np.ndarray:
     return rotated.reshape(-1, 6)
 
 
+def bent_rsw(positions: np.ndarray, reference: np.ndarray) -> np.ndarray:
+    """Return (n, 3): height above the reference, the arc ahead of it along its track, across.
+
+    positions: (n, 3), reference: states (n, 6), in one frame and one unit of length
+    """
+    in_axes = np.einsum("nij,nj->ni", rsw_rotation(reference), positions)
+    radius = np.linalg.norm(reference[:, :3], axis=1)
+    x, y, z = in_axes.T
+    bent: np.ndarray = np.stack([np.hypot(x, y) - radius, radius * np.arctan2(y, x), z], axis=1)
+    return bent
+
+
 def from_rsw(differences: np.ndarray, states: np.ndarray) -> np.ndarray:
     """Return differences (n, 6) [m, m/s] in GCRF from those in RSW of the states (n, 6)."""
     rotated: np.ndarray = np.einsum("nji,nkj->nki", rsw_rotation(states), differences.reshape(-1, 2, 3))
