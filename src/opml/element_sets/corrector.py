@@ -6,7 +6,7 @@ How much of either is believed, and how large what it leaves may be, comes from 
 """
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
@@ -45,6 +45,7 @@ _SVR_ROWS, _SVR_CLIP = 8000, 5.0
 _BLOCK = 28  # days
 _FEWEST_HELD_OUT = 200
 _TRIED = np.linspace(0.0, 1.2, 13)
+_BATCH = 100_000  # rows that are corrected at a time: a catalogue's would need a third more memory
 
 
 Shares = Mapping[tuple[int, int], float]
@@ -83,8 +84,7 @@ class Corrector:
         Columns: correction [m], sigma [m]; NaN for rows that cannot be corrected.
         """
         found = pd.DataFrame(np.nan, index=rows.index, columns=["correction", "sigma"])
-        for part in self.parts:
-            members = part.rows_of(rows)
+        for part, members in self._batches(rows):
             own = rows.iloc[members]
             scale = own["scale"].to_numpy()
             miss = part.miss.predict(own[list(part.miss.variables)].to_numpy())
@@ -93,6 +93,13 @@ class Corrector:
             found.iloc[members, 0] = own["density"].to_numpy() + scale * miss
             found.iloc[members, 1] = scale * np.exp(size) / NORMAL
         return found
+
+    def _batches(self, rows: pd.DataFrame) -> Iterator[tuple[BandModels, np.ndarray]]:
+        """Yield parts with the numbers of rows of theirs."""
+        for part in self.parts:
+            members = part.rows_of(rows)
+            for begin in range(0, len(members), _BATCH):
+                yield part, members[begin : begin + _BATCH]
 
 
 Fit = Callable[[pd.DataFrame, int], Predictor]

@@ -11,7 +11,7 @@ from opml.learning.judge.error_sizes import INSIDE, LEVEL
 from opml.mornings.burns_in_tracks import FAR, sigmas_off
 from opml.orbits.manoeuvres import Manoeuvre
 
-GOOD, WIDE, DO_NOT_USE = "good", "wide", "do not use"
+GOOD, UNPROVEN, WIDE, DO_NOT_USE = "good", "unproven", "wide", "do not use"
 """Verdicts."""
 
 OLDEST = 1.5 * DAY
@@ -76,9 +76,9 @@ def verdict(
             "a storm, another object, or a burn that the tracks do not show",
         )
     if mornings < FEWEST:
-        return Verdict(WIDE, f"{mornings} mornings were judged, fewer than {FEWEST}")
+        return Verdict(UNPROVEN, f"{mornings} mornings were judged, fewer than {FEWEST}")
     if not recent.any():
-        return Verdict(WIDE, f"nothing was judged in the last {PAST / DAY:.0f} days")
+        return Verdict(UNPROVEN, f"nothing was judged in the last {PAST / DAY:.0f} days")
     share, day = _least_inside(off[recent], flown["duration"].to_numpy(float)[recent])
     most = off[newest].max(initial=0.0)
     if share >= LEAST_INSIDE and most > RARE:

@@ -6,7 +6,7 @@ from typing import Any
 
 from opml.mornings.batch import FAILED
 from opml.mornings.records import HORIZON
-from opml.mornings.verdict import DO_NOT_USE, GOOD, WIDE
+from opml.mornings.verdict import DO_NOT_USE, GOOD, UNPROVEN, WIDE
 from opml.report.document import Block, Heading, Paragraph, Table, as_it_is
 from opml.report.results import NO_VALUE, length
 
@@ -14,8 +14,11 @@ Outcome = Mapping[str, Any]
 Weather = Sequence[Mapping[str, Any]]
 """Of the days about a morning, as `weather_of_day.read` returns them."""
 
-WORST_FIRST = (FAILED, DO_NOT_USE, WIDE, GOOD)
+WORST_FIRST = (FAILED, DO_NOT_USE, WIDE, UNPROVEN, GOOD)
 """Verdicts, those to look at first."""
+
+VERSION = 1
+"""Of what the page for machines holds; another where a key goes or changes its meaning."""
 
 LEADS = (1, 3, 7)
 """Days of duration whose errors the page states."""
@@ -35,7 +38,7 @@ def document(outcomes: Sequence[Outcome], weather: Weather, *, date: str) -> lis
 def summary(outcomes: Sequence[Outcome]) -> str:
     """Return how many objects have which verdict, in words."""
     counts = Counter(outcome["verdict"] for outcome in outcomes)
-    parts = [f"{counts[verdict]} {verdict}" for verdict in WORST_FIRST[::-1] if counts[verdict]]
+    parts = [f"{counts[verdict]} {verdict}" for verdict in WORST_FIRST if counts[verdict]]
     return f"{len(outcomes)} object{'s' * (len(outcomes) != 1)}: {', '.join(parts)}"
 
 
@@ -43,8 +46,9 @@ def as_json(outcomes: Sequence[Outcome], weather: Weather, *, date: str) -> dict
     """Return the same for machines."""
     counts = Counter(outcome["verdict"] for outcome in outcomes)
     return {
+        "version": VERSION,
         "date": date,
-        "verdicts": dict(sorted(counts.items())),
+        "verdicts": {verdict: counts[verdict] for verdict in WORST_FIRST if counts[verdict]},
         "objects": list(outcomes),
         "weather": list(weather),
     }
@@ -68,7 +72,7 @@ def _row(outcome: Outcome) -> list[str]:
         outcome["object"],
         outcome["verdict"],
         f"`{outcome['model']}`" if outcome["model"] else NO_VALUE,
-        outcome["newest_estimate"][:16] or NO_VALUE,
+        _minute(outcome["newest_estimate"]) or NO_VALUE,
         f"{outcome['converged']} of {outcome['tracks']}",
         str(outcome["late"]),
         *errors,
@@ -78,8 +82,13 @@ def _row(outcome: Outcome) -> list[str]:
 
 
 def _why(outcome: Outcome) -> str:
-    burn = f"; the tracks show a burn about {outcome['burn'][:16]}" if outcome["burn"] else ""
+    burn = f"; the tracks show a burn about {_minute(outcome['burn'])}" if outcome["burn"] else ""
     return f"{outcome['reason']}{burn}"
+
+
+def _minute(time: str) -> str:
+    """Return a time (UTC text) to the minute, '' for none."""
+    return f"{time[:16]}Z" if time else ""
 
 
 def _miss(outcome: Outcome) -> float:

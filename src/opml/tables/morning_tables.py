@@ -47,7 +47,7 @@ MORNING_SCHEMAS = (
             count("i", "track of the estimate that the ephemerides start from, -1 without any"),
             real("t_i", "s", f"epoch of that estimate, {SINCE}"),
             text("model", "the model that was flown, empty where none was"),
-            text("verdict", "whether to trust what was flown: good, wide or do not use"),
+            text("verdict", "whether to trust what was flown: good, unproven, wide or do not use"),
             real("burn_t", "s", f"a burn that the morning found, {SINCE}; NaN without any"),
             *(real(name, unit, f"size of errors, {meaning}") for name, (unit, meaning) in SIZES.items()),
             real("days", "days", "length of the past that the sizes come from"),

@@ -25,7 +25,7 @@ from opml.mornings import days, judged, morning, tracks
 from opml.mornings.days import Calendar, Folder
 from opml.mornings.morning import FlightModel, MorningPlan, Watched
 from opml.mornings.records import DONE, Records
-from opml.mornings.verdict import DO_NOT_USE, WIDE
+from opml.mornings.verdict import DO_NOT_USE, UNPROVEN
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, paths_schema, read_metadata, read_table, read_tables
 
@@ -126,7 +126,7 @@ def test_what_leaves_is_the_path_of_the_model_that_the_past_chose(whole):
     place = Folder(whole, "iss").of_day(LAST)
     found = json.loads((place / DONE).read_text())
     assert found["model"] in MODELS
-    assert found["verdict"] == WIDE  # after few mornings
+    assert found["verdict"] == UNPROVEN  # after few mornings
     assert found["past"]["all"][0]["along_track_m"] < 200.0
     table = place / "paths.parquet"
     paths = read_table(table, paths_schema(read_metadata(table)["models"]))

@@ -14,7 +14,7 @@ from opml.learning.judge.error_sizes import Sizes
 from opml.mornings import days, issued
 from opml.mornings.beside_sgp4 import Sgp4
 from opml.mornings.records import Records
-from opml.mornings.verdict import DO_NOT_USE, GOOD, WIDE, Verdict, verdict
+from opml.mornings.verdict import DO_NOT_USE, GOOD, UNPROVEN, WIDE, Verdict, verdict
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SIGMA_STATE, STATE
 
@@ -67,15 +67,15 @@ def test_a_day_without_tracks_mends_nothing():
     assert "sigma off" in found.reason
 
 
-def test_after_few_mornings_nothing_is_good():
+def test_after_few_mornings_an_ephemeris_is_unproven():
     past = judged(sigma=100.0)
-    assert verdict(past[past["morning"] >= 15 * DAY], start(), now=NOW).word == WIDE
+    assert verdict(past[past["morning"] >= 15 * DAY], start(), now=NOW).word == UNPROVEN
 
 
 def test_intervals_of_an_object_that_was_lost_for_weeks_are_not_known():
     later = NOW + 20.0 * DAY
     found = verdict(judged(sigma=100.0), pd.DataFrame({"track": [1], "t": [later]}), now=later)
-    assert found == Verdict(WIDE, "nothing was judged in the last 14 days")
+    assert found == Verdict(UNPROVEN, "nothing was judged in the last 14 days")
 
 
 def test_intervals_are_held_against_what_differences_show():
