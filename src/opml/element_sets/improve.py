@@ -37,7 +37,7 @@ PAST = 20
 NEWER_WEATHER = "https://celestrak.org/SpaceData/SW-All.csv"
 """Where newer space weather is."""
 
-_OLDEST_WEATHER = 3.0
+OLDEST_WEATHER = 3.0
 """Days before the date that the weather may end: the forecast begins there."""
 
 _BORROWED = 30.0
@@ -119,7 +119,7 @@ def read(
     today = modified_julian_day(date)
     found = knowledge.read(weather).keep_known(today)
     end = density.end_of(found)
-    if today - end > _OLDEST_WEATHER:
+    if today - end > OLDEST_WEATHER:
         expected = f"space weather measured up to {date[:10]}"
         raise InputError(
             f"{weather}: expected {expected}, got it up to {epochs.calendar(end)}; newer: {NEWER_WEATHER}"
@@ -145,7 +145,7 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
         known,
         rows[is_today],
         {name: one[is_today] for name, one in ways.items()},
-        _choice(rows, ways),
+        choice(rows, ways),
     )
     sets = [Better(one.file, one.line, one.motion, one.bstar) for one in table.itertuples(index=False)]
     progress(", ".join(f"{name} {count}" for name, count in table["applied"].value_counts().items()))
@@ -157,7 +157,7 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
 def _past(rows: pd.DataFrame, ways: Mapping[str, pd.DataFrame], way: pd.Series) -> pd.DataFrame:
     """Return the judged rows with what their object's way leaves of the error."""
     judged = rows[np.isfinite(rows["error"])]
-    past = judged[["morning", "error"]].join(_of_way(judged, ways, way), how="inner")
+    past = judged[["morning", "error"]].join(of_way(judged, ways, way), how="inner")
     past["left"] = past["error"] - past["correction"]
     return past[["number", "morning", "lead", "error", "left", "sigma"]].reset_index(drop=True)
 
@@ -187,7 +187,7 @@ def candidates(rows: pd.DataFrame, model: CatalogueModel) -> dict[str, pd.DataFr
     return plain | learned
 
 
-def _choice(rows: pd.DataFrame, ways: Mapping[str, pd.DataFrame]) -> pd.Series:
+def choice(rows: pd.DataFrame, ways: Mapping[str, pd.DataFrame]) -> pd.Series:
     """Return the way by the number of the object: the one that left least of the predictions that are judged.
 
     Rows of the whole band stand in where an object has few of its own.
@@ -211,28 +211,29 @@ def _choice(rows: pd.DataFrame, ways: Mapping[str, pd.DataFrame]) -> pd.Series:
 
 
 def _table(
-    known: PublicData, rows: pd.DataFrame, ways: Mapping[str, pd.DataFrame], choice: pd.Series
+    known: PublicData, rows: pd.DataFrame, ways: Mapping[str, pd.DataFrame], chosen_ways: pd.Series
 ) -> pd.DataFrame:
     """Return the table `improved_sets` with file and line of each set.
 
     rows: those of the date, of the objects that have a set that is new enough
     """
-    newest = known.catalogue.table.groupby("number", sort=True).tail(1).set_index("number", drop=False)
-    why = _why(known, newest, rows)
-    way = choice.reindex(newest.index).where(why.isin(["", FEW]), UNCHANGED).mask(why.eq(FEW), DENSITY)
-    chosen = _of_way(rows, ways, way)
-    change = _changes(newest, chosen)
+    today = modified_julian_day(known.date)
+    newest = newest_sets(known.catalogue)
+    why = reasons(known.catalogue, newest, rows, date=today)
+    way = where_usable(chosen_ways, why)
+    chosen = of_way(rows, ways, way)
+    improved = numbers(newest, chosen)
     table = pd.DataFrame(
         {
             "number": newest["number"],
             "t": newest["t"],
-            "age": modified_julian_day(known.date) - newest["t"],
+            "age": today - newest["t"],
             "height": newest["height"],
             "applied": way.str.partition(":")[0],
             "population": way.str.partition(": ")[2],
             "why": why,
-            "motion": newest["motion"] + change["motion"],
-            "bstar": newest["bstar"] + change["bstar"],
+            "motion": improved["motion"],
+            "bstar": improved["bstar"],
             "motion_before": newest["motion"],
             "bstar_before": newest["bstar"],
         }
@@ -244,12 +245,23 @@ def _table(
     return table.assign(file=newest["file"], line=newest["line"]).reset_index(drop=True)
 
 
-def _why(known: PublicData, newest: pd.DataFrame, rows: pd.DataFrame) -> pd.Series:
-    """Return by the number of the object why its past does not choose, '' where it does."""
-    counts = known.catalogue.table.groupby("number").size()
+def newest_sets(catalogue: ElementCatalogue) -> pd.DataFrame:
+    """Return the newest set of each object, by its number."""
+    return catalogue.table.groupby("number", sort=True).tail(1).set_index("number", drop=False)
+
+
+def reasons(
+    catalogue: ElementCatalogue, newest: pd.DataFrame, rows: pd.DataFrame, *, date: float
+) -> pd.Series:
+    """Return by the number of the object why its past does not choose, '' where it does.
+
+    newest: of `newest_sets`
+    rows: those of the date, a modified Julian day
+    """
+    counts = catalogue.table.groupby("number").size()
     missed = rows.groupby("number")["missed"].max()
-    age = modified_julian_day(known.date) - newest["t"]
-    reasons = {
+    age = date - newest["t"]
+    found = {
         FEW: counts < _FEWEST_SETS,
         "burned lately": missed.reindex(newest.index, fill_value=0.0) > _BURN,
         f"newest set older than {OLDEST:g} d": age > OLDEST,
@@ -259,12 +271,17 @@ def _why(known: PublicData, newest: pd.DataFrame, rows: pd.DataFrame) -> pd.Seri
         "deep space": newest["motion"] < _DEEP,
     }
     why = pd.Series("", index=newest.index)
-    for reason, holds in reasons.items():
+    for reason, holds in found.items():
         why = why.mask(holds, reason)
     return why
 
 
-def _of_way(rows: pd.DataFrame, ways: Mapping[str, pd.DataFrame], way: pd.Series) -> pd.DataFrame:
+def where_usable(way: pd.Series, why: pd.Series) -> pd.Series:
+    """Return the way of each object: the density of one with few sets, none of others with a reason."""
+    return way.reindex(why.index).where(why.isin(["", FEW]), UNCHANGED).mask(why.eq(FEW), DENSITY)
+
+
+def of_way(rows: pd.DataFrame, ways: Mapping[str, pd.DataFrame], way: pd.Series) -> pd.DataFrame:
     """Return rows that can be corrected with correction and sigma of their object's way."""
     of_row = rows["number"].map(way)
     parts = [
@@ -272,6 +289,11 @@ def _of_way(rows: pd.DataFrame, ways: Mapping[str, pd.DataFrame], way: pd.Series
         for name, one in ways.items()
     ]
     return pd.concat(parts).sort_index()
+
+
+def numbers(newest: pd.DataFrame, rows: pd.DataFrame) -> pd.DataFrame:
+    """Return mean motion [rad/min] and B* of the newest sets, improved by the corrections of rows."""
+    return newest[["motion", "bstar"]] + _changes(newest, rows)
 
 
 def _changes(newest: pd.DataFrame, rows: pd.DataFrame) -> pd.DataFrame:

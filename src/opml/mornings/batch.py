@@ -4,7 +4,7 @@ import errno
 import json
 import logging
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import date
 from functools import partial
 from pathlib import Path
@@ -25,6 +25,7 @@ from opml.dynamics import force_model
 from opml.dynamics.ensemble import Arcs, Integrator
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.shared_blocks import SharedBlocks
+from opml.element_sets.on_mornings import ImprovedHistory
 from opml.mornings import days, measured
 from opml.mornings.measured import MeasurementSource, Span
 from opml.mornings.morning import FlightModel, MorningPlan, Watched
@@ -47,7 +48,8 @@ class Surroundings:
     """What all objects of a job fly in: force models as of `morning.FlightModel`, and the stations.
 
     The weather was seen until `seen_until` [s]. The models of fits and predictions stand with the parts of
-    them that neighbours fly under, made once: arcs under one model fly together.
+    them that neighbours fly under, made once: arcs under one model fly together. Mean elements are improved
+    beside those of all objects of the run.
     """
 
     fits: tuple[ForceModel, ForceModel]
@@ -57,6 +59,7 @@ class Surroundings:
     orientation: pd.DataFrame
     stations: Sequence[Station]
     seen_until: float
+    improved: ImprovedHistory | None
     propagate: Callable[..., Arcs]
 
     @classmethod
@@ -81,6 +84,7 @@ class Surroundings:
             read_table(fits["earth_orientation"], "earth_orientation"),
             [Station(**station) for station in settings["stations"]],
             _last_seen(read_table(fits["solar_activity"], "solar_activity")),
+            _improved(**settings["catalogue"]),
             propagate,
         )
 
@@ -109,6 +113,17 @@ def run(files: Any, settings: Mapping[str, Any], *, metadata: Mapping[str, Any])
             for name, one in settings["objects"].items()
         ]
     )
+
+
+def _improved(files: Sequence[str], weather: str) -> ImprovedHistory | None:
+    """Return what improves mean elements; None without any, or where the log says what is missing."""
+    if not files:
+        return None
+    try:
+        return ImprovedHistory.read(files, weather)
+    except InputError as reason:
+        _log.warning("element sets are not improved: %s", reason)
+        return None
 
 
 def _last_seen(activity: pd.DataFrame) -> float:
@@ -211,6 +226,6 @@ def _catch_up(
         found.manoeuvres,
         given,
         found.identity,
-        found.sgp4,
+        found.sgp4 and replace(found.sgp4, improved=surroundings.improved),
     )
     days.catch_up(folder, watched, calendar, until, metadata=metadata)

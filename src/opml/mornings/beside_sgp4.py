@@ -1,11 +1,17 @@
-"""SGP4 from the newest set of mean elements: a model that may be flown, and that a good ephemeris beats."""
+"""SGP4 from the newest set, published or improved: models of the menu, and what a good ephemeris beats."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import pandas as pd
 
-from opml.interop.element_sets import histories
+from opml.base.constants import DAY
+from opml.element_sets.catalogue import modified_julian_day
+from opml.element_sets.on_mornings import DENSITY, LEARNED, ImprovedHistory
+from opml.interop.element_sets import histories, mean_elements
+from opml.mornings.candidates import Expected
 from opml.mornings.verdict import GOOD, PAST, WIDE, Verdict
 from opml.orbits.elements import in_rsw
 from opml.tables import STATE
@@ -16,26 +22,32 @@ NAME = "sgp4"
 
 @dataclass(frozen=True, eq=False)
 class Sgp4:
-    """What anybody would have flown of an object.
+    """What anybody would have flown of an object, and with the same sets improved.
 
     sets: table `element_sets` of the object
     epoch: UTC text from which its times count
+    improved: the sets of all objects that are watched; None where nothing improves them
     """
 
     sets: pd.DataFrame
     epoch: str
+    improved: ImprovedHistory | None = None
 
-    def expected(self, path: pd.DataFrame, *, now: float) -> np.ndarray:
-        """Return how far a path would be off along the track (n,) [m], were the object where SGP4 has it.
+    def menu(self, now: float) -> dict[str, Expected]:
+        """Return by model how far a path would be off along the track, were the object where SGP4 has it.
 
-        path: states at t_j
-        now: by when the set is known [s]
+        now: by when sets are known [s]
 
         NaN where no set was known, and where SGP4 fails.
         """
-        predicted = np.ascontiguousarray(path[STATE])
-        flown = histories.predict(self.sets, epoch=self.epoch, known=now, t=path["t_j"].to_numpy())
-        return in_rsw(predicted - flown, predicted)[:, 1]
+        models = {NAME: partial(histories.predict, self.sets, epoch=self.epoch, known=now)}
+        if self.improved is not None:
+            number, morning = int(self.sets["number"].iloc[0]), modified_julian_day(self.epoch) + now / DAY
+            for name in (DENSITY, LEARNED):
+                flown = self.improved.newest(name, number, morning)
+                if flown is not None:
+                    models[name] = partial(mean_elements.states, flown, epoch=self.epoch)
+        return {name: partial(_expected, states) for name, states in models.items()}
 
     def along_track(self, flown: pd.DataFrame, estimates: pd.DataFrame) -> np.ndarray:
         """Return how far SGP4 was off along the track (n,) [m], from the newest set known each morning.
@@ -70,3 +82,9 @@ class Sgp4:
         if ours <= theirs:
             return judgement
         return Verdict(WIDE, f"SGP4 from the newest set was {theirs:.0f} m off where this was {ours:.0f}")
+
+
+def _expected(states: Callable[..., np.ndarray], path: pd.DataFrame) -> np.ndarray:
+    """Return how far a path is off along the track (n,) [m] of what gives states at times `t`."""
+    predicted = np.ascontiguousarray(path[STATE])
+    return in_rsw(predicted - states(t=path["t_j"].to_numpy()), predicted)[:, 1]

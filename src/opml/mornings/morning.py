@@ -28,7 +28,7 @@ from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models import learners
-from opml.mornings import beside_sgp4, burns_in_tracks, candidates, fits, issued, judged, product, tracks
+from opml.mornings import burns_in_tracks, candidates, fits, issued, judged, product, tracks
 from opml.mornings.beside_sgp4 import Sgp4
 from opml.mornings.paths import Paths
 from opml.mornings.records import Records
@@ -249,7 +249,7 @@ def _paths(
     part = Part(model.predictions, whole, starts, Grid(candidates.STEP, plan.max_days, plan.end))
     base = so_far.of_window(plan.base, burns)
     spreads = partial(spread.build, model.flattened, base, weathers=model.weathers)
-    others = {} if watched.sgp4 is None else {beside_sgp4.NAME: partial(watched.sgp4.expected, now=now)}
+    others = {} if watched.sgp4 is None else watched.sgp4.menu(now)
     return candidates.paths(part, plan.models, spreads, now=now, others=others)
 
 

@@ -6,6 +6,7 @@ from typing import Any, Protocol
 
 from opml import naming
 from opml.base.errors import InputError
+from opml.environment.solar_activity import MSAFE, OBSERVED
 from opml.figures.display_names import describe_run
 from opml.learning.data import components
 from opml.learning.data.dataset import MEASUREMENT
@@ -247,8 +248,17 @@ class Params:
             "max_days": values["prediction"]["max_days"],
             "step_s": values["ephemeris"]["step_s"],
             "models": resolved,
+            "catalogue": self._catalogue,
             "objects": {rso: self._watched(rso) for rso in self.plan.watched[wildcards.batch]},
         }
+
+    @property
+    def _catalogue(self) -> dict[str, Any]:
+        """Where the mean elements of all RSOs are, and the weather under which they are improved."""
+        files = {path for paths in self.plan.settings.elements.values() for path in paths}
+        sources = self.plan.environment.sources
+        activity = sources["solar_activity"]
+        return {"files": sorted(files), "weather": OBSERVED if activity == MSAFE else activity}
 
     def page_of_day(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of the page of the wildcard `date`."""

@@ -36,7 +36,7 @@ def made(file):
 
 
 def test_it_is_the_better_set_flown_by_sgp4(file, tmp_path, monkeypatch):
-    monkeypatch.setattr(improve, "_choice", lambda rows, ways: pd.Series(improve.DENSITY, index=[NUMBER]))
+    monkeypatch.setattr(improve, "choice", lambda rows, ways: pd.Series(improve.DENSITY, index=[NUMBER]))
     made = prediction.predict(file, date=DATE)
     assert made.way == "set improved by the density ahead"
     predicted.write(tmp_path / "better.tle", made, [])

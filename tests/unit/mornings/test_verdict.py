@@ -165,10 +165,10 @@ def test_a_path_corrected_by_sgp4_is_where_sgp4_is():
     path = pd.DataFrame(np.column_stack([true[:, :3] + 250.0 * step, true[:, 3:]]), columns=STATE).assign(
         t_j=t
     )
-    expected = Sgp4(sets, EPOCH).expected(path, now=NOW)
+    expected = Sgp4(sets, EPOCH).menu(NOW)["sgp4"](path)
     np.testing.assert_allclose(expected, 250.0, atol=1.0)
     later = sets.assign(bstar=sets["bstar"].mask(sets["t"] > NOW, 1.0))
-    np.testing.assert_array_equal(Sgp4(later, EPOCH).expected(path, now=NOW), expected)
+    np.testing.assert_array_equal(Sgp4(later, EPOCH).menu(NOW)["sgp4"](path), expected)
 
 
 def test_a_model_that_is_new_in_the_menu_waits_for_a_past_of_its_own():

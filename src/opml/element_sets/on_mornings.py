@@ -1,0 +1,89 @@
+"""The newest sets of mornings, improved by the density and by what a catalogue taught: models of a menu."""
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+from sgp4.api import Satrec
+
+from opml.base.files import FilePath
+from opml.element_sets import catalogue as catalogues
+from opml.element_sets import density, features, improve, model, pairs
+from opml.element_sets.catalogue import ElementCatalogue
+from opml.element_sets.density import LearnedAir
+from opml.element_sets.model import CatalogueModel
+from opml.environment import knowledge, nrlmsis
+from opml.environment.weather import Weather
+from opml.interop.element_sets.element_set import changed
+
+DENSITY, LEARNED = "density", "learned"
+"""Names of the models: density-scaled, and with the corrector of the package."""
+
+
+class ImprovedHistory:
+    """Sets of objects as they were improved on any morning: from sets and weather that were known on it."""
+
+    def __init__(self, catalogue: ElementCatalogue, weather: Weather, trained: CatalogueModel) -> None:
+        """Take all sets, clean weather, and what another catalogue taught."""
+        self._catalogue, self._weather, self._trained = catalogue, weather, trained
+        self._numbers: dict[float, Mapping[str, pd.DataFrame]] = {}
+
+    @classmethod
+    def read(cls, paths: Sequence[FilePath], weather: FilePath) -> "ImprovedHistory":
+        """Read them; weather: OBSERVED, the packaged one, or a CSSI file.
+
+        Raises InputError for unreadable files, for weather by the month, and where pymsis is missing.
+        """
+        nrlmsis.check_installed()
+        # As in a table `element_sets`, a set that does not tell when it was made was known at its epoch.
+        sets = catalogues.read(paths, latency=0.0)
+        return cls(sets, density.clean(knowledge.read(str(weather))), model.read())
+
+    def newest(self, name: str, number: int, morning: float) -> Satrec | None:
+        """Return the newest set of an object as a model improves it, None where none was known.
+
+        name: DENSITY or LEARNED
+        number: of the catalogue
+        morning: modified Julian day (UTC)
+
+        A set that cannot be improved, for the reasons of the table `improved_sets`, is as it was published;
+        so are all where the weather ends too early.
+        """
+        table = self._catalogue.table
+        known = np.flatnonzero((table["number"] == number) & (table["known"] <= morning))
+        if not known.size:
+            return None
+        if morning not in self._numbers:
+            self._numbers[morning] = self._improve(morning)
+        motion, bstar = self._numbers[morning][name].loc[number]
+        return changed(self._catalogue.satellites[known[-1]], motion, bstar)
+
+    def _improve(self, morning: float) -> Mapping[str, pd.DataFrame]:
+        """Return mean motion and B* of the newest sets, by model."""
+        known = self._catalogue.until(morning).daily()
+        if morning - density.end_of(self._weather.keep_known(morning)) > improve.OLDEST_WEATHER:
+            published = improve.newest_sets(known)[["motion", "bstar"]]
+            return {DENSITY: published, LEARNED: published}
+        mornings = np.arange(-improve.PAST, 1) + morning
+        rows = features.build(known, pairs.build(known, mornings), self._air)
+        ways = improve.candidates(rows, self._trained)
+        taught = {name: one for name, one in ways.items() if name.startswith(LEARNED)}
+        today = rows["morning"] == morning
+        now, corrections = rows[today], {name: one[today] for name, one in ways.items()}
+        newest = improve.newest_sets(known)
+        why = improve.reasons(known, newest, now, date=morning)
+        choices = {
+            DENSITY: pd.Series(improve.DENSITY, newest.index),
+            LEARNED: improve.choice(rows, taught),
+        }
+        return {
+            name: improve.numbers(newest, improve.of_way(now, corrections, improve.where_usable(one, why)))
+            for name, one in choices.items()
+        }
+
+    @cached_property
+    def _air(self) -> LearnedAir:
+        first = int(np.floor(self._catalogue.table["known"].min())) - improve.PAST - density.RUN_UP - 1
+        end = density.end_of(self._weather)
+        return LearnedAir(self._weather, density.measured(self._weather, first, end), self._trained.outlook)
