@@ -257,6 +257,20 @@ def test_what_is_malformed_is_named(written, text, message):
     assert str(error.value).startswith(f"{path}: {message}")
 
 
+@pytest.mark.parametrize("name", ["1 KUNS-PF", "2 SAT", "N" * 45, "<script>", "[SAT]"])
+def test_a_name_may_look_like_anything(written, name):
+    path = written("\n".join([name, *LINES, name, *LINES]))
+    assert [one.name for one in mean_elements.read_sets(path)] == [name, name]
+
+
+def test_a_damaged_line_names_no_set(written):
+    """Line 2 of the first set is cut: the set is left out, and the second has no name."""
+    damaged = []
+    (found,) = mean_elements.read_sets(written("\n".join([LINES[0], LINES[1][:30], *LINES])), damaged)
+    assert not found.name
+    assert len(damaged) == 1
+
+
 def test_an_orbit_that_decayed_is_an_input_error(written):
     satellite = mean_elements.read(written(kvn(MEAN_MOTION="16.4", ECCENTRICITY="0.001", BSTAR="0.01")))
     with pytest.raises(InputError, match=r"mean elements: expected an orbit at 2020-01-01T00:00:00, got"):
