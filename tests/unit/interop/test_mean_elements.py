@@ -143,8 +143,17 @@ def test_the_command_says_what_is_wrong_in_one_line(written, capsys):
 @pytest.mark.parametrize(
     ("option", "value", "expected"),
     [
-        ("--name", "iss_i50", "name: expected lower-case letters and digits, a letter first, got 'iss_i50'"),
-        ("--name", "a\tb", "name: expected lower-case letters and digits, a letter first, got 'a\\tb'"),
+        (
+            "--name",
+            "iss_i50",
+            "name: expected up to 60 lower-case letters and digits, a letter first, got 'iss_i50'",
+        ),
+        ("--name", "m" * 61, "name: expected up to 60 lower-case letters and digits, a letter first, got 'm"),
+        (
+            "--name",
+            "a\tb",
+            "name: expected up to 60 lower-case letters and digits, a letter first, got 'a\\tb'",
+        ),
         ("--cd", "-2.2", "cd: expected a number "),
         ("--area-to-mass", "nan", "area_to_mass_m2pkg: expected a number "),
     ],
