@@ -67,7 +67,11 @@ def test_a_sheet_of_random_rsos_is_read_as_one(tmp_path, capsys):
     ("count", "prefix", "told"),
     [
         ("-1", "sat", "--count: expected a whole number from 1, got -1"),
-        ("2", "../x", "--prefix: expected lower-case letters and digits, a letter first, got '../x'"),
+        (
+            "2",
+            "../x",
+            "--prefix: expected up to 60 lower-case letters and digits, a letter first, got '../x'",
+        ),
     ],
 )
 def test_a_sheet_that_none_could_read_is_not_drawn(count, prefix, told, capsys):

@@ -5,7 +5,6 @@ a comment `HBR`, as in the messages of NASA's CARA.
 """
 
 import logging
-import math
 import re
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
@@ -16,7 +15,7 @@ import numpy as np
 from opml import __version__
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.conjunctions.conjunction import Conjunction, Participant, check_length
+from opml.conjunctions.conjunction import LARGEST_RADIUS, Conjunction, Participant, check_radius
 from opml.interop import ccsds
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import contents
@@ -147,7 +146,7 @@ def read(path: FilePath, *, epoch: str, radius: float | None = None) -> Conjunct
     first, second = (_participant(message, block) for block in parts)
     _check_miss(message, head, float(np.linalg.norm(second.state[:3] - first.state[:3])))
     radius = _radius(path) if radius is None else radius
-    check_length("radius", radius)
+    check_radius(radius)
     known = head.time("CREATION_DATE", t, epoch=epoch, scale="UTC")
     return Conjunction(t, first, second, radius, known=known)
 
@@ -189,6 +188,7 @@ def _participant(message: ccsds.Message, block: ccsds.KeyValues) -> Participant:
         covariance[row, column] = covariance[column, row] = number(key, 0)
         if row == column and covariance[row, row] < 0.0:
             raise message.error("a variance of 0 or more", block.text(key), block.line(key))
+    message.check_correlations(covariance, block.line(_covariance_key(0, 0)))
     keys = ("OBJECT_DESIGNATOR", "INTERNATIONAL_DESIGNATOR")
     identity = ObjectId.of(block.text("OBJECT_NAME"), *(block.text(key, "") for key in keys))
     return Participant(identity, np.kron(np.eye(2), turn) @ state, covariance)
@@ -199,7 +199,9 @@ def _radius(path: FilePath) -> float:
     told = set(_RADIUS.findall(contents(path).decode("utf-8-sig")))
     with suppress(ValueError, KeyError):
         radii = {float(number) * _METRES[unit] for number, unit in told}
-        if len(radii) == 1 and 0.0 < (radius := radii.pop()) < math.inf:
+        if len(radii) == 1 and 0.0 < (radius := radii.pop()) <= LARGEST_RADIUS:
             return radius
     got = " and ".join(sorted(f"{number} {unit}".strip() for number, unit in told)) or "none"
-    raise InputError(f"{path}: expected a radius [m] in COMMENT HBR, or --radius, got {got}")
+    raise InputError(
+        f"{path}: expected a radius up to {LARGEST_RADIUS:g} m in COMMENT HBR, or --radius, got {got}"
+    )

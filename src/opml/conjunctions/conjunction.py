@@ -13,6 +13,11 @@ from opml.conjunctions.probability import Chance, Encounter, chance
 from opml.interop.object_ids import ObjectId
 from opml.orbits.elements import in_rsw, rsw_rotation
 
+LARGEST_RADIUS = 1e4
+"""Largest sum of the radii of two objects [m]: one that is larger is in another unit."""
+
+_SAME = 1e-2  # [s, m, m/s]; what the interpolation of the same states may differ by
+
 
 @dataclass(frozen=True, eq=False)
 class Participant:
@@ -36,6 +41,11 @@ class Participant:
         axes = np.kron(np.eye(2), rsw_rotation(self.state[None])[0])
         turned: np.ndarray = axes.T @ self.covariance @ axes
         return turned
+
+    def is_again(self, other: "Participant") -> bool:
+        """Return whether another one has the same orbit and covariance, but for rounding."""
+        is_near = np.allclose(self.state, other.state, rtol=0.0, atol=_SAME)
+        return is_near and np.allclose(self.inertial_covariance, other.inertial_covariance)
 
     @property
     def period(self) -> float:
@@ -67,6 +77,11 @@ class Conjunction:
         """State (6,) of the second relative to the first, in RSW of the first [m, m/s]."""
         difference = (self.second.state - self.first.state)[None]
         return np.asarray(in_rsw(difference, self.first.state[None])[0])
+
+    def is_again(self, other: "Conjunction") -> bool:
+        """Return whether another one tells the same of both objects, but for rounding."""
+        pairs = (self.first, other.first), (self.second, other.second)
+        return abs(self.t - other.t) < _SAME and all(one.is_again(another) for one, another in pairs)
 
     @property
     def encounter(self) -> Encounter | None:
@@ -117,3 +132,10 @@ def check_length(name: str, length: float) -> None:
     """Raise InputError for a length [m] that is none."""
     if not 0.0 < length < math.inf:
         raise InputError(f"{name}: expected a length above 0, got {length:g} m")
+
+
+def check_radius(radius: float) -> None:
+    """Raise InputError for a sum of radii [m] that no two objects have."""
+    check_length("radius", radius)
+    if radius > LARGEST_RADIUS:
+        raise InputError(f"radius: expected at most {LARGEST_RADIUS:g} m, got {radius:g} m")

@@ -6,7 +6,7 @@ What is not held against ours is logged: ephemerides of our own object, and time
 """
 
 import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path as File
@@ -19,7 +19,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions import approaches, cdm
 from opml.conjunctions.approaches import Approach, Path
-from opml.conjunctions.conjunction import Conjunction, Participant, check_length
+from opml.conjunctions.conjunction import Conjunction, Participant, check_length, check_radius
 from opml.interop import ccsds, oem
 from opml.interop.element_sets import histories
 from opml.interop.element_sets.mean_elements import MOST_DAYS, WARN_DAYS
@@ -158,7 +158,7 @@ def screen(ephemerides: Sequence[ScreenedObject], *, within: float, radius: floa
     other object shares time with the first.
     """
     check_length("within", within)
-    check_length("radius", radius)
+    check_radius(radius)
     ours, *rest = ephemerides
     others = [one for one in rest if not one.identity.is_same(ours.identity)]
     for one in rest:
@@ -176,7 +176,9 @@ def screen(ephemerides: Sequence[ScreenedObject], *, within: float, radius: floa
     if not any(_met_spans(ours, one) for one in others):
         begin, end = _texts(whole)
         raise InputError(f"conjunctions: expected another ephemeris from {begin} to {end}, got none")
-    found = [conjunction for one in others for conjunction in _conjunctions(ours, one, within, radius)]
+    found = [
+        conjunction for one in others for conjunction in _told_once(_conjunctions(ours, one, within, radius))
+    ]
     return sorted(found, key=lambda conjunction: conjunction.t)
 
 
@@ -229,6 +231,15 @@ def _conjunctions(
             if not _goes_on(approach, approaches.shared(one.path, another.path), spans):
                 pair = ours.participant(one, approach.t), other.participant(another, approach.t)
                 yield Conjunction(approach.t, *pair, radius, approach.is_end, known)
+
+
+def _told_once(conjunctions: Iterable[Conjunction]) -> list[Conjunction]:
+    """Return conjunctions of two objects without those that segments of the same states tell again."""
+    told: list[Conjunction] = []
+    for one in conjunctions:
+        if not any(one.is_again(before) for before in told):
+            told.append(one)
+    return told
 
 
 def _goes_on(approach: Approach, span: Span, spans: Sequence[Span]) -> bool:

@@ -27,6 +27,7 @@ _TIME = re.compile(r"(\d{4})-(?:(\d\d)-(\d\d)|(\d{3}))T(\d\d):(\d\d):(\d\d(?:\.\
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[eE]([+-]?\d{1,4}))?", re.ASCII)
 _PAIR = re.compile(r"([A-Z][A-Z0-9_]*)\s*=\s*(\S.*)", re.ASCII)
 
+_ROUNDED = 1.01  # what digits that were cut off may make of a correlation of 1
 _FINE, _DOUBLE = Context(prec=40), Context(prec=17)
 _DEGREE = Decimal("0.01745329251994329576923690768488612713443")
 """One degree in radians."""
@@ -136,6 +137,17 @@ class Message:
             raise self.error("a finite number", text, number)
         return value
 
+    def check_correlations(self, covariance: np.ndarray, number: int) -> None:
+        """Raise InputError for a covariance (k, k) whose correlations are beyond 1, but for rounding."""
+        variances = np.diag(covariance)
+        wrong = np.argwhere(np.abs(covariance) > _ROUNDED * np.sqrt(np.outer(variances, variances)))
+        if len(wrong):
+            one, other = wrong[0]
+            got = (
+                f"{covariance[one, other]:g} beside variances of {variances[one]:g} and {variances[other]:g}"
+            )
+            raise self.error("covariances with correlations of -1 to 1", got, number)
+
     def radians(self, text: str, number: int) -> float:
         """Return the angle in a text [deg] in radians, rounded once; `number` is the text's line.
 
@@ -238,7 +250,8 @@ def degrees_text(angle: float) -> str:
 
 def utc_texts(epoch: str, t: np.ndarray) -> list[str]:
     """Return the UTC texts of times t (n,) [s since `epoch`], to the microsecond."""
-    year, month, day, clock = erfa.d2dtf("UTC", 6, *epochs.utc(epoch, np.atleast_1d(t)))
+    with epochs.strict_erfa():
+        year, month, day, clock = erfa.d2dtf("UTC", 6, *epochs.utc(epoch, np.atleast_1d(t)))
     fields = (year, month, day, clock["h"], clock["m"], clock["s"], clock["f"])
     rows = zip(*(np.atleast_1d(field).tolist() for field in fields), strict=True)
     return [f"{y:04d}-{mo:02d}-{d:02d}T{h:02d}:{mi:02d}:{s:02d}.{f:06d}" for y, mo, d, h, mi, s, f in rows]

@@ -40,6 +40,7 @@ _WEATHER = (
 """What the weather of a station can be."""
 
 _LIGHT = (300.0, 2000.0)  # wavelengths of lasers [nm]
+_LONGEST_FLIGHT = 3.0  # to the Moon and back [s]
 _PASSED_OVER = re.compile(r"00|10|12|21|30|4[0-2]|5[0-1]|60|9\d|C[1-7]|H5|H9")
 _Row = tuple[int, list[str]]  # line and words
 _log = logging.getLogger(__name__)
@@ -181,7 +182,8 @@ def _points(path: FilePath, one: _Pass, epoch: str) -> pd.DataFrame:
     """Return the normal points of a pass."""
     lines = np.array([number for number, _ in one.points])
     sent, flight = numbers(path, np.array([words[1:3] for _, words in one.points]), lines).T
-    strange = np.flatnonzero((flight <= 0.0) | (sent < 0.0) | (sent > DAY))
+    is_flight = (flight > 0.0) & (flight < _LONGEST_FLIGHT)
+    strange = np.flatnonzero(~is_flight | (sent < 0.0) | (sent > DAY))
     if strange.size:
         number, words = one.points[strange[0]]
         raise line_error(path, number, "a second of the day and a time of flight", " ".join(words[1:3]))

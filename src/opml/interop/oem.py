@@ -432,6 +432,7 @@ def _covariance(message: ccsds.Message) -> np.ndarray:
         if row[-1] < 0.0:
             raise message.error("a variance of 0 or more", values[-1], number)
         covariance[k, : k + 1] = covariance[: k + 1, k] = row
+    message.check_correlations(covariance, number)
     return covariance
 
 

@@ -3,6 +3,7 @@
 They are taken as they stand, without a curve through them: a fit weighs each by its standard deviations.
 """
 
+import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,7 +12,7 @@ import pandas as pd
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.interop import fixes_csv
+from opml.interop import ccsds, fixes_csv
 from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.interop.orbit_arcs import MOST_APART, Arc, contents
 from opml.interop.orbit_curve import rotate_to_gcrf
@@ -25,6 +26,7 @@ ALIEN = 0.03
 Those of an orbit miss one of MOST_APART by a hundredth; the Earth's turn is 0.07 of the speed of a low orbit.
 """
 
+_log = logging.getLogger(__name__)
 
 _Points = tuple[Arc, np.ndarray]
 """An arc, and the standard deviations (n, 6) of its points in RSW."""
@@ -95,7 +97,18 @@ def _within(files: OrbitFiles, sampling: Sampling) -> list[_Points]:
             kept.append((arc.part(rows), sigmas[rows]))
     if not kept:
         raise outside([arc for arc, _ in arcs], files)
+    _tell_outside([arc for arc, _ in arcs], files)
     return kept
+
+
+def _tell_outside(arcs: Sequence[Arc], files: OrbitFiles) -> None:
+    """Log the first of the files whose points are all outside of the run, as by a clock that began anew."""
+    reached = {arc.path for arc in arcs if arc.t[-1] >= 0.0 and arc.t[0] <= files.duration}
+    if left_out := [arc for arc in arcs if arc.path not in reached]:
+        one, count = left_out[0], len({arc.path for arc in left_out})
+        begin, end = ccsds.utc_texts(files.epoch, one.t[[0, -1]])
+        told = "files without a point within the run: %d, as %s, of %s to %s"
+        _log.warning(told, count, one.path, begin, end)
 
 
 def _weighted(files: OrbitFiles, sampling: Sampling) -> list[_Points]:

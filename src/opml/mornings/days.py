@@ -5,6 +5,7 @@ import logging
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from datetime import date, timedelta
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +15,13 @@ import pandas as pd
 from opml.base import epochs
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
+from opml.base.provenance import settings_digest
 from opml.interop import ccsds, oem
 from opml.learning.judge.error_sizes import INSIDE, along_track
 from opml.mornings.morning import Left, MorningPlan, Watched, morning
 from opml.mornings.records import DONE, HORIZON, Records
 from opml.mornings.verdict import OLDEST
+from opml.tables import read_metadata
 
 _log = logging.getLogger(__name__)
 
@@ -97,9 +100,13 @@ def catch_up(
     Raises InputError where a morning cannot be run.
     """
     done = folder.done(until)
-    reach = DAY * watched.plan.max_days
+    counting, reach = done[-HORIZON:], DAY * watched.plan.max_days
+    _check_whole(folder, counting)
+    stations = {station.name: settings_digest(station.row) for station in watched.stations}
+    measured = set(watched.tracking.get("station", ()))
+    _check_places(folder, counting, {name: one for name, one in stations.items() if name in measured})
     records = Records.read(
-        [folder.of_day(day) for day in done[-HORIZON:]],
+        [folder.of_day(day) for day in counting],
         since=calendar.time(done[-1]) - reach if done else 0.0,
         digest=metadata["settings"],
     )
@@ -107,8 +114,30 @@ def catch_up(
         now = calendar.time(day)
         left = morning(watched, records, now=now)
         records = records.and_then(left.records, since=now - reach)
-        _write(folder, day, left, records, watched, metadata=metadata)
+        _write(folder, day, left, records, watched, metadata={**metadata, "stations": stations})
         _log.info("%s, %s: %s, %s", folder.rso, day, left.verdict.word, left.verdict.reason)
+
+
+def _check_whole(folder: Folder, done: list[date]) -> None:
+    """Raise InputError where a morning between others is gone: those behind it stand on it."""
+    for before, after in pairwise(done):
+        if (gone := before + timedelta(days=1)) != after:
+            raise InputError(
+                f"{folder.of_day(gone)}: expected the morning that later ones stand on, got none; "
+                "put it back, or remove those behind it, and all are run again"
+            )
+
+
+def _check_places(folder: Folder, done: list[date], stations: Mapping[str, str]) -> None:
+    """Raise InputError where a station that measured is another than at the last of some mornings."""
+    for place in map(folder.of_day, done[-1:]):
+        before = read_metadata(place / "issued.parquet").get("stations", {})
+        for name, digest in stations.items():
+            if before.get(name, digest) != digest:
+                raise InputError(
+                    f"{place}: expected the station {name} as it measured then, got other numbers of it; "
+                    "give another folder of results, or remove these"
+                )
 
 
 def _missing(done: list[date], watched: Watched, calendar: Calendar, until: date) -> Iterator[date]:

@@ -5,7 +5,7 @@ import numpy as np
 from opml.base.constants import WGS84_A
 from opml.base.errors import InputError
 from opml.base.seeds import derive
-from opml.orbits.sheets import NAME
+from opml.orbits.sheets import NAME, NAME_WANTED
 
 _COLUMNS = (
     "name",
@@ -51,7 +51,7 @@ def sheet(prefix: str, count: int, seed: int) -> str:
     """
     if count < 1:
         raise InputError(f"--count: expected a whole number from 1, got {count}")
-    if not NAME.fullmatch(prefix):
-        raise InputError(f"--prefix: expected lower-case letters and digits, a letter first, got {prefix!r}")
+    if not NAME.fullmatch(f"{prefix}{count:02d}"):
+        raise InputError(f"--prefix: expected {NAME_WANTED}, got {prefix!r}")
     lines = [_COLUMNS, *(draw(f"{prefix}{number:02d}", seed) for number in range(1, count + 1))]
     return "".join("\t".join(line) + "\n" for line in lines)

@@ -15,8 +15,10 @@ from opml import naming
 from opml.base.constants import WGS84_A
 from opml.base.errors import InputError
 
-NAME = re.compile(r"[a-z][a-z0-9]*")
-"""Names in sheets."""
+NAME = re.compile(r"[a-z][a-z0-9]{0,59}")
+"""Names in sheets; files have several in theirs."""
+
+NAME_WANTED = "up to 60 lower-case letters and digits, a letter first"
 
 
 LOWEST_PERIGEE = 120e3
@@ -271,7 +273,7 @@ def _odd(found: Iterable[str], expected: Iterable[str], optional: Iterable[str])
 def _check_name(where: str, name: str, numbers: Mapping[str, int]) -> None:
     """Raise InputError for a misspelt or repeated name; `numbers` are the lines of the names so far."""
     if not NAME.fullmatch(name):
-        raise InputError(f"{where}: expected lower-case letters and digits, a letter first, got {name!r}")
+        raise InputError(f"{where}: expected {NAME_WANTED}, got {name!r}")
     if name in numbers:
         raise InputError(
             f"{where}: expected no name twice, got {name!r}, which stands in line {numbers[name]} too"

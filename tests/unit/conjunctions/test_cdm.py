@@ -79,7 +79,7 @@ def test_messages_are_named_by_objects_and_time_and_need_both_covariances(tmp_pa
             "COMMENT HBR = wide",
             "COMMENT HBR, or --radius, got wide",
         ),
-        ("COMMENT HBR = 20.0\n", "", "expected a radius \\[m\\] in COMMENT HBR, or --radius, got none"),
+        ("COMMENT HBR = 20.0\n", "", "expected a radius up to 10000 m in COMMENT HBR, or --radius, got none"),
         ("X = ", "X ", "expected KEY = value"),
         ("[km/s]", "[m/s]", r"expected X_DOT in \[km/s\], got \[m/s\]"),
         ("CR_R = ", "CR_R = -", "expected a variance of 0 or more, got -"),
@@ -90,6 +90,13 @@ def test_messages_are_named_by_objects_and_time_and_need_both_covariances(tmp_pa
             "COMMENT HBR = 20.0", "COMMENT HBR = 20.0\nCOMMENT HBR = 5", "got 20.0 and 5", id="two radii"
         ),
         ("COMMENT HBR = 20.0", "COMMENT HBR = -20.0", "expected a radius .*, got -20"),
+        ("COMMENT HBR = 20.0", "COMMENT HBR = 1e9", "expected a radius up to 10000 m .*, got 1e9"),
+        pytest.param(
+            "CT_R = ",
+            "CT_R = 1e9 [m**2]\nCOMMENT ",
+            "line .*: expected covariances with correlations of -1 to 1, got .* beside",
+            id="a correlation beyond 1",
+        ),
     ],
 )
 def test_damaged_messages_are_told_in_one_line(tmp_path, old, new, expected):

@@ -12,7 +12,7 @@ from opml.base.constants import EARTH_GM
 from opml.base.errors import InputError
 from opml.conjunctions import as_text, cdm, screening
 from opml.conjunctions.screening import EPOCH
-from opml.interop import oem
+from opml.interop import ccsds, oem
 from opml.interop.element_sets import element_set, ephemeris_elements, omm, tle
 from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.orbits.elements import rsw_rotation
@@ -287,6 +287,42 @@ def test_ephemerides_that_share_no_time_are_told(short, files, tmp_path, caplog)
 def test_lengths_that_are_none_are_refused(short, files, lengths):
     with pytest.raises(InputError, match=r"^(within|radius): expected a length above 0, got"):
         screening.screen(screening.read([short, *files[0]]), within=lengths[0], radius=lengths[1])
+
+
+def test_a_radius_of_no_object_is_refused(short, files):
+    with pytest.raises(InputError, match=r"^radius: expected at most 10000 m, got 20000 m"):
+        screening.screen(screening.read([short, *files[0]]), within=1e3, radius=2e4)
+
+
+def test_segments_that_hold_the_same_states_tell_an_approach_once(files):
+    paths, *_ = files
+    once = screening.screen(screening.read(paths), within=5000.0, radius=20.0)
+    (segment,) = oem.read(paths[1], epoch=RUN)
+    part, covered = T[len(T) // 2 + 90] > T, segment.covariance_t < T[len(T) // 2 + 90]
+    begin = replace(
+        segment,
+        t=T[part],
+        states=segment.states[part],
+        covariance_t=segment.covariance_t[covered],
+        covariances=segment.covariances[covered],
+    )
+    oem.write(paths[1], [begin, segment], epoch=RUN)
+    assert len(screening.read(paths)[1].trajectories) == 2
+    again = screening.screen(screening.read(paths), within=5000.0, radius=20.0)
+    assert [one.t for one in again] == pytest.approx([one.t for one in once], abs=1e-6)
+
+
+def test_another_solution_of_the_same_time_is_told_too(files):
+    paths, *_ = files
+    once = screening.screen(screening.read(paths), within=5000.0, radius=20.0)
+    (segment,) = oem.read(paths[1], epoch=RUN)
+    oem.write(paths[1], [replace(segment, covariances=4.0 * segment.covariances), segment], epoch=RUN)
+    assert len(screening.screen(screening.read(paths), within=5000.0, radius=20.0)) == 2 * len(once)
+
+
+def test_times_beyond_known_leap_seconds_are_written_without_a_warning(recwarn):
+    assert ccsds.utc_texts("2199-10-01T00:00:00", np.zeros(1)) == ["2199-10-01T00:00:00.000000"]
+    assert not recwarn.list
 
 
 def test_a_message_is_no_ephemeris(short, tmp_path):

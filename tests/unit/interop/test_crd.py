@@ -118,6 +118,12 @@ def test_the_light_is_received_after_the_event(tmp_path, event, later):
             "11 82.2     -0.05",
             "line 11: expected a second of the day and a time",
         ),
+        pytest.param(
+            "11 82.2     0.05",
+            "11 82.2     39.05",
+            "line 11: expected a second of the day and a time",
+            id="beyond the Moon",
+        ),
         ("0.05 std 2", "0.05 std 4", "line 11: expected epoch event 0, 1 or 2, got 4"),
         ("11 82.2     0.05 std 2", "11 82.2 #", "line 11: expected 5 words or more, got 11 82.2"),
         ("50 std", "55 std", "line 12: expected a record of CRD, of a pass between H4 and H8, got 55"),

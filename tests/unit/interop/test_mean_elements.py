@@ -143,8 +143,17 @@ def test_the_command_says_what_is_wrong_in_one_line(written, capsys):
 @pytest.mark.parametrize(
     ("option", "value", "expected"),
     [
-        ("--name", "iss_i50", "name: expected lower-case letters and digits, a letter first, got 'iss_i50'"),
-        ("--name", "a\tb", "name: expected lower-case letters and digits, a letter first, got 'a\\tb'"),
+        (
+            "--name",
+            "iss_i50",
+            "name: expected up to 60 lower-case letters and digits, a letter first, got 'iss_i50'",
+        ),
+        ("--name", "m" * 61, "name: expected up to 60 lower-case letters and digits, a letter first, got 'm"),
+        (
+            "--name",
+            "a\tb",
+            "name: expected up to 60 lower-case letters and digits, a letter first, got 'a\\tb'",
+        ),
         ("--cd", "-2.2", "cd: expected a number "),
         ("--area-to-mass", "nan", "area_to_mass_m2pkg: expected a number "),
     ],
@@ -255,6 +264,20 @@ def test_what_is_malformed_is_named(written, text, message):
     with pytest.raises(InputError) as error:
         mean_elements.read(path)
     assert str(error.value).startswith(f"{path}: {message}")
+
+
+@pytest.mark.parametrize("name", ["1 KUNS-PF", "2 SAT", "N" * 45, "<script>", "[SAT]"])
+def test_a_name_may_look_like_anything(written, name):
+    path = written("\n".join([name, *LINES, name, *LINES]))
+    assert [one.name for one in mean_elements.read_sets(path)] == [name, name]
+
+
+def test_a_damaged_line_names_no_set(written):
+    """Line 2 of the first set is cut: the set is left out, and the second has no name."""
+    damaged = []
+    (found,) = mean_elements.read_sets(written("\n".join([LINES[0], LINES[1][:30], *LINES])), damaged)
+    assert not found.name
+    assert len(damaged) == 1
 
 
 def test_an_orbit_that_decayed_is_an_input_error(written):

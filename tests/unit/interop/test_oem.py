@@ -39,7 +39,7 @@ def estimates(count=3):
     frame = pd.DataFrame(generator.normal(size=(count, len(SCHEMAS["estimates"].names))))
     frame.columns = SCHEMAS["estimates"].names
     variances = [f"cov_{name}_{name}" for name in STATE]
-    frame[variances] = frame[variances].abs()
+    frame[variances] = 10.0 + frame[variances].abs()
     frame["track"], frame["t"] = np.arange(count), 100.0 * np.arange(count)
     frame["converged"] = np.arange(count) != 1
     frame["reason"] = ""

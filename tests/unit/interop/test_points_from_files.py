@@ -112,6 +112,17 @@ def test_points_are_thinned_by_steps_since_the_epoch_and_cut_to_the_run(read, t,
     assert points["t"].tolist() == [30.0, 630.0, 1230.0, 1830.0, 2430.0]
 
 
+def test_a_file_of_another_time_is_told(tmp_path, t, states, caplog):
+    """The clock of the second receiver began anew: 1024 weeks early."""
+    paths = [csv(tmp_path / name, at, states) for name, at in (("now", t), ("early", t - 1024 * 7 * DAY))]
+    points_from_files.check(OrbitFiles(paths, EPOCH, DAY), PLACES)
+    (message,) = caplog.messages
+    assert message == (
+        f"files without a point within the run: 1, as {paths[1]}, of 1997-02-12T12:09:51.000000 "
+        "to 1997-02-12T14:08:51.000000"
+    )
+
+
 GOOD = """\
 utc,x_gcrf_m,y_gcrf_m,z_gcrf_m
 2016-09-28T12:10:00,7000000.0,0.0,0.0

@@ -1,6 +1,7 @@
 """Mornings of an object: each once, from nothing that came after it, the same in whatever pieces they run."""
 
 import json
+import shutil
 from dataclasses import replace
 from datetime import date, timedelta
 from functools import partial
@@ -270,6 +271,26 @@ def test_records_of_other_settings_are_refused(watched, whole):
     folders = [Folder(whole, "iss").of_day(LAST)]
     with pytest.raises(InputError, match="made with these settings"):
         Records.read(folders, since=0.0, digest="another")
+
+
+def test_a_morning_that_is_gone_from_between_others_is_told(watched, whole, tmp_path):
+    folder = Folder(tmp_path / "days", "iss")
+    shutil.copytree(whole, folder.days)
+    gone = folder.of_day(LAST - timedelta(days=2))
+    shutil.rmtree(gone)
+    with pytest.raises(InputError, match=f"^{gone}: expected the morning that later ones stand on, got none"):
+        run(watched, folder.days, LAST + timedelta(days=1))
+    for day in (1, 0):
+        shutil.rmtree(folder.of_day(LAST - timedelta(days=day)))
+    assert contents(run(watched, folder.days)) == contents(whole)
+
+
+def test_a_station_that_moved_is_told(watched, whole):
+    first, *others = watched.stations
+    moved = replace(watched, stations=[replace(first, latitude=first.latitude + 1e-4), *others])
+    with pytest.raises(InputError, match=f": expected the station {first.name} as it measured then, got"):
+        run(moved, whole, LAST + timedelta(days=1))
+    assert not Folder(whole, "iss").of_day(LAST + timedelta(days=1)).exists()
 
 
 def track(number, begin, length=300.0):

@@ -65,7 +65,7 @@ def test_papers_rsos_in_si():
             "stations.tsv",
             "clear\t",
             "Clear-AK\t",
-            "line 4: name: expected lower-case letters and digits, a letter first, got 'Clear-AK'",
+            "line 4: name: expected up to 60 lower-case letters and digits, a letter first, got 'Clear-AK'",
         ),
         (
             "stations.tsv",

@@ -200,7 +200,11 @@ def test_the_typed_run_has_the_values():
             "auto",
             "kernel_scale: expected sigest, median, cv or a number above 0",
         ),
-        ("learners.a/b", {}, "learners.a/b: expected a name of lower-case letters and digits, got 'a/b'"),
+        (
+            "learners.a/b",
+            {},
+            "learners.a/b: expected a name of up to 60 lower-case letters and digits, got 'a/b'",
+        ),
         (
             "study.partition.ratios",
             [0],
@@ -269,12 +273,12 @@ def test_the_typed_run_has_the_values():
         (
             "study.evaluations",
             {"A b": {}},
-            "expected a name of lower-case letters, digits and _, got 'A b'",
+            "expected a name of up to 60 lower-case letters, digits and _, got 'A b'",
         ),
         (
             "study.evaluations",
             {"../../x": {}},
-            "evaluations.../../x: expected a name of lower-case letters, digits and _, got '../../x'",
+            "evaluations.../../x: expected a name of up to 60 lower-case letters, digits and _, got",
         ),
         ("study.partition.shown", [45], "partition.shown: expected one of 10, 20, 30"),
         ("study.individual.evaluation", "past", "individual.evaluation: expected one of svr_training"),
@@ -528,7 +532,15 @@ def test_what_else_is_wrong_with_the_default_study_of_a_short_run_is_told(tmp_pa
         ("rsos: {iss: {}}", "mine.yaml: rsos.iss: expected a name that config/rsos.tsv has not"),
         ("rsos: {mine: {a_km: 7000}}", "mine.yaml: rsos.mine: expected the keys a_km, e, i_deg,"),
         ("stations: {here: {}}", "mine.yaml: stations.here: expected the keys latitude_deg"),
-        ("rsos: {Mine: {}}", "mine.yaml: rsos.Mine: expected a name of lower-case letters and digits"),
+        (
+            "rsos: {Mine: {}}",
+            "mine.yaml: rsos.Mine: expected a name of up to 60 lower-case letters and digits",
+        ),
+        pytest.param(
+            f"rsos: {{{'m' * 300}: {{}}}}",
+            f"mine.yaml: rsos.{'m' * 300}: expected a name of up to 60 lower-case letters and digits",
+            id="a name of 300 letters",
+        ),
         ("orbits: {iss: none.oem}", "mine.yaml: orbits.iss: none.oem: no such file"),
         ("- a list", "mine.yaml: expected a mapping of settings, got list"),
     ],

@@ -60,7 +60,7 @@ def read_sets(path: FilePath, damaged: list[InputError] | None = None) -> list[E
     Raises InputError, naming file and line, for a file that cannot be read as a whole or has no set.
     """
     text = read_text(path)
-    if omm.matches(text):
+    if omm.matches(text) and not tle.begins_with_name(text):
         sets = [*each(omm.records(path, text), partial(omm.element_set, path), damaged)]
     else:
         sets = [*each(tle.pieces(text), partial(tle.element_set, path), damaged)]

@@ -35,7 +35,8 @@ EPHEMERIS_TYPES = ("0", "2", "3")
 _FIRST_YEAR = 57
 """Two digits of the first year of a TLE, 1957; smaller ones are of this century."""
 
-_LONGEST_NAME = 40
+_LONGEST_NAME = 68
+"""Letters of a name: a text as long as a line of a TLE is a damaged one."""
 
 _WORTH = bytes(int(chr(k)) if chr(k) in "0123456789" else chr(k) == "-" for k in range(256))
 """What each byte counts in a checksum: digits their value, minus signs one."""
@@ -82,6 +83,13 @@ def pieces(text: str) -> Iterator[list[Line]]:
             piece, has_first = [], False
     if piece:
         yield piece
+
+
+def begins_with_name(text: str) -> bool:
+    """Return whether a text begins with a name above line 1 of a TLE, whatever the name looks like."""
+    name, *rest = text.split("\n", 2)
+    is_above = bool(rest) and _PATTERNS["1"].fullmatch(rest[0].rstrip()) is not None
+    return is_above and len(name.rstrip()) <= _LONGEST_NAME
 
 
 def element_set(path: FilePath, piece: Sequence[Line]) -> ElementSet:
@@ -159,8 +167,9 @@ def _exponent_text(value: float) -> str:
 
 
 def _kind(line: str) -> str:
-    """Return "1" or "2" for these lines of a TLE, "0" for a name, or for no line of a TLE."""
-    return line[0] if line[:2] in ("1 ", "2 ") else "0"
+    """Return "1" or "2" for these lines of a TLE, "0" for a name, which may begin with 1, or for another."""
+    is_line = re.match(rf"[12] {_NUMBER}", line) or (len(line) > _LONGEST_NAME and line[:2] in ("1 ", "2 "))
+    return line[0] if is_line else "0"
 
 
 def _check_line(path: FilePath, last: int, line: Line | None, kind: str) -> None:

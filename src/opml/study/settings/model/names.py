@@ -14,13 +14,16 @@ from opml.study.settings.model.section import Placeholder
 from opml.tables import COMPONENTS
 
 Name = Annotated[
-    str, Pattern("^[a-z][a-z0-9]*$"), Expected("a name of lower-case letters and digits"), Placeholder("name")
+    str,
+    Pattern("^[a-z][a-z0-9]{0,59}$"),
+    Expected("a name of up to 60 lower-case letters and digits"),
+    Placeholder("name"),
 ]
 
 EntryName = Annotated[
     str,
-    Pattern("^[a-z][a-z0-9_]*$"),
-    Expected("a name of lower-case letters, digits and _"),
+    Pattern("^[a-z][a-z0-9_]{0,59}$"),
+    Expected("a name of up to 60 lower-case letters, digits and _"),
     Placeholder("name"),
 ]
 
