@@ -6,6 +6,7 @@ import sys
 from opml import naming, tables
 from opml.base.errors import InputError
 from opml.base.files import PACKAGED
+from opml.catalog import kinds
 from opml.base.provenance import contents_digest, script_digest
 from opml.report.sections import SECTIONS, section_of
 from opml.study.checks import check_data, load_settings

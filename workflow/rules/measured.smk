@@ -2,11 +2,11 @@
 FIRST_ORBIT = product("starts/{rso}/{stations}")
 ELEMENT_SETS = product("element_sets/{rso}")
 
-if PLAN.settings.tracks:
+if PLAN.settings.files_of(kinds.TRACKS):
 
     rule tracking_from_tdm:
         input:
-            lambda wildcards: users(PLAN.settings.tracks[wildcards.rso]),
+            lambda wildcards: users(PLAN.settings.files_of(kinds.TRACKS)[wildcards.rso]),
         output:
             TRACKING.table,
         log:
@@ -14,7 +14,7 @@ if PLAN.settings.tracks:
         benchmark:
             TRACKING.benchmark
         wildcard_constraints:
-            rso=naming.alternatives(PLAN.settings.tracks),
+            rso=naming.alternatives(PLAN.settings.files_of(kinds.TRACKS)),
             stations=naming.stations_pattern(PLAN.settings.stations),
         conda:
             "../envs/opml.yaml"
@@ -23,7 +23,7 @@ if PLAN.settings.tracks:
                 "epoch": config["epoch"],
                 "stations": PARAMS.stations(wildcards),
                 "manoeuvres": PLAN.settings.manoeuvres(wildcards.rso),
-                **contents(PLAN.settings.tracks[wildcards.rso]),
+                **contents(PLAN.settings.files_of(kinds.TRACKS)[wildcards.rso]),
             },
             code=code("tracking_from_tdm.py"),
         message:
@@ -34,11 +34,11 @@ if PLAN.settings.tracks:
     ruleorder: tracking_from_tdm > tracking
 
 
-if PLAN.settings.fixes:
+if PLAN.settings.files_of(kinds.FIXES):
 
     rule fixes_from_files:
         input:
-            lambda wildcards: users(PLAN.settings.fixes[wildcards.rso]),
+            lambda wildcards: users(PLAN.settings.files_of(kinds.FIXES)[wildcards.rso]),
             earth_orientation=EARTH_ORIENTATION.table,
         output:
             TRACKING.table,
@@ -47,16 +47,16 @@ if PLAN.settings.fixes:
         benchmark:
             TRACKING.benchmark
         wildcard_constraints:
-            rso=naming.alternatives(PLAN.settings.fixes),
-            stations=naming.FIXES,
+            rso=naming.alternatives(PLAN.settings.files_of(kinds.FIXES)),
+            stations=kinds.FIXES.stations,
         conda:
             "../envs/opml.yaml"
         params:
             settings=lambda wildcards: {
                 **PARAMS.span,
-                "fixing": PARAMS.fixing(wildcards),
+                "fixing": PARAMS.taking(wildcards),
                 "manoeuvres": PLAN.settings.manoeuvres(wildcards.rso),
-                **contents(PLAN.settings.fixes[wildcards.rso]),
+                **contents(PLAN.settings.files_of(kinds.FIXES)[wildcards.rso]),
             },
             code=code("fixes_from_files.py"),
         message:
@@ -67,12 +67,12 @@ if PLAN.settings.fixes:
     ruleorder: fixes_from_files > tracking
 
 
-if PLAN.settings.ranges:
+if PLAN.settings.files_of(kinds.RANGES):
 
     rule ranges_from_files:
         input:
-            points=lambda wildcards: users(PLAN.settings.ranges[wildcards.rso]),
-            sites=lambda wildcards: users(PLAN.settings.station_files[wildcards.rso]),
+            points=lambda wildcards: users(PLAN.settings.files_of(kinds.RANGES)[wildcards.rso]),
+            sites=lambda wildcards: users(PLAN.settings.files_beside(kinds.RANGES)[wildcards.rso]),
             earth_orientation=EARTH_ORIENTATION.table,
             ephemerides=EPHEMERIDES.table,
         output:
@@ -82,17 +82,20 @@ if PLAN.settings.ranges:
         benchmark:
             TRACKING.benchmark
         wildcard_constraints:
-            rso=naming.alternatives(PLAN.settings.ranges),
-            stations=naming.RANGES,
+            rso=naming.alternatives(PLAN.settings.files_of(kinds.RANGES)),
+            stations=kinds.RANGES.stations,
         conda:
             "../envs/opml.yaml"
         params:
             settings=lambda wildcards: {
                 **PARAMS.span,
-                "ranging": PARAMS.ranging(wildcards),
+                "ranging": PARAMS.taking(wildcards),
                 "manoeuvres": PLAN.settings.manoeuvres(wildcards.rso),
                 **contents(
-                    [*PLAN.settings.ranges[wildcards.rso], *PLAN.settings.station_files[wildcards.rso]]
+                    [
+                        *PLAN.settings.files_of(kinds.RANGES)[wildcards.rso],
+                        *PLAN.settings.files_beside(kinds.RANGES)[wildcards.rso],
+                    ]
                 ),
             },
             code=code("ranges_from_files.py"),
@@ -104,11 +107,11 @@ if PLAN.settings.ranges:
     ruleorder: ranges_from_files > tracking
 
 
-if PLAN.settings.elements:
+if PLAN.settings.files_of(kinds.ELEMENTS):
 
     rule element_sets:
         input:
-            lambda wildcards: users(PLAN.settings.elements[wildcards.rso]),
+            lambda wildcards: users(PLAN.settings.files_of(kinds.ELEMENTS)[wildcards.rso]),
         output:
             ELEMENT_SETS.table,
         log:
@@ -116,14 +119,14 @@ if PLAN.settings.elements:
         benchmark:
             ELEMENT_SETS.benchmark
         wildcard_constraints:
-            rso=naming.alternatives(PLAN.settings.elements),
+            rso=naming.alternatives(PLAN.settings.files_of(kinds.ELEMENTS)),
         conda:
             "../envs/opml.yaml"
         params:
             settings=lambda wildcards: {
                 "epoch": config["epoch"],
-                "history": PARAMS.history(wildcards),
-                **contents(PLAN.settings.elements[wildcards.rso]),
+                "history": PARAMS.taking(wildcards),
+                **contents(PLAN.settings.files_of(kinds.ELEMENTS)[wildcards.rso]),
             },
             code=code("element_sets.py"),
         message:
@@ -141,14 +144,14 @@ if PLAN.settings.elements:
         benchmark:
             TRACKING.benchmark
         wildcard_constraints:
-            rso=naming.alternatives(PLAN.settings.elements),
-            stations=naming.FIXES,
+            rso=naming.alternatives(PLAN.settings.files_of(kinds.ELEMENTS)),
+            stations=kinds.ELEMENTS.stations,
         conda:
             "../envs/opml.yaml"
         params:
             settings=lambda wildcards: {
                 **PARAMS.span,
-                "history": PARAMS.history(wildcards),
+                "history": PARAMS.taking(wildcards),
                 "manoeuvres": PLAN.settings.manoeuvres(wildcards.rso),
             },
             code=code("fixes_from_elements.py"),
@@ -177,7 +180,7 @@ if PLAN.settings.measured:
             FIRST_ORBIT.benchmark
         wildcard_constraints:
             rso=naming.alternatives(PLAN.settings.measured),
-            stations=f"(?:{naming.stations_pattern(PLAN.settings.stations)}|{naming.alternatives(naming.WITHOUT_STATIONS)})",
+            stations=f"(?:{naming.stations_pattern(PLAN.settings.stations)}|{naming.alternatives(kinds.in_place_of_stations())})",
         conda:
             "../envs/opml.yaml"
         resources:

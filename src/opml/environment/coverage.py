@@ -22,19 +22,18 @@ FETCHED = "EIGEN-6S"
 """The gravity field that only the workflow's rule may fetch; the rule checks its degree."""
 
 
-def check(values: Mapping[str, Any]) -> None:
+def check(values: Mapping[str, Any], *, is_measured: bool = False) -> None:
     """Raise InputError where a source is unreadable, ends before the run, or lacks a degree of a force model.
 
     values: the validated settings
+    is_measured: whether measurements of any object are real
     """
     epoch, sources = values["epoch"], values["environment"]
     ends = nodes(epoch, DAY * values["duration_days"])[[0, -1]]
     earth_orientation.tabulate(epoch, ends)
     celestial_bodies.tabulate(sources["ephemerides"], epoch, ends)
     flown = ["solar_activity", "true_solar_activity"]
-    if sources.get("knowledge") == knowledge.FORECAST and (
-        {"tracks", "fixes", "ranges", "elements"} & set(values) or flown[1] in sources
-    ):
+    if sources.get("knowledge") == knowledge.FORECAST and (is_measured or flown[1] in sources):
         flown.remove("solar_activity")  # measurements before a forecast need not reach into the days ahead
     for setting in flown:
         if setting in sources:

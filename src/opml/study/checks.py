@@ -12,13 +12,15 @@ from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import PACKAGED
+from opml.catalog import kinds
+from opml.catalog.kinds import KINDS, Asked, Kind
 from opml.environment import coverage, knowledge
-from opml.interop import first_state, orbit_from_files, tdm
+from opml.interop import first_state, orbit_from_files
 from opml.learning.data.components import CORRECTED
 from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models import learners
 from opml.orbits import sheets
-from opml.study import catalogue_checks, element_checks, range_checks
+from opml.study import catalogue_checks, element_checks
 from opml.study.experiments import Study
 from opml.study.paper import Paper
 from opml.study.settings.merging import Settings, with_sheets
@@ -64,15 +66,13 @@ def check_data(source: Source, settings: Settings) -> None:
     Takes seconds where there are many files of orbits. Raises InputError for the first thing that is wrong.
     """
     _check_paths(source, settings)
-    coverage.check(source.values)
+    coverage.check(source.values, is_measured=bool(settings.measured))
     _check_orbits(source, settings)
     if (
         "day" not in source.values
     ):  # every morning looks at each object's files itself, and leaves out bad ones
-        _check_tracks(source, settings)
-        _check_fixes(source, settings)
-        range_checks.check(source, settings)
-        element_checks.check(source, settings)
+        for kind in KINDS:
+            _check_measured(source, settings, kind)
     _check_starts(source, settings)
     catalogue_checks.check_files(source, settings)
 
@@ -101,10 +101,11 @@ def _check_day(source: Source, settings: Settings) -> None:
         raise source.wrong(
             ("estimation", "suspect_sigma"), "expected none where mornings are asked for (day)"
         )
-    if "day" in values and settings.ranges:
-        raise source.wrong(
-            ("ranges",), "expected none where mornings are asked for (day), as these read none"
-        )
+    for kind in KINDS if "day" in values else []:
+        if settings.files_of(kind) and not kind.for_mornings:
+            raise source.wrong(
+                (kind.name,), "expected none where mornings are asked for (day), as these read none"
+            )
     for name in settings.day.models if "day" in values else []:
         with source.naming(("day", "models")):
             learner = learners.resolved(
@@ -223,11 +224,8 @@ def _check_paths(source: Source, settings: Settings) -> None:
     """Raise InputError for a user's file with braces in its path: Snakemake has no escape for them."""
     kinds: Mapping[str, Mapping[str, Any]] = {
         "orbits": settings.orbits,
-        "tracks": settings.tracks,
-        "fixes": settings.fixes,
-        "ranges": settings.ranges,
-        "ranging": settings.station_files,
-        "elements": settings.elements,
+        **{kind.name: settings.files_of(kind) for kind in KINDS},
+        **{kind.taking: settings.files_beside(kind) for kind in KINDS},
         "starts": settings.starts,
         "manoeuvres": settings.manoeuvre_files,
         "environment": source.values["environment"],
@@ -255,42 +253,30 @@ def _check_orbits(source: Source, settings: Settings) -> None:
             )
 
 
-def _check_tracks(source: Source, settings: Settings) -> None:
-    """Look at the tracks that were measured: their RSO, whether they fit the run, and each other."""
-    if not settings.tracks:
-        return
-    # Brings the compiled kernels with it, half a second that no other plan should wait for.
-    from opml.catalog.fit import measured_tracks
-
-    values = source.values
-    for name, paths in settings.tracks.items():
-        with source.naming(("tracks", name)):
-            sheets.parse_rso(name, settings.rsos)
-            measurements = tdm.measurements(paths, epoch=values["epoch"])
-            measured_tracks.check(
-                measurements, settings.stations, epoch=values["epoch"], duration=DAY * values["duration_days"]
+def _check_measured(source: Source, settings: Settings, kind: Kind) -> None:
+    """Look at what was measured in one way: its RSOs, each measured in no other, and whether files fit."""
+    values, files = source.values, settings.files_of(kind)
+    if strange := [name for name in values.get(kind.taking, {}) if name not in files]:
+        raise source.wrong((kind.taking, strange[0]), f"expected an RSO that has {kind.name}")
+    for name, paths in files.items():
+        if kind.needs_taking and name not in values.get(kind.taking, {}):
+            raise source.wrong((kind.name, name), f"expected {name} under {kind.taking}, too, got none")
+        with source.naming((kind.name, name)):
+            rso = sheets.parse_rso(name, settings.rsos)
+            if others := [other for other in KINDS if other is not kind and name in settings.files_of(other)]:
+                raise InputError(f"expected {kinds.names()}, got {others[0].name} of {name}, too")
+            asked = Asked(
+                paths,
+                settings.taking(kind, name),
+                settings.stations,
+                values["epoch"],
+                DAY * values["duration_days"],
+                values["estimation"]["window_hours"],
             )
-
-
-def _check_fixes(source: Source, settings: Settings) -> None:
-    """Look at the positions that were measured: their RSO, and whether they fit the run."""
-    for name in settings.values.get("fixing", {}):
-        if name not in settings.fixes:
-            raise source.wrong(("fixing", name), "expected an RSO that has fixes")
-    if not settings.fixes:
-        return
-    # Brings the compiled kernels with it, as `_check_tracks` says.
-    from opml.interop import points_from_files
-
-    values = source.values
-    for name, paths in settings.fixes.items():
-        with source.naming(("fixes", name)):
-            sheets.parse_rso(name, settings.rsos)
-            if name in settings.tracks:
-                raise InputError("expected fixes or tracks, got both; an orbit beside them judges")
-            files = orbit_from_files.OrbitFiles(paths, values["epoch"], DAY * values["duration_days"])
-            fixing = settings.fixing(name)
-            points_from_files.check(files, points_from_files.Sampling(fixing.sigmas, fixing.every_s))
+            kind.module.check(asked)
+        if not kind.tells_orbit and name not in settings.starts and not math.isfinite(rso.a):
+            expected = f"expected elements, or a file under starts, as {kind.name} alone tell no first orbit"
+            raise source.wrong(("rsos", name), f"{expected}, got neither")
 
 
 def _check_starts(source: Source, settings: Settings) -> None:
@@ -299,7 +285,7 @@ def _check_starts(source: Source, settings: Settings) -> None:
         for name in source.values.get(kind, {}):
             with source.naming((kind, name)):
                 if name not in settings.measured:
-                    raise InputError("expected an RSO that has tracks, fixes, ranges or elements")
+                    raise InputError(f"expected an RSO that has {kinds.names()}")
                 if kind == "starts":
                     first_state.check(settings.starts[name])
                 else:
@@ -327,7 +313,7 @@ def _check_stations(source: Source, study: Study) -> None:
     for rso in study.rsos:
         for stations in study.station_sets:
             known_by = study.in_place_of_stations(rso)
-            if known_by != (stations if stations in naming.WITHOUT_STATIONS else ""):
+            if known_by != (stations if stations in kinds.in_place_of_stations() else ""):
                 expected = f"RSOs that all have {known_by}" if known_by else f"an RSO that has {stations}"
                 key = ("study", "rsos") if "rsos" in study else ("study", "station_sets")
                 raise source.wrong(key, f"expected {expected} for {stations}, got {rso} among them")
@@ -437,7 +423,7 @@ class _Checks:
             self._rso(name(rso, value, self._settings.rsos))
 
     def _stations(self, text: str) -> None:
-        if text not in naming.WITHOUT_STATIONS:
+        if text not in kinds.in_place_of_stations():
             sheets.parse_stations(text, self._settings.stations)
 
     def _learner(self, text: str) -> None:

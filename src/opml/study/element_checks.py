@@ -4,40 +4,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from opml import naming
-from opml.base.constants import DAY, HOUR
-from opml.base.errors import InputError
-from opml.interop.element_sets import histories
-from opml.orbits import sheets
 from opml.study.experiments import FILTERS, Study
-from opml.study.settings.merging import Settings
 from opml.study.settings.overlay import Key, Source
-
-FEWEST_SETS = 3
-"""Sets of mean elements that a window of fits holds at least: Cd goes wild in fits to fewer."""
-
-
-def check(source: Source, settings: Settings) -> None:
-    """Look at histories of mean elements: their RSO, their object, and whether windows hold enough sets."""
-    for name in settings.values.get("histories", {}):
-        if name not in settings.elements:
-            raise source.wrong(("histories", name), "expected an RSO that has elements")
-    values = source.values
-    for name, paths in settings.elements.items():
-        history = settings.history(name)
-        with source.naming(("elements", name)):
-            sheets.parse_rso(name, settings.rsos)
-            if name in settings.tracks | settings.fixes:
-                raise InputError("expected elements, tracks or fixes, got more than one of them")
-            found = histories.read(paths, epoch=values["epoch"], leave_out_damaged=history.leave_out_damaged)
-            sets = histories.of_object(found.sets, history.number)
-            epochs_within = sets["t"][sets["t"].between(0.0, DAY * values["duration_days"])]
-            if len(epochs_within) < FEWEST_SETS:
-                expected = f"{FEWEST_SETS} sets or more within the run"
-                raise InputError(f"element sets: expected {expected}, got {len(epochs_within)}")
-        window, hours = values["estimation"]["window_hours"], float(epochs_within.diff().median()) / HOUR
-        if window < FEWEST_SETS * hours:
-            expected = f"a window that holds {FEWEST_SETS} sets of {name} or more, {hours:.1f} h apart"
-            raise source.wrong(("estimation", "window_hours"), f"expected {expected}, got {window:g}")
 
 
 def check_learners(source: Source, study: Study) -> None:

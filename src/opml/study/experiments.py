@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Any
 
 from opml import naming
+from opml.catalog.kinds import ELEMENTS
 from opml.learning.data.cleaning import Cleaning
 from opml.naming import Experiment
 from opml.orbits.sheets import Rso
@@ -76,20 +77,16 @@ class Study:
         return next(in_place, "-".join(self.settings.stations))
 
     def in_place_of_stations(self, rso: str) -> str:
-        """Return the name in the place of stations, '' where those of the sheet measure an RSO.
-
-        Fixes, and points of SGP4, are measured by no station, laser ranges by others.
-        """
-        if self._is_of("ranges", rso):
-            return naming.RANGES
-        return naming.FIXES if self._is_of("fixes", rso) or self.has_elements(rso) else ""
+        """Return the name in the place of stations, '' where those of the sheet measure an RSO."""
+        kind = self.settings.kind_of(self._row(rso))
+        return kind.stations if kind else ""
 
     def has_elements(self, rso: str) -> bool:
         """Return whether an RSO is known by mean elements."""
-        return self._is_of("elements", rso)
+        return self.settings.kind_of(self._row(rso)) is ELEMENTS
 
-    def _is_of(self, kind: str, rso: str) -> bool:
-        return naming.rso_parts(rso, self.sheet)[0] in self.settings.values.get(kind, {})
+    def _row(self, rso: str) -> str:
+        return naming.rso_parts(rso, self.sheet)[0]
 
     @cached_property
     def defaults(self) -> dict[str, str]:
@@ -120,7 +117,7 @@ class Study:
 
     def is_measured(self, rso: str) -> bool:
         """Return whether measurements or mean elements of an RSO are real, so that none are simulated."""
-        return naming.rso_parts(rso, self.sheet)[0] in self.measured
+        return self.settings.kind_of(self._row(rso)) is not None
 
     def has_truth(self, rso: str) -> bool:
         """Return whether the true orbit of an RSO is known: simulated, or from files."""
@@ -128,14 +125,9 @@ class Study:
 
     def truth_of(self, rso: str) -> str:
         """Return where an RSO's true orbit comes from: SIMULATED, FILES, or MEASURED if unknown."""
-        if self._is_of("orbits", rso):
+        if self._row(rso) in self.settings.orbits:
             return FILES
         return MEASURED if self.is_measured(rso) else SIMULATED
-
-    @property
-    def measured(self) -> Mapping[str, Any]:
-        """Files of the RSOs that were really measured."""
-        return self.settings.measured
 
     @property
     def span_days(self) -> Sequence[float]:

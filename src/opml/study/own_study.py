@@ -312,10 +312,15 @@ class OwnStudy:
             figures={shows: f"figs/{name}.png" for shows, name in figures.items()},
         )
 
+    def _finds_burns(self, rso: str) -> bool:
+        """Return whether an RSO's measurements tell of burns that are not named."""
+        kind = self.study.settings.kind_of(rso)
+        return kind is not None and self.study.settings.taking(kind, rso).finds_burns
+
     def _manoeuvres(self, rso: str) -> str:
         """Return in words which manoeuvres of an RSO are known, '' where it is simulated."""
         settings = self.study.settings
-        others = "; others are found in the history" if settings.history(rso).find_manoeuvres else ""
+        others = "; others are found in the history" if self._finds_burns(rso) else ""
         return {
             MEASURED: f"named in `manoeuvres`: {len(settings.manoeuvres(rso))}{others}",
             FILES: "known are those that the orbit's files mark",

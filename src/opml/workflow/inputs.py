@@ -10,6 +10,7 @@ from typing import Any, Protocol
 
 from opml import naming
 from opml.base.errors import InputError
+from opml.catalog.kinds import ELEMENTS, FIXES
 from opml.learning.models import learners
 from opml.naming import Experiment
 from opml.workflow.params import Params, Wildcards
@@ -207,10 +208,10 @@ class Inputs:
     def source(self, wildcards: Wildcards) -> _Paths:
         """Find the table of what was read of an RSO, which tells its object, in a list; empty without any."""
         rso, plan = wildcards.rso, self.plan
-        if rso in plan.settings.elements:
+        if rso in plan.settings.files_of(ELEMENTS):
             return [self._element_sets(wildcards)]
-        if rso in plan.settings.fixes:
-            return [plan.product(f"tracking/{rso}/{naming.FIXES}").table]
+        if rso in plan.settings.files_of(FIXES):
+            return [plan.product(f"tracking/{rso}/{FIXES.stations}").table]
         if rso in plan.settings.orbits:
             return [plan.product(f"truth/{rso}").table]
         started = rso in plan.settings.starts

@@ -6,6 +6,7 @@ from typing import Any, Protocol
 
 from opml import naming
 from opml.base.errors import InputError
+from opml.catalog import kinds
 from opml.environment.solar_activity import MSAFE, OBSERVED
 from opml.figures.display_names import describe_run
 from opml.learning.data import components
@@ -79,7 +80,7 @@ class Params:
 
     def stations(self, wildcards: Wildcards) -> list[dict[str, Any]]:
         """Return the stations of the wildcard `stations`; none where it stands for none of the sheet."""
-        if wildcards.stations in naming.WITHOUT_STATIONS:
+        if wildcards.stations in kinds.in_place_of_stations():
             return []
         names = naming.strip_seed(wildcards.stations, naming.NOISE)
         return [station.row for station in sheets.parse_stations(names, self.plan.settings.stations)]
@@ -148,31 +149,19 @@ class Params:
             return variables
         return [name for name in variables if name not in MEASUREMENT]
 
-    def fixing(self, wildcards: Wildcards) -> dict[str, Any]:
-        """Return how the fixes of the wildcard `rso` are taken."""
-        return self._fixing(wildcards.rso)
+    def taking(self, wildcards: Wildcards) -> dict[str, Any]:
+        """Return how what was measured of the wildcard `rso` is taken."""
+        taking: dict[str, Any] = self._measured(wildcards.rso)["taking"]
+        return taking
 
-    def _fixing(self, rso: str) -> dict[str, Any]:
-        """Return how the fixes of an RSO are taken."""
-        fixing = self.plan.settings.fixing(rso)
-        return {
-            "sigmas": list(fixing.sigmas),
-            "every_s": fixing.every_s,
-            "stretch_hours": fixing.stretch_hours,
-        }
-
-    def ranging(self, wildcards: Wildcards) -> dict[str, Any]:
-        """Return how the laser ranges of the wildcard `rso` are taken."""
-        taken = {"reflectors_m", "sigma_m", "without"}
-        return self.plan.settings.ranging(wildcards.rso).model_dump(include=taken)
-
-    def history(self, wildcards: Wildcards) -> dict[str, Any]:
-        """Return how the history of mean elements of the wildcard `rso` is taken."""
-        return self._history(wildcards.rso)
-
-    def _history(self, rso: str) -> dict[str, Any]:
-        """Return how the history of an RSO's mean elements is taken."""
-        return self.plan.settings.history(rso).model_dump()
+    def _measured(self, rso: str) -> dict[str, Any]:
+        """Return how an RSO was measured, in which files, and how they are taken."""
+        settings = self.plan.settings
+        kind = settings.kind_of(rso)
+        if kind is None:
+            raise InputError(f"{rso}: expected an RSO that has {kinds.names()}")
+        taking = settings.taking(kind, rso).of_job()
+        return {"kind": kind.name, "files": settings.files_of(kind)[rso], "taking": taking}
 
     def split(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the training split and its seed."""
@@ -255,7 +244,7 @@ class Params:
     @property
     def _catalogue(self) -> dict[str, Any]:
         """Where the mean elements of all RSOs are, and the weather under which they are improved."""
-        files = {path for paths in self.plan.settings.elements.values() for path in paths}
+        files = {path for paths in self.plan.settings.files_of(kinds.ELEMENTS).values() for path in paths}
         sources = self.plan.environment.sources
         activity = sources["solar_activity"]
         return {"files": sorted(files), "weather": OBSERVED if activity == MSAFE else activity}
@@ -268,14 +257,9 @@ class Params:
     def _watched(self, rso: str) -> dict[str, Any]:
         """Return what is known of an RSO that is watched, and where its measurements are."""
         settings = self.plan.settings
-        kinds = {"tracks": settings.tracks, "fixes": settings.fixes, "elements": settings.elements}
-        kind, files = next((kind, files[rso]) for kind, files in kinds.items() if rso in files)
-        taking = {"tracks": lambda _: {}, "fixes": self._fixing, "elements": self._history}[kind]
         return {
             "rso": self.rso_named(rso),
-            "kind": kind,
-            "files": files,
-            "taking": taking(rso),
+            **self._measured(rso),
             "start": settings.starts.get(rso, ""),
             "manoeuvres": settings.manoeuvres(rso),
         }

@@ -15,6 +15,7 @@ from support import EXCERPTS, REPOSITORY, paper_source, paper_values, setting_ke
 from opml.base.errors import InputError
 from opml.base.files import PACKAGED
 from opml.base.yaml_files import read_yaml
+from opml.catalog import kinds
 from opml.catalog.fit.estimation import Estimation
 from opml.dynamics.ensemble import Integrator
 from opml.study import checks
@@ -620,7 +621,7 @@ def test_tracks_of_ones_own_need_the_body_only(tmp_path):
     (tmp_path / "iss.tle").write_text("\n".join(TLE))
     source = with_tracks(tmp_path, "starts: {mine: iss.tle}", 'manoeuvres: {mine: ["2016-09-29T01:00:00"]}')
     settings = checked(source)
-    assert settings.tracks == {"mine": [f"{tmp_path}/a.tdm"]}
+    assert settings.files_of(kinds.TRACKS) == {"mine": [f"{tmp_path}/a.tdm"]}
     assert settings.starts == {"mine": f"{tmp_path}/iss.tle"}
     assert settings.rsos["mine"].a != settings.rsos["mine"].a  # not known, and not asked for
 
@@ -688,8 +689,8 @@ def with_fixes(tmp_path, *lines, content=GPS):
 def test_fixes_stand_where_tracks_do_and_no_station_measured_them(tmp_path):
     more = "fixing: {mine: {sigma_m: [2, 4, 2], every_s: 0}}", 'manoeuvres: {mine: ["2016-09-29T01:00:00"]}'
     settings = checked(with_fixes(tmp_path, *more))
-    assert settings.fixes == settings.measured == {"mine": [f"{tmp_path}/gps.csv"]}
-    fixing = settings.fixing("mine")
+    assert settings.files_of(kinds.FIXES) == settings.measured == {"mine": [f"{tmp_path}/gps.csv"]}
+    fixing = settings.taking(kinds.FIXES, "mine")
     assert (fixing.sigmas, fixing.every_s, fixing.stretch_hours) == ((2.0, 4.0, 2.0), 0.0, 1.0)
     study = Study(replace(settings, values=settings.values | {"study": {"rsos": ["mine"]}}))
     assert (study.station_sets, study.label, study.truth_of("mine")) == (["fixes"], "later", "measured")
@@ -757,10 +758,11 @@ def with_ranges(tmp_path, *lines, text=RANGES, start="starts: {mine: mine.tle}",
 
 def test_laser_ranges_stand_where_tracks_do_and_bring_stations_of_their_own(tmp_path):
     settings = checked(with_ranges(tmp_path))
-    assert settings.ranges == settings.measured == {"mine": [f"{tmp_path}/lageos.crd"]}
+    assert settings.files_of(kinds.RANGES) == settings.measured == {"mine": [f"{tmp_path}/lageos.crd"]}
     sites = [f"{tmp_path}/{name}.snx" for name in ("coordinates", "eccentricities")]
-    assert settings.station_files == {"mine": sites}
-    assert (settings.ranging("mine").reflectors_m, settings.ranging("mine").sigma_m) == (0.25, 0.02)
+    assert settings.files_beside(kinds.RANGES) == {"mine": sites}
+    ranging = settings.taking(kinds.RANGES, "mine")
+    assert (ranging.reflectors_m, ranging.sigma_m) == (0.25, 0.02)
     study = Study(replace(settings, values=settings.values | {"study": {"rsos": ["mine"]}}))
     assert (study.station_sets, study.label, study.truth_of("mine")) == (["ranges"], "later", "measured")
     elements = "a_km: 12271, e: 0, i_deg: 110, argp_deg: 0, raan_deg: 0, mean_anomaly_deg: 0, area"
@@ -802,7 +804,7 @@ def test_laser_ranges_stand_where_tracks_do_and_bring_stations_of_their_own(tmp_
         ({"text": RANGES.replace("ranges: ", "fixes: ")}, "ranging.mine: expected an RSO that has ranges"),
         (
             {"text": RANGES.replace("ranges:", "elements: {{mine: mine.tle}}\nranges:")},
-            "expected ranges, tracks, fixes or elements, got more than one of them",
+            "ranges.mine: expected tracks, fixes, ranges or elements, got elements of mine, too",
         ),
         (
             {"text": RANGES.replace("study: {{}}", "study: {{rsos: [mine, iss]}}")},
@@ -811,7 +813,7 @@ def test_laser_ranges_stand_where_tracks_do_and_bring_stations_of_their_own(tmp_
     ],
 )
 def test_laser_ranges_that_do_not_fit_are_told_in_one_line(tmp_path, monkeypatch, changes, said):
-    monkeypatch.setattr(checks, "_check_fixes", lambda *_: None)
+    monkeypatch.setattr(kinds.FIXES.module, "check", lambda _: None)
     refusal = refused(with_ranges(tmp_path, **changes))
     assert said.replace("{folder}", str(tmp_path)) in refusal
 
@@ -833,9 +835,9 @@ def with_elements(tmp_path, *lines, content=None):
 def test_mean_elements_stand_where_tracks_do_with_windows_of_their_own(tmp_path):
     source = with_elements(tmp_path, "histories: {mine: {number: 25544, sigma_m: [50, 150, 20]}}")
     settings = checked(source)
-    assert settings.elements == settings.measured == {"mine": [f"{tmp_path}/sets.tle"]}
-    assert settings.history("mine").sigma_m == (50.0, 150.0, 20.0)
-    assert settings.history("iss").reach_hours is None
+    assert settings.files_of(kinds.ELEMENTS) == settings.measured == {"mine": [f"{tmp_path}/sets.tle"]}
+    assert settings.taking(kinds.ELEMENTS, "mine").sigma_m == (50.0, 150.0, 20.0)
+    assert settings.taking(kinds.ELEMENTS, "iss").reach_hours is None
     assert settings.values["estimation"]["window_hours"] == 96
     study = Study(replace(settings, values=settings.values | {"study": {"rsos": ["mine"]}}))
     assert (study.station_sets, study.label, study.truth_of("mine")) == (["fixes"], "later", "measured")
@@ -868,7 +870,7 @@ def test_mean_elements_stand_where_tracks_do_with_windows_of_their_own(tmp_path)
         (
             ["estimation: {window_hours: 48}"],
             None,
-            "window_hours: expected a window that holds 3 sets of mine or more, 24.0 h apart, got 48",
+            "sets or more in a window of fits, estimation.window_hours, got sets 24.0 h apart and 48",
         ),
         (["tracks: {mine: sets.tle}"], None, "tracks.mine: "),
     ],
@@ -892,8 +894,8 @@ def test_manoeuvres_may_stand_in_a_file_and_be_found(tmp_path):
     )
     assert settings.manoeuvres("mine") == ["2016-09-29T01:00:00"]
     assert settings.manoeuvre_files == {"mine": f"{tmp_path}/burns.yaml"}
-    assert settings.history("mine").find_manoeuvres
-    assert not settings.history("iss").find_manoeuvres
+    assert settings.taking(kinds.ELEMENTS, "mine").find_manoeuvres
+    assert not settings.taking(kinds.ELEMENTS, "iss").find_manoeuvres
     assert settings.manoeuvres("iss") == []
 
 

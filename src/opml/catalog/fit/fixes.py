@@ -20,11 +20,10 @@ import pandas as pd
 
 from opml.base.constants import HOUR
 from opml.base.errors import InputError
-from opml.catalog.fit.laser_ranges import LaserRanges
+from opml.catalog import kinds
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements, Rows, Window
 from opml.catalog.fit.neighbour_arcs import NUDGES
-from opml.catalog.fit.sightings import Measured
 from opml.orbits.elements import rsw_rotation
 from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres
 from opml.orbits.sheets import Station
@@ -109,16 +108,16 @@ def measurements(
 
     orientation: table `earth_orientation`
     manoeuvres: in the order of their times
+
+    Raises InputError for another table.
     """
-    if "zenith_delay" in table:
-        return LaserRanges(table, orientation)
-    found = Measured(table, orientation, stations) if "station" in table else Fixes(table)
-    return found.begin_anew(manoeuvres)
+    measured: Measurements = kinds.of_table(table).module.measurements(table, orientation, stations)
+    return measured.begin_anew(manoeuvres)
 
 
 def are_of_sets(table: pd.DataFrame) -> bool:
     """Return whether points of a table `fixes` are of mean elements: before their set's epoch."""
-    return "t_estimate" in table and bool((table["t"] < table["t_estimate"]).any())
+    return bool((table["t"] < table.get("t_estimate", -np.inf)).any())
 
 
 def stretches(points: pd.DataFrame, *, length: float = STRETCH) -> pd.DataFrame:

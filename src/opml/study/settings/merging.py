@@ -11,6 +11,8 @@ from typing import Any
 from opml import naming
 from opml.base.errors import InputError
 from opml.base.files import FilePath, project_file
+from opml.catalog import kinds
+from opml.catalog.kinds import KINDS, Kind
 from opml.orbits.manoeuvres import read_times
 from opml.orbits.sheets import (
     Rso,
@@ -22,7 +24,7 @@ from opml.orbits.sheets import (
     stations_from_rows,
 )
 from opml.study.settings.model.catalogue import CatalogueSettings
-from opml.study.settings.model.run import DaySettings, FixSettings, HistorySettings, RangeSettings
+from opml.study.settings.model.run import DaySettings, TakingSettings, taking_section
 from opml.study.settings.overlay import MISSING, Key, Layer, Source, laid_over, read_layer
 
 STUDIES = "config/studies"
@@ -31,18 +33,7 @@ STUDIES = "config/studies"
 REAL_SATELLITES = "config/real_satellites.yaml"
 """Settings under those of a user whose orbits come from files or whose tracks were measured."""
 
-ELEMENTS = "config/elements.yaml"
-"""Settings above these for RSOs that are known by public mean elements."""
-
-ELEMENTS_ALONE = "config/elements_alone.yaml"
-"""Settings above these where nothing sharper was measured of any."""
-
-RANGES = "config/ranges.yaml"
-"""Settings above these for RSOs that lasers range to."""
-
-_SHARP = ("tracks", "fixes", "ranges")
-
-_FROM_FILES = ("orbits", *_SHARP, "elements")
+_FROM_FILES = ("orbits", *(kind.name for kind in KINDS))
 
 _NAME = re.compile(r"[\w-]+")
 
@@ -60,48 +51,22 @@ class Settings:
         """Files of the orbits that stand in for a simulated truth, or judge, by RSO."""
         return self._files("orbits")
 
-    @cached_property
-    def tracks(self) -> dict[str, list[str]]:
-        """Files of tracks that were really measured, by RSO."""
-        return self._files("tracks")
+    def files_of(self, kind: Kind) -> dict[str, list[str]]:
+        """Return the files of what was measured in one way, by RSO."""
+        return self._files(kind.name)
 
-    @cached_property
-    def fixes(self) -> dict[str, list[str]]:
-        """Files of positions that were measured, by RSO."""
-        return self._files("fixes")
+    def kind_of(self, rso: str) -> Kind | None:
+        """Return how an RSO of the sheet was measured; None where its measurements are simulated."""
+        return next((kind for kind in KINDS if rso in self.values.get(kind.name, {})), None)
 
-    @cached_property
-    def elements(self) -> dict[str, list[str]]:
-        """Files of histories of mean elements, by RSO."""
-        return self._files("elements")
+    def taking(self, kind: Kind, rso: str) -> TakingSettings:
+        """Return how an RSO's files of a kind are taken, relative paths in the folder of the data."""
+        given = self.values.get(kind.taking, {}).get(rso, {})
+        return taking_section(kind.taking).model_validate(given).within(self.values.get("data", ""))
 
-    @cached_property
-    def ranges(self) -> dict[str, list[str]]:
-        """Files of ranges that laser stations measured, by RSO."""
-        return self._files("ranges")
-
-    def fixing(self, rso: str) -> FixSettings:
-        """Return how the fixes of an RSO are taken."""
-        return FixSettings.model_validate(self.values.get("fixing", {}).get(rso, {}))
-
-    def ranging(self, rso: str) -> RangeSettings:
-        """Return how the laser ranges of an RSO are taken, relative paths in the folder of the data."""
-        ranging, folder = (
-            RangeSettings.model_validate(self.values["ranging"][rso]),
-            self.values.get("data", ""),
-        )
-        paths = {"coordinates": ranging.coordinates, "eccentricities": ranging.eccentricities}
-        return ranging.model_copy(update={kind: os.path.join(folder, path) for kind, path in paths.items()})
-
-    @property
-    def station_files(self) -> dict[str, list[str]]:
-        """Files of where laser stations are, coordinates and then eccentricities, by RSO."""
-        found = {rso: self.ranging(rso) for rso in self.values.get("ranging", {})}
-        return {rso: [ranging.coordinates, ranging.eccentricities] for rso, ranging in found.items()}
-
-    def history(self, rso: str) -> HistorySettings:
-        """Return how the history of an RSO's mean elements is taken."""
-        return HistorySettings.model_validate(self.values.get("histories", {}).get(rso, {}))
+    def files_beside(self, kind: Kind) -> dict[str, list[str]]:
+        """Return the files that are read beside those of a kind, such as of where stations are, by RSO."""
+        return {rso: self.taking(kind, rso).files for rso in self.values.get(kind.taking, {})}
 
     @property
     def day(self) -> DaySettings:
@@ -122,16 +87,16 @@ class Settings:
         return {name: _files(population.files, folder) for name, population in known.items()}
 
     def are_radars(self, stations: str) -> bool:
-        """Return whether all of a station set are radars; fixes and laser ranges are none."""
+        """Return whether all of a station set are radars; what stands in their place is none."""
         names = naming.strip_seed(stations, naming.NOISE)
-        return names not in naming.WITHOUT_STATIONS and all(
+        return names not in kinds.in_place_of_stations() and all(
             one.is_radar for one in parse_stations(names, self.stations)
         )
 
     @cached_property
     def measured(self) -> dict[str, list[str]]:
-        """Files of all that was really measured, by RSO: tracks, fixes, ranges, or mean elements."""
-        return self.tracks | self.fixes | self.ranges | self.elements
+        """Files of all that was really measured, by RSO."""
+        return {rso: paths for kind in KINDS for rso, paths in self.files_of(kind).items()}
 
     def _files(self, kind: str) -> dict[str, list[str]]:
         """Return the user's own files of a kind, by RSO; a pattern without files stays."""
@@ -168,14 +133,11 @@ def merged(files: Sequence[FilePath], on_top: Layer | None = None) -> Source:
     """Return settings merged from files, later ones on top, and from a layer above them; the study in full.
 
     The settings for real satellites lie between the first file and the others, where these name any, and
-    above them those for laser ranges, for mean elements, and for these alone. Raises InputError for a file
-    that is missing or not YAML.
+    above them those for kinds of measurements, and for one alone. Raises InputError for a file that is
+    missing or not YAML.
     """
     first, *rest = [*map(read_layer, files), *([on_top] if on_top else [])]
-    between = {REAL_SATELLITES: _FROM_FILES, RANGES: ("ranges",), ELEMENTS: ("elements",)}
-    asked = [path for path, kinds in between.items() if _name_any(rest, kinds)]
-    asked += [ELEMENTS_ALONE] if ELEMENTS in asked and not _name_any(rest, _SHARP) else []
-    layers = [first, *(read_layer(project_file(path)) for path in asked), *rest]
+    layers = [first, *(read_layer(project_file(path)) for path in _beneath(rest) if path), *rest]
     values: Any = {}
     for layer in layers:
         values = laid_over(values, layer.values or values)
@@ -184,9 +146,12 @@ def merged(files: Sequence[FilePath], on_top: Layer | None = None) -> Source:
     return Source({**values, "study": study}, [*extended, *layers], is_default)
 
 
-def _name_any(layers: Sequence[Layer], kinds: Sequence[str]) -> bool:
-    """Return whether layers name files of one of these kinds for any RSO."""
-    return any(layer.values.get(kind) for layer in layers for kind in kinds)
+def _beneath(layers: Sequence[Layer]) -> list[str]:
+    """Return the files of the settings beneath layers, by what these name files of; '' for none."""
+    named = {name for name in _FROM_FILES if any(layer.values.get(name) for layer in layers)}
+    asked = [kind for kind in KINDS if kind.name in named]
+    alone = [kind.beneath_alone for kind in asked] if len(asked) == 1 else []
+    return [*([REAL_SATELLITES] if named else []), *(kind.beneath for kind in asked), *alone]
 
 
 def with_sheets(values: Mapping[str, Any], source: Source | None = None) -> Settings:

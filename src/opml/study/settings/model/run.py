@@ -1,6 +1,7 @@
 """The run: what is simulated, and how learners learn. Every key, what it means, its unit and its limits."""
 
-from typing import Annotated, Literal
+import os
+from typing import Annotated, Any, Literal, Self, get_args
 
 from annotated_types import Ge, Le, Lt, MinLen
 from pydantic import Strict
@@ -166,7 +167,29 @@ class EstimationSettings(Section):
 Sigmas = Annotated[tuple[Positive, Positive, Positive], Strict(False), Expected("three numbers above 0")]
 
 
-class FixSettings(Section):
+class TakingSettings(Section):
+    """How the files of what was measured of an RSO are taken."""
+
+    @property
+    def files(self) -> list[str]:
+        """Files that are read beside these."""
+        return []
+
+    @property
+    def finds_burns(self) -> bool:
+        """Whether burns are found in what was measured."""
+        return False
+
+    def within(self, folder: str) -> Self:
+        """Return the same with relative paths in a folder."""
+        return self
+
+    def of_job(self) -> dict[str, Any]:
+        """Return what a job that reads the files is told."""
+        return self.model_dump()
+
+
+class FixSettings(TakingSettings):
     """How the fixes of an RSO are taken."""
 
     sigma_m: Sigmas = setting(
@@ -193,8 +216,16 @@ class FixSettings(Section):
         """Standard deviations of positions, and of velocities where they count."""
         return (*self.sigma_m, *(self.sigma_mps or ()))
 
+    def of_job(self) -> dict[str, Any]:
+        """Return the same with all sigmas in one list."""
+        return {
+            "sigmas": list(self.sigmas),
+            "every_s": self.every_s,
+            "stretch_hours": self.stretch_hours,
+        }
 
-class RangeSettings(Section):
+
+class RangeSettings(TakingSettings):
     """How the laser ranges of an RSO are taken."""
 
     coordinates: Text = setting("SINEX of the stations' coordinates and velocities", unit="path")
@@ -211,8 +242,22 @@ class RangeSettings(Section):
         "stations whose ranges are left out", unit="numbers", default=[]
     )
 
+    @property
+    def files(self) -> list[str]:
+        """Where stations are: coordinates, then eccentricities."""
+        return [self.coordinates, self.eccentricities]
 
-class HistorySettings(Section):
+    def within(self, folder: str) -> Self:
+        """Return the same with relative paths in a folder."""
+        coordinates, eccentricities = (os.path.join(folder, path) for path in self.files)
+        return self.model_copy(update={"coordinates": coordinates, "eccentricities": eccentricities})
+
+    def of_job(self) -> dict[str, Any]:
+        """Return the same without the paths, which are inputs."""
+        return self.model_dump(exclude={"coordinates", "eccentricities"})
+
+
+class HistorySettings(TakingSettings):
     """How the history of an RSO's mean elements is taken."""
 
     number: Absent[Annotated[int, Ge(1), Expected("a catalogue number from 1")]] = setting(
@@ -240,6 +285,11 @@ class HistorySettings(Section):
         see="elements.md#burns",
         default=False,
     )
+
+    @property
+    def finds_burns(self) -> bool:
+        """Whether burns are found in what was measured."""
+        return self.find_manoeuvres
 
 
 class PredictionSettings(Section):
@@ -429,3 +479,11 @@ class RunAlone(Section):
         see="elements.md#burns",
         default={},
     )
+
+
+def taking_section(name: str) -> type[TakingSettings]:
+    """Return what an RSO's entry is in a setting of how files are taken; an empty mapping for ''."""
+    section: type[TakingSettings] = (
+        get_args(RunAlone.model_fields[name].annotation)[1] if name else TakingSettings
+    )
+    return section

@@ -1,0 +1,116 @@
+"""How objects are measured: each kind is one value of KINDS, which settings, checks, jobs and fits ask.
+
+The module of a kind, of its name in `opml.catalog.measure`, has `check(asked)`, which raises InputError where
+no measurements could be made of the files, and `measurements(table, orientation, stations)`, what fits of the
+kind's table are made to.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
+
+import pandas as pd
+
+from opml.base.errors import InputError
+from opml.orbits.sheets import Station
+from opml.tables import SCHEMAS
+
+
+@dataclass(frozen=True)
+class Kind:
+    """How an object is measured.
+
+    name: of the setting of its files
+    table: name of the schema of its measurements
+    stations: name in the place of a station set; '' where stations of the sheet measure
+    taking: the setting that tells how files are taken; '' without any
+    needs_taking: whether there is no default of it
+    beneath: file of the settings beneath a user's; '' without any
+    beneath_alone: the same where no object is measured in another way
+    tells_orbit: whether a first orbit can be determined from the measurements alone
+    for_mornings: whether mornings read it
+    """
+
+    name: str
+    table: str
+    stations: str = ""
+    taking: str = ""
+    needs_taking: bool = False
+    beneath: str = ""
+    beneath_alone: str = ""
+    tells_orbit: bool = True
+    for_mornings: bool = True
+
+    @property
+    def module(self) -> Any:
+        """Its module: with compiled kernels, half a second that no plan without such files waits for."""
+        return import_module(f"opml.catalog.measure.{self.name}")
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is asked of the files of an object.
+
+    paths: of them
+    taking: the validated settings of how they are taken
+    stations: all that there are, by name
+    epoch: UTC text
+    duration: of the run [s]
+    window_hours: that an estimate is made of
+    """
+
+    paths: Sequence[str]
+    taking: Any
+    stations: Mapping[str, Station]
+    epoch: str
+    duration: float
+    window_hours: float
+
+
+TRACKS = Kind("tracks", "tracking")
+FIXES = Kind("fixes", "fixes", "fixes", "fixing")
+RANGES = Kind(
+    "ranges",
+    "laser_ranges",
+    "ranges",
+    "ranging",
+    needs_taking=True,
+    beneath="config/ranges.yaml",
+    tells_orbit=False,
+    for_mornings=False,
+)
+ELEMENTS = Kind(
+    "elements",
+    "fixes",
+    "fixes",
+    "histories",
+    beneath="config/elements.yaml",
+    beneath_alone="config/elements_alone.yaml",
+)
+
+KINDS = [TRACKS, FIXES, RANGES, ELEMENTS]
+
+
+def names() -> str:
+    """Return the names of all kinds, in words."""
+    *most, last = (kind.name for kind in KINDS)
+    return f"{', '.join(most)} or {last}"
+
+
+def in_place_of_stations() -> list[str]:
+    """Return the names in the place of a station set."""
+    return list(dict.fromkeys(kind.stations for kind in KINDS if kind.stations))
+
+
+def of_table(table: pd.DataFrame) -> Kind:
+    """Return the first kind whose schema has columns of a table that schemas of other kinds have not.
+
+    Raises InputError for a table of no kind.
+    """
+    columns = {kind.table: {*SCHEMAS[kind.table].names} for kind in KINDS}
+    for kind in KINDS:
+        others = set().union(*(names for name, names in columns.items() if name != kind.table))
+        if columns[kind.table] & set(table.columns) - others:
+            return kind
+    raise InputError(f"expected a table {', '.join(columns)}, got one of {', '.join(table.columns)}")
