@@ -45,6 +45,8 @@ _SVR_ROWS, _SVR_CLIP = 8000, 5.0
 _BLOCK = 28  # days
 _FEWEST_HELD_OUT = 200
 _TRIED = np.linspace(0.0, 1.2, 13)
+_RECENT = 20.0  # days before a morning whose judged errors tell whether sigmas hold
+_FEWEST_RECENT = 200
 _BATCH = 100_000  # rows that are corrected at a time: a catalogue's would need a third more memory
 
 
@@ -100,6 +102,26 @@ class Corrector:
             members = part.rows_of(rows)
             for begin in range(0, len(members), _BATCH):
                 yield part, members[begin : begin + _BATCH]
+
+
+def widen(rows: pd.DataFrame, found: pd.DataFrame) -> pd.DataFrame:
+    """Return what `Corrector.apply` found, sigmas wider where too few of the last errors were inside.
+
+    rows: those of `found`, of several mornings
+
+    Errors of a lead count, of all bands together, whose judge was known on the morning. What the weather does
+    to all objects lasts for weeks: in a storm sigmas of quiet months are too small. None is made smaller.
+    """
+    off = ((rows["error"] - found["correction"]) / (NORMAL * found["sigma"])).abs()
+    factor = pd.Series(1.0, index=rows.index)
+    for _, part in rows[["morning", "judged"]].assign(off=off).groupby(rows["lead"]):
+        judged = part.dropna().sort_values("judged")
+        for morning, members in part.groupby("morning").groups.items():
+            known = judged["off"].iloc[: judged["judged"].searchsorted(float(morning), side="right")]
+            last = known[judged["judged"].iloc[: len(known)] > float(morning) - _RECENT]
+            if len(last) >= _FEWEST_RECENT:
+                factor[members] = max(1.0, float(last.quantile(LEVEL)))
+    return found.assign(sigma=found["sigma"] * factor)
 
 
 Fit = Callable[[pd.DataFrame, int], Predictor]

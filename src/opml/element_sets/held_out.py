@@ -123,7 +123,7 @@ def residuals(table: pd.DataFrame, seasons: Seasons, learner: str, *, seed: int)
     fit = table.assign(is_fit=True)
     seen = fit[(half == 0) & _within(table, seasons.train) & in_time]
     asked = fit[(half == 1) & _within(table, seasons.test)].reset_index(drop=True)
-    found = corrector.fit(seen, learner, seed=seed).apply(asked)
+    found = corrector.widen(asked, corrector.fit(seen, learner, seed=seed).apply(asked))
     scaled = asked["error"] - asked["density"]
     return asked[["number", "morning", "lead", "band", "error"]].assign(
         scaled=scaled,

@@ -21,7 +21,7 @@ from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.element_sets import catalogue as catalogues
-from opml.element_sets import density, features, pairs
+from opml.element_sets import corrector, density, features, pairs
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day, semi_major_axis
 from opml.element_sets.model import CatalogueModel
 from opml.element_sets.pairs import OLDEST
@@ -175,7 +175,9 @@ def candidates(rows: pd.DataFrame, model: CatalogueModel) -> dict[str, pd.DataFr
 
     A prediction apart from the learned one is as unsure as that, and as they are apart.
     """
-    learned = {f"learned: {name}": one.apply(rows) for name, one in model.correctors.items()}
+    learned = {
+        f"learned: {name}": corrector.widen(rows, one.apply(rows)) for name, one in model.correctors.items()
+    }
     surest = pd.concat(learned.values()).groupby(level=0).mean()
     ways = {UNCHANGED: 0.0 * rows["density"], DENSITY: rows["density"]}
     plain = {

@@ -1,0 +1,53 @@
+"""Sigmas of a catalogue are wider where its last errors were outside them, as far as was known."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from opml.element_sets import corrector
+
+MORNINGS = 61000.25 + np.arange(40)
+OBJECTS = 60
+
+
+def rows_and_found(errors, lead=3):
+    """Return normal errors of a size by morning, corrected by 5 m, with sigmas of 100 m."""
+    morning = np.repeat(MORNINGS, OBJECTS)
+    rng = np.random.default_rng(1)
+    error = 5.0 + np.repeat(errors, OBJECTS) * rng.standard_normal(len(morning))
+    rows = pd.DataFrame({"morning": morning, "lead": lead, "error": error, "judged": morning + lead + 0.5})
+    return rows, pd.DataFrame({"correction": 5.0, "sigma": 100.0}, index=rows.index)
+
+
+def sigmas(errors):
+    rows, found = rows_and_found(np.broadcast_to(errors, len(MORNINGS)))
+    return corrector.widen(rows, found).groupby(rows["morning"])["sigma"].agg(["min", "max"])
+
+
+def test_errors_outside_widen_sigmas_once_enough_of_them_are_judged():
+    found = sigmas(300.0)
+    # 3.5 days on, four mornings have 240 errors that are judged.
+    assert (found.iloc[:7] == 100.0).all(axis=None)
+    np.testing.assert_allclose(found.iloc[7:], 300.0, rtol=0.2)
+    np.testing.assert_array_equal(found["min"], found["max"])
+
+
+def test_sigmas_are_never_made_smaller():
+    assert (sigmas(20.0) == 100.0).all(axis=None)
+
+
+def test_errors_long_ago_and_later_ones_do_not_count():
+    storm = np.where(np.arange(len(MORNINGS)) < 10, 300.0, 20.0)
+    found = sigmas(storm)["max"]
+    assert found.iloc[13] == pytest.approx(300.0, rel=0.2)
+    assert (found.iloc[36:] == 100.0).all()
+    changed = np.where(np.arange(len(MORNINGS)) < 20, storm, 1e6)
+    pd.testing.assert_series_equal(sigmas(changed)["max"].iloc[:20], found.iloc[:20])
+
+
+def test_rows_that_cannot_be_corrected_stay_without():
+    rows, found = rows_and_found(np.full(len(MORNINGS), 300.0))
+    found.iloc[-1] = np.nan
+    wide = corrector.widen(rows.assign(error=rows["error"].where(rows["morning"] < MORNINGS[-1])), found)
+    assert np.isnan(wide["sigma"].iloc[-1])
+    assert wide["sigma"].iloc[-2] > 200.0
