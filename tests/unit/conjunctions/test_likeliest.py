@@ -1,11 +1,13 @@
-"""Where two objects most likely collide: drawn orbits, many pairs, a straight motion, and standstill."""
+"""Where two objects most likely collide: drawn orbits, real ones, straight motion, standstill."""
 
 import math
 
 import numpy as np
 import pytest
+from support import shared
 
 from opml.base.constants import EARTH_GM
+from opml.conjunctions import cdm
 from opml.conjunctions.likeliest import UncertainPairs
 from opml.conjunctions.probability import Encounter, chance
 from opml.orbits.elements import rsw_rotation
@@ -49,27 +51,101 @@ def bent(pair):
     return chance(encounter).probability
 
 
-def drawn(state, covariance, rng, draws):
-    """Elements (draws, 6) of normal errors."""
-    elements, step = equinoctial_from_cartesian(state, EARTH_GM), 1e-6 * np.eye(6)
-    ahead, behind = (
-        cartesian_from_equinoctial(elements + sign * step, np.zeros(6), EARTH_GM) for sign in (1.0, -1.0)
-    )
-    mixed = np.linalg.solve((ahead - behind).T / 2e-6, np.linalg.cholesky(covariance))
-    return elements + rng.standard_normal((draws, 6)) @ mixed.T
+class Errors:
+    """Relative states of a pair by standard normal numbers, six for each object's elements."""
+
+    def __init__(self, pair):
+        self.elements = equinoctial_from_cartesian(pair.states, EARTH_GM)
+        self.mixed = []
+        step = 1e-6 * np.eye(6)
+        for elements, covariance in zip(self.elements, pair.covariances, strict=True):
+            ahead, behind = (
+                cartesian_from_equinoctial(elements + sign * step, np.zeros(6), EARTH_GM)
+                for sign in (1.0, -1.0)
+            )
+            inverse = np.linalg.inv((ahead - behind).T / 2e-6)
+            spread = inverse @ covariance @ inverse.T
+            sigma = np.sqrt(np.diag(spread))
+            variances, axes = np.linalg.eigh(spread / np.outer(sigma, sigma))
+            self.mixed.append(sigma[:, None] * axes * np.sqrt(np.maximum(variances, 0.0)))
+
+    def at(self, numbers, t):
+        """Relative positions and velocities (..., 3) of numbers (..., 12) at times (...)."""
+        first, second = (
+            cartesian_from_equinoctial(elements + part @ mixed.T, t, EARTH_GM)
+            for elements, part, mixed in zip(
+                self.elements, np.split(numbers, 2, axis=-1), self.mixed, strict=True
+            )
+        )
+        return np.split(second - first, 2, axis=-1)
+
+    def slope(self, numbers, t, ways):
+        """Change (..., 3, k) of relative positions along ways (k, 12)."""
+        steps, t = 1e-3 * ways, np.asarray(t)[..., None]
+        ahead, behind = (self.at(numbers[..., None, :] + sign * steps, t)[0] for sign in (1.0, -1.0))
+        return np.swapaxes(ahead - behind, -1, -2) / 2e-3
+
+
+def sampled(pair, draws):
+    """The probability by importance sampling, and its standard error.
+
+    All but two numbers are drawn; these two and the time are solved for a collision, and weighed.
+    """
+    errors, rng, radius = Errors(pair), np.random.default_rng(1), float(pair.radius)
+    likeliest, t = np.zeros(12), 0.0
+    for _ in range(12):
+        position, velocity = errors.at(likeliest, t)
+        slope = errors.slope(likeliest, t, np.eye(12))
+        plane = np.linalg.svd(velocity[None])[2][1:]
+        met = np.linalg.pinv(plane @ slope) @ plane @ (slope @ likeliest - position)
+        t -= velocity @ (position + slope @ (met - likeliest)) / (velocity @ velocity)
+        likeliest = met
+    ways = np.linalg.qr((plane @ slope).T)[0].T
+    numbers = rng.standard_normal((draws, 12))
+    numbers += (ways @ likeliest - numbers @ ways.T) @ ways
+    place, t = rng.standard_normal((draws, 3)), np.full(draws, t)
+    place -= np.outer(place @ velocity, velocity) / (velocity @ velocity)
+    place *= radius * np.sqrt(rng.uniform(size=(draws, 1))) / np.linalg.norm(place, axis=1, keepdims=True)
+    for _ in range(8):
+        position, velocity = errors.at(numbers, t)
+        jacobian = np.concatenate([errors.slope(numbers, t, ways), velocity[..., None]], axis=-1)
+        change = np.linalg.solve(jacobian, (place - position)[..., None])[..., 0]
+        numbers, t = numbers + change[:, :2] @ ways, t + change[:, 2]
+    area = np.abs(np.linalg.det(jacobian)) / np.linalg.norm(velocity, axis=1)
+    weights = 0.5 * radius**2 * np.exp(-0.5 * np.sum((numbers @ ways.T) ** 2, axis=1)) / area
+    return weights.mean(), weights.std() / math.sqrt(draws)
 
 
 def test_a_collision_far_along_the_orbits_is_that_of_drawn_ones():
-    pair, draws, rng = pairs(), 60_000, np.random.default_rng(1)
-    elements = [drawn(*one, rng, draws) for one in zip(pair.states, pair.covariances, strict=True)]
-    t = np.zeros(draws)
+    pair, draws = pairs(), 60_000
+    errors, numbers, t = Errors(pair), np.random.default_rng(1).standard_normal((draws, 12)), np.zeros(draws)
     for _ in range(4):
-        first, second = (cartesian_from_equinoctial(one, t, EARTH_GM) for one in elements)
-        position, velocity = np.split(second - first, 2, axis=1)
+        position, velocity = errors.at(numbers, t)
         t = t - np.sum(position * velocity, axis=1) / np.sum(velocity**2, axis=1)
     expected = float((np.linalg.norm(position, axis=1) < pair.radius).mean())
     assert bent(pair) == pytest.approx(expected, abs=3.0 * math.sqrt(expected / draws))
     assert straight(pair) < 0.4 * expected
+    found, error = sampled(pair, 1000)
+    assert error < 0.01 * found
+    assert bent(pair) == pytest.approx(found, abs=3.0 * error)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param("000043613_conj_000052010_20230626_045217_20230620_061741", id="far from NASA's"),
+        pytest.param("000039574_conj_000039477_20220711_110033_20220705_220442", id="60 times too likely"),
+        pytest.param("000029479_conj_000054630_20230725_134006_20230718_222924", id="slow"),
+    ],
+)
+def test_real_conjunctions_are_those_of_importance_sampling(name):
+    conjunction = cdm.read(shared(f"real/cara/{name}.cdm.gz"), epoch="2000-01-01T00:00:00")
+    pair = (conjunction.first, conjunction.second)
+    states = np.array([one.state for one in pair])
+    covariances = np.array([one.inertial_covariance for one in pair])
+    found, error = sampled(UncertainPairs(states, covariances, np.array(conjunction.radius)), 4000)
+    assert error < 0.015 * found
+    assert conjunction.chance.probability == pytest.approx(found, abs=3.0 * error)
 
 
 def test_two_dimensions_about_the_expected_states_suffice_where_paths_are_straight():
