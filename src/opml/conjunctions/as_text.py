@@ -10,7 +10,7 @@ from opml.interop import ccsds
 
 _COLUMNS = [
     *("tca", "first", "second", "miss_m", "r_m", "s_m", "w_m"),
-    *("speed_mps", "probability", "largest", "remark"),
+    *("speed_mps", "probability", "method", "largest", "remark"),
 ]
 NONE = "no conjunction"
 _MORE = 1.5  # times the probability of an encounter that its revolution has to hold to be told
@@ -20,8 +20,8 @@ def table(conjunctions: Sequence[Conjunction], *, epoch: str) -> pd.DataFrame:
     """Return a row per conjunction.
 
     Columns: tca, UTC text; first, second: names; miss_m; r_m, s_m, w_m of the second in RSW of the first;
-    speed_mps; probability, and the largest under any multiple of the covariance, NaN where unknown and, the
-    largest, for a long encounter; remark
+    speed_mps; probability, the method that suffices for it, and the largest under any multiple of the
+    covariance, NaN where unknown and, the largest, for a long encounter; remark
     """
     times = ccsds.utc_texts(epoch, np.array([one.t for one in conjunctions])) if conjunctions else []
     rows = []
@@ -36,6 +36,7 @@ def table(conjunctions: Sequence[Conjunction], *, epoch: str) -> pd.DataFrame:
                 **dict(zip(("r_m", "s_m", "w_m"), relative[:3].tolist(), strict=True)),
                 "speed_mps": float(np.linalg.norm(relative[3:])),
                 "probability": chance.probability if chance else np.nan,
+                "method": one.method,
                 "largest": chance.most if chance else np.nan,
                 "remark": _remark(one),
             }
@@ -66,8 +67,6 @@ def _remark(conjunction: Conjunction) -> str:
     remarks = (
         *((remark, True) for remark in told),
         (f"{', '.join(unknown)} without covariance", bool(unknown)),
-        ("long encounter", not conjunction.is_short),
-        ("two dimensions do not suffice", conjunction.is_short and not conjunction.is_straight),
         (f"{chance.around:.1e} in its revolution", chance.around > _MORE * chance.probability),
         ("covariance widened", chance.mended),
         ("diluted", chance.is_diluted),

@@ -99,9 +99,10 @@ def _lines(conjunction: Conjunction, epoch: str) -> Iterator[str]:
         yield f"RELATIVE_{kind}_{_AXES[k % 3]} = {value!r} [{_UNITS[k // 3]}]"
     if chance is not None:
         yield f"COLLISION_PROBABILITY = {chance.probability!r}"
-        # The standard's registry has no name for that of a long encounter.
-        if conjunction.is_short:
+        # The standard's registry has no names for Hall's methods.
+        if conjunction.method == "2D-Pc":
             yield "COLLISION_PROBABILITY_METHOD = FOSTER-1992"
+        yield f"COMMENT PROBABILITY METHOD = {conjunction.method}"
     yield f"COMMENT HBR = {conjunction.radius!r}"
     for number, participant in enumerate((first, second), start=1):
         yield from _participant_lines(participant, number)

@@ -8,8 +8,9 @@ import numpy as np
 
 from opml.base.constants import EARTH_GM
 from opml.base.errors import InputError
-from opml.conjunctions import curvature, long_encounter
-from opml.conjunctions.probability import Chance, Encounter, chance
+from opml.conjunctions import long_encounter
+from opml.conjunctions.likeliest import UncertainPairs
+from opml.conjunctions.probability import SHORT, Chance, Encounter, chance
 from opml.interop.object_ids import ObjectId
 from opml.orbits.elements import in_rsw, rsw_rotation
 
@@ -92,11 +93,40 @@ class Conjunction:
         covariance = self.first.inertial_covariance + self.second.inertial_covariance
         return Encounter(relative[:3], relative[3:], covariance[:3, :3], self.radius)
 
+    @cached_property
+    def likeliest(self) -> Encounter | None:
+        """The encounter where both most likely collide; None without covariances, or where it is not found.
+
+        Of hyperbolas it is that of the states.
+        """
+        if self.encounter is None or math.isinf(self._longest_period):
+            return self.encounter
+        found = self._pair.collisions()
+        if not found.settled:
+            return None
+        position, covariance = found.cloud.mean[:3], found.cloud.covariance[:3, :3]
+        return Encounter(position, found.velocity, covariance, self.radius)
+
     @property
     def is_short(self) -> bool:
-        """Whether the encounter, if there is one, is short beside a revolution of either object."""
-        encounter = self.encounter
-        return encounter is not None and encounter.is_short(self._period)
+        """Whether the encounter, if there is one, is short beside a revolution of either object.
+
+        The likeliest collision may be as far from the approach in time as the relative motion takes to its
+        place.
+        """
+        if self.likeliest is None:
+            return False
+        miss, speed = (float(np.linalg.norm(part)) for part in np.split(self.relative, 2))
+        return self.likeliest.duration * speed + 2.0 * miss < SHORT * self._period * speed
+
+    @property
+    def method(self) -> str:
+        """Name of the method that suffices for the probability, empty where there is none."""
+        if self.chance is None:
+            return ""
+        if not self.is_short:
+            return "3D-Nc"
+        return "2D-Pc" if math.isinf(self._longest_period) else "2D-Nc"
 
     @property
     def _period(self) -> float:
@@ -109,23 +139,18 @@ class Conjunction:
     @cached_property
     def chance(self) -> Chance | None:
         """How likely a collision is; None where it is unknown, and for a long encounter of no ellipses."""
-        encounter = self.encounter
-        if encounter is not None and self.is_short:
-            return chance(encounter)
-        if encounter is None or math.isinf(self._longest_period):
+        if self.is_short and self.likeliest is not None:
+            return chance(self.likeliest)
+        if self.encounter is None or math.isinf(self._longest_period):
             return None
-        return long_encounter.chance(*self._pair, self.radius, self._period)
+        return long_encounter.chance(self._pair, self._period)
 
     @property
-    def is_straight(self) -> bool:
-        """Whether two dimensions suffice for a short encounter; of hyperbolas that is not known."""
-        return math.isinf(self._longest_period) or curvature.suffice(*self._pair, self.radius)
-
-    @property
-    def _pair(self) -> tuple[np.ndarray, np.ndarray]:
-        """States (2, 6) and covariances (2, 6, 6) of both in GCRF [m, m/s]."""
+    def _pair(self) -> UncertainPairs:
         pair = (self.first, self.second)
-        return np.array([one.state for one in pair]), np.array([one.inertial_covariance for one in pair])
+        states = np.array([one.state for one in pair])
+        covariances = np.array([one.inertial_covariance for one in pair])
+        return UncertainPairs(states, covariances, np.array(self.radius))
 
 
 def check_length(name: str, length: float) -> None:

@@ -68,16 +68,13 @@ class Encounter:
 
     @property
     def duration(self) -> float:
-        """How long the objects may touch [s]: while they cross their uncertainty along the motion."""
+        """How long the objects may touch [s], by how uncertain their place along the motion is if they do."""
         if not (speed := float(np.linalg.norm(self.velocity))) > 0.0:
             return math.inf
         ahead = self.velocity / speed
-        sigma = math.sqrt(max(float(ahead @ self.covariance @ ahead), 0.0))
+        spread = self.covariance + self.radius**2 / 5.0 * np.eye(3)
+        sigma = 1.0 / math.sqrt(float(ahead @ np.linalg.solve(spread, ahead)))
         return 2.0 * (_INSIDE * sigma + self.radius) / speed
-
-    def is_short(self, period: float) -> bool:
-        """Return whether the encounter is short beside a revolution of `period` [s]."""
-        return self.duration < SHORT * period
 
 
 @dataclass(frozen=True)

@@ -174,19 +174,38 @@ def test_a_message_has_the_date_of_what_it_is_made_from(tmp_path, monkeypatch):
         cdm.write(tmp_path / "one.cdm", CONJUNCTION, epoch=EPOCH)
 
 
-def cara():
-    """Conjunctions of NASA's CARA, with its probability by Monte Carlo."""
-    table = pd.read_csv(shared("real/cara/probabilities.tsv"), sep="\t")
-    return dict(zip(table["Conjunction_ID"], table["PcSDMC"], strict=True))
+CARA_TABLE = "real/cara/probabilities.tsv"
+FAR_FROM_ITS_MONTE_CARLO = "000043613_conj_000052010_20230626_045217_20230620_061741"
+"""By 12 %, of 599 hits; NASA's own 3D-Nc is off by 10 %, our importance sampling equals ours to 1 %."""
 
 
-def test_where_two_dimensions_do_not_suffice_it_is_said():
-    """Fifteen of 27 real conjunctions, off by a factor of 1.5 or more, of which one is long."""
-    said, off = set(), set()
-    for name, true in cara().items():
-        conjunction = cdm.read(shared(f"real/cara/{name}.cdm.gz"), epoch=EPOCH)
-        (remark,) = as_text.table([conjunction], epoch=EPOCH)["remark"]
-        said |= {name} if "two dimensions do not suffice" in remark else set()
-        off |= {name} if abs(np.log(conjunction.chance.probability / true)) > 0.1 else set()
-    assert said == off
-    assert len(off) == 14
+def test_real_conjunctions_have_nasas_probability_by_monte_carlo():
+    """Within its interval of 95 %, or to 5 %: two by 3D-Nc, the others by 2D-Nc."""
+    methods = []
+    for row in pd.read_csv(shared(CARA_TABLE), sep="\t").itertuples():
+        conjunction = cdm.read(shared(f"real/cara/{row.Conjunction_ID}.cdm.gz"), epoch=EPOCH)
+        ratio = conjunction.chance.probability / row.PcSDMC
+        methods.append(conjunction.method)
+        within = 0.13 if row.Conjunction_ID == FAR_FROM_ITS_MONTE_CARLO else 0.05
+        is_near = row.PcSDMCLo <= conjunction.chance.probability <= row.PcSDMCHi
+        assert is_near or abs(ratio - 1.0) < within, row.Conjunction_ID
+    assert methods.count("2D-Nc") == 25
+    assert methods.count("3D-Nc") == 2
+
+
+def test_the_method_is_in_the_row_and_in_the_message(tmp_path):
+    (row,) = as_text.table([CONJUNCTION], epoch=EPOCH).to_dict("records")
+    assert row["method"] == "2D-Nc"
+    cdm.write(tmp_path / "one.cdm", CONJUNCTION, epoch=EPOCH)
+    text = (tmp_path / "one.cdm").read_text()
+    assert "COMMENT PROBABILITY METHOD = 2D-Nc\n" in text
+    assert "COLLISION_PROBABILITY_METHOD" not in text
+
+
+def test_of_a_hyperbola_the_states_are_taken(tmp_path):
+    leaving = replace(CONJUNCTION.second, state=CONJUNCTION.second.state * np.array([1, 1, 1, 2, 2, 2]))
+    gone = replace(CONJUNCTION, second=leaving)
+    assert gone.method == "2D-Pc"
+    assert gone.chance == chance(gone.encounter)
+    cdm.write(tmp_path / "gone.cdm", gone, epoch=EPOCH)
+    assert "COLLISION_PROBABILITY_METHOD = FOSTER-1992\n" in (tmp_path / "gone.cdm").read_text()

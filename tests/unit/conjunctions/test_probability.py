@@ -71,10 +71,14 @@ def test_a_covariance_that_is_none_is_widened_and_told():
     assert 0.0 < chance(wrong).probability < 1.0
 
 
-def test_a_slow_encounter_is_not_short():
-    period = 5700.0
-    assert encounter().is_short(period)
-    assert not encounter(speed=0.5).is_short(period)
+def test_an_encounter_lasts_as_the_place_along_the_motion_is_uncertain():
+    """Of a place along the motion that is uncertain by 50 m, and together with that across it by less."""
+    assert encounter().duration == pytest.approx(2.0 * (5.73 * 50.0 + 10.0) / 1e4, rel=0.01)
+    assert encounter(speed=0.5).duration == pytest.approx(2e4 * encounter().duration)
+    tied = encounter()
+    tied.covariance[2, 0] = tied.covariance[0, 2] = 0.8 * 200.0 * 50.0
+    assert tied.duration == pytest.approx(2.0 * (5.73 * 0.6 * 50.0 + 10.0) / 1e4, rel=0.02)
+    assert encounter(speed=0.0).duration == np.inf
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,154 @@
+"""Where two objects most likely collide, and how their relative state is distributed about there.
+
+An error of kilometres along an orbit follows its curve: it is normal in equinoctial elements, and not in
+positions. So the elements are looked for with which both objects collide, and which are likelier than all
+others that do. About these their motion is linear in the elements, and the relative state is normal, as far
+as a collision is concerned: that is Hall's 2D-Nc, for the time that is likeliest, and 3D-Nc, for each time.
+
+Each object's elements are those in the RSW axes of its own state, where the inclination is none. That there
+are spheres around the objects widens what they meet in.
+
+Source: Hall 2021, Expected collision rates for tracked satellites, J. Spacecr. Rockets 58; Hall, Baars &
+Casali 2023, A multistep probability of collision computational algorithm (AAS 23-398).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from opml.base.constants import EARTH_GM
+from opml.orbits.elements import rsw_rotation
+from opml.orbits.equinoctial import cartesian_from_equinoctial, equinoctial_from_cartesian
+
+_SIGN = np.array([-1.0, 1.0])  # of the first and the second object in what is relative
+_STEP = 1e-5  # of the differences that tell how states change with the elements
+_ROUNDS = 30  # at most, to the likeliest elements
+_SETTLED = 1e-3  # change of the squared distance in standard deviations that ends them
+_STANDSTILL = 1e-6  # relative speed below which objects stand beside each other [m/s]
+_FARTHEST = 0.5  # change of an element, as a share of what lacks an eccentricity of 1
+
+
+@dataclass(frozen=True, eq=False)
+class Cloud:
+    """Where a relative state may be.
+
+    mean: (..., 6) [m, m/s]
+    covariance: (..., 6, 6)
+    """
+
+    mean: np.ndarray
+    covariance: np.ndarray
+
+    def __getitem__(self, which: Any) -> "Cloud":
+        return Cloud(self.mean[which], self.covariance[which])
+
+
+@dataclass(frozen=True, eq=False)
+class Collision:
+    """Where two objects most likely collide.
+
+    cloud: the relative state, linear in the elements about there
+    velocity: (..., 3) with which they collide [m/s]
+    settled: (...) whether it was found
+    """
+
+    cloud: Cloud
+    velocity: np.ndarray
+    settled: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class UncertainPairs:
+    """UncertainPairs of objects on ellipses, at one time.
+
+    states: (..., 2, 6) in GCRF [m, m/s]
+    covariances: (..., 2, 6, 6) of them
+    radius: (...) sum of the radii [m]
+    """
+
+    states: np.ndarray
+    covariances: np.ndarray
+    radius: np.ndarray
+
+    def clouds(self, t: np.ndarray) -> tuple[Cloud, np.ndarray]:
+        """Return the relative states at times (...) [s] about where both collide then, and how far that is.
+
+        The latter are squared distances (...) in standard deviations. This is for 3D-Nc.
+        """
+        elements, before = np.broadcast_to(self._elements, (*t.shape, 2, 6)), np.full(t.shape, np.inf)
+        sphere = (self.radius**2 / 5.0)[..., None, None] * np.eye(3)
+        for _ in range(_ROUNDS):
+            cloud, mixed = self._about(elements, t)
+            met = np.linalg.solve(cloud.covariance[..., :3, :3] + sphere, cloud.mean[..., :3, None])[..., 0]
+            squared = np.sum(cloud.mean[..., :3] * met, axis=-1)
+            if _settled(squared, before).all():
+                break
+            elements, before = self._pulled(mixed, met), squared
+        return cloud, squared
+
+    def collisions(self) -> Collision:
+        """Return where both most likely collide at any time, flying straight past each other: for 2D-Nc."""
+        elements, t = self._elements, np.zeros(self.states.shape[:-2])
+        velocity, before = _SIGN @ self.states[..., 3:], np.full(t.shape, np.inf)
+        disc = (self.radius**2 / 4.0)[..., None, None] * np.eye(2)
+        for _ in range(_ROUNDS):
+            cloud, mixed = self._about(elements, t)
+            plane = np.linalg.svd(velocity[..., None, :])[2][..., 1:, :]
+            across = np.swapaxes(plane, -1, -2)
+            spread = plane @ cloud.covariance[..., :3, :3] @ across + disc
+            force = across @ np.linalg.solve(spread, plane @ cloud.mean[..., :3, None])
+            squared = np.sum(cloud.mean[..., :3] * force[..., 0], axis=-1)
+            if (settled := _settled(squared, before)).all():
+                break
+            likeliest = cloud.mean - (cloud.covariance[..., :3] @ force)[..., 0]
+            position, velocity = likeliest[..., :3], likeliest[..., 3:]
+            speed = np.maximum(np.linalg.norm(velocity, axis=-1), _STANDSTILL)
+            t = t - np.sum(position * velocity, axis=-1) / speed**2
+            elements, before = self._pulled(mixed, force[..., 0]), squared
+        return Collision(cloud, velocity, settled)
+
+    @cached_property
+    def _axes(self) -> np.ndarray:
+        """Axes (..., 2, 6, 6) of the elements, for states."""
+        return np.asarray(np.kron(np.eye(2), rsw_rotation(self.states)))
+
+    @cached_property
+    def _elements(self) -> np.ndarray:
+        turned = (self._axes @ self.states[..., None])[..., 0]
+        return equinoctial_from_cartesian(turned, EARTH_GM)
+
+    @cached_property
+    def _spread(self) -> np.ndarray:
+        """Covariances (..., 2, 6, 6) of the elements."""
+        _, slope = self._flown(self._elements, np.zeros(self.states.shape[:-2]))
+        inverse = np.linalg.inv(slope)
+        return np.asarray(inverse @ self.covariances @ np.swapaxes(inverse, -1, -2))
+
+    def _flown(self, elements: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the states (..., 2, 6) of elements at times (...) [s], and their slopes (..., 2, 6, 6)."""
+        steps = _STEP * np.concatenate([np.zeros((1, 6)), np.eye(6), -np.eye(6)])
+        states = cartesian_from_equinoctial(elements[..., None, :] + steps, t[..., None, None], EARTH_GM)
+        states = states @ self._axes
+        slope = (states[..., 1:7, :] - states[..., 7:, :]) / (2.0 * _STEP)
+        return states[..., 0, :], np.swapaxes(slope, -1, -2)
+
+    def _about(self, elements: np.ndarray, t: np.ndarray) -> tuple[Cloud, np.ndarray]:
+        """Return the relative state, linear about elements, and how it varies with these (..., 2, 6, 6)."""
+        states, slope = self._flown(elements, t)
+        expected = states + (slope @ (self._elements - elements)[..., None])[..., 0]
+        mixed = self._spread @ np.swapaxes(slope, -1, -2)
+        return Cloud(_SIGN @ expected, np.sum(slope @ mixed, axis=-3)), mixed
+
+    def _pulled(self, mixed: np.ndarray, force: np.ndarray) -> np.ndarray:
+        """Return the elements (..., 2, 6) that meet by a force (..., 3) on the relative position."""
+        change = -_SIGN[:, None] * (mixed[..., :3] @ force[..., None, :, None])[..., 0]
+        room = _FARTHEST * (1.0 - np.linalg.norm(self._elements[..., 1:3], axis=-1, keepdims=True))
+        largest = np.max(np.abs(change), axis=-1, keepdims=True)
+        return np.asarray(self._elements + change * np.minimum(1.0, room / np.maximum(largest, room)))
+
+
+def _settled(squared: np.ndarray, before: np.ndarray) -> np.ndarray:
+    """Return whether squared distances (...) in standard deviations are those of the round before."""
+    return np.asarray(np.abs(squared - before) < _SETTLED * np.maximum(squared, 1.0))
