@@ -1,7 +1,7 @@
 """Take tracks that were really measured for those of an RSO."""
 
 from opml.catalog.fit import measured_tracks
-from opml.interop import tdm
+from opml.interop import object_ids, tdm
 from opml.orbits import manoeuvres
 from opml.orbits.sheets import Station
 from opml.tables import write_table
@@ -10,9 +10,8 @@ from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings = JobSettings(snakemake.params.settings)
-    table = measured_tracks.tracks(
-        tdm.measurements(list(snakemake.input), epoch=settings.epoch),
-        [Station(**station) for station in settings.stations],
-    )
+    found = tdm.measurements(list(snakemake.input), epoch=settings.epoch)
+    table = measured_tracks.tracks(found, [Station(**station) for station in settings.stations])
     metadata |= manoeuvres.facts(manoeuvres.at_times(settings.manoeuvres, epoch=settings.epoch))
+    metadata |= object_ids.facts(tdm.identity(found))
     write_table(snakemake.output[0], table, "tracking", metadata=metadata)

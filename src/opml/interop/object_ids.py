@@ -4,8 +4,8 @@ Fragments of a break-up share their name, and a designator is written with or wi
 """
 
 import re
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from opml.base.files import FilePath
@@ -40,6 +40,12 @@ class ObjectId:
             elif text.upper() not in _UNKNOWN and text != name:
                 designator = _normal(text.upper())
         return cls(name, designator, number)
+
+    @classmethod
+    def of_word(cls, word: str) -> "ObjectId":
+        """Return the object of a file's one word for it: a designator, a catalogue number or a name."""
+        is_identifier = _DESIGNATOR.fullmatch(word.upper()) or _NUMBER.fullmatch(word)
+        return cls.of("", word) if is_identifier else cls(word)
 
     @property
     def identifier(self) -> str:
@@ -79,10 +85,15 @@ def facts(identity: ObjectId) -> dict[str, Any]:
     return {"object": asdict(identity)}
 
 
+def first_told(told: Iterable[ObjectId]) -> ObjectId:
+    """Return the first object of which more than the name is told, UNKNOWN where there is none."""
+    return next((one for one in told if one.identifier), UNKNOWN)
+
+
 def of_tables(paths: Sequence[FilePath], *, name: str) -> ObjectId:
-    """Return the object that the metadata of the first of some tables tell of, under another name."""
-    told = read_metadata(paths[0]).get("object", {}) if paths else {}
-    return ObjectId(**told | {"name": name})
+    """Return the object that the metadata of some tables tell of, the first that do, under another name."""
+    told = (ObjectId(**read_metadata(path).get("object", {"name": ""})) for path in paths)
+    return replace(first_told(told), name=name)
 
 
 def _normal(text: str) -> str:

@@ -18,6 +18,7 @@ import pandas as pd
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import ccsds
+from opml.interop.object_ids import ObjectId
 from opml.orbits.elements import wrap_turn
 
 _KEY = "CCSDS_TDM_VERS"
@@ -114,6 +115,11 @@ def measurements(paths: Sequence[FilePath], *, epoch: str) -> pd.DataFrame:
         table[name] = table.get(name, np.nan)
     table["two_way"] = table["two_way"].astype(bool)
     return table if table["two_way"].any() else table.drop(columns="two_way")
+
+
+def identity(measurements: pd.DataFrame) -> ObjectId:
+    """Return what the participant that was measured tells of the object, by `measurements`."""
+    return ObjectId.of_word(str(measurements["rso"].iloc[0]))
 
 
 def _lines(tracking: pd.DataFrame, epoch: str, rso: str) -> Iterator[str]:

@@ -13,7 +13,7 @@ from opml.catalog.fit.first.first_orbit import TimedState
 from opml.dynamics import shared_blocks
 from opml.interop import first_state, points_from_files, tdm
 from opml.interop.element_sets import burns_in_sets, histories, measured_sets
-from opml.interop.object_ids import UNKNOWN, ObjectId
+from opml.interop.object_ids import UNKNOWN, ObjectId, first_told
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.mornings.beside_sgp4 import Sgp4
 from opml.orbits import manoeuvres
@@ -80,7 +80,8 @@ def read(
     if source.kind == "tracks":
         found = tdm.measurements(source.files, epoch=span.epoch)
         tracking = measured_tracks.tracks(found[found["t"] >= since], stations)
-        return Found(tracking, known, first_state.identity(source.start) if source.start else UNKNOWN)
+        started = [first_state.identity(source.start)] if source.start else []
+        return Found(tracking, known, first_told([*started, tdm.identity(found)]))
     if source.kind == "fixes":
         files = OrbitFiles(source.files, span.epoch, span.duration)
         sampling = points_from_files.Sampling(source.taking["sigmas"], source.taking["every_s"])

@@ -206,7 +206,7 @@ class Inputs:
         return self._element_sets(wildcards)
 
     def source(self, wildcards: Wildcards) -> _Paths:
-        """Find the table of what was read of an RSO, which tells its object, in a list; empty without any."""
+        """Find the tables of what was read of an RSO that may tell its object."""
         rso, plan = wildcards.rso, self.plan
         if rso in plan.settings.files_of(ELEMENTS):
             return [self._element_sets(wildcards)]
@@ -214,8 +214,9 @@ class Inputs:
             return [plan.product(f"tracking/{rso}/{FIXES.stations}").table]
         if rso in plan.settings.orbits:
             return [plan.product(f"truth/{rso}").table]
-        started = rso in plan.settings.starts
-        return [plan.product(f"starts/{rso}/{wildcards.stations}").table] if started else []
+        read = {"starts": rso in plan.settings.starts, "tracking": rso in plan.settings.tracks}
+        tables = [table for table, is_read in read.items() if is_read]
+        return [plan.product(f"{table}/{rso}/{wildcards.stations}").table for table in tables]
 
     def _element_sets(self, wildcards: Wildcards) -> str:
         return self.plan.product(f"element_sets/{wildcards.rso}").table

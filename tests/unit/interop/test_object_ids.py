@@ -3,7 +3,8 @@
 import pytest
 
 from opml.interop.element_sets import tle
-from opml.interop.object_ids import ObjectId
+from opml.interop.object_ids import UNKNOWN, ObjectId, facts, of_tables
+from opml.tables import SCHEMAS, write_table
 
 SAME = [
     (("ISS", "1998-067-A"), ("ISS (ZARYA)", "98067A", "25544")),
@@ -51,3 +52,25 @@ def test_a_tle_tells_name_and_designator():
     found = tle.element_set("iss.tle", lines)
     assert (found.name, found.designator, found.number) == ("ISS (ZARYA)", "98067A", 25544)
     assert tle.element_set("iss.tle", lines[1:]).name == ""
+
+
+@pytest.mark.parametrize(
+    ("word", "identity"),
+    [
+        ("1998-067A", ObjectId("", "1998-067A")),
+        ("98067a", ObjectId("", "1998-067A")),
+        ("25544", ObjectId("", "", 25544)),
+        ("ISS", ObjectId("ISS")),
+    ],
+)
+def test_a_word_may_be_a_designator_a_number_or_a_name(word, identity):
+    assert ObjectId.of_word(word) == identity
+
+
+def test_the_first_table_that_tells_an_object_counts(tmp_path):
+    told = {"simulated": {}, "bare": facts(UNKNOWN), "told": facts(ObjectId("ISS", "1998-067A"))}
+    for name, metadata in told.items():
+        write_table(tmp_path / name, SCHEMAS["labels"].empty(), "labels", metadata=metadata)
+    paths = [tmp_path / name for name in told]
+    assert of_tables(paths, name="iss") == ObjectId("iss", "1998-067A")
+    assert of_tables(paths[:2], name="iss") == of_tables([], name="iss") == ObjectId("iss")

@@ -546,13 +546,14 @@ def test_sgp4_flies_the_history_of_mean_elements():
         ({"elements": {"mine": "a.tle"}, "orbits": {"mine": "a.oem"}}, "element_sets/mine"),
         ({"fixes": {"mine": "a.oem"}}, "tracking/mine/fixes"),
         ({"orbits": {"mine": "a.oem"}}, "truth/mine"),
-        ({"tracks": {"mine": "a.tdm"}, "starts": {"mine": "a.tle"}}, "starts/mine/eglin"),
+        ({"tracks": {"mine": "a.tdm"}}, "tracking/mine/eglin"),
+        ({"tracks": {"mine": "a.tdm"}, "starts": {"mine": "a.tle"}}, "starts/mine/eglin tracking/mine/eglin"),
     ],
-    ids=["elements", "fixes", "orbits", "starts"],
+    ids=["elements", "fixes", "orbits", "tracks", "starts"],
 )
 def test_what_was_read_tells_the_object_of_what_is_written(given, table):
     files = inputs(rsos={"mine": BODY}, **given)
-    assert files.source(experiment(rso="mine")) == [f"results/{table}.parquet"]
+    assert files.source(experiment(rso="mine")) == [f"results/{one}.parquet" for one in table.split()]
     assert files.source(experiment()) == []
 
 

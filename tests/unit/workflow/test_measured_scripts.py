@@ -73,7 +73,16 @@ def test_tracks_know_the_manoeuvres_of_the_settings(taken, tmp_path, orientation
     table, facts = taken("tracking_from_tdm", Files(str(EXCERPTS / "orekit.tdm")), stations=sheet)
     assert table["track"].nunique() > 10
     assert facts["manoeuvres"] == [{"t": HOUR + 0.5}, {"t": 2 * HOUR}]
+    assert facts["object"] == {"name": "ISS", "designator": "", "number": 0}
     assert isinstance(fitted_to(tmp_path, orientation), Measured)
+
+
+def test_tracks_know_the_object_that_their_participant_names(taken, tmp_path):
+    text = (EXCERPTS / "orekit.tdm").read_text().replace("= ISS\n", "= 1998-067A\n")
+    (tmp_path / "mine.tdm").write_text(text)
+    sheet = [asdict(station) for station in stations().values()]
+    _, facts = taken("tracking_from_tdm", Files(str(tmp_path / "mine.tdm")), stations=sheet)
+    assert facts["object"] == {"name": "", "designator": "1998-067A", "number": 0}
 
 
 def test_fixes_are_thinned_and_gathered_as_the_settings_say(taken, tmp_path, orientation, iss):
