@@ -11,15 +11,17 @@ import pandas as pd
 import pytest
 from unchanged import made_once
 
-from opml.base.constants import BODIES, DAY
+from opml.base.constants import BODIES, DAY, EARTH_GM
 from opml.catalog.fit.estimation import Estimation
 from opml.dynamics import forces
 from opml.dynamics.kernels.lanes import WIDTH
 from opml.environment import celestial_bodies, earth_orientation, gravity_field, nodes, solar_activity
+from opml.orbits.elements import cartesian_from_coe, true_from_mean_anomaly
 from opml.orbits.sheets import Station, read_rsos, read_stations
 from opml.study.experiments import Study
 from opml.study.settings.merging import merged, with_sheets
 from opml.study.settings.overlay import Source
+from opml.tables import STATE
 
 EPOCH = "2016-09-28T12:09:45"
 ASSUMED_BODIES = ("sun", "moon", "jupiter")
@@ -170,3 +172,12 @@ def stations():
 def rsos():
     """The paper's RSOs, by name."""
     return read_rsos(REPOSITORY / "config" / "rsos.tsv")
+
+
+def kepler_orbit(rso, *, duration, step):
+    """The `truth` table of an RSO that a point mass alone attracts, every `step` to `duration` [s]."""
+    t = np.arange(0.0, duration + 0.5 * step, step)
+    coe = np.tile([rso.a, rso.e, rso.i, rso.argp, rso.raan, 0.0], (len(t), 1))
+    mean_anomaly = rso.mean_anomaly + np.sqrt(EARTH_GM / rso.a**3) * t
+    coe[:, 5] = true_from_mean_anomaly(mean_anomaly, coe[:, 1])
+    return pd.DataFrame(cartesian_from_coe(coe, EARTH_GM), columns=STATE).assign(t=t)[["t", *STATE]]

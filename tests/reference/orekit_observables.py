@@ -1,6 +1,6 @@
 """Have Orekit measure states, with light time and without noise:
 
-    python tests/reference/orekit_observables.py <Orekit's data>
+    PYTHONPATH=tests python tests/reference/orekit_observables.py <Orekit's data>
 
 Every kind of measurement by the paper's stations, of its RSOs and one of a day's period, each a few hours
 apart on its Kepler orbit. Needs the extra `verify`.
@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from excerpt import HERE
+from support import kepler_orbit
 
 from opml.base.constants import EARTH_GM
-from opml.catalog.simulate.truth import kepler_orbit
 from opml.orbits.sheets import read_rsos, read_stations
 from opml.tables import STATE
 from validation import orekit

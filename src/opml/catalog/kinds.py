@@ -1,8 +1,7 @@
 """How objects are measured: each kind is one value of KINDS, which settings, checks, jobs and fits ask.
 
 The module of a kind, of its name in `opml.catalog.measure`, has `check(asked)`, which raises InputError where
-no measurements could be made of the files, and `measurements(table, orientation, stations)`, what fits of the
-kind's table are made to.
+no measurements could be made of the files. What fits are made to is in `opml.catalog.fit.fixes.MEASUREMENTS`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -44,7 +43,7 @@ class Kind:
 
     @property
     def module(self) -> Any:
-        """Its module: with compiled kernels, half a second that no plan without such files waits for."""
+        """Its module, with compiled kernels: half a second that no plan without such files waits for."""
         return import_module(f"opml.catalog.measure.{self.name}")
 
 

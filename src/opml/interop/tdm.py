@@ -54,9 +54,6 @@ _log = logging.getLogger(__name__)
 COLUMNS = ["track", "t", "station", "azimuth", "elevation", "range"]
 """Columns of the table `tracking` in a message, which has no noise-free values."""
 
-FURTHER = ["range_rate", "right_ascension", "declination", "two_way"]
-"""Columns that few messages have."""
-
 
 def matches(content: bytes) -> bool:
     """Return whether a file looks like a TDM in KVN, of any version."""
@@ -72,28 +69,15 @@ def write(path: FilePath, tracking: pd.DataFrame, *, epoch: str, rso: str) -> No
     ccsds.write(path, _lines(tracking, epoch, rso))
 
 
-def read(path: FilePath, *, epoch: str) -> pd.DataFrame:
-    """Read the measurements of a TDM in order of time, as a table of COLUMNS and the FURTHER ones it has.
-
-    epoch: UTC text from which times count
-
-    Tracks are numbered from 0 by time. A track is all segments of a TRACK_ID, or a segment without TRACK_ID.
-    Raises InputError as `measurements` does.
-    """
-    table = measurements([path], epoch=epoch).sort_values("t", kind="stable", ignore_index=True)
-    segment = "segment " + table["segment"].astype(str)
-    table["track"] = pd.factorize(table["track_id"].where(table["track_id"] != "", segment))[0]
-    return table[[name for name in (*COLUMNS, *FURTHER) if name in table]]
-
-
 def measurements(paths: Sequence[FilePath], *, epoch: str) -> pd.DataFrame:
     """Read the measurements of TDMs of one RSO, in the order of the files.
 
     epoch: UTC text
 
-    Columns: t [s since `epoch`]; azimuth, elevation [rad]; range [m]; those of FURTHER that the files have;
-    station and rso, the names in the file; scale, the time system; track_id, empty without TRACK_ID; segment,
-    numbered through all files; path and line. What is not measured is NaN.
+    Columns: t [s since `epoch`]; azimuth, elevation [rad]; range [m]; range_rate [m/s], right_ascension,
+    declination [rad] and two_way, whether there and back, where the files have any; station and
+    rso, the names in the file; scale, the time system; track_id, empty without TRACK_ID; segment, numbered
+    through all files; path and line. What is not measured is NaN.
 
     Raises InputError, naming file and line, for a malformed message, a time that lacks an angle or range
     that others have, other units and paths, delays, times of sending, aberration not corrected, and an RSO or

@@ -8,7 +8,7 @@ import orbit_files
 import pandas as pd
 import pytest
 from support import BOUNDED_ESTIMATION as SETTINGS
-from support import EPOCH, rsos
+from support import EPOCH, kepler_orbit, rsos
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
@@ -18,7 +18,6 @@ from opml.catalog.fit.first import first_orbit
 from opml.catalog.fit.sightings import Measured
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
-from opml.catalog.simulate.truth import kepler_orbit
 from opml.interop import first_state, oem, tdm
 from opml.interop.object_ids import ObjectId
 from opml.tables import STATE

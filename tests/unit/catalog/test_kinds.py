@@ -1,8 +1,6 @@
 """A kind of measurement is one declared value, which settings, studies and fits ask."""
 
-import sys
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -11,6 +9,7 @@ from support import BOUNDED_ESTIMATION, REPOSITORY
 
 from opml.base.constants import HOUR
 from opml.base.errors import InputError
+from opml.base.provenance import closure
 from opml.base.yaml_files import read_yaml
 from opml.catalog import kinds
 from opml.catalog.fit import estimation, fixes
@@ -39,7 +38,7 @@ def toy(monkeypatch):
         Column(name, "float64", "m" if name != "t" else "s", "", name) for name in ("t", *HEIGHTS.values())
     ]
     monkeypatch.setitem(SCHEMAS, TOY.table, Schema(TOY.table, "a place", tuple(columns)))
-    monkeypatch.setitem(sys.modules, "opml.catalog.measure.toy", SimpleNamespace(measurements=measurements))
+    monkeypatch.setitem(fixes.MEASUREMENTS, TOY.table, measurements)
     kinds.KINDS.append(TOY)
     yield TOY
     kinds.KINDS.remove(TOY)
@@ -66,6 +65,11 @@ def test_settings_and_studies_ask_a_kind_that_is_declared(toy):
     assert study.settings.measured == study.settings.files_of(toy) == {"iss": ["a.toy"]}
     assert (study.in_place_of_stations("iss"), study.truth_of("iss")) == ("toys", "measured")
     assert not study.settings.are_radars("toys")
+
+
+def test_the_code_of_fits_is_that_of_all_kinds():
+    """Else a change of one would run no fit again."""
+    assert {"opml.catalog.fit.sightings", "opml.catalog.fit.laser_ranges"} < closure("opml.catalog.fit.fixes")
 
 
 def test_a_table_of_no_kind_is_refused():

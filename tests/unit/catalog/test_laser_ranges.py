@@ -8,12 +8,12 @@ from support import EPOCH, environment, rsos
 
 from opml.base.constants import DAY, GM, SPEED_OF_LIGHT
 from opml.base.errors import InputError
-from opml.catalog.fit import fixes, laser_ranges
+from opml.catalog.fit import fixes, laser_ranges, range_corrections
 from opml.catalog.fit.estimate import Estimate
 from opml.catalog.fit.estimation import Estimation, Run
 from opml.catalog.fit.least_squares import Fit
 from opml.catalog.flight import Flight
-from opml.catalog.simulate import laser, truth
+from opml.catalog.simulate import truth
 from opml.catalog.simulate.observing import Stands, horizon, predicted
 from opml.tables import SCHEMAS, STATE, read_measured, write_table
 
@@ -26,23 +26,25 @@ ECCENTRICITY = [3.0, -0.5, 0.25]
 def test_the_zenith_delay_is_that_of_the_iers():
     """Of the test of the IERS's routine FCUL_ZD_HPA, to 4 micrometres."""
     of_air = np.array([79841.88]), np.array([1432.2]), np.array([0.532e-6]), LATITUDE, HEIGHT
-    assert laser.zenith_delay(*of_air)[0] == pytest.approx(1.935225924846803, abs=4e-6)
+    assert range_corrections.zenith_delay(*of_air)[0] == pytest.approx(1.935225924846803, abs=4e-6)
 
 
 def test_the_mapping_is_that_of_the_iers():
     """Of the test of the IERS's routine FCUL_A."""
-    slant = laser.mapped(np.radians([15.0]), np.array([300.15]), LATITUDE, np.array([2075.0]))
+    slant = range_corrections.mapped(np.radians([15.0]), np.array([300.15]), LATITUDE, np.array([2075.0]))
     assert slant[0] == pytest.approx(3.800243667312344, abs=1e-7)
 
 
 def test_vapour_in_half_saturated_air():
-    pressure = laser.vapour_pressure(np.array([101325.0]), np.array([293.15]), np.array([0.5]))
+    pressure = range_corrections.vapour_pressure(np.array([101325.0]), np.array([293.15]), np.array([0.5]))
     assert pressure[0] == pytest.approx(0.5 * 2339.0 * 1.004, rel=2e-3)
 
 
 def test_light_is_bent_by_millimetres():
     position, station = np.array([[12.27e6, 0.0, 0.0]]), np.array([[6.378e6, 0.0, 0.0]])
-    assert laser.bent(position, station)[0] == pytest.approx(8.87e-3 * np.log(12.27 / 6.378), rel=1e-3)
+    assert range_corrections.bent(position, station)[0] == pytest.approx(
+        8.87e-3 * np.log(12.27 / 6.378), rel=1e-3
+    )
 
 
 def test_the_moon_lifts_what_it_stands_above():
@@ -50,7 +52,7 @@ def test_the_moon_lifts_what_it_stands_above():
     up, moon = np.array([[6378e3, 0.0, 0.0]] * 3), np.zeros((3, 3))
     angle = np.radians([0.0, 90.0, 45.0])
     moon[:, 0], moon[:, 1] = 384400e3 * np.cos(angle), 384400e3 * np.sin(angle)
-    moved = laser.tide(up, moon, GM["moon"])
+    moved = range_corrections.tide(up, moon, GM["moon"])
     height = 0.01230 * 6378.137e3**4 / 384400e3**3
     np.testing.assert_allclose(moved[0], [0.6081 * height, 0.0, 0.0], rtol=1e-3, atol=1e-9)
     np.testing.assert_allclose(moved[1, 0], -0.5 * moved[0, 0], rtol=1e-9)
@@ -117,8 +119,8 @@ def points(orbit, earth_orientation, sites):
         positions, velocities = (np.einsum("nij,nj->ni", stands.from_gcrf, states[:, k]) for k in (0, 1))
         names = ["range", "elevation"]
         distance, elevation = predicted(names, positions, velocities, stands, light_time=True).T
-        slant = laser.mapped(elevation, known["temperature"].to_numpy(), *_level(place, len(t)))
-        whole = distance + given["zenith_delay"] * slant + laser.bent(positions, moved) - OFFSET
+        slant = range_corrections.mapped(elevation, known["temperature"].to_numpy(), *_level(place, len(t)))
+        whole = distance + given["zenith_delay"] * slant + range_corrections.bent(positions, moved) - OFFSET
         seen = elevation > np.radians(20.0)
         tables.append(known.assign(flight=2.0 * whole / SPEED_OF_LIGHT)[seen])
     rows = pd.concat(tables).sort_values("t", kind="stable", ignore_index=True)

@@ -6,14 +6,14 @@ import numpy as np
 import pandas as pd
 import pytest
 from support import BOUNDED_ESTIMATION as SETTINGS
-from support import EPOCH, environment
+from support import EPOCH, environment, kepler_orbit
 
 from opml.base.constants import DAY, HOUR, WGS84_A
 from opml.base.errors import InputError
 from opml.catalog.fit import estimation, measured_tracks, sequential, sightings, start_states
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.flight import Flight
-from opml.catalog.simulate import tracking, truth
+from opml.catalog.simulate import tracking
 from opml.catalog.simulate.observing import OBSERVABLES, Stands, difference, measured_by, site
 from opml.dynamics.frames import gcrf_to_itrf
 from opml.interop import tdm
@@ -128,7 +128,7 @@ def test_what_a_station_has_no_sigma_of_does_not_count(rows, earth_orientation, 
 
 def test_the_rate_is_that_of_the_range(earth_orientation, three_stations, iss):
     kaena = measuring(three_stations[2], "range", "range_rate")
-    path = truth.kepler_orbit(iss, duration=2500.0, step=0.05)
+    path = kepler_orbit(iss, duration=2500.0, step=0.05)
     seen = tracking.simulate(path, earth_orientation, [kaena], rso="iss", seed=1)
     slope = np.gradient(seen["range_true"], seen["t"])
     assert seen["track"].nunique() == 1

@@ -28,24 +28,30 @@ def message(table, tmp_path):
     return path
 
 
+def read(path):
+    """The measurements of a message in order of time."""
+    return tdm.measurements([path], epoch=EPOCH).sort_values("t", kind="stable", ignore_index=True)
+
+
 def test_tracks_come_back(table, message):
-    back = tdm.read(message, epoch=EPOCH)
-    by_station = ["t", "station"]
-    back, given = (frame.sort_values(by_station, ignore_index=True) for frame in (back, table[tdm.COLUMNS]))
+    by = ["t", "station"]
+    back, given = (frame.sort_values(by, ignore_index=True) for frame in (read(message), table))
     assert given["station"].nunique() > 1 < given["track"].nunique() < len(given) / 10
-    pd.testing.assert_frame_equal(back, given, check_exact=True)
+    assert pd.factorize(back["track_id"])[0].tolist() == given["track"].tolist()
+    columns = tdm.COLUMNS[1:]
+    pd.testing.assert_frame_equal(back[columns], given[columns], check_exact=True)
 
 
 def test_a_segment_is_a_station_and_a_track(table, message):
     assert message.read_text().count("META_START") == len(table.groupby(["track", "station"]))
 
 
-def test_segments_without_an_id_are_tracks_of_their_own(message):
+def test_segments_may_be_without_an_id(message):
     lines = message.read_text().splitlines(keepends=True)
     message.write_text("".join(line for line in lines if not line.startswith("TRACK_ID")))
-    back = tdm.read(message, epoch=EPOCH)
-    assert back["track"].nunique() == message.read_text().count("META_START")
-    assert back.groupby("track", sort=False)["t"].min().is_monotonic_increasing
+    back = read(message)
+    assert back["segment"].nunique() == message.read_text().count("META_START")
+    assert set(back["track_id"]) == {""}
 
 
 @pytest.mark.parametrize(
@@ -119,7 +125,7 @@ def test_what_is_malformed_is_named_by_file_and_line(message, old, new, line):
     assert old in text
     message.write_text(text.replace(old, new, 1))
     with pytest.raises(InputError) as error:
-        tdm.read(message, epoch=EPOCH)
+        read(message)
     assert str(error.value).startswith(f"{message}: {line}")
 
 
@@ -128,7 +134,7 @@ def test_a_cut_file_is_noticed(message):
     for size in (0, 30, 300, 500, len(text) - 5):
         message.write_text(text[:size])
         with pytest.raises(InputError, match="expected"):
-            tdm.read(message, epoch=EPOCH)
+            read(message)
 
 
 def changed(path, *pairs):
@@ -145,9 +151,9 @@ def test_stars_on_axes_of_eme2000_are_turned(table, tmp_path):
     stars[["azimuth", "elevation", "range"]] = np.nan
     path = tmp_path / "stars.tdm"
     tdm.write(path, stars, epoch=EPOCH, rso="iss")
-    as_written = tdm.read(path, epoch=EPOCH)
+    as_written = read(path)
     changed(path, ("REFERENCE_FRAME = ICRF", "REFERENCE_FRAME = EME2000"))
-    turned = tdm.read(path, epoch=EPOCH)
+    turned = read(path)
 
     def sights(rows):
         right_ascension, declination = rows["right_ascension"], rows["declination"]
@@ -168,7 +174,7 @@ def test_ranges_there_and_back_stay_so(table, tmp_path):
     tdm.write(path, both, epoch=EPOCH, rso="iss")
     text = path.read_text()
     assert text.count("PATH = 1,2,1") == table.loc[table["station"] == "eglin", "track"].nunique()
-    back = tdm.read(path, epoch=EPOCH)
+    back = read(path)
     assert set(back.loc[back["two_way"], "station"]) == {"eglin"}
     assert set(back.loc[~back["two_way"], "station"]) == {"clear", "kaena"} & set(table["station"])
 
@@ -179,7 +185,7 @@ def test_rates_may_stand_at_other_times_than_ranges(message, table):
     time = lines[at + 1].split()[2].replace(".000000", ".500000")
     lines.insert(at + 4, f"DOPPLER_INSTANTANEOUS = {time} -1.25")
     message.write_text("\n".join(lines))
-    back = tdm.read(message, epoch=EPOCH)
+    back = read(message)
     assert len(back) == len(table) + 1
     assert back["range_rate"].dropna().tolist() == [-1250.0]
     assert back.loc[back["range_rate"].notna(), "range"].isna().all()
@@ -190,13 +196,13 @@ def test_one_angle_to_the_stars_is_none(message):
     message.write_text("\n".join(lines))
     changed(message, ("ANGLE_TYPE = AZEL", "ANGLE_TYPE = RADEC\nREFERENCE_FRAME = ICRF"))
     with pytest.raises(InputError, match="line 18: expected ANGLE_1 and ANGLE_2, got one of them"):
-        tdm.read(message, epoch=EPOCH)
+        read(message)
 
 
 def test_degraded_segments_are_left_out_and_told(message, caplog):
-    table = tdm.read(message, epoch=EPOCH)
+    table = read(message)
     message.write_text(message.read_text().replace("MODE =", "DATA_QUALITY = DEGRADED\nMODE =", 1))
-    left = tdm.read(message, epoch=EPOCH)
+    left = read(message)
     assert 0 < len(left) < len(table)
     assert caplog.messages == [f"{message}: a segment of degraded data is left out"]
 
@@ -210,7 +216,7 @@ def test_the_last_one_of_a_path_is_the_station(table, message, path):
         ("PARTICIPANT_X", "PARTICIPANT_2"),
         ("PATH = 2,1", f"PATH = {path}"),
     )
-    assert set(tdm.read(message, epoch=EPOCH)["station"]) == set(table["station"])
+    assert set(read(message)["station"]) == set(table["station"])
 
 
 def test_what_is_not_estimated_from_is_passed_over(table, message):
@@ -221,28 +227,28 @@ def test_what_is_not_estimated_from_is_passed_over(table, message):
         if line.startswith("RANGE = "):
             lines.insert(k, "RECEIVE_FREQ_1 = 2016-09-28T13:00:00 2.0E9")
     message.write_text("\n".join([*lines, *block]))
-    assert len(tdm.read(message, epoch=EPOCH)) == len(table)
+    assert len(read(message)) == len(table)
 
 
 @pytest.mark.parametrize(("scale", "ahead"), [("TAI", 36.0), ("GPS", 17.0), ("TT", 68.184)])
 def test_times_in_other_systems_are_converted(table, message, scale, ahead):
     changed(message, ("TIME_SYSTEM = UTC", f"TIME_SYSTEM = {scale}"))
-    np.testing.assert_allclose(np.sort(table["t"]) - tdm.read(message, epoch=EPOCH)["t"], ahead, atol=1e-6)
+    np.testing.assert_allclose(np.sort(table["t"]) - read(message)["t"], ahead, atol=1e-6)
 
 
 def test_corrections_that_were_not_applied_are_added(table, message):
     given = "CORRECTION_RANGE = -0.5\nCORRECTION_ANGLE_2 = 0.1\nCORRECTIONS_APPLIED = NO\nPATH"
     changed(message, ("PATH", given))
     by = ["t", "station"]
-    back, given = (frame.sort_values(by) for frame in (tdm.read(message, epoch=EPOCH), table))
+    back, given = (frame.sort_values(by) for frame in (read(message), table))
     np.testing.assert_allclose(back["range"].to_numpy(), given["range"] - 500.0)
     np.testing.assert_allclose(back["elevation"].to_numpy(), given["elevation"] + np.radians(0.1))
     assert back["azimuth"].tolist() == given["azimuth"].tolist()
     changed(message, ("CORRECTIONS_APPLIED = NO", "CORRECTIONS_APPLIED = YES"))
-    assert tdm.read(message, epoch=EPOCH).sort_values(by)["range"].tolist() == given["range"].tolist()
+    assert read(message).sort_values(by)["range"].tolist() == given["range"].tolist()
     changed(message, ("CORRECTIONS_APPLIED = YES\n", ""))
     with pytest.raises(InputError, match="expected the key CORRECTIONS_APPLIED before this line, got none"):
-        tdm.read(message, epoch=EPOCH)
+        read(message)
 
 
 @pytest.mark.parametrize(
@@ -278,4 +284,4 @@ def test_an_angle_beyond_a_turn_is_refused(message):
         re.sub(r"^ANGLE_1 = (\S+) \S+", r"ANGLE_1 = \1 400.5", text, count=1, flags=re.MULTILINE)
     )
     with pytest.raises(InputError, match=r"line \d+: expected an angle of -360 to 360 deg, got 400\.5"):
-        tdm.read(message, epoch=EPOCH)
+        read(message)

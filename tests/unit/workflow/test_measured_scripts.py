@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from element_histories import history, tle_text
-from support import EPOCH, ESTIMATION, EXCERPTS, REPOSITORY, environment, force_model, stations
+from support import EPOCH, ESTIMATION, EXCERPTS, REPOSITORY, environment, force_model, kepler_orbit, stations
 
 from opml.base.constants import DAY, GM, HOUR, SPEED_OF_LIGHT
 from opml.catalog.fit import fixes, start_states
@@ -17,7 +17,6 @@ from opml.catalog.fit.laser_ranges import LaserRanges
 from opml.catalog.fit.sightings import Measured
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import truth
-from opml.catalog.simulate.truth import kepler_orbit
 from opml.environment import gravity_field
 from opml.interop import oem
 from opml.interop.object_ids import ObjectId

@@ -3,15 +3,16 @@
 The air above a station is a standard one: pressure and temperature fall with its height as in ISO 2533, half
 of the vapour that the air could hold is there. Weather changes delays and bending by some percent.
 
-Source: Saastamoinen 1972 (delay to the zenith), mapped by `laser.mapped`; Bennett 1982, Journal of Navigation
-35, 255-259 (refraction), by the refractivity of the air on the ground (Smith & Weintraub 1953 for radio).
+Source: Saastamoinen 1972 (delay to the zenith), mapped by `range_corrections.mapped`; Bennett 1982, Journal
+of Navigation 35, 255-259 (refraction), by the refractivity of the air on the ground (Smith & Weintraub
+1953 for radio).
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from opml.catalog.simulate.laser import mapped, vapour_pressure
+from opml.catalog.fit.range_corrections import mapped, vapour_pressure
 
 _HUMIDITY = 0.5
 _BENNETT = 282.0e-6

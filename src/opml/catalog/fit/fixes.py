@@ -12,7 +12,7 @@ takes a step: a residual of 10 km turns with them by a thousandth of the step. N
 kilometre along the track in days, where the orbit bends by decimetres. That bend is none of the derivative.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,9 +21,11 @@ import pandas as pd
 from opml.base.constants import HOUR
 from opml.base.errors import InputError
 from opml.catalog import kinds
+from opml.catalog.fit.laser_ranges import LaserRanges
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements, Rows, Window
 from opml.catalog.fit.neighbour_arcs import NUDGES
+from opml.catalog.fit.sightings import Measured
 from opml.orbits.elements import rsw_rotation
 from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres
 from opml.orbits.sheets import Station
@@ -88,6 +90,14 @@ def _bend(shifts: np.ndarray, radius: np.ndarray) -> np.ndarray:
     return fall
 
 
+MEASUREMENTS: dict[str, Callable[[pd.DataFrame, pd.DataFrame, Sequence[Station]], Measurements]] = {
+    "tracking": Measured,
+    "fixes": lambda table, *_: Fixes(table),
+    "laser_ranges": lambda table, orientation, _: LaserRanges(table, orientation),
+}
+"""What fits are made to, by the name of its table's schema; from the Earth's orientation and stations."""
+
+
 def read(files: Any, stations: Sequence[Station]) -> Measurements:
     """Read what fits of a job are made to: its `tracking`, measured by the stations or of `fixes`.
 
@@ -111,7 +121,7 @@ def measurements(
 
     Raises InputError for another table.
     """
-    measured: Measurements = kinds.of_table(table).module.measurements(table, orientation, stations)
+    measured = MEASUREMENTS[kinds.of_table(table).table](table, orientation, stations)
     return measured.begin_anew(manoeuvres)
 
 

@@ -3,7 +3,6 @@
 from opml.base.constants import HOUR
 from opml.base.errors import InputError
 from opml.catalog.kinds import Asked
-from opml.catalog.measure.fixes import measurements as measurements
 from opml.interop.element_sets import histories
 
 FEWEST_SETS = 3

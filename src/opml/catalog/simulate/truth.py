@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicHermiteSpline
 
-from opml.base.constants import DAY, EARTH_GM
+from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.catalog.flight import Flight
 from opml.dynamics.ensemble import REASONS, Departures, propagate
@@ -25,15 +25,6 @@ def initial_state(rso: Rso, gm: float) -> np.ndarray:
     """
     nu = float(true_from_mean_anomaly(np.array(rso.mean_anomaly), np.array(rso.e)))
     return cartesian_from_coe(np.array([rso.a, rso.e, rso.i, rso.argp, rso.raan, nu]), gm)
-
-
-def kepler_orbit(rso: Rso, *, duration: float, step: float) -> pd.DataFrame:
-    """Return the `truth` table of an RSO that a point mass alone attracts, every `step` to `duration` [s]."""
-    t = np.arange(0.0, duration + 0.5 * step, step)
-    coe = np.tile([rso.a, rso.e, rso.i, rso.argp, rso.raan, 0.0], (len(t), 1))
-    mean_anomaly = rso.mean_anomaly + np.sqrt(EARTH_GM / rso.a**3) * t
-    coe[:, 5] = true_from_mean_anomaly(mean_anomaly, coe[:, 1])
-    return _table(t, cartesian_from_coe(coe, EARTH_GM))
 
 
 def simulate(flight: Flight, *, duration: float, step: float) -> pd.DataFrame:

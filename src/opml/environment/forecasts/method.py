@@ -11,9 +11,6 @@ from opml.environment.weather import Weather
 ForecastSettings = Mapping[str, Any]
 """Settings of a forecast: its kind, and the keys of the method."""
 
-COUNT = {"$ref": "#/$defs/count"}
-"""JSON schema of a setting that is a number of days or members."""
-
 
 class Future(NamedTuple):
     """A course of the space weather after the last measurements."""
