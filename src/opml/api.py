@@ -5,6 +5,7 @@ column as ``opml docs data`` tells; times are seconds since the epoch. Defaults 
 example goes on where the one before it stopped, in the order of this file.
 """
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -29,21 +30,16 @@ from opml.dynamics.forces import Environment
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.element_sets import prediction as set_prediction
 from opml.element_sets.prediction import Prediction
-from opml.environment import (
-    MARGIN_S,
-    celestial_bodies,
-    earth_orientation,
-    gravity_field,
-    nodes,
-    solar_activity,
-)
+from opml.environment import MARGIN_S, nodes, solar_activity
 from opml.ephemerides import corrected, replays
 from opml.ephemerides.known import Known
 from opml.ephemerides.part import Grid
 from opml.ephemerides.task import Task, departures
 from opml.interop import crd, points_from_files, sinex, tdm
 from opml.interop.element_sets import mean_elements
+from opml.interop.measured_files import is_measured
 from opml.interop.orbit_from_files import OrbitFiles
+from opml.interop.predicted_orbit import PredictedOrbit
 from opml.learning.data import dataset as datasets
 from opml.learning.data import splits
 from opml.learning.data.cleaning import Cleaning
@@ -53,11 +49,13 @@ from opml.learning.judge.evaluation import evaluate
 from opml.learning.models import learners
 from opml.learning.models.contract import Model
 from opml.learning.models.daily_training import Lessons
+from opml.mornings.prediction import Request
 from opml.naming import parse_test
 from opml.orbits.sheets import Rso, Station
 from opml.orbits.sheets import read_rsos as _read_rsos
 from opml.orbits.sheets import read_stations as _read_stations
 from opml.readings.own_standardisation import as_tested
+from opml.study import prediction as measured_prediction
 from opml.study.settings import packaged
 from opml.tables import COMPONENTS, LEARNING_VARIABLES
 
@@ -122,18 +120,8 @@ def make_environment(
     6378136.3
     """
     t = nodes(epoch, DAY * days)
-    field = gravity_field.read_icgem(gravity_field.resolve(gravity)).truncate(degree, degree)
-    return Environment(
-        epoch=epoch,
-        earth_orientation=earth_orientation.tabulate(epoch, t),
-        ephemerides=celestial_bodies.tabulate(kernel, epoch, t),
-        solar_activity=solar_activity.tabulate(activity, epoch, t, percentile),
-        gravity_field=gravity_field.table(field, epoch),
-        gm=field.gm,
-        radius=field.radius,
-        gms=celestial_bodies.metadata(kernel)["gm"],
-        tide_system=field.tide_system,
-    )
+    found = solar_activity.tabulate(activity, epoch, t, percentile)
+    return forces.tabulated(epoch, t, found, gravity=gravity, kernel=kernel, degree=degree)
 
 
 def force_model(
@@ -396,7 +384,7 @@ def estimate(
 
 
 def predict(
-    sets: FilePath | Sequence[FilePath],
+    files: FilePath | Sequence[FilePath],
     *,
     days: float = 7.0,
     object: str | int | None = None,
@@ -404,12 +392,15 @@ def predict(
     weather: FilePath = "OBSERVED",
     catalogue: Sequence[FilePath] = (),
     trained: FilePath | None = None,
-) -> Prediction:
-    """Predict an object from its public element sets, with a covariance: SGP4 from its newest set, improved.
+    stations: Sequence[Station] = (),
+    area_to_mass: float = 0.01,
+) -> Prediction | PredictedOrbit:
+    """Predict an object with a covariance: SGP4 from its newest element set, improved, or a fit flown on.
 
-    sets: files or folders of TLEs or OMMs; days: 7 at most; object: name, designator or number, of several;
-    date: UTC text, None for when the newest set was known; weather: OBSERVED, the packaged one, or a CSSI
-    file; catalogue: sets of other objects to compare with; trained: a model of ``opml train``.
+    files: files or folders of TLEs or OMMs; or files of points (OEM, SP3, CPF, CSV) or tracks (TDM); days: 7
+    at most; object: name, designator or number, of several; date: UTC text, None for when the newest was
+    known; weather: OBSERVED, the packaged one, or a CSSI file; catalogue: sets of other objects to compare
+    with; trained: a model of ``opml train``; stations: of tracks; area_to_mass: of what was measured [m2/kg].
     Raises InputError for unreadable files, an object that is not there, days out of range, old weather.
     Source: ``opml docs improve``.
 
@@ -420,10 +411,15 @@ def predict(
     >>> bool(made.to_pandas()["sigma_s"].is_monotonic_increasing)
     True
     """
+    paths = [files] if isinstance(files, (str, os.PathLike)) else list(files)
+    name = None if object is None else str(object)
+    if is_measured(paths[0]):
+        request = Request(paths, days, name, date, weather, stations, area_to_mass)
+        return measured_prediction.of_measurements(request, progress=lambda line: None)
     return set_prediction.predict(
-        sets,
+        paths,
         days=days,
-        object=object,
+        object=name,
         date=date,
         weather=weather,
         catalogue=catalogue,

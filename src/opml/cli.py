@@ -9,9 +9,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, date, datetime
 from importlib.util import find_spec
+from typing import TYPE_CHECKING
 
 from opml import __version__
 from opml.base.errors import InputError
+
+if TYPE_CHECKING:
+    from opml.element_sets.prediction import Prediction
+    from opml.interop.predicted_orbit import PredictedOrbit
 
 
 @dataclass(frozen=True)
@@ -173,15 +178,19 @@ def _improve(options: argparse.Namespace) -> None:
 
 
 def _add_predict(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("sets", nargs="+", help="files and folders of TLEs or OMMs (JSON, CSV, XML, KVN)")
+    parser.add_argument("files", nargs="+", help="element sets (TLE, OMM), points (CSV, OEM, SP3) or TDMs")
     parser.add_argument("-o", "--output", action="append", default=[], help=_PREDICTED)
     parser.add_argument("--object", help="name, designator or number, where the files have several objects")
     parser.add_argument("--days", type=float, default=7.0, help="how long (7)")
-    parser.add_argument("--date", help="UTC, as 2026-07-15T06:00:00 (when the newest set was known)")
+    parser.add_argument("--date", help="UTC, as 2026-07-15T06:00:00 (when the newest was known)")
     parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
-    parser.add_argument("--catalogue", nargs="+", default=[], help="sets of other objects, to compare with")
-    parser.add_argument("--model", help="a model of `opml train` (that of the package)")
     parser.add_argument("--station", action="append", default=[], help="latitude,longitude,altitude [deg, m]")
+    sets = parser.add_argument_group("of element sets")
+    sets.add_argument("--catalogue", nargs="+", default=[], help="sets of other objects, to compare with")
+    sets.add_argument("--model", help="a model of `opml train` (that of the package)")
+    measured = parser.add_argument_group("of points and tracks")
+    measured.add_argument("--area-to-mass", type=float, default=0.01, help="area over mass [m2/kg] (0.01)")
+    measured.add_argument("--radars", default="config/stations.tsv", help="sheet of the stations of tracks")
 
 
 _PREDICTED = (
@@ -190,13 +199,27 @@ _PREDICTED = (
 
 
 def _predict(options: argparse.Namespace) -> None:
-    from opml.element_sets import passes, prediction
+    from opml.element_sets import passes
+    from opml.interop.measured_files import is_measured
     from opml.workflow import predicted
 
     predicted.check(options.output)
     places = [passes.place(text) for text in options.station]
-    made = prediction.predict(
-        options.sets,
+    made = (_fit if is_measured(options.files[0]) else _fly_sets)(options)
+    for path in options.output:
+        predicted.write(path, made, places)
+    print(f"{made.identity} from {made.date} UTC: {made.way} ({made.reason})")
+    expected = made.expected().dropna(axis="columns", how="all")
+    print(expected.to_string(index=False, float_format="{:.0f}".format))
+    for path in options.output:
+        print(f"{path} is written")
+
+
+def _fly_sets(options: argparse.Namespace) -> "Prediction":
+    from opml.element_sets import prediction
+
+    return prediction.predict(
+        options.files,
         days=options.days,
         object=options.object,
         date=options.date,
@@ -205,12 +228,26 @@ def _predict(options: argparse.Namespace) -> None:
         trained=options.model,
         progress=_say,
     )
-    for path in options.output:
-        predicted.write(path, made, places)
-    print(f"{made.identity} from {made.date} UTC: {made.way}, flown by SGP4 ({made.reason})")
-    print(made.expected().to_string(index=False, float_format="{:.0f}".format))
-    for path in options.output:
-        print(f"{path} is written")
+
+
+def _fit(options: argparse.Namespace) -> "PredictedOrbit":
+    from opml.base.files import project_file
+    from opml.mornings.prediction import Request
+    from opml.orbits.sheets import read_stations
+    from opml.study import prediction
+    from opml.workflow import predicted
+
+    predicted.check_fitted(options.output)
+    request = Request(
+        options.files,
+        options.days,
+        options.object,
+        options.date,
+        options.weather,
+        list(read_stations(project_file(options.radars)).values()),
+        options.area_to_mass,
+    )
+    return prediction.of_measurements(request, progress=_say)
 
 
 def _add_train(parser: argparse.ArgumentParser) -> None:
@@ -304,7 +341,7 @@ COMMANDS = (
     Command("init", "write a project that can be run, with a study to begin with", _add_init, _init),
     Command("rso", "print the line of the sheet of RSOs for a file of mean elements", _add_rso, _rso),
     Command("sheet", "print a sheet of RSOs drawn at random", _add_sheet, _sheet),
-    Command("predict", "predict an object from its public element sets", _add_predict, _predict),
+    Command("predict", "predict an object from its element sets, points or tracks", _add_predict, _predict),
     Command("improve", "make element sets better by what a catalogue teaches", _add_improve, _improve),
     Command("train", "learn from element sets what makes them better", _add_train, _train),
     Command("compare", "tell how far two orbits are apart", _add_compare, _compare),

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
+import pandas as pd
+
 from opml.dynamics.ensemble import Integrator
 from opml.dynamics.forces import Environment, build, with_outlooks
 from opml.dynamics.kernels.surroundings import ForceModel
@@ -26,16 +28,23 @@ def read(paths: Mapping[str, str], *, epoch: str, settings: Mapping[str, Any]) -
         tide_system=field["tide_system"],
     )
     optional = {name: read_table(paths[name], name) for name in OPTIONAL if name in dict(paths.items())}
-    model = build(
+    model = of_settings(environment, settings, thermosphere=optional.get(THERMOSPHERE))
+    return with_outlooks(model, optional[OUTLOOKS]) if OUTLOOKS in optional else model
+
+
+def of_settings(
+    environment: Environment, settings: Mapping[str, Any], *, thermosphere: pd.DataFrame | None = None
+) -> ForceModel:
+    """Make a force model from an environment; settings: as for `read`, thermosphere: as for `build`."""
+    return build(
         environment,
         degree=settings["degree"],
         order=settings["order"],
         bodies=settings["third_bodies"],
         solid_tides=settings.get("solid_tides", False),
         relativity=settings.get("relativity", False),
-        thermosphere=optional.get(THERMOSPHERE),
+        thermosphere=thermosphere,
     )
-    return with_outlooks(model, optional[OUTLOOKS]) if OUTLOOKS in optional else model
 
 
 def integrator(settings: Mapping[str, float]) -> Integrator:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -16,6 +17,7 @@ from opml.dynamics.kernels import tides as kernel
 from opml.dynamics.kernels.gravity import weights
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.kernels.tides import DEGREE, ORDER, Tides, no_tides
+from opml.environment import celestial_bodies, earth_orientation, gravity_field
 from opml.environment.weather import ACTIVITY
 
 _EMPTY = np.empty((0, len(LOCAL_TIMES), len(LATITUDES), len(ALTITUDES)), np.float32)
@@ -38,6 +40,29 @@ class Environment:
     radius: float
     gms: Mapping[str, float] = field(default_factory=lambda: GM)
     tide_system: str = "unknown"
+
+
+def tabulated(
+    epoch: str, t: np.ndarray, activity: pd.DataFrame, *, gravity: str | Path, kernel: str | Path, degree: int
+) -> Environment:
+    """Tabulate an environment at times `t` (n,) [s since `epoch`, UTC text], as `environment.nodes` has them.
+
+    activity: table `solar_activity`; gravity, kernel: names or files of field, up to a degree, and bodies
+
+    Raises InputError where a source cannot be read or does not reach.
+    """
+    field = gravity_field.read_icgem(gravity_field.resolve(gravity)).truncate(degree, degree)
+    return Environment(
+        epoch=epoch,
+        earth_orientation=earth_orientation.tabulate(epoch, t),
+        ephemerides=celestial_bodies.tabulate(kernel, epoch, t),
+        solar_activity=activity,
+        gravity_field=gravity_field.table(field, epoch),
+        gm=field.gm,
+        radius=field.radius,
+        gms=celestial_bodies.metadata(kernel)["gm"],
+        tide_system=field.tide_system,
+    )
 
 
 def build(

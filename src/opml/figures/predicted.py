@@ -1,6 +1,6 @@
-"""Figures of a prediction from element sets: the ground track of a day, and errors expected over its days."""
+"""Figures of a prediction: the ground track of a day, and errors expected over its days."""
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -18,14 +18,15 @@ from opml.figures.style import (
     legend,
     page_figure,
 )
+from opml.interop.predicted_orbit import PredictedOrbit
 
 _KILO = 1e3
 
 
-def ground_track(prediction: Prediction, places: list[Place]) -> Figure:
+def ground_track(prediction: Prediction | PredictedOrbit, places: list[Place]) -> Figure:
     """Draw where the object passes over the Earth on the first day, and the places that look at it."""
     t = np.arange(0.0, DAY * min(prediction.days, 1.0), 30.0)
-    longitude, latitude, height = geodetic_places(in_itrf(prediction, t))
+    longitude, latitude, height = geodetic_places(in_itrf(cast(Prediction, prediction), t))
     figure = page_figure(height_mm=100.0)
     axes = figure.add_subplot()
     draw_land(axes)
@@ -40,20 +41,21 @@ def ground_track(prediction: Prediction, places: list[Place]) -> Figure:
     return figure
 
 
-def expected_errors(prediction: Prediction) -> Figure:
-    """Draw the expected error along the track by days ahead, SGP4's, and past errors of the object."""
+def expected_errors(prediction: Prediction | PredictedOrbit) -> Figure:
+    """Draw the expected error along the track by days ahead, and past errors of the object; SGP4's beside."""
     figure = page_figure(height_mm=75.0)
     axes = figure.add_subplot()
-    sizes, past = prediction.sizes, prediction.past
-    past = past[past["lead"] <= prediction.days]
-    before, after = past["lead"] - 0.06, past["lead"] + 0.06
-    marks: dict[str, Any] = {"ls": "", "marker": "o", "ms": 2.5, "alpha": 0.5}
-    axes.plot(before, past["error"].abs() / _KILO, color=MUTED, label="SGP4, past mornings", **marks)
-    axes.plot(after, past["left"].abs() / _KILO, color=RESIDUAL, label="as improved, past mornings", **marks)
+    past = prediction.past[prediction.past["lead"] <= prediction.days]
     lead = np.linspace(0.0, prediction.days, 100)
-    for name, color, label in (("sgp4", TRUE_COLOR, "SGP4, expected"), ("s", RESIDUAL, "this one, expected")):
-        axes.plot(lead, np.interp(lead, sizes.index, sizes[name]) / _KILO, color=color, label=label)
+    marks: dict[str, Any] = {"ls": "", "marker": "o", "ms": 2.5, "alpha": 0.5}
+    if isinstance(prediction, Prediction):
+        sgp4 = np.interp(lead, prediction.sizes.index, prediction.sizes["sgp4"])
+        axes.plot(past["lead"] - 0.12, past["error"].abs() / _KILO, color=MUTED, label="SGP4, past", **marks)
+        axes.plot(lead, sgp4 / _KILO, color=TRUE_COLOR, label="SGP4, expected")
+    axes.plot(past["lead"], past["left"].abs() / _KILO, color=RESIDUAL, label="this one, past", **marks)
+    sigmas = prediction.sigmas(DAY * lead)[:, 1]
+    axes.plot(lead, sigmas / _KILO, color=RESIDUAL, label="this one, expected")
     axes.set(xlabel="days ahead", ylabel="error along the track [km]", yscale="log")
     axes.set_xlim(-0.2, prediction.days + 0.2)
-    legend(figure, columns=4, note="one sigma; points are single predictions, held against later sets")
+    legend(figure, columns=4, note="one sigma; points are single predictions, held against what came later")
     return figure

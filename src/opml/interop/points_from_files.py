@@ -5,7 +5,7 @@ They are taken as they stand, without a curve through them: a fit weighs each by
 
 import logging
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
@@ -68,11 +68,18 @@ def read(files: OrbitFiles, orientation: pd.DataFrame, sampling: Sampling) -> pd
     return pd.concat(parts, ignore_index=True).sort_values("t", ignore_index=True)
 
 
+def reach(files: OrbitFiles) -> tuple[float, float]:
+    """Return when the first and the last point of files are [s], in the run or not; raises as `read` does."""
+    arcs = [arc for arc, _ in _weighted(files, Sampling(()))]
+    return float(arcs[0].t[0]), max(float(arc.t[-1]) for arc in arcs)
+
+
 def beside(files: OrbitFiles) -> tuple[ObjectId, list[Manoeuvre]]:
     """Return what files tell beside points: the object, and when it manoeuvred; a CSV tells nothing."""
     arcs = whole_arcs(files) if is_orbit(contents(files.paths[0])) else []
     marked = sorted({t for arc in arcs for t in arc.burns})
-    return (arcs[0].identity if arcs else UNKNOWN), [Manoeuvre(t, known=t) for t in marked]
+    identity = replace(arcs[0].identity, name=arcs[0].identity.name or arcs[0].satellite) if arcs else UNKNOWN
+    return identity, [Manoeuvre(t, known=t) for t in marked]
 
 
 def _within(files: OrbitFiles, sampling: Sampling) -> list[_Points]:

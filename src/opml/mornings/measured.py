@@ -27,7 +27,7 @@ class MeasurementSource:
 
     kind: tracks, fixes or elements
     files: of them
-    taking: how fixes or mean elements are taken
+    taking: how fixes or mean elements are taken; of fixes also the satellite, where files have several
     start: file of a state that the very first fits may start from, if any
     manoeuvres: UTC texts
     """
@@ -83,7 +83,7 @@ def read(
         started = [first_state.identity(source.start)] if source.start else []
         return Found(tracking, known, first_told([*started, tdm.identity(found)]))
     if source.kind == "fixes":
-        files = OrbitFiles(source.files, span.epoch, span.duration)
+        files = OrbitFiles(source.files, span.epoch, span.duration, source.taking.get("satellite"))
         sampling = points_from_files.Sampling(source.taking["sigmas"], source.taking["every_s"])
         points = points_from_files.read(files, orientation, sampling)
         tracking = fixes.stretches(points, length=HOUR * source.taking["stretch_hours"])

@@ -1,4 +1,4 @@
-"""The page of a prediction from element sets: what was used and why, errors to expect, passes."""
+"""The page of a prediction: what was used and why, errors to expect, passes."""
 
 from collections.abc import Iterator, Mapping
 
@@ -6,14 +6,19 @@ import pandas as pd
 
 from opml.element_sets.passes import LEVEL, Place
 from opml.element_sets.prediction import MORNINGS, Prediction
+from opml.interop.predicted_orbit import PredictedOrbit
 from opml.report.document import Block, Heading, Paragraph, Picture, Table, as_it_is
 from opml.report.results import length
 
 _SECONDS = len("2016-09-28T12:09:45")
 
 
+Predicted = Prediction | PredictedOrbit
+"""Of element sets, or of measurements."""
+
+
 def document(
-    prediction: Prediction, passes: Mapping[Place, pd.DataFrame], pictures: tuple[Picture, Picture]
+    prediction: Predicted, passes: Mapping[Place, pd.DataFrame], pictures: tuple[Picture, Picture]
 ) -> list[Block]:
     """Return the page; passes: by place; pictures: the ground track, and errors over days."""
     track, errors = pictures
@@ -29,7 +34,10 @@ def document(
     ]
 
 
-def _how(prediction: Prediction) -> Iterator[Block]:
+def _how(prediction: Predicted) -> Iterator[Block]:
+    if not isinstance(prediction, Prediction):
+        yield Paragraph(f"Used: **{prediction.way}**. Whether to trust it: {prediction.reason}.")
+        return
     how = prediction.how
     yield Paragraph(
         f"Used: **{prediction.way}**, flown by SGP4. Why: {prediction.reason}. The newest set was "
@@ -41,20 +49,28 @@ def _how(prediction: Prediction) -> Iterator[Block]:
     )
 
 
-def _expected(prediction: Prediction) -> Table:
-    header = ["days ahead", "UTC", "SGP4 along track [m]", "along track [m]", "radial [m]", "cross-track [m]"]
-    columns = ("sgp4_along_track", "along_track", "radial", "cross_track")
+def _expected(prediction: Predicted) -> Table:
+    names = {
+        "along_track": "along track [m]",
+        "radial": "radial [m]",
+        "cross_track": "cross-track [m]",
+        "sgp4_along_track": "SGP4 along track [m]",
+    }
+    rows = prediction.expected().dropna(axis="columns", how="all")
+    told = {name: words for name, words in names.items() if name in rows}
     return Table(
-        header,
+        ["days ahead", "UTC", *told.values()],
         [
-            [str(row["lead"]), _z(row["utc"]), *(length(row[name]) for name in columns)]
-            for row in prediction.expected().to_dict("records")
+            [str(row["lead"]), _z(row["utc"]), *(length(row[name]) for name in told)]
+            for row in rows.to_dict("records")
         ],
     )
 
 
-def _rests_on(prediction: Prediction) -> Paragraph:
+def _rests_on(prediction: Predicted) -> Paragraph:
     past = prediction.past
+    if not isinstance(prediction, Prediction):
+        return Paragraph(f"One sigma each: {prediction.basis}.")
     return Paragraph(
         f"One sigma each. They rest on {len(past)} predictions of the object's own "
         f"{past['morning'].nunique()} mornings, held against later sets; radial and cross-track on "

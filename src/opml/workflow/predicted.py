@@ -4,16 +4,19 @@ import tempfile
 from collections.abc import Callable, Sequence
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any, cast
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing
 from opml.element_sets.passes import Place, passes
 from opml.element_sets.prediction import Prediction
 from opml.interop import czml
-from opml.interop.element_sets import rewriting
+from opml.interop.element_sets import ephemeris_elements, omm, rewriting, tle
+from opml.interop.predicted_orbit import PredictedOrbit
 from opml.tables import write_as
 
-Writer = Callable[[FilePath, Prediction, Sequence[Place]], None]
+Predicted = Prediction | PredictedOrbit
+Writer = Callable[[FilePath, Any, Sequence[Place]], None]
 
 
 def check(paths: Sequence[FilePath]) -> None:
@@ -26,31 +29,51 @@ def check(paths: Sequence[FilePath]) -> None:
             raise InputError(f"{path}: expected matplotlib, got none: pip install 'opml-orbits[workflow]'")
 
 
-def write(path: FilePath, prediction: Prediction, places: Sequence[Place]) -> None:
+def check_fitted(paths: Sequence[FilePath]) -> None:
+    """Raise InputError for a path whose suffix is of no set that is fitted to an ephemeris."""
+    for path in paths:
+        if Path(path).suffix.lower() == ".xml":
+            raise InputError(f"{path}: expected .tle or .kvn for a set that is fitted to points or tracks")
+
+
+def write(path: FilePath, prediction: Predicted, places: Sequence[Place]) -> None:
     """Write a prediction in the format of the suffix, whole or not at all."""
     WRITERS[Path(path).suffix.lower()](path, prediction, places)
 
 
-def _oem(path: FilePath, prediction: Prediction, _: Sequence[Place]) -> None:
+def _oem(path: FilePath, prediction: Predicted, _: Sequence[Place]) -> None:
     prediction.to_oem(path)
 
 
-def _set(path: FilePath, prediction: Prediction, _: Sequence[Place]) -> None:
-    if rewriting.write(path, [prediction.better]):
+def _set(path: FilePath, prediction: Predicted, _: Sequence[Place]) -> None:
+    if not isinstance(prediction, Prediction):
+        _fitted_set(path, prediction)
+    elif rewriting.write(path, [prediction.better]):
         raise InputError(f"{path}: expected an object whose number a TLE has, got {prediction.identity}")
 
 
-def _table(path: FilePath, prediction: Prediction, _: Sequence[Place]) -> None:
+def _fitted_set(path: FilePath, prediction: PredictedOrbit) -> None:
+    """Write the set by which SGP4 comes nearest to a prediction."""
+    ephemeris, epoch, identity = prediction.segment(), prediction.date, prediction.identity
+    satellite = ephemeris_elements.fit_elements(ephemeris, epoch=epoch)
+    if Path(path).suffix.lower() == ".tle":
+        tle.write(path, satellite, identity)
+        return
+    told = ephemeris_elements.residual(satellite, ephemeris, epoch=epoch)
+    omm.write(path, satellite, identity=identity, epoch=epoch, comment=told)
+
+
+def _table(path: FilePath, prediction: Predicted, _: Sequence[Place]) -> None:
     metadata = {"object": str(prediction.identity), "used": prediction.way, "why": prediction.reason}
     write_as(path, prediction.expected(), "expected_errors", metadata=metadata)
 
 
-def _czml(path: FilePath, prediction: Prediction, _: Sequence[Place]) -> None:
+def _czml(path: FilePath, prediction: Predicted, _: Sequence[Place]) -> None:
     positions = prediction.states(prediction.t)[:, :3]
     czml.write(path, prediction.identity.name, prediction.t, positions, epoch=prediction.date)
 
 
-def _page(path: FilePath, prediction: Prediction, places: Sequence[Place]) -> None:
+def _page(path: FilePath, prediction: Predicted, places: Sequence[Place]) -> None:
     from opml.figures import predicted as figures
     from opml.figures.style import save_png
     from opml.report import predicted as report
@@ -65,9 +88,8 @@ def _page(path: FilePath, prediction: Prediction, places: Sequence[Place]) -> No
         for name, (figure, shows) in drawn.items():
             save_png(figure, Path(folder, name))
             pictures.append(Picture(Path(folder, name), name, shows))
-        blocks = report.document(
-            prediction, {where: passes(prediction, where) for where in places}, (pictures[0], pictures[1])
-        )
+        over = {where: passes(cast(Prediction, prediction), where) for where in places}
+        blocks = report.document(prediction, over, (pictures[0], pictures[1]))
         temporary.write_text(html_page(blocks, title=str(prediction.identity)), encoding="utf-8")
 
 

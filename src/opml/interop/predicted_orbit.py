@@ -1,0 +1,125 @@
+"""An orbit from a date on with a covariance, whatever it was predicted from: states, a table, an OEM."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+
+from opml.base import epochs
+from opml.base.constants import DAY
+from opml.base.files import FilePath
+from opml.interop import ccsds, oem
+from opml.interop.object_ids import ObjectId
+from opml.tables import STATE
+
+LEADS = (0, 1, 3, 5, 7)
+"""Days from the date at which expected errors are told."""
+
+STEP = 60.0
+"""Time between the states of an ephemeris [s]."""
+
+_COVARIANCE_EVERY = 10  # states
+
+
+@dataclass(frozen=True, eq=False)
+class PredictedOrbit(ABC):
+    """An object from a date on.
+
+    date: UTC text at which it begins; days: how long it is; past: judged predictions of the object's past,
+    morning, lead [days], left, what they were off by along the track [m]; basis: of its covariance, in words.
+    """
+
+    identity: ObjectId
+    date: str
+    days: float
+    past: pd.DataFrame
+    basis: str
+
+    @property
+    @abstractmethod
+    def way(self) -> str:
+        """What was used, in words."""
+
+    @property
+    @abstractmethod
+    def reason(self) -> str:
+        """Why that was used, in words."""
+
+    @abstractmethod
+    def states(self, t: np.ndarray) -> np.ndarray:
+        """Return GCRF states (n, 6) [m, m/s] at times (n,) [s since the date].
+
+        Raises InputError for times outside the prediction.
+        """
+
+    @abstractmethod
+    def sigmas(self, t: np.ndarray) -> np.ndarray:
+        """Return standard deviations (n, 3) in RSW [m] at times (n,) [s since the date]."""
+
+    @abstractmethod
+    def covariances(self, t: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Return covariances (n, 6, 6) in RSW [m, m/s] at times (n,) [s since the date]."""
+
+    def state(self, time: str | datetime) -> np.ndarray:
+        """Return the GCRF state (6,) [m, m/s] at a time (UTC). Raises InputError as `states` does."""
+        state: np.ndarray = self.states(self._seconds(time))[0]
+        return state
+
+    def covariance(self, time: str | datetime) -> np.ndarray:
+        """Return the covariance (6, 6) in RSW [m, m/s] at a time (UTC); raises as `states` does."""
+        t = self._seconds(time)
+        covariance: np.ndarray = self.covariances(t, self.states(t))[0]
+        return covariance
+
+    @cached_property
+    def t(self) -> np.ndarray:
+        """Times (n,) of the ephemeris [s since the date]."""
+        return np.arange(0.0, DAY * self.days + 0.5 * STEP, STEP)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return the ephemeris, a row a minute: utc, GCRF state [m, m/s], sigma_r, sigma_s, sigma_w [m]."""
+        sigmas = dict(zip(("sigma_r", "sigma_s", "sigma_w"), self.sigmas(self.t).T, strict=True))
+        states = pd.DataFrame(self.states(self.t), columns=STATE)
+        states.insert(0, "utc", self._texts(self.t))
+        return states.assign(**sigmas)
+
+    def segment(self) -> oem.Segment:
+        """Return the ephemeris with covariances, times since the date."""
+        states, last = self.states(self.t), len(self.t) - 1
+        sparse = np.unique(np.r_[0 : last + 1 : _COVARIANCE_EVERY, last])
+        return oem.Segment(
+            self.identity.name,
+            self.t,
+            states,
+            self.t[sparse],
+            self.covariances(self.t[sparse], states[sparse]),
+            covariance_frame="RSW",
+            remark=self.way,
+            degree=7,
+            identity=self.identity,
+            known=0.0,
+        )
+
+    def to_oem(self, path: FilePath) -> None:
+        """Write the ephemeris with covariances as an OEM."""
+        oem.write(path, [self.segment()], epoch=self.date)
+
+    def expected(self) -> pd.DataFrame:
+        """Return the table `expected_errors`, in RSW [m]."""
+        leads = np.array([lead for lead in LEADS if lead <= self.days])
+        sigmas = self.sigmas(DAY * leads)
+        columns = {"lead": leads, "utc": self._texts(DAY * leads)}
+        axes = {name: sigmas[:, k] for name, k in (("along_track", 1), ("radial", 0), ("cross_track", 2))}
+        return pd.DataFrame({**columns, **axes, "sgp4_along_track": np.nan})
+
+    def _texts(self, t: np.ndarray) -> list[str]:
+        return ccsds.utc_texts(self.date, t)
+
+    def _seconds(self, time: str | datetime) -> np.ndarray:
+        if isinstance(time, datetime):
+            aware = time if time.tzinfo else time.replace(tzinfo=UTC)
+            time = aware.astimezone(UTC).replace(tzinfo=None).isoformat()
+        return np.array([epochs.seconds_between(self.date, time.removesuffix("Z"))])

@@ -1,0 +1,364 @@
+"""Where an object will be by what measured it, points or tracks, and how surely: its mornings flown again.
+
+The mornings up to a date fit what was measured by then, under the forces and the weather that were known, and
+judge what they flew. The last one's ephemeris, of the model that left the least, is the prediction; its
+covariance is of that past. A past that judged too little has the formal covariance of the fit, with a usual
+error of drag and what the weather may do.
+"""
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property, partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from opml.base import epochs
+from opml.base.constants import DAY, HOUR
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+from opml.catalog.fit.estimation import Estimation
+from opml.catalog.flight import Flight, near_part
+from opml.catalog.predict import covariance, spread
+from opml.catalog.predict.spread import Weathers
+from opml.dynamics import force_model
+from opml.dynamics.forces import tabulated, with_outlooks
+from opml.element_sets import density
+from opml.element_sets.catalogue import modified_julian_day
+from opml.element_sets.improve import NEWER_WEATHER
+from opml.environment import knowledge, nodes
+from opml.environment.knowledge import Issues
+from opml.ephemerides import corrected
+from opml.ephemerides.along_track_shift import through
+from opml.interop import ccsds, measured_files, points_from_files, tdm
+from opml.interop.object_ids import ObjectId
+from opml.interop.orbit_from_files import OrbitFiles
+from opml.interop.predicted_orbit import STEP, PredictedOrbit
+from opml.learning.judge.error_sizes import Sizes
+from opml.mornings import issued, measured, product
+from opml.mornings.issued import Flown
+from opml.mornings.measured import MeasurementSource, Span
+from opml.mornings.morning import FlightModel, Left, MorningPlan, Watched, morning
+from opml.mornings.records import Records
+from opml.mornings.verdict import OLDEST, UNPROVEN, Verdict
+from opml.orbits.sheets import Rso, Station
+from opml.tables import STATE, STATE_COVARIANCES, symmetric_matrices
+
+MORNINGS = 12
+"""Mornings before the date that are flown again."""
+
+STRETCH = 6.0
+"""Length of a stretch of points [h], whose estimate is at its first."""
+
+SIGMA = 10.0
+"""Standard deviation of positions whose file tells none [m]."""
+
+LONGEST = 7.0
+"""Days that a prediction reaches at most."""
+
+USUAL = Sizes(
+    constant=np.array([5.0, 15.0, 5.0]),
+    rate=np.array([0.0, 30.0, 1.0]) / DAY,
+    drag=np.array([1.5, 1.5, 1.5]),
+    velocity=np.ones(3),
+    inflation=np.ones(5),
+    days=float("inf"),
+    reach=LONGEST * DAY,
+)
+"""Sizes of errors beside the formal ones, where an object has no past: drag within 15 % or so."""
+
+_EVERY = 60.0  # between points [s]
+_ANY = "2000-01-01T12:00:00"
+_SECONDS, _DAY = len("2016-09-28T12:09:45"), len("2016-09-28")
+_HISTORY = 5.0  # of measurements that the first morning fits [days]
+_AFTER = HOUR  # that paths reach beyond the end
+_LEAST_STRETCHES = 4.0
+_FORMAL = 50  # epochs to which the formal covariance is carried
+_NO_ELEMENTS = dict.fromkeys(("a", "e", "i", "argp", "raan", "mean_anomaly"), np.nan)
+_BASIS = "covariances are those of the fit, of drag that is off by 15 %, and of the weather that may come"
+
+Progress = Callable[[str], None]
+"""Told what goes on, a line a stage."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is asked for.
+
+    files: of one object, points (OEM, SP3, CPF, CSV) or tracks (TDM)
+    days: how long
+    object: name or number, where the files have several objects
+    date: UTC text; None: when the last was measured
+    weather: OBSERVED, the packaged weather, or a CSSI file
+    stations: by which tracks were measured
+    area_to_mass: [m2/kg]
+    """
+
+    files: Sequence[FilePath]
+    days: float = LONGEST
+    object: str | None = None
+    date: str | None = None
+    weather: FilePath = "OBSERVED"
+    stations: Sequence[Station] = ()
+    area_to_mass: float = 0.01
+
+    @property
+    def kind(self) -> str:
+        """Tracks or fixes."""
+        return "tracks" if measured_files.has_tracks(self.files[0]) else "fixes"
+
+
+@dataclass(frozen=True, eq=False)
+class FittedOrbit(PredictedOrbit):
+    """An object from a date on, by fits to what measured it.
+
+    ephemeris: table `corrected`, times since the date; model: settings of the one that was flown; verdict: on
+    it.
+    """
+
+    ephemeris: pd.DataFrame
+    model: Mapping[str, Any]
+    verdict: Verdict
+
+    def states(self, t: np.ndarray) -> np.ndarray:
+        """Return GCRF states (n, 6) [m, m/s] at times (n,) [s since the date]."""
+        if not np.all((t >= 0.0) & (t <= DAY * self.days)):
+            begin, end = self._texts(np.array([0.0, DAY * self.days]))
+            raise InputError(f"predict: expected a time from {begin} to {end}, got another")
+        states: np.ndarray = self._path(t)
+        return states
+
+    def sigmas(self, t: np.ndarray) -> np.ndarray:
+        """Return standard deviations (n, 3) in RSW [m] at times (n,) [s since the date]."""
+        names = [f"cov_{axis}_{axis}" for axis in "xyz"]
+        known = self.ephemeris["t"]
+        variances = [np.interp(t, known, self.ephemeris[name]) for name in names]
+        return np.asarray(np.sqrt(np.stack(variances, axis=1)))
+
+    def covariances(self, t: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Return covariances (n, 6, 6) in RSW [m, m/s] at times (n,) [s since the date]."""
+        known = self.ephemeris["t"]
+        columns = {name: np.interp(t, known, self.ephemeris[name]) for name in STATE_COVARIANCES}
+        return symmetric_matrices(pd.DataFrame(columns), STATE_COVARIANCES)
+
+    @property
+    def way(self) -> str:
+        """What was used, in words."""
+        of_mean = ", its drag the mean of such fits" if "cd_past" in self.model["variables"] else ""
+        return f"fit over {self.model['window_hours']:g} h under all forces{of_mean}"
+
+    @property
+    def reason(self) -> str:
+        """Why that was used, in words."""
+        return f"{self.verdict.word}: {self.verdict.reason}"
+
+    @cached_property
+    def _path(self) -> Callable[[np.ndarray], np.ndarray]:
+        return through(self.ephemeris["t"].to_numpy(), np.ascontiguousarray(self.ephemeris[STATE]))
+
+
+@dataclass(frozen=True)
+class _Times:
+    """When a prediction is made: times since `epoch`, midnight before all that counts [s].
+
+    first, date: first measurement that counts, and the date; duration: up to the prediction's end
+    """
+
+    epoch: str
+    first: float
+    date: float
+    duration: float
+
+    @classmethod
+    def of(cls, request: Request) -> "_Times":
+        """Return the times of a request; raise InputError where nothing was measured before its date."""
+        first, last = _span(request)
+        if request.date is not None:
+            last = min(last, epochs.seconds_between(_ANY, request.date))
+        if not first < last:
+            raise InputError(f"{request.files[0]}: expected measurements before {request.date}, got none")
+        date = request.date or _text(_ANY, np.ceil(last))
+        begin = max(first, last - DAY * (MORNINGS + _HISTORY))
+        epoch = f"{_text(_ANY, begin)[:_DAY]}T00:00:00"
+        offset = epochs.seconds_between(epoch, _ANY)
+        now = epochs.seconds_between(epoch, date)
+        return cls(epoch, begin + offset, now, now + DAY * request.days + _AFTER)
+
+    @property
+    def stretch(self) -> float:
+        """Length of a stretch of points [h]."""
+        return min(STRETCH, (self.date - self.first) / HOUR / _LEAST_STRETCHES)
+
+    @property
+    def mornings(self) -> np.ndarray:
+        """Mornings (n,) that are flown, the last at the date [s]."""
+        back = min(MORNINGS, int((self.date - self.first - HOUR * self.stretch) / DAY))
+        return self.date - DAY * np.arange(back, -1, -1)
+
+
+def predict(request: Request, settings: Mapping[str, Any], *, progress: Progress) -> FittedOrbit:
+    """Predict an object from what measured it.
+
+    settings: epoch-free settings of a run, as `mornings.batch` reads them: force_model, integrator,
+    estimation, models, environment, forecast and futures
+
+    Raises InputError for unreadable files, days out of range, a date without measurements before it, weather
+    that ends too early, and measurements that no orbit fits.
+    """
+    if not 0.0 < request.days <= LONGEST:
+        raise InputError(f"predict: expected more than 0 and at most {LONGEST:g} days, got {request.days:g}")
+    times = _Times.of(request)
+    progress(f"weather and forces from {times.epoch[:_DAY]} on")
+    watched = _watched(request, settings, times)
+    records = Records.empty()
+    for number, now in enumerate(times.mornings, start=1):
+        progress(f"morning {number} of {len(times.mornings)}")
+        left = morning(watched, records, now=now)
+        records = records.and_then(left.records, since=now - DAY * watched.plan.max_days)
+    flown = _flown(watched, left, records, now=times.date)
+    t = flown.table["t"].to_numpy() - times.date
+    if t[-1] < DAY * request.days:
+        got = f"got one of {t[-1] / DAY:.1f}: {flown.verdict.reason}"
+        raise InputError(f"{request.files[0]}: expected an orbit for {request.days:g} days, {got}")
+    return FittedOrbit(
+        watched.identity,
+        _text(times.epoch, times.date),
+        request.days,
+        _past(records.judged, flown.model),
+        flown.basis,
+        flown.table.assign(t=t),
+        settings["models"][flown.model],
+        flown.verdict,
+    )
+
+
+def _text(epoch: str, t: float) -> str:
+    """Return a time [s since an epoch] as UTC text, in whole seconds."""
+    return ccsds.utc_texts(epoch, np.array([t]))[0][:_SECONDS]
+
+
+def _span(request: Request) -> tuple[float, float]:
+    """Return when the first and the last was measured [s since _ANY]."""
+    if request.kind == "tracks":
+        t = tdm.measurements(request.files, epoch=_ANY)["t"]
+        return float(t.min()), float(t.max())
+    return points_from_files.reach(OrbitFiles(request.files, _ANY, np.inf, request.object))
+
+
+def _watched(request: Request, settings: Mapping[str, Any], times: _Times) -> Watched:
+    """Return what is measured of the object, and how it flies."""
+    max_days = request.days + (OLDEST + _AFTER) / DAY
+    rso = Rso("object", **_NO_ELEMENTS, area_to_mass=request.area_to_mass, cd=2.2, cr=1.25)
+    model = _flight_model(rso, request.weather, settings, times, max_days)
+    sampling = {
+        "sigmas": [SIGMA] * 3,
+        "every_s": _EVERY,
+        "stretch_hours": times.stretch,
+        "satellite": request.object,
+    }
+    source = MeasurementSource(request.kind, list(map(str, request.files)), sampling)
+    span = Span(times.epoch, times.date)
+    found = measured.read(source, span, request.stations, model.orientation, since=0.0)
+    plan = MorningPlan(
+        settings["models"],
+        Estimation(**settings["estimation"]),
+        max_days,
+        STEP,
+        times.duration,
+        times.epoch,
+    )
+    identity = found.identity if found.identity.name else ObjectId(Path(request.files[0]).stem)
+    return Watched(model, plan, found.tracking, request.stations, found.manoeuvres, None, identity)
+
+
+def _flight_model(
+    rso: Rso, weather: FilePath, settings: Mapping[str, Any], times: _Times, max_days: float
+) -> FlightModel:
+    """Return how an object flies under the weather that was known at each time."""
+    weather, t = str(weather), nodes(times.epoch, times.duration)
+    sources = settings["environment"]
+    _check_newest(weather, times)
+    activity = knowledge.measured_activity(weather, times.epoch, t)
+    environment = tabulated(
+        times.epoch,
+        t,
+        activity,
+        gravity=sources["gravity_field"],
+        kernel=sources["ephemerides"],
+        degree=settings["force_model"]["degree"],
+    )
+    issues = partial(Issues, weather, times.epoch, settings["forecast"], max_days=max_days)
+    expected = knowledge.outlooks(issues(sources["issue_hours"]), t)
+    futures = knowledge.tabulate_futures(issues(sources["issue_hours"]), t, members=settings["futures"])
+    still, flattened = (
+        force_model.of_settings(environment, one) for one in (settings["force_model"], spread.FLATTENED)
+    )
+    fitting = with_outlooks(still, knowledge.outlooks(issues(knowledge.FIT_HOURS), t))
+    flying, flat = (with_outlooks(model, expected) for model in (still, flattened))
+    integrator = force_model.integrator(settings["integrator"])
+    flight = partial(Flight, rso=rso, integrator=integrator, threads=os.cpu_count() or 1)
+    return FlightModel(
+        flight(fitting, near=near_part(fitting)),
+        flight(flying, near=near_part(flying)),
+        flight(flat),
+        Weathers.of(flat, futures),
+        environment.earth_orientation,
+    )
+
+
+@dataclass(frozen=True)
+class _Flown:
+    """What the last morning flew: the table `corrected`, its model, and what its covariance rests on."""
+
+    table: pd.DataFrame
+    model: str
+    verdict: Verdict
+    basis: str
+
+
+def _check_newest(weather: str, times: _Times) -> None:
+    """Raise InputError for weather that was last measured long before the date."""
+    date, end = _text(times.epoch, times.date), density.end_of(knowledge.read(weather))
+    if modified_julian_day(date) - end > OLDEST / DAY:
+        expected = f"space weather measured up to {date[:_DAY]}, got it up to {epochs.calendar(end)}"
+        raise InputError(f"{weather}: expected {expected}; newer: {NEWER_WEATHER}")
+
+
+def _flown(watched: Watched, left: Left, records: Records, *, now: float) -> _Flown:
+    """Return what the last morning flew; where nothing left, that of the first model that can be flown."""
+    if left.ephemeris is not None:
+        model = str(left.records.issued["model"].iloc[0])
+        return _Flown(left.ephemeris, model, left.verdict, left.basis)
+    if not records.paths:
+        raise InputError(f"expected what an orbit fits, got none: {left.verdict.reason}")
+    paths, unproven = records.paths[-1].table, Verdict(UNPROVEN, left.verdict.reason)
+    for model in watched.plan.models:
+        with suppress(InputError):
+            flown = issued.choose_model(records.judged, [model], now=now)
+            table = product.ephemeris(paths, flown, step=STEP)
+            return _Flown(table, model, unproven, corrected.basis(flown.replay, now))
+    flown = Flown(next(iter(watched.plan.models)), records.judged, USUAL)
+    table, formal = product.ephemeris(paths, flown, step=STEP), _formal(watched, records, paths)
+    at = {name: np.interp(table["t"], formal["t_j"], formal[name]) for name in STATE_COVARIANCES}
+    whole = table.assign(**{name: table[name] + at[name] for name in at})
+    return _Flown(whole, flown.model, unproven, _BASIS)
+
+
+def _formal(watched: Watched, records: Records, paths: pd.DataFrame) -> pd.DataFrame:
+    """Return the formal covariance of the fit that paths start from, carried along them, at a few of them."""
+    sparse = paths.iloc[:: max(1, len(paths) // _FORMAL)]
+    started = records.estimates_over(watched.plan.base)
+    pairs = sparse.assign(j=range(len(sparse)))
+    carried = covariance.propagated(watched.model.predictions, started, pairs)
+    triangle = carried[:, *np.tril_indices(6)].T
+    return sparse[["t_j"]].assign(**dict(zip(STATE_COVARIANCES, triangle, strict=True)))
+
+
+def _past(judged: pd.DataFrame, model: str) -> pd.DataFrame:
+    """Return what a model's ephemerides were off by: morning, lead [days], left [m]."""
+    rows = judged[judged["model"] == model].reset_index(drop=True)
+    return rows[["morning"]].assign(lead=rows["duration"] / DAY, left=rows["e_y"])

@@ -1,0 +1,39 @@
+"""An object's prediction from whatever tells its orbit: element sets, points or tracks."""
+
+from typing import Any
+
+from opml.base.files import PROJECT
+from opml.base.yaml_files import read_yaml
+from opml.learning.data import components
+from opml.learning.models import learners
+from opml.mornings import prediction
+from opml.mornings.prediction import FittedOrbit, Progress, Request
+from opml.study.settings import packaged
+
+MODELS = ("fit48", "running24", "running24m3")
+"""Models that the past chooses from: those of every morning whose fits are short."""
+
+
+def of_measurements(request: Request, *, progress: Progress) -> FittedOrbit:
+    """Predict an object from points or tracks as mornings do; raises as `mornings.prediction.predict`."""
+    return prediction.predict(request, settings(), progress=progress)
+
+
+def settings() -> dict[str, Any]:
+    """Return the settings of mornings that come with the package, for what flies over the real Earth."""
+    run = packaged.RUN
+    real = read_yaml(PROJECT / "config" / "real_satellites.yaml")
+    return {
+        "estimation": run["estimation"],
+        "force_model": real["force_models"]["assumed"],
+        "integrator": run["integrator"] | real["integrator"],
+        "environment": run["environment"],
+        "forecast": run["forecasts"][run["environment"]["forecast"]],
+        "futures": run["uncertainty"]["futures"],
+        "models": {
+            name: learners.resolved(
+                run["learners"][name], component=components.CORRECTED, variables=run["learning"]["variables"]
+            )
+            for name in MODELS
+        },
+    }

@@ -1,0 +1,176 @@
+"""A prediction from points or tracks: nothing later counts, its covariance holds the truth."""
+
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from support import EPOCH
+
+from opml import api, cli
+from opml.base.constants import DAY, HOUR
+from opml.base.errors import InputError
+from opml.catalog.flight import Flight
+from opml.catalog.simulate import tracking, truth
+from opml.interop import oem, tdm
+from opml.interop.element_sets import mean_elements
+from opml.mornings.prediction import Request
+from opml.mornings.verdict import UNPROVEN
+from opml.orbits.elements import in_rsw
+from opml.study import prediction
+from opml.tables import STATE
+
+DATE = "2016-09-30T18:09:45"
+SMALL = {"degree": 8, "order": 8, "third_bodies": ["sun", "moon"]}
+
+
+@pytest.fixture(scope="module")
+def orbit(iss):
+    """Four days of the paper's RSO, with a tenth of its drag, under the weather that was measured."""
+    environment = api.make_environment(EPOCH, days=4, activity="OBSERVED", degree=8)
+    flight = Flight(api.force_model(environment, **SMALL), replace(iss, area_to_mass=0.005))
+    return truth.simulate(flight, duration=4 * DAY, step=60.0)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def small():
+    """Settings with few forces and futures, and fits of a day."""
+    settings = prediction.settings()
+    few = settings | {
+        "force_model": SMALL,
+        "futures": 2,
+        "integrator": settings["integrator"] | {"max_step_s": 120},
+        "models": {"running24": settings["models"]["running24"]},
+    }
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(prediction, "settings", lambda: few)
+        yield
+
+
+def points(orbit, path, *, until=4 * DAY, ahead=0.0):
+    """Write the orbit up to a time as an OEM, later positions moved."""
+    kept = orbit[orbit["t"] <= until].copy()
+    kept.loc[kept["t"] > DAY * 2.3, STATE[:3]] += ahead
+    oem.write(path, oem.truth_segments(kept, rso="iss"), epoch=EPOCH)
+    return path
+
+
+def made_of(path, **asked):
+    asked = {"days": 1.0, "date": DATE, "area_to_mass": 0.005} | asked
+    return prediction.of_measurements(Request([path], **asked), progress=lambda line: None)
+
+
+@pytest.fixture(scope="module")
+def made(orbit, tmp_path_factory):
+    return made_of(points(orbit, tmp_path_factory.mktemp("points") / "iss.oem"))
+
+
+def off(made, orbit, days):
+    """How far a prediction is off the orbit in RSW, an hour each for a day, from a day of the orbit on."""
+    begin, t = round(days * DAY / 60.0), np.arange(0.0, DAY + 1.0, HOUR)
+    true = orbit[STATE].to_numpy()[begin : begin + 1441 : 60]
+    return in_rsw(made.states(t) - true, true)[:, :3], made.sigmas(t)
+
+
+def test_its_covariance_holds_the_truth(made, orbit):
+    errors, sigmas = off(made, orbit, 2.25)
+    assert (np.abs(errors) < 3.0 * sigmas).all()
+    assert sigmas[-1, 1] > 5.0 * sigmas[0, 1]
+    assert sigmas[-1, 1] < 2e3
+    assert np.linalg.eigvalsh(made.covariances(made.t, made.states(made.t))).min() > 0.0
+
+
+def test_what_was_measured_after_the_date_changes_nothing(made, orbit, tmp_path):
+    again = made_of(points(orbit, tmp_path / "iss.oem", until=3 * DAY, ahead=1e4))
+    np.testing.assert_array_equal(again.states(again.t), made.states(made.t))
+    np.testing.assert_array_equal(again.sigmas(again.t), made.sigmas(made.t))
+
+
+@pytest.fixture(scope="module")
+def hours(orbit, tmp_path_factory):
+    """A file of seven hours."""
+    return points(orbit, tmp_path_factory.mktemp("hours") / "iss.oem", until=0.3 * DAY)
+
+
+@pytest.fixture(scope="module")
+def short(hours):
+    return made_of(hours, date=None)
+
+
+def test_a_past_of_hours_has_the_covariance_of_its_fit(short, orbit):
+    assert (short.verdict.word, short.date) == (UNPROVEN, "2016-09-28T19:21:45")
+    assert "those of the fit" in short.basis
+    assert short.past.empty
+    errors, sigmas = off(short, orbit, 0.3)
+    assert (np.abs(errors) < 3.0 * sigmas).all()
+
+
+def test_tracks_are_fitted_by_their_radars(orbit, earth_orientation, three_stations, tmp_path, capsys):
+    measured = tracking.simulate(
+        orbit[orbit["t"] <= 1.5 * DAY], earth_orientation, three_stations, rso="iss", seed=1
+    )
+    tdm.write(tmp_path / "iss.tdm", measured, epoch=EPOCH, rso="iss")
+    made = api.predict(tmp_path / "iss.tdm", days=1, stations=three_stations, area_to_mass=0.005)
+    assert made.identity.name == "iss"
+    (late,) = np.flatnonzero(orbit["t"] == np.floor(measured["t"].max() / 60.0) * 60.0 + 3600.0)
+    when = str(np.datetime64(EPOCH) + np.timedelta64(int(orbit["t"].iloc[late]), "s"))
+    assert np.linalg.norm(made.state(when)[:3] - orbit[STATE[:3]].to_numpy()[late]) < 2e3
+
+
+SUFFIXES = ("oem", "tle", "kvn", "csv", "json", "czml", "html")
+
+
+def test_the_command_writes_every_format(hours, short, tmp_path, capsys):
+    outputs = [part for suffix in SUFFIXES for part in ("-o", str(tmp_path / f"mine.{suffix}"))]
+    asked = ["--days", "1", "--area-to-mass", "0.005", "--station", "52.2,21.0,110"]
+    assert cli.main(["predict", str(hours), *asked, *outputs]) == 0
+    told = capsys.readouterr()
+    assert short.way in told.out
+    assert short.verdict.reason in told.out
+    assert "sgp4" not in told.out
+    assert "morning 1 of 1" in told.err
+    (segment,) = oem.read(tmp_path / "mine.oem", epoch=short.date)
+    np.testing.assert_allclose(segment.states[60], short.states(short.t[60:61])[0], rtol=1e-12)
+    np.testing.assert_allclose(np.sqrt(np.diag(segment.covariances[0])[:3]), short.sigmas(short.t[:1])[0])
+    pd.testing.assert_frame_equal(pd.read_csv(tmp_path / "mine.csv"), short.expected(), check_dtype=False)
+    rows = json.loads((tmp_path / "mine.json").read_text())["rows"]
+    assert rows[0]["sgp4_along_track"] is None
+    for suffix in ("tle", "kvn"):
+        flown = mean_elements.states(
+            mean_elements.read(tmp_path / f"mine.{suffix}"), epoch=short.date, t=short.t
+        )
+        assert np.linalg.norm(flown - short.states(short.t), axis=1).max() < 5e3
+    page = (tmp_path / "mine.html").read_text()
+    assert page.count("data:image/png;base64,") == 2
+    assert "Passes over 52.2,21.0,110" in page
+    assert short.verdict.reason in page
+    assert "SGP4" not in page
+
+
+REFUSED = {
+    "too many days": (["--days", "8"], "expected more than 0 and at most 7 days, got 8"),
+    "a date before all": (["--date", "2016-09-01T00:00:00"], "expected measurements before 2016-09-01"),
+    "a set that is not fitted": (["-o", "mine.xml"], "mine.xml: expected .tle or .kvn"),
+    "other radars": (["--radars", "none.tsv"], "none.tsv: no such file"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_cannot_be_is_refused_in_a_line(case, hours, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    arguments, message = REFUSED[case]
+    assert cli.main(["predict", str(hours), *arguments]) == 1
+    (line,) = [
+        line for line in capsys.readouterr().err.splitlines() if "expected" in line or "no such" in line
+    ]
+    assert re.search(message, line)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_weather_that_ends_too_early_is_refused(tmp_path):
+    lines = "utc,x_gcrf_m,y_gcrf_m,z_gcrf_m\n2026-05-01T00:00:00,7e6,0,0\n2026-05-01T02:00:00,0,7e6,0\n"
+    (tmp_path / "new.csv").write_text(lines)
+    with pytest.raises(InputError, match=r"OBSERVED: expected space weather.* newer: http"):
+        made_of(tmp_path / "new.csv", date=None)
