@@ -123,8 +123,9 @@ class UncertainPairs:
     def _spread(self) -> np.ndarray:
         """Covariances (..., 2, 6, 6) of the elements."""
         _, slope = self._flown(self._elements, np.zeros(self.states.shape[:-2]))
-        inverse = np.linalg.inv(slope)
-        return np.asarray(inverse @ self.covariances @ np.swapaxes(inverse, -1, -2))
+        inverse = np.linalg.inv(self._axes @ slope)
+        turned = self._axes @ self.covariances @ np.swapaxes(self._axes, -1, -2)
+        return np.asarray(inverse @ _without_negative(turned) @ np.swapaxes(inverse, -1, -2))
 
     def _flown(self, elements: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the states (..., 2, 6) of elements at times (...) [s], and their slopes (..., 2, 6, 6)."""
@@ -147,6 +148,16 @@ class UncertainPairs:
         room = _FARTHEST * (1.0 - np.linalg.norm(self._elements[..., 1:3], axis=-1, keepdims=True))
         largest = np.max(np.abs(change), axis=-1, keepdims=True)
         return np.asarray(self._elements + change * np.minimum(1.0, room / np.maximum(largest, room)))
+
+
+def _without_negative(covariances: np.ndarray) -> np.ndarray:
+    """Return covariances (..., n, n) without variances below zero in any direction, as rounded ones have."""
+    variances = np.diagonal(covariances, axis1=-2, axis2=-1)
+    sigma = np.sqrt(np.maximum(variances, np.finfo(float).tiny))
+    scale = sigma[..., :, None] * sigma[..., None, :]
+    along, axes = np.linalg.eigh(covariances / scale)
+    mended = (axes * np.maximum(along, 0.0)[..., None, :]) @ np.swapaxes(axes, -1, -2)
+    return np.asarray(scale * mended)
 
 
 def _settled(squared: np.ndarray, before: np.ndarray) -> np.ndarray:

@@ -29,7 +29,7 @@ _RESOLVED = 4.0  # change of the squared distance in a panel that is not halved
 _TIMES, _TIME_WEIGHTS = np.polynomial.legendre.leggauss(8)
 _HEIGHTS, _HEIGHT_WEIGHTS = np.polynomial.legendre.leggauss(32)  # of points on a sphere
 _DIP = 3.0  # sum of both neighbours' distances, in those of one that may lie beside a collision
-_BEYOND = 60.0  # squared distance above the least from which on nothing flows
+_BEYOND = 40.0  # squared distance above the least from which on nothing flows
 
 
 def chance(pair: UncertainPairs, period: float) -> Chance:
@@ -120,7 +120,7 @@ _POINTS, _AREAS = _sphere()
 def _density(cloud: Cloud, points: np.ndarray) -> np.ndarray:
     """Return the density (n, k) [1/m3] of positions at points (3, k) [m]."""
     lower = np.linalg.cholesky(cloud.covariance[:, :3, :3])
-    scaled = np.linalg.solve(lower, points - cloud.mean[:, :3, None])
+    scaled = np.linalg.inv(lower) @ (points - cloud.mean[:, :3, None])
     volume = (2.0 * math.pi) ** 1.5 * np.prod(np.diagonal(lower, axis1=1, axis2=2), axis=1)
     density: np.ndarray = np.exp(-0.5 * np.sum(scaled**2, axis=1)) / volume[:, None]
     return density

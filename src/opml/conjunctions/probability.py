@@ -73,7 +73,8 @@ class Encounter:
             return math.inf
         ahead = self.velocity / speed
         spread = self.covariance + self.radius**2 / 5.0 * np.eye(3)
-        sigma = 1.0 / math.sqrt(float(ahead @ np.linalg.solve(spread, ahead)))
+        weight = max(float(ahead @ np.linalg.solve(spread, ahead)), np.finfo(float).tiny)
+        sigma = 1.0 / math.sqrt(weight)
         return 2.0 * (_INSIDE * sigma + self.radius) / speed
 
 

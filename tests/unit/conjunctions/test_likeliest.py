@@ -1,6 +1,7 @@
 """Where two objects most likely collide: drawn orbits, real ones, straight motion, standstill."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -175,6 +176,22 @@ def test_each_time_has_the_likeliest_collision():
     np.testing.assert_allclose(
         now.mean[0], pairs(ahead=10.0).states[1] - pairs(ahead=10.0).states[0], atol=0.1
     )
+
+
+def test_negative_variances_of_rounded_covariances_are_taken_away():
+    """Of the first object, whose axes are those of the elements."""
+    pair = pairs()
+    found = []
+    for least in (0.0, -1e-3):
+        covariance = pair.covariances[0]
+        sigma = np.sqrt(np.diag(covariance))
+        variances, axes = np.linalg.eigh(covariance / np.outer(sigma, sigma))
+        variances[0] = least
+        rounded = np.outer(sigma, sigma) * ((axes * variances) @ axes.T)
+        found.append(replace(pair, covariances=np.array([rounded, pair.covariances[1]])))
+    assert np.linalg.eigvalsh(found[1].covariances[0])[0] < 0.0
+    assert bent(found[1]) == pytest.approx(bent(found[0]), rel=1e-2)
+    assert (found[1].clouds(np.linspace(-2000.0, 2000.0, 9))[1] >= 0.0).all()
 
 
 def test_objects_side_by_side_and_known_ones_are_no_fault():

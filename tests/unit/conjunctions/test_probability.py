@@ -79,6 +79,8 @@ def test_an_encounter_lasts_as_the_place_along_the_motion_is_uncertain():
     tied.covariance[2, 0] = tied.covariance[0, 2] = 0.8 * 200.0 * 50.0
     assert tied.duration == pytest.approx(2.0 * (5.73 * 0.6 * 50.0 + 10.0) / 1e4, rel=0.02)
     assert encounter(speed=0.0).duration == np.inf
+    tied.covariance[2, 2] = -100.0
+    assert tied.duration > 1e100
 
 
 @pytest.mark.parametrize(
