@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 from opml import naming
 from opml.base.errors import InputError
-from opml.catalog.kinds import ELEMENTS, FIXES
+from opml.catalog.kinds import ELEMENTS, FIXES, TRACKS
 from opml.learning.models import learners
 from opml.naming import Experiment
 from opml.workflow.params import Params, Wildcards
@@ -214,7 +214,7 @@ class Inputs:
             return [plan.product(f"tracking/{rso}/{FIXES.stations}").table]
         if rso in plan.settings.orbits:
             return [plan.product(f"truth/{rso}").table]
-        read = {"starts": rso in plan.settings.starts, "tracking": rso in plan.settings.tracks}
+        read = {"starts": rso in plan.settings.starts, "tracking": rso in plan.settings.files_of(TRACKS)}
         tables = [table for table, is_read in read.items() if is_read]
         return [plan.product(f"{table}/{rso}/{wildcards.stations}").table for table in tables]
 
