@@ -102,6 +102,7 @@ $(INSTALLED): requirements.lock pyproject.toml
 	$(MAKE_VENV) $(VENV)
 	$(INSTALL) --requirement requirements.lock
 	$(INSTALL) --no-deps --no-build-isolation --editable .
+	$(BIN)/python -c "from opml.study.settings import editor_schema; editor_schema.write('.')"
 	touch $@
 
 clean:

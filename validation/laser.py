@@ -77,9 +77,12 @@ class Comparison:
     from_prediction: np.ndarray
 
 
-def by_station(residuals: pd.DataFrame) -> pd.DataFrame:
-    """Return points, their mean, scatter and root mean square [cm] of each station."""
-    table = residuals.assign(cm=100.0 * residuals["residual"]).groupby("station")["cm"]
+def by_station(run: Run, estimate: Estimate, stations: np.ndarray) -> pd.DataFrame:
+    """Return points, their mean, scatter and root mean square [cm] of each of the stations (rows,)."""
+    rows, [left] = estimate.window.rows, run.residuals([estimate])
+    table = pd.Series(100.0 * left * run.measured.deviations(rows)).groupby(
+        pd.Series(stations[rows], name="station")
+    )
     return table.agg(points="size", mean="mean", scatter="std", rms=lambda cm: np.sqrt(np.mean(cm**2)))
 
 
@@ -107,7 +110,7 @@ def fits(folder: Path) -> dict[str, Comparison]:
         at, known = measured.epochs[estimate.window.at], path[STATE].to_numpy()
         flown = track_fits.everywhere(lageos, path["t"].to_numpy(), at, estimate.fit.best)
         apart = np.sqrt((in_rsw(flown - known, known)[:, :3] ** 2).mean(axis=0))
-        found[name] = Comparison(by_station(measured.residuals(run, estimate)), apart)
+        found[name] = Comparison(by_station(run, estimate, measured.stations), apart)
     return found
 
 

@@ -532,7 +532,9 @@ def correct(
     """
     if parse_test(test).standardisation == "together":
         raise InputError(f"correct: test: expected one that asks no model of its own, got {test}")
-    chosen = splits.rows_tested(dataset, test, train=train, span_days=span_days, seed=seed, learned=learned)
+    source = dataset if learned is None else learned
+    trained = None if train is None else splits.training_rows(source, train, span_days=span_days, seed=seed)
+    chosen = splits.test_rows(dataset, test, span_days=span_days, trained=trained)
     return evaluate(as_tested(model, test), dataset, chosen, component=component)
 
 

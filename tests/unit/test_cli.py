@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 import os
 import re
 import sys
@@ -13,6 +14,7 @@ from support import REPOSITORY
 
 from opml import __version__, cli
 from opml.orbits.sheets import read_rsos
+from opml.study.settings import editor_schema
 from opml.tables import STATE, write_table
 
 
@@ -26,6 +28,7 @@ def test_a_new_project_holds_the_workflow_and_the_study_of_the_howto(tmp_path, c
     ):
         assert (tmp_path / "new" / name).read_bytes() == (REPOSITORY / name).read_bytes()
     assert not any(path.is_symlink() for path in (tmp_path / "new").rglob("*"))
+    assert "duration_days" in json.loads((tmp_path / "new" / editor_schema.PLACE).read_text())["properties"]
     page = (REPOSITORY / "docs" / "howto.md").read_text(encoding="utf-8")
     study = (tmp_path / "new" / "mine.yaml").read_text(encoding="utf-8")
     assert f"```yaml\n{study}```\n" in page

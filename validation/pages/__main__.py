@@ -1,13 +1,13 @@
-"""Write docs/data.md, config/keys.md and the schema of settings: `python -m validation.pages`."""
+"""Write docs/data.md, config/keys.md and editors' schema of settings: `python -m validation.pages`."""
 
 from opml.base.files import replacing
+from opml.study.settings import editor_schema
 from validation.case import ROOT
 from validation.pages import settings, tables
 
 PAGES = {
     tables.PAGE: tables.tables_page,
     settings.KEYS: settings.keys_page,
-    settings.SCHEMA: settings.editor_schema,
 }
 
 if __name__ == "__main__":
@@ -15,3 +15,4 @@ if __name__ == "__main__":
         with replacing(ROOT / path) as temporary:
             temporary.write_text(text(), encoding="utf-8")
         print(f"{path} is written")
+    editor_schema.write(ROOT)

@@ -1,9 +1,9 @@
-"""What is written of the settings from their models: the schema that editors read, and a page of keys."""
+"""The page config/keys.md, made from the models of the settings."""
 
 import json
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from opml.base.setting_types import TypeSchema
 from opml.study.settings.json_schema import choices, dereferenced, json_schema
@@ -16,10 +16,6 @@ from opml.study.settings.model.study_parts import (
     OwnStudySettings,
     PaperStudy,
 )
-from opml.study.settings.model.whole import SettingsFile
-
-SCHEMA = Path("workflow/schemas/config.schema.json")
-"""File of the schema that completes and checks settings in an editor."""
 
 KEYS = Path("config/keys.md")
 """Page with the tables of keys."""
@@ -60,30 +56,11 @@ Written by `python -m validation.pages` from the models that check them. How fil
 each other: [settings](README.md).
 """
 
-_ONLY_IN_TABLES = ("unit", "see", "shared", "placeholder")
-
-
-def editor_schema() -> str:
-    """Return the JSON schema of a file of settings, whose mappings may all be incomplete."""
-    return json.dumps(_described(json_schema(SettingsFile)), indent=1) + "\n"
-
 
 def keys_page() -> str:
     """Return the page with a table of the keys of each part of the settings."""
     parts = (f"\n## {part.heading}\n\n{part.sentence}\n\n{_table(part)}" for part in _PARTS)
     return _TOP + "".join(parts)
-
-
-def _described(node: Any) -> Any:
-    """Return a schema whose descriptions have the units, without what only the tables read."""
-    if isinstance(node, list):
-        return [_described(item) for item in node]
-    if not isinstance(node, dict):
-        return node
-    described = {key: _described(value) for key, value in node.items() if key not in _ONLY_IN_TABLES}
-    if isinstance(unit := node.get("unit"), str):
-        described["description"] += f" [{unit}]"
-    return described
 
 
 def _table(part: _Part) -> str:

@@ -11,6 +11,7 @@ from typing import Any
 
 import pandas as pd
 
+from opml import naming
 from opml.base.errors import InputError
 from opml.orbits.sheets import Station
 from opml.tables import SCHEMAS
@@ -68,11 +69,11 @@ class Asked:
 
 
 TRACKS = Kind("tracks", "tracking")
-FIXES = Kind("fixes", "fixes", "fixes", "fixing")
+FIXES = Kind("fixes", "fixes", naming.FIXES, "fixing")
 RANGES = Kind(
     "ranges",
     "laser_ranges",
-    "ranges",
+    naming.RANGES,
     "ranging",
     needs_taking=True,
     beneath="config/ranges.yaml",
@@ -82,7 +83,7 @@ RANGES = Kind(
 ELEMENTS = Kind(
     "elements",
     "fixes",
-    "fixes",
+    naming.FIXES,
     "histories",
     beneath="config/elements.yaml",
     beneath_alone="config/elements_alone.yaml",
@@ -95,11 +96,6 @@ def names() -> str:
     """Return the names of all kinds, in words."""
     *most, last = (kind.name for kind in KINDS)
     return f"{', '.join(most)} or {last}"
-
-
-def in_place_of_stations() -> list[str]:
-    """Return the names in the place of a station set."""
-    return list(dict.fromkeys(kind.stations for kind in KINDS if kind.stations))
 
 
 def of_table(table: pd.DataFrame) -> Kind:

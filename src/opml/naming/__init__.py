@@ -48,7 +48,10 @@ from opml.naming.experiment import (
     Experiment,
 )
 from opml.naming.objects import (
+    FIXES,
+    RANGES,
     WITHOUT,
+    WITHOUT_STATIONS,
     learner_pattern,
     leave_out,
     parse_learner,

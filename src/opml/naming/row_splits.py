@@ -137,9 +137,9 @@ def check_split(split: Split, *, duration_days: float) -> None:
         )
 
 
-def days_split(days: Sequence[float], *, unseen: bool = False) -> str:
+def days_split(days: Sequence[float]) -> str:
     """Return the name of a window of days, from days[0] to days[1]."""
-    return str(Split("days", days=(float(days[0]), float(days[1])), unseen=unseen))
+    return str(Split("days", days=(float(days[0]), float(days[1]))))
 
 
 def unseen_test(test: str) -> str:

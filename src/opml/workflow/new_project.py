@@ -6,6 +6,7 @@ from pathlib import Path
 
 from opml.base.errors import InputError
 from opml.base.files import PROJECT, FilePath, replacing
+from opml.study.settings import editor_schema
 
 STUDY = "mine.yaml"
 """The file of the study that a new project begins with: one satellite, two radars, twelve days."""
@@ -43,6 +44,7 @@ def write(folder: FilePath) -> None:
             raise InputError(f"{folder / name}: expected a folder without a project, got one that has this")
     for part in parts:
         _copy(part, folder / part.name)
+    editor_schema.write(folder)
     with replacing(folder / STUDY) as temporary:
         temporary.write_text(_STUDY, encoding="utf-8")
 

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 from support import BOUNDED_ESTIMATION, REPOSITORY
 
+from opml import naming
 from opml.base.constants import HOUR
 from opml.base.errors import InputError
 from opml.base.provenance import closure
@@ -64,7 +65,10 @@ def test_settings_and_studies_ask_a_kind_that_is_declared(toy):
     assert study.settings.kind_of("iss") is toy
     assert study.settings.measured == study.settings.files_of(toy) == {"iss": ["a.toy"]}
     assert (study.in_place_of_stations("iss"), study.truth_of("iss")) == ("toys", "measured")
-    assert not study.settings.are_radars("toys")
+
+
+def test_names_in_the_place_of_stations_are_those_of_kinds():
+    assert {kind.stations for kind in kinds.KINDS} == {"", *naming.WITHOUT_STATIONS}
 
 
 def test_the_code_of_fits_is_that_of_all_kinds():

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from opml.base.constants import HOUR
-from opml.catalog.fit.scatter import excess
+from opml.catalog.predict.scatter import excess
 
 COUNT = 600
 

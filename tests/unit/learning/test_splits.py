@@ -48,11 +48,11 @@ def test_labels_that_are_not_known_yet_are_not_trained_on(table, name):
 
 def test_rows_learned_from_under_labels_are_not_tested_on(table):
     late = table.assign(t_known=table["t_j"] + 0.5 * DAY, keep=table["keep"] & (table["i"] % 3 > 0))
-    options = {"train": "random-80", "span_days": SPAN, "seed": 42}
-    rest = splits.rows_tested(table, "rest", learned=late, **options)
-    assert (rest == candidates(table) & ~train(late, "random-80")).all()
-    seen = splits.rows_tested(table, "seen", learned=late, **options)
-    assert (seen == train(late, "random-80")).all()
+    trained = train(late, "random-80")
+    rest = splits.test_rows(table, "rest", span_days=SPAN, trained=trained)
+    assert (rest == candidates(table) & ~trained).all()
+    seen = splits.test_rows(table, "seen", span_days=SPAN, trained=trained)
+    assert (seen == trained).all()
 
 
 def test_random_split_is_random_and_repeatable(table):

@@ -21,6 +21,7 @@ from opml.dynamics.ensemble import Integrator
 from opml.study import checks
 from opml.study.experiments import ROLLING, Study
 from opml.study.own_study import OwnStudy
+from opml.study.settings import editor_schema
 from opml.study.settings.json_schema import json_schema
 from opml.study.settings.merging import merged, with_sheets
 from opml.study.settings.model import run, study_parts
@@ -28,7 +29,6 @@ from opml.study.settings.model.whole import RunSettings
 from opml.study.settings.overlay import COMMAND_LINE, Layer, Source, laid_over, with_numbers
 
 PAPER = paper_source().values
-SCHEMA = "workflow/schemas/config.schema.json"
 
 
 @pytest.fixture(autouse=True)
@@ -120,9 +120,11 @@ def test_defaults_of_the_library_are_those_of_the_models():
 
 
 @pytest.fixture(scope="module")
-def editor():
+def editor(tmp_path_factory):
     """What an editor holds a file of settings against: the schema that is written."""
-    return Draft202012Validator(json.loads((REPOSITORY / SCHEMA).read_text(encoding="utf-8")))
+    project = tmp_path_factory.mktemp("project")
+    editor_schema.write(project)
+    return Draft202012Validator(json.loads((project / editor_schema.PLACE).read_text(encoding="utf-8")))
 
 
 @pytest.mark.parametrize("path", sorted((REPOSITORY / "config").rglob("*.yaml")), ids=lambda path: path.stem)

@@ -6,8 +6,6 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
-from opml.catalog.fit.estimate import Estimate
-from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements, Rows, Window
 from opml.catalog.fit.neighbour_arcs import NUDGES
@@ -124,24 +122,6 @@ class Measured(Measurements):
         change = difference(seen(1.0), seen(-1.0), self.names)
         weighted = (0.5 * change / sigma / NUDGES[:, None, None]).reshape(len(NUDGES), -1)
         return Evaluation(np.compress(counting, residual.ravel()), np.compress(counting, weighted, axis=1).T)
-
-    def residuals(self, run: Run, estimate: Estimate) -> pd.DataFrame:
-        """Return what an estimate leaves of the measurements that it is made of, one a row.
-
-        Columns t [s], station, observable, residual, measured less predicted [rad, m, m/s], and weighted, the
-        same in sigmas.
-        """
-        rows, [left] = estimate.window.rows, run.residuals([estimate])
-        row, column = self.layout(rows)
-        return pd.DataFrame(
-            {
-                "t": self.epochs[self.epoch_of_row[rows]][row],
-                "station": self.stations[rows][row],
-                "observable": np.array(self.names)[column],
-                "residual": left * self.sigmas[rows][row, column],
-                "weighted": left,
-            }
-        )
 
     def _columns(self, names: Sequence[str], rows: Rows) -> np.ndarray:
         """Return what rows hold of observables: (n, len(names)), NaN of what does not count."""

@@ -10,8 +10,8 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.base.seeds import derive
-from opml.catalog.fit.scatter import excess
 from opml.catalog.flight import Flight
+from opml.catalog.predict.scatter import excess
 from opml.dynamics.forces import with_outlooks
 from opml.orbits.elements import in_rsw
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE, symmetric_matrices

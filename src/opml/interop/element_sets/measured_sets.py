@@ -104,10 +104,11 @@ def measured(
     if taking.reach is None:
         reaches[worth["counts"]] = _over_spans(sets[worth["counts"]], epoch, manoeuvres)
     kept, points = [], []
+    weighed = sets.assign(**{name: worth[name].to_numpy() for name in FIX_SIGMAS[:3]})
     for k in np.flatnonzero(counting):
         sampling = SetSampling(float(reaches[k]), taking.step)
-        one, end = sets.iloc[k], float(ends[k])
-        found = _points(one, worth.iloc[k], sampling, epoch=epoch, end=end, manoeuvres=manoeuvres)
+        one, end = weighed.iloc[k], float(ends[k])
+        found = _points(one, sampling, epoch=epoch, end=end, manoeuvres=manoeuvres)
         if found is not None:
             kept.append(k)
             points.append(found)
@@ -128,13 +129,7 @@ def _over_spans(sets: pd.DataFrame, epoch: str, manoeuvres: Sequence[Manoeuvre])
 
 
 def _points(
-    one: pd.Series,
-    worth: pd.Series,
-    sampling: SetSampling,
-    *,
-    epoch: str,
-    end: float,
-    manoeuvres: Sequence[Manoeuvre],
+    one: pd.Series, sampling: SetSampling, *, epoch: str, end: float, manoeuvres: Sequence[Manoeuvre]
 ) -> pd.DataFrame | None:
     """Return the points of a set in the run and behind the last manoeuvre before it; None if they are few."""
     points = sgp4_points.before(one, end, epoch=epoch, sampling=sampling)
@@ -144,5 +139,5 @@ def _points(
     rows = points[points["t"] >= begin]
     if len(rows) < _LEAST * min(sampling.reach, USUAL_REACH) / sampling.step:
         return None
-    sigmas = worth[FIX_SIGMAS[:3]].to_numpy(float) * np.sqrt(3 * len(points) / _NUMBERS)
+    sigmas = one[FIX_SIGMAS[:3]].to_numpy(float) * np.sqrt(3 * len(points) / _NUMBERS)
     return rows.assign(**dict(zip(FIX_SIGMAS, [*sigmas, *[np.nan] * 3], strict=True)))

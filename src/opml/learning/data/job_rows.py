@@ -25,14 +25,8 @@ def read(
     experiment, beside = settings["experiment"], list(beside)
     learned = dataset.read(files.target, beside)
     judged = dataset.read(files.judge, beside) if files.judge else learned
-    rows = splits.rows_tested(
-        judged,
-        experiment["test"],
-        train=settings["train"] if experiment["target"] == experiment["rso"] else None,
-        span_days=settings["span_days"],
-        seed=settings["seed"],
-        learned=learned,
-    )
+    trained = _trained(learned, settings) if experiment["target"] == experiment["rso"] else None
+    rows = splits.test_rows(judged, experiment["test"], span_days=settings["span_days"], trained=trained)
     return judged, rows, learned
 
 
@@ -46,8 +40,11 @@ def read_with_training(files: Any, settings: Mapping[str, Any]) -> tuple[pd.Data
     Raises InputError as `read`, and for a training without rows.
     """
     table = dataset.read(files.dataset, files.beside)
-    rows = splits.training_rows(
-        table, settings["train"], span_days=settings["span_days"], seed=settings["seed"]
-    )
     judged, tested, _ = read(files, settings, beside=files.beside_target)
-    return table[rows], judged[tested]
+    return table[_trained(table, settings)], judged[tested]
+
+
+def _trained(table: pd.DataFrame, settings: Mapping[str, Any]) -> np.ndarray:
+    """Return which rows (bool, n) of a dataset a job trains on."""
+    span_days, seed = settings["span_days"], settings["seed"]
+    return splits.training_rows(table, settings["train"], span_days=span_days, seed=seed)

@@ -102,27 +102,6 @@ def test_rows(
     return _check_not_empty(rows, f"test split '{name}'")
 
 
-def rows_tested(
-    dataset: pd.DataFrame,
-    name: str,
-    *,
-    train: str | None,
-    span_days: Sequence[float],
-    seed: int,
-    learned: pd.DataFrame | None = None,
-) -> np.ndarray:
-    """Return the rows (bool, n) to test on under the split `name`, after training under the split `train`.
-
-    train: None where the model was trained on another RSO
-    learned: the dataset of the same pairs that the model was trained on, where it is another
-
-    Raises InputError as `training_rows` and `test_rows` do.
-    """
-    learned = dataset if learned is None else learned
-    trained = None if train is None else training_rows(learned, train, span_days=span_days, seed=seed)
-    return test_rows(dataset, name, span_days=span_days, trained=trained)
-
-
 def _random_share(candidates: np.ndarray, *, percent: float, seed: int) -> np.ndarray:
     # One permutation per seed, whatever the percentage: the rows of 10 % are among those of 20 %, and test
     # rows nest likewise. So neighbouring points of the partition curve differ by the effect of more data, not
