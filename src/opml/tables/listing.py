@@ -11,6 +11,8 @@ from opml.tables.columns import Column
 from opml.tables.parquet import read_metadata, read_schema, read_table
 
 FIRST_ROWS = 3
+_LONGEST = 1000
+"""Characters of an entry of the metadata that are shown."""
 
 _FORMULA = re.compile(r"[=@\t]|[+-](?!(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?$)")
 """How a text begins that a spreadsheet works out; a number is none."""
@@ -72,7 +74,11 @@ def _meaning(column: Column) -> str:
 
 
 def _plain(value: object) -> str:
-    return value if isinstance(value, str) else json.dumps(value)
+    """Return an entry of the metadata, the first part of a long one with its length."""
+    text = value if isinstance(value, str) else json.dumps(value)
+    if len(text) <= _LONGEST:
+        return text
+    return f"{text[:_LONGEST]} ... ({len(text)} characters)"
 
 
 def _aligned(rows: list[list[str]]) -> list[str]:

@@ -1,6 +1,7 @@
 """Tables: what is written comes back, and what is damaged is noticed."""
 
 import io
+import json
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 from opml import tables
 from opml.base.errors import InputError
 from opml.learning.models import learners
-from opml.tables import SCHEMAS, parquet, read_metadata, read_runs, read_table, write_table
+from opml.tables import SCHEMAS, listing, parquet, read_metadata, read_runs, read_table, write_table
 
 TABLES = SCHEMAS | {schema.name: schema for schema in learners.schemas()}
 METADATA = {"epoch": "2016-09-28T12:09:45", "seed": 42, "gm": {"sun": 1.32712440041279419e20}}
@@ -197,3 +198,14 @@ def test_no_cell_of_a_csv_is_a_formula():
     read = pd.read_csv(io.StringIO(written.getvalue(), newline=""), keep_default_na=False, dtype=str)
     assert read["name"].tolist() == [f"'{one}" for one in FORMULAS] + PLAIN
     assert set(read["e_y"]) == {"-1.5"}
+
+
+def test_a_long_entry_of_the_metadata_is_cut_in_the_listing(tmp_path):
+    """An array of thousands of numbers would push the columns off the screen."""
+    metadata = METADATA | {"outlook": list(range(5000)), "card": "short"}
+    write_table(tmp_path / "t", example("truth"), "truth", metadata=metadata)
+    lines = listing.head(tmp_path / "t").splitlines()
+    assert "card: short" in lines
+    (long,) = [line for line in lines if line.startswith("outlook: ")]
+    assert len(long) < 1100
+    assert long.endswith(f"... ({len(json.dumps(list(range(5000))))} characters)")
