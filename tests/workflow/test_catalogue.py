@@ -36,7 +36,7 @@ def few(project):
 
 def test_plan_of_a_catalogue(few):
     plan = jobs(few.snakemake("-n", "catalogue", asked(few, learners="trees, svr")).stdout)
-    once = ["densities", "rows", "scores", "report", "shares"]
+    once = ["densities", "rows", "scores", "report", "shares", "gains"]
     assert plan == {
         "catalogue": 1,
         "catalogue_residuals": 2,
@@ -77,5 +77,10 @@ def test_a_small_catalogue_runs(few):
     assert scores["lead"].tolist() == [1, 3, 5, 7] * 2
     assert set(scores["learner"]) == {"trees"}
     assert (scores["objects"] > 10).all()
-    for name in ("catalogue/catalogue.md", "catalogue/catalogue.html", "figs/catalogue/winter.pdf"):
+    for name in (
+        "catalogue/catalogue.md",
+        "catalogue/catalogue.html",
+        "figs/catalogue/winter.pdf",
+        "figs/catalogue_gains.pdf",
+    ):
         assert (results / name).stat().st_size > 1000

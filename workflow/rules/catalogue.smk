@@ -5,6 +5,7 @@ CATALOGUE_RESIDUALS = product("catalogue/residuals/{test}/{learner}")
 CATALOGUE_SCORES = product("catalogue/scores")
 CATALOGUE_REPORT = product("catalogue/catalogue")
 CATALOGUE_SHARES = product("figs/catalogue/{test}")
+CATALOGUE_GAINS = product("figs/catalogue_gains")
 
 if PLAN.settings.catalogue:
 
@@ -144,3 +145,28 @@ if PLAN.settings.catalogue:
             ),
         message:
             "Figure: share of SGP4's errors by band of height and lead, {wildcards.test}"
+
+    use rule errors as catalogue_gains with:
+        input:
+            residuals=[
+                path_of(
+                    rules.catalogue_residuals.output[0],
+                    test=test,
+                    learner=PLAN.settings.catalogue.learners[0],
+                )
+                for test in PLAN.settings.catalogue.tests
+            ],
+            rows=[
+                path_of(rules.catalogue_rows.output[0], population=asked.population, test=test)
+                for test, asked in PLAN.settings.catalogue.tests.items()
+            ],
+        output:
+            **figures(CATALOGUE_GAINS, caption="catalogue_gains", section=SECTIONS["study"]),
+        log:
+            CATALOGUE_GAINS.log,
+        benchmark:
+            CATALOGUE_GAINS.benchmark
+        params:
+            **drawing("catalogue_gains", PARAMS.catalogue_seasons),
+        message:
+            "Figure: when learning helps, by height, drag and number of sets"

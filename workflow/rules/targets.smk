@@ -53,6 +53,7 @@ SCAN_FILES = [*rules.scan_report.output, *rules.scan_curves.output] if "scan" in
 CATALOGUE_FILES = (
     [
         *rules.catalogue_report.output,
+        *rules.catalogue_gains.output,
         *(
             path_of(file, test=test)
             for test in PLAN.settings.catalogue.tests

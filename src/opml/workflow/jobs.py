@@ -13,7 +13,7 @@ from opml import __version__
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.provenance import settings_digest, settings_of_each
-from opml.tables import read_table
+from opml.tables import Schema, read_table
 
 _log = logging.getLogger("opml")
 _warnings = logging.getLogger("py.warnings")
@@ -70,7 +70,7 @@ def metadata_of_each(settings: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def read_by_key(
-    keys: Iterable[TableKey], paths: Iterable[FilePath], kind: str
+    keys: Iterable[TableKey], paths: Iterable[FilePath], kind: str | Schema
 ) -> dict[TableKey, pd.DataFrame]:
     """Read a job's tables of one kind; return them by the key in a path's place.
 

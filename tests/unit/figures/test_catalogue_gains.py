@@ -1,0 +1,41 @@
+"""The figure of when learning helps: shares by groups of a quantity, a line per test and way."""
+
+import numpy as np
+import pandas as pd
+
+from opml.figures.catalogue_gains import gains
+
+OBJECTS, MORNINGS = 60, 8
+
+
+def tables():
+    """Errors of a kilometre, of which the learned prediction leaves the more the higher an object is."""
+    number = np.repeat(np.arange(OBJECTS), MORNINGS)
+    keys = pd.DataFrame(
+        {"number": number, "morning": np.tile(np.arange(MORNINGS) + 61000.25, OBJECTS), "lead": 3}
+    )
+    # Object k has a set on all mornings but those from the eighth on.
+    kept = keys["morning"] < 61008.25 - number % 4
+    part = number / OBJECTS
+    residuals = keys.assign(error=1000.0, scaled=800.0, learned=-1000.0 * part)[kept]
+    other = residuals.assign(lead=7, learned=1e9)
+    rows = keys.assign(height=4e5 + 1e3 * number, drag=np.log(1e3 + number))
+    return pd.concat([residuals, other]), pd.concat([rows, rows.assign(lead=7)])
+
+
+def test_shares_are_by_groups_of_each_quantity_three_days_ahead():
+    residuals, rows = tables()
+    figure = gains({"summer": residuals}, {"summer": rows})
+    assert [axes.get_xlabel() for axes in figure.axes] == [
+        "height [km]",
+        "drag's displacement in 3 days [km]",
+        "judged predictions in ten mornings",
+    ]
+    lines = {line.get_label(): line for line in figure.axes[0].lines}
+    assert list(lines) == ["SGP4", "summer, learned", "summer, density-scaled"]
+    np.testing.assert_allclose(lines["summer, density-scaled"].get_ydata(), 80.0)
+    height, share = lines["summer, learned"].get_data()
+    np.testing.assert_allclose(share, 100.0 * (height - 400.0) / OBJECTS)
+    assert len(share) == 6
+    judged = figure.axes[2].lines[1].get_xdata()
+    assert 10.0 * 5 / 8 <= min(judged) < max(judged) <= 10.0

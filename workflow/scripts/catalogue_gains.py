@@ -1,0 +1,13 @@
+"""Draw when learning from a catalogue helps, by height, drag and number of sets."""
+
+from opml.element_sets import held_out
+from opml.figures import catalogue_gains, style
+from opml.workflow.job_settings import FigureSettings
+from opml.workflow.jobs import job, read_by_key
+
+with job(snakemake):
+    tests = FigureSettings(snakemake.params.settings).seasons_of_tests
+    residuals = read_by_key(tests, snakemake.input.residuals, "catalogue_residuals")
+    rows = read_by_key(tests, snakemake.input.rows, held_out.ROWS)
+    figure = catalogue_gains.gains(residuals, rows)
+    style.save_all([figure], snakemake.output.pdf, snakemake.output.png)
