@@ -23,6 +23,10 @@ from opml.mornings.records import DONE, HORIZON, Records
 from opml.mornings.verdict import OLDEST
 from opml.tables import read_metadata
 
+STRIP = 30
+"""Mornings whose verdicts the page of a day shows in a row."""
+
+_DATE = len("2016-09-28")
 _log = logging.getLogger(__name__)
 
 
@@ -159,7 +163,7 @@ def _write(
         identity = replace(watched.identity, name=folder.rso)
         segments = oem.segments_of(left.ephemeris, "corrected", identity)
         oem.write(place / f"{folder.rso}.oem", segments, epoch=plan.epoch, comment=left.basis)
-    found = outcome(folder.rso, day, left, plan) | {"past": past(records)}
+    found = outcome(folder.rso, day, left, plan) | {"past": past(records), "mornings": strip(records, plan)}
     left.records.write(place, found, metadata=metadata)
 
 
@@ -172,20 +176,41 @@ def outcome(rso: str, day: date, left: Left, plan: MorningPlan) -> dict[str, Any
         "date": day.isoformat(),
         "verdict": left.verdict.word,
         "reason": left.verdict.reason,
-        "model": row["model"],
-        "message": f"{rso}.oem" if left.ephemeris is not None else "",
+        "model": row["model"] or None,
+        "message": f"{rso}.oem" if left.ephemeris is not None else None,
         "newest_estimate": _utc(plan.epoch, row["t_i"]),
         "burn": _utc(plan.epoch, row["burn_t"]),
         "tracks": len(base),
         "converged": int(base["converged"].sum()),
         "late": left.recent.late,
+        "expected": [] if left.ephemeris is None else expected(left.ephemeris),
         "scores": scores(_flown(left.records.judged)),
     }
 
 
-def _utc(epoch: str, t: float) -> str:
-    """Return a time as UTC text, empty where there is none."""
-    return ccsds.utc_texts(epoch, np.array([t]))[0] if np.isfinite(t) else ""
+def _utc(epoch: str, t: float) -> str | None:
+    """Return a time as UTC text, None where there is none."""
+    return ccsds.utc_texts(epoch, np.array([t]))[0] if np.isfinite(t) else None
+
+
+def expected(ephemeris: pd.DataFrame) -> list[dict[str, float]]:
+    """Return the standard deviations of an ephemeris in RSW [m], days after its estimate.
+
+    ephemeris: table `corrected`
+    """
+    t, begin = ephemeris["t"].to_numpy(), float(ephemeris["t_i"].iloc[0])
+    leads = np.arange(1.0, np.round((t[-1] - begin) / DAY, 2) + 1e-9)
+    at = [np.interp(begin + DAY * leads, t, np.sqrt(ephemeris[f"cov_{axis}_{axis}"])) for axis in "yxz"]
+    names = ("day", "along_track_sigma_m", "radial_sigma_m", "cross_track_sigma_m")
+    rows = zip(leads.astype(int).tolist(), *(map(_rounded, sigma) for sigma in at), strict=True)
+    return [dict(zip(names, row, strict=True)) for row in rows]
+
+
+def strip(records: Records, plan: MorningPlan) -> list[dict[str, str]]:
+    """Return date and verdict of the last mornings, at most STRIP."""
+    last = records.issued.tail(STRIP)
+    dates = (text[:_DATE] for text in ccsds.utc_texts(plan.epoch, last["morning"].to_numpy()))
+    return [{"date": day, "verdict": word} for day, word in zip(dates, last["verdict"], strict=True)]
 
 
 def past(records: Records) -> dict[str, list[dict[str, Any]]]:
@@ -226,10 +251,10 @@ def _rounded(length: float) -> float:
 def failed(rso: str, day: date, verdict: str, reason: str) -> dict[str, Any]:
     """Return what became of an object whose morning could not be run, as `outcome` does."""
     nothing = {
-        "model": "",
-        "message": "",
-        "newest_estimate": "",
-        "burn": "",
+        "model": None,
+        "message": None,
+        "newest_estimate": None,
+        "burn": None,
         "tracks": 0,
         "converged": 0,
         "late": 0,
@@ -240,8 +265,10 @@ def failed(rso: str, day: date, verdict: str, reason: str) -> dict[str, Any]:
         "verdict": verdict,
         "reason": reason,
         **nothing,
+        "expected": [],
         "scores": [],
         "past": {},
+        "mornings": [],
     }
 
 

@@ -7,7 +7,7 @@ from typing import Any
 from opml.mornings.batch import FAILED
 from opml.mornings.records import HORIZON
 from opml.mornings.verdict import DO_NOT_USE, GOOD, UNPROVEN, WIDE
-from opml.report.document import Block, Heading, Paragraph, Table, as_it_is
+from opml.report.document import Block, Card, Cards, Heading, Paragraph, Table, as_it_is
 from opml.report.results import NO_VALUE, length
 
 Outcome = Mapping[str, Any]
@@ -17,8 +17,24 @@ Weather = Sequence[Mapping[str, Any]]
 WORST_FIRST = (FAILED, DO_NOT_USE, WIDE, UNPROVEN, GOOD)
 """Verdicts, those to look at first."""
 
-VERSION = 1
+VERSION = 2
 """Of what the page for machines holds; another where a key goes or changes its meaning."""
+
+TO_DO = {
+    FAILED: "Do not send: failed",
+    DO_NOT_USE: "Do not send",
+    WIDE: "Send with care: wide",
+    UNPROVEN: "Send with care: unproven",
+    GOOD: "Send: good",
+}
+"""What to do with a message, by its verdict."""
+
+SHAPES = {FAILED: "!", DO_NOT_USE: "\u2715", WIDE: "\u25d0", UNPROVEN: "\u25cb", GOOD: "\u25cf"}
+"""How verdicts stand in the row of the last mornings."""
+
+_LEGEND = (
+    "The last mornings, newest on the right: " + ", ".join(f"{SHAPES[word]} {word}" for word in SHAPES) + "."
+)
 
 LEADS = (1, 3, 7)
 """Days of duration whose errors the page states."""
@@ -28,6 +44,9 @@ def document(outcomes: Sequence[Outcome], weather: Weather, *, date: str) -> lis
     """Return the page of a date; outcomes: of all objects."""
     return [
         Heading(f"{date}: {summary(outcomes)}", 1),
+        Cards([_card(outcome) for outcome in _ordered(outcomes)]),
+        Paragraph(_LEGEND),
+        Heading("In figures"),
         *_objects(outcomes),
         *_explained(),
         *_past(outcomes),
@@ -57,10 +76,41 @@ def as_json(outcomes: Sequence[Outcome], weather: Weather, *, date: str) -> dict
 def _objects(outcomes: Sequence[Outcome]) -> Iterator[Block]:
     header = ["object", "verdict", "model", "newest estimate", "tracks", "late"]
     header += [f"error after {day} d [m]" for day in LEADS]
-    ordered = sorted(
-        outcomes, key=lambda one: (WORST_FIRST.index(one["verdict"]), -_miss(one), one["object"])
+    yield Table([*header, "inside", "why"], [_row(outcome) for outcome in _ordered(outcomes)])
+
+
+def _ordered(outcomes: Sequence[Outcome]) -> list[Outcome]:
+    """Return outcomes, those to look at first."""
+    return sorted(outcomes, key=lambda one: (WORST_FIRST.index(one["verdict"]), -_miss(one), one["object"]))
+
+
+def _card(outcome: Outcome) -> Card:
+    """Return the card of an object: what to do, why, the errors to expect, its last mornings."""
+    name, word = outcome["object"], outcome["verdict"]
+    message = f"[{outcome['message']}]({name}/{outcome['message']})" if outcome["message"] else "none"
+    newest = _minute(outcome["newest_estimate"]) or "none"
+    last = [
+        (SHAPES[one["verdict"]], f"{one['date']}: {one['verdict']}", one["verdict"])
+        for one in outcome["mornings"]
+    ]
+    return Card(
+        name,
+        TO_DO[word],
+        word,
+        [
+            f"{as_it_is(_why(outcome))}.",
+            f"Expected along the track, one sigma: {_expected(outcome)}.",
+            f"Message: {message}; newest estimate: {newest}; model: {outcome['model'] or 'none'}.",
+        ],
+        last,
     )
-    yield Table([*header, "inside", "why"], [_row(outcome) for outcome in ordered])
+
+
+def _expected(outcome: Outcome) -> str:
+    """Return the errors that the ephemeris of today states, in words."""
+    sigmas = {one["day"]: one["along_track_sigma_m"] for one in outcome["expected"]}
+    parts = [f"{length(sigmas[day])} m after {day} d" for day in LEADS if day in sigmas]
+    return ", ".join(parts) or "nothing, as none was flown"
 
 
 def _row(outcome: Outcome) -> list[str]:
@@ -86,7 +136,7 @@ def _why(outcome: Outcome) -> str:
     return f"{outcome['reason']}{burn}"
 
 
-def _minute(time: str) -> str:
+def _minute(time: str | None) -> str:
     """Return a time (UTC text) to the minute, '' for none."""
     return f"{time[:16]}Z" if time else ""
 

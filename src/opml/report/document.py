@@ -53,7 +53,28 @@ class Picture:
     shows: str
 
 
-Block = Heading | Paragraph | Items | Table | Picture
+@dataclass(frozen=True)
+class Card:
+    """A small panel: a title, a line that says most, texts, and a row of marks.
+
+    kind: names its colour; marks: what is seen, what a pointer shows, and its kind, each.
+    """
+
+    title: str
+    line: str
+    kind: str
+    texts: Sequence[str]
+    marks: Sequence[tuple[str, str, str]]
+
+
+@dataclass(frozen=True)
+class Cards:
+    """Cards side by side, as many as the page has room for."""
+
+    cards: Sequence[Card]
+
+
+Block = Heading | Paragraph | Items | Table | Picture | Cards
 
 
 def link_to(heading: str) -> str:
@@ -112,14 +133,22 @@ def write(
 
 
 _STYLE = (
-    ":root{color-scheme:light dark;--ink:#222;--line:#ccc;--code:#f2f2f2;--link:#0b5cad}"
+    ":root{color-scheme:light dark;--ink:#222;--line:#ccc;--code:#f2f2f2;--link:#0b5cad;"
+    "--green:#1a7f37;--grey:#6e6e6e;--amber:#9a6700;--red:#c4281c}"
     "@media(prefers-color-scheme:dark)"
-    "{:root{--ink:#ddd;--line:#555;--code:#333;--link:#7ab8ff}body{background:#1b1b1b}}"
+    "{:root{--ink:#ddd;--line:#555;--code:#333;--link:#7ab8ff;--green:#4cc26c;--grey:#aaa;"
+    "--amber:#e0a83a;--red:#ff7b72}body{background:#1b1b1b}}"
     "body{font:15px/1.5 sans-serif;max-width:70em;margin:2em auto;padding:0 1em;color:var(--ink)}"
     "a{color:var(--link)}img{max-width:100%;background:#fff}"
     "table{border-collapse:collapse;margin:1em 0;display:block;overflow-x:auto}"
     "th,td{border-bottom:1px solid var(--line);padding:.3em .7em;text-align:left;vertical-align:top}"
     "th{border-bottom-width:2px}.number{text-align:right;font-variant-numeric:tabular-nums}"
+    ".cards{display:grid;grid-template-columns:repeat(auto-fill,minmax(19em,1fr));gap:1em}"
+    ".cards section{border:1px solid var(--line);border-left:.5em solid var(--kind);padding:.2em 1em}"
+    ".cards p{margin:.4em 0}.cards h2{margin:.3em 0 0}.line{font-weight:bold;color:var(--kind)}"
+    ".marks{display:flex}.marks span{color:var(--kind);flex:0 0 3.33%;text-align:center;font-size:.7em}"
+    ".good{--kind:var(--green)}.unproven{--kind:var(--grey)}.wide{--kind:var(--amber)}"
+    ".do-not-use,.failed{--kind:var(--red)}"
     "code{background:var(--code);padding:0 .2em;overflow-wrap:anywhere}td code{overflow-wrap:normal}"
 )
 
@@ -145,6 +174,13 @@ def _markdown(block: Block) -> str:
             return "\n".join(f"| {' | '.join(line)} |" for line in lines)
         case Picture(_, link, shows):
             return f"![{shows}]({link})"
+        case Cards(cards):
+            return "\n\n".join(map(_markdown_card, cards))
+
+
+def _markdown_card(card: Card) -> str:
+    marks = "".join(seen for seen, _, _ in card.marks)
+    return "\n".join([f"**{card.title}. {card.line}**", "", *card.texts, *([marks] if marks else [])])
 
 
 def as_it_is(text: str) -> str:
@@ -167,6 +203,24 @@ def _html(block: Block) -> str:
         case Picture(file, _, shows):
             data = base64.b64encode(Path(file).read_bytes()).decode()
             return f'<p><img alt="{html.escape(shows)}" src="data:image/png;base64,{data}"></p>'
+        case Cards(cards):
+            return '<div class="cards">\n' + "\n".join(map(_html_card, cards)) + "\n</div>"
+
+
+def _html_card(card: Card) -> str:
+    marks = "".join(
+        f'<span class="{_class(kind)}" title="{html.escape(title)}">{html.escape(seen)}</span>'
+        for seen, title, kind in card.marks
+    )
+    texts = "".join(f"<p>{_inline(text)}</p>" for text in card.texts)
+    return (
+        f'<section class="{_class(card.kind)}"><h2>{_inline(card.title)}</h2>'
+        f'<p class="line">{_inline(card.line)}</p>{texts}<p class="marks">{marks}</p></section>'
+    )
+
+
+def _class(kind: str) -> str:
+    return _anchor(kind)
 
 
 def _kind(cells: Sequence[str]) -> str:

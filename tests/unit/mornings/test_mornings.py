@@ -129,6 +129,8 @@ def test_what_leaves_is_the_path_of_the_model_that_the_past_chose(whole):
     assert found["model"] in MODELS
     assert found["verdict"] == UNPROVEN  # after few mornings
     assert found["past"]["all"][0]["along_track_m"] < 200.0
+    assert found["mornings"][-1] == {"date": LAST.isoformat(), "verdict": UNPROVEN}
+    assert [one["day"] for one in found["expected"]] == [1, 2]
     table = place / "paths.parquet"
     paths = read_table(table, paths_schema(read_metadata(table)["models"]))
     (segment,) = oem.read(place / "iss.oem", epoch=EPOCH)
@@ -143,6 +145,9 @@ def test_what_leaves_is_the_path_of_the_model_that_the_past_chose(whole):
     assert np.median(apart) < 0.1
     assert apart.max() < 5.0
     assert len(segment.covariance_t) > 100
+    sigmas = np.sqrt(segment.covariances[:, 1, 1])
+    after = np.interp(paths["t_i"].iloc[0] + DAY, segment.covariance_t, sigmas)
+    assert found["expected"][0]["along_track_sigma_m"] == pytest.approx(after, rel=0.02)
 
 
 def test_a_morning_without_a_new_estimate_is_judged_once(watched, tmp_path):
@@ -223,7 +228,7 @@ def test_what_went_across_a_burn_has_no_say_once_it_is_known():
 def test_a_first_morning_says_that_it_has_no_past(whole):
     folder = Folder(whole, "iss")
     found = json.loads((folder.of_day(folder.done(LAST)[0]) / DONE).read_text())
-    assert (found["verdict"], found["message"]) == (DO_NOT_USE, "")
+    assert (found["verdict"], found["message"]) == (DO_NOT_USE, None)
     assert found["reason"] == "no estimate that an ephemeris may start from"
 
 

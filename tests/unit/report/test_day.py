@@ -17,7 +17,17 @@ def outcome(name, verdict, **more):
 
 
 OUTCOMES = [
-    outcome("first", "good"),
+    outcome(
+        "first",
+        "good",
+        message="first.oem",
+        newest_estimate="2016-10-04T22:10:00.000000",
+        expected=[{"day": 1, "along_track_sigma_m": 93.0}, {"day": 7, "along_track_sigma_m": 1532.0}],
+        mornings=[
+            {"date": "2016-10-04", "verdict": "unproven"},
+            {"date": "2016-10-05", "verdict": "good"},
+        ],
+    ),
     outcome("second", "do not use"),
     outcome("third", "good", scores=[SCORE | {"along_track_m": 900.0}]),
     outcome("fourth", "failed", scores=[], past={}, model=""),
@@ -46,6 +56,22 @@ def test_what_was_flown_is_told_by_verdict(page):
     past = page[page.index("What was flown") :]
     assert "| first | good | 40 / 90, 80 % | - | - |" in past
     assert "fourth" not in past
+
+
+def test_a_card_says_what_to_do(page):
+    cards = page[: page.index("## In figures")]
+    assert "**second. Do not send**" in cards
+    assert "**first. Send: good**" in cards
+    assert "Expected along the track, one sigma: 93 m after 1 d, 1532 m after 7 d." in cards
+    assert "Message: [first.oem](first/first.oem); newest estimate: 2016-10-04T22:10Z; model: fit96." in cards
+    assert cards.count("\u25cb\u25cf\n") == 1
+
+
+def test_a_browser_gets_the_same_cards():
+    made = html_page(day.document(OUTCOMES, WEATHER, date="2016-10-05"), title="")
+    assert made.count('<section class="do-not-use">') == 1
+    assert '<span class="unproven" title="2016-10-04: unproven">\u25cb</span>' in made
+    assert '<a href="first/first.oem">first.oem</a>' in made
 
 
 def test_machines_get_the_same():
