@@ -49,6 +49,11 @@ class Participant:
         return is_near and np.allclose(self.inertial_covariance, other.inertial_covariance)
 
     @property
+    def pace(self) -> float:
+        """Time of a revolution [s] on the circle through the object, where paths bend as fast as its own."""
+        return 2.0 * math.pi * math.sqrt(float(np.linalg.norm(self.state[:3])) ** 3 / EARTH_GM)
+
+    @property
     def period(self) -> float:
         """Time of a revolution [s], infinite for no ellipse."""
         radius, speed = np.linalg.norm(self.state[:3]), np.linalg.norm(self.state[3:])
@@ -95,21 +100,21 @@ class Conjunction:
 
     @cached_property
     def likeliest(self) -> Encounter | None:
-        """The encounter where both most likely collide; None without covariances, or where it is not found.
+        """The encounter where both most likely collide; None without covariances, and where none is straight.
 
         Of hyperbolas it is that of the states.
         """
         if self.encounter is None or math.isinf(self._longest_period):
             return self.encounter
         found = self._pair.collisions()
-        if not found.settled:
+        if not found.is_straight:
             return None
         position, covariance = found.cloud.mean[:3], found.cloud.covariance[:3, :3]
         return Encounter(position, found.velocity, covariance, self.radius)
 
     @property
     def is_short(self) -> bool:
-        """Whether the encounter, if there is one, is short beside a revolution of either object.
+        """Whether the encounter, if there is one, is short beside a revolution at the pace of either object.
 
         The likeliest collision may be as far from the approach in time as the relative motion takes to its
         place.
@@ -117,7 +122,8 @@ class Conjunction:
         if self.likeliest is None:
             return False
         miss, speed = (float(np.linalg.norm(part)) for part in np.split(self.relative, 2))
-        return self.likeliest.duration * speed + 2.0 * miss < SHORT * self._period * speed
+        pace = min(self.first.pace, self.second.pace)
+        return self.likeliest.duration * speed + 2.0 * miss < SHORT * pace * speed
 
     @property
     def method(self) -> str:

@@ -26,6 +26,7 @@ _SIGN = np.array([-1.0, 1.0])  # of the first and the second object in what is r
 _STEP = 1e-5  # of the differences that tell how states change with the elements
 _ROUNDS = 30  # at most, to the likeliest elements
 _SETTLED = 1e-3  # change of the squared distance in standard deviations that ends them
+_STEADY = 0.02  # share of a velocity that its standard deviation may be
 _STANDSTILL = 1e-6  # relative speed below which objects stand beside each other [m/s]
 _FARTHEST = 0.5  # change of an element, as a share of what lacks an eccentricity of 1
 
@@ -51,12 +52,12 @@ class Collision:
 
     cloud: the relative state, linear in the elements about there
     velocity: (..., 3) with which they collide [m/s]
-    settled: (...) whether it was found
+    is_straight: (...) whether it was found, and they collide with hardly any other velocity
     """
 
     cloud: Cloud
     velocity: np.ndarray
-    settled: np.ndarray
+    is_straight: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +108,16 @@ class UncertainPairs:
             speed = np.maximum(np.linalg.norm(velocity, axis=-1), _STANDSTILL)
             t = t - np.sum(position * velocity, axis=-1) / speed**2
             elements, before = self._pulled(mixed, force[..., 0]), squared
-        return Collision(cloud, velocity, settled)
+        steady = self._unsteadiness(cloud) < _STEADY * np.linalg.norm(velocity, axis=-1)
+        return Collision(cloud, velocity, settled & steady)
+
+    def _unsteadiness(self, cloud: Cloud) -> np.ndarray:
+        """Return the standard deviation (...) of the velocity with which both collide [m/s]."""
+        position, velocity = np.split(cloud.covariance, 2, axis=-2)
+        sphere = (self.radius**2 / 5.0)[..., None, None] * np.eye(3)
+        explained = velocity[..., :3] @ np.linalg.solve(position[..., :3] + sphere, position[..., 3:])
+        variance = np.trace(velocity[..., 3:] - explained, axis1=-2, axis2=-1)
+        return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
     @cached_property
     def _axes(self) -> np.ndarray:

@@ -25,6 +25,7 @@ LEAST_SIGMA = 0.1
 
 _PANELS = 32  # in half a revolution, before they are halved
 _HALVINGS = 16  # of a panel, at most
+_MOST_PANELS = 400  # after that, where the likeliest collision jumps with time
 _RESOLVED = 4.0  # change of the squared distance in a panel that is not halved
 _TIMES, _TIME_WEIGHTS = np.polynomial.legendre.leggauss(8)
 _HEIGHTS, _HEIGHT_WEIGHTS = np.polynomial.legendre.leggauss(32)  # of points on a sphere
@@ -66,7 +67,8 @@ def _summed(pair: UncertainPairs, end: float) -> _Side:
     cloud, squared = pair.clouds(begins[:, None] + 0.5 * steps[:, None] * (1.0 + _TIMES))
     cloud, is_near = _widened(cloud, LEAST_SIGMA * float(pair.radius)), squared < squared.min() + _BEYOND
     flow = np.zeros(is_near.shape)
-    flow[is_near] = _flow(cloud[is_near], float(pair.radius))
+    for k in np.flatnonzero(is_near.any(axis=1)):  # a panel fits into the processor's cache
+        flow[k] = _flow(cloud[k], float(pair.radius))
     flows = 0.5 * flow @ _TIME_WEIGHTS
     # The least flow lies beyond the largest in the first quarter of a revolution.
     peak = int(np.argmax(np.where(begins / end < 0.5, flows, 0.0)))
@@ -88,7 +90,7 @@ def _edges(pair: UncertainPairs, end: float) -> np.ndarray:
         change = np.abs(np.diff(np.pad(squared, 1, mode="edge")))
         is_steep = np.maximum(np.maximum(change[:-2], change[2:]), change[1:-1]) > _RESOLVED
         halved = np.flatnonzero(is_steep & (is_low[:-1] | is_low[1:]))
-        if not len(halved):
+        if not 0 < len(halved) <= _MOST_PANELS - len(t):
             break
         middles = 0.5 * (t[halved] + t[halved + 1])
         squared = np.insert(squared, halved + 1, pair.clouds(middles)[1])

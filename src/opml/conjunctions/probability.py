@@ -26,7 +26,7 @@ from scipy.special import ndtr
 
 from opml.base.errors import InputError
 
-SHORT = 0.05
+SHORT = 0.02
 """Longest share of a revolution that a short encounter may last."""
 
 LEAST_SIGMA = 1e-4

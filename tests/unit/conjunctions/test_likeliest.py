@@ -46,7 +46,7 @@ def straight(pair):
 def bent(pair):
     """The probability in two dimensions about where both most likely collide."""
     found = pair.collisions()
-    assert found.settled
+    assert found.is_straight
     covariance = found.cloud.covariance[:3, :3]
     encounter = Encounter(found.cloud.mean[:3], found.velocity, covariance, float(pair.radius))
     return chance(encounter).probability

@@ -88,6 +88,25 @@ def test_what_flows_at_other_times_of_the_revolution_is_told():
     assert SLOW.chance.probability <= SLOW.chance.around < 1.5 * SLOW.chance.probability
 
 
+def test_an_encounter_of_uncertain_velocity_is_long():
+    sure, unsure = (met(1e-2, (15.0, 60.0, 20.0, *[sigma] * 3)) for sigma in (0.01, 3.0))
+    assert sure.method == "2D-Nc"
+    assert unsure.method == "3D-Nc"
+
+
+def test_an_encounter_at_a_perigee_is_long_beside_its_bend():
+    """Of a revolution of a day and a half, and a miss that takes 2.5 minutes."""
+    conjunction = met(1e-2, (15.0, 200.0, 20.0, 0.01, 0.01, 0.01), miss=8000.0)
+    faster = np.array([1.0, 1.0, 1.0, 1.37, 1.37, 1.37])
+    pair = (
+        Participant(one.identity, faster * one.state, one.covariance)
+        for one in (conjunction.first, conjunction.second)
+    )
+    eccentric = Conjunction(0.0, *pair, 20.0)
+    assert eccentric.first.period > 100_000.0
+    assert not eccentric.is_short
+
+
 def test_objects_that_never_are_apart_collide():
     docked = met(1e-7, (1.0, 1.0, 1.0, 1e-4, 1e-4, 1e-4), miss=2.0)
     assert docked.chance.probability == pytest.approx(1.0, abs=0.01)
