@@ -3,7 +3,7 @@
 FROM python:3.11.14-slim-bookworm
 WORKDIR /opml
 COPY requirements.lock ./
-RUN python -m pip install --quiet --disable-pip-version-check --requirement requirements.lock
+RUN python -m pip install --quiet --disable-pip-version-check --no-deps --requirement requirements.lock
 COPY pyproject.toml README.md CHANGELOG.md CONTRIBUTING.md LICENSE Snakefile ./
 COPY src src
 COPY workflow workflow

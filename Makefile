@@ -100,7 +100,7 @@ $(VENV)/.verify: $(INSTALLED) requirements-verify.lock
 $(INSTALLED): requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(None if sys.version_info >= (3, 11) else "opml needs Python 3.11 or later")'
 	$(MAKE_VENV) $(VENV)
-	$(INSTALL) --requirement requirements.lock
+	$(INSTALL) --no-deps --requirement requirements.lock
 	$(INSTALL) --no-deps --no-build-isolation --editable .
 	$(BIN)/python -c "from opml.study.settings import editor_schema; editor_schema.write('.')"
 	touch $@

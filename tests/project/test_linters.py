@@ -59,7 +59,7 @@ def test_scripts_are_short():
 
 def pins_of(lock):
     """Versions by the name of the package, in a file of pins."""
-    return dict(re.findall(r"^([\w.-]+)==(\S+)$", (REPOSITORY / lock).read_text(), re.MULTILINE))
+    return dict(re.findall(r"^([\w.-]+)==([^\s;]+)", (REPOSITORY / lock).read_text(), re.MULTILINE))
 
 
 def test_one_set_of_pins():
@@ -72,6 +72,15 @@ def test_one_set_of_pins():
     conda_pins = dict(re.findall(r"- ([\w-]+)==(\S+)", conda))
     assert {re.match(r"[\w-]+", text)[0] for text in needed} <= set(conda_pins)
     assert conda_pins.items() <= pins.items()
+
+
+@pytest.mark.parametrize("lock", [path.name for path in REPOSITORY.glob("requirements*.lock")])
+def test_nothing_is_installed_but_what_was_looked_at(lock):
+    """Each pin has the digests of its files: installers then refuse others, and packages without a pin."""
+    text = re.sub(r"^#.*\n", "", (REPOSITORY / lock).read_text(), flags=re.MULTILINE)
+    pins = re.split(r"\n(?=\S)", text.strip())
+    pinned = re.compile(r"[\w.-]+==[^\n]+?( \\\n    --hash=sha256:[0-9a-f]{64})+")
+    assert [pin for pin in pins if not pinned.fullmatch(pin)] == []
 
 
 @pytest.mark.parametrize("lock", ["requirements.lock", "requirements-docs.lock"])

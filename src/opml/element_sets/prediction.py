@@ -4,10 +4,12 @@
     made.state("2026-07-18T00:00:00"), made.covariance("2026-07-18T00:00:00")
     made.to_oem("mine.oem")
 
-Along the track the sigma is the corrector's, times how far the object's own past left it; radially and across
-it is measured on that past. A short past counts against what is usual at that height.
+Along the track the sigma is the corrector's, times how far the object's own past left it, and larger after a
+geomagnetic storm; radially and across it is measured on that past. A short past counts against what is usual
+at that height.
 """
 
+import math
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -23,8 +25,10 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.element_sets import catalogue as catalogues
-from opml.element_sets import improve, model
+from opml.element_sets import density, improve, model
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
+from opml.environment import nrlmsis
+from opml.environment.space_weather import INTERVALS
 from opml.interop import ccsds, fixes_csv, oem, tdm
 from opml.interop.element_sets import mean_elements, rewriting
 from opml.interop.element_sets.element_set import ElementSet, changed, elements_epoch
@@ -53,6 +57,16 @@ FEWEST = 4
 
 UNSEEN = {"r": 100.0, "s": 500.0, "w": 160.0}
 """What sets err alike [m], so that none shows it in another: by precise orbits of Sentinel-3A and Jason-3."""
+
+STORM = 80.0
+"""Daily mean ap from which on storms of the last days more than double the variance along the track.
+
+Of what improved sets left of 749 objects on 523 mornings of 2022-23 and 2025, intervals of 90 % held 93 %
+after days up to an ap of 50, and 83 % above; with this 93 and 92 %.
+"""
+
+STORM_DAYS = 3
+"""Days before the date whose storms count."""
 
 _EDGES = 1e3 * np.array([400.0, 500.0, 600.0, 700.0])  # [m]
 # Of SGP4 in later sets, 68 % of 975 objects of 2026 that look passive, at LEADS by band of height [m].
@@ -263,7 +277,7 @@ def predict(
         changed(published, how["motion"], how["bstar"]),
         published,
         how,
-        _sizes(identity, how, past, errors),
+        _sizes(identity, how, past, errors, _after_storm(known.weather.kp, how["height"])),
         past,
         better.sets[place],
     )
@@ -339,10 +353,25 @@ def _apart(flown: Satrec, judge: Satrec) -> tuple[float, float, float]:
     return r, s, w
 
 
-def _sizes(identity: ObjectId, how: pd.Series, past: pd.DataFrame, errors: pd.DataFrame) -> pd.DataFrame:
+def _after_storm(kp: np.ndarray, height: float) -> float:
+    """Return by how much errors along the track are larger after the last days' geomagnetic activity.
+
+    kp: three-hourly, up to the date
+    height: of the object [m]; above the tables of densities drag is too small
+    """
+    if height > density.HEIGHTS[-1]:
+        return 1.0
+    ap = nrlmsis.ap_of_kp(kp[-INTERVALS * STORM_DAYS :]).reshape(STORM_DAYS, INTERVALS).mean(axis=1)
+    return math.hypot(1.0, ap.max() / STORM)
+
+
+def _sizes(
+    identity: ObjectId, how: pd.Series, past: pd.DataFrame, errors: pd.DataFrame, after_storm: float
+) -> pd.DataFrame:
     """Return the sizes of errors by lead, as in `Prediction`.
 
     errors: of `errors_of_sets`
+    after_storm: of `_after_storm`
     """
     is_known = np.isfinite(how[f"sigma_{LEADS[-1]}d"])
     if not is_known and len(errors) < FEWEST:
@@ -361,6 +390,7 @@ def _sizes(identity: ObjectId, how: pd.Series, past: pd.DataFrame, errors: pd.Da
         sizes.loc[LEADS[1:], "s"] = sigma
         sizes.loc[LEADS[1:], "sgp4"] = np.hypot(sigma, correction)
         sizes.loc[0, ["s", "sgp4"]] = min(sizes.loc[0, "s"], sizes.loc[1, "s"])
+    sizes[["s", "sgp4"]] *= after_storm
     # An orbit that is too low by x gains 3/2 of its rate times x.
     gained = np.gradient(np.maximum.accumulate(sizes["s"]), np.array(LEADS, float)) / DAY
     sizes["r"] = np.hypot(sizes["r"], gained / (1.5 * how["motion"] / _MINUTE))

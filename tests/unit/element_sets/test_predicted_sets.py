@@ -85,6 +85,17 @@ def test_a_past_that_errs_more_widens(made):
     assert prediction._factor(past.assign(left=1e6)) < 4.0
 
 
+def test_storms_of_the_last_days_widen_along_the_track(made, file, monkeypatch):
+    kp = np.r_[np.full(40, 2.0), np.full(8, 7.0)]  # a daily ap of 132 at the end
+    assert prediction._after_storm(kp, 500e3) == np.hypot(1.0, 132.0 / prediction.STORM)
+    assert prediction._after_storm(np.r_[kp, np.zeros(24)], 500e3) == 1.0
+    assert prediction._after_storm(kp, 1.3e6) == 1.0
+    monkeypatch.setattr(prediction, "STORM", 1.0)
+    stormy = prediction.predict(file, date=DATE).sizes
+    assert (stormy.loc[1:, ["s", "sgp4"]] > 2.0 * made.sizes.loc[1:, ["s", "sgp4"]]).all(axis=None)
+    pd.testing.assert_series_equal(stormy["w"], made.sizes["w"])
+
+
 def test_errors_of_sets_are_those_of_later_ones(tmp_path):
     """Of sets that are a kilometre ahead from the last day on, those before err by this."""
     (tmp_path / "sets.tle").write_text(tle_text(history(np.arange(15.0), ahead={14.0: 1000.0})))

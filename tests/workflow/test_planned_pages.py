@@ -1,0 +1,77 @@
+"""docs/lasers.md, labels.md and wildcards.md: their files, commands and products, planned."""
+
+import re
+import shutil
+
+import pytest
+from following import Reader, blocks, files, page
+from support import shared
+
+VALUES = {
+    "rso": "iss",
+    "stations": "eglin",
+    "window": "_w24",
+    "reading": "_track",
+    "label": "_later",
+    "train": "days-0-30",
+    "learner": "svr",
+    "component": "e_y",
+    "target": "iss_i50",
+    "test": "days-30-40",
+    "members": "30",
+    "hours": "24",
+    "arc": "_l48",
+    "memory": "_m30",
+    "track": "352",
+}
+NEED_SETTINGS = ("element_sets/", "starts/", "sgp4/", "conjunctions/", "catalogue/", "figs/catalogue/")
+"""Products of objects whose files are in the settings, and of parts of a study or a catalogue."""
+
+
+@pytest.fixture
+def reader(tmp_path):
+    return Reader(tmp_path)
+
+
+def commands(name):
+    """The commands of a page that run Snakemake, as plans."""
+    found = re.findall(r"^    (snakemake -j2 .*)$", page(name), re.MULTILINE)
+    return [f".venv/bin/{text.replace('-j2', '-n', 1)}" for text in found]
+
+
+def products():
+    """The products of docs/wildcards.md whose wildcards have VALUES, and the examples that it gives."""
+    text = page("wildcards")
+    table = text.partition("## Products")[2].partition("## Wildcards")[0]
+    named = [one for one in re.findall(r"`([a-z_]+/[^` ]+\.[a-z]+)`", table) if "{" in one]
+    made = [one for one in named if set(re.findall(r"\{([^}]*)\}", one)) <= set(VALUES)]
+    examples = re.findall(r"`([a-z_]+/[^` {<]*iss[^` {<]*\.[a-z]+)`", text)
+    return [one.format(**VALUES) for one in made if not one.startswith(NEED_SETTINGS)] + examples
+
+
+def test_lasers(reader):
+    for kind in (
+        "lageos2_2016-02-14.crd.gz",
+        "SLRF2014.snx.gz",
+        "ecc_une.snx.gz",
+        "lageos2_cpf_160213_5441.sgf",
+    ):
+        shutil.copy(shared(f"real/crd/{kind}"), reader.folder)
+    (settings,) = files(blocks(page("lasers"))).values()
+    reader.save(settings)
+    (command,) = commands("lasers")
+    assert "Job stats:" in reader.run(command)
+
+
+def test_labels(reader):
+    (settings,) = files(blocks(page("labels"))).values()
+    reader.save(settings)
+    (command,) = commands("labels")
+    assert "Job stats:" in reader.run(command)
+
+
+def test_wildcards(reader):
+    (command,) = commands("wildcards")
+    made = " ".join(f"results/{product}" for product in products())
+    weather = "--config environment='{solar_activity: OBSERVED, knowledge: forecast}'"
+    assert "Job stats:" in reader.run(f"{command.replace('-n', f'-n {weather} --', 1)} {made}")
