@@ -12,6 +12,7 @@ import pytest
 from unchanged import made_once
 
 from opml.base.constants import BODIES, DAY, EARTH_GM
+from opml.base.errors import InputError
 from opml.catalog.fit.estimation import Estimation
 from opml.dynamics import forces
 from opml.dynamics.kernels.lanes import WIDTH
@@ -67,6 +68,21 @@ def shared(name):
     if not path.exists():
         pytest.skip(f"needs {name} beside the repository (or under OPML_SHARED)")
     return path
+
+
+def edited(path, old, new):
+    """A file in which one piece of text, which it has, is another."""
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    return path
+
+
+def refusal(read, *given, **options):
+    """What a reader says of a file that it refuses."""
+    with pytest.raises(InputError) as error:
+        read(*given, **options)
+    return str(error.value)
 
 
 def in_rows(values):
