@@ -16,6 +16,7 @@ from opml.base.errors import InputError
 from opml.catalog.fit.estimation import Estimation
 from opml.dynamics import forces
 from opml.dynamics.kernels.lanes import WIDTH
+from opml.dynamics.run_environment import Environment
 from opml.environment import celestial_bodies, earth_orientation, gravity_field, nodes, solar_activity
 from opml.orbits.elements import cartesian_from_coe, true_from_mean_anomaly
 from opml.orbits.sheets import Station, read_rsos, read_stations
@@ -123,7 +124,7 @@ def precise_model(degree):
 
 def _surroundings(field):
     read = gravity_field.read_icgem(gravity_field.resolve(field))
-    return forces.Environment(
+    return Environment(
         EPOCH,
         **environment(),
         gravity_field=gravity_field.table(read, EPOCH),
