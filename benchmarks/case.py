@@ -13,6 +13,7 @@ from opml.catalog.simulate.truth import initial_state
 from opml.dynamics import forces
 from opml.dynamics.ensemble import Departures, Integrator, propagate
 from opml.dynamics.kernels.surroundings import ForceModel
+from opml.dynamics.run_environment import Environment
 from opml.environment import celestial_bodies, earth_orientation, gravity_field, nodes, solar_activity
 from validation.case import Case
 
@@ -105,7 +106,7 @@ def force_model(name: str, *, days: float = 2 * DAYS, field: str = "EGM2008") ->
     """Return the paper's force model 'truth' or 'assumed' over `days`; field: its name or path."""
     read, settings = gravity_field.read_icgem(gravity_field.resolve(field)), paper().force_models[name]
     table = gravity_field.table(read.truncate(settings["degree"], settings["order"]), paper().epoch)
-    surroundings = forces.Environment(
+    surroundings = Environment(
         paper().epoch, **environment(days), gravity_field=table, gm=read.gm, radius=read.radius
     )
     return forces.build(

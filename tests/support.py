@@ -12,9 +12,11 @@ import pytest
 from unchanged import made_once
 
 from opml.base.constants import BODIES, DAY, EARTH_GM
+from opml.base.errors import InputError
 from opml.catalog.fit.estimation import Estimation
 from opml.dynamics import forces
 from opml.dynamics.kernels.lanes import WIDTH
+from opml.dynamics.run_environment import Environment
 from opml.environment import celestial_bodies, earth_orientation, gravity_field, nodes, solar_activity
 from opml.orbits.elements import cartesian_from_coe, true_from_mean_anomaly
 from opml.orbits.sheets import Station, read_rsos, read_stations
@@ -69,6 +71,21 @@ def shared(name):
     return path
 
 
+def edited(path, old, new):
+    """A file in which one piece of text, which it has, is another."""
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    return path
+
+
+def refusal(read, *given, **options):
+    """What a reader says of a file that it refuses."""
+    with pytest.raises(InputError) as error:
+        read(*given, **options)
+    return str(error.value)
+
+
 def in_rows(values):
     """Values (n,) as rows of lanes (rows, WIDTH), the last one repeated to fill the last row."""
     values = np.asarray(values, dtype=float)
@@ -107,7 +124,7 @@ def precise_model(degree):
 
 def _surroundings(field):
     read = gravity_field.read_icgem(gravity_field.resolve(field))
-    return forces.Environment(
+    return Environment(
         EPOCH,
         **environment(),
         gravity_field=gravity_field.table(read, EPOCH),

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import BODIES, GM
-from opml.dynamics import forces
+from opml.dynamics import forces, run_environment
 from opml.dynamics.ensemble import Departures, Integrator, propagate
 from opml.dynamics.kernels import surroundings
 from opml.dynamics.kernels.acceleration import SCRATCH_ROWS, density
@@ -39,7 +39,7 @@ class Environment:
 
     def model(self, settings: Mapping[str, Any]) -> ForceModel:
         """The force model of degree, order, third_bodies, and tides and relativity where on."""
-        environment = forces.Environment(
+        environment = run_environment.Environment(
             self.epoch,
             **self.tables,
             gm=self.gm,

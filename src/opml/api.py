@@ -26,8 +26,8 @@ from opml.catalog.predict.spread import Weathers
 from opml.catalog.simulate import tracking, truth
 from opml.dynamics import forces
 from opml.dynamics.ensemble import Integrator
-from opml.dynamics.forces import Environment
 from opml.dynamics.kernels.surroundings import ForceModel
+from opml.dynamics.run_environment import Environment
 from opml.element_sets import prediction as set_prediction
 from opml.element_sets.prediction import Prediction
 from opml.environment import MARGIN_S, nodes, solar_activity

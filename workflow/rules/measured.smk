@@ -54,7 +54,7 @@ if PLAN.settings.files_of(kinds.FIXES):
         params:
             settings=lambda wildcards: {
                 **PARAMS.span,
-                "fixing": PARAMS.taking(wildcards),
+                "taking": PARAMS.taking(wildcards),
                 "manoeuvres": PLAN.settings.manoeuvres(wildcards.rso),
                 **contents(PLAN.settings.files_of(kinds.FIXES)[wildcards.rso]),
             },
@@ -89,7 +89,7 @@ if PLAN.settings.files_of(kinds.RANGES):
         params:
             settings=lambda wildcards: {
                 **PARAMS.span,
-                "ranging": PARAMS.taking(wildcards),
+                "taking": PARAMS.taking(wildcards),
                 "manoeuvres": PLAN.settings.manoeuvres(wildcards.rso),
                 **contents(
                     [
@@ -125,7 +125,7 @@ if PLAN.settings.files_of(kinds.ELEMENTS):
         params:
             settings=lambda wildcards: {
                 "epoch": config["epoch"],
-                "history": PARAMS.taking(wildcards),
+                "taking": PARAMS.taking(wildcards),
                 **contents(PLAN.settings.files_of(kinds.ELEMENTS)[wildcards.rso]),
             },
             code=code("element_sets.py"),
@@ -151,7 +151,7 @@ if PLAN.settings.files_of(kinds.ELEMENTS):
         params:
             settings=lambda wildcards: {
                 **PARAMS.span,
-                "history": PARAMS.taking(wildcards),
+                "taking": PARAMS.taking(wildcards),
                 "manoeuvres": PLAN.settings.manoeuvres(wildcards.rso),
             },
             code=code("fixes_from_elements.py"),

@@ -9,9 +9,9 @@ from opml.workflow.jobs import job
 with job(snakemake) as metadata:
     settings = JobSettings(snakemake.params.settings)
     history = histories.read(
-        snakemake.input, epoch=settings.epoch, leave_out_damaged=settings.history["leave_out_damaged"]
+        snakemake.input, epoch=settings.epoch, leave_out_damaged=settings.taking["leave_out_damaged"]
     )
-    sets = histories.of_object(history.sets, settings.history["number"])
+    sets = histories.of_object(history.sets, settings.taking["number"])
     metadata |= object_ids.facts(history.objects[sets["number"].iloc[0]])
     metadata |= {"damaged": len(history.damaged), "doubles": history.doubles}
     write_table(snakemake.output[0], sets, "element_sets", metadata=metadata)

@@ -10,7 +10,7 @@ from opml.workflow.jobs import job
 
 with job(snakemake) as metadata:
     settings = JobSettings(snakemake.params.settings)
-    history, duration = settings.history, DAY * settings.duration_days
+    history, duration = settings.taking, DAY * settings.duration_days
     sets = measured_sets.of_run(read_table(snakemake.input[0], "element_sets"), duration)
     named = manoeuvres.at_times(settings.manoeuvres, epoch=settings.epoch)
     known = burns_in_sets.manoeuvres_of(sets, named, epoch=settings.epoch, find=history["find_manoeuvres"])

@@ -17,9 +17,9 @@ with job(snakemake) as metadata:
     points = points_from_files.read(
         files,
         read_table(orientation, "earth_orientation"),
-        points_from_files.Sampling(settings.fixing["sigmas"], settings.fixing["every_s"]),
+        points_from_files.Sampling(settings.taking["sigmas"], settings.taking["every_s"]),
     )
-    table = fixes.stretches(points, length=HOUR * settings.fixing["stretch_hours"])
+    table = fixes.stretches(points, length=HOUR * settings.taking["stretch_hours"])
     identity, burns = points_from_files.beside(files)
     named = manoeuvres.at_times(settings.manoeuvres, epoch=settings.epoch)
     metadata |= manoeuvres.facts(named + burns) | object_ids.facts(identity)

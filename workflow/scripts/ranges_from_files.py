@@ -11,15 +11,15 @@ from opml.workflow.jobs import job
 with job(snakemake) as metadata:
     settings, files = JobSettings(snakemake.params.settings), snakemake.input
     coordinates, eccentricities = files.sites
-    points, without = crd.read(files.points, epoch=settings.epoch), settings.ranging["without"]
+    points, without = crd.read(files.points, epoch=settings.epoch), settings.taking["without"]
     table = laser_ranges.table(
         laser_ranges.of_run(points, DAY * settings.duration_days, without=without),
         laser_ranges.Sites(sinex.read_coordinates(coordinates), sinex.read_eccentricities(eccentricities)),
         epoch=settings.epoch,
         earth_orientation=read_table(files.earth_orientation, "earth_orientation"),
         ephemerides=read_table(files.ephemerides, "ephemerides"),
-        sigma=settings.ranging["sigma_m"],
-        offset=settings.ranging["reflectors_m"],
+        sigma=settings.taking["sigma_m"],
+        offset=settings.taking["reflectors_m"],
     )
     metadata |= manoeuvres.facts(manoeuvres.at_times(settings.manoeuvres, epoch=settings.epoch))
     write_table(snakemake.output[0], table, "laser_ranges", metadata=metadata)

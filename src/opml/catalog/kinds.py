@@ -109,3 +109,13 @@ def of_table(table: pd.DataFrame) -> Kind:
         if columns[kind.table] & set(table.columns) - others:
             return kind
     raise InputError(f"expected a table {', '.join(columns)}, got one of {', '.join(table.columns)}")
+
+
+def track_times(tracking: pd.DataFrame) -> pd.DataFrame:
+    """Return by track when its estimate is, `at`, and since when its measurements are known, `known` [s].
+
+    tracking: of any kind; where it tells neither, they are a track's first and last time
+    """
+    t = tracking["t"]
+    told = pd.DataFrame({"at": tracking.get("t_estimate", t), "known": tracking.get("t_known", t)})
+    return told.groupby(tracking["track"]).agg({"at": "min", "known": "max"})

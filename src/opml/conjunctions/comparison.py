@@ -23,10 +23,10 @@ from opml.conjunctions.approaches import FEWEST, LONGEST_STEP, STEP, Path
 from opml.conjunctions.screening import EPOCH, covariances_at
 from opml.environment import earth_orientation, nodes
 from opml.interop import ccsds, fixes_csv, oem
+from opml.interop.curves.orbit_curve import rotate_to_gcrf
 from opml.interop.element_sets import histories
 from opml.interop.element_sets.mean_elements import MOST_DAYS
 from opml.interop.orbit_arcs import Arc, contents
-from opml.interop.orbit_curve import rotate_to_gcrf
 from opml.interop.orbit_from_files import OrbitFiles, is_orbit, whole_arcs
 from opml.orbits.elements import bent_rsw, rsw_rotation
 from opml.orbits.rsw_covariance import mahalanobis

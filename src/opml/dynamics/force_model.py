@@ -6,8 +6,9 @@ from typing import Any
 import pandas as pd
 
 from opml.dynamics.ensemble import Integrator
-from opml.dynamics.forces import Environment, build, with_outlooks
+from opml.dynamics.forces import build, with_outlooks
 from opml.dynamics.kernels.surroundings import ForceModel
+from opml.dynamics.run_environment import Environment
 from opml.tables import ENVIRONMENT, OPTIONAL, OUTLOOKS, THERMOSPHERE, read_metadata, read_table
 
 

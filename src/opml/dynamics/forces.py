@@ -1,45 +1,25 @@
 """A force model as the kernels read it, from the environment's tables."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import BODIES, GM, SPEED_OF_LIGHT
+from opml.base.constants import BODIES, SPEED_OF_LIGHT
 from opml.base.epochs import days_of_year
 from opml.base.thermosphere_grid import ALTITUDES, DENSITIES, LATITUDES, LOCAL_TIMES
 from opml.dynamics import solid_tides as solid_earth
 from opml.dynamics.frames import ORIENTATION, spin
 from opml.dynamics.kernels import dtm2000
-from opml.dynamics.kernels import tides as kernel
 from opml.dynamics.kernels.gravity import weights
 from opml.dynamics.kernels.surroundings import ForceModel
-from opml.dynamics.kernels.tides import DEGREE, ORDER, Tides, no_tides
+from opml.dynamics.kernels.tides import DEGREE, ORDER, no_tides, tides
+from opml.dynamics.run_environment import Environment
 from opml.environment import celestial_bodies, earth_orientation, gravity_field
 from opml.environment.weather import ACTIVITY
 
 _EMPTY = np.empty((0, len(LOCAL_TIMES), len(LATITUDES), len(ALTITUDES)), np.float32)
-
-
-@dataclass(frozen=True)
-class Environment:
-    """What Earth, Sun and Moon do around a run that starts at `epoch` (UTC text).
-
-    The four tables are those of docs/data.md; gm [m3/s2] and radius [m] are the gravity field's, and gms
-    [m3/s2] the bodies', by name. tide_system is the field's, as ICGEM files name it.
-    """
-
-    epoch: str
-    earth_orientation: pd.DataFrame
-    ephemerides: pd.DataFrame
-    solar_activity: pd.DataFrame
-    gravity_field: pd.DataFrame
-    gm: float
-    radius: float
-    gms: Mapping[str, float] = field(default_factory=lambda: GM)
-    tide_system: str = "unknown"
 
 
 def tabulated(
@@ -112,7 +92,7 @@ def build(
         thermosphere=coefficients,
         tabulated=_EMPTY if thermosphere is None else logarithms(thermosphere),
         weights=factors,
-        tides=_tides(environment, factors, len(c) - 1) if solid_tides else no_tides(),
+        tides=tides(solid_earth.nodes(environment), factors, len(c) - 1) if solid_tides else no_tides(),
         columns=c.shape[1] + 1,
         degree=len(c),
         gm=float(environment.gm),
@@ -121,20 +101,6 @@ def build(
         known=np.empty(0, int),
         outlooks=np.empty((0, 0, activity.shape[1])),
     )
-
-
-def _tides(environment: Environment, still: np.ndarray, degree: int) -> Tides:
-    """Return the tides of a field with the weights `still`."""
-    nodes = solid_earth.nodes(
-        environment.epoch,
-        environment.earth_orientation,
-        environment.ephemerides,
-        gm=environment.gm,
-        radius=environment.radius,
-        gms=environment.gms,
-        tide_system=environment.tide_system,
-    )
-    return kernel.tides(nodes, still, degree)
 
 
 def _padded(coefficients: np.ndarray) -> np.ndarray:

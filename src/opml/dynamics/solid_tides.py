@@ -4,7 +4,6 @@ Source: IERS Conventions 2010 (Technical Note 36), sec. 6.2.1: step 1, in which 
 to the attraction by one Love number (eq. 6.6, 6.7), and step 2, the corrections for each frequency (eq. 6.8).
 """
 
-from collections.abc import Mapping
 from importlib import resources
 from io import StringIO
 
@@ -16,6 +15,7 @@ from opml.base import epochs
 from opml.base.constants import EARTH_RATE
 from opml.dynamics.frames import gcrf_to_itrf
 from opml.dynamics.kernels.tides import COLUMNS, TERMS
+from opml.dynamics.run_environment import Environment
 from opml.environment.gravity_field import ZERO_TIDE, check_tide_system
 
 RAISED_BY = ("moon", "sun")
@@ -45,44 +45,33 @@ _DAYS_PER_CENTURY = 36525.0
 _J2000 = 2451545.0
 
 
-def nodes(
-    epoch: str,
-    earth_orientation: pd.DataFrame,
-    ephemerides: pd.DataFrame,
-    *,
-    gm: float,
-    radius: float,
-    gms: Mapping[str, float],
-    tide_system: str,
-) -> np.ndarray:
+def nodes(environment: Environment) -> np.ndarray:
     """Return changes of fully normalised coefficients (nodes, COLUMNS), as kernels.tides reads them.
 
-    epoch: UTC text
-    earth_orientation, ephemerides: tables of the same nodes
-    gm, radius: of the field [m3/s2, m]
-    gms: of the bodies [m3/s2], by name
-    tide_system: of the field, as ICGEM files name it
+    environment: its tables of Earth orientation and ephemerides have the same nodes
 
     They are those in a frame that does not turn with the Earth, where they change with the Moon's way alone,
     so that hourly nodes will do. Raises InputError for a field that they cannot be added to.
     """
-    check_tide_system(tide_system)
+    check_tide_system(environment.tide_system)
+    earth_orientation = environment.earth_orientation
     t = earth_orientation["t"].to_numpy()
     changes = dict.fromkeys(TERMS, np.zeros(len(t), complex))
     for body in RAISED_BY:
-        positions = ephemerides[[f"{body}_{axis}" for axis in "xyz"]].to_numpy()
+        positions = environment.ephemerides[[f"{body}_{axis}" for axis in "xyz"]].to_numpy()
+        mass = environment.gms[body] / environment.gm
         places = np.einsum("nij,nj->in", gcrf_to_itrf(earth_orientation, t), positions)
-        for term, change in _equilibrium(places, gms[body] / gm, radius).items():
+        for term, change in _equilibrium(places, mass, environment.radius).items():
             changes[term] = changes[term] + change
     angle = earth_orientation["era_offset"].to_numpy() + EARTH_RATE * t
     out = np.zeros((len(t), COLUMNS))
-    corrections = _corrections(epoch, t)
+    corrections = _corrections(environment.epoch, t)
     for k, (n, m) in enumerate(TERMS):
         still = changes[n, m] * np.exp(-1j * m * angle)
         if n == 2:
             still = still + corrections[m]
         out[:, 2 * k], out[:, 2 * k + 1] = still.real, -still.imag
-    if tide_system == ZERO_TIDE:
+    if environment.tide_system == ZERO_TIDE:
         out[:, 2 * TERMS.index((2, 0))] -= _PERMANENT
     return out
 

@@ -13,9 +13,9 @@ import pandas as pd
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import ccsds, fixes_csv
+from opml.interop.curves.orbit_curve import rotate_to_gcrf
 from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.interop.orbit_arcs import MOST_APART, Arc, contents
-from opml.interop.orbit_curve import rotate_to_gcrf
 from opml.interop.orbit_from_files import OrbitFiles, check_together, is_orbit, outside, whole_arcs
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, STATE

@@ -1,8 +1,8 @@
 """The table `truth` from a real orbit in SP3, CPF or OEM, in place of a simulated one.
 
 The nodes of all files are rotated to GCRF with the package's Earth orientation, bridged by the Earth's
-gravity from node to node (opml.interop.bridging) and interpolated on the run's grid. Intervals longer than
-MOST_APART and breaks of the orbit (opml.interop.orbit_breaks) stay open; the table has no rows there. Where
+gravity from node to node (curves.gravity_interpolation) and interpolated on the run's grid. Intervals longer
+than MOST_APART and breaks of the orbit (curves.orbit_breaks) stay open; the table has no rows there. Where
 files or segments overlap, that with the later beginning counts.
 """
 
@@ -18,9 +18,10 @@ import pandas as pd
 from opml.base.errors import InputError
 from opml.dynamics.attraction import Attraction
 from opml.environment import earth_orientation, gravity_field, nodes
-from opml.interop import ccsds, object_ids, orbit_breaks
+from opml.interop import ccsds, object_ids
+from opml.interop.curves import orbit_breaks
+from opml.interop.curves.orbit_curve import ON_NODE, OrbitCurve, fit_curve
 from opml.interop.orbit_arcs import MOST_APART, Arc
-from opml.interop.orbit_curve import ON_NODE, OrbitCurve, fit_curve
 from opml.interop.orbit_from_files import OrbitFiles, read_arcs
 from opml.tables import STATE
 

@@ -264,7 +264,7 @@ def _check_measured(source: Source, settings: Settings, kind: Kind) -> None:
         with source.naming((kind.name, name)):
             rso = sheets.parse_rso(name, settings.rsos)
             if others := [other for other in KINDS if other is not kind and name in settings.files_of(other)]:
-                raise InputError(f"expected {kinds.names()}, got {others[0].name} of {name}, too")
+                raise InputError(f"expected one of {kinds.names()}, got {kind.name} and {others[0].name}")
             asked = Asked(
                 paths,
                 settings.taking(kind, name),

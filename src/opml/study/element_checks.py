@@ -1,4 +1,4 @@
-"""Checks of a study of public mean elements: their files, their windows, and the learners that suit them."""
+"""Which learners suit a study: of public mean elements, and of fits that filters know nothing of."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any

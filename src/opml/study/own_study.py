@@ -15,6 +15,7 @@ from opml.naming import Experiment
 from opml.report.answer import ALL_MODELS, Sources
 from opml.report.own_study import OwnStudyReport
 from opml.study.experiments import FILES, FILTERS, MEASURED, SIMULATED, Study
+from opml.study.settings.model.run import HistorySettings
 
 RUNNING = ("running24m3", "running24", "running48m3", "running", "running96m3", "running96")
 """Laws on the running mean of Cd. Those of one window share their arcs: another memory costs nothing."""
@@ -312,15 +313,13 @@ class OwnStudy:
             figures={shows: f"figs/{name}.png" for shows, name in figures.items()},
         )
 
-    def _finds_burns(self, rso: str) -> bool:
-        """Return whether an RSO's measurements tell of burns that are not named."""
-        kind = self.study.settings.kind_of(rso)
-        return kind is not None and self.study.settings.taking(kind, rso).finds_burns
-
     def _manoeuvres(self, rso: str) -> str:
         """Return in words which manoeuvres of an RSO are known, '' where it is simulated."""
         settings = self.study.settings
-        others = "; others are found in the history" if self._finds_burns(rso) else ""
+        kind = settings.kind_of(rso)
+        taking = settings.taking(kind, rso) if kind else None
+        found = isinstance(taking, HistorySettings) and taking.find_manoeuvres
+        others = "; others are found in the history" if found else ""
         return {
             MEASURED: f"named in `manoeuvres`: {len(settings.manoeuvres(rso))}{others}",
             FILES: "known are those that the orbit's files mark",

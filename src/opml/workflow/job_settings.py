@@ -31,9 +31,7 @@ class JobSettings:
     rsos: Sequence[Values]
     stations: Sequence[Values]
     estimation: Values
-    fixing: Values
-    ranging: Values
-    history: Values
+    taking: Values
     light_time: bool
     positions_alone: bool
     cleaning: Values

@@ -23,18 +23,24 @@ def flight(iss):
 
 
 @pytest.fixture(scope="module")
-def run(flight, earth_orientation, three_stations):
-    """What estimates, sensitivities and covariances of two days are made of."""
-    orbit = truth.simulate(flight, duration=2 * DAY, step=20.0)
+def orbit(flight):
+    """Two days of it."""
+    return truth.simulate(flight, duration=2 * DAY, step=20.0)
+
+
+@pytest.fixture(scope="module")
+def fit(flight, orbit, earth_orientation, three_stations):
+    """How its estimates are made."""
     rows = tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1)
     starts = start_states.perturbed(orbit, rows, rso="iss", settings=BOUNDED_ESTIMATION, seed=42)
     measured = sightings.Measured(rows, earth_orientation, three_stations)
 
-    def make():
-        estimates = estimation.estimate_all(flight, starts, measured, settings=BOUNDED_ESTIMATION)
-        return estimates, prediction.predict_all(flight, orbit, estimates, max_days=2.0)
+    return lambda: estimation.estimate_all(flight, starts, measured, settings=BOUNDED_ESTIMATION)
 
-    return make
+
+@pytest.fixture(scope="module")
+def estimates(fit):
+    return fit()
 
 
 @pytest.fixture
@@ -55,17 +61,16 @@ def test_a_small_field_is_that_of_the_neighbours_too(iss):
     assert flight.for_neighbours() is flight
 
 
-def test_fits_come_to_the_same_answer(run, whole_field):
-    estimates, _ = run()
+def test_fits_come_to_the_same_answer(estimates, fit, whole_field):
     whole_field()
-    expected, _ = run()
+    expected = fit()
     sigmas = np.sqrt(expected[SIGMAS].to_numpy())
     assert not np.array_equal(estimates[PARAMETERS], expected[PARAMETERS])
     assert np.abs((estimates[PARAMETERS] - expected[PARAMETERS]).to_numpy() / sigmas).max() < 0.01
     np.testing.assert_allclose(estimates[SIGMAS], expected[SIGMAS], rtol=0.01)
 
 
-def test_the_first_trial_of_a_fit_alone_flies_under_the_whole_field(run, monkeypatch):
+def test_the_first_trial_of_a_fit_alone_flies_under_the_whole_field(fit, monkeypatch):
     counts = []
     fly = Flight.fly
 
@@ -75,13 +80,13 @@ def test_the_first_trial_of_a_fit_alone_flies_under_the_whole_field(run, monkeyp
         return fly(flight, epochs, states, **arguments)
 
     monkeypatch.setattr(Flight, "fly", counted)
-    estimates, _ = run()
+    estimates = fit()
     iterations = estimates["iterations"].sum()
     assert estimates["converged"].all()
     assert len(estimates) <= sum(counts) < 0.7 * iterations
     counts.clear()
     monkeypatch.setattr(iterations_of_fits, "NEAR", -1.0)
-    every, _ = run()
+    every = fit()
     assert sum(counts) >= every["iterations"].sum()
     sigmas = np.sqrt(every[SIGMAS].to_numpy())
     assert np.abs((estimates[PARAMETERS] - every[PARAMETERS]).to_numpy() / sigmas).max() < 0.01
@@ -109,8 +114,10 @@ def test_an_arc_beside_another_is_where_it_would_have_flown(flight, iss, ahead, 
     assert 0.0 < off.max() < part * distance.max()
 
 
-def test_sensitivities_and_covariances_are_the_same_but_for_a_part_of_a_percent(flight, run, whole_field):
-    estimates, predictions = run()
+def test_sensitivities_and_covariances_are_the_same_but_for_a_part_of_a_percent(
+    flight, orbit, estimates, whole_field
+):
+    predictions = prediction.predict_all(flight, orbit, estimates, max_days=2.0)
     near = sensitivity.sensitivities(flight, estimates, predictions, bounds=None)
     carried = covariance.propagated(flight, estimates, predictions)
     whole_field()

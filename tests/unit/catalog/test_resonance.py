@@ -10,6 +10,7 @@ from opml.catalog.predict import resonance
 from opml.catalog.predict.resonance import Resonances
 from opml.dynamics import forces
 from opml.dynamics.ensemble import Departures, Integrator, propagate
+from opml.dynamics.run_environment import Environment
 from opml.environment import gravity_field
 from opml.orbits.elements import cartesian_from_coe, rsw_rotation
 from opml.tables import STATE
@@ -73,7 +74,7 @@ def field(*, order):
     read = gravity_field.read_icgem(gravity_field.resolve("EGM2008"))
     table = gravity_field.table(read, EPOCH)
     kept = (table["n"] <= 20) | (table["m"] == order)
-    surroundings = forces.Environment(
+    surroundings = Environment(
         EPOCH,
         **environment(),
         gravity_field=table[kept & (table["n"] <= 40)],

@@ -2,6 +2,7 @@
 
 import numba
 import numpy as np
+import pandas as pd
 import pytest
 from support import EPOCH, environment, precise_model, rsos
 
@@ -13,6 +14,7 @@ from opml.dynamics.ensemble import Departures, Integrator, propagate
 from opml.dynamics.kernels import surroundings, tides
 from opml.dynamics.kernels.gravity import weights
 from opml.dynamics.kernels.surroundings import TIDE
+from opml.dynamics.run_environment import Environment
 from opml.environment import celestial_bodies, earth_orientation, gravity_field
 from opml.tables import write_table
 
@@ -32,13 +34,10 @@ def _add(values, first, risen, flown):
 
 def nodes(t, tide_system="tide_free"):
     """Changes of coefficients (n, COLUMNS) at times t (n,) [s], n from 6."""
+    of_earth, bodies = earth_orientation.tabulate(EPOCH, t), celestial_bodies.tabulate("DE440", EPOCH, t)
+    nothing = pd.DataFrame()
     return solid_tides.nodes(
-        EPOCH,
-        earth_orientation.tabulate(EPOCH, t),
-        celestial_bodies.tabulate("DE440", EPOCH, t),
-        **FIELD,
-        gms=GM,
-        tide_system=tide_system,
+        Environment(EPOCH, of_earth, bodies, nothing, nothing, **FIELD, tide_system=tide_system)
     )
 
 

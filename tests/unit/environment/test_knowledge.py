@@ -15,6 +15,7 @@ from opml.catalog.predict import prediction
 from opml.catalog.simulate import tracking
 from opml.catalog.simulate import truth as truths
 from opml.dynamics import forces
+from opml.dynamics.run_environment import Environment
 from opml.environment import gravity_field, knowledge, nodes, solar_activity, space_weather
 from opml.environment.knowledge import Issues
 from opml.environment.weather import Weather
@@ -99,7 +100,7 @@ def model(source, **settings):
     """A small force model that forecasts, under the weather of a source."""
     field = gravity_field.read_icgem(gravity_field.resolve("EGM2008"))
     tables = environment(3.0) | {"solar_activity": knowledge.hindcast(source, EPOCH, T)}
-    surroundings = forces.Environment(
+    surroundings = Environment(
         EPOCH,
         **tables,
         gravity_field=gravity_field.table(field.truncate(2, 2), EPOCH),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from orbit_files import cpf as written
-from support import EPOCH, shared
+from support import EPOCH, edited, refusal, shared
 
 from opml.base.errors import InputError
 from opml.interop import cpf
@@ -86,13 +86,8 @@ def test_another_satellite_is_refused(tmp_path):
     ],
 )
 def test_what_is_malformed_is_named_by_file_and_line(tmp_path, old, new, message):
-    path = written(tmp_path / "orbit.cpf", T, STATES)
-    text = path.read_text()
-    assert old in text
-    path.write_text(text.replace(old, new, 1))
-    with pytest.raises(InputError) as error:
-        read(path)
-    assert str(error.value).startswith(f"{path}: {message}")
+    path = edited(written(tmp_path / "orbit.cpf", T, STATES), old, new)
+    assert refusal(read, path).startswith(f"{path}: {message}")
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from support import refusal
 
 from opml.base.errors import InputError
 from opml.interop import crd
@@ -135,9 +136,7 @@ def test_what_is_malformed_is_named_by_file_and_line(tmp_path, old, new, message
     text = PASS.replace(old, new, 1)
     text = "\n".join(line.partition("#")[0] for line in text.splitlines()) + "\n"
     path = written(tmp_path, text)
-    with pytest.raises(InputError) as error:
-        crd.read([path], epoch=EPOCH)
-    assert str(error.value).startswith(f"{path}: {message}")
+    assert refusal(crd.read, [path], epoch=EPOCH).startswith(f"{path}: {message}")
 
 
 def test_no_weather_no_points_and_another_satellite_are_refused(tmp_path):

@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 import pytest
-from support import REPOSITORY
+from support import REPOSITORY, refusal
 
 from opml import cli
 from opml.base.errors import InputError
@@ -261,9 +261,7 @@ def test_elements_of_another_month_are_refused(written, capsys, epoch):
 )
 def test_what_is_malformed_is_named(written, text, message):
     path = written(text)
-    with pytest.raises(InputError) as error:
-        mean_elements.read(path)
-    assert str(error.value).startswith(f"{path}: {message}")
+    assert refusal(mean_elements.read, path).startswith(f"{path}: {message}")
 
 
 @pytest.mark.parametrize("name", ["1 KUNS-PF", "2 SAT", "N" * 45, "<script>", "[SAT]"])

@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+from support import edited, refusal
 
 from opml.base.errors import InputError
 from opml.catalog.fit.laser_ranges import Sites
@@ -82,11 +83,8 @@ def test_eccentricities_are_read_where_their_numbers_touch(tmp_path):
 )
 def test_what_is_malformed_is_named_by_file_and_line(tmp_path, read, old, new, message):
     text = COORDINATES if read == "read_coordinates" else ECCENTRICITIES
-    assert old in text
-    path = written(tmp_path, text.replace(old, new, 1))
-    with pytest.raises(InputError) as error:
-        getattr(sinex, read)(path)
-    assert str(error.value).startswith(f"{path}: {message}")
+    path = edited(written(tmp_path, text), old, new)
+    assert refusal(getattr(sinex, read), path).startswith(f"{path}: {message}")
 
 
 def test_points_of_a_site_are_told_apart(tmp_path):

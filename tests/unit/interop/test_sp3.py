@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from orbit_files import AHEAD_OF_UTC, flagged
 from orbit_files import sp3 as written
-from support import EPOCH
+from support import EPOCH, edited, refusal
 
 from opml.base.errors import InputError
 from opml.interop import sp3
@@ -107,13 +107,8 @@ def test_realisations_of_the_itrf_are_taken_for_it(tmp_path, frame):
     ],
 )
 def test_what_is_malformed_is_named_by_file_and_line(tmp_path, old, new, message):
-    path = written(tmp_path / "orbit.sp3", T, STATES)
-    text = path.read_text()
-    assert old in text
-    path.write_text(text.replace(old, new, 1))
-    with pytest.raises(InputError) as error:
-        read(path)
-    assert str(error.value).startswith(f"{path}: {message}")
+    path = edited(written(tmp_path / "orbit.sp3", T, STATES), old, new)
+    assert refusal(read, path).startswith(f"{path}: {message}")
 
 
 def test_a_position_without_an_epoch_or_twice_in_one_is_refused(tmp_path):

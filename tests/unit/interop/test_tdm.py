@@ -6,7 +6,7 @@ import erfa
 import numpy as np
 import pandas as pd
 import pytest
-from support import EPOCH
+from support import EPOCH, edited, refusal
 
 from opml.base.errors import InputError
 from opml.catalog.flight import Flight
@@ -121,12 +121,7 @@ def test_segments_may_be_without_an_id(message):
     ],
 )
 def test_what_is_malformed_is_named_by_file_and_line(message, old, new, line):
-    text = message.read_text()
-    assert old in text
-    message.write_text(text.replace(old, new, 1))
-    with pytest.raises(InputError) as error:
-        read(message)
-    assert str(error.value).startswith(f"{message}: {line}")
+    assert refusal(read, edited(message, old, new)).startswith(f"{message}: {line}")
 
 
 def test_a_cut_file_is_noticed(message):
@@ -259,10 +254,7 @@ def test_corrections_that_were_not_applied_are_added(table, message):
     ],
 )
 def test_messages_that_are_mixed_up_are_named_by_file_and_line(message, old, new, expected):
-    message.write_text(message.read_text().replace(old, new, 1))
-    with pytest.raises(InputError) as error:
-        tdm.measurements([message], epoch=EPOCH)
-    where, _, what = str(error.value).partition(": expected")
+    where, _, what = refusal(read, edited(message, old, new)).partition(": expected")
     line = message.read_text().splitlines()[int(where.split("line ")[1]) - 1]
     assert line.startswith("ANGLE_1")
     assert f"expected{what}" == expected.format(message)

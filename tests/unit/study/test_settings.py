@@ -806,7 +806,7 @@ def test_laser_ranges_stand_where_tracks_do_and_bring_stations_of_their_own(tmp_
         ({"text": RANGES.replace("ranges: ", "fixes: ")}, "ranging.mine: expected an RSO that has ranges"),
         (
             {"text": RANGES.replace("ranges:", "elements: {{mine: mine.tle}}\nranges:")},
-            "ranges.mine: expected tracks, fixes, ranges or elements, got elements of mine, too",
+            "ranges.mine: expected one of tracks, fixes, ranges or elements, got ranges and elements",
         ),
         (
             {"text": RANGES.replace("study: {{}}", "study: {{rsos: [mine, iss]}}")},

@@ -3,6 +3,7 @@
 from datetime import date
 
 import pytest
+from support import refusal
 
 from opml import cli
 from opml.base.errors import InputError
@@ -28,9 +29,7 @@ def check(day, first, *, duration_days=10.0):
 
 @pytest.mark.parametrize("dates", WRONG)
 def test_dates_that_are_no_mornings_are_refused(dates):
-    with pytest.raises(InputError) as error:
-        check(*dates)
-    assert str(error.value) == WRONG[dates]
+    assert refusal(check, *dates) == WRONG[dates]
 
 
 def test_a_run_ends():

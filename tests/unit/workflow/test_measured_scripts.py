@@ -90,7 +90,7 @@ def test_fixes_are_thinned_and_gathered_as_the_settings_say(taken, tmp_path, ori
     oem.write(tmp_path / "iss.oem", segments, epoch=EPOCH)
     files = Files(str(tmp_path / "iss.oem"), earth_orientation=orientation)
     fixing = {"sigmas": [1.0, 2.0, 3.0], "every_s": 600.0, "stretch_hours": 2.0}
-    table, facts = taken("fixes_from_files", files, duration_days=0.5, fixing=fixing)
+    table, facts = taken("fixes_from_files", files, duration_days=0.5, taking=fixing)
     assert table.groupby("track").size().tolist() == [12] * 6 + [1]
     assert (table[["sigma_r", "sigma_s", "sigma_w"]].to_numpy() == fixing["sigmas"]).all()
     measured = fitted_to(tmp_path, orientation)
@@ -109,19 +109,19 @@ def test_sets_of_mean_elements_are_read_weighed_and_flown_as_the_settings_say(ta
         "find_manoeuvres": False,
     }
     told = settings | {"sigma_m": [50.0, 100.0, 20.0]}
-    sets, facts = taken("element_sets", Files(str(tmp_path / "sets.tle")), history=told)
+    sets, facts = taken("element_sets", Files(str(tmp_path / "sets.tle")), taking=told)
     assert sets["number"].tolist() == [25544] * 3
     assert facts["object"] == {"name": "25544", "designator": "", "number": 25544}
     path = tmp_path / "sets.parquet"
     write_table(path, sets, "element_sets", metadata={})
-    table, facts = taken("fixes_from_elements", Files(str(path)), duration_days=2.5, history=told)
+    table, facts = taken("fixes_from_elements", Files(str(path)), duration_days=2.5, taking=told)
     assert table.groupby("track").size().tolist() == [37] * 2
     np.testing.assert_allclose(table["t_estimate"].unique(), [DAY, 2 * DAY], atol=1e-3)
     np.testing.assert_allclose(table[FIX_SIGMAS[:3]].iloc[0], np.array(told["sigma_m"]) * np.sqrt(37 / 2))
     assert fitted_to(tmp_path, orientation).states is not None
     assert facts["manoeuvres"] == [{"t": HOUR + 0.5, "anew": True}, {"t": 2 * HOUR, "anew": True}]
     learned, _ = taken(
-        "fixes_from_elements", Files(str(path)), duration_days=2.5, history=settings | {"sigma_m": None}
+        "fixes_from_elements", Files(str(path)), duration_days=2.5, taking=settings | {"sigma_m": None}
     )
     assert learned["sigma_r"].iloc[0] == pytest.approx(100.0 * np.sqrt(37 / 2))
 
@@ -134,7 +134,7 @@ def test_laser_ranges_know_their_stations_and_the_manoeuvres_of_the_settings(tak
     sites = [str(tmp_path / f"{name}.snx") for name in ("coordinates", "eccentricities")]
     files = Files(points=[str(tmp_path / "lageos.crd")], sites=sites, **tables)
     ranging = {"reflectors_m": 0.25, "sigma_m": 0.01, "without": [7119]}
-    table, facts = taken("ranges_from_files", files, duration_days=1.0, ranging=ranging)
+    table, facts = taken("ranges_from_files", files, duration_days=1.0, taking=ranging)
     assert table["station"].tolist() == ["7090", "7090"]
     one_way = 0.5 * np.array([0.0392, 0.0391]) * SPEED_OF_LIGHT
     np.testing.assert_allclose(table["range"], one_way + 0.25, rtol=1e-12)
@@ -192,7 +192,7 @@ def test_burns_that_are_found_stand_beside_those_that_are_named(taken, tmp_path)
     write_table(tmp_path / "sets.parquet", raised, "element_sets", metadata={})
     settings = {"reach_hours": 12.0, "every_s": 1200.0, "sigma_m": None, "find_manoeuvres": True}
     _, facts = taken(
-        "fixes_from_elements", Files(str(tmp_path / "sets.parquet")), duration_days=8.0, history=settings
+        "fixes_from_elements", Files(str(tmp_path / "sets.parquet")), duration_days=8.0, taking=settings
     )
     found = {"t": 5 * DAY, "known": 6 * DAY, "anew": True}
     named = [{"t": HOUR + 0.5, "anew": True}, {"t": 2 * HOUR, "anew": True}]

@@ -7,6 +7,7 @@ is over: the track of t_j, or a later track where the estimate is smoothed.
 import numpy as np
 import pandas as pd
 
+from opml.catalog import kinds
 from opml.orbits.elements import in_rsw, rsw_rotation
 from opml.tables import COMPONENTS, PARAMETER_COVARIANCES, SCHEMAS, SIGMAS, STATE, symmetric_matrices
 
@@ -47,11 +48,9 @@ def _known_at(estimates: pd.DataFrame, tracking: pd.DataFrame, *, after: float) 
 
     after: as in `build`
     """
-    tracks = tracking.groupby("track", sort=True)
-    ends = tracks["t_known" if "t_known" in tracking else "t"].max().to_numpy()
-    at = tracks["t_estimate" if "t_estimate" in tracking else "t"].min().to_numpy()
-    known: np.ndarray = ends[np.searchsorted(at, estimates["t"].to_numpy() + after, side="right") - 1]
-    return known
+    tracks = kinds.track_times(tracking)
+    newest = np.searchsorted(tracks["at"], estimates["t"].to_numpy() + after, side="right") - 1
+    return np.asarray(tracks["known"].to_numpy()[newest])
 
 
 def _states_of_fits(estimates: pd.DataFrame) -> pd.DataFrame:

@@ -175,11 +175,6 @@ class TakingSettings(Section):
         """Files that are read beside these."""
         return []
 
-    @property
-    def finds_burns(self) -> bool:
-        """Whether burns are found in what was measured."""
-        return False
-
     def within(self, folder: str) -> Self:
         """Return the same with relative paths in a folder."""
         return self
@@ -218,11 +213,7 @@ class FixSettings(TakingSettings):
 
     def of_job(self) -> dict[str, Any]:
         """Return the same with all sigmas in one list."""
-        return {
-            "sigmas": list(self.sigmas),
-            "every_s": self.every_s,
-            "stretch_hours": self.stretch_hours,
-        }
+        return {"sigmas": list(self.sigmas), **self.model_dump(include={"every_s", "stretch_hours"})}
 
 
 class RangeSettings(TakingSettings):
@@ -285,11 +276,6 @@ class HistorySettings(TakingSettings):
         see="elements.md#burns",
         default=False,
     )
-
-    @property
-    def finds_burns(self) -> bool:
-        """Whether burns are found in what was measured."""
-        return self.find_manoeuvres
 
 
 class PredictionSettings(Section):

@@ -10,8 +10,9 @@ import pandas as pd
 from opml.base.errors import InputError
 from opml.dynamics.attraction import Attraction
 from opml.dynamics.frames import gcrf_to_itrf, spin
-from opml.interop import ccsds, orbit_breaks
-from opml.interop.bridging import Bridges, bridge
+from opml.interop import ccsds
+from opml.interop.curves import orbit_breaks
+from opml.interop.curves.gravity_interpolation import Bridges, bridge
 from opml.interop.orbit_arcs import MOST_APART, Arc
 
 ON_NODE = 1e-6

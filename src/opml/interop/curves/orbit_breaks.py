@@ -1,6 +1,6 @@
 """Detection of breaks in an orbit: seams between two solutions, manoeuvres and wrong nodes.
 
-Each interval between two nodes has a velocity at both ends, by the Earth's gravity (opml.interop.bridging).
+Each interval between two nodes has a velocity at both ends, by the Earth's gravity (gravity_interpolation).
 At a node the velocities of the two intervals differ little: by the other forces times the length of an
 interval, and by the noise of the positions divided by this length. A much larger difference, a jump, marks a
 break. A manoeuvre makes one jump, or several in the same direction. A step s of the position makes two

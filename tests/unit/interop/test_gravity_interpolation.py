@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from orbit_files import attraction_of, flown
 
-from opml.interop import orbit_breaks
-from opml.interop.bridging import Bridges, bridge
+from opml.interop.curves import orbit_breaks
+from opml.interop.curves.gravity_interpolation import Bridges, bridge
 
 STEP = 5.0
 START = np.array([6778e3, 0.0, 0.0, 0.0, 4750.0, 6025.0])

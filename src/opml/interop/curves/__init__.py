@@ -1,0 +1,1 @@
+"""Curves through the nodes of real orbits, open where these break."""
