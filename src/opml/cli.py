@@ -64,12 +64,20 @@ def _parser() -> argparse.ArgumentParser:
 
 def _add_init(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", help="the project's folder; made where there is none")
+    parser.add_argument("--elements", metavar="FILE", help="element sets of an object, for its study")
 
 
 def _init(options: argparse.Namespace) -> None:
     from opml.workflow import new_project
 
-    new_project.write(options.folder)
+    if options.elements:
+        from opml.workflow.study_of_sets import StudyOfSets
+
+        study = StudyOfSets.of(options.elements)
+        new_project.write(options.folder, study.text, [study.file])
+        print(study.told)
+    else:
+        new_project.write(options.folder)
     print(new_project.next_steps(options.folder))
 
 

@@ -114,12 +114,14 @@ def catch_up(
         since=calendar.time(done[-1]) - reach if done else 0.0,
         digest=metadata["settings"],
     )
-    for day in _missing(done, watched, calendar, until):
+    missing = list(_missing(done, watched, calendar, until))
+    for number, day in enumerate(missing, start=1):
         now = calendar.time(day)
         left = morning(watched, records, now=now)
         records = records.and_then(left.records, since=now - reach)
         _write(folder, day, left, records, watched, metadata={**metadata, "stations": stations})
-        _log.info("%s, %s: %s, %s", folder.rso, day, left.verdict.word, left.verdict.reason)
+        told = f"{folder.rso}, {day}, morning {number} of {len(missing)}"
+        _log.info("%s: %s, %s", told, left.verdict.word, left.verdict.reason)
 
 
 def _check_whole(folder: Folder, done: list[date]) -> None:

@@ -2,6 +2,8 @@
 
 import logging
 import sys
+import threading
+import time
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from typing import Any, TypeVar
@@ -14,6 +16,9 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.provenance import settings_digest, settings_of_each
 from opml.tables import Schema, read_table
+
+TOLD_EVERY = 30.0
+"""Time after which a job that still runs tells on the screen how far it is [s]."""
 
 _log = logging.getLogger("opml")
 _warnings = logging.getLogger("py.warnings")
@@ -33,11 +38,42 @@ class _LogFile(logging.FileHandler):
             super().close()
 
 
+class _LongJob(logging.Handler):
+    """Tells on the screen, every so often, how far a job is by the last line of its log."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(logging.INFO)
+        self._job, self._began, self._last = name, time.monotonic(), "started"
+        self._ended = threading.Event()
+        self._teller = threading.Thread(target=self._tell, daemon=True)
+        self._teller.start()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Keep what was told last."""
+        self._last = record.getMessage()
+
+    def close(self) -> None:
+        """End with the job."""
+        self._ended.set()
+        self._teller.join()
+        super().close()
+
+    def _tell(self) -> None:
+        while not self._ended.wait(TOLD_EVERY):
+            minutes = (time.monotonic() - self._began) / 60.0
+            print(
+                f"opml: {self._job}: {self._last.strip()}, {minutes:.1f} min so far",
+                file=sys.stderr,
+                flush=True,
+            )
+
+
 @contextmanager
 def job(snakemake: Any) -> Iterator[dict[str, Any]]:
     """Run a script's body with its log open; yield the metadata of the tables that it writes.
 
-    Progress, through the loggers below ``opml``, goes to the rule's log. An `InputError` ends the job with
+    Progress, through the loggers below ``opml``, goes to the rule's log, its last line to stderr every
+    TOLD_EVERY. An `InputError` ends the job with
     one line there and on stderr and with exit code 1, any other error with its traceback. BLAS is held to one
     thread, as its sums depend on their number.
     """
@@ -92,7 +128,7 @@ def _open_log(paths: Any) -> list[logging.Handler]:
     files = [_LogFile(path, mode="w", encoding="utf-8") for path in paths]
     for file in files:
         file.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
-    handlers: list[logging.Handler] = [screen, *files]
+    handlers: list[logging.Handler] = [screen, *files, _LongJob(str(paths[0]) if files else "job")]
     for handler in handlers:
         _log.addHandler(handler)
         _warnings.addHandler(handler)

@@ -1,6 +1,7 @@
 """A new project: the workflow, its settings and a first study, written into a folder."""
 
 import shutil
+from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from opml.study.settings import editor_schema
 STUDY = "mine.yaml"
 """The file of the study that a new project begins with: one satellite, two radars, twelve days."""
 
-_STUDY = """\
+SIMULATED = """\
 # mine.yaml
 # yaml-language-server: $schema=workflow/schemas/config.schema.json
 results: results/mine
@@ -27,8 +28,10 @@ study:
 """
 
 
-def write(folder: FilePath) -> None:
+def write(folder: FilePath, study: str = SIMULATED, beside: Sequence[Path] = ()) -> None:
     """Write the workflow, its settings and a study into a folder, which is made where there is none.
+
+    study: YAML; beside: files that it reads
 
     Raises InputError for no name, for that of a file, and where the folder holds a file or folder of a
     project's; nothing is written then.
@@ -39,14 +42,14 @@ def write(folder: FilePath) -> None:
     if folder.is_file():
         raise InputError(f"{folder}: expected a folder, got a file")
     parts = sorted(PROJECT.iterdir())
-    for name in (*(part.name for part in parts), STUDY):
+    for name in (*(part.name for part in (*parts, *beside)), STUDY):
         if (folder / name).exists():
             raise InputError(f"{folder / name}: expected a folder without a project, got one that has this")
-    for part in parts:
+    for part in (*parts, *beside):
         _copy(part, folder / part.name)
     editor_schema.write(folder)
     with replacing(folder / STUDY) as temporary:
-        temporary.write_text(_STUDY, encoding="utf-8")
+        temporary.write_text(study, encoding="utf-8")
 
 
 def next_steps(folder: str) -> str:

@@ -2,6 +2,7 @@
 
 import errno
 import logging
+import time
 from types import SimpleNamespace
 
 import pandas as pd
@@ -13,6 +14,7 @@ from opml.base.errors import InputError
 from opml.base.files import replacing
 from opml.base.provenance import settings_digest
 from opml.tables import TRUTH_GROUPS, write_table
+from opml.workflow import jobs
 from opml.workflow.jobs import job, metadata_of_each, progress, read_by_key
 
 SETTINGS = {"epoch": "2016-09-28T12:09:45", "seed": 42, "step_s": 20}
@@ -65,6 +67,20 @@ def test_progress_and_warnings_go_to_the_log_alone(snakemake, capfd):
         logging.getLogger("py.warnings").warning("flat kernel")  # where logging.captureWarnings sends them
     for text in ("started", "25 % done", "fitted 3 tracks", "flat kernel", "finished"):
         assert text in log(snakemake)
+    assert capfd.readouterr().err == ""
+
+
+def test_a_long_job_tells_how_far_it_is(snakemake, capfd, monkeypatch):
+    monkeypatch.setattr(jobs, "TOLD_EVERY", 0.02)
+    with job(snakemake):
+        progress(0.25)
+        deadline, told = time.monotonic() + 5.0, ""
+        while "25 % done" not in told and time.monotonic() < deadline:
+            time.sleep(0.01)
+            told += capfd.readouterr().err
+    assert f"opml: {snakemake.log[0]}: 25 % done, 0.0 min so far\n" in told
+    capfd.readouterr()
+    time.sleep(0.05)
     assert capfd.readouterr().err == ""
 
 

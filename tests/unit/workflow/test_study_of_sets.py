@@ -1,0 +1,56 @@
+"""A study from a file of element sets: its days and body follow from them, and the plan takes it."""
+
+import numpy as np
+import pytest
+import sinking_histories
+from element_histories import history, tle_text
+
+from opml import cli
+from opml.interop.element_sets import mean_elements
+from opml.study.checks import load_settings
+from opml.study.settings.merging import merged
+from opml.workflow.study_of_sets import LONGEST, StudyOfSets
+
+
+def test_a_project_of_sets_can_be_run(tmp_path, monkeypatch, capsys):
+    sinking_histories.write(tmp_path / "my sets.tle", [101], 40)
+    assert cli.main(["init", str(tmp_path / "new"), "--elements", str(tmp_path / "my sets.tle")]) == 0
+    study = StudyOfSets.of(tmp_path / "my sets.tle")
+    assert study.told in capsys.readouterr().out
+    monkeypatch.chdir(tmp_path / "new")
+    settings = load_settings(merged(["config/config.yaml", "mine.yaml"]))
+    sets = mean_elements.read_sets("my sets.tle")
+    assert settings.values["epoch"] == f"{study.first}T00:00:00"
+    assert settings.values["duration_days"] == study.days + 7
+    assert study.days == 39
+    assert settings.values["elements"] == {"mine": "my sets.tle"}
+    ballistic = 2.2 * settings.values["rsos"]["mine"]["area_to_mass_m2pkg"]
+    assert ballistic == pytest.approx(12.7416 * np.median([one.satellite.bstar for one in sets]), rel=0.05)
+
+
+def test_the_newest_days_of_a_long_history_count(tmp_path):
+    sinking_histories.write(tmp_path / "sets.tle", [101], 120)
+    study = StudyOfSets.of(tmp_path / "sets.tle")
+    assert study.days == LONGEST
+    last = mean_elements.read_sets(tmp_path / "sets.tle")[-1].satellite
+    assert (last.epochyr, round(last.epochdays)) == (26, 78)
+
+
+REFUSED = {
+    "several objects": ([101, 102], 40, "expected sets of one object, got 2: 101, 102"),
+    "few days": ([101], 10, "expected sets of 20 days or more, got those of 9"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_other_files_are_refused_and_nothing_is_written(case, tmp_path, capsys):
+    numbers, days, message = REFUSED[case]
+    sinking_histories.write(tmp_path / "sets.tle", numbers, days)
+    assert cli.main(["init", str(tmp_path / "new"), "--elements", str(tmp_path / "sets.tle")]) == 1
+    assert message in capsys.readouterr().err
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_body_without_drag_gets_the_least(tmp_path):
+    (tmp_path / "sets.tle").write_text(tle_text(history(range(30))))
+    assert StudyOfSets.of(tmp_path / "sets.tle").area_to_mass == 0.0003
