@@ -14,6 +14,7 @@ import snakemake.cli
 import snakemake.dag
 import snakemake.report.html_reporter
 import snakemake.storage
+from parsed_snakefiles import parse_once
 
 import opml.readings.scan_report
 import opml.study.beyond
@@ -23,6 +24,7 @@ import opml.workflow.command_line
 import opml.workflow.inputs
 import opml.workflow.records
 import opml.workflow.starting  # noqa: F401
+from opml.base.provenance import script_digest
 from opml.environment import earth_orientation
 from opml.study.settings.json_schema import json_schema
 from opml.study.settings.model.whole import RunSettings
@@ -37,7 +39,9 @@ def _import_as(script: Path) -> None:
 
 for script in (Path(__file__).parents[2] / "workflow" / "scripts").glob("*.py"):
     _import_as(script)
+    script_digest(script)
 earth_orientation.tabulate("2016-09-28T12:09:45", np.zeros(1))
 json_schema(RunSettings)
 snakemake.cli.get_argument_parser()
+parse_once()
 gc.freeze()  # what is here stays, and no fork need look through it for what can go
