@@ -7,7 +7,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-from project import HUNG, ROOT, Project, command
+from project import HUNG, ROOT, Project
+
+SNAKEMAKE = ".venv/bin/snakemake "
 
 REAL_RUN = "snakemake -j"
 """What stands in commands that take minutes."""
@@ -33,18 +35,22 @@ def plans(told):
     return {text: printed for text, printed in told.items() if " -n " in text}
 
 
+def commands(text):
+    """The commands of a block in their order: each start of Snakemake alone, others together."""
+    pattern = rf"^{SNAKEMAKE}.*\n|(?:^(?!{SNAKEMAKE}).*\n)+"
+    return re.findall(pattern, text.replace("\\\n", ""), re.MULTILINE)
+
+
 class Reader:
     """Somebody who follows the page in a folder with the project's config."""
 
     def __init__(self, folder: Path):
         self.folder = folder
-        Project(folder)
-        programs = {"snakemake": command(), "opml": [sys.executable, "-m", "opml.cli"]}
-        for name, words in programs.items():
-            path = folder / ".venv" / "bin" / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(f'#!/bin/sh\nexec {shlex.join(words)} "$@"\n')
-            path.chmod(0o755)
+        self.project = Project(folder)
+        opml = folder / ".venv" / "bin" / "opml"
+        opml.parent.mkdir(parents=True)
+        opml.write_text(f'#!/bin/sh\nexec {shlex.join([sys.executable, "-m", "opml.cli"])} "$@"\n')
+        opml.chmod(0o755)
 
     def save(self, text):
         """Save a file of the page under the name in its first line."""
@@ -52,6 +58,12 @@ class Reader:
 
     def run(self, text):
         """Run commands as they stand; returns what they print."""
+        return "".join(map(self._run, commands(text)))
+
+    def _run(self, text):
+        if text.startswith(SNAKEMAKE):
+            _, *arguments = shlex.split(text)
+            return self.project.snakemake(*arguments).stdout
         done = subprocess.run(
             ["bash", "-e", "-c", text],
             cwd=self.folder,

@@ -33,7 +33,7 @@ def _warm_up() -> None:
     """Begin the process that the others fork from, once; it finds modules by its environment alone."""
     _STARTS.set_forkserver_preload(["warm"])
     path = os.pathsep.join(map(str, (Path(__file__).parent, ROOT / "src")))
-    with mock.patch.dict(os.environ, PYTHONPATH=path):
+    with mock.patch.dict(os.environ, PYTHONPATH=path, OMP_NUM_THREADS="1"):
         multiprocessing.forkserver.ensure_running()
 
 
@@ -51,8 +51,10 @@ def _start(
         for stream in (1, 2):
             os.dup2(file.fileno(), stream)
     sys.argv = ["snakemake", *arguments]
+    from job_forks import fork_scripts
     from snakemake.cli import main
 
+    fork_scripts()
     main()
 
 

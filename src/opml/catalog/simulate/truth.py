@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
-from scipy.interpolate import CubicHermiteSpline
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
@@ -72,6 +71,8 @@ def interpolate(truth: pd.DataFrame, t: np.ndarray) -> np.ndarray:
 
     Cubic in time: 5 mm off in a low orbit between epochs 20 s apart.
     """
+    from scipy.interpolate import CubicHermiteSpline  # takes half a second to import, and few jobs need it
+
     grid, states = truth["t"].to_numpy(), truth[STATE].to_numpy()
     path = CubicHermiteSpline(grid, states[:, :3], states[:, 3:], extrapolate=False)
     after = np.clip(np.searchsorted(grid, t), 1, len(grid) - 1)
