@@ -69,12 +69,12 @@ class Asked:
 
 
 TRACKS = Kind("tracks", "tracking")
-FIXES = Kind("fixes", "fixes", naming.FIXES, "fixing")
+FIXES = Kind("fixes", "fixes", stations=naming.FIXES, taking="fixing")
 RANGES = Kind(
     "ranges",
     "laser_ranges",
-    naming.RANGES,
-    "ranging",
+    stations=naming.RANGES,
+    taking="ranging",
     needs_taking=True,
     beneath="config/ranges.yaml",
     tells_orbit=False,
@@ -83,8 +83,8 @@ RANGES = Kind(
 ELEMENTS = Kind(
     "elements",
     "fixes",
-    naming.FIXES,
-    "histories",
+    stations=naming.FIXES,
+    taking="histories",
     beneath="config/elements.yaml",
     beneath_alone="config/elements_alone.yaml",
 )
