@@ -1,7 +1,8 @@
 """Draw when learning from a catalogue helps, by height, drag and number of sets."""
 
 from opml.element_sets import held_out
-from opml.figures import catalogue_gains, style
+from opml.figures import style
+from opml.figures.catalogue import gains
 from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job, read_by_key
 
@@ -9,5 +10,5 @@ with job(snakemake):
     tests = FigureSettings(snakemake.params.settings).seasons_of_tests
     residuals = read_by_key(tests, snakemake.input.residuals, "catalogue_residuals")
     rows = read_by_key(tests, snakemake.input.rows, held_out.ROWS)
-    figure = catalogue_gains.gains(residuals, rows)
+    figure = gains.gains(residuals, rows)
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

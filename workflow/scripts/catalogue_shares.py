@@ -1,6 +1,7 @@
 """Draw what is left of SGP4's errors by band of height and lead, learned beside unlearned."""
 
-from opml.figures import catalogue_shares, style
+from opml.figures import style
+from opml.figures.catalogue import shares
 from opml.tables import read_table
 from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job
@@ -8,7 +9,5 @@ from opml.workflow.jobs import job
 with job(snakemake):
     settings = FigureSettings(snakemake.params.settings)
     scores = read_table(snakemake.input[0], "catalogue_scores")
-    figure = catalogue_shares.shares(
-        scores[scores["test"] == settings.test], settings.seasons, name=settings.test
-    )
+    figure = shares.shares(scores[scores["test"] == settings.test], settings.seasons, name=settings.test)
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

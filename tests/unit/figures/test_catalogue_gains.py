@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from opml.figures.catalogue_gains import gains
+from opml.figures.catalogue.gains import gains
 
 OBJECTS, MORNINGS = 60, 8
 

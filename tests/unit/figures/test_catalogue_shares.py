@@ -3,7 +3,7 @@
 import pandas as pd
 
 from opml.element_sets import judge
-from opml.figures.catalogue_shares import shares
+from opml.figures.catalogue.shares import shares
 
 SEASONS = {"train": ["2026-03-15", "2026-05-07"], "test": ["2026-05-31", "2026-07-31"]}
 
