@@ -47,7 +47,10 @@ MORNINGS = 12
 """Mornings before the date whose predictions tell an object's own sizes."""
 
 USUAL = 8.0
-"""Predictions of the usual size that an object's own count against."""
+"""Predictions that err as the corrector says that an object's own count against."""
+
+USUAL_SIZES = 2.0
+"""Errors of the usual size that an object's own count against, axis by axis and lead by lead."""
 
 STEP = 60.0
 """Time between the states of an ephemeris [s]."""
@@ -401,11 +404,10 @@ def _sizes(
 
 
 def _measured(errors: pd.DataFrame, axis: str, usual: pd.Series) -> pd.Series:
-    """Return root mean squares by lead; the object's own count against USUAL errors of the usual size."""
-    own = (_counts(errors) * errors[axis] ** 2).groupby(errors["lead"]).sum()
-    count = _counts(errors).groupby(errors["lead"]).sum()
-    total, count = (of.reindex(usual.index, fill_value=0.0) for of in (own, count))
-    found: pd.Series = np.sqrt((total + USUAL * usual**2) / (count + USUAL))
+    """Return root mean squares by lead; the object's own count against USUAL_SIZES of the usual size."""
+    squares = (errors[axis] ** 2).groupby(errors["lead"])
+    total, count = (of.reindex(usual.index, fill_value=0.0) for of in (squares.sum(), squares.size()))
+    found: pd.Series = np.sqrt((total + USUAL_SIZES * usual**2) / (count + USUAL_SIZES))
     return found
 
 

@@ -85,6 +85,14 @@ def test_a_past_that_errs_more_widens(made):
     assert prediction._factor(past.assign(left=1e6)) < 4.0
 
 
+def test_own_errors_outweigh_the_usual_size():
+    """Planes that drift err by a kilometre after a week, six mornings one after the other."""
+    errors, usual = pd.DataFrame({"lead": [7] * 6, "w": 1000.0}), pd.Series(200.0, index=prediction.LEADS)
+    found = prediction._measured(errors, "w", usual)
+    assert found[7] == pytest.approx(np.sqrt((6 * 1000.0**2 + 2 * 200.0**2) / 8))
+    assert found[1] == pytest.approx(200.0)
+
+
 def test_storms_of_the_last_days_widen_along_the_track(made, file, monkeypatch):
     kp = np.r_[np.full(40, 2.0), np.full(8, 7.0)]  # a daily ap of 132 at the end
     assert prediction._after_storm(kp, 500e3) == np.hypot(1.0, 132.0 / prediction.STORM)
