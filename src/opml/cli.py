@@ -5,7 +5,7 @@ import io
 import logging
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import UTC, date, datetime
 from importlib.util import find_spec
@@ -48,15 +48,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="opml", description="Orbit prediction improved by machine learning."
+        prog="opml",
+        description="Orbit prediction improved by machine learning.",
+        epilog="\n".join(_listed()),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"opml {__version__}")
-    subparsers = parser.add_subparsers(required=True, metavar="COMMAND")
+    subparsers = parser.add_subparsers(required=True, metavar="COMMAND", help="one of those below")
     for command in COMMANDS:
-        subparser = subparsers.add_parser(command.name, help=command.help, description=command.help)
+        subparser = subparsers.add_parser(command.name, description=command.help)
         command.add_arguments(subparser)
         subparser.set_defaults(run=command.run)
     return parser
+
+
+def _listed() -> Iterator[str]:
+    """Yield the lines of the help that list the commands, by their groups."""
+    for group, commands in GROUPS.items():
+        yield f"{group}:"
+        yield from (f"  {command.name:9} {command.help}" for command in commands)
 
 
 # The modules behind a command are imported when it runs: some need packages of an extra, some take a second.
@@ -115,6 +125,7 @@ def _add_screen(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--within", type=float, default=5.0, help="largest distance [km] (5)")
     parser.add_argument("--radius", type=float, help="sum of the radii of two objects [m] (20, or a CDM's)")
     parser.add_argument("--csv", action="store_true", help="as comma-separated values")
+    parser.add_argument("--json", action="store_true", help="as a list of objects, null where unknown")
     parser.add_argument("--messages", metavar="FOLDER", help="where to write a CDM of each with covariances")
 
 
@@ -133,6 +144,8 @@ def _screen(options: argparse.Namespace) -> None:
     table = as_text.table(found, epoch=screening.EPOCH)
     if options.csv:
         tables.comma_separated(table, sys.stdout)
+    elif options.json:
+        print(table.to_json(orient="records", indent=1, double_precision=15))
     else:
         print(as_text.text(table))
 
@@ -345,21 +358,27 @@ def _pack(options: argparse.Namespace) -> None:
     print(crate.pack(options.configfile, crate.settings_of(options.config)))
 
 
-COMMANDS = (
-    Command("init", "write a project that can be run, with a study to begin with", _add_init, _init),
-    Command("rso", "print the line of the sheet of RSOs for a file of mean elements", _add_rso, _rso),
-    Command("sheet", "print a sheet of RSOs drawn at random", _add_sheet, _sheet),
-    Command("predict", "predict an object from its element sets, points or tracks", _add_predict, _predict),
-    Command("improve", "make element sets better by what a catalogue teaches", _add_improve, _improve),
-    Command("train", "learn from element sets what makes them better", _add_train, _train),
-    Command("compare", "tell how far two orbits are apart", _add_compare, _compare),
-    Command("screen", "find close approaches of ephemerides", _add_screen, _screen),
-    Command("day", "run a morning of all objects that are measured", _add_day, _day),
-    Command("docs", "list the pages of the documentation, or print one", _add_docs, _docs),
-    Command("table", "print what a table holds, or all of it as CSV", _add_table, _table),
-    Command("pack", "pack a finished run into one archive that tells its making", _add_pack, _pack),
-)
-"""The subcommands, in the order of the help."""
+GROUPS = {
+    "orbits": (
+        Command("predict", "predict an object from element sets, points or tracks", _add_predict, _predict),
+        Command("improve", "make element sets better by what a catalogue teaches", _add_improve, _improve),
+        Command("compare", "tell how far two orbits are apart", _add_compare, _compare),
+        Command("screen", "find close approaches of ephemerides", _add_screen, _screen),
+    ),
+    "a project": (
+        Command("init", "write a project that can be run, with a study to begin with", _add_init, _init),
+        Command("day", "run a morning of all objects that are measured", _add_day, _day),
+        Command("rso", "print the line of the sheet of RSOs for a file of mean elements", _add_rso, _rso),
+        Command("sheet", "print a sheet of RSOs drawn at random", _add_sheet, _sheet),
+        Command("train", "learn from element sets what makes them better", _add_train, _train),
+        Command("table", "print what a table holds, or all of it as CSV", _add_table, _table),
+        Command("pack", "pack a finished run into one archive that tells its making", _add_pack, _pack),
+    ),
+    "help": (Command("docs", "list the pages of the documentation, or print one", _add_docs, _docs),),
+}
+"""The subcommands, in the order of the help, by what they are for."""
+
+COMMANDS = [command for commands in GROUPS.values() for command in commands]
 
 
 if __name__ == "__main__":

@@ -32,7 +32,6 @@ from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.improve import NEWER_WEATHER
 from opml.environment import knowledge, nodes
 from opml.environment.knowledge import Issues
-from opml.ephemerides import corrected
 from opml.ephemerides.along_track_shift import through
 from opml.interop import ccsds, measured_files, points_from_files, tdm
 from opml.interop.object_ids import ObjectId
@@ -79,7 +78,7 @@ _AFTER = HOUR  # that paths reach beyond the end
 _LEAST_STRETCHES = 4.0
 _FORMAL = 50  # epochs to which the formal covariance is carried
 _NO_ELEMENTS = dict.fromkeys(("a", "e", "i", "argp", "raan", "mean_anomaly"), np.nan)
-_BASIS = "covariances are those of the fit, of drag that is off by 15 %, and of the weather that may come"
+_BASIS = "by the fit's own covariance, drag that is off by 15 %, and the weather that may come"
 
 Progress = Callable[[str], None]
 """Told what goes on, a line a stage."""
@@ -332,7 +331,7 @@ def _flown(watched: Watched, left: Left, records: Records, *, now: float) -> _Fl
     """Return what the last morning flew; where nothing left, that of the first model that can be flown."""
     if left.ephemeris is not None:
         model = str(left.records.issued["model"].iloc[0])
-        return _Flown(left.ephemeris, model, left.verdict, left.basis)
+        return _Flown(left.ephemeris, model, left.verdict, _basis(records.judged, model))
     if not records.paths:
         raise InputError(f"expected what an orbit fits, got none: {left.verdict.reason}")
     paths, unproven = records.paths[-1].table, Verdict(UNPROVEN, left.verdict.reason)
@@ -340,12 +339,19 @@ def _flown(watched: Watched, left: Left, records: Records, *, now: float) -> _Fl
         with suppress(InputError):
             flown = issued.choose_model(records.judged, [model], now=now)
             table = product.ephemeris(paths, flown, step=STEP)
-            return _Flown(table, model, unproven, corrected.basis(flown.replay, now))
+            return _Flown(table, model, unproven, _basis(records.judged, model))
     flown = Flown(next(iter(watched.plan.models)), records.judged, USUAL)
     table, formal = product.ephemeris(paths, flown, step=STEP), _formal(watched, records, paths)
     at = {name: np.interp(table["t"], formal["t_j"], formal[name]) for name in STATE_COVARIANCES}
     whole = table.assign(**{name: table[name] + at[name] for name in at})
     return _Flown(whole, flown.model, unproven, _BASIS)
+
+
+def _basis(judged: pd.DataFrame, model: str) -> str:
+    """Return what covariances rest on that a model's past tells, in words."""
+    past = judged[judged["model"] == model]
+    mornings, longest = past["morning"].nunique(), past["duration"].max() / DAY
+    return f"by {len(past)} predictions of {mornings} mornings before, up to {longest:.1f} days long"
 
 
 def _formal(watched: Watched, records: Records, paths: pd.DataFrame) -> pd.DataFrame:

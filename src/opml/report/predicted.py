@@ -10,7 +10,7 @@ from opml.interop.predicted_orbit import PredictedOrbit
 from opml.report.document import Block, Heading, Paragraph, Picture, Table, as_it_is
 from opml.report.results import length
 
-_SECONDS = len("2016-09-28T12:09:45")
+_SECONDS, _DATE = len("2016-09-28T12:09:45"), len("2016-09-28T")
 
 
 Predicted = Prediction | PredictedOrbit
@@ -85,12 +85,13 @@ def _passes(where: Place, rows: pd.DataFrame) -> Iterator[Block]:
         yield Paragraph("None above 5 degrees.")
         return
     yield Paragraph(f"Above 5 degrees. {100.0 * LEVEL:.0f} % are no earlier or later than told.")
-    header = ["rise", "highest", "set", "elevation [deg]", "early or late [s]"]
+    header = ["rise", "highest", "set", "up to [deg]", "early or late [s]"]
     yield Table(
         header,
         [
             [
-                *(_z(row[name]) for name in header[:3]),
+                _z(row["rise"]),
+                *(_z(row[name])[_DATE:] for name in ("highest", "set")),
                 f"{row['elevation']:.0f}",
                 f"{row['early_or_late']:.1f}",
             ]

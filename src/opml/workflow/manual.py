@@ -1,6 +1,7 @@
 """The pages of the documentation, which travel with the package."""
 
 import re
+from difflib import get_close_matches
 
 from opml.base.errors import InputError
 from opml.base.files import MANUAL
@@ -16,7 +17,9 @@ def page(name: str) -> str:
     Raises InputError where there is no such page.
     """
     if name not in _names():
-        raise InputError(f"docs: expected a page ({', '.join(_names())}), got {name}")
+        near = get_close_matches(name, _names(), n=3, cutoff=0.5)
+        expected = f"a page such as {' or '.join(near)}" if near else "a page that `opml docs` lists"
+        raise InputError(f"docs: expected {expected}, got {name}")
     text = (MANUAL / f"{name}.md").read_text(encoding="utf-8")
     return _INCLUDED.sub(lambda found: (MANUAL / found[1]).read_text(encoding="utf-8"), text).rstrip("\n")
 

@@ -1,9 +1,12 @@
 """Conjunctions between files: OEM with covariances, mean elements, and what the command prints."""
 
+import io
+import json
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
+import pandas as pd
 import pytest
 from test_approaches import T, built, kepler
 
@@ -62,7 +65,11 @@ def test_the_command_prints_a_line_of_each_and_writes_messages(files, tmp_path, 
     assert len(messages) == len(lines)
     assert cdm.read(messages[0], epoch=EPOCH).radius == 15.0
     assert cli.main(["screen", str(messages[0]), "--csv"]) == 0
-    assert capsys.readouterr().out.startswith("tca,first,second,miss_m,r_m")
+    table = pd.read_csv(io.StringIO(capsys.readouterr().out))
+    assert list(table)[:5] == ["tca", "first", "second", "miss_m", "r_m"]
+    assert cli.main(["screen", str(messages[0]), "--json"]) == 0
+    (row,) = json.loads(capsys.readouterr().out)
+    assert row["miss_m"] == pytest.approx(table["miss_m"][0])
     assert cli.main(["screen", *arguments[:2], "--within", "0.000001"]) == 0
     assert capsys.readouterr().out == "no conjunction\n"
     assert cli.main(["screen", *map(str, paths), "--within", "0.001", "--csv"]) == 0
