@@ -23,10 +23,11 @@ from opml.ephemerides.known import Known
 from opml.interop import oem
 from opml.interop.object_ids import ObjectId
 from opml.mornings import days, judged, morning, tracks
-from opml.mornings.days import Calendar, Folder
+from opml.mornings.calendar import Calendar
+from opml.mornings.days import Folder
 from opml.mornings.morning import FlightModel, MorningPlan, Watched
+from opml.mornings.outcomes import DO_NOT_USE, UNPROVEN
 from opml.mornings.records import DONE, Records
-from opml.mornings.verdict import DO_NOT_USE, UNPROVEN
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, paths_schema, read_metadata, read_table, read_tables
 
