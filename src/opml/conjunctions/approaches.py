@@ -86,11 +86,11 @@ class Path:
         """Return states (n, 6) at times (n,) [s] by the polynomials through the four states about each."""
         first = np.clip(np.searchsorted(self.t, t) - FEWEST // 2, 0, len(self.t) - FEWEST)
         coefficients = self._coefficients[:, first]
+        beyond = (t - self.t[first + np.arange(FEWEST)[:, None]])[..., None]
         value, slope = coefficients[-1], np.zeros((len(t), 3))
         for k in range(2 * FEWEST - 2, -1, -1):
-            beyond = (t - self.t[first + k // 2])[:, None]
-            slope = value + slope * beyond
-            value = coefficients[k] + value * beyond
+            slope = value + slope * beyond[k // 2]
+            value = coefficients[k] + value * beyond[k // 2]
         return np.hstack([value, slope])
 
     @cached_property

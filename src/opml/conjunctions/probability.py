@@ -36,6 +36,9 @@ _EDGES = np.array([-40.0, -20.0, -10.0, -6.0, -4.0, -3.0, -2.0, -1.0, 0.0])
 _EDGES = np.concatenate([_EDGES, -_EDGES[-2::-1]])
 """Limits of the panels of the integral, in standard deviations from the middle."""
 
+_EIGHTHS = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 9)
+"""Limits of panels [rad] that do not follow the distribution."""
+
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 _SCALES = np.geomspace(1e-3, 1e3, 61)
 """Factors of the standard deviations among which the largest probability is looked for."""
@@ -144,7 +147,7 @@ def integral(middle: np.ndarray, sigmas: np.ndarray, radius: float) -> float:
     (m, s), (m_wide, s_wide) = ((middle[k], sigmas[k]) for k in (narrow, 1 - narrow))
     # x = radius sin(angle) takes the roots of the circle's ends out of the integrand.
     edges = np.arcsin(np.clip((m + s * _EDGES) / radius, -1.0, 1.0))
-    edges = np.unique(np.concatenate([edges, np.linspace(-0.5 * np.pi, 0.5 * np.pi, 9)]))
+    edges = np.unique(np.concatenate([edges, _EIGHTHS]))
     middles, halves = 0.5 * (edges[1:] + edges[:-1]), 0.5 * np.diff(edges)
     angle = (middles[:, None] + halves[:, None] * _NODES).ravel()
     weight = (halves[:, None] * _WEIGHTS).ravel()

@@ -1,7 +1,6 @@
 """The mornings of several objects, their arcs side by side; what is wrong with one stops no other."""
 
 import errno
-import json
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,7 +14,7 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.base.files import FilePath, replacing
+from opml.base.files import FilePath
 from opml.base.provenance import settings_digest
 from opml.catalog.fit.estimation import Estimation
 from opml.catalog.flight import Flight, near_part
@@ -27,15 +26,14 @@ from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.shared_blocks import SharedBlocks
 from opml.element_sets.on_mornings import ImprovedHistory
 from opml.mornings import days, measured
+from opml.mornings.calendar import Calendar
 from opml.mornings.measured import MeasurementSource, Span
 from opml.mornings.morning import FlightModel, MorningPlan, Watched
+from opml.mornings.outcomes import FAILED
 from opml.mornings.records import DONE
 from opml.mornings.weather_of_day import FIGURES
 from opml.orbits.sheets import Rso, Station
 from opml.tables import SCHEMAS, read_runs, read_table
-
-FAILED = "failed"
-"""The verdict where a morning could not be run."""
 
 _FULL = (errno.ENOSPC, errno.EDQUOT)
 """Errors of a disk that is full: of no object, and the job ends."""
@@ -140,25 +138,13 @@ def _futures(path: FilePath, *, since: float) -> pd.DataFrame:
 
 def _flown_since(settings: Mapping[str, Any]) -> float:
     """Return the time after which the weather is issued that the mornings to be run fly under [s]."""
-    calendar = days.Calendar(settings["epoch"], settings["hour"])
+    calendar = Calendar(settings["epoch"], settings["hour"])
     until = date.fromisoformat(settings["date"])
     done = [days.Folder(Path(settings["days"]), name).done(until) for name in settings["objects"]]
     begins = [calendar.time(before[-1]) if before else -np.inf for before in done]
     # An ephemeris starts less than its length before the morning, and from an issue of at most a day before.
     reach: float = settings["max_days"] + 1.0
     return min(begins) - DAY * reach
-
-
-def write(path: FilePath, outcomes: Any) -> None:
-    """Write what became of objects as JSON."""
-    with replacing(path) as temporary:
-        temporary.write_text(json.dumps(outcomes, indent=1, allow_nan=False) + "\n", encoding="utf-8")
-
-
-def read(path: FilePath) -> list[dict[str, Any]]:
-    """Return what became of objects."""
-    found: list[dict[str, Any]] = json.loads(Path(path).read_text(encoding="utf-8"))
-    return found
 
 
 def _outcome(
@@ -194,7 +180,7 @@ def _catch_up(
     metadata: Mapping[str, Any],
 ) -> None:
     """Run the mornings of an object that are not over yet."""
-    rso, calendar = Rso(**one["rso"]), days.Calendar(settings["epoch"], settings["hour"])
+    rso, calendar = Rso(**one["rso"]), Calendar(settings["epoch"], settings["hour"])
     until = date.fromisoformat(settings["date"])
     if until in folder.done(until):
         return

@@ -12,7 +12,8 @@ from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.on_mornings import DENSITY, LEARNED, ImprovedHistory
 from opml.interop.element_sets import histories, mean_elements
 from opml.mornings.candidates import Expected
-from opml.mornings.verdict import GOOD, PAST, WIDE, Verdict
+from opml.mornings.outcomes import GOOD, WIDE
+from opml.mornings.verdict import PAST, Verdict
 from opml.orbits.elements import in_rsw
 from opml.tables import STATE
 

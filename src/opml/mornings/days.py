@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from opml.base import epochs
-from opml.base.constants import DAY, HOUR
+from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.provenance import settings_digest
 from opml.interop import ccsds, oem
 from opml.learning.judge.error_sizes import INSIDE, along_track
+from opml.mornings.calendar import HORIZON, Calendar
 from opml.mornings.morning import Left, MorningPlan, Watched, morning
-from opml.mornings.records import DONE, HORIZON, Records
+from opml.mornings.records import DONE, Records
 from opml.mornings.verdict import OLDEST
 from opml.tables import read_metadata
 
@@ -28,27 +28,6 @@ STRIP = 30
 
 _DATE = len("2016-09-28")
 _log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True)
-class Calendar:
-    """The dates of mornings.
-
-    epoch: of the run, UTC text
-    hour: of the mornings, UTC
-    """
-
-    epoch: str
-    hour: float
-
-    def time(self, day: date) -> float:
-        """Return when the morning of a date is [s]."""
-        return epochs.seconds_between(self.epoch, f"{day.isoformat()}T00:00:00") + HOUR * self.hour
-
-    def first(self, known: float) -> date:
-        """Return the first date whose morning is not before a time [s]."""
-        day = date.fromisoformat(epochs.calendar_day(self.epoch, known))
-        return day if self.time(day) >= known else day + timedelta(days=1)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from opml.base.errors import InputError
 from opml.learning.data.splits import are_over
 from opml.learning.judge.error_sizes import LEAST_ROWS, Sizes
 from opml.learning.judge.model_choice import choose
-from opml.mornings.verdict import DO_NOT_USE
+from opml.mornings.outcomes import DO_NOT_USE
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SIGMA_STATE, SIZES
 

@@ -30,10 +30,11 @@ from opml.learning.data.cleaning import Cleaning
 from opml.learning.models import learners
 from opml.mornings import burns_in_tracks, candidates, fits, issued, judged, product, tracks
 from opml.mornings.beside_sgp4 import Sgp4
+from opml.mornings.outcomes import DO_NOT_USE
 from opml.mornings.paths import Paths
 from opml.mornings.records import Records
 from opml.mornings.tracks import Recent
-from opml.mornings.verdict import DO_NOT_USE, Verdict, verdict
+from opml.mornings.verdict import Verdict, verdict
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.orbits.sheets import Station
 from opml.tables import SCHEMAS, STATE

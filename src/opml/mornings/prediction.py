@@ -42,8 +42,9 @@ from opml.mornings import issued, measured, product
 from opml.mornings.issued import Flown
 from opml.mornings.measured import MeasurementSource, Span
 from opml.mornings.morning import FlightModel, Left, MorningPlan, Watched, morning
+from opml.mornings.outcomes import UNPROVEN
 from opml.mornings.records import Records
-from opml.mornings.verdict import OLDEST, UNPROVEN, Verdict
+from opml.mornings.verdict import OLDEST, Verdict
 from opml.orbits.sheets import Rso, Station
 from opml.tables import STATE, STATE_COVARIANCES, symmetric_matrices
 

@@ -26,9 +26,6 @@ from opml.tables import SCHEMAS, paths_schema, read_metadata, read_table, write_
 DONE = "morning.json"
 """The file of a morning that is written last."""
 
-HORIZON = 45
-"""Earlier mornings that count."""
-
 _TABLES = ("kept_estimates", "judged", "issued")
 
 _PATHS = "paths"

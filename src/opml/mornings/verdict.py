@@ -9,10 +9,8 @@ import pandas as pd
 from opml.base.constants import DAY, HOUR
 from opml.learning.judge.error_sizes import INSIDE, LEVEL
 from opml.mornings.burns_in_tracks import FAR, sigmas_off
+from opml.mornings.outcomes import DO_NOT_USE, GOOD, UNPROVEN, WIDE
 from opml.orbits.manoeuvres import Manoeuvre
-
-GOOD, UNPROVEN, WIDE, DO_NOT_USE = "good", "unproven", "wide", "do not use"
-"""Verdicts."""
 
 OLDEST = 1.5 * DAY
 """Oldest estimate that an ephemeris should start from [s]."""

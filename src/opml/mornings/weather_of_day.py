@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.mornings.days import Calendar
+from opml.mornings.calendar import Calendar
 from opml.tables import read_table
 
 FIGURES = ("f107", "f107_mean", "kp_24h")

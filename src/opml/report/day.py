@@ -4,9 +4,8 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from opml.mornings.batch import FAILED
-from opml.mornings.records import HORIZON
-from opml.mornings.verdict import DO_NOT_USE, GOOD, UNPROVEN, WIDE
+from opml.mornings.calendar import HORIZON
+from opml.mornings.outcomes import DO_NOT_USE, FAILED, GOOD, UNPROVEN, WIDE
 from opml.report.document import Block, Card, Cards, Heading, Paragraph, Table, as_it_is
 from opml.report.results import NO_VALUE, length
 

@@ -10,8 +10,8 @@ from datetime import UTC, date, datetime, timedelta
 from pathlib import Path
 
 from opml.base.errors import InputError
-from opml.mornings import batch
-from opml.mornings.verdict import DO_NOT_USE
+from opml.mornings import outcomes
+from opml.mornings.outcomes import DO_NOT_USE
 from opml.report.day import summary
 from opml.study.checks import load_settings
 from opml.study.settings.merging import merged
@@ -68,7 +68,7 @@ def run(call: Call) -> int:
         return ALL_RUN
     page = json.loads((folders[-1] / "day.json").read_text(encoding="utf-8"))
     print("\n".join(_lines(page, folders[-1])))
-    return OBJECTS_FAILED if page["verdicts"].get(batch.FAILED) else ALL_RUN
+    return OBJECTS_FAILED if page["verdicts"].get(outcomes.FAILED) else ALL_RUN
 
 
 def check_dates(call: Call, epoch: str, duration_days: float, *, today: date) -> None:
@@ -96,7 +96,7 @@ def _forget_failed(folder: Path) -> None:
     failed = [
         path
         for path in folder.glob("objects_*.json")
-        if any(outcome["verdict"] == batch.FAILED for outcome in batch.read(path))
+        if any(outcome["verdict"] == outcomes.FAILED for outcome in outcomes.read(path))
     ]
     for path in (*failed, *(folder.glob("day.*") if failed else ())):
         path.unlink()
@@ -104,7 +104,7 @@ def _forget_failed(folder: Path) -> None:
 
 def _lines(page: dict[str, list[dict[str, str]]], folder: Path) -> list[str]:
     """Return the summary of a day, a line for each object that should be looked at."""
-    watched = [one for one in page["objects"] if one["verdict"] in (batch.FAILED, DO_NOT_USE)]
+    watched = [one for one in page["objects"] if one["verdict"] in (outcomes.FAILED, DO_NOT_USE)]
     return [
         f"{page['date']}: {summary(page['objects'])}",
         *(f"{one['object']}: {one['verdict']}: {one['reason']}" for one in watched),

@@ -11,6 +11,13 @@ from opml.learning.judge.model_choice import Mornings
 SCREENING = Screening(radius=20.0, threshold=1e-4)
 
 
+@pytest.fixture
+def few_draws(monkeypatch):
+    """Draw few collisions, and fewer areas of alarms."""
+    monkeypatch.setattr("opml.conjunctions.worth._DRAWS", 128)
+    monkeypatch.setattr("opml.conjunctions.worth._AREAS", 32)
+
+
 def replay(stated, real, count=300):
     """Predictions of a day whose errors have sizes `real` [m], and which state others."""
     rng = np.random.default_rng(3)
@@ -63,6 +70,7 @@ def test_the_plane_lies_across_the_relative_velocity(angle):
     np.testing.assert_allclose(plane @ plane.T, np.eye(2), atol=1e-12)
 
 
+@pytest.mark.usefixtures("few_draws")
 def test_draws_repeat_by_seed():
     table = replay([10, 100, 10], [10, 100, 10])
     one, again, other = (worth(table, SCREENING, days=[1.0], seed=seed) for seed in (1, 1, 2))
@@ -85,6 +93,7 @@ def test_other_weather_stands_beside_what_is_not_there_yet():
     pd.testing.assert_frame_equal(beside(rows, []), rows)
 
 
+@pytest.mark.usefixtures("few_draws")
 def test_models_are_compared_with_both_covariances_of_the_fits():
     one = replay([10, 100, 10], [10, 100, 10]).assign(i=range(300), j=range(1, 301), morning=0.0)
     best, worse = one, one.assign(e_y=3.0 * one["e_y"], e_x=one["e_x"])

@@ -6,6 +6,7 @@ import pytest
 
 from opml.base.errors import InputError
 from opml.mornings import batch
+from opml.mornings.outcomes import FAILED
 
 SHARED = dict.fromkeys(["epoch", "force_model", "integrator", "estimation", "models"], 0)
 SETTINGS = SHARED | {"days": "days", "date": "2016-10-05"}
@@ -28,7 +29,7 @@ def outcomes(monkeypatch, reason):
 @pytest.mark.parametrize("reason", [InputError("mine.tdm: rubbish"), OSError(errno.EACCES, "denied")])
 def test_an_error_of_one_object_is_told_and_the_next_is_run(monkeypatch, reason):
     first, second = outcomes(monkeypatch, reason)
-    assert first["verdict"] == batch.FAILED
+    assert first["verdict"] == FAILED
     assert second == {"object": "second"}
 
 

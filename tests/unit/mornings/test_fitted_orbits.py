@@ -16,8 +16,8 @@ from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.interop import oem, tdm
 from opml.interop.element_sets import mean_elements
+from opml.mornings.outcomes import UNPROVEN
 from opml.mornings.prediction import Request
-from opml.mornings.verdict import UNPROVEN
 from opml.orbits.elements import in_rsw
 from opml.study import prediction
 from opml.tables import STATE

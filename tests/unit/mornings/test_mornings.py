@@ -23,10 +23,11 @@ from opml.ephemerides.known import Known
 from opml.interop import oem
 from opml.interop.object_ids import ObjectId
 from opml.mornings import days, judged, morning, tracks
-from opml.mornings.days import Calendar, Folder
+from opml.mornings.calendar import Calendar
+from opml.mornings.days import Folder
 from opml.mornings.morning import FlightModel, MorningPlan, Watched
+from opml.mornings.outcomes import DO_NOT_USE, UNPROVEN
 from opml.mornings.records import DONE, Records
-from opml.mornings.verdict import DO_NOT_USE, UNPROVEN
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, paths_schema, read_metadata, read_table, read_tables
 
@@ -42,9 +43,14 @@ METADATA = {"epoch": EPOCH, "settings": "digest"}
 
 
 @pytest.fixture(scope="module")
-def watched(truth_model, assumed_model, iss, earth_orientation, three_stations):
-    """Five days of the paper's RSO, watched by three stations."""
-    orbit = truth.simulate(Flight(truth_model, iss), duration=5 * DAY, step=20.0)
+def orbit(truth_model, iss):
+    """Five days of the paper's RSO."""
+    return truth.simulate(Flight(truth_model, iss), duration=5 * DAY, step=20.0)
+
+
+@pytest.fixture(scope="module")
+def watched(orbit, assumed_model, iss, earth_orientation, three_stations):
+    """The orbit, watched by three stations."""
     measured = tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1)
     flight = Flight(assumed_model, iss)
     first = (0.0, orbit[STATE].to_numpy()[0])
@@ -63,6 +69,14 @@ def run(watched, folder, until=LAST):
 def whole(watched, tmp_path_factory):
     """The folder of all mornings, run at once."""
     return run(watched, tmp_path_factory.mktemp("whole"))
+
+
+def carried_on(whole, watched, folder, after):
+    """Mornings after a date, run in a folder that has those of `whole` up to then: tracks are the same."""
+    for made in sorted(whole.iterdir()):
+        if made.name <= after.isoformat():
+            shutil.copytree(made, folder / made.name)
+    return run(watched, folder)
 
 
 def contents(folder, until=LAST):
@@ -95,7 +109,7 @@ def test_what_comes_after_a_morning_changes_nothing_of_it(watched, whole, tmp_pa
 
 def test_a_morning_that_was_cut_short_runs_again(watched, whole, tmp_path):
     """Whatever it left before it ended is written anew; what is over stays as it is."""
-    run(watched, tmp_path)
+    carried_on(whole, watched, tmp_path, LAST)
     last = Folder(tmp_path, "iss").of_day(LAST)
     (last / DONE).unlink()
     (last / "judged.parquet").write_bytes(b"half")
@@ -150,11 +164,12 @@ def test_what_leaves_is_the_path_of_the_model_that_the_past_chose(whole):
     assert found["expected"][0]["along_track_sigma_m"] == pytest.approx(after, rel=0.02)
 
 
-def test_a_morning_without_a_new_estimate_is_judged_once(watched, tmp_path):
+def test_a_morning_without_a_new_estimate_is_judged_once(watched, whole, tmp_path):
     """What leaves starts where that of the morning before did, and is the same but for its last hours."""
     ends = watched.tracking.groupby("track")["t"].transform("max")
-    silent = watched.tracking[ends <= CALENDAR.time(FIRST + timedelta(days=3))]
-    run(replace(watched, tracking=silent), tmp_path)
+    before = FIRST + timedelta(days=3)
+    silent = watched.tracking[ends <= CALENDAR.time(before)]
+    carried_on(whole, replace(watched, tracking=silent), tmp_path, before)
     folder = Folder(tmp_path, "iss")
     left = [read_table(folder.of_day(day) / "issued.parquet", "issued") for day in folder.done(LAST)[-2:]]
     assert left[0]["i"].iloc[0] == left[1]["i"].iloc[0]
@@ -176,10 +191,10 @@ def test_an_object_that_is_seldom_seen_is_watched_on(watched, tmp_path):
 
 
 def test_a_burn_that_nobody_named_is_found_and_windows_begin_anew_behind_it(
-    watched, truth_model, iss, tmp_path
+    watched, whole, orbit, truth_model, iss, tmp_path
 ):
     flight, burn = Flight(truth_model, iss), 3.2 * DAY
-    orbit = truth.simulate(flight, duration=5 * DAY, step=20.0)
+    orbit = orbit.copy()
     later = orbit["t"].to_numpy() >= burn
     state = orbit.loc[later, STATE].to_numpy()[0].copy()
     state[3:] += 0.5 * state[3:] / np.linalg.norm(state[3:])
@@ -187,7 +202,8 @@ def test_a_burn_that_nobody_named_is_found_and_windows_begin_anew_behind_it(
     orbit.loc[later, STATE] = np.vstack([state, path])
     orientation, stations = watched.model.orientation, watched.stations
     measured = tracking.simulate(orbit, orientation, stations, rso="iss", seed=1)
-    run(replace(watched, tracking=measured), tmp_path)
+    pd.testing.assert_frame_equal(*(rows[rows["t"] < burn] for rows in (measured, watched.tracking)))
+    carried_on(whole, replace(watched, tracking=measured), tmp_path, FIRST + timedelta(days=3))
     folder = Folder(tmp_path, "iss")
     left = read_tables([folder.of_day(day) / "issued.parquet" for day in folder.done(LAST)], "issued")
     assert left["burn_t"].iloc[:-1].isna().all()
@@ -265,7 +281,7 @@ def beside(objects, folder, until):
 
 
 def test_an_object_leaves_the_same_bytes_whoever_shares_its_job(by_points, tmp_path):
-    until = FIRST + timedelta(days=3)
+    until = FIRST + timedelta(days=2)
     together = beside(by_points, tmp_path / "together", until)
     assert all(any(path.endswith("judged.parquet") for path in left) for left in together.values())
     for name, one in by_points.items():
