@@ -35,7 +35,7 @@ def reader(tmp_path):
 
 def commands(name):
     """The commands of a page that run Snakemake, as plans."""
-    found = re.findall(r"^    (snakemake -j2 .*)$", page(name), re.MULTILINE)
+    found = re.findall(r"^    (snakemake -j2 .*\n)", page(name), re.MULTILINE)
     return [f".venv/bin/{text.replace('-j2', '-n', 1)}" for text in found]
 
 
@@ -74,4 +74,4 @@ def test_wildcards(reader):
     (command,) = commands("wildcards")
     made = " ".join(f"results/{product}" for product in products())
     weather = "--config environment='{solar_activity: OBSERVED, knowledge: forecast}'"
-    assert "Job stats:" in reader.run(f"{command.replace('-n', f'-n {weather} --', 1)} {made}")
+    assert "Job stats:" in reader.run(f"{command.strip().replace('-n', f'-n {weather} --', 1)} {made}\n")
