@@ -29,8 +29,12 @@ class Command:
     run: Callable[[argparse.Namespace], None]
 
 
+INTERRUPTED = 130
+"""Exit code of a command that its user interrupts, as of a shell's."""
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a subcommand; return the exit code, 1 after one line that tells what is wrong."""
+    """Run a subcommand; return the exit code, 1 or INTERRUPTED after one line that tells why."""
     logging.basicConfig(format="opml: %(message)s")
     options = _parser().parse_args(arguments)
     if isinstance(sys.stdout, io.TextIOWrapper):  # of names that the terminal has no letters for
@@ -43,6 +47,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (InputError, OSError) as error:
         print(f"opml: {error}", file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        print("opml: interrupted; what is written is whole", file=sys.stderr)
+        return INTERRUPTED
     return 0
 
 

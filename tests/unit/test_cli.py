@@ -16,6 +16,7 @@ from opml import __version__, cli
 from opml.orbits.sheets import read_rsos
 from opml.study.settings import editor_schema
 from opml.tables import STATE, write_table
+from opml.workflow import manual
 
 
 def test_a_new_project_holds_the_workflow_and_the_study_of_the_howto(tmp_path, capsys):
@@ -106,6 +107,16 @@ def test_every_page_of_the_documentation_is_listed_and_printed(capsys):
         assert f"# {title}\n" in text
         assert "{include}" not in text
     assert text == (REPOSITORY / "CHANGELOG.md").read_text(encoding="utf-8")
+
+
+def test_an_interrupt_is_told_in_one_line(monkeypatch, capsys):
+    def interrupt(name):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(manual, "page", interrupt)
+    assert cli.main(["docs", "operations"]) == cli.INTERRUPTED
+    expected = "opml: interrupted; what is written is whole\n"
+    assert capsys.readouterr() == ("", expected)
 
 
 def test_a_page_that_is_not_there_is_told_in_one_line(capsys):

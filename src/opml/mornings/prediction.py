@@ -180,7 +180,8 @@ class _Times:
         if request.date is not None:
             last = min(last, epochs.seconds_between(_ANY, request.date))
         if not first < last:
-            raise InputError(f"{request.files[0]}: expected measurements before {request.date}, got none")
+            before = f" before {request.date}" if request.date else ""
+            raise InputError(f"{request.files[0]}: expected measurements{before}, got fewer than two")
         date = request.date or _text(_ANY, np.ceil(last))
         begin = max(first, last - DAY * (MORNINGS + _HISTORY))
         epoch = f"{_text(_ANY, begin)[:_DAY]}T00:00:00"
@@ -219,6 +220,8 @@ def predict(request: Request, settings: Mapping[str, Any], *, progress: Progress
         progress(f"morning {number} of {len(times.mornings)}")
         left = morning(watched, records, now=now)
         records = records.and_then(left.records, since=now - DAY * watched.plan.max_days)
+    if left.ephemeris is None and not records.paths:
+        raise InputError(f"{request.files[0]}: expected what an orbit fits, got none: {left.verdict.reason}")
     flown = _flown(watched, left, records, now=times.date)
     t = flown.table["t"].to_numpy() - times.date
     if t[-1] < DAY * request.days:
@@ -333,8 +336,6 @@ def _flown(watched: Watched, left: Left, records: Records, *, now: float) -> _Fl
     if left.ephemeris is not None:
         model = str(left.records.issued["model"].iloc[0])
         return _Flown(left.ephemeris, model, left.verdict, _basis(records.judged, model))
-    if not records.paths:
-        raise InputError(f"expected what an orbit fits, got none: {left.verdict.reason}")
     paths, unproven = records.paths[-1].table, Verdict(UNPROVEN, left.verdict.reason)
     for model in watched.plan.models:
         with suppress(InputError):

@@ -108,8 +108,13 @@ def _card(outcome: Outcome) -> Card:
 def _expected(outcome: Outcome) -> str:
     """Return the errors that the ephemeris of today states, in words."""
     sigmas = {one["day"]: one["along_track_sigma_m"] for one in outcome["expected"]}
-    parts = [f"{length(sigmas[day])} m after {day} d" for day in LEADS if day in sigmas]
+    parts = [f"{_with_unit(sigmas[day])} after {day} d" for day in LEADS if day in sigmas]
     return ", ".join(parts) or "nothing, as none was flown"
+
+
+def _with_unit(metres: float) -> str:
+    """Return a length in metres, in kilometres from ten on."""
+    return f"{length(metres)} m" if metres < 1e4 else f"{metres / 1e3:.0f} km"
 
 
 def _row(outcome: Outcome) -> list[str]:

@@ -37,6 +37,7 @@ rsos: {{mine: {{area_to_mass_m2pkg: {area_to_mass:.3g}, cd: 2.2, cr: 1.25}}}}  #
 study:
   rsos: [mine]
   days: {{train: [0, {trained}], test: [{trained}, {days}]}}
+day: {{}}  # opml day --configfile mine.yaml
 """
 
 

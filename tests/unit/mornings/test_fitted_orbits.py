@@ -170,6 +170,19 @@ def test_what_cannot_be_is_refused_in_a_line(case, hours, tmp_path, capsys, monk
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_single_point_is_refused(tmp_path):
+    (tmp_path / "one.csv").write_text("utc,x_gcrf_m,y_gcrf_m,z_gcrf_m\n2019-09-03T00:00:00,7e6,0,0\n")
+    with pytest.raises(InputError, match=r"one\.csv: expected measurements, got fewer than two"):
+        made_of(tmp_path / "one.csv", date=None)
+
+
+def test_points_of_no_orbit_are_refused(tmp_path):
+    lines = "utc,x_gcrf_m,y_gcrf_m,z_gcrf_m\n2019-09-03T00:00:00,7e6,0,0\n2019-09-03T00:20:00,5e6,4e6,0\n"
+    (tmp_path / "two.csv").write_text(lines)
+    with pytest.raises(InputError, match=r"two\.csv: expected what an orbit fits, got none"):
+        made_of(tmp_path / "two.csv", date=None)
+
+
 def test_weather_that_ends_too_early_is_refused(tmp_path):
     lines = "utc,x_gcrf_m,y_gcrf_m,z_gcrf_m\n2026-05-01T00:00:00,7e6,0,0\n2026-05-01T02:00:00,0,7e6,0\n"
     (tmp_path / "new.csv").write_text(lines)

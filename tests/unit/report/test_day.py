@@ -22,7 +22,7 @@ OUTCOMES = [
         "good",
         message="first.oem",
         newest_estimate="2016-10-04T22:10:00.000000",
-        expected=[{"day": 1, "along_track_sigma_m": 93.0}, {"day": 7, "along_track_sigma_m": 1532.0}],
+        expected=[{"day": 1, "along_track_sigma_m": 93.0}, {"day": 7, "along_track_sigma_m": 15_320.0}],
         mornings=[
             {"date": "2016-10-04", "verdict": "unproven"},
             {"date": "2016-10-05", "verdict": "good"},
@@ -62,7 +62,7 @@ def test_a_card_says_what_to_do(page):
     cards = page[: page.index("## In figures")]
     assert "**second. Do not send**" in cards
     assert "**first. Send: good**" in cards
-    assert "Expected along the track, one sigma: 93 m after 1 d, 1532 m after 7 d." in cards
+    assert "Expected along the track, one sigma: 93 m after 1 d, 15 km after 7 d." in cards
     assert "Message: [first.oem](first/first.oem); newest estimate: 2016-10-04T22:10Z; model: fit96." in cards
     assert cards.count("\u25cb\u25cf\n") == 1
 

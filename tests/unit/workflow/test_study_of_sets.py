@@ -23,6 +23,7 @@ def test_a_project_of_sets_can_be_run(tmp_path, monkeypatch, capsys):
     assert settings.values["epoch"] == f"{study.first}T00:00:00"
     assert settings.values["duration_days"] == study.days + 7
     assert study.days == 39
+    assert "day" in settings.values
     assert settings.values["elements"] == {"mine": "my sets.tle"}
     ballistic = 2.2 * settings.values["rsos"]["mine"]["area_to_mass_m2pkg"]
     assert ballistic == pytest.approx(12.7416 * np.median([one.satellite.bstar for one in sets]), rel=0.05)
