@@ -17,10 +17,10 @@ SIMULATED = """\
 # yaml-language-server: $schema=workflow/schemas/config.schema.json
 results: results/mine
 duration_days: 12
+estimation: {window_hours: 24}
 rsos:
-  mine:
-    {a_km: 6900, e: 0.001, i_deg: 97.5, argp_deg: 0, raan_deg: 120, mean_anomaly_deg: 0,
-     area_to_mass_m2pkg: 0.02, cd: 2.2, cr: 1.25}
+  mine: {a_km: 6900, e: 0.001, i_deg: 97.5, argp_deg: 0, raan_deg: 120, mean_anomaly_deg: 0,
+         area_to_mass_m2pkg: 0.02, cd: 2.2, cr: 1.25}
 study:
   rsos: [mine]
   station_sets: [eglin-kaena]
