@@ -394,7 +394,7 @@ def predict(
     trained: FilePath | None = None,
     stations: Sequence[Station] = (),
     area_to_mass: float = 0.01,
-) -> Prediction | PredictedOrbit:
+) -> PredictedOrbit:
     """Predict an object with a covariance: SGP4 from its newest element set, improved, or a fit flown on.
 
     files: files or folders of TLEs or OMMs; or files of points (OEM, SP3, CPF, CSV) or tracks (TDM); days: 7

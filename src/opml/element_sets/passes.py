@@ -11,9 +11,9 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.catalog.simulate.observing import horizon, observe
 from opml.dynamics.frames import gcrf_to_itrf
-from opml.element_sets.prediction import Prediction
 from opml.environment import earth_orientation, nodes
 from opml.interop import ccsds
+from opml.interop.predicted_orbit import PredictedOrbit
 from opml.orbits.rsw_covariance import half_width
 
 LOWEST = np.radians(5.0)
@@ -55,14 +55,14 @@ def place(text: str) -> Place:
     return Place(text, float(np.radians(latitude)), float(np.radians(longitude)), altitude)
 
 
-def in_itrf(prediction: Prediction, t: np.ndarray) -> np.ndarray:
+def in_itrf(prediction: PredictedOrbit, t: np.ndarray) -> np.ndarray:
     """Return positions (n, 3) in ITRF [m] at times (n,) [s since the date of the prediction]."""
     hours = nodes(prediction.date, DAY * prediction.days)
     turns = gcrf_to_itrf(earth_orientation.tabulate(prediction.date, hours), t)
     return np.asarray(np.einsum("nij,nj->ni", turns, prediction.states(t)[:, :3]))
 
 
-def passes(prediction: Prediction, where: Place) -> pd.DataFrame:
+def passes(prediction: PredictedOrbit, where: Place) -> pd.DataFrame:
     """Return the passes over a place: rise, highest, set (UTC texts), elevation [deg], early_or_late [s].
 
     A pass that is under way at the beginning or the end is left out.
@@ -82,7 +82,7 @@ def passes(prediction: Prediction, where: Place) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["rise", "highest", "set", "elevation", "early_or_late"])
 
 
-def _elevation(prediction: Prediction, where: Place, t: np.ndarray) -> np.ndarray:
+def _elevation(prediction: PredictedOrbit, where: Place, t: np.ndarray) -> np.ndarray:
     position = _site(where)
     seen = observe(in_itrf(prediction, t), position, horizon(where.longitude, where.latitude))
     return np.asarray(seen[:, 1])

@@ -13,14 +13,11 @@ import math
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
-from functools import cached_property
 
 import numpy as np
 import pandas as pd
 from sgp4.api import Satrec
 
-from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
@@ -29,19 +26,15 @@ from opml.element_sets import density, improve, model
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.environment import nrlmsis
 from opml.environment.space_weather import INTERVALS
-from opml.interop import ccsds, fixes_csv, oem, tdm
+from opml.interop import fixes_csv, tdm
 from opml.interop.element_sets import mean_elements, rewriting
 from opml.interop.element_sets.element_set import ElementSet, changed, elements_epoch
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import contents
 from opml.interop.orbit_from_files import is_orbit
+from opml.interop.predicted_orbit import LEADS, PredictedOrbit
 from opml.orbits.elements import bent_rsw
 from opml.orbits.rsw_covariance import rates, rsw_covariances
-from opml.tables import STATE
-from opml.tables.element_tables import IMPROVED_LEADS
-
-LEADS = (0, *IMPROVED_LEADS)
-"""Days from the date at which sizes of errors are known; between them they are linear."""
 
 MORNINGS = 12
 """Mornings before the date whose predictions tell an object's own sizes."""
@@ -51,9 +44,6 @@ USUAL = 8.0
 
 USUAL_SIZES = 2.0
 """Errors of the usual size that an object's own count against, axis by axis and lead by lead."""
-
-STEP = 60.0
-"""Time between the states of an ephemeris [s]."""
 
 FEWEST = 4
 """Least number of an object's own predictions where nothing is usual: eccentric, deep space, below 300 km."""
@@ -101,29 +91,23 @@ _GROSS = 4.0  # sigmas that a past error counts at most: some are burns
 _MINUTE = 60.0
 _TURNING = 0.5  # of the free part of the velocity along the track: of the rate times the radial sigma
 _REACH = 0.5  # of a set that judges from the time predicted [d]
-_COVARIANCE_EVERY = 10  # states
 
 
 @dataclass(frozen=True, eq=False)
-class Prediction:
-    """An object from a date on.
+class Prediction(PredictedOrbit):
+    """An object from the date on when its newest set was known.
 
-    date: UTC text at which it begins, when the newest set was known; days: how long it is; improved,
-    published: the newest set with better numbers, and as it was; how: row of the table `improved_sets`;
-    sizes: by lead [d] r, s, w, standard deviations of the prediction, and sgp4, that of the published set
-    along the track [m]; past: judged predictions of the object that these rest on, as
-    `improve.Improved.past`, of an object whose set nothing improves those of SGP4; better: the set as it is
-    written.
+    past: as `improve.Improved.past`, of an object whose set nothing improves those of SGP4
+
+    improved, published: the newest set with better numbers, and as it was; how: row of the table
+    `improved_sets`; sizes: by lead [d] r, s, w, standard deviations of the prediction, and sgp4, that of the
+    published set along the track [m]; better: the set as it is written.
     """
 
-    identity: ObjectId
-    date: str
-    days: float
     improved: Satrec
     published: Satrec
     how: pd.Series
     sizes: pd.DataFrame
-    past: pd.DataFrame
     better: rewriting.Better
 
     def states(self, t: np.ndarray) -> np.ndarray:
@@ -153,47 +137,6 @@ class Prediction:
         velocity = rate[:, None] * position[:, [0, 0, 2]] * [1.0, _TURNING, 1.0]
         return rsw_covariances(np.hstack([position, velocity]), rate)
 
-    def state(self, time: str | datetime) -> np.ndarray:
-        """Return the GCRF state (6,) [m, m/s] at a time (UTC). Raises InputError as `states` does."""
-        state: np.ndarray = self.states(self._seconds(time))[0]
-        return state
-
-    def covariance(self, time: str | datetime) -> np.ndarray:
-        """Return the covariance (6, 6) in RSW [m, m/s] at a time (UTC); raises as `states` does."""
-        t = self._seconds(time)
-        covariance: np.ndarray = self.covariances(t, self.states(t))[0]
-        return covariance
-
-    @cached_property
-    def t(self) -> np.ndarray:
-        """Times (n,) of the ephemeris [s since the date]."""
-        return np.arange(0.0, DAY * self.days + 0.5 * STEP, STEP)
-
-    def to_pandas(self) -> pd.DataFrame:
-        """Return the ephemeris, a row a minute: utc, GCRF state [m, m/s], sigma_r, sigma_s, sigma_w [m]."""
-        sigmas = dict(zip(("sigma_r", "sigma_s", "sigma_w"), self.sigmas(self.t).T, strict=True))
-        states = pd.DataFrame(self.states(self.t), columns=STATE)
-        states.insert(0, "utc", self._texts(self.t))
-        return states.assign(**sigmas)
-
-    def to_oem(self, path: FilePath) -> None:
-        """Write the ephemeris with covariances as an OEM."""
-        states, last = self.states(self.t), len(self.t) - 1
-        sparse = np.unique(np.r_[0 : last + 1 : _COVARIANCE_EVERY, last])
-        segment = oem.Segment(
-            self.identity.name,
-            self.t,
-            states,
-            self.t[sparse],
-            self.covariances(self.t[sparse], states[sparse]),
-            covariance_frame="RSW",
-            remark=f"{self.way}, flown by SGP4",
-            degree=7,
-            identity=self.identity,
-            known=0.0,
-        )
-        oem.write(path, [segment], epoch=self.date)
-
     def expected(self) -> pd.DataFrame:
         """Return the table `expected_errors`: of the prediction in RSW, and of SGP4 along the track [m]."""
         leads = [lead for lead in LEADS if lead <= self.days]
@@ -201,6 +144,11 @@ class Prediction:
         rows = self.sizes.loc[leads, [*names]].rename(columns=names)
         rows.insert(0, "utc", self._texts(DAY * np.array(leads, float)))
         return rows.rename_axis("lead").reset_index()
+
+    @property
+    def remark(self) -> str:
+        """What a message says of it."""
+        return f"{self.way}, flown by SGP4"
 
     @property
     def way(self) -> str:
@@ -219,15 +167,6 @@ class Prediction:
         if not self.how["why"]:
             return "of all ways it left least of the object's own predictions of 20 mornings"
         return str(self.how["why"])
-
-    def _texts(self, t: np.ndarray) -> list[str]:
-        return ccsds.utc_texts(self.date, t)
-
-    def _seconds(self, time: str | datetime) -> np.ndarray:
-        if isinstance(time, datetime):
-            aware = time if time.tzinfo else time.replace(tzinfo=UTC)
-            time = aware.astimezone(UTC).replace(tzinfo=None).isoformat()
-        return np.array([epochs.seconds_between(self.date, time.removesuffix("Z"))])
 
 
 def predict(
@@ -277,12 +216,22 @@ def predict(
         identity,
         date,
         days,
+        past,
+        _basis(past),
         changed(published, how["motion"], how["bstar"]),
         published,
         how,
         _sizes(identity, how, past, errors, _after_storm(known.weather.kp, how["height"])),
-        past,
         better.sets[place],
+    )
+
+
+def _basis(past: pd.DataFrame) -> str:
+    """Return what the sizes of errors rest on, in words."""
+    return (
+        f"by {len(past)} predictions of the object's own {past['morning'].nunique()} mornings, held against "
+        f"later sets; radial and cross-track by {MORNINGS} mornings at most. What objects of that height "
+        "usually show counts as eight predictions, and what all sets err alike is added"
     )
 
 

@@ -1,6 +1,6 @@
 """Figures of a prediction: the ground track of a day, and errors expected over its days."""
 
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -23,10 +23,10 @@ from opml.interop.predicted_orbit import PredictedOrbit
 _KILO = 1e3
 
 
-def ground_track(prediction: Prediction | PredictedOrbit, places: list[Place]) -> Figure:
+def ground_track(prediction: PredictedOrbit, places: list[Place]) -> Figure:
     """Draw where the object passes over the Earth on the first day, and the places that look at it."""
     t = np.arange(0.0, DAY * min(prediction.days, 1.0), 30.0)
-    longitude, latitude, height = geodetic_places(in_itrf(cast(Prediction, prediction), t))
+    longitude, latitude, height = geodetic_places(in_itrf(prediction, t))
     figure = page_figure(height_mm=100.0)
     axes = figure.add_subplot()
     draw_land(axes)
@@ -41,7 +41,7 @@ def ground_track(prediction: Prediction | PredictedOrbit, places: list[Place]) -
     return figure
 
 
-def expected_errors(prediction: Prediction | PredictedOrbit) -> Figure:
+def expected_errors(prediction: PredictedOrbit) -> Figure:
     """Draw the expected error along the track by days ahead, and past errors of the object; SGP4's beside."""
     figure = page_figure(height_mm=75.0)
     axes = figure.add_subplot()

@@ -48,6 +48,11 @@ class PredictedOrbit(ABC):
     def reason(self) -> str:
         """Why that was used, in words."""
 
+    @property
+    def remark(self) -> str:
+        """What a message says of it."""
+        return self.way
+
     @abstractmethod
     def states(self, t: np.ndarray) -> np.ndarray:
         """Return GCRF states (n, 6) [m, m/s] at times (n,) [s since the date].
@@ -97,7 +102,7 @@ class PredictedOrbit(ABC):
             self.t[sparse],
             self.covariances(self.t[sparse], states[sparse]),
             covariance_frame="RSW",
-            remark=self.way,
+            remark=self.remark,
             degree=7,
             identity=self.identity,
             known=0.0,

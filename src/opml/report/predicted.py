@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 import pandas as pd
 
 from opml.element_sets.passes import LEVEL, Place
-from opml.element_sets.prediction import MORNINGS, Prediction
+from opml.element_sets.prediction import Prediction
 from opml.interop.predicted_orbit import PredictedOrbit
 from opml.report.document import Block, Heading, Paragraph, Picture, Table, as_it_is
 from opml.report.results import length
@@ -13,12 +13,8 @@ from opml.report.results import length
 _SECONDS, _DATE = len("2016-09-28T12:09:45"), len("2016-09-28T")
 
 
-Predicted = Prediction | PredictedOrbit
-"""Of element sets, or of measurements."""
-
-
 def document(
-    prediction: Predicted, passes: Mapping[Place, pd.DataFrame], pictures: tuple[Picture, Picture]
+    prediction: PredictedOrbit, passes: Mapping[Place, pd.DataFrame], pictures: tuple[Picture, Picture]
 ) -> list[Block]:
     """Return the page; passes: by place; pictures: the ground track, and errors over days."""
     track, errors = pictures
@@ -27,14 +23,14 @@ def document(
         *_how(prediction),
         _expected(prediction),
         errors,
-        _rests_on(prediction),
+        Paragraph(f"One sigma each: {prediction.basis}."),
         Heading("Where it goes"),
         track,
         *(block for where, rows in passes.items() for block in _passes(where, rows)),
     ]
 
 
-def _how(prediction: Predicted) -> Iterator[Block]:
+def _how(prediction: PredictedOrbit) -> Iterator[Block]:
     if not isinstance(prediction, Prediction):
         yield Paragraph(f"Used: **{prediction.way}**. Whether to trust it: {prediction.reason}.")
         return
@@ -49,7 +45,7 @@ def _how(prediction: Predicted) -> Iterator[Block]:
     )
 
 
-def _expected(prediction: Predicted) -> Table:
+def _expected(prediction: PredictedOrbit) -> Table:
     names = {
         "along_track": "along track [m]",
         "radial": "radial [m]",
@@ -64,18 +60,6 @@ def _expected(prediction: Predicted) -> Table:
             [str(row["lead"]), _z(row["utc"]), *(length(row[name]) for name in told)]
             for row in rows.to_dict("records")
         ],
-    )
-
-
-def _rests_on(prediction: Predicted) -> Paragraph:
-    past = prediction.past
-    if not isinstance(prediction, Prediction):
-        return Paragraph(f"One sigma each: {prediction.basis}.")
-    return Paragraph(
-        f"One sigma each. They rest on {len(past)} predictions of the object's own "
-        f"{past['morning'].nunique()} mornings, held against later sets; radial and cross-track on "
-        f"{MORNINGS} mornings at most. What objects of that height usually show counts as eight predictions, "
-        "and what all sets err alike is added."
     )
 
 

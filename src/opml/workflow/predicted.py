@@ -4,7 +4,7 @@ import tempfile
 from collections.abc import Callable, Sequence
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing
@@ -15,7 +15,6 @@ from opml.interop.element_sets import ephemeris_elements, omm, rewriting, tle
 from opml.interop.predicted_orbit import PredictedOrbit
 from opml.tables import write_as
 
-Predicted = Prediction | PredictedOrbit
 Writer = Callable[[FilePath, Any, Sequence[Place]], None]
 
 
@@ -36,16 +35,16 @@ def check_fitted(paths: Sequence[FilePath]) -> None:
             raise InputError(f"{path}: expected .tle or .kvn for a set that is fitted to points or tracks")
 
 
-def write(path: FilePath, prediction: Predicted, places: Sequence[Place]) -> None:
+def write(path: FilePath, prediction: PredictedOrbit, places: Sequence[Place]) -> None:
     """Write a prediction in the format of the suffix, whole or not at all."""
     WRITERS[Path(path).suffix.lower()](path, prediction, places)
 
 
-def _oem(path: FilePath, prediction: Predicted, _: Sequence[Place]) -> None:
+def _oem(path: FilePath, prediction: PredictedOrbit, _: Sequence[Place]) -> None:
     prediction.to_oem(path)
 
 
-def _set(path: FilePath, prediction: Predicted, _: Sequence[Place]) -> None:
+def _set(path: FilePath, prediction: PredictedOrbit, _: Sequence[Place]) -> None:
     if not isinstance(prediction, Prediction):
         _fitted_set(path, prediction)
     elif rewriting.write(path, [prediction.better]):
@@ -63,17 +62,17 @@ def _fitted_set(path: FilePath, prediction: PredictedOrbit) -> None:
     omm.write(path, satellite, identity=identity, epoch=epoch, comment=told)
 
 
-def _table(path: FilePath, prediction: Predicted, _: Sequence[Place]) -> None:
+def _table(path: FilePath, prediction: PredictedOrbit, _: Sequence[Place]) -> None:
     metadata = {"object": str(prediction.identity), "used": prediction.way, "why": prediction.reason}
     write_as(path, prediction.expected(), "expected_errors", metadata=metadata)
 
 
-def _czml(path: FilePath, prediction: Predicted, _: Sequence[Place]) -> None:
+def _czml(path: FilePath, prediction: PredictedOrbit, _: Sequence[Place]) -> None:
     positions = prediction.states(prediction.t)[:, :3]
     czml.write(path, prediction.identity.name, prediction.t, positions, epoch=prediction.date)
 
 
-def _page(path: FilePath, prediction: Predicted, places: Sequence[Place]) -> None:
+def _page(path: FilePath, prediction: PredictedOrbit, places: Sequence[Place]) -> None:
     from opml.figures import predicted as figures
     from opml.figures.style import save_png
     from opml.report import predicted as report
@@ -88,7 +87,7 @@ def _page(path: FilePath, prediction: Predicted, places: Sequence[Place]) -> Non
         for name, (figure, shows) in drawn.items():
             save_png(figure, Path(folder, name))
             pictures.append(Picture(Path(folder, name), name, shows))
-        over = {where: passes(cast(Prediction, prediction), where) for where in places}
+        over = {where: passes(prediction, where) for where in places}
         blocks = report.document(prediction, over, (pictures[0], pictures[1]))
         temporary.write_text(html_page(blocks, title=str(prediction.identity)), encoding="utf-8")
 
