@@ -9,7 +9,9 @@ from support import EPOCH
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
+from opml.element_sets.catalogue import modified_julian_day
 from opml.interop.element_sets import histories
+from opml.interop.element_sets.element_set import changed
 from opml.learning.judge.error_sizes import Sizes
 from opml.mornings import days, issued
 from opml.mornings.beside_sgp4 import Sgp4
@@ -170,6 +172,27 @@ def test_a_path_corrected_by_sgp4_is_where_sgp4_is():
     np.testing.assert_allclose(expected, 250.0, atol=1.0)
     later = sets.assign(bstar=sets["bstar"].mask(sets["t"] > NOW, 1.0))
     np.testing.assert_array_equal(Sgp4(later, EPOCH).menu(NOW)["sgp4"](path), expected)
+
+
+class _Improved:
+    """Improves the first set of the history by a mean motion that is a millionth larger."""
+
+    def newest(self, name, number, morning):
+        assert morning == modified_julian_day(EPOCH) + NOW / DAY
+        newest = histories.satellite(history(np.arange(0.0, 20.0, 0.5)).iloc[0], epoch=EPOCH)
+        return changed(newest, newest.no_kozai * (1.0 + 1e-6), newest.bstar) if name == "density" else None
+
+
+def test_sets_that_are_improved_stand_in_the_menu_beside_the_published_one():
+    """A larger mean motion is ahead of the published set; a model without a set is left out."""
+    sets = history(np.arange(0.0, 20.0, 0.5))
+    t = NOW + 300.0 * np.arange(5)
+    states = histories.predict(sets, epoch=EPOCH, known=NOW, t=t)
+    path = pd.DataFrame(states, columns=STATE).assign(t_j=t)
+    menu = Sgp4(sets, EPOCH, improved=_Improved()).menu(NOW)
+    assert list(menu) == ["sgp4", "density"]
+    np.testing.assert_allclose(menu["sgp4"](path), 0.0, atol=1e-6)
+    assert (menu["density"](path) < 0.0).all()
 
 
 def test_a_model_that_is_new_in_the_menu_waits_for_a_past_of_its_own():
