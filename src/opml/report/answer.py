@@ -23,6 +23,9 @@ TITLE = "What to fly"
 ALL_MODELS = "all models"
 """What the figure shows that an answer holds."""
 
+FEWEST = 10
+"""Predictions of a duration below which neither their median nor a share of them is told."""
+
 _SPANS = {1.0: "a day", 7.0: "a week"}
 
 
@@ -87,15 +90,20 @@ def section(
 
 
 def _left(found: Mornings, marks: Sequence[float]) -> str:
-    """Return in words the errors of what was flown, after the first and the last of some durations."""
-    sizes = at_days(found.flown.assign(true=found.flown["before"], residual=found.flown["e_y"]), marks)
-    ends = sizes.iloc[[0, -1]].drop_duplicates("day") if len(sizes) else sizes
-    words = [f"{_distance(row['after_50'])} after {_span(row['day'])}" for row in ends.to_dict("records")]
+    """Return in words the errors of the model that is named, after the first and last of some durations."""
+    chosen = found.last_choice
+    own = found.tables[chosen]
+    sizes = at_days(own.assign(true=own["before"], residual=own["e_y"]), marks)
+    told = sizes[sizes["rows"] >= FEWEST] if len(sizes) else sizes
     names = [choice.chosen for choice in found.choices.values()]
-    return (
-        f"{', '.join(words)} (median along-track error of what the past chose on {len(names)} mornings, this "
-        f"model on {names.count(found.last_choice)})."
-    )
+    on = f"on {len(names)} mornings, on {names.count(chosen)} of which the past chose it"
+    if told.empty:
+        return f"no duration has {FEWEST} predictions to tell its errors by, {on}."
+    words = [
+        f"{_distance(row['after_50'])} after {_span(row['day'])} ({row['rows']} predictions)"
+        for row in told.iloc[[0, -1]].drop_duplicates("day").to_dict("records")
+    ]
+    return f"{', '.join(words)}, median along-track error {on}."
 
 
 def _span(days: float) -> str:
@@ -123,7 +131,8 @@ def _ellipsoids(found: Mornings, durations: Sequence[float]) -> dict[float, floa
         shares = calibration.of_replay(found.flown, days=durations)
     except InputError:  # the past was too short for a covariance
         return {}
-    rows = shares[(shares["quantity"] == ELLIPSOID) & (shares["level"] == LEVEL)]
+    is_told = (shares["level"] == LEVEL) & (shares["rows"] >= FEWEST)
+    rows = shares[(shares["quantity"] == ELLIPSOID) & is_told]
     return dict(zip(rows["day"], rows["inside"], strict=True))
 
 

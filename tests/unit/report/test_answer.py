@@ -1,5 +1,7 @@
 """The answer that a study's report begins with."""
 
+import dataclasses
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -52,13 +54,40 @@ def answered(found, pictures=None, absurd=(), source=FOUND):
 def test_the_answer_is_the_model_its_errors_and_what_the_others_would_have_left():
     found = mornings_of(running=1.0, fit48=2.0, law=1.5)
     text = answered(found)
-    near = found.flown[(found.flown["duration"] / DAY - 1.0).abs() < 0.25]["e_y"].abs().median()
-    assert text.startswith(f"## What to fly\n\n**lares, eglin.** Fly `running`: {near:.2g} m after a day, ")
-    assert " m after a week (median along-track error of what the past chose on 24 mornings, this" in text
+    own = found.tables["running"]
+    near = own[(own["duration"] / DAY - 1.0).abs() < 0.25]["e_y"].abs()
+    begin = f"Fly `running`: {near.median():.2g} m after a day ({len(near)} predictions), "
+    assert text.startswith(f"## What to fly\n\n**lares, eglin.** {begin}")
+    assert " predictions), median along-track error on 24 mornings, on 24 of which the past chose it." in text
     assert "`running`, the best without learning, would have left as much" in text
     assert "`law`, the best that learned, would have left 50 % more" in text
     assert "[Every morning](#every-morning)" in text
     assert "nan" not in text
+
+
+def test_errors_are_those_of_the_model_that_is_named():
+    """What another model left on mornings when the past chose that says nothing of this one."""
+    found = mornings_of(running=1.0, fit48=2.0)
+    flown = found.flown.assign(e_y=1e6)
+    changed = dataclasses.replace(found, flown=flown)
+    assert (
+        answered(changed).split(".** ")[1].split(", median")[0]
+        == (answered(found).split(".** ")[1].split(", median")[0])
+    )
+
+
+def test_durations_with_fewer_than_ten_predictions_are_not_told():
+    found = mornings_of(running=1.0)
+    own = found.tables["running"]
+    longest = own["duration"] > 6.5 * DAY
+    few = own[~longest | (longest.cumsum() < 10)]
+    text = answered(Mornings.from_replays({"running": few}, [], seed=1))
+    assert "after a week" not in text
+    assert "after 4 days (" in text
+    short = dataclasses.replace(found, tables={"running": own.head(5)})
+    assert "Fly `running`: no duration has 10 predictions to tell its errors by, on 24 mornings" in answered(
+        short
+    )
 
 
 def test_the_file_of_the_chosen_model_stands_with_its_command():
