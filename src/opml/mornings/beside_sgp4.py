@@ -50,39 +50,22 @@ class Sgp4:
                     models[name] = partial(mean_elements.states, flown, epoch=self.epoch)
         return {name: partial(_expected, states) for name, states in models.items()}
 
-    def along_track(self, flown: pd.DataFrame, estimates: pd.DataFrame) -> np.ndarray:
-        """Return how far SGP4 was off along the track (n,) [m], from the newest set known each morning.
 
-        flown: rows of `judged` (n)
-        estimates: that these were judged by, a row a track
+def beside(judgement: Verdict, judged: pd.DataFrame, *, now: float) -> Verdict:
+    """Return a verdict, which is not good where SGP4 was nearer in the median of the last two weeks.
 
-        NaN where no set was known, SGP4 fails, or the estimate is not kept.
-        """
-        by_track = estimates.drop_duplicates("track", keep="last").set_index("track")[STATE]
-        states, off = by_track.reindex(flown["j"]).to_numpy(), np.full(len(flown), np.nan)
-        for morning, rows in flown.reset_index(drop=True).groupby("morning"):
-            true, t = states[rows.index], rows["t_j"].to_numpy()
-            sgp4 = histories.predict(self.sets, epoch=self.epoch, known=float(str(morning)), t=t)
-            off[rows.index] = in_rsw(sgp4 - true, true)[:, 1]
-        return off
-
-    def beside(
-        self, judgement: Verdict, judged: pd.DataFrame, estimates: pd.DataFrame, *, now: float
-    ) -> Verdict:
-        """Return a verdict, which is not good where SGP4 was nearer in the median of the last two weeks.
-
-        judged: rows of that table of all mornings
-        estimates: as in `along_track`
-        """
-        flown = judged[np.isfinite(judged["sigma_y"]) & (judged["t_known"] > now - PAST)]
-        sgp4 = self.along_track(flown, estimates)
-        known = np.isfinite(sgp4)
-        if judgement.word != GOOD or not known.any():
-            return judgement
-        ours, theirs = (float(np.median(np.abs(off[known]))) for off in (flown["e_y"].to_numpy(), sgp4))
-        if ours <= theirs:
-            return judgement
-        return Verdict(WIDE, f"SGP4 from the newest set was {theirs:.0f} m off where this was {ours:.0f}")
+    judged: rows of that table of all mornings
+    """
+    keys = ["morning", "j"]
+    sgp4 = judged[judged["model"] == NAME].set_index(keys)["e_y"].rename("sgp4")
+    flown = judged[np.isfinite(judged["sigma_y"]) & (judged["t_known"] > now - PAST)]
+    both = flown.join(sgp4, on=keys, how="inner")
+    if judgement.word != GOOD or both.empty:
+        return judgement
+    ours, theirs = (float(both[name].abs().median()) for name in ("e_y", "sgp4"))
+    if ours <= theirs:
+        return judgement
+    return Verdict(WIDE, f"SGP4 from the newest set was {theirs:.0f} m off where this was {ours:.0f}")
 
 
 def _expected(states: Callable[..., np.ndarray], path: pd.DataFrame) -> np.ndarray:

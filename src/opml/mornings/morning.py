@@ -28,7 +28,7 @@ from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models import learners
-from opml.mornings import burns_in_tracks, candidates, fits, issued, judged, product, tracks
+from opml.mornings import beside_sgp4, burns_in_tracks, candidates, fits, issued, judged, product, tracks
 from opml.mornings.beside_sgp4 import Sgp4
 from opml.mornings.outcomes import DO_NOT_USE
 from opml.mornings.paths import Paths
@@ -177,8 +177,7 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
     left = replace(left, paths=[Paths(paths)] if is_new else [])
     past = so_far.rows_unaffected_by_burns(plan.base, watched.known_by(now))
     judgement = verdict(past, starts, now=now, burns=watched.manoeuvres, window=plan.base * HOUR)
-    if watched.sgp4 is not None:
-        judgement = watched.sgp4.beside(judgement, past, so_far.estimates_over(plan.base), now=now)
+    judgement = beside_sgp4.beside(judgement, past, now=now)
     try:
         flown = issued.choose_model(past, Paths(paths).models, now=now)
         ephemeris = product.ephemeris(paths, flown, step=plan.step)
