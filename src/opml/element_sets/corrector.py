@@ -117,8 +117,8 @@ def widen(rows: pd.DataFrame, found: pd.DataFrame) -> pd.DataFrame:
     for _, part in rows[["morning", "judged"]].assign(off=off).groupby(rows["lead"]):
         judged = part.dropna().sort_values("judged")
         for morning, members in part.groupby("morning").groups.items():
-            known = judged["off"].iloc[: judged["judged"].searchsorted(float(morning), side="right")]
-            last = known[judged["judged"].iloc[: len(known)] > float(morning) - _RECENT]
+            ends = np.array([float(morning) - _RECENT, float(morning)])
+            last = judged["off"].iloc[slice(*judged["judged"].searchsorted(ends, side="right"))]
             if len(last) >= _FEWEST_RECENT:
                 factor[members] = max(1.0, float(last.quantile(LEVEL)))
     return found.assign(sigma=found["sigma"] * factor)

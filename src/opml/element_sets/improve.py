@@ -56,7 +56,7 @@ _MOST_DRAG = 0.9
 _DEEP = 2.0 * np.pi / 225.0  # mean motion [rad/min] below which SGP4 adds Sun and Moon
 _MINUTES = 1440.0
 
-UNCHANGED, DENSITY, FEW = "unchanged", "density", "first sets"
+UNCHANGED, DENSITY, LEARNED, FEW = "unchanged", "density", "learned", "first sets"
 
 _log = logging.getLogger(__name__)
 
@@ -176,7 +176,7 @@ def candidates(rows: pd.DataFrame, model: CatalogueModel) -> dict[str, pd.DataFr
     A prediction apart from the learned one is as unsure as that, and as they are apart.
     """
     learned = {
-        f"learned: {name}": corrector.widen(rows, one.apply(rows)) for name, one in model.correctors.items()
+        f"{LEARNED}: {name}": corrector.widen(rows, one.apply(rows)) for name, one in model.correctors.items()
     }
     surest = pd.concat(learned.values()).groupby(level=0).mean()
     ways = {UNCHANGED: 0.0 * rows["density"], DENSITY: rows["density"]}

@@ -12,13 +12,11 @@ from opml.element_sets import catalogue as catalogues
 from opml.element_sets import density, features, improve, model, pairs
 from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.density import LearnedAir
+from opml.element_sets.improve import DENSITY, LEARNED
 from opml.element_sets.model import CatalogueModel
 from opml.environment import knowledge, nrlmsis
 from opml.environment.weather import Weather
 from opml.interop.element_sets.element_set import changed
-
-DENSITY, LEARNED = "density", "learned"
-"""Names of the models: density-scaled, and with the corrector of the package."""
 
 
 class ImprovedHistory:
@@ -74,7 +72,7 @@ class ImprovedHistory:
         newest = improve.newest_sets(known)
         why = improve.reasons(known, newest, now, date=morning)
         choices = {
-            DENSITY: pd.Series(improve.DENSITY, newest.index),
+            DENSITY: pd.Series(DENSITY, newest.index),
             LEARNED: improve.choice(rows, taught),
         }
         return {

@@ -110,14 +110,7 @@ class Prediction(PredictedOrbit):
     sizes: pd.DataFrame
     better: rewriting.Better
 
-    def states(self, t: np.ndarray) -> np.ndarray:
-        """Return GCRF states (n, 6) [m, m/s] at times (n,) [s since the date].
-
-        Raises InputError for times outside the prediction, and where SGP4 has the object decayed.
-        """
-        if not np.all((t >= 0.0) & (t <= DAY * self.days)):
-            begin, end = self._texts(np.array([0.0, DAY * self.days]))
-            raise InputError(f"predict: expected a time from {begin} to {end}, got another")
+    def _flown(self, t: np.ndarray) -> np.ndarray:
         states = mean_elements.states(self.improved, epoch=self.date, t=t)
         if not np.isfinite(states).all():
             (when,) = self._texts(t[~np.isfinite(states).all(axis=1)][:1])
@@ -155,7 +148,7 @@ class Prediction(PredictedOrbit):
         """What was used, in words."""
         of = f" from {self.how['population']}" if self.how["population"] else ""
         ways = {
-            "learned": f"set improved by density and what was learned{of}",
+            improve.LEARNED: f"set improved by density and what was learned{of}",
             improve.DENSITY: "set improved by the density ahead",
             improve.UNCHANGED: "set as published",
         }

@@ -10,6 +10,7 @@ import pandas as pd
 
 from opml.base import epochs
 from opml.base.constants import DAY
+from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import ccsds, oem
 from opml.interop.object_ids import ObjectId
@@ -54,11 +55,18 @@ class PredictedOrbit(ABC):
         return self.way
 
     @abstractmethod
+    def _flown(self, t: np.ndarray) -> np.ndarray:
+        """Return GCRF states (n, 6) [m, m/s] at times (n,) within the prediction [s since the date]."""
+
     def states(self, t: np.ndarray) -> np.ndarray:
         """Return GCRF states (n, 6) [m, m/s] at times (n,) [s since the date].
 
-        Raises InputError for times outside the prediction.
+        Raises InputError for times outside the prediction, and where SGP4 has the object decayed.
         """
+        if not np.all((t >= 0.0) & (t <= DAY * self.days)):
+            begin, end = self._texts(np.array([0.0, DAY * self.days]))
+            raise InputError(f"predict: expected a time from {begin} to {end}, got another")
+        return self._flown(t)
 
     @abstractmethod
     def sigmas(self, t: np.ndarray) -> np.ndarray:

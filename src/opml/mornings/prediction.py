@@ -124,11 +124,7 @@ class FittedOrbit(PredictedOrbit):
     model: Mapping[str, Any]
     verdict: Verdict
 
-    def states(self, t: np.ndarray) -> np.ndarray:
-        """Return GCRF states (n, 6) [m, m/s] at times (n,) [s since the date]."""
-        if not np.all((t >= 0.0) & (t <= DAY * self.days)):
-            begin, end = self._texts(np.array([0.0, DAY * self.days]))
-            raise InputError(f"predict: expected a time from {begin} to {end}, got another")
+    def _flown(self, t: np.ndarray) -> np.ndarray:
         states: np.ndarray = self._path(t)
         return states
 

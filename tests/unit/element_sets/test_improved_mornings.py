@@ -7,7 +7,8 @@ import pytest
 import sinking_histories
 
 from opml.element_sets import catalogue, density, improve, model
-from opml.element_sets.on_mornings import DENSITY, LEARNED, ImprovedHistory
+from opml.element_sets.improve import DENSITY, LEARNED
+from opml.element_sets.on_mornings import ImprovedHistory
 from opml.environment import knowledge
 
 DATE = "2026-01-08T06:00:00"
