@@ -118,16 +118,19 @@ def read(
     """
     today = modified_julian_day(date)
     found = knowledge.read(weather).keep_known(today)
-    end = density.end_of(found)
-    if today - end > OLDEST_WEATHER:
-        expected = f"space weather measured up to {date[:10]}"
-        raise InputError(
-            f"{weather}: expected {expected}, got it up to {epochs.calendar(end)}; newer: {NEWER_WEATHER}"
-        )
+    check_newest(found, weather, date=date, oldest=OLDEST_WEATHER)
     sets = catalogues.read(paths, latency=latency).until(today).daily()
     if sets.table.empty:
         raise InputError(f"element sets: expected some that were public on {date}, got none")
     return PublicData(sets, density.clean(found), date)
+
+
+def check_newest(found: Weather, source: FilePath, *, date: str, oldest: float) -> None:
+    """Raise InputError for weather of a source that ends more than so many days before a date (UTC text)."""
+    end = density.end_of(found)
+    if modified_julian_day(date) - end > oldest:
+        expected = f"space weather measured up to {date[:10]}, got it up to {epochs.calendar(end)}"
+        raise InputError(f"{source}: expected {expected}; newer: {NEWER_WEATHER}")
 
 
 def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _log.info) -> Improved:

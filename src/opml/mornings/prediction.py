@@ -27,9 +27,7 @@ from opml.catalog.predict import covariance, spread
 from opml.catalog.predict.spread import Weathers
 from opml.dynamics import force_model
 from opml.dynamics.forces import tabulated, with_outlooks
-from opml.element_sets import density
-from opml.element_sets.catalogue import modified_julian_day
-from opml.element_sets.improve import NEWER_WEATHER
+from opml.element_sets import improve
 from opml.environment import knowledge, nodes
 from opml.environment.knowledge import Issues
 from opml.ephemerides.along_track_shift import through
@@ -280,7 +278,8 @@ def _flight_model(
     """Return how an object flies under the weather that was known at each time."""
     weather, t = str(weather), nodes(times.epoch, times.duration)
     sources = settings["environment"]
-    _check_newest(weather, times)
+    date = _text(times.epoch, times.date)
+    improve.check_newest(knowledge.read(weather), weather, date=date, oldest=OLDEST / DAY)
     activity = knowledge.measured_activity(weather, times.epoch, t)
     environment = tabulated(
         times.epoch,
@@ -317,14 +316,6 @@ class _Flown:
     model: str
     verdict: Verdict
     basis: str
-
-
-def _check_newest(weather: str, times: _Times) -> None:
-    """Raise InputError for weather that was last measured long before the date."""
-    date, end = _text(times.epoch, times.date), density.end_of(knowledge.read(weather))
-    if modified_julian_day(date) - end > OLDEST / DAY:
-        expected = f"space weather measured up to {date[:_DAY]}, got it up to {epochs.calendar(end)}"
-        raise InputError(f"{weather}: expected {expected}; newer: {NEWER_WEATHER}")
 
 
 def _flown(watched: Watched, left: Left, records: Records, *, now: float) -> _Flown:
