@@ -36,7 +36,7 @@ def few(project):
 
 def test_plan_of_a_catalogue(few):
     plan = jobs(few.snakemake("-n", "catalogue", asked(few, learners="trees, svr")).stdout)
-    once = ["densities", "rows", "scores", "report", "shares", "gains"]
+    once = ["densities", "rows", "scores", "report", "shares", "gains", "seasons"]
     assert plan == {
         "catalogue": 1,
         "catalogue_residuals": 2,
@@ -48,7 +48,11 @@ def test_what_is_wrong_with_a_catalogue_is_told_in_one_line(few):
     where = "opml: few.yaml: catalogue.tests.winter"
     for wrong, told in (
         ({"population": "debris"}, f"{where}.population: expected one of payloads, got 'debris'\n"),
-        ({"last": '"2016-03-08"'}, f"{where}: expected dates to train on before those to test on, got "),
+        (
+            {"population": "payloads, taught_by: debris"},
+            f"{where}.taught_by: expected one of payloads, got 'debris'\n",
+        ),
+        ({"last": '"2016-03-08"'}, f"{where}: expected dates to train on before those to test on, or "),
         ({"last": '"2016-02-30"'}, f"{where}: "),
         ({"last": "5"}, f'{where}.train.1: expected a date (UTC) in quotes, like "2026-03-15", got 5\n'),
     ):
@@ -82,5 +86,6 @@ def test_a_small_catalogue_runs(few):
         "catalogue/catalogue.html",
         "figs/catalogue/winter.pdf",
         "figs/catalogue_gains.pdf",
+        "figs/catalogue_seasons.pdf",
     ):
         assert (results / name).stat().st_size > 1000

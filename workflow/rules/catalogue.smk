@@ -6,6 +6,7 @@ CATALOGUE_SCORES = product("catalogue/scores")
 CATALOGUE_REPORT = product("catalogue/catalogue")
 CATALOGUE_SHARES = product("figs/catalogue/{test}")
 CATALOGUE_GAINS = product("figs/catalogue_gains")
+CATALOGUE_SEASONS = product("figs/catalogue_seasons")
 
 if PLAN.settings.catalogue:
 
@@ -57,9 +58,14 @@ if PLAN.settings.catalogue:
 
     rule catalogue_residuals:
         input:
-            lambda wildcards: path_of(
+            rows=lambda wildcards: path_of(
                 rules.catalogue_rows.output[0],
-                population=PLAN.settings.catalogue.tests[wildcards.test].population,
+                population=PLAN.catalogue_test(wildcards.test).population,
+                test=wildcards.test,
+            ),
+            teachers=lambda wildcards: path_of(
+                rules.catalogue_rows.output[0],
+                population=PLAN.catalogue_test(wildcards.test).teachers,
                 test=wildcards.test,
             ),
         output:
@@ -145,6 +151,20 @@ if PLAN.settings.catalogue:
             ),
         message:
             "Figure: share of SGP4's errors by band of height and lead, {wildcards.test}"
+
+    use rule errors as catalogue_seasons with:
+        input:
+            rules.catalogue_scores.output[0],
+        output:
+            **figures(CATALOGUE_SEASONS, caption="catalogue_seasons", section=SECTIONS["study"]),
+        log:
+            CATALOGUE_SEASONS.log,
+        benchmark:
+            CATALOGUE_SEASONS.benchmark
+        params:
+            **drawing("catalogue_seasons", PARAMS.catalogue_seasons),
+        message:
+            "Figure: what improved sets leave of SGP4's errors, test by test"
 
     use rule errors as catalogue_gains with:
         input:

@@ -54,6 +54,7 @@ CATALOGUE_FILES = (
     [
         *rules.catalogue_report.output,
         *rules.catalogue_gains.output,
+        *rules.catalogue_seasons.output,
         *(
             path_of(file, test=test)
             for test in PLAN.settings.catalogue.tests

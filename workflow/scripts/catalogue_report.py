@@ -7,5 +7,6 @@ from opml.workflow.jobs import job
 
 with job(snakemake):
     settings, output = JobSettings(snakemake.params.settings), snakemake.output
-    blocks = catalogue.document(read_table(snakemake.input[0], "catalogue_scores"), settings.seasons_of_tests)
+    scores = read_table(snakemake.input[0], "catalogue_scores")
+    blocks = catalogue.document(scores, settings.seasons_of_tests, settings.teachers)
     document.write(blocks, output.md[0], output.tsv[0], output.html[0])

@@ -10,7 +10,8 @@ if __name__ == "__main__":
     with job(snakemake) as metadata:
         settings = JobSettings(snakemake.params.settings)
         residuals = held_out.residuals(
-            read_table(snakemake.input[0], held_out.ROWS),
+            read_table(snakemake.input.rows, held_out.ROWS),
+            read_table(snakemake.input.teachers, held_out.ROWS),
             held_out.Seasons.of_dates(**settings.seasons),
             settings.learner,
             seed=settings.seed,

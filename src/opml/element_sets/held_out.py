@@ -12,11 +12,12 @@ from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.element_sets import catalogue as catalogues
-from opml.element_sets import corrector, density, features, pairs
+from opml.element_sets import corrector, density, features, pairs, ways
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.density import Densities, LearnedAir
 from opml.element_sets.features import FEATURES
 from opml.element_sets.training import FIRST_DAY, HOUR_OF_MORNING
+from opml.element_sets.ways import PAST
 from opml.environment import knowledge
 from opml.tables import catalogue_densities_schema, catalogue_rows_schema
 
@@ -50,8 +51,14 @@ class Seasons:
 
     @property
     def mornings(self) -> np.ndarray:
-        """Mornings from the first to the last day: those between the seasons tell of an object's past."""
-        return np.arange(self.train[0], self.test[1] + 1.0) + HOUR_OF_MORNING
+        """Mornings of both seasons, and those before each that tell of an object's past."""
+        days = [np.arange(first - PAST, last + 1.0) for first, last in (self.train, self.test)]
+        return np.union1d(*days) + HOUR_OF_MORNING
+
+    @property
+    def asked(self) -> tuple[float, float]:
+        """First and last day whose predictions judge, or choose the way of one that does."""
+        return self.test[0] - PAST, self.test[1]
 
 
 def densities(weather: str | Path) -> pd.DataFrame:
@@ -76,25 +83,26 @@ def rows(
     """Return the table ROWS of the mornings of both seasons.
 
     files: of element sets
-    table: of `densities`; their forecast is learned from what was measured before the first season
+    table: of `densities`; their forecast is learned from what was measured before both seasons
     weather: that of the densities
     latency: days from epoch to publication of sets that do not tell when they were made
 
     Raises InputError for unreadable files, weather that ends too early or begins too late, and without rows.
     """
     known = density.clean(knowledge.read(weather))
-    if density.end_of(known) < seasons.test[1]:
-        expected = f"expected measured weather up to {epochs.calendar(seasons.test[1])}"
+    last = max(seasons.train[1], seasons.test[1])
+    if density.end_of(known) < last:
+        expected = f"expected measured weather up to {epochs.calendar(last)}"
         raise InputError(f"{weather}: {expected}, got it up to {epochs.calendar(density.end_of(known))}")
     found = Densities(int(table["t"].iloc[0]), table[_HEIGHTS].to_numpy())
-    air = LearnedAir(known, found, density.fit(found, known, end=seasons.train[0]))
+    air = LearnedAir(known, found, density.fit(found, known, end=min(seasons.train[0], seasons.test[0])))
     sets = _about(catalogues.read(files, latency=latency).daily(), seasons.mornings)
     made = features.build(sets, pairs.build(sets, seasons.mornings), air)
-    is_asked = np.logical_or.reduce([_within(made, season) for season in (seasons.train, seasons.test)])
-    judged = made[is_asked & made["is_fit"] & np.isfinite(made["error"])]
-    if judged.empty:
+    made["bstar"] = sets.table["bstar"].to_numpy()[made["newest"]]
+    own = made[made["is_fit"] & (_within(made, seasons.train) | _within(made, seasons.asked))]
+    if own["error"].isna().all():
         raise InputError("element sets: expected sets of the seasons that judge each other, got none")
-    return judged[ROWS.names]
+    return own[ROWS.names]
 
 
 def _about(sets: ElementCatalogue, mornings: np.ndarray) -> ElementCatalogue:
@@ -109,27 +117,41 @@ def _within(table: pd.DataFrame, season: tuple[float, float]) -> np.ndarray:
     return np.asarray(np.floor(table["morning"]).between(*season))
 
 
-def residuals(table: pd.DataFrame, seasons: Seasons, learner: str, *, seed: int) -> pd.DataFrame:
-    """Return the table `catalogue_residuals`: what is left of the errors of the half not learned from.
+def residuals(
+    table: pd.DataFrame, teachers: pd.DataFrame, seasons: Seasons, learner: str, *, seed: int
+) -> pd.DataFrame:
+    """Return the table `catalogue_residuals`: what is left of the errors of objects not learned from.
 
-    table: ROWS
+    table: ROWS of the objects that judge
+    teachers: ROWS of those that are learned from, the same or others
     learner: one of corrector.LEARNERS
 
-    What is learned from was public before the first morning that judges. Where nothing could be learned for
-    a band, the density-scaled prediction stands. Raises InputError where there is too little to learn from.
+    One half of the teachers is learned from, and no object of that judges. What is learned from was public
+    before the first morning that judges, or predicted after the last. Where nothing could be learned for a
+    band, the density-scaled prediction stands. Raises InputError where there is too little to learn from.
     """
-    half = half_of(table["number"].to_numpy(), seed=seed)
-    in_time = table["judged"].to_numpy() <= seasons.test[0]
-    fit = table.assign(is_fit=True)
-    seen = fit[(half == 0) & _within(table, seasons.train) & in_time]
-    asked = fit[(half == 1) & _within(table, seasons.test)].reset_index(drop=True)
-    found = corrector.widen(asked, corrector.fit(seen, learner, seed=seed).apply(asked))
+    teach = teachers[half_of(teachers["number"].to_numpy(), seed=seed) == 0]
+    is_apart = (teach["judged"] <= seasons.test[0]) | (teach["morning"] > seasons.test[1])
+    corrected = corrector.fit(
+        teach[_within(teach, seasons.train) & is_apart].assign(is_fit=True), learner, seed=seed
+    )
+    is_own = ~table["number"].isin(teach["number"].unique()) & _within(table, seasons.asked)
+    asked = table[is_own].reset_index(drop=True).assign(is_fit=True)
+    tried = ways.candidates(asked, {learner: corrected})
+    found, way = tried[f"{ways.LEARNED}: {learner}"], ways.choices(asked, tried)
+    chosen = ways.of_way(asked, tried, way)
+    sets = asked.groupby(["number", "morning"]).ngroup()
+    taken_off = ways.displacement(chosen, sets, asked["bstar"].groupby(sets).first())
     scaled = asked["error"] - asked["density"]
-    return asked[["number", "morning", "lead", "band", "error"]].assign(
+    made = asked[["number", "morning", "lead", "band", "error"]].assign(
         scaled=scaled,
         learned=(asked["error"] - found["correction"]).fillna(scaled),
         sigma=found["sigma"],
+        improved=asked["error"] - taken_off,
+        improved_sigma=chosen["sigma"],
+        applied=way.str.partition(":")[0],
     )
+    return made[_within(made, seasons.test) & np.isfinite(made["error"])]
 
 
 def half_of(numbers: np.ndarray, *, seed: int) -> np.ndarray:

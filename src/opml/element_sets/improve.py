@@ -10,7 +10,7 @@ corrections at all leads.
 """
 
 import logging
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,18 +21,16 @@ from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.element_sets import catalogue as catalogues
-from opml.element_sets import corrector, density, features, pairs
+from opml.element_sets import density, features, pairs, ways
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day, semi_major_axis
 from opml.element_sets.model import CatalogueModel
 from opml.element_sets.pairs import OLDEST
+from opml.element_sets.ways import DENSITY, PAST, UNCHANGED, Ways
 from opml.environment import knowledge
 from opml.environment.weather import Weather
 from opml.interop.element_sets import rewriting
 from opml.interop.element_sets.rewriting import Better
 from opml.tables import write_as
-
-PAST = 20
-"""Mornings before the date whose predictions tell which model an object gets."""
 
 NEWER_WEATHER = "https://celestrak.org/SpaceData/SW-All.csv"
 """Where newer space weather is."""
@@ -40,23 +38,11 @@ NEWER_WEATHER = "https://celestrak.org/SpaceData/SW-All.csv"
 OLDEST_WEATHER = 3.0
 """Days before the date that the weather may end: the forecast begins there."""
 
-_BORROWED = 30.0
-"""Rows of its band that count in an object's own past, so that a short one decides little."""
-
-_GROSS = 4.0
-"""Largest part of a scale that a miss counts in the choice."""
-
 _FEWEST_SETS = 3
-_BURN = 25.0
-"""Scales by which a set misses those before it where the object has burned."""
-
-_MOST_DRAG = 0.9
-"""Largest part of its B* that is taken off a set."""
-
 _DEEP = 2.0 * np.pi / 225.0  # mean motion [rad/min] below which SGP4 adds Sun and Moon
 _MINUTES = 1440.0
 
-UNCHANGED, DENSITY, LEARNED, FEW = "unchanged", "density", "learned", "first sets"
+FEW = "first sets"
 
 _log = logging.getLogger(__name__)
 
@@ -142,25 +128,25 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
     today = modified_julian_day(known.date)
     rows = replayed(known, model, np.arange(-PAST, 1) + today)
     progress(f"{len(rows)} predictions of {PAST + 1} mornings")
-    ways = candidates(rows, model)
+    tried = ways.candidates(rows, model.correctors)
     is_today = rows["morning"] == today
     table = _table(
         known,
         rows[is_today],
-        {name: one[is_today] for name, one in ways.items()},
-        choice(rows, ways),
+        {name: one[is_today] for name, one in tried.items()},
+        ways.choice(rows, tried),
     )
     sets = [Better(one.file, one.line, one.motion, one.bstar) for one in table.itertuples(index=False)]
     progress(", ".join(f"{name} {count}" for name, count in table["applied"].value_counts().items()))
     way = table["applied"] + (": " + table["population"]).where(table["population"].ne(""), "")
-    past = _past(rows, ways, way.set_axis(table["number"]))
+    past = _past(rows, tried, rows["number"].map(way.set_axis(table["number"])))
     return Improved(table.drop(columns=["file", "line"]), sets, known.date, past)
 
 
-def _past(rows: pd.DataFrame, ways: Mapping[str, pd.DataFrame], way: pd.Series) -> pd.DataFrame:
-    """Return the judged rows with what their object's way leaves of the error."""
+def _past(rows: pd.DataFrame, tried: Ways, way: pd.Series) -> pd.DataFrame:
+    """Return the judged rows with what their way leaves of the error."""
     judged = rows[np.isfinite(rows["error"])]
-    past = judged[["morning", "error"]].join(of_way(judged, ways, way), how="inner")
+    past = judged[["morning", "error"]].join(ways.of_way(judged, tried, way[judged.index]), how="inner")
     past["left"] = past["error"] - past["correction"]
     return past[["number", "morning", "lead", "error", "left", "sigma"]].reset_index(drop=True)
 
@@ -173,51 +159,7 @@ def replayed(known: PublicData, model: CatalogueModel, mornings: np.ndarray) -> 
     return features.build(known.catalogue, pairs.build(known.catalogue, mornings), air)
 
 
-def candidates(rows: pd.DataFrame, model: CatalogueModel) -> dict[str, pd.DataFrame]:
-    """Return correction and sigma [m] of rows by each way to correct them: not, by the density, as learned.
-
-    A prediction apart from the learned one is as unsure as that, and as they are apart.
-    """
-    learned = {
-        f"{LEARNED}: {name}": corrector.widen(rows, one.apply(rows)) for name, one in model.correctors.items()
-    }
-    surest = pd.concat(learned.values()).groupby(level=0).mean()
-    ways = {UNCHANGED: 0.0 * rows["density"], DENSITY: rows["density"]}
-    plain = {
-        name: pd.DataFrame(
-            {"correction": one, "sigma": np.hypot(surest["sigma"], surest["correction"] - one)}
-        )
-        for name, one in ways.items()
-    }
-    return plain | learned
-
-
-def choice(rows: pd.DataFrame, ways: Mapping[str, pd.DataFrame]) -> pd.Series:
-    """Return the way by the number of the object: the one that left least of the predictions that are judged.
-
-    Rows of the whole band stand in where an object has few of its own.
-    """
-    judged = rows["is_fit"] & np.isfinite(rows["error"])
-    own = rows[judged]
-    losses = pd.DataFrame(
-        {
-            name: np.minimum(np.abs(own["error"] - one.loc[judged, "correction"]) / own["scale"], _GROSS)
-            for name, one in ways.items()
-        }
-    )
-    of_band = losses.groupby(own["band"]).mean()
-    band = rows.groupby("number")["band"].last()
-    usual = of_band.reindex(band).set_axis(band.index)
-    sums = losses.groupby(own["number"]).sum().reindex(band.index, fill_value=0.0)
-    counts = own.groupby("number").size().reindex(band.index, fill_value=0)
-    scores = (sums + _BORROWED * usual).div(counts + _BORROWED, axis=0)
-    chosen = scores.fillna(np.inf).idxmin(axis=1)
-    return chosen.where(np.isfinite(scores.min(axis=1)), DENSITY)
-
-
-def _table(
-    known: PublicData, rows: pd.DataFrame, ways: Mapping[str, pd.DataFrame], chosen_ways: pd.Series
-) -> pd.DataFrame:
+def _table(known: PublicData, rows: pd.DataFrame, tried: Ways, chosen_ways: pd.Series) -> pd.DataFrame:
     """Return the table `improved_sets` with file and line of each set.
 
     rows: those of the date, of the objects that have a set that is new enough
@@ -226,7 +168,7 @@ def _table(
     newest = newest_sets(known.catalogue)
     why = reasons(known.catalogue, newest, rows, date=today)
     way = where_usable(chosen_ways, why)
-    chosen = of_way(rows, ways, way)
+    chosen = ways.of_way(rows, tried, rows["number"].map(way))
     improved = numbers(newest, chosen)
     table = pd.DataFrame(
         {
@@ -268,7 +210,7 @@ def reasons(
     age = date - newest["t"]
     found = {
         FEW: counts < _FEWEST_SETS,
-        "burned lately": missed.reindex(newest.index, fill_value=0.0) > _BURN,
+        "burned lately": missed.reindex(newest.index, fill_value=0.0) > ways.BURN,
         f"newest set older than {OLDEST:g} d": age > OLDEST,
         "no B* above 0": newest["bstar"] <= 0.0,
         "eccentric": newest["eccentricity"] >= features.MOST_ECCENTRICITY,
@@ -286,37 +228,9 @@ def where_usable(way: pd.Series, why: pd.Series) -> pd.Series:
     return way.reindex(why.index).where(why.isin(["", FEW]), UNCHANGED).mask(why.eq(FEW), DENSITY)
 
 
-def of_way(rows: pd.DataFrame, ways: Mapping[str, pd.DataFrame], way: pd.Series) -> pd.DataFrame:
-    """Return rows that can be corrected with correction and sigma of their object's way."""
-    of_row = rows["number"].map(way)
-    parts = [
-        rows[["number", "lead", "tau", "response"]].join(one)[rows["is_fit"] & of_row.eq(name)]
-        for name, one in ways.items()
-    ]
-    return pd.concat(parts).sort_index()
-
-
 def numbers(newest: pd.DataFrame, rows: pd.DataFrame) -> pd.DataFrame:
     """Return mean motion [rad/min] and B* of the newest sets, improved by the corrections of rows."""
-    return newest[["motion", "bstar"]] + _changes(newest, rows)
-
-
-def _changes(newest: pd.DataFrame, rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the changes of mean motion [rad/min] and B* by object that come nearest to the corrections.
-
-    Distances count by the inverse of the time to them to the power of 1.5, as errors grow. Along the track a
-    change of the mean motion goes with tau, one of B* with the response. Some of the drag stays: without it
-    an orbit would rise.
-    """
-    tau = rows["tau"]
-    rate, sought = rows["response"] / tau, rows["correction"] / tau
-    sums = pd.DataFrame({"n": 1.0, "r": rate, "rr": rate**2, "s": sought, "rs": rate * sought}).div(
-        tau, axis=0
-    )
-    n, r, rr, s, rs = (sums.groupby(rows["number"]).sum()[name] for name in ("n", "r", "rr", "s", "rs"))
-    bstar = (n * rs - r * s) / (n * rr - r * r)
-    bstar = np.minimum(bstar, _MOST_DRAG * newest["bstar"].reindex(bstar.index))
-    speed = (s - bstar * r) / n  # [m/d]
-    radius = pd.Series(semi_major_axis(newest["motion"].to_numpy()), index=newest.index)
-    found = pd.DataFrame({"motion": -speed / (_MINUTES * radius), "bstar": -bstar})
-    return found.reindex(newest.index).fillna(0.0)
+    found = ways.changes(rows, rows["number"], newest["bstar"]).reindex(newest.index).fillna(0.0)
+    radius = semi_major_axis(newest["motion"].to_numpy())
+    motion = newest["motion"] - found["speed"] / (_MINUTES * radius)
+    return pd.DataFrame({"motion": motion, "bstar": newest["bstar"] - found["bstar"]})

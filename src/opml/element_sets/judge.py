@@ -12,6 +12,7 @@ import pandas as pd
 
 from opml.base.seeds import derive
 from opml.element_sets import corrector
+from opml.element_sets.ways import UNCHANGED
 
 ALL = -1
 """Number of the band that stands for all of them."""
@@ -24,7 +25,7 @@ DRAWS = 400
 
 _WEEK = 7
 _INTERVAL = (2.5, 97.5)
-_WAYS = ("scaled", "learned")
+_WAYS = ("scaled", "learned", "improved")
 
 
 def scores(residuals: pd.DataFrame, *, seed: int) -> pd.DataFrame:
@@ -57,7 +58,13 @@ def _score(part: pd.DataFrame) -> dict[str, float]:
         "sgp4_median": sgp4.median(),
         "sgp4_p95": sgp4.quantile(0.95),
         "gain_median": 100.0 * part["learned"].abs().median() / part["scaled"].abs().median(),
-        "coverage": coverage(part),
+        "coverage": coverage(part["learned"], part["sigma"]),
+        "improved_coverage": coverage(part["improved"], part["improved_sigma"]),
+        "worst_week": min(
+            coverage(week["improved"], week["improved_sigma"]) for _, week in part.groupby(_week(part))
+        ),
+        "log_score": log_score(part["improved"], part["improved_sigma"]),
+        "unchanged": 100.0 * (part["applied"] == UNCHANGED).mean(),
     }
     for way in _WAYS:
         left = part[way].abs()
@@ -74,10 +81,21 @@ def p_ml(error: np.ndarray, left: np.ndarray) -> float:
     return float(100.0 * np.abs(left).sum() / np.abs(error).sum())
 
 
-def coverage(part: pd.DataFrame) -> float:
-    """Return the share [%] of learned residuals inside their intervals of LEVEL; NaN without a sigma."""
-    known = part[np.isfinite(part["sigma"])]
-    return float(100.0 * (known["learned"].abs() <= corrector.NORMAL * known["sigma"]).mean())
+def coverage(left: pd.Series, sigma: pd.Series) -> float:
+    """Return the share [%] of what is left inside its intervals of LEVEL; NaN without a sigma."""
+    known = np.isfinite(sigma)
+    return float(100.0 * (left[known].abs() <= corrector.NORMAL * sigma[known]).mean())
+
+
+def worst_week(part: pd.DataFrame) -> float:
+    """Return the least coverage [%] of the improved sets' intervals in a week."""
+    weeks = part.groupby(_week(part))
+    return min(coverage(week["improved"], week["improved_sigma"]) for _, week in weeks)
+
+
+def log_score(left: pd.Series, sigma: pd.Series) -> float:
+    """Return the mean of ln(sigma / 1 m) + (left / sigma)^2 / 2, the less the better (Good 1952)."""
+    return float((np.log(sigma) + 0.5 * (left / sigma) ** 2).mean())
 
 
 def _week(part: pd.DataFrame) -> np.ndarray:
@@ -97,7 +115,7 @@ def intervals(part: pd.DataFrame, rng: np.random.Generator) -> dict[str, float]:
     }
 
 
-def _drawn_shares(part: pd.DataFrame, rng: np.random.Generator) -> Iterator[tuple[float, float, float]]:
+def _drawn_shares(part: pd.DataFrame, rng: np.random.Generator) -> Iterator[tuple[float, ...]]:
     """Yield the shares [%] of draws of weeks and objects; a draw without any prediction is passed over."""
     places = [np.unique(of, return_inverse=True)[1] for of in (_week(part), part["number"].to_numpy())]
     sizes = [np.abs(part[name].to_numpy()) for name in ("error", *_WAYS)]
@@ -107,10 +125,10 @@ def _drawn_shares(part: pd.DataFrame, rng: np.random.Generator) -> Iterator[tupl
         weights = np.prod([_times_drawn(place, rng) for place in places], axis=0)
         if weights.any():
             found += 1
-            sgp4, scaled, learned = (
+            sgp4, scaled, learned, improved = (
                 _median(size[order], weights[order]) for size, order in zip(sizes, orders, strict=True)
             )
-            yield 100.0 * scaled / sgp4, 100.0 * learned / sgp4, 100.0 * learned / scaled
+            yield (*(100.0 * left / sgp4 for left in (scaled, learned, improved)), 100.0 * learned / scaled)
 
 
 def _times_drawn(place: np.ndarray, rng: np.random.Generator) -> np.ndarray:

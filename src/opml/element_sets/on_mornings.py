@@ -9,11 +9,11 @@ from sgp4.api import Satrec
 
 from opml.base.files import FilePath
 from opml.element_sets import catalogue as catalogues
-from opml.element_sets import density, features, improve, model, pairs
+from opml.element_sets import density, features, improve, model, pairs, ways
 from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.density import LearnedAir
-from opml.element_sets.improve import DENSITY, LEARNED
 from opml.element_sets.model import CatalogueModel
+from opml.element_sets.ways import DENSITY, LEARNED
 from opml.environment import knowledge, nrlmsis
 from opml.environment.weather import Weather
 from opml.interop.element_sets.element_set import changed
@@ -63,25 +63,27 @@ class ImprovedHistory:
         if morning - density.end_of(self._weather.keep_known(morning)) > improve.OLDEST_WEATHER:
             published = improve.newest_sets(known)[["motion", "bstar"]]
             return {DENSITY: published, LEARNED: published}
-        mornings = np.arange(-improve.PAST, 1) + morning
+        mornings = np.arange(-ways.PAST, 1) + morning
         rows = features.build(known, pairs.build(known, mornings), self._air)
-        ways = improve.candidates(rows, self._trained)
-        taught = {name: one for name, one in ways.items() if name.startswith(LEARNED)}
+        tried = ways.candidates(rows, self._trained.correctors)
+        taught = {name: one for name, one in tried.items() if name.startswith(LEARNED)}
         today = rows["morning"] == morning
-        now, corrections = rows[today], {name: one[today] for name, one in ways.items()}
+        now, corrections = rows[today], {name: one[today] for name, one in tried.items()}
         newest = improve.newest_sets(known)
         why = improve.reasons(known, newest, now, date=morning)
         choices = {
             DENSITY: pd.Series(DENSITY, newest.index),
-            LEARNED: improve.choice(rows, taught),
+            LEARNED: ways.choice(rows, taught),
         }
         return {
-            name: improve.numbers(newest, improve.of_way(now, corrections, improve.where_usable(one, why)))
+            name: improve.numbers(
+                newest, ways.of_way(now, corrections, now["number"].map(improve.where_usable(one, why)))
+            )
             for name, one in choices.items()
         }
 
     @cached_property
     def _air(self) -> LearnedAir:
-        first = int(np.floor(self._catalogue.table["known"].min())) - improve.PAST - density.RUN_UP - 1
+        first = int(np.floor(self._catalogue.table["known"].min())) - ways.PAST - density.RUN_UP - 1
         end = density.end_of(self._weather)
         return LearnedAir(self._weather, density.measured(self._weather, first, end), self._trained.outlook)

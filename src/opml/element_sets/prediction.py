@@ -22,7 +22,7 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.element_sets import catalogue as catalogues
-from opml.element_sets import density, improve, model
+from opml.element_sets import density, improve, model, ways
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.environment import nrlmsis
 from opml.environment.space_weather import INTERVALS
@@ -147,12 +147,12 @@ class Prediction(PredictedOrbit):
     def way(self) -> str:
         """What was used, in words."""
         of = f" from {self.how['population']}" if self.how["population"] else ""
-        ways = {
-            improve.LEARNED: f"set improved by density and what was learned{of}",
-            improve.DENSITY: "set improved by the density ahead",
-            improve.UNCHANGED: "set as published",
+        names = {
+            ways.LEARNED: f"set improved by density and what was learned{of}",
+            ways.DENSITY: "set improved by the density ahead",
+            ways.UNCHANGED: "set as published",
         }
-        return ways[self.how["applied"]]
+        return names[self.how["applied"]]
 
     @property
     def reason(self) -> str:

@@ -9,8 +9,8 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.element_sets.catalogue import modified_julian_day
-from opml.element_sets.improve import DENSITY, LEARNED
 from opml.element_sets.on_mornings import ImprovedHistory
+from opml.element_sets.ways import DENSITY, LEARNED
 from opml.interop.element_sets import histories, mean_elements
 from opml.mornings.candidates import Expected
 from opml.mornings.outcomes import GOOD, WIDE

@@ -13,15 +13,17 @@ def check(source: Source, settings: Settings) -> None:
     known, tests = settings.catalogue_files, settings.catalogue.tests if settings.catalogue else {}
     for name, test in tests.items():
         key = ("catalogue", "tests", name)
-        if test.population not in known:
-            expected = f"expected one of {', '.join(known)}, got {test.population!r}"
-            raise source.wrong((*key, "population"), expected)
+        for role, population in (("population", test.population), ("taught_by", test.teachers)):
+            if population not in known:
+                expected = f"expected one of {', '.join(known)}, got {population!r}"
+                raise source.wrong((*key, role), expected)
         dates = [*test.train, *test.test]
         with source.naming(key):
             for date in dates:
                 epochs.parse(f"{date}T00:00:00")
-        if not dates[0] <= dates[1] < dates[2] <= dates[3]:
-            expected = "expected dates to train on before those to test on"
+        is_later = test.taught_by is not None and dates[2] <= dates[3] < dates[0] <= dates[1]
+        if not (dates[0] <= dates[1] < dates[2] <= dates[3] or is_later):
+            expected = "expected dates to train on before those to test on, or later ones under taught_by"
             raise source.wrong(key, f"{expected}, got {', '.join(dates)}")
 
 

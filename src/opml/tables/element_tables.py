@@ -101,7 +101,12 @@ ELEMENT_SCHEMAS = (
             real("error", "m", "SGP4 less the later set that judges", _ALONG),
             real("scaled", "m", "what the density-scaled prediction leaves of it", _ALONG),
             real("learned", "m", "what the learned prediction leaves of it", _ALONG),
-            real("sigma", "m", "expected size of what is left, NaN where nothing was learned", _ALONG),
+            real("sigma", "m", "standard deviation of `learned`, NaN where nothing was learned", _ALONG),
+            real("improved", "m", "what the improved set leaves of it", _ALONG),
+            real("improved_sigma", "m", "standard deviation of `improved`", _ALONG),
+            text(
+                "applied", "what the object's own past chose to improve the set: learned, density, unchanged"
+            ),
         ),
     ),
     Schema(
@@ -117,7 +122,7 @@ ELEMENT_SCHEMAS = (
             real("sgp4_p95", "m", "95th percentile of the error of SGP4", _ALONG),
             *(
                 column
-                for name in ("scaled", "learned")
+                for name in ("scaled", "learned", "improved")
                 for column in (
                     real(f"{name}_median", "%", f"median of what the {name} prediction leaves, of SGP4's"),
                     real(f"{name}_low", "%", f"2.5th percentile of {name}_median over weeks and objects"),
@@ -129,7 +134,11 @@ ELEMENT_SCHEMAS = (
             real("gain_median", "%", "median of what the learned prediction leaves, of the scaled one's"),
             real("gain_low", "%", "2.5th percentile of gain_median over weeks and objects"),
             real("gain_high", "%", "97.5th percentile of gain_median over weeks and objects"),
-            real("coverage", "%", "share of the errors inside the intervals of 90 %, NaN without any"),
+            real("coverage", "%", "share of `learned` inside its intervals of 90 %, NaN without any"),
+            real("improved_coverage", "%", "the same of `improved`"),
+            real("worst_week", "%", "the least of improved_coverage in a week"),
+            real("log_score", "1", "mean of ln(sigma / 1 m) + (improved / sigma)^2 / 2"),
+            real("unchanged", "%", "share of the predictions whose set stays as it was published"),
         ),
     ),
 )
@@ -161,6 +170,9 @@ def catalogue_rows_schema(features: Sequence[str]) -> Schema:
             real("error", "m", "SGP4 less the later set that judges", _ALONG),
             real("density", "m", "what the density-scaled prediction takes off it", _ALONG),
             real("scale", "m", "unit of distances: the drag's own displacement and 30 m a day", _ALONG),
+            real("missed", "1", "largest distance of the newest set from those before it, in scales"),
+            real("response", "m 6378.135 km", "what a change of B* does", _ALONG),
+            real("bstar", "1/(6378.135 km)", "B* of the newest set"),
             real("target", "1", "what is to be learned, in scales"),
             *(real(name, "1", "feature of the corrector") for name in features),
         ),

@@ -61,6 +61,7 @@ class JobSettings:
     latency_hours: float
     seasons: Mapping[str, Sequence[str]]
     seasons_of_tests: Mapping[str, Mapping[str, Sequence[str]]]
+    teachers: Mapping[str, str]
     trials: Sequence[Sequence[str]]
 
     def __init__(self, values: Values):

@@ -15,6 +15,7 @@ from opml.learning.models import learners
 from opml.naming import Experiment
 from opml.orbits import sheets
 from opml.report.settings_tables import weather_word
+from opml.study.settings.model.catalogue import SeasonSettings
 from opml.workflow.plan import Plan, end_plan
 
 
@@ -342,22 +343,22 @@ class Params:
 
     @property
     def catalogue_seasons(self) -> dict[str, Any]:
-        """Dates of all of a catalogue's tests."""
-        tests = self.plan.values["catalogue"]["tests"]
+        """Dates of all of a catalogue's tests, and who taught."""
+        tests = self.plan.settings.catalogue.tests if self.plan.settings.catalogue else {}
         return {
             "epoch": self.plan.values["epoch"],
             "seasons_of_tests": {name: _seasons(test) for name, test in tests.items()},
+            "teachers": {name: test.teachers for name, test in tests.items()},
         }
 
     def catalogue_season(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the dates of the wildcard `test` of a catalogue."""
-        test = self.plan.values["catalogue"]["tests"][wildcards.test]
-        return {"epoch": self.plan.values["epoch"], "seasons": _seasons(test)}
+        seasons = _seasons(self.plan.catalogue_test(wildcards.test))
+        return {"epoch": self.plan.values["epoch"], "seasons": seasons}
 
     def catalogue_rows(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of the predictions of a catalogue's population in the seasons of a test."""
-        asked = self.plan.settings.catalogue
-        latency = {"latency_hours": asked.latency_hours} if asked else {}
+        latency = {"latency_hours": self.plan.catalogue_latency(wildcards.test)}
         return self.catalogue_weather | self.catalogue_season(wildcards) | latency
 
     def catalogue_residuals(self, wildcards: Wildcards) -> dict[str, Any]:
@@ -388,6 +389,6 @@ class Params:
         }
 
 
-def _seasons(test: Mapping[str, Any]) -> dict[str, list[str]]:
+def _seasons(test: SeasonSettings) -> dict[str, list[str]]:
     """Return the dates of a catalogue's test that are learned from, and those that judge."""
-    return {name: list(test[name]) for name in ("train", "test")}
+    return {"train": list(test.train), "test": list(test.test)}

@@ -18,6 +18,7 @@ from opml.study.experiments import Study
 from opml.study.own_study import OwnStudy
 from opml.study.paper import Paper
 from opml.study.settings.merging import Settings
+from opml.study.settings.model.catalogue import SeasonSettings
 from opml.workflow.environment_files import EnvironmentFiles
 from opml.workflow.products import Product
 
@@ -63,6 +64,17 @@ class Plan:
         """The user's own file of the catalogue's weather; none where it is the packaged one."""
         weather = self.settings.catalogue.weather if self.settings.catalogue else OBSERVED
         return [] if weather == OBSERVED else [weather]
+
+    def catalogue_test(self, name: str) -> SeasonSettings:
+        """Return a test of the catalogue, of a run that has one."""
+        assert self.settings.catalogue is not None
+        return self.settings.catalogue.tests[name]
+
+    def catalogue_latency(self, test: str) -> float:
+        """Return the hours from epoch to publication of sets in a test."""
+        assert self.settings.catalogue is not None
+        own = self.catalogue_test(test).latency_hours
+        return self.settings.catalogue.latency_hours if own is None else own
 
     @property
     def catalogue_trials(self) -> list[list[str]]:

@@ -1,6 +1,7 @@
 """Better sets for a morning: nothing later counts, two numbers carry the correction, each set says why."""
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ import sinking_histories
 
 from opml import cli
 from opml.base.errors import InputError
-from opml.element_sets import catalogue, density, features, improve, pairs
+from opml.element_sets import catalogue, corrector, density, features, improve, pairs, ways
 from opml.element_sets import model as models
 from opml.environment import solar_activity
 from opml.interop.element_sets import mean_elements
@@ -70,19 +71,19 @@ def _with_storms_after(day: str, text: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-@pytest.mark.parametrize("way", [improve.DENSITY, "learned: payloads"])
+@pytest.mark.parametrize("way", [ways.DENSITY, "learned: payloads"])
 def test_sets_flown_by_plain_sgp4_carry_the_correction(
     way: str, folder: Path, model: models.CatalogueModel, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Two numbers come as near to what four leads ask for as least squares does, and the epoch stays."""
-    monkeypatch.setattr(improve, "choice", lambda rows, ways: pd.Series(way, index=[*NUMBERS]))
+    monkeypatch.setattr(ways, "choice", lambda rows, tried: pd.Series(way, index=[*NUMBERS]))
     known = improve.read([folder], date=DATE, weather="OBSERVED")
     improve.improve(known, model).write(tmp_path / "better.tle")
     old = {one.number: one.satellite for one in mean_elements.read_sets(folder / "known.tle")}
     new = {one.number: one.satellite for one in mean_elements.read_sets(tmp_path / "better.tle")}
     today = catalogue.modified_julian_day(DATE)
-    rows = improve.replayed(known, model, np.arange(-improve.PAST, 1) + today)
-    wanted = improve.candidates(rows, model)[way]["correction"][rows["morning"] == today]
+    rows = improve.replayed(known, model, np.arange(-ways.PAST, 1) + today)
+    wanted = ways.candidates(rows, model.correctors)[way]["correction"][rows["morning"] == today]
 
     for number, own in rows.loc[wanted.index].groupby("number"):
         assert new[number].jdsatepochF == old[number].jdsatepochF
@@ -118,7 +119,7 @@ def test_each_object_says_what_was_done_and_why(
         known = improve.read([path], date=DATE, weather="OBSERVED")
         (row,) = improve.improve(known, model).table.itertuples()
         assert row.why == why
-        assert row.applied == (improve.DENSITY if why == "first sets" else improve.UNCHANGED)
+        assert row.applied == (ways.DENSITY if why == "first sets" else ways.UNCHANGED)
 
 
 def _negative_drag(lines: list[str]) -> list[str]:
@@ -205,7 +206,7 @@ def test_own_misses_count_once_their_judge_was_public(folder: Path, model: model
     """A target of the last days touches no own miss of a morning before its judge."""
     known = improve.read([folder], date=DATE, weather="OBSERVED")
     today = catalogue.modified_julian_day(DATE)
-    rows = improve.replayed(known, model, np.arange(-improve.PAST, 1) + today)
+    rows = improve.replayed(known, model, np.arange(-ways.PAST, 1) + today)
     changed = rows.assign(target=rows["target"].where(rows["judged"] <= today - 4.0, 99.0))
 
     before = changed["morning"] <= today - 4.0
@@ -219,12 +220,10 @@ def test_a_tenth_of_the_drag_stays_whatever_is_asked(
 ) -> None:
     """A correction of twice what drag does along the track would make an orbit rise."""
 
-    def twice(rows: pd.DataFrame, _: models.CatalogueModel) -> dict[str, pd.DataFrame]:
-        return {
-            improve.DENSITY: pd.DataFrame({"correction": 2e-4 * rows["response"], "sigma": rows["scale"]})
-        }
+    def twice(rows: pd.DataFrame, _: Mapping[str, corrector.Corrector]) -> dict[str, pd.DataFrame]:
+        return {ways.DENSITY: pd.DataFrame({"correction": 2e-4 * rows["response"], "sigma": rows["scale"]})}
 
-    monkeypatch.setattr(improve, "candidates", twice)
+    monkeypatch.setattr(ways, "candidates", twice)
 
     table = improve.improve(improve.read([folder], date=DATE, weather="OBSERVED"), model).table
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import sinking_histories
 
-from opml.element_sets import catalogue, density, improve, model
-from opml.element_sets.improve import DENSITY, LEARNED
+from opml.element_sets import catalogue, density, improve, model, ways
 from opml.element_sets.on_mornings import ImprovedHistory
+from opml.element_sets.ways import DENSITY, LEARNED
 from opml.environment import knowledge
 
 DATE = "2026-01-08T06:00:00"
@@ -32,10 +32,10 @@ def numbers(improved: ImprovedHistory, name: str) -> list[tuple[float, float]]:
 def test_sets_are_those_that_the_command_writes(history: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     found = numbers(ImprovedHistory.read([history], "OBSERVED"), DENSITY)
     known = improve.read([history], date=DATE, weather="OBSERVED", latency=0.0)
-    whole = improve.choice
-    monkeypatch.setattr(improve, "choice", lambda rows, ways: whole(rows, {DENSITY: ways[DENSITY]}))
+    whole = ways.choice
+    monkeypatch.setattr(ways, "choice", lambda rows, tried: whole(rows, {DENSITY: tried[DENSITY]}))
     table = improve.improve(known, model.read()).table
-    assert (table["applied"] == improve.DENSITY).all()
+    assert (table["applied"] == DENSITY).all()
     np.testing.assert_allclose(found, table[["motion", "bstar"]], rtol=1e-13)
 
 

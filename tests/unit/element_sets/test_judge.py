@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.stats import norm
 
 from opml.element_sets import judge
 
@@ -19,6 +20,9 @@ def residuals(error, scaled, learned, **columns):
         "scaled": scaled,
         "learned": learned,
         "sigma": np.nan,
+        "improved": learned,
+        "improved_sigma": np.nan,
+        "applied": "learned",
     }
     return pd.DataFrame(table | columns)
 
@@ -44,9 +48,27 @@ def test_p_ml_is_the_sum_of_what_is_left():
 
 
 def test_coverage_counts_what_has_a_sigma():
-    table = residuals(np.ones(4), np.ones(4), [1.6, -1.7, 0.0, 9.0], sigma=[1.0, 1.0, 1.0, np.nan])
-    assert judge.coverage(table) == pytest.approx(100.0 * 2.0 / 3.0)
-    assert np.isnan(judge.coverage(table.assign(sigma=np.nan)))
+    left, sigma = pd.Series([1.6, -1.7, 0.0, 9.0]), pd.Series([1.0, 1.0, 1.0, np.nan])
+    assert judge.coverage(left, sigma) == pytest.approx(100.0 * 2.0 / 3.0)
+    assert np.isnan(judge.coverage(left, np.nan * sigma))
+
+
+def test_the_worst_week_has_the_least_inside():
+    left, sigma = [0.0, 0.0, 9.0, 0.0, 9.0, 9.0], np.ones(6)
+    table = residuals(left, left, left, improved_sigma=sigma, morning=[0.0, 1.0, 2.0, 7.0, 8.0, 9.0])
+    assert judge.worst_week(table) == pytest.approx(100.0 / 3.0)
+
+
+def test_the_log_score_is_that_of_a_normal_law():
+    left, sigma = pd.Series([1.0, -4.0]), pd.Series([1.0, 2.0])
+    log_density = np.log(1.0 / np.sqrt(2.0 * np.pi)) - judge.log_score(left, sigma)
+    assert log_density == pytest.approx(norm.logpdf(left, scale=sigma).mean())
+
+
+def test_sets_that_stay_are_counted():
+    applied = ["unchanged", "learned", "density", "unchanged"]
+    (_, band) = judge.scores(residuals(*np.ones((3, 4)), applied=applied), seed=1).to_dict("records")
+    assert band["unchanged"] == 50.0
 
 
 def test_intervals_of_one_week_and_one_object_are_their_number():
@@ -55,7 +77,7 @@ def test_intervals_of_one_week_and_one_object_are_their_number():
     assert found == pytest.approx(
         {
             **{f"scaled_{end}": 50.0 for end in ("low", "high")},
-            **{f"learned_{end}": 40.0 for end in ("low", "high")},
+            **{f"{way}_{end}": 40.0 for way in ("learned", "improved") for end in ("low", "high")},
             **{f"gain_{end}": 80.0 for end in ("low", "high")},
         }
     )

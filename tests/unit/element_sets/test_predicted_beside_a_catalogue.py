@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 import sinking_histories
 
-from opml.element_sets import catalogue, improve, model, prediction
+from opml.element_sets import catalogue, improve, model, prediction, ways
 
 DATE = "2026-01-08T06:00:00"
 NUMBER = 101
@@ -26,7 +26,7 @@ def learned():
     """Every object gets what the package's model of payloads learned."""
     with pytest.MonkeyPatch.context() as patch:
         numbers = range(NUMBER, NUMBER + 12)
-        patch.setattr(improve, "choice", lambda rows, ways: pd.Series("learned: payloads", index=numbers))
+        patch.setattr(ways, "choice", lambda rows, tried: pd.Series("learned: payloads", index=numbers))
         yield
 
 

@@ -14,7 +14,7 @@ from support import EPOCH
 from opml import cli
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.element_sets import catalogue, improve, passes, prediction
+from opml.element_sets import catalogue, passes, prediction, ways
 from opml.interop import oem
 from opml.interop.element_sets import mean_elements
 from opml.workflow import predicted
@@ -36,7 +36,7 @@ def made(file):
 
 
 def test_it_is_the_better_set_flown_by_sgp4(file, tmp_path, monkeypatch):
-    monkeypatch.setattr(improve, "choice", lambda rows, ways: pd.Series(improve.DENSITY, index=[NUMBER]))
+    monkeypatch.setattr(ways, "choice", lambda rows, tried: pd.Series(ways.DENSITY, index=[NUMBER]))
     made = prediction.predict(file, date=DATE)
     assert made.way == "set improved by the density ahead"
     predicted.write(tmp_path / "better.tle", made, [])

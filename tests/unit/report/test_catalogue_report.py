@@ -22,6 +22,9 @@ def scores():
             "scaled": [80.0, 200.0],
             "learned": [70.0, 150.0],
             "sigma": 60.0,
+            "improved": [70.0, 200.0],
+            "improved_sigma": 100.0,
+            "applied": ["learned", "unchanged"],
         }
     )
     return pd.concat(
@@ -33,7 +36,7 @@ def scores():
 
 
 def test_the_report_has_a_row_for_each_band_lead_and_learner():
-    blocks = catalogue.document(scores(), SEASONS)
+    blocks = catalogue.document(scores(), SEASONS, {"summer": "payloads"})
     (table,) = (block for block in blocks if isinstance(block, Table))
     assert [row[:7] for row in table.rows] == [
         ["summer", height, "3", learner, "2", "2", "1"]
@@ -43,12 +46,12 @@ def test_the_report_has_a_row_for_each_band_lead_and_learner():
     first = table.rows[0]
     assert first[7:10] == ["200 / 290", "70 / 67", "55 / 50"]
     assert first[10].startswith("79 (")
-    assert first[11:] == ["70 / 55", "50"]
-    assert table.rows[1][-1] == "-"
+    assert first[11].startswith("68 (")
+    assert first[12:] == ["50", "70 / 55 / 68", "50 / 50 / 50", "5.73"]
+    assert table.rows[1][-2] == "- / 50 / 50"
     assert tab_separated(table).count("\n") == 5
 
 
 def test_the_report_tells_the_seasons():
-    assert "**summer**: learned from 2026-03-15 to 2026-05-07, judged from 2026-05-31 to 2026-07-31" in str(
-        catalogue.document(scores(), SEASONS)
-    )
+    told = str(catalogue.document(scores(), SEASONS, {"summer": "payloads"}))
+    assert "**summer**: learned from payloads, 2026-03-15 to 2026-05-07; judged from 2026-05-31 to" in told

@@ -1,6 +1,6 @@
-"""A figure of a catalogue's test: what predictions leave of SGP4's errors, by band of height and lead."""
+"""Figures of what predictions leave of SGP4's errors: by band of height and lead, and test by test."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import pandas as pd
@@ -19,6 +19,7 @@ _COLUMNS = 4
 _APART = 0.2
 """Days by which the marks of one lead stand apart."""
 
+_INTERVALS = "bars hold 95 %, over weeks and objects"
 _UNLEARNED = "density-scaled, nothing learned of the objects"
 
 
@@ -29,18 +30,39 @@ def shares(scores: pd.DataFrame, seasons: Mapping[str, Sequence[str]], *, name: 
     seasons: dates under `train` and `test`
     name: of the test
     """
-    bands = dict(zip(map(_title, scores["band"]), scores["band"], strict=True))
+    bands = {_title(band): own for band, own in scores.groupby("band", sort=False)}
+    learned = f"learned from half of the objects, {' to '.join(seasons['train'])}"
+    judged = f"judged on others, {' to '.join(seasons['test'])}"
+    return _panels(bands, _draw_band, clauses(f"{name}: {learned}", judged, _INTERVALS))
 
-    def draw(axes: Axes, title: str) -> None:
-        _draw_band(axes, scores[scores["band"] == bands[title]])
 
-    figure = panel_figure(list(bands), draw, columns=_COLUMNS, heights_mm=(20.0, 52.0))
+def every_season(scores: pd.DataFrame, seasons: Mapping[str, Mapping[str, Sequence[str]]]) -> Figure:
+    """Draw what improved sets leave of SGP4's median error [%], a panel per test, against the lead [d].
+
+    scores: `catalogue_scores`, of which the first learner of each test counts
+    seasons: by test, the dates under `train` and `test`
+    """
+    whole = scores[(scores["band"] == ALL) & (scores["learner"] == scores["learner"].iloc[0])]
+    tests = {
+        f"{name}, {' to '.join(date[:7] for date in seasons[name]['test'])}": own
+        for name, own in whole.groupby("test", sort=False)
+    }
+    return _panels(tests, _draw_improved, clauses("objects that nothing was learned from", _INTERVALS))
+
+
+def _panels(
+    parts: Mapping[str, pd.DataFrame], draw: Callable[[Axes, pd.DataFrame], None], note: str
+) -> Figure:
+    """Draw a panel per part with common axes, a legend and a note."""
+
+    def draw_part(axes: Axes, title: str) -> None:
+        axes.axhline(100.0, color=MUTED, lw=1.0, ls="--", label="SGP4")
+        draw(axes, parts[title])
+        axes.set_xticks(sorted(set(parts[title]["lead"])))
+
+    figure = panel_figure(list(parts), draw_part, columns=_COLUMNS, heights_mm=(20.0, 52.0))
     figure.supxlabel("lead, from the morning [d]", fontsize=8.0)
     figure.supylabel("what is left of SGP4's median error [%]", fontsize=8.0)
-    learned = f"learned from half of the objects, {' to '.join(seasons['train'])}"
-    note = clauses(
-        f"{name}: {learned}", f"judged on the others, {' to '.join(seasons['test'])}", "bars hold 95 %"
-    )
     legend(figure, columns=4, note=note)
     return figure
 
@@ -51,14 +73,20 @@ def _title(band: int) -> str:
 
 def _draw_band(axes: Axes, scores: pd.DataFrame) -> None:
     """Draw the marks of one band: the density-scaled prediction once, then each learner."""
-    axes.axhline(100.0, color=MUTED, lw=1.0, ls="--", label="SGP4")
     by_learner = dict(list(scores.groupby("learner", sort=False)))
     unlearned = next(iter(by_learner.values()))
     _mark(axes, unlearned, "scaled", 0, {"color": TRUE_COLOR, "marker": "x", "label": _UNLEARNED})
     for k, (learner, part) in enumerate(by_learner.items()):
         look = {"color": SERIES[k], "marker": MARKERS[k], "label": f"learned by {display_learner(learner)}"}
         _mark(axes, part, "learned", k + 1, look)
-    axes.set_xticks(sorted(set(scores["lead"])))
+
+
+def _draw_improved(axes: Axes, scores: pd.DataFrame) -> None:
+    """Draw the marks of one test: the density-scaled prediction, and the improved sets."""
+    _mark(axes, scores, "scaled", 0, {"color": TRUE_COLOR, "marker": "x", "label": _UNLEARNED})
+    look = {"color": SERIES[0], "marker": MARKERS[0], "label": "sets improved by `opml improve`"}
+    _mark(axes, scores, "improved", 1, look)
+    axes.set_title(f"{scores['objects'].max()} objects", loc="right", fontsize=7.0)
 
 
 def _mark(axes: Axes, scores: pd.DataFrame, way: str, place: int, look: Mapping[str, Any]) -> None:

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from annotated_types import MinLen
 from pydantic import Strict
 
-from opml.base.setting_types import Expected, NotNegative, Pattern, Text, Unique
+from opml.base.setting_types import Absent, Expected, NotNegative, Pattern, Text, Unique
 from opml.study.settings.model.names import Name, PathList
 from opml.study.settings.model.section import Section, setting
 
@@ -23,9 +23,20 @@ class PopulationSettings(Section):
 class SeasonSettings(Section):
     """A season that is learned from, and a later one that judges."""
 
-    population: str = setting("population of the objects", unit="name")
+    population: str = setting("population of the objects that judge", unit="name")
+    taught_by: Absent[str] = setting(
+        "another population to learn from, in earlier or later mornings", unit="name", default=None
+    )
+    latency_hours: Absent[NotNegative] = setting(
+        "this test's own time from epoch to publication", unit="h", default=None
+    )
     train: Dates = setting("mornings of one half of the objects that are learned from")
     test: Dates = setting("later mornings of the other half that judge")
+
+    @property
+    def teachers(self) -> str:
+        """Population that is learned from."""
+        return self.taught_by or self.population
 
 
 class CatalogueSettings(Section):

@@ -1,0 +1,13 @@
+"""Draw what improved sets leave of SGP4's errors, test by test."""
+
+from opml.figures import style
+from opml.figures.catalogue import shares
+from opml.tables import read_table
+from opml.workflow.job_settings import FigureSettings
+from opml.workflow.jobs import job
+
+with job(snakemake):
+    settings = FigureSettings(snakemake.params.settings)
+    scores = read_table(snakemake.input[0], "catalogue_scores")
+    figure = shares.every_season(scores, settings.seasons_of_tests)
+    style.save_all([figure], snakemake.output.pdf, snakemake.output.png)
