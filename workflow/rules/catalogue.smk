@@ -174,11 +174,15 @@ if PLAN.settings.catalogue:
                     test=test,
                     learner=PLAN.settings.catalogue.learners[0],
                 )
-                for test in PLAN.settings.catalogue.tests
+                for test in PLAN.catalogue_gains
             ],
             rows=[
-                path_of(rules.catalogue_rows.output[0], population=asked.population, test=test)
-                for test, asked in PLAN.settings.catalogue.tests.items()
+                path_of(
+                    rules.catalogue_rows.output[0],
+                    population=PLAN.catalogue_test(test).population,
+                    test=test,
+                )
+                for test in PLAN.catalogue_gains
             ],
         output:
             **figures(CATALOGUE_GAINS, caption="catalogue_gains", section=SECTIONS["study"]),
@@ -187,6 +191,6 @@ if PLAN.settings.catalogue:
         benchmark:
             CATALOGUE_GAINS.benchmark
         params:
-            **drawing("catalogue_gains", PARAMS.catalogue_seasons),
+            **drawing("catalogue_gains", {"epoch": config["epoch"], "tests": PLAN.catalogue_gains}),
         message:
             "Figure: when learning helps, by height, drag and number of sets"

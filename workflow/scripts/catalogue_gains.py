@@ -7,7 +7,7 @@ from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job, read_by_key
 
 with job(snakemake):
-    tests = FigureSettings(snakemake.params.settings).seasons_of_tests
+    tests = FigureSettings(snakemake.params.settings).tests
     residuals = read_by_key(tests, snakemake.input.residuals, "catalogue_residuals")
     rows = read_by_key(tests, snakemake.input.rows, held_out.ROWS)
     figure = gains.gains(residuals, rows)

@@ -1,4 +1,4 @@
-"""Close approaches between ephemerides in files: OEM with covariances, and mean elements without.
+"""Close approaches between ephemerides in files: OEM, with their covariances, and mean elements.
 
 opml screen ours.oem others/*.oem catalogue.tle --within 5 --radius 20
 
@@ -21,7 +21,7 @@ from opml.conjunctions import approaches, cdm
 from opml.conjunctions.approaches import Approach, Path
 from opml.conjunctions.conjunction import Conjunction, Participant, check_length, check_radius
 from opml.interop import ccsds, oem
-from opml.interop.element_sets import histories
+from opml.interop.element_sets import histories, usual_errors
 from opml.interop.element_sets.mean_elements import MOST_DAYS, WARN_DAYS
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import contents
@@ -36,6 +36,10 @@ RADIUS = 20.0
 COVARIANCE_HELD = 600.0
 """Time for which a covariance holds before the first and beyond the last that is known [s]."""
 
+USUAL = "as sets at its height usually err"
+"""What is told of a covariance that the object's own past has no part in."""
+
+_SPARSE = 10  # states of a path from one of its covariances to the next
 _SECONDS = len("2016-09-28T12:09:45")
 _log = logging.getLogger(__name__)
 
@@ -65,11 +69,13 @@ class Trajectory:
 
     covariance_t: (m,) ascending [s]
     covariances: (m, 6, 6) in RSW [m, m/s]
+    remark: what to know of these
     """
 
     path: Path
     covariance_t: np.ndarray = field(default_factory=lambda: np.empty(0))
     covariances: np.ndarray = field(default_factory=lambda: np.empty((0, 6, 6)))
+    remark: str = ""
 
     @property
     def span(self) -> Span:
@@ -104,6 +110,8 @@ class ScreenedObject:
         covariance, name, remarks = trajectory.covariance(t), self.identity.name, []
         if covariance is None and len(trajectory.covariance_t):
             remarks.append(f"covariances of {name} are of other times")
+        if covariance is not None and trajectory.remark:
+            remarks.append(f"covariance of {name} {trajectory.remark}")
         if self.elements_t is not None and abs(days := (t - self.elements_t) / DAY) > WARN_DAYS:
             remarks.append(f"elements of {name} {abs(days):.0f} d {'old' if days > 0 else 'ahead'}")
         return Participant(self.identity, trajectory.path.at(np.array([t]))[0], covariance, tuple(remarks))
@@ -299,4 +307,18 @@ def _flown(name: str, row: pd.Series, span: Span) -> list[Trajectory]:
     flown = slice(first[-1] + 1 if len(first) else 0, last[0] if len(last) else len(t))
     t, states = t[flown], states[flown]
     wanted = (t >= begin) & (t < end)
-    return [Trajectory(Path(name, t[wanted], states[wanted]))] if wanted.sum() >= approaches.FEWEST else []
+    if wanted.sum() < approaches.FEWEST:
+        return []
+    path = Path(name, t[wanted], states[wanted])
+    return [Trajectory(path, *_usual_covariances(row, path), remark=USUAL)]
+
+
+def _usual_covariances(row: pd.Series, path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Return times (m,) and covariances (m, 6, 6) in RSW that sets of such orbits usually have, or none."""
+    satellite = histories.satellite(row, epoch=EPOCH)
+    days = (path.t - row["t"]) / DAY
+    told = np.flatnonzero(np.abs(days) <= usual_errors.LONGEST)[::_SPARSE]
+    if not usual_errors.are_known(satellite):
+        told = told[:0]
+    sigmas = usual_errors.expected(satellite, np.abs(days[told]))
+    return path.t[told], usual_errors.covariances(sigmas, path.states[told])

@@ -10,11 +10,10 @@ import pandas as pd
 from sgp4.api import Satrec
 
 from opml.base import epochs
-from opml.base.constants import EARTH_GM, WGS84_A
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop.element_sets import mean_elements
-from opml.interop.element_sets.element_set import ElementSet
+from opml.interop.element_sets.element_set import ElementSet, mean_height
 
 LATENCY = 0.25
 """Days from the epoch of a set to its publication, where the set does not tell when it was made."""
@@ -22,7 +21,6 @@ LATENCY = 0.25
 SUFFIXES = (".tle", ".txt", ".3le", ".json", ".csv", ".xml", ".kvn", ".omm")
 """Endings of the files of a folder that are read, `.gz` after them or not."""
 
-_MINUTE = 60.0
 _MOST_DAYS = 1e6  # more than any modified Julian day
 _DAMAGED = 20
 """A file is refused where more than one set of so many cannot be read."""
@@ -120,16 +118,11 @@ def _table(sets: list[ElementSet], latency: float) -> pd.DataFrame:
             "motion": motion,
             "eccentricity": np.array([one.ecco for one in flown], dtype=float),
             "inclination": np.array([one.inclo for one in flown], dtype=float),
-            "height": semi_major_axis(motion) - WGS84_A,
+            "height": mean_height(motion),
             "file": [str(one.path) for one in sets],
             "line": np.array([one.line for one in sets], dtype=np.int64),
         }
     )
-
-
-def semi_major_axis(motion: np.ndarray) -> np.ndarray:
-    """Return semi-major axes [m] of mean motions [rad/min]."""
-    return np.asarray(np.cbrt(EARTH_GM / (np.asarray(motion) / _MINUTE) ** 2))
 
 
 def modified_julian_day(text: str) -> float:

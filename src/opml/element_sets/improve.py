@@ -22,13 +22,14 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import density, features, pairs, ways
-from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day, semi_major_axis
+from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.model import CatalogueModel
 from opml.element_sets.pairs import OLDEST
 from opml.element_sets.ways import DENSITY, PAST, UNCHANGED, Ways
 from opml.environment import knowledge
 from opml.environment.weather import Weather
 from opml.interop.element_sets import rewriting
+from opml.interop.element_sets.element_set import semi_major_axis
 from opml.interop.element_sets.rewriting import Better
 from opml.tables import write_as
 

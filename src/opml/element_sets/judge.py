@@ -20,6 +20,9 @@ ALL = -1
 LEVEL = 100.0 * corrector.LEVEL
 """Share of the errors [%] that the intervals of the learned sigma are to hold."""
 
+LARGEST = 5.0
+"""Standard deviations that an error counts at most in a log score."""
+
 DRAWS = 400
 """Draws of weeks and objects."""
 
@@ -94,8 +97,11 @@ def worst_week(part: pd.DataFrame) -> float:
 
 
 def log_score(left: pd.Series, sigma: pd.Series) -> float:
-    """Return the mean of ln(sigma / 1 m) + (left / sigma)^2 / 2, the less the better (Good 1952)."""
-    return float((np.log(sigma) + 0.5 * (left / sigma) ** 2).mean())
+    """Return the mean of ln(sigma / 1 m) + (left / sigma)^2 / 2, the less the better (Good 1952).
+
+    No error counts more than LARGEST sigma: it is a burn.
+    """
+    return float((np.log(sigma) + 0.5 * np.minimum((left / sigma) ** 2, LARGEST**2)).mean())
 
 
 def _week(part: pd.DataFrame) -> np.ndarray:

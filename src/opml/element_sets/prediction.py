@@ -27,14 +27,13 @@ from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.environment import nrlmsis
 from opml.environment.space_weather import INTERVALS
 from opml.interop import fixes_csv, tdm
-from opml.interop.element_sets import mean_elements, rewriting
+from opml.interop.element_sets import mean_elements, rewriting, usual_errors
 from opml.interop.element_sets.element_set import ElementSet, changed, elements_epoch
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import contents
 from opml.interop.orbit_from_files import is_orbit
 from opml.interop.predicted_orbit import LEADS, PredictedOrbit
 from opml.orbits.elements import bent_rsw
-from opml.orbits.rsw_covariance import rates, rsw_covariances
 
 MORNINGS = 12
 """Mornings before the date whose predictions tell an object's own sizes."""
@@ -48,9 +47,6 @@ USUAL_SIZES = 2.0
 FEWEST = 4
 """Least number of an object's own predictions where nothing is usual: eccentric, deep space, below 300 km."""
 
-UNSEEN = {"r": 100.0, "s": 500.0, "w": 160.0}
-"""What sets err alike [m], so that none shows it in another: by precise orbits of Sentinel-3A and Jason-3."""
-
 STORM = 80.0
 """Daily mean ap from which on storms of the last days more than double the variance along the track.
 
@@ -61,35 +57,9 @@ after days up to an ap of 50, and 83 % above; with this 93 and 92 %.
 STORM_DAYS = 3
 """Days before the date whose storms count."""
 
-_EDGES = 1e3 * np.array([400.0, 500.0, 600.0, 700.0])  # [m]
-# Of SGP4 in later sets, 68 % of 975 objects of 2026 that look passive, at LEADS by band of height [m].
-_USUAL = {
-    "r": [
-        [60.0, 120.0, 380.0, 690.0, 1020.0],
-        [40.0, 80.0, 240.0, 410.0, 570.0],
-        [40.0, 80.0, 230.0, 370.0, 520.0],
-        [35.0, 65.0, 190.0, 300.0, 420.0],
-        [25.0, 50.0, 150.0, 240.0, 320.0],
-    ],
-    "s": [
-        [1000.0, 4200.0, 41e3, 125e3, 261e3],
-        [300.0, 1200.0, 9600.0, 28e3, 58e3],
-        [200.0, 650.0, 3800.0, 11e3, 24e3],
-        [150.0, 450.0, 1900.0, 4700.0, 9000.0],
-        [40.0, 120.0, 390.0, 850.0, 1700.0],
-    ],
-    "w": [
-        [40.0, 40.0, 90.0, 140.0, 210.0],
-        [20.0, 30.0, 80.0, 125.0, 170.0],
-        [20.0, 40.0, 100.0, 160.0, 220.0],
-        [25.0, 40.0, 120.0, 200.0, 280.0],
-        [30.0, 90.0, 280.0, 470.0, 660.0],
-    ],
-}
 _TOLD = 10
 _GROSS = 4.0  # sigmas that a past error counts at most: some are burns
 _MINUTE = 60.0
-_TURNING = 0.5  # of the free part of the velocity along the track: of the rate times the radial sigma
 _REACH = 0.5  # of a set that judges from the time predicted [d]
 
 
@@ -122,13 +92,8 @@ class Prediction(PredictedOrbit):
         return np.stack([np.interp(t / DAY, self.sizes.index, self.sizes[axis]) for axis in "rsw"], axis=1)
 
     def covariances(self, t: np.ndarray, states: np.ndarray) -> np.ndarray:
-        """Return covariances (n, 6, 6) in RSW [m, m/s] at times (n,) [s since the date].
-
-        What is free of the velocity errs as the position does times the rate of the orbit.
-        """
-        position, rate = self.sigmas(t), rates(states)
-        velocity = rate[:, None] * position[:, [0, 0, 2]] * [1.0, _TURNING, 1.0]
-        return rsw_covariances(np.hstack([position, velocity]), rate)
+        """Return covariances (n, 6, 6) in RSW [m, m/s] at times (n,) [s since the date]."""
+        return usual_errors.covariances(self.sigmas(t), states)
 
     def expected(self) -> pd.DataFrame:
         """Return the table `expected_errors`: of the prediction in RSW, and of SGP4 along the track [m]."""
@@ -205,6 +170,8 @@ def predict(
         past = errors[["morning", "lead"]].assign(error=errors["s"], left=errors["s"], sigma=np.nan)
     identity = ObjectId.of(newest.name or str(newest.number), newest.designator, str(newest.number))
     published = own.satellites[-1]
+    _check_past(identity, how, errors)
+    measured = _measured(errors, _usual(published, how["age"]))
     return Prediction(
         identity,
         date,
@@ -214,7 +181,7 @@ def predict(
         changed(published, how["motion"], how["bstar"]),
         published,
         how,
-        _sizes(identity, how, past, errors, _after_storm(known.weather.kp, how["height"])),
+        _sizes(how, past, measured, _after_storm(known.weather.kp, how["height"])),
         better.sets[place],
     )
 
@@ -310,25 +277,34 @@ def _after_storm(kp: np.ndarray, height: float) -> float:
     return math.hypot(1.0, ap.max() / STORM)
 
 
-def _sizes(
-    identity: ObjectId, how: pd.Series, past: pd.DataFrame, errors: pd.DataFrame, after_storm: float
-) -> pd.DataFrame:
-    """Return the sizes of errors by lead, as in `Prediction`.
+def _usual(published: Satrec, age: float) -> pd.DataFrame:
+    """Return the sizes that errors of such sets usually have, by lead and axis [m]."""
+    sizes = usual_errors.usual(published, age + np.array(LEADS, float))
+    return pd.DataFrame(sizes, columns=list(usual_errors.AXES), index=list(LEADS))
 
-    errors: of `errors_of_sets`
-    after_storm: of `_after_storm`
-    """
-    is_known = np.isfinite(how[f"sigma_{LEADS[-1]}d"])
-    if not is_known and len(errors) < FEWEST:
+
+def _check_past(identity: ObjectId, how: pd.Series, errors: pd.DataFrame) -> None:
+    """Raise InputError where nothing tells an object's errors: no corrector, and hardly a past."""
+    if len(errors) < FEWEST and not _is_corrected(how):
         raise InputError(
             f"predict: expected a longer history of {identity}, got {len(errors)} predictions that later "
             f"sets judge: nothing else tells its errors ({how['why'] or 'no prediction'})"
         )
-    band = int(np.searchsorted(_EDGES, how["height"], side="right"))
-    usual = pd.DataFrame({axis: values[band] for axis, values in _USUAL.items()}, index=list(LEADS))
-    sizes = pd.DataFrame({axis: _measured(errors, axis, usual[axis]) for axis in "rsw"})
+
+
+def _is_corrected(how: pd.Series) -> bool:
+    return bool(np.isfinite(how[f"sigma_{LEADS[-1]}d"]))
+
+
+def _sizes(how: pd.Series, past: pd.DataFrame, measured: pd.DataFrame, after_storm: float) -> pd.DataFrame:
+    """Return the sizes of errors by lead, as in `Prediction`.
+
+    measured: of `_measured`
+    after_storm: of `_after_storm`
+    """
+    sizes = measured.copy()
     sizes["sgp4"] = sizes["s"]
-    if is_known:
+    if _is_corrected(how):
         factor = _factor(past)
         sigma = factor * np.array([how[f"sigma_{lead}d"] for lead in LEADS[1:]], float)
         correction = np.sqrt([how[f"sgp4_{lead}d"] ** 2 - how[f"sigma_{lead}d"] ** 2 for lead in LEADS[1:]])
@@ -339,17 +315,18 @@ def _sizes(
     # An orbit that is too low by x gains 3/2 of its rate times x.
     gained = np.gradient(np.maximum.accumulate(sizes["s"]), np.array(LEADS, float)) / DAY
     sizes["r"] = np.hypot(sizes["r"], gained / (1.5 * how["motion"] / _MINUTE))
+    unseen = dict(zip(usual_errors.AXES, usual_errors.UNSEEN, strict=True))
     for name in sizes:
-        unseen = UNSEEN["s" if name == "sgp4" else name]
-        sizes[name] = np.hypot(np.maximum.accumulate(sizes[name]), unseen)
+        sizes[name] = np.hypot(np.maximum.accumulate(sizes[name]), unseen["s" if name == "sgp4" else name])
     return sizes
 
 
-def _measured(errors: pd.DataFrame, axis: str, usual: pd.Series) -> pd.Series:
-    """Return root mean squares by lead; the object's own count against USUAL_SIZES of the usual size."""
-    squares = (errors[axis] ** 2).groupby(errors["lead"])
-    total, count = (of.reindex(usual.index, fill_value=0.0) for of in (squares.sum(), squares.size()))
-    found: pd.Series = np.sqrt((total + USUAL_SIZES * usual**2) / (count + USUAL_SIZES))
+def _measured(errors: pd.DataFrame, usual: pd.DataFrame) -> pd.DataFrame:
+    """Return root mean squares by lead and axis, the object's own against USUAL_SIZES of the usual size."""
+    squares = (errors[list(usual)] ** 2).groupby(errors["lead"])
+    total = squares.sum().reindex(usual.index, fill_value=0.0)
+    count = squares.size().reindex(usual.index, fill_value=0)
+    found: pd.DataFrame = np.sqrt((total + USUAL_SIZES * usual**2).div(count + USUAL_SIZES, axis=0))
     return found
 
 

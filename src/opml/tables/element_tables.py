@@ -137,7 +137,7 @@ ELEMENT_SCHEMAS = (
             real("coverage", "%", "share of `learned` inside its intervals of 90 %, NaN without any"),
             real("improved_coverage", "%", "the same of `improved`"),
             real("worst_week", "%", "the least of improved_coverage in a week"),
-            real("log_score", "1", "mean of ln(sigma / 1 m) + (improved / sigma)^2 / 2"),
+            real("log_score", "1", "mean of ln(sigma / 1 m) + (improved / sigma)^2 / 2, 5 sigma at most"),
             real("unchanged", "%", "share of the predictions whose set stays as it was published"),
         ),
     ),

@@ -62,6 +62,7 @@ class JobSettings:
     seasons: Mapping[str, Sequence[str]]
     seasons_of_tests: Mapping[str, Mapping[str, Sequence[str]]]
     teachers: Mapping[str, str]
+    tests: Sequence[str]
     trials: Sequence[Sequence[str]]
 
     def __init__(self, values: Values):

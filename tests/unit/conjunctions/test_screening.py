@@ -16,12 +16,13 @@ from opml.base.errors import InputError
 from opml.conjunctions import as_text, cdm, screening
 from opml.conjunctions.screening import EPOCH
 from opml.interop import ccsds, oem
-from opml.interop.element_sets import element_set, ephemeris_elements, omm, tle
+from opml.interop.element_sets import element_set, omm, tle
 from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.orbits.elements import rsw_rotation
 
 COVARIANCE = np.diag(np.square([30.0, 200.0, 10.0, 0.2, 0.03, 0.01]))
 RUN = "2023-05-01T00:00:00"
+SAT = ObjectId("SAT", number=77)
 
 
 @pytest.fixture
@@ -85,16 +86,39 @@ def test_a_message_of_a_long_name_has_a_file(files, tmp_path):
     assert list(folder.iterdir())
 
 
-def test_mean_elements_have_no_covariance_and_it_is_said(files, tmp_path, capsys):
-    """The set is SGP4 fitted to the second object, which ours meets."""
-    paths, *_ = files
-    (orbit,) = oem.read(paths[1], epoch=RUN)
-    sets = tmp_path / "sets.tle"
-    tle.write(sets, ephemeris_elements.fit_elements(orbit, epoch=RUN), ObjectId("SAT", number=77))
-    assert cli.main(["screen", str(paths[0]), str(sets), "--within", "900"]) == 0
-    lines = capsys.readouterr().out.splitlines()[1:]
-    assert lines
-    assert all("77 without covariance" in line for line in lines)
+def flown_set(path, *, eccentricity=0.001):
+    """A set of an orbit at 630 km; returns its file."""
+    motion = 0.0646  # rad/min
+    tle.write(path, element_set.satellite(RUN, [motion, eccentricity, 1.2, 0.3, 0.4, 0.5, 1e-4]), SAT)
+    return path
+
+
+@pytest.mark.parametrize("eccentricity", [0.001, 0.05], ids=["round", "eccentric"])
+def test_mean_elements_have_the_covariance_that_is_usual_for_round_orbits(eccentricity, files, tmp_path):
+    sets = flown_set(tmp_path / "sets.tle", eccentricity=eccentricity)
+    found = screening.screen(screening.read([files[0][0], sets]), within=1.5e7, radius=20.0)
+    assert found
+    remark = ("covariance of 77 as sets at its height usually err",)
+    for one in found:
+        assert (one.second.covariance is not None) == (one.second.remarks == remark) == (eccentricity < 0.02)
+
+
+def test_without_a_covariance_it_is_said(files, tmp_path):
+    sets = flown_set(tmp_path / "sets.tle", eccentricity=0.05)
+    found = screening.screen(screening.read([files[0][0], sets]), within=1.5e7, radius=20.0)
+    (row,) = as_text.table(found[:1], epoch=EPOCH).to_dict("records")
+    assert "77 without covariance" in row["remark"]
+
+
+def test_the_usual_covariance_ends_with_what_was_learned(tmp_path):
+    ours = written(tmp_path / "ours.oem", "ours", OURS, edges=(0.0, 12 * 86400.0), step=300.0)
+    _, other = screening.read([ours, flown_set(tmp_path / "sets.tle")])
+    (trajectory,) = other.trajectories
+    begin, ahead = trajectory.path.t[0], trajectory.covariance
+    assert ahead(begin + 9.9 * 86400.0) is not None
+    assert ahead(begin + 10.1 * 86400.0) is None
+    known = [np.sqrt(ahead(begin + 86400.0 * day)[1, 1]) for day in (0.0, 1.0, 7.0)]
+    assert 500.0 <= known[0] < known[1] < known[2]
 
 
 def written(path, name, state, *, identifier="", at=9000.0, edges=(0.0, 18000.0), step=60.0):
@@ -180,7 +204,7 @@ def test_elements_in_the_first_place_are_ours(files, tmp_path):
 
 
 AGES = {
-    "2023-04-29T00:00:00": [],
+    "2023-04-29T00:00:00": ["covariance of SAT as sets at its height usually err"],
     "2023-04-20T00:00:00": ["elements of SAT 11 d old"],
     "2023-05-12T00:00:00": ["elements of SAT 11 d ahead"],
 }

@@ -65,6 +65,11 @@ def test_the_log_score_is_that_of_a_normal_law():
     assert log_density == pytest.approx(norm.logpdf(left, scale=sigma).mean())
 
 
+def test_a_burn_does_not_make_the_log_score():
+    sigma = pd.Series([1.0])
+    assert judge.log_score(pd.Series([1e6]), sigma) == judge.log_score(pd.Series([5.0]), sigma) == 12.5
+
+
 def test_sets_that_stay_are_counted():
     applied = ["unchanged", "learned", "density", "unchanged"]
     (_, band) = judge.scores(residuals(*np.ones((3, 4)), applied=applied), seed=1).to_dict("records")

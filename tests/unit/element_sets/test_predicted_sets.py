@@ -87,8 +87,9 @@ def test_a_past_that_errs_more_widens(made):
 
 def test_own_errors_outweigh_the_usual_size():
     """Planes that drift err by a kilometre after a week, six mornings one after the other."""
-    errors, usual = pd.DataFrame({"lead": [7] * 6, "w": 1000.0}), pd.Series(200.0, index=prediction.LEADS)
-    found = prediction._measured(errors, "w", usual)
+    errors = pd.DataFrame({"lead": [7] * 6, "w": 1000.0})
+    usual = pd.DataFrame({"w": 200.0}, index=prediction.LEADS)
+    found = prediction._measured(errors, usual)["w"]
     assert found[7] == pytest.approx(np.sqrt((6 * 1000.0**2 + 2 * 200.0**2) / 8))
     assert found[1] == pytest.approx(200.0)
 

@@ -37,7 +37,12 @@ def gains(residuals: Mapping[str, pd.DataFrame], rows: Mapping[str, pd.DataFrame
     for axes, (quantity, label) in zip(panels, _QUANTITIES.items(), strict=True):
         axes.axhline(100.0, color=MUTED, lw=1.0, ls="--", label="SGP4")
         for k, (test, table) in enumerate(tables.items()):
-            _draw(axes, _shares(table, quantity), test, {"color": SERIES[k], "marker": MARKERS[k]})
+            _draw(
+                axes,
+                _shares(table, quantity),
+                test,
+                {"color": SERIES[k % len(SERIES)], "marker": MARKERS[k % len(MARKERS)]},
+            )
         axes.set_xlabel(label)
     panels[1].set_xscale("log")
     panels[0].set_ylabel("left of SGP4's error [%]")

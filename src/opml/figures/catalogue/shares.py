@@ -11,7 +11,7 @@ from opml.element_sets.features import BANDS
 from opml.element_sets.judge import ALL
 from opml.figures.axis_labels import clauses
 from opml.figures.display_names import display_learner
-from opml.figures.style import MARKERS, MUTED, SERIES, TRUE_COLOR, legend, panel_figure
+from opml.figures.style import MARKERS, MUTED, NOTE_SIZE, SERIES, TRUE_COLOR, legend, panel_figure
 
 _COLUMNS = 4
 """Panels side by side."""
@@ -43,11 +43,17 @@ def every_season(scores: pd.DataFrame, seasons: Mapping[str, Mapping[str, Sequen
     seasons: by test, the dates under `train` and `test`
     """
     whole = scores[(scores["band"] == ALL) & (scores["learner"] == scores["learner"].iloc[0])]
-    tests = {
-        f"{name}, {' to '.join(date[:7] for date in seasons[name]['test'])}": own
-        for name, own in whole.groupby("test", sort=False)
-    }
-    return _panels(tests, _draw_improved, clauses("objects that nothing was learned from", _INTERVALS))
+    tests = dict(list(whole.groupby("test", sort=False)))
+
+    def draw(axes: Axes, scores: pd.DataFrame) -> None:
+        _mark(axes, scores, "scaled", 0, {"color": TRUE_COLOR, "marker": "x", "label": _UNLEARNED})
+        look = {"color": SERIES[0], "marker": MARKERS[0], "label": "sets improved by opml improve"}
+        _mark(axes, scores, "improved", 1, look)
+        first, last = seasons[scores["test"].iloc[0]]["test"]
+        told = f"{first} to {last}\n{scores['objects'].max()} objects"
+        axes.text(0.03, 0.03, told, transform=axes.transAxes, fontsize=NOTE_SIZE, color=MUTED)
+
+    return _panels(tests, draw, clauses("objects that nothing was learned from", _INTERVALS))
 
 
 def _panels(
@@ -79,14 +85,6 @@ def _draw_band(axes: Axes, scores: pd.DataFrame) -> None:
     for k, (learner, part) in enumerate(by_learner.items()):
         look = {"color": SERIES[k], "marker": MARKERS[k], "label": f"learned by {display_learner(learner)}"}
         _mark(axes, part, "learned", k + 1, look)
-
-
-def _draw_improved(axes: Axes, scores: pd.DataFrame) -> None:
-    """Draw the marks of one test: the density-scaled prediction, and the improved sets."""
-    _mark(axes, scores, "scaled", 0, {"color": TRUE_COLOR, "marker": "x", "label": _UNLEARNED})
-    look = {"color": SERIES[0], "marker": MARKERS[0], "label": "sets improved by `opml improve`"}
-    _mark(axes, scores, "improved", 1, look)
-    axes.set_title(f"{scores['objects'].max()} objects", loc="right", fontsize=7.0)
 
 
 def _mark(axes: Axes, scores: pd.DataFrame, way: str, place: int, look: Mapping[str, Any]) -> None:

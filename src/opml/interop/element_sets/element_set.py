@@ -11,7 +11,7 @@ import numpy as np
 from sgp4.api import SGP4_ERRORS, WGS72, Satrec
 
 from opml.base import epochs
-from opml.base.constants import DAY
+from opml.base.constants import DAY, EARTH_GM, WGS84_A
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import ccsds
@@ -27,6 +27,7 @@ _FASTEST = 18.0
 """Revolutions per day that no satellite makes: at the Earth's surface there were 17."""
 
 _ROUNDING = 1e-9  # [deg]
+_MINUTE = 60.0
 
 _ANY = "2000-01-01T12:00:00"
 
@@ -62,6 +63,16 @@ def satellite(epoch: str, elements: Sequence[float]) -> Satrec:
     """
     days = (datetime.fromisoformat(epoch) - _SGP4_ZERO) / timedelta(days=1)
     return _initialised(days, elements)
+
+
+def semi_major_axis(motion: np.ndarray) -> np.ndarray:
+    """Return semi-major axes [m] of mean motions [rad/min]."""
+    return np.asarray(np.cbrt(EARTH_GM / (np.asarray(motion) / _MINUTE) ** 2))
+
+
+def mean_height(motion: np.ndarray) -> np.ndarray:
+    """Return mean heights above the equatorial radius [m] of mean motions [rad/min]."""
+    return semi_major_axis(motion) - WGS84_A
 
 
 def with_drag(satellite: Satrec, bstar: float) -> Satrec:
