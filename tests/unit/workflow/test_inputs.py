@@ -540,6 +540,15 @@ def test_sgp4_flies_the_history_of_mean_elements():
     assert files.element_sets(experiment(learner="none")) == []
 
 
+@pytest.mark.parametrize("kind", ["density", "learned"])
+def test_improved_sets_are_flown_where_a_learner_asks(kind):
+    files = inputs(learners={"mine": {"kind": kind}, "none": {"kind": "none"}})
+    assert files.improved_history(experiment(learner="mine")) == "results/improved_history/iss.parquet"
+    assert files.element_sets(experiment(learner="mine")) == []
+    assert files.improved_history(experiment(learner="none")) == []
+    assert files.learner_tables("rso")(experiment(learner="mine")) == ["results/improved/iss/eglin.parquet"]
+
+
 @pytest.mark.parametrize(
     ("given", "table"),
     [
