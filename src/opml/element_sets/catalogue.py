@@ -123,7 +123,7 @@ def _table(sets: list[ElementSet], latency: float) -> pd.DataFrame:
             "motion": motion,
             "eccentricity": np.array([one.ecco for one in flown], dtype=float),
             "inclination": np.array([one.inclo for one in flown], dtype=float),
-            "height": semi_major_axis(motion) - WGS84_A,
+            "height": height(motion),
             "file": [str(one.path) for one in sets],
             "line": np.array([one.line for one in sets], dtype=np.int64),
         }
@@ -133,6 +133,11 @@ def _table(sets: list[ElementSet], latency: float) -> pd.DataFrame:
 def semi_major_axis(motion: np.ndarray) -> np.ndarray:
     """Return semi-major axes [m] of mean motions [rad/min]."""
     return np.asarray(np.cbrt(EARTH_GM / (np.asarray(motion) / _MINUTE) ** 2))
+
+
+def height(motion: np.ndarray) -> np.ndarray:
+    """Return mean heights above the equatorial radius [m] of mean motions [rad/min]."""
+    return semi_major_axis(motion) - WGS84_A
 
 
 def modified_julian_day(text: str) -> float:

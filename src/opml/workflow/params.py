@@ -12,6 +12,7 @@ from opml.figures.display_names import describe_run
 from opml.learning.data import components
 from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models import learners
+from opml.mornings.beside_sgp4 import FITS_ABOVE
 from opml.naming import Experiment
 from opml.orbits import sheets
 from opml.report.settings_tables import weather_word
@@ -238,6 +239,8 @@ class Params:
             "max_days": values["prediction"]["max_days"],
             "step_s": values["ephemeris"]["step_s"],
             "models": resolved,
+            # Models that a user names are flown at any height.
+            "fits_above": 0.0 if "models" in day.model_fields_set else FITS_ABOVE,
             "catalogue": {"files": self.element_files, "weather": self.measured_weather},
             "objects": {rso: self._watched(rso) for rso in self.plan.watched[wildcards.batch]},
         }

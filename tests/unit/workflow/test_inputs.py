@@ -656,3 +656,9 @@ def test_jobs_that_run_here_have_no_limit(queue, limit):
     workflow = SimpleNamespace(non_local_exec=queue, scheduler=SimpleNamespace(job_rate_limiter=100))
     lift_job_rate(workflow)
     assert workflow.scheduler.job_rate_limiter == limit
+
+
+@pytest.mark.parametrize(("day", "height"), [({"hour": 6}, 600e3), ({"models": ["fit96"]}, 0.0)])
+def test_models_of_mornings_that_a_user_names_are_flown_at_any_height(day, height):
+    told = params(day=day, elements={"mine": "sets.tle"}, rsos={"mine": BODY})
+    assert told.mornings_of(wildcards(batch="0", date="2016-10-05"))["fits_above"] == height
