@@ -151,6 +151,9 @@ if PLAN.settings.files_of(kinds.ELEMENTS):
             IMPROVED_HISTORY.benchmark
         conda:
             "../envs/opml.yaml"
+        resources:
+            mem_mb=1500,
+            runtime=15,
         params:
             settings=lambda _: {
                 **PARAMS.span,
