@@ -24,7 +24,7 @@ uncertainty: {every_hours: 3, futures: 2}
 learners: {held96: {kind: held, window_hours: 24, memory_days: 2}}
 study:
   days: {train: [0, 3], test: [3, 5]}
-  learners: [none, held96]
+  learners: [none, held96, learned]
 """
 LAST = "days-0-5"
 
@@ -49,7 +49,9 @@ def made(tmp_path_factory):
 
 @pytest.mark.dag
 def test_the_command_of_the_page_makes_what_the_page_says(made):
-    assert "held96" in (made / "study.html").read_text()
+    report = (made / "study.html").read_text()
+    assert "held96" in report
+    assert "SGP4 from the newest set, improved by what a catalogue taught" in report
     (message,) = made.rglob(f"{LAST}/held96.oem")
     (segment,) = oem.read(message, epoch="2016-09-28T12:09:45")
     for path in (message.with_suffix(".omm"), message.with_suffix(".tle")):

@@ -284,10 +284,12 @@ def test_mean_elements_need_no_truth_and_sgp4_flies_them(project):
         TRACKED.replace("tracks: {mine: orekit.tdm}", "elements: {mine: sets.tle}")
     )
     (project.folder / "sets.tle").write_text(tle_text(history([1.0, 2.0, 3.0, 4.0])))
-    targets = ["results/sgp4/mine/fixes.parquet", "results/replays/mine/fixes_later/days-0-20/sgp4.parquet"]
+    replay = "results/replays/mine/fixes_later/days-0-20"
+    targets = ["results/sgp4/mine/fixes.parquet", f"{replay}/sgp4.parquet", f"{replay}/learned.parquet"]
     plan = jobs(project.snakemake("-n", *targets, "--configfile", "mine.yaml").stdout)
     once = ["element_sets", "fixes_from_elements", "first_orbit", "labels", "labelled_dataset", "sgp4"]
-    assert plan == dict.fromkeys([*ONCE, *once, "estimation", "prediction", "spread", "replay"], 1)
+    once += ["improved_history", "improved", "estimation", "prediction", "spread"]
+    assert plan == dict.fromkeys([*ONCE, *once], 1) | {"replay": 2}
 
 
 @pytest.mark.parametrize("target", ["study", "beyond"])

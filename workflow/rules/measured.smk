@@ -1,6 +1,9 @@
 # Measured tracks, fixes, ranges or mean elements in the place of simulated tracks, and a first orbit that needs no truth.
+from opml.environment.nrlmsis import check_installed
+
 FIRST_ORBIT = product("starts/{rso}/{stations}")
 ELEMENT_SETS = product("element_sets/{rso}")
+IMPROVED_HISTORY = product("improved_history/{rso}")
 
 if PLAN.settings.files_of(kinds.TRACKS):
 
@@ -133,6 +136,35 @@ if PLAN.settings.files_of(kinds.ELEMENTS):
             "Mean elements: the history of {wildcards.rso}, from {input[0]}"
         script:
             "../scripts/element_sets.py"
+
+    rule improved_history:
+        input:
+            element_sets=rules.element_sets.output[0],
+            catalogue=users(PARAMS.element_files),
+            weather=users(ENVIRONMENT.source_files("solar_activity")),
+            check=checks(lambda _: check_installed()),
+        output:
+            IMPROVED_HISTORY.table,
+        log:
+            IMPROVED_HISTORY.log,
+        benchmark:
+            IMPROVED_HISTORY.benchmark
+        conda:
+            "../envs/opml.yaml"
+        resources:
+            mem_mb=1500,
+            runtime=15,
+        params:
+            settings=lambda _: {
+                **PARAMS.span,
+                "weather": PARAMS.measured_weather,
+                **contents(PARAMS.element_files + ENVIRONMENT.source_files("solar_activity")),
+            },
+            code=code("improved_history.py"),
+        message:
+            "Mean elements: the sets of {wildcards.rso} as they could be improved when they were known"
+        script:
+            "../scripts/improved_history.py"
 
     rule fixes_from_elements:
         input:

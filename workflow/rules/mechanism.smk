@@ -5,6 +5,7 @@ ARCS = product("arcs/{rso}/{stations}{window}{arc}")
 CD_PAST = product("cd_past/{rso}/{stations}{window}{arc}{memory}")
 HELD = product("held/{rso}/{stations}{window}{arc}{memory}")
 SGP4 = product("sgp4/{rso}/{stations}{window}")
+IMPROVED = product("improved/{rso}/{stations}{window}")
 PERFECT_ESTIMATES = product(f"estimates/{{rso}}/{{stations}}{naming.PERFECT}")
 ORACLE = product("oracle/{rso}/{stations}")
 POOL = product("{table}/{pool}/{rest}")
@@ -174,6 +175,27 @@ rule sgp4:
         "SGP4: predictions of {wildcards.rso} from the newest set of mean elements"
     script:
         "../scripts/sgp4.py"
+
+
+rule improved:
+    input:
+        predictions=rules.prediction.output[0],
+        improved_history=IMPROVED_HISTORY.table,
+    output:
+        IMPROVED.table,
+    log:
+        IMPROVED.log,
+    benchmark:
+        IMPROVED.benchmark
+    conda:
+        "../envs/opml.yaml"
+    params:
+        settings={"epoch": config["epoch"]},
+        code=code("improved.py"),
+    message:
+        "SGP4: predictions of {wildcards.rso} from the newest set of mean elements, improved"
+    script:
+        "../scripts/improved.py"
 
 
 rule perfect_estimates:

@@ -76,23 +76,26 @@ def _files_of(path: Path) -> list[Path]:
     return files
 
 
-def read(paths: Iterable[FilePath], *, latency: float = LATENCY) -> ElementCatalogue:
+def read(
+    paths: Iterable[FilePath], *, latency: float = LATENCY, leave_out_damaged: bool = False
+) -> ElementCatalogue:
     """Read the sets of files and folders, in all formats that `mean_elements` reads.
 
     latency: days from epoch to publication of sets that do not tell when they were made
+    leave_out_damaged: however many damaged sets there are; otherwise one in twenty of a file at most
 
-    Raises InputError where a file is unreadable, or more than one of twenty of its sets.
+    Raises InputError where a file is unreadable, or too many of its sets are.
     """
-    sets = [one for path in find_files(paths) for one in _readable(path)]
+    sets = [one for path in find_files(paths) for one in _readable(path, leave_out_damaged)]
     sets.sort(key=lambda one: (one.number, _epoch(one.satellite), one.created))
     return ElementCatalogue(_table(sets, latency), [one.satellite for one in sets])
 
 
-def _readable(path: Path) -> Iterator[ElementSet]:
+def _readable(path: Path, leave_out_damaged: bool) -> Iterator[ElementSet]:
     """Yield the sets of a file that tell their object; the others are counted in the log."""
     damaged: list[InputError] = []
     sets = mean_elements.read_sets(path, damaged)
-    if _DAMAGED * len(damaged) > len(sets) + len(damaged):
+    if not leave_out_damaged and _DAMAGED * len(damaged) > len(sets) + len(damaged):
         raise damaged[0]
     if damaged:
         _log.warning("%s: damaged sets left out: %d, the first: %s", path, len(damaged), damaged[0])

@@ -1,4 +1,4 @@
-"""The newest sets of mornings, improved by the density and by what a catalogue taught: models of a menu."""
+"""Sets as they could be improved when they were known, by the density and by what a catalogue taught."""
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
@@ -16,7 +16,17 @@ from opml.element_sets.model import CatalogueModel
 from opml.element_sets.ways import DENSITY, LEARNED
 from opml.environment import knowledge, nrlmsis
 from opml.environment.weather import Weather
-from opml.interop.element_sets.element_set import changed
+from opml.interop import ccsds
+from opml.interop.element_sets.element_set import changed, seconds_since
+from opml.tables import IMPROVED_MODELS, SCHEMAS
+
+_REACH = 60
+"""Days before a morning beyond which no set tells anything of it, those of the PAST mornings reckoned."""
+
+_SOON = 0.5
+"""Time after which a set is known for certain, as days in a double tell a microsecond at best [s]."""
+
+_MINUTE = 60.0
 
 
 class ImprovedHistory:
@@ -34,9 +44,16 @@ class ImprovedHistory:
         Raises InputError for unreadable files, for weather by the month, and where pymsis is missing.
         """
         nrlmsis.check_installed()
-        # As in a table `element_sets`, a set that does not tell when it was made was known at its epoch.
-        sets = catalogues.read(paths, latency=0.0)
+        # As in a table `element_sets`, a set that does not tell when it was made was known at its epoch, and
+        # how many may be damaged is each object's own setting.
+        sets = catalogues.read(paths, latency=0.0, leave_out_damaged=True)
         return cls(sets, density.clean(knowledge.read(str(weather))), model.read())
+
+    def within(self, first: float, last: float) -> "ImprovedHistory":
+        """Return what mornings from one to another need of it, both modified Julian days (UTC)."""
+        t, known = (self._catalogue.table[name] for name in ("t", "known"))
+        rows = np.flatnonzero((t >= first - _REACH) & (known <= last))
+        return ImprovedHistory(self._catalogue.take(rows), self._weather.keep_known(last), self._trained)
 
     def newest(self, name: str, number: int, morning: float) -> Satrec | None:
         """Return the newest set of an object as a model improves it, None where none was known.
@@ -87,3 +104,26 @@ class ImprovedHistory:
         first = int(np.floor(self._catalogue.table["known"].min())) - ways.PAST - density.RUN_UP - 1
         end = density.end_of(self._weather)
         return LearnedAir(self._weather, density.measured(self._weather, first, end), self._trained.outlook)
+
+
+def history(improved: ImprovedHistory, sets: pd.DataFrame, *, epoch: str) -> pd.DataFrame:
+    """Return the table `improved_history`: sets as each model improved them when they were known.
+
+    sets: table `element_sets` of one object
+    epoch: UTC text, the table's
+
+    A set that was known after a later one stays as it was published.
+    """
+    known = np.fmax(sets["t"], sets["t_created"]).to_numpy() + _SOON
+    mornings = [catalogues.modified_julian_day(text) for text in ccsds.utc_texts(epoch, known)]
+    improved = improved.within(min(mornings), max(mornings))
+    number = int(sets["number"].iloc[0])
+    tables = []
+    for name in IMPROVED_MODELS:
+        motion, bstar = (sets[column].to_numpy(copy=True) for column in ("mean_motion", "bstar"))
+        for k, (t, morning) in enumerate(zip(sets["t"], mornings, strict=True)):
+            flown = improved.newest(name, number, morning)
+            if flown is not None and abs(seconds_since(epoch, [flown])[0] - t) < _SOON:
+                motion[k], bstar[k] = flown.no_kozai / _MINUTE, flown.bstar
+        tables.append(sets.assign(model=name, mean_motion=motion, bstar=bstar))
+    return pd.concat(tables, ignore_index=True)[SCHEMAS["improved_history"].names]

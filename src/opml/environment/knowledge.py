@@ -77,6 +77,12 @@ def read(source: str | Path) -> Weather:
     )
 
 
+def measured_source(source: str | Path) -> str | Path:
+    """Return a source, or OBSERVED in the place of monthly figures; raise InputError where unreadable."""
+    text = solar_activity.read_text(solar_activity.resolve(source))
+    return source if space_weather.is_space_weather(text) else solar_activity.OBSERVED
+
+
 def check_monthly(source: str | Path) -> None:
     """Raise InputError where a source holds no monthly figures."""
     if space_weather.is_space_weather(solar_activity.read_text(solar_activity.resolve(source))):

@@ -17,6 +17,8 @@ from opml.learning.models.learners import arc_windows
 from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres, spoilt_since
 from opml.tables import read_measured, read_metadata, read_table
 
+_HISTORIES = ("element_sets", "improved_history")
+
 
 @dataclass(frozen=True)
 class Known:
@@ -31,7 +33,7 @@ class Known:
     resonances: pairs (k, m)
     manoeuvres: those that any table tells of, each with the time since which it is known
     epoch: UTC text that times count from
-    element_sets: history of mean elements, where learners ask for SGP4
+    histories: of mean elements, as learners ask for them, by the kind of their table
     are_of_sets: whether estimates are fits to mean elements
     """
 
@@ -45,15 +47,15 @@ class Known:
     resonances: Sequence[tuple[int, int]] = ()
     manoeuvres: Sequence[Manoeuvre] = ()
     epoch: str = ""
-    element_sets: pd.DataFrame | None = None
+    histories: Mapping[str, pd.DataFrame] = field(default_factory=dict)
     are_of_sets: bool = False
 
     @classmethod
     def read(cls, files: Any, settings: Mapping[str, Any]) -> Self:
         """Read what the tables of a job hold.
 
-        files: the job's input; where it has them, `long_estimates`, `arc_estimates` and `element_sets` as the
-            learners ask
+        files: the job's input; where it has them, `long_estimates`, `arc_estimates` and histories of mean
+            elements as the learners ask
         settings: among them `learners`, resolved
 
         Raises InputError where a table is missing, damaged or does not belong to the others.
@@ -72,7 +74,6 @@ class Known:
         others = dict(zip(arc_windows(settings["learners"]), files.get("arc_estimates", []), strict=True))
         if long_estimates := files.get("long_estimates"):
             others[long_hours] = long_estimates
-        sets = files.get("element_sets")
         return cls(
             estimates,
             at_estimates,
@@ -84,7 +85,7 @@ class Known:
             resonances=mechanism["resonances"],
             manoeuvres=read_manoeuvres(files.manoeuvres) if files.manoeuvres else [],
             epoch=settings["epoch"],
-            element_sets=read_table(sets, "element_sets") if sets else None,
+            histories={kind: read_table(path, kind) for kind in _HISTORIES if (path := files.get(kind))},
             are_of_sets=fixes.are_of_sets(tracking),
         )
 
@@ -100,11 +101,11 @@ class Known:
             raise InputError(f"ephemeris: {expected}, got none")
         return self.others[hours]
 
-    def history(self) -> pd.DataFrame:
-        """Return the history of mean elements; raise InputError where there is none."""
-        if self.element_sets is None:
+    def history(self, kind: str) -> pd.DataFrame:
+        """Return a history of mean elements by the kind of its table; raise InputError for none."""
+        if kind not in self.histories:
             raise InputError("ephemeris: expected mean elements, as the learner asks for, got none")
-        return self.element_sets
+        return self.histories[kind]
 
     def estimates_without_burns(self, hours: float) -> pd.DataFrame:
         """Return the fits over another window [h] as `other_windows.exclude_burns` has them."""

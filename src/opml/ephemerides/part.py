@@ -101,6 +101,7 @@ class Part:
             "cd_past": partial(self.cd_past, hours, memory_days),
             "held": partial(self.held_table, hours, memory_days),
             "sgp4": self.sgp4,
+            "improved": self.improved,
         }
         if kind not in makers:
             raise InputError(f"ephemeris: expected a learner that asks for one RSO alone, got the {kind}")
@@ -214,7 +215,13 @@ class Part:
     @_once
     def sgp4(self) -> pd.DataFrame:
         """Return the `sgp4` table."""
-        return baseline.build(self.pairs(), self.known.history(), epoch=self.known.epoch)
+        return baseline.build(self.pairs(), self.known.history("element_sets"), epoch=self.known.epoch)
+
+    @_once
+    def improved(self) -> pd.DataFrame:
+        """Return the `improved` table."""
+        history = self.known.history("improved_history")
+        return baseline.build_improved(self.pairs(), history, epoch=self.known.epoch)
 
     def _predicted(self, estimates: pd.DataFrame, flight: Flight) -> pd.DataFrame:
         """Return predictions of estimates to the grid, as they fly."""

@@ -193,6 +193,7 @@ def _catch_up(
         settings["step_s"],
         span.duration,
         span.epoch,
+        settings["fits_above"],
     )
     found = measured.read(
         source,

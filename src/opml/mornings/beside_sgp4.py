@@ -12,6 +12,7 @@ from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.on_mornings import ImprovedHistory
 from opml.element_sets.ways import DENSITY, LEARNED
 from opml.interop.element_sets import histories, mean_elements
+from opml.interop.element_sets.element_set import mean_height
 from opml.mornings.candidates import Expected
 from opml.mornings.outcomes import GOOD, WIDE
 from opml.mornings.verdict import PAST, Verdict
@@ -20,6 +21,11 @@ from opml.tables import STATE
 
 NAME = "sgp4"
 """Name of the model that is flown along the track where SGP4 is."""
+
+FITS_ABOVE = 600e3
+"""Height below which fits to mean elements were farther off than SGP4 from the newest of them [m]."""
+
+_MINUTE = 60.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +40,14 @@ class Sgp4:
     sets: pd.DataFrame
     epoch: str
     improved: ImprovedHistory | None = None
+
+    def is_above(self, least: float, *, now: float) -> bool:
+        """Return whether the mean height of the newest set that is known [m] is not below the least.
+
+        now: by when sets are known [s]
+        """
+        newest = histories.newest_before(self.sets, now)
+        return newest is None or bool(mean_height(_MINUTE * self.sets["mean_motion"].iloc[newest]) >= least)
 
     def menu(self, now: float) -> dict[str, Expected]:
         """Return by model how far a path would be off along the track, were the object where SGP4 has it.

@@ -74,6 +74,7 @@ class MorningPlan:
     step: between its epochs [s]
     end: of the run [s]
     epoch: UTC text
+    fits_above: height of mean elements below which none of these models is flown [m]
     """
 
     models: Mapping[str, Mapping[str, Any]]
@@ -82,6 +83,7 @@ class MorningPlan:
     step: float
     end: float
     epoch: str
+    fits_above: float = 0.0
 
     @property
     def base(self) -> float:
@@ -120,6 +122,12 @@ class Watched:
     identity: ObjectId = UNKNOWN
     sgp4: Sgp4 | None = None
 
+    def on(self, now: float) -> "Watched":
+        """Return it with the models of a morning [s]: low down, fits lose against SGP4 and none is flown."""
+        if self.sgp4 is None or self.sgp4.is_above(self.plan.fits_above, now=now):
+            return self
+        return replace(self, plan=replace(self.plan, models={}))
+
     def known_by(self, now: float) -> list[Manoeuvre]:
         """Return the manoeuvres that are known by a time [s]."""
         return [one for one in self.manoeuvres if one.counts_from <= now]
@@ -151,6 +159,7 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
     What cannot be made of what was measured is told by the verdict: a morning that raised an error for it
     would be tried again for ever.
     """
+    watched = watched.on(now)
     plan = watched.plan
     recent = tracks.over(watched.tracking, records.estimates_over(plan.base), now=now, reach=plan.reach)
     if not recent.tracks:

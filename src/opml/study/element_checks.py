@@ -4,12 +4,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from opml import naming
+from opml.environment import nrlmsis
 from opml.study.experiments import FILTERS, Study
 from opml.study.settings.overlay import Key, Source
+from opml.tables import IMPROVED_MODELS
 
 
 def check_learners(source: Source, study: Study) -> None:
     """Raise InputError where a study asks for SGP4 without mean elements, or for a filter that cannot be.
+
+    So it does for improved sets without the model of the density.
 
     A filter goes forwards, and takes all measurements as they are. RSOs all have mean elements, or none has.
     """
@@ -20,8 +24,11 @@ def check_learners(source: Source, study: Study) -> None:
     for key, names in _learners_named(study.settings.asked):
         for name in names:
             kind = naming.parse_learner(name, study.learners)["kind"]
-            if kind == "sgp4" and not has_elements:
+            if kind in ("sgp4", *IMPROVED_MODELS) and not has_elements:
                 raise source.wrong(key, f"expected RSOs that have elements for {name}, got others")
+            if kind in IMPROVED_MODELS:
+                with source.naming(key):
+                    nrlmsis.check_installed()
             if kind in FILTERS and study.not_filtered:
                 expected = f"expected fits over windows, as filters know no estimation.{study.not_filtered}"
                 raise source.wrong(key, f"{expected}, got {name}")

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from opml import naming
+from opml.environment import nrlmsis
 from opml.learning.data.components import CORRECTED, UNCORRECTED
 from opml.learning.judge.calibration import marks
 from opml.learning.models.contract import hours_to_fill
@@ -16,6 +17,7 @@ from opml.report.answer import ALL_MODELS, Sources
 from opml.report.own_study import OwnStudyReport
 from opml.study.experiments import FILES, FILTERS, MEASURED, SIMULATED, Study
 from opml.study.settings.model.run import HistorySettings
+from opml.tables import IMPROVED_MODELS
 
 RUNNING = ("running24m3", "running24", "running48m3", "running", "running96m3", "running96")
 """Laws on the running mean of Cd. Those of one window share their arcs: another memory costs nothing."""
@@ -36,12 +38,13 @@ REPLAYED = (
 """The models whose mornings are replayed where a study names none: they are trained in seconds."""
 
 MODELS_OF_ELEMENTS = (
-    *("none", "sgp4", "repredicted", "fit144", "held96", "held144", "running96m3", "running96"),
+    *("none", "sgp4", *IMPROVED_MODELS),
+    *("repredicted", "fit144", "held96", "held144", "running96m3", "running96"),
     *("covariance", "mechanism"),
 )
-"""The models of a study of public mean elements: SGP4, fits over longer windows, and laws on these."""
+"""The models of a study of mean elements: SGP4, also of improved sets, longer fits, and laws on these."""
 
-REPLAYED_OF_ELEMENTS = ("sgp4", "fit144", "held96", "held144")
+REPLAYED_OF_ELEMENTS = ("sgp4", *IMPROVED_MODELS, "fit144", "held96", "held144")
 """Models beside these whose mornings are replayed in a study of mean elements."""
 
 GROUPED, LATER, UNSEEN = "grouped", "later", "unseen"
@@ -86,9 +89,11 @@ class OwnStudy:
         """The models that are compared."""
         models = MODELS_OF_ELEMENTS if self.study.has_elements(self.study.rsos[0]) else MODELS
         settings = self.study.learners
-        known = [name for name in models if name in settings]
-        if self.study.not_filtered:
-            known = [name for name in known if settings[name]["kind"] not in FILTERS]
+        unusable = [
+            *(FILTERS if self.study.not_filtered else ()),
+            *(() if nrlmsis.is_installed() else IMPROVED_MODELS),
+        ]
+        known = [name for name in models if name in settings and settings[name]["kind"] not in unusable]
         return list(self.study.settings.asked.get("learners") or known)
 
     @cached_property

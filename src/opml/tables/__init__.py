@@ -30,6 +30,7 @@ from opml.tables.columns import (
 )
 from opml.tables.element_tables import (
     ELEMENTS,
+    IMPROVED_MODELS,
     catalogue_densities_schema,
     catalogue_rows_schema,
 )

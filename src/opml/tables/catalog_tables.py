@@ -22,6 +22,7 @@ from opml.tables.columns import (
     state_columns,
     text,
 )
+from opml.tables.element_tables import IMPROVED_MODELS
 
 TRUTH_GROUPS = "truth_groups"
 """Kind of the tables that list the RSOs whose truths one job made."""
@@ -32,7 +33,10 @@ POSITION_COVARIANCES = covariance_names("xyz")
 SIGMAS = [f"sigma_{name}" for name in COMPONENTS]
 """Columns of a label's uncertainty, by error component."""
 
-MECHANISM_AXES = ("s", "v", "r", "l", "v_long", "floor", "l_arc", "v_arc", "h_arc", "sgp4")
+MECHANISM_AXES = (
+    *("s", "v", "r", "l", "v_long", "floor", "l_arc", "v_arc", "h_arc", "sgp4"),
+    *IMPROVED_MODELS,
+)
 """Prefixes of the mechanism's columns for each error component, such as `v_y` for e_y."""
 
 FIX_SIGMAS = [f"sigma_{axis}" for axis in ("r", "s", "w", "vr", "vs", "vw")]
@@ -84,6 +88,16 @@ _CD_PAST = (
 _HELD = state_columns(PREDICTED, "prediction minus that of the arc with Cd held by its past", prefix="h_arc_")
 
 _SGP4 = state_columns(PREDICTED, "prediction minus that of SGP4 from the newest set at t_i", prefix="sgp4_")
+
+_IMPROVED = tuple(
+    column
+    for model in IMPROVED_MODELS
+    for column in state_columns(
+        PREDICTED,
+        f"prediction minus that of SGP4 from the newest set at t_i, improved by `{model}`",
+        prefix=f"{model}_",
+    )
+)
 
 
 def mechanism_schema(resonances: Sequence[tuple[int, int]]) -> Schema:
@@ -274,6 +288,7 @@ CATALOG_SCHEMAS = (
     Schema("cd_past", "a pair of an estimate i and a later track start j", (*PAIR, *_CD_PAST)),
     Schema("held", "a pair of an estimate i and a later track start j", (*PAIR, *_HELD)),
     Schema("sgp4", "a pair of an estimate i and a later track start j", (*PAIR, *_SGP4)),
+    Schema("improved", "a pair of an estimate i and a later track start j", (*PAIR, *_IMPROVED)),
     Schema(
         "ensemble",
         "a pair of the predictions, and a future",

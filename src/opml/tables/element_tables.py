@@ -7,6 +7,9 @@ from opml.tables.columns import SINCE, Schema, count, flag, real, text
 ELEMENTS = ["mean_motion", "eccentricity", "inclination", "raan", "argp", "mean_anomaly", "bstar"]
 """Columns of the mean elements; a list, as pandas selects columns by a list."""
 
+IMPROVED_MODELS = ("density", "learned")
+"""What improves sets of mean elements: their drag, scaled by the density, and what a catalogue taught."""
+
 IMPROVED_LEADS = (1, 3, 5, 7)
 """Days from the date to the errors that the table of improved sets expects."""
 
@@ -20,25 +23,28 @@ _PREDICTION = (
     count("band", "number of the band of height"),
 )
 
+_SET = (
+    count("number", "catalogue number of the object"),
+    real("t", "s", f"epoch of the set, {SINCE}"),
+    real("mean_motion", "rad/s", "mean motion of the set (Kozai's)"),
+    real("eccentricity", "1", "mean eccentricity"),
+    real("inclination", "rad", "mean inclination", _FRAME),
+    real("raan", "rad", "mean right ascension of the ascending node", _FRAME),
+    real("argp", "rad", "mean argument of perigee", _FRAME),
+    real("mean_anomaly", "rad", "mean anomaly"),
+    real("bstar", "1/(6378.135 km)", "drag term B*"),
+    flag("is_deep", "whether its period is 225 minutes or more, where SGP4 adds Sun and Moon"),
+    real("t_created", "s", f"when the set was made, {SINCE}; NaN where the file does not tell"),
+    text("file", "name of the file that the set was read from"),
+    count("line", "line of the file where the set begins"),
+)
+
 ELEMENT_SCHEMAS = (
+    Schema("element_sets", "a set of mean elements for SGP4, by object and epoch", _SET),
     Schema(
-        "element_sets",
-        "a set of mean elements for SGP4, by object and epoch",
-        (
-            count("number", "catalogue number of the object"),
-            real("t", "s", f"epoch of the set, {SINCE}"),
-            real("mean_motion", "rad/s", "mean motion of the set (Kozai's)"),
-            real("eccentricity", "1", "mean eccentricity"),
-            real("inclination", "rad", "mean inclination", _FRAME),
-            real("raan", "rad", "mean right ascension of the ascending node", _FRAME),
-            real("argp", "rad", "mean argument of perigee", _FRAME),
-            real("mean_anomaly", "rad", "mean anomaly"),
-            real("bstar", "1/(6378.135 km)", "drag term B*"),
-            flag("is_deep", "whether its period is 225 minutes or more, where SGP4 adds Sun and Moon"),
-            real("t_created", "s", f"when the set was made, {SINCE}; NaN where the file does not tell"),
-            text("file", "name of the file that the set was read from"),
-            count("line", "line of the file where the set begins"),
-        ),
+        "improved_history",
+        "a set of an object as a model improved it when it became known, by model and epoch",
+        (text("model", "what improved it: density or learned"), *_SET),
     ),
     Schema(
         "improved_sets",

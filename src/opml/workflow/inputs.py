@@ -200,10 +200,18 @@ class Inputs:
 
     def element_sets(self, wildcards: Wildcards) -> _Paths:
         """Find the history of an RSO's mean elements; none where no learner asks for SGP4."""
-        asked = map(_tables_asked, self.params.learners(wildcards).values())
-        if not any("sgp4" in dict(tables) for tables in asked):
+        return self._element_sets(wildcards) if self._is_asked("sgp4", wildcards) else []
+
+    def improved_history(self, wildcards: Wildcards) -> _Paths:
+        """Find that history as it could be improved; none where no learner asks for it."""
+        if not self._is_asked("improved", wildcards):
             return []
-        return self._element_sets(wildcards)
+        return self.plan.product(f"improved_history/{wildcards.rso}").table
+
+    def _is_asked(self, kind: str, wildcards: Wildcards) -> bool:
+        """Return whether learners ask for a kind of table beside the dataset."""
+        asked = map(_tables_asked, self.params.learners(wildcards).values())
+        return any(kind in dict(tables) for tables in asked)
 
     def source(self, wildcards: Wildcards) -> _Paths:
         """Find the tables of what was read of an RSO that may tell its object."""
@@ -225,8 +233,7 @@ class Inputs:
         """Find the estimates over the long window; none where no learner reads the mechanism."""
 
         def find(wildcards: Wildcards) -> _Paths:
-            asked = map(_tables_asked, self.params.learners(wildcards).values())
-            if not any("mechanism" in dict(tables) for tables in asked):
+            if not self._is_asked("mechanism", wildcards):
                 return []
             hours = self.plan.values["mechanism"]["long_window_hours"]
             return self._estimates(estimates, wildcards, self.plan.window(hours))

@@ -7,11 +7,12 @@ from typing import Any, Protocol
 from opml import naming
 from opml.base.errors import InputError
 from opml.catalog import kinds
-from opml.environment.solar_activity import MSAFE, OBSERVED
+from opml.environment import knowledge
 from opml.figures.display_names import describe_run
 from opml.learning.data import components
 from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models import learners
+from opml.mornings.beside_sgp4 import FITS_ABOVE
 from opml.naming import Experiment
 from opml.orbits import sheets
 from opml.report.settings_tables import weather_word
@@ -238,17 +239,22 @@ class Params:
             "max_days": values["prediction"]["max_days"],
             "step_s": values["ephemeris"]["step_s"],
             "models": resolved,
-            "catalogue": self._catalogue,
+            # Models that a user names are flown at any height.
+            "fits_above": 0.0 if "models" in day.model_fields_set else FITS_ABOVE,
+            "catalogue": {"files": self.element_files, "weather": self.measured_weather},
             "objects": {rso: self._watched(rso) for rso in self.plan.watched[wildcards.batch]},
         }
 
     @property
-    def _catalogue(self) -> dict[str, Any]:
-        """Where the mean elements of all RSOs are, and the weather under which they are improved."""
-        files = {path for paths in self.plan.settings.files_of(kinds.ELEMENTS).values() for path in paths}
-        sources = self.plan.environment.sources
-        activity = sources["solar_activity"]
-        return {"files": sorted(files), "weather": OBSERVED if activity == MSAFE else activity}
+    def element_files(self) -> list[str]:
+        """Where the mean elements of all RSOs are: the catalogue beside which each set is improved."""
+        files = self.plan.settings.files_of(kinds.ELEMENTS)
+        return sorted({path for paths in files.values() for path in paths})
+
+    @property
+    def measured_weather(self) -> str:
+        """The weather under which mean elements are improved."""
+        return str(knowledge.measured_source(self.plan.environment.sources["solar_activity"]))
 
     def page_of_day(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of the page of the wildcard `date`."""

@@ -183,6 +183,7 @@ def test_a_flux_is_known_at_20_hours_and_a_kp_when_its_three_hours_are_over(day,
 def test_monthly_figures_were_not_measured():
     with pytest.raises(InputError, match="MSAFE: expected weather that was measured day by day"):
         knowledge.hindcast("MSAFE", EPOCH, T)
+    assert [knowledge.measured_source(one) for one in ("MSAFE", "OBSERVED")] == 2 * ["OBSERVED"]
 
 
 def test_weather_that_does_not_reach_81_days_back_is_refused():

@@ -31,6 +31,7 @@ from opml.orbits.rsw_covariance import rates
 from opml.tables import (
     COMPONENTS,
     DOUBT,
+    IMPROVED_MODELS,
     PARAMETER_COVARIANCES,
     PARAMETERS,
     SCHEMAS,
@@ -131,13 +132,20 @@ def table(flight, known):
 def test_sgp4_flies_to_the_grid_from_the_newest_set(flight, known):
     sets = history([0.1, 0.3, 0.6])
     grid = Grid(step=0.01 * DAY, max_days=0.8, end=2.0 * DAY)
-    part = Part(flight, replace(known, epoch=EPOCH, element_sets=sets), known.estimates.iloc[1:3], grid)
+    part = Part(
+        flight, replace(known, epoch=EPOCH, histories={"element_sets": sets}), known.estimates.iloc[1:3], grid
+    )
     columns = part.columns(("sgp4_y",))
     expected = baseline.build(part.pairs(), sets, epoch=EPOCH)
     assert columns["sgp4_y"].tolist() == expected["sgp4_y"].tolist()
     assert np.isfinite(columns["sgp4_y"]).all()
-    with pytest.raises(InputError, match="ephemeris: expected mean elements, as the learner asks"):
-        Part(flight, known, known.estimates.iloc[1:3], grid).columns(("sgp4_y",))
+    improved = pd.concat([sets.assign(model=name) for name in IMPROVED_MODELS])
+    beside = replace(known, epoch=EPOCH, histories={"improved_history": improved})
+    columns = Part(flight, beside, known.estimates.iloc[1:3], grid).columns(("learned_y",))
+    assert columns["learned_y"].tolist() == expected["sgp4_y"].tolist()
+    for name in ("sgp4_y", "density_y"):
+        with pytest.raises(InputError, match="ephemeris: expected mean elements, as the learner asks"):
+            Part(flight, known, known.estimates.iloc[1:3], grid).columns((name,))
 
 
 def test_columns_on_the_grid_are_those_at_tracks(flight, known):

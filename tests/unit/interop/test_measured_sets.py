@@ -16,7 +16,7 @@ from opml.interop.element_sets.histories import satellite, states_of
 from opml.interop.element_sets.measured_sets import Taking, measured
 from opml.interop.element_sets.sgp4_points import SetSampling
 from opml.orbits.manoeuvres import Manoeuvre
-from opml.tables import FIX_SIGMAS, STATE
+from opml.tables import FIX_SIGMAS, SCHEMAS, STATE
 
 SAMPLING = SetSampling(12 * HOUR, 1200.0)
 DAYS = np.arange(1.0, 13.0)
@@ -184,3 +184,11 @@ def test_the_baseline_is_sgp4_from_the_set_of_the_estimate():
         difference = table.loc[row, [f"sgp4_{axis}" for axis in ("x", "y", "z")]].to_numpy(float)
         assert np.linalg.norm(difference) == pytest.approx(np.linalg.norm((states[row] - flown)[:3]))
     assert table.loc[3, "sgp4_x":].isna().all()
+    other = sets.assign(mean_motion=1.001 * sets["mean_motion"])
+    improved = pd.concat([sets.assign(model="learned"), other.assign(model="density")])
+    pairs = pairs.assign(**dict(zip(STATE, states.T, strict=True)))
+    both = baseline.build_improved(pairs, improved, epoch=EPOCH)
+    assert list(both) == SCHEMAS["improved"].names
+    assert both["learned_y"].equals(table["sgp4_y"].rename("learned_y"))
+    alone = baseline.build(pairs, other, epoch=EPOCH, name="density")
+    assert both[list(alone)].equals(alone)

@@ -40,6 +40,8 @@ SETTINGS = {
     "filtered": {"kind": "filtered"},
     "filtered_mean": {"kind": "filtered_mean", "memory_days": 30},
     "sgp4": {"kind": "sgp4"},
+    "density": {"kind": "density"},
+    "learned": {"kind": "learned"},
 }
 NOTHING_LEARNED = (
     "none",
@@ -50,6 +52,8 @@ NOTHING_LEARNED = (
     "filtered",
     "filtered_mean",
     "sgp4",
+    "density",
+    "learned",
 )
 KINDS = pytest.mark.parametrize("kind", list(SETTINGS))
 
@@ -65,7 +69,8 @@ def sample(count, seed=0):
     rows = pd.DataFrame({"duration": duration, "d_a": d_a, "cd": cd, "v_y": v, "r_y": error})
     # Arcs whose own Cd is the half of it off, and that know the rest.
     arcs = {"l_arc_y": 0.5 * error, "h_arc_y": 0.8 * error, "v_arc_y": v, "cd_arc": 2.2 + 0.5 * (cd - 2.2)}
-    return rows.assign(**arcs, cd_past=2.2, sgp4_y=-2.0 * error), y
+    sets = {"sgp4_y": -2.0 * error, "density_y": -1.0 * error, "learned_y": 0.3 * error}
+    return rows.assign(**arcs, **sets, cd_past=2.2), y
 
 
 def trained(kind, rows, y, seed=42, changes=None):
@@ -149,7 +154,8 @@ def test_what_each_kind_is_worth_on_what_it_can_learn(models):
     assert left["repredicted"] == pytest.approx(mechanism_leaves)
     assert left["linear_law"] == pytest.approx(mechanism_leaves, abs=0.01)
     assert left["running"] == pytest.approx(mechanism_leaves)
-    for kind, share in (("refitted", 0.5), ("held", 0.8), ("sgp4", -2.0)):
+    shares = {"refitted": 0.5, "held": 0.8, "sgp4": -2.0, "density": -1.0, "learned": 0.3}
+    for kind, share in shares.items():
         assert left[kind] == pytest.approx(np.abs(y - share * new["r_y"]).sum() / np.abs(y).sum())
     assert left["stacked"] < 0.5 * left["linear_law"]
     assert left["linear_law"] < left["boosting"] < 1.0

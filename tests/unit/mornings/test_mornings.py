@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 import pytest
+from element_histories import history
 from support import EPOCH, ESTIMATION
 
 from opml.base.constants import DAY, HOUR
@@ -23,6 +24,7 @@ from opml.ephemerides.known import Known
 from opml.interop import oem
 from opml.interop.object_ids import ObjectId
 from opml.mornings import days, judged, morning, tracks
+from opml.mornings.beside_sgp4 import Sgp4
 from opml.mornings.calendar import Calendar
 from opml.mornings.days import Folder
 from opml.mornings.morning import FlightModel, MorningPlan, Watched
@@ -105,6 +107,24 @@ def test_what_comes_after_a_morning_changes_nothing_of_it(watched, whole, tmp_pa
     run(replace(watched, tracking=other), tmp_path, LAST)
     assert contents(tmp_path, until) == contents(whole, until)
     assert contents(tmp_path) != contents(whole)
+
+
+@pytest.mark.parametrize(
+    ("fits_above", "models", "windows"),
+    [(0.0, ["fit18", "running18", "sgp4"], {12.0, 18.0}), (600e3, ["sgp4"], {12.0})],
+    ids=["models that a user names", "the default of low mean elements"],
+)
+def test_low_down_no_fit_to_mean_elements_is_flown(watched, whole, tmp_path, fits_above, models, windows):
+    """Earlier mornings, on which fits were flown, keep what they left and are built on."""
+    sets = Sgp4(history(np.arange(0.0, 5.0, 0.5)), EPOCH)
+    low = replace(watched, sgp4=sets, plan=replace(watched.plan, fits_above=fits_above))
+    carried_on(whole, low, tmp_path, after=LAST - timedelta(days=1))
+    left = tmp_path / LAST.isoformat() / "iss"
+    (table,) = Records.read([left], since=-np.inf, digest=METADATA["settings"]).paths
+    assert table.models == models
+    made = read_table(left / "kept_estimates.parquet", "kept_estimates")
+    assert {*made["window_hours"]} == windows
+    assert contents(tmp_path, LAST - timedelta(days=1)) == contents(whole, LAST - timedelta(days=1))
 
 
 def test_a_morning_that_was_cut_short_runs_again(watched, whole, tmp_path):

@@ -173,6 +173,16 @@ def test_a_path_corrected_by_sgp4_is_where_sgp4_is():
     np.testing.assert_array_equal(Sgp4(later, EPOCH).menu(NOW)["sgp4"](path), expected)
 
 
+def test_the_height_is_that_of_the_newest_set_that_was_known():
+    """That of the ISS is about 400 km; sets that come later, of whatever height, change nothing."""
+    sets = history(np.arange(0.0, 22.0, 0.5))
+    sets = sets.assign(mean_motion=sets["mean_motion"].mask(sets["t"] > NOW, 1e-4))
+    sgp4 = Sgp4(sets, EPOCH)
+    assert [sgp4.is_above(least, now=NOW) for least in (380e3, 430e3)] == [True, False]
+    assert sgp4.is_above(430e3, now=NOW + DAY)
+    assert sgp4.is_above(430e3, now=-DAY)
+
+
 class _Improved:
     """Improves the first set of the history by a mean motion that is a millionth larger."""
 

@@ -10,6 +10,7 @@ from mornings import replays
 from support import paper_values, study_of
 
 from opml.base.errors import InputError
+from opml.environment import nrlmsis
 from opml.figures import own_study as figures
 from opml.figures.style import MUTED
 from opml.figures.ticks import metres
@@ -111,6 +112,17 @@ def test_mean_elements_have_models_of_their_own():
     assert own.learners == [name for name in MODELS_OF_ELEMENTS if name in values["learners"]]
     assert {name for *_, name in own.replayed} == {*own.learners} - {"repredicted"}
     assert {"sgp4", "held96"} < {*own.learners}
+
+
+def test_improved_sets_are_compared_where_the_model_of_the_density_is_installed(monkeypatch):
+    values = paper_values() | {"elements": {"lares": ["sets.tle"]}}
+    values["study"] = {"rsos": ["lares"], "days": {"train": [0, 18], "test": [18, 27]}}
+    values["learners"] = values["learners"] | {name: {"kind": name} for name in ("density", "learned")}
+    own = OwnStudy(study_of(values))
+    assert own.learners[1:3] == ["density", "learned"]
+    assert {"density", "learned"} < {*own.replayed_models}
+    monkeypatch.setattr(nrlmsis, "find_spec", lambda name: None)
+    assert {"density", "learned"}.isdisjoint(OwnStudy(study_of(values)).learners)
 
 
 def test_what_is_learned_from_labels_is_judged_by_the_truth_where_there_is_one():

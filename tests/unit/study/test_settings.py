@@ -18,6 +18,7 @@ from opml.base.yaml_files import read_yaml
 from opml.catalog import kinds
 from opml.catalog.fit.estimation import Estimation
 from opml.dynamics.ensemble import Integrator
+from opml.environment import nrlmsis
 from opml.study import checks
 from opml.study.experiments import ROLLING, Study
 from opml.study.own_study import OwnStudy
@@ -391,6 +392,24 @@ def test_rsos_of_a_study_all_have_mean_elements_or_none_has():
     source.values["study"] = {"rsos": ["iss", "lares"], "days": {"train": [0, 30], "test": [30, 40]}}
     with pytest.raises(
         InputError, match=r"study\.rsos: expected RSOs that all have elements, or none, got lares"
+    ):
+        checks.check_study(source, with_sheets(source.values))
+
+
+@pytest.mark.parametrize("key", ["learners", "replayed"])
+def test_improved_sets_need_elements_and_the_model_of_the_density(key, monkeypatch):
+    source = paper_source()
+    source.values.update(elements={"iss": ["a.tle"]}, learners={"mine": {"kind": "density"}})
+    source.values["study"] = {"rsos": ["iss"], "days": {"train": [0, 30], "test": [30, 40]}, key: ["mine"]}
+    checks.check_study(source, with_sheets(source.values))
+    monkeypatch.setattr(nrlmsis, "find_spec", lambda name: None)
+    with pytest.raises(
+        InputError, match=rf"study\.{key}: expected the package pymsis, got none: pip install"
+    ):
+        checks.check_study(source, with_sheets(source.values))
+    del source.values["elements"]
+    with pytest.raises(
+        InputError, match=rf"study\.{key}: expected RSOs that have elements for mine, got others"
     ):
         checks.check_study(source, with_sheets(source.values))
 

@@ -540,6 +540,15 @@ def test_sgp4_flies_the_history_of_mean_elements():
     assert files.element_sets(experiment(learner="none")) == []
 
 
+@pytest.mark.parametrize("kind", ["density", "learned"])
+def test_improved_sets_are_flown_where_a_learner_asks(kind):
+    files = inputs(learners={"mine": {"kind": kind}, "none": {"kind": "none"}})
+    assert files.improved_history(experiment(learner="mine")) == "results/improved_history/iss.parquet"
+    assert files.element_sets(experiment(learner="mine")) == []
+    assert files.improved_history(experiment(learner="none")) == []
+    assert files.learner_tables("rso")(experiment(learner="mine")) == ["results/improved/iss/eglin.parquet"]
+
+
 @pytest.mark.parametrize(
     ("given", "table"),
     [
@@ -647,3 +656,9 @@ def test_jobs_that_run_here_have_no_limit(queue, limit):
     workflow = SimpleNamespace(non_local_exec=queue, scheduler=SimpleNamespace(job_rate_limiter=100))
     lift_job_rate(workflow)
     assert workflow.scheduler.job_rate_limiter == limit
+
+
+@pytest.mark.parametrize(("day", "height"), [({"hour": 6}, 600e3), ({"models": ["fit96"]}, 0.0)])
+def test_models_of_mornings_that_a_user_names_are_flown_at_any_height(day, height):
+    told = params(day=day, elements={"mine": "sets.tle"}, rsos={"mine": BODY})
+    assert told.mornings_of(wildcards(batch="0", date="2016-10-05"))["fits_above"] == height

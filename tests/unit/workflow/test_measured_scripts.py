@@ -199,6 +199,19 @@ def test_burns_that_are_found_stand_beside_those_that_are_named(taken, tmp_path)
     assert facts["manoeuvres"] == [*named, found]
 
 
+def test_sets_are_improved_beside_the_catalogue_of_the_run(taken, tmp_path):
+    sets = history([-1.0, 1.0, 2.0, 9.0], bstar=1e-4)
+    (tmp_path / "sets.tle").write_text(tle_text(sets))
+    write_table(tmp_path / "sets.parquet", sets, "element_sets", metadata={})
+    files = Files(element_sets=str(tmp_path / "sets.parquet"))
+    files.catalogue = [str(tmp_path / "sets.tle")]
+    table, _ = taken("improved_history", files, duration_days=8.0, weather="OBSERVED")
+    assert list(zip(table["model"], table["t"] / DAY, strict=True)) == [
+        (model, day) for model in ("density", "learned") for day in (1.0, 2.0)
+    ]
+    assert (table["bstar"] != 1e-4).all()
+
+
 def test_sgp4_is_held_against_predictions(taken, tmp_path):
     sets = history([1.0, 2.0])
     write_table(tmp_path / "sets.parquet", sets, "element_sets", metadata={})
@@ -214,3 +227,7 @@ def test_sgp4_is_held_against_predictions(taken, tmp_path):
     table, _ = taken("sgp4", files)
     assert table[["i", "j"]].to_numpy().tolist() == [[0, 1]]
     assert np.isfinite(table["sgp4_y"]).all()
+    improved = pd.concat([sets.assign(model=name) for name in ("density", "learned")])
+    write_table(tmp_path / "improved.parquet", improved, "improved_history", metadata={})
+    files = Files(predictions=names["predictions"], improved_history=str(tmp_path / "improved.parquet"))
+    assert taken("improved", files)[0]["learned_y"].tolist() == table["sgp4_y"].tolist()

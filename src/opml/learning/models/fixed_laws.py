@@ -109,3 +109,7 @@ FILTERED_MEAN = _law(
 )
 
 SGP4 = _law("sgp4", "SGP4 from the newest set of mean elements, nothing fitted", [], "sgp4")
+
+DENSITY = _law("density", "SGP4 from the newest set, its drag scaled by the density", [], "density")
+
+LEARNED = _law("learned", "SGP4 from the newest set, improved by what a catalogue taught", [], "learned")

@@ -47,13 +47,15 @@ LEARNERS: tuple[Learner, ...] = (
     fixed_laws.FILTERED,
     fixed_laws.FILTERED_MEAN,
     fixed_laws.SGP4,
+    fixed_laws.DENSITY,
+    fixed_laws.LEARNED,
 )
 """The kinds that stand alone. Any two of them make a stack."""
 
 ARC_TABLES = ("arcs", "cd_past", "held")
 """Kinds of tables beside the dataset that are made for the window, and the memory, of a learner's arcs."""
 
-_BESIDE = ("oracle", *ARC_TABLES, "sgp4")
+_BESIDE = ("oracle", *ARC_TABLES, "sgp4", "improved")
 """Kinds of tables beside the dataset with columns of their own; all other columns are the mechanism's."""
 
 

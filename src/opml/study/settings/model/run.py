@@ -343,7 +343,8 @@ class DaySettings(Section):
     """Every morning."""
 
     models: Annotated[list[Name], MinLen(1), Unique()] = setting(
-        "models that a morning chooses from, of those that learn nothing",
+        "models that a morning chooses from, of those that learn nothing; unless they are named, only SGP4 "
+        "where mean elements are below 600 km",
         unit="names",
         default=["fit48", "fit96", "running24m3", "running24", "running", "running96"],
     )
