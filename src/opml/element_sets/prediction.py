@@ -324,8 +324,7 @@ def _sizes(
             f"predict: expected a longer history of {identity}, got {len(errors)} predictions that later "
             f"sets judge: nothing else tells its errors ({how['why'] or 'no prediction'})"
         )
-    band = int(np.searchsorted(_EDGES, how["height"], side="right"))
-    usual = pd.DataFrame({axis: values[band] for axis, values in _USUAL.items()}, index=list(LEADS))
+    usual = _usual(how["height"])
     sizes = pd.DataFrame({axis: _measured(errors, axis, usual[axis]) for axis in "rsw"})
     sizes["sgp4"] = sizes["s"]
     if is_known:
@@ -343,6 +342,18 @@ def _sizes(
         unseen = UNSEEN["s" if name == "sgp4" else name]
         sizes[name] = np.hypot(np.maximum.accumulate(sizes[name]), unseen)
     return sizes
+
+
+def _usual(height: float) -> pd.DataFrame:
+    """Return what SGP4 usually errs by in later sets [m], r, s, w by lead, at a height [m]."""
+    band = int(np.searchsorted(_EDGES, height, side="right"))
+    return pd.DataFrame({axis: values[band] for axis, values in _USUAL.items()}, index=list(LEADS))
+
+
+def usual_sizes(height: float, lead: int) -> dict[str, float]:
+    """Return what SGP4 usually errs by, with what no set shows: r, s, w [m] at a height [m] and lead [d]."""
+    usual = _usual(height).loc[lead]
+    return {axis: float(np.hypot(usual[axis], UNSEEN[axis])) for axis in "rsw"}
 
 
 def _measured(errors: pd.DataFrame, axis: str, usual: pd.Series) -> pd.Series:
