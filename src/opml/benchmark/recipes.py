@@ -101,7 +101,7 @@ def make(
     measured = knowledge.read(weather)
     with replacing_folder(folder) as new, replacing_folder(truth_folder) as new_truth:
         header = (*tasks.QUESTION, *tasks.STATE)
-        told = [(*one, *map(repr, map(float, state))) for one, state in zip(questions, states, strict=True)]
+        told = [(*one, *_rounded(state)) for one, state in zip(questions, states, strict=True)]
         tasks.write_csv(new_truth / tasks.TRUTH, header, told)
         tasks.write_csv(new / tasks.QUESTIONS, tasks.QUESTION, questions)
         for morning, part in rows.groupby("morning", sort=True):
@@ -116,6 +116,11 @@ def make(
         if recipe.digest not in ("", found):
             raise InputError(f"{recipe.name}: digest: expected {recipe.digest}, got {found}: other sources")
     return len(questions)
+
+
+def _rounded(state: np.ndarray) -> list[str]:
+    """Return a state to a tenth of a millimetre, so that its digest is the same on all machines."""
+    return [f"{value:.4f}" for value in state[:3]] + [f"{value:.7f}" for value in state[3:]]
 
 
 def _write_task(folder: Path, recipe: Recipe, truth_digest: str) -> None:

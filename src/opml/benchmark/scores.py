@@ -11,11 +11,13 @@ import numpy as np
 import pandas as pd
 from scipy.special import ndtr
 
+from opml.base.constants import WGS84_A
 from opml.base.seeds import derive
 from opml.benchmark.answers import Answers
 from opml.benchmark.tasks import BenchmarkTask
 from opml.element_sets import corrector, judge
 from opml.element_sets.catalogue import modified_julian_day
+from opml.element_sets.features import BANDS
 from opml.orbits.elements import bent_rsw
 from opml.orbits.rsw_covariance import half_width
 
@@ -30,8 +32,8 @@ _INTERVAL = (2.5, 97.5)
 
 
 def errors(task: BenchmarkTask, answers: Answers, truth: np.ndarray) -> pd.DataFrame:
-    """Return the errors of what was answered: number, morning (modified Julian day), lead [d], r, s, w and
-    sigma_r, sigma_s, sigma_w [m], NaN where no covariance is told.
+    """Return the errors of what was answered: number, morning (modified Julian day), lead [d], height,
+    r, s, w and sigma_r, sigma_s, sigma_w [m], NaN where no covariance is told.
 
     truth: GCRF states (questions, 6) [m, m/s]
     """
@@ -43,6 +45,7 @@ def errors(task: BenchmarkTask, answers: Answers, truth: np.ndarray) -> pd.DataF
     table = pd.DataFrame(
         {"number": asked["object"], "morning": asked["t"].map(mornings), "lead": asked["lead"]}
     )
+    table["height"] = np.linalg.norm(truth[told, :3], axis=1) - WGS84_A
     for k, axis in enumerate("rsw"):
         table[axis], table[f"sigma_{axis}"] = bent[:, k], sigmas[:, k]
     return table
@@ -75,6 +78,21 @@ def scores(task: BenchmarkTask, table: pd.DataFrame) -> pd.DataFrame:
             row |= {f"{name}_{key}": value for key, value in _of_axis(part, axis).items()}
         rows.append(row | _intervals(part, int(str(lead))))
     return pd.DataFrame(rows)
+
+
+def by_height(table: pd.DataFrame) -> pd.DataFrame:
+    """Return what `_of_axis` has along the track by band (its lower edge [m], 0 below all) and lead.
+
+    table: of `errors`
+    """
+    edges = np.append(0.0, BANDS)
+    lower = edges[np.searchsorted(edges, table["height"], side="right") - 1]
+    return pd.DataFrame(
+        [
+            {"from": band, "lead": lead, "answers": len(part), **_of_axis(part, "s")}
+            for (band, lead), part in table.groupby([lower, table["lead"].to_numpy()])
+        ]
+    )
 
 
 def _of_axis(part: pd.DataFrame, axis: str) -> dict[str, float]:

@@ -20,12 +20,14 @@ from opml.report.results import NO_VALUE
 SUFFIXES = (".html", ".json", ".tsv")
 """Forms of a score."""
 
+_OF_HEIGHT = ("median", "p95", "crps", "inside")
+
 
 @dataclass(frozen=True, eq=False)
 class Score:
     """What is told of answers.
 
-    scores: of `opml.benchmark.scores`
+    scores, by_height: of `opml.benchmark.scores`
     suspicions: a sentence each
     about: tool, command and runtime_s, where they are told
     """
@@ -35,17 +37,18 @@ class Score:
     tool: str
     digest: str
     scores: pd.DataFrame
+    by_height: pd.DataFrame
     suspicions: Sequence[str]
     about: Mapping[str, Any]
 
     def values(self) -> dict[str, Any]:
         """Return all of it as JSON values."""
-        rows = [{key: _plain(value) for key, value in row.items()} for row in self.scores.to_dict("records")]
         return {
             "task": self.task,
             "tool": self.tool,
             "answers_sha256": self.digest,
-            "scores": rows,
+            "scores": _records(self.scores),
+            "by_height": _records(self.by_height),
             "suspicions": [*self.suspicions],
             "about": dict(self.about),
         }
@@ -93,6 +96,7 @@ def score(task: FilePath, answers: FilePath, truth: FilePath | None = None) -> S
         str(told.about.get("tool", Path(answers).stem)),
         told.digest,
         scores.scores(asked, errors),
+        scores.by_height(errors),
         suspicions.told(asked, told, errors, true),
         told.about,
     )
@@ -134,6 +138,8 @@ def document(score: Score) -> list[Block]:
             f" intervals of {100 * LEVEL:g} %."
         ),
         *(_axis_table(score.scores, name) for name in AXES.values()),
+        Heading("Along the track, by height"),
+        _height_table(score.by_height),
         Paragraph(f"Answers' SHA-256: `{score.digest}`"),
     ]
 
@@ -162,6 +168,19 @@ def _with_interval(row: "pd.Series[Any]", key: str) -> str:
 
 def _rounded(value: float, digits: int = 0) -> str:
     return f"{value:.{digits}f}" if math.isfinite(value) else NO_VALUE
+
+
+def _height_table(table: pd.DataFrame) -> Table:
+    header = ("height from [km]", "lead [d]", "answers", "median", "95 %", "CRPS", "inside [%]")
+    rows = []
+    for _, row in table.iterrows():
+        numbers = (row["from"] / 1e3, *(row[key] for key in ("lead", "answers", *_OF_HEIGHT)))
+        rows.append([_rounded(value) for value in numbers])
+    return Table(header, rows)
+
+
+def _records(table: pd.DataFrame) -> list[dict[str, Any]]:
+    return [{key: _plain(value) for key, value in row.items()} for row in table.to_dict("records")]
 
 
 def _plain(value: Any) -> Any:

@@ -151,6 +151,14 @@ def test_scores_are_those_by_hand(sgp4):
         assert (row["asked"], row["answered"]) == (12, 100.0)
 
 
+def test_bands_of_height_share_the_answers(sgp4):
+    table = benchmark.score(tasks.SAMPLE, sgp4).by_height
+    assert set(table["from"]) <= {300e3, 400e3, 450e3, 500e3, 550e3, 600e3, 700e3}
+    assert table.groupby("lead")["answers"].sum().tolist() == [12] * 4
+    low, high = (table[table["lead"] == 7].sort_values("from")["median"].iloc[k] for k in (0, -1))
+    assert low > high
+
+
 def test_intervals_hold_their_numbers_and_come_again(sgp4):
     first, again = (benchmark.score(tasks.SAMPLE, sgp4).scores for _ in range(2))
     pd.testing.assert_frame_equal(first, again)
