@@ -13,8 +13,10 @@ from typing import TYPE_CHECKING
 
 from opml import __version__
 from opml.base.errors import InputError
+from opml.base.progress import clear, on_stderr
 
 if TYPE_CHECKING:
+    from opml.base.progress import Progress
     from opml.element_sets.prediction import Prediction
     from opml.interop.predicted_orbit import PredictedOrbit
 
@@ -35,7 +37,7 @@ INTERRUPTED = 130
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a subcommand; return the exit code, 1 or INTERRUPTED after one line that tells why."""
-    logging.basicConfig(format="opml: %(message)s")
+    logging.basicConfig(format=f"{clear()}opml: %(message)s")
     options = _parser().parse_args(arguments)
     if isinstance(sys.stdout, io.TextIOWrapper):  # of names that the terminal has no letters for
         sys.stdout.reconfigure(errors="backslashreplace")
@@ -73,7 +75,7 @@ def _listed() -> Iterator[str]:
     """Yield the lines of the help that list the commands, by their groups."""
     for group, commands in GROUPS.items():
         yield f"{group}:"
-        yield from (f"  {command.name:9} {command.help}" for command in commands)
+        yield from (f"  {command.name:10} {command.help}" for command in commands)
 
 
 # The modules behind a command are imported when it runs: some need packages of an extra, some take a second.
@@ -197,7 +199,8 @@ def _improve(options: argparse.Namespace) -> None:
     date = options.date or datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%S")
     latency = (6.0 if options.date else 0.0) if options.latency is None else options.latency
     known = improve.read(options.sets, date=date, weather=options.weather, latency=latency / 24.0)
-    better = improve.improve(known, model.read(options.model), progress=_say)
+    with on_stderr() as progress:
+        better = improve.improve(known, model.read(options.model), progress=progress)
     missing = better.write(options.output)
     if options.table:
         better.write_table(options.table)
@@ -233,7 +236,8 @@ def _predict(options: argparse.Namespace) -> None:
 
     predicted.check(options.output)
     places = [passes.place(text) for text in options.station]
-    made = (_fit if is_measured(options.files[0]) else _fly_sets)(options)
+    with on_stderr() as progress:
+        made = (_fit if is_measured(options.files[0]) else _fly_sets)(options, progress)
     for path in options.output:
         predicted.write(path, made, places)
     print(f"{made.identity} from {made.date} UTC: {made.way} ({made.reason})")
@@ -243,7 +247,7 @@ def _predict(options: argparse.Namespace) -> None:
         print(f"{path} is written")
 
 
-def _fly_sets(options: argparse.Namespace) -> "Prediction":
+def _fly_sets(options: argparse.Namespace, progress: "Progress") -> "Prediction":
     from opml.element_sets import prediction
 
     return prediction.predict(
@@ -254,11 +258,11 @@ def _fly_sets(options: argparse.Namespace) -> "Prediction":
         weather=options.weather,
         catalogue=options.catalogue,
         trained=options.model,
-        progress=_say,
+        progress=progress,
     )
 
 
-def _fit(options: argparse.Namespace) -> "PredictedOrbit":
+def _fit(options: argparse.Namespace, progress: "Progress") -> "PredictedOrbit":
     from opml.base.files import project_file
     from opml.mornings.prediction import Request
     from opml.orbits.sheets import read_stations
@@ -275,7 +279,7 @@ def _fit(options: argparse.Namespace) -> "PredictedOrbit":
         list(read_stations(project_file(options.radars)).values()),
         options.area_to_mass,
     )
-    return prediction.of_measurements(request, progress=_say)
+    return prediction.of_measurements(request, progress=progress)
 
 
 def _add_train(parser: argparse.ArgumentParser) -> None:
@@ -291,14 +295,10 @@ def _train(options: argparse.Namespace) -> None:
     for one in options.sets:
         name, is_named, path = one.rpartition("=")
         populations.setdefault(name if is_named else "all", []).append(path)
-    trained = training.train(populations, weather=options.weather, progress=_say)
+    with on_stderr() as progress:
+        trained = training.train(populations, weather=options.weather, progress=progress)
     model.write(options.output, trained)
     print(f"{options.output}: {', '.join(populations)}")
-
-
-def _say(line: str) -> None:
-    """Tell what is going on, beside the output."""
-    print(f"opml: {line}", file=sys.stderr, flush=True)
 
 
 def _add_day(parser: argparse.ArgumentParser) -> None:
@@ -411,6 +411,24 @@ def _docs(options: argparse.Namespace) -> None:
     print(manual.page(options.page) if options.page else manual.contents())
 
 
+def _add_completion(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("shell", choices=("bash", "zsh", "fish"))
+
+
+def _completion(options: argparse.Namespace) -> None:
+    import shtab
+
+    parser = argparse.ArgumentParser(prog="opml")
+    subparsers = parser.add_subparsers()
+    for command in COMMANDS:
+        subparser = subparsers.add_parser(command.name, help=command.help)
+        command.add_arguments(subparser)
+        for action in subparser._actions:
+            if action.nargs != 0 and action.choices is None and action.type is None:
+                action.complete = shtab.FILE  # type: ignore[attr-defined]
+    print(shtab.complete(parser, options.shell))
+
+
 def _add_pack(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--configfile", nargs="*", default=[], help="files of settings that the run had")
     parser.add_argument(
@@ -447,7 +465,10 @@ GROUPS = {
         Command("table", "print what a table holds, or all of it as CSV", _add_table, _table),
         Command("pack", "pack a finished run into one archive that tells its making", _add_pack, _pack),
     ),
-    "help": (Command("docs", "list the pages of the documentation, or print one", _add_docs, _docs),),
+    "help": (
+        Command("docs", "list the pages of the documentation, or print one", _add_docs, _docs),
+        Command("completion", "print what completes commands in a shell", _add_completion, _completion),
+    ),
 }
 """The subcommands, in the order of the help, by what they are for."""
 

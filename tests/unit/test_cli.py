@@ -65,6 +65,14 @@ def test_the_help_names_every_command(capsys):
     assert "  pack " in last
 
 
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_each_shell_completes_commands_and_their_options(shell, capsys):
+    assert cli.main(["completion", shell]) == 0
+    told = capsys.readouterr().out
+    assert all(command.name in told for command in cli.COMMANDS)
+    assert "catalogue" in told
+
+
 def test_a_sheet_of_random_rsos_is_read_as_one(tmp_path, capsys):
     assert cli.main(["sheet", "--count", "3", "--seed", "7", "--prefix", "sat"]) == 0
     (tmp_path / "rsos.tsv").write_text(capsys.readouterr().out)

@@ -10,7 +10,7 @@ corrections at all leads.
 """
 
 import logging
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,6 +20,7 @@ import pandas as pd
 from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.files import FilePath
+from opml.base.progress import Progress
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import density, features, pairs, ways
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
@@ -46,9 +47,6 @@ _MINUTES = 1440.0
 FEW = "first sets"
 
 _log = logging.getLogger(__name__)
-
-Progress = Callable[[str], None]
-"""Takes a line that tells what is going on."""
 
 
 @dataclass(frozen=True, eq=False)

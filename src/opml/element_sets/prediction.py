@@ -21,6 +21,7 @@ from sgp4.api import Satrec
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
+from opml.base.progress import Progress
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import density, improve, model, ways
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
@@ -136,7 +137,7 @@ def predict(
     weather: FilePath = "OBSERVED",
     catalogue: Iterable[FilePath] = (),
     trained: FilePath | None = None,
-    progress: improve.Progress = lambda line: None,
+    progress: Progress = lambda line: None,
 ) -> Prediction:
     """Predict an object from its public element sets.
 

@@ -2,7 +2,7 @@
 
 import hashlib
 import logging
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ import pandas as pd
 from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.files import FilePath
+from opml.base.progress import Progress, with_time_left
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import corrector, density, features, pairs
 from opml.element_sets.density import LearnedAir
@@ -35,7 +36,7 @@ def train(
     *,
     weather: str | Path,
     seed: int = SEED,
-    progress: Callable[[str], None] = _log.info,
+    progress: Progress = _log.info,
 ) -> CatalogueModel:
     """Return a model of the sets in files and folders, by the name of the population.
 
@@ -47,7 +48,7 @@ def train(
     progress("densities of the thermosphere since 2002")
     air = density.learned_air(known, first=FIRST_DAY, end=density.end_of(known))
     correctors, cards = {}, {}
-    for name, paths in populations.items():
+    for name, paths in with_time_left(list(populations.items()), "population", progress):
         files = catalogues.find_files(paths)
         progress(f"{name}: predictions")
         rows = mornings_of(catalogues.read(files).daily(), air)

@@ -7,6 +7,7 @@ forecast: t_i is today. An outlook has the weather known at its issue, and the f
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -69,6 +70,12 @@ def read(source: str | Path) -> Weather:
     text = solar_activity.read_text(path)
     if not space_weather.is_space_weather(text):
         raise InputError(f"{source}: expected weather that was measured day by day, OBSERVED or a CSSI file")
+    return _measured(path, text)
+
+
+@lru_cache(maxsize=2)
+def _measured(path: str | Path, text: str) -> Weather:
+    """Return the measured weather of a file's text: half a second a file of decades, asked for many times."""
     days = space_weather.read(path, text).iloc[: space_weather.observed_days(path, text)]
     if days.empty:
         raise InputError(f"{path}: expected measured days, got predicted ones only")

@@ -7,6 +7,7 @@ Source: Hilla 2010, The Extended Standard Product 3 Orbit Format (SP3-c); Hilla 
 import logging
 import re
 from dataclasses import dataclass
+from itertools import takewhile
 
 import numpy as np
 
@@ -117,7 +118,8 @@ def _header(path: FilePath, lines: list[bytes]) -> _Header:
 
 def _satellites(path: FilePath, lines: list[bytes]) -> list[str]:
     """Return the ids of the satellites, from the lines that begin with +."""
-    listed = [line.decode("latin-1") for line in lines if re.match(rb"\+ ", line)]
+    head = takewhile(lambda line: not line.startswith(b"*"), lines)
+    listed = [line.decode("latin-1") for line in head if line.startswith(b"+ ")]
     ids = [line[k : k + 3] for line in listed for k in range(9, 60, 3)]
     count = listed[0][1:6].strip() if listed else ""
     names = [name for name in ids if name.strip() not in ("", "0")]

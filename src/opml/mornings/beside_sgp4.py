@@ -71,16 +71,33 @@ def beside(judgement: Verdict, judged: pd.DataFrame, *, now: float) -> Verdict:
 
     judged: rows of that table of all mornings
     """
-    keys = ["morning", "j"]
-    sgp4 = judged[judged["model"] == NAME].set_index(keys)["e_y"].rename("sgp4")
-    flown = judged[np.isfinite(judged["sigma_y"]) & (judged["t_known"] > now - PAST)]
-    both = flown.join(sgp4, on=keys, how="inner")
+    both = _both(judged[judged["t_known"] > now - PAST])
     if judgement.word != GOOD or both.empty:
         return judgement
     ours, theirs = (float(both[name].abs().median()) for name in ("e_y", "sgp4"))
     if ours <= theirs:
         return judgement
     return Verdict(WIDE, f"SGP4 from the newest set was {theirs:.0f} m off where this was {ours:.0f}")
+
+
+def medians(judged: pd.DataFrame) -> list[dict[str, float]]:
+    """Return by day ahead how far what was flown, and SGP4 at the same epochs, were off in the median [m].
+
+    judged: rows of that table
+    """
+    both = _both(judged)
+    by_day = both[["e_y", "sgp4"]].abs().groupby(np.ceil(both["duration"] / DAY)).median().round(1)
+    rows = zip(
+        by_day.index.astype(int).tolist(), by_day["e_y"].tolist(), by_day["sgp4"].tolist(), strict=True
+    )
+    return [dict(zip(("day", "flown_m", "sgp4_m"), row, strict=True)) for row in rows]
+
+
+def _both(judged: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of what was flown where SGP4 was judged, too, with its error `sgp4` [m]."""
+    keys = ["morning", "j"]
+    sgp4 = judged[judged["model"] == NAME].set_index(keys)["e_y"].rename("sgp4")
+    return judged[np.isfinite(judged["sigma_y"])].join(sgp4, on=keys, how="inner")
 
 
 def _expected(states: Callable[..., np.ndarray], path: pd.DataFrame) -> np.ndarray:

@@ -12,11 +12,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import DAY
+from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.base.provenance import settings_digest
 from opml.interop import ccsds, oem
 from opml.learning.judge.error_sizes import INSIDE, along_track
+from opml.mornings import beside_sgp4
 from opml.mornings.calendar import HORIZON, Calendar
 from opml.mornings.morning import Left, MorningPlan, Watched, morning
 from opml.mornings.records import DONE, Records
@@ -100,7 +101,8 @@ def catch_up(
         records = records.and_then(left.records, since=now - reach)
         _write(folder, day, left, records, watched, metadata={**metadata, "stations": stations})
         told = f"{folder.rso}, {day}, morning {number} of {len(missing)}"
-        _log.info("%s: %s, %s", told, left.verdict.word, left.verdict.reason)
+        share = {"share": number / len(missing)}
+        _log.info("%s: %s, %s", told, left.verdict.word, left.verdict.reason, extra=share)
 
 
 def _check_whole(folder: Folder, done: list[date]) -> None:
@@ -144,7 +146,11 @@ def _write(
         identity = replace(watched.identity, name=folder.rso)
         segments = oem.segments_of(left.ephemeris, "corrected", identity)
         oem.write(place / f"{folder.rso}.oem", segments, epoch=plan.epoch, comment=left.basis)
-    found = outcome(folder.rso, day, left, plan) | {"past": past(records), "mornings": strip(records, plan)}
+    found = outcome(folder.rso, day, left, plan) | {
+        "past": past(records),
+        "mornings": strip(records, plan),
+        "beside_sgp4": beside_sgp4.medians(records.judged),
+    }
     left.records.write(place, found, metadata=metadata)
 
 
@@ -160,6 +166,7 @@ def outcome(rso: str, day: date, left: Left, plan: MorningPlan) -> dict[str, Any
         "model": row["model"] or None,
         "message": f"{rso}.oem" if left.ephemeris is not None else None,
         "newest_estimate": _utc(plan.epoch, row["t_i"]),
+        "age_hours": _age(row["morning"] - row["t_i"]),
         "burn": _utc(plan.epoch, row["burn_t"]),
         "tracks": len(base),
         "converged": int(base["converged"].sum()),
@@ -167,6 +174,11 @@ def outcome(rso: str, day: date, left: Left, plan: MorningPlan) -> dict[str, Any
         "expected": [] if left.ephemeris is None else expected(left.ephemeris),
         "scores": scores(_flown(left.records.judged)),
     }
+
+
+def _age(seconds: float) -> float | None:
+    """Return an age in hours, None where nothing has one."""
+    return round(seconds / HOUR, 1) if np.isfinite(seconds) else None
 
 
 def _utc(epoch: str, t: float) -> str | None:
@@ -235,6 +247,7 @@ def failed(rso: str, day: date, verdict: str, reason: str) -> dict[str, Any]:
         "model": None,
         "message": None,
         "newest_estimate": None,
+        "age_hours": None,
         "burn": None,
         "tracks": 0,
         "converged": 0,
@@ -250,6 +263,7 @@ def failed(rso: str, day: date, verdict: str, reason: str) -> dict[str, Any]:
         "scores": [],
         "past": {},
         "mornings": [],
+        "beside_sgp4": [],
     }
 
 

@@ -9,7 +9,7 @@ error of drag and what the weather may do.
 import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ from opml.base import epochs
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.base.files import FilePath
+from opml.base.progress import Progress, with_time_left
 from opml.catalog.fit.estimation import Estimation
 from opml.catalog.flight import Flight, near_part
 from opml.catalog.predict import covariance, spread
@@ -78,9 +79,6 @@ _LEAST_STRETCHES = 4.0
 _FORMAL = 50  # epochs to which the formal covariance is carried
 _NO_ELEMENTS = dict.fromkeys(("a", "e", "i", "argp", "raan", "mean_anomaly"), np.nan)
 _BASIS = "by the fit's own covariance, drag that is off by 15 %, and the weather that may come"
-
-Progress = Callable[[str], None]
-"""Told what goes on, a line a stage."""
 
 
 @dataclass(frozen=True)
@@ -209,10 +207,11 @@ def predict(request: Request, settings: Mapping[str, Any], *, progress: Progress
     times = _Times.of(request)
     progress(f"weather and forces from {times.epoch[:_DAY]} on")
     watched = _watched(request, settings, times)
+    # What is too old to be flown from the date on is flown no farther than it can be judged.
+    judged_alone = replace(watched, plan=replace(watched.plan, end=times.date + _AFTER))
     records = Records.empty()
-    for number, now in enumerate(times.mornings, start=1):
-        progress(f"morning {number} of {len(times.mornings)}")
-        left = morning(watched, records, now=now)
+    for now in with_time_left(times.mornings.tolist(), "morning", progress):
+        left = morning(judged_alone if now < times.date - OLDEST else watched, records, now=now)
         records = records.and_then(left.records, since=now - DAY * watched.plan.max_days)
     if left.ephemeris is None and not records.paths:
         raise InputError(f"{request.files[0]}: expected what an orbit fits, got none: {left.verdict.reason}")

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from datetime import date, timedelta
 from typing import Any
 
 from opml.mornings.calendar import HORIZON
@@ -32,7 +33,9 @@ SHAPES = {FAILED: "!", DO_NOT_USE: "\u2715", WIDE: "\u25d0", UNPROVEN: "\u25cb",
 """How verdicts stand in the row of the last mornings."""
 
 _LEGEND = (
-    "The last mornings, newest on the right: " + ", ".join(f"{SHAPES[word]} {word}" for word in SHAPES) + "."
+    "The last mornings, newest on the right: "
+    + ", ".join(f"{SHAPES[word]} {word}" for word in SHAPES)
+    + ". `opml docs day` tells what they mean."
 )
 
 LEADS = (1, 3, 7)
@@ -87,7 +90,6 @@ def _card(outcome: Outcome) -> Card:
     """Return the card of an object: what to do, why, the errors to expect, its last mornings."""
     name, word = outcome["object"], outcome["verdict"]
     message = f"[{outcome['message']}]({name}/{outcome['message']})" if outcome["message"] else "none"
-    newest = _minute(outcome["newest_estimate"]) or "none"
     last = [
         (SHAPES[one["verdict"]], f"{one['date']}: {one['verdict']}", one["verdict"])
         for one in outcome["mornings"]
@@ -99,7 +101,9 @@ def _card(outcome: Outcome) -> Card:
         [
             f"{as_it_is(_why(outcome))}.",
             f"Expected along the track, one sigma: {_expected(outcome)}.",
-            f"Message: {message}; newest estimate: {newest}; model: {outcome['model'] or 'none'}.",
+            *_beside_sgp4(outcome),
+            f"Message: {message}{_yesterday(outcome)}; newest estimate: {_newest(outcome)}; "
+            f"model: {outcome['model'] or 'none'}.",
         ],
         last,
     )
@@ -110,6 +114,32 @@ def _expected(outcome: Outcome) -> str:
     sigmas = {one["day"]: one["along_track_sigma_m"] for one in outcome["expected"]}
     parts = [f"{_with_unit(sigmas[day])} after {day} d" for day in LEADS if day in sigmas]
     return ", ".join(parts) or "nothing, as none was flown"
+
+
+def _beside_sgp4(outcome: Outcome) -> Iterator[str]:
+    """Yield how far what was flown was off, and SGP4 beside it, where mean elements were taken."""
+    by_day = {one["day"]: one for one in outcome["beside_sgp4"]}
+    parts = [
+        f"{_with_unit(by_day[day]['flown_m'])} ({_with_unit(by_day[day]['sgp4_m'])}) after {day} d"
+        for day in LEADS
+        if day in by_day
+    ]
+    if parts:
+        yield f"Median error so far, and SGP4's in brackets: {', '.join(parts)}."
+
+
+def _newest(outcome: Outcome) -> str:
+    """Return when the newest estimate is, and how old, in words."""
+    if outcome["newest_estimate"] is None:
+        return "none"
+    return f"{_minute(outcome['newest_estimate'])}, {outcome['age_hours']:.0f} h old"
+
+
+def _yesterday(outcome: Outcome) -> str:
+    """Return a link to the folder of the morning before, if there was one."""
+    before = (date.fromisoformat(outcome["date"]) - timedelta(days=1)).isoformat()
+    is_there = any(one["date"] == before for one in outcome["mornings"])
+    return f"; [yesterday's](../{before}/{outcome['object']}/)" if is_there else ""
 
 
 def _with_unit(metres: float) -> str:

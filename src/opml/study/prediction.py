@@ -3,11 +3,12 @@
 from typing import Any
 
 from opml.base.files import PROJECT
+from opml.base.progress import Progress
 from opml.base.yaml_files import read_yaml
 from opml.learning.data import components
 from opml.learning.models import learners
 from opml.mornings import prediction
-from opml.mornings.prediction import FittedOrbit, Progress, Request
+from opml.mornings.prediction import FittedOrbit, Request
 from opml.study.settings import packaged
 
 MODELS = ("fit48", "running24", "running24m3")

@@ -11,15 +11,19 @@ from pathlib import Path
 
 from opml.base.errors import InputError
 from opml.mornings import outcomes
+from opml.mornings.days import Folder
 from opml.mornings.outcomes import DO_NOT_USE
 from opml.report.day import summary
 from opml.study.checks import load_settings
-from opml.study.settings.merging import merged
+from opml.study.settings.merging import Settings, merged
 
 ALL_RUN, WORKFLOW_FAILED, OBJECTS_FAILED = 0, 1, 2
 """Exit codes: all mornings were run, the workflow ended with an error, mornings of some objects did."""
 
 _PROJECT = "config/config.yaml"
+
+_SECONDS, _MEGABYTES = 12.0, 3.2
+"""What a morning of one object takes: mean of 35 of NUTSAT, by its public sets, with three fits each."""
 
 
 @dataclass(frozen=True)
@@ -53,8 +57,12 @@ def run(call: Call) -> int:
         raise InputError(
             "day: expected a setting `day` that asks for mornings, got none; `day: {}` is enough"
         )
-    values = load_settings(source).values
+    settings = load_settings(source)
+    values = settings.values
     check_dates(call, values["epoch"], values["duration_days"], today=datetime.now(UTC).date())
+    number = mornings_ahead(call.day, settings)
+    if number and not call.dry:
+        print(f"opml: {beforehand(number, settings)}", file=sys.stderr, flush=True)
     dates = [date.fromordinal(k).isoformat() for k in range(call.first.toordinal(), call.day.toordinal() + 1)]
     folders = [Path(values["results"], "days", text) for text in dates]
     if not call.dry:
@@ -69,6 +77,23 @@ def run(call: Call) -> int:
     page = json.loads((folders[-1] / "day.json").read_text(encoding="utf-8"))
     print("\n".join(_lines(page, folders[-1])))
     return OBJECTS_FAILED if page["verdicts"].get(outcomes.FAILED) else ALL_RUN
+
+
+def mornings_ahead(day: date, settings: Settings) -> int:
+    """Return how many mornings of objects are to be run up to a date, at most: tracks may begin later."""
+    days = Path(settings.values["results"], "days")
+    before = date.fromisoformat(settings.values["epoch"][:10]) - timedelta(days=1)
+    done = (Folder(days, name).done(day) for name in settings.measured)
+    return sum((day - (dates[-1] if dates else before)).days for dates in done)
+
+
+def beforehand(number: int, settings: Settings) -> str:
+    """Return in words what so many mornings of objects take."""
+    minutes = math.ceil(number * _SECONDS / 60.0)
+    return (
+        f"{len(settings.measured)} objects, at most {number} mornings: about {minutes} min of one core, "
+        f"{math.ceil(number * _MEGABYTES)} MB in {settings.values['results']}"
+    )
 
 
 def check_dates(call: Call, epoch: str, duration_days: float, *, today: date) -> None:

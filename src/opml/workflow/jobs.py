@@ -14,6 +14,7 @@ from threadpoolctl import threadpool_limits
 from opml import __version__
 from opml.base.errors import InputError
 from opml.base.files import FilePath
+from opml.base.progress import remaining
 from opml.base.provenance import settings_digest, settings_of_each
 from opml.tables import Schema, read_table
 
@@ -44,13 +45,15 @@ class _LongJob(logging.Handler):
     def __init__(self, name: str) -> None:
         super().__init__(logging.INFO)
         self._job, self._began, self._last = name, time.monotonic(), "started"
+        self._share = 0.0
         self._ended = threading.Event()
         self._teller = threading.Thread(target=self._tell, daemon=True)
         self._teller.start()
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Keep what was told last."""
+        """Keep what was told last, and the share of the work that was done by then."""
         self._last = record.getMessage()
+        self._share = getattr(record, "share", self._share)
 
     def close(self) -> None:
         """End with the job."""
@@ -60,12 +63,12 @@ class _LongJob(logging.Handler):
 
     def _tell(self) -> None:
         while not self._ended.wait(TOLD_EVERY):
-            minutes = (time.monotonic() - self._began) / 60.0
-            print(
-                f"opml: {self._job}: {self._last.strip()}, {minutes:.1f} min so far",
-                file=sys.stderr,
-                flush=True,
-            )
+            print(f"opml: {self._job}: {self._last.strip()}, {self._time()}", file=sys.stderr, flush=True)
+
+    def _time(self) -> str:
+        passed = time.monotonic() - self._began
+        left = f", {remaining(passed, self._share)}" if self._share else ""
+        return f"{passed / 60.0:.1f} min so far{left}"
 
 
 @contextmanager
@@ -117,7 +120,7 @@ def read_by_key(
 
 def progress(share: float) -> None:
     """Log how far a long job is, as a share from 0 to 1."""
-    _log.info("%3.0f %% done", 100.0 * share)
+    _log.info("%3.0f %% done", 100.0 * share, extra={"share": share})
 
 
 def _open_log(paths: Any) -> list[logging.Handler]:

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import sinking_histories
+from browser import laid_out
 from element_histories import history, tle_text
 from support import EPOCH
 
@@ -181,6 +182,14 @@ def test_the_command_writes_every_format(file, made, tmp_path, capsys):
     assert "Passes over 52.2,21.0,110" in page
     assert f"{made.sizes.loc[7, 's']:.0f}" in page
     assert "http" not in page.replace("http-equiv", "")
+
+
+def test_a_phone_shows_all_of_the_page(made, tmp_path):
+    predicted.write(tmp_path / "mine.html", made, [passes.place("52.2,21.0,110")])
+    page = laid_out((tmp_path / "mine.html").read_text(), tmp_path, width=390)
+    assert page["across"] <= 390
+    assert len(page["pictures"]) == 2
+    assert all(drawn and right <= 390 for drawn, right in page["pictures"])
 
 
 REFUSED = {

@@ -3,13 +3,13 @@
 import html
 import json
 import re
-import shutil
 import subprocess
 import sys
 
 import numpy as np
 import pandas as pd
 import pytest
+from browser import BROWSER
 from project import HUNG
 from support import EARTH, RADAR
 
@@ -18,7 +18,6 @@ from opml.base.errors import InputError
 from opml.figures import explore
 from opml.figures.ground import ObservedOrbit
 
-BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 ESTIMATES, LATER = 5, 12
 
 # What a visitor does: move the slider to the last estimate, then look at the errors that are drawn.

@@ -14,7 +14,7 @@ from opml.interop.element_sets import histories
 from opml.interop.element_sets.element_set import changed
 from opml.learning.judge.error_sizes import Sizes
 from opml.mornings import days, issued
-from opml.mornings.beside_sgp4 import Sgp4, beside
+from opml.mornings.beside_sgp4 import Sgp4, beside, medians
 from opml.mornings.outcomes import DO_NOT_USE, GOOD, UNPROVEN, WIDE
 from opml.mornings.records import Records
 from opml.mornings.verdict import Verdict, verdict
@@ -156,6 +156,17 @@ def test_a_good_ephemeris_beats_sgp4(part, word):
     assert beside(good, past, now=NOW) == good
     others = sgp4.assign(morning=sgp4["morning"] + 1.0)
     assert beside(good, pd.concat([past, others]), now=NOW) == good
+
+
+def test_medians_of_sgp4_are_of_the_same_epochs_by_day_ahead():
+    past = judged(sigma=100.0)
+    sgp4 = past.assign(model="sgp4", e_y=-3.0 * past["e_y"], sigma_y=np.nan).iloc[1:]
+    found = medians(pd.concat([past, sgp4]))
+    both = past.iloc[1:].groupby(np.ceil(past["duration"] / DAY))["e_y"].apply(lambda e: e.abs().median())
+    assert [one["day"] for one in found] == both.index.tolist()
+    assert [one["flown_m"] for one in found] == both.round(1).tolist()
+    assert [one["sgp4_m"] for one in found] == pytest.approx((3.0 * both).tolist(), abs=0.06)
+    assert medians(past) == []
 
 
 def test_a_path_corrected_by_sgp4_is_where_sgp4_is():

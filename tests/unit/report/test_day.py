@@ -22,6 +22,12 @@ OUTCOMES = [
         "good",
         message="first.oem",
         newest_estimate="2016-10-04T22:10:00.000000",
+        age_hours=7.8,
+        beside_sgp4=[
+            {"day": 1, "flown_m": 40.0, "sgp4_m": 310.0},
+            {"day": 2, "flown_m": 90.0, "sgp4_m": 900.0},
+            {"day": 3, "flown_m": 150.0, "sgp4_m": 12_400.0},
+        ],
         expected=[{"day": 1, "along_track_sigma_m": 93.0}, {"day": 7, "along_track_sigma_m": 15_320.0}],
         mornings=[
             {"date": "2016-10-04", "verdict": "unproven"},
@@ -63,8 +69,17 @@ def test_a_card_says_what_to_do(page):
     assert "**second. Do not send**" in cards
     assert "**first. Send: good**" in cards
     assert "Expected along the track, one sigma: 93 m after 1 d, 15 km after 7 d." in cards
-    assert "Message: [first.oem](first/first.oem); newest estimate: 2016-10-04T22:10Z; model: fit96." in cards
+    assert (
+        "Message: [first.oem](first/first.oem); [yesterday's](../2016-10-04/first/); "
+        "newest estimate: 2016-10-04T22:10Z, 8 h old; model: fit96." in cards
+    )
+    assert "newest estimate: none" in cards
     assert cards.count("\u25cb\u25cf\n") == 1
+
+
+def test_sgp4_stands_beside_an_object_of_public_sets_alone(page):
+    beside = "Median error so far, and SGP4's in brackets: 40 m (310 m) after 1 d, 150 m (12 km) after 3 d."
+    assert page.count("in brackets: ") == page.count(beside) == 1
 
 
 def test_a_browser_gets_the_same_cards():

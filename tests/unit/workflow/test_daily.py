@@ -1,13 +1,15 @@
 """Dates that `opml day` may be asked for."""
 
 from datetime import date
+from types import SimpleNamespace
 
 import pytest
 from support import refusal
 
 from opml import cli
 from opml.base.errors import InputError
-from opml.workflow.daily import Call, check_dates
+from opml.mornings.records import DONE
+from opml.workflow.daily import Call, beforehand, check_dates, mornings_ahead
 
 EPOCH, TODAY = "2016-09-28T12:09:45", date(2016, 10, 3)
 WITHIN = "expected a day from 2016-09-28 to 2016-10-03, today, got"
@@ -36,6 +38,19 @@ def test_a_run_ends():
     check("2016-10-01", "2016-09-28", duration_days=2.4)
     with pytest.raises(InputError, match=r"to 2016-10-01, the end of the run, got 2016-10-02"):
         check("2016-10-02", "2016-10-02", duration_days=2.4)
+
+
+def test_what_is_ahead_is_told(tmp_path):
+    settings = SimpleNamespace(
+        values={"results": str(tmp_path), "epoch": EPOCH}, measured={"first": ["a"], "second": ["b"]}
+    )
+    done = tmp_path / "days" / "2016-10-02" / "second"
+    done.mkdir(parents=True)
+    (done / DONE).write_text("{}")
+    assert mornings_ahead(TODAY, settings) == 6 + 1
+    assert beforehand(7, settings) == (
+        f"2 objects, at most 7 mornings: about 2 min of one core, 23 MB in {tmp_path}"
+    )
 
 
 def test_a_folder_without_a_project_is_told_how_to_make_one(tmp_path, monkeypatch, capsys):

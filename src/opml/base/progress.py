@@ -1,0 +1,55 @@
+"""What a command tells while it runs: in place on a terminal, a line each in a log."""
+
+import shutil
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import TypeVar
+
+Progress = Callable[[str], None]
+"""Told what goes on, a line a stage."""
+
+Item = TypeVar("Item")
+
+_CLEAR = "\r\033[K"
+_PREFIX = "opml: "
+_MINUTES = 100.0  # from which on minutes are told [s]
+
+
+@contextmanager
+def on_stderr() -> Iterator[Progress]:
+    """Yield what tells lines on stderr; on a terminal each takes the place of the one before."""
+    begin = clear()
+
+    def write(line: str) -> None:
+        text = f"{_PREFIX}{line}"
+        in_place = f"{begin}{text[: shutil.get_terminal_size().columns - 1]}"
+        print(in_place if begin else text, end="" if begin else "\n", file=sys.stderr, flush=True)
+
+    try:
+        yield write
+    finally:
+        print(begin, end="", file=sys.stderr, flush=True)
+
+
+def clear() -> str:
+    """Return what takes a line that is told away from a terminal, '' where stderr is none."""
+    return _CLEAR if sys.stderr.isatty() else ""
+
+
+def with_time_left(
+    items: Sequence[Item], name: str, progress: Progress, *, clock: Callable[[], float] = time.monotonic
+) -> Iterator[Item]:
+    """Yield items; tell before each its number and, but for the first, the time that is left."""
+    begin = clock()
+    for number, item in enumerate(items):
+        left = f", {remaining(clock() - begin, number / len(items))}" if number else ""
+        progress(f"{name} {number + 1} of {len(items)}{left}")
+        yield item
+
+
+def remaining(passed: float, share: float) -> str:
+    """Return the time that is left in words; passed: so far [s], share: of the work that is done."""
+    left = passed * (1.0 - share) / share
+    return f"{left:.0f} s left" if left < _MINUTES else f"{left / 60.0:.0f} min left"
