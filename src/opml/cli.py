@@ -232,6 +232,7 @@ _PREDICTED = (
 def _predict(options: argparse.Namespace) -> None:
     from opml.element_sets import passes
     from opml.interop.measured_files import is_measured
+    from opml.interop.predicted_orbit import UNKNOWABLE
     from opml.workflow import predicted
 
     predicted.check(options.output)
@@ -243,6 +244,7 @@ def _predict(options: argparse.Namespace) -> None:
     print(f"{made.identity} from {made.date} UTC: {made.way} ({made.reason})")
     expected = made.expected().dropna(axis="columns", how="all")
     print(expected.to_string(index=False, float_format="{:.0f}".format))
+    print(f"one sigma [m]; {UNKNOWABLE}")
     for path in options.output:
         print(f"{path} is written")
 

@@ -22,7 +22,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.progress import Progress
 from opml.element_sets import catalogue as catalogues
-from opml.element_sets import density, features, pairs, ways
+from opml.element_sets import corrector, density, features, pairs, ways
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.model import CatalogueModel
 from opml.element_sets.pairs import OLDEST
@@ -131,7 +131,7 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
     is_today = rows["morning"] == today
     table = _table(
         known,
-        rows[is_today],
+        rows[is_today].assign(jump=corrector.jumps(rows)),
         {name: one[is_today] for name, one in tried.items()},
         ways.choice(rows, tried),
     )
@@ -161,7 +161,7 @@ def replayed(known: PublicData, model: CatalogueModel, mornings: np.ndarray) -> 
 def _table(known: PublicData, rows: pd.DataFrame, tried: Ways, chosen_ways: pd.Series) -> pd.DataFrame:
     """Return the table `improved_sets` with file and line of each set.
 
-    rows: those of the date, of the objects that have a set that is new enough
+    rows: those of the date, with jumps, of the objects that have a set that is new enough
     """
     today = modified_julian_day(known.date)
     newest = newest_sets(known.catalogue)
@@ -182,6 +182,7 @@ def _table(known: PublicData, rows: pd.DataFrame, tried: Ways, chosen_ways: pd.S
             "bstar": improved["bstar"],
             "motion_before": newest["motion"],
             "bstar_before": newest["bstar"],
+            "jump": rows.groupby("number")["jump"].max().reindex(newest.index),
         }
     )
     for lead in pairs.LEADS:

@@ -11,25 +11,27 @@ at that height.
 
 import math
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 from sgp4.api import Satrec
 
+from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.progress import Progress
 from opml.element_sets import catalogue as catalogues
-from opml.element_sets import density, improve, model, ways
+from opml.element_sets import corrector, density, improve, model, ways
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.environment import nrlmsis
 from opml.environment.space_weather import INTERVALS
-from opml.interop import fixes_csv, tdm
+from opml.interop import ccsds, fixes_csv, tdm
 from opml.interop.element_sets import mean_elements, rewriting, usual_errors
-from opml.interop.element_sets.element_set import ElementSet, changed, elements_epoch
+from opml.interop.element_sets.burns_in_sets import KnownSet, burns_among
+from opml.interop.element_sets.element_set import ElementSet, changed, elements_epoch, seconds_since
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import contents
 from opml.interop.orbit_from_files import is_orbit
@@ -58,9 +60,12 @@ after days up to an ap of 50, and 83 % above; with this 93 and 92 %.
 STORM_DAYS = 3
 """Days before the date whose storms count."""
 
+BURNED = 20.0
+"""Days before the date whose burns count: those of the mornings that tell sizes of errors."""
+
 _TOLD = 10
 _GROSS = 4.0  # sigmas that a past error counts at most: some are burns
-_MINUTE = 60.0
+_MINUTE, _DAY = 60.0, len("2016-09-28")
 _REACH = 0.5  # of a set that judges from the time predicted [d]
 
 
@@ -72,7 +77,8 @@ class Prediction(PredictedOrbit):
 
     improved, published: the newest set with better numbers, and as it was; how: row of the table
     `improved_sets`; sizes: by lead [d] r, s, w, standard deviations of the prediction, and sgp4, that of the
-    published set along the track [m]; better: the set as it is written.
+    published set along the track [m]; better: the set as it is written; burns: when its sets show that it
+    burned in the last BURNED days, UTC.
     """
 
     improved: Satrec
@@ -80,6 +86,7 @@ class Prediction(PredictedOrbit):
     how: pd.Series
     sizes: pd.DataFrame
     better: rewriting.Better
+    burns: Sequence[str]
 
     def _flown(self, t: np.ndarray) -> np.ndarray:
         states = mean_elements.states(self.improved, epoch=self.date, t=t)
@@ -107,7 +114,7 @@ class Prediction(PredictedOrbit):
     @property
     def remark(self) -> str:
         """What a message says of it."""
-        return f"{self.way}, flown by SGP4"
+        return "; ".join([f"{self.way}, flown by SGP4", *self._cautions()])
 
     @property
     def way(self) -> str:
@@ -123,9 +130,16 @@ class Prediction(PredictedOrbit):
     @property
     def reason(self) -> str:
         """Why that was used, in words."""
-        if not self.how["why"]:
-            return "of all ways it left least of the object's own predictions of 20 mornings"
-        return str(self.how["why"])
+        chosen = "of all ways it left least of the object's own predictions of 20 mornings"
+        return "; ".join([str(self.how["why"]) or chosen, *self._cautions()])
+
+    def _cautions(self) -> Iterator[str]:
+        """Yield why sigmas are wide, where they are."""
+        if self.burns:
+            count, last = len(self.burns), self.burns[-1]
+            yield f"wide: its sets show burns, the last of {count} in {BURNED:g} days on {last[:_DAY]}"
+        if self.how["jump"] > corrector.JUMP:
+            yield f"wide: the newest set misses those before it {self.how['jump']:.0f} times as far as usual"
 
 
 def predict(
@@ -160,6 +174,7 @@ def predict(
     latency = 0.0 if date is None else catalogues.LATENCY
     date = date or _known(newest)
     known = improve.read([*paths, *catalogue], date=date, weather=str(weather), latency=latency)
+    burns = burns_before(history, date, latency)
     better = improve.improve(known, model.read(trained), progress=progress)
     (place,) = np.flatnonzero(better.table["number"] == newest.number)
     how = better.table.iloc[place]
@@ -173,6 +188,7 @@ def predict(
     published = own.satellites[-1]
     _check_past(identity, how, errors)
     measured = _measured(errors, _usual(published, how["age"]))
+    sizes = _sizes(how, past, measured, _after_storm(known.weather.kp, how["height"]))
     return Prediction(
         identity,
         date,
@@ -182,8 +198,9 @@ def predict(
         changed(published, how["motion"], how["bstar"]),
         published,
         how,
-        _sizes(how, past, measured, _after_storm(known.weather.kp, how["height"])),
+        across_burns(sizes, past) if burns else sizes,
         better.sets[place],
+        burns,
     )
 
 
@@ -276,6 +293,32 @@ def _after_storm(kp: np.ndarray, height: float) -> float:
         return 1.0
     ap = nrlmsis.ap_of_kp(kp[-INTERVALS * STORM_DAYS :]).reshape(STORM_DAYS, INTERVALS).mean(axis=1)
     return math.hypot(1.0, ap.max() / STORM)
+
+
+def burns_before(history: Sequence[ElementSet], date: str, latency: float) -> list[str]:
+    """Return when sets of one object that were known on a date show burns of the BURNED days before, UTC.
+
+    latency: days from epoch to publication of sets that do not tell when they were made
+    """
+    t = seconds_since(date, [one.satellite for one in history])
+    made = [
+        epochs.seconds_between(date, one.created) if one.created else epoch + DAY * latency
+        for one, epoch in zip(history, t, strict=True)
+    ]
+    known = {
+        epoch: KnownSet(epoch, at, one.satellite)
+        for epoch, at, one in zip(t, made, history, strict=True)
+        if at <= 0.0
+    }
+    found = [one.t for one in burns_among(known.values(), epoch=date) if one.t >= -DAY * BURNED]
+    return ccsds.utc_texts(date, np.array(found))
+
+
+def across_burns(sizes: pd.DataFrame, past: pd.DataFrame) -> pd.DataFrame:
+    """Return sizes that are along the track at least those of what the past missed, burns and all."""
+    missed = past["left"].abs().groupby(past["lead"]).quantile(corrector.LEVEL) / corrector.NORMAL
+    least = missed.reindex(sizes.index, fill_value=0.0).cummax()
+    return sizes.assign(**{name: np.maximum(sizes[name], least) for name in ("s", "sgp4")})
 
 
 def _usual(published: Satrec, age: float) -> pd.DataFrame:

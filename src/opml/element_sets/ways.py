@@ -35,7 +35,8 @@ Ways = Mapping[str, pd.DataFrame]
 def candidates(rows: pd.DataFrame, correctors: Mapping[str, Corrector]) -> dict[str, pd.DataFrame]:
     """Return correction and sigma [m] of rows by each way: not, by the density, as each population taught.
 
-    A prediction apart from the learned one is as unsure as that, and as they are apart.
+    A prediction apart from the learned one is as unsure as that, and as they are apart; after a jump of the
+    sets all are unsurer.
     """
     learned = {
         f"{LEARNED}: {name}": corrector.widen(rows, one.apply(rows)) for name, one in correctors.items()
@@ -48,7 +49,8 @@ def candidates(rows: pd.DataFrame, correctors: Mapping[str, Corrector]) -> dict[
         )
         for name, one in ways.items()
     }
-    return plain | learned
+    jump = corrector.jumps(rows)
+    return {name: corrector.widen_jumps(one, jump) for name, one in (plain | learned).items()}
 
 
 def choice(rows: pd.DataFrame, ways: Ways) -> pd.Series:

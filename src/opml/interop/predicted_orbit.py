@@ -19,6 +19,9 @@ from opml.tables import STATE
 LEADS = (0, 1, 3, 5, 7)
 """Days from the date at which expected errors are told."""
 
+UNKNOWABLE = "no burn after the date is reckoned with"
+"""What no covariance knows."""
+
 STEP = 60.0
 """Time between the states of an ephemeris [s]."""
 
@@ -110,7 +113,7 @@ class PredictedOrbit(ABC):
             self.t[sparse],
             self.covariances(self.t[sparse], states[sparse]),
             covariance_frame="RSW",
-            remark=self.remark,
+            remark=f"{self.remark}; {UNKNOWABLE}",
             degree=7,
             identity=self.identity,
             known=0.0,

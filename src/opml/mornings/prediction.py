@@ -113,12 +113,13 @@ class FittedOrbit(PredictedOrbit):
     """An object from a date on, by fits to what measured it.
 
     ephemeris: table `corrected`, times since the date; model: settings of the one that was flown; verdict: on
-    it.
+    it; burns: number of those in what the mornings measured.
     """
 
     ephemeris: pd.DataFrame
     model: Mapping[str, Any]
     verdict: Verdict
+    burns: int
 
     def _flown(self, t: np.ndarray) -> np.ndarray:
         states: np.ndarray = self._path(t)
@@ -146,7 +147,8 @@ class FittedOrbit(PredictedOrbit):
     @property
     def reason(self) -> str:
         """Why that was used, in words."""
-        return f"{self.verdict.word}: {self.verdict.reason}"
+        burned = f"; burns in its mornings: {self.burns}, across which no error counts"
+        return f"{self.verdict.word}: {self.verdict.reason}{burned if self.burns else ''}"
 
     @cached_property
     def _path(self) -> Callable[[np.ndarray], np.ndarray]:
@@ -229,6 +231,7 @@ def predict(request: Request, settings: Mapping[str, Any], *, progress: Progress
         flown.table.assign(t=t),
         settings["models"][flown.model],
         flown.verdict,
+        sum(times.mornings[0] <= one.t for one in [*watched.known_by(times.date), *records.burns]),
     )
 
 

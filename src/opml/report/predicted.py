@@ -6,7 +6,7 @@ import pandas as pd
 
 from opml.element_sets.passes import LEVEL, Place
 from opml.element_sets.prediction import Prediction
-from opml.interop.predicted_orbit import PredictedOrbit
+from opml.interop.predicted_orbit import UNKNOWABLE, PredictedOrbit
 from opml.report.document import Block, Heading, Paragraph, Picture, Table, as_it_is
 from opml.report.results import length
 
@@ -23,7 +23,7 @@ def document(
         *_how(prediction),
         _expected(prediction),
         errors,
-        Paragraph(f"One sigma each: {prediction.basis}."),
+        Paragraph(f"One sigma each: {prediction.basis}; {UNKNOWABLE}."),
         Heading("Where it goes"),
         track,
         *(block for where, rows in passes.items() for block in _passes(where, rows)),

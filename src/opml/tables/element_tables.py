@@ -61,6 +61,7 @@ ELEMENT_SCHEMAS = (
             real("bstar", "1/(6378.135 km)", "B* of the improved set"),
             real("motion_before", "rad/min", "mean motion of the set as published"),
             real("bstar_before", "1/(6378.135 km)", "B* of the set as published"),
+            real("jump", "1", "how many times as far as usual the set misses those before it, NaN if untold"),
             *(
                 column
                 for lead in IMPROVED_LEADS

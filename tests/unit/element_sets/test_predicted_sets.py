@@ -15,7 +15,7 @@ from support import EPOCH
 from opml import cli
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.element_sets import catalogue, passes, prediction, ways
+from opml.element_sets import catalogue, corrector, passes, prediction, ways
 from opml.interop import oem
 from opml.interop.element_sets import mean_elements
 from opml.workflow import predicted
@@ -234,3 +234,50 @@ def test_points_and_tracks_are_sent_to_where_they_are_fitted(kind, tmp_path):
     (tmp_path / "mine.txt").write_text(text)
     with pytest.raises(InputError, match=f"mine.txt: expected element sets, got {got}: fit them"):
         prediction.predict(tmp_path / "mine.txt")
+
+
+def burned_sets(path, day, metres):
+    """Write daily sets of 40 days, of an orbit that is higher by metres from a day on."""
+    days = np.arange(40.0)
+    since = np.maximum(days - day, 0.0) * DAY * metres / 6.78e6
+    scatter, tilt = np.random.default_rng(1).normal(scale=2.0, size=(2, len(days)))
+    sets = history(days, noise=20.0)
+    motion = sets["mean_motion"]
+    sets = sets.assign(
+        mean_motion=motion * (1.0 - 1.5 * (np.where(days >= day, metres, 0.0) + scatter) / 6.78e6),
+        mean_anomaly=(sets["mean_anomaly"] - 1.5 * motion * since) % (2.0 * np.pi),
+        raan=(sets["raan"] + 3.5 * 1.02e-6 * since) % (2.0 * np.pi),
+        inclination=sets["inclination"] + tilt / 6.78e6,
+    )
+    path.write_text(tle_text(sets))
+    return path
+
+
+def test_an_object_that_burned_lately_is_wide_and_says_so(tmp_path):
+    """Misses across the burn count in full: of a kilometre in size, 120 km in a day."""
+    still = prediction.predict(burned_sets(tmp_path / "still.tle", 99, 0.0))
+    burned = prediction.predict(burned_sets(tmp_path / "burned.tle", 30, 1000.0))
+    assert not still.burns
+    assert "wide" not in still.reason
+    assert [one[:10] for one in burned.burns] == [str(np.datetime64(EPOCH[:10]) + 30)]
+    assert "wide: its sets show burns, the last of 1 in 20 days on 20" in burned.reason
+    missed = burned.past.groupby("lead")["left"].quantile(0.9) / 1.6449
+    assert burned.sizes.loc[7, "s"] >= missed[7] > 10 * still.sizes.loc[7, "s"]
+    assert burned.segment().remark.endswith("no burn after the date is reckoned with")
+
+
+def test_a_burn_that_is_not_yet_known_or_long_ago_does_not_count(tmp_path):
+    path = burned_sets(tmp_path / "sets.tle", 25, 1000.0)
+    day = np.datetime64(EPOCH) + np.timedelta64(25, "D")
+    sets = prediction._history([path], None)
+    assert prediction.burns_before(sets, str(day + np.timedelta64(1, "D")), 0.25) == []
+    assert len(prediction.burns_before(sets, str(day + np.timedelta64(3, "D")), 0.25)) == 1
+    assert prediction.burns_before(sets, str(day + np.timedelta64(22, "D")), 0.25) == []
+
+
+def test_the_newest_set_that_misses_those_before_it_widens_and_says_so(made, file, monkeypatch):
+    monkeypatch.setattr(corrector, "jumps", lambda rows: pd.Series(12.0, rows.index))
+    jumped = prediction.predict(file, date=DATE)
+    assert jumped.reason.endswith("the newest set misses those before it 12 times as far as usual")
+    assert np.isfinite(made.how["jump"])
+    np.testing.assert_allclose(jumped.how["sigma_7d"], 6.0 * made.how["sigma_7d"])

@@ -51,3 +51,27 @@ def test_rows_that_cannot_be_corrected_stay_without():
     wide = corrector.widen(rows.assign(error=rows["error"].where(rows["morning"] < MORNINGS[-1])), found)
     assert np.isnan(wide["sigma"].iloc[-1])
     assert wide["sigma"].iloc[-2] > 200.0
+
+
+def test_a_set_that_jumps_widens_and_the_morning_after_a_jump_is_usual_again():
+    """An object whose sets miss those before by one scale, and by ten on one morning."""
+    missed = np.ones(len(MORNINGS))
+    missed[30] = 10.0
+    rows = pd.DataFrame({"number": 7, "lead": 3, "morning": MORNINGS, "missed": missed})
+    jump = corrector.jumps(rows)
+    assert np.isnan(jump.iloc[:8]).all()
+    np.testing.assert_allclose(jump.iloc[8:], missed[8:])
+    wide = corrector.widen_jumps(pd.DataFrame({"correction": 5.0, "sigma": 100.0}, rows.index), jump)
+    np.testing.assert_array_equal(wide["sigma"], np.where(missed > 5.0, 500.0, 100.0))
+
+
+def test_jumps_are_of_the_object_and_the_lead():
+    rows = pd.DataFrame(
+        {
+            "number": np.repeat([7, 8], 2 * len(MORNINGS)),
+            "lead": np.tile([1, 3], 2 * len(MORNINGS)),
+            "morning": np.tile(np.repeat(MORNINGS, 2), 2),
+        }
+    )
+    rows["missed"] = 10.0 * rows["number"] + rows["lead"]
+    assert np.nanmax(corrector.jumps(rows)) == np.nanmin(corrector.jumps(rows)) == 1.0

@@ -7,7 +7,7 @@ off: sets are made of tracks up to some hours after their epochs.
 """
 
 import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -47,7 +47,7 @@ _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
-class _Set:
+class KnownSet:
     """A set of mean elements: its epoch, when it was made [s], and what SGP4 flies."""
 
     t: float
@@ -68,7 +68,7 @@ class _Past:
     sizes: list[np.ndarray] = field(default_factory=list)
     since: int = _SETTLING
 
-    def follows(self, earlier: _Set, later: _Set) -> bool:
+    def follows(self, earlier: KnownSet, later: KnownSet) -> bool:
         """Return whether a set follows from an earlier one; their difference counts from then on if so."""
         gap, size = later.t - earlier.t, _difference(earlier, later)
         if not np.isfinite(size).all() or not (size <= self._most(gap)).all():
@@ -113,10 +113,15 @@ def find_burns(sets: pd.DataFrame, *, epoch: str) -> list[Manoeuvre]:
 
     Each is logged.
     """
+    return burns_among(_sets(sets, epoch), epoch=epoch)
+
+
+def burns_among(sets: Iterable[KnownSet], *, epoch: str) -> list[Manoeuvre]:
+    """Return the burns that sets of one object in order of time tell of; each is logged."""
     burns, past = [], _Past()
-    followed: _Set | None = None
-    off: list[_Set] = []  # those after it, which do not follow from it
-    for one in _sets(sets, epoch):
+    followed: KnownSet | None = None
+    off: list[KnownSet] = []  # those after it, which do not follow from it
+    for one in sets:
         if followed is None or past.follows(followed, one):
             followed, off = one, []
         elif len(off) == _UNCLEAR or (off and past.follows(off[-1], one)):
@@ -130,14 +135,14 @@ def find_burns(sets: pd.DataFrame, *, epoch: str) -> list[Manoeuvre]:
     return burns
 
 
-def _sets(sets: pd.DataFrame, epoch: str) -> Iterator[_Set]:
+def _sets(sets: pd.DataFrame, epoch: str) -> Iterator[KnownSet]:
     """Yield the sets of a table; each is made when all before it are."""
     made = np.maximum.accumulate(np.fmax(sets["t"], sets["t_created"]).to_numpy())
     for k, (_, row) in enumerate(sets.iterrows()):
-        yield _Set(float(row["t"]), float(made[k]), satellite(row, epoch=epoch))
+        yield KnownSet(float(row["t"]), float(made[k]), satellite(row, epoch=epoch))
 
 
-def _difference(earlier: _Set, later: _Set) -> np.ndarray:
+def _difference(earlier: KnownSet, later: KnownSet) -> np.ndarray:
     """Return how far two mean orbits are apart at the later epoch: semi-major axes and planes (2,) [m]."""
     (a, i, node), (other_a, other_i, other_node) = (
         _mean_orbit(one.satellite, later.t - one.t) for one in (later, earlier)
@@ -156,7 +161,7 @@ def _mean_orbit(flying: Satrec, after: float) -> tuple[float, float, float]:
     return (flying.am, flying.im, flying.Om) if error == 0 else (np.nan, np.nan, np.nan)
 
 
-def _log_found(followed: _Set, off: Sequence[_Set], last: _Set, epoch: str) -> None:
+def _log_found(followed: KnownSet, off: Sequence[KnownSet], last: KnownSet, epoch: str) -> None:
     """Tell between which sets a burn was found, and by which."""
     begin, end, known = ccsds.utc_texts(epoch, np.array([followed.t, off[0].t, last.t]))
     _log.info("a burn between %s and %s, found by the set of %s", begin, end, known)
