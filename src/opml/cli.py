@@ -374,12 +374,11 @@ def _add_answer(parser: argparse.ArgumentParser) -> None:
 
 def _answer(options: argparse.Namespace) -> None:
     from opml.benchmark import baselines, tasks
-    from opml.element_sets import model
 
     if options.way not in baselines.WAYS:
         raise InputError(f"answer: expected {', '.join(baselines.WAYS)}, got {options.way}")
     task = tasks.read(options.task)
-    count = baselines.write(options.output, task, options.way, model.read(options.model), _say)
+    count = baselines.write(options.output, task, options.way, options.model, _say)
     print(f"{options.output}: {count} answers")
 
 

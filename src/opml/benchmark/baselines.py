@@ -8,7 +8,7 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from time import monotonic
+from time import process_time
 
 import numpy as np
 import pandas as pd
@@ -22,12 +22,13 @@ from opml.benchmark import tasks
 from opml.benchmark.answers import COVARIANCE, REQUIRED, about_file
 from opml.benchmark.tasks import BenchmarkTask
 from opml.element_sets import corrector, improve, pairs, ways
+from opml.element_sets import model as models
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.features import FEATURES
 from opml.element_sets.model import CatalogueModel
 from opml.element_sets.ways import DENSITY, UNCHANGED, Ways
 from opml.interop.element_sets import element_fits, mean_elements, usual_errors
-from opml.interop.element_sets.element_set import changed, elements_epoch
+from opml.interop.element_sets.element_set import changed, elements_epoch, seconds_since
 from opml.learning.models import svr
 from opml.learning.models.inputs import Training
 from opml.orbits.elements import rsw_rotation
@@ -150,23 +151,28 @@ WAYS = (*CORRECTIONS, FIT)
 
 
 def write(
-    path: FilePath, task: BenchmarkTask, way: str, model: CatalogueModel, progress: improve.Progress
+    path: FilePath, task: BenchmarkTask, way: str, trained: FilePath | None, progress: improve.Progress
 ) -> int:
     """Write a baseline's answers as CSV, and what tells of their making; return how many.
 
     way: one of WAYS
+    trained: a model of `opml train`; None: that of the package
 
     Raises InputError for inputs that cannot be read.
     """
     lines: list[list[str]] = []
-    first = monotonic()
+    model, first = models.read(trained), process_time()
     for t, questions in task.questions.groupby("t", sort=True):
-        begin = monotonic()
+        begin = process_time()
         lines += _answers(task, str(t), questions, way, model)
-        progress(f"{t}: {len(questions)} answers in {monotonic() - begin:.1f} s")
+        progress(f"{t}: {len(questions)} answers in {process_time() - begin:.1f} s")
     with replacing(path) as temporary:
         tasks.write_csv(temporary, (*REQUIRED, *COVARIANCE), lines)
-    about = {"tool": f"opml {__version__}: {way}", "runtime_s": round(monotonic() - first, 1)}
+    about = {
+        "tool": f"opml {__version__}: {way}",
+        "command": f"opml answer {task.name} {way}{f' --model {Path(trained).name}' if trained else ''}",
+        "runtime_s": round(process_time() - first, 1),
+    }
     with replacing(about_file(Path(path))) as temporary:
         temporary.write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
     return len(lines)
@@ -188,12 +194,7 @@ def _answers(
     flown = _fitted(known.catalogue) if way == FIT else _corrected(known.catalogue, newest, now)
     sigmas = now.set_index(["number", "lead"])["sigma"].to_dict()
     return [
-        [str(number), t, when, "GCRF"]
-        + _state(
-            flown[number],
-            when,
-            _sizes(flown[number], today + lead - newest.loc[number, "t"], sigmas.get((number, lead))),
-        )
+        [str(number), t, when, "GCRF", *_state(flown[number], when, sigmas.get((number, lead)))]
         for number, _, lead, when in questions[[*tasks.QUESTION]].itertuples(index=False)
     ]
 
@@ -235,20 +236,16 @@ def _fit(sets: list[Satrec]) -> Satrec:
         return newest
 
 
-def _sizes(satellite: Satrec, days: float, sigma: float | None) -> np.ndarray:
-    """Return standard deviations in RSW [m]; without a sigma those that sets usually err by.
+def _state(satellite: Satrec, time: str, sigma: float | None) -> list[str]:
+    """Return the cells of a GCRF state [m, m/s] at a UTC text and of its position's covariance [m2].
 
-    days: from the epoch of the set
+    sigma: along the track [m]; None or NaN: what sets usually err by
     """
-    (sizes,) = usual_errors.expected(satellite, np.array([days]))
-    if sigma is not None and np.isfinite(sigma):
-        sizes[1] = np.hypot(sigma, usual_errors.UNSEEN[1])
-    return np.asarray(sizes)
-
-
-def _state(satellite: Satrec, time: str, sizes: np.ndarray) -> list[str]:
-    """Return the cells of a GCRF state [m, m/s] at a UTC text and of its position's covariance [m2]."""
     state = mean_elements.state(satellite, epoch=time)
+    days = (tasks.seconds([time], time) - seconds_since(tasks.EPOCH, [satellite])) / DAY
+    sizes = usual_errors.usual(satellite, days)[0]
+    if sigma is not None and np.isfinite(sigma):
+        sizes[1] = sigma
     axes = rsw_rotation(state)
     covariance = axes.T @ np.diag(sizes**2) @ axes
     return [f"{value:.6f}" for value in state] + [f"{value:.9g}" for value in covariance[_UPPER]]
