@@ -11,7 +11,8 @@ from opml.base.epochs import seconds_between
 from opml.base.seeds import derive
 from opml.catalog.simulate.truth import initial_state
 from opml.dynamics import forces
-from opml.dynamics.ensemble import Departures, Integrator, propagate
+from opml.dynamics.ensemble import Departures, propagate
+from opml.dynamics.integrator import Integrator
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.run_environment import Environment
 from opml.environment import celestial_bodies, earth_orientation, gravity_field, nodes, solar_activity

@@ -2,7 +2,6 @@
 
 import json
 import os
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -13,7 +12,7 @@ from unchanged import made_once
 
 from opml.base.constants import BODIES, DAY, EARTH_GM
 from opml.base.errors import InputError
-from opml.catalog.fit.estimation import Estimation
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.dynamics import forces
 from opml.dynamics.kernels.lanes import WIDTH
 from opml.dynamics.run_environment import Environment
@@ -35,7 +34,7 @@ ESTIMATION = Estimation(
     start_velocity_sigma_mps=1.0,
     least_drag_m=0.1,
 )
-BOUNDED_ESTIMATION = replace(ESTIMATION, cd_bounds=(1.2, 3.2))
+BOUNDED_ESTIMATION = ESTIMATION.evolve(cd_bounds=(1.2, 3.2))
 """Settings of fits that take an estimate of an absurd drag coefficient for no start."""
 
 EARTH = pd.DataFrame(

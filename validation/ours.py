@@ -9,7 +9,8 @@ import pandas as pd
 
 from opml.base.constants import BODIES, GM
 from opml.dynamics import forces, run_environment
-from opml.dynamics.ensemble import Departures, Integrator, propagate
+from opml.dynamics.ensemble import Departures, propagate
+from opml.dynamics.integrator import Integrator
 from opml.dynamics.kernels import surroundings
 from opml.dynamics.kernels.acceleration import SCRATCH_ROWS, density
 from opml.dynamics.kernels.drag import drag

@@ -17,15 +17,16 @@ import pandas as pd
 from opml.base.constants import BODIES, DAY, HOUR
 from opml.base.errors import InputError
 from opml.base.files import FilePath, project_file
-from opml.catalog.fit import estimation, fixes, laser_ranges, quarantine, start_states
+from opml.catalog.fit import fixes, laser_ranges, quarantine, start_states
 from opml.catalog.fit import measured_tracks as from_measurements
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.first import first_orbit as first_orbits
 from opml.catalog.flight import Flight
 from opml.catalog.predict import labels, prediction, spread
 from opml.catalog.predict.spread import Weathers
 from opml.catalog.simulate import tracking, truth
 from opml.dynamics import forces
-from opml.dynamics.ensemble import Integrator
+from opml.dynamics.integrator import Integrator
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.run_environment import Environment
 from opml.element_sets import prediction as set_prediction
@@ -70,9 +71,11 @@ ASSUMED: Mapping[str, Any] = packaged.RUN["force_models"]["assumed"]
 CLEANING: Mapping[str, Any] = packaged.PAPER_STUDY["cleaning"]
 """Settings of the cleaning in `dataset`; config/README.md explains them."""
 
+_CD_BOUNDS = ("cd_min", "cd_max")
+
 ESTIMATION: Mapping[str, Any] = (
     packaged.RUN["estimation"]
-    | {bound: CLEANING[bound] for bound in ("cd_min", "cd_max")}
+    | {bound: CLEANING[bound] for bound in _CD_BOUNDS}
     | {"after_hours": 0.0, "reject_sigma": None, "suspect_sigma": None}
 )
 """Settings of `estimate`, which explains after_hours; config/README.md explains the others."""
@@ -649,19 +652,19 @@ def _spreads(flight: Flight, catalogue: Catalogue) -> corrected.Spreads:
 
 def _cleaning(catalogue: Catalogue, what: str) -> Cleaning:
     """Return a catalogue's cleaning; raises InputError for an unknown setting."""
-    return Cleaning.from_settings(_laid_over(CLEANING, catalogue.cleaning, what))
+    return Cleaning.read(_laid_over(CLEANING, catalogue.cleaning, what), what)
 
 
-def _estimation(settings: Mapping[str, float] | None, what: str) -> estimation.Estimation:
+def _estimation(settings: Mapping[str, float] | None, what: str) -> Estimation:
     """Return the paper's estimation with settings laid over it; raises InputError for an unknown setting."""
     used = _laid_over(ESTIMATION, settings, what)
-    bounds = used.pop("cd_min"), used.pop("cd_max")
-    return estimation.Estimation(**used, cd_bounds=bounds)
+    bounds: dict[str, float] = {name: used.pop(name) for name in _CD_BOUNDS if name in used}
+    return Estimation.read({**used, "cd_bounds": Cleaning.read(bounds, what).cd_bounds}, what)
 
 
 def _laid_over(defaults: Mapping[str, Any], settings: Mapping[str, Any] | None, what: str) -> dict[str, Any]:
-    """Return the defaults with settings laid over them; raises InputError for an unknown setting."""
+    """Return the defaults with settings laid over them, None for none; raises InputError for other keys."""
     settings = settings or {}
     if unknown := sorted(set(settings) - set(defaults)):
         raise InputError(f"{what}: settings: expected {', '.join(defaults)}, got {unknown[0]}")
-    return {**defaults, **settings}
+    return {name: value for name, value in {**defaults, **settings}.items() if value is not None}

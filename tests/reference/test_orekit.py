@@ -10,8 +10,9 @@ from opml.base.constants import DAY
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import observe, site
-from opml.dynamics.ensemble import Departures, Integrator, propagate
+from opml.dynamics.ensemble import Departures, propagate
 from opml.dynamics.frames import gcrf_to_itrf
+from opml.dynamics.integrator import Integrator
 from opml.dynamics.kernels import dtm2000
 from opml.dynamics.kernels.acceleration import SCRATCH_ROWS, acceleration, density
 from opml.dynamics.kernels.drag import drag

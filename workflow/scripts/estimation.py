@@ -1,6 +1,7 @@
 """Estimate state and drag coefficient at each track's start."""
 
-from opml.catalog.fit import biases, estimation, fixes, quarantine, start_states
+from opml.catalog.fit import biases, fixes, quarantine, start_states
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.flight import Flight
 from opml.orbits.sheets import Station
 from opml.tables import read_kind, read_measured, read_table, write_table
@@ -9,7 +10,7 @@ from opml.workflow.jobs import job, progress
 
 with job(snakemake) as metadata:
     settings, files = JobSettings(snakemake.params.settings), snakemake.input
-    method = estimation.Estimation(**settings.estimation)
+    method = Estimation(**settings.estimation)
     flight = Flight.read(files, settings.values, threads=snakemake.threads, progress=progress)
     tracking = read_measured(files.tracking)
     states = read_table(files.start, read_kind(files.start))

@@ -1,7 +1,7 @@
 """Carry a given state to every measured track, or determine one from them."""
 
 from opml.catalog.fit import fixes
-from opml.catalog.fit.estimation import Estimation
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.flight import Flight
 from opml.interop import first_state, object_ids

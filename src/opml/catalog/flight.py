@@ -9,7 +9,8 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from opml.dynamics import force_model
-from opml.dynamics.ensemble import Arcs, Departures, Integrator, propagate
+from opml.dynamics.ensemble import Arcs, Departures, propagate
+from opml.dynamics.integrator import Integrator
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.orbits.elements import from_rsw, in_rsw
 from opml.orbits.sheets import Rso
@@ -74,7 +75,7 @@ class Flight:
         return cls(
             force_model.read(files, epoch=settings["epoch"], settings=settings["force_model"]),
             Rso(**settings["rso"]),
-            force_model.integrator(settings["integrator"]),
+            Integrator(**settings["integrator"]),
             threads,
             progress,
         )
@@ -92,7 +93,7 @@ class Flight:
         """
         if self.model.degree <= _LARGE:
             return self
-        longer = replace(self.integrator, max_step=max(self.integrator.max_step, _STEP_NEAR))
+        longer = self.integrator.evolve(max_step_s=max(self.integrator.max_step_s, _STEP_NEAR))
         return replace(self.under(self.near or near_part(self.model)), integrator=longer)
 
     def under(self, model: ForceModel) -> Self:

@@ -5,7 +5,6 @@ from typing import Any
 
 import pandas as pd
 
-from opml.dynamics.ensemble import Integrator
 from opml.dynamics.forces import build, with_outlooks
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.run_environment import Environment
@@ -45,13 +44,4 @@ def of_settings(
         solid_tides=settings.get("solid_tides", False),
         relativity=settings.get("relativity", False),
         thermosphere=thermosphere,
-    )
-
-
-def integrator(settings: Mapping[str, float]) -> Integrator:
-    """Return the integrator of position_tolerance_m, min_step_s and max_step_s."""
-    return Integrator(
-        position_tolerance=settings["position_tolerance_m"],
-        min_step=settings["min_step_s"],
-        max_step=settings["max_step_s"],
     )

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from opml.dynamics import ensemble
-from opml.dynamics.ensemble import Arcs, Departures, Integrator
+from opml.dynamics.ensemble import Arcs, Departures
+from opml.dynamics.integrator import Integrator
 from opml.dynamics.kernels.surroundings import ForceModel
 
 STEP = 300.0

@@ -68,7 +68,7 @@ class Known:
             read_table(files.predictions, "predictions"),
             tracking,
             gm=gm,
-            cleaning=Cleaning.from_settings(settings["cleaning"]),
+            cleaning=Cleaning(**settings["cleaning"]),
         )
         long_hours = mechanism["long_window_hours"]
         others = dict(zip(arc_windows(settings["learners"]), files.get("arc_estimates", []), strict=True))

@@ -67,7 +67,7 @@ def read_context(settings: Mapping[str, Any], metrics: FilePath, dataset: FilePa
         settings,
         read_table(metrics, "metrics"),
         read_table(dataset, "dataset"),
-        Cleaning.from_settings(settings["cleaning"]),
+        Cleaning(**settings["cleaning"]),
     )
 
 

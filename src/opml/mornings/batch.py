@@ -16,12 +16,13 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.provenance import settings_digest
-from opml.catalog.fit.estimation import Estimation
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.flight import Flight, near_part
 from opml.catalog.predict import spread
 from opml.catalog.predict.spread import Weathers
 from opml.dynamics import force_model
-from opml.dynamics.ensemble import Arcs, Integrator
+from opml.dynamics.ensemble import Arcs
+from opml.dynamics.integrator import Integrator
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.shared_blocks import SharedBlocks
 from opml.element_sets.on_mornings import ImprovedHistory
@@ -77,7 +78,7 @@ class Surroundings:
         return cls(
             (of_fits, near_part(of_fits)),
             (of_predictions, near_part(of_predictions)),
-            force_model.integrator(settings["integrator"]),
+            Integrator(**settings["integrator"]),
             Weathers.of(flattened, futures),
             read_table(fits["earth_orientation"], "earth_orientation"),
             [Station(**station) for station in settings["stations"]],

@@ -4,8 +4,6 @@ A storm or a track of another object puts estimates off, too. Whether a burn doe
 (`opml.catalog.fit.quarantine`), all of the last days in turn.
 """
 
-from dataclasses import replace
-
 import numpy as np
 import pandas as pd
 
@@ -54,7 +52,7 @@ def newest(fitting: Fitting, kept: pd.DataFrame, *, since: float) -> Manoeuvre |
         fitting.flight,
         fitting.starts(kept),
         fitting.measured,
-        settings=replace(fitting.settings, suspect_sigma=FAR),
+        settings=fitting.settings.evolve(suspect_sigma=FAR),
     )
     times = found.loc[found["burn_t"] > since + _APART, "burn_t"]
     return Manoeuvre(float(times.iloc[-1]), anew=True) if len(times) else None

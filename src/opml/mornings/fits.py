@@ -8,7 +8,8 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.catalog.fit import several_windows
-from opml.catalog.fit.estimation import Estimation, estimate_further
+from opml.catalog.fit.estimation import estimate_further
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.fit.first.first_orbit import TimedState
 from opml.catalog.fit.measurements import Measurements

@@ -21,12 +21,13 @@ from opml.base import epochs
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.catalog.fit.estimation import Estimation
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.flight import Flight, near_part
 from opml.catalog.predict import covariance, spread
 from opml.catalog.predict.spread import Weathers
 from opml.dynamics import force_model
 from opml.dynamics.forces import tabulated, with_outlooks
+from opml.dynamics.integrator import Integrator
 from opml.element_sets import improve
 from opml.environment import knowledge, nodes
 from opml.environment.knowledge import Issues
@@ -297,7 +298,7 @@ def _flight_model(
     )
     fitting = with_outlooks(still, knowledge.outlooks(issues(knowledge.FIT_HOURS), t))
     flying, flat = (with_outlooks(model, expected) for model in (still, flattened))
-    integrator = force_model.integrator(settings["integrator"])
+    integrator = Integrator(**settings["integrator"])
     flight = partial(Flight, rso=rso, integrator=integrator, threads=os.cpu_count() or 1)
     return FlightModel(
         flight(fitting, near=near_part(fitting)),

@@ -97,7 +97,7 @@ class Study:
     @cached_property
     def cleaning(self) -> Cleaning:
         """Which rows the study drops; by default only those that no model can correct."""
-        return Cleaning.from_settings(self.entry("cleaning"))
+        return Cleaning(**self.entry("cleaning"))
 
     @cached_property
     def label(self) -> str:

@@ -21,7 +21,7 @@ TRUE = {name: f"{name}_true" for name in tracking.QUANTITIES}
 
 
 def estimates(model, orbit, rows, earth_orientation, stations, rso, *, threads=1, seed=42, **settings):
-    settings = replace(SETTINGS, **settings)
+    settings = SETTINGS.evolve(**settings)
     starts = start_states.perturbed(orbit, rows, rso=rso.name, settings=settings, seed=seed)
     measured = sightings.Measured(rows, earth_orientation, stations)
     return estimation.estimate_all(Flight(model, rso, threads=threads), starts, measured, settings=settings)
@@ -306,7 +306,7 @@ def test_a_fit_without_a_start_takes_the_newest_estimate_whatever_it_says_of_cd(
     starts = start_states.perturbed(orbit, first, rso="iss", settings=SETTINGS, seed=1)
     lost = starts.assign(**{name: starts[name].where(starts["track"] < 4) for name in STATE})
     measured = sightings.Measured(first, earth_orientation, three_stations)
-    settings = replace(SETTINGS, cd_bounds=(9.0, 9.1))
+    settings = SETTINGS.evolve(cd_bounds=(9.0, 9.1))
     found, known, none = (
         estimation.estimate_all(Flight(assumed_model, iss), table, measured, settings=settings)
         for table in (lost, starts, lost.assign(x=np.nan))
@@ -383,7 +383,7 @@ def test_windows_of_several_lengths_side_by_side_have_the_bits_of_each_alone(
             flight,
             starts,
             measured,
-            settings=replace(SETTINGS, window_hours=hours),
+            settings=SETTINGS.evolve(window_hours=hours),
             tracks=[last],
             earlier=known,
         )

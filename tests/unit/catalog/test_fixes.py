@@ -18,7 +18,7 @@ from opml.orbits.elements import in_rsw, rsw_rotation
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, PARAMETER_COVARIANCES, STATE, symmetric_matrices
 
-SETTINGS = replace(BOUNDED_ESTIMATION, window_hours=9.0, convergence=1e-5)
+SETTINGS = BOUNDED_ESTIMATION.evolve(window_hours=9.0, convergence=1e-5)
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def stretched(orbit, *, length=3 * HOUR, **given):
 
 
 def estimates(flight, table, **settings):
-    settings = replace(SETTINGS, **settings)
+    settings = SETTINGS.evolve(**settings)
     measured = fixes.Fixes(table)
     starts = first_orbit.starts(flight, measured, known=None, settings=settings)
     return estimation.estimate_all(flight, starts, measured, settings=settings)

@@ -9,7 +9,8 @@ from opml.base.constants import DAY, EARTH_RATE, HOUR
 from opml.catalog.predict import resonance
 from opml.catalog.predict.resonance import Resonances
 from opml.dynamics import forces
-from opml.dynamics.ensemble import Departures, Integrator, propagate
+from opml.dynamics.ensemble import Departures, propagate
+from opml.dynamics.integrator import Integrator
 from opml.dynamics.run_environment import Environment
 from opml.environment import gravity_field
 from opml.orbits.elements import cartesian_from_coe, rsw_rotation

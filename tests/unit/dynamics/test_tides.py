@@ -10,7 +10,8 @@ from opml.base.constants import BODIES, DAY, EARTH_RATE, GM, HOUR
 from opml.base.errors import InputError
 from opml.catalog.simulate.truth import initial_state
 from opml.dynamics import force_model, solid_tides
-from opml.dynamics.ensemble import Departures, Integrator, propagate
+from opml.dynamics.ensemble import Departures, propagate
+from opml.dynamics.integrator import Integrator
 from opml.dynamics.kernels import surroundings, tides
 from opml.dynamics.kernels.gravity import weights
 from opml.dynamics.kernels.surroundings import TIDE

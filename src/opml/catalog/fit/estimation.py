@@ -17,6 +17,7 @@ import pandas as pd
 from opml.base.constants import HOUR
 from opml.catalog.fit import biases
 from opml.catalog.fit.estimate import Estimate
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.first.round_orbits import eccentricity
 from opml.catalog.fit.iterations import Iterations
 from opml.catalog.fit.least_squares import Evaluation, Fit, Method
@@ -45,39 +46,6 @@ LINEAR = 10e3
 
 APRIORI_SIGMA = 0.5
 """Uncertainty of the sheet's Cd, as a part of it."""
-
-
-@dataclass(frozen=True)
-class Estimation:
-    """Settings of the estimation.
-
-    window_hours: measurements so long before a track are fitted with its own [h]
-    max_iterations: of the least squares
-    convergence: as in `least_squares.Method`
-    start_position_sigma_m, start_velocity_sigma_mps: of the perturbed truth that a first fit starts from
-    least_drag_m: displacement of a window per unit of Cd below which Cd is held at its a-priori value
-    cd_bounds: Cd of an estimate that others may start from; None where its formal uncertainty decides
-    after_hours: tracks that begin up to so long after the estimate are used, too [h]
-    cd_sigma: standard deviation of Cd about its a-priori value; None where nothing is known beforehand
-    light_time: measurements are read as received at their time, after the light's way down, not as geometric
-    reject_sigma: numbers whose residuals are larger, in standard deviations, count no more; None: all count
-    bias_sigma: of the constant error of each instrument in a window, in sigmas of its noise; None: none
-    suspect_sigma: tracks farther from their predictions are held back, see `quarantine`; None: none is
-    """
-
-    window_hours: float
-    max_iterations: int
-    convergence: float
-    start_position_sigma_m: float
-    start_velocity_sigma_mps: float
-    least_drag_m: float
-    cd_bounds: tuple[float, float] | None = None
-    after_hours: float = 0.0
-    cd_sigma: float | None = None
-    light_time: bool = False
-    reject_sigma: float | None = None
-    bias_sigma: float | None = None
-    suspect_sigma: float | None = None
 
 
 _EDITS = 10

@@ -23,7 +23,8 @@ from opml.base.constants import HOUR
 from opml.catalog.fit import biases, estimation
 from opml.catalog.fit.burns import Burn, burn_between
 from opml.catalog.fit.estimate import Estimate
-from opml.catalog.fit.estimation import Estimation, Run
+from opml.catalog.fit.estimation import Run
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.innovations import CD_SPREAD, ReferenceOrbit, Usual, farthest
 from opml.catalog.fit.least_squares import Fit, Method
 from opml.catalog.fit.measurements import Measurements
@@ -144,7 +145,7 @@ class Watch:
         if not self.burns or self._time(track) - self.burns[-1][1].t > run.settings.window_hours * HOUR:
             return run
         rso = replace(run.flight.rso, cd=self._cd)
-        settings = replace(run.settings, cd_sigma=CD_SPREAD * abs(self._cd))
+        settings = run.settings.evolve(cd_sigma=CD_SPREAD * abs(self._cd))
         return replace(run, flight=replace(run.flight, rso=rso), settings=settings)
 
     def _accepted(self, estimate: Estimate, away: Sequence[float]) -> Estimate:
@@ -273,7 +274,7 @@ def with_noise(
         return estimation.with_noise(flight, starts, measured, settings=settings)
     run = Run.of_starts(flight, starts, measured, settings)
     method = run.method(run.free_parameters())
-    watch = Watch(replace(run, settings=replace(settings, after_hours=0.0)), method)
+    watch = Watch(replace(run, settings=settings.evolve(after_hours=0.0)), method)
     rows, estimates = [], []
     for track in range(measured.tracks):
         estimate, burn = watch.take(track)

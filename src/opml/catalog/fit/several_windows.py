@@ -1,13 +1,13 @@
 """Fits of one track over windows of several lengths: their arcs fly side by side, as fast as the longest."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from itertools import zip_longest
 
 import numpy as np
 import pandas as pd
 
-from opml.catalog.fit.estimation import Estimation, Run
+from opml.catalog.fit.estimation import Run
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.measurements import Measurements
 from opml.catalog.fit.solutions import solutions
 from opml.catalog.flight import Flight
@@ -31,9 +31,7 @@ def estimate(
 
     Besides, the window of each row, `window_hours`.
     """
-    runs = [
-        Run.of_starts(flight, starts, measured, replace(settings, window_hours=hours)) for hours in earlier
-    ]
+    runs = [Run.of_starts(flight, starts, measured, settings.evolve(window_hours=hours)) for hours in earlier]
     windows = [run.window(track) for run in runs]
     candidates = [
         run.starts_in_turn([window], *run.newest(solutions(rows, measured.at), None, None))

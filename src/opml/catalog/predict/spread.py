@@ -70,7 +70,7 @@ def build(
     """
     started = estimates.set_index("track").loc[np.unique(pairs["i"])]
     cd = _past_cd(estimates, flight.rso.cd).loc[started.index].to_numpy()
-    integrator = replace(flight.integrator, max_step=LONGEST_STEP)
+    integrator = flight.integrator.evolve(max_step_s=LONGEST_STEP)
     coarse = replace(flight.under(weathers.model), integrator=integrator)
     # First the prediction, then more drag, then the futures, all side by side.
     expected, *futures = weathers.outlooks(started["t"].to_numpy())

@@ -15,7 +15,8 @@ import pandas as pd
 from opml.base.errors import InputError
 from opml.catalog.fit import start_states
 from opml.catalog.fit.estimate import Estimate
-from opml.catalog.fit.estimation import Estimation, Run
+from opml.catalog.fit.estimation import Run
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.first.linked_tracks import orbit_of_angles
 from opml.catalog.fit.first.three_positions import orbit_state
 from opml.catalog.fit.first.track_fits import (

@@ -6,7 +6,10 @@ from typing import Annotated, Any, Literal, Self, get_args
 from annotated_types import Ge, Le, Lt, MinLen
 from pydantic import Strict
 
+from opml.base.section import Section, setting
 from opml.base.setting_types import Absent, Expected, NotNegative, Positive, Share, Text, Unique
+from opml.catalog.fit.estimation_settings import EstimationSettings
+from opml.dynamics.integrator import Integrator
 from opml.study.settings.model.catalogue import CatalogueSettings
 from opml.study.settings.model.kinds import ForecastSettings, LearnerSettings
 from opml.study.settings.model.names import (
@@ -22,7 +25,6 @@ from opml.study.settings.model.names import (
     Times,
     Variables,
 )
-from opml.study.settings.model.section import Section, setting
 
 
 class RandomSeeds(Section):
@@ -100,68 +102,10 @@ class ForceModels(Section):
     assumed: ForceModelSettings = setting("force model of fits and predictions")
 
 
-class IntegratorSettings(Section):
-    """The Dormand-Prince 8(5,3) method."""
-
-    position_tolerance_m: Positive = setting(
-        "absolute tolerance of each position component, by Dormand-Prince 8(5,3)", unit="m"
-    )
-    min_step_s: Positive = setting("shortest step", unit="s")
-    max_step_s: Positive = setting(
-        "longest step; 90 s is the paper's, and 120 s the better choice for a study of one's own: it takes"
-        " three quarters of the time, and after seven days orbits above 300 km are within a metre",
-        unit="s",
-        see="performance.md",
-    )
-
-
 class Tracking(Section):
     """Measurements."""
 
     step_s: Positive = setting("time between measurements, and of the truth's grid", unit="s")
-
-
-class EstimationSettings(Section):
-    """Fits of an orbit and a drag coefficient to tracks."""
-
-    window_hours: Positive = setting("measurements before a track that its fit uses", unit="h")
-    max_iterations: Annotated[int, Ge(1), Expected("a whole number from 1")] = setting(
-        "iterations after which a fit counts as not converged"
-    )
-    convergence: Positive = setting("part of the formal uncertainty that a last step may still move")
-    start_position_sigma_m: Positive = setting(
-        "standard deviation by which the true position is perturbed where a first fit starts", unit="m"
-    )
-    start_velocity_sigma_mps: Positive = setting(
-        "standard deviation by which the true velocity is perturbed where a first fit starts", unit="m/s"
-    )
-    least_drag_m: Positive = setting(
-        "shift of a window's end per unit of Cd below which Cd is held at the RSO's own value", unit="m"
-    )
-    cd_sigma: Absent[Positive] = setting(
-        "standard deviation of Cd about the RSO's own value, where that is known beforehand", default=None
-    )
-    light_time: bool = setting(
-        "whether fits read measurements as received at their time, after the light's way; simulated ones are"
-        " always geometric",
-        see="physics.md#light-time",
-        default=False,
-    )
-    reject_sigma: Absent[Positive] = setting(
-        "residuals beyond so many standard deviations are outliers, left out by fits; by default none are",
-        default=None,
-    )
-    bias_sigma: Absent[Positive] = setting(
-        "standard deviation of a constant error of each station's observable, in a fit's window, in sigmas of"
-        " its noise; by default there is none",
-        default=None,
-    )
-    suspect_sigma: Absent[Positive] = setting(
-        "tracks so many standard deviations from their prediction are held back from fits, and show burns;"
-        " by default none are",
-        see="tracks.md#burns",
-        default=None,
-    )
 
 
 Sigmas = Annotated[tuple[Positive, Positive, Positive], Strict(False), Expected("three numbers above 0")]
@@ -377,7 +321,7 @@ class RunAlone(Section):
         default={},
     )
     force_models: ForceModels = setting("the truth's force model, and that of fits and predictions")
-    integrator: IntegratorSettings = setting("the Dormand-Prince 8(5,3) method")
+    integrator: Integrator = setting("the Dormand-Prince 8(5,3) method")
     tracking: Tracking = setting("measurements")
     estimation: EstimationSettings = setting("fits of an orbit and a drag coefficient to tracks")
     prediction: PredictionSettings = setting("predictions")
