@@ -16,6 +16,7 @@ from opml.catalog.fit.estimation_settings import Estimation
 from opml.dynamics import forces
 from opml.dynamics.kernels.lanes import WIDTH
 from opml.dynamics.run_environment import Environment
+from opml.dynamics.settings import ForceModelSettings
 from opml.environment import celestial_bodies, earth_orientation, gravity_field, nodes, solar_activity
 from opml.orbits.elements import cartesian_from_coe, true_from_mean_anomaly
 from opml.orbits.sheets import Station, read_rsos, read_stations
@@ -105,20 +106,17 @@ def environment(days=50.0):
 @made_once
 def force_model(degree, bodies=BODIES, field="EGM2008"):
     """A force model under a field given by its name or path."""
-    return forces.build(_surroundings(field), degree=degree, order=degree, bodies=bodies)
+    settings = ForceModelSettings(degree=degree, order=degree, third_bodies=list(bodies))
+    return forces.build(_surroundings(field), settings)
 
 
 @made_once
 def precise_model(degree):
     """A force model with tides and relativity."""
-    return forces.build(
-        _surroundings("EGM2008"),
-        degree=degree,
-        order=degree,
-        bodies=BODIES,
-        solid_tides=True,
-        relativity=True,
+    settings = ForceModelSettings(
+        degree=degree, order=degree, third_bodies=list(BODIES), solid_tides=True, relativity=True
     )
+    return forces.build(_surroundings("EGM2008"), settings)
 
 
 def _surroundings(field):

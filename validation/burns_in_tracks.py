@@ -21,7 +21,7 @@ from opml.catalog.fit import quarantine, sightings, start_states
 from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import QUANTITIES
-from opml.dynamics.integrator import Integrator
+from opml.dynamics.settings import Integrator
 from opml.interop import truth_from_orbit
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.orbits.elements import rsw_rotation

@@ -10,7 +10,7 @@ import numpy as np
 from opml.base.constants import DAY
 from opml.base.yaml_files import read_yaml
 from opml.catalog.fit.estimation_settings import Estimation
-from opml.dynamics.integrator import Integrator
+from opml.dynamics.settings import Integrator
 from opml.learning.data.cleaning import Cleaning
 from opml.orbits.sheets import Rso, Station, read_rsos, read_stations
 

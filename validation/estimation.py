@@ -13,8 +13,8 @@ from opml.catalog.fit import estimation, sightings, start_states
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking
 from opml.catalog.simulate.truth import simulate
-from opml.dynamics.integrator import Integrator
 from opml.dynamics.kernels.surroundings import ForceModel
+from opml.dynamics.settings import Integrator
 from opml.orbits.elements import wrap_half_turn
 from opml.orbits.sheets import Rso
 from opml.tables import PARAMETERS, STATE

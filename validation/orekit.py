@@ -17,7 +17,7 @@ import orekit_jpype
 
 from opml.base import constants
 from opml.base.errors import InputError
-from opml.dynamics.integrator import Integrator
+from opml.dynamics.settings import Integrator
 from opml.orbits.sheets import Rso, Station
 
 org, java = jpype.JPackage("org"), jpype.JPackage("java")

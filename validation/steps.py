@@ -10,8 +10,8 @@ from opml.catalog.flight import Flight
 from opml.catalog.predict.prediction import predict_all
 from opml.catalog.predict.sensitivity import usable
 from opml.catalog.simulate.observing import QUANTITIES
-from opml.dynamics.integrator import Integrator
 from opml.dynamics.kernels.surroundings import ForceModel
+from opml.dynamics.settings import Integrator
 from validation import estimation
 from validation.case import Case
 

@@ -9,8 +9,8 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.catalog.simulate.truth import initial_state
-from opml.dynamics.integrator import Integrator
 from opml.dynamics.kernels.surroundings import ForceModel
+from opml.dynamics.settings import Integrator
 from opml.tables import STATE
 from validation import ours
 from validation.case import OREKITS_CONVERGED, PRECISE, Case

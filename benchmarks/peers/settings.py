@@ -1,7 +1,7 @@
 """Settings by what a report calls them."""
 
 from benchmarks import case
-from opml.dynamics.integrator import Integrator
+from opml.dynamics.settings import Integrator
 
 
 def step_limits(*limits: float) -> dict[str, Integrator]:

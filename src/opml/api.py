@@ -25,10 +25,10 @@ from opml.catalog.flight import Flight
 from opml.catalog.predict import labels, prediction, spread
 from opml.catalog.predict.spread import Weathers
 from opml.catalog.simulate import tracking, truth
-from opml.dynamics import forces
-from opml.dynamics.integrator import Integrator
+from opml.dynamics.forces import build, tabulated
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.run_environment import Environment
+from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.element_sets import prediction as set_prediction
 from opml.element_sets.prediction import Prediction
 from opml.environment import MARGIN_S, nodes, solar_activity
@@ -124,7 +124,7 @@ def make_environment(
     """
     t = nodes(epoch, DAY * days)
     found = solar_activity.tabulate(activity, epoch, t, percentile)
-    return forces.tabulated(epoch, t, found, gravity=gravity, kernel=kernel, degree=degree)
+    return tabulated(epoch, t, found, gravity=gravity, kernel=kernel, degree=degree)
 
 
 def force_model(
@@ -133,12 +133,11 @@ def force_model(
     degree: int = 40,
     order: int = 40,
     third_bodies: Sequence[str] = BODIES,
-    solid_tides: bool = False,
-    relativity: bool = False,
+    **forces: bool,
 ) -> ForceModel:
     """Make a force model: the field to a degree and order, bodies that pull, drag and radiation pressure.
 
-    solid_tides, relativity: whether these forces count, too
+    forces: whether `solid_tides` and `relativity` count, too
 
     The defaults are the paper's truth model (`TRUTH`); `ASSUMED` holds those of its assumed one.
     Raises InputError for a degree above the environment's, for an unknown body, and where no tides can be
@@ -154,14 +153,8 @@ def force_model(
         )
     if unknown := [name for name in third_bodies if name not in BODIES]:
         raise InputError(f"force_model: third_bodies: expected {', '.join(BODIES)}, got {unknown[0]}")
-    return forces.build(
-        environment,
-        degree=degree,
-        order=order,
-        bodies=third_bodies,
-        solid_tides=solid_tides,
-        relativity=relativity,
-    )
+    given = {"degree": degree, "order": order, "third_bodies": list(third_bodies), **forces}
+    return build(environment, ForceModelSettings.read(given, "force_model"))
 
 
 def read_stations(path: str | Path) -> dict[str, Station]:
@@ -641,7 +634,7 @@ def _known(catalogue: Catalogue) -> Known:
 
 def _spreads(flight: Flight, catalogue: Catalogue) -> corrected.Spreads:
     """Return how far drag may take pairs of predictions; the weather ahead is taken for known."""
-    flattened = force_model(catalogue.environment, **spread.FLATTENED)
+    flattened = build(catalogue.environment, spread.FLATTENED)
     return partial(
         spread.build,
         flight.without_progress().under(flattened),

@@ -9,7 +9,7 @@ from opml.base.constants import BODIES, GM, HOUR
 from opml.base.errors import InputError
 from opml.catalog.fit import estimation, sightings, start_states
 from opml.catalog.flight import Flight
-from opml.dynamics.integrator import Integrator
+from opml.dynamics.settings import Integrator
 from opml.environment import earth_orientation
 from opml.tables import STATE
 from validation import ours, tables, terms, trajectories

@@ -44,6 +44,12 @@ class Section(BaseModel):
         raise InputError(f"{name}: {key}: {what}, got {first['input']!r}")
 
 
+class JobSettings(BaseModel):
+    """What a job takes of the settings that its rule gives; the digest of its tables knows the others."""
+
+    model_config = ConfigDict(frozen=True, extra="ignore")
+
+
 class Item(Section):
     """A mapping that is an item of a list, and so replaced as a whole by whatever is laid over it."""
 

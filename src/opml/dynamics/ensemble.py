@@ -18,11 +18,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from opml.dynamics.integrator import Integrator
 from opml.dynamics.kernels.block import REASONS as REASONS
 from opml.dynamics.kernels.block import advance, workspace
 from opml.dynamics.kernels.lanes import WIDTH, rows
 from opml.dynamics.kernels.surroundings import ForceModel
+from opml.dynamics.settings import Integrator
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike
 
 from opml.dynamics import ensemble
 from opml.dynamics.ensemble import Arcs, Departures
-from opml.dynamics.integrator import Integrator
 from opml.dynamics.kernels.surroundings import ForceModel
+from opml.dynamics.settings import Integrator
 
 STEP = 300.0
 """Between the epochs of the raster, which are its multiples [s]."""

@@ -24,7 +24,6 @@ from opml.study import catalogue_checks, element_checks
 from opml.study.experiments import Study
 from opml.study.paper import Paper
 from opml.study.settings.merging import Settings, with_sheets
-from opml.study.settings.model.whole import RunSettings
 from opml.study.settings.overlay import MISSING, Key, Source, mappings, value_at
 from opml.study.settings.validation import validated
 
@@ -33,11 +32,9 @@ from opml.study.settings.validation import validated
 class CheckedSettings(Settings):
     """Settings that hold.
 
-    run: the same values as typed attributes
     misfit: what the default study asks of days that the run has not; empty where it fits
     """
 
-    run: RunSettings
     misfit: str
 
 
@@ -47,7 +44,7 @@ def load_settings(source: Source) -> CheckedSettings:
     Raises InputError: one line with file and key, for the first thing that is wrong.
     """
     _check_keys(source)
-    run = validated(source)
+    validated(source)
     _check_order(source)
     _check_results(source)
     _check_beside(source)
@@ -57,7 +54,7 @@ def load_settings(source: Source) -> CheckedSettings:
     learners.check(source.values)
     _check_day(source, settings)
     catalogue_checks.check(source, settings)
-    return CheckedSettings(settings.values, settings.stations, settings.rsos, run, misfit)
+    return CheckedSettings(settings.values, settings.stations, settings.rsos, misfit)
 
 
 def check_data(source: Source, settings: Settings) -> None:

@@ -14,7 +14,7 @@ from opml.learning.models.contract import hours_to_fill
 from opml.learning.models.learners import learns, resolved
 from opml.naming import Experiment
 from opml.report.answer import ALL_MODELS, Sources
-from opml.report.own_study import OwnStudyReport
+from opml.report.own_study import OwnStudyReport, RunFacts
 from opml.study.experiments import FILES, FILTERS, MEASURED, SIMULATED, Study
 from opml.study.settings.model.run import HistorySettings
 from opml.tables import IMPROVED_MODELS
@@ -289,7 +289,7 @@ class OwnStudy:
             durations=marks(self.study.settings.values["prediction"]["max_days"]),
             screening=self.conjunctions,
             sources={dataset: self._sources(*dataset) for dataset in self.datasets},
-            settings=self.study.settings.values,
+            settings=RunFacts(**self.study.settings.values),
         )
 
     def _sources(self, rso: str, stations: str) -> Sources:

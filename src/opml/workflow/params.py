@@ -322,7 +322,7 @@ class Params:
         return {
             "epoch": self.plan.values["epoch"],
             "cleaning": dict(self.plan.study.entry("cleaning")),
-            **experiment.names(),
+            "experiment": experiment.names(),
             **more,
         }
 
@@ -338,7 +338,7 @@ class Params:
             "epoch": self.plan.values["epoch"],
             "weather": self.plan.weather,
             "learners": list(experiments),
-            **names,
+            "experiment": names,
         }
 
     @property
@@ -379,7 +379,7 @@ class Params:
             **self.mornings(wildcards),
             "radius_m": values["radius_m"],
             "threshold": values["threshold"],
-            "weather": weather_word(self.plan.values),
+            "weather": weather_word(self.plan.settings.run.environment),
         }
 
     def mornings(self, wildcards: Wildcards) -> dict[str, Any]:
@@ -391,7 +391,7 @@ class Params:
             "laws": study.laws,
             "seed": self.plan.seeds["split"],
             "days": study.report.durations,
-            "note": f"{describe_run(dict(wildcards.items()))}\n{self.plan.weather}",
+            "note": f"{describe_run(wildcards.rso, wildcards.stations)}\n{self.plan.weather}",
         }
 
 

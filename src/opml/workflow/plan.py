@@ -111,7 +111,7 @@ class Plan:
     @cached_property
     def weather(self) -> str:
         """What fits and predictions know of the space weather, as a line of a figure."""
-        return weather(self.values).replace("`", "").rstrip(".")
+        return weather(self.settings.run.environment).replace("`", "").rstrip(".")
 
     @property
     def seeds(self) -> Mapping[str, int]:

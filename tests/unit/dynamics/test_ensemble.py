@@ -9,8 +9,8 @@ from scipy.integrate import solve_ivp
 from opml.base.constants import DAY, HOUR, WGS84_A
 from opml.dynamics import ensemble
 from opml.dynamics.ensemble import REASONS, Departures, propagate
-from opml.dynamics.integrator import Integrator
 from opml.dynamics.kernels.gravity import weights
+from opml.dynamics.settings import Integrator
 from opml.orbits.elements import TURN, cartesian_from_coe, coe_from_cartesian, true_from_mean_anomaly
 
 BALLISTIC, REFLECTION = 0.11, 0.0625

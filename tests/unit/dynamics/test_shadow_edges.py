@@ -7,10 +7,10 @@ from scipy.integrate import solve_ivp
 
 from opml.base.constants import SRP_DISTANCE, SRP_PRESSURE, WGS84_A
 from opml.dynamics.ensemble import Departures, propagate
-from opml.dynamics.integrator import Integrator
 from opml.dynamics.kernels import shadow_edges, surroundings
 from opml.dynamics.kernels.radiation_pressure import lit_part
 from opml.dynamics.kernels.surroundings import BODIES, SUN_ITRF
+from opml.dynamics.settings import Integrator
 from opml.orbits.elements import cartesian_from_coe
 
 REFLECTION = 6.0

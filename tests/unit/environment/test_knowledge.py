@@ -16,6 +16,7 @@ from opml.catalog.simulate import tracking
 from opml.catalog.simulate import truth as truths
 from opml.dynamics import forces
 from opml.dynamics.run_environment import Environment
+from opml.dynamics.settings import ForceModelSettings
 from opml.environment import gravity_field, knowledge, nodes, solar_activity, space_weather
 from opml.environment.knowledge import Issues
 from opml.environment.weather import Weather
@@ -107,7 +108,7 @@ def model(source, **settings):
         gm=field.gm,
         radius=field.radius,
     )
-    known = forces.build(surroundings, degree=2, order=2, bodies=[])
+    known = forces.build(surroundings, ForceModelSettings(degree=2, order=2, third_bodies=[]))
     return forces.with_outlooks(known, outlooks(source, **settings))
 
 

@@ -16,7 +16,7 @@ from opml.base.errors import InputError
 from opml.base.files import PACKAGED
 from opml.base.yaml_files import read_yaml
 from opml.catalog import kinds
-from opml.dynamics.integrator import Integrator
+from opml.dynamics.settings import Integrator
 from opml.environment import nrlmsis
 from opml.study import checks
 from opml.study.experiments import ROLLING, Study

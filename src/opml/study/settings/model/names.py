@@ -6,7 +6,6 @@ from annotated_types import Ge, Le, MinLen
 from pydantic import Strict
 
 from opml import naming
-from opml.base.constants import BODIES
 from opml.base.section import Placeholder
 from opml.base.setting_types import Count, Expected, OneOf, Pattern, Positive, Text, Unique
 from opml.learning.models.contract import Variable
@@ -60,12 +59,6 @@ Pool = Annotated[list[str], MinLen(2), Unique(), Expected("a list of at least tw
 Seed = Annotated[int, Ge(0), Expected("a whole number from 0")]
 
 SeedList = Annotated[list[Seed], MinLen(1), Unique(), Expected("a list of seeds")]
-
-Degree = Annotated[int, Ge(0), Expected("a whole number from 0")]
-
-RsoBody = Annotated[str, OneOf(BODIES)]
-
-Bodies = Annotated[list[RsoBody], Unique()]
 
 Variables = Annotated[list[Variable], MinLen(1), Unique()]
 

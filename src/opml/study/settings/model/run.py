@@ -9,12 +9,11 @@ from pydantic import Strict
 from opml.base.section import Section, setting
 from opml.base.setting_types import Absent, Expected, NotNegative, Positive, Share, Text, Unique
 from opml.catalog.fit.estimation_settings import EstimationSettings
-from opml.dynamics.integrator import Integrator
+from opml.dynamics.settings import ForceModels, Integrator
+from opml.environment.settings import EnvironmentSettings
 from opml.study.settings.model.catalogue import CatalogueSettings
 from opml.study.settings.model.kinds import ForecastSettings, LearnerSettings
 from opml.study.settings.model.names import (
-    Bodies,
-    Degree,
     Epoch,
     Folder,
     Name,
@@ -34,72 +33,6 @@ class RandomSeeds(Section):
         "seed of the measurement noise, and of the perturbed states that first fits start from"
     )
     split: Seed = setting("seed of the random splits and of the learners' subsamples")
-
-
-class EnvironmentSettings(Section):
-    """What Earth, Sun and Moon do, and what is known of it."""
-
-    gravity_field: Text = setting(
-        "`EGM2008` (to degree 70, in the package), `EIGEN-6S` (the paper's, fetched once and checked) or an"
-        " ICGEM file",
-        unit="name or path",
-    )
-    ephemerides: Text = setting("`DE440` or an SPK kernel", unit="name or path")
-    solar_activity: Text = setting(
-        "`MSAFE`, `OBSERVED` or a file of either kind", unit="name or path", see="#solar-activity"
-    )
-    true_solar_activity: Absent[Text] = setting(
-        "what the truth flies under, where it is not `solar_activity`", unit="name or path", default=None
-    )
-    percentile: Literal[95, 50, 5] = setting("column of an MSAFE bulletin")
-    knowledge: Absent[Literal["monthly", "hindcast", "forecast"]] = setting(
-        "what the assumed model knows of the weather: `monthly` figures, the weather up to t_j (`hindcast`),"
-        " or up to t_i and a `forecast`; left out, it flies under `solar_activity` as it stands",
-        see="weather.md",
-        default=None,
-    )
-    forecast: Absent[str] = setting(
-        "forecast of `knowledge: forecast`, about which the futures of an ensemble lie",
-        unit="name under `forecasts`",
-        see="weather.md#ensembles",
-        default=None,
-    )
-    issue_hours: Absent[Literal[1, 3, 6, 12, 24]] = setting(
-        "time between the issues of forecasts, counted from 00:00 UTC; predictions fly under the newest one",
-        unit="h",
-        default=None,
-    )
-
-
-class ForceModelSettings(Section):
-    """A force model."""
-
-    degree: Degree = setting("highest degree of the gravity field")
-    order: Degree = setting("highest order of the gravity field")
-    third_bodies: Bodies = setting("bodies that pull beside Earth", unit="names")
-    solid_tides: bool = setting(
-        "whether Moon and Sun deform the Earth", see="physics.md#tides-of-the-solid-earth", default=False
-    )
-    relativity: bool = setting(
-        "whether the terms of general relativity count", see="physics.md#relativity", default=False
-    )
-
-
-class TrueForceModel(ForceModelSettings):
-    """The force model of the truth."""
-
-    atmosphere: Literal["DTM2000", "NRLMSIS"] = setting(
-        "what the truth flies through; `NRLMSIS` is tabulated under measured weather",
-        see="physics.md#drag",
-        default="DTM2000",
-    )
-
-
-class ForceModels(Section):
-    """The truth's force model, and that of fits and predictions."""
-
-    truth: TrueForceModel = setting("force model of the truth")
-    assumed: ForceModelSettings = setting("force model of fits and predictions")
 
 
 class Tracking(Section):
