@@ -14,13 +14,13 @@ from opml.base.errors import InputError
 from opml.base.files import PACKAGED
 from opml.catalog import kinds
 from opml.catalog.kinds import KINDS, Asked, Kind
-from opml.environment import coverage, knowledge
+from opml.environment import knowledge
 from opml.interop import first_state, orbit_from_files
 from opml.learning.data.components import CORRECTED
 from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models import learners
 from opml.orbits import sheets
-from opml.study import catalogue_checks, element_checks
+from opml.study import catalogue_checks, coverage, element_checks
 from opml.study.experiments import Study
 from opml.study.paper import Paper
 from opml.study.settings.merging import Settings, with_sheets
@@ -63,7 +63,7 @@ def check_data(source: Source, settings: Settings) -> None:
     Takes seconds where there are many files of orbits. Raises InputError for the first thing that is wrong.
     """
     _check_paths(source, settings)
-    coverage.check(source.values, is_measured=bool(settings.measured))
+    coverage.check(settings.run, is_measured=bool(settings.measured))
     _check_orbits(source, settings)
     if (
         "day" not in source.values
@@ -79,7 +79,7 @@ def check_study(source: Source, settings: Settings, *, last_day: float | None = 
 
     last_day: up to which the study may ask for days; None for the run's own. Raises InputError.
     """
-    checks = _Checks(settings, settings.values["duration_days"] if last_day is None else last_day).by_kind
+    checks = _Checks(settings, settings.run.duration_days if last_day is None else last_day).by_kind
     for key, kind, value in _parts(settings.asked):
         with source.naming(("study", *key)):
             checks.get(kind, bool)(value)

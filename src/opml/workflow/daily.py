@@ -53,10 +53,10 @@ def run(call: Call) -> int:
         raise InputError(
             "day: expected a setting `day` that asks for mornings, got none; `day: {}` is enough"
         )
-    values = load_settings(source).values
-    check_dates(call, values["epoch"], values["duration_days"], today=datetime.now(UTC).date())
+    settings = load_settings(source).run
+    check_dates(call, settings.epoch, settings.duration_days, today=datetime.now(UTC).date())
     dates = [date.fromordinal(k).isoformat() for k in range(call.first.toordinal(), call.day.toordinal() + 1)]
-    folders = [Path(values["results"], "days", text) for text in dates]
+    folders = [Path(settings.results, "days", text) for text in dates]
     if not call.dry:
         for folder in folders:
             _forget_failed(folder)
