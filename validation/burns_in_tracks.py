@@ -17,7 +17,8 @@ import pandas as pd
 
 import opml
 from opml.base.constants import DAY, HOUR
-from opml.catalog.fit import quarantine, sightings, start_states
+from opml.catalog.associate import quarantine
+from opml.catalog.fit import sightings, start_states
 from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import QUANTITIES

@@ -64,7 +64,7 @@ def fitted(run: Run, track: int, begin: float, end: float) -> Estimate:
     """Return the fit at the start of a pass to all that was measured from begin to end [d]."""
     at = run.measured.epochs[run.measured.at[track]]
     window = run.measured.window(track, at - begin * DAY, end * DAY - at)
-    start = np.append(run.starts[track], run.flight.rso.cd)
+    start = np.append(run.starts.states[track], run.flight.rso.cd)
     estimate = Estimate(window, Fit(start, run.method(np.arange(7) < 6)))
     run.fit([estimate])
     return estimate
@@ -114,7 +114,7 @@ def fits(folder: Path) -> dict[str, Comparison]:
         start_velocity_sigma_mps=1.0,
         least_drag_m=1e3,
     )
-    run = Run(measured, lageos, starts[STATE].to_numpy(), settings, starts["age"].to_numpy())
+    run = Run.of_starts(lageos, starts, measured, settings)
     track = int(np.argmin(np.abs(starts["t"] - LAST * DAY)))
     found = {}
     for name, begin in (("three days", 0.0), ("the last 18 hours", LAST)):

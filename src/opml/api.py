@@ -17,7 +17,8 @@ import pandas as pd
 from opml.base.constants import BODIES, DAY, HOUR
 from opml.base.errors import InputError
 from opml.base.files import FilePath, project_file
-from opml.catalog.fit import fixes, laser_ranges, quarantine, start_states
+from opml.catalog.associate import quarantine
+from opml.catalog.fit import fixes, laser_ranges, start_states
 from opml.catalog.fit import measured_tracks as from_measurements
 from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.first import first_orbit as first_orbits

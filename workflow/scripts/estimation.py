@@ -1,6 +1,7 @@
 """Estimate state and drag coefficient at each track's start."""
 
-from opml.catalog.fit import biases, fixes, quarantine, start_states
+from opml.catalog.associate import quarantine
+from opml.catalog.fit import biases, fixes, start_states
 from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.flight import Flight, FlightSettings
 from opml.orbits.sheets import Station

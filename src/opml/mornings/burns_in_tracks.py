@@ -1,14 +1,14 @@
 """Burns that nobody named: looked for where the newest estimates are far off what was flown.
 
 A storm or a track of another object puts estimates off, too. Whether a burn does, the tracks themselves tell
-(`opml.catalog.fit.quarantine`), all of the last days in turn.
+(`opml.catalog.associate.quarantine`), all of the last days in turn.
 """
 
 import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.catalog.fit import quarantine
+from opml.catalog.associate import quarantine
 from opml.learning.judge.error_sizes import along_track
 from opml.mornings.fits import Fitting
 from opml.orbits.manoeuvres import Manoeuvre

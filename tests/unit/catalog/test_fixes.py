@@ -135,7 +135,7 @@ def test_fits_to_sets_start_from_their_own_states(flight, orbit):
     starts = first_orbit.starts(flight, measured, known=None, settings=SETTINGS)
     run = estimation.Run.of_starts(flight, starts, measured, SETTINGS)
     usable = int(measured.at[0]), np.append(starts[STATE].to_numpy()[0], -7.0)
-    first, second, *_ = run.starts_in_turn([measured.window(1, DAY)], usable, None)
+    first, second, *_ = run.starts.in_turn([measured.window(1, DAY)], usable, None)
     np.testing.assert_array_equal(first[0], [*measured.states[1], flight.rso.cd])
     assert second[0, 6] == -7.0
     # A velocity that was measured may be a metre a second off.

@@ -8,8 +8,9 @@ import pytest
 from support import BOUNDED_ESTIMATION as SETTINGS
 
 from opml.base.constants import DAY, HOUR
-from opml.catalog.fit import quarantine, sequential, sightings, start_states
-from opml.catalog.fit.innovations import ReferenceOrbit
+from opml.catalog.associate import quarantine
+from opml.catalog.associate.innovations import ReferenceOrbit
+from opml.catalog.fit import sequential, sightings, start_states
 from opml.catalog.fit.least_squares import Method
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
