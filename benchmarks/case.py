@@ -11,9 +11,10 @@ from opml.base.epochs import seconds_between
 from opml.base.seeds import derive
 from opml.catalog.simulate.truth import initial_state
 from opml.dynamics import forces
-from opml.dynamics.ensemble import Departures, Integrator, propagate
+from opml.dynamics.ensemble import Departures, propagate
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.run_environment import Environment
+from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.environment import celestial_bodies, earth_orientation, gravity_field, nodes, solar_activity
 from validation.case import Case
 
@@ -109,12 +110,7 @@ def force_model(name: str, *, days: float = 2 * DAYS, field: str = "EGM2008") ->
     surroundings = Environment(
         paper().epoch, **environment(days), gravity_field=table, gm=read.gm, radius=read.radius
     )
-    return forces.build(
-        surroundings,
-        degree=settings["degree"],
-        order=settings["order"],
-        bodies=settings["third_bodies"],
-    )
+    return forces.build(surroundings, ForceModelSettings(**settings))
 
 
 def arcs(count: int) -> Arcs:

@@ -33,12 +33,13 @@ def first_step(folder: str) -> dict[str, float]:
     from opml.catalog.flight import Flight
     from opml.catalog.simulate import truth
     from opml.dynamics import force_model
+    from opml.dynamics.settings import ForceModelSettings
     from opml.orbits.sheets import read_rsos
     from opml.tables import ENVIRONMENT
 
     rso = read_rsos(Path(__file__).parents[1] / "config" / "rsos.tsv")["iss"]
     paths = {name: str(Path(folder) / f"{name}.parquet") for name in ENVIRONMENT}
-    settings = {"degree": 40, "order": 40, "third_bodies": ["sun", "moon"]}
+    settings = ForceModelSettings(degree=40, order=40, third_bodies=["sun", "moon"])
     model = force_model.read(paths, epoch="2016-09-28T12:09:45", settings=settings)
     truth.simulate(Flight(model, rso), duration=90.0, step=90.0)
     return {}

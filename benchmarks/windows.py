@@ -104,7 +104,7 @@ def _run(model, windows, light_time):
         Measured(windows.measured, orientation, list(paper.stations.values())),
         Flight(model, paper.rsos["iss"], paper.integrator),
         windows.starts,
-        replace(paper.estimation, window_hours=0.0, after_hours=windows.hours, light_time=light_time),
+        paper.estimation.evolve(window_hours=0.0, after_hours=windows.hours, light_time=light_time),
     )
 
 

@@ -2,7 +2,6 @@
 
 import json
 import os
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -13,10 +12,11 @@ from unchanged import made_once
 
 from opml.base.constants import BODIES, DAY, EARTH_GM
 from opml.base.errors import InputError
-from opml.catalog.fit.estimation import Estimation
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.dynamics import forces
 from opml.dynamics.kernels.lanes import WIDTH
 from opml.dynamics.run_environment import Environment
+from opml.dynamics.settings import ForceModelSettings
 from opml.environment import celestial_bodies, earth_orientation, gravity_field, nodes, solar_activity
 from opml.orbits.elements import cartesian_from_coe, true_from_mean_anomaly
 from opml.orbits.sheets import Station, read_rsos, read_stations
@@ -35,7 +35,7 @@ ESTIMATION = Estimation(
     start_velocity_sigma_mps=1.0,
     least_drag_m=0.1,
 )
-BOUNDED_ESTIMATION = replace(ESTIMATION, cd_bounds=(1.2, 3.2))
+BOUNDED_ESTIMATION = ESTIMATION.evolve(cd_bounds=(1.2, 3.2))
 """Settings of fits that take an estimate of an absurd drag coefficient for no start."""
 
 EARTH = pd.DataFrame(
@@ -106,20 +106,17 @@ def environment(days=50.0):
 @made_once
 def force_model(degree, bodies=BODIES, field="EGM2008"):
     """A force model under a field given by its name or path."""
-    return forces.build(_surroundings(field), degree=degree, order=degree, bodies=bodies)
+    settings = ForceModelSettings(degree=degree, order=degree, third_bodies=list(bodies))
+    return forces.build(_surroundings(field), settings)
 
 
 @made_once
 def precise_model(degree):
     """A force model with tides and relativity."""
-    return forces.build(
-        _surroundings("EGM2008"),
-        degree=degree,
-        order=degree,
-        bodies=BODIES,
-        solid_tides=True,
-        relativity=True,
+    settings = ForceModelSettings(
+        degree=degree, order=degree, third_bodies=list(BODIES), solid_tides=True, relativity=True
     )
+    return forces.build(_surroundings("EGM2008"), settings)
 
 
 def _surroundings(field):

@@ -17,11 +17,12 @@ import pandas as pd
 
 import opml
 from opml.base.constants import DAY, HOUR
-from opml.catalog.fit import quarantine, sightings, start_states
-from opml.catalog.fit.estimation import Estimation
+from opml.catalog.associate import quarantine
+from opml.catalog.fit import sightings, start_states
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import QUANTITIES
-from opml.dynamics.ensemble import Integrator
+from opml.dynamics.settings import Integrator
 from opml.interop import truth_from_orbit
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.orbits.elements import rsw_rotation
@@ -44,12 +45,20 @@ SHIFTS = 3.0, 120.0
 """How long before or behind the satellite other objects pass [s], from least to most."""
 
 LIMIT = 6.0
-INTEGRATOR = Integrator(0.1, 1e-3, 90.0)
+INTEGRATOR = Integrator()
 
 
 def settings(hours: float, limit: float | None = LIMIT) -> Estimation:
     """Return fits over windows [h]."""
-    return Estimation(hours, 30, 1e-3, 1000.0, 1.0, 0.1, suspect_sigma=limit)
+    return Estimation(
+        window_hours=hours,
+        max_iterations=30,
+        convergence=1e-3,
+        start_position_sigma_m=1000.0,
+        start_velocity_sigma_mps=1.0,
+        least_drag_m=0.1,
+        suspect_sigma=limit,
+    )
 
 
 @dataclass(frozen=True)

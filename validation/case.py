@@ -9,8 +9,8 @@ import numpy as np
 
 from opml.base.constants import DAY
 from opml.base.yaml_files import read_yaml
-from opml.catalog.fit.estimation import Estimation
-from opml.dynamics.ensemble import Integrator
+from opml.catalog.fit.estimation_settings import Estimation
+from opml.dynamics.settings import Integrator
 from opml.learning.data.cleaning import Cleaning
 from opml.orbits.sheets import Rso, Station, read_rsos, read_stations
 
@@ -21,10 +21,10 @@ TABLES = ROOT / "tests" / "reference"
 PRECISE = "precise"
 """Name of the assumed model with tides and relativity."""
 
-OURS_CONVERGED = Integrator(position_tolerance=1e-6, min_step=1e-4, max_step=10.0)
+OURS_CONVERGED = Integrator(position_tolerance_m=1e-6, min_step_s=1e-4, max_step_s=10.0)
 """From steps of 20 s on, ours changes by rounding alone."""
 
-OREKITS_CONVERGED = Integrator(position_tolerance=1e-6, min_step=1e-4, max_step=60.0)
+OREKITS_CONVERGED = Integrator(position_tolerance_m=1e-6, min_step_s=1e-4, max_step_s=60.0)
 """Orekit's converged orbits end a step at each edge, so longer ones will do."""
 
 
@@ -43,7 +43,7 @@ class Case:
         values = read_yaml(ROOT / "config" / "config.yaml")
         study = read_yaml(ROOT / "config" / "studies" / "paper.yaml")["study"]
         rsos, stations = (ROOT / values["sheets"][kind] for kind in ("rsos", "stations"))
-        cleaning = Cleaning.from_settings(study["cleaning"])
+        cleaning = Cleaning(**study["cleaning"])
         return cls(values, cleaning, read_rsos(rsos), read_stations(stations))
 
     @property
@@ -75,8 +75,7 @@ class Case:
     @cached_property
     def integrator(self) -> Integrator:
         """The paper's integrator."""
-        settings = self.values["integrator"]
-        return Integrator(settings["position_tolerance_m"], settings["min_step_s"], settings["max_step_s"])
+        return Integrator(**self.values["integrator"])
 
     @cached_property
     def estimation(self) -> Estimation:

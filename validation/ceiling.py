@@ -18,6 +18,7 @@ import pandas as pd
 from opml.base.constants import DAY
 from opml.catalog.flight import Flight
 from opml.dynamics import force_model
+from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.ephemerides.replays import first_of_each
 from opml.orbits.elements import in_rsw
 from opml.study.settings.merging import merged, with_sheets
@@ -104,13 +105,13 @@ def read(study: Path, results: Path, window_hours: int) -> Mornings:
         "observed": {"solar_activity": "solar_activity"},
         "forecast": {"solar_activity": "solar_activity", "outlooks": "outlooks_3h"},
     }
-    flights = {}
+    flights, assumed = {}, ForceModelSettings(**values["force_models"]["assumed"])
     for weather, tables in weathers.items():
         paths = known | {
             kind: str(results / "environment" / f"{table}.parquet") for kind, table in tables.items()
         }
-        model = force_model.read(paths, epoch=values["epoch"], settings=values["force_models"]["assumed"])
-        flights[weather] = Flight(model, settings.rsos[name], force_model.integrator(values["integrator"]))
+        model = force_model.read(paths, epoch=values["epoch"], settings=assumed)
+        flights[weather] = Flight(model, settings.rsos[name], Integrator(**values["integrator"]))
     truth = read_table(results / "truth" / f"{name}.parquet", "truth").set_index("t")[STATE]
     first_day = 0.5 * sum(values["study"]["days"]["train"])
     estimates = read_table(path, "estimates")

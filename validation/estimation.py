@@ -13,8 +13,8 @@ from opml.catalog.fit import estimation, sightings, start_states
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking
 from opml.catalog.simulate.truth import simulate
-from opml.dynamics.ensemble import Integrator
 from opml.dynamics.kernels.surroundings import ForceModel
+from opml.dynamics.settings import Integrator
 from opml.orbits.elements import wrap_half_turn
 from opml.orbits.sheets import Rso
 from opml.tables import PARAMETERS, STATE
@@ -31,7 +31,7 @@ RSO = "iss"
 DAYS = 30.0
 WINDOWS = 32
 
-INTEGRATOR = Integrator(position_tolerance=1e-4, min_step=1e-3, max_step=90.0)
+INTEGRATOR = Integrator(position_tolerance_m=1e-4, min_step_s=1e-3, max_step_s=90.0)
 """Of both sides: tight enough for half a day, over which the steps move a fit by millimetres."""
 
 _START_SIGMAS = np.repeat([100.0, 0.1], 3)
@@ -194,7 +194,7 @@ class Problem:
         builder = conversion.NumericalPropagatorBuilder(
             self.orekit.orbit(t, start, self.gm),
             conversion.DormandPrince853IntegratorBuilder(
-                self.integrator.min_step, self.integrator.max_step, self.integrator.position_tolerance
+                self.integrator.min_step_s, self.integrator.max_step_s, self.integrator.position_tolerance_m
             ),
             orbits.PositionAngleType.TRUE,
             _POSITION_SCALE,

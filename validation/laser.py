@@ -17,7 +17,8 @@ import opml
 from opml.base.constants import BODIES, DAY
 from opml.catalog.fit import fixes
 from opml.catalog.fit.estimate import Estimate
-from opml.catalog.fit.estimation import Estimation, Run
+from opml.catalog.fit.estimation import Run
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.first import first_orbit, track_fits
 from opml.catalog.fit.least_squares import Fit
 from opml.interop import truth_from_orbit
@@ -44,7 +45,11 @@ def flight(environment: opml.Environment) -> opml.Flight:
         environment, degree=DEGREE, order=DEGREE, third_bodies=BODIES, solid_tides=True, relativity=True
     )
     unknown = dict.fromkeys(("a", "e", "i", "argp", "raan", "mean_anomaly"), np.nan)
-    return opml.Flight(model, Rso("lageos2", **unknown, **LAGEOS), opml.Integrator(1e-4, 1e-3, 75.0))
+    return opml.Flight(
+        model,
+        Rso("lageos2", **unknown, **LAGEOS),
+        opml.Integrator(position_tolerance_m=1e-4, max_step_s=75.0),
+    )
 
 
 def predicted(folder: Path) -> pd.DataFrame:
@@ -59,7 +64,7 @@ def fitted(run: Run, track: int, begin: float, end: float) -> Estimate:
     """Return the fit at the start of a pass to all that was measured from begin to end [d]."""
     at = run.measured.epochs[run.measured.at[track]]
     window = run.measured.window(track, at - begin * DAY, end * DAY - at)
-    start = np.append(run.starts[track], run.flight.rso.cd)
+    start = np.append(run.starts.states[track], run.flight.rso.cd)
     estimate = Estimate(window, Fit(start, run.method(np.arange(7) < 6)))
     run.fit([estimate])
     return estimate
@@ -101,8 +106,15 @@ def fits(folder: Path) -> dict[str, Comparison]:
     measured = fixes.measurements(ranges, environment.earth_orientation, [])
     middle = path.iloc[len(path) // 2]
     starts = first_orbit.starts_from_state(lageos, measured, (middle["t"], middle[STATE].to_numpy(float)))
-    settings = Estimation(24.0, 20, 1e-3, 0.0, 0.0, 1e3)
-    run = Run(measured, lageos, starts[STATE].to_numpy(), settings, starts["age"].to_numpy())
+    settings = Estimation(
+        window_hours=24.0,
+        max_iterations=20,
+        convergence=1e-3,
+        start_position_sigma_m=1.0,
+        start_velocity_sigma_mps=1.0,
+        least_drag_m=1e3,
+    )
+    run = Run.of_starts(lageos, starts, measured, settings)
     track = int(np.argmin(np.abs(starts["t"] - LAST * DAY)))
     found = {}
     for name, begin in (("three days", 0.0), ("the last 18 hours", LAST)):

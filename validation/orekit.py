@@ -17,7 +17,7 @@ import orekit_jpype
 
 from opml.base import constants
 from opml.base.errors import InputError
-from opml.dynamics.ensemble import Integrator
+from opml.dynamics.settings import Integrator
 from opml.orbits.sheets import Rso, Station
 
 org, java = jpype.JPackage("org"), jpype.JPackage("java")
@@ -298,10 +298,10 @@ class Orekit:
         orbit = self.orbit(begin, state, gm)
         cartesian = org.orekit.orbits.OrbitType.CARTESIAN
         tolerances = org.orekit.propagation.ToleranceProvider.getDefaultToleranceProvider(
-            integrator.position_tolerance
+            integrator.position_tolerance_m
         ).getTolerances(orbit, cartesian)
         dop853 = org.hipparchus.ode.nonstiff.DormandPrince853Integrator(
-            integrator.min_step, integrator.max_step, *tolerances
+            integrator.min_step_s, integrator.max_step_s, *tolerances
         )
         propagator = org.orekit.propagation.numerical.NumericalPropagator(dop853)
         propagator.setOrbitType(cartesian)

@@ -9,7 +9,7 @@ import pandas as pd
 
 from opml.base.constants import BODIES, GM
 from opml.dynamics import forces, run_environment
-from opml.dynamics.ensemble import Departures, Integrator, propagate
+from opml.dynamics.ensemble import Departures, propagate
 from opml.dynamics.kernels import surroundings
 from opml.dynamics.kernels.acceleration import SCRATCH_ROWS, density
 from opml.dynamics.kernels.drag import drag
@@ -19,6 +19,7 @@ from opml.dynamics.kernels.radiation_pressure import illumination, radiation_pre
 from opml.dynamics.kernels.relativity import de_sitter, lense_thirring, schwarzschild
 from opml.dynamics.kernels.surroundings import AXIS, PRECESSION, SPIN, SUN_ITRF, ForceModel, look_up
 from opml.dynamics.kernels.third_body import third_bodies
+from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.environment import celestial_bodies, earth_orientation, gravity_field
 from opml.orbits.sheets import Rso
 
@@ -47,14 +48,7 @@ class Environment:
             gms=self.gms,
             tide_system=self.tide_system,
         )
-        return forces.build(
-            environment,
-            degree=settings["degree"],
-            order=settings["order"],
-            bodies=settings["third_bodies"],
-            solid_tides=settings.get("solid_tides", False),
-            relativity=settings.get("relativity", False),
-        )
+        return forces.build(environment, ForceModelSettings(**settings))
 
     def with_de440(self) -> "Environment":
         """Return these settings' environment, but with the third bodies of DE440, as in the product."""

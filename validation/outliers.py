@@ -7,7 +7,7 @@ The ISS for three days, known to the model, seen by the paper's stations, in eig
 
 import argparse
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
@@ -15,14 +15,22 @@ import pandas as pd
 import opml
 from opml.base.constants import DAY
 from opml.catalog.fit import estimation, sightings, start_states
-from opml.catalog.fit.estimation import Estimation
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import QUANTITIES, sigmas, wrapped
 from opml.tables import STATE
 
 EPOCH, DAYS, STEP, RUNS = "2016-09-28T12:09:45", 3.0, 20.0, 8
-SETTINGS = Estimation(12.0, 30, 1e-3, 1000.0, 1.0, 0.1, cd_bounds=(1.2, 3.2))
-EDITING, BEARING = replace(SETTINGS, reject_sigma=5.0), replace(SETTINGS, bias_sigma=3.0)
+SETTINGS = Estimation(
+    window_hours=12.0,
+    max_iterations=30,
+    convergence=1e-3,
+    start_position_sigma_m=1000.0,
+    start_velocity_sigma_mps=1.0,
+    least_drag_m=0.1,
+    cd_bounds=(1.2, 3.2),
+)
+EDITING, BEARING = SETTINGS.evolve(reject_sigma=5.0), SETTINGS.evolve(bias_sigma=3.0)
 
 OUTLIERS, LEAST, MOST = 0.05, 1.0, 3.0
 """Share of the numbers that are off, and powers of ten of their sigmas by which they are, from and to."""

@@ -67,7 +67,7 @@ def markdown(case: Case, results: Results, *, orekit: str, kernel: str) -> str:
         rso=estimation.RSO,
         pairs=len(effect),
         prediction_days=case.values["prediction"]["max_days"],
-        fine=f"{steps.FINE.max_step:g}",
+        fine=f"{steps.FINE.max_step_s:g}",
         error=errors.median(),
         change=changes.median(),
         change_most=np.percentile(changes, 95),
@@ -81,7 +81,7 @@ def markdown(case: Case, results: Results, *, orekit: str, kernel: str) -> str:
 
 
 def _settings(integrator):
-    return f"{integrator.position_tolerance:g} m, at most {integrator.max_step:g} s"
+    return f"{integrator.position_tolerance_m:g} m, at most {integrator.max_step_s:g} s"
 
 
 def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -10,12 +10,12 @@ from opml.catalog.flight import Flight
 from opml.catalog.predict.prediction import predict_all
 from opml.catalog.predict.sensitivity import usable
 from opml.catalog.simulate.observing import QUANTITIES
-from opml.dynamics.ensemble import Integrator
 from opml.dynamics.kernels.surroundings import ForceModel
+from opml.dynamics.settings import Integrator
 from validation import estimation
 from validation.case import Case
 
-FINE = Integrator(position_tolerance=1e-6, min_step=1e-4, max_step=10.0)
+FINE = Integrator(position_tolerance_m=1e-6, min_step_s=1e-4, max_step_s=10.0)
 """A ninth of the paper's longest step."""
 
 

@@ -1,7 +1,7 @@
 """Orbits from the same start under the same forces: converged, and at the paper's settings."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,8 +9,8 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.catalog.simulate.truth import initial_state
-from opml.dynamics.ensemble import Integrator
 from opml.dynamics.kernels.surroundings import ForceModel
+from opml.dynamics.settings import Integrator
 from opml.tables import STATE
 from validation import ours
 from validation.case import OREKITS_CONVERGED, PRECISE, Case
@@ -113,8 +113,9 @@ def apart(one: pd.DataFrame, other: pd.DataFrame, keys: list[str]) -> pd.Series:
 
 def halved(integrator: Integrator) -> Integrator:
     """Return settings of half the longest step and a tenth of the tolerance."""
-    return replace(
-        integrator, position_tolerance=integrator.position_tolerance / 10, max_step=integrator.max_step / 2
+    return integrator.evolve(
+        position_tolerance_m=integrator.position_tolerance_m / 10,
+        max_step_s=integrator.max_step_s / 2,
     )
 
 

@@ -1,14 +1,12 @@
 """Settings by what a report calls them."""
 
-from dataclasses import replace
-
 from benchmarks import case
-from opml.dynamics.ensemble import Integrator
+from opml.dynamics.settings import Integrator
 
 
 def step_limits(*limits: float) -> dict[str, Integrator]:
     """Return the paper's integrator with steps up to each of these limits [s]."""
-    return {f"≤ {limit:g} s": replace(case.paper().integrator, max_step=limit) for limit in limits}
+    return {f"≤ {limit:g} s": case.paper().integrator.evolve(max_step_s=limit) for limit in limits}
 
 
 def steps(*lengths: float) -> dict[str, float]:

@@ -17,17 +17,19 @@ import pandas as pd
 from opml.base.constants import BODIES, DAY, HOUR
 from opml.base.errors import InputError
 from opml.base.files import FilePath, project_file
-from opml.catalog.fit import estimation, fixes, laser_ranges, quarantine, start_states
+from opml.catalog.associate import quarantine
+from opml.catalog.fit import fixes, laser_ranges, start_states
 from opml.catalog.fit import measured_tracks as from_measurements
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.first import first_orbit as first_orbits
 from opml.catalog.flight import Flight
 from opml.catalog.predict import labels, prediction, spread
 from opml.catalog.predict.spread import Weathers
 from opml.catalog.simulate import tracking, truth
-from opml.dynamics import forces
-from opml.dynamics.ensemble import Integrator
+from opml.dynamics.forces import build, tabulated
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.run_environment import Environment
+from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.element_sets import prediction as set_prediction
 from opml.element_sets.prediction import Prediction
 from opml.environment import MARGIN_S, nodes, solar_activity
@@ -70,9 +72,11 @@ ASSUMED: Mapping[str, Any] = packaged.RUN["force_models"]["assumed"]
 CLEANING: Mapping[str, Any] = packaged.PAPER_STUDY["cleaning"]
 """Settings of the cleaning in `dataset`; config/README.md explains them."""
 
+_CD_BOUNDS = ("cd_min", "cd_max")
+
 ESTIMATION: Mapping[str, Any] = (
     packaged.RUN["estimation"]
-    | {bound: CLEANING[bound] for bound in ("cd_min", "cd_max")}
+    | {bound: CLEANING[bound] for bound in _CD_BOUNDS}
     | {"after_hours": 0.0, "reject_sigma": None, "suspect_sigma": None}
 )
 """Settings of `estimate`, which explains after_hours; config/README.md explains the others."""
@@ -121,7 +125,7 @@ def make_environment(
     """
     t = nodes(epoch, DAY * days)
     found = solar_activity.tabulate(activity, epoch, t, percentile)
-    return forces.tabulated(epoch, t, found, gravity=gravity, kernel=kernel, degree=degree)
+    return tabulated(epoch, t, found, gravity=gravity, kernel=kernel, degree=degree)
 
 
 def force_model(
@@ -130,12 +134,11 @@ def force_model(
     degree: int = 40,
     order: int = 40,
     third_bodies: Sequence[str] = BODIES,
-    solid_tides: bool = False,
-    relativity: bool = False,
+    **forces: bool,
 ) -> ForceModel:
     """Make a force model: the field to a degree and order, bodies that pull, drag and radiation pressure.
 
-    solid_tides, relativity: whether these forces count, too
+    forces: whether `solid_tides` and `relativity` count, too
 
     The defaults are the paper's truth model (`TRUTH`); `ASSUMED` holds those of its assumed one.
     Raises InputError for a degree above the environment's, for an unknown body, and where no tides can be
@@ -151,14 +154,8 @@ def force_model(
         )
     if unknown := [name for name in third_bodies if name not in BODIES]:
         raise InputError(f"force_model: third_bodies: expected {', '.join(BODIES)}, got {unknown[0]}")
-    return forces.build(
-        environment,
-        degree=degree,
-        order=order,
-        bodies=third_bodies,
-        solid_tides=solid_tides,
-        relativity=relativity,
-    )
+    given = {"degree": degree, "order": order, "third_bodies": list(third_bodies), **forces}
+    return build(environment, ForceModelSettings.read(given, "force_model"))
 
 
 def read_stations(path: str | Path) -> dict[str, Station]:
@@ -638,7 +635,7 @@ def _known(catalogue: Catalogue) -> Known:
 
 def _spreads(flight: Flight, catalogue: Catalogue) -> corrected.Spreads:
     """Return how far drag may take pairs of predictions; the weather ahead is taken for known."""
-    flattened = force_model(catalogue.environment, **spread.FLATTENED)
+    flattened = build(catalogue.environment, spread.FLATTENED)
     return partial(
         spread.build,
         flight.without_progress().under(flattened),
@@ -649,19 +646,19 @@ def _spreads(flight: Flight, catalogue: Catalogue) -> corrected.Spreads:
 
 def _cleaning(catalogue: Catalogue, what: str) -> Cleaning:
     """Return a catalogue's cleaning; raises InputError for an unknown setting."""
-    return Cleaning.from_settings(_laid_over(CLEANING, catalogue.cleaning, what))
+    return Cleaning.read(_laid_over(CLEANING, catalogue.cleaning, what), what)
 
 
-def _estimation(settings: Mapping[str, float] | None, what: str) -> estimation.Estimation:
+def _estimation(settings: Mapping[str, float] | None, what: str) -> Estimation:
     """Return the paper's estimation with settings laid over it; raises InputError for an unknown setting."""
     used = _laid_over(ESTIMATION, settings, what)
-    bounds = used.pop("cd_min"), used.pop("cd_max")
-    return estimation.Estimation(**used, cd_bounds=bounds)
+    bounds: dict[str, float] = {name: used.pop(name) for name in _CD_BOUNDS if name in used}
+    return Estimation.read({**used, "cd_bounds": Cleaning.read(bounds, what).cd_bounds}, what)
 
 
 def _laid_over(defaults: Mapping[str, Any], settings: Mapping[str, Any] | None, what: str) -> dict[str, Any]:
-    """Return the defaults with settings laid over them; raises InputError for an unknown setting."""
+    """Return the defaults with settings laid over them, None for none; raises InputError for other keys."""
     settings = settings or {}
     if unknown := sorted(set(settings) - set(defaults)):
         raise InputError(f"{what}: settings: expected {', '.join(defaults)}, got {unknown[0]}")
-    return {**defaults, **settings}
+    return {name: value for name, value in {**defaults, **settings}.items() if value is not None}

@@ -378,7 +378,8 @@ def _answer(options: argparse.Namespace) -> None:
     if options.way not in baselines.WAYS:
         raise InputError(f"answer: expected {', '.join(baselines.WAYS)}, got {options.way}")
     task = tasks.read(options.task)
-    count = baselines.write(options.output, task, options.way, options.model, _say)
+    with on_stderr() as progress:
+        count = baselines.write(options.output, task, options.way, options.model, progress)
     print(f"{options.output}: {count} answers")
 
 

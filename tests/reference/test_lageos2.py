@@ -36,7 +36,7 @@ def flights(model, t, parameters):
     count = len(parameters)
     first, last = np.zeros(count, int), np.full(count, len(t) - 1)
     departures = Departures(parameters[:, :6], first, last, parameters[:, 6], parameters[:, 7])
-    arcs = propagate(model, t, departures, integrator=opml.Integrator(1e-3, 1e-3, 90.0))
+    arcs = propagate(model, t, departures, integrator=opml.Integrator(position_tolerance_m=1e-3))
     return np.array([np.vstack([parameters[k, :6], arcs.path(k)]) for k in range(count)])
 
 

@@ -10,7 +10,7 @@ from opml.base.constants import DAY
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import observe, site
-from opml.dynamics.ensemble import Departures, Integrator, propagate
+from opml.dynamics.ensemble import Departures, propagate
 from opml.dynamics.frames import gcrf_to_itrf
 from opml.dynamics.kernels import dtm2000
 from opml.dynamics.kernels.acceleration import SCRATCH_ROWS, acceleration, density
@@ -20,6 +20,7 @@ from opml.dynamics.kernels.lanes import WIDTH, load, splat, sqrt, store
 from opml.dynamics.kernels.radiation_pressure import illumination, radiation_pressure
 from opml.dynamics.kernels.surroundings import BODIES, SPIN, SUN_ITRF, look_up
 from opml.dynamics.kernels.third_body import third_bodies
+from opml.dynamics.settings import Integrator
 from opml.environment import gravity_field
 from opml.tables import STATE
 

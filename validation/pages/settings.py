@@ -5,10 +5,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+from opml.base.section import Section
 from opml.base.setting_types import TypeSchema
 from opml.study.settings.json_schema import choices, dereferenced, json_schema
 from opml.study.settings.model.run import RunAlone
-from opml.study.settings.model.section import Section
 from opml.study.settings.model.study_parts import (
     BeyondStudy,
     ClaimSettings,

@@ -101,7 +101,8 @@ if "beyond" in STUDY:
                     "epoch": config["epoch"],
                     "level": config["intervals"]["level"],
                     "learners": list(BEYOND.shown_intervals),
-                    **(next(iter(BEYOND.shown_intervals.values())).names() | {"learner": "models"}),
+                    "experiment": next(iter(BEYOND.shown_intervals.values())).names()
+                    | {"learner": "models"},
                 },
             ),
         message:

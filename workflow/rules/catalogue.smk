@@ -110,7 +110,7 @@ if PLAN.settings.catalogue:
         params:
             settings={
                 "epoch": config["epoch"],
-                "seed": PLAN.seeds["split"],
+                "seed": PLAN.seeds.split,
                 "trials": PLAN.catalogue_trials,
             },
             code=code("catalogue_scores.py"),

@@ -53,7 +53,7 @@ rule ephemerides:
         "../envs/opml.yaml"
     params:
         settings=lambda _: PARAMS.span
-        | {"kernel": ENVIRONMENT.sources["ephemerides"]}
+        | {"kernel": ENVIRONMENT.source("ephemerides")}
         | contents(ENVIRONMENT.source_files("ephemerides")),
         code=code("ephemerides.py"),
     message:
@@ -78,8 +78,8 @@ rule solar_activity:
     params:
         settings=lambda wildcards: PARAMS.span
         | {
-            "source": ENVIRONMENT.sources[wildcards.activity],
-            "percentile": ENVIRONMENT.sources["percentile"],
+            "source": ENVIRONMENT.source(wildcards.activity),
+            "percentile": ENVIRONMENT.sources.percentile,
         }
         | contents(ENVIRONMENT.source_files(wildcards.activity)),
         code=code("solar_activity.py"),
@@ -104,7 +104,7 @@ rule thermosphere:
         mem_mb=2000,
     params:
         settings=lambda _: PARAMS.span
-        | {"source": ENVIRONMENT.sources[ENVIRONMENT.true_activity]}
+        | {"source": ENVIRONMENT.source(ENVIRONMENT.true_activity)}
         | contents(ENVIRONMENT.source_files(ENVIRONMENT.true_activity)),
         code=code("thermosphere.py"),
     message:
@@ -126,7 +126,7 @@ rule hindcast:
         "../envs/opml.yaml"
     params:
         settings=lambda _: PARAMS.span
-        | {"source": ENVIRONMENT.sources["solar_activity"], "knowledge": ENVIRONMENT.knowledge}
+        | {"source": ENVIRONMENT.source("solar_activity"), "knowledge": ENVIRONMENT.knowledge}
         | contents(ENVIRONMENT.source_files("solar_activity")),
         code=code("hindcast.py"),
     message:
@@ -152,7 +152,7 @@ rule outlooks:
     params:
         settings=lambda wildcards: PARAMS.span
         | {
-            "source": ENVIRONMENT.sources["solar_activity"],
+            "source": ENVIRONMENT.source("solar_activity"),
             "forecast": ENVIRONMENT.forecast,
             "issue_hours": int(wildcards.hours),
             "max_days": config["prediction"]["max_days"],
@@ -182,10 +182,10 @@ rule futures:
     params:
         settings=lambda wildcards: PARAMS.span
         | {
-            "source": ENVIRONMENT.sources["solar_activity"],
+            "source": ENVIRONMENT.source("solar_activity"),
             "forecast": ENVIRONMENT.forecast,
             "members": int(wildcards.members),
-            "issue_hours": ENVIRONMENT.sources.get("issue_hours"),
+            "issue_hours": ENVIRONMENT.sources.issue_hours,
             "max_days": config["prediction"]["max_days"],
         }
         | contents([*ENVIRONMENT.source_files("solar_activity"), *ENVIRONMENT.forecast_files]),
@@ -210,7 +210,7 @@ rule gravity_field:
     params:
         settings=lambda _: {
             "epoch": config["epoch"],
-            "source": ENVIRONMENT.sources["gravity_field"],
+            "source": ENVIRONMENT.source("gravity_field"),
             "degree": max(model["degree"] for model in config["force_models"].values()),
             "order": max(model["order"] for model in config["force_models"].values()),
             **contents(ENVIRONMENT.source_files("gravity_field")),

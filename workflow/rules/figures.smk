@@ -247,7 +247,7 @@ if "individual" in STUDY:
                 "individual",
                 {
                     "epoch": config["epoch"],
-                    **PAPER.individual.names(),
+                    "experiment": PAPER.individual.names(),
                     "published": next(
                         (
                             claim["limit"]

@@ -127,7 +127,7 @@ rule rolling:
     params:
         settings=lambda wildcards: {
             "epoch": config["epoch"],
-            "seed": PLAN.seeds["split"],
+            "seed": PLAN.seeds.split,
             "learner": PARAMS.learner(wildcards),
             "component": wildcards.component,
             "rolling": STUDY.rolling,

@@ -1,15 +1,19 @@
 """Gather what fits over another window say of each prediction."""
 
-from opml.catalog.flight import Flight
+from opml.catalog.flight import Flight, FlightSettings
 from opml.catalog.predict import other_windows
 from opml.tables import read_table, write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job, progress
 
+
+class Settings(FlightSettings):
+    window_hours: float
+
+
 with job(snakemake) as metadata:
-    settings, files = JobSettings(snakemake.params.settings), snakemake.input
+    settings, files = Settings(**snakemake.params.settings), snakemake.input
     table = other_windows.build_arcs(
-        Flight.read(files, settings.values, threads=snakemake.threads, progress=progress),
+        Flight.read(files, settings, threads=snakemake.threads, progress=progress),
         read_table(files.predictions, "predictions"),
         arc_estimates=other_windows.read_estimates(files, window_hours=settings.window_hours),
         arc_predictions=read_table(files.arc_predictions, "predictions"),

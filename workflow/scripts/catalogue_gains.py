@@ -1,13 +1,18 @@
 """Draw when learning from a catalogue helps, by height, drag and number of sets."""
 
+from opml.base.section import JobSettings
 from opml.element_sets import held_out
 from opml.figures import style
 from opml.figures.catalogue import gains
-from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job, read_by_key
 
+
+class Settings(JobSettings):
+    tests: list[str]
+
+
 with job(snakemake):
-    tests = FigureSettings(snakemake.params.settings).tests
+    tests = Settings(**snakemake.params.settings).tests
     residuals = read_by_key(tests, snakemake.input.residuals, "catalogue_residuals")
     rows = read_by_key(tests, snakemake.input.rows, held_out.ROWS)
     figure = gains.gains(residuals, rows)

@@ -1,12 +1,18 @@
 """Report what correctors leave of SGP4's errors in all tests of a catalogue."""
 
+from opml.base.section import JobSettings
 from opml.report import catalogue, document
 from opml.tables import read_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
+
+class Settings(JobSettings):
+    seasons_of_tests: dict[str, dict[str, list[str]]]
+    teachers: dict[str, str]
+
+
 with job(snakemake):
-    settings, output = JobSettings(snakemake.params.settings), snakemake.output
+    settings, output = Settings(**snakemake.params.settings), snakemake.output
     scores = read_table(snakemake.input[0], "catalogue_scores")
     blocks = catalogue.document(scores, settings.seasons_of_tests, settings.teachers)
     document.write(blocks, output.md[0], output.tsv[0], output.html[0])

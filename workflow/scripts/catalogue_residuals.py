@@ -1,14 +1,21 @@
 """Train a corrector on half of the objects in a season, and judge it on the others in a later one."""
 
+from opml.base.section import JobSettings
 from opml.element_sets import held_out
 from opml.tables import read_table, write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
+
+
+class Settings(JobSettings):
+    seasons: dict[str, list[str]]
+    learner: str
+    seed: int
+
 
 # The processes that learn the parts read this file, too.
 if __name__ == "__main__":
     with job(snakemake) as metadata:
-        settings = JobSettings(snakemake.params.settings)
+        settings = Settings(**snakemake.params.settings)
         residuals = held_out.residuals(
             read_table(snakemake.input.rows, held_out.ROWS),
             read_table(snakemake.input.teachers, held_out.ROWS),

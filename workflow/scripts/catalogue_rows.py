@@ -1,12 +1,19 @@
 """Predict, by SGP4, the mornings of two seasons, and see what the corrector sees of each prediction."""
 
+from opml.base.section import JobSettings
 from opml.element_sets import held_out
 from opml.tables import read_table, write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
+
+class Settings(JobSettings):
+    seasons: dict[str, list[str]]
+    weather: str
+    latency_hours: float
+
+
 with job(snakemake) as metadata:
-    settings, files = JobSettings(snakemake.params.settings), snakemake.input
+    settings, files = Settings(**snakemake.params.settings), snakemake.input
     rows = held_out.rows(
         files.sets,
         read_table(files.densities, held_out.DENSITIES),

@@ -2,13 +2,19 @@
 
 import pandas as pd
 
+from opml.base.section import JobSettings
 from opml.element_sets import judge
 from opml.tables import write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job, read_by_key
 
+
+class Settings(JobSettings):
+    trials: list[tuple[str, str]]
+    seed: int
+
+
 with job(snakemake) as metadata:
-    settings = JobSettings(snakemake.params.settings)
+    settings = Settings(**snakemake.params.settings)
     tables = read_by_key(map(tuple, settings.trials), snakemake.input, "catalogue_residuals")
     scores = pd.concat(
         [

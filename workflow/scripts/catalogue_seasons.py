@@ -1,13 +1,18 @@
 """Draw what improved sets leave of SGP4's errors, test by test."""
 
+from opml.base.section import JobSettings
 from opml.figures import style
 from opml.figures.catalogue import shares
 from opml.tables import read_table
-from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job
 
+
+class Settings(JobSettings):
+    seasons_of_tests: dict[str, dict[str, list[str]]]
+
+
 with job(snakemake):
-    settings = FigureSettings(snakemake.params.settings)
+    settings = Settings(**snakemake.params.settings)
     scores = read_table(snakemake.input[0], "catalogue_scores")
     figure = shares.every_season(scores, settings.seasons_of_tests)
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

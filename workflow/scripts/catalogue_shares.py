@@ -1,13 +1,19 @@
 """Draw what is left of SGP4's errors by band of height and lead, learned beside unlearned."""
 
+from opml.base.section import JobSettings
 from opml.figures import style
 from opml.figures.catalogue import shares
 from opml.tables import read_table
-from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job
 
+
+class Settings(JobSettings):
+    test: str
+    seasons: dict[str, list[str]]
+
+
 with job(snakemake):
-    settings = FigureSettings(snakemake.params.settings)
+    settings = Settings(**snakemake.params.settings)
     scores = read_table(snakemake.input[0], "catalogue_scores")
     figure = shares.shares(scores[scores["test"] == settings.test], settings.seasons, name=settings.test)
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

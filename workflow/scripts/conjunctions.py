@@ -2,12 +2,18 @@
 
 from opml.conjunctions import worth
 from opml.tables import read_table, write_table
-from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job
-from opml.workflow.replayed import read_mornings
+from opml.workflow.replayed import ReplayedSettings, read_mornings
+
+
+class Settings(ReplayedSettings):
+    radius_m: float
+    threshold: float
+    weather: str
+
 
 with job(snakemake) as metadata:
-    settings, files = FigureSettings(snakemake.params.settings), snakemake.input
+    settings, files = Settings(**snakemake.params.settings), snakemake.input
     table = worth.compare(
         read_mornings(files, settings),
         read_table(files.fits, "covariances"),

@@ -2,16 +2,21 @@
 
 from opml.base.constants import DAY
 from opml.ephemerides import corrected
-from opml.ephemerides.task import Task
+from opml.ephemerides.task import Task, TaskSettings
 from opml.learning.data import dataset
 from opml.learning.models.daily_training import Lessons
 from opml.tables import read_table, write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job, progress
 
+
+class Settings(TaskSettings):
+    seed: int
+    train_days: tuple[float, float]
+
+
 with job(snakemake) as metadata:
-    settings, files = JobSettings(snakemake.params.settings), snakemake.input
-    task = Task.read(files, settings.values, threads=snakemake.threads, progress=progress)
+    settings, files = Settings(**snakemake.params.settings), snakemake.input
+    task = Task.read(files, settings, threads=snakemake.threads, progress=progress)
     (learner,) = settings.learners
     labelled = task.known.marked(dataset.read(files.dataset, files.beside))
     replay = read_table(files.replay, "replay")
@@ -19,7 +24,7 @@ with job(snakemake) as metadata:
         task,
         Lessons(labelled, learner, settings.seed, settings.train_days[0]),
         replay,
-        spreads=corrected.spreading(files, settings.values, task.known, threads=snakemake.threads),
+        spreads=corrected.spreading(files, settings, task.known, threads=snakemake.threads),
         first_morning=DAY * settings.known_until_days,
     )
     metadata |= {"covariance": corrected.basis(replay, DAY * settings.known_until_days)}

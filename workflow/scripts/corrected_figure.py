@@ -1,19 +1,28 @@
 """Draw the errors of one corrected ephemeris against the estimates of later tracks."""
 
+from opml.base.section import JobSettings
 from opml.ephemerides.corrected import held_against
 from opml.figures import later_errors, style
 from opml.figures.axis_labels import describe_training
 from opml.figures.display_names import describe_run, display_learner
 from opml.tables import read_table
-from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job
+
+
+class Settings(JobSettings):
+    rso: str
+    stations: str
+    learner: str
+    train: str
+    level: float
+
 
 with job(snakemake):
     table = read_table(snakemake.input.corrected, "corrected")
     first = table[table["i"] == table["i"].min()]
     errors = held_against(first, read_table(snakemake.input.estimates, "estimates"))
-    settings = FigureSettings(snakemake.params.settings)
+    settings = Settings(**snakemake.params.settings)
     learner, training = display_learner(settings.learner), describe_training(settings.train)
-    note = f"{describe_run(settings.values)}; corrected by {learner} trained on {training}"
+    note = f"{describe_run(settings.rso, settings.stations)}; corrected by {learner} trained on {training}"
     figure = later_errors.later_errors(errors, level=settings.level, note=note)
     style.save_all([figure], [snakemake.output.pdf], [snakemake.output.png])

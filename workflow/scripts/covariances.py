@@ -1,14 +1,20 @@
 """Carry the covariance of each estimate to its predictions."""
 
-from opml.catalog.flight import Flight
+from opml.catalog.flight import Flight, FlightSettings
 from opml.catalog.predict import covariance
 from opml.tables import read_table, write_table
 from opml.workflow.jobs import job, progress
 
 with job(snakemake) as metadata:
+    settings = FlightSettings(**snakemake.params.settings)
     predictions = read_table(snakemake.input.predictions, "predictions")
     carried = covariance.propagated(
-        Flight.read(snakemake.input, snakemake.params.settings, threads=snakemake.threads, progress=progress),
+        Flight.read(
+            snakemake.input,
+            settings,
+            threads=snakemake.threads,
+            progress=progress,
+        ),
         read_table(snakemake.input.estimates, "estimates"),
         predictions,
     )

@@ -1,27 +1,28 @@
 """Build the dataset of learning variables and errors, with the reason of each dropped row."""
 
-from dataclasses import replace
-
 from opml.base.constants import HOUR
+from opml.base.section import JobSettings
 from opml.learning.data import dataset
-from opml.learning.data.cleaning import Cleaning
+from opml.learning.data.cleaning import Burns, Cleaning
 from opml.orbits.manoeuvres import read_manoeuvres
 from opml.tables import read_measured, read_metadata, read_table, write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
+
+class Settings(JobSettings):
+    cleaning: Cleaning
+    window_hours: float
+
+
 with job(snakemake) as metadata:
-    settings, labels = JobSettings(snakemake.params.settings), snakemake.input.get("labels")
+    settings, labels = Settings(**snakemake.params.settings), snakemake.input.get("labels")
     table = dataset.build(
         read_table(snakemake.input.estimates, "estimates"),
         read_table(snakemake.input.predictions, "predictions"),
         read_measured(snakemake.input.tracking),
         gm=read_metadata(snakemake.input.gravity_field)["gm"],
-        cleaning=replace(
-            Cleaning.from_settings(settings.cleaning),
-            manoeuvres=tuple(read_manoeuvres(snakemake.input.manoeuvres)),
-            window=HOUR * settings.window_hours,
-        ),
+        cleaning=settings.cleaning,
+        burns=Burns(read_manoeuvres(snakemake.input.manoeuvres), HOUR * settings.window_hours),
         labels=labels and read_table(labels, "labels"),
     )
     write_table(snakemake.output[0], table, "labelled" if labels else "dataset", metadata=metadata)

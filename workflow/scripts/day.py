@@ -1,12 +1,19 @@
 """Write the page of a day."""
 
+from opml.base.section import JobSettings
 from opml.mornings import outcomes, weather_of_day
 from opml.report import day, document
-from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job
 
+
+class Settings(JobSettings):
+    epoch: str
+    hour: float
+    date: str
+
+
 with job(snakemake):
-    settings, files, output = FigureSettings(snakemake.params.settings), snakemake.input, snakemake.output
+    settings, files, output = Settings(**snakemake.params.settings), snakemake.input, snakemake.output
     found = [outcome for path in files.objects for outcome in outcomes.read(path)]
     weather = weather_of_day.read(files, epoch=settings.epoch, hour=settings.hour, day=settings.date)
     document.write(day.document(found, weather, date=settings.date), output.md, output.tsv, output.html)

@@ -1,13 +1,21 @@
 """Read the history of an RSO's mean elements."""
 
+from typing import Any
+
+from opml.base.section import JobSettings
 from opml.interop import object_ids
 from opml.interop.element_sets import histories
 from opml.tables import write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
+
+class Settings(JobSettings):
+    epoch: str
+    taking: dict[str, Any]
+
+
 with job(snakemake) as metadata:
-    settings = JobSettings(snakemake.params.settings)
+    settings = Settings(**snakemake.params.settings)
     history = histories.read(
         snakemake.input, epoch=settings.epoch, leave_out_damaged=settings.taking["leave_out_damaged"]
     )

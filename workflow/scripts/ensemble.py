@@ -1,17 +1,23 @@
 """Predict under each of the futures of the space weather, and tell their spread."""
 
 from opml.base.constants import HOUR
-from opml.catalog.flight import Flight
+from opml.catalog.flight import Flight, FlightSettings
 from opml.catalog.predict import weather_futures
 from opml.tables import read_table, write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job, progress
 
+
+class Settings(FlightSettings):
+    window_hours: float
+    seed: int
+    level: float
+
+
 with job(snakemake) as metadata:
-    settings, files = JobSettings(snakemake.params.settings), snakemake.input
+    settings, files = Settings(**snakemake.params.settings), snakemake.input
     predictions = read_table(files.predictions, "predictions")
     sample = weather_futures.sample(
-        Flight.read(files, settings.values, threads=snakemake.threads, progress=progress),
+        Flight.read(files, settings, threads=snakemake.threads, progress=progress),
         read_table(files.futures, "futures"),
         read_table(files.estimates, "estimates"),
         predictions,

@@ -1,19 +1,27 @@
 """Estimate state and drag coefficient at each track's start."""
 
-from opml.catalog.fit import biases, estimation, fixes, quarantine, start_states
-from opml.catalog.flight import Flight
+from opml.catalog.associate import quarantine
+from opml.catalog.fit import biases, fixes, start_states
+from opml.catalog.fit.estimation_settings import Estimation
+from opml.catalog.flight import Flight, FlightSettings
 from opml.orbits.sheets import Station
 from opml.tables import read_kind, read_measured, read_table, write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job, progress
 
+
+class Settings(FlightSettings):
+    estimation: Estimation
+    stations: list[Station]
+    seed: int
+
+
 with job(snakemake) as metadata:
-    settings, files = JobSettings(snakemake.params.settings), snakemake.input
-    method = estimation.Estimation(**settings.estimation)
-    flight = Flight.read(files, settings.values, threads=snakemake.threads, progress=progress)
+    settings, files = Settings(**snakemake.params.settings), snakemake.input
+    method = settings.estimation
+    flight = Flight.read(files, settings, threads=snakemake.threads, progress=progress)
     tracking = read_measured(files.tracking)
     states = read_table(files.start, read_kind(files.start))
-    measured = fixes.read(files, [Station(**station) for station in settings.stations])
+    measured = fixes.read(files, settings.stations)
     starts = start_states.build(states, tracking, rso=flight.rso.name, settings=method, seed=settings.seed)
     table, noise = quarantine.with_noise(flight, starts, measured, settings=method)
     if read_kind(files.start) == "starts":  # noise that was simulated is known

@@ -3,18 +3,23 @@
 import math
 
 from opml.learning.data import job_rows
+from opml.learning.data.job_rows import RowsSettings
 from opml.learning.judge import metrics
 from opml.learning.judge.evaluation import evaluate
 from opml.learning.models import learners
 from opml.readings.own_standardisation import as_tested
 from opml.tables import read_metadata, write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
+
+class Settings(RowsSettings):
+    noise: int
+
+
 with job(snakemake) as metadata:
-    settings, files, output = JobSettings(snakemake.params.settings), snakemake.input, snakemake.output
+    settings, files, output = Settings(**snakemake.params.settings), snakemake.input, snakemake.output
     experiment = settings.experiment
-    table, rows, learned = job_rows.read(files, settings.values, beside=files.beside)
+    table, rows, learned = job_rows.read(files, settings, beside=files.beside)
     model = as_tested(learners.read(files.model), experiment["test"])
     corrected = evaluate(model, table, rows, component=experiment["component"])
     write_table(output.evaluation, corrected, "evaluation", metadata=metadata)

@@ -1,13 +1,19 @@
 """Write mean elements of an ephemeris as a TLE, and log how far it is from the ephemeris."""
 
+from opml.base.section import JobSettings
 from opml.interop import object_ids, oem
 from opml.interop.element_sets import ephemeris_elements, mean_elements, tle
 from opml.tables import read_table
-from opml.workflow.job_settings import SheetJobSettings
 from opml.workflow.jobs import job
 
+
+class Settings(JobSettings):
+    rso: str
+    epoch: str
+
+
 with job(snakemake):
-    settings = SheetJobSettings(snakemake.params.settings)
+    settings = Settings(**snakemake.params.settings)
     (ephemeris,) = oem.corrected_segments(read_table(snakemake.input[0], "corrected"), rso=settings.rso)
     satellite = ephemeris_elements.fit_elements(ephemeris, epoch=settings.epoch)
     identity = object_ids.of_tables(snakemake.input.source, name=settings.rso)

@@ -1,18 +1,23 @@
 """Estimate state and drag coefficient at each track's start by a sequential filter."""
 
 from opml.catalog.fit import fixes, sequential
-from opml.catalog.flight import Flight
+from opml.catalog.flight import Flight, FlightSettings
 from opml.orbits.sheets import Station
 from opml.tables import read_table, write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job, progress
 
+
+class Settings(FlightSettings):
+    stations: list[Station]
+    light_time: bool
+
+
 with job(snakemake) as metadata:
-    settings, files = JobSettings(snakemake.params.settings), snakemake.input
+    settings, files = Settings(**snakemake.params.settings), snakemake.input
     table = sequential.filter_all(
-        Flight.read(files, settings.values, threads=snakemake.threads, progress=progress),
+        Flight.read(files, settings, threads=snakemake.threads, progress=progress),
         read_table(files.estimates, "estimates"),
-        fixes.read(files, [Station(**station) for station in settings.stations]),
+        fixes.read(files, settings.stations),
         light_time=settings.light_time,
     )
     write_table(snakemake.output[0], table, "estimates", metadata=metadata)

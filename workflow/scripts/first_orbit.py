@@ -1,24 +1,28 @@
 """Carry a given state to every measured track, or determine one from them."""
 
 from opml.catalog.fit import fixes
-from opml.catalog.fit.estimation import Estimation
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.first import first_orbit
-from opml.catalog.flight import Flight
+from opml.catalog.flight import Flight, FlightSettings
 from opml.interop import first_state, object_ids
 from opml.orbits.sheets import Station
 from opml.tables import read_measured, write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
+
+class Settings(FlightSettings):
+    stations: list[Station]
+    estimation: Estimation
+
+
 with job(snakemake) as metadata:
-    settings, files = JobSettings(snakemake.params.settings), snakemake.input
-    flight = Flight.read(files, settings.values, threads=snakemake.threads)
+    settings, files = Settings(**snakemake.params.settings), snakemake.input
+    flight = Flight.read(files, settings, threads=snakemake.threads)
+    known = first_orbit.of_sheet(flight.rso, flight.model.gm)
     if files.start:
         first = read_measured(files.tracking)["t"].iloc[0]
         known = first_state.read(files.start, epoch=settings.epoch, t=first)
         metadata |= object_ids.facts(first_state.identity(files.start))
-    else:
-        known = first_orbit.of_sheet(flight.rso, flight.model.gm)
-    measured = fixes.read(files, [Station(**station) for station in settings.stations])
-    table = first_orbit.starts(flight, measured, known=known, settings=Estimation(**settings.estimation))
+    measured = fixes.read(files, settings.stations)
+    table = first_orbit.starts(flight, measured, known=known, settings=settings.estimation)
     write_table(snakemake.output[0], table, "starts", metadata=metadata)

@@ -2,14 +2,19 @@
 
 from opml.learning.data import job_rows
 from opml.learning.data.components import POSITION
+from opml.learning.data.job_rows import RowsSettings
 from opml.learning.judge import calibration
 from opml.tables import POSITION_COVARIANCES, symmetric_matrices, write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
+
+class Settings(RowsSettings):
+    max_days: float
+
+
 with job(snakemake) as metadata:
-    settings, files = JobSettings(snakemake.params.settings), snakemake.input
-    table, rows, _ = job_rows.read(files, settings.values, beside=[files.covariances])
+    settings, files = Settings(**snakemake.params.settings), snakemake.input
+    table, rows, _ = job_rows.read(files, settings, beside=[files.covariances])
     shares = calibration.of_covariances(
         symmetric_matrices(table[rows], POSITION_COVARIANCES),
         table.loc[rows, POSITION].to_numpy(),

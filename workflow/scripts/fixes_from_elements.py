@@ -1,15 +1,25 @@
 """Take what SGP4 tells before the epochs of mean elements for the tracks of an RSO."""
 
+from typing import Any
+
 from opml.base.constants import DAY
+from opml.base.section import JobSettings
 from opml.catalog.fit import fixes
 from opml.interop.element_sets import burns_in_sets, measured_sets
 from opml.orbits import manoeuvres
 from opml.tables import read_table, write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
+
+class Settings(JobSettings):
+    taking: dict[str, Any]
+    duration_days: float
+    manoeuvres: list[str]
+    epoch: str
+
+
 with job(snakemake) as metadata:
-    settings = JobSettings(snakemake.params.settings)
+    settings = Settings(**snakemake.params.settings)
     history, duration = settings.taking, DAY * settings.duration_days
     sets = measured_sets.of_run(read_table(snakemake.input[0], "element_sets"), duration)
     named = manoeuvres.at_times(settings.manoeuvres, epoch=settings.epoch)

@@ -1,16 +1,26 @@
 """Take positions that were really measured for the tracks of an RSO."""
 
+from typing import Any
+
 from opml.base.constants import DAY, HOUR
+from opml.base.section import JobSettings
 from opml.catalog.fit import fixes
 from opml.interop import object_ids, points_from_files
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.orbits import manoeuvres
 from opml.tables import read_table, write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
+
+class Settings(JobSettings):
+    epoch: str
+    duration_days: float
+    taking: dict[str, Any]
+    manoeuvres: list[str]
+
+
 with job(snakemake) as metadata:
-    settings = JobSettings(snakemake.params.settings)
+    settings = Settings(**snakemake.params.settings)
     orientation = snakemake.input.earth_orientation
     paths = [path for path in snakemake.input if path != orientation]
     files = OrbitFiles(paths, settings.epoch, DAY * settings.duration_days)

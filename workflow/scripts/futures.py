@@ -1,13 +1,26 @@
 """Tabulate the space weather as it may come, by so many futures about the forecast."""
 
+from typing import Any
+
 from opml.base.constants import DAY
+from opml.base.section import JobSettings
 from opml.environment import knowledge, nodes
 from opml.tables import write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
+
+class Settings(JobSettings):
+    source: str
+    epoch: str
+    forecast: dict[str, Any]
+    issue_hours: int
+    max_days: float
+    duration_days: float
+    members: int
+
+
 with job(snakemake) as metadata:
-    settings = JobSettings(snakemake.params.settings)
+    settings = Settings(**snakemake.params.settings)
     issues = knowledge.Issues(
         source=settings.source,
         epoch=settings.epoch,

@@ -1,15 +1,20 @@
 """Predict with fits over another window whose Cd is held by its past."""
 
-from opml.catalog.flight import Flight
+from opml.catalog.flight import Flight, FlightSettings
 from opml.catalog.predict import other_windows
 from opml.tables import read_table, write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job, progress
 
+
+class Settings(FlightSettings):
+    window_hours: float
+    memory_days: float
+
+
 with job(snakemake) as metadata:
-    settings, files = JobSettings(snakemake.params.settings), snakemake.input
+    settings, files = Settings(**snakemake.params.settings), snakemake.input
     table = other_windows.build_held(
-        Flight.read(files, settings.values, threads=snakemake.threads, progress=progress),
+        Flight.read(files, settings, threads=snakemake.threads, progress=progress),
         read_table(files.predictions, "predictions"),
         arc_estimates=other_windows.read_estimates(files, window_hours=settings.window_hours),
         memory_days=settings.memory_days,

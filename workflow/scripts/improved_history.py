@@ -1,13 +1,20 @@
 """Improve the sets of an RSO's mean elements, each as it could be when it was known."""
 
 from opml.base.constants import DAY
+from opml.base.section import JobSettings
 from opml.element_sets import on_mornings
 from opml.tables import read_table, write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
+
+class Settings(JobSettings):
+    epoch: str
+    duration_days: float
+    weather: str
+
+
 with job(snakemake) as metadata:
-    settings, files = JobSettings(snakemake.params.settings), snakemake.input
+    settings, files = Settings(**snakemake.params.settings), snakemake.input
     sets = read_table(files.element_sets, "element_sets")
     table = on_mornings.history(
         on_mornings.ImprovedHistory.read(files.catalogue, settings.weather),

@@ -1,16 +1,23 @@
 """Gather what a catalogue knows of why each prediction errs."""
 
+from opml.base.section import JobSettings
 from opml.catalog.predict import mechanism
 from opml.catalog.predict.mechanism import FittedArcs
 from opml.catalog.predict.resonance import Resonances
 from opml.tables import mechanism_schema, read_metadata, read_table, write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
 KINDS = ("estimates", "predictions", "sensitivities")
 
+
+class Settings(JobSettings):
+    resonances: list[tuple[int, int]]
+    long_window_hours: float
+    cd_bounds: tuple[float, float] | None
+
+
 with job(snakemake) as metadata:
-    settings, files = JobSettings(snakemake.params.settings), snakemake.input
+    settings, files = Settings(**snakemake.params.settings), snakemake.input
     short, long = (
         FittedArcs(*(read_table(files[prefix + kind], kind) for kind in KINDS)) for prefix in ("", "long_")
     )

@@ -1,13 +1,25 @@
 """Tabulate the space weather as it was forecast at each time of issue."""
 
+from typing import Any
+
 from opml.base.constants import DAY
+from opml.base.section import JobSettings
 from opml.environment import knowledge, nodes
 from opml.tables import OUTLOOKS, write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
+
+class Settings(JobSettings):
+    source: str
+    epoch: str
+    forecast: dict[str, Any]
+    issue_hours: int
+    max_days: float
+    duration_days: float
+
+
 with job(snakemake) as metadata:
-    settings = JobSettings(snakemake.params.settings)
+    settings = Settings(**snakemake.params.settings)
     issues = knowledge.Issues(
         source=settings.source,
         epoch=settings.epoch,

@@ -1,15 +1,19 @@
 """Predict from each estimate to every later track start within reach."""
 
-from opml.catalog.flight import Flight
+from opml.catalog.flight import Flight, FlightSettings
 from opml.catalog.predict import prediction
 from opml.tables import read_table, write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job, progress
 
+
+class Settings(FlightSettings):
+    max_days: float
+
+
 with job(snakemake) as metadata:
-    settings, files = JobSettings(snakemake.params.settings), snakemake.input
+    settings, files = Settings(**snakemake.params.settings), snakemake.input
     table = prediction.predict_all(
-        Flight.read(files, settings.values, threads=snakemake.threads, progress=progress),
+        Flight.read(files, settings, threads=snakemake.threads, progress=progress),
         read_table(files.truth, "truth") if files.truth else None,
         read_table(files.estimates, "estimates"),
         max_days=settings.max_days,

@@ -1,15 +1,25 @@
 """Take laser ranges that were really measured for the tracks of an RSO."""
 
+from typing import Any
+
 from opml.base.constants import DAY
+from opml.base.section import JobSettings
 from opml.catalog.fit import laser_ranges
 from opml.interop import crd, sinex
 from opml.orbits import manoeuvres
 from opml.tables import read_table, write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
+
+class Settings(JobSettings):
+    epoch: str
+    taking: dict[str, Any]
+    duration_days: float
+    manoeuvres: list[str]
+
+
 with job(snakemake) as metadata:
-    settings, files = JobSettings(snakemake.params.settings), snakemake.input
+    settings, files = Settings(**snakemake.params.settings), snakemake.input
     coordinates, eccentricities = files.sites
     points, without = crd.read(files.points, epoch=settings.epoch), settings.taking["without"]
     table = laser_ranges.table(

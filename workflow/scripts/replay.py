@@ -1,18 +1,25 @@
 """Run the mornings that are over again, and hold their ephemerides against what came."""
 
-from opml.catalog.flight import Flight
+from opml.catalog.flight import Flight, FlightSettings
 from opml.ephemerides import replays
-from opml.ephemerides.known import Known
+from opml.ephemerides.known import Known, KnownSettings
 from opml.learning.data import dataset
 from opml.learning.models.daily_training import Lessons
 from opml.learning.models.learners import paths_of_each
 from opml.tables import read_table, write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job, metadata_of_each, progress
 
+
+class Settings(FlightSettings, KnownSettings):
+    seed: int
+    train_days: tuple[float, float]
+    every_hours: float
+    max_days: float
+
+
 with job(snakemake) as metadata:
-    settings, files = JobSettings(snakemake.params.settings), snakemake.input
-    known = Known.read(files, settings.values)
+    settings, files = Settings(**snakemake.params.settings), snakemake.input
+    known = Known.read(files, settings)
     predictions = read_table(files.predictions, "predictions")
     later = read_table(files.later, "estimates") if files.later else None
     spread = read_table(files.spread, "spread")
@@ -25,10 +32,12 @@ with job(snakemake) as metadata:
         judged = replays.judge(lessons.dataset, predictions, later, alike=known.are_of_sets)
         series.append(replays.ReplaySeries(lessons, starts, replays.at_starts(judged, starts, spread)))
     tables = replays.build(
-        Flight.read(files, settings.values, threads=snakemake.threads, progress=progress),
+        Flight.read(files, settings, threads=snakemake.threads, progress=progress),
         known,
         series,
         max_days=settings.max_days,
     )
-    for path, table, alone in zip(snakemake.output, tables, metadata_of_each(settings.values), strict=True):
+    for path, table, alone in zip(
+        snakemake.output, tables, metadata_of_each(snakemake.params.settings), strict=True
+    ):
         write_table(path, table, "replay", metadata=alone)

@@ -1,16 +1,26 @@
 """Train a learner anew at intervals, and correct what is predicted next."""
 
 from functools import partial
+from typing import Any
 
+from opml.base.section import JobSettings
 from opml.learning.data import dataset
 from opml.learning.judge import rolling_origins
+from opml.learning.judge.rolling_origins import Rolling
 from opml.learning.models import learners
 from opml.tables import write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
+
+class Settings(JobSettings):
+    component: str
+    learner: dict[str, Any]
+    seed: int
+    rolling: Rolling
+
+
 with job(snakemake) as metadata:
-    settings, files = JobSettings(snakemake.params.settings), snakemake.input
+    settings, files = Settings(**snakemake.params.settings), snakemake.input
     learned = dataset.read(files.dataset, files.beside)
     table = rolling_origins.roll(
         partial(
@@ -21,7 +31,7 @@ with job(snakemake) as metadata:
         ),
         learned,
         dataset.read(files.judge, files.beside) if files.judge else learned,
-        rolling_origins.Rolling(**settings.rolling),
+        settings.rolling,
         component=settings.component,
     )
     write_table(snakemake.output[0], table, "rolling", metadata=metadata)

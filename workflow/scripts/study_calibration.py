@@ -6,12 +6,11 @@ from opml.learning.data.components import CORRECTED
 from opml.learning.judge import calibration
 from opml.learning.judge.model_choice import CHOSEN
 from opml.tables import ELLIPSOID, read_table
-from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job
-from opml.workflow.replayed import read_mornings
+from opml.workflow.replayed import ReplayedSettings, read_mornings
 
 with job(snakemake):
-    settings, files = FigureSettings(snakemake.params.settings), snakemake.input
+    settings, files = ReplayedSettings(**snakemake.params.settings), snakemake.input
     mornings = read_mornings(files, settings)
     flown = {display_learner(name): table for name, table in mornings.tables.items()}
     tables = calibration.of_replays({CHOSEN: mornings.flown, **flown}, days=settings.days)

@@ -2,16 +2,27 @@
 
 import pandas as pd
 
+from opml.base.section import JobSettings
 from opml.figures import own_study, style
-from opml.figures.axis_labels import add_weather
+from opml.figures.axis_labels import lines
 from opml.figures.display_names import describe_run
 from opml.orbits.manoeuvres import read_manoeuvres
 from opml.tables import read_table
-from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job, read_by_key
 
+
+class Settings(JobSettings):
+    rso: str
+    stations: str
+    component: str
+    marks: list[float]
+    windows: list[str]
+    epoch: str
+    weather: str
+
+
 with job(snakemake):
-    settings, files = FigureSettings(snakemake.params.settings), snakemake.input
+    settings, files = Settings(**snakemake.params.settings), snakemake.input
     dataset = read_table(files.dataset, "dataset")
     errors = [
         own_study.daily_errors(dataset, component=settings.component, day=day) for day in settings.marks
@@ -22,6 +33,8 @@ with job(snakemake):
         pd.concat(errors),
         epoch=settings.epoch,
         manoeuvres=[one.t for one in read_manoeuvres(files.manoeuvres)] if files.manoeuvres else [],
-        note=add_weather(f"{describe_run(settings.values)}; {own_study.UNCORRECTED_NOTE}", settings.values),
+        note=lines(
+            f"{describe_run(settings.rso, settings.stations)}; {own_study.UNCORRECTED_NOTE}", settings.weather
+        ),
     )
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

@@ -1,17 +1,25 @@
 """Simulate the tracks and measurements of an RSO by a station set."""
 
+from opml.base.section import JobSettings
 from opml.catalog.simulate import tracking
 from opml.orbits.sheets import Station
 from opml.tables import read_table, write_table
-from opml.workflow.job_settings import SheetJobSettings
 from opml.workflow.jobs import job
 
+
+class Settings(JobSettings):
+    stations: list[Station]
+    rso: str
+    seed: int
+    epoch: str
+
+
 with job(snakemake) as metadata:
-    settings = SheetJobSettings(snakemake.params.settings)
+    settings = Settings(**snakemake.params.settings)
     table = tracking.simulate(
         read_table(snakemake.input.truth, "truth"),
         read_table(snakemake.input.earth_orientation, "earth_orientation"),
-        [Station(**station) for station in settings.stations],
+        settings.stations,
         rso=settings.rso,
         seed=settings.seed,
         epoch=settings.epoch,

@@ -1,13 +1,24 @@
 """Train a learner on one error component."""
 
+from typing import Any
+
+from opml.base.section import JobSettings
 from opml.learning.data import dataset, splits
 from opml.learning.models import learners
 from opml.tables import write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
+
+class Settings(JobSettings):
+    train: str
+    span_days: tuple[float, float]
+    seed: int
+    component: str
+    learner: dict[str, Any]
+
+
 with job(snakemake) as metadata:
-    settings = JobSettings(snakemake.params.settings)
+    settings = Settings(**snakemake.params.settings)
     table = dataset.read(snakemake.input.dataset, snakemake.input.beside)
     rows = splits.training_rows(table, settings.train, span_days=settings.span_days, seed=settings.seed)
     model = learners.train(

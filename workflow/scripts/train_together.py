@@ -1,16 +1,23 @@
 """Train a learner on one error component, with variables standardised over a test's rows, too."""
 
+from typing import Any
+
 from opml.learning.data import job_rows
+from opml.learning.data.job_rows import RowsSettings
 from opml.learning.models import learners
 from opml.readings import joint_standardisation
 from opml.tables import write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job
 
+
+class Settings(RowsSettings):
+    learner: dict[str, Any]
+
+
 with job(snakemake) as metadata:
-    settings = JobSettings(snakemake.params.settings)
+    settings = Settings(**snakemake.params.settings)
     component = settings.experiment["component"]
-    rows, test = job_rows.read_with_training(snakemake.input, settings.values)
+    rows, test = job_rows.read_with_training(snakemake.input, settings)
     model = joint_standardisation.train_jointly(
         rows, test, component=component, settings=settings.learner, seed=settings.seed
     )

@@ -1,13 +1,21 @@
 """Draw P_ML on other RSOs against the element that they differ in."""
 
+from opml.base.section import JobSettings
 from opml.figures import p_ml_curves, style
 from opml.learning.judge.metrics import by_seed
 from opml.tables import read_tables
-from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import job
 
+
+class Settings(JobSettings):
+    published: dict[str, dict[str, float]]
+    curve: str
+    targets: dict[str, float]
+    component: str
+
+
 with job(snakemake):
-    settings = FigureSettings(snakemake.params.settings)
+    settings = Settings(**snakemake.params.settings)
     published = {
         test: {float(value): p_ml for value, p_ml in points.items()}
         for test, points in settings.published.items()

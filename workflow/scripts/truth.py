@@ -1,14 +1,19 @@
 """Propagate the true orbit of an RSO."""
 
 from opml.base.constants import DAY
-from opml.catalog.flight import Flight
+from opml.catalog.flight import Flight, FlightSettings
 from opml.catalog.simulate import truth
 from opml.tables import write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job, progress
 
+
+class Settings(FlightSettings):
+    duration_days: float
+    step_s: float
+
+
 with job(snakemake) as metadata:
-    settings = JobSettings(snakemake.params.settings)
-    flight = Flight.read(snakemake.input, settings.values, progress=progress)
+    settings = Settings(**snakemake.params.settings)
+    flight = Flight.read(snakemake.input, settings, progress=progress)
     table = truth.simulate(flight, duration=DAY * settings.duration_days, step=settings.step_s)
     write_table(snakemake.output[0], table, "truth", metadata=metadata)

@@ -3,28 +3,30 @@
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.catalog.flight import Flight
+from opml.catalog.flight import Flight, FlightSettings
 from opml.catalog.simulate import truth
 from opml.orbits.sheets import Rso
 from opml.tables import TRUTH_GROUPS, write_table
-from opml.workflow.job_settings import JobSettings
 from opml.workflow.jobs import job, metadata_of_each, progress
 
+
+class Settings(FlightSettings):
+    rsos: list[Rso]
+    duration_days: float
+    step_s: float
+
+
 with job(snakemake) as metadata:
-    settings = JobSettings(snakemake.params.settings)
-    first, *others = settings.rsos
+    given = snakemake.params.settings
+    settings = Settings(**given, rso=given["rsos"][0])
     tables = truth.simulate_together(
-        Flight.read(
-            snakemake.input, settings.values | {"rso": first}, threads=snakemake.threads, progress=progress
-        ),
-        [Rso(**rso) for rso in others],
+        Flight.read(snakemake.input, settings, threads=snakemake.threads, progress=progress),
+        settings.rsos[1:],
         duration=DAY * settings.duration_days,
         step=settings.step_s,
     )
     # First, as a truth that was there without it would count as one that flew alone.
-    group = pd.DataFrame({"rso": [rso["name"] for rso in settings.rsos]})
+    group = pd.DataFrame({"rso": [rso.name for rso in settings.rsos]})
     write_table(snakemake.output.group, group, TRUTH_GROUPS, metadata=metadata)
-    for path, table, alone in zip(
-        snakemake.output.truth, tables, metadata_of_each(settings.values), strict=True
-    ):
+    for path, table, alone in zip(snakemake.output.truth, tables, metadata_of_each(given), strict=True):
         write_table(path, table, "truth", metadata=alone)

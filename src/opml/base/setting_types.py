@@ -1,13 +1,11 @@
-"""Types of settings: what may stand under a key, and how a refusal calls it.
-
-Pydantic reads them where settings are checked (`opml.study.settings.model`); nothing here imports it.
-"""
+"""Types of settings: what may stand under a key, and how a refusal calls it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any, TypeVar
 
 from annotated_types import Ge, Gt, Lt, MinLen
+from pydantic import Strict
 
 TypeSchema = dict[str, Any]
 """A core schema or a JSON schema of pydantic's."""
@@ -92,3 +90,8 @@ Share = Annotated[float, Gt(0), Lt(1), Expected("a number between 0 and 1")]
 Count = Annotated[int, Ge(1), Expected("a whole number above 0")]
 
 Text = Annotated[str, MinLen(1)]
+
+Day = Annotated[float, Ge(0), Expected("a day, a number from 0")]
+
+# YAML has lists only: they stand for tuples, whose items stay as strict as all else.
+Days = Annotated[tuple[Day, Day], Strict(False), Expected("two numbers, first and last day")]

@@ -18,6 +18,7 @@ from opml import __version__
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing
+from opml.base.progress import Progress
 from opml.benchmark import tasks
 from opml.benchmark.answers import COVARIANCE, REQUIRED, about_file
 from opml.benchmark.tasks import BenchmarkTask
@@ -150,9 +151,7 @@ FIT = "fit"
 WAYS = (*CORRECTIONS, FIT)
 
 
-def write(
-    path: FilePath, task: BenchmarkTask, way: str, trained: FilePath | None, progress: improve.Progress
-) -> int:
+def write(path: FilePath, task: BenchmarkTask, way: str, trained: FilePath | None, progress: Progress) -> int:
     """Write a baseline's answers as CSV, and what tells of their making; return how many.
 
     way: one of WAYS

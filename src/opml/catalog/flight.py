@@ -1,6 +1,6 @@
 """An RSO under a force model, and the arcs that it flies."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
@@ -8,9 +8,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
+from opml.base.section import JobSettings
 from opml.dynamics import force_model
-from opml.dynamics.ensemble import Arcs, Departures, Integrator, propagate
+from opml.dynamics.ensemble import Arcs, Departures, propagate
 from opml.dynamics.kernels.surroundings import ForceModel
+from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.orbits.elements import from_rsw, in_rsw
 from opml.orbits.sheets import Rso
 
@@ -45,6 +47,15 @@ def beside(path: np.ndarray, near: np.ndarray, neighbour: np.ndarray) -> np.ndar
     return moved
 
 
+class FlightSettings(JobSettings):
+    """What a job's RSO flies under, and how."""
+
+    epoch: str
+    force_model: ForceModelSettings
+    integrator: Integrator
+    rso: Rso
+
+
 @dataclass(frozen=True)
 class Flight:
     """An RSO under a force model, and how it is integrated.
@@ -64,20 +75,15 @@ class Flight:
 
     @classmethod
     def read(
-        cls, files: Any, settings: Mapping[str, Any], *, threads: int = 1, progress: Progress | None = None
+        cls, files: Any, settings: FlightSettings, *, threads: int = 1, progress: Progress | None = None
     ) -> Self:
         """Read the flight of a job.
 
-        files: the job's input, with the tables of the environment; settings: epoch, force_model, rso and
-        integrator. Raises InputError where a table is missing or damaged.
+        files: the job's input, with the tables of the environment. Raises InputError where a table is missing
+        or damaged.
         """
-        return cls(
-            force_model.read(files, epoch=settings["epoch"], settings=settings["force_model"]),
-            Rso(**settings["rso"]),
-            force_model.integrator(settings["integrator"]),
-            threads,
-            progress,
-        )
+        model = force_model.read(files, epoch=settings.epoch, settings=settings.force_model)
+        return cls(model, settings.rso, settings.integrator, threads, progress)
 
     def part(self, number: int, parts: int) -> Self:
         """Return this flight with the progress of one of several equal parts."""
@@ -92,7 +98,7 @@ class Flight:
         """
         if self.model.degree <= _LARGE:
             return self
-        longer = replace(self.integrator, max_step=max(self.integrator.max_step, _STEP_NEAR))
+        longer = self.integrator.evolve(max_step_s=max(self.integrator.max_step_s, _STEP_NEAR))
         return replace(self.under(self.near or near_part(self.model)), integrator=longer)
 
     def under(self, model: ForceModel) -> Self:

@@ -22,15 +22,7 @@ from opml.dynamics.kernels.block import REASONS as REASONS
 from opml.dynamics.kernels.block import advance, workspace
 from opml.dynamics.kernels.lanes import WIDTH, rows
 from opml.dynamics.kernels.surroundings import ForceModel
-
-
-@dataclass(frozen=True)
-class Integrator:
-    """Settings of the Dormand-Prince 8(5,3) method: tolerance [m] and step limits [s]."""
-
-    position_tolerance: float = 0.1
-    min_step: float = 0.001
-    max_step: float = 90.0
+from opml.dynamics.settings import Integrator
 
 
 @dataclass(frozen=True)
@@ -95,7 +87,7 @@ def propagate(
     first, last = np.asarray(departures.first, np.int64), np.asarray(departures.last, np.int64)
     if np.array_equal(first, last):
         return Arcs(np.empty((0, 6)), np.zeros(len(first) + 1, np.int64), np.zeros(len(first), np.int64))
-    grid = _Grid(epochs, model.jumps(epochs[0], epochs[-1]), integrator.max_step)
+    grid = _Grid(epochs, model.jumps(epochs[0], epochs[-1]), integrator.max_step_s)
     start = np.concatenate([[0], np.cumsum(last - first)])
     ensemble = _Ensemble(
         states=np.asarray(departures.states, float),
@@ -180,8 +172,8 @@ class _Ensemble:
             self.arcs.start[lanes],
             self.arcs.states,
             status,
-            self.integrator.position_tolerance,
-            self.integrator.min_step,
+            self.integrator.position_tolerance_m,
+            self.integrator.min_step_s,
             workspace(model),
         )
         self.arcs.status[members] = status[: len(members)]

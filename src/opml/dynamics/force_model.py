@@ -1,23 +1,19 @@
-"""The force model and the integrator of a run, from the environment's tables and the settings."""
+"""The force model of a job, from the tables of its environment and the settings."""
 
 from collections.abc import Mapping
-from typing import Any
 
-import pandas as pd
-
-from opml.dynamics.ensemble import Integrator
 from opml.dynamics.forces import build, with_outlooks
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.run_environment import Environment
+from opml.dynamics.settings import ForceModelSettings
 from opml.tables import ENVIRONMENT, OPTIONAL, OUTLOOKS, THERMOSPHERE, read_metadata, read_table
 
 
-def read(paths: Mapping[str, str], *, epoch: str, settings: Mapping[str, Any]) -> ForceModel:
+def read(paths: Mapping[str, str], *, epoch: str, settings: ForceModelSettings) -> ForceModel:
     """Read a force model.
 
     paths: of the tables in `tables.ENVIRONMENT`, by name, and those in `tables.OPTIONAL` where there are any;
-    epoch: UTC text; settings: degree, order, third_bodies, and solid_tides and relativity where they are
-    on. Raises InputError where a table is missing or damaged, and for a field that tides cannot be added to.
+    epoch: UTC text. Raises InputError where a table is missing or damaged, and as `build` does.
     """
     field = read_metadata(paths["gravity_field"])
     environment = Environment(
@@ -29,29 +25,5 @@ def read(paths: Mapping[str, str], *, epoch: str, settings: Mapping[str, Any]) -
         tide_system=field["tide_system"],
     )
     optional = {name: read_table(paths[name], name) for name in OPTIONAL if name in dict(paths.items())}
-    model = of_settings(environment, settings, thermosphere=optional.get(THERMOSPHERE))
+    model = build(environment, settings, thermosphere=optional.get(THERMOSPHERE))
     return with_outlooks(model, optional[OUTLOOKS]) if OUTLOOKS in optional else model
-
-
-def of_settings(
-    environment: Environment, settings: Mapping[str, Any], *, thermosphere: pd.DataFrame | None = None
-) -> ForceModel:
-    """Make a force model from an environment; settings: as for `read`, thermosphere: as for `build`."""
-    return build(
-        environment,
-        degree=settings["degree"],
-        order=settings["order"],
-        bodies=settings["third_bodies"],
-        solid_tides=settings.get("solid_tides", False),
-        relativity=settings.get("relativity", False),
-        thermosphere=thermosphere,
-    )
-
-
-def integrator(settings: Mapping[str, float]) -> Integrator:
-    """Return the integrator of position_tolerance_m, min_step_s and max_step_s."""
-    return Integrator(
-        position_tolerance=settings["position_tolerance_m"],
-        min_step=settings["min_step_s"],
-        max_step=settings["max_step_s"],
-    )

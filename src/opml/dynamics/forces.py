@@ -16,6 +16,7 @@ from opml.dynamics.kernels.gravity import weights
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.kernels.tides import DEGREE, ORDER, no_tides, tides
 from opml.dynamics.run_environment import Environment
+from opml.dynamics.settings import ForceModelSettings
 from opml.environment import celestial_bodies, earth_orientation, gravity_field
 from opml.environment.weather import ACTIVITY
 
@@ -46,23 +47,12 @@ def tabulated(
 
 
 def build(
-    environment: Environment,
-    *,
-    degree: int,
-    order: int,
-    bodies: Sequence[str],
-    solid_tides: bool = False,
-    relativity: bool = False,
-    thermosphere: pd.DataFrame | None = None,
+    environment: Environment, settings: ForceModelSettings, *, thermosphere: pd.DataFrame | None = None
 ) -> ForceModel:
     """Make a force model from an environment.
 
     environment: the tables of Earth orientation, third bodies and solar activity have the same uniform nodes,
     that of the gravity field is fully normalised
-    degree, order: of the part of the field that is used
-    bodies: names of the third bodies that pull
-    solid_tides: whether Moon and Sun deform the Earth
-    relativity: whether the terms of general relativity count
     thermosphere: densities at the same nodes; DTM2000's where there are none
 
     Raises InputError where the field is of a tide system to which no tides can be added.
@@ -70,29 +60,32 @@ def build(
     earth_orientation = environment.earth_orientation
     t = earth_orientation["t"].to_numpy()
     activity = np.ascontiguousarray(environment.solar_activity[ACTIVITY].to_numpy(float))
-    names = ["sun", *(name for name in BODIES if name in bodies and name != "sun")]
+    pulling = settings.third_bodies
+    names = ["sun", *(name for name in BODIES if name in pulling and name != "sun")]
     columns = [f"{name}_{axis}" for name in names for axis in "xyz"]
     midnight, days = days_of_year(environment.epoch, t[-1])
     coefficients = dtm2000.coefficients()
-    c, s = _coefficients(environment.gravity_field, degree, order)
-    if solid_tides:
+    c, s = _coefficients(environment.gravity_field, settings.degree, settings.order)
+    if settings.solid_tides:
         c, s = _padded(c), _padded(s)
-    factors = weights(c, s)
+    factors, earth_tides = weights(c, s), no_tides()
+    if settings.solid_tides:
+        earth_tides = tides(solid_earth.nodes(environment), factors, len(c) - 1)
     return ForceModel(
         first=float(t[0]),
         step=float(t[1] - t[0]),
         orientation=np.ascontiguousarray(earth_orientation[ORIENTATION].to_numpy(float)),
         spin=np.ascontiguousarray(spin(earth_orientation)),
-        precession=_precession(environment) if relativity else np.empty((0, 3)),
+        precession=_precession(environment) if settings.relativity else np.empty((0, 3)),
         bodies=np.ascontiguousarray(environment.ephemerides[columns].to_numpy(float)),
-        gms=np.array([environment.gms[name] if name in bodies else 0.0 for name in names]),
+        gms=np.array([environment.gms[name] if name in pulling else 0.0 for name in names]),
         activity=activity[None],
         midnight=float(midnight),
         seasons=np.ascontiguousarray(dtm2000.seasons(coefficients, days)),
         thermosphere=coefficients,
         tabulated=_EMPTY if thermosphere is None else logarithms(thermosphere),
         weights=factors,
-        tides=tides(solid_earth.nodes(environment), factors, len(c) - 1) if solid_tides else no_tides(),
+        tides=earth_tides,
         columns=c.shape[1] + 1,
         degree=len(c),
         gm=float(environment.gm),

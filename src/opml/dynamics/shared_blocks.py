@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from opml.dynamics import ensemble
-from opml.dynamics.ensemble import Arcs, Departures, Integrator
+from opml.dynamics.ensemble import Arcs, Departures
 from opml.dynamics.kernels.surroundings import ForceModel
+from opml.dynamics.settings import Integrator
 
 STEP = 300.0
 """Between the epochs of the raster, which are its multiples [s]."""

@@ -4,7 +4,7 @@ The along-track error that the model predicts at each epoch moves the orbit
 (`opml.ephemerides.along_track_shift`). Covariances are the sizes of past errors.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from functools import cache, partial
 from typing import Any
 
@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.catalog.flight import Flight
+from opml.catalog.flight import Flight, FlightSettings
 from opml.catalog.predict import spread
 from opml.catalog.predict.spread import Weathers
 from opml.ephemerides.along_track_shift import check_smooth, corrected, through
@@ -34,9 +34,11 @@ SPREAD_STEP = 600.0
 """Time between the epochs of an ephemeris that arcs fly to for its spread [s], linear between them."""
 
 
-def spreading(files: Any, settings: Mapping[str, Any], known: Known, *, threads: int = 1) -> Spreads:
+def spreading(files: Any, settings: FlightSettings, known: Known, *, threads: int = 1) -> Spreads:
     """Return how a job makes the `spread` of pairs; futures of the weather are optional among its files."""
-    flight = Flight.read(files, {**settings, "force_model": spread.FLATTENED}, threads=threads)
+    flight = Flight.read(
+        files, settings.model_copy(update={"force_model": spread.FLATTENED}), threads=threads
+    )
     futures = read_table(files.futures, "futures") if files.futures else None
     return partial(spread.build, flight, known.own(), weathers=Weathers.of(flight.model, futures))
 

@@ -9,6 +9,7 @@ import pandas as pd
 
 from opml.base.constants import HOUR
 from opml.base.errors import InputError
+from opml.base.section import JobSettings
 from opml.catalog.fit import fixes
 from opml.catalog.predict import other_windows
 from opml.learning.data import dataset
@@ -18,6 +19,24 @@ from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres, spoilt_since
 from opml.tables import read_measured, read_metadata, read_table
 
 _HISTORIES = ("element_sets", "improved_history")
+
+
+class LongArcs(JobSettings):
+    """Long arcs beside estimates, and the resonances that they are asked for."""
+
+    long_window_hours: float
+    resonances: list[tuple[int, int]]
+
+
+class KnownSettings(JobSettings):
+    """How what a catalogue knows was made; learners are resolved."""
+
+    epoch: str
+    cleaning: Cleaning
+    window_hours: float
+    cd_bounds: tuple[float, float] | None
+    mechanism: LongArcs
+    learners: list[dict[str, Any]]
 
 
 @dataclass(frozen=True)
@@ -51,40 +70,39 @@ class Known:
     are_of_sets: bool = False
 
     @classmethod
-    def read(cls, files: Any, settings: Mapping[str, Any]) -> Self:
+    def read(cls, files: Any, settings: KnownSettings) -> Self:
         """Read what the tables of a job hold.
 
         files: the job's input; where it has them, `long_estimates`, `arc_estimates` and histories of mean
             elements as the learners ask
-        settings: among them `learners`, resolved
 
         Raises InputError where a table is missing, damaged or does not belong to the others.
         """
         estimates = read_table(files.estimates, "estimates")
         tracking = read_measured(files.tracking)
-        gm, mechanism = read_metadata(files.gravity_field)["gm"], settings["mechanism"]
+        gm, mechanism = read_metadata(files.gravity_field)["gm"], settings.mechanism
         at_estimates = dataset.of_estimates(
             estimates,
             read_table(files.predictions, "predictions"),
             tracking,
             gm=gm,
-            cleaning=Cleaning.from_settings(settings["cleaning"]),
+            cleaning=settings.cleaning,
         )
-        long_hours = mechanism["long_window_hours"]
-        others = dict(zip(arc_windows(settings["learners"]), files.get("arc_estimates", []), strict=True))
+        long_hours = mechanism.long_window_hours
+        others = dict(zip(arc_windows(settings.learners), files.get("arc_estimates", []), strict=True))
         if long_estimates := files.get("long_estimates"):
             others[long_hours] = long_estimates
         return cls(
             estimates,
             at_estimates,
-            settings["window_hours"],
+            settings.window_hours,
             gm,
             others={hours: read_table(path, "estimates") for hours, path in others.items()},
             long_window_hours=long_hours,
-            bounds=settings["cd_bounds"],
-            resonances=mechanism["resonances"],
+            bounds=settings.cd_bounds,
+            resonances=mechanism.resonances,
             manoeuvres=read_manoeuvres(files.manoeuvres) if files.manoeuvres else [],
-            epoch=settings["epoch"],
+            epoch=settings.epoch,
             histories={kind: read_table(path, kind) for kind in _HISTORIES if (path := files.get(kind))},
             are_of_sets=fixes.are_of_sets(tracking),
         )

@@ -4,23 +4,32 @@ From an estimate the assumed model predicts to every epoch of the grid. The vari
 computed at those epochs as at later tracks. No truth is needed: all of it is known at t_i.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
 import pandas as pd
+from pydantic import Field
 
 from opml.base.constants import DAY, LANES
 from opml.base.errors import InputError
-from opml.catalog.flight import Flight, Progress
+from opml.catalog.flight import Flight, FlightSettings, Progress
 from opml.ephemerides.along_track_shift import LEAST_EPOCHS
-from opml.ephemerides.known import Known
+from opml.ephemerides.known import Known, KnownSettings
 from opml.ephemerides.part import Grid, Part
 from opml.tables import STATE, STATE_COVARIANCES
 
 TOGETHER = LANES
 """Ephemerides made side by side, an arc each; their tables take some hundred MB."""
+
+
+class TaskSettings(FlightSettings, KnownSettings):
+    """Of which estimates ephemerides start, and the grid of their epochs: step [s], reach and run [days]."""
+
+    known_until_days: float
+    start: str = Field(alias="from")
+    grid: tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -37,17 +46,15 @@ class Task:
 
     @classmethod
     def read(
-        cls, files: Any, settings: Mapping[str, Any], *, threads: int = 1, progress: Progress | None = None
+        cls, files: Any, settings: TaskSettings, *, threads: int = 1, progress: Progress | None = None
     ) -> Self:
         """Read the task of a job; raises InputError as `Known.read` and `departures` do."""
         known = Known.read(files, settings)
-        step, max_days, duration_days = settings["grid"]
+        step, max_days, duration_days = settings.grid
         return cls(
             Flight.read(files, settings, threads=threads, progress=progress),
             known,
-            departures(
-                known, known_until=DAY * settings["known_until_days"], each=settings["from"] == "each"
-            ),
+            departures(known, known_until=DAY * settings.known_until_days, each=settings.start == "each"),
             Grid(step, max_days, DAY * duration_days),
         )
 

@@ -2,11 +2,10 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from opml import naming
 from opml.figures.display_names import describe_run, display_learner, display_rso, display_stations
-from opml.naming import Split
+from opml.naming import Experiment, Split
 
 PAPER = "Peng & Bai"
 """The paper, in the labels of its numbers."""
@@ -78,28 +77,23 @@ def describe_test(name: str) -> str:
     return ", ".join(words)
 
 
-def describe_experiment(names: Mapping[str, Any]) -> str:
-    """Return as a line what one model was trained and tested on.
-
-    names: parts of an experiment by name; others are ignored
-    """
-    rso, target = display_rso(names["rso"]), display_rso(names["target"])
+def describe_experiment(experiment: Experiment) -> str:
+    """Return as a line what one model was trained and tested on."""
+    rso, target = display_rso(experiment.rso), display_rso(experiment.target)
     where = "" if target == rso else f"{target.removeprefix(f'{rso}, ')}, "
-    trained = f"{display_learner(names['learner'])} trained on {describe_training(names['train'])}"
-    return f"{describe_run(names)}; {trained}, tested on {where}{describe_test(names['test'])}"
+    trained = f"{display_learner(experiment.learner)} trained on {describe_training(experiment.train)}"
+    run = describe_run(experiment.rso, experiment.stations)
+    return f"{run}; {trained}, tested on {where}{describe_test(experiment.test)}"
 
 
-def tick_label(names: Mapping[str, Any]) -> str:
-    """Return as three lines what sets an experiment apart in a study: radars or RSO, training, test.
-
-    names: parts of an experiment by name; others are ignored
-    """
-    rso, target = display_rso(names["rso"]), display_rso(names["target"])
-    where = display_stations(names["stations"]).partition(" (")[0]
+def tick_label(experiment: Experiment) -> str:
+    """Return as three lines what sets an experiment apart in a study: radars or RSO, training, test."""
+    rso, target = display_rso(experiment.rso), display_rso(experiment.target)
+    where = display_stations(experiment.stations).partition(" (")[0]
     if target != rso:
         where = target.removeprefix(f"{rso}, ")
-    trained = describe_training(names["train"]).partition(" of ")[0]
-    return f"{where}\n{trained},\n{describe_test(names['test'])}"
+    trained = describe_training(experiment.train).partition(" of ")[0]
+    return f"{where}\n{trained},\n{describe_test(experiment.test)}"
 
 
 def describe_splits(pairs: Mapping[str, Sequence[str]]) -> str:
@@ -108,11 +102,6 @@ def describe_splits(pairs: Mapping[str, Sequence[str]]) -> str:
         f"{name}: trained on {describe_training(train)}, tested on {describe_test(test)}"
         for name, (train, test) in pairs.items()
     )
-
-
-def add_weather(note: str, settings: Mapping[str, Any]) -> str:
-    """Return a note with a line on the space weather, where the settings have one as `weather`."""
-    return lines(note, settings.get("weather", ""))
 
 
 def lines(*parts: str) -> str:

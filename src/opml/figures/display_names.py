@@ -1,8 +1,6 @@
 """Names of a run as figures show them: `swarm` is Swarm A, `eglin-clear-kaena` three radars."""
 
 import re
-from collections.abc import Mapping
-from typing import Any
 
 from opml import naming
 
@@ -54,9 +52,6 @@ def display_learner(name: str) -> str:
     return {"svr": "the paper's SVR", "sgp4": "SGP4"}.get(name, name)
 
 
-def describe_run(names: Mapping[str, Any]) -> str:
-    """Return whose tracks a figure is about: `Swarm A by three radars (Eglin, Clear, Kaena)`.
-
-    names: of which `rso` and `stations` count
-    """
-    return f"{display_rso(names['rso'])} by {display_stations(names['stations'])}"
+def describe_run(rso: str, stations: str) -> str:
+    """Return whose tracks a figure is about: `Swarm A by three radars (Eglin, Clear, Kaena)`."""
+    return f"{display_rso(rso)} by {display_stations(stations)}"

@@ -1,9 +1,7 @@
 """Notes of a figure of errors: what was trained and tested, and which rows it shows."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -15,7 +13,7 @@ from opml.figures.ticks import MINUS
 from opml.learning.data.cleaning import OUTSIDE_FENCES, Cleaning, tukey_fences
 from opml.learning.data.splits import in_days, known_at
 from opml.learning.judge import metrics as judge
-from opml.naming import parse_test
+from opml.naming import Experiment, parse_test
 from opml.tables import read_table
 
 CONSTANT_SHARE = 0.02
@@ -39,35 +37,26 @@ class Context:
 
 
 def experiment_context(
-    names: Mapping[str, Any], metrics: pd.DataFrame, dataset: pd.DataFrame, cleaning: Cleaning
+    experiment: Experiment, cleaning: Cleaning, metrics: pd.DataFrame, dataset: pd.DataFrame
 ) -> Context:
     """Return the context of a figure of one experiment.
 
-    names: parts of the experiment by name; others are ignored
     metrics: the experiment's row of that table
-    dataset: that table of the RSO tested on
-    cleaning: of that dataset
+    dataset: that table of the RSO tested on, and its cleaning
     """
-    has_fences = names["component"] == "e_y" and parse_test(names["test"]).fence is None
+    has_fences = experiment.component == "e_y" and parse_test(experiment.test).fence is None
     return Context(
-        note=describe_experiment(names),
+        note=describe_experiment(experiment),
         interval=(float(metrics["p_ml_low"].iloc[0]), float(metrics["p_ml_high"].iloc[0])),
         fences=fences(dataset, cleaning) if has_fences else None,
-        kept=100.0 * kept_share(dataset, names["test"]),
+        kept=100.0 * kept_share(dataset, experiment.test),
     )
 
 
-def read_context(settings: Mapping[str, Any], metrics: FilePath, dataset: FilePath) -> Context:
-    """Return the context of a figure of one experiment, reading its tables.
-
-    settings: the experiment's parts by name, and its `cleaning`
-    metrics, dataset: files of the tables that `experiment_context` takes
-    """
+def read_context(experiment: Experiment, cleaning: Cleaning, metrics: FilePath, dataset: FilePath) -> Context:
+    """Return the context of a figure of one experiment, reading its tables."""
     return experiment_context(
-        settings,
-        read_table(metrics, "metrics"),
-        read_table(dataset, "dataset"),
-        Cleaning.from_settings(settings["cleaning"]),
+        experiment, cleaning, read_table(metrics, "metrics"), read_table(dataset, "dataset")
     )
 
 

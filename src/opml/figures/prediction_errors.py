@@ -3,7 +3,7 @@
 A prediction error is predicted minus true, in RSW of the true state: x radial, y along-track, z cross-track.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,7 +28,7 @@ from opml.figures.axis_labels import (
     symbol,
     unit,
 )
-from opml.figures.display_names import describe_run, display_rso
+from opml.figures.display_names import display_rso
 from opml.figures.notes import Context, constant_note, counts_note, fences_note, p_ml_note
 from opml.figures.style import (
     ESTIMATE,
@@ -125,15 +125,11 @@ def distribution_velocity(pairs: pd.DataFrame, *, note: str = "") -> Figure:
     return _distribution(pairs, ("e_vx", "e_vy", "e_vz"), lines(note, scales), absolute=False)
 
 
-def pairs_note(pairs: pd.DataFrame, settings: Mapping[str, Any]) -> str:
-    """Return the note of a distribution of errors.
-
-    pairs: the rows that it shows
-    settings: of which `rso`, `stations` and `days`, the first and the last one, count
-    """
-    first, last = settings["days"]
+def pairs_note(pairs: pd.DataFrame, run: str, days: Sequence[float]) -> str:
+    """Return the note of a distribution of errors: the rows that it shows, of a run in words, by days."""
+    first, last = days
     return (
-        f"{describe_run(settings)}, days {first:g} to {last:g}; {len(pairs)} predictions that the cleaning "
+        f"{run}, days {first:g} to {last:g}; {len(pairs)} predictions that the cleaning "
         "keeps; position and velocity: predicted less true, in RSW of the true state"
     )
 

@@ -16,13 +16,15 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.provenance import settings_digest
-from opml.catalog.fit.estimation import Estimation
+from opml.base.section import JobSettings
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.flight import Flight, near_part
 from opml.catalog.predict import spread
 from opml.catalog.predict.spread import Weathers
 from opml.dynamics import force_model
-from opml.dynamics.ensemble import Arcs, Integrator
+from opml.dynamics.ensemble import Arcs
 from opml.dynamics.kernels.surroundings import ForceModel
+from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.dynamics.shared_blocks import SharedBlocks
 from opml.element_sets.on_mornings import ImprovedHistory
 from opml.mornings import days, measured
@@ -39,6 +41,49 @@ _FULL = (errno.ENOSPC, errno.EDQUOT)
 """Errors of a disk that is full: of no object, and the job ends."""
 
 _log = logging.getLogger(__name__)
+
+
+class CatalogueFiles(JobSettings):
+    """Where the mean elements of all objects of a run are, and the weather under which they are improved."""
+
+    files: list[str]
+    weather: str
+
+
+class ObjectSettings(JobSettings):
+    """What is known of an object, and where its measurements are and how they are taken."""
+
+    rso: Rso
+    kind: str
+    files: list[str]
+    taking: dict[str, Any]
+    start: str
+    manoeuvres: list[str]
+
+
+class BatchSettings(JobSettings):
+    """The mornings of a job up to a date: of which objects, and how they are fitted and predicted."""
+
+    epoch: str
+    duration_days: float
+    date: date
+    hour: float
+    days: Path
+    force_model: ForceModelSettings
+    integrator: Integrator
+    stations: list[Station]
+    estimation: Estimation
+    max_days: float
+    step_s: float
+    models: dict[str, dict[str, Any]]
+    fits_above: float
+    catalogue: CatalogueFiles
+    objects: dict[str, ObjectSettings]
+
+    @property
+    def calendar(self) -> Calendar:
+        """When mornings are."""
+        return Calendar(self.epoch, self.hour)
 
 
 @dataclass(frozen=True)
@@ -61,28 +106,26 @@ class Surroundings:
     propagate: Callable[..., Arcs]
 
     @classmethod
-    def read(cls, files: Any, settings: Mapping[str, Any], propagate: Callable[..., Arcs]) -> "Surroundings":
+    def read(cls, files: Any, settings: BatchSettings, propagate: Callable[..., Arcs]) -> "Surroundings":
         """Read them, with few of the futures; raise InputError where a table is damaged."""
         paths = dict(files.items())
         fits, predictions = (
             {name.removeprefix(kind): path for name, path in paths.items() if name.startswith(kind)}
             for kind in ("fits_", "predictions_")
         )
-        epoch, assumed = settings["epoch"], settings["force_model"]
-        of_fits, of_predictions = (
-            force_model.read(one, epoch=epoch, settings=assumed) for one in (fits, predictions)
-        )
-        flattened = force_model.read(predictions, epoch=epoch, settings=spread.FLATTENED)
+        read = partial(force_model.read, epoch=settings.epoch)
+        of_fits, of_predictions = (read(one, settings=settings.force_model) for one in (fits, predictions))
+        flattened = read(predictions, settings=spread.FLATTENED)
         futures = _futures(files.futures, since=_flown_since(settings)) if files.futures else None
         return cls(
             (of_fits, near_part(of_fits)),
             (of_predictions, near_part(of_predictions)),
-            force_model.integrator(settings["integrator"]),
+            settings.integrator,
             Weathers.of(flattened, futures),
             read_table(fits["earth_orientation"], "earth_orientation"),
-            [Station(**station) for station in settings["stations"]],
+            settings.stations,
             _last_seen(read_table(fits["solar_activity"], "solar_activity")),
-            _improved(**settings["catalogue"]),
+            _improved(settings.catalogue),
             propagate,
         )
 
@@ -96,11 +139,10 @@ class Surroundings:
         return FlightModel(fits, predictions, flattened, self.weathers, self.orientation)
 
 
-def run(files: Any, settings: Mapping[str, Any], *, metadata: Mapping[str, Any]) -> list[dict[str, Any]]:
+def run(files: Any, settings: BatchSettings, *, metadata: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Run the mornings of objects up to a date; return what became of each on that date.
 
     files: the job's input, the environment's tables
-    settings: of the job
     metadata: of tables
     """
     blocks = SharedBlocks()
@@ -108,17 +150,17 @@ def run(files: Any, settings: Mapping[str, Any], *, metadata: Mapping[str, Any])
     return blocks.run(
         [
             partial(_outcome, name, surroundings, settings, one, metadata)
-            for name, one in settings["objects"].items()
+            for name, one in settings.objects.items()
         ]
     )
 
 
-def _improved(files: Sequence[str], weather: str) -> ImprovedHistory | None:
+def _improved(catalogue: CatalogueFiles) -> ImprovedHistory | None:
     """Return what improves mean elements; None without any, or where the log says what is missing."""
-    if not files:
+    if not catalogue.files:
         return None
     try:
-        return ImprovedHistory.read(files, weather)
+        return ImprovedHistory.read(catalogue.files, catalogue.weather)
     except InputError as reason:
         _log.warning("element sets are not improved: %s", reason)
         return None
@@ -136,28 +178,25 @@ def _futures(path: FilePath, *, since: float) -> pd.DataFrame:
     return pd.concat(kept or [SCHEMAS["futures"].empty()], ignore_index=True)
 
 
-def _flown_since(settings: Mapping[str, Any]) -> float:
+def _flown_since(settings: BatchSettings) -> float:
     """Return the time after which the weather is issued that the mornings to be run fly under [s]."""
-    calendar = Calendar(settings["epoch"], settings["hour"])
-    until = date.fromisoformat(settings["date"])
-    done = [days.Folder(Path(settings["days"]), name).done(until) for name in settings["objects"]]
-    begins = [calendar.time(before[-1]) if before else -np.inf for before in done]
+    done = [days.Folder(settings.days, name).done(settings.date) for name in settings.objects]
+    begins = [settings.calendar.time(before[-1]) if before else -np.inf for before in done]
     # An ephemeris starts less than its length before the morning, and from an issue of at most a day before.
-    reach: float = settings["max_days"] + 1.0
-    return min(begins) - DAY * reach
+    return min(begins) - DAY * (settings.max_days + 1.0)
 
 
 def _outcome(
     name: str,
     surroundings: Surroundings,
-    settings: Mapping[str, Any],
-    one: Mapping[str, Any],
+    settings: BatchSettings,
+    one: ObjectSettings,
     metadata: Mapping[str, Any],
 ) -> dict[str, Any]:
     """Return what became of an object; the reason where its mornings could not be run."""
-    day, folder = date.fromisoformat(settings["date"]), days.Folder(Path(settings["days"]), name)
-    shared = {key: settings[key] for key in ("epoch", "force_model", "integrator", "estimation", "models")}
-    digest = settings_digest(shared | {key: one[key] for key in ("rso", "taking")})
+    day, folder = settings.date, days.Folder(settings.days, name)
+    shared = settings.model_dump(include={"epoch", "force_model", "integrator", "estimation", "models"})
+    digest = settings_digest(shared | one.model_dump(include={"rso", "taking"}))
     try:
         _catch_up(folder, surroundings, settings, one, metadata={**metadata, "settings": digest})
     except InputError as reason:
@@ -174,26 +213,25 @@ def _outcome(
 def _catch_up(
     folder: days.Folder,
     surroundings: Surroundings,
-    settings: Mapping[str, Any],
-    one: Mapping[str, Any],
+    settings: BatchSettings,
+    one: ObjectSettings,
     *,
     metadata: Mapping[str, Any],
 ) -> None:
     """Run the mornings of an object that are not over yet."""
-    rso, calendar = Rso(**one["rso"]), Calendar(settings["epoch"], settings["hour"])
-    until = date.fromisoformat(settings["date"])
+    calendar, until = settings.calendar, settings.date
     if until in folder.done(until):
         return
-    span = Span(settings["epoch"], DAY * settings["duration_days"])
-    source = MeasurementSource(one["kind"], one["files"], one["taking"], one["start"], one["manoeuvres"])
+    span = Span(settings.epoch, DAY * settings.duration_days)
+    source = MeasurementSource(one.kind, one.files, one.taking, one.start, one.manoeuvres)
     plan = MorningPlan(
-        settings["models"],
-        Estimation(**settings["estimation"]),
-        settings["max_days"],
-        settings["step_s"],
+        settings.models,
+        settings.estimation,
+        settings.max_days,
+        settings.step_s,
         span.duration,
         span.epoch,
-        settings["fits_above"],
+        settings.fits_above,
     )
     found = measured.read(
         source,
@@ -203,8 +241,8 @@ def _catch_up(
         since=days.since(folder, calendar, plan, until),
     )
     days.check_reached(calendar, until, max(surroundings.seen_until, days.last_known(found.tracking)))
-    model = surroundings.model(rso)
-    given = measured.given_state(source, span, rso, found.tracking, model.predictions.model.gm)
+    model = surroundings.model(one.rso)
+    given = measured.given_state(source, span, one.rso, found.tracking, model.predictions.model.gm)
     watched = Watched(
         model,
         plan,

@@ -1,16 +1,14 @@
 """Burns that nobody named: looked for where the newest estimates are far off what was flown.
 
 A storm or a track of another object puts estimates off, too. Whether a burn does, the tracks themselves tell
-(`opml.catalog.fit.quarantine`), all of the last days in turn.
+(`opml.catalog.associate.quarantine`), all of the last days in turn.
 """
-
-from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.catalog.fit import quarantine
+from opml.catalog.associate import quarantine
 from opml.learning.judge.error_sizes import along_track
 from opml.mornings.fits import Fitting
 from opml.orbits.manoeuvres import Manoeuvre
@@ -54,7 +52,7 @@ def newest(fitting: Fitting, kept: pd.DataFrame, *, since: float) -> Manoeuvre |
         fitting.flight,
         fitting.starts(kept),
         fitting.measured,
-        settings=replace(fitting.settings, suspect_sigma=FAR),
+        settings=fitting.settings.evolve(suspect_sigma=FAR),
     )
     times = found.loc[found["burn_t"] > since + _APART, "burn_t"]
     return Manoeuvre(float(times.iloc[-1]), anew=True) if len(times) else None

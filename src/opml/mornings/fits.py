@@ -7,8 +7,8 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.catalog.fit import several_windows
-from opml.catalog.fit.estimation import Estimation, estimate_further
+from opml.catalog.fit.estimation import estimate_further, estimate_over_windows
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.fit.first.first_orbit import TimedState
 from opml.catalog.fit.measurements import Measurements
@@ -61,7 +61,7 @@ class Fitting:
         kept: earlier estimates, by the window [h]
         """
         (track,) = np.flatnonzero(self.recent.numbers == start["track"].iloc[0])
-        found = several_windows.estimate(
+        found = estimate_over_windows(
             self.flight,
             self._table(start.assign(track=track), age=0.0),
             self.measured,

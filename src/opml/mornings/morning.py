@@ -15,7 +15,7 @@ import pandas as pd
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.catalog.fit import fixes
-from opml.catalog.fit.estimation import Estimation
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.first.first_orbit import TimedState
 from opml.catalog.flight import Flight
 from opml.catalog.predict import spread

@@ -22,12 +22,12 @@ from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.progress import Progress, with_time_left
-from opml.catalog.fit.estimation import Estimation
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.flight import Flight, near_part
 from opml.catalog.predict import covariance, spread
 from opml.catalog.predict.spread import Weathers
-from opml.dynamics import force_model
-from opml.dynamics.forces import tabulated, with_outlooks
+from opml.dynamics.forces import build, tabulated, with_outlooks
+from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.element_sets import improve
 from opml.environment import knowledge, nodes
 from opml.environment.knowledge import Issues
@@ -295,11 +295,11 @@ def _flight_model(
     expected = knowledge.outlooks(issues(sources["issue_hours"]), t)
     futures = knowledge.tabulate_futures(issues(sources["issue_hours"]), t, members=settings["futures"])
     still, flattened = (
-        force_model.of_settings(environment, one) for one in (settings["force_model"], spread.FLATTENED)
+        build(environment, one) for one in (ForceModelSettings(**settings["force_model"]), spread.FLATTENED)
     )
     fitting = with_outlooks(still, knowledge.outlooks(issues(knowledge.FIT_HOURS), t))
     flying, flat = (with_outlooks(model, expected) for model in (still, flattened))
-    integrator = force_model.integrator(settings["integrator"])
+    integrator = Integrator(**settings["integrator"])
     flight = partial(Flight, rso=rso, integrator=integrator, threads=os.cpu_count() or 1)
     return FlightModel(
         flight(fitting, near=near_part(fitting)),

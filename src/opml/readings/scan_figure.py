@@ -1,7 +1,6 @@
 """The numbers of the paper as marks, and those of combinations of readings as lines."""
 
 from collections.abc import Mapping
-from dataclasses import asdict
 from typing import Any
 
 from matplotlib.figure import Figure
@@ -57,7 +56,7 @@ def scan_curves(
     )
     axes.set_ylim(0.0, _MOST)
     axes.set_ylabel(r"$P_{\mathrm{ML}}$ [%]")
-    labels = [tick_label(asdict(experiments[number])) for number in published]
+    labels = [tick_label(experiments[number]) for number in published]
     axes.set_xticks(range(len(published)), labels, fontsize="small")
     axes.legend(loc="upper left")
     add_note(figure, f"lines: {len(combinations)} combinations of readings, each one setting for all numbers")

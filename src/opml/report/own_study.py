@@ -7,6 +7,10 @@ from typing import Any, TypeVar
 import pandas as pd
 
 from opml.base.files import FilePath
+from opml.base.section import JobSettings
+from opml.catalog.fit.estimation_settings import EstimationSettings
+from opml.dynamics.settings import ForceModels
+from opml.environment.settings import EnvironmentSettings
 from opml.learning.data.cleaning import PAPER_BOUNDS, PAPER_CLEANING, PAPER_FENCE
 from opml.learning.data.dataset import survives
 from opml.learning.judge.errors_by_duration import at_days
@@ -30,6 +34,16 @@ ModelKey = tuple[str, str, str]
 Value = TypeVar("Value")
 
 
+class RunFacts(JobSettings):
+    """What a report tells of the run."""
+
+    epoch: str
+    duration_days: float
+    environment: EnvironmentSettings
+    force_models: ForceModels
+    estimation: EstimationSettings
+
+
 @dataclass(frozen=True)
 class OwnStudyReport:
     """What the report tells."""
@@ -51,7 +65,7 @@ class OwnStudyReport:
     durations: Sequence[float]  # prediction durations that coverage is stated at [days]
     screening: Mapping[str, Any]  # radius and threshold of conjunctions
     sources: Mapping[Dataset, Sources]  # what the answers point at
-    settings: Mapping[str, Any]
+    settings: RunFacts
 
 
 @dataclass(frozen=True)
@@ -100,7 +114,7 @@ def document(report: OwnStudyReport, tables: OwnStudyTables) -> list[Block]:
             absurd=absurd,
             proof=[_errors_title(report), *((mornings.TITLE, uncertainty.TITLE) if replays else ())],
         ),
-        *absurd_fits.section(absurd, report.settings["estimation"]["window_hours"]),
+        *absurd_fits.section(absurd, report.settings.estimation.window_hours),
         *_errors(report, tables),
         *mornings.section(replays, report.marks, report.laws),
         *uncertainty.section(replays, tables.calibration, report.durations),
@@ -108,7 +122,7 @@ def document(report: OwnStudyReport, tables: OwnStudyTables) -> list[Block]:
         *_splits(report, Results(tables.metrics), tables.evaluations, papers),
         *_rolling(report, tables.rolling),
         *_rows(report, tables, papers),
-        *instruments.section(tables.noise, tables.estimates, epoch=report.settings["epoch"]),
+        *instruments.section(tables.noise, tables.estimates, epoch=report.settings.epoch),
         *model_table(report.learners),
         *_forces(report),
     ]
@@ -125,12 +139,12 @@ def _by_dataset(values: Mapping[ModelKey, Value]) -> dict[Dataset, dict[str, Val
 def _forces(report: OwnStudyReport) -> Iterator[Block]:
     if "simulated" in report.truths:
         yield Heading("Truth and assumed model")
-        yield force_models(report.settings)
+        yield force_models(report.settings.environment, report.settings.force_models)
         return
     yield Heading("Assumed model")
     if "files" in report.truths:
         yield Paragraph("The true orbit is the one of the files; no force model flew it.")
-    yield assumed_model(report.settings)
+    yield assumed_model(report.settings.environment, report.settings.force_models)
 
 
 def _splits(
@@ -146,7 +160,7 @@ def _splits(
         evaluation = evaluations.get((rso, stations, learner))
         kept = "100.0" if evaluation is None else _p_ml_cell(evaluation.merge(papers[rso, stations]))
         rows.append([rso, stations, f"`{learner}`", *map(results.p_ml_cell, experiments), kept])
-    (low, high), hours = PAPER_BOUNDS, report.settings["estimation"]["window_hours"]
+    (low, high), hours = PAPER_BOUNDS, report.settings.estimation.window_hours
     yield Heading("The paper's measure: models against splits")
     yield Paragraph(
         f"P_ML [%] is the paper's measure: what is left of the errors of the {hours:g}-hour fit, in their "
@@ -204,9 +218,9 @@ def _errors(report: OwnStudyReport, tables: OwnStudyTables) -> Iterator[Block]:
     unit = "m/s" if report.component.startswith("e_v") else "m"
     yield Heading(_errors_title(report))
     yield Paragraph(
-        f"Predictions from {report.settings['epoch']} UTC over {report.settings['duration_days']:g} days, "
+        f"Predictions from {report.settings.epoch} UTC over {report.settings.duration_days:g} days, "
         f"corrected in `{report.component}` by models that learned from earlier ones. "
-        f"{weather(report.settings)}"
+        f"{weather(report.settings.environment)}"
     )
     yield Paragraph(
         f"Size of `{report.component}` [{unit}] near some prediction durations, median / 95th percentile. "

@@ -2,37 +2,34 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
 
+from opml.dynamics.settings import FORCES, ForceModels, ForceModelSettings
+from opml.environment.settings import EnvironmentSettings
 from opml.orbits.sheets import Rso, Station
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.tables import COMPONENTS
 
 
-def models(settings: Mapping[str, Any]) -> list[Block]:
-    """Return a document on the truth and the assumed model; settings: as `force_models` takes them."""
+def models(environment: EnvironmentSettings, models: ForceModels) -> list[Block]:
+    """Return a document on the truth and the assumed model."""
     return [
         Heading("Truth and assumed model", 1),
         Paragraph("The paper's table of the models, as they ran here."),
-        force_models(settings),
+        force_models(environment, models),
     ]
 
 
-def force_models(settings: Mapping[str, Any]) -> Table:
-    """Return the table of the truth and the assumed model, side by side.
-
-    settings: of the run, of which `force_models` and `environment` count
-    """
-    environment, models = settings["environment"], settings["force_models"]
-    both = [models["truth"], models["assumed"]]
-    assumed = environment["solar_activity"]
-    truth = environment.get("true_solar_activity", assumed)
-    percentile = f", percentile {environment['percentile']}"
+def force_models(environment: EnvironmentSettings, models: ForceModels) -> Table:
+    """Return the table of the truth and the assumed model, side by side."""
+    both, kernel = (models.truth, models.assumed), environment.ephemerides
+    assumed = environment.solar_activity
+    truth = environment.true_solar_activity or assumed
+    percentile = f", percentile {environment.percentile}"
     rows = [
         ["Earth's shape", "WGS84", "WGS84"],
-        ["gravity field", *(f"{environment['gravity_field']} {m['degree']}x{m['order']}" for m in both)],
-        ["third bodies", *(", ".join(m["third_bodies"]) for m in both)],
-        ["ephemerides", environment["ephemerides"], environment["ephemerides"]],
+        ["gravity field", *(f"{environment.gravity_field} {m.degree}x{m.order}" for m in both)],
+        ["third bodies", *(", ".join(m.third_bodies) for m in both)],
+        ["ephemerides", kernel, kernel],
         ["atmosphere", "DTM2000", "DTM2000"],
         ["solar activity", truth + percentile, assumed + percentile + _knowledge(environment)],
         ["radiation pressure", *["sphere, umbra and penumbra"] * 2],
@@ -42,35 +39,29 @@ def force_models(settings: Mapping[str, Any]) -> Table:
     return Table(["parameter", "truth model", "assumed model"], rows)
 
 
-def _switched(models: Sequence[Mapping[str, Any]]) -> list[list[str]]:
+def _switched(models: Sequence[ForceModelSettings]) -> list[list[str]]:
     """Return the rows of forces that at least one of the models has switched on."""
-    forces = {"solid_tides": "tides of the solid Earth", "relativity": "general relativity"}
     return [
-        [name, *("yes" if model.get(key) else "no" for model in models)]
-        for key, name in forces.items()
-        if any(model.get(key) for model in models)
+        [name, *("yes" if getattr(model, force) else "no" for model in models)]
+        for force, name in FORCES.items()
+        if any(getattr(model, force) for model in models)
     ]
 
 
-def assumed_model(settings: Mapping[str, Any]) -> Table:
-    """Return the table of the assumed model alone, for a run that simulates no truth.
-
-    settings: as `force_models` takes them
-    """
-    both = force_models(settings)
+def assumed_model(environment: EnvironmentSettings, models: ForceModels) -> Table:
+    """Return the table of the assumed model alone, for a run that simulates no truth."""
+    both = force_models(environment, models)
     return Table([both.header[0], both.header[2]], [[row[0], row[2]] for row in both.rows])
 
 
-def weather(settings: Mapping[str, Any]) -> str:
-    """Return as a sentence what fits and predictions know of the space weather; settings: of the run."""
-    environment = settings["environment"]
-    source = environment["solar_activity"]
-    match environment.get("knowledge"):
+def weather(environment: EnvironmentSettings) -> str:
+    """Return as a sentence what fits and predictions know of the space weather."""
+    source = environment.solar_activity
+    match environment.knowledge:
         case "forecast":
-            method, hours = environment["forecast"], environment["issue_hours"]
             return (
-                f"Space weather ({source}) as measured up to each estimate, then forecast (`{method}`, "
-                f"every {hours} h)."
+                f"Space weather ({source}) as measured up to each estimate, then forecast "
+                f"(`{environment.forecast}`, every {environment.issue_hours} h)."
             )
         case "hindcast":
             return f"Space weather ({source}) as measured up to the time predicted to: a hindcast."
@@ -81,19 +72,19 @@ def weather(settings: Mapping[str, Any]) -> str:
     return f"Space weather: {source} as it stands, measured values of the days predicted to included."
 
 
-def weather_word(settings: Mapping[str, Any]) -> str:
-    """Return in a word or three what predictions know of the space weather; settings: of the run."""
+def weather_word(environment: EnvironmentSettings) -> str:
+    """Return in a word or three what predictions know of the space weather."""
     words = {"forecast": "forecast", "hindcast": "observed", "monthly": "monthly"}
-    return words.get(settings["environment"].get("knowledge", ""), "as it stands")
+    return words.get(environment.knowledge or "", "as it stands")
 
 
-def _knowledge(environment: Mapping[str, Any]) -> str:
+def _knowledge(environment: EnvironmentSettings) -> str:
     """Return as the end of a cell what the assumed model knows of the activity; empty without a setting."""
-    match environment.get("knowledge"):
+    match environment.knowledge:
         case "hindcast":
             return ", as known at each time"
         case "forecast":
-            method, hours = environment["forecast"], environment["issue_hours"]
+            method, hours = environment.forecast, environment.issue_hours
             return f", as known at each estimate, then forecast by {method} every {hours} h"
     return ""
 

@@ -109,7 +109,6 @@ class Beyond:
     @cached_property
     def report(self) -> BeyondReport:
         """What the report on models against splits tells."""
-        values = self.study.settings.values
         return BeyondReport(
             splits=self.splits,
             pairs={split: tuple(pair) for split, pair in self.entry["splits"].items()},
@@ -119,7 +118,7 @@ class Beyond:
             budget_split=tuple(self.entry["budget"]["split"]),
             published=self.published_p_ml(self.splits) | self.published_p_ml(self.transfers),
             learners={name: naming.parse_learner(name, self.study.learners) for name in self._learners},
-            level=values["intervals"]["level"],
+            level=self.study.settings.run.intervals.level,
         )
 
     @property

@@ -14,17 +14,16 @@ from opml.base.errors import InputError
 from opml.base.files import PACKAGED
 from opml.catalog import kinds
 from opml.catalog.kinds import KINDS, Asked, Kind
-from opml.environment import coverage, knowledge
+from opml.environment import knowledge
 from opml.interop import first_state, orbit_from_files
 from opml.learning.data.components import CORRECTED
 from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models import learners
 from opml.orbits import sheets
-from opml.study import catalogue_checks, element_checks
+from opml.study import catalogue_checks, coverage, element_checks
 from opml.study.experiments import Study
 from opml.study.paper import Paper
 from opml.study.settings.merging import Settings, with_sheets
-from opml.study.settings.model.whole import RunSettings
 from opml.study.settings.overlay import MISSING, Key, Source, mappings, value_at
 from opml.study.settings.validation import validated
 
@@ -33,11 +32,9 @@ from opml.study.settings.validation import validated
 class CheckedSettings(Settings):
     """Settings that hold.
 
-    run: the same values as typed attributes
     misfit: what the default study asks of days that the run has not; empty where it fits
     """
 
-    run: RunSettings
     misfit: str
 
 
@@ -47,7 +44,7 @@ def load_settings(source: Source) -> CheckedSettings:
     Raises InputError: one line with file and key, for the first thing that is wrong.
     """
     _check_keys(source)
-    run = validated(source)
+    validated(source)
     _check_order(source)
     _check_results(source)
     _check_beside(source)
@@ -57,7 +54,7 @@ def load_settings(source: Source) -> CheckedSettings:
     learners.check(source.values)
     _check_day(source, settings)
     catalogue_checks.check(source, settings)
-    return CheckedSettings(settings.values, settings.stations, settings.rsos, run, misfit)
+    return CheckedSettings(settings.values, settings.stations, settings.rsos, misfit)
 
 
 def check_data(source: Source, settings: Settings) -> None:
@@ -66,7 +63,7 @@ def check_data(source: Source, settings: Settings) -> None:
     Takes seconds where there are many files of orbits. Raises InputError for the first thing that is wrong.
     """
     _check_paths(source, settings)
-    coverage.check(source.values, is_measured=bool(settings.measured))
+    coverage.check(settings.run, is_measured=bool(settings.measured))
     _check_orbits(source, settings)
     if (
         "day" not in source.values
@@ -82,7 +79,7 @@ def check_study(source: Source, settings: Settings, *, last_day: float | None = 
 
     last_day: up to which the study may ask for days; None for the run's own. Raises InputError.
     """
-    checks = _Checks(settings, settings.values["duration_days"] if last_day is None else last_day).by_kind
+    checks = _Checks(settings, settings.run.duration_days if last_day is None else last_day).by_kind
     for key, kind, value in _parts(settings.asked):
         with source.naming(("study", *key)):
             checks.get(kind, bool)(value)

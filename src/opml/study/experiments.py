@@ -97,7 +97,7 @@ class Study:
     @cached_property
     def cleaning(self) -> Cleaning:
         """Which rows the study drops; by default only those that no model can correct."""
-        return Cleaning.from_settings(self.entry("cleaning"))
+        return Cleaning(**self.entry("cleaning"))
 
     @cached_property
     def label(self) -> str:
@@ -112,8 +112,8 @@ class Study:
     @property
     def not_filtered(self) -> str:
         """The setting of the fits that sequential filters know nothing of, '' where there is none."""
-        estimation = self.settings.values["estimation"]
-        return next((name for name in ("reject_sigma", "bias_sigma") if name in estimation), "")
+        given = self.settings.run.estimation.model_fields_set
+        return next((name for name in ("reject_sigma", "bias_sigma") if name in given), "")
 
     def is_measured(self, rso: str) -> bool:
         """Return whether measurements or mean elements of an RSO are real, so that none are simulated."""
@@ -132,22 +132,16 @@ class Study:
     @property
     def span_days(self) -> Sequence[float]:
         """Window of t_j that random splits draw from [days]: by default the training days, else the run."""
-        days = self.entry("days").get("train") or [0, self.settings.values["duration_days"]]
+        days = self.entry("days").get("train") or [0, self.settings.run.duration_days]
         return self.settings.asked.get("span_days") or days
 
     @property
     def rolling(self) -> dict[str, Any]:
         """When learners are trained anew: on the days to test on, else on those that follow the span."""
         entry = self.entry("rolling")
-        rest = [self.span_days[1], self.settings.values["duration_days"]]
+        rest = [self.span_days[1], self.settings.run.duration_days]
         days = entry.get("days") or self.entry("days").get("test") or rest
         return {"days": list(days), **{key: entry.get(key, ROLLING[key]) for key in ROLLING}}
-
-    @property
-    def own_seeds(self) -> Mapping[str, int]:
-        """The run's seeds of noise and splits."""
-        seeds: Mapping[str, int] = self.settings.values["seed"]
-        return seeds
 
     def experiment(self, entry: Mapping[str, Any], **parts: str) -> Experiment:
         """Return the experiment of an entry with `parts` over it; the target is its RSO by default."""
@@ -161,13 +155,13 @@ class Study:
         self, experiment: Experiment, *, noise: int | None = None, split: int | None = None
     ) -> Experiment:
         """Return an experiment under other seeds; None stands for the run's own."""
-        default = self.own_seeds
-        noise = default["noise"] if noise is None else noise
-        split = default["split"] if split is None else split
+        default = self.settings.run.seed
+        noise = default.noise if noise is None else noise
+        split = default.split if split is None else split
         return replace(
             experiment,
-            stations=naming.add_seed(experiment.stations, naming.NOISE, noise, default=default["noise"]),
-            train=naming.add_seed(experiment.train, naming.SPLIT, split, default=default["split"]),
+            stations=naming.add_seed(experiment.stations, naming.NOISE, noise, default=default.noise),
+            train=naming.add_seed(experiment.train, naming.SPLIT, split, default=default.split),
         )
 
     def drawn_seeds(self, experiment: Experiment) -> list[Experiment]:
@@ -195,7 +189,7 @@ class Study:
         entry = self.entry("seeds")
         for part in parts:
             entry = entry.get(part, {})
-        return entry.get(kind) or [self.own_seeds[kind]]
+        return entry.get(kind) or [getattr(self.settings.run.seed, kind)]
 
 
 def read_study(values: Mapping[str, Any]) -> Study:

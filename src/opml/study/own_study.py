@@ -14,7 +14,7 @@ from opml.learning.models.contract import hours_to_fill
 from opml.learning.models.learners import learns, resolved
 from opml.naming import Experiment
 from opml.report.answer import ALL_MODELS, Sources
-from opml.report.own_study import OwnStudyReport
+from opml.report.own_study import OwnStudyReport, RunFacts
 from opml.study.experiments import FILES, FILTERS, MEASURED, SIMULATED, Study
 from opml.study.settings.model.run import HistorySettings
 from opml.tables import IMPROVED_MODELS
@@ -188,20 +188,20 @@ class OwnStudy:
 
     def _first_day(self, learner: str) -> float:
         """Return the day of a model's first morning, as `opml.ephemerides.replays` has it."""
-        settings, values = naming.parse_learner(learner, self.study.learners), self.study.settings.values
+        settings = naming.parse_learner(learner, self.study.learners)
         train = naming.strip_seed(self.splits[self.shown_split][0], naming.SPLIT)
         first, last = naming.parse_train(train).days
         if learns(settings):
             return math.ceil(first + 0.5 * (last - first))
         asked = resolved(settings, component=CORRECTED, variables=())
         longest = hours_to_fill(asked.get("window_hours", 0.0))
-        hours = max(values["estimation"]["window_hours"], longest)
+        hours = max(self.study.settings.run.estimation.window_hours, longest)
         return float(first + hours / 24.0)
 
     @property
     def _last_day(self) -> float:
         """The last day that a model may begin on, as two more mornings have to be over before the run is."""
-        return float(self.study.settings.values["duration_days"]) - 3.0
+        return float(self.study.settings.run.duration_days) - 3.0
 
     def mornings(self, rso: str, stations: str) -> dict[str, dict[str, str]]:
         """Return the parts of the names of a dataset's replays, by model."""
@@ -251,7 +251,7 @@ class OwnStudy:
     @cached_property
     def windows(self) -> dict[str, str]:
         """Suffixes of the windows of the run's fits and of the fits that models need, by a figure's label."""
-        default = float(self.study.settings.values["estimation"]["window_hours"])
+        default = float(self.study.settings.run.estimation.window_hours)
         needed = {
             float(hours)
             for name in self.learners
@@ -265,7 +265,7 @@ class OwnStudy:
     @property
     def marks(self) -> list[float]:
         """Prediction durations that errors are stated at [days]."""
-        longest = self.study.settings.values["prediction"]["max_days"]
+        longest = self.study.settings.run.prediction.max_days
         return [day for day in MARKS if day <= longest] or [longest]
 
     @cached_property
@@ -282,25 +282,25 @@ class OwnStudy:
             label=self.study.label,
             truths=[self.study.truth_of(rso) for rso in self.study.rsos],
             laws=self.laws,
-            seed=self.study.own_seeds["split"],
+            seed=self.study.settings.run.seed.split,
             rolling=list(self.rolling),
             trained_anew=self.study.rolling,
             marks=self.marks,
-            durations=marks(self.study.settings.values["prediction"]["max_days"]),
+            durations=marks(self.study.settings.run.prediction.max_days),
             screening=self.conjunctions,
             sources={dataset: self._sources(*dataset) for dataset in self.datasets},
-            settings=self.study.settings.values,
+            settings=RunFacts(**self.study.settings.values),
         )
 
     def _sources(self, rso: str, stations: str) -> Sources:
         """Return what the report's answer points at; figures are linked to as seen from the report."""
-        values, (train, test) = self.study.settings.values, self.splits[self.shown_split]
+        run, (train, test) = self.study.settings.run, self.splits[self.shown_split]
         first, last = naming.parse_train(naming.strip_seed(train, naming.SPLIT)).days
         later = naming.parse_test(test)
         end = later.days[1] if later.kind == "days" else last
         days = naming.days_split((first, end))
         label, models = naming.LABELS[self.study.label], self.mornings(rso, stations)
-        folder = f"{values['results']}/corrected/{rso}/{stations}{label}/{days}"
+        folder = f"{run.results}/corrected/{rso}/{stations}{label}/{days}"
         figures = {
             **({ALL_MODELS: f"study/{rso}/{stations}_residuals"} if models else {}),
             "model by model": f"study/{rso}/{stations}_errors",
@@ -313,7 +313,7 @@ class OwnStudy:
         return Sources(
             files={name: f"{folder}/{name}.oem" for name in models},
             day=end,
-            end=values["duration_days"],
+            end=run.duration_days,
             manoeuvres=self._manoeuvres(rso),
             figures={shows: f"figs/{name}.png" for shows, name in figures.items()},
         )

@@ -57,14 +57,14 @@ def run(call: Call) -> int:
         raise InputError(
             "day: expected a setting `day` that asks for mornings, got none; `day: {}` is enough"
         )
-    settings = load_settings(source)
-    values = settings.values
-    check_dates(call, values["epoch"], values["duration_days"], today=datetime.now(UTC).date())
-    number = mornings_ahead(call.day, settings)
+    asked = load_settings(source)
+    settings = asked.run
+    check_dates(call, settings.epoch, settings.duration_days, today=datetime.now(UTC).date())
+    number = mornings_ahead(call.day, asked)
     if number and not call.dry:
-        print(f"opml: {beforehand(number, settings)}", file=sys.stderr, flush=True)
+        print(f"opml: {beforehand(number, asked)}", file=sys.stderr, flush=True)
     dates = [date.fromordinal(k).isoformat() for k in range(call.first.toordinal(), call.day.toordinal() + 1)]
-    folders = [Path(values["results"], "days", text) for text in dates]
+    folders = [Path(settings.results, "days", text) for text in dates]
     if not call.dry:
         for folder in folders:
             _forget_failed(folder)

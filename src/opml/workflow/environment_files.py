@@ -9,31 +9,33 @@ from typing import Any
 from opml import tables
 from opml.environment import knowledge, nrlmsis
 from opml.environment.forecasts import methods
+from opml.environment.settings import EnvironmentSettings
+from opml.study.settings.model.whole import RunSettings
 
 
 @dataclass(frozen=True)
 class EnvironmentFiles:
-    """Paths of the environment's tables by their names, for the truth, for fits and for predictions.
+    """Paths of the environment's tables by their names, for the truth, for fits and for predictions."""
 
-    settings: of the run
-    """
-
-    settings: Mapping[str, Any]
+    run: RunSettings
 
     def path(self, table: str) -> str:
         """Return the path of a table."""
-        return f"{self.settings['results']}/environment/{table}.parquet"
+        return f"{self.run.results}/environment/{table}.parquet"
 
     @property
-    def sources(self) -> Mapping[str, Any]:
+    def sources(self) -> EnvironmentSettings:
         """The settings of the environment: where each table comes from, and what is known when."""
-        sources: Mapping[str, Any] = self.settings["environment"]
-        return sources
+        return self.run.environment
+
+    def source(self, table: str) -> str:
+        """Return where a table comes from: its name or file."""
+        return str(getattr(self.sources, table))
 
     @property
     def knowledge(self) -> str | None:
         """What fits and predictions know of the solar activity; None where they know all of it."""
-        return self.sources.get("knowledge")
+        return self.sources.knowledge
 
     @property
     def is_forecast(self) -> bool:
@@ -43,13 +45,13 @@ class EnvironmentFiles:
     @property
     def true_activity(self) -> str:
         """Name of the solar activity that the truth flies under."""
-        return "true_solar_activity" if "true_solar_activity" in self.sources else "solar_activity"
+        return "true_solar_activity" if self.sources.true_solar_activity else "solar_activity"
 
     @cached_property
     def truth(self) -> dict[str, str]:
         """Tables that the truth reads; another activity and atmosphere than the assumed ones, where set."""
         paths = self._all | {"solar_activity": self.path(self.true_activity)}
-        if self.settings["force_models"]["truth"].get("atmosphere") == nrlmsis.NAME:
+        if self.run.force_models.truth.atmosphere == nrlmsis.NAME:
             paths[tables.THERMOSPHERE] = self.path(tables.THERMOSPHERE)
         return paths
 
@@ -61,7 +63,7 @@ class EnvironmentFiles:
     @cached_property
     def predictions(self) -> dict[str, str]:
         """Tables that predictions read; those of a day share an outlook, as arcs under one fly together."""
-        return self._known(outlooks_every=self.sources.get("issue_hours"))
+        return self._known(outlooks_every=self.sources.issue_hours)
 
     def futures(self, members: int) -> str | list[str]:
         """Return the path of the courses that the weather may take; none where it is taken for known."""
@@ -82,8 +84,8 @@ class EnvironmentFiles:
     @property
     def forecast(self) -> Mapping[str, Any]:
         """Settings of the forecast that predictions fly under; persistence where the run has none."""
-        forecasts: Mapping[str, Mapping[str, Any]] = self.settings.get("forecasts", {})
-        return forecasts.get(self.sources.get("forecast", ""), {"kind": "persistence"})
+        asked = self.run.forecasts.get(self.sources.forecast or "")
+        return asked.model_dump(exclude_unset=True) if asked else {"kind": "persistence"}
 
     @property
     def forecast_files(self) -> list[str]:
@@ -92,5 +94,5 @@ class EnvironmentFiles:
 
     def source_files(self, table: str) -> list[str]:
         """Return the user's own file behind a table; none where the source is a packaged one."""
-        source = self.sources[table]
+        source = self.source(table)
         return [source] if Path(source).suffix else []

@@ -235,7 +235,7 @@ class Inputs:
         def find(wildcards: Wildcards) -> _Paths:
             if not self._is_asked("mechanism", wildcards):
                 return []
-            hours = self.plan.values["mechanism"]["long_window_hours"]
+            hours = self.plan.settings.run.mechanism.long_window_hours
             return self._estimates(estimates, wildcards, self.plan.window(hours))
 
         return find
@@ -281,7 +281,7 @@ class Inputs:
         def find(_: Wildcards) -> _Paths:
             if not self.plan.environment.is_forecast:
                 return []
-            members = self.plan.values["uncertainty"]["futures"]
+            members = self.plan.settings.run.uncertainty.futures
             return path_of(futures, members=str(members))
 
         return find

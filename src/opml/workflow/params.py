@@ -6,6 +6,7 @@ from typing import Any, Protocol
 
 from opml import naming
 from opml.base.errors import InputError
+from opml.base.section import Section
 from opml.catalog import kinds
 from opml.environment import knowledge
 from opml.figures.display_names import describe_run
@@ -17,6 +18,7 @@ from opml.naming import Experiment
 from opml.orbits import sheets
 from opml.report.settings_tables import weather_word
 from opml.study.settings.model.catalogue import SeasonSettings
+from opml.study.settings.model.whole import RunSettings
 from opml.workflow.plan import Plan, end_plan
 
 
@@ -37,28 +39,31 @@ class Params:
     plan: Plan
 
     @property
+    def run(self) -> RunSettings:
+        """The settings of the run."""
+        return self.plan.settings.run
+
+    @property
     def span(self) -> dict[str, Any]:
         """Epoch and length of the run."""
-        return {key: self.plan.values[key] for key in ("epoch", "duration_days")}
+        return {"epoch": self.run.epoch, "duration_days": self.run.duration_days}
 
     @property
     def assumed_model(self) -> dict[str, Any]:
         """Epoch, and the force model and integrator of fits and predictions."""
-        values = self.plan.values
         return {
-            "epoch": values["epoch"],
-            "force_model": values["force_models"]["assumed"],
-            "integrator": values["integrator"],
+            "epoch": self.run.epoch,
+            "force_model": _given(self.run.force_models.assumed),
+            "integrator": _given(self.run.integrator),
         }
 
     @property
     def true_model(self) -> dict[str, Any]:
         """Epoch, length and step, force model and integrator of truths."""
-        values = self.plan.values
         return self.span | {
-            "step_s": values["tracking"]["step_s"],
-            "force_model": values["force_models"]["truth"],
-            "integrator": values["integrator"],
+            "step_s": self.run.tracking.step_s,
+            "force_model": self.run.force_models.truth.model_dump(exclude={"atmosphere"}),
+            "integrator": _given(self.run.integrator),
         }
 
     @property
@@ -89,7 +94,7 @@ class Params:
 
     def noise_seed(self, wildcards: Wildcards) -> int:
         """Return the seed of the measurement noise, which the wildcard `stations` may end in."""
-        default = self.plan.seeds["noise"]
+        default = self.plan.seeds.noise
         return naming.parse_seed(wildcards.stations, naming.NOISE, default=default)[1]
 
     def window_hours(self, wildcards: Wildcards) -> float:
@@ -100,7 +105,7 @@ class Params:
         """Return the settings of the fits, with what the suffix of the estimates changes."""
         after_hours = naming.parse_both_sides(wildcards.window)
         return (
-            dict(self.plan.values["estimation"])
+            _given(self.run.estimation)
             | {"window_hours": self.window_hours(wildcards), "cd_bounds": self.cd_bounds}
             | ({"after_hours": after_hours} if after_hours else {})
             | naming.parse_fit(wildcards.window)
@@ -133,11 +138,11 @@ class Params:
 
         They are of the wildcard `learner`; in a name without one, of all models that a study replays.
         """
-        parts, values = dict(wildcards.items()), self.plan.values
+        parts = dict(wildcards.items())
         names = [parts["learner"]] if "learner" in parts else self.plan.own_study.replayed_models
         return {
             name: learners.resolved(
-                naming.parse_learner(name, values["learners"]),
+                naming.parse_learner(name, self.plan.study.learners),
                 component=parts.get("component", components.CORRECTED),
                 variables=self._variables(parts),
             )
@@ -146,7 +151,7 @@ class Params:
 
     def _variables(self, parts: Mapping[str, str]) -> list[str]:
         """Return the variables that learners learn from by default: those that the measurements have."""
-        variables: list[str] = self.plan.values["learning"]["variables"]
+        variables: list[str] = self.run.learning.variables
         if "stations" not in parts or self.plan.settings.are_radars(parts["stations"]):
             return variables
         return [name for name in variables if name not in MEASUREMENT]
@@ -167,9 +172,9 @@ class Params:
 
     def split(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the training split and its seed."""
-        default = self.plan.seeds["split"]
+        default = self.plan.seeds.split
         train, seed = naming.parse_seed(wildcards.train, naming.SPLIT, default=default)
-        naming.check_split(naming.parse_train(train), duration_days=self.plan.values["duration_days"])
+        naming.check_split(naming.parse_train(train), duration_days=self.run.duration_days)
         return {"train": train, "seed": seed}
 
     def train_days(self, wildcards: Wildcards) -> list[float]:
@@ -183,7 +188,7 @@ class Params:
     def training(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of all jobs that split a dataset: epoch, split, seed and span."""
         return {
-            "epoch": self.plan.values["epoch"],
+            "epoch": self.run.epoch,
             **self.split(wildcards),
             "span_days": self.plan.study.span_days,
         }
@@ -191,9 +196,7 @@ class Params:
     def experiment(self, wildcards: Wildcards) -> dict[str, str]:
         """Return the experiment in the columns of `metrics`."""
         experiment = Experiment(**dict(wildcards.items()))
-        naming.check_split(
-            naming.parse_test(experiment.test), duration_days=self.plan.values["duration_days"]
-        )
+        naming.check_split(naming.parse_test(experiment.test), duration_days=self.run.duration_days)
         if experiment.test == "seen" and experiment.rso != experiment.target:
             expected = f"expected the RSO that was trained on, {experiment.rso}"
             raise InputError(f"split 'seen': {expected}, got {experiment.target}")
@@ -219,25 +222,25 @@ class Params:
 
     def mornings_of(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of the mornings of the wildcard `batch`, up to the wildcard `date`."""
-        values, day = self.plan.values, self.plan.settings.day
+        day = self.plan.settings.day
         resolved = {
             name: learners.resolved(
-                naming.parse_learner(name, values["learners"]),
+                naming.parse_learner(name, self.plan.study.learners),
                 component=components.CORRECTED,
-                variables=values["learning"]["variables"],
+                variables=self.run.learning.variables,
             )
             for name in day.models
         }
         return {
             **self.assumed_model,
-            "duration_days": values["duration_days"],
+            "duration_days": self.run.duration_days,
             "date": wildcards.date,
             "hour": day.hour,
             "days": self.plan.product("days").folder,
             "stations": self.all_stations,
-            "estimation": dict(values["estimation"]),
-            "max_days": values["prediction"]["max_days"],
-            "step_s": values["ephemeris"]["step_s"],
+            "estimation": _given(self.run.estimation),
+            "max_days": self.run.prediction.max_days,
+            "step_s": self.run.ephemeris.step_s,
             "models": resolved,
             # Models that a user names are flown at any height.
             "fits_above": 0.0 if "models" in day.model_fields_set else FITS_ABOVE,
@@ -254,12 +257,12 @@ class Params:
     @property
     def measured_weather(self) -> str:
         """The weather under which mean elements are improved."""
-        return str(knowledge.measured_source(self.plan.environment.sources["solar_activity"]))
+        return str(knowledge.measured_source(self.run.environment.solar_activity))
 
     def page_of_day(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of the page of the wildcard `date`."""
-        values, hour = self.plan.values, self.plan.settings.day.hour
-        return {"epoch": values["epoch"], "hour": hour, "date": wildcards.date}
+        hour = self.plan.settings.day.hour
+        return {"epoch": self.run.epoch, "hour": hour, "date": wildcards.date}
 
     def _watched(self, rso: str) -> dict[str, Any]:
         """Return what is known of an RSO that is watched, and where its measurements are."""
@@ -273,15 +276,14 @@ class Params:
 
     def departures(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params that choose the estimates that ephemerides start from, and fly them."""
-        values = self.plan.values
         return self.assumed_model | {
             "rso": self.rso(wildcards),
             "cleaning": self.cleaning(wildcards),
             "window_hours": self.window_hours(wildcards),
             "cd_bounds": self.cd_bounds,
-            "mechanism": values["mechanism"],
+            "mechanism": _given(self.run.mechanism),
             "learners": [],
-            "max_days": values["prediction"]["max_days"],
+            "max_days": self.run.prediction.max_days,
         }
 
     def daily_training(self, wildcards: Wildcards) -> dict[str, Any]:
@@ -294,35 +296,34 @@ class Params:
 
     def ephemeris(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the start and the time grid of ephemerides."""
-        values = self.plan.values
         return {
             "known_until_days": self.train_days(wildcards)[1],
-            "from": values["ephemeris"]["from"],
+            "from": self.run.ephemeris.start,
             "grid": [
-                values["ephemeris"]["step_s"],
-                values["prediction"]["max_days"],
-                values["duration_days"],
+                self.run.ephemeris.step_s,
+                self.run.prediction.max_days,
+                self.run.duration_days,
             ],
         }
 
     def check_from_newest(self, _: Wildcards) -> None:
         """Raise InputError for a message of one ephemeris where one from each estimate is asked for."""
-        if self.plan.values["ephemeris"]["from"] != "newest":
+        if self.run.ephemeris.start != "newest":
             expected = "expected newest for one message, .oem"
             raise InputError(f"ephemeris.from: {expected}, got each, which makes a folder of them, _oem")
 
     def check_from_each(self, _: Wildcards) -> None:
         """Raise InputError for a folder of messages where an ephemeris from one estimate is asked for."""
-        if self.plan.values["ephemeris"]["from"] != "each":
+        if self.run.ephemeris.start != "each":
             expected = "expected each for a folder of messages, _oem"
             raise InputError(f"ephemeris.from: {expected}, got newest, which makes one message, .oem")
 
     def errors(self, experiment: Experiment, **more: Any) -> dict[str, Any]:
         """Return the params of a figure of errors: epoch, cleaning, parts of the experiment's name."""
         return {
-            "epoch": self.plan.values["epoch"],
+            "epoch": self.run.epoch,
             "cleaning": dict(self.plan.study.entry("cleaning")),
-            **experiment.names(),
+            "experiment": experiment.names(),
             **more,
         }
 
@@ -335,24 +336,24 @@ class Params:
             end_plan("study: learners: expected at least one model that corrects, got none")
         names = next(iter(experiments.values())).names() | {"learner": "models"}
         return {
-            "epoch": self.plan.values["epoch"],
+            "epoch": self.run.epoch,
             "weather": self.plan.weather,
             "learners": list(experiments),
-            **names,
+            "experiment": names,
         }
 
     @property
     def catalogue_weather(self) -> dict[str, Any]:
         """Weather that a catalogue's objects fly under."""
         asked = self.plan.values["catalogue"]
-        return {"epoch": self.plan.values["epoch"], "weather": asked["weather"]}
+        return {"epoch": self.run.epoch, "weather": asked["weather"]}
 
     @property
     def catalogue_seasons(self) -> dict[str, Any]:
         """Dates of all of a catalogue's tests, and who taught."""
         tests = self.plan.settings.catalogue.tests if self.plan.settings.catalogue else {}
         return {
-            "epoch": self.plan.values["epoch"],
+            "epoch": self.run.epoch,
             "seasons_of_tests": {name: _seasons(test) for name, test in tests.items()},
             "teachers": {name: test.teachers for name, test in tests.items()},
         }
@@ -360,7 +361,7 @@ class Params:
     def catalogue_season(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the dates of the wildcard `test` of a catalogue."""
         seasons = _seasons(self.plan.catalogue_test(wildcards.test))
-        return {"epoch": self.plan.values["epoch"], "seasons": seasons}
+        return {"epoch": self.run.epoch, "seasons": seasons}
 
     def catalogue_rows(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of the predictions of a catalogue's population in the seasons of a test."""
@@ -369,30 +370,35 @@ class Params:
 
     def catalogue_residuals(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of a trial of the wildcard `learner` on the wildcard `test`."""
-        own = {"learner": wildcards.learner, "seed": self.plan.seeds["split"]}
+        own = {"learner": wildcards.learner, "seed": self.plan.seeds.split}
         return self.catalogue_season(wildcards) | own
 
     def conjunctions(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of what a study's predictions are worth in conjunctions."""
-        values = self.plan.own_study.conjunctions
+        asked = self.plan.own_study.conjunctions
         return {
             **self.mornings(wildcards),
-            "radius_m": values["radius_m"],
-            "threshold": values["threshold"],
-            "weather": weather_word(self.plan.values),
+            "radius_m": asked["radius_m"],
+            "threshold": asked["threshold"],
+            "weather": weather_word(self.plan.settings.run.environment),
         }
 
     def mornings(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of a figure of a study's replayed mornings."""
         study = self.plan.own_study
         return {
-            "epoch": self.plan.values["epoch"],
+            "epoch": self.run.epoch,
             "learners": list(study.mornings(wildcards.rso, wildcards.stations)),
             "laws": study.laws,
-            "seed": self.plan.seeds["split"],
+            "seed": self.plan.seeds.split,
             "days": study.report.durations,
-            "note": f"{describe_run(dict(wildcards.items()))}\n{self.plan.weather}",
+            "note": f"{describe_run(wildcards.rso, wildcards.stations)}\n{self.plan.weather}",
         }
+
+
+def _given(section: Section) -> dict[str, Any]:
+    """Return what was given of a section, as plain values."""
+    return section.model_dump(exclude_unset=True, by_alias=True)
 
 
 def _seasons(test: SeasonSettings) -> dict[str, list[str]]:

@@ -19,6 +19,7 @@ from opml.study.own_study import OwnStudy
 from opml.study.paper import Paper
 from opml.study.settings.merging import Settings
 from opml.study.settings.model.catalogue import SeasonSettings
+from opml.study.settings.model.run import RandomSeeds
 from opml.workflow.environment_files import EnvironmentFiles
 from opml.workflow.products import Product
 
@@ -100,33 +101,32 @@ class Plan:
     @cached_property
     def environment(self) -> EnvironmentFiles:
         """The tables of the environment."""
-        return EnvironmentFiles(self.values)
+        return EnvironmentFiles(self.settings.run)
 
     @cached_property
     def truth_groups(self) -> list[tuple[str, ...]]:
         """The RSOs of the studies, by the job that flies their truths together."""
         rsos = shared_truths.named_rsos(self.paper, self.beyond, self.own_study)
-        return shared_truths.groups(self.study, dict.fromkeys(rsos), results=Path(self.values["results"]))
+        return shared_truths.groups(self.study, dict.fromkeys(rsos), results=Path(self.settings.run.results))
 
     @cached_property
     def weather(self) -> str:
         """What fits and predictions know of the space weather, as a line of a figure."""
-        return weather(self.values).replace("`", "").rstrip(".")
+        return weather(self.settings.run.environment).replace("`", "").rstrip(".")
 
     @property
-    def seeds(self) -> Mapping[str, int]:
+    def seeds(self) -> RandomSeeds:
         """The run's seeds of noise and splits."""
-        return self.study.own_seeds
+        return self.settings.run.seed
 
     @property
     def window_hours(self) -> float:
         """Hours of tracks that an estimate is made of, where its name says no other."""
-        hours: float = self.values["estimation"]["window_hours"]
-        return hours
+        return self.settings.run.estimation.window_hours
 
     def product(self, name: str) -> Product:
         """Return the paths of a product by its name below the results; wildcards in single braces."""
-        return Product(self.values["results"], name)
+        return Product(self.settings.run.results, name)
 
     def window(self, hours: float) -> str:
         """Return the suffix of estimates over a window [h]."""
@@ -136,8 +136,8 @@ class Plan:
     def constraints(self) -> dict[str, str]:
         """Regular expressions of the wildcards that rules share, by the wildcards' names."""
         rso = naming.rso_pattern(self.settings.rsos)
-        noise = naming.seed_pattern(naming.NOISE, default=self.seeds["noise"])
-        split = naming.seed_pattern(naming.SPLIT, default=self.seeds["split"])
+        noise = naming.seed_pattern(naming.NOISE, default=self.seeds.noise)
+        split = naming.seed_pattern(naming.SPLIT, default=self.seeds.split)
         in_place = naming.alternatives(naming.WITHOUT_STATIONS)
         return {
             "rso": rso,
@@ -162,9 +162,9 @@ class Plan:
     @cached_property
     def window_pattern(self) -> str:
         """Regular expression of the suffix of estimates: window and settings of the fit, or none."""
-        estimation = self.values["estimation"]
+        estimation = self.settings.run.estimation
         return naming.window_pattern(default=self.window_hours) + naming.fit_pattern(
-            convergence=estimation["convergence"], light_time=estimation.get("light_time", False)
+            convergence=estimation.convergence, light_time=estimation.light_time
         )
 
     @cached_property

@@ -2,13 +2,23 @@
 
 from typing import Any
 
+from opml.base.section import JobSettings
 from opml.learning.judge.model_choice import Mornings
 from opml.tables import read_table
-from opml.workflow.job_settings import FigureSettings
 from opml.workflow.jobs import read_by_key
 
 
-def read_mornings(files: Any, settings: FigureSettings) -> Mornings:
+class ReplayedSettings(JobSettings):
+    """The models and the laws whose mornings are run again, by their names, and a figure's note and days."""
+
+    learners: list[str]
+    laws: list[str]
+    seed: int
+    note: str
+    days: list[float]
+
+
+def read_mornings(files: Any, settings: ReplayedSettings) -> Mornings:
     """Read the mornings of a job's `replays`, held against the truth where its `judge` has one.
 
     Raises InputError where a table is missing or damaged, and as `Mornings.from_replays` does.

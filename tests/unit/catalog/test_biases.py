@@ -1,7 +1,6 @@
 """Fits that bear constant errors of stations, and what their residuals tell of each instrument."""
 
 import logging
-from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -14,7 +13,7 @@ from opml.catalog.fit.fixes import Fixes
 from opml.catalog.fit.least_squares import Evaluation
 from opml.tables import FIX_SIGMAS, STATE, write_table
 
-BEARING = replace(SETTINGS, bias_sigma=3.0)
+BEARING = SETTINGS.evolve(bias_sigma=3.0)
 
 
 @pytest.fixture(scope="module")

@@ -9,9 +9,9 @@ from support import BOUNDED_ESTIMATION as SETTINGS
 from support import rsos
 
 from opml.base.constants import DAY, HOUR
-from opml.catalog.fit import estimation, neighbour_arcs, several_windows, sightings, start_states
+from opml.catalog.fit import estimation, neighbour_arcs, sightings, start_states
 from opml.catalog.fit.least_squares import NOT_CONVERGED, UNDERDETERMINED
-from opml.catalog.fit.solutions import Solution
+from opml.catalog.fit.starts import Solution, Starts
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE
@@ -21,7 +21,7 @@ TRUE = {name: f"{name}_true" for name in tracking.QUANTITIES}
 
 
 def estimates(model, orbit, rows, earth_orientation, stations, rso, *, threads=1, seed=42, **settings):
-    settings = replace(SETTINGS, **settings)
+    settings = SETTINGS.evolve(**settings)
     starts = start_states.perturbed(orbit, rows, rso=rso.name, settings=settings, seed=seed)
     measured = sightings.Measured(rows, earth_orientation, stations)
     return estimation.estimate_all(Flight(model, rso, threads=threads), starts, measured, settings=settings)
@@ -306,7 +306,7 @@ def test_a_fit_without_a_start_takes_the_newest_estimate_whatever_it_says_of_cd(
     starts = start_states.perturbed(orbit, first, rso="iss", settings=SETTINGS, seed=1)
     lost = starts.assign(**{name: starts[name].where(starts["track"] < 4) for name in STATE})
     measured = sightings.Measured(first, earth_orientation, three_stations)
-    settings = replace(SETTINGS, cd_bounds=(9.0, 9.1))
+    settings = SETTINGS.evolve(cd_bounds=(9.0, 9.1))
     found, known, none = (
         estimation.estimate_all(Flight(assumed_model, iss), table, measured, settings=settings)
         for table in (lost, starts, lost.assign(x=np.nan))
@@ -318,11 +318,11 @@ def test_a_fit_without_a_start_takes_the_newest_estimate_whatever_it_says_of_cd(
 
 
 def test_an_absurd_estimate_is_nobodys_start(assumed_model, iss):
-    run = estimation.Run(None, Flight(assumed_model, iss), None, SETTINGS)
+    starts = Starts(None, Flight(assumed_model, iss), None, None, None)
     normal = np.linalg.inv(np.diag([1e4] * 3 + [1e-2] * 3 + [1.0]) + 0.9 * (_tied() + _tied().T))
     for cd, kept in ((4.2, True), (-424469.0, False)):
         best = np.append(np.full(6, 7e6), cd)
-        known = run.with_known_cd(Solution(3, best, np.linalg.inv(normal), converged=True))
+        known = starts.with_known_cd(Solution(3, best, np.linalg.inv(normal), converged=True))
         assert (known is not None) is kept
         if known:
             assert known[1][6] == pytest.approx(2.2)
@@ -376,14 +376,16 @@ def test_windows_of_several_lengths_side_by_side_have_the_bits_of_each_alone(
     measured = sightings.Measured(rows, earth_orientation, three_stations)
     starts = start_states.perturbed(orbit, rows, rso="iss", settings=SETTINGS, seed=1)
     earlier = {6.0: table.iloc[:0], 12.0: table.iloc[:-1]}
-    found = several_windows.estimate(flight, starts, measured, settings=SETTINGS, track=last, earlier=earlier)
+    found = estimation.estimate_over_windows(
+        flight, starts, measured, settings=SETTINGS, track=last, earlier=earlier
+    )
     assert found["window_hours"].tolist() == [6.0, 12.0]
     for hours, known in earlier.items():
         alone = estimation.estimate_further(
             flight,
             starts,
             measured,
-            settings=replace(SETTINGS, window_hours=hours),
+            settings=SETTINGS.evolve(window_hours=hours),
             tracks=[last],
             earlier=known,
         )

@@ -62,12 +62,9 @@ def test_almost_every_single_track_gives_an_orbit(
     rso = rsos()[name]
     orbit = truth.simulate(Flight(truth_model, rso), duration=DAY, step=20.0)
     rows = tracking.simulate(orbit, earth_orientation, three_stations, rso=name, seed=1)
-    run = Run(
-        Measured(rows, earth_orientation, three_stations),
-        Flight(assumed_model, rso),
-        np.empty((0, 6)),
-        SETTINGS,
-    )
+    measured = Measured(rows, earth_orientation, three_stations)
+    none = np.empty((0, 6))
+    run = Run.of_states(Flight(assumed_model, rso), none, measured, SETTINGS, ages=np.empty(0))
     found = first_orbit.single_tracks(run)
     assert len(found) >= 0.9 * rows["track"].nunique()
     true = orbit.set_index("t")[STATE]

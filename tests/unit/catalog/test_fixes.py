@@ -18,7 +18,7 @@ from opml.orbits.elements import in_rsw, rsw_rotation
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, PARAMETER_COVARIANCES, STATE, symmetric_matrices
 
-SETTINGS = replace(BOUNDED_ESTIMATION, window_hours=9.0, convergence=1e-5)
+SETTINGS = BOUNDED_ESTIMATION.evolve(window_hours=9.0, convergence=1e-5)
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def stretched(orbit, *, length=3 * HOUR, **given):
 
 
 def estimates(flight, table, **settings):
-    settings = replace(SETTINGS, **settings)
+    settings = SETTINGS.evolve(**settings)
     measured = fixes.Fixes(table)
     starts = first_orbit.starts(flight, measured, known=None, settings=settings)
     return estimation.estimate_all(flight, starts, measured, settings=settings)
@@ -135,7 +135,7 @@ def test_fits_to_sets_start_from_their_own_states(flight, orbit):
     starts = first_orbit.starts(flight, measured, known=None, settings=SETTINGS)
     run = estimation.Run.of_starts(flight, starts, measured, SETTINGS)
     usable = int(measured.at[0]), np.append(starts[STATE].to_numpy()[0], -7.0)
-    first, second, *_ = run.starts_in_turn([measured.window(1, DAY)], usable, None)
+    first, second, *_ = run.starts.in_turn([measured.window(1, DAY)], usable, None)
     np.testing.assert_array_equal(first[0], [*measured.states[1], flight.rso.cd])
     assert second[0, 6] == -7.0
     # A velocity that was measured may be a metre a second off.

@@ -50,7 +50,7 @@ def test_fits_are_made_to_a_kind_that_is_declared(toy, assumed_model, iss):
     orbit = truth.simulate(flight, duration=12 * HOUR, step=240.0)
     table = orbit[["t", *HEIGHTS]].rename(columns=HEIGHTS)
     assert kinds.of_table(table) is toy
-    settings = replace(BOUNDED_ESTIMATION, window_hours=9.0)
+    settings = BOUNDED_ESTIMATION.evolve(window_hours=9.0)
     measured = fixes.measurements(table, pd.DataFrame(), [])
     starts = first_orbit.starts(flight, measured, known=None, settings=settings)
     last = estimation.estimate_all(flight, starts, measured, settings=settings).iloc[-1]

@@ -1,7 +1,5 @@
 """Labels from later estimates: their numbers, when they are known, and that nothing measured later leaks."""
 
-from dataclasses import replace
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -132,7 +130,7 @@ def chain(assumed_model, orbit, earth_orientation, three_stations, iss):
     flight = Flight(assumed_model, iss)
 
     def estimated(tracks, **settings):
-        settings = replace(SETTINGS, cd_bounds=None, **settings)
+        settings = SETTINGS.evolve(cd_bounds=None, **settings)
         starts = start_states.perturbed(orbit, tracks, rso="iss", settings=settings, seed=42)
         measured = sightings.Measured(tracks, earth_orientation, three_stations)
         return estimation.estimate_all(flight, starts, measured, settings=settings)

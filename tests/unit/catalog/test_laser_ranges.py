@@ -4,13 +4,13 @@ import erfa
 import numpy as np
 import pandas as pd
 import pytest
-from support import EPOCH, environment, rsos
+from support import EPOCH, ESTIMATION, environment, rsos
 
 from opml.base.constants import DAY, GM, SPEED_OF_LIGHT
 from opml.base.errors import InputError
 from opml.catalog.fit import fixes, laser_ranges, range_corrections
 from opml.catalog.fit.estimate import Estimate
-from opml.catalog.fit.estimation import Estimation, Run
+from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.least_squares import Fit
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import truth
@@ -170,7 +170,8 @@ def test_a_fit_finds_the_orbit_behind_ranges(tmp_path, points, sites, orbit, fli
     measured = fixes.measurements(back, earth_orientation, [])
     true = orbit.set_index("t")[STATE]
     states = true.loc[measured.epochs[measured.at].round(6)].to_numpy()
-    run = Run(measured, flight, states, Estimation(24.0, 20, 1e-3, 0.0, 0.0, 1e3))
+    settings = ESTIMATION.evolve(window_hours=24.0, max_iterations=20, least_drag_m=1e3)
+    run = Run.of_states(flight, states, measured, settings, ages=np.empty(0))
     last = measured.tracks - 1
     off = states[last] + [30.0, -20.0, 10.0, 0.02, 0.01, -0.02]
     free = np.arange(7) < 6

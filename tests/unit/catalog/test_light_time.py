@@ -1,7 +1,5 @@
 """Fits that reckon with light time, held against measurements whose light was followed by iteration."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy.interpolate import CubicHermiteSpline
@@ -62,7 +60,7 @@ def received(geometric, followed, sites):
 
 
 def estimates(model, orbit, rows, earth_orientation, stations, rso, **settings):
-    settings = replace(SETTINGS, convergence=1e-6, **settings)
+    settings = SETTINGS.evolve(convergence=1e-6, **settings)
     starts = start_states.perturbed(orbit, rows, rso=rso.name, settings=settings, seed=42)
     measured = Measured(rows, earth_orientation, stations)
     found = estimation.estimate_all(Flight(model, rso), starts, measured, settings=settings)

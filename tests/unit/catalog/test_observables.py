@@ -52,7 +52,7 @@ def without_noise(rows):
 
 
 def fitted(model, orbit, rows, earth_orientation, stations, rso):
-    settings = replace(SETTINGS, convergence=1e-4)
+    settings = SETTINGS.evolve(convergence=1e-4)
     starts = start_states.perturbed(orbit, rows, rso=rso.name, settings=settings, seed=42)
     measured = sightings.Measured(rows, earth_orientation, stations)
     found = estimation.estimate_all(Flight(model, rso), starts, measured, settings=settings)

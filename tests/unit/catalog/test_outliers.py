@@ -1,7 +1,5 @@
 """Fits that leave outliers out: single numbers, and tracks of another object."""
 
-from dataclasses import replace
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -11,7 +9,7 @@ from opml.catalog.simulate import tracking
 from opml.catalog.simulate.observing import QUANTITIES, sigmas, wrapped
 from opml.tables import SCHEMAS, read_table, write_table
 
-EDITING = replace(SETTINGS, reject_sigma=5.0)
+EDITING = SETTINGS.evolve(reject_sigma=5.0)
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,5 @@
 """Tracks that are held back: of another object, and behind a burn until the new orbit stands."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,8 +8,9 @@ import pytest
 from support import BOUNDED_ESTIMATION as SETTINGS
 
 from opml.base.constants import DAY, HOUR
-from opml.catalog.fit import quarantine, sequential, sightings, start_states
-from opml.catalog.fit.innovations import ReferenceOrbit
+from opml.catalog.associate import quarantine
+from opml.catalog.associate.innovations import ReferenceOrbit
+from opml.catalog.fit import sequential, sightings, start_states
 from opml.catalog.fit.least_squares import Method
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
@@ -18,7 +18,7 @@ from opml.catalog.simulate.observing import QUANTITIES, sigmas, wrapped
 from opml.orbits.elements import rsw_rotation
 from opml.tables import BURN, SCHEMAS, STATE, read_table, write_table
 
-WATCHING = replace(SETTINGS, suspect_sigma=6.0)
+WATCHING = SETTINGS.evolve(suspect_sigma=6.0)
 BURN_AT = 0.8 * DAY
 CHANGE = np.array([0.0, 0.2, 0.0])
 LENGTH = 1.4 * DAY
@@ -123,7 +123,7 @@ def test_single_outliers_hold_no_track_back_where_they_are_rejected(orbit, seen,
     hit = generator.random((len(rows), 3)) < 0.03
     values = rows[QUANTITIES].to_numpy() + 100.0 * hit * np.array([spread[name] for name in rows["station"]])
     spoilt = rows.assign(**dict(zip(QUANTITIES, wrapped(values, QUANTITIES).T, strict=True)))
-    found = estimates(orbit, spoilt, replace(WATCHING, reject_sigma=5.0))
+    found = estimates(orbit, spoilt, WATCHING.evolve(reject_sigma=5.0))
     assert not found["held_back"].any()
     assert found["rejected_of_track"].sum() == hit.sum()
 
@@ -157,7 +157,7 @@ def test_what_is_told_at_a_track_rests_on_tracks_up_to_it(burnt, seen, estimates
 
 def test_smoothed_fits_do_without_what_was_held_back(orbit, estimates, foreign):
     rows, track = foreign
-    found = estimates(orbit, rows, replace(WATCHING, after_hours=3.0))
+    found = estimates(orbit, rows, WATCHING.evolve(after_hours=3.0))
     assert found.loc[~found["converged"], "track"].tolist() == [track]
     assert found["tracks_left_out"].iloc[track - 1] == 1
     assert found["off"].iloc[track - 2 : track].max() < 100.0
@@ -189,7 +189,7 @@ def test_what_nothing_explains_for_longer_than_a_window_counts_again(orbit, seen
     monkeypatch.setattr(quarantine, "farthest", lambda *_: 1.0 + 1e3 * (len(reached) > 6))
     reached, usual = [], quarantine.Usual.take
     monkeypatch.setattr(quarantine.Usual, "take", lambda *call: (reached.append(0), usual(*call)))
-    found = estimates(orbit, seen(orbit), replace(WATCHING, window_hours=6.0))
+    found = estimates(orbit, seen(orbit), WATCHING.evolve(window_hours=6.0))
     times, held = found["t"].to_numpy(), found["held_back"].to_numpy()
     first = int(np.argmax(held))
     again = first + int(np.argmin(held[first:]))

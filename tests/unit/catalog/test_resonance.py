@@ -9,8 +9,9 @@ from opml.base.constants import DAY, EARTH_RATE, HOUR
 from opml.catalog.predict import resonance
 from opml.catalog.predict.resonance import Resonances
 from opml.dynamics import forces
-from opml.dynamics.ensemble import Departures, Integrator, propagate
+from opml.dynamics.ensemble import Departures, propagate
 from opml.dynamics.run_environment import Environment
+from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.environment import gravity_field
 from opml.orbits.elements import cartesian_from_coe, rsw_rotation
 from opml.tables import STATE
@@ -81,7 +82,9 @@ def field(*, order):
         gm=read.gm,
         radius=read.radius,
     )
-    return forces.build(surroundings, degree=40, order=40, bodies=ASSUMED_BODIES)
+    return forces.build(
+        surroundings, ForceModelSettings(degree=40, order=40, third_bodies=list(ASSUMED_BODIES))
+    )
 
 
 @pytest.mark.parametrize(("k", "m"), [(1, 15), (2, 31)])

@@ -129,10 +129,10 @@ def test_without_noise_the_last_row_is_the_batch_fit_of_all_tracks(calm):
     table = case.filtered(CALM, estimates=loose)
     filtered = table.iloc[-1]
     states, t = case.estimates[STATE].to_numpy(), case.estimates["t"].to_numpy()
-    settings = replace(ESTIMATION, window_hours=(t[-1] - t[1]) / HOUR + 0.1)
-    run = Run(case.measured(), case.flight, states, settings, np.zeros(len(states)))
+    settings = ESTIMATION.evolve(window_hours=(t[-1] - t[1]) / HOUR + 0.1)
+    run = Run.of_states(case.flight, states, case.measured(), settings, ages=np.zeros(len(states)))
     window = run.window(len(states) - 1)
-    starts = run.starts_in_turn([window], None, None)
+    starts = run.starts.in_turn([window], None, None)
     [estimate] = run.fit_windows([window], starts, [run.method(np.ones(7, dtype=bool))])
     fitted = run.row(estimate)
     parted = np.array([filtered[name] - fitted[name] for name in PARAMETERS])

@@ -8,8 +8,9 @@ from scipy.integrate import solve_ivp
 
 from opml.base.constants import DAY, HOUR, WGS84_A
 from opml.dynamics import ensemble
-from opml.dynamics.ensemble import REASONS, Departures, Integrator, propagate
+from opml.dynamics.ensemble import REASONS, Departures, propagate
 from opml.dynamics.kernels.gravity import weights
+from opml.dynamics.settings import Integrator
 from opml.orbits.elements import TURN, cartesian_from_coe, coe_from_cartesian, true_from_mean_anomaly
 
 BALLISTIC, REFLECTION = 0.11, 0.0625
@@ -60,7 +61,7 @@ def test_kepler_orbits(kepler_model):
         [orbit(400e3), orbit(300e3, e=0.3), orbit(5900e3, e=0.005, i=1.9), orbit(250e3, e=0.73)]
     )
     epochs = np.array([0.0, 20.0, 50.0, 5000.0, 43210.0])
-    arcs = fly_freely(kepler_model, epochs, states, position_tolerance=1e-4)
+    arcs = fly_freely(kepler_model, epochs, states, position_tolerance_m=1e-4)
     assert np.all(arcs.status == 0)
     for k, state in enumerate(states):
         coe = coe_from_cartesian(state, gm)
@@ -77,7 +78,9 @@ def test_kepler_orbits(kepler_model):
 def test_the_tolerance_is_felt(kepler_model):
     states, epochs = np.array([orbit(250e3, e=0.73)]), np.array([0.0, DAY])
     loose, tight, tightest = (
-        fly_freely(kepler_model, epochs, states, position_tolerance=tolerance, max_step=900.0).path(0)[-1, :3]
+        fly_freely(kepler_model, epochs, states, position_tolerance_m=tolerance, max_step_s=900.0).path(0)[
+            -1, :3
+        ]
         for tolerance in (10.0, 1e-2, 1e-5)
     )
     assert np.linalg.norm(tight - tightest) < 0.1 * np.linalg.norm(loose - tightest)
@@ -113,10 +116,10 @@ def test_small_steps_at_perigee_agree_with_scipys(assumed_model):
     # Companions keep the grid's pace while this one takes its own.
     states = np.array([orbit(8e6), start, orbit(7e6)])
     for ceiling in (90.0, 600.0):
-        arcs = fly_freely(model, epochs, states, position_tolerance=1e-4, max_step=ceiling)
+        arcs = fly_freely(model, epochs, states, position_tolerance_m=1e-4, max_step_s=ceiling)
         assert np.linalg.norm(arcs.path(1)[:, :3] - expected[:, :3], axis=1).max() < 0.05
     # Without the smaller steps it would be lost: 600 s are a seventh of a circular orbit at perigee's height.
-    blind = fly_freely(model, epochs, states, position_tolerance=1e12, max_step=600.0)
+    blind = fly_freely(model, epochs, states, position_tolerance_m=1e12, max_step_s=600.0)
     assert np.linalg.norm(blind.path(1)[-1, :3] - expected[-1, :3]) > 1e3
 
 
@@ -249,7 +252,7 @@ def test_a_decaying_arc_has_states_until_it_decays(assumed_model):
 def test_an_orbit_that_dips_below_the_floor_is_lost_without_any_drag(kepler_model, ceiling):
     states = np.array([orbit(perigee, e=0.02, i=0.1, nu=np.pi) for perigee in (110e3, 130e3)])
     epochs = [0.0, 900.0, 1800.0, 2600.0, 5400.0]
-    arcs = fly_freely(kepler_model, epochs, states, max_step=ceiling)
+    arcs = fly_freely(kepler_model, epochs, states, max_step_s=ceiling)
     assert [REASONS[status] for status in arcs.status] == ["decayed below 120 km", ""]
     assert np.isfinite(arcs.path(0)[:, 0]).tolist() == [True, True, False, False]
     assert np.all(np.isfinite(arcs.path(1)))
@@ -269,7 +272,7 @@ def test_a_state_too_far_to_mean_anything(assumed_model):
 
 
 def test_a_step_below_the_minimum(assumed_model):
-    wanting = Integrator(position_tolerance=1e-9, min_step=40.0)
+    wanting = Integrator(position_tolerance_m=1e-9, min_step_s=40.0)
     arcs = fly(assumed_model, [0.0, 90.0, 180.0], np.array([orbit(400e3)]), integrator=wanting)
     assert REASONS[arcs.status[0]] == "step below the minimum"
     assert np.all(np.isnan(arcs.states))
@@ -307,7 +310,7 @@ def test_no_step_has_midnight_in_it(assumed_model, way):
     epochs = (midnights[0] + np.array([-5000.0, -4000.0, 0.0, 40.0, DAY + 20_000.0]))[::way]
     states = np.array([orbit(300e3)])
     coarse, fine = (
-        fly(assumed_model, epochs, states, reflection=0.0, integrator=Integrator(max_step=step)).path(0)
+        fly(assumed_model, epochs, states, reflection=0.0, integrator=Integrator(max_step_s=step)).path(0)
         for step in (90.0, 15.0)
     )
     assert np.linalg.norm(coarse[:, :3] - fine[:, :3], axis=1).max() < 1e-3

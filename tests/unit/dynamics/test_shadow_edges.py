@@ -6,10 +6,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from opml.base.constants import SRP_DISTANCE, SRP_PRESSURE, WGS84_A
-from opml.dynamics.ensemble import Departures, Integrator, propagate
+from opml.dynamics.ensemble import Departures, propagate
 from opml.dynamics.kernels import shadow_edges, surroundings
 from opml.dynamics.kernels.radiation_pressure import lit_part
 from opml.dynamics.kernels.surroundings import BODIES, SUN_ITRF
+from opml.dynamics.settings import Integrator
 from opml.orbits.elements import cartesian_from_coe
 
 REFLECTION = 6.0
@@ -40,7 +41,7 @@ def by_scipy(model, epochs, state):
 
     span = epochs[[0, -1]]
     found = solve_ivp(
-        rates, span, state, method="DOP853", dense_output=True, rtol=1e-13, atol=1e-9, max_step=2.0
+        rates, span, state, method="DOP853", dense_output=True, rtol=1e-13, atol=1e-9, max_step_s=2.0
     )
     seen = [light(t, found.sol(t)[:3])[1] for t in np.linspace(*span, 1500)]
     return found.sol(epochs[1:]).T, np.array(seen)
@@ -75,7 +76,7 @@ def test_long_steps_are_as_good_as_short_ones(kepler_model, altitude, across, ho
         kepler_model,
         epochs,
         Departures(state[None], first=[0], last=[2], ballistic=[0.0], reflection=[REFLECTION]),
-        integrator=Integrator(max_step=step),
+        integrator=Integrator(max_step_s=step),
     ).path(0)
     assert np.linalg.norm(found[:, :3] - expected[:, :3], axis=1).max() < within
 

@@ -7,7 +7,8 @@ import pytest
 
 from opml.base.constants import HOUR, WGS84_A
 from opml.dynamics import ensemble
-from opml.dynamics.ensemble import Departures, Integrator, propagate
+from opml.dynamics.ensemble import Departures, propagate
+from opml.dynamics.settings import Integrator
 from opml.dynamics.shared_blocks import STEP, SharedBlocks
 from opml.orbits.elements import cartesian_from_coe
 

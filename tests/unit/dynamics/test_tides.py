@@ -10,11 +10,12 @@ from opml.base.constants import BODIES, DAY, EARTH_RATE, GM, HOUR
 from opml.base.errors import InputError
 from opml.catalog.simulate.truth import initial_state
 from opml.dynamics import force_model, solid_tides
-from opml.dynamics.ensemble import Departures, Integrator, propagate
+from opml.dynamics.ensemble import Departures, propagate
 from opml.dynamics.kernels import surroundings, tides
 from opml.dynamics.kernels.gravity import weights
 from opml.dynamics.kernels.surroundings import TIDE
 from opml.dynamics.run_environment import Environment
+from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.environment import celestial_bodies, earth_orientation, gravity_field
 from opml.tables import write_table
 
@@ -178,9 +179,10 @@ def test_a_run_has_the_forces_of_its_settings(tmp_path):
     paths = {name: str(tmp_path / f"{name}.parquet") for name in frames}
     for name, frame in frames.items():
         write_table(paths[name], frame, name, metadata=facts.get(name, {}))
-    settings = {"degree": 8, "order": 8, "third_bodies": list(BODIES)}
+    settings = ForceModelSettings(degree=8, order=8, third_bodies=list(BODIES))
     plain = force_model.read(paths, epoch=EPOCH, settings=settings)
     assert len(plain.tides.nodes) == len(plain.precession) == 0
-    both = force_model.read(paths, epoch=EPOCH, settings=settings | {"solid_tides": True, "relativity": True})
+    precise = settings.evolve(solid_tides=True, relativity=True)
+    both = force_model.read(paths, epoch=EPOCH, settings=precise)
     np.testing.assert_array_equal(both.tides.nodes, precise_model(8).tides.nodes)
     np.testing.assert_array_equal(both.precession, precise_model(8).precession)

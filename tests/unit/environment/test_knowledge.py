@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
-from support import EPOCH, environment
+from support import EPOCH, ESTIMATION, environment
 from weather_files import other_after, up_to
 
 from opml.base import epochs
@@ -16,6 +16,7 @@ from opml.catalog.simulate import tracking
 from opml.catalog.simulate import truth as truths
 from opml.dynamics import forces
 from opml.dynamics.run_environment import Environment
+from opml.dynamics.settings import ForceModelSettings
 from opml.environment import gravity_field, knowledge, nodes, solar_activity, space_weather
 from opml.environment.knowledge import Issues
 from opml.environment.weather import Weather
@@ -107,12 +108,12 @@ def model(source, **settings):
         gm=field.gm,
         radius=field.radius,
     )
-    known = forces.build(surroundings, degree=2, order=2, bodies=[])
+    known = forces.build(surroundings, ForceModelSettings(degree=2, order=2, third_bodies=[]))
     return forces.with_outlooks(known, outlooks(source, **settings))
 
 
 def test_fits_and_predictions_know_nothing_measured_after_they_start(tmp_path, iss, three_stations):
-    settings = estimation.Estimation(6, 30, 0.001, 1000.0, 1.0, 0.1)
+    settings = ESTIMATION.evolve(window_hours=6.0)
     orientation = environment(3.0)["earth_orientation"]
     observed = model("OBSERVED")
     truth = truths.simulate(Flight(observed.for_block(np.array([0])), iss), duration=DAY, step=20.0)

@@ -22,7 +22,8 @@ from opml.dynamics.kernels.acceleration import SCRATCH_ROWS
 from opml.dynamics.kernels.lanes import WIDTH, load, rows, splat, sqrt, store
 from opml.dynamics.kernels.surroundings import allocate, look_up
 from opml.environment import nrlmsis
-from opml.environment.coverage import check
+from opml.study.coverage import check
+from opml.study.settings.model.whole import RunSettings
 from opml.tables import SCHEMAS
 
 NODES = environment()["solar_activity"]["t"].to_numpy()[:12]
@@ -137,9 +138,9 @@ def test_monthly_figures_are_refused_before_any_job():
     with pytest.raises(
         InputError, match=r"force_models\.truth\.atmosphere: NRLMSIS: MSAFE: expected weather"
     ):
-        check(values)
+        check(RunSettings(**values))
     values["environment"]["true_solar_activity"] = "OBSERVED"
-    check(values)
+    check(RunSettings(**values))
 
 
 def test_single_precision_is_enough():
@@ -170,4 +171,4 @@ def test_a_missing_code_is_told_before_any_job(monkeypatch):
     values["environment"]["true_solar_activity"] = "OBSERVED"
     monkeypatch.setattr(nrlmsis, "find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"NRLMSIS: expected the package pymsis, got none: pip install"):
-        check(values)
+        check(RunSettings(**values))

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -14,6 +15,7 @@ from opml.base.errors import InputError
 from opml.figures import axis_labels, notes, prediction_errors, style
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.judge import metrics
+from opml.naming import Experiment
 
 
 def table(duration_days, true, predicted):
@@ -238,8 +240,7 @@ def test_distribution_of_velocity(pairs):
     assert figure.axes[1].get_yscale() == "linear"
 
 
-NAMES = {"rso": "iss", "stations": "eglin", "train": "days-0-30", "learner": "svr", "component": "e_y"}
-NAMES |= {"target": "lares", "test": "days-30-40-unseen"}
+EXPERIMENT = Experiment("iss", "eglin", "days-0-30", "svr", "e_y", "lares", "days-30-40-unseen")
 
 
 @pytest.fixture
@@ -249,7 +250,7 @@ def told():
     reason = np.array([""] * 21 + ["outside Tukey fences", "no prediction: decayed"])
     dataset = pd.DataFrame({"e_y": e_y, "reason": reason, "keep": reason == "", "t_j": 31.0 * DAY})
     metrics = pd.DataFrame({"p_ml_low": [20.1], "p_ml_high": [23.4]})
-    return notes.experiment_context(NAMES, metrics, dataset, Cleaning(fence=1.0))
+    return notes.experiment_context(EXPERIMENT, Cleaning(fence=1.0), metrics, dataset)
 
 
 def test_the_context_says_what_was_trained_and_tested_and_which_rows_there_are(told):
@@ -263,11 +264,11 @@ def test_the_context_says_what_was_trained_and_tested_and_which_rows_there_are(t
     assert notes.kept_share(earlier, "rest") == pytest.approx(1 / 3)
     # Hazen's quartiles of -10, -9, ..., 10 and 90: the 6th and the 17th.
     assert told.fences == pytest.approx((-5e3 - 11e3, 6e3 + 11e3))
-    unfenced = NAMES | {"test": "days-30-40-unfenced"}
+    unfenced = replace(EXPERIMENT, test="days-30-40-unfenced")
     dataset = pd.DataFrame({"e_y": [1.0], "reason": [""], "keep": [True], "t_j": [1.0]})
     metrics = pd.DataFrame({"p_ml_low": [1.0], "p_ml_high": [2.0]})
-    assert notes.experiment_context(unfenced, metrics, dataset, Cleaning(fence=1.0)).fences is None
-    assert notes.experiment_context(NAMES, metrics, dataset, Cleaning()).fences is None
+    assert notes.experiment_context(unfenced, Cleaning(fence=1.0), metrics, dataset).fences is None
+    assert notes.experiment_context(EXPERIMENT, Cleaning(), metrics, dataset).fences is None
 
 
 @pytest.mark.parametrize(

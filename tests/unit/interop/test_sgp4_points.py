@@ -1,7 +1,6 @@
 """Points before the epoch of mean elements, and fits to them."""
 
 import logging
-from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -38,7 +37,7 @@ def test_fits_to_sets_are_at_their_epochs_and_as_close_as_sgp4_is(assumed_model,
     taking = measured_sets.Taking(SAMPLING.step, SAMPLING.reach, (300.0, 1000.0, 300.0))
     found = measured_sets.measured(history([1.0, 2.5]), taking, epoch=EPOCH, duration=3 * DAY)
     table = fixes.of_sets(found.epochs, found.points, known=found.known)
-    settings = replace(BOUNDED_ESTIMATION, window_hours=0.0, cd_sigma=0.5)
+    settings = BOUNDED_ESTIMATION.evolve(window_hours=0.0, cd_sigma=0.5)
     flight, measured = Flight(assumed_model, iss), fixes.Fixes(table)
     starts = first_orbit.starts(flight, measured, known=None, settings=settings)
     estimates = estimation.estimate_all(flight, starts, measured, settings=settings)

@@ -1,7 +1,5 @@
 """The two data cleanings on values small enough to check by hand."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from support import REPOSITORY
@@ -46,25 +44,35 @@ def test_no_values_no_fences():
 
 
 def test_no_settings_ask_for_no_cleaning():
-    nothing = dict.fromkeys(("cd_min", "cd_max", "fence", "fence_days", "previous"))
-    assert Cleaning() == Cleaning(None, None, None, "kept_estimate")
-    assert Cleaning.from_settings({}) == Cleaning.from_settings(nothing) == Cleaning()
+    assert Cleaning().cd_bounds is None
     assert Cleaning().keeps(np.array([-5000.0, 2.2, np.nan])).tolist() == [True, True, True]
 
 
-def test_the_papers_settings_ask_for_bounds_and_fences():
-    settings = {"cd_min": 1.2, "cd_max": 3.2, "fence": 3.0, "fence_days": [0, 30], "previous": "track"}
-    cleaning = Cleaning.from_settings(settings)
-    assert cleaning == Cleaning((1.2, 3.2), 3.0, (0, 30), "track")
+def test_drag_coefficients_are_kept_within_their_bounds():
+    cleaning = Cleaning(cd_min=1.2, cd_max=3.2)
     assert cleaning.keeps(np.array([1.19, 1.2, 3.3])).tolist() == [False, True, False]
 
 
-@pytest.mark.parametrize("settings", [{"cd_min": 1.2}, {"cd_min": None, "cd_max": 1.2}])
-def test_one_bound_needs_the_other(settings):
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"previous": "best"}, "previous: expected 'kept_estimate' or 'track', got 'best'"),
+        ({"fence": -1.0}, "fence: expected greater than 0, got -1.0"),
+        ({"fences": 1.0}, "expected cd_min, cd_max, fence, fence_days, previous, got fences"),
+    ],
+    ids=["an unknown reading", "a negative fence", "an unknown key"],
+)
+def test_settings_that_are_no_cleaning_are_refused_in_one_line(settings, message):
+    with pytest.raises(InputError, match=f"dataset: .*{message}"):
+        Cleaning.read(settings, "dataset")
+
+
+@pytest.mark.parametrize("bound", ["cd_min", "cd_max"])
+def test_one_bound_needs_the_other(bound):
     with pytest.raises(InputError, match=r"cd_min, cd_max: expected both or none, got 1\.2 alone"):
-        Cleaning.from_settings(settings)
+        Cleaning(**{bound: 1.2}).keeps(np.array([2.2]))
 
 
 def test_the_papers_cleaning_is_that_of_its_study():
-    asked = Cleaning.from_settings(read_yaml(REPOSITORY / "config/studies/paper.yaml")["study"]["cleaning"])
-    assert replace(PAPER_CLEANING, fence_days=(0, 30)) == asked
+    asked = Cleaning(**read_yaml(REPOSITORY / "config/studies/paper.yaml")["study"]["cleaning"])
+    assert PAPER_CLEANING.evolve(fence_days=(0, 30)) == asked

@@ -12,15 +12,13 @@
 | 7     | 14  | fine, no track after             |
 """
 
-from dataclasses import replace
-
 import numpy as np
 import pandas as pd
 import pytest
 
 from opml.base.errors import InputError
 from opml.learning.data import dataset
-from opml.learning.data.cleaning import Cleaning
+from opml.learning.data.cleaning import Burns, Cleaning
 from opml.orbits.elements import cartesian_from_coe
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import LEARNING_VARIABLES, SCHEMAS, SIGMAS, STATE, read_table, write_table
@@ -87,7 +85,7 @@ def tracking():
 
 
 def build(estimates, predictions, tracking, **changes):
-    cleaning = Cleaning.from_settings(CLEANING | changes)
+    cleaning = Cleaning(**CLEANING).evolve(**changes)
     return dataset.build(estimates, predictions, tracking, gm=GM, cleaning=cleaning)
 
 
@@ -240,7 +238,8 @@ def test_rows_that_cross_a_manoeuvre_are_dropped_with_that_reason(estimates, pre
     after = dataset.build(
         *(estimates, predictions, tracking),
         gm=GM,
-        cleaning=replace(Cleaning.from_settings(CLEANING), manoeuvres=(Manoeuvre(t + 1.0),), window=100.0),
+        cleaning=Cleaning(**CLEANING),
+        burns=Burns([Manoeuvre(t + 1.0)], window=100.0),
     )
     begin = before[["t_b", "t_i"]].min(axis=1) - 100.0
     crossing = (begin < t + 1.0) & (t + 1.0 <= before["t_j"])
@@ -272,9 +271,7 @@ def test_no_ephemeris_departs_whose_last_estimate_is_before_a_burn_that_was_foun
 ):
     def may_depart(found):
         shown = estimates.assign(burn_t=np.where(estimates["track"] == found, 4.5 * DAY, np.nan))
-        at = dataset.of_estimates(
-            shown, predictions, tracking, gm=GM, cleaning=Cleaning.from_settings(CLEANING)
-        )
+        at = dataset.of_estimates(shown, predictions, tracking, gm=GM, cleaning=Cleaning(**CLEANING))
         return dataset.may_depart(shown, at)[5]
 
     assert may_depart(found=6)
@@ -286,8 +283,8 @@ def test_a_manoeuvre_changes_no_row_whose_error_was_known_before_it_was_found(
 ):
     def dropped(known):
         burn = Manoeuvre(3.5 * DAY, known)
-        cleaning = replace(Cleaning.from_settings(CLEANING), manoeuvres=(burn,), window=0.1 * DAY)
-        rows = dataset.build(estimates, predictions, tracking, gm=GM, cleaning=cleaning)
+        cleaning, burns = Cleaning(**CLEANING), Burns([burn], window=0.1 * DAY)
+        rows = dataset.build(estimates, predictions, tracking, gm=GM, cleaning=cleaning, burns=burns)
         return rows["reason"] == dataset.CROSSES_MANOEUVRE
 
     rows, always = build(estimates, predictions, tracking), dropped(-np.inf)
@@ -324,7 +321,7 @@ def test_labels_take_the_place_of_the_true_errors(tmp_path, estimates, predictio
         predictions.assign(**dict.fromkeys(E_ALL, np.nan)),  # what has no truth has no true errors
         tracking,
         gm=GM,
-        cleaning=Cleaning.from_settings(CLEANING),
+        cleaning=Cleaning(**CLEANING),
         labels=labels_of(predictions),
     )
     assert rows.columns.tolist() == SCHEMAS["labelled"].names
@@ -347,7 +344,8 @@ def test_a_manoeuvre_before_the_label_is_known_drops_the_row(estimates, predicti
             predictions,
             tracking,
             gm=GM,
-            cleaning=replace(Cleaning.from_settings(CLEANING), manoeuvres=(Manoeuvre(5.5 * DAY),)),
+            cleaning=Cleaning(**CLEANING),
+            burns=Burns([Manoeuvre(5.5 * DAY)]),
             labels=labels,
         )
         return set(rows.loc[rows["reason"] == dataset.CROSSES_MANOEUVRE, "j"])
@@ -361,7 +359,7 @@ def test_fences_come_from_labels_that_were_known(estimates, predictions, trackin
     labels.loc[labels["j"] == 5, "e_y"] = 1e9
     kept = []
     for days in ([0, 5.5], [0, 7]):
-        cleaning = Cleaning.from_settings(CLEANING | {"fence": 3.0, "fence_days": days})
+        cleaning = Cleaning(**(CLEANING | {"fence": 3.0, "fence_days": days}))
         rows = dataset.build(estimates, predictions, tracking, gm=GM, cleaning=cleaning, labels=labels)
         kept.append(rows.set_index(["i", "j"]).loc[(4, 5), "keep"])
     assert kept == [False, True]
@@ -384,11 +382,6 @@ def test_table_fits_its_schema(tmp_path, estimates, predictions, tracking):
     assert rows.columns.tolist() == SCHEMAS["dataset"].names
     write_table(tmp_path / "d.parquet", rows, "dataset", metadata={})
     pd.testing.assert_frame_equal(read_table(tmp_path / "d.parquet", "dataset"), rows, check_dtype=False)
-
-
-def test_unknown_previous(estimates, predictions, tracking):
-    with pytest.raises(InputError, match="previous: expected kept_estimate or track, got best"):
-        build(estimates, predictions, tracking, previous="best")
 
 
 def test_tables_that_do_not_belong_together(estimates, predictions, tracking):

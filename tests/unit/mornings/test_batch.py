@@ -1,16 +1,20 @@
 """Objects of a job: what is wrong with one is told of it, what is wrong with the disk ends the job."""
 
 import errno
+from datetime import date
+from pathlib import Path
 
 import pytest
 
 from opml.base.errors import InputError
 from opml.mornings import batch
+from opml.mornings.batch import BatchSettings, ObjectSettings
 from opml.mornings.outcomes import FAILED
 
-SHARED = dict.fromkeys(["epoch", "force_model", "integrator", "estimation", "models"], 0)
-SETTINGS = SHARED | {"days": "days", "date": "2016-10-05"}
-SETTINGS |= {"objects": {name: {"rso": 0, "taking": 0} for name in ("first", "second")}}
+ONE = ObjectSettings.model_construct(rso=None, taking={})
+SETTINGS = BatchSettings.model_construct(
+    days=Path("days"), date=date(2016, 10, 5), objects={"first": ONE, "second": ONE}
+)
 
 
 def outcomes(monkeypatch, reason):

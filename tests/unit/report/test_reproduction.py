@@ -7,6 +7,8 @@ import pandas as pd
 import pytest
 from support import paper_values, rsos, stations, study_of
 
+from opml.dynamics.settings import ForceModels
+from opml.environment.settings import EnvironmentSettings
 from opml.naming import Experiment
 from opml.report import claims, document, reproduction, settings_tables
 from opml.report.document import Heading, Items, Paragraph, Table
@@ -16,6 +18,8 @@ from opml.study.paper import Paper
 from opml.tables import HOW_TO_CSV
 
 PAPER = paper_values()
+ENVIRONMENT = EnvironmentSettings(**PAPER["environment"])
+MODELS = ForceModels(**PAPER["force_models"])
 BLOCKS = [Heading("Title", 1), Paragraph("Say `x < y`."), Table(["a", "b"], [["1", "`2`"], ["3", "4"]])]
 
 
@@ -92,7 +96,7 @@ def test_tables_are_the_papers():
     rso = cells(settings_tables.rsos([rsos()["iss"]], epoch=PAPER["epoch"], title="RSO"))
     assert rso["semi-major axis [km]"] == ["6783.34"]
     assert rso["inclination [deg]"] == ["51.6393"]
-    models = cells(settings_tables.models(PAPER))
+    models = cells(settings_tables.models(ENVIRONMENT, MODELS))
     assert models["gravity field"] == ["EGM2008 40x40", "EGM2008 20x20"]
     assert models["third bodies"][1] == "sun, moon, jupiter"
 
@@ -288,20 +292,16 @@ def test_an_experiment_that_did_not_run_is_not_found(paper):
     ],
 )
 def test_what_the_assumed_model_knows_of_the_weather_is_told(knowledge, told):
-    environment = PAPER["environment"] | {"solar_activity": "OBSERVED"} | knowledge
-    rows = settings_tables.force_models(PAPER | {"environment": environment}).rows
+    environment = ENVIRONMENT.evolve(solar_activity="OBSERVED", **knowledge)
+    rows = settings_tables.force_models(environment, MODELS).rows
     assert next(row for row in rows if row[0] == "solar activity")[1:] == ["OBSERVED, percentile 50", told]
 
 
 def test_forces_are_told_where_a_model_has_them_switched_on():
-    models = PAPER["force_models"] | {"truth": PAPER["force_models"]["truth"] | {"solid_tides": True}}
+    models = MODELS.evolve(truth=MODELS.truth.evolve(solid_tides=True))
     told, as_ever = (
-        [
-            row
-            for row in settings_tables.force_models(PAPER | {"force_models": flown}).rows
-            if "tides" in row[0]
-        ]
-        for flown in (models, PAPER["force_models"])
+        [row for row in settings_tables.force_models(ENVIRONMENT, flown).rows if "tides" in row[0]]
+        for flown in (models, MODELS)
     )
     assert told == [["tides of the solid Earth", "yes", "no"]]
     assert as_ever == []

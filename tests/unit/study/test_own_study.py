@@ -11,6 +11,7 @@ from support import paper_values, study_of
 
 from opml.base.errors import InputError
 from opml.environment import nrlmsis
+from opml.environment.settings import EnvironmentSettings
 from opml.figures import own_study as figures
 from opml.figures.style import MUTED
 from opml.figures.ticks import metres
@@ -180,19 +181,21 @@ def test_the_report_says_what_flew(given, told, untold):
 
 
 def test_the_report_says_what_was_known_of_the_weather():
-    assert weather(paper_values()).startswith("Space weather: MSAFE's monthly figures")
+    assert weather(EnvironmentSettings(**paper_values()["environment"])).startswith(
+        "Space weather: MSAFE's monthly figures"
+    )
     told = {
         "forecast": ("up to each estimate, then forecast (`regression`, every 24 h)", "forecast"),
         "hindcast": ("up to the time predicted to: a hindcast", "observed"),
         None: ("measured values of the days predicted to included", "as it stands"),
     }
     for knowledge, (words, word) in told.items():
-        values = paper_values()
-        values["environment"] |= {"solar_activity": "OBSERVED"} | (
-            {"knowledge": knowledge} if knowledge else {}
+        asked = {"knowledge": knowledge} if knowledge else {}
+        environment = EnvironmentSettings(
+            **paper_values()["environment"] | {"solar_activity": "OBSERVED"} | asked
         )
-        assert words in weather(values)
-        assert weather_word(values) == word
+        assert words in weather(environment)
+        assert weather_word(environment) == word
 
 
 def test_splits_of_ones_own():

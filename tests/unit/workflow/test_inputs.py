@@ -17,6 +17,7 @@ from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models.learners import paths_of_each
 from opml.naming import Experiment
 from opml.study.settings.merging import with_sheets
+from opml.study.settings.model.whole import RunSettings
 from opml.workflow.environment_files import EnvironmentFiles
 from opml.workflow.inputs import Inputs, at_window, checks, path_of, paths_of, tables_of, target
 from opml.workflow.params import Params
@@ -134,7 +135,7 @@ def test_objects_of_a_day_are_shared_out_evenly(together, shares):
 def environment(sources=(), **settings):
     """The tables' files of a run whose environment has other `sources`."""
     values = paper_values() | settings
-    return EnvironmentFiles(values | {"environment": values["environment"] | dict(sources)})
+    return EnvironmentFiles(RunSettings(**values | {"environment": values["environment"] | dict(sources)}))
 
 
 def table(name):
@@ -178,9 +179,12 @@ def test_only_a_path_is_a_file_of_the_users(source, paths):
 
 
 def test_the_forecast_is_the_named_one_or_persistence():
-    named = environment({"forecast": "mine"}, forecasts={"mine": {"kind": "regression"}})
-    assert named.forecast == {"kind": "regression"}
-    assert environment({"forecast": None}, forecasts={}).forecast == {"kind": "persistence"}
+    mine = {"kind": "regression", "lags": 9, "ridge": 1.0}
+    named = environment({"forecast": "mine"}, forecasts={"mine": mine})
+    assert named.forecast == mine
+    values = paper_values()["environment"]
+    del values["forecast"]
+    assert environment(environment=values, forecasts={}).forecast == {"kind": "persistence"}
     assert named.forecast_files == []
 
 
@@ -436,8 +440,9 @@ def test_models_are_compared_on_one_test():
     one = Experiment(**dict(experiment().items()))
     compared = jobs.comparison({"svr": one, "boosting": one})
     assert compared["learners"] == ["svr", "boosting"]
-    assert compared["learner"] == "models"
-    assert jobs.errors(one, published=30.0).items() >= {"learner": "svr", "published": 30.0}.items()
+    assert compared["experiment"] == one.names() | {"learner": "models"}
+    errors = jobs.errors(one, published=30.0)
+    assert (errors["experiment"], errors["published"]) == (one.names(), 30.0)
 
 
 def test_without_a_model_that_corrects_the_plan_ends():

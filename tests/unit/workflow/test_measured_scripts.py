@@ -169,7 +169,12 @@ def fixed(tmp_path, iss):
     for name, table in tables.items():
         write_table(paths[name], table, name, metadata=metadata.get(name, {}))
     integrator = {"position_tolerance_m": 0.1, "min_step_s": 1e-3, "max_step_s": 90.0}
-    settings = {"seed": 1, "stations": [], "integrator": integrator, "estimation": asdict(ESTIMATION)}
+    settings = {
+        "seed": 1,
+        "stations": [],
+        "integrator": integrator,
+        "estimation": ESTIMATION.model_dump(exclude_none=True),
+    }
     model = {"force_model": {"degree": 2, "order": 2, "third_bodies": []}, "rso": asdict(iss)}
     return paths, settings | model
 

@@ -1,12 +1,14 @@
 """An estimate as fits hand it on: its window, its fit, and which of its numbers count."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from opml.catalog.fit.least_squares import Fit
-from opml.catalog.fit.measurements import Window
-from opml.catalog.fit.solutions import Solution
+from opml.catalog.fit.measurements import Measurements, Window
+from opml.catalog.fit.starts import Solution
+from opml.tables import PARAMETER_COVARIANCES, PARAMETERS
 
 
 @dataclass(frozen=True)
@@ -24,3 +26,39 @@ class Estimate:
     def solution(self) -> Solution:
         """What the fit came to."""
         return Solution(self.window.at, self.fit.best, self.fit.covariance, self.fit.converged)
+
+    def row(self, measured: Measurements, *, tells_rejected: bool) -> dict[str, Any]:
+        """Return the estimate as a row of the table, with how many numbers do not count where asked for."""
+        window, fit = self.window, self.fit
+        rms = np.sqrt(fit.cost / self._count(measured)) if np.isfinite(fit.cost) else np.nan
+        return {
+            "track": window.track,
+            "t": measured.epochs[window.at],
+            **dict(zip(PARAMETERS, fit.best, strict=True)),
+            **dict(zip(PARAMETER_COVARIANCES, fit.covariance[np.tril_indices(7)], strict=True)),
+            "iterations": fit.iterations,
+            "converged": fit.converged,
+            "reason": fit.reason,
+            "tracks_used": window.tracks,
+            "measurements_used": window.measurements,
+            "weighted_rms": rms,
+            **(self._rejected(measured) if tells_rejected else {}),
+        }
+
+    def _count(self, measured: Measurements) -> int:
+        """Return how many numbers the estimate is made of."""
+        if self.kept is None:
+            return measured.count(self.window.rows)
+        return int(np.count_nonzero(self.kept))
+
+    def _rejected(self, measured: Measurements) -> dict[str, int]:
+        """Return how many numbers of the window and of the track do not count."""
+        window, kept = self.window, self.kept
+        if kept is None:
+            return {"rejected": 0, "rejected_of_track": 0}
+        first, last = measured.first_row[window.track : window.track + 2]
+        rows = window.index[measured.layout(window.rows)[0]]
+        return {
+            "rejected": int(np.count_nonzero(~kept)),
+            "rejected_of_track": int(np.count_nonzero(~kept & (rows >= first) & (rows < last))),
+        }

@@ -87,6 +87,10 @@ class Evaluation:
         """Sum of the squared residuals."""
         return float(np.sum(self.residuals**2))
 
+    def and_also(self, residuals: np.ndarray, jacobian: np.ndarray) -> "Evaluation":
+        """Return the evaluation with further residuals (k,) and their rows (k, n) of the Jacobian."""
+        return Evaluation(np.append(self.residuals, residuals), np.vstack([self.jacobian, jacobian]))
+
 
 class Fit:
     """One fit under way: `best` has the lowest `cost` so far, `trial` is to be evaluated next.

@@ -33,8 +33,7 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.catalog.fit.estimation import SCALES
-from opml.catalog.fit.innovations import covariance_root, with_apriori_cd
+from opml.catalog.fit.apriori import SCALES, covariance_root, with_apriori_cd
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements
 from opml.catalog.fit.neighbour_arcs import NUDGES, fly_beside

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.seeds import derive
-from opml.catalog.fit.estimation import Estimation
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.tables import STATE
 
 

@@ -11,8 +11,8 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from opml.base.constants import DAY, HOUR
-from opml.catalog.fit.estimation import APRIORI_SIGMA
-from opml.catalog.fit.innovations import CD_SPREAD
+from opml.catalog.associate.innovations import CD_SPREAD
+from opml.catalog.fit.apriori import APRIORI_SIGMA
 from opml.catalog.flight import Flight
 from opml.catalog.predict.neighbours import Neighbours
 from opml.catalog.predict.sensitivity import CD_NUDGE, shift_with_cd

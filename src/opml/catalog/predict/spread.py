@@ -5,9 +5,9 @@ them from the prediction is known at t_i. Drag alone parts them, so the Earth's 
 they need; and their Cd is the mean of its past, as one short fit may tell nothing of it.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 import pandas as pd
@@ -16,10 +16,11 @@ from opml.catalog.flight import Flight
 from opml.catalog.predict.other_windows import past_cd
 from opml.dynamics.forces import joined, with_outlooks
 from opml.dynamics.kernels.surroundings import ForceModel
+from opml.dynamics.settings import ForceModelSettings
 from opml.orbits.elements import rsw_rotation
 from opml.tables import SPREAD, STATE
 
-FLATTENED: Mapping[str, Any] = {"degree": 2, "order": 0, "third_bodies": []}
+FLATTENED = ForceModelSettings(degree=2, order=0, third_bodies=[])
 """Settings of the force model that the arcs fly under."""
 
 LONGEST_STEP = 300.0
@@ -70,7 +71,7 @@ def build(
     """
     started = estimates.set_index("track").loc[np.unique(pairs["i"])]
     cd = _past_cd(estimates, flight.rso.cd).loc[started.index].to_numpy()
-    integrator = replace(flight.integrator, max_step=LONGEST_STEP)
+    integrator = flight.integrator.evolve(max_step_s=LONGEST_STEP)
     coarse = replace(flight.under(weathers.model), integrator=integrator)
     # First the prediction, then more drag, then the futures, all side by side.
     expected, *futures = weathers.outlooks(started["t"].to_numpy())

@@ -4,51 +4,46 @@ The paper's are bounds on the drag coefficient and Tukey's fences on e_y.
 Source: the paper, section 'Building the SVM model for the Simulated RSO'.
 """
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Literal
 
 import numpy as np
 
 from opml.base.errors import InputError
+from opml.base.section import Section, setting
+from opml.base.setting_types import Absent, Days, Positive
 from opml.orbits.manoeuvres import Manoeuvre, contain_any
 
+Previous = Literal["kept_estimate", "track"]
 
-@dataclass(frozen=True)
-class Cleaning:
-    """How a dataset is cleaned. By default only rows are dropped that lack something.
 
-    cd_bounds: least and highest drag coefficient of an estimate, None for any
-    fence: Tukey's fences on e_y, in interquartile ranges from the quartiles, None for no fences
-    fence_days: first and last day of t_j of the rows that set the fences, None for all rows
-    previous: t_b is the time of the last `kept_estimate`, or of the `track` just before
-    manoeuvres: each with the time since which it is known
-    window: how long before an estimate its oldest measurement may be [s]
-    """
+class Cleaning(Section):
+    """Rows that are dropped; none by default."""
 
-    cd_bounds: tuple[float, float] | None = None
-    fence: float | None = None
-    fence_days: tuple[float, float] | None = None
-    previous: str = "kept_estimate"
-    manoeuvres: tuple[Manoeuvre, ...] = ()
-    window: float = 0.0
+    cd_min: Absent[float] = setting(
+        "least drag coefficient of an estimate that is used; any where it is left out", default=None
+    )
+    cd_max: Absent[float] = setting(
+        "largest drag coefficient of an estimate that is used; any where it is left out", default=None
+    )
+    fence: Absent[Positive] = setting(
+        "Tukey's fences on e_y, from the quartiles; none where it is left out", unit="IQR", default=None
+    )
+    fence_days: Absent[Days] = setting("window of t_j whose rows set the fences", default=None)
+    previous: Previous = setting(
+        "t_b is that of the previous `kept_estimate`, or of the previous `track`", default="kept_estimate"
+    )
 
-    @classmethod
-    def from_settings(cls, settings: Mapping[str, Any]) -> Self:
-        """Return the cleaning of settings: any of cd_min, cd_max, fence, fence_days, previous.
-
-        A setting that is None cleans nothing. Raises InputError for cd_min without cd_max, or the reverse.
-        """
-        bounds = [settings[name] for name in ("cd_min", "cd_max") if settings.get(name) is not None]
-        if len(bounds) == 1:
-            raise InputError(f"cleaning: cd_min, cd_max: expected both or none, got {bounds[0]} alone")
-        days = settings.get("fence_days")
-        return cls(
-            cd_bounds=(bounds[0], bounds[1]) if bounds else None,
-            fence=settings.get("fence"),
-            fence_days=None if days is None else tuple(days),
-            previous=settings.get("previous") or cls.previous,
-        )
+    @property
+    def cd_bounds(self) -> tuple[float, float] | None:
+        """Least and highest drag coefficient of an estimate; None for any; InputError for one alone."""
+        match [bound for bound in (self.cd_min, self.cd_max) if bound is not None]:
+            case [low, high]:
+                return low, high
+            case [alone]:
+                raise InputError(f"cleaning: cd_min, cd_max: expected both or none, got {alone:g} alone")
+        return None
 
     def keeps(self, cd: np.ndarray) -> np.ndarray:
         """Return which estimates are kept for their drag coefficients (bool, shape of cd)."""
@@ -56,6 +51,17 @@ class Cleaning:
             return np.ones(np.shape(cd), dtype=bool)
         low, high = self.cd_bounds
         return drag_coefficient_inside(cd, cd_min=low, cd_max=high)
+
+
+@dataclass(frozen=True)
+class Burns:
+    """The manoeuvres of an RSO, each with the time since which it is known.
+
+    window: how long before an estimate its oldest measurement may be [s]
+    """
+
+    manoeuvres: Sequence[Manoeuvre] = ()
+    window: float = 0.0
 
     def crosses(self, begin: np.ndarray, t: np.ndarray, known: np.ndarray) -> np.ndarray:
         """Return which rows (n,) have a manoeuvre in them, as far as anybody knew.
@@ -69,13 +75,15 @@ class Cleaning:
         return crossed
 
 
+NO_BURNS = Burns()
+
 OUTSIDE_FENCES = "outside Tukey fences"
 """Why a row is dropped that only the fences drop."""
 
 PAPER_BOUNDS = (1.2, 3.2)
 PAPER_FENCE = 3.0
 
-PAPER_CLEANING = Cleaning(cd_bounds=PAPER_BOUNDS, fence=PAPER_FENCE)
+PAPER_CLEANING = Cleaning(cd_min=PAPER_BOUNDS[0], cd_max=PAPER_BOUNDS[1], fence=PAPER_FENCE)
 """The cleaning of the paper, with fences from all rows that survive its bounds."""
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.errors import InputError
-from opml.learning.data.cleaning import OUTSIDE_FENCES, Cleaning, tukey_fences
+from opml.learning.data.cleaning import NO_BURNS, OUTSIDE_FENCES, Burns, Cleaning, tukey_fences
 from opml.learning.data.splits import in_days, known_at
 from opml.orbits.elements import coe_from_cartesian, in_rsw, wrap_half_turn
 from opml.orbits.manoeuvres import Manoeuvre, contain_any
@@ -46,6 +46,7 @@ def build(
     *,
     gm: float,
     cleaning: Cleaning,
+    burns: Burns = NO_BURNS,
     labels: pd.DataFrame | None = None,
 ) -> pd.DataFrame:
     """Build the `dataset` table: one row per pair of `predictions`, in the order of (i, j), none removed.
@@ -64,7 +65,7 @@ def build(
     burn that the estimates show. Tukey's fences come from rows with t_j in fence_days that survive all else,
     and hold for every row.
 
-    Raises InputError where the tables do not belong together or `cleaning.previous` is unknown.
+    Raises InputError where the tables do not belong together.
     """
     at_estimate = of_estimates(estimates, predictions, tracking, gm=gm, cleaning=cleaning)
     pairs = predictions.sort_values(["i", "j"], ignore_index=True)
@@ -74,7 +75,7 @@ def build(
     rows["reason"] = _reasons(rows, cleaning)
     begin = rows[["t_b", "t_i"]].min(axis=1).to_numpy()
     t_i, end = rows["t_i"].to_numpy(), rows["t_known"].to_numpy()
-    crosses = cleaning.crosses(begin, t_i, end) | _crosses_burn(estimates, begin, t_i, end)
+    crosses = burns.crosses(begin, t_i, end) | _crosses_burn(estimates, begin, t_i, end)
     rows.loc[crosses, "reason"] = CROSSES_MANOEUVRE
     rows["keep"] = rows["reason"] == ""
     return rows[SCHEMAS["dataset" if labels is None else "labelled"].names]
@@ -225,10 +226,8 @@ def _previous(tracks: np.ndarray, usable: np.ndarray, setting: str) -> np.ndarra
     position = np.arange(len(tracks))
     if setting == "kept_estimate":
         last_usable = np.maximum.accumulate(np.where(usable, position, -1))
-    elif setting == "track":
-        last_usable = np.where(usable, position, -1)
     else:
-        raise InputError(f"cleaning: previous: expected kept_estimate or track, got {setting}")
+        last_usable = np.where(usable, position, -1)
     before = np.concatenate([[-1], last_usable[:-1]])
     return np.where(before >= 0, tracks[before], NO_PREVIOUS)
 

@@ -1,41 +1,50 @@
 """The rows that a job tests on and trains on, from its files and settings."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from opml.base.files import FilePath
+from opml.base.section import JobSettings
 from opml.learning.data import dataset, splits
 
 
+class RowsSettings(JobSettings):
+    """The experiment of a job, as the columns of `metrics` have it, and what its model is trained on."""
+
+    epoch: str
+    experiment: dict[str, str]
+    train: str
+    span_days: tuple[float, float]
+    seed: int
+
+
 def read(
-    files: Any, settings: Mapping[str, Any], *, beside: Iterable[FilePath]
+    files: Any, settings: RowsSettings, *, beside: Iterable[FilePath]
 ) -> tuple[pd.DataFrame, np.ndarray, pd.DataFrame]:
     """Load the dataset to test against, its test rows (bool), and the dataset that the model learns from.
 
     files.target: the dataset that the model learns from
     files.judge: the dataset with the errors to test against, if it is another; it has the same pairs
-    settings: `experiment`, `train`, `span_days` and `seed`
     beside: tables with extra columns for both
 
     Raises InputError where a file is missing or damaged, and for a test without rows.
     """
-    experiment, beside = settings["experiment"], list(beside)
+    experiment, beside = settings.experiment, list(beside)
     learned = dataset.read(files.target, beside)
     judged = dataset.read(files.judge, beside) if files.judge else learned
     trained = _trained(learned, settings) if experiment["target"] == experiment["rso"] else None
-    rows = splits.test_rows(judged, experiment["test"], span_days=settings["span_days"], trained=trained)
+    rows = splits.test_rows(judged, experiment["test"], span_days=settings.span_days, trained=trained)
     return judged, rows, learned
 
 
-def read_with_training(files: Any, settings: Mapping[str, Any]) -> tuple[pd.DataFrame, pd.DataFrame]:
+def read_with_training(files: Any, settings: RowsSettings) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Load the training rows and the test rows of a job.
 
     files: as for `read`, with the test's extra columns in files.beside_target
     files.dataset: the dataset to train on, with extra columns in files.beside
-    settings: as for `read`
 
     Raises InputError as `read`, and for a training without rows.
     """
@@ -44,7 +53,6 @@ def read_with_training(files: Any, settings: Mapping[str, Any]) -> tuple[pd.Data
     return table[_trained(table, settings)], judged[tested]
 
 
-def _trained(table: pd.DataFrame, settings: Mapping[str, Any]) -> np.ndarray:
+def _trained(table: pd.DataFrame, settings: RowsSettings) -> np.ndarray:
     """Return which rows (bool, n) of a dataset a job trains on."""
-    span_days, seed = settings["span_days"], settings["seed"]
-    return splits.training_rows(table, settings["train"], span_days=span_days, seed=seed)
+    return splits.training_rows(table, settings.train, span_days=settings.span_days, seed=settings.seed)

@@ -6,9 +6,9 @@ from typing import Any
 from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import core_schema
 
+from opml.base.section import Item, Section
 from opml.base.setting_types import TypeSchema
 from opml.study.settings.model.kinds import FORECASTS, KINDS, LEARNER_KINDS, OfItsKind
-from opml.study.settings.model.section import Item, Section
 
 _REFERENCE = "#/$defs/"
 

@@ -24,6 +24,7 @@ from opml.orbits.sheets import (
 )
 from opml.study.settings.model.catalogue import CatalogueSettings
 from opml.study.settings.model.run import DaySettings, TakingSettings, taking_section
+from opml.study.settings.model.whole import RunSettings
 from opml.study.settings.overlay import MISSING, Key, Layer, Source, laid_over, read_layer
 
 STUDIES = "config/studies"
@@ -44,6 +45,11 @@ class Settings:
     values: Mapping[str, Any]
     stations: Mapping[str, Station]
     rsos: Mapping[str, Rso]
+
+    @cached_property
+    def run(self) -> RunSettings:
+        """The same values as typed attributes."""
+        return RunSettings.model_validate(self.values)
 
     @cached_property
     def orbits(self) -> dict[str, list[str]]:

@@ -15,7 +15,8 @@ import pandas as pd
 from opml.base.errors import InputError
 from opml.catalog.fit import start_states
 from opml.catalog.fit.estimate import Estimate
-from opml.catalog.fit.estimation import Estimation, Run
+from opml.catalog.fit.estimation import Run
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.first.linked_tracks import orbit_of_angles
 from opml.catalog.fit.first.three_positions import orbit_state
 from opml.catalog.fit.first.track_fits import (
@@ -95,7 +96,8 @@ def determined(flight: Flight, measured: Measurements, *, settings: Estimation) 
     day has three positions.
     """
     times = _times(measured)
-    run = Run(measured, flight, np.full((len(times), 6), np.nan), settings)
+    states = np.full((len(times), 6), np.nan)
+    run = Run.of_states(flight, states, measured, settings, ages=np.empty(0))
     alone = single_tracks(run)
     best = _grown(run, alone) if alone else orbit_of_angles(run)
     _log.info("first orbit: %d tracks fitted together", best.window.tracks)
@@ -129,7 +131,7 @@ def _grown(run: Run, alone: list[Estimate]) -> Estimate:
     t, axis = run.measured.epochs[best.window.at], axis_sigma(best.fit, gm)
     _log.info("first orbit: of track %d at %.0f s, semi-major axis to %.0f m", best.window.track, t, axis)
     for window in following(run, best.window):
-        start = run.propagate(best.window.at, best.fit.best, np.array([window.at]))[0]
+        start = run.starts.propagate(best.window.at, best.fit.best, np.array([window.at]))[0]
         longer = start_estimate_there(run, window, start)
         run.fit([longer])
         best = longer if longer.fit.converged else best

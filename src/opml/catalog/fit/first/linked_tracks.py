@@ -99,7 +99,7 @@ def orbit_of_angles(run: Run) -> Estimate:
 
     Raises InputError where no track gives an orbit, and where no two tracks fit one.
     """
-    run = replace(run, settings=replace(run.settings, max_iterations=_ITERATIONS))
+    run = replace(run, settings=run.settings.evolve(max_iterations=_ITERATIONS))
     tried: list[TrackSeries] = []
     for sigma in (ROUND, None):
         trying = replace(run, eccentricity_sigma=sigma)

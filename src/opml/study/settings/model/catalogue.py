@@ -5,9 +5,9 @@ from typing import Annotated, Literal
 from annotated_types import MinLen
 from pydantic import Strict
 
+from opml.base.section import Section, setting
 from opml.base.setting_types import Absent, Expected, NotNegative, Pattern, Text, Unique
 from opml.study.settings.model.names import Name, PathList
-from opml.study.settings.model.section import Section, setting
 
 Date = Annotated[str, Pattern(r"^\d{4}-\d{2}-\d{2}$"), Expected('a date (UTC) in quotes, like "2026-03-15"')]
 

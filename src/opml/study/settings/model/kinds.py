@@ -7,10 +7,10 @@ from typing import Annotated, Any
 
 from pydantic import ConfigDict, create_model
 
+from opml.base.section import Section
 from opml.base.setting_types import Handler, OneOf, TypeSchema, may_be_absent
 from opml.environment.forecasts import methods
 from opml.learning.models import contract, learners
-from opml.study.settings.model.section import Section
 
 KINDS = "x-kinds"
 """Key under which the JSON schema of settings of any kind has the name of their definition."""

@@ -6,11 +6,10 @@ from annotated_types import Ge, Le, MinLen
 from pydantic import Strict
 
 from opml import naming
-from opml.base.constants import BODIES
+from opml.base.section import Placeholder
 from opml.base.setting_types import Count, Expected, OneOf, Pattern, Positive, Text, Unique
 from opml.learning.models.contract import Variable
 from opml.report import claims
-from opml.study.settings.model.section import Placeholder
 from opml.tables import COMPONENTS
 
 Name = Annotated[
@@ -61,30 +60,17 @@ Seed = Annotated[int, Ge(0), Expected("a whole number from 0")]
 
 SeedList = Annotated[list[Seed], MinLen(1), Unique(), Expected("a list of seeds")]
 
-Degree = Annotated[int, Ge(0), Expected("a whole number from 0")]
-
-RsoBody = Annotated[str, OneOf(BODIES)]
-
-Bodies = Annotated[list[RsoBody], Unique()]
-
 Variables = Annotated[list[Variable], MinLen(1), Unique()]
 
 Component = Annotated[str, OneOf(COMPONENTS)]
 
 Label = Annotated[str, OneOf(tuple(naming.LABELS)), Expected("truth, later or smoothed")]
 
-Previous = Literal["kept_estimate", "track"]
-
 Standardisation = Annotated[str, OneOf(tuple(naming.STANDARDISATIONS))]
 
 Fence = Annotated[Literal["dataset", "none"] | Positive, Expected("dataset, none or a number above 0")]
 
 Holds = Annotated[str, OneOf(tuple(claims.TESTS))]
-
-Day = Annotated[float, Ge(0), Expected("a day, a number from 0")]
-
-# YAML has lists only: they stand for tuples, whose items stay as strict as all else.
-Days = Annotated[tuple[Day, Day], Strict(False), Expected("two numbers, first and last day")]
 
 Resonance = Annotated[tuple[Count, Count], Strict(False), Expected("a pair of whole numbers above 0")]
 

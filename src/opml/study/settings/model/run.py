@@ -6,12 +6,14 @@ from typing import Annotated, Any, Literal, Self, get_args
 from annotated_types import Ge, Le, Lt, MinLen
 from pydantic import Strict
 
+from opml.base.section import Section, setting
 from opml.base.setting_types import Absent, Expected, NotNegative, Positive, Share, Text, Unique
+from opml.catalog.fit.estimation_settings import EstimationSettings
+from opml.dynamics.settings import ForceModels, Integrator
+from opml.environment.settings import EnvironmentSettings
 from opml.study.settings.model.catalogue import CatalogueSettings
 from opml.study.settings.model.kinds import ForecastSettings, LearnerSettings
 from opml.study.settings.model.names import (
-    Bodies,
-    Degree,
     Epoch,
     Folder,
     Name,
@@ -22,7 +24,6 @@ from opml.study.settings.model.names import (
     Times,
     Variables,
 )
-from opml.study.settings.model.section import Section, setting
 
 
 class RandomSeeds(Section):
@@ -34,134 +35,10 @@ class RandomSeeds(Section):
     split: Seed = setting("seed of the random splits and of the learners' subsamples")
 
 
-class EnvironmentSettings(Section):
-    """What Earth, Sun and Moon do, and what is known of it."""
-
-    gravity_field: Text = setting(
-        "`EGM2008` (to degree 70, in the package), `EIGEN-6S` (the paper's, fetched once and checked) or an"
-        " ICGEM file",
-        unit="name or path",
-    )
-    ephemerides: Text = setting("`DE440` or an SPK kernel", unit="name or path")
-    solar_activity: Text = setting(
-        "`MSAFE`, `OBSERVED` or a file of either kind", unit="name or path", see="#solar-activity"
-    )
-    true_solar_activity: Absent[Text] = setting(
-        "what the truth flies under, where it is not `solar_activity`", unit="name or path", default=None
-    )
-    percentile: Literal[95, 50, 5] = setting("column of an MSAFE bulletin")
-    knowledge: Absent[Literal["monthly", "hindcast", "forecast"]] = setting(
-        "what the assumed model knows of the weather: `monthly` figures, the weather up to t_j (`hindcast`),"
-        " or up to t_i and a `forecast`; left out, it flies under `solar_activity` as it stands",
-        see="weather.md",
-        default=None,
-    )
-    forecast: Absent[str] = setting(
-        "forecast of `knowledge: forecast`, about which the futures of an ensemble lie",
-        unit="name under `forecasts`",
-        see="weather.md#ensembles",
-        default=None,
-    )
-    issue_hours: Absent[Literal[1, 3, 6, 12, 24]] = setting(
-        "time between the issues of forecasts, counted from 00:00 UTC; predictions fly under the newest one",
-        unit="h",
-        default=None,
-    )
-
-
-class ForceModelSettings(Section):
-    """A force model."""
-
-    degree: Degree = setting("highest degree of the gravity field")
-    order: Degree = setting("highest order of the gravity field")
-    third_bodies: Bodies = setting("bodies that pull beside Earth", unit="names")
-    solid_tides: bool = setting(
-        "whether Moon and Sun deform the Earth", see="physics.md#tides-of-the-solid-earth", default=False
-    )
-    relativity: bool = setting(
-        "whether the terms of general relativity count", see="physics.md#relativity", default=False
-    )
-
-
-class TrueForceModel(ForceModelSettings):
-    """The force model of the truth."""
-
-    atmosphere: Literal["DTM2000", "NRLMSIS"] = setting(
-        "what the truth flies through; `NRLMSIS` is tabulated under measured weather",
-        see="physics.md#drag",
-        default="DTM2000",
-    )
-
-
-class ForceModels(Section):
-    """The truth's force model, and that of fits and predictions."""
-
-    truth: TrueForceModel = setting("force model of the truth")
-    assumed: ForceModelSettings = setting("force model of fits and predictions")
-
-
-class IntegratorSettings(Section):
-    """The Dormand-Prince 8(5,3) method."""
-
-    position_tolerance_m: Positive = setting(
-        "absolute tolerance of each position component, by Dormand-Prince 8(5,3)", unit="m"
-    )
-    min_step_s: Positive = setting("shortest step", unit="s")
-    max_step_s: Positive = setting(
-        "longest step; 90 s is the paper's, and 120 s the better choice for a study of one's own: it takes"
-        " three quarters of the time, and after seven days orbits above 300 km are within a metre",
-        unit="s",
-        see="performance.md",
-    )
-
-
 class Tracking(Section):
     """Measurements."""
 
     step_s: Positive = setting("time between measurements, and of the truth's grid", unit="s")
-
-
-class EstimationSettings(Section):
-    """Fits of an orbit and a drag coefficient to tracks."""
-
-    window_hours: Positive = setting("measurements before a track that its fit uses", unit="h")
-    max_iterations: Annotated[int, Ge(1), Expected("a whole number from 1")] = setting(
-        "iterations after which a fit counts as not converged"
-    )
-    convergence: Positive = setting("part of the formal uncertainty that a last step may still move")
-    start_position_sigma_m: Positive = setting(
-        "standard deviation by which the true position is perturbed where a first fit starts", unit="m"
-    )
-    start_velocity_sigma_mps: Positive = setting(
-        "standard deviation by which the true velocity is perturbed where a first fit starts", unit="m/s"
-    )
-    least_drag_m: Positive = setting(
-        "shift of a window's end per unit of Cd below which Cd is held at the RSO's own value", unit="m"
-    )
-    cd_sigma: Absent[Positive] = setting(
-        "standard deviation of Cd about the RSO's own value, where that is known beforehand", default=None
-    )
-    light_time: bool = setting(
-        "whether fits read measurements as received at their time, after the light's way; simulated ones are"
-        " always geometric",
-        see="physics.md#light-time",
-        default=False,
-    )
-    reject_sigma: Absent[Positive] = setting(
-        "residuals beyond so many standard deviations are outliers, left out by fits; by default none are",
-        default=None,
-    )
-    bias_sigma: Absent[Positive] = setting(
-        "standard deviation of a constant error of each station's observable, in a fit's window, in sigmas of"
-        " its noise; by default there is none",
-        default=None,
-    )
-    suspect_sigma: Absent[Positive] = setting(
-        "tracks so many standard deviations from their prediction are held back from fits, and show burns;"
-        " by default none are",
-        see="tracks.md#burns",
-        default=None,
-    )
 
 
 Sigmas = Annotated[tuple[Positive, Positive, Positive], Strict(False), Expected("three numbers above 0")]
@@ -377,7 +254,7 @@ class RunAlone(Section):
         default={},
     )
     force_models: ForceModels = setting("the truth's force model, and that of fits and predictions")
-    integrator: IntegratorSettings = setting("the Dormand-Prince 8(5,3) method")
+    integrator: Integrator = setting("the Dormand-Prince 8(5,3) method")
     tracking: Tracking = setting("measurements")
     estimation: EstimationSettings = setting("fits of an orbit and a drag coefficient to tracks")
     prediction: PredictionSettings = setting("predictions")

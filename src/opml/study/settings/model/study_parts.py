@@ -4,10 +4,11 @@ from typing import Annotated, Literal
 
 from annotated_types import MinLen
 
-from opml.base.setting_types import Absent, Expected, Positive, Share, Text
+from opml.base.section import Item, Section, setting
+from opml.base.setting_types import Absent, Days, Expected, Positive, Share, Text
+from opml.learning.data.cleaning import Cleaning, Previous
 from opml.study.settings.model.names import (
     Component,
-    Days,
     Degrees,
     EntryName,
     Fence,
@@ -18,7 +19,6 @@ from opml.study.settings.model.names import (
     Name,
     Names,
     Pool,
-    Previous,
     PublishedByRatio,
     PublishedByValue,
     Ratios,
@@ -31,7 +31,6 @@ from opml.study.settings.model.names import (
     Tests,
     Train,
 )
-from opml.study.settings.model.section import Item, Section, setting
 
 
 class ClaimSettings(Item):
@@ -119,24 +118,6 @@ class ConjunctionSettings(Section):
     threshold: Share = setting("probability from which on an alarm is raised")
     beside: Absent[Text] = setting(
         "results of the same study under other weather, to show beside", unit="folder", default=None
-    )
-
-
-class CleaningSettings(Section):
-    """Rows that are dropped; none by default."""
-
-    cd_min: Absent[float] = setting(
-        "least drag coefficient of an estimate that is used; any where it is left out", default=None
-    )
-    cd_max: Absent[float] = setting(
-        "largest drag coefficient of an estimate that is used; any where it is left out", default=None
-    )
-    fence: Absent[Positive] = setting(
-        "Tukey's fences on e_y, from the quartiles; none where it is left out", unit="IQR", default=None
-    )
-    fence_days: Absent[Days] = setting("window of t_j whose rows set the fences", default=None)
-    previous: Absent[Previous] = setting(
-        "t_b is that of the previous `kept_estimate`, or of the previous `track`", default=None
     )
 
 
@@ -370,7 +351,7 @@ class OwnStudySettings(Section):
         see="uncertainty.md",
         default=None,
     )
-    cleaning: Absent[CleaningSettings] = setting("rows that are dropped; none by default", default=None)
+    cleaning: Absent[Cleaning] = setting("rows that are dropped; none by default", default=None)
     conjunctions: Absent[ConjunctionSettings] = setting(
         "what predictions are worth in conjunctions", see="conjunctions.md", default=None
     )

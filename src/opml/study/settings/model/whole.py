@@ -1,9 +1,9 @@
 """All settings together: a run and its study, and what a file of them may hold."""
 
+from opml.base.section import setting
 from opml.base.setting_types import Absent
 from opml.study.settings.model.names import Names
 from opml.study.settings.model.run import RunAlone
-from opml.study.settings.model.section import setting
 from opml.study.settings.model.study_parts import StudySettings
 
 

@@ -1,11 +1,13 @@
 """What every mapping of settings is: keys with a meaning, a unit and limits, and no others."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core import PydanticUndefined
 
+from opml.base.errors import InputError
 from opml.base.setting_types import Handler, TypeSchema
 
 
@@ -22,6 +24,30 @@ class Section(BaseModel):
         # The run's model is built as a whole.
         defer_build=True,
     )
+
+    def evolve(self, **changes: Any) -> Self:
+        """Return the same settings but for some."""
+        return self.model_copy(update=changes)
+
+    @classmethod
+    def read(cls, values: Mapping[str, Any], name: str) -> Self:
+        """Return the settings of a mapping. Raises InputError for the first that is wrong."""
+        try:
+            return cls.model_validate(values)
+        except ValidationError as error:
+            first = error.errors(include_url=False)[0]
+        if first["type"] == "extra_forbidden":
+            what = f"expected {', '.join(cls.model_fields)}, got {first['loc'][-1]}"
+            raise InputError(f"{name}: settings: {what}")
+        key = ".".join(map(str, first["loc"]))
+        what = first["msg"].replace("Input should be", "expected")
+        raise InputError(f"{name}: {key}: {what}, got {first['input']!r}")
+
+
+class JobSettings(BaseModel):
+    """What a job takes of the settings that its rule gives; the digest of its tables knows the others."""
+
+    model_config = ConfigDict(frozen=True, extra="ignore")
 
 
 class Item(Section):

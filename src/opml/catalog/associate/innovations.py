@@ -14,8 +14,9 @@ from typing import Self
 
 import numpy as np
 
+from opml.catalog.fit.apriori import covariance_root, with_apriori_cd
 from opml.catalog.fit.estimate import Estimate
-from opml.catalog.fit.estimation import APRIORI_SIGMA, LINEAR, SCALES, Run
+from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.neighbour_arcs import fly_around
 from opml.tables import PARAMETERS
@@ -33,31 +34,6 @@ _USUAL = 1.67
 
 LEAST = 5
 """Fewest tracks that tell how far is usual."""
-
-
-def covariance_root(covariance: np.ndarray) -> np.ndarray:
-    """Return the root (7, 7) of a covariance of parameters; 0 where a parameter was held."""
-    scaled = covariance / np.outer(SCALES, SCALES)
-    free = np.ix_(*[np.diag(scaled) > 0.0] * 2)
-    root = np.zeros((7, 7))
-    root[free] = np.linalg.cholesky(scaled[free])
-    return SCALES[:, None] * root
-
-
-def with_apriori_cd(
-    parameters: np.ndarray, covariance: np.ndarray, cd: float
-) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return parameters (7,) and covariance (7, 7) of a fit that takes the body's own Cd for a measurement.
-
-    A short fit may tell nothing of Cd, but the state. None where it would move too far for a straight line.
-    """
-    if covariance[_CD, _CD] == 0.0:
-        return parameters, covariance
-    gain = covariance[_CD] / (covariance[_CD, _CD] + (APRIORI_SIGMA * cd) ** 2)
-    moved = gain * (cd - parameters[_CD])
-    if np.linalg.norm(moved[:3]) > LINEAR:
-        return None
-    return parameters + moved, covariance - np.outer(gain, covariance[_CD])
 
 
 @dataclass(frozen=True)

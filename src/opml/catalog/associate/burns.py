@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from opml.catalog.associate.innovations import ReferenceOrbit
 from opml.catalog.fit.estimation import Run
-from opml.catalog.fit.innovations import ReferenceOrbit
 from opml.catalog.fit.neighbour_arcs import NUDGES, fly_beside
 from opml.orbits.elements import rsw_rotation
 

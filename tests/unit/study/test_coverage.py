@@ -7,21 +7,28 @@ from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.yaml_files import read_yaml
-from opml.environment import coverage, gravity_field, nodes, solar_activity
+from opml.environment import gravity_field, nodes, solar_activity
+from opml.study import coverage
+from opml.study.settings.model.whole import RunSettings
 
-VALUES = read_yaml(REPOSITORY / "config" / "config.yaml")
+VALUES = read_yaml(REPOSITORY / "config" / "config.yaml") | {"study": None}
 REACH = {name: solar_activity.reach(name) for name in solar_activity.PACKAGED}
+
+
+def check(values):
+    """Look whether a run of these settings is covered."""
+    coverage.check(RunSettings(**values))
 
 
 def refusal(*, epoch=EPOCH, **sources):
     with pytest.raises(InputError) as error:
-        coverage.check(VALUES | {"epoch": epoch, "environment": VALUES["environment"] | sources})
+        check(VALUES | {"epoch": epoch, "environment": VALUES["environment"] | sources})
     return str(error.value)
 
 
 def check_within_reach(values):
     """Assert that a run is covered, and that what is told of the packaged activity says so too."""
-    coverage.check(values)
+    check(values)
     ends = nodes(values["epoch"], DAY * values["duration_days"])[[0, -1]]
     begin, end = (epochs.calendar_day(values["epoch"], t) for t in ends)
     for first, last in REACH.values():
@@ -32,7 +39,7 @@ def check_within_reach(values):
 def test_the_papers_run_is_covered_and_one_of_thirty_years_is_not():
     check_within_reach(VALUES)
     with pytest.raises(InputError, match="finals2000A"):
-        coverage.check(VALUES | {"duration_days": 30 * 365.25})
+        check(VALUES | {"duration_days": 30 * 365.25})
 
 
 def test_packaged_activity_that_ends_too_early_is_told_with_its_setting_and_what_to_do():
@@ -94,14 +101,14 @@ def test_too_short_a_past_or_history_and_forecasts_that_begin_too_late_are_told(
     settings = {"long": {"kind": "regression", "lags": 100, "ridge": 10}}
     environment = VALUES["environment"] | asked | {"forecast": "long", "solar_activity": str(short)}
     with pytest.raises(InputError, match="forecast: expected 100 measured days before the epoch, got 85"):
-        coverage.check(VALUES | {"environment": environment, "forecasts": settings})
+        check(VALUES | {"environment": environment, "forecasts": settings})
     path = tmp_path / "late.tsv"
     path.write_text("issued\tvalid\tf107\tkp\n2016-10-01T00:00:00\t2016-10-01T00:00:00\t80\t2\n")
     settings = {"late": {"kind": "archive", "files": [str(path)]}}
     environment = VALUES["environment"] | asked | {"forecast": "late"}
     with pytest.raises(InputError, match="expected one issued by 2016-09-28, got the first on 2016-10-01"):
-        coverage.check(VALUES | {"environment": environment, "forecasts": settings})
-    coverage.check(VALUES | {"environment": VALUES["environment"] | asked})
+        check(VALUES | {"environment": environment, "forecasts": settings})
+    check(VALUES | {"environment": VALUES["environment"] | asked})
 
 
 @pytest.mark.parametrize("model", ["truth", "assumed"])
@@ -115,10 +122,10 @@ def test_tides_want_a_field_that_tells_its_tide_system(model, tmp_path):
     }
     for tide_system in ("tide_free", "zero_tide"):
         path.write_text(text.replace(" tide_free", f" {tide_system}"))
-        coverage.check(values)
+        check(values)
     path.write_text(text.replace(" tide_free", " mean_tide"))
     with pytest.raises(InputError) as error:
-        coverage.check(values)
+        check(values)
     assert str(error.value) == (
         f"force_models.{model}.solid_tides: expected a gravity field that is tide_free or zero_tide, "
         "got tide_system mean_tide"

@@ -1,13 +1,11 @@
 """Check that the sources of an environment cover a run, before any job starts."""
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
+from opml.dynamics.settings import ForceModelSettings
 from opml.environment import (
     celestial_bodies,
     earth_orientation,
@@ -17,69 +15,68 @@ from opml.environment import (
     nrlmsis,
     solar_activity,
 )
+from opml.study.settings.model.whole import RunSettings
 
 FETCHED = "EIGEN-6S"
 """The gravity field that only the workflow's rule may fetch; the rule checks its degree."""
 
 
-def check(values: Mapping[str, Any], *, is_measured: bool = False) -> None:
+def check(run: RunSettings, *, is_measured: bool = False) -> None:
     """Raise InputError where a source is unreadable, ends before the run, or lacks a degree of a force model.
 
-    values: the validated settings
     is_measured: whether measurements of any object are real
     """
-    epoch, sources = values["epoch"], values["environment"]
-    ends = nodes(epoch, DAY * values["duration_days"])[[0, -1]]
+    epoch, sources = run.epoch, run.environment
+    ends = nodes(epoch, DAY * run.duration_days)[[0, -1]]
     earth_orientation.tabulate(epoch, ends)
-    celestial_bodies.tabulate(sources["ephemerides"], epoch, ends)
-    flown = ["solar_activity", "true_solar_activity"]
-    if sources.get("knowledge") == knowledge.FORECAST and (is_measured or flown[1] in sources):
-        flown.remove("solar_activity")  # measurements before a forecast need not reach into the days ahead
-    for setting in flown:
-        if setting in sources:
-            _check_activity(setting, sources[setting], epoch, ends, sources["percentile"])
-    _check_knowledge(values, ends)
-    _check_atmosphere(values, ends)
-    if sources["gravity_field"] != FETCHED:
-        field = gravity_field.read_icgem(gravity_field.resolve(sources["gravity_field"])).freeze(epoch)
-        for name, model in values["force_models"].items():
-            field.truncate(model["degree"], model["order"])
+    celestial_bodies.tabulate(sources.ephemerides, epoch, ends)
+    flown = {"true_solar_activity": sources.true_solar_activity}
+    # Measurements before a forecast need not reach into the days ahead.
+    if sources.knowledge != knowledge.FORECAST or not (is_measured or sources.true_solar_activity):
+        flown = {"solar_activity": sources.solar_activity, **flown}
+    for setting, source in flown.items():
+        if source:
+            _check_activity(setting, source, epoch, ends, sources.percentile)
+    _check_knowledge(run, ends)
+    _check_atmosphere(run, ends)
+    if sources.gravity_field != FETCHED:
+        field = gravity_field.read_icgem(gravity_field.resolve(sources.gravity_field)).freeze(epoch)
+        for name, model in (("truth", run.force_models.truth), ("assumed", run.force_models.assumed)):
+            field.truncate(model.degree, model.order)
             _check_tides(name, model, field.tide_system)
 
 
-def _check_knowledge(values: Mapping[str, Any], ends: np.ndarray) -> None:
+def _check_knowledge(run: RunSettings, ends: np.ndarray) -> None:
     """Raise InputError where the sources lack the weather that the assumed model is to know."""
-    sources = values["environment"]
-    kind, source = sources.get("knowledge"), sources["solar_activity"]
+    sources, epoch = run.environment, run.epoch
+    kind, source = sources.knowledge, sources.solar_activity
     try:
         if kind == knowledge.MONTHLY:
             knowledge.check_monthly(source)
         if kind == knowledge.HINDCAST:
-            knowledge.hindcast(source, values["epoch"], ends)
-        if kind == knowledge.FORECAST:
-            forecast, hours = values["forecasts"][sources["forecast"]], sources["issue_hours"]
-            knowledge.check(source, values["epoch"], ends, forecast=forecast, issue_hours=hours)
+            knowledge.hindcast(source, epoch, ends)
+        if kind == knowledge.FORECAST and sources.forecast and sources.issue_hours:
+            forecast = run.forecasts[sources.forecast].model_dump(exclude_unset=True)
+            knowledge.check(source, epoch, ends, forecast=forecast, issue_hours=sources.issue_hours)
     except InputError as error:
         raise InputError(f"environment.knowledge: {kind}: {error}") from None
 
 
-def _check_atmosphere(values: Mapping[str, Any], ends: np.ndarray) -> None:
+def _check_atmosphere(run: RunSettings, ends: np.ndarray) -> None:
     """Raise InputError where the truth is to fly through NRLMSIS without its code or measured weather."""
-    sources = values["environment"]
-    if values["force_models"]["truth"].get("atmosphere") != nrlmsis.NAME:
+    sources = run.environment
+    if run.force_models.truth.atmosphere != nrlmsis.NAME:
         return
     try:
         nrlmsis.check_installed()
-        nrlmsis.read_weather(
-            sources.get("true_solar_activity", sources["solar_activity"]), values["epoch"], ends
-        )
+        nrlmsis.read_weather(sources.true_solar_activity or sources.solar_activity, run.epoch, ends)
     except InputError as error:
         raise InputError(f"force_models.truth.atmosphere: {nrlmsis.NAME}: {error}") from None
 
 
-def _check_tides(name: str, model: Mapping[str, Any], tide_system: str) -> None:
+def _check_tides(name: str, model: ForceModelSettings, tide_system: str) -> None:
     """Raise InputError where a force model is to have tides that the gravity field does not allow."""
-    if model.get("solid_tides"):
+    if model.solid_tides:
         try:
             gravity_field.check_tide_system(tide_system)
         except InputError as error:

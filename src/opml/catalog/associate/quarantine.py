@@ -20,14 +20,15 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import HOUR
+from opml.catalog.associate.burns import Burn, burn_between
+from opml.catalog.associate.innovations import CD_SPREAD, ReferenceOrbit, Usual, farthest
 from opml.catalog.fit import biases, estimation
-from opml.catalog.fit.burns import Burn, burn_between
 from opml.catalog.fit.estimate import Estimate
-from opml.catalog.fit.estimation import Estimation, Run
-from opml.catalog.fit.innovations import CD_SPREAD, ReferenceOrbit, Usual, farthest
+from opml.catalog.fit.estimation import Run
+from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.least_squares import Fit, Method
 from opml.catalog.fit.measurements import Measurements
-from opml.catalog.fit.solutions import StartParameters
+from opml.catalog.fit.starts import StartParameters
 from opml.catalog.flight import Flight
 from opml.tables import BURN, PARAMETERS
 
@@ -134,7 +135,7 @@ class Watch:
         """Return the fit over the window at a track, to what is neither foreign nor beyond a burn."""
         window = self._run.window(track, without=self.left_out(track))
         run = self._run_since_burn(track)
-        starts = run.starts_in_turn([window], self._usable, self._spare)
+        starts = run.starts.in_turn([window], self._usable, self._spare)
         [estimate] = run.fit_windows([window], starts, [self._method])
         return estimate
 
@@ -143,9 +144,9 @@ class Watch:
         run = self._run
         if not self.burns or self._time(track) - self.burns[-1][1].t > run.settings.window_hours * HOUR:
             return run
-        rso = replace(run.flight.rso, cd=self._cd)
-        settings = replace(run.settings, cd_sigma=CD_SPREAD * abs(self._cd))
-        return replace(run, flight=replace(run.flight, rso=rso), settings=settings)
+        flight = replace(run.flight, rso=replace(run.flight.rso, cd=self._cd))
+        settings = run.settings.evolve(cd_sigma=CD_SPREAD * abs(self._cd))
+        return replace(run, flight=flight, starts=replace(run.starts, flight=flight), settings=settings)
 
     def _accepted(self, estimate: Estimate, away: Sequence[float]) -> Estimate:
         """Return an estimate that later tracks are held against."""
@@ -155,7 +156,7 @@ class Watch:
             self._sizes.append(float(self._run.row(estimate)["weighted_rms"]))
         if orbit := ReferenceOrbit.of_estimate(estimate, self._run.flight.rso.cd):
             self._known.append(orbit)
-        self._usable, self._spare = self._run.newest([estimate.solution], self._usable, self._spare)
+        self._usable, self._spare = self._run.starts.newest([estimate.solution], self._usable, self._spare)
         return estimate
 
     def _goes_across(self, estimate: Estimate) -> bool:
@@ -217,7 +218,7 @@ class Watch:
     def _orbit(self, tracks: Sequence[int], before: ReferenceOrbit) -> Estimate | None:
         """Return the orbit that tracks lie on, with the Cd of an estimate before, if any."""
         window = self._run.measured.of_tracks(tracks[-1], tracks)
-        start = self._run.propagate(before.at, before.parameters, np.array([window.at]))[0]
+        start = self._run.starts.propagate(before.at, before.parameters, np.array([window.at]))[0]
         method = replace(self._method, free=self._method.free & (np.arange(7) != _CD))
         [estimate] = self._run.complete([Estimate(window, Fit(start, method))])
         return estimate if self._takes_in(estimate) else None
@@ -273,7 +274,7 @@ def with_noise(
         return estimation.with_noise(flight, starts, measured, settings=settings)
     run = Run.of_starts(flight, starts, measured, settings)
     method = run.method(run.free_parameters())
-    watch = Watch(replace(run, settings=replace(settings, after_hours=0.0)), method)
+    watch = Watch(replace(run, settings=settings.evolve(after_hours=0.0)), method)
     rows, estimates = [], []
     for track in range(measured.tracks):
         estimate, burn = watch.take(track)

@@ -1,0 +1,1 @@
+"""Which tracks belong to an object: foreign ones, and those behind a burn."""

@@ -1,0 +1,64 @@
+"""How orbits are fitted: the settings, and what is known of the fits of one job beside them."""
+
+from typing import Annotated
+
+from annotated_types import Ge
+from pydantic import Strict
+
+from opml.base.section import Section, setting
+from opml.base.setting_types import Absent, Expected, Positive
+
+
+class EstimationSettings(Section):
+    """Fits of an orbit and a drag coefficient to tracks."""
+
+    window_hours: Positive = setting("measurements before a track that its fit uses", unit="h")
+    max_iterations: Annotated[int, Ge(1), Expected("a whole number from 1")] = setting(
+        "iterations after which a fit counts as not converged"
+    )
+    convergence: Positive = setting("part of the formal uncertainty that a last step may still move")
+    start_position_sigma_m: Positive = setting(
+        "standard deviation by which the true position is perturbed where a first fit starts", unit="m"
+    )
+    start_velocity_sigma_mps: Positive = setting(
+        "standard deviation by which the true velocity is perturbed where a first fit starts", unit="m/s"
+    )
+    least_drag_m: Positive = setting(
+        "shift of a window's end per unit of Cd below which Cd is held at the RSO's own value", unit="m"
+    )
+    cd_sigma: Absent[Positive] = setting(
+        "standard deviation of Cd about the RSO's own value, where that is known beforehand", default=None
+    )
+    light_time: bool = setting(
+        "whether fits read measurements as received at their time, after the light's way; simulated ones are"
+        " always geometric",
+        see="physics.md#light-time",
+        default=False,
+    )
+    reject_sigma: Absent[Positive] = setting(
+        "residuals beyond so many standard deviations are outliers, left out by fits; by default none are",
+        default=None,
+    )
+    bias_sigma: Absent[Positive] = setting(
+        "standard deviation of a constant error of each station's observable, in a fit's window, in sigmas of"
+        " its noise; by default there is none",
+        default=None,
+    )
+    suspect_sigma: Absent[Positive] = setting(
+        "tracks so many standard deviations from their prediction are held back from fits, and show burns;"
+        " by default none are",
+        see="tracks.md#burns",
+        default=None,
+    )
+
+
+class Estimation(EstimationSettings):
+    """How the fits of one job are made."""
+
+    cd_bounds: Annotated[tuple[float, float] | None, Strict(False)] = setting(
+        "Cd of an estimate that others may start from; None where its formal uncertainty decides",
+        default=None,
+    )
+    after_hours: float = setting(
+        "tracks that begin up to so long after the estimate are used, too", unit="h", default=0.0
+    )

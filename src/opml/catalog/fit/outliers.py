@@ -1,0 +1,74 @@
+"""Measured numbers that no orbit explains, which fits leave out."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from opml.catalog.fit.estimate import Estimate
+from opml.catalog.fit.least_squares import Fit
+from opml.catalog.fit.measurements import Measurements, Window
+
+_EDITS = 10
+"""Times that outliers are looked for in a fit at most."""
+
+_NORMAL = 0.6745
+"""Median of the size of a normal deviate."""
+
+
+def fit_without_outliers(
+    estimates: Sequence[Estimate],
+    measured: Measurements,
+    limit: float,
+    *,
+    fit: Callable[[Sequence[Estimate]], None],
+    residuals: Callable[[Sequence[Estimate]], list[np.ndarray]],
+) -> list[Estimate]:
+    """Return estimates fitted without outliers, first those from the start, until these stay the same.
+
+    Each time all numbers are judged anew, so that one that a bad orbit made an outlier comes back.
+
+    limit: size of a residual beyond which it is an outlier, in standard deviations
+    fit: runs the fits of estimates to their ends
+    residuals: of estimates, weighted
+    """
+
+    def judge(estimate: Estimate, weighted: np.ndarray) -> Estimate:
+        """Return an estimate that goes on from its best; as it is where its arc tells no residuals."""
+        if not np.isfinite(weighted).all():
+            return estimate
+        again = Fit(estimate.fit.best, estimate.fit.method)
+        return Estimate(estimate.window, again, are_no_outliers(measured, estimate.window, weighted, limit))
+
+    found = [judge(*pair) for pair in zip(estimates, residuals(estimates), strict=True)]
+    changed = found
+    for _ in range(_EDITS):
+        fit(changed)
+        begun = [k for k, one in enumerate(found) if one.fit.started]
+        left = residuals([found[k] for k in begun])
+        judged = {k: judge(found[k], one) for k, one in zip(begun, left, strict=True)}
+        judged = {k: one for k, one in judged.items() if not _have_same_numbers(one, found[k])}
+        if not judged:
+            break
+        changed = list(judged.values())
+        found = [judged.get(k, one) for k, one in enumerate(found)]
+    return found
+
+
+def are_no_outliers(measured: Measurements, window: Window, weighted: np.ndarray, limit: float) -> np.ndarray:
+    """Return which weighted residuals (numbers,) of a window are no outliers.
+
+    Each observable has a scale of its own, its residuals' scatter by their median, but 1 at least.
+    """
+    _, observables = measured.layout(window.rows)
+    kept = np.ones(len(weighted), bool)
+    for observable in np.unique(observables):
+        size = np.abs(weighted[observables == observable])
+        kept[observables == observable] = size <= limit * max(1.0, float(np.median(size)) / _NORMAL)
+    return kept
+
+
+def _have_same_numbers(one: Estimate, other: Estimate) -> bool:
+    """Return whether the same measured numbers count in two estimates of a window."""
+    if one.kept is None or other.kept is None:
+        return one.kept is other.kept
+    return bool(np.array_equal(one.kept, other.kept))

@@ -1,0 +1,41 @@
+"""Where the environment comes from, and what is known of it."""
+
+from typing import Literal
+
+from opml.base.section import Section, setting
+from opml.base.setting_types import Absent, Text
+
+
+class EnvironmentSettings(Section):
+    """What Earth, Sun and Moon do, and what is known of it."""
+
+    gravity_field: Text = setting(
+        "`EGM2008` (to degree 70, in the package), `EIGEN-6S` (the paper's, fetched once and checked) or an"
+        " ICGEM file",
+        unit="name or path",
+    )
+    ephemerides: Text = setting("`DE440` or an SPK kernel", unit="name or path")
+    solar_activity: Text = setting(
+        "`MSAFE`, `OBSERVED` or a file of either kind", unit="name or path", see="#solar-activity"
+    )
+    true_solar_activity: Absent[Text] = setting(
+        "what the truth flies under, where it is not `solar_activity`", unit="name or path", default=None
+    )
+    percentile: Literal[95, 50, 5] = setting("column of an MSAFE bulletin")
+    knowledge: Absent[Literal["monthly", "hindcast", "forecast"]] = setting(
+        "what the assumed model knows of the weather: `monthly` figures, the weather up to t_j (`hindcast`),"
+        " or up to t_i and a `forecast`; left out, it flies under `solar_activity` as it stands",
+        see="weather.md",
+        default=None,
+    )
+    forecast: Absent[str] = setting(
+        "forecast of `knowledge: forecast`, about which the futures of an ensemble lie",
+        unit="name under `forecasts`",
+        see="weather.md#ensembles",
+        default=None,
+    )
+    issue_hours: Absent[Literal[1, 3, 6, 12, 24]] = setting(
+        "time between the issues of forecasts, counted from 00:00 UTC; predictions fly under the newest one",
+        unit="h",
+        default=None,
+    )
