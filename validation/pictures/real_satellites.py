@@ -88,7 +88,7 @@ class Satellite:
     def mornings(self) -> Mornings:
         """The mornings of all models that the study replays."""
         replays = {name: self.replay(name) for name in self.study.replayed_models}
-        return Mornings.from_replays(replays, self.study.laws, seed=self.study.study.own_seeds["split"])
+        return Mornings.from_replays(replays, self.study.laws, seed=self.study.study.settings.run.seed.split)
 
     @property
     def tables(self) -> dict[str, pd.DataFrame]:
