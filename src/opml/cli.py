@@ -131,7 +131,7 @@ def _sheet(options: argparse.Namespace) -> None:
 def _add_screen(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("ours", help="ephemeris of our object (OEM), or a conjunction data message (CDM)")
     parser.add_argument("others", nargs="*", help="ephemerides (OEM) and mean elements of other objects")
-    parser.add_argument("--within", type=float, default=5.0, help="largest distance [km] (5)")
+    parser.add_argument("--within", type=float, help="largest distance [km] (5); not of a CDM")
     parser.add_argument("--radius", type=float, help="sum of the radii of two objects [m] (20, or a CDM's)")
     parser.add_argument("--csv", action="store_true", help="as comma-separated values")
     parser.add_argument("--json", action="store_true", help="as a list of objects, null where unknown")
@@ -143,11 +143,14 @@ def _screen(options: argparse.Namespace) -> None:
     from opml.conjunctions import as_text, cdm, screening
 
     if not options.others:
+        if options.within is not None:
+            raise InputError("--within: expected ephemerides to screen, got a conjunction data message")
         found = [cdm.read(options.ours, epoch=screening.EPOCH, radius=options.radius)]
     else:
         ephemerides = screening.read([options.ours, *options.others])
         radius = screening.RADIUS if options.radius is None else options.radius
-        found = screening.screen(ephemerides, within=1e3 * options.within, radius=radius)
+        within = screening.WITHIN if options.within is None else options.within
+        found = screening.screen(ephemerides, within=1e3 * within, radius=radius)
     if options.messages:
         cdm.write_all(options.messages, found, epoch=screening.EPOCH)
     table = as_text.table(found, epoch=screening.EPOCH)

@@ -33,6 +33,11 @@ EPOCH = "2000-01-01T12:00:00"
 RADIUS = 20.0
 """Sum of the radii of two objects of which nothing is told [m]."""
 
+WITHIN = 5.0
+"""Distance that is near where nobody tells [km]."""
+
+_WIDE = 1e5  # standard deviation of a position [m] that is told: metres may have been taken for kilometres
+
 COVARIANCE_HELD = 600.0
 """Time for which a covariance holds before the first and beyond the last that is known [s]."""
 
@@ -112,6 +117,8 @@ class ScreenedObject:
             remarks.append(f"covariances of {name} are of other times")
         if covariance is not None and trajectory.remark:
             remarks.append(f"covariance of {name} {trajectory.remark}")
+        if covariance is not None and (widest := float(np.sqrt(np.diag(covariance)[:3].max()))) > _WIDE:
+            remarks.append(f"{name} known to {widest / 1e3:.0f} km")
         if self.elements_t is not None and abs(days := (t - self.elements_t) / DAY) > WARN_DAYS:
             remarks.append(f"elements of {name} {abs(days):.0f} d {'old' if days > 0 else 'ahead'}")
         return Participant(self.identity, trajectory.path.at(np.array([t]))[0], covariance, tuple(remarks))

@@ -239,6 +239,27 @@ def test_covariances_do_not_reach_beyond_their_times(tmp_path):
     assert rows["probability"].isna().tolist() == [False] + [True] * 6
 
 
+def test_a_covariance_as_wide_as_a_country_is_told(files, tmp_path):
+    """Square metres where square kilometres stand: sigmas a thousand times too large."""
+    paths, *_ = files
+    (one,) = oem.read(paths[1], epoch=RUN)
+    wide = replace(one, covariances=1e6 * one.covariances)
+    oem.write(tmp_path / "wide.oem", [wide], epoch=RUN)
+    found = screening.screen(screening.read([paths[0], tmp_path / "wide.oem"]), within=5000.0, radius=20.0)
+    told = as_text.table(found, epoch=EPOCH)["remark"]
+    assert told.str.contains("other known to [0-9]{3} km").all()
+    usual = as_text.table(screening.screen(screening.read(paths), within=5000.0, radius=20.0), epoch=EPOCH)
+    assert not usual["remark"].str.contains("known to").any()
+
+
+def test_a_message_takes_no_distance(files, tmp_path, capsys):
+    paths, *_ = files
+    assert cli.main(["screen", *map(str, paths), "--messages", str(tmp_path / "messages")]) == 0
+    (message, *_) = (tmp_path / "messages").iterdir()
+    assert cli.main(["screen", str(message), "--within", "1"]) == 1
+    assert "--within: expected ephemerides to screen, got a conjunction" in capsys.readouterr().err
+
+
 def test_our_file_is_of_one_object(files, tmp_path):
     (one,), (other,) = (oem.read(path, epoch=EPOCH) for path in files[0])
     oem.write(tmp_path / "both.oem", [one, other], epoch=EPOCH)

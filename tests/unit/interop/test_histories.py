@@ -327,6 +327,10 @@ DAMAGED = {
         kvn(omm(INCLINATION="0.9 [rad]")),
         ": line 8: INCLINATION: expected a finite number, got 0.9 [rad]",
     ),
+    "radians": (
+        kvn(omm(INCLINATION="0.9", RA_OF_ASC_NODE="6.2", ARG_OF_PERICENTER="0.01", MEAN_ANOMALY="3.1")),
+        ": line 8: INCLINATION: expected degrees, and not all four angles between 0 and 6.3, got 0.9",
+    ),
     "unit in xml": (
         xml(SETS[0]).replace("<BSTAR>", '<BSTAR units="m">'),
         ": line 16: BSTAR: expected a finite number, got",

@@ -112,6 +112,7 @@ def element_set(path: FilePath, record: Record) -> ElementSet:
         values.check_choice(key, allowed)
     for key in _NUMBERS:
         values.check(key, _is_finite, "a finite number")
+    values.check_degrees()
     for key in ("MEAN_MOTION_DOT", "MEAN_MOTION_DDOT"):
         values.check(key, _is_finite, "a finite number", "0")
     for key in ("ELEMENT_SET_NO", "REV_AT_EPOCH", "NORAD_CAT_ID"):
@@ -201,6 +202,12 @@ class _Values:
         """Raise InputError where the value of a key is there, but not allowed."""
         if self.known.get(key, allowed[0]).upper() not in allowed:
             raise self._error(key, " or ".join(allowed))
+
+    def check_degrees(self) -> None:
+        """Raise InputError where all angles are within a circle of radians, as one in a million orbits is."""
+        angles = [float(self.known[key]) for key, unit in _UNITS.items() if unit == "deg"]
+        if all(0.0 < angle <= 2.0 * math.pi for angle in angles):
+            raise self._error("INCLINATION", "degrees, and not all four angles between 0 and 6.3")
 
     def time(self, key: str) -> str:
         """Return the time of a key as UTC text, to the microsecond. Raises InputError where it is none.
