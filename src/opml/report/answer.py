@@ -144,7 +144,15 @@ def _others(found: Mornings, laws: Collection[str]) -> str:
         if names:
             best = found.best(names)
             words.append(f"`{best}`, {what}, would have left {_more(summed(found.tables[best]), flown)}")
-    return f"In hindsight, {' and '.join(words)}."
+    return f"In hindsight, {' and '.join(words)}. {_learned(found, laws)}"
+
+
+def _learned(found: Mornings, laws: Collection[str]) -> str:
+    """Return in words whether anything learned was flown."""
+    learned = [choice.chosen in laws for choice in found.choices.values()]
+    if any(learned):
+        return f"A model that learned was flown on {sum(learned)} of {len(learned)} mornings."
+    return "Nothing learned was applied: on no morning had the past shown that it would leave less."
 
 
 def _more(left: float, flown: float) -> str:
