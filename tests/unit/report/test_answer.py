@@ -194,3 +194,8 @@ def test_without_a_past_for_covariances_none_is_judged():
 )
 def test_it_says_whether_anything_learned_was_flown(law, told):
     assert re.search(told, answered(mornings_of(running=1.0, law=law)))
+
+
+@pytest.mark.parametrize(("days", "is_told"), [(10, True), (25, False)], ids=["a week", "three weeks"])
+def test_it_says_that_few_mornings_choose_poorly(days, is_told):
+    assert ("So few mornings choose poorly" in answered(mornings_of(days=days, running=1.0))) is is_told
