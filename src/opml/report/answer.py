@@ -26,6 +26,9 @@ ALL_MODELS = "all models"
 FEWEST = 10
 """Predictions of a duration below which neither their median nor a share of them is told."""
 
+MORNINGS = 14
+"""Mornings below which the past chooses poorly (docs/operations.md)."""
+
 _SPANS = {1.0: "a day", 7.0: "a week"}
 
 
@@ -144,7 +147,16 @@ def _others(found: Mornings, laws: Collection[str]) -> str:
         if names:
             best = found.best(names)
             words.append(f"`{best}`, {what}, would have left {_more(summed(found.tables[best]), flown)}")
-    return f"In hindsight, {' and '.join(words)}."
+    few = " So few mornings choose poorly, four weeks choose well." if len(found.choices) < MORNINGS else ""
+    return f"In hindsight, {' and '.join(words)}.{few} {_learned(found, laws)}"
+
+
+def _learned(found: Mornings, laws: Collection[str]) -> str:
+    """Return in words whether anything learned was flown."""
+    learned = [choice.chosen in laws for choice in found.choices.values()]
+    if any(learned):
+        return f"A model that learned was flown on {sum(learned)} of {len(learned)} mornings."
+    return "Nothing learned was applied: on no morning had the past shown that it would leave less."
 
 
 def _more(left: float, flown: float) -> str:

@@ -142,6 +142,7 @@ _STYLE = (
     "a{color:var(--link)}img{max-width:100%;background:#fff}"
     "table{border-collapse:collapse;margin:1em 0;display:block;overflow-x:auto}"
     "th,td{border-bottom:1px solid var(--line);padding:.3em .7em;text-align:left;vertical-align:top}"
+    "@media(max-width:30em){th,td{padding:.3em .35em}}"
     "th{border-bottom-width:2px}.number{text-align:right;font-variant-numeric:tabular-nums}"
     ".cards{display:grid;grid-template-columns:repeat(auto-fill,minmax(19em,1fr));gap:1em}"
     ".cards section{border:1px solid var(--line);border-left:.5em solid var(--kind);padding:.2em 1em}"

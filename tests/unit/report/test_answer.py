@@ -1,6 +1,7 @@
 """The answer that a study's report begins with."""
 
 import dataclasses
+import re
 
 import numpy as np
 import pandas as pd
@@ -181,3 +182,20 @@ def test_without_a_past_for_covariances_none_is_judged():
     text = answered(unstated)
     assert "No morning had a past that was long enough to state a covariance from." in text
     assert "ellipsoid" not in text
+
+
+@pytest.mark.parametrize(
+    ("law", "told"),
+    [
+        (1.5, "Nothing learned was applied: on no morning had the past shown that it would leave less."),
+        (0.1, r"A model that learned was flown on \d+ of 24 mornings."),
+    ],
+    ids=["helped not", "helped"],
+)
+def test_it_says_whether_anything_learned_was_flown(law, told):
+    assert re.search(told, answered(mornings_of(running=1.0, law=law)))
+
+
+@pytest.mark.parametrize(("days", "is_told"), [(10, True), (25, False)], ids=["a week", "three weeks"])
+def test_it_says_that_few_mornings_choose_poorly(days, is_told):
+    assert ("So few mornings choose poorly" in answered(mornings_of(days=days, running=1.0))) is is_told
