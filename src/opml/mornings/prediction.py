@@ -22,6 +22,7 @@ from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.progress import Progress, with_time_left
+from opml.base.section import JobSettings
 from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.flight import Flight, near_part
 from opml.catalog.predict import covariance, spread
@@ -31,6 +32,7 @@ from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.element_sets import improve
 from opml.environment import knowledge, nodes
 from opml.environment.knowledge import Issues
+from opml.environment.settings import EnvironmentSettings
 from opml.ephemerides.along_track_shift import through
 from opml.interop import ccsds, measured_files, points_from_files, tdm
 from opml.interop.object_ids import ObjectId
@@ -195,11 +197,20 @@ class _Times:
         return self.date - DAY * np.arange(back, -1, -1)
 
 
-def predict(request: Request, settings: Mapping[str, Any], *, progress: Progress) -> FittedOrbit:
-    """Predict an object from what measured it.
+class OrbitSettings(JobSettings):
+    """How the orbits of objects are fitted and predicted, whenever they were measured."""
 
-    settings: epoch-free settings of a run, as `mornings.batch` reads them: force_model, integrator,
-    estimation, models, environment, forecast and futures
+    force_model: ForceModelSettings
+    integrator: Integrator
+    estimation: Estimation
+    environment: EnvironmentSettings
+    forecast: dict[str, Any]
+    futures: int
+    models: dict[str, dict[str, Any]]
+
+
+def predict(request: Request, settings: OrbitSettings, *, progress: Progress) -> FittedOrbit:
+    """Predict an object from what measured it.
 
     Raises InputError for unreadable files, days out of range, a date without measurements before it, weather
     that ends too early, and measurements that no orbit fits.
@@ -229,7 +240,7 @@ def predict(request: Request, settings: Mapping[str, Any], *, progress: Progress
         _past(records.judged, flown.model),
         flown.basis,
         flown.table.assign(t=t),
-        settings["models"][flown.model],
+        settings.models[flown.model],
         flown.verdict,
         sum(times.mornings[0] <= one.t for one in [*watched.known_by(times.date), *records.burns]),
     )
@@ -248,7 +259,7 @@ def _span(request: Request) -> tuple[float, float]:
     return points_from_files.reach(OrbitFiles(request.files, _ANY, np.inf, request.object))
 
 
-def _watched(request: Request, settings: Mapping[str, Any], times: _Times) -> Watched:
+def _watched(request: Request, settings: OrbitSettings, times: _Times) -> Watched:
     """Return what is measured of the object, and how it flies."""
     max_days = request.days + (OLDEST + _AFTER) / DAY
     rso = Rso("object", **_NO_ELEMENTS, area_to_mass=request.area_to_mass, cd=2.2, cr=1.25)
@@ -263,8 +274,8 @@ def _watched(request: Request, settings: Mapping[str, Any], times: _Times) -> Wa
     span = Span(times.epoch, times.date)
     found = measured.read(source, span, request.stations, model.orientation, since=0.0)
     plan = MorningPlan(
-        settings["models"],
-        Estimation(**settings["estimation"]),
+        settings.models,
+        settings.estimation,
         max_days,
         STEP,
         times.duration,
@@ -275,11 +286,11 @@ def _watched(request: Request, settings: Mapping[str, Any], times: _Times) -> Wa
 
 
 def _flight_model(
-    rso: Rso, weather: FilePath, settings: Mapping[str, Any], times: _Times, max_days: float
+    rso: Rso, weather: FilePath, settings: OrbitSettings, times: _Times, max_days: float
 ) -> FlightModel:
     """Return how an object flies under the weather that was known at each time."""
     weather, t = str(weather), nodes(times.epoch, times.duration)
-    sources = settings["environment"]
+    sources, hours = settings.environment, settings.environment.issue_hours or knowledge.FIT_HOURS
     date = _text(times.epoch, times.date)
     improve.check_newest(knowledge.read(weather), weather, date=date, oldest=OLDEST / DAY)
     activity = knowledge.measured_activity(weather, times.epoch, t)
@@ -287,20 +298,17 @@ def _flight_model(
         times.epoch,
         t,
         activity,
-        gravity=sources["gravity_field"],
-        kernel=sources["ephemerides"],
-        degree=settings["force_model"]["degree"],
+        gravity=sources.gravity_field,
+        kernel=sources.ephemerides,
+        degree=settings.force_model.degree,
     )
-    issues = partial(Issues, weather, times.epoch, settings["forecast"], max_days=max_days)
-    expected = knowledge.outlooks(issues(sources["issue_hours"]), t)
-    futures = knowledge.tabulate_futures(issues(sources["issue_hours"]), t, members=settings["futures"])
-    still, flattened = (
-        build(environment, one) for one in (ForceModelSettings(**settings["force_model"]), spread.FLATTENED)
-    )
+    issues = partial(Issues, weather, times.epoch, settings.forecast, max_days=max_days)
+    expected = knowledge.outlooks(issues(hours), t)
+    futures = knowledge.tabulate_futures(issues(hours), t, members=settings.futures)
+    still, flattened = (build(environment, one) for one in (settings.force_model, spread.FLATTENED))
     fitting = with_outlooks(still, knowledge.outlooks(issues(knowledge.FIT_HOURS), t))
     flying, flat = (with_outlooks(model, expected) for model in (still, flattened))
-    integrator = Integrator(**settings["integrator"])
-    flight = partial(Flight, rso=rso, integrator=integrator, threads=os.cpu_count() or 1)
+    flight = partial(Flight, rso=rso, integrator=settings.integrator, threads=os.cpu_count() or 1)
     return FlightModel(
         flight(fitting, near=near_part(fitting)),
         flight(flying, near=near_part(flying)),

@@ -65,9 +65,7 @@ def check_data(source: Source, settings: Settings) -> None:
     _check_paths(source, settings)
     coverage.check(settings.run, is_measured=bool(settings.measured))
     _check_orbits(source, settings)
-    if (
-        "day" not in source.values
-    ):  # every morning looks at each object's files itself, and leaves out bad ones
+    if settings.run.day is None:  # every morning looks at the files itself, and leaves out bad ones
         for kind in KINDS:
             _check_measured(source, settings, kind)
     _check_starts(source, settings)
@@ -93,22 +91,24 @@ def check_study(source: Source, settings: Settings, *, last_day: float | None = 
 
 def _check_day(source: Source, settings: Settings) -> None:
     """Raise InputError for a model of the mornings that learns, or asks for more than fits of one RSO."""
-    values = settings.values
-    if "day" in values and "suspect_sigma" in values["estimation"]:
+    run = settings.run
+    if run.day is None:
+        return
+    if run.estimation.suspect_sigma is not None:
         raise source.wrong(
             ("estimation", "suspect_sigma"), "expected none where mornings are asked for (day)"
         )
-    for kind in KINDS if "day" in values else []:
+    for kind in KINDS:
         if settings.files_of(kind) and not kind.for_mornings:
             raise source.wrong(
                 (kind.name,), "expected none where mornings are asked for (day), as these read none"
             )
-    for name in settings.day.models if "day" in values else []:
+    for name in run.day.models:
         with source.naming(("day", "models")):
             learner = learners.resolved(
-                naming.parse_learner(name, values["learners"]),
+                naming.parse_learner(name, Study(settings).learners),
                 component=CORRECTED,
-                variables=values["learning"]["variables"],
+                variables=run.learning.variables,
             )
             fits = {"arcs", "cd_past", "held"}
             if learners.learns(learner) or not fits.issuperset(learners.tables_asked(learner["variables"])):
@@ -236,17 +236,16 @@ def _check_paths(source: Source, settings: Settings) -> None:
 
 def _check_orbits(source: Source, settings: Settings) -> None:
     """Look at the orbits that stand in for a truth: their RSO, and whether they fit the run."""
-    values = source.values
-    alone = values.get("positions_alone", [])
+    run, alone = settings.run, settings.run.positions_alone
     for name in alone:
         if name not in settings.orbits:
             raise source.wrong(("positions_alone",), f"expected RSOs that have orbits, got {name}")
     for name, paths in settings.orbits.items():
         with source.naming(("orbits", name)):
             sheets.parse_rso(name, settings.rsos)
-            duration = DAY * values["duration_days"]
+            duration = DAY * run.duration_days
             orbit_from_files.check(
-                orbit_from_files.OrbitFiles(paths, values["epoch"], duration, positions_alone=name in alone)
+                orbit_from_files.OrbitFiles(paths, run.epoch, duration, positions_alone=name in alone)
             )
 
 
@@ -266,9 +265,9 @@ def _check_measured(source: Source, settings: Settings, kind: Kind) -> None:
                 paths,
                 settings.taking(kind, name),
                 settings.stations,
-                values["epoch"],
-                DAY * values["duration_days"],
-                values["estimation"]["window_hours"],
+                settings.run.epoch,
+                DAY * settings.run.duration_days,
+                settings.run.estimation.window_hours,
             )
             kind.module.check(asked)
         if not kind.tells_orbit and name not in settings.starts and not math.isfinite(rso.a):

@@ -1,6 +1,6 @@
 """An object's prediction from whatever tells its orbit: element sets, points or tracks."""
 
-from typing import Any
+from functools import partial
 
 from opml.base.files import PROJECT
 from opml.base.progress import Progress
@@ -8,7 +8,7 @@ from opml.base.yaml_files import read_yaml
 from opml.learning.data import components
 from opml.learning.models import learners
 from opml.mornings import prediction
-from opml.mornings.prediction import FittedOrbit, Request
+from opml.mornings.prediction import FittedOrbit, OrbitSettings, Request
 from opml.study.settings import packaged
 
 MODELS = ("fit48", "running24", "running24m3")
@@ -20,21 +20,19 @@ def of_measurements(request: Request, *, progress: Progress) -> FittedOrbit:
     return prediction.predict(request, settings(), progress=progress)
 
 
-def settings() -> dict[str, Any]:
+def settings() -> OrbitSettings:
     """Return the settings of mornings that come with the package, for what flies over the real Earth."""
     run = packaged.RUN
     real = read_yaml(PROJECT / "config" / "real_satellites.yaml")
-    return {
-        "estimation": run["estimation"],
-        "force_model": real["force_models"]["assumed"],
-        "integrator": run["integrator"] | real["integrator"],
-        "environment": run["environment"],
-        "forecast": run["forecasts"][run["environment"]["forecast"]],
-        "futures": run["uncertainty"]["futures"],
-        "models": {
-            name: learners.resolved(
-                run["learners"][name], component=components.CORRECTED, variables=run["learning"]["variables"]
-            )
-            for name in MODELS
-        },
-    }
+    resolve = partial(
+        learners.resolved, component=components.CORRECTED, variables=run["learning"]["variables"]
+    )
+    return OrbitSettings(
+        estimation=run["estimation"],
+        force_model=real["force_models"]["assumed"],
+        integrator=run["integrator"] | real["integrator"],
+        environment=run["environment"],
+        forecast=run["forecasts"][run["environment"]["forecast"]],
+        futures=run["uncertainty"]["futures"],
+        models={name: resolve(run["learners"][name]) for name in MODELS},
+    )

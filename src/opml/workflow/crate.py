@@ -143,12 +143,14 @@ def _inputs(files: Sequence[FilePath], values: Any) -> Iterator[Path]:
     settings = with_sheets(values)
     named = [
         *files,
-        *values["sheets"].values(),
+        settings.run.sheets.stations,
+        settings.run.sheets.rsos,
         *settings.starts.values(),
         *settings.manoeuvre_files.values(),
     ]
     named += [path for paths in (*settings.orbits.values(), *settings.measured.values()) for path in paths]
-    named += [name for name in values["environment"].values() if Path(str(name)).suffix]
+    sources = settings.run.environment.model_dump().values()
+    named += [str(name) for name in sources if Path(str(name)).suffix]
     for path in map(project_file, dict.fromkeys(named)):
         if not path.is_file():
             raise InputError(f"{path}: expected a file that the run was made of, got none")

@@ -14,6 +14,7 @@ from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
+from opml.dynamics.settings import ForceModelSettings
 from opml.interop import oem, tdm
 from opml.interop.element_sets import mean_elements
 from opml.mornings.outcomes import UNPROVEN
@@ -38,12 +39,13 @@ def orbit(iss):
 def small():
     """Settings with few forces and futures, and fits of a day."""
     settings = prediction.settings()
-    few = settings | {
-        "force_model": SMALL,
+    changes = {
+        "force_model": ForceModelSettings(**SMALL),
         "futures": 2,
-        "integrator": settings["integrator"] | {"max_step_s": 120},
-        "models": {"running24": settings["models"]["running24"]},
+        "integrator": settings.integrator.evolve(max_step_s=120.0),
+        "models": {"running24": settings.models["running24"]},
     }
+    few = settings.model_copy(update=changes)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(prediction, "settings", lambda: few)
         yield
