@@ -340,6 +340,66 @@ def _table(options: argparse.Namespace) -> None:
         print(tables.head(options.file))
 
 
+def _add_task(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("recipe", help="a recipe, as benchmark/elements-maximum.yaml")
+    parser.add_argument("sets", nargs="+", help="files and folders of TLEs")
+    parser.add_argument("-o", "--output", required=True, help="the task's folder; the truth gets -truth")
+    parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
+    parser.add_argument("--forecasts", metavar="FILE", help="forecasts of it as issued: CSV, a column issued")
+
+
+def _task(options: argparse.Namespace) -> None:
+    from opml.benchmark import recipes
+
+    truth = f"{options.output.rstrip('/')}-truth"
+    count = recipes.make(
+        recipes.read(options.recipe),
+        options.sets,
+        options.output,
+        truth,
+        weather=options.weather,
+        forecasts=options.forecasts,
+    )
+    print(f"{options.output}: {count} questions; {truth} is for the judge alone")
+
+
+def _add_answer(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("task", help="a task's folder, or SAMPLE")
+    parser.add_argument("way", help="sgp4, density, improve, learned, svr, trees or fit")
+    parser.add_argument("-o", "--output", required=True, help="the answers, .csv")
+    parser.add_argument("--model", help="a model of `opml train` (that of the package)")
+
+
+def _answer(options: argparse.Namespace) -> None:
+    from opml.benchmark import baselines, tasks
+
+    if options.way not in baselines.WAYS:
+        raise InputError(f"answer: expected {', '.join(baselines.WAYS)}, got {options.way}")
+    task = tasks.read(options.task)
+    count = baselines.write(options.output, task, options.way, options.model, _say)
+    print(f"{options.output}: {count} answers")
+
+
+def _add_score(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("task", help="a task's folder, or SAMPLE")
+    parser.add_argument("answers", help="a CSV or OEM, or a folder of them")
+    parser.add_argument("--truth", help="folder of the truth (that beside the task, with -truth)")
+    parser.add_argument(
+        "-o", "--output", action="append", default=[], help="page, JSON, line: .html .json .tsv"
+    )
+
+
+def _score(options: argparse.Namespace) -> None:
+    from opml.report import benchmark
+
+    for path in options.output:
+        benchmark.check(path)
+    score = benchmark.score(options.task, options.answers, options.truth)
+    for path in options.output:
+        benchmark.write(path, score)
+    print(benchmark.text(score))
+
+
 def _add_docs(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("page", nargs="?", help="name of a page; left out, all pages are listed")
 
@@ -371,6 +431,11 @@ GROUPS = {
         Command("improve", "make element sets better by what a catalogue teaches", _add_improve, _improve),
         Command("compare", "tell how far two orbits are apart", _add_compare, _compare),
         Command("screen", "find close approaches of ephemerides", _add_screen, _screen),
+    ),
+    "a benchmark": (
+        Command("score", "tell what answers to a task of the benchmark are worth", _add_score, _score),
+        Command("answer", "answer a task as a baseline does", _add_answer, _answer),
+        Command("task", "make a task and its truth from element sets", _add_task, _task),
     ),
     "a project": (
         Command("init", "write a project that can be run, with a study to begin with", _add_init, _init),

@@ -257,7 +257,7 @@ def _of_orbit(paths: Sequence[FilePath], wanted: str | None, *, is_message: bool
     segments = [
         one for path in paths for one in oem.read(path, epoch=EPOCH) if (one.name, one.t[0]) in begins
     ]
-    return States(str(paths[0]), [stretch for one in segments for stretch in _of_segment(one)])
+    return States(str(paths[0]), [stretch for one in segments for stretch in stretches_of(one)])
 
 
 def _of_arcs(arcs: Sequence[Arc]) -> States:
@@ -266,7 +266,7 @@ def _of_arcs(arcs: Sequence[Arc]) -> States:
     return States(str(arcs[0].path), stretches)
 
 
-def _of_segment(segment: oem.Segment) -> list[Stretch]:
+def stretches_of(segment: oem.Segment) -> list[Stretch]:
     """Return the stretches of a segment, with covariances of positions in RSW."""
     stretches = _stretches(segment.name, segment.t, segment.states)
     t, covariances = segment.covariance_t, segment.covariances[:, :3, :3]

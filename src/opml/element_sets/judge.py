@@ -122,19 +122,28 @@ def intervals(part: pd.DataFrame, rng: np.random.Generator) -> dict[str, float]:
 
 
 def _drawn_shares(part: pd.DataFrame, rng: np.random.Generator) -> Iterator[tuple[float, ...]]:
-    """Yield the shares [%] of draws of weeks and objects; a draw without any prediction is passed over."""
-    places = [np.unique(of, return_inverse=True)[1] for of in (_week(part), part["number"].to_numpy())]
+    """Yield the shares [%] of draws of weeks and objects."""
     sizes = [np.abs(part[name].to_numpy()) for name in ("error", *_WAYS)]
     orders = [np.argsort(size, kind="stable") for size in sizes]
+    for weights in drawn_weights(part, rng):
+        sgp4, scaled, learned, improved = (
+            weighted_median(size[order], weights[order]) for size, order in zip(sizes, orders, strict=True)
+        )
+        yield (*(100.0 * left / sgp4 for left in (scaled, learned, improved)), 100.0 * learned / scaled)
+
+
+def drawn_weights(part: pd.DataFrame, rng: np.random.Generator) -> Iterator[np.ndarray]:
+    """Yield how often each row (n,) counts in draws of weeks and objects; one without any is passed over.
+
+    part: with columns number and morning (modified Julian day)
+    """
+    places = [np.unique(of, return_inverse=True)[1] for of in (_week(part), part["number"].to_numpy())]
     found = 0
     while found < DRAWS:
         weights = np.prod([_times_drawn(place, rng) for place in places], axis=0)
         if weights.any():
             found += 1
-            sgp4, scaled, learned, improved = (
-                _median(size[order], weights[order]) for size, order in zip(sizes, orders, strict=True)
-            )
-            yield (*(100.0 * left / sgp4 for left in (scaled, learned, improved)), 100.0 * learned / scaled)
+            yield weights
 
 
 def _times_drawn(place: np.ndarray, rng: np.random.Generator) -> np.ndarray:
@@ -143,7 +152,7 @@ def _times_drawn(place: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     return np.asarray(np.bincount(rng.integers(count, size=count), minlength=count)[place])
 
 
-def _median(ascending: np.ndarray, weights: np.ndarray) -> float:
+def weighted_median(ascending: np.ndarray, weights: np.ndarray) -> float:
     """Return the median of values that count by whole weights; the lower one of two in the middle."""
     totals = np.cumsum(weights)
     return float(ascending[np.searchsorted(totals, 0.5 * totals[-1])])

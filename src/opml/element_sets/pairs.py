@@ -52,7 +52,7 @@ class Pairs:
 
 def build(catalogue: ElementCatalogue, mornings: np.ndarray) -> Pairs:
     """Return the pairs of mornings (n,), modified Julian days (UTC), ascending."""
-    rows, judges = _rows(catalogue, mornings)
+    rows, judges = find(catalogue, mornings)
     flights = _fly(catalogue, rows)
     own = _own_states(catalogue)
     error = np.where(judges >= 0, along_track(flights.positions, *own.take(judges)), np.nan)
@@ -103,7 +103,7 @@ class _Flights:
     back: np.ndarray
 
 
-def _rows(catalogue: ElementCatalogue, mornings: np.ndarray) -> tuple[pd.DataFrame, np.ndarray]:
+def find(catalogue: ElementCatalogue, mornings: np.ndarray) -> tuple[pd.DataFrame, np.ndarray]:
     """Return the rows without errors, by object, morning and lead, and the sets (rows,) that judge, or -1."""
     table = catalogue.table
     numbers, place = np.unique(table["number"].to_numpy(), return_inverse=True)

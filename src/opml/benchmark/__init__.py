@@ -1,0 +1,1 @@
+"""A benchmark of orbit prediction: tasks, answers of any tool, and what they are worth."""

@@ -1,0 +1,251 @@
+"""Baselines: what a task's own inputs give without effort, written as answers that any tool could give.
+
+Each reads the folder of t alone, and a model where it is told one. Sets fly by SGP4; along the track sigmas
+come from the predictions of the mornings before t, radially and across from what sets usually err by.
+"""
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from time import process_time
+
+import numpy as np
+import pandas as pd
+from sgp4.api import Satrec
+
+from opml import __version__
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.base.files import FilePath, replacing
+from opml.benchmark import tasks
+from opml.benchmark.answers import COVARIANCE, REQUIRED, about_file
+from opml.benchmark.tasks import BenchmarkTask
+from opml.element_sets import corrector, improve, pairs, ways
+from opml.element_sets import model as models
+from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
+from opml.element_sets.features import FEATURES
+from opml.element_sets.model import CatalogueModel
+from opml.element_sets.ways import DENSITY, UNCHANGED, Ways
+from opml.interop.element_sets import element_fits, mean_elements, usual_errors
+from opml.interop.element_sets.element_set import changed, elements_epoch, seconds_since
+from opml.learning.models import svr
+from opml.learning.models.inputs import Training
+from opml.orbits.elements import rsw_rotation
+
+_UNLEARNED = (UNCHANGED, DENSITY)
+_SETS_OF_FIT, _DAYS_OF_FIT, _POINTS = 6, 5.0, 12
+_SVR = {"kernel_scale": float(np.sqrt(2.0 * len(FEATURES))), "c": 1.0, "epsilon": 0.1, "tol": 1e-3}
+_FEWEST = 40
+"""Rows of a lead below which nothing is learned."""
+
+_SEED = 1
+_UPPER = np.triu_indices(3)
+
+
+@dataclass(frozen=True, eq=False)
+class Morning:
+    """What a baseline sees.
+
+    rows: of `improve.replayed`, of t and the mornings before
+    is_now: which rows are of t
+    """
+
+    known: improve.PublicData
+    model: CatalogueModel
+    rows: pd.DataFrame
+    is_now: np.ndarray
+
+
+Correction = Callable[[Morning], pd.DataFrame]
+"""Returns correction and sigma [m] of the rows of a morning, NaN where nothing is known."""
+
+
+def _by_past(morning: Morning, correction: pd.Series) -> pd.DataFrame:
+    """Return corrections with sigmas that held the errors of their lead on the mornings before, in scales."""
+    rows = morning.rows
+    off = ((rows["error"] - correction).abs() / rows["scale"]).where(rows["is_fit"] & ~morning.is_now)
+    size = off.groupby(rows["lead"]).quantile(corrector.LEVEL) / corrector.NORMAL
+    return pd.DataFrame({"correction": correction, "sigma": rows["lead"].map(size) * rows["scale"]})
+
+
+def _published(morning: Morning) -> pd.DataFrame:
+    return _by_past(morning, 0.0 * morning.rows["density"])
+
+
+def _scaled(morning: Morning) -> pd.DataFrame:
+    return _by_past(morning, morning.rows["density"])
+
+
+def _chosen(morning: Morning) -> pd.DataFrame:
+    """Correct as `opml improve` does: by what left least of an object's own predictions."""
+    return _by_choice(morning, ways.candidates(morning.rows, morning.model.correctors))
+
+
+def _taught(morning: Morning) -> pd.DataFrame:
+    """Correct by the model alone, by the population that left least of an object's own predictions."""
+    tried = ways.candidates(morning.rows, morning.model.correctors)
+    return _by_choice(morning, {name: one for name, one in tried.items() if name not in _UNLEARNED})
+
+
+def _by_choice(morning: Morning, tried: Ways) -> pd.DataFrame:
+    """Correct by the ways that objects' pasts choose, where nothing speaks against it."""
+    rows, catalogue = morning.rows, morning.known.catalogue
+    newest = improve.newest_sets(catalogue)
+    today = modified_julian_day(morning.known.date)
+    why = improve.reasons(catalogue, newest, rows[morning.is_now], date=today)
+    chosen = improve.where_usable(ways.choice(rows, tried), why)
+    found = ways.of_way(rows, tried, rows["number"].map(chosen))
+    return found[["correction", "sigma"]].reindex(rows.index)
+
+
+Regression = Callable[[np.ndarray, np.ndarray], Callable[[np.ndarray], np.ndarray]]
+"""Learns from variables (n, m) and targets (n,); returns what predicts."""
+
+
+def _support_vectors(x: np.ndarray, y: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    return svr.fit(Training(x, y, FEATURES, _SEED), _SVR).predict
+
+
+def _trees(x: np.ndarray, y: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    from sklearn.ensemble import HistGradientBoostingRegressor  # imported only to train: it takes a second
+
+    machine = HistGradientBoostingRegressor(max_iter=100, early_stopping=False, random_state=_SEED)
+    return machine.fit(x, y).predict  # type: ignore[no-any-return]
+
+
+def _learned(learner: Regression) -> Correction:
+    """Return the correction that is learned from SGP4's errors on the mornings before t, by lead."""
+
+    def correct(morning: Morning) -> pd.DataFrame:
+        rows = morning.rows
+        half = corrector.drawn_halves(rows["number"].to_numpy(), "half of a task", seed=_SEED)
+        seen = (rows["is_fit"] & np.isfinite(rows["error"]) & ~morning.is_now).to_numpy()
+        x, y = rows[list(FEATURES)].to_numpy(), (rows["error"] / rows["scale"]).to_numpy()
+        found = np.zeros(len(rows))
+        for lead in pairs.LEADS:
+            own = (rows["lead"] == lead).to_numpy()
+            for part in (0, 1):  # an object is corrected by what others taught
+                taught, asked = own & seen & (half != part), own & rows["is_fit"].to_numpy() & (half == part)
+                if np.count_nonzero(taught) >= _FEWEST and asked.any():
+                    found[asked] = learner(x[taught], y[taught])(x[asked])
+        return _by_past(morning, pd.Series(found, rows.index) * rows["scale"])
+
+    return correct
+
+
+CORRECTIONS: Mapping[str, Correction] = {
+    "sgp4": _published,
+    "density": _scaled,
+    "improve": _chosen,
+    "learned": _taught,
+    "svr": _learned(_support_vectors),
+    "trees": _learned(_trees),
+}
+"""Ways that correct the newest sets."""
+
+FIT = "fit"
+"""The way that fits a new set to the last ones."""
+
+WAYS = (*CORRECTIONS, FIT)
+
+
+def write(
+    path: FilePath, task: BenchmarkTask, way: str, trained: FilePath | None, progress: improve.Progress
+) -> int:
+    """Write a baseline's answers as CSV, and what tells of their making; return how many.
+
+    way: one of WAYS
+    trained: a model of `opml train`; None: that of the package
+
+    Raises InputError for inputs that cannot be read.
+    """
+    lines: list[list[str]] = []
+    model, first = models.read(trained), process_time()
+    for t, questions in task.questions.groupby("t", sort=True):
+        begin = process_time()
+        lines += _answers(task, str(t), questions, way, model)
+        progress(f"{t}: {len(questions)} answers in {process_time() - begin:.1f} s")
+    with replacing(path) as temporary:
+        tasks.write_csv(temporary, (*REQUIRED, *COVARIANCE), lines)
+    about = {
+        "tool": f"opml {__version__}: {way}",
+        "command": f"opml answer {task.name} {way}{f' --model {Path(trained).name}' if trained else ''}",
+        "runtime_s": round(process_time() - first, 1),
+    }
+    with replacing(about_file(Path(path))) as temporary:
+        temporary.write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
+    return len(lines)
+
+
+def _answers(
+    task: BenchmarkTask, t: str, questions: pd.DataFrame, way: str, model: CatalogueModel
+) -> list[list[str]]:
+    """Return the rows of the answers to what is asked at a time."""
+    folder = task.inputs(t)
+    weather = str(folder / "weather.csv")
+    known = improve.read([folder / "sets.tle"], date=t, weather=weather, latency=task.latency)
+    today = modified_julian_day(t)
+    rows = improve.replayed(known, model, np.arange(-ways.PAST, 1) + today)
+    morning = Morning(known, model, rows, (rows["morning"] == today).to_numpy())
+    found = CORRECTIONS["sgp4" if way == FIT else way](morning)
+    now = rows.loc[morning.is_now, ["number", "lead", "tau", "response"]].join(found)
+    newest = improve.newest_sets(known.catalogue)
+    flown = _fitted(known.catalogue) if way == FIT else _corrected(known.catalogue, newest, now)
+    sigmas = now.set_index(["number", "lead"])["sigma"].to_dict()
+    return [
+        [str(number), t, when, "GCRF", *_state(flown[number], when, sigmas.get((number, lead)))]
+        for number, _, lead, when in questions[[*tasks.QUESTION]].itertuples(index=False)
+    ]
+
+
+def _corrected(catalogue: ElementCatalogue, newest: pd.DataFrame, now: pd.DataFrame) -> dict[int, Satrec]:
+    """Return the newest sets with better numbers, by object."""
+    better = improve.numbers(newest, now[np.isfinite(now["correction"])])
+    last = catalogue.table.groupby("number").tail(1)
+    return {
+        int(number): changed(catalogue.satellites[row], *map(float, better.loc[number]))
+        for row, number in last["number"].items()
+    }
+
+
+def _fitted(catalogue: ElementCatalogue) -> dict[int, Satrec]:
+    """Return for each object the set that is nearest to its last ones, each over the day before its epoch."""
+    return {
+        int(number): _fit([catalogue.satellites[row] for row in part.index[-_SETS_OF_FIT:]])
+        for number, part in catalogue.table.groupby("number")
+    }
+
+
+def _fit(sets: list[Satrec]) -> Satrec:
+    newest = sets[-1]
+    epoch = elements_epoch(newest)
+    times, positions = [], []
+    for one in sets:
+        age = one.jdsatepoch - newest.jdsatepoch + one.jdsatepochF - newest.jdsatepochF
+        if age >= -_DAYS_OF_FIT:
+            minutes = np.linspace(-1.0, 0.0, _POINTS) * 1440.0
+            times.append(age * DAY + minutes * 60.0)
+            positions.append(pairs.fly(one, minutes)[0])
+    t, points = np.concatenate(times), np.concatenate(positions)
+    order = np.argsort(t, kind="stable")
+    _, r, v = newest.sgp4_tsince(0.0)
+    try:
+        return element_fits.fit(t[order], points[order], at=0.0, known=np.array([*r, *v]), epoch=epoch)
+    except InputError:
+        return newest
+
+
+def _state(satellite: Satrec, time: str, sigma: float | None) -> list[str]:
+    """Return the cells of a GCRF state [m, m/s] at a UTC text and of its position's covariance [m2].
+
+    sigma: along the track [m]; None or NaN: what sets usually err by
+    """
+    state = mean_elements.state(satellite, epoch=time)
+    days = (tasks.seconds([time], time) - seconds_since(tasks.EPOCH, [satellite])) / DAY
+    sizes = usual_errors.usual(satellite, days)[0]
+    if sigma is not None and np.isfinite(sigma):
+        sizes[1] = sigma
+    axes = rsw_rotation(state)
+    covariance = axes.T @ np.diag(sizes**2) @ axes
+    return [f"{value:.6f}" for value in state] + [f"{value:.9g}" for value in covariance[_UPPER]]

@@ -1,0 +1,141 @@
+"""What answers to a task are worth: errors in RSW of the truth, proper scores, coverage, by blocks.
+
+Log score and CRPS are those of normal distributions, axis by axis; smaller is better. Source: Gneiting &
+Raftery 2007, Strictly proper scoring rules, prediction, and estimation, J. Am. Stat. Assoc. 102. Intervals of
+95 % come from draws of weeks and objects, as in `opml.element_sets.judge`.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pandas as pd
+from scipy.special import ndtr
+
+from opml.base.constants import WGS84_A
+from opml.base.seeds import derive
+from opml.benchmark.answers import Answers
+from opml.benchmark.tasks import BenchmarkTask
+from opml.element_sets import corrector, judge
+from opml.element_sets.catalogue import modified_julian_day
+from opml.element_sets.features import BANDS
+from opml.orbits.elements import bent_rsw
+from opml.orbits.rsw_covariance import half_width
+
+AXES = {"s": "along_track", "r": "radial", "w": "cross_track"}
+"""Names of the axes, in the order in which they are told."""
+
+LEVEL = corrector.LEVEL
+"""Share of the errors that intervals are to hold."""
+
+_SEED = 1
+_INTERVAL = (2.5, 97.5)
+
+
+def errors(task: BenchmarkTask, answers: Answers, truth: np.ndarray) -> pd.DataFrame:
+    """Return the errors of what was answered: number, morning (modified Julian day), lead [d], height,
+    r, s, w and sigma_r, sigma_s, sigma_w [m], NaN where no covariance is told.
+
+    truth: GCRF states (questions, 6) [m, m/s]
+    """
+    told = answers.is_answered
+    asked = task.questions[told]
+    bent = bent_rsw(answers.states[told, :3], truth[told])
+    sigmas = np.sqrt(np.diagonal(answers.covariances[told], axis1=1, axis2=2))
+    mornings = {t: modified_julian_day(t) for t in asked["t"].unique()}
+    table = pd.DataFrame(
+        {"number": asked["object"], "morning": asked["t"].map(mornings), "lead": asked["lead"]}
+    )
+    table["height"] = np.linalg.norm(truth[told, :3], axis=1) - WGS84_A
+    for k, axis in enumerate("rsw"):
+        table[axis], table[f"sigma_{axis}"] = bent[:, k], sigmas[:, k]
+    return table
+
+
+def crps(error: np.ndarray, sigma: np.ndarray) -> np.ndarray:
+    """Return the CRPS (n,) [m] of normal distributions: of errors of their means, and deviations [m]."""
+    z = error / sigma
+    density = np.exp(-0.5 * z**2) / np.sqrt(2.0 * np.pi)
+    return np.asarray(sigma * (z * (2.0 * ndtr(z) - 1.0) + 2.0 * density - 1.0 / np.sqrt(np.pi)))
+
+
+def log_score(error: np.ndarray, sigma: np.ndarray) -> np.ndarray:
+    """Return the negative logarithm (n,) of the density [1/m] of normal distributions at the truth."""
+    return np.asarray(0.5 * (error / sigma) ** 2 + np.log(sigma) + 0.5 * np.log(2.0 * np.pi))
+
+
+def scores(task: BenchmarkTask, table: pd.DataFrame) -> pd.DataFrame:
+    """Return a row for each lead: asked, answered [%], and by axis median, p95 and crps [m], log_score,
+    inside [%] of intervals of LEVEL, each of the last with its interval for the median along the track and
+    what is inside there, `_low` and `_high`.
+
+    table: of `errors`
+    """
+    rows = []
+    for lead, asked in task.questions.groupby("lead").size().items():
+        part = table[table["lead"] == lead]
+        row = {"lead": lead, "asked": asked, "answered": 100.0 * len(part) / asked}
+        for axis, name in AXES.items():
+            row |= {f"{name}_{key}": value for key, value in _of_axis(part, axis).items()}
+        rows.append(row | _intervals(part, int(str(lead))))
+    return pd.DataFrame(rows)
+
+
+def by_height(table: pd.DataFrame) -> pd.DataFrame:
+    """Return what `_of_axis` has along the track by band (its lower edge [m], 0 below all) and lead.
+
+    table: of `errors`
+    """
+    edges = np.append(0.0, BANDS)
+    lower = edges[np.searchsorted(edges, table["height"], side="right") - 1]
+    return pd.DataFrame(
+        [
+            {"from": band, "lead": lead, "answers": len(part), **_of_axis(part, "s")}
+            for (band, lead), part in table.groupby([lower, table["lead"].to_numpy()])
+        ]
+    )
+
+
+def _of_axis(part: pd.DataFrame, axis: str) -> dict[str, float]:
+    error = part[axis].to_numpy()
+    if not len(error):
+        return dict.fromkeys(("median", "p95", "crps", "log_score", "inside"), np.nan)
+    found = {"median": np.median(np.abs(error)), "p95": np.percentile(np.abs(error), 95.0)}
+    sure = part[np.isfinite(part[f"sigma_{axis}"])]
+    error, sigma = sure[axis].to_numpy(), sure[f"sigma_{axis}"].to_numpy()
+    if not len(sure):
+        return found | dict.fromkeys(("crps", "log_score", "inside"), np.nan)
+    return found | {
+        "crps": crps(error, sigma).mean(),
+        "log_score": log_score(error, sigma).mean(),
+        "inside": 100.0 * _inside(error, sigma).mean(),
+    }
+
+
+def _inside(error: np.ndarray, sigma: np.ndarray) -> np.ndarray:
+    return np.asarray(np.abs(error) <= half_width(LEVEL) * sigma)
+
+
+def _intervals(part: pd.DataFrame, lead: int) -> dict[str, float]:
+    """Return the intervals of the median along the track [m], and of what is inside there [%]."""
+    names = ("along_track_median", "along_track_inside")
+    draws = np.array(list(_draws(part, lead))).reshape(-1, len(names))
+    known = [column[np.isfinite(column)] for column in draws.T]
+    bounds = [np.percentile(one, _INTERVAL) if len(one) else (np.nan, np.nan) for one in known]
+    return {
+        f"{name}_{end}": float(bounds[n][k])
+        for n, name in enumerate(names)
+        for k, end in enumerate(("low", "high"))
+    }
+
+
+def _draws(part: pd.DataFrame, lead: int) -> Iterator[tuple[float, float]]:
+    """Yield the median and the share inside [%] of draws of weeks and objects."""
+    if part.empty:
+        return
+    size = part["s"].abs().to_numpy()
+    order = np.argsort(size, kind="stable")
+    sure = np.isfinite(part["sigma_s"]).to_numpy()
+    inside = sure & _inside(part["s"].to_numpy(), part["sigma_s"].to_numpy())
+    for weights in judge.drawn_weights(part, derive(_SEED, "weeks and objects", str(lead))):
+        median, counted = judge.weighted_median(size[order], weights[order]), weights @ sure
+        yield median, 100.0 * (weights @ inside) / counted if counted else np.nan

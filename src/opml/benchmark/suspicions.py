@@ -1,0 +1,122 @@
+"""What is wrong with answers, where it shows: cut short, at other times, in another frame, from the truth.
+
+Each check returns a sentence, or none where nothing is to be told.
+"""
+
+from collections.abc import Iterator
+
+import erfa
+import numpy as np
+import pandas as pd
+
+from opml.base import epochs
+from opml.benchmark import tasks
+from opml.benchmark.answers import Answers
+from opml.benchmark.tasks import BenchmarkTask
+from opml.interop.element_sets.teme import teme_to_gcrf
+
+_COPIED = 0.01
+"""Distance from the truth [m] that no prediction has: sets alone err by tens of metres."""
+
+_LEAST_SHIFT = 0.5  # [s] along the track
+_ALIKE = 0.1  # of a shift: how far half of the answers may be from it
+_BETTER = 0.1  # what another frame leaves of the distances
+_SHRINKS = 0.8  # of the median error of the shortest lead
+
+
+def told(task: BenchmarkTask, answers: Answers, errors: pd.DataFrame, truth: np.ndarray) -> list[str]:
+    """Return what is to be told of answers, a sentence each.
+
+    errors: of `scores.errors`
+    truth: GCRF states (questions, 6) [m, m/s]
+    """
+    found = [*_missing(task, answers), *_stray(answers), *_later_inputs(task, answers)]
+    if answers.is_answered.any():
+        found += [*_copied(answers, truth), *_frame(task, answers, truth)]
+        found += [*_shifted(errors, truth[answers.is_answered]), *_shrinking(errors)]
+    return found
+
+
+def _missing(task: BenchmarkTask, answers: Answers) -> Iterator[str]:
+    missing = task.questions[~answers.is_answered]
+    if len(missing):
+        leads = ", ".join(f"{lead} d: {count}" for lead, count in missing.groupby("lead").size().items())
+        first = missing.iloc[0]
+        yield (
+            f"truncated: {len(missing)} of {len(task.questions)} questions have no answer ({leads}), "
+            f"the first is object {first['object']} at {first['time']}"
+        )
+
+
+def _stray(answers: Answers) -> Iterator[str]:
+    if answers.stray:
+        yield f"times: {len(answers.stray)} answers are to no question; {answers.stray[0]}"
+
+
+def _later_inputs(task: BenchmarkTask, answers: Answers) -> Iterator[str]:
+    t = tasks.seconds(task.questions["t"].tolist(), task.folder)
+    later = answers.known > t
+    if later.any():
+        first = task.questions[later].iloc[0]
+        yield (
+            f"peeking: {later.sum()} answers tell of inputs that were known after t, the first for object "
+            f"{first['object']} at t = {first['t']}"
+        )
+
+
+def _copied(answers: Answers, truth: np.ndarray) -> Iterator[str]:
+    distance = np.linalg.norm(answers.states[:, :3] - truth[:, :3], axis=1)
+    copied = distance[answers.is_answered] < _COPIED
+    if copied.any():
+        yield f"peeking: {copied.sum()} answers are within {_COPIED:g} m of the truth, as no prediction is"
+
+
+def _frame(task: BenchmarkTask, answers: Answers, truth: np.ndarray) -> Iterator[str]:
+    """Tell of states that are far nearer to the truth when they are read in another frame."""
+    known = answers.is_answered
+    time = tasks.seconds(task.questions["time"][known].tolist(), task.folder)
+    of_date = teme_to_gcrf(tasks.EPOCH, time)
+    turns = {
+        "TEME states are called GCRF": of_date,
+        "GCRF states are called TEME": of_date.transpose(0, 2, 1),
+        "Earth-fixed states are called GCRF": of_date @ _from_earth(time),
+        "Earth-fixed states are called TEME": of_date @ _from_earth(time) @ of_date.transpose(0, 2, 1),
+    }
+    states, true = answers.states[known, :3], truth[known, :3]
+    stated = np.median(np.linalg.norm(states - true, axis=1))
+    for name, turn in turns.items():
+        read = np.median(np.linalg.norm(np.einsum("nij,nj->ni", turn, states) - true, axis=1))
+        if read < _BETTER * stated:
+            yield (
+                f"frame: it seems that {name}: they are {stated / 1e3:.3g} km from the truth as told and "
+                f"{read / 1e3:.3g} km as read so"
+            )
+
+
+def _from_earth(time: np.ndarray) -> np.ndarray:
+    """Return the rotations (n, 3, 3) from the turning Earth to TEME at times [s since EPOCH]."""
+    angle = erfa.gmst82(*epochs.utc(tasks.EPOCH, time))
+    return np.asarray(erfa.rz(-angle, np.eye(3)))
+
+
+def _shifted(errors: pd.DataFrame, truth: np.ndarray) -> Iterator[str]:
+    """Tell of states that all are ahead of the truth, or behind, by one time."""
+    shift = errors["s"].to_numpy() / np.linalg.norm(truth[:, 3:], axis=1)
+    middle = float(np.median(shift))
+    if abs(middle) > _LEAST_SHIFT and np.median(np.abs(shift - middle)) < _ALIKE * abs(middle):
+        where = "ahead of" if middle > 0.0 else "behind"
+        yield (
+            f"time: states are {abs(middle):.4g} s {where} their times, nearly all alike: is another time "
+            "system than UTC meant (TAI is 37 s, TT 69 s, GPS 18 s ahead since 2017)?"
+        )
+
+
+def _shrinking(errors: pd.DataFrame) -> Iterator[str]:
+    """Tell of errors along the track that become smaller with the lead."""
+    sizes = errors["s"].abs().groupby(errors["lead"]).median()
+    first, best = sizes.iloc[0], sizes.idxmin()
+    if sizes[best] < _SHRINKS * first:
+        yield (
+            f"peeking: the median error along the track is {sizes[best]:.0f} m at {best} d and {first:.0f} m "
+            f"at {sizes.index[0]} d: so it looks where inputs after t were used"
+        )

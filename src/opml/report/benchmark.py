@@ -1,0 +1,210 @@
+"""The page of a score: what answers to a task of the benchmark are worth."""
+
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from opml.base.errors import InputError
+from opml.base.files import FilePath, replacing
+from opml.benchmark import scores, suspicions, tasks
+from opml.benchmark.answers import read as read_answers
+from opml.benchmark.scores import AXES, LEVEL
+from opml.report.document import Block, Heading, Items, Paragraph, Table, as_it_is, html_page
+from opml.report.results import NO_VALUE
+
+SUFFIXES = (".html", ".json", ".tsv")
+"""Forms of a score."""
+
+_OF_HEIGHT = ("median", "p95", "crps", "inside")
+
+
+@dataclass(frozen=True, eq=False)
+class Score:
+    """What is told of answers.
+
+    scores, by_height: of `opml.benchmark.scores`
+    suspicions: a sentence each
+    about: tool, command and runtime_s, where they are told
+    """
+
+    task: str
+    title: str
+    tool: str
+    digest: str
+    scores: pd.DataFrame
+    by_height: pd.DataFrame
+    suspicions: Sequence[str]
+    about: Mapping[str, Any]
+
+    def values(self) -> dict[str, Any]:
+        """Return all of it as JSON values."""
+        return {
+            "task": self.task,
+            "tool": self.tool,
+            "answers_sha256": self.digest,
+            "scores": _records(self.scores),
+            "by_height": _records(self.by_height),
+            "suspicions": [*self.suspicions],
+            "about": dict(self.about),
+        }
+
+    def line(self) -> dict[str, str]:
+        """Return the cells of the line for the board."""
+        row = self.scores.set_index("lead")
+        medians = {f"{lead} d [m]": _with_interval(row.loc[lead], "along_track_median") for lead in row.index}
+        last = row.iloc[-1]
+        lead = row.index[-1]
+        return {
+            "task": self.task,
+            "tool": self.tool,
+            "answered [%]": _rounded(float(row["answered"].mean())),
+            **medians,
+            f"95 % at {lead} d [m]": _rounded(last["along_track_p95"]),
+            f"radial, cross at {lead} d [m]": " / ".join(
+                _rounded(last[f"{name}_median"]) for name in ("radial", "cross_track")
+            ),
+            f"CRPS at {lead} d [m]": _rounded(last["along_track_crps"]),
+            f"log score at {lead} d": _rounded(last["along_track_log_score"], 2),
+            f"inside {100 * LEVEL:g} % at {lead} d": _with_interval(last, "along_track_inside"),
+            "runtime [s]": _rounded(float(self.about.get("runtime_s", math.nan))),
+            "SHA-256": self.digest[:12],
+            "command": str(self.about.get("command", NO_VALUE)),
+        }
+
+
+def score(task: FilePath, answers: FilePath, truth: FilePath | None = None) -> Score:
+    """Return the score of answers to a task.
+
+    task: folder, or SAMPLE
+    answers: file or folder
+    truth: folder; None: that of the package, or beside the task
+
+    Raises InputError for files that cannot be read.
+    """
+    asked = tasks.read(task)
+    true = tasks.read_truth(asked, truth)
+    told = read_answers(answers, asked)
+    errors = scores.errors(asked, told, true)
+    return Score(
+        asked.name,
+        asked.title,
+        str(told.about.get("tool", Path(answers).stem)),
+        told.digest,
+        scores.scores(asked, errors),
+        scores.by_height(errors),
+        suspicions.told(asked, told, errors, true),
+        told.about,
+    )
+
+
+def text(score: Score) -> str:
+    """Return what a terminal shows: the errors along the track by lead, and what is suspicious."""
+    header = ("lead [d]", "answered [%]", "median [m]", "95 % [m]", "CRPS [m]", "log score", "inside [%]")
+    rows = [
+        [cells[0], *cells[2:]] for cells in (_cells(row, AXES["s"]) for _, row in score.scores.iterrows())
+    ]
+    widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)]
+    table = ["  ".join(c.rjust(w) for c, w in zip(row, widths, strict=True)) for row in (header, *rows)]
+    return "\n".join([f"{score.task}, along the track: {score.tool}", *table, *score.suspicions])
+
+
+def board_lines(score: Score) -> str:
+    """Return the header and the line of the board, tab-separated."""
+    cells = score.line()
+    return (
+        "\n".join("\t".join(" ".join(text.split()) for text in row) for row in (cells, cells.values())) + "\n"
+    )
+
+
+def document(score: Score) -> list[Block]:
+    """Return the page."""
+    found = Items([as_it_is(text) for text in score.suspicions])
+    nothing = Paragraph("Nothing of the answers is suspicious.")
+    return [
+        Heading(f"{score.task}: {as_it_is(score.tool)}", level=1),
+        Paragraph(as_it_is(score.title)),
+        Heading("What shows"),
+        found if score.suspicions else nothing,
+        Heading("Scores"),
+        Paragraph(
+            "Errors in metres, by days from t: median and 95th percentile of their size, with intervals of"
+            " 95 % over weeks and objects in brackets. CRPS [m] and log score are those of the normal"
+            f" distribution that the covariance tells; smaller is better. **inside**: errors [%] in its"
+            f" intervals of {100 * LEVEL:g} %."
+        ),
+        *(_axis_table(score.scores, name) for name in AXES.values()),
+        Heading("Along the track, by height"),
+        _height_table(score.by_height),
+        Paragraph(f"Answers' SHA-256: `{score.digest}`"),
+    ]
+
+
+def _axis_table(scores: pd.DataFrame, name: str) -> Table:
+    header = (name.replace("_", "-") + ", lead [d]", "asked", "answered [%]", "median", "95 %", "CRPS")
+    return Table((*header, "log score", "inside [%]"), [_cells(row, name) for _, row in scores.iterrows()])
+
+
+def _cells(row: "pd.Series[Any]", name: str) -> list[str]:
+    return [
+        *(_rounded(row[key]) for key in ("lead", "asked", "answered")),
+        _with_interval(row, f"{name}_median"),
+        _rounded(row[f"{name}_p95"]),
+        _rounded(row[f"{name}_crps"]),
+        _rounded(row[f"{name}_log_score"], 2),
+        _with_interval(row, f"{name}_inside"),
+    ]
+
+
+def _with_interval(row: "pd.Series[Any]", key: str) -> str:
+    if not math.isfinite(row.get(f"{key}_low", math.nan)):
+        return _rounded(row[key])
+    return f"{_rounded(row[key])} ({_rounded(row[f'{key}_low'])} to {_rounded(row[f'{key}_high'])})"
+
+
+def _rounded(value: float, digits: int = 0) -> str:
+    return f"{value:.{digits}f}" if math.isfinite(value) else NO_VALUE
+
+
+def _height_table(table: pd.DataFrame) -> Table:
+    header = ("height from [km]", "lead [d]", "answers", "median", "95 %", "CRPS", "inside [%]")
+    rows = []
+    for _, row in table.iterrows():
+        numbers = (row["from"] / 1e3, *(row[key] for key in ("lead", "answers", *_OF_HEIGHT)))
+        rows.append([_rounded(value) for value in numbers])
+    return Table(header, rows)
+
+
+def _records(table: pd.DataFrame) -> list[dict[str, Any]]:
+    return [{key: _plain(value) for key, value in row.items()} for row in table.to_dict("records")]
+
+
+def _plain(value: Any) -> Any:
+    """Return a number as JSON has it, None where it is unknown."""
+    number = float(value)
+    return (int(number) if number.is_integer() else number) if math.isfinite(number) else None
+
+
+def write(path: FilePath, score: Score) -> None:
+    """Write a score as a page, JSON or the line of a board, by the suffix, whole or not at all."""
+    title = f"{score.task}: {score.tool}"
+    texts: dict[str, Callable[[], str]] = {
+        ".html": lambda: html_page(document(score), title=title),
+        ".json": lambda: json.dumps(score.values(), indent=1) + "\n",
+        ".tsv": lambda: board_lines(score),
+    }
+    check(path)
+    with replacing(path) as temporary:
+        temporary.write_text(texts[Path(path).suffix.lower()](), encoding="utf-8")
+
+
+def check(path: FilePath) -> None:
+    """Raise InputError for a suffix of no form."""
+    if Path(path).suffix.lower() not in SUFFIXES:
+        raise InputError(
+            f"{path}: expected a suffix {', '.join(SUFFIXES)}, got {Path(path).suffix or 'none'}"
+        )

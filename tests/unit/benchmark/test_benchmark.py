@@ -1,0 +1,460 @@
+"""Tasks, answers and scores of the benchmark, on the sample that comes with the package."""
+
+import csv
+import json
+import math
+import runpy
+import shutil
+import sys
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pandas as pd
+import pytest
+from support import REPOSITORY
+
+from opml import cli
+from opml.base.errors import InputError
+from opml.benchmark import answers, baselines, recipes, tasks
+from opml.interop import oem
+from opml.interop.element_sets.teme import teme_to_gcrf
+from opml.report import benchmark
+
+SAMPLE = REPOSITORY / "src" / "opml" / "data" / "benchmark" / "sample"
+
+
+@pytest.fixture(scope="module")
+def task():
+    return tasks.read(tasks.SAMPLE)
+
+
+@pytest.fixture(scope="module")
+def truth(task):
+    return tasks.read_truth(task, None)
+
+
+@pytest.fixture(scope="module")
+def sgp4(task, tmp_path_factory):
+    path = tmp_path_factory.mktemp("answers") / "sgp4.csv"
+    assert baselines.write(path, task, "sgp4", None, print) == len(task.questions)
+    return path
+
+
+def edited_rows(path, folder, edit):
+    """Answers whose rows, dictionaries of texts, are as `edit` returns them."""
+    with path.open(newline="") as file:
+        rows = edit(list(csv.DictReader(file)))
+    changed = folder / "edited.csv"
+    with changed.open("w", newline="") as file:
+        writer = csv.DictWriter(file, rows[0].keys())
+        writer.writeheader()
+        writer.writerows(rows)
+    return changed
+
+
+def suspicions(path):
+    return benchmark.score(tasks.SAMPLE, path).suspicions
+
+
+# Scores
+
+
+def by_hand(path):
+    """Scores by lead and axis from the files alone, in plain Python but for the quantiles."""
+    truth = {
+        (r["object"], r["t"], r["lead"]): r
+        for r in csv.DictReader((SAMPLE.parent / "sample-truth/truth.csv").open())
+    }
+    asked = {
+        (r["object"], r["t"], r["time"]): r["lead"] for r in csv.DictReader((SAMPLE / "questions.csv").open())
+    }
+    found = {}
+    for row in csv.DictReader(path.open()):
+        lead = asked[row["object"], row["t"], row["time"]]
+        true = truth[row["object"], row["t"], lead]
+        p, v = ([float(true[name]) for name in names] for names in (("x", "y", "z"), ("vx", "vy", "vz")))
+        a, w = ([float(row[name]) for name in names] for names in (("x", "y", "z"), ("vx", "vy", "vz")))
+        radius = math.hypot(*p)
+        axes, own = axes_of(p, v), axes_of(a, w)
+        up, ahead, across = (dot(axis, a) for axis in axes)
+        error = {
+            "radial": math.hypot(up, ahead) - radius,
+            "along_track": radius * math.atan2(ahead, up),
+            "cross_track": across,
+        }
+        names = "xyz"
+        cov = [[float(row[f"cov_{min(i, j)}_{max(i, j)}"]) for j in names] for i in names]
+        for name, axis in zip(("radial", "along_track", "cross_track"), own, strict=True):
+            variance = dot(axis, [dot(line, axis) for line in cov])
+            found.setdefault((int(lead), name), []).append((error[name], math.sqrt(variance)))
+    return found
+
+
+def dot(a, b):
+    return math.fsum(x * y for x, y in zip(a, b, strict=True))
+
+
+def axes_of(p, v):
+    r = [x / math.hypot(*p) for x in p]
+    h = cross(p, v)
+    w = [x / math.hypot(*h) for x in h]
+    return r, cross(w, r), w
+
+
+def cross(a, b):
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def integrated_crps(error, sigma):
+    """The CRPS by its definition: the squared distance of the distribution from the step at the truth.
+
+    Over 16 deviations about mean and truth, by Gauss-Legendre on both sides of the step.
+    """
+    z = error / sigma  # of the mean from the truth: the truth lies at -z
+    nodes, weights = np.polynomial.legendre.leggauss(120)
+    total = 0.0
+    for low, high, step in ((min(-12.0, -z - 12.0), -z, 0.0), (-z, max(12.0, -z + 12.0), 1.0)):
+        cuts = np.linspace(low, high, 1 + max(1, math.ceil(high - low)))
+        for a, b in pairwise(cuts):
+            x = 0.5 * (b - a) * nodes + 0.5 * (a + b)
+            cdf = np.array([0.5 * math.erfc(-one / math.sqrt(2.0)) for one in x])
+            total += 0.5 * (b - a) * float(weights @ (cdf - step) ** 2)
+    return sigma * total
+
+
+def test_scores_are_those_by_hand(sgp4):
+    scores = benchmark.score(tasks.SAMPLE, sgp4).scores.set_index("lead")
+    found = by_hand(sgp4)
+    assert len(found) == 12
+    for (lead, name), pairs in found.items():
+        row = scores.loc[lead]
+        size = sorted(abs(error) for error, _ in pairs)
+        expected = {
+            "median": np.median(size),
+            "p95": np.percentile(size, 95.0),
+            "crps": math.fsum(integrated_crps(*pair) for pair in pairs) / len(pairs),
+            "log_score": -math.fsum(
+                math.log(math.exp(-0.5 * (e / s) ** 2) / (s * math.sqrt(2.0 * math.pi))) for e, s in pairs
+            )
+            / len(pairs),
+            "inside": 100.0 * sum(abs(e) <= 1.6448536269514722 * s for e, s in pairs) / len(pairs),
+        }
+        for key, value in expected.items():
+            assert row[f"{name}_{key}"] == pytest.approx(value, rel=1e-9, abs=1e-9), (lead, name, key)
+        assert (row["asked"], row["answered"]) == (12, 100.0)
+
+
+def test_bands_of_height_share_the_answers(sgp4):
+    table = benchmark.score(tasks.SAMPLE, sgp4).by_height
+    assert set(table["from"]) <= {300e3, 400e3, 450e3, 500e3, 550e3, 600e3, 700e3}
+    assert table.groupby("lead")["answers"].sum().tolist() == [12] * 4
+    low, high = (table[table["lead"] == 7].sort_values("from")["median"].iloc[k] for k in (0, -1))
+    assert low > high
+
+
+def test_intervals_hold_their_numbers_and_come_again(sgp4):
+    first, again = (benchmark.score(tasks.SAMPLE, sgp4).scores for _ in range(2))
+    pd.testing.assert_frame_equal(first, again)
+    for name in ("along_track_median", "along_track_inside"):
+        assert (first[f"{name}_low"] <= first[name] + 1e-9).all()
+        assert (first[name] <= first[f"{name}_high"] + 1e-9).all()
+    assert (first["along_track_median_high"] > first["along_track_median_low"]).all()
+
+
+def test_without_covariances_there_are_errors_alone(sgp4, tmp_path):
+    bare = edited_rows(
+        sgp4, tmp_path, lambda rows: [{k: v for k, v in r.items() if "cov" not in k} for r in rows]
+    )
+    with_them, without = (benchmark.score(tasks.SAMPLE, path).scores for path in (sgp4, bare))
+    assert with_them["along_track_median"].tolist() == without["along_track_median"].tolist()
+    assert without[["along_track_crps", "along_track_log_score", "along_track_inside"]].isna().all(axis=None)
+
+
+# What is wrong with answers
+
+
+def test_of_honest_answers_nothing_is_told(sgp4):
+    assert suspicions(sgp4) == []
+
+
+def test_truncated_answers_are_told(sgp4, tmp_path):
+    cut = edited_rows(sgp4, tmp_path, lambda rows: rows[:-3])
+    (told,) = suspicions(cut)
+    assert told.startswith("truncated: 3 of 48 questions have no answer (3 d: 1, 5 d: 1, 7 d: 1)")
+    scores = benchmark.score(tasks.SAMPLE, cut).scores
+    assert scores["answered"].tolist() == pytest.approx([100.0, *[100.0 * 11 / 12] * 3])
+
+
+def test_a_line_that_is_cut_is_refused(sgp4, tmp_path):
+    text = sgp4.read_text().splitlines()
+    cut = tmp_path / "cut.csv"
+    cut.write_text("\n".join([*text[:5], text[5][:60]]) + "\n")
+    with pytest.raises(InputError, match=r"cut.csv: line 6: expected 16 cells: cut short"):
+        benchmark.score(tasks.SAMPLE, cut)
+
+
+@pytest.mark.parametrize(("shift", "where"), [(37.0, "ahead of"), (-18.0, "behind")])
+def test_states_at_other_times_are_told(shift, where, task, truth, tmp_path):
+    told = suspicions(of_states(flown(truth, shift, task), task, tmp_path))
+    (sentence,) = [one for one in told if one.startswith("time:")]
+    assert f" s {where} their times" in sentence
+    assert float(sentence.split()[3]) == pytest.approx(abs(shift), rel=0.02)
+
+
+def test_answers_to_other_times_are_told(sgp4, tmp_path):
+    def later(rows):
+        return [r | {"time": f"{np.datetime64(r['time']) + np.timedelta64(60, 's')}"} for r in rows]
+
+    told = suspicions(edited_rows(sgp4, tmp_path, later))
+    assert any(
+        "48 answers are to no question" in one and "nearest time asked is -60 s" in one for one in told
+    )
+
+
+@pytest.mark.parametrize(
+    ("called", "name"), [("GCRF", "TEME states are called GCRF"), ("TEME", "GCRF states are called TEME")]
+)
+def test_states_of_another_frame_are_told(called, name, sgp4, task, truth, tmp_path):
+    if called == "TEME":
+        wrong = edited_rows(sgp4, tmp_path, lambda rows: [r | {"frame": "TEME"} for r in rows])
+    else:
+        time = tasks.seconds(task.questions["time"].tolist(), "")
+        turns = teme_to_gcrf(tasks.EPOCH, time)
+        near = truth + [30.0, 0.0, 20.0, 0.0, 0.0, 0.0]
+        of_date = np.hstack([np.einsum("nji,nj->ni", turns, near[:, k : k + 3]) for k in (0, 3)])
+        wrong = of_states(of_date, task, tmp_path)
+    assert any(one.startswith(f"frame: it seems that {name}") for one in suspicions(wrong))
+
+
+def test_copies_of_the_truth_are_told(task, truth, tmp_path):
+    told = suspicions(of_states(truth, task, tmp_path))
+    assert any(one.startswith("peeking: 48 answers are within 0.01 m of the truth") for one in told)
+
+
+def test_inputs_after_t_are_told(sgp4, tmp_path):
+    def known(rows):
+        return [r | {"known": "2026-01-07T00:00:00" if r["t"] < "2026-01" else r["t"]} for r in rows]
+
+    (told,) = suspicions(edited_rows(sgp4, tmp_path, known))
+    assert "tell of inputs that were known after t, the first for object 122" in told
+
+
+def test_errors_that_shrink_with_the_lead_are_told(task, truth, tmp_path):
+    size = 1000.0 / task.questions["lead"].to_numpy()
+    ahead = (
+        truth[:, 3:]
+        / np.linalg.norm(truth[:, 3:], axis=1)[:, None]
+        * (size * np.resize([1.0, -1.0, -1.0], len(size)))[:, None]
+    )
+    told = suspicions(of_states(truth + np.hstack([ahead, 0.0 * ahead]), task, tmp_path))
+    assert any(one.startswith("peeking: the median error along the track is 143 m at 7 d") for one in told)
+
+
+def flown(truth, shift, task):
+    """True states carried on a circle by a time [s], with some metres of error."""
+    p, v = truth[:, :3], truth[:, 3:]
+    angle = (np.linalg.norm(v, axis=1) / np.linalg.norm(p, axis=1) * shift)[:, None]
+    ratio = (np.linalg.norm(p, axis=1) / np.linalg.norm(v, axis=1))[:, None]
+    noise = np.resize([20.0, -30.0, 40.0, -10.0], len(p))[:, None]
+    return np.hstack(
+        [
+            p * np.cos(angle) + v * ratio * np.sin(angle) + noise,
+            v * np.cos(angle) - p / ratio * np.sin(angle),
+        ]
+    )
+
+
+def of_states(states, task, folder):
+    """Answers of GCRF states (questions, 6)."""
+    path = folder / "states.csv"
+    rows = [
+        [one.object, one.t, one.time, "GCRF", *map(repr, map(float, state))]
+        for one, state in zip(task.questions.itertuples(), states, strict=True)
+    ]
+    tasks.write_csv(path, answers.REQUIRED, rows)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("edit", "told"),
+    [
+        ({"frame": "ITRF"}, "line 2: frame: expected GCRF or TEME, got 'ITRF'"),
+        ({"x": "far"}, "line 2: expected a number, got 'far'"),
+        ({"object": "ISS"}, "line 2: object: expected a catalogue number, got 'ISS'"),
+        ({"cov_x_x": "-1"}, "line 2: expected a covariance that is positive definite"),
+        ({"time": "noon"}, "line 2: "),
+    ],
+    ids=lambda value: next(iter(value)) if isinstance(value, dict) else "",
+)
+def test_malformed_answers_are_refused(edit, told, sgp4, tmp_path):
+    wrong = edited_rows(sgp4, tmp_path, lambda rows: [rows[0] | edit, *rows[1:]])
+    with pytest.raises(InputError, match="edited.csv: " + told.replace("(", r"\(")):
+        benchmark.score(tasks.SAMPLE, wrong)
+
+
+def test_a_question_is_answered_once(sgp4, tmp_path):
+    twice = edited_rows(sgp4, tmp_path, lambda rows: [*rows, rows[0]])
+    with pytest.raises(InputError, match="line 50: expected one answer to a question"):
+        benchmark.score(tasks.SAMPLE, twice)
+
+
+# Answers in messages
+
+
+def test_messages_score_as_tables_do(sgp4, task, tmp_path):
+    told = answers.read(sgp4, task)
+    segments = []
+    t = tasks.seconds(task.questions["t"].tolist(), "")
+    time = tasks.seconds(task.questions["time"].tolist(), "")
+    for (number, _), places in task.questions.groupby(["object", "t"]).indices.items():
+        states = told.states[places]
+        covariances = np.tile(np.diag([1.0] * 6), (len(places), 1, 1))
+        covariances[:, :3, :3] = told.covariances[places]
+        segments.append(
+            oem.Segment(
+                str(number), np.append(t[places[0]], time[places]), np.vstack([states[:1], states]),
+                time[places], covariances, covariance_frame="RSW", known=t[places[0]],
+            )
+        )  # fmt: skip
+    oem.write(tmp_path / "mine.oem", segments, epoch=tasks.EPOCH)
+    (tmp_path / "about.json").write_text(json.dumps({"tool": "mine 1.0", "runtime_s": 12.0}))
+    score = benchmark.score(tasks.SAMPLE, tmp_path)
+    assert (score.tool, score.suspicions) == ("mine 1.0", [])
+    assert score.line()["runtime [s]"] == "12"
+    expected = benchmark.score(tasks.SAMPLE, sgp4).scores
+    np.testing.assert_allclose(score.scores, expected, rtol=1e-4, atol=1e-2)
+
+
+# The command
+
+
+def test_a_stranger_s_answers_are_those_of_sgp4(sgp4, tmp_path, monkeypatch, capsys):
+    mine = tmp_path / "mine.csv"
+    script = REPOSITORY / "benchmark" / "plain_sgp4.py"
+    monkeypatch.setattr(sys, "argv", [str(script), str(SAMPLE), str(mine)])
+    runpy.run_path(str(script))
+    assert "opml" not in script.read_text()
+    page = tmp_path / "mine.html"
+    outputs = [f"-o{page}", f"-o{tmp_path / 'mine.json'}", f"-o{tmp_path / 'mine.tsv'}"]
+    assert cli.main(["score", "SAMPLE", str(mine), *outputs]) == 0
+    assert capsys.readouterr().out.startswith("sample, along the track: mine\n")
+    values = json.loads((tmp_path / "mine.json").read_text())
+    expected = benchmark.score(tasks.SAMPLE, sgp4)
+    for row, other in zip(values["scores"], expected.scores.to_dict("records"), strict=True):
+        assert row["along_track_median"] == pytest.approx(other["along_track_median"], abs=0.05)
+        assert row["along_track_crps"] is None
+    assert "cross-track, lead [d]" in page.read_text()
+    header, line = (text.split("\t") for text in (tmp_path / "mine.tsv").read_text().splitlines())
+    assert dict(zip(header, line, strict=True))["task"] == "sample"
+
+
+def test_what_a_score_cannot_be_written_as_is_refused(sgp4, tmp_path, capsys):
+    assert cli.main(["score", "SAMPLE", str(sgp4), "-o", str(tmp_path / "score.pdf")]) == 1
+    assert "expected a suffix .html, .json, .tsv, got .pdf" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("way", baselines.WAYS)
+def test_baselines_answer_all_that_is_asked(way, task, tmp_path):
+    last = task.questions[task.questions["t"] == task.questions["t"].max()]
+    part = replace(task, questions=last.reset_index(drop=True))
+    path = tmp_path / f"{way}.csv"
+    assert baselines.write(path, part, way, None, print) == len(last)
+    found = answers.read(path, part)
+    assert found.is_answered.all()
+    assert found.about["command"] == f"opml answer sample {way}"
+    assert np.isfinite(found.covariances).all()
+    true = tasks.read_truth(task, None)[last.index]
+    assert np.linalg.norm(found.states[:, :3] - true[:, :3], axis=1).max() < 200e3
+
+
+def test_a_way_that_is_none_is_refused(tmp_path, capsys):
+    assert cli.main(["answer", "SAMPLE", "magic", "-o", str(tmp_path / "a.csv")]) == 1
+    assert "expected sgp4, density" in capsys.readouterr().err
+
+
+# Tasks
+
+
+def test_no_input_holds_what_is_asked(task):
+    asked = task.questions.groupby("t")["object"].unique()
+    epochs = {}
+    for t, objects in asked.items():
+        lines = (task.inputs(t) / "sets.tle").read_text().splitlines()[::2]
+        assert {int(line[2:7]) for line in lines} == set(objects)
+        for line in lines:
+            day = np.datetime64(f"20{line[18:20]}-01-01") + np.timedelta64(
+                round((float(line[20:32]) - 1.0) * 86400e3), "ms"
+            )
+            assert day <= np.datetime64(t) - np.timedelta64(6, "h")
+            epochs.setdefault(int(line[2:7]), []).append((day, t))
+        weather = (task.inputs(t) / "weather.csv").read_text().splitlines()
+        assert weather[-1][:10] == str(np.datetime64(t[:10]) - 1)
+    for one in task.questions.itertuples():
+        after = np.datetime64(one.t), np.datetime64(one.time) + np.timedelta64(1, "h")
+        assert [t for day, t in epochs[one.object] if after[0] < day < after[1]] == []
+
+
+@pytest.mark.parametrize(("name", "told"), [("questions.csv", "questions.csv"), ("task.json", "task.json")])
+def test_a_task_that_was_changed_is_refused(name, told, tmp_path):
+    changed = tmp_path / "sample"
+    shutil.copytree(SAMPLE, changed)
+    (changed / name).write_text((changed / name).read_text() + "\n")
+    with pytest.raises(InputError, match=f"{told}: expected the file of SHA-256"):
+        tasks.read(changed)
+
+
+def test_another_truth_is_refused(task, tmp_path):
+    with pytest.raises(InputError, match=r"truth.csv: expected the truth of sample, got none"):
+        tasks.read_truth(task, tmp_path)
+    (tmp_path / "truth.csv").write_text("x,y,z,vx,vy,vz\n")
+    with pytest.raises(InputError, match="that sample was frozen with"):
+        tasks.read_truth(task, tmp_path)
+
+
+@pytest.fixture(scope="module")
+def recipe():
+    return recipes.read(REPOSITORY / "benchmark" / "sample.yaml")
+
+
+def test_the_sample_is_what_its_recipe_makes(recipe, tmp_path):
+    make = runpy.run_path(str(REPOSITORY / "tests" / "reference" / "benchmark_sample.py"))["make"]
+    assert make(tmp_path) == 48
+    assert (tmp_path / "sample" / "questions.csv").read_text() == (SAMPLE / "questions.csv").read_text()
+    assert (tmp_path / "sample" / "inputs/2026-01-13T060000/weather.csv").read_text() == (
+        SAMPLE / "inputs/2026-01-13T060000/weather.csv"
+    ).read_text()
+
+
+def test_forecasts_are_those_issued_last(recipe, tmp_path):
+    sets = [
+        SAMPLE / "inputs" / f"{day}T060000" / "sets.tle" for day in ("2025-12-30", "2026-01-06", "2026-01-13")
+    ]
+    issued = tmp_path / "issued.csv"
+    issued.write_text(
+        "issued,valid,f107\n2025-12-20T03:00:00Z,2025-12-21,150\n2025-12-23T07:00:00Z,2025-12-24,160\n"
+    )
+    early = replace(recipe, first="2025-12-23", last="2025-12-23", groups=1)
+    folder = tmp_path / "task"
+    recipes.make(early, sets, folder, tmp_path / "truth", weather="OBSERVED", forecasts=issued)
+    text = (folder / "inputs/2025-12-23T060000/forecast.csv").read_text()
+    assert text == "issued,valid,f107\n2025-12-20T03:00:00Z,2025-12-21,150\n"
+    frozen = replace(early, digest="0" * 64)
+    with pytest.raises(InputError, match="digest: expected 0000"):
+        recipes.make(frozen, sets, folder, tmp_path / "truth", weather="OBSERVED", forecasts=issued)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("benchmark/v1", "benchmark/v2", "format: expected benchmark/v1"),
+        ("groups: 8", "groups: 2", "groups: expected more"),
+        ("title:", "titel:", "expected the keys of a recipe"),
+    ],
+)
+def test_recipes_that_cannot_be_are_refused(old, new, told, tmp_path):
+    text = (REPOSITORY / "benchmark" / "sample.yaml").read_text()
+    wrong = tmp_path / "wrong.yaml"
+    wrong.write_text(text.replace(old, new))
+    with pytest.raises(InputError, match=told):
+        recipes.read(wrong)
