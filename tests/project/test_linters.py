@@ -55,7 +55,8 @@ def test_every_rule_has_log_benchmark_message_and_code():
 
 def test_scripts_are_short():
     for path in (REPOSITORY / "workflow" / "scripts").glob("*.py"):
-        assert len(path.read_text().splitlines()) <= 35, path.name
+        _, job = path.read_text().split("with job(")  # after the settings that it takes
+        assert len(job.splitlines()) <= 25, path.name
 
 
 def pins_of(lock):
