@@ -72,8 +72,7 @@ def read(path: FilePath, task: BenchmarkTask) -> Answers:
     asked = _Asked(task)
     for file in files:
         (_read_csv if ".csv" in file.suffixes else _read_oem)(file, asked)
-    about = about_file(Path(path))
-    told = json.loads(about.read_text(encoding="utf-8")) if about.is_file() else {}
+    told = _read_about(about_file(Path(path)))
     digests = "".join(tasks.digest(file) for file in files)
     digest = digests if len(files) == 1 else hashlib.sha256(digests.encode()).hexdigest()
     return Answers(asked.states, asked.covariances, asked.known, asked.stray, told, digest)
@@ -82,6 +81,13 @@ def read(path: FilePath, task: BenchmarkTask) -> Answers:
 def about_file(path: Path) -> Path:
     """Return the file that tells of the making of answers in a file or a folder."""
     return path / "about.json" if path.is_dir() else path.with_suffix(".about.json")
+
+
+def _read_about(path: Path) -> dict[str, Any]:
+    try:
+        return dict(json.loads(path.read_text(encoding="utf-8"))) if path.is_file() else {}
+    except (ValueError, TypeError) as error:
+        raise InputError(f"{path}: expected a JSON object ({error})") from None
 
 
 def _files(path: Path) -> list[Path]:
@@ -150,7 +156,10 @@ def _read_oem(path: Path, asked: _Asked) -> None:
 
 
 def _read_csv(path: Path, asked: _Asked) -> None:
-    rows = list(_rows(path))
+    try:
+        rows = list(_rows(path))
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{path}: expected comma-separated values in UTF-8 ({error})") from None
     lines = [line for line, _ in rows]
     t, time = (np.array([_seconds(path, line, row[name]) for line, row in rows]) for name in ("t", "time"))
     turns = _turns([row["frame"] for _, row in rows], time, path, lines)

@@ -65,8 +65,8 @@ class Recipe:
 
 def read(path: FilePath) -> Recipe:
     """Read a recipe. Raises InputError for another format, a key that is none, and overlapping histories."""
-    values: dict[str, Any] = dict(read_yaml(path) or {})
-    if values.pop("format", None) != tasks.FORMAT:
+    values: Any = read_yaml(path)
+    if not isinstance(values, dict) or values.pop("format", None) != tasks.FORMAT:
         raise InputError(f"{path}: format: expected {tasks.FORMAT}")
     try:
         recipe = Recipe(**values)

@@ -293,6 +293,24 @@ def test_malformed_answers_are_refused(edit, told, sgp4, tmp_path):
         benchmark.score(tasks.SAMPLE, wrong)
 
 
+@pytest.mark.parametrize(
+    ("name", "content", "told"),
+    [
+        ("mine.csv", b"\xff\xfe\x00", "mine.csv: expected comma-separated values in UTF-8"),
+        ("mine.csv", b"object,t\n", "mine.csv: expected the columns time, frame"),
+        ("about.json", b"[1, 2", "about.json: expected a JSON object"),
+        ("mine.txt", b"", "expected answers as .csv or .oem, got none"),
+    ],
+    ids=["bytes", "columns", "about", "suffix"],
+)
+def test_files_that_hold_no_answers_are_refused(name, content, told, sgp4, task, tmp_path):
+    if name == "about.json":
+        shutil.copy(sgp4, tmp_path)
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(InputError, match=told):
+        answers.read(tmp_path, task)
+
+
 def test_a_question_is_answered_once(sgp4, tmp_path):
     twice = edited_rows(sgp4, tmp_path, lambda rows: [*rows, rows[0]])
     with pytest.raises(InputError, match="line 50: expected one answer to a question"):
