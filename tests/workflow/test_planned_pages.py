@@ -1,11 +1,14 @@
-"""docs/lasers.md, labels.md and wildcards.md: their files, commands and products, planned."""
+"""docs/lasers.md, labels.md and wildcards.md, followed: commands run, on few days; products are planned."""
 
 import re
 import shutil
 
+import numpy as np
 import pytest
 from following import Reader, blocks, files, page
 from support import shared
+
+from opml.tables import read_table
 
 VALUES = {
     "rso": "iss",
@@ -24,7 +27,15 @@ VALUES = {
     "memory": "_m30",
     "track": "352",
 }
-NEED_SETTINGS = ("element_sets/", "starts/", "sgp4/", "conjunctions/", "catalogue/", "figs/catalogue/")
+NEED_SETTINGS = (
+    "element_sets/",
+    "improved_history/",
+    "starts/",
+    "sgp4/",
+    "conjunctions/",
+    "catalogue/",
+    "figs/catalogue/",
+)
 """Products of objects whose files are in the settings, and of parts of a study or a catalogue."""
 
 
@@ -33,10 +44,22 @@ def reader(tmp_path):
     return Reader(tmp_path)
 
 
+TRIMMED = """# trimmed.yaml
+duration_days: 4
+force_models:
+  truth: {degree: 8, order: 8, third_bodies: [sun, moon]}
+  assumed: {degree: 4, order: 4, third_bodies: [sun, moon]}
+prediction: {max_days: 1}
+uncertainty: {every_hours: 3, futures: 2}
+study:
+  cleaning: {fence: 3, fence_days: [0, 3]}
+"""
+
+
 def commands(name):
-    """The commands of a page that run Snakemake, as plans."""
+    """The commands of a page that run Snakemake."""
     found = re.findall(r"^    (snakemake -j2 .*\n)", page(name), re.MULTILINE)
-    return [f".venv/bin/{text.replace('-j2', '-n', 1)}" for text in found]
+    return [f".venv/bin/{text}" for text in found]
 
 
 def products():
@@ -49,6 +72,7 @@ def products():
     return [one.format(**VALUES) for one in made if not one.startswith(NEED_SETTINGS)] + examples
 
 
+@pytest.mark.dag
 def test_lasers(reader):
     for kind in (
         "lageos2_2016-02-14.crd.gz",
@@ -60,18 +84,31 @@ def test_lasers(reader):
     (settings,) = files(blocks(page("lasers"))).values()
     reader.save(settings)
     (command,) = commands("lasers")
-    assert "Job stats:" in reader.run(command)
+    reader.run(command)
+    dataset = read_table(reader.folder / command.split()[-1], "dataset")
+    assert np.abs(dataset["e_x"]).median() < 5.0
 
 
 def test_labels(reader):
     (settings,) = files(blocks(page("labels"))).values()
     reader.save(settings)
     (command,) = commands("labels")
-    assert "Job stats:" in reader.run(command)
+    assert "Job stats:" in reader.run(command.replace("-j2", "-n", 1))
 
 
 def test_wildcards(reader):
     (command,) = commands("wildcards")
+    command = command.replace("-j2", "-n", 1)
     made = " ".join(f"results/{product}" for product in products())
     weather = "--config environment='{solar_activity: OBSERVED, knowledge: forecast}'"
     assert "Job stats:" in reader.run(f"{command.strip().replace('-n', f'-n {weather} --', 1)} {made}\n")
+
+
+@pytest.mark.dag
+def test_the_command_of_wildcards_makes_its_product(reader):
+    reader.save(TRIMMED)
+    (command,) = commands("wildcards")
+    asked = command.replace("-j2", "-j2 --configfile trimmed.yaml --", 1)
+    made = asked.replace("days-0-30", "days-0-3").replace("days-30-40", "days-3-4")
+    reader.run(made)
+    assert (reader.folder / made.split()[-1]).is_file()

@@ -2,6 +2,7 @@
 
 import fcntl
 import os
+import re
 import shutil
 
 import pytest
@@ -87,3 +88,12 @@ def test_plans_need_no_lock(made):
     with (made.folder / "results" / "logs" / ".running").open("a") as held:
         fcntl.flock(held, fcntl.LOCK_EX)
         assert "Nothing to be done" in run(made, "-n").stdout
+
+
+@pytest.mark.parametrize("rules", [path.name for path in sorted((ROOT / "workflow" / "rules").glob("*.smk"))])
+def test_the_content_of_every_file_of_the_users_counts(rules):
+    """A rule that takes one has its digest among its params."""
+    text = (ROOT / "workflow" / "rules" / rules).read_text()
+    for rule in re.split(r"^ *rule ", text, flags=re.MULTILINE)[1:]:
+        takes = "users(" in rule or "local(" in rule.replace("localrules", "")
+        assert takes == ("contents(" in rule), rule.split(":")[0]

@@ -22,7 +22,7 @@ if PLAN.settings.catalogue:
         conda:
             "../envs/opml.yaml"
         params:
-            settings=PARAMS.catalogue_weather,
+            settings=lambda _: PARAMS.catalogue_weather | contents(PLAN.catalogue_weather_files),
             code=code("catalogue_densities.py"),
         message:
             "Catalogue: mean densities of the thermosphere since 2002"
@@ -49,7 +49,12 @@ if PLAN.settings.catalogue:
             mem_mb=6000,
             runtime=60,
         params:
-            settings=PARAMS.catalogue_rows,
+            settings=lambda wildcards: {
+                **PARAMS.catalogue_rows(wildcards),
+                **contents(
+                    [*PLAN.settings.catalogue_files[wildcards.population], *PLAN.catalogue_weather_files]
+                ),
+            },
             code=code("catalogue_rows.py"),
         message:
             "Catalogue: predictions of {wildcards.population} in the seasons of {wildcards.test}"

@@ -224,6 +224,9 @@ if PLAN.settings.measured:
                 "estimation": config["estimation"],
                 "rso": PARAMS.rso(wildcards),
                 "stations": PARAMS.stations(wildcards),
+                **contents(
+                    [PLAN.settings.starts[wildcards.rso]] if wildcards.rso in PLAN.settings.starts else []
+                ),
             },
             code=code("first_orbit.py"),
         message:
