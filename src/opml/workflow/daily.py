@@ -113,7 +113,11 @@ def _snakemake(call: Call, pages: Sequence[str]) -> int:
     how = ["-n"] if call.dry else ["--quiet", "all"]
     settings = ["--configfile", *call.configfiles] if call.configfiles else []
     command = [sys.executable, "-m", "snakemake", *call.where, *how, *settings, "--", *pages]
-    return subprocess.run(command, check=False).returncode
+    code = subprocess.run(command, check=False).returncode
+    if code and not call.dry:
+        told = "opml: the workflow failed; `opml day -n`, which is not quiet, tells of errors in its plan"
+        print(told, file=sys.stderr, flush=True)
+    return code
 
 
 def _forget_failed(folder: Path) -> None:

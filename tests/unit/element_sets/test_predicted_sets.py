@@ -10,8 +10,9 @@ import pytest
 import sinking_histories
 from browser import laid_out
 from element_histories import history, tle_text
-from support import EPOCH
+from support import EPOCH, REPOSITORY
 
+import opml
 from opml import cli
 from opml.base.constants import DAY
 from opml.base.errors import InputError
@@ -182,6 +183,18 @@ def test_the_command_writes_every_format(file, made, tmp_path, capsys):
     assert "Passes over 52.2,21.0,110" in page
     assert f"{made.sizes.loc[7, 's']:.0f}" in page
     assert "http" not in page.replace("http-equiv", "")
+
+
+def test_the_lines_of_the_readme_run(file, made, tmp_path, monkeypatch, capsys):
+    readme = (REPOSITORY / "README.md").read_text(encoding="utf-8")
+    lines = re.search("```python\n(.*?)```", readme, re.DOTALL)[1]
+    monkeypatch.chdir(tmp_path)
+    for told, asked in (("sets.tle", str(file)), ("SW-All.csv", "OBSERVED"), ("2023-02-10", "2026-01-10")):
+        assert told in lines
+        lines = lines.replace(told, asked)
+    exec(lines, {"opml": opml})
+    assert capsys.readouterr().out.startswith("set ")
+    assert oem.read(tmp_path / "mine.oem", epoch=DATE)
 
 
 def test_a_phone_shows_all_of_the_page(made, tmp_path):

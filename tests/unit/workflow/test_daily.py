@@ -9,6 +9,7 @@ from support import refusal
 from opml import cli
 from opml.base.errors import InputError
 from opml.mornings.records import DONE
+from opml.workflow import daily
 from opml.workflow.daily import Call, beforehand, check_dates, mornings_ahead
 
 EPOCH, TODAY = "2016-09-28T12:09:45", date(2016, 10, 3)
@@ -51,6 +52,13 @@ def test_what_is_ahead_is_told(tmp_path):
     assert beforehand(7, settings) == (
         f"2 objects, at most 7 mornings: about 2 min of one core, 23 MB in {tmp_path}"
     )
+
+
+def test_a_workflow_that_fails_without_a_word_is_told(monkeypatch, capsys):
+    failed = SimpleNamespace(returncode=1)
+    monkeypatch.setattr("subprocess.run", lambda command, **_: failed)
+    assert daily._snakemake(Call(TODAY, TODAY, [], [], dry=False), ["day.html"]) == 1
+    assert "opml: the workflow failed; `opml day -n`" in capsys.readouterr().err
 
 
 def test_a_folder_without_a_project_is_told_how_to_make_one(tmp_path, monkeypatch, capsys):
