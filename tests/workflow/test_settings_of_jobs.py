@@ -1,0 +1,36 @@
+"""Settings of jobs: what a rule gives is what its script declares, before any job starts."""
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from project import ROOT
+
+ISS = "iss/eglin-clear-kaena"
+DAYS = f"{ISS}/days-0-30/mechanism"
+FORECAST = "environment={knowledge: forecast, solar_activity: OBSERVED}"
+STUDY = "study={rsos: [iss], days: {train: [0, 30], test: [30, 40]}, rolling: {learners: [svr]}}"
+PLANS = {
+    "the paper's": ["default", "beyond", "--configfile", "config/ci.yaml"],
+    "a study's": ["study", "--config", FORECAST, STUDY],
+    "messages": [
+        *(f"results/corrected/{DAYS}.{suffix}" for suffix in ("parquet", "oem", "ocm", "omm", "tle")),
+        *(f"results/exports/{path}" for path in ("truth/iss.oem", f"tracking/{ISS}.tdm")),
+        f"results/figs/corrected/{DAYS}.png",
+    ],
+}
+
+
+@pytest.mark.parametrize("arguments", PLANS.values(), ids=PLANS)
+def test_each_job_is_given_what_its_script_declares(tmp_path, arguments):
+    shutil.copytree(ROOT / "config", tmp_path / "config")
+    planned = Path(__file__).with_name("planned_settings.py")
+    command = [sys.executable, planned, ROOT / "Snakefile", *arguments]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    refused = json.loads(next(line for line in done.stdout.splitlines() if line.startswith('{"')))
+    assert len(refused) > 10
+    assert {name: why for name, why in refused.items() if why} == {}
