@@ -22,9 +22,6 @@ from opml.tables import STATE
 NAME = "sgp4"
 """Name of the model that is flown along the track where SGP4 is."""
 
-FITS_ABOVE = 600e3
-"""Height below which fits to mean elements were farther off than SGP4 from the newest of them [m]."""
-
 _MINUTE = 60.0
 
 

@@ -13,13 +13,15 @@ from opml.figures.display_names import describe_run
 from opml.learning.data import components
 from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models import learners
-from opml.mornings.beside_sgp4 import FITS_ABOVE
 from opml.naming import Experiment
 from opml.orbits import sheets
 from opml.report.settings_tables import weather_word
 from opml.study.settings.model.catalogue import SeasonSettings
 from opml.study.settings.model.whole import RunSettings
 from opml.workflow.plan import Plan, end_plan
+
+FITS_ABOVE = 600e3
+"""Height below which fits to mean elements were farther off than SGP4 from the newest of them [m]."""
 
 
 class Wildcards(Protocol):
