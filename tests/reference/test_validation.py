@@ -19,8 +19,8 @@ FIELD = {"gm": 3.986004415e14, "radius": 6378136.46, "tide_system": "tide_free"}
 """Of EIGEN-6S, as in the head of validation_gravity.csv."""
 
 MODELS = {
-    "truth": {"degree": 40, "order": 40, "third_bodies": BODIES},
-    "assumed": {"degree": 20, "order": 20, "third_bodies": ASSUMED_BODIES},
+    "truth": {"degree": 40, "order": 40, "third_bodies": list(BODIES)},
+    "assumed": {"degree": 20, "order": 20, "third_bodies": list(ASSUMED_BODIES)},
 }
 MODELS[PRECISE] = MODELS["assumed"] | {"solid_tides": True, "relativity": True}
 

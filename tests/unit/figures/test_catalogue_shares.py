@@ -3,7 +3,7 @@
 import pandas as pd
 
 from opml.element_sets import judge
-from opml.figures.catalogue.shares import shares
+from opml.figures.catalogue.shares import every_season, shares
 
 SEASONS = {"train": ["2026-03-15", "2026-05-07"], "test": ["2026-05-31", "2026-07-31"]}
 
@@ -40,6 +40,21 @@ def test_the_note_tells_both_seasons():
     figure = shares(scores(), SEASONS, name="summer")
     note = figure.legends[0].get_title().get_text().replace("\n", " ")
     assert note == (
-        "summer: learned from half of the objects, 2026-03-15 to 2026-05-07; judged on the others, "
-        "2026-05-31 to 2026-07-31; bars hold 95 %"
+        "summer: learned from half of the objects, 2026-03-15 to 2026-05-07; judged on others, "
+        "2026-05-31 to 2026-07-31; bars hold 95 %, over weeks and objects"
     )
+
+
+def test_every_test_has_a_panel_with_its_dates():
+    improved = {f"improved_{part}": 60.0 for part in ("low", "median", "high")}
+    table = scores().assign(objects=7, **improved)
+    tests = pd.concat([table.assign(test=name) for name in ("summer", "rise")])
+    figure = every_season(tests, {"summer": SEASONS, "rise": SEASONS})
+    assert [axes.get_title("left") for axes in figure.axes] == ["summer", "rise"]
+    for axes in figure.axes:
+        (told,) = axes.texts
+        assert told.get_text() == "2026-05-31 to 2026-07-31\n7 objects"
+        handles, labels = axes.get_legend_handles_labels()
+        assert (
+            handles[labels.index("sets improved by opml improve")].lines[0].get_ydata().tolist() == [60.0] * 2
+        )
