@@ -46,8 +46,8 @@ def test_the_note_tells_both_seasons():
 
 
 def test_every_test_has_a_panel_with_its_dates():
-    improved = {f"improved_{part}": 60.0 for part in ("low", "median", "high")}
-    table = scores().assign(objects=7, **improved)
+    medians = {f"improved_{part}": 60.0 for part in ("low", "median", "high")}
+    table = scores().assign(objects=7, **medians)
     tests = pd.concat([table.assign(test=name) for name in ("summer", "rise")])
     figure = every_season(tests, {"summer": SEASONS, "rise": SEASONS})
     assert [axes.get_title("left") for axes in figure.axes] == ["summer", "rise"]
