@@ -58,8 +58,8 @@ def _errors_of_set(sets: catalogue.ElementCatalogue, k: int, number: np.ndarray,
         return []
     judges = later[np.unique(np.minimum(np.searchsorted(t[later], t[k] + LEADS), len(later) - 1))]
     days = t[judges] - t[k]
-    flown = usual_errors.fly(satellite, days)
-    truth = np.vstack([usual_errors.fly(sets.satellites[j], np.zeros(1)) for j in judges])
+    flown = usual_errors.sgp4_states(satellite, days)
+    truth = np.vstack([usual_errors.sgp4_states(sets.satellites[j], np.zeros(1)) for j in judges])
     band = int(np.searchsorted(HEIGHTS, sets.table["height"].iat[k], side="right")) - 1
     drag = usual_errors.drag_displacement(satellite, days)
     return [

@@ -29,7 +29,7 @@ from opml.element_sets.features import FEATURES
 from opml.element_sets.model import CatalogueModel
 from opml.element_sets.ways import DENSITY, UNCHANGED, Ways
 from opml.interop.element_sets import element_fits, mean_elements, usual_errors
-from opml.interop.element_sets.element_set import changed, elements_epoch, seconds_since
+from opml.interop.element_sets.element_set import changed, elements_epoch, fly, seconds_since
 from opml.learning.models import svr
 from opml.learning.models.inputs import Training
 from opml.orbits.elements import rsw_rotation
@@ -225,7 +225,7 @@ def _fit(sets: list[Satrec]) -> Satrec:
         if age >= -_DAYS_OF_FIT:
             minutes = np.linspace(-1.0, 0.0, _POINTS) * 1440.0
             times.append(age * DAY + minutes * 60.0)
-            positions.append(pairs.fly(one, minutes)[0])
+            positions.append(fly(one, minutes)[0])
     t, points = np.concatenate(times), np.concatenate(positions)
     order = np.argsort(t, kind="stable")
     _, r, v = newest.sgp4_tsince(0.0)

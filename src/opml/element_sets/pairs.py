@@ -9,10 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from sgp4.api import Satrec
 
 from opml.element_sets.catalogue import ElementCatalogue
-from opml.interop.element_sets.element_set import with_drag
+from opml.interop.element_sets.element_set import fly, kick
 from opml.tables.element_tables import IMPROVED_LEADS
 
 LEADS = IMPROVED_LEADS
@@ -171,16 +170,3 @@ def _fly(catalogue: ElementCatalogue, rows: pd.DataFrame) -> _Flights:
         positions[members], velocities[members] = flown[known:], speeds[known:]
         kicked[members] = fly(kick(satellite, _STEP), minutes[known:])[0]
     return _Flights(positions, velocities, kicked, back)
-
-
-def fly(satellite: Satrec, minutes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return positions [km] and velocities [km/s] (n, 3) in TEME after times (n,) [min], else NaN."""
-    whole = np.full(len(minutes), satellite.jdsatepoch)
-    errors, positions, velocities = satellite.sgp4_array(whole, satellite.jdsatepochF + minutes / _MINUTES)
-    positions[errors != 0] = np.nan
-    return positions, velocities
-
-
-def kick(satellite: Satrec, part: float) -> Satrec:
-    """Return a set with its B* larger by a part of it."""
-    return with_drag(satellite, (1.0 + part) * satellite.bstar)

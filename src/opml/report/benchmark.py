@@ -15,7 +15,7 @@ from opml.benchmark import scores, suspicions, tasks
 from opml.benchmark.answers import read as read_answers
 from opml.benchmark.scores import AXES, LEVEL
 from opml.report.document import Block, Heading, Items, Paragraph, Table, as_it_is, html_page
-from opml.report.results import NO_VALUE
+from opml.report.results import NO_VALUE, rounded_cell
 
 SUFFIXES = (".html", ".json", ".tsv")
 """Forms of a score."""
@@ -62,16 +62,16 @@ class Score:
         return {
             "task": self.task,
             "tool": self.tool,
-            "answered [%]": _rounded(float(row["answered"].mean())),
+            "answered [%]": rounded_cell(float(row["answered"].mean())),
             **medians,
-            f"95 % at {lead} d [m]": _rounded(last["along_track_p95"]),
+            f"95 % at {lead} d [m]": rounded_cell(last["along_track_p95"]),
             f"radial, cross at {lead} d [m]": " / ".join(
-                _rounded(last[f"{name}_median"]) for name in ("radial", "cross_track")
+                rounded_cell(last[f"{name}_median"]) for name in ("radial", "cross_track")
             ),
-            f"CRPS at {lead} d [m]": _rounded(last["along_track_crps"]),
-            f"log score at {lead} d": _rounded(last["along_track_log_score"], 2),
+            f"CRPS at {lead} d [m]": rounded_cell(last["along_track_crps"]),
+            f"log score at {lead} d": rounded_cell(last["along_track_log_score"], 2),
             f"inside {100 * LEVEL:g} % at {lead} d": _with_interval(last, "along_track_inside"),
-            "runtime [s]": _rounded(float(self.about.get("runtime_s", math.nan))),
+            "runtime [s]": rounded_cell(float(self.about.get("runtime_s", math.nan))),
             "SHA-256": self.digest[:12],
             "command": str(self.about.get("command", NO_VALUE)),
         }
@@ -151,23 +151,21 @@ def _axis_table(scores: pd.DataFrame, name: str) -> Table:
 
 def _cells(row: "pd.Series[Any]", name: str) -> list[str]:
     return [
-        *(_rounded(row[key]) for key in ("lead", "asked", "answered")),
+        *(rounded_cell(row[key]) for key in ("lead", "asked", "answered")),
         _with_interval(row, f"{name}_median"),
-        _rounded(row[f"{name}_p95"]),
-        _rounded(row[f"{name}_crps"]),
-        _rounded(row[f"{name}_log_score"], 2),
+        rounded_cell(row[f"{name}_p95"]),
+        rounded_cell(row[f"{name}_crps"]),
+        rounded_cell(row[f"{name}_log_score"], 2),
         _with_interval(row, f"{name}_inside"),
     ]
 
 
 def _with_interval(row: "pd.Series[Any]", key: str) -> str:
     if not math.isfinite(row.get(f"{key}_low", math.nan)):
-        return _rounded(row[key])
-    return f"{_rounded(row[key])} ({_rounded(row[f'{key}_low'])} to {_rounded(row[f'{key}_high'])})"
-
-
-def _rounded(value: float, digits: int = 0) -> str:
-    return f"{value:.{digits}f}" if math.isfinite(value) else NO_VALUE
+        return rounded_cell(row[key])
+    return (
+        f"{rounded_cell(row[key])} ({rounded_cell(row[f'{key}_low'])} to {rounded_cell(row[f'{key}_high'])})"
+    )
 
 
 def _height_table(table: pd.DataFrame) -> Table:
@@ -175,7 +173,7 @@ def _height_table(table: pd.DataFrame) -> Table:
     rows = []
     for _, row in table.iterrows():
         numbers = (row["from"] / 1e3, *(row[key] for key in ("lead", "answers", *_OF_HEIGHT)))
-        rows.append([_rounded(value) for value in numbers])
+        rows.append([rounded_cell(value) for value in numbers])
     return Table(header, rows)
 
 

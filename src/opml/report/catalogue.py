@@ -1,6 +1,5 @@
 """The report of a catalogue: what correctors leave of SGP4's errors, test by test."""
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -9,7 +8,7 @@ import pandas as pd
 from opml.element_sets.features import BANDS
 from opml.element_sets.judge import ALL, LEVEL
 from opml.report.document import Block, Heading, Items, Paragraph, Table
-from opml.report.results import NO_VALUE
+from opml.report.results import rounded_cell
 
 _HEADER = (
     *("test", "height [km]", "lead [d]", "learner", "predictions", "objects", "weeks"),
@@ -77,14 +76,10 @@ def _cells(row: Mapping[str, Any]) -> list[str]:
         f"{_with_interval(row, 'improved')} / {row['improved_p95']:.0f}",
         f"{row['unchanged']:.0f}",
         " / ".join(f"{row[f'{way}_p_ml']:.0f}" for way in ("scaled", "learned", "improved")),
-        " / ".join(_share(row[name]) for name in ("coverage", "improved_coverage", "worst_week")),
+        " / ".join(rounded_cell(row[name]) for name in ("coverage", "improved_coverage", "worst_week")),
         f"{row['log_score']:.2f}",
     ]
 
 
 def _with_interval(row: Mapping[str, Any], name: str) -> str:
     return f"{row[f'{name}_median']:.0f} ({row[f'{name}_low']:.0f} to {row[f'{name}_high']:.0f})"
-
-
-def _share(value: float) -> str:
-    return f"{value:.0f}" if math.isfinite(value) else NO_VALUE

@@ -1,5 +1,6 @@
 """Rows of the `metrics` table by their experiment, and numbers as cells of a report's tables."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -46,6 +47,11 @@ def length(value: float) -> str:
 def percent(value: float | None) -> str:
     """Return a percentage as a cell, NONE for None."""
     return NO_VALUE if value is None else f"{value:.1f}"
+
+
+def rounded_cell(value: float, digits: int = 0) -> str:
+    """Return a number with so many decimals, NO_VALUE where it is not finite."""
+    return f"{value:.{digits}f}" if math.isfinite(value) else NO_VALUE
 
 
 def extent_cell(extent: tuple[float, float] | None) -> str:

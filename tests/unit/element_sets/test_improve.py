@@ -14,7 +14,7 @@ from opml.base.errors import InputError
 from opml.element_sets import catalogue, corrector, density, features, improve, pairs, ways
 from opml.element_sets import model as models
 from opml.environment import solar_activity
-from opml.interop.element_sets import mean_elements
+from opml.interop.element_sets import element_set, mean_elements
 from opml.tables import read_table
 
 DATE = "2026-01-08T06:00:00"
@@ -88,7 +88,7 @@ def test_sets_flown_by_plain_sgp4_carry_the_correction(
     for number, own in rows.loc[wanted.index].groupby("number"):
         assert new[number].jdsatepochF == old[number].jdsatepochF
         minutes = 1440.0 * own["tau"].to_numpy()
-        flown = [pairs.fly(one[number], minutes) for one in (old, new)]
+        flown = [element_set.fly(one[number], minutes) for one in (old, new)]
         taken = pairs.along_track(flown[0][0], flown[1][0], flown[1][1])
         tau, response, sought = (part.to_numpy() for part in (own["tau"], own["response"], wanted[own.index]))
         design, weight = np.column_stack([tau, response]), tau**-1.5

@@ -31,7 +31,7 @@ def test_a_size_is_that_of_its_band_by_hand():
 
 def test_the_drag_of_a_set_is_what_it_does_without():
     kicked, free = flown(400.0), flown(400.0, bstar=0.0)
-    at = [usual_errors.fly(one, DAYS[1:]) for one in (kicked, free)]
+    at = [usual_errors.sgp4_states(one, DAYS[1:]) for one in (kicked, free)]
     apart = np.linalg.norm(at[0][:, :3] - at[1][:, :3], axis=1)
     assert np.abs(usual_errors.drag_displacement(kicked, DAYS[1:])) == pytest.approx(apart, rel=0.05)
 
@@ -59,7 +59,7 @@ def test_lower_and_higher_orbits_err_as_the_nearest():
 def test_a_covariance_has_the_sizes_and_velocities_that_follow():
     satellite = flown(700.0)
     sigmas = usual_errors.expected(satellite, DAYS)
-    states = usual_errors.fly(satellite, DAYS)
+    states = usual_errors.sgp4_states(satellite, DAYS)
     found = usual_errors.covariances(sigmas, states)
     assert np.sqrt(np.diagonal(found, axis1=1, axis2=2))[:, :3] == pytest.approx(sigmas)
     rate = np.linalg.norm(states[:, 3:], axis=1) / np.linalg.norm(states[:, :3], axis=1)

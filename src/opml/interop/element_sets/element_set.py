@@ -28,6 +28,7 @@ _FASTEST = 18.0
 
 _ROUNDING = 1e-9  # [deg]
 _MINUTE = 60.0
+_MINUTES_A_DAY = 1440.0
 
 _ANY = "2000-01-01T12:00:00"
 
@@ -85,6 +86,21 @@ def changed(satellite: Satrec, motion: float, bstar: float) -> Satrec:
     days = satellite.jdsatepoch - _SGP4_ZERO_JULIAN + satellite.jdsatepochF
     angles = satellite.inclo, satellite.nodeo, satellite.argpo, satellite.mo
     return _initialised(days, [motion, satellite.ecco, *angles, bstar])
+
+
+def fly(satellite: Satrec, minutes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return positions [km] and velocities [km/s] (n, 3) in TEME after times (n,) [min], else NaN."""
+    whole = np.full(len(minutes), satellite.jdsatepoch)
+    errors, positions, velocities = satellite.sgp4_array(
+        whole, satellite.jdsatepochF + minutes / _MINUTES_A_DAY
+    )
+    positions[errors != 0] = np.nan
+    return positions, velocities
+
+
+def kick(satellite: Satrec, part: float) -> Satrec:
+    """Return a set with its B* larger by a part of it."""
+    return with_drag(satellite, (1.0 + part) * satellite.bstar)
 
 
 def _initialised(days: float, elements: Sequence[float]) -> Satrec:

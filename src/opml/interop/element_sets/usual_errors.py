@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from sgp4.api import Satrec
 
-from opml.interop.element_sets.element_set import mean_height, with_drag
+from opml.interop.element_sets.element_set import fly, kick, mean_height
 from opml.orbits.elements import bent_rsw
 from opml.orbits.rsw_covariance import rates, rsw_covariances
 
@@ -29,6 +29,7 @@ UNSEEN = np.array([100.0, 500.0, 160.0])
 """What sets err alike [m] in RSW, so that none shows it in another: by orbits of Sentinel-3A and Jason-3."""
 
 _MOST_ECCENTRICITY = 0.02
+_MINUTES = 1440.0  # in a day
 _STEP = 0.05  # part of B* by which it is changed to see what drag does
 _TURNING = 0.5  # of the free part of the velocity along the track: of the rate times the radial sigma
 
@@ -59,9 +60,7 @@ def expected(satellite: Satrec, days: np.ndarray) -> np.ndarray:
 
 def drag_displacement(satellite: Satrec, days: np.ndarray) -> np.ndarray:
     """Return how far a set's drag carries an object along its track by SGP4 (n,) [m]; 0 where that fails."""
-    flown, kicked = (
-        fly(one, days) for one in (satellite, with_drag(satellite, (1.0 + _STEP) * satellite.bstar))
-    )
+    flown, kicked = (sgp4_states(one, days) for one in (satellite, kick(satellite, _STEP)))
     return np.asarray(np.nan_to_num(bent_rsw(kicked[:, :3], flown)[:, 1] / _STEP))
 
 
@@ -75,11 +74,9 @@ def covariances(sigmas: np.ndarray, states: np.ndarray) -> np.ndarray:
     return rsw_covariances(np.hstack([sigmas, velocity]), rate)
 
 
-def fly(satellite: Satrec, days: np.ndarray) -> np.ndarray:
-    """Return SGP4's states (n, 6) in TEME [m, m/s], NaN where it fails."""
-    whole = np.full(len(days), satellite.jdsatepoch)
-    errors, *parts = satellite.sgp4_array(whole, satellite.jdsatepochF + days)
-    return np.asarray(np.where((errors == 0)[:, None], 1e3 * np.hstack(parts), np.nan))
+def sgp4_states(satellite: Satrec, days: np.ndarray) -> np.ndarray:
+    """Return SGP4's states (n, 6) in TEME [m, m/s] after times (n,), positions NaN where it fails."""
+    return np.asarray(1e3 * np.hstack(fly(satellite, _MINUTES * days)))
 
 
 @cache
