@@ -58,3 +58,15 @@ def test_every_test_has_a_panel_with_its_dates():
         assert (
             handles[labels.index("sets improved by opml improve")].lines[0].get_ydata().tolist() == [60.0] * 2
         )
+
+
+def test_no_test_lies_outside_its_panel():
+    """The second one is worse than SGP4, and more so than the first."""
+    medians = {f"improved_{part}": 60.0 for part in ("low", "median", "high")}
+    summer = scores().assign(objects=7, test="summer", **medians)
+    storm = summer.assign(test="storm", improved_median=180.0, improved_high=220.0)
+    figure = every_season(pd.concat([summer, storm]), {"summer": SEASONS, "storm": SEASONS})
+    for axes in figure.axes:
+        low, high = axes.get_ylim()
+        assert low == 0.0
+        assert high > 220.0

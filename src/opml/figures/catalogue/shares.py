@@ -51,10 +51,12 @@ def every_season(scores: pd.DataFrame, seasons: Mapping[str, Mapping[str, Sequen
         _mark(axes, scores, "improved", 1, look)
         first, last = seasons[scores["test"].iloc[0]]["test"]
         told = f"{first} to {last}\n{scores['objects'].max()} objects"
-        axes.set_ylim(bottom=0.0)
         axes.text(0.03, 0.03, told, transform=axes.transAxes, fontsize=NOTE_SIZE, color=MUTED)
 
-    return _panels(tests, draw, clauses("objects that nothing was learned from", _INTERVALS))
+    figure = _panels(tests, draw, clauses("objects that nothing was learned from", _INTERVALS))
+    # Once all panels are drawn: the limits that they share hold what each of them has.
+    figure.axes[0].set_ylim(bottom=0.0)
+    return figure
 
 
 def _panels(
