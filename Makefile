@@ -1,7 +1,7 @@
 # make        the paper's partition curve, from a full simulation
 # make check  types, style and imports, and the tests that take no seconds (two minutes)
 # make test   all tests, of the documentation's site too, and how much of the package they reach (8 minutes)
-# make faults runs that are killed and damaged at 600 random moments (an hour and a half)
+# make faults runs that are killed and damaged at 650 random moments (twenty minutes)
 # make draws  the cases that tests draw, drawn anew: each run has others (two minutes)
 # make docs   the documentation as a site, in build/site
 # make pictures   the paper's figures in the documentation, from a full run (half an hour): docs/images/paper

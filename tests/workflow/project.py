@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 from unittest import mock
 
@@ -58,6 +59,12 @@ def _start(
     main()
 
 
+def _start_apart(*given) -> None:
+    """Do the same at the head of a session, as a shell starts it: all that it starts can be told by it."""
+    os.setsid()
+    _start(*given)
+
+
 def _forget_opml() -> None:
     """Have the package imported anew, from wherever it is found first."""
     for name in [name for name in sys.modules if name.partition(".")[0] == "opml"]:
@@ -77,6 +84,14 @@ def forked(
             process.kill()
             raise subprocess.TimeoutExpired(arguments, HUNG)
         return process.exitcode, Path(output.name).read_text()
+
+
+def apart(arguments: list[str], *, cwd: Path, env: dict[str, str], output: Path) -> BaseProcess:
+    """Snakemake in a forked process that has begun, and heads a session; both streams go to a file."""
+    _warm_up()
+    process = _STARTS.Process(target=_start_apart, args=(cwd, env, arguments, str(output), ROOT / "src"))
+    process.start()
+    return process
 
 
 def started(arguments: list[str], *, cwd: Path, env: dict[str, str]) -> tuple[int, str]:

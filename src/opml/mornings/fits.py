@@ -13,7 +13,7 @@ from opml.catalog.fit.first import first_orbit
 from opml.catalog.fit.first.first_orbit import TimedState
 from opml.catalog.fit.measurements import Measurements
 from opml.catalog.flight import Flight
-from opml.mornings.tracks import Recent
+from opml.mornings.tracks import NO_NUMBER, Recent
 from opml.tables import SCHEMAS, STATE
 
 LOST = 2.0 * DAY
@@ -40,7 +40,7 @@ class Fitting:
 
         Raises InputError where an orbit has to be determined and cannot be.
         """
-        tracks = np.flatnonzero(~np.isin(self.recent.numbers, kept["track"]))
+        tracks = np.flatnonzero(~np.isin(self.recent.numbers, [*kept["track"], NO_NUMBER]))
         if not len(tracks):
             return SCHEMAS["kept_estimates"].empty()
         found = estimate_further(
@@ -91,4 +91,4 @@ class Fitting:
     def _numbered(self, kept: pd.DataFrame) -> pd.DataFrame:
         """Return those of the kept estimates whose tracks are recent, numbered as these."""
         rows = kept[kept["track"].isin(self.recent.numbers)]
-        return rows.assign(track=np.searchsorted(self.recent.numbers, rows["track"]))
+        return rows.assign(track=self.recent.places(rows["track"]))

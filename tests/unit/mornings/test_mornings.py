@@ -339,13 +339,40 @@ def track(number, begin, length=300.0):
     return pd.DataFrame({"track": number, "t": t})
 
 
+def test_a_late_track_is_in_the_fits_of_later_ones_and_told(watched, whole, tmp_path):
+    before = LAST - timedelta(days=1)
+    begins = watched.tracking.groupby("track")["t"].min()
+    late = begins.index[begins < CALENDAR.time(before)][-2]
+    without = watched.tracking[watched.tracking["track"] != late]
+    lacking = without.assign(track=without["track"] - (without["track"] > late))
+    never, came = tmp_path / "never", tmp_path / "came"
+    carried_on(whole, replace(watched, tracking=lacking), never, after=before - timedelta(days=1))
+    carried_on(never, watched, came, after=before)
+    found, absent = (
+        json.loads((folder / LAST.isoformat() / "iss" / DONE).read_text()) for folder in (came, never)
+    )
+    assert (found["late"], absent["late"]) == (1, 0)
+    assert found["tracks"] == absent["tracks"]
+    made, lesser = (
+        read_table(folder / LAST.isoformat() / "iss" / "kept_estimates.parquet", "kept_estimates").query(
+            "window_hours == 12.0"
+        )
+        for folder in (came, never)
+    )
+    assert begins[late] not in made["t"].to_numpy()
+    np.testing.assert_array_equal(made["t"], lesser["t"])
+    reached = made["t"].to_numpy() - begins[late] <= ESTIMATION.window_hours * HOUR
+    assert reached.any()
+    np.testing.assert_array_equal(made["tracks_used"].to_numpy(), lesser["tracks_used"] + reached)
+
+
 def test_a_track_keeps_its_number_and_one_that_comes_late_gets_none():
     measured = pd.concat([track(0, 0.0), track(1, 4 * HOUR), track(2, 8 * HOUR), track(3, 30 * HOUR)])
     kept = pd.DataFrame({"track": [7, 8], "t": [0.0, 8 * HOUR]})
     recent = tracks.over(measured, kept, now=31 * HOUR, reach=2 * DAY)
     assert recent.late == 1
-    np.testing.assert_array_equal(recent.numbers, [7, 8, 9])
-    np.testing.assert_array_equal(recent.tracking["track"].unique(), [0, 1, 2])
+    np.testing.assert_array_equal(recent.numbers, [7, tracks.NO_NUMBER, 8, 9])
+    np.testing.assert_array_equal(recent.tracking["track"].unique(), [0, 1, 2, 3])
     recent = tracks.over(measured, kept, now=30 * HOUR + 100.0, reach=DAY)
     np.testing.assert_array_equal(recent.numbers, [8])  # one is too old, one is not over
 
