@@ -7,7 +7,6 @@ never made again.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -28,6 +27,7 @@ from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models import learners
+from opml.learning.models.contract import ResolvedSettings
 from opml.mornings import beside_sgp4, burns_in_tracks, candidates, fits, issued, judged, product, tracks
 from opml.mornings.beside_sgp4 import Sgp4
 from opml.mornings.outcomes import DO_NOT_USE
@@ -77,7 +77,7 @@ class MorningPlan:
     fits_above: height of mean elements below which none of these models is flown [m]
     """
 
-    models: Mapping[str, Mapping[str, Any]]
+    models: Mapping[str, ResolvedSettings]
     estimation: Estimation
     max_days: float
     step: float
