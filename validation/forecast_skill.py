@@ -8,7 +8,6 @@ Each day of ten years is a day of issue, at midnight UTC; methods learn from the
 import argparse
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -19,13 +18,16 @@ from opml.base.yaml_files import read_yaml
 from opml.catalog.predict import weather_futures
 from opml.environment import knowledge, solar_activity
 from opml.environment.forecasts import methods
-from opml.environment.forecasts.method import Future
+from opml.environment.forecasts.method import ForecastSettings, Future
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import RUN_UP, Weather
 from validation.case import ROOT
 from validation.orbit_density import OrbitDensity
 
-FORECASTS: Mapping[str, Mapping[str, Any]] = read_yaml(ROOT / "config" / "config.yaml")["forecasts"]
+FORECASTS: Mapping[str, ForecastSettings] = {
+    name: methods.FORECASTS.validated(one)
+    for name, one in read_yaml(ROOT / "config" / "config.yaml")["forecasts"].items()
+}
 """Settings of the methods, those of config/config.yaml."""
 
 _FIRST, _LAST = "2016-01-01T00:00:00", "2025-12-31T00:00:00"
@@ -102,7 +104,7 @@ def spread(first: str = _FIRST, last: str = _LAST) -> dict[str, np.ndarray]:
     }
 
 
-def _future_drags(weather: Weather, days: np.ndarray, settings: Mapping[str, Any]) -> np.ndarray:
+def _future_drags(weather: Weather, days: np.ndarray, settings: ForecastSettings) -> np.ndarray:
     """Return the drag (members, days, spans) of the futures about a forecast at days of issue."""
     ensemble = methods.futures(
         weather.keep_known(days[0]), days=_LEADS + 1, settings=settings, members=_MEMBERS
@@ -111,7 +113,7 @@ def _future_drags(weather: Weather, days: np.ndarray, settings: Mapping[str, Any
     return _drag(np.stack(parts, axis=1))
 
 
-def _forecasts(weather: Weather, days: np.ndarray, settings: Mapping[str, Any]) -> np.ndarray:
+def _forecasts(weather: Weather, days: np.ndarray, settings: ForecastSettings) -> np.ndarray:
     """Return the figures (days, leads, 10) of a forecast at days of issue."""
     forecast = methods.fit(weather.keep_known(days[0]), days=_LEADS + 1, settings=settings)
     parts = [_ahead(weather, day, [forecast(weather.keep_known(day), float(day))]) for day in map(int, days)]

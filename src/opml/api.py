@@ -49,7 +49,7 @@ from opml.learning.data.components import CORRECTED
 from opml.learning.judge import metrics
 from opml.learning.judge.evaluation import evaluate
 from opml.learning.models import learners
-from opml.learning.models.contract import Model
+from opml.learning.models.contract import Model, ResolvedSettings
 from opml.learning.models.daily_training import Lessons
 from opml.mornings.prediction import Request
 from opml.naming import parse_test
@@ -501,7 +501,9 @@ def learn(
     if component not in COMPONENTS:
         raise InputError(f"learn: component: expected {', '.join(COMPONENTS)}, got {component}")
     chosen = splits.training_rows(dataset, train, span_days=span_days, seed=seed)
-    settings = learners.resolved(learner, component=component, variables=LEARNING_VARIABLES)
+    settings = learners.resolved(
+        learners.settings_of(learner), component=component, variables=LEARNING_VARIABLES
+    )
     return learners.train(dataset[chosen], component=component, settings=settings, seed=seed)
 
 
@@ -559,7 +561,9 @@ def lessons(
     >>> bool(daily.learns)
     False
     """
-    settings = learners.resolved(learner, component=CORRECTED, variables=LEARNING_VARIABLES)
+    settings = learners.resolved(
+        learners.settings_of(learner), component=CORRECTED, variables=LEARNING_VARIABLES
+    )
     return Lessons(dataset, settings, seed, first_day)
 
 
@@ -642,6 +646,11 @@ def _spreads(flight: Flight, catalogue: Catalogue) -> corrected.Spreads:
         catalogue.estimates,
         weathers=Weathers.of(flattened, None),
     )
+
+
+def _resolved(learner: Mapping[str, Any], component: str) -> ResolvedSettings:
+    settings = learners.settings_of(learner)
+    return learners.resolved(settings, component=component, variables=LEARNING_VARIABLES)
 
 
 def _cleaning(catalogue: Catalogue, what: str) -> Cleaning:

@@ -52,7 +52,7 @@ if "beyond" in STUDY:
                         [*key, number] for key, number in BEYOND.published_p_ml(BEYOND.splits).items()
                     ],
                     "models": {
-                        name: naming.parse_learner(name, config["learners"])
+                        name: naming.parse_learner(name, STUDY.learners).of_job()
                         for name in BEYOND.entry["learners"]
                     },
                     **{key: BEYOND.entry[key] for key in ("station_sets", "learners", "splits")},

@@ -153,7 +153,7 @@ rule outlooks:
         settings=lambda wildcards: PARAMS.span
         | {
             "source": ENVIRONMENT.source("solar_activity"),
-            "forecast": ENVIRONMENT.forecast,
+            "forecast": ENVIRONMENT.forecast.of_job(),
             "issue_hours": int(wildcards.hours),
             "max_days": config["prediction"]["max_days"],
         }
@@ -183,7 +183,7 @@ rule futures:
         settings=lambda wildcards: PARAMS.span
         | {
             "source": ENVIRONMENT.source("solar_activity"),
-            "forecast": ENVIRONMENT.forecast,
+            "forecast": ENVIRONMENT.forecast.of_job(),
             "members": int(wildcards.members),
             "issue_hours": ENVIRONMENT.sources.issue_hours,
             "max_days": config["prediction"]["max_days"],

@@ -1,12 +1,11 @@
 """Draw P_ML of models against splits."""
 
-from typing import Any
-
 from opml.base.section import JobSettings
 from opml.figures import beyond, style
 from opml.figures.axis_labels import describe_splits, lines
 from opml.figures.display_names import display_rso
 from opml.figures.model_names import describe_model
+from opml.learning.models.learners import AnyLearner
 from opml.tables import read_tables
 from opml.workflow.jobs import job
 
@@ -14,7 +13,7 @@ from opml.workflow.jobs import job
 class Settings(JobSettings):
     splits: dict[str, tuple[str, str]]
     station_sets: list[str]
-    models: dict[str, dict[str, Any]]
+    models: dict[str, AnyLearner]
     learners: list[str]
     published: list[tuple[str, str, str, float]]
     component: str

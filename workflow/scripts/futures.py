@@ -1,34 +1,20 @@
 """Tabulate the space weather as it may come, by so many futures about the forecast."""
 
-from typing import Any
-
 from opml.base.constants import DAY
-from opml.base.section import JobSettings
 from opml.environment import knowledge, nodes
 from opml.tables import write_table
 from opml.workflow.jobs import job
 
 
-class Settings(JobSettings):
-    source: str
-    epoch: str
-    forecast: dict[str, Any]
-    issue_hours: int
-    max_days: float
+class Settings(knowledge.Issues):
     duration_days: float
     members: int
 
 
 with job(snakemake) as metadata:
     settings = Settings(**snakemake.params.settings)
-    issues = knowledge.Issues(
-        source=settings.source,
-        epoch=settings.epoch,
-        forecast=settings.forecast,
-        hours=settings.issue_hours,
-        max_days=settings.max_days,
-    )
-    t = nodes(issues.epoch, DAY * settings.duration_days)
-    table = knowledge.tabulate_futures(issues, t, members=settings.members)
-    metadata |= {"source": settings.source, "forecast": settings.forecast, "members": settings.members}
+    t = nodes(settings.epoch, DAY * settings.duration_days)
+    table = knowledge.tabulate_futures(settings, t, members=settings.members)
+    forecast = settings.forecast.of_job()
+    metadata |= {"source": settings.source, "forecast": forecast, "members": settings.members}
     write_table(snakemake.output[0], table, "futures", metadata=metadata)

@@ -1,19 +1,19 @@
 """Predict errors with intervals that hold for unseen estimates."""
 
 from functools import partial
-from typing import Any
 
 from opml.learning.data import job_rows
 from opml.learning.data.job_rows import RowsSettings
 from opml.learning.judge import intervals
 from opml.learning.judge.intervals import Conformal
 from opml.learning.models import learners
+from opml.learning.models.learners import JobLearner
 from opml.tables import write_table
 from opml.workflow.jobs import job
 
 
 class Settings(RowsSettings):
-    learner: dict[str, Any]
+    learner: JobLearner
     intervals: Conformal
 
 

@@ -1,20 +1,20 @@
 """Train a learner anew at intervals, and correct what is predicted next."""
 
 from functools import partial
-from typing import Any
 
 from opml.base.section import JobSettings
 from opml.learning.data import dataset
 from opml.learning.judge import rolling_origins
 from opml.learning.judge.rolling_origins import Rolling
 from opml.learning.models import learners
+from opml.learning.models.learners import JobLearner
 from opml.tables import write_table
 from opml.workflow.jobs import job
 
 
 class Settings(JobSettings):
     component: str
-    learner: dict[str, Any]
+    learner: JobLearner
     seed: int
     rolling: Rolling
 

@@ -1,10 +1,9 @@
 """Train a learner on one error component."""
 
-from typing import Any
-
 from opml.base.section import JobSettings
 from opml.learning.data import dataset, splits
 from opml.learning.models import learners
+from opml.learning.models.learners import JobLearner
 from opml.tables import write_table
 from opml.workflow.jobs import job
 
@@ -14,7 +13,7 @@ class Settings(JobSettings):
     span_days: tuple[float, float]
     seed: int
     component: str
-    learner: dict[str, Any]
+    learner: JobLearner
 
 
 with job(snakemake) as metadata:

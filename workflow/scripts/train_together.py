@@ -1,17 +1,16 @@
 """Train a learner on one error component, with variables standardised over a test's rows, too."""
 
-from typing import Any
-
 from opml.learning.data import job_rows
 from opml.learning.data.job_rows import RowsSettings
 from opml.learning.models import learners
+from opml.learning.models.learners import JobLearner
 from opml.readings import joint_standardisation
 from opml.tables import write_table
 from opml.workflow.jobs import job
 
 
 class Settings(RowsSettings):
-    learner: dict[str, Any]
+    learner: JobLearner
 
 
 with job(snakemake) as metadata:

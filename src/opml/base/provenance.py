@@ -36,9 +36,9 @@ def settings_of_each(settings: Mapping[str, Any]) -> list[dict[str, Any]]:
     These are the job's settings `rsos` or `learners`, in their order; one alone is `rso`, or the only one of
     `learners`.
     """
-    if "rsos" in settings:
+    if rsos := settings.get("rsos"):
         common = {name: value for name, value in settings.items() if name != "rsos"}
-        return [common | {"rso": rso} for rso in settings["rsos"]]
+        return [common | {"rso": rso} for rso in rsos]
     return [{**settings, "learners": [learner]} for learner in settings.get("learners", [])]
 
 

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core import PydanticUndefined
 
 from opml.base.errors import InputError
-from opml.base.setting_types import Handler, TypeSchema
+from opml.base.setting_types import Expected, Handler, TypeSchema
 
 
 class Section(BaseModel):
@@ -40,7 +40,13 @@ class Section(BaseModel):
             what = f"expected {', '.join(cls.model_fields)}, got {first['loc'][-1]}"
             raise InputError(f"{name}: settings: {what}")
         key = ".".join(map(str, first["loc"]))
+        if first["type"] == "missing":
+            raise InputError(f"{name}: {key}: expected a value, got none")
         what = first["msg"].replace("Input should be", "expected")
+        # A type of several, such as a word or a number, is called by one name, and not by pydantic's of each.
+        for mark in cls.model_fields[str(first["loc"][0])].metadata:
+            if isinstance(mark, Expected):
+                key, what = str(first["loc"][0]), f"expected {mark.words}"
         raise InputError(f"{name}: {key}: {what}, got {first['input']!r}")
 
 

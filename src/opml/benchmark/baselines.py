@@ -36,7 +36,9 @@ from opml.orbits.elements import rsw_rotation
 
 _UNLEARNED = (UNCHANGED, DENSITY)
 _SETS_OF_FIT, _DAYS_OF_FIT, _POINTS = 6, 5.0, 12
-_SVR = {"kernel_scale": float(np.sqrt(2.0 * len(FEATURES))), "c": 1.0, "epsilon": 0.1, "tol": 1e-3}
+_SVR = svr.SvrSettings(
+    kind=svr.KIND, kernel_scale=float(np.sqrt(2.0 * len(FEATURES))), c=1.0, epsilon=0.1, tol=1e-3
+)
 _FEWEST = 40
 """Rows of a lead below which nothing is learned."""
 

@@ -12,6 +12,7 @@ from opml.base.thermosphere_grid import ALTITUDES, DENSITIES, LATITUDES, LOCAL_T
 from opml.dynamics import solid_tides as solid_earth
 from opml.dynamics.frames import ORIENTATION, spin
 from opml.dynamics.kernels import dtm2000
+from opml.dynamics.kernels.acceleration import SWITCHES
 from opml.dynamics.kernels.gravity import weights
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.kernels.tides import DEGREE, ORDER, no_tides, tides
@@ -76,6 +77,7 @@ def build(
         step=float(t[1] - t[0]),
         orientation=np.ascontiguousarray(earth_orientation[ORIENTATION].to_numpy(float)),
         spin=np.ascontiguousarray(spin(earth_orientation)),
+        switched=np.array([getattr(settings, name) for name in SWITCHES]),
         precession=_precession(environment) if settings.relativity else np.empty((0, 3)),
         bodies=np.ascontiguousarray(environment.ephemerides[columns].to_numpy(float)),
         gms=np.array([environment.gms[name] if name in pulling else 0.0 for name in names]),

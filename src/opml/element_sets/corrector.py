@@ -40,7 +40,9 @@ _LEAVES, _ROWS_A_LEAF = 31, 300
 _MOST_ROWS = 200_000
 _SIZE_LEAVES = 15
 _SMALLEST = 1e-4  # of what is left, in scales
-_SVR = {"kernel_scale": float(np.sqrt(2.0 * len(APART))), "c": 1.0, "epsilon": 0.1, "tol": 1e-3}
+_SVR = svr.SvrSettings(
+    kind=svr.KIND, kernel_scale=float(np.sqrt(2.0 * len(APART))), c=1.0, epsilon=0.1, tol=1e-3
+)
 _SVR_ROWS, _SVR_CLIP = 8000, 5.0
 _BLOCK = 28  # days
 _FEWEST_HELD_OUT = 200

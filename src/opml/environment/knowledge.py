@@ -5,11 +5,8 @@ forecast: t_i is today. An outlook has the weather known at its issue, and the f
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -17,9 +14,10 @@ import pandas as pd
 from opml.base import epochs
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
+from opml.base.section import JobSettings
 from opml.environment import solar_activity, space_weather
 from opml.environment.forecasts import methods
-from opml.environment.forecasts.method import Forecast, Future, FutureForecast
+from opml.environment.forecasts.method import Forecast, ForecastSettings, Future, FutureForecast
 from opml.environment.weather import ACTIVITY, RUN_UP, Weather
 
 MONTHLY, HINDCAST, FORECAST = "monthly", "hindcast", "forecast"
@@ -33,27 +31,26 @@ _AHEAD = 2.0 * HOUR
 """Time beyond the end of an arc up to which its figures are looked up, two nodes of the grid [s]."""
 
 
-@dataclass(frozen=True)
-class Issues:
+class Issues(JobSettings):
     """Forecasts of the space weather issued at regular times.
 
     source: of the measured weather, OBSERVED or a CSSI file
     epoch: UTC text
     forecast: settings of the method, which learns from the packaged weather before the epoch
-    hours: between issues, the first one at or before the epoch
+    issue_hours: between issues, the first one at or before the epoch
     max_days: longest flight of an arc after its epoch
     """
 
     source: str | Path
     epoch: str
-    forecast: Mapping[str, Any]
-    hours: int
+    forecast: methods.AnyForecast
+    issue_hours: int
     max_days: float
 
     @property
     def horizon(self) -> float:
         """Time after an issue that its forecast has to cover [s]."""
-        return self.max_days * DAY + self.hours * HOUR + _AHEAD
+        return self.max_days * DAY + self.issue_hours * HOUR + _AHEAD
 
     @property
     def days(self) -> int:
@@ -153,7 +150,7 @@ def _tabulate(issues: Issues, t: np.ndarray, ensemble: FutureForecast) -> pd.Dat
     weather, day = read(issues.source), space_weather.days(issues.epoch, t)
     _check_begin(weather, day, issues.source)
     parts = []
-    for issued, today in zip(*issue_times(issues.epoch, t, issues.hours), strict=True):
+    for issued, today in zip(*issue_times(issues.epoch, t, issues.issue_hours), strict=True):
         if today > _last_day(weather):
             break
         known = weather.keep_known(today)
@@ -165,7 +162,7 @@ def _tabulate(issues: Issues, t: np.ndarray, ensemble: FutureForecast) -> pd.Dat
     return pd.concat(parts, ignore_index=True)
 
 
-def fit_forecast(epoch: str, *, days: int, forecast: Mapping[str, Any]) -> Forecast:
+def fit_forecast(epoch: str, *, days: int, forecast: ForecastSettings) -> Forecast:
     """Return a forecast of `days` days that has learned from the packaged weather before `epoch` (UTC text).
 
     forecast: settings of the method
@@ -176,7 +173,7 @@ def fit_forecast(epoch: str, *, days: int, forecast: Mapping[str, Any]) -> Forec
 
 
 def check(
-    source: str | Path, epoch: str, ends: np.ndarray, *, forecast: Mapping[str, Any], issue_hours: int
+    source: str | Path, epoch: str, ends: np.ndarray, *, forecast: ForecastSettings, issue_hours: int
 ) -> None:
     """Raise InputError where the weather, the history or the user's own forecasts do not cover a run.
 

@@ -14,7 +14,7 @@ from opml.catalog.fit import fixes
 from opml.catalog.predict import other_windows
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
-from opml.learning.models.learners import arc_windows
+from opml.learning.models.learners import JobLearner, arc_windows
 from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres, spoilt_since
 from opml.tables import read_measured, read_metadata, read_table
 
@@ -36,7 +36,7 @@ class KnownSettings(JobSettings):
     window_hours: float
     cd_bounds: tuple[float, float] | None
     mechanism: LongArcs
-    learners: list[dict[str, Any]]
+    learners: list[JobLearner]
 
 
 @dataclass(frozen=True)

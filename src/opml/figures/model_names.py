@@ -1,8 +1,8 @@
 """What a model is, in the few words that a figure has room for."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
+from opml.learning.models.contract import LearnerSettings
 from opml.learning.models.learners import description
 
 SHORT = {
@@ -16,14 +16,10 @@ _LISTED = 3
 """Terms of a law that are named, where there are no more."""
 
 
-def describe_model(settings: Mapping[str, Any]) -> str:
-    """Return in a few words what the model of a learner's settings is.
-
-    Raises InputError for an unknown kind.
-    """
-    kind = settings["kind"]
-    words = [SHORT.get(kind) or description(kind).split(" (")[0]]
-    if isinstance(scale := settings.get("kernel_scale"), int | float):
+def describe_model(settings: LearnerSettings) -> str:
+    """Return in a few words what the model of a learner's settings is."""
+    words = [SHORT.get(settings.kind) or description(settings.kind).split(" (")[0]]
+    if isinstance(scale := settings.get("kernel_scale"), float):
         words.append(f"kernel scale {scale:g}")
     if terms := settings.get("terms"):
         words.append(_few(terms) if len(terms) <= _LISTED else f"{len(terms)} terms")

@@ -27,6 +27,7 @@ from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.dynamics.shared_blocks import SharedBlocks
 from opml.element_sets.on_mornings import ImprovedHistory
+from opml.learning.models.learners import JobLearner
 from opml.mornings import days, measured
 from opml.mornings.calendar import Calendar
 from opml.mornings.measured import MeasurementSource, Span
@@ -75,7 +76,7 @@ class BatchSettings(JobSettings):
     estimation: Estimation
     max_days: float
     step_s: float
-    models: dict[str, dict[str, Any]]
+    models: dict[str, JobLearner]
     fits_above: float
     catalogue: CatalogueFiles
     objects: dict[str, ObjectSettings]

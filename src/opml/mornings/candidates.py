@@ -1,7 +1,6 @@
 """The ephemerides of all models from the newest estimate of a morning: the table `paths`."""
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -12,7 +11,7 @@ from opml.ephemerides.corrected import Spreads, expected, interpolate_spread
 from opml.ephemerides.part import Part
 from opml.learning.data.components import CORRECTED
 from opml.learning.models import learners
-from opml.learning.models.contract import Model
+from opml.learning.models.contract import Model, ResolvedSettings
 from opml.tables import SPREAD, STATE
 
 STEP = 300.0
@@ -22,8 +21,8 @@ EVERY = 2
 """So many epochs are to one that arcs fly to for the spread."""
 
 
-def model(settings: Mapping[str, Any], columns: pd.DataFrame) -> Model:
-    """Return the model of a learner that learns nothing; settings: resolved, columns: of its variables."""
+def model(settings: ResolvedSettings, columns: pd.DataFrame) -> Model:
+    """Return the model of a learner that learns nothing; columns: of its variables."""
     row = columns.head(1).assign(**{CORRECTED: 0.0})
     return learners.train(row, component=CORRECTED, settings=settings, seed=0)
 
@@ -34,7 +33,7 @@ Expected = Callable[[pd.DataFrame], np.ndarray]
 
 def paths(
     part: Part,
-    models: Mapping[str, Mapping[str, Any]],
+    models: Mapping[str, ResolvedSettings],
     spreads: Spreads,
     *,
     now: float,
@@ -62,17 +61,17 @@ def paths(
     return interpolate_spread(reached, causes).drop(columns=["j", "reason"])
 
 
-def _held_arcs(settings: Iterable[Mapping[str, Any]]) -> list[tuple[float, float]]:
+def _held_arcs(settings: Iterable[ResolvedSettings]) -> list[tuple[float, float]]:
     """Return window [h] and memory [days] of the arcs with Cd held that models ask for, each once."""
-    asking = (one for one in settings if "held" in learners.tables_asked(one["variables"]))
+    asking = (one for one in settings if "held" in learners.tables_asked(one.variables))
     return list(dict.fromkeys(arc for arc in map(learners.arc_of, asking) if arc))
 
 
-def _along(part: Part, settings: Mapping[str, Any]) -> np.ndarray:
+def _along(part: Part, settings: ResolvedSettings) -> np.ndarray:
     """Return the e_y (n,) [m] that a model expects along a part's ephemeris, NaN where none reaches."""
-    columns = part.columns(settings["variables"], arc=learners.arc_of(settings))
+    columns = part.columns(settings.variables, arc=learners.arc_of(settings))
     along = np.full(len(columns), np.nan)
-    finite = np.isfinite(columns[[*STATE, *settings["variables"]]].to_numpy()).all(axis=1)
+    finite = np.isfinite(columns[[*STATE, *settings.variables]].to_numpy()).all(axis=1)
     if finite.any():
         along[finite] = expected(columns[finite], model(settings, columns[finite]))
     return along

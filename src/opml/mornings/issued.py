@@ -11,7 +11,6 @@ from opml.base.errors import InputError
 from opml.learning.data.splits import are_over
 from opml.learning.judge.error_sizes import LEAST_ROWS, Sizes
 from opml.learning.judge.model_choice import choose
-from opml.mornings.outcomes import DO_NOT_USE
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SIGMA_STATE, SIZES
 
@@ -68,9 +67,9 @@ def row(
     return pd.DataFrame([{"morning": now, **begin, **what, **found, **sizes}])
 
 
-def nothing(now: float, *, burn: Manoeuvre | None = None) -> pd.DataFrame:
-    """Return the row of a morning that has no estimate to start from."""
-    return row(now, pd.DataFrame({"track": [-1], "t": [np.nan]}), None, DO_NOT_USE, burn=burn)
+def no_start() -> pd.DataFrame:
+    """Return what stands in the place of an estimate that a morning's ephemerides start from."""
+    return pd.DataFrame({"track": [-1], "t": [np.nan]})
 
 
 def with_sigmas(judged: pd.DataFrame, issued: pd.DataFrame) -> pd.DataFrame:

@@ -5,9 +5,8 @@ never made again.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -28,9 +27,11 @@ from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models import learners
+from opml.learning.models.contract import ResolvedSettings
 from opml.mornings import beside_sgp4, burns_in_tracks, candidates, fits, issued, judged, product, tracks
 from opml.mornings.beside_sgp4 import Sgp4
-from opml.mornings.outcomes import DO_NOT_USE
+from opml.mornings.issued import Flown
+from opml.mornings.outcomes import DO_NOT_USE, UNPROVEN
 from opml.mornings.paths import Paths
 from opml.mornings.records import Records
 from opml.mornings.tracks import Recent
@@ -44,6 +45,9 @@ _LOOKED_AT = 4
 
 _MARGIN = DAY
 """Tracks so long before the longest window are read [s]: an estimate of a morning is up to a day old."""
+
+
+_NOT_FLOWN = Verdict(UNPROVEN, "nothing was flown yet")
 
 
 @dataclass(frozen=True)
@@ -77,7 +81,7 @@ class MorningPlan:
     fits_above: height of mean elements below which none of these models is flown [m]
     """
 
-    models: Mapping[str, Mapping[str, Any]]
+    models: Mapping[str, ResolvedSettings]
     estimation: Estimation
     max_days: float
     step: float
@@ -162,71 +166,95 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
     watched = watched.on(now)
     plan = watched.plan
     recent = tracks.over(watched.tracking, records.estimates_over(plan.base), now=now, reach=plan.reach)
-    if not recent.tracks:
-        return Left(_nothing(now), recent, Verdict(DO_NOT_USE, "no tracks of the last days"))
+    one = _Morning(_aware_of(watched, records.burns), records, recent, now)
     try:
-        fitted = _fitted(_aware_of(watched, records.burns), recent, records)
+        one.fit()
+        one.issue(one.fly())
     except InputError as reason:
-        return Left(_nothing(now), recent, Verdict(DO_NOT_USE, str(reason)))
-    watched, left = fitted.watched, replace(_nothing(now, fitted.burn), estimates=fitted.made)
-    left = replace(left, judged=fitted.judged)
-    known = _known(watched, records.and_then(left, since=now), recent, now=now)
-    starts = known.estimates[known.may_depart()].tail(1)
-    if starts.empty:
-        return Left(left, recent, Verdict(DO_NOT_USE, "no estimate that an ephemeris may start from"))
-    others = _others(fitted.fitting, plan, records, starts)
-    left = replace(left, estimates=pd.concat([fitted.made, others]))
-    so_far = records.and_then(left, since=now)
-    try:
-        paths = _paths(watched, known, so_far, starts, now=now)
-    except InputError as reason:
-        return Left(left, recent, Verdict(DO_NOT_USE, str(reason)))
-    # An ephemeris from the estimate of an earlier morning is that morning's, and judged once.
-    is_new = not records.issued["i"].isin(starts["track"]).any()
-    left = replace(left, paths=[Paths(paths)] if is_new else [])
-    past = so_far.rows_unaffected_by_burns(plan.base, watched.known_by(now))
-    judgement = verdict(past, starts, now=now, burns=watched.manoeuvres, window=plan.base * HOUR)
-    judgement = beside_sgp4.beside(judgement, past, now=now)
-    try:
-        flown = issued.choose_model(past, Paths(paths).models, now=now)
-        ephemeris = product.ephemeris(paths, flown, step=plan.step)
-    except InputError as reason:
-        row = issued.row(now, starts, None, DO_NOT_USE, burn=fitted.burn)
-        return Left(replace(left, issued=row), recent, judgement.or_not_for(str(reason)))
-    row = issued.row(now, starts, flown, judgement.word, burn=fitted.burn)
-    basis = corrected.basis(flown.replay, now)
-    return Left(replace(left, issued=row), recent, judgement, ephemeris, basis)
+        one.verdict = one.verdict.or_not_for(str(reason))
+    return one.left
 
 
-@dataclass(frozen=True)
-class _Fitted:
-    """The new estimates of a morning.
+@dataclass
+class _Morning:
+    """A morning as far as it came: each step adds what it made, or raises InputError where it makes nothing.
 
     watched: with the burns that are known by now
-    judged: how far ephemerides of earlier mornings were off
+    earlier: records of the mornings before
+    estimates, judged, paths: of this morning
     burn: that the estimates showed, with which they were made again
+    starts: the estimate that ephemerides start from, a table of one row
     """
 
     watched: Watched
-    fitting: fits.Fitting
-    made: pd.DataFrame
-    judged: pd.DataFrame
+    earlier: Records
+    recent: Recent
+    now: float
+    fitting: fits.Fitting = field(init=False)
+    estimates: pd.DataFrame = field(default_factory=SCHEMAS["kept_estimates"].empty)
+    judged: pd.DataFrame = field(default_factory=SCHEMAS["judged"].empty)
     burn: Manoeuvre | None = None
+    starts: pd.DataFrame = field(default_factory=issued.no_start)
+    paths: list[Paths] = field(default_factory=list)
+    flown: Flown | None = None
+    ephemeris: pd.DataFrame | None = None
+    verdict: Verdict = _NOT_FLOWN
 
+    def fit(self) -> None:
+        """Estimate the tracks that are new; again behind a burn, where the estimates show one."""
+        if not self.recent.tracks:
+            raise InputError("no tracks of the last days")
+        kept = self.earlier.estimates_over(self.watched.plan.base)
+        self.fitting = _fitting(self.watched, self.recent)
+        estimates = self.fitting.further(kept)
+        self.judged = _judged(self.watched, estimates, self.recent, self.earlier)
+        if "station" in self.watched.tracking and burns_in_tracks.are_far(self.judged):
+            last = max((one.t for one in self.earlier.burns), default=-np.inf)
+            self.burn = burns_in_tracks.newest(self.fitting, kept, since=last)
+        if self.burn:
+            self.watched = _aware_of(self.watched, [self.burn])
+            self.fitting = _fitting(self.watched, self.recent)
+            estimates = self.fitting.further(kept)
+        self.estimates = estimates
 
-def _fitted(watched: Watched, recent: Recent, records: Records) -> _Fitted:
-    """Return the estimates of the tracks that are new; again behind a burn, where they show one."""
-    kept, fitting = records.estimates_over(watched.plan.base), _fitting(watched, recent)
-    made = fitting.further(kept)
-    off = _judged(watched, made, recent, records)
-    if not ("station" in watched.tracking and burns_in_tracks.are_far(off)):
-        return _Fitted(watched, fitting, made, off)
-    burn = burns_in_tracks.newest(fitting, kept, since=max((one.t for one in records.burns), default=-np.inf))
-    if burn is None:
-        return _Fitted(watched, fitting, made, off)
-    watched = _aware_of(watched, [burn])
-    fitting = _fitting(watched, recent)
-    return _Fitted(watched, fitting, fitting.further(kept), off, burn)
+    def fly(self) -> Paths:
+        """Return the ephemerides of all models from the newest estimate that they may start from."""
+        known = _known(self.watched, self._so_far, self.recent, now=self.now)
+        starts = known.estimates[known.may_depart()].tail(1)
+        if starts.empty:
+            raise InputError("no estimate that an ephemeris may start from")
+        others = _others(self.fitting, self.watched.plan, self.earlier, starts)
+        self.estimates = pd.concat([self.estimates, others])
+        paths = Paths(_paths(self.watched, known, self._so_far, starts, now=self.now))
+        self.starts = starts
+        # An ephemeris from the estimate of an earlier morning is that morning's, and judged once.
+        is_new = not self.earlier.issued["i"].isin(starts["track"]).any()
+        self.paths = [paths] if is_new else []
+        return paths
+
+    def issue(self, paths: Paths) -> None:
+        """Judge whether to trust an ephemeris, and choose the model that is flown."""
+        plan, burns = self.watched.plan, self.watched.manoeuvres
+        past = self._so_far.rows_unaffected_by_burns(plan.base, self.watched.known_by(self.now))
+        judgement = verdict(past, self.starts, now=self.now, burns=burns, window=plan.base * HOUR)
+        self.verdict = beside_sgp4.beside(judgement, past, now=self.now)
+        flown = issued.choose_model(past, paths.models, now=self.now)
+        self.ephemeris = product.ephemeris(paths.table, flown, step=plan.step)
+        self.flown = flown
+
+    @property
+    def left(self) -> Left:
+        """What the morning leaves."""
+        row = issued.row(self.now, self.starts, self.flown, self.verdict.word, burn=self.burn)
+        basis = corrected.basis(self.flown.replay, self.now) if self.flown else ""
+        records = Records(self.estimates, self.judged, row, self.paths)
+        return Left(records, self.recent, self.verdict, self.ephemeris, basis)
+
+    @property
+    def _so_far(self) -> Records:
+        """All records with what this morning fitted and judged; it has issued nothing yet."""
+        row = issued.row(self.now, issued.no_start(), None, DO_NOT_USE, burn=self.burn)
+        return self.earlier.and_then(Records(self.estimates, self.judged, row), since=self.now)
 
 
 def _aware_of(watched: Watched, found: Sequence[Manoeuvre]) -> Watched:
@@ -260,11 +288,6 @@ def _paths(
     spreads = partial(spread.build, model.flattened, base, weathers=model.weathers)
     others = {} if watched.sgp4 is None else watched.sgp4.menu(now)
     return candidates.paths(part, plan.models, spreads, now=now, others=others)
-
-
-def _nothing(now: float, burn: Manoeuvre | None = None) -> Records:
-    """Return the records of a morning without an estimate to start from; burn: that it found."""
-    return replace(Records.empty(), issued=issued.nothing(now, burn=burn))
 
 
 def _judged(watched: Watched, made: pd.DataFrame, recent: Recent, records: Records) -> pd.DataFrame:

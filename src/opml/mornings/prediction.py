@@ -7,12 +7,11 @@ error of drag and what the weather may do.
 """
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -31,6 +30,7 @@ from opml.dynamics.forces import build, tabulated, with_outlooks
 from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.element_sets import improve
 from opml.environment import knowledge, nodes
+from opml.environment.forecasts.methods import AnyForecast
 from opml.environment.knowledge import Issues
 from opml.environment.settings import EnvironmentSettings
 from opml.ephemerides.along_track_shift import through
@@ -39,6 +39,8 @@ from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.interop.predicted_orbit import STEP, PredictedOrbit
 from opml.learning.judge.error_sizes import Sizes
+from opml.learning.models.contract import ResolvedSettings
+from opml.learning.models.learners import JobLearner, arc_of
 from opml.mornings import issued, measured, product
 from opml.mornings.issued import Flown
 from opml.mornings.measured import MeasurementSource, Span
@@ -119,7 +121,7 @@ class FittedOrbit(PredictedOrbit):
     """
 
     ephemeris: pd.DataFrame
-    model: Mapping[str, Any]
+    model: ResolvedSettings
     verdict: Verdict
     burns: int
 
@@ -143,8 +145,10 @@ class FittedOrbit(PredictedOrbit):
     @property
     def way(self) -> str:
         """What was used, in words."""
-        of_mean = ", its drag the mean of such fits" if "cd_past" in self.model["variables"] else ""
-        return f"fit over {self.model['window_hours']:g} h under all forces{of_mean}"
+        arc = arc_of(self.model)
+        hours = arc[0] if arc else 0.0
+        of_mean = ", its drag the mean of such fits" if "cd_past" in self.model.variables else ""
+        return f"fit over {hours:g} h under all forces{of_mean}"
 
     @property
     def reason(self) -> str:
@@ -204,9 +208,9 @@ class OrbitSettings(JobSettings):
     integrator: Integrator
     estimation: Estimation
     environment: EnvironmentSettings
-    forecast: dict[str, Any]
+    forecast: AnyForecast
     futures: int
-    models: dict[str, dict[str, Any]]
+    models: dict[str, JobLearner]
 
 
 def predict(request: Request, settings: OrbitSettings, *, progress: Progress) -> FittedOrbit:
@@ -302,11 +306,14 @@ def _flight_model(
         kernel=sources.ephemerides,
         degree=settings.force_model.degree,
     )
-    issues = partial(Issues, weather, times.epoch, settings.forecast, max_days=max_days)
-    expected = knowledge.outlooks(issues(hours), t)
-    futures = knowledge.tabulate_futures(issues(hours), t, members=settings.futures)
+    issues = Issues(
+        source=weather, epoch=times.epoch, forecast=settings.forecast, issue_hours=hours, max_days=max_days
+    )
+    expected = knowledge.outlooks(issues, t)
+    futures = knowledge.tabulate_futures(issues, t, members=settings.futures)
+    three_hourly = issues.model_copy(update={"issue_hours": knowledge.FIT_HOURS})
     still, flattened = (build(environment, one) for one in (settings.force_model, spread.FLATTENED))
-    fitting = with_outlooks(still, knowledge.outlooks(issues(knowledge.FIT_HOURS), t))
+    fitting = with_outlooks(still, knowledge.outlooks(three_hourly, t))
     flying, flat = (with_outlooks(model, expected) for model in (still, flattened))
     flight = partial(Flight, rso=rso, integrator=settings.integrator, threads=os.cpu_count() or 1)
     return FlightModel(

@@ -2,12 +2,15 @@
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import TypeVar
 
 from opml.base.errors import InputError
+from opml.base.kind_sections import KindSection
 from opml.naming.spelling import NUMBER, POSITIVE, alternatives, number
 
 WITHOUT = "-without-"
+
+OfKind = TypeVar("OfKind", bound=KindSection)
 
 
 def rso_parts(text: str, sheet: Iterable[str]) -> tuple[str, str, str]:
@@ -85,19 +88,19 @@ def parse_pool(text: str, pools: Mapping[str, Sequence[str]]) -> list[str]:
     return [rso for rso in pools[pool] if rso != left_out]
 
 
-def learner_pattern(learners: Mapping[str, Mapping[str, Any]]) -> str:
+def learner_pattern(learners: Mapping[str, KindSection]) -> str:
     """Return the regular expression of a learner; where it has a kernel scale, another may follow."""
-    scaled = [name for name, settings in learners.items() if "kernel_scale" in settings]
+    scaled = [name for name, settings in learners.items() if "kernel_scale" in type(settings).model_fields]
     return rf"(?:{alternatives(learners)}|(?:{alternatives(scaled)})_s{POSITIVE})"
 
 
-def parse_learner(text: str, learners: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+def parse_learner(text: str, learners: Mapping[str, OfKind]) -> OfKind:
     """Return the settings of the learner in a name. Raises InputError for an unknown text."""
     if not re.fullmatch(learner_pattern(learners), text):
         known = ", ".join(learners)
         raise InputError(f"learner '{text}': expected one of {known}; an svr may end in _s<kernel scale>")
     name, mark, scale = text.partition("_s")
-    return dict(learners[name]) | ({"kernel_scale": float(scale)} if mark else {})
+    return learners[name].evolve(kernel_scale=float(scale)) if mark else learners[name]
 
 
 def scale_kernel(learner: str, scale: float) -> str:

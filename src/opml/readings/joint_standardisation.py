@@ -11,13 +11,13 @@ import pandas as pd
 
 from opml.base.errors import InputError
 from opml.learning.models import learners
-from opml.learning.models.contract import Model, Settings
+from opml.learning.models.contract import Model, ResolvedSettings
 from opml.learning.models.inputs import Training, check_rows, columns_of
 from opml.readings.own_standardisation import Standardising
 
 
 def train_jointly(
-    rows: pd.DataFrame, tested: pd.DataFrame, *, component: str, settings: Settings, seed: int
+    rows: pd.DataFrame, tested: pd.DataFrame, *, component: str, settings: ResolvedSettings, seed: int
 ) -> Model:
     """Train a learner on rows of a dataset, with variables standardised over these and the rows tested.
 
@@ -26,7 +26,7 @@ def train_jointly(
     All rows weigh the same in the standardisation. Raises InputError as `learners.train` does, and for a
     learner that does not standardise.
     """
-    variables = settings["variables"]
+    variables = settings.variables
     beside = check_rows(columns_of(tested, variables), variables)
     training = Training.from_rows(rows, variables, component=component, seed=seed)
     model = learners.fit(replace(training, standardised_with=beside), settings)

@@ -10,6 +10,7 @@ from typing import Any
 import pandas as pd
 
 from opml.learning.models import learners
+from opml.learning.models.contract import LearnerSettings
 from opml.naming import Experiment
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.results import NO_VALUE, Results, percent
@@ -29,7 +30,7 @@ class BeyondReport:
     budget: Mapping[Pair, Experiment]  # by station set and learner
     budget_split: Pair
     published: Mapping[_Key, float]  # the paper's P_ML [%] by a key of splits or transfers
-    learners: Mapping[str, Mapping[str, Any]]  # settings by name
+    learners: Mapping[str, LearnerSettings]  # settings by name
     level: float  # of the prediction intervals
 
 
@@ -165,18 +166,18 @@ def _budget(report: BeyondReport, results: Results, floors: Mapping[str, float])
     yield Table(["stations", *header, "assumed model's own error [%]"], rows)
 
 
-def model_table(models: Mapping[str, Mapping[str, Any]]) -> Iterator[Block]:
+def model_table(models: Mapping[str, LearnerSettings]) -> Iterator[Block]:
     """Yield a section on what each model is; models: settings of learners by name."""
     rows = [
-        [f"`{name}`", learners.description(settings["kind"]), " ".join(_terms(settings)) or NO_VALUE]
+        [f"`{name}`", learners.description(settings.kind), " ".join(_terms(settings)) or NO_VALUE]
         for name, settings in models.items()
     ]
     yield Heading("The models")
     yield Table(["model", "is", "terms"], rows)
 
 
-def _terms(settings: Mapping[str, Any]) -> Sequence[str]:
-    return [f"`{term}`" for term in settings.get("terms", [])]
+def _terms(settings: LearnerSettings) -> Sequence[str]:
+    return [f"`{term}`" for term in settings.get("terms") or []]
 
 
 def _by_first(experiments: Mapping[_Key, Experiment]) -> dict[str, dict[Pair, Experiment]]:

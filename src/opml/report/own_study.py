@@ -17,6 +17,7 @@ from opml.learning.judge.errors_by_duration import at_days
 from opml.learning.judge.metrics import p_ml
 from opml.learning.judge.model_choice import Mornings
 from opml.learning.judge.rolling_origins import by_day
+from opml.learning.models.contract import LearnerSettings
 from opml.learning.models.learners import learns
 from opml.naming import SPLIT, Experiment, parse_test, parse_train, strip_seed
 from opml.report import absurd_fits, answer, conjunctions, instruments, mornings, uncertainty
@@ -53,7 +54,7 @@ class OwnStudyReport:
     shown: str  # the split whose errors are stated in metres
     stated: Mapping[ModelKey, Experiment]  # experiments of that split
     datasets: Sequence[Dataset]
-    learners: Mapping[str, Mapping[str, Any]]  # settings by name
+    learners: Mapping[str, LearnerSettings]  # by name
     component: str
     label: str  # what predictions are held against to learn from: truth, later or smoothed
     truths: Sequence[str]  # of each RSO: simulated, from files, or none where its tracks were measured

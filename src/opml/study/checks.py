@@ -44,14 +44,14 @@ def load_settings(source: Source) -> CheckedSettings:
     Raises InputError: one line with file and key, for the first thing that is wrong.
     """
     _check_keys(source)
-    validated(source)
+    run = validated(source)
     _check_order(source)
     _check_results(source)
     _check_beside(source)
     _check_sheets(source)
     settings = with_sheets(source.values, source)
     misfit = _misfit(source, settings)
-    learners.check(source.values)
+    learners.check(run.learners, variables=run.learning.variables, resonances=run.mechanism.resonances)
     _check_day(source, settings)
     catalogue_checks.check(source, settings)
     return CheckedSettings(settings.values, settings.stations, settings.rsos, misfit)
@@ -111,7 +111,7 @@ def _check_day(source: Source, settings: Settings) -> None:
                 variables=run.learning.variables,
             )
             fits = {"arcs", "cd_past", "held"}
-            if learners.learns(learner) or not fits.issuperset(learners.tables_asked(learner["variables"])):
+            if learners.learns(learner.own) or not fits.issuperset(learners.tables_asked(learner.variables)):
                 raise InputError(f"expected a model that learns nothing, made of fits of one RSO, got {name}")
 
 
@@ -321,7 +321,7 @@ def _check_variables(source: Source, study: Study) -> None:
     if not others:
         return
     for name, settings in study.learners.items():
-        if asked := [one for one in settings.get("variables", ()) if one in MEASUREMENT]:
+        if asked := [one for one in settings.get("variables") or () if one in MEASUREMENT]:
             expected = f"expected variables that {others[0]} have, too"
             raise source.wrong(("learners", name, "variables"), f"{expected}, got {asked[0]}")
 
@@ -335,7 +335,7 @@ def _check_references(source: Source, settings: Settings) -> None:
         (("partition", "shown"), asked.get("partition", {}).get("ratios", [])),
         (("beyond", "intervals", "splits"), asked.get("beyond", {}).get("splits", {})),
         (("reproduction", "calibrated"), asked.get("evaluations", {})),
-        (("reproduction", "fixed"), settings.values["learners"]),
+        (("reproduction", "fixed"), settings.run.learners),
     ):
         named = value_at(asked, key)
         for name in [] if named is MISSING else named if isinstance(named, list) else [named]:
@@ -343,7 +343,7 @@ def _check_references(source: Source, settings: Settings) -> None:
                 expected = f"one of {', '.join(map(str, known))}"
                 raise source.wrong(("study", *key), f"expected {expected}, got {name!r}")
     fixed = asked.get("reproduction", {}).get("fixed")
-    if fixed and not isinstance(settings.values["learners"][fixed].get("kernel_scale"), int | float):
+    if fixed and not isinstance(settings.run.learners[fixed].get("kernel_scale"), float):
         raise source.wrong(
             ("learners", fixed, "kernel_scale"), "expected a number, as it stands for one fixed scale"
         )
@@ -423,7 +423,7 @@ class _Checks:
             sheets.parse_stations(text, self._settings.stations)
 
     def _learner(self, text: str) -> None:
-        naming.parse_learner(text, self._settings.values["learners"])
+        naming.parse_learner(text, self._settings.run.learners)
 
     def _train(self, text: str) -> None:
         naming.check_split(naming.parse_train(text), duration_days=self._duration)

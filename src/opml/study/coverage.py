@@ -56,7 +56,7 @@ def _check_knowledge(run: RunSettings, ends: np.ndarray) -> None:
         if kind == knowledge.HINDCAST:
             knowledge.hindcast(source, epoch, ends)
         if kind == knowledge.FORECAST and sources.forecast and sources.issue_hours:
-            forecast = run.forecasts[sources.forecast].model_dump(exclude_unset=True)
+            forecast = run.forecasts[sources.forecast]
             knowledge.check(source, epoch, ends, forecast=forecast, issue_hours=sources.issue_hours)
     except InputError as error:
         raise InputError(f"environment.knowledge: {kind}: {error}") from None

@@ -23,7 +23,7 @@ def check_learners(source: Source, study: Study) -> None:
             raise source.wrong(("study", "rsos"), f"expected RSOs that all have elements, or none, got {rso}")
     for key, names in _learners_named(study.settings.asked):
         for name in names:
-            kind = naming.parse_learner(name, study.learners)["kind"]
+            kind = naming.parse_learner(name, study.learners).kind
             if kind in ("sgp4", *IMPROVED_MODELS) and not has_elements:
                 raise source.wrong(key, f"expected RSOs that have elements for {name}, got others")
             if kind in IMPROVED_MODELS:

@@ -9,6 +9,7 @@ from typing import Any
 from opml import naming
 from opml.catalog.kinds import ELEMENTS
 from opml.learning.data.cleaning import Cleaning
+from opml.learning.models.contract import LearnerSettings
 from opml.naming import Experiment
 from opml.orbits.sheets import Rso
 from opml.study.settings.merging import Settings, with_sheets
@@ -52,10 +53,9 @@ class Study:
         return self.settings.rsos
 
     @property
-    def learners(self) -> Mapping[str, Mapping[str, Any]]:
+    def learners(self) -> Mapping[str, LearnerSettings]:
         """The learners' settings, by name."""
-        learners: Mapping[str, Mapping[str, Any]] = self.settings.values["learners"]
-        return learners
+        return self.settings.run.learners
 
     @cached_property
     def rsos(self) -> list[str]:

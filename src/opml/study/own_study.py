@@ -11,7 +11,7 @@ from opml.environment import nrlmsis
 from opml.learning.data.components import CORRECTED, UNCORRECTED
 from opml.learning.judge.calibration import marks
 from opml.learning.models.contract import hours_to_fill
-from opml.learning.models.learners import learns, resolved
+from opml.learning.models.learners import arc_of, learns, resolved
 from opml.naming import Experiment
 from opml.report.answer import ALL_MODELS, Sources
 from opml.report.own_study import OwnStudyReport, RunFacts
@@ -93,7 +93,7 @@ class OwnStudy:
             *(FILTERS if self.study.not_filtered else ()),
             *(() if nrlmsis.is_installed() else IMPROVED_MODELS),
         ]
-        known = [name for name in models if name in settings and settings[name]["kind"] not in unusable]
+        known = [name for name in models if name in settings and settings[name].kind not in unusable]
         return list(self.study.settings.asked.get("learners") or known)
 
     @cached_property
@@ -131,7 +131,7 @@ class OwnStudy:
         return {
             learner: self.experiments[rso, stations, learner, self.shown_split]
             for learner in self.learners
-            if naming.parse_learner(learner, self.study.learners)["kind"] != "none"
+            if naming.parse_learner(learner, self.study.learners).kind != "none"
         }
 
     @cached_property
@@ -194,7 +194,8 @@ class OwnStudy:
         if learns(settings):
             return math.ceil(first + 0.5 * (last - first))
         asked = resolved(settings, component=CORRECTED, variables=())
-        longest = hours_to_fill(asked.get("window_hours", 0.0))
+        arc = arc_of(asked)
+        longest = hours_to_fill(arc[0]) if arc else 0.0
         hours = max(self.study.settings.run.estimation.window_hours, longest)
         return float(first + hours / 24.0)
 

@@ -185,7 +185,7 @@ class Paper:
 
     def kernel_scale(self, experiment: Experiment) -> float:
         """Return the fixed kernel scale of an experiment's learner."""
-        return float(naming.parse_learner(experiment.learner, self.study.learners)["kernel_scale"])
+        return float(naming.parse_learner(experiment.learner, self.study.learners).get("kernel_scale"))
 
     @cached_property
     def readings(self) -> dict[str, dict[str, Experiment]]:
@@ -258,8 +258,8 @@ class Paper:
             scales={experiment: self.kernel_scale(experiment) for experiment in self.kernel_scales},
             claims=self.claims,
             drawn=self.drawn_experiments,
-            rule=str(learner["kernel_scale"]),
-            fixed_scale=float(self.study.learners[entry["fixed"]]["kernel_scale"]),
+            rule=str(learner.get("kernel_scale")),
+            fixed_scale=float(self.study.learners[entry["fixed"]].get("kernel_scale")),
             calibrated=entry["calibrated"],
         )
 

@@ -34,5 +34,5 @@ def settings() -> OrbitSettings:
         environment=run["environment"],
         forecast=run["forecasts"][run["environment"]["forecast"]],
         futures=run["uncertainty"]["futures"],
-        models={name: resolve(run["learners"][name]) for name in MODELS},
+        models={name: resolve(learners.settings_of(run["learners"][name])) for name in MODELS},
     )

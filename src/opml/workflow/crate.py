@@ -24,6 +24,7 @@ from opml.base.errors import InputError
 from opml.base.files import PROJECT, FilePath, project_file, replacing
 from opml.study.settings.merging import merged, with_sheets
 from opml.study.settings.overlay import COMMAND_LINE, Layer
+from opml.study.settings.validation import validated
 
 DISTRIBUTION = "opml-orbits"
 _PAPER = "https://doi.org/10.1016/j.asr.2018.03.001"
@@ -47,8 +48,8 @@ def pack(configfiles: Sequence[FilePath], config: Mapping[str, Any] | None = Non
     config: settings behind the run's --config
     """
     files = ["config/config.yaml", *configfiles]
-    values = merged(files, Layer(COMMAND_LINE, config or {})).values
-    results = Path(values["results"])
+    source = merged(files, Layer(COMMAND_LINE, config or {}))
+    values, results = source.values, Path(validated(source).results)
     products = list(_files(results))
     if not products:
         raise InputError(f"{results}: expected the results of a run, got none")

@@ -1,14 +1,13 @@
 """Which tables of the environment each step of the chain reads."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 from opml import tables
 from opml.environment import knowledge, nrlmsis
-from opml.environment.forecasts import methods
+from opml.environment.forecasts import methods, persistence
+from opml.environment.forecasts.method import ForecastSettings
 from opml.environment.settings import EnvironmentSettings
 from opml.study.settings.model.whole import RunSettings
 
@@ -82,10 +81,9 @@ class EnvironmentFiles:
         return {table: self.path(table) for table in tables.ENVIRONMENT}
 
     @property
-    def forecast(self) -> Mapping[str, Any]:
+    def forecast(self) -> ForecastSettings:
         """Settings of the forecast that predictions fly under; persistence where the run has none."""
-        asked = self.run.forecasts.get(self.sources.forecast or "")
-        return asked.model_dump(exclude_unset=True) if asked else {"kind": "persistence"}
+        return self.run.forecasts.get(self.sources.forecast or "", persistence.SETTINGS)
 
     @property
     def forecast_files(self) -> list[str]:

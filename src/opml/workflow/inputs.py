@@ -6,12 +6,13 @@ outputs of other rules.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 from opml import naming
 from opml.base.errors import InputError
 from opml.catalog.kinds import ELEMENTS, FIXES, TRACKS
 from opml.learning.models import learners
+from opml.learning.models.contract import ResolvedSettings
 from opml.naming import Experiment
 from opml.workflow.params import Params, Wildcards
 from opml.workflow.plan import Plan, end_plan
@@ -87,16 +88,13 @@ def checks(*functions: Callable[[Wildcards], object]) -> InputFunction:
     return check
 
 
-def _tables_asked(settings: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return kind and suffix of the tables beside the dataset that have the variables of a learner.
-
-    settings: resolved
-    """
+def _tables_asked(settings: ResolvedSettings) -> list[tuple[str, str]]:
+    """Return kind and suffix of the tables beside the dataset that have the variables of a learner."""
     suffixes: dict[str, str] = {}
     if arc := learners.arc_of(settings):
         suffixes["arcs"] = naming.arc_suffix(arc[0])
         suffixes["cd_past"] = suffixes["held"] = suffixes["arcs"] + naming.memory_suffix(arc[1])
-    return [(kind, suffixes.get(kind, "")) for kind in learners.tables_asked(settings["variables"])]
+    return [(kind, suffixes.get(kind, "")) for kind in learners.tables_asked(settings.variables)]
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.progress import remaining
 from opml.base.provenance import settings_digest, settings_of_each
+from opml.base.section import JobSettings
 from opml.tables import Schema, read_table
 
 TOLD_EVERY = 30.0
@@ -25,6 +26,13 @@ _log = logging.getLogger("opml")
 _warnings = logging.getLogger("py.warnings")
 
 TableKey = TypeVar("TableKey")
+
+
+class _Common(JobSettings):
+    """What every table tells of its job's settings; the seed of those that draw."""
+
+    epoch: str
+    seed: int | None = None
 
 
 class _LogFile(logging.FileHandler):
@@ -142,12 +150,11 @@ def _open_log(paths: Any) -> list[logging.Handler]:
 
 def _metadata(settings: Mapping[str, Any]) -> dict[str, Any]:
     """Return what every table tells of its making; settings: of the rule's params."""
-    metadata = {
-        "epoch": settings["epoch"],
+    common = _Common.model_validate(settings)
+    return {
+        "epoch": common.epoch,
         "time_scale": "SI seconds since epoch",
         "settings": settings_digest(settings),
         "version": __version__,
+        **common.model_dump(include={"seed"}, exclude_unset=True),
     }
-    if "seed" in settings:
-        metadata["seed"] = settings["seed"]
-    return metadata

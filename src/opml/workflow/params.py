@@ -13,6 +13,7 @@ from opml.figures.display_names import describe_run
 from opml.learning.data import components
 from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models import learners
+from opml.learning.models.contract import ResolvedSettings
 from opml.naming import Experiment
 from opml.orbits import sheets
 from opml.report.settings_tables import weather_word
@@ -133,9 +134,9 @@ class Params:
 
     def learner(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the settings of the wildcard `learner` with its variables, as `learners` does."""
-        return self.learners(wildcards)[wildcards.learner]
+        return self.learners(wildcards)[wildcards.learner].of_job()
 
-    def learners(self, wildcards: Wildcards) -> dict[str, dict[str, Any]]:
+    def learners(self, wildcards: Wildcards) -> dict[str, ResolvedSettings]:
         """Return the settings of learners with their variables, for e_y where the name has no component.
 
         They are of the wildcard `learner`; in a name without one, of all models that a study replays.
@@ -243,7 +244,7 @@ class Params:
             "estimation": _given(self.run.estimation),
             "max_days": self.run.prediction.max_days,
             "step_s": self.run.ephemeris.step_s,
-            "models": resolved,
+            "models": {name: settings.of_job() for name, settings in resolved.items()},
             # Models that a user names are flown at any height.
             "fits_above": 0.0 if "models" in day.model_fields_set else FITS_ABOVE,
             "catalogue": {"files": self.element_files, "weather": self.measured_weather},
@@ -291,7 +292,7 @@ class Params:
     def daily_training(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of departures, and of the learners that are trained anew each morning."""
         return self.departures(wildcards) | {
-            "learners": list(self.learners(wildcards).values()),
+            "learners": [settings.of_job() for settings in self.learners(wildcards).values()],
             "seed": self.split(wildcards)["seed"],
             "train_days": self.train_days(wildcards),
         }

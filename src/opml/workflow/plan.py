@@ -150,7 +150,7 @@ class Plan:
             "label": f"(?:{self.label_pattern})?",
             "train": f"(?:{naming.TRAIN}){split}",
             "test": naming.TEST,
-            "learner": naming.learner_pattern(self.values["learners"]),
+            "learner": naming.learner_pattern(self.settings.run.learners),
             "component": "|".join(tables.COMPONENTS),
             "evaluation": naming.alternatives(self.paper.evaluations),
             "ratio": r"[1-9]\d?",

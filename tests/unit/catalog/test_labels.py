@@ -97,8 +97,8 @@ def test_typical_labels_weigh_one_and_useless_ones_nothing():
 @pytest.mark.parametrize("name", LEARNERS)
 def test_equal_weights_change_nothing_and_useless_rows_no_model(name):
     rng = np.random.default_rng(3)
-    settings = {**LEARNERS[name], "terms": ["a", "b"]}
     variables = ["a"] if name == "durationmean" else ["a", "b"]
+    settings = learners.of_job({**LEARNERS[name], "terms": ["a", "b"], "variables": variables})
     x, noise = rng.normal(size=(200, len(variables))), rng.normal(size=200)
     y = x.sum(axis=1) + 0.1 * noise
 
@@ -177,7 +177,9 @@ def models(table, folder):
     chosen = table[splits.training_rows(table, TRAIN, span_days=[0, 1], seed=1)]
     found = {}
     for name, given in LEARNERS.items():
-        settings = learners.resolved(given, component="e_y", variables=LEARNING_VARIABLES)
+        settings = learners.resolved(
+            learners.settings_of(given), component="e_y", variables=LEARNING_VARIABLES
+        )
         weights, described = learners.train(chosen, component="e_y", settings=settings, seed=1).to_table()
         write_table(folder / name, weights, learners.schema(described), metadata=described)
         found[name] = (folder / name).read_bytes()

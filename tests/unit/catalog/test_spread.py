@@ -56,7 +56,10 @@ def test_a_wild_cd_is_that_of_its_past(iss, estimates, pairs):
 
 def test_the_weather_counts_as_far_as_its_futures_lie(iss, estimates, pairs):
     t = environment()["solar_activity"]["t"].to_numpy()[:80]
-    outlook = knowledge.outlooks(Issues("OBSERVED", EPOCH, {"kind": "persistence"}, hours=24, max_days=2), t)
+    outlook = knowledge.outlooks(
+        Issues(source="OBSERVED", epoch=EPOCH, forecast={"kind": "persistence"}, issue_hours=24, max_days=2),
+        t,
+    )
     stormy = outlook.assign(kp_3h=outlook["kp_3h"] + 3.0, kp_24h=outlook["kp_24h"] + 3.0)
     futures = pd.concat([outlook.assign(member=0), stormy.assign(member=1)], ignore_index=True)
     model = with_outlooks(force_model(2), outlook)

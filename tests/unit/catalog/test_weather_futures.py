@@ -66,7 +66,10 @@ def test_predictions_without_numbers_are_not_scored():
 def test_the_future_that_was_forecast_has_no_difference_and_a_calmer_one_leads(iss):
     model = force_model(2)
     t = environment()["solar_activity"]["t"].to_numpy()[:60]
-    outlook = knowledge.outlooks(Issues("OBSERVED", EPOCH, {"kind": "persistence"}, hours=24, max_days=1), t)
+    outlook = knowledge.outlooks(
+        Issues(source="OBSERVED", epoch=EPOCH, forecast={"kind": "persistence"}, issue_hours=24, max_days=1),
+        t,
+    )
     calm = outlook.assign(kp_3h=0.0, kp_24h=0.0, member=1)
     futures = pd.concat([outlook.assign(member=0), calm], ignore_index=True)
     start = initial_state(iss, model.gm)

@@ -13,7 +13,7 @@ from validation import forecast_skill as report
 
 FIRST, DAYS, AHEAD = 50000, 1500, 9
 PHASE = 2.0 * np.pi / 27.0
-FORECASTS = paper_values()["forecasts"]
+FORECASTS = {name: methods.FORECASTS.validated(one) for name, one in paper_values()["forecasts"].items()}
 
 
 def regular(days=DAYS):
@@ -51,7 +51,7 @@ def test_futures_are_the_forecast_moved_by_its_errors_on_such_days():
     flux, kp = history.flux.copy(), history.kp.copy()
     flux[1::2] *= 1.5
     kp[8::16] = 9.0
-    settings = {"kind": "persistence"}
+    settings = FORECASTS["persistence"]
     rough = Weather(FIRST, flux, kp).keep_known(FIRST + 1100.0)
     found = methods.futures(rough, days=2, settings=settings, members=20)(known, FIRST + 1200.0)
     forecast = forecast_by("persistence", history, known, 2)
@@ -99,7 +99,9 @@ issued\tvalid\tf107\tap
 
 
 def archive(path):
-    return methods.fit(regular(0), days=3, settings={"kind": "archive", "files": [str(path)]})
+    return methods.fit(
+        regular(0), days=3, settings=methods.FORECASTS.validated({"kind": "archive", "files": [str(path)]})
+    )
 
 
 def test_the_newest_forecast_issued_by_then_is_used_and_its_last_row_holds_on(tmp_path):

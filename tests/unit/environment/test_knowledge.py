@@ -31,7 +31,9 @@ FORECASTS = {
 
 
 def outlooks(source="OBSERVED", forecast="persistence", hours=3):
-    return knowledge.outlooks(Issues(source, EPOCH, FORECASTS[forecast], hours, max_days=1), T)
+    return knowledge.outlooks(
+        Issues(source=source, epoch=EPOCH, forecast=FORECASTS[forecast], issue_hours=hours, max_days=1), T
+    )
 
 
 def mjd(utc):
@@ -55,7 +57,7 @@ def test_no_outlook_knows_what_was_measured_after_its_issue(tmp_path, monkeypatc
 @pytest.mark.parametrize("forecast", FORECASTS)
 def test_no_future_knows_what_was_measured_after_its_issue(tmp_path, monkeypatch, forecast):
     utc = "2016-09-29T20:00:00"
-    issues = Issues("OBSERVED", EPOCH, FORECASTS[forecast], hours=6, max_days=1)
+    issues = Issues(source="OBSERVED", epoch=EPOCH, forecast=FORECASTS[forecast], issue_hours=6, max_days=1)
     expected = knowledge.tabulate_futures(issues, T, members=3)
     other = other_after(tmp_path / "other.csv", mjd(utc))
     monkeypatch.setitem(solar_activity.PACKAGED, "OBSERVED", str(other))
@@ -85,7 +87,10 @@ def test_a_forecast_starts_from_what_is_measured_and_reaches_beyond(tmp_path):
     known = np.isfinite(found["f107"])
     assert t[known].max() == pytest.approx(5.327 * DAY, abs=0.01 * DAY)  # 20:00 UTC, by its last F10.7
     pd.testing.assert_frame_equal(found[known], whole[known], check_exact=True)
-    issues = (Issues(source, EPOCH, FORECASTS["persistence"], 24, max_days=7) for source in (cut, "OBSERVED"))
+    issues = (
+        Issues(source=source, epoch=EPOCH, forecast=FORECASTS["persistence"], issue_hours=24, max_days=7)
+        for source in (cut, "OBSERVED")
+    )
     ahead, all_of_it = (knowledge.outlooks(one, t) for one in issues)
     assert ahead["issued"].max() < all_of_it["issued"].max()
     shared = all_of_it["issued"] <= ahead["issued"].max()

@@ -33,7 +33,10 @@ GRID = Grid(step=600.0, max_days=0.5, end=2.0 * DAY)
 @pytest.fixture(scope="module")
 def outlook():
     t = environment()["solar_activity"]["t"].to_numpy()[:60]
-    return knowledge.outlooks(Issues("OBSERVED", EPOCH, {"kind": "persistence"}, hours=24, max_days=1), t)
+    return knowledge.outlooks(
+        Issues(source="OBSERVED", epoch=EPOCH, forecast={"kind": "persistence"}, issue_hours=24, max_days=1),
+        t,
+    )
 
 
 @pytest.fixture(scope="module")

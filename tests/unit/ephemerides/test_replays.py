@@ -22,16 +22,18 @@ from opml.interop import oem
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.data.splits import are_over
+from opml.learning.models import learners
 from opml.learning.models.daily_training import Lessons
 from opml.orbits.elements import in_rsw
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import COMPONENTS, SCHEMAS, STATE, read_table, write_table
 
-LAW = {"kind": "linear_law", "terms": ["duration*duration"], "variables": ["duration"]}
-NONE = {"kind": "none", "variables": []}
+LAW = learners.of_job({"kind": "linear_law", "terms": ["duration*duration"], "variables": ["duration"]})
+NONE = learners.of_job({"kind": "none", "variables": []})
 ARC = {"window_hours": 12.0, "memory_days": 30.0}
-HELD = {"kind": "held", "variables": ["h_arc_y"], **ARC}
-RUNNING = {"kind": "running", "variables": ["l_arc_y", "v_arc_y", "cd_arc", "cd_past"], **ARC}
+HELD = learners.of_job({"kind": "held", "variables": ["h_arc_y"], **ARC})
+RUNS = {"kind": "running", "variables": ["l_arc_y", "v_arc_y", "cd_arc", "cd_past"], **ARC}
+RUNNING = learners.of_job(RUNS)
 TRAIN = (0.0, 2.0)
 
 
@@ -155,9 +157,9 @@ def test_a_law_waits_until_half_of_the_training_is_over(table):
 
 def test_learners_share_their_arcs_and_keep_their_tables(flight, tables, table, monkeypatch):
     """Each has the table that it has alone; what several ask for is flown once a part."""
-    settings = [NONE, LAW, HELD, RUNNING, RUNNING | {"memory_days": 3.0}]
+    settings = [NONE, LAW, HELD, RUNNING, learners.of_job(RUNS | {"memory_days": 3.0})]
     known = replace(tables["known"], others={12.0: tables["known"].estimates})
-    beside = dict.fromkeys([*HELD["variables"], *RUNNING["variables"]], 0.0)
+    beside = dict.fromkeys([*HELD.variables, *RUNNING.variables], 0.0)
     tables = tables | {"known": known, "rows": tables["rows"].assign(**beside)}
     alone = [replayed(flight, tables, learner) for learner in settings]
     flown = []
@@ -195,9 +197,8 @@ def test_what_is_known_later_changes_no_morning(flight, tables, table):
     [
         (NONE, 0.5),
         (LAW, 1.0),
-        (RUNNING | {"window_hours": 48.0}, 2.0),
-        (NONE | {"window_hours": 48.0}, 0.5),
-        ({"kind": "repredicted", "variables": ["r_y"]}, 1.5),
+        (learners.of_job(RUNS | {"window_hours": 48.0}), 2.0),
+        (learners.of_job({"kind": "repredicted", "variables": ["r_y"]}), 1.5),
     ],
 )
 def test_the_first_morning_has_a_full_window_of_all_fits(tables, learner, day):

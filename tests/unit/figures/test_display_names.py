@@ -4,6 +4,7 @@ import pytest
 
 from opml.figures import display_names
 from opml.figures.model_names import describe_model
+from opml.learning.models import learners
 
 
 @pytest.mark.parametrize(
@@ -38,15 +39,19 @@ def test_the_paper_s_learner_is_told():
     assert display_names.display_learner("mechanism") == "mechanism"
 
 
+def described(settings):
+    return describe_model(learners.settings_of(settings))
+
+
 def test_models_that_differ_in_memory_alone_are_told_apart():
-    words = describe_model({"kind": "running", "window_hours": 24, "memory_days": 3})
+    words = described({"kind": "running", "window_hours": 24, "memory_days": 3})
     assert words == "fits with the running mean of Cd, 24 h, memory 3 d"
 
 
 def test_models_of_a_kind_are_told_apart_by_their_settings():
     law = {"kind": "linear_law", "terms": ["duration*duration", "duration*duration*cd"]}
-    assert describe_model(law) == "robust linear law, duration², duration² cd"
-    assert describe_model(law | {"terms": ["l", "v", "v*cd", "s"]}) == "robust linear law, 4 terms"
+    assert described(law) == "robust linear law, duration², duration² cd"
+    assert described(law | {"terms": ["l", "v", "v*cd", "s"]}) == "robust linear law, 4 terms"
     svr = {"kind": "svr", "kernel_scale": 8, "c": 1.0, "epsilon": 0.1, "tol": 1e-3}
-    assert describe_model(svr) == "SVR, as in the paper, kernel scale 8"
-    assert describe_model(svr | {"kernel_scale": "sigest"}) == "SVR, as in the paper"
+    assert described(svr) == "SVR, as in the paper, kernel scale 8"
+    assert described(svr | {"kernel_scale": "sigest"}) == "SVR, as in the paper"

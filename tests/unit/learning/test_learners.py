@@ -19,7 +19,6 @@ from opml.learning.judge.evaluation import evaluate
 from opml.learning.models import boosting, learners, linear_law
 from opml.learning.models.inputs import Training
 from opml.study import checks
-from opml.study.settings.model.kinds import LEARNER_KINDS
 from opml.study.settings.overlay import Source
 from opml.tables import read_metadata, read_table, write_table
 
@@ -73,10 +72,14 @@ def sample(count, seed=0):
     return rows.assign(**arcs, **sets, cd_past=2.2), y
 
 
+def resolved(settings, component="e_y", variables=VARIABLES):
+    return learners.resolved(learners.settings_of(settings), component=component, variables=variables)
+
+
 def trained(kind, rows, y, seed=42, changes=None):
-    settings = learners.resolved(SETTINGS[kind] | (changes or {}), component="e_y", variables=VARIABLES)
-    names = settings["variables"]
-    return learners.fit(Training(rows[names].to_numpy(), y, names, seed), settings)
+    settings = resolved(SETTINGS[kind] | (changes or {}))
+    training = Training(rows[settings.variables].to_numpy(), y, settings.variables, seed)
+    return learners.fit(training, settings)
 
 
 def predicted(model, rows):
@@ -137,7 +140,7 @@ def test_a_target_that_is_not_finite_is_refused(kind):
 
 def test_a_variable_that_the_dataset_does_not_have_is_told():
     rows = pd.DataFrame({"i": [0, 1], "e_y": [1.0, 2.0], "cd": [2.1, 2.2]})
-    settings = learners.resolved({"kind": "linear_law", "terms": ["v*cd"]}, component="e_y", variables=["cd"])
+    settings = resolved({"kind": "linear_law", "terms": ["v*cd"]}, variables=["cd"])
     with pytest.raises(InputError, match="learning variable v_y: expected a dataset with it"):
         learners.train(rows, component="e_y", settings=settings, seed=1)
     model = learners.train(rows.assign(v_y=1.0), component="e_y", settings=settings, seed=1)
@@ -163,7 +166,7 @@ def test_what_each_kind_is_worth_on_what_it_can_learn(models):
 
 def test_the_arcs_that_a_learner_asks_for():
     def arc_of(**settings):
-        return learners.arc_of(learners.resolved(settings, component="e_y", variables=VARIABLES))
+        return learners.arc_of(resolved(settings))
 
     assert arc_of(**SETTINGS["running"]) == (96.0, 30.0)
     assert arc_of(**SETTINGS["filtered"]) == (math.inf, 30.0)
@@ -230,8 +233,9 @@ def test_a_term_that_vanishes_or_repeats_does_no_harm():
 
 
 def test_a_factor_that_is_no_variable_is_named():
+    law = linear_law.LawSettings(kind="linear_law", terms=["a*c"])
     with pytest.raises(InputError, match="terms: expected products of a, b, got c"):
-        linear_law.fit(Training(np.ones((9, 2)), np.ones(9), ["a", "b"], seed=1), {"terms": ["a*c"]})
+        linear_law.fit(Training(np.ones((9, 2)), np.ones(9), ["a", "b"], seed=1), law)
 
 
 def test_boosting_is_scikit_learns(models):
@@ -275,14 +279,14 @@ def test_settings_are_resolved_for_a_component():
     known = ["duration", "cd_b"]
 
     def resolve(settings):
-        return learners.resolved(settings, component="e_vx", variables=known)
+        return resolved(settings, "e_vx", known).of_job()
 
     assert resolve({"kind": "none"})["variables"] == []
     assert resolve({"kind": "durationmean", "bin_hours": 1})["variables"] == ["duration"]
     assert resolve({"kind": "repredicted"})["variables"] == ["r_vx"]
     assert resolve(BOOSTING) == BOOSTING | {"variables": known}
-    assert resolve({"kind": "svr", "without": ["cd_b"]}) == {"kind": "svr", "variables": ["duration"]}
-    assert resolve({"kind": "boosting", "variables": ["v", "cd"]})["variables"] == ["v_vx", "cd"]
+    assert resolve(SETTINGS["svr"] | {"without": ["cd_b"]}) == SETTINGS["svr"] | {"variables": ["duration"]}
+    assert resolve(BOOSTING | {"variables": ["v", "cd"]})["variables"] == ["v_vx", "cd"]
     law = {"kind": "linear_law", "terms": ["l", "v_long", "v_long*cd_long", "cos_2_31"]}
     found = resolve(law)
     assert found["terms"] == ["l_vx", "v_long_vx", "v_long_vx*cd_long", "cos_2_31"]
@@ -295,7 +299,7 @@ def test_settings_are_resolved_for_a_component():
 
 def test_an_unknown_kind_is_named():
     with pytest.raises(InputError, match=r"kind: expected svr, .*stacked, got oracle"):
-        learners.fit(Training(np.ones((2, 1)), np.ones(2), ["a"], seed=1), {"kind": "oracle"})
+        learners.settings_of({"kind": "oracle"})
     with pytest.raises(InputError, match="got oracle"):
         learners.schema({"kind": "oracle", "variables": []})
     with pytest.raises(InputError, match="got oracle"):
@@ -310,7 +314,7 @@ def test_every_kind_is_tested_and_described():
 def is_taken(settings):
     """Whether settings of a learner hold against their model."""
     try:
-        return LEARNER_KINDS.validated(settings).kind == settings["kind"]
+        return learners.KINDS.validated(settings).kind == settings["kind"]
     except ValidationError:
         return False
 
@@ -400,7 +404,7 @@ QUANTILE = {"kind": "quantile", "share": 0.25}
 def test_the_recipe_for_a_new_kind_gives_a_model_that_is_its_file(quantile, tmp_path, settings):
     rows, y = sample(400)
     rows = rows.assign(e_y=y, i=0)
-    found = learners.resolved(settings, component="e_y", variables=VARIABLES)
+    found = resolved(settings)
     model = learners.train(rows, component="e_y", settings=found, seed=42)
     loaded = learners.read(saved(tmp_path / "model.parquet", model))
     np.testing.assert_array_equal(predicted(loaded, rows), predicted(model, rows))

@@ -29,7 +29,7 @@ def sample(count, seed=0):
 
 def fit(x, y, groups=None, *, variables=VARIABLES, seed=42, weights=None, **changes):
     training = Training(x, y, variables, seed, groups=groups, weights=weights)
-    return svr.fit(training, SETTINGS | changes)
+    return svr.fit(training, svr.SvrSettings(**SETTINGS | changes))
 
 
 @pytest.fixture(scope="module")
@@ -219,9 +219,10 @@ def test_cv_wants_estimates_to_hold_out(groups):
 
 @pytest.mark.parametrize("rule", ["auto", 0.0, -1.0, float("nan"), float("inf"), True, None])
 def test_bad_kernel_scale(rule):
-    x, y, _ = sample(50)
-    with pytest.raises(InputError, match="kernel_scale: expected sigest, median, cv or a positive number"):
-        fit(x, y, kernel_scale=rule)
+    with pytest.raises(
+        InputError, match="kernel_scale: expected sigest, median, cv or a number above 0, got"
+    ):
+        learners.settings_of(SETTINGS | {"kernel_scale": rule})
 
 
 def test_bad_rows(model):
@@ -245,7 +246,7 @@ def test_bad_rows(model):
 def test_learners_dispatch_by_kind():
     x, y, _ = sample(100)
     training = Training(x, y, VARIABLES, seed=42)
-    model = learners.fit(training, SETTINGS)
+    model = learners.fit(training, learners.of_job(SETTINGS | {"variables": VARIABLES}))
     np.testing.assert_array_equal(model.predict(x), fit(x, y).predict(x))
     with pytest.raises(InputError, match=r"kind: expected svr, .*, got oracle"):
-        learners.fit(training, SETTINGS | {"kind": "oracle"})
+        learners.of_job(SETTINGS | {"kind": "oracle", "variables": VARIABLES})

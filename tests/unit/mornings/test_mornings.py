@@ -23,6 +23,7 @@ from opml.ephemerides.along_track_shift import corrected
 from opml.ephemerides.known import Known
 from opml.interop import oem
 from opml.interop.object_ids import ObjectId
+from opml.learning.models import learners
 from opml.mornings import days, judged, morning, tracks
 from opml.mornings.beside_sgp4 import Sgp4
 from opml.mornings.calendar import Calendar
@@ -35,8 +36,10 @@ from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, paths_schema, read_metadata,
 
 ARC = {"window_hours": 18.0, "memory_days": 30.0}
 MODELS = {
-    "fit18": {"kind": "refitted", "window_hours": 18.0, "variables": ["l_arc_y"]},
-    "running18": {"kind": "running", "variables": ["l_arc_y", "v_arc_y", "cd_arc", "cd_past"], **ARC},
+    "fit18": learners.of_job({"kind": "refitted", "window_hours": 18.0, "variables": ["l_arc_y"]}),
+    "running18": learners.of_job(
+        {"kind": "running", "variables": ["l_arc_y", "v_arc_y", "cd_arc", "cd_past"], **ARC}
+    ),
 }
 CALENDAR = Calendar(EPOCH, hour=13.0)  # the epoch is at 12:10
 FIRST = date.fromisoformat(EPOCH[:10])

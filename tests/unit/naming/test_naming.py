@@ -11,11 +11,21 @@ from support import refusal, rsos, stations
 
 from opml import naming
 from opml.base.errors import InputError
+from opml.base.kind_sections import KindSection
 from opml.naming import Split, rso_pattern, stations_pattern
 from opml.orbits.sheets import name_at_inclination, name_at_offset, parse_rso, parse_stations
 
 STATIONS, RSOS = stations(), rsos()
-LEARNERS = {"svr": {"kernel_scale": "sigest", "c": 1.0}, "svrfixed": {"kernel_scale": 2.0, "c": 1.0}}
+
+
+class Scaled(KindSection):
+    kernel_scale: str | float
+
+
+LEARNERS = {
+    "svr": Scaled(kind="svr", kernel_scale="sigest"),
+    "svrfixed": Scaled(kind="svr", kernel_scale=2.0),
+}
 
 
 @given(st.sampled_from(["eglin", "eglin-kaena"]), st.integers(0, 10**6), st.integers(0, 10**6))
@@ -85,7 +95,7 @@ def test_pool_without_one_of_its_rsos():
 
 
 def test_only_a_learner_with_a_kernel_scale_has_another():
-    learners = LEARNERS | {"none": {"kind": "none"}}
+    learners = LEARNERS | {"none": KindSection(kind="none")}
     assert re.fullmatch(naming.learner_pattern(learners), "svr_s2")
     assert re.fullmatch(naming.learner_pattern(learners), "none")
     assert not re.fullmatch(naming.learner_pattern(learners), "none_s2")
@@ -93,9 +103,9 @@ def test_only_a_learner_with_a_kernel_scale_has_another():
 
 def test_kernel_scale_of_a_learner():
     assert naming.parse_learner("svr", LEARNERS) == LEARNERS["svr"]
-    assert naming.parse_learner("svr_s2.5", LEARNERS) == {"kernel_scale": 2.5, "c": 1.0}
-    assert naming.parse_learner("svrfixed_s0.1", LEARNERS)["kernel_scale"] == 0.1
-    assert LEARNERS["svr"]["kernel_scale"] == "sigest"
+    assert naming.parse_learner("svr_s2.5", LEARNERS) == Scaled(kind="svr", kernel_scale=2.5)
+    assert naming.parse_learner("svrfixed_s0.1", LEARNERS).kernel_scale == 0.1
+    assert LEARNERS["svr"].kernel_scale == "sigest"
 
 
 @pytest.mark.parametrize("text", ["forest", "svr_s", "svr_s0", "svr_s2.0", "svr_s02", "svr_2", "svr_s-1", ""])

@@ -11,7 +11,9 @@ from opml.learning.models import learners
 from opml.readings import joint_standardisation, own_standardisation
 
 VARIABLES = ["duration", "inc"]
-SVR = {"kind": "svr", "kernel_scale": 1.5, "c": 1.0, "epsilon": 0.1, "tol": 1e-6, "variables": VARIABLES}
+SVR = learners.of_job(
+    {"kind": "svr", "kernel_scale": 1.5, "c": 1.0, "epsilon": 0.1, "tol": 1e-6, "variables": VARIABLES}
+)
 
 
 def rows(count, seed, *, around):
@@ -69,7 +71,7 @@ def test_the_model_meets_rows_as_they_are():
 
 def test_what_cannot_be_is_refused():
     with pytest.raises(InputError, match="-together: expected a learner that standardises"):
-        train({"kind": "durationmean", "bin_hours": 6, "variables": ["duration"]})
+        train(learners.of_job({"kind": "durationmean", "bin_hours": 6, "variables": ["duration"]}))
     broken = TESTED.assign(inc=np.nan)
     with pytest.raises(InputError, match="learning variable inc: expected finite values only"):
         train(SVR, broken)

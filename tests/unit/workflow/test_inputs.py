@@ -181,10 +181,10 @@ def test_only_a_path_is_a_file_of_the_users(source, paths):
 def test_the_forecast_is_the_named_one_or_persistence():
     mine = {"kind": "regression", "lags": 9, "ridge": 1.0}
     named = environment({"forecast": "mine"}, forecasts={"mine": mine})
-    assert named.forecast == mine
+    assert named.forecast.of_job() == mine
     values = paper_values()["environment"]
     del values["forecast"]
-    assert environment(environment=values, forecasts={}).forecast == {"kind": "persistence"}
+    assert environment(environment=values, forecasts={}).forecast.of_job() == {"kind": "persistence"}
     assert named.forecast_files == []
 
 

@@ -10,6 +10,9 @@ from opml.dynamics.kernels.relativity import relativity
 from opml.dynamics.kernels.surroundings import AXIS, BODIES, CLOCK, PRECESSION, ROTATION, SPIN, SUN_ITRF
 from opml.dynamics.kernels.third_body import third_bodies
 
+SWITCHES = ("relativity",)
+"""Forces that a setting of their name switches on, in the order of `ForceModel.switched`."""
+
 SCRATCH_ROWS = 40
 """Rows of lanes that `acceleration` needs for intermediate results."""
 
@@ -51,7 +54,7 @@ def acceleration(x, y, z, vx, vy, vz, ballistic, reflection, kind, model, values
     sx, sy, sz = radiation_pressure(x, y, z, sun, lit, reflection)
     ax, ay, az = ax + (bx + (dx + sx)), ay + (by + (dy + sy)), az + (bz + (dz + sz))
 
-    if model.precession.shape[0] > 0:
+    if model.switched[0]:
         axis, precession = values[AXIS : AXIS + 3], values[PRECESSION : PRECESSION + 3]
         cx, cy, cz = relativity(x, y, z, vx, vy, vz, inverse_r, model.gm, axis, precession)
         ax, ay, az = ax + cx, ay + cy, az + cz

@@ -39,6 +39,7 @@ class ForceModel(NamedTuple):
     step: float  # between nodes [s]
     orientation: np.ndarray  # (nodes, 6): CIP x and y, CIO locator, pole x and y, ERA offset [rad]
     spin: np.ndarray  # (nodes, 3): the Earth's rotation vector in GCRF [rad/s]
+    switched: np.ndarray  # (forces,): whether each of acceleration.SWITCHED is on
     precession: np.ndarray  # (nodes, 3): of velocities, by the Sun [rad/s]; no nodes: no relativity
     bodies: np.ndarray  # (nodes, 3 count): geocentric GCRF positions [m], the Sun first
     gms: np.ndarray  # (count,) [m3/s2], 0 where a body's pull is not in the model

@@ -32,6 +32,10 @@ _LEVEL = 2.0
 """Weight of the height of F10.7 relative to the weight of each of its changes."""
 
 
+class AnalogueSettings(ForecastSettings):
+    members: Count
+
+
 def fit_futures(history: Weather, *, days: int, members: int) -> FutureForecast:
     """Return the ensemble of the weather after the nearest days, nearest first.
 
@@ -47,9 +51,9 @@ def fit_futures(history: Weather, *, days: int, members: int) -> FutureForecast:
     return ensemble
 
 
-def fit(history: Weather, days: int, settings: ForecastSettings) -> Forecast:
+def fit(history: Weather, days: int, settings: AnalogueSettings) -> Forecast:
     """Return the forecast, the median of the futures of as many nearest days as the setting `members`."""
-    ensemble = fit_futures(history, days=days, members=settings["members"])
+    ensemble = fit_futures(history, days=days, members=settings.members)
 
     def forecast(past: Weather, day: float) -> Future:
         futures = ensemble(past, day)
@@ -125,9 +129,9 @@ def _course(log_flux: np.ndarray, kp_means: np.ndarray, day: np.ndarray, interva
 
 METHOD = ForecastMethod(
     "analogues",
-    {"members": Count},
+    AnalogueSettings,
     fit,
-    least_days=lambda settings: PAST + 4 * APART * int(settings["members"]),
+    least_days=lambda settings: PAST + 4 * APART * settings.members,
     past_days=lambda _: PAST,
     repeatable=False,
 )

@@ -29,6 +29,10 @@ _LEAST_FLUX, _MOST_FLUX = 40.0, 1000.0
 _MOST: Mapping[str, float] = {"kp": 9.0, "ap": 400.0}
 
 
+class ArchiveSettings(ForecastSettings):
+    files: Annotated[list[Text], MinLen(1)]
+
+
 class _Issue(NamedTuple):
     """A forecast of the archive; times are modified Julian days."""
 
@@ -38,7 +42,7 @@ class _Issue(NamedTuple):
     kp: np.ndarray  # (n,)
 
 
-def fit(_history: Weather, days: int, settings: ForecastSettings) -> Forecast:
+def fit(_history: Weather, days: int, settings: ArchiveSettings) -> Forecast:
     """Return the newest forecast of the setting `files`, which learns nothing from the history.
 
     Raises InputError for an unreadable file.
@@ -61,9 +65,9 @@ def fit(_history: Weather, days: int, settings: ForecastSettings) -> Forecast:
     return forecast
 
 
-def archive_files(settings: ForecastSettings) -> list[str]:
+def archive_files(settings: ArchiveSettings) -> list[str]:
     """Return the files of the paths and patterns in the setting `files`; a path without a file stays."""
-    return [path for pattern in settings["files"] for path in sorted(glob(pattern)) or [pattern]]
+    return [path for pattern in settings.files for path in sorted(glob(pattern)) or [pattern]]
 
 
 def read(path: str) -> list[_Issue]:
@@ -143,7 +147,7 @@ def _figure(where: str, name: str, text: str, least: float, most: float) -> floa
 
 METHOD = ForecastMethod(
     "archive",
-    {"files": Annotated[list[Text], MinLen(1)]},
+    ArchiveSettings,
     fit,
     files=archive_files,
     repeatable=False,

@@ -1,15 +1,21 @@
 """The interface of forecasts of the space weather, and the declaration of a method."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
+from opml.base.kind_sections import KindSection
 from opml.environment.weather import Weather
 
-ForecastSettings = Mapping[str, Any]
-"""Settings of a forecast: its kind, and the keys of the method."""
+
+class ForecastSettings(KindSection):
+    """Settings of a forecast; those of its method stand beside `kind`."""
+
+
+S = TypeVar("S", bound=ForecastSettings)
+S_in = TypeVar("S_in", bound=ForecastSettings, contravariant=True)
 
 
 class Future(NamedTuple):
@@ -36,10 +42,10 @@ FutureForecast = Callable[[Weather, float], list[Future]]
 """A function that forecasts several futures; its parameters are those of `Forecast`."""
 
 
-class MakeForecast(Protocol):
+class MakeForecast(Protocol[S_in]):
     """A function that makes a forecast from the weather before the run."""
 
-    def __call__(self, history: Weather, days: int, settings: ForecastSettings, /) -> Forecast:
+    def __call__(self, history: Weather, days: int, settings: S_in, /) -> Forecast:
         """Return a forecast.
 
         history: weather before the run, at least the method's `least_days` and `days`
@@ -49,11 +55,11 @@ class MakeForecast(Protocol):
 
 
 @dataclass(frozen=True)
-class ForecastMethod:
+class ForecastMethod(Generic[S]):
     """A kind of forecast, declared by its module and listed in `methods.METHODS`.
 
     kind: name in the settings
-    settings: type of each of its own keys (`opml.base.setting_types`); an `Absent` one may be left out
+    settings: section of its settings
     fit: makes a forecast from the history
     least_days: days of history that the settings require
     past_days: days of weather before the issue that a forecast starts from
@@ -62,9 +68,9 @@ class ForecastMethod:
     """
 
     kind: str
-    settings: Mapping[str, Any]
-    fit: MakeForecast
-    least_days: Callable[[ForecastSettings], int] = lambda _: 0
-    past_days: Callable[[ForecastSettings], int] = lambda _: 1
-    files: Callable[[ForecastSettings], list[str]] = lambda _: []
+    settings: type[S]
+    fit: MakeForecast[S]
+    least_days: Callable[[S], int] = lambda _: 0
+    past_days: Callable[[S], int] = lambda _: 1
+    files: Callable[[S], list[str]] = lambda _: []
     repeatable: bool = True

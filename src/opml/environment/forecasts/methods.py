@@ -1,36 +1,43 @@
 """All kinds of forecasts, by their names in the settings."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Annotated, Any
 
 from opml.base.errors import InputError
+from opml.base.kind_sections import OfItsKind
 from opml.environment.forecasts import analogues, archive, error_dressing, persistence, regression
 from opml.environment.forecasts.method import Forecast, ForecastMethod, ForecastSettings, FutureForecast
 from opml.environment.weather import Weather
 
-METHODS = (persistence.METHOD, regression.METHOD, analogues.METHOD, archive.METHOD)
+METHODS: tuple[ForecastMethod[Any], ...] = (
+    persistence.METHOD,
+    regression.METHOD,
+    analogues.METHOD,
+    archive.METHOD,
+)
 
-_BY_KIND: Mapping[str, ForecastMethod] = {method.kind: method for method in METHODS}
+_BY_KIND: Mapping[str, ForecastMethod[Any]] = {method.kind: method for method in METHODS}
 
 
-def settings_types() -> dict[str, Mapping[str, Any]]:
-    """Return the type of each key that the settings of a kind have beside `kind`, by kind."""
-    return {kind: method.settings for kind, method in _BY_KIND.items()}
+FORECASTS = OfItsKind("forecast", lambda: {kind: method.settings for kind, method in _BY_KIND.items()})
+
+AnyForecast = Annotated[ForecastSettings, FORECASTS]
+"""Settings of a forecast, of whatever kind."""
 
 
 def fit(history: Weather, *, days: int, settings: ForecastSettings) -> Forecast:
-    """Return the forecast of `days` days of the kind `settings['kind']`.
+    """Return the forecast of `days` days of the settings' kind.
 
     history: weather before the run
 
     Raises InputError where the history is too short or a file unreadable.
     """
     check_history(history, days=days, settings=settings)
-    return _BY_KIND[settings["kind"]].fit(history, days, settings)
+    return _BY_KIND[settings.kind].fit(history, days, settings)
 
 
 def futures(history: Weather, *, days: int, settings: ForecastSettings, members: int) -> FutureForecast:
-    """Return the ensemble about the forecast of the kind `settings['kind']`.
+    """Return the ensemble about the forecast of the settings' kind.
 
     history: weather before the run
     days: of each future
@@ -40,8 +47,8 @@ def futures(history: Weather, *, days: int, settings: ForecastSettings, members:
     past days, they are what followed those days. Raises InputError where the history is too short or a file
     unreadable.
     """
-    check_history(history, days=days, settings={"kind": "analogues", "members": members})
-    method = _BY_KIND[settings["kind"]]
+    check_history(history, days=days, settings=analogues.AnalogueSettings(kind="analogues", members=members))
+    method = _BY_KIND[settings.kind]
     if not method.repeatable:
         return analogues.fit_futures(history, days=days, members=members)
     forecast, past_days = fit(history, days=days, settings=settings), method.past_days(settings)
@@ -50,7 +57,7 @@ def futures(history: Weather, *, days: int, settings: ForecastSettings, members:
 
 def check_history(history: Weather, *, days: int, settings: ForecastSettings) -> None:
     """Raise InputError where the history is too short for a method that learns from it."""
-    least = _BY_KIND[settings["kind"]].least_days(settings)
+    least = _BY_KIND[settings.kind].least_days(settings)
     if least and len(history.flux) < least + days:
         expected = f"{least + days} days of packaged weather before the epoch to learn from"
         raise InputError(f"forecast: expected {expected}, got {len(history.flux)}")
@@ -64,7 +71,7 @@ def check(history: Weather, past: Weather, day: float, *, settings: ForecastSett
     day: the time, a modified Julian day
     """
     check_history(history, days=1, settings=settings)
-    needed, measured = _BY_KIND[settings["kind"]].past_days(settings), min(len(past.flux), len(past.kp) // 8)
+    needed, measured = _BY_KIND[settings.kind].past_days(settings), min(len(past.flux), len(past.kp) // 8)
     if measured < needed:
         raise InputError(f"forecast: expected {needed} measured days before the epoch, got {measured}")
     if files(settings):
@@ -73,4 +80,4 @@ def check(history: Weather, past: Weather, day: float, *, settings: ForecastSett
 
 def files(settings: ForecastSettings) -> list[str]:
     """Return the user's own files in the settings of a forecast."""
-    return _BY_KIND[settings["kind"]].files(settings)
+    return _BY_KIND[settings.kind].files(settings)

@@ -17,4 +17,6 @@ def fit(_history: Weather, days: int, _settings: ForecastSettings) -> Forecast:
     return forecast
 
 
-METHOD = ForecastMethod("persistence", {}, fit)
+METHOD = ForecastMethod("persistence", ForecastSettings, fit)
+
+SETTINGS = ForecastSettings(kind=METHOD.kind)

@@ -15,13 +15,14 @@ from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import HIGHEST_KP, Weather, trailing_mean
 
 
-def fit(history: Weather, days: int, settings: ForecastSettings) -> Forecast:
-    """Return the forecast, learned from the history.
+class RegressionSettings(ForecastSettings):
+    lags: Count  # daily values, the present one included
+    ridge: Positive  # penalty on a coefficient of standardized variables [rows]
 
-    settings: `lags`, the number of daily values, the present one included, and `ridge`, the penalty on a
-        coefficient of standardized variables, in rows
-    """
-    lags, ridge = settings["lags"], settings["ridge"]
+
+def fit(history: Weather, days: int, settings: RegressionSettings) -> Forecast:
+    """Return the forecast, learned from the history."""
+    lags, ridge = settings.lags, settings.ridge
     flux = _Ridge.fit(*_training_rows(remove_bursts(history.flux), lags, days, _flux_variables), ridge)
     kp = _Ridge.fit(*_training_rows(history.kp, INTERVALS * lags, INTERVALS * days, _kp_variables), ridge)
 
@@ -75,8 +76,8 @@ class _Ridge:
 
 METHOD = ForecastMethod(
     "regression",
-    {"lags": Count, "ridge": Positive},
+    RegressionSettings,
     fit,
-    least_days=lambda settings: 5 * int(settings["lags"]),
-    past_days=lambda settings: int(settings["lags"]),
+    least_days=lambda settings: 5 * settings.lags,
+    past_days=lambda settings: settings.lags,
 )

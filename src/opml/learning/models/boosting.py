@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 
 from opml.base.seeds import derive
 from opml.base.setting_types import Count, Positive
-from opml.learning.models.contract import CHOICE, Learner, Metadata, Settings, table_of
+from opml.learning.models.contract import ChoosingSettings, Learner, Metadata, table_of
 from opml.learning.models.inputs import Training, check_rows
 from opml.learning.models.metadata import describe, restore
 from opml.tables import count, real
@@ -82,11 +82,15 @@ def _check_branches(nodes: Mapping[str, np.ndarray], *, variables: int) -> None:
             raise ValueError(f"{side}: expected a later row of {len(nodes['feature'])}, got another")
 
 
-def fit(training: Training, settings: Settings) -> BoostingModel:
-    """Train trees; `settings` holds trees, leaves, learning_rate and min_rows, the least rows of a leaf.
+class BoostingSettings(ChoosingSettings):
+    trees: Count
+    leaves: Count
+    learning_rate: Positive
+    min_rows: Count  # of a leaf
 
-    Raises InputError for too few rows or values that are not finite.
-    """
+
+def fit(training: Training, settings: BoostingSettings) -> BoostingModel:
+    """Train trees; raise InputError for too few rows or values that are not finite."""
     # Imported only to train: it takes a second, more than most models need to predict.
     from sklearn.ensemble import HistGradientBoostingRegressor
 
@@ -94,10 +98,10 @@ def fit(training: Training, settings: Settings) -> BoostingModel:
     weights = training.weights
     machine = HistGradientBoostingRegressor(
         loss="absolute_error",
-        max_iter=settings["trees"],
-        max_leaf_nodes=settings["leaves"],
-        learning_rate=settings["learning_rate"],
-        min_samples_leaf=settings["min_rows"],
+        max_iter=settings.trees,
+        max_leaf_nodes=settings.leaves,
+        learning_rate=settings.learning_rate,
+        min_samples_leaf=settings.min_rows,
         early_stopping=False,
         random_state=int(derive(training.seed, "boosting").integers(2**31)),
     )
@@ -130,13 +134,7 @@ def from_machine(machine: "HistGradientBoostingRegressor", variables: Sequence[s
 LEARNER = Learner(
     kind=KIND,
     description="gradient boosting, absolute loss",
-    settings={
-        **CHOICE,
-        "trees": Count,
-        "leaves": Count,
-        "learning_rate": Positive,
-        "min_rows": Count,
-    },
+    settings=BoostingSettings,
     table=table_of(
         "a node of a regression tree",
         count("tree", "number of the tree"),

@@ -2,17 +2,17 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Annotated, Any, Protocol
+from dataclasses import dataclass, field
+from typing import Annotated, Any, Generic, Protocol, TypeVar
 
 import numpy as np
 import pandas as pd
 
+from opml.base.kind_sections import KindSection
 from opml.base.setting_types import Absent, Expected, OneOf, Positive, Unique
 from opml.learning.models.inputs import Training
 from opml.tables import LEARNING_VARIABLES, MECHANISM_AXES, Column, Schema
 
-Settings = Mapping[str, Any]
 Metadata = Mapping[str, Any]
 
 Variable = Annotated[str, OneOf((*LEARNING_VARIABLES, "gap"))]
@@ -23,8 +23,48 @@ _Chosen = Absent[
 ]
 _LeftOut = Absent[Annotated[list[Variable], Unique()]]
 
-CHOICE = {"variables": _Chosen, "without": _LeftOut}
-"""Keys by which settings may choose variables: those to learn from, or those of the default to leave out."""
+_Length = Absent[Positive]
+
+
+class LearnerSettings(KindSection):
+    """Settings of a learner; those of its kind stand beside `kind`."""
+
+
+class ChoosingSettings(LearnerSettings):
+    """Settings that may choose variables: those to learn from, or those of the default to leave out."""
+
+    variables: _Chosen = None
+    without: _LeftOut = None
+
+
+class ArcSettings(LearnerSettings):
+    """Settings of learners whose variables may be columns of the tables of arcs, which are made for them."""
+
+    window_hours: _Length = None
+    memory_days: _Length = None
+
+
+@dataclass(frozen=True)
+class ResolvedSettings:
+    """Settings of a learner for one error component.
+
+    own: those of its kind
+    variables: columns of a dataset that it learns from
+    parts: of a stack, each resolved, by their names
+    """
+
+    own: LearnerSettings
+    variables: list[str]
+    parts: Mapping[str, "ResolvedSettings"] = field(default_factory=dict)
+
+    def of_job(self) -> dict[str, Any]:
+        """Return them as JSON values, which `learners.of_job` takes."""
+        parts = {name: part.of_job() for name, part in self.parts.items()}
+        return {**self.own.of_job(), **parts, "variables": self.variables}
+
+
+S = TypeVar("S", bound=LearnerSettings)
+S_in = TypeVar("S_in", bound=LearnerSettings, contravariant=True)
 
 
 class Predictor(Protocol):
@@ -48,17 +88,16 @@ class Model(Predictor, Protocol):
         """Return the model as a table, and JSON-able metadata with its `kind` and `variables`."""
 
 
-class Resolve(Protocol):
+class Resolve(Protocol[S_in]):
     """Resolves settings for one error component."""
 
-    def __call__(self, settings: Settings, *, component: str, variables: Sequence[str]) -> dict[str, Any]:
-        """Return the settings with the `variables` to learn from spelled out.
+    def __call__(self, settings: S_in, /, *, component: str, variables: Sequence[str]) -> ResolvedSettings:
+        """Return the settings with the variables to learn from spelled out.
 
         variables: those to learn from by default
         """
 
 
-Fit = Callable[[Training, Settings], Model]
 Load = Callable[[pd.DataFrame, Metadata], Model]
 Table = Callable[[Metadata], Schema]
 
@@ -69,19 +108,24 @@ def component_columns(names: Sequence[str], component: str) -> list[str]:
     return [f"{name}_{axis}" if name in MECHANISM_AXES else name for name in names]
 
 
-def choose_variables(settings: Settings, *, component: str, variables: Sequence[str]) -> dict[str, Any]:
-    """Return settings with the variables that the keys of `CHOICE` choose, else the default ones."""
-    left_out = settings.get("without", [])
-    names = [name for name in settings.get("variables", variables) if name not in left_out]
-    rest = {key: value for key, value in settings.items() if key != "without"}
-    return rest | {"variables": list(dict.fromkeys(component_columns(names, component)))}
+def choose_variables(
+    settings: LearnerSettings, /, *, component: str, variables: Sequence[str]
+) -> ResolvedSettings:
+    """Return settings with the variables that those of `ChoosingSettings` choose, else the default ones."""
+    asked, left_out = settings.get("variables"), settings.get("without") or ()
+    names = [name for name in (variables if asked is None else asked) if name not in left_out]
+    own = {key: value for key, value in settings.of_job().items() if key not in ("variables", "without")}
+    chosen = list(dict.fromkeys(component_columns(names, component)))
+    return ResolvedSettings(type(settings).model_validate(own), chosen)
 
 
-def fixed(*names: str, **beside: Any) -> Resolve:
-    """Return how settings are resolved that leave no choice of variables; beside: further settings."""
+def fixed(*names: str) -> Resolve[LearnerSettings]:
+    """Return how settings are resolved that leave no choice of variables."""
 
-    def resolve(settings: Settings, *, component: str, variables: Sequence[str]) -> dict[str, Any]:
-        return {**settings, **beside, "variables": component_columns(names, component)}
+    def resolve(
+        settings: LearnerSettings, /, *, component: str, variables: Sequence[str]
+    ) -> ResolvedSettings:
+        return ResolvedSettings(settings, component_columns(names, component))
 
     return resolve
 
@@ -106,40 +150,34 @@ WHOLE_PAST = math.inf
 
 _SETTLED = 48.0
 
-_Length = Absent[Positive]
-
-ARC = {"window_hours": _Length, "memory_days": _Length}
-"""Keys of learners whose variables may be columns of the tables of arcs, which are made for them."""
-
 
 def hours_to_fill(window_hours: float) -> float:
     """Return after how many hours of tracks a window is full, or a filter has forgotten how it began."""
     return _SETTLED if math.isinf(window_hours) else window_hours
 
 
-class AnyLearner:
-    """Type of a setting that holds the settings of another learner, of whatever kind."""
-
-
 @dataclass(frozen=True)
-class Learner:
+class Learner(Generic[S]):
     """A kind of learner, declared by the module of its model and named once, in `learners.LEARNERS`.
 
     kind: its name in the settings
     description: what it is, in words, for the table of models
-    settings: type of each of its own keys (`opml.base.setting_types`); an `Absent` one may be left out
+    settings: section of its settings
     table: returns the schema of a model's table from the metadata beside it; `table_of` makes a plain one
-    fit: trains a model; raises InputError for rows that it cannot learn from
+    fit: trains a model, None for a stack, whose parts are trained in turn; raises InputError for rows that it
+        cannot learn from
     load: makes the model again from its table and metadata, bit for bit
     resolve: finds the variables to learn from
     learns: whether it takes anything from the errors that it is trained on
+    window_hours: of its arcs, where no setting has it [h]
     """
 
     kind: str
     description: str
-    settings: Mapping[str, Any]
+    settings: type[S]
     table: Table
-    fit: Fit
+    fit: Callable[[Training, S], Model] | None
     load: Load
-    resolve: Resolve = choose_variables
+    resolve: Resolve[S] = choose_variables
     learns: bool = True
+    window_hours: float | None = None

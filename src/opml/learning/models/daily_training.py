@@ -1,8 +1,6 @@
 """A learner trained anew each morning, on the errors that are known when the day begins."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import pandas as pd
 
@@ -11,7 +9,7 @@ from opml.base.errors import InputError
 from opml.learning.data.components import CORRECTED
 from opml.learning.data.splits import are_over, in_days
 from opml.learning.models import learners
-from opml.learning.models.contract import Model
+from opml.learning.models.contract import Model, ResolvedSettings
 
 
 @dataclass(frozen=True)
@@ -25,7 +23,7 @@ class Lessons:
     """
 
     dataset: pd.DataFrame
-    settings: Mapping[str, Any]
+    settings: ResolvedSettings
     seed: int
     first_day: float = 0.0
     _trained: dict[float, Model] = field(default_factory=dict, repr=False, compare=False)
@@ -33,7 +31,7 @@ class Lessons:
     @property
     def variables(self) -> tuple[str, ...]:
         """Columns of the dataset that the models predict from."""
-        return tuple(self.settings["variables"])
+        return tuple(self.settings.variables)
 
     @property
     def arc(self) -> tuple[float, float] | None:
@@ -43,7 +41,7 @@ class Lessons:
     @property
     def learns(self) -> bool:
         """Whether the learner takes anything from errors."""
-        return learners.learns(self.settings)
+        return learners.learns(self.settings.own)
 
     def __call__(self, now: float) -> Model:
         """Return the model as of `now` [s]; raise InputError where no error is known by then."""

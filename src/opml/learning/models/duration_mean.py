@@ -8,7 +8,7 @@ import pandas as pd
 
 from opml.base.constants import HOUR
 from opml.base.setting_types import Positive
-from opml.learning.models.contract import Learner, Metadata, Settings, fixed, table_of
+from opml.learning.models.contract import Learner, LearnerSettings, Metadata, fixed, table_of
 from opml.learning.models.inputs import Training, check_rows
 from opml.learning.models.metadata import describe, restore
 from opml.tables import real
@@ -47,14 +47,18 @@ class DurationMean:
         return cls(**restore(metadata), **columns)
 
 
-def fit(training: Training, settings: Settings) -> DurationMean:
-    """Average the target in bins of x (n, 1), the duration [s]; `settings` holds bin_hours.
+class DurationMeanSettings(LearnerSettings):
+    bin_hours: Positive
+
+
+def fit(training: Training, settings: DurationMeanSettings) -> DurationMean:
+    """Average the target in bins of x (n, 1), the duration [s].
 
     Raises InputError for values that are not finite.
     """
     training = training.validate(least=1)
     duration = training.x[:, 0]
-    bins = np.unique(np.floor(duration / (HOUR * settings["bin_hours"])), return_inverse=True)[1]
+    bins = np.unique(np.floor(duration / (HOUR * settings.bin_hours)), return_inverse=True)[1]
     weights = training.row_weights()
     total = np.bincount(bins, weights)
     centre, mean = (np.bincount(bins, weights * values) / total for values in (duration, training.y))
@@ -64,7 +68,7 @@ def fit(training: Training, settings: Settings) -> DurationMean:
 LEARNER = Learner(
     kind=KIND,
     description="mean error by duration (Rivera & Bai 2016)",
-    settings={"bin_hours": Positive},
+    settings=DurationMeanSettings,
     table=table_of(
         "a bin of prediction durations",
         real("duration", "s", "mean duration of the bin's rows"),

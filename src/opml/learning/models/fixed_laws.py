@@ -4,7 +4,6 @@ A catalogue fits over longer windows, holds Cd by its past, or predicts again wi
 P_ML then says what the catalogue itself would leave of the errors of its short fits.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -12,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.setting_types import Positive
-from opml.learning.models.contract import WHOLE_PAST, Learner, Metadata, Settings, fixed, table_of
+from opml.learning.models.contract import WHOLE_PAST, Learner, LearnerSettings, Metadata, fixed, table_of
 from opml.learning.models.inputs import Training, check_rows
 from opml.learning.models.metadata import describe, restore
 
@@ -51,65 +50,77 @@ class NoCorrection(FixedLaw):
         return np.zeros(len(x))
 
 
+class WindowSettings(LearnerSettings):
+    window_hours: Positive
+
+
+class MemorySettings(LearnerSettings):
+    memory_days: Positive
+
+
+class HeldSettings(WindowSettings):
+    memory_days: Positive
+
+
 def _law(
     kind: str,
     description: str,
-    settings: Sequence[str],
     *variables: str,
+    settings: type[LearnerSettings] = LearnerSettings,
     law: type[FixedLaw] = FixedLaw,
     window_hours: float | None = None,
-) -> Learner:
+) -> Learner[LearnerSettings]:
     """Return the learner of a law; window_hours: of its arcs, where no setting has it [h]."""
-    beside = {} if window_hours is None else {"window_hours": window_hours}
 
-    def fit(training: Training, _: Settings) -> FixedLaw:
+    def fit(training: Training, _: LearnerSettings) -> FixedLaw:
         check_rows(training.x, training.variables)
         return law(kind, tuple(training.variables))
 
     return Learner(
         kind=kind,
         description=description,
-        settings=dict.fromkeys(settings, Positive),
+        settings=settings,
         table=table_of("nothing: there is no number to keep"),
         fit=fit,
         load=law.from_table,
-        resolve=fixed(*variables, **beside),
+        resolve=fixed(*variables),
         learns=False,
+        window_hours=window_hours,
     )
 
 
-NONE = _law("none", "no correction", [], law=NoCorrection)
+NONE = _law("none", "no correction", law=NoCorrection)
 
-REPREDICTED = _law("repredicted", "predicted again with the running mean of Cd", [], "r")
+REPREDICTED = _law("repredicted", "predicted again with the running mean of Cd", "r")
 
-REFITTED = _law("refitted", "fit over another window, nothing learned", ["window_hours"], "l_arc")
+REFITTED = _law("refitted", "fit over another window, nothing learned", "l_arc", settings=WindowSettings)
 
 HELD = _law(
     "held",
     "Cd held by its own past: a-priori mean and variance from earlier estimates",
-    ["window_hours", "memory_days"],
     "h_arc",
+    settings=HeldSettings,
 )
 
 RUNNING = _law(
     "running",
     "law without a truth: l_arc + v_arc (cd_arc - cd_past), with the running mean of Cd",
-    ["window_hours", "memory_days"],
     *("l_arc", "v_arc", "cd_arc", "cd_past"),
+    settings=HeldSettings,
 )
 
-FILTERED = _law("filtered", "sequential filter, nothing learned", [], "l_arc", window_hours=WHOLE_PAST)
+FILTERED = _law("filtered", "sequential filter, nothing learned", "l_arc", window_hours=WHOLE_PAST)
 
 FILTERED_MEAN = _law(
     "filtered_mean",
     "sequential filter, with the running mean of its Cd",
-    ["memory_days"],
     *("l_arc", "v_arc", "cd_arc", "cd_past"),
+    settings=MemorySettings,
     window_hours=WHOLE_PAST,
 )
 
-SGP4 = _law("sgp4", "SGP4 from the newest set of mean elements, nothing fitted", [], "sgp4")
+SGP4 = _law("sgp4", "SGP4 from the newest set of mean elements, nothing fitted", "sgp4")
 
-DENSITY = _law("density", "SGP4 from the newest set, its drag scaled by the density", [], "density")
+DENSITY = _law("density", "SGP4 from the newest set, its drag scaled by the density", "density")
 
-LEARNED = _law("learned", "SGP4 from the newest set, improved by what a catalogue taught", [], "learned")
+LEARNED = _law("learned", "SGP4 from the newest set, improved by what a catalogue taught", "learned")

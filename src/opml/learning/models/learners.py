@@ -6,12 +6,15 @@ A kind is declared by a `Learner` in its own module and named in `LEARNERS`; doc
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from os import PathLike
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
 import numpy as np
 import pandas as pd
+from pydantic import PlainSerializer, PlainValidator
 
 from opml.base.errors import InputError
+from opml.base.kind_sections import OfItsKind
+from opml.base.section import JobSettings
 from opml.learning.models import (
     boosting,
     duration_mean,
@@ -20,7 +23,14 @@ from opml.learning.models import (
     stacked,
     svr,
 )
-from opml.learning.models.contract import ARC_MEMORY_DAYS, Learner, Metadata, Model, Settings
+from opml.learning.models.contract import (
+    ARC_MEMORY_DAYS,
+    Learner,
+    LearnerSettings,
+    Metadata,
+    Model,
+    ResolvedSettings,
+)
 from opml.learning.models.inputs import Training
 from opml.tables import (
     COMPONENTS,
@@ -34,7 +44,7 @@ from opml.tables import (
 
 Path = TypeVar("Path")
 
-LEARNERS: tuple[Learner, ...] = (
+LEARNERS: tuple[Learner[Any], ...] = (
     svr.LEARNER,
     fixed_laws.NONE,
     duration_mean.LEARNER,
@@ -59,7 +69,7 @@ _BESIDE = ("oracle", *ARC_TABLES, "sgp4", "improved")
 """Kinds of tables beside the dataset with columns of their own; all other columns are the mechanism's."""
 
 
-def by_kind(kind: str) -> Learner:
+def by_kind(kind: str) -> Learner[Any]:
     """Return the learner of a kind; raise InputError for an unknown one."""
     known = _by_kind()
     if kind not in known:
@@ -72,29 +82,31 @@ def description(kind: str) -> str:
     return by_kind(kind).description
 
 
-def learns(settings: Settings) -> bool:
-    """Return whether the learner takes anything from errors; raise InputError for an unknown kind."""
-    return by_kind(settings["kind"]).learns
+def learns(settings: LearnerSettings) -> bool:
+    """Return whether the learner takes anything from errors."""
+    return by_kind(settings.kind).learns
 
 
-def settings_types() -> dict[str, Mapping[str, Any]]:
-    """Return the type of each key that the settings of a kind have beside `kind`, by kind."""
-    return {kind: learner.settings for kind, learner in _by_kind().items()}
+def settings_of(values: Mapping[str, Any]) -> LearnerSettings:
+    """Return the settings of a learner; raise InputError for what no kind takes."""
+    section: type[LearnerSettings] = by_kind(str(values.get("kind"))).settings
+    return section.read(values, "learner")
 
 
-def fit(training: Training, settings: Settings) -> Model:
-    """Train the learner that `settings['kind']` names; raise InputError for an unknown kind."""
-    return by_kind(settings["kind"]).fit(training, settings)
+def fit(training: Training, settings: ResolvedSettings) -> Model:
+    """Train the learner that the settings are of; raise InputError for rows that it cannot learn from."""
+    train_kind = by_kind(settings.own.kind).fit
+    return train_kind(training, settings.own) if train_kind else stacked.fit(training, settings.parts, fit)
 
 
-def train(rows: pd.DataFrame, *, component: str, settings: Settings, seed: int) -> Model:
+def train(rows: pd.DataFrame, *, component: str, settings: ResolvedSettings, seed: int) -> Model:
     """Train a learner on rows of a dataset for one error component.
 
     settings: as `resolved` returns them
 
     Raises InputError as `Training.from_rows` and `fit` do.
     """
-    return fit(Training.from_rows(rows, settings["variables"], component=component, seed=seed), settings)
+    return fit(Training.from_rows(rows, settings.variables, component=component, seed=seed), settings)
 
 
 def read(path: str | PathLike[str]) -> Model:
@@ -137,49 +149,71 @@ def schemas() -> list[Schema]:
     return [learner.table({"kind": learner.kind, "variables": LEARNING_VARIABLES}) for learner in LEARNERS]
 
 
-def resolved(settings: Settings, *, component: str, variables: Sequence[str]) -> dict[str, Any]:
+def resolved(settings: LearnerSettings, *, component: str, variables: Sequence[str]) -> ResolvedSettings:
     """Return the settings of a learner for one error component, with its `variables` spelled out.
 
     variables: of a learner whose settings name none; its `without` are left out
 
-    A sensitivity (`v`) becomes that of the component (`v_y`), in variables and terms alike. Raises InputError
-    for an unknown kind.
+    A sensitivity (`v`) becomes that of the component (`v_y`), in variables and terms alike.
     """
-    return by_kind(settings["kind"]).resolve(settings, component=component, variables=variables)
+    return by_kind(settings.kind).resolve(settings, component=component, variables=variables)
 
 
-def arc_of(settings: Settings) -> tuple[float, float] | None:
+class _Job(JobSettings):
+    """What resolved settings of every kind have as JSON values."""
+
+    kind: str
+    variables: list[str]
+
+
+def of_job(values: Mapping[str, Any] | ResolvedSettings) -> ResolvedSettings:
+    """Return resolved settings, where they stand as the JSON values that `ResolvedSettings.of_job` made."""
+    if isinstance(values, ResolvedSettings):
+        return values
+    job = _Job.model_validate(values)
+    section = by_kind(job.kind).settings
+    parts = {name: of_job(values[name]) for name in stacked.PARTS if name in values}
+    own = {key: value for key, value in values.items() if key in section.model_fields and key != "variables"}
+    taken = section.model_validate(own | {name: part.own for name, part in parts.items()})
+    return ResolvedSettings(taken, job.variables, parts)
+
+
+JobLearner = Annotated[ResolvedSettings, PlainValidator(of_job), PlainSerializer(ResolvedSettings.of_job)]
+"""Type of a job's setting that is a learner for one error component."""
+
+
+def arc_of(settings: ResolvedSettings) -> tuple[float, float] | None:
     """Return window [h] and memory [days] of the arcs that resolved settings ask for, None for no arcs.
 
     Raises InputError where parts of a stack ask for different arcs, or for a column without a window.
     """
-    parts = [part for part in settings.values() if isinstance(part, Mapping) and "kind" in part]
+    parts = (settings.own, *(part.own for part in settings.parts.values()))
     arcs = {
-        (float(part["window_hours"]), float(part.get("memory_days", ARC_MEMORY_DAYS)))
-        for part in (settings, *parts)
-        if "window_hours" in part
+        (float(hours), float(part.get("memory_days") or ARC_MEMORY_DAYS))
+        for part in parts
+        if (hours := part.get("window_hours") or by_kind(part.kind).window_hours)
     }
     if len(arcs) > 1:
         raise InputError(f"learners: window_hours: expected one window for both parts, got {len(arcs)}")
-    if {*tables_asked(settings["variables"])}.isdisjoint(ARC_TABLES):
+    if {*tables_asked(settings.variables)}.isdisjoint(ARC_TABLES):
         return None
     if not arcs:
         raise InputError("learners: expected window_hours beside columns of the arcs, got none")
     return arcs.pop()
 
 
-def arc_windows(settings: Iterable[Settings]) -> list[float]:
+def arc_windows(settings: Iterable[ResolvedSettings]) -> list[float]:
     """Return the windows [h] of the arcs that resolved settings of learners ask for, each once."""
     return list(dict.fromkeys(arc[0] for arc in map(arc_of, settings) if arc))
 
 
-def paths_of_each(paths: Iterable[Path], settings: Iterable[Settings]) -> list[list[Path]]:
+def paths_of_each(paths: Iterable[Path], settings: Iterable[ResolvedSettings]) -> list[list[Path]]:
     """Return the tables of each learner, of those of `tables_asked` that stand learner after learner.
 
     settings: of the learners, resolved
     """
     rest = iter(paths)
-    return [[next(rest) for _ in tables_asked(learner["variables"])] for learner in settings]
+    return [[next(rest) for _ in tables_asked(learner.variables)] for learner in settings]
 
 
 def tables_asked(variables: Sequence[str]) -> list[str]:
@@ -192,28 +226,43 @@ def tables_asked(variables: Sequence[str]) -> list[str]:
     return [*kinds, "mechanism"] if missing else kinds
 
 
-def check_without_truth(name: str, settings: Settings) -> None:
+def check_without_truth(name: str, settings: ResolvedSettings) -> None:
     """Raise InputError where resolved settings ask for what only a simulation knows."""
-    if "oracle" in tables_asked(settings["variables"]):
+    if "oracle" in tables_asked(settings.variables):
         raise InputError(f"learner '{name}': expected one that needs no truth to predict, got one that does")
 
 
-def check(values: Mapping[str, Any]) -> None:
-    """Raise InputError where a learner of the settings `values` asks for an unknown variable."""
-    drifts = mechanism_schema(values["mechanism"]["resonances"]).names
+def check(
+    settings: Mapping[str, LearnerSettings],
+    *,
+    variables: Sequence[str],
+    resonances: Sequence[tuple[int, int]],
+) -> None:
+    """Raise InputError where a learner of these settings asks for an unknown variable.
+
+    settings: by the learners' names
+    variables: those of the settings to learn from by default
+    resonances: pairs (k, m) that may be learned from
+    """
+    drifts = mechanism_schema(resonances).names
     beside = [name for kind in _BESIDE for name in SCHEMAS[kind].names]
     known = {*LEARNING_VARIABLES, "gap", *drifts, *beside} - {"i", "j"}
-    for name, settings in values["learners"].items():
-        learner = resolved(settings, component=COMPONENTS[0], variables=values["learning"]["variables"])
-        if unknown := sorted(set(learner["variables"]) - known):
+    for name, own in settings.items():
+        learner = resolved(own, component=COMPONENTS[0], variables=variables)
+        if unknown := sorted(set(learner.variables) - known):
             raise InputError(
                 f"config: learners.{name}: expected learning variables and columns of the mechanism, "
                 f"got {unknown[0]}"
             )
 
 
-def _by_kind() -> dict[str, Learner]:
+def _by_kind() -> dict[str, Learner[Any]]:
     return {learner.kind: learner for learner in (*LEARNERS, _STACKED)}
 
 
-_STACKED = stacked.learner(by_kind)
+KINDS = OfItsKind("learner", lambda: {kind: learner.settings for kind, learner in _by_kind().items()})
+
+AnyLearner = Annotated[LearnerSettings, KINDS]
+"""Settings of a learner, of whatever kind."""
+
+_STACKED = stacked.learner(by_kind, KINDS)

@@ -16,7 +16,14 @@ from threadpoolctl import threadpool_limits
 
 from opml.base.errors import InputError
 from opml.base.setting_types import Expected, Pattern, Unique
-from opml.learning.models.contract import ARC, Learner, Metadata, Settings, component_columns, table_of
+from opml.learning.models.contract import (
+    ArcSettings,
+    Learner,
+    Metadata,
+    ResolvedSettings,
+    component_columns,
+    table_of,
+)
 from opml.learning.models.inputs import Training, check_rows
 from opml.learning.models.metadata import describe, restore
 from opml.tables import real, text
@@ -57,12 +64,23 @@ class LinearLaw:
         )
 
 
-def fit(training: Training, settings: Settings) -> LinearLaw:
-    """Fit the target by the terms of `settings['terms']`, products of variables such as `v_y*cd`.
+_Term = Annotated[
+    str, Pattern(r"^[a-z0-9_]+(\*[a-z0-9_]+)*$"), Expected("a product of variables, such as v*cd")
+]
+
+
+class LawSettings(ArcSettings):
+    terms: Annotated[
+        list[_Term], MinLen(1), Unique(), Expected("a list of products of variables, such as v*cd")
+    ]
+
+
+def fit(training: Training, settings: LawSettings) -> LinearLaw:
+    """Fit the target by the terms, products of variables such as `v_y*cd`.
 
     Raises InputError for too few rows, values that are not finite or a factor that is no variable.
     """
-    terms = tuple(settings["terms"])
+    terms = tuple(settings.terms)
     training = training.validate(least=len(terms))
     root = np.sqrt(training.row_weights())
     values = products(training.x, training.variables, terms)
@@ -70,10 +88,10 @@ def fit(training: Training, settings: Settings) -> LinearLaw:
     return LinearLaw(tuple(training.variables), terms, coefficient)
 
 
-def resolve(settings: Settings, *, component: str, variables: Sequence[str]) -> dict[str, Any]:
+def resolve(settings: LawSettings, /, *, component: str, variables: Sequence[str]) -> ResolvedSettings:
     """Return settings with the terms for the component, and with the factors of the terms as variables."""
-    terms = ["*".join(component_columns(term.split("*"), component)) for term in settings["terms"]]
-    return {**settings, "terms": terms, "variables": factors(terms)}
+    terms = ["*".join(component_columns(term.split("*"), component)) for term in settings.terms]
+    return ResolvedSettings(settings.evolve(terms=terms), factors(terms))
 
 
 def factors(terms: Sequence[str]) -> list[str]:
@@ -111,19 +129,10 @@ def least_absolute_deviations(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return coefficient
 
 
-_Term = Annotated[
-    str, Pattern(r"^[a-z0-9_]+(\*[a-z0-9_]+)*$"), Expected("a product of variables, such as v*cd")
-]
-
 LEARNER = Learner(
     kind=KIND,
     description="robust linear law",
-    settings={
-        **ARC,
-        "terms": Annotated[
-            list[_Term], MinLen(1), Unique(), Expected("a list of products of variables, such as v*cd")
-        ],
-    },
+    settings=LawSettings,
     table=table_of(
         "a term of the linear law",
         text("term", "product of learning variables"),

@@ -1,13 +1,15 @@
 """Two learners in a row: the second learns what the first leaves."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
+from pydantic import create_model
 
-from opml.learning.models.contract import AnyLearner, Learner, Metadata, Model, Settings
+from opml.base.kind_sections import OfItsKind
+from opml.learning.models.contract import Learner, LearnerSettings, Metadata, Model, ResolvedSettings
 from opml.learning.models.inputs import Training, pick_columns
 from opml.tables import Schema
 
@@ -45,20 +47,30 @@ class StackedModel:
         return table, metadata
 
 
+class StackedSettings(LearnerSettings):
+    first: LearnerSettings
+    second: LearnerSettings
+
+
+def fit(
+    training: Training,
+    parts: Mapping[str, ResolvedSettings],
+    fit_part: Callable[[Training, ResolvedSettings], Model],
+) -> StackedModel:
+    """Train the first, then the second on what the first leaves, each on its own variables."""
+    models: list[Model] = []
+    for part in (parts[name] for name in PARTS):
+        narrowed = training.narrow(part.variables)
+        models.append(fit_part(narrowed, part))
+        training = replace(training, y=training.y - models[-1].predict(narrowed.x))
+    return StackedModel(tuple(training.variables), *models)
+
+
 @dataclass(frozen=True)
 class _Stacking:
     """What a learner declares, for a stack whose parts `by_kind` finds."""
 
-    by_kind: Callable[[str], Learner]
-
-    def fit(self, training: Training, settings: Settings) -> StackedModel:
-        """Train the first, then the second on what the first leaves, each on its own variables."""
-        models: list[Model] = []
-        for part in (settings[name] for name in PARTS):
-            narrowed = training.narrow(part["variables"])
-            models.append(self.by_kind(part["kind"]).fit(narrowed, part))
-            training = replace(training, y=training.y - models[-1].predict(narrowed.x))
-        return StackedModel(tuple(training.variables), *models)
+    by_kind: Callable[[str], Learner[Any]]
 
     def load(self, table: pd.DataFrame, metadata: Metadata) -> StackedModel:
         """Return the model that `to_table` wrote, bit for bit."""
@@ -74,25 +86,28 @@ class _Stacking:
         second = metadata["second"]
         return self.by_kind(second["kind"]).table(second)
 
-    def resolve(self, settings: Settings, *, component: str, variables: Sequence[str]) -> dict[str, Any]:
+    def resolve(
+        self, settings: StackedSettings, /, *, component: str, variables: Sequence[str]
+    ) -> ResolvedSettings:
         """Return settings with both parts resolved, and the variables of both, each once."""
         parts = {
-            name: self.by_kind(part["kind"]).resolve(part, component=component, variables=variables)
-            for name, part in ((name, settings[name]) for name in PARTS)
+            name: self.by_kind(part.kind).resolve(part, component=component, variables=variables)
+            for name, part in zip(PARTS, (settings.first, settings.second), strict=True)
         }
-        names = [name for part in parts.values() for name in part["variables"]]
-        return {**settings, **parts, "variables": list(dict.fromkeys(names))}
+        names = [name for part in parts.values() for name in part.variables]
+        return ResolvedSettings(settings, list(dict.fromkeys(names)), parts)
 
 
-def learner(by_kind: Callable[[str], Learner]) -> Learner:
-    """Return the stack of any two of the learners that `by_kind` finds."""
+def learner(by_kind: Callable[[str], Learner[Any]], kinds: OfItsKind) -> Learner[StackedSettings]:
+    """Return the stack of any two of the learners that `by_kind` finds; kinds: of the settings of a part."""
     stacking = _Stacking(by_kind)
+    part: Any = (Annotated[LearnerSettings, kinds], ...)
     return Learner(
         kind=KIND,
         description="robust linear law, then another learner on what it leaves",
-        settings=dict.fromkeys(PARTS, AnyLearner),
+        settings=create_model(KIND, __base__=StackedSettings, first=part, second=part),
         table=stacking.table,
-        fit=stacking.fit,
+        fit=None,
         load=stacking.load,
         resolve=stacking.resolve,
     )

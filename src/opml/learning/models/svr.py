@@ -14,12 +14,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 import numpy as np
 import pandas as pd
 
-from opml.base.errors import InputError
 from opml.base.seeds import derive
 from opml.base.setting_types import Expected, NotNegative, OneOf, Positive
 from opml.learning.data.cleaning import quartiles
 from opml.learning.models import kernel_scale as scales
-from opml.learning.models.contract import CHOICE, Learner, Metadata, Settings
+from opml.learning.models.contract import ChoosingSettings, Learner, Metadata
 from opml.learning.models.gaussian_kernel import expansion, vector_rows, vector_table
 from opml.learning.models.inputs import Training, check_rows
 from opml.learning.models.metadata import describe, restore
@@ -82,12 +81,19 @@ class SvrModel:
         )
 
 
-def fit(training: Training, settings: Settings) -> SvrModel:
-    """Train a machine; `settings` holds kernel_scale (`sigest`, `median`, `cv` or a number), c, epsilon, tol.
+class SvrSettings(ChoosingSettings):
+    """Settings of a machine; the kernel scale `cv` holds out groups of the training."""
 
-    `cv` holds out groups of the training. Raises InputError for too few rows, values that are not finite or
-    an unknown kernel_scale.
-    """
+    kernel_scale: Annotated[
+        Annotated[str, OneOf(scales.RULES)] | Positive, Expected("sigest, median, cv or a number above 0")
+    ]
+    c: Positive
+    epsilon: NotNegative
+    tol: Positive
+
+
+def fit(training: Training, settings: SvrSettings) -> SvrModel:
+    """Train a machine; raise InputError for too few rows or values that are not finite."""
     training = training.validate(least=MIN_ROWS)
     x_mean, x_scale = training.standardisation()
     z = (training.x - x_mean) / x_scale
@@ -104,40 +110,38 @@ def fit(training: Training, settings: Settings) -> SvrModel:
         dual_coef=solution.beta[support],
         offset=solution.offset,
         kernel_scale=scale,
-        kernel_rule=str(settings["kernel_scale"]),
+        kernel_rule=str(settings.kernel_scale),
         x_mean=x_mean,
         x_scale=x_scale,
         y_scale=y_scale,
-        c=float(settings["c"]),
-        epsilon=float(settings["epsilon"]),
-        tol=float(settings["tol"]),
+        c=settings.c,
+        epsilon=settings.epsilon,
+        tol=settings.tol,
         iterations=solution.steps,
         seed=training.seed,
     )
 
 
-def _kernel_scale(scaled: Training, settings: Settings) -> float:
-    rule, rng = settings["kernel_scale"], derive(scaled.seed, "svr", "kernel_scale")
+def _kernel_scale(scaled: Training, settings: SvrSettings) -> float:
+    rule, rng = settings.kernel_scale, derive(scaled.seed, "svr", "kernel_scale")
     if rule in scales.QUANTILES:
         return scales.distance_quantile(scaled.x, scales.QUANTILES[rule], rng=rng)
     if rule == "cv":
         return scales.cross_validate(scaled, predict=partial(_predict, settings), rng=rng)
-    if isinstance(rule, int | float) and not isinstance(rule, bool) and 0.0 < rule < np.inf:
-        return float(rule)
-    raise InputError(f"kernel_scale: expected {', '.join(scales.RULES)} or a positive number, got {rule!r}")
+    return float(rule)
 
 
-def _solve(scaled: Training, scale: float, settings: Settings) -> "DualSolution":
+def _solve(scaled: Training, scale: float, settings: SvrSettings) -> "DualSolution":
     """Solve for standardised rows and the scaled target; the root of a weight scales the limit of its row."""
     # Imported only to train: it brings Numba, which takes longer to start than most models to predict.
     from opml.learning.models import smo
 
-    limits = float(settings["c"]) * np.sqrt(scaled.row_weights())
-    epsilon, tol = float(settings["epsilon"]), float(settings["tol"])
+    limits = settings.c * np.sqrt(scaled.row_weights())
+    epsilon, tol = settings.epsilon, settings.tol
     return smo.solve(scaled.x / scale, scaled.y, limits, epsilon=epsilon, tol=tol)
 
 
-def _predict(settings: Settings, scale: float, scaled: Training, new: np.ndarray) -> np.ndarray:
+def _predict(settings: SvrSettings, scale: float, scaled: Training, new: np.ndarray) -> np.ndarray:
     """Return predictions (n,) of new rows by a machine trained at this kernel scale."""
     solution = _solve(scaled, scale, settings)
     support = solution.beta != 0.0
@@ -147,15 +151,7 @@ def _predict(settings: Settings, scale: float, scaled: Training, new: np.ndarray
 LEARNER = Learner(
     kind=KIND,
     description="SVR, as in the paper",
-    settings={
-        **CHOICE,
-        "kernel_scale": Annotated[
-            Annotated[str, OneOf(scales.RULES)] | Positive, Expected("sigest, median, cv or a number above 0")
-        ],
-        "c": Positive,
-        "epsilon": NotNegative,
-        "tol": Positive,
-    },
+    settings=SvrSettings,
     table=vector_table("a support vector", real("dual_coef", "1", "dual coefficient alpha - alpha*")),
     fit=fit,
     load=SvrModel.from_table,

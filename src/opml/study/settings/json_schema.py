@@ -6,9 +6,11 @@ from typing import Any
 from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import core_schema
 
+from opml.base.kind_sections import KINDS, OfItsKind
 from opml.base.section import Item, Section
 from opml.base.setting_types import TypeSchema
-from opml.study.settings.model.kinds import FORECASTS, KINDS, LEARNER_KINDS, OfItsKind
+from opml.environment.forecasts.methods import FORECASTS
+from opml.learning.models import learners
 
 _REFERENCE = "#/$defs/"
 
@@ -47,7 +49,7 @@ def json_schema(model: type[Section]) -> TypeSchema:
     """
     schema = _generated(model)
     definitions = schema.setdefault("$defs", {})
-    definitions |= {kinds.name: _of_any_kind(kinds) for kinds in (LEARNER_KINDS, FORECASTS)}
+    definitions |= {kinds.name: _of_any_kind(kinds) for kinds in (learners.KINDS, FORECASTS)}
     return schema
 
 
@@ -85,14 +87,14 @@ def _generated(model: type[Section]) -> TypeSchema:
 
 
 def _of_any_kind(kinds: OfItsKind) -> TypeSchema:
-    models = kinds.models()
+    models = {kind: _generated(section) for kind, section in kinds.sections().items()}
     return {
         "type": "object",
         "properties": {"kind": {"enum": list(models)}},
         "allOf": [
             {
                 "if": {"properties": {"kind": {"const": kind}}, "required": ["kind"]},
-                "then": _generated(model),
+                "then": {key: value for key, value in model.items() if key != "description"},
             }
             for kind, model in models.items()
         ],

@@ -23,7 +23,7 @@ from opml.orbits.sheets import (
     stations_from_rows,
 )
 from opml.study.settings.model.catalogue import CatalogueSettings
-from opml.study.settings.model.run import DaySettings, TakingSettings, taking_section
+from opml.study.settings.model.run import DaySettings, Sheets, TakingSettings, taking_section
 from opml.study.settings.model.whole import RunSettings
 from opml.study.settings.overlay import MISSING, Key, Layer, Source, laid_over, read_layer
 
@@ -165,8 +165,8 @@ def with_sheets(values: Mapping[str, Any], source: Source | None = None) -> Sett
     Raises InputError for what is wrong in a sheet; `source` names the file of what the settings hold.
     """
     source = source or Source(values, [])
-    stations = read_stations(project_file(values["sheets"]["stations"]))
-    rsos = read_rsos(project_file(values["sheets"]["rsos"]))
+    sheets = Sheets.model_validate(values.get("sheets"))
+    stations, rsos = read_stations(project_file(sheets.stations)), read_rsos(project_file(sheets.rsos))
     own_stations = _inline(source, "stations", stations_from_rows, known=stations)
     flown = {name for kind in _FROM_FILES for name in values.get(kind, {})}
     own_rsos = _inline(source, "rsos", partial(rsos_from_rows, flown=flown), known=rsos)

@@ -10,9 +10,10 @@ from opml.base.section import Section, setting
 from opml.base.setting_types import Absent, Expected, NotNegative, Positive, Share, Text, Unique
 from opml.catalog.fit.estimation_settings import EstimationSettings
 from opml.dynamics.settings import ForceModels, Integrator
+from opml.environment.forecasts.methods import AnyForecast
 from opml.environment.settings import EnvironmentSettings
+from opml.learning.models.learners import AnyLearner
 from opml.study.settings.model.catalogue import CatalogueSettings
-from opml.study.settings.model.kinds import ForecastSettings, LearnerSettings
 from opml.study.settings.model.names import (
     Epoch,
     Folder,
@@ -248,7 +249,7 @@ class RunAlone(Section):
     epoch: Epoch = setting("epoch of the RSOs' elements and start of the run")
     duration_days: Positive = setting("how long the truth is propagated", unit="days")
     environment: EnvironmentSettings = setting("what Earth, Sun and Moon do, and what is known of it")
-    forecasts: dict[Name, ForecastSettings] = setting(
+    forecasts: dict[Name, AnyForecast] = setting(
         "a way to say the weather of the days ahead: its `kind`, and that kind's own settings",
         see="weather.md#methods",
         default={},
@@ -259,7 +260,7 @@ class RunAlone(Section):
     estimation: EstimationSettings = setting("fits of an orbit and a drag coefficient to tracks")
     prediction: PredictionSettings = setting("predictions")
     learning: Learning = setting("what all learners share")
-    learners: Annotated[dict[Name, LearnerSettings], MinLen(1)] = setting(
+    learners: Annotated[dict[Name, AnyLearner], MinLen(1)] = setting(
         "a learner: its `kind`, and that kind's own settings; `variables` replaces the default ones,"
         " `without` leaves some of them out",
         see="howto.md#a-learner",
