@@ -5,7 +5,7 @@ import gzip
 import numpy as np
 import pandas as pd
 import pytest
-from support import EXCERPTS, shared
+from support import EXCERPTS, refusals, shared
 
 from opml.base import epochs
 from opml.base.constants import DAY
@@ -150,21 +150,7 @@ def test_an_unknown_percentile_is_refused(percentile):
         solar_activity.tabulate("MSAFE", EPOCH, np.array([0.0]), percentile)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ("   104.0 ", "   1o4.0 ", "line 9: expected year, month and six figures"),
-        ("JAN   104.0", "JAN", "line 9: expected year, month and six figures"),
-        ("JAN", "JNA", "line 9: expected year, month and six figures"),
-        (" 2017.0003   JAN", " 2016.9170   DEC", "expected the month 2017-01 after 2016-12, got 2016-12"),
-        (" 2017.0003   JAN", " 2017.1670   MAR", "expected the month 2017-01 after 2016-12, got 2017-03"),
-        (
-            "13-MONTH SMOOTH SOLAR ACTIVITY",
-            "THE WEATHER",
-            "expected an MSAFE bulletin or CSSI space weather, got an unknown format",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "message"), refusals("solar_activity"))
 def test_what_cannot_be_used_is_named_in_one_line(bulletin, old, new, message):
     with pytest.raises(InputError) as caught:
         solar_activity.read(bulletin(BULLETIN.replace(old, new)))

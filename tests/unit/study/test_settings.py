@@ -10,7 +10,7 @@ import yaml
 from element_histories import history, tle_text
 from jsonschema import Draft202012Validator
 from laser_files import RANGING
-from support import EXCERPTS, REPOSITORY, paper_source, paper_values, setting_keys, study_of
+from support import EXCERPTS, REPOSITORY, paper_source, paper_values, refusals, setting_keys, study_of
 
 from opml.base.errors import InputError
 from opml.base.files import PACKAGED
@@ -147,213 +147,7 @@ def test_the_typed_run_has_the_values():
     assert typed.model_dump(mode="json", by_alias=True, exclude_unset=True, serialize_as_any=True) == PAPER
 
 
-@pytest.mark.parametrize(
-    ("key", "value", "expected"),
-    [
-        ("sed", 1, "sed: unknown key; did you mean seed?"),
-        ("tracking.stp_s", 20, "tracking.stp_s: unknown key; did you mean step_s?"),
-        ("tracking.step_s", "fast", "tracking.step_s: expected a number above 0, got 'fast'"),
-        ("tracking.step_s", 0, "tracking.step_s: expected a number above 0, got 0"),
-        ("tracking.step_s", True, "tracking.step_s: expected a number above 0, got True"),
-        ("tracking.step_s", float("nan"), "tracking.step_s: expected a finite number, got nan"),
-        ("tracking", 20, "tracking: expected a mapping, got 20"),
-        ("seed.noise", 1.5, "seed.noise: expected a whole number from 0, got 1.5"),
-        ("epoch", "2016-9-28", "epoch: expected UTC text in quotes"),
-        (
-            "results",
-            "a folder",
-            "results: expected a folder's path without spaces, braces or a leading ~, got 'a folder'",
-        ),
-        ("results", "~/runs", "results: expected a folder's path without spaces, braces or a leading ~"),
-        ("environment.percentile", 51, "environment.percentile: expected one of 95, 50, 5, got 51"),
-        ("environment.gravity_field", 8, "environment.gravity_field: expected text, got 8"),
-        ("force_models.truth.order", 41, "force_models.truth.order: expected at most degree, got 41 and 40"),
-        (
-            "force_models.assumed.third_bodies",
-            ["vulcan"],
-            "force_models.assumed.third_bodies.0: expected one of sun,",
-        ),
-        ("integrator.min_step_s", 91, "integrator.min_step_s: expected at most max_step_s, got 91 and 90"),
-        ("study.cleaning.cd_min", 4, "study.cleaning.cd_min: expected at most cd_max, got 4 and 3.2"),
-        (
-            "study.span_days",
-            [30, 0],
-            "study.span_days: expected the first day before the last, got 30 and 0",
-        ),
-        (
-            "study.span_days",
-            [30],
-            "study.span_days: expected two numbers, first and last day, got [30]",
-        ),
-        ("learning.variables", ["a", "a"], "learning.variables: expected no item twice"),
-        (
-            "learners.svr.kernel_scale",
-            "auto",
-            "kernel_scale: expected sigest, median, cv or a number above 0",
-        ),
-        (
-            "learners.a/b",
-            {},
-            "learners.a/b: expected a name of up to 60 lower-case letters and digits, got 'a/b'",
-        ),
-        (
-            "study.partition.ratios",
-            [0],
-            "partition.ratios.0: expected a whole percentage from 1 to 99, got 0",
-        ),
-        (
-            "study.defaults.learner",
-            "forest",
-            "defaults.learner: learner 'forest': expected one of svr, svrmedian",
-        ),
-        (
-            "study.defaults.stations",
-            "eglin-oz",
-            "defaults.stations: stations 'eglin-oz': expected names",
-        ),
-        (
-            "environment.knowledge",
-            "all",
-            "environment.knowledge: expected one of monthly, hindcast, forecast, got 'all'",
-        ),
-        (
-            "environment.forecast",
-            "astrology",
-            "environment.forecast: expected one of persistence, regression, analogues",
-        ),
-        ("environment.issue_hours", 5, "environment.issue_hours: expected one of 1, 3, 6, 12, 24, got 5"),
-        ("forecasts.mine", {"kind": "analogues"}, "forecasts.mine.members: expected a value, got none"),
-        ("forecasts.mine", {"kind": "stars"}, "forecasts.mine.kind: expected one of persistence,"),
-        ("study.defaults.rso", "mir", "defaults.rso: RSO 'mir': expected one of iss,"),
-        ("study.defaults.component", "e_r", "defaults.component: expected one of e_x, e_y"),
-        (
-            "study.orbit.zoom_days",
-            [25, 51],
-            "orbit.zoom_days: expected ascending days up to duration_days",
-        ),
-        (
-            "study.evaluations.future_5days.train",
-            "random80",
-            "evaluations.future_5days.train: expected random-<percent>, grouped-<percent> or days-<first>",
-        ),
-        (
-            "study.evaluations.future_5days.test",
-            "days-50-60",
-            "future_5days.test: split 'days-50-60': expected ascending days up to duration_days, 50, got 50",
-        ),
-        (
-            "study.evaluations.future_5days.test",
-            "days-35-30",
-            "split 'days-35-30': expected the first day before the last, got 35 and 30",
-        ),
-        (
-            "study.evaluations.future_5days.tst",
-            "rest",
-            "future_5days.tst: unknown key; did you mean test?",
-        ),
-        (
-            "study.evaluations.inclination_50.target",
-            "iss_i050",
-            "inclination_50.target: RSO 'iss_i050': expected one of iss,",
-        ),
-        (
-            "study.evaluations.inclination_50.test",
-            "seen",
-            "inclination_50.test: expected another split, as seen rows are the RSO's own",
-        ),
-        (
-            "study.evaluations",
-            {"A b": {}},
-            "expected a name of up to 60 lower-case letters, digits and _, got 'A b'",
-        ),
-        (
-            "study.evaluations",
-            {"../../x": {}},
-            "evaluations.../../x: expected a name of up to 60 lower-case letters, digits and _, got",
-        ),
-        ("study.partition.shown", [45], "partition.shown: expected one of 10, 20, 30"),
-        ("study.individual.evaluation", "past", "individual.evaluation: expected one of svr_training"),
-        ("study.grids.rso.rsos", ["mir"], "grids.rso.rsos: RSO 'mir': expected one of iss,"),
-        (
-            "study.curves.inclination.inclinations",
-            [181],
-            "inclinations.0: expected degrees from 0 to 180",
-        ),
-        (
-            "study.curves.semi_major_axis.offsets",
-            [-300],
-            "offsets: RSO 'iss_a-300': expected a perigee",
-        ),
-        (
-            "study.kernel_scale.rules",
-            ["auto"],
-            "kernel_scale.rules: learner 'auto': expected one of svr",
-        ),
-        (
-            "study.kernel_scale.splits",
-            [["random-80"]],
-            "kernel_scale.splits.0: expected a pair of a training and a test split",
-        ),
-        ("study.label", "estimate", "study.label: expected truth, later or smoothed, got 'estimate'"),
-        ("study.rolling", {"learners": ["kriging"]}, "rolling.learners: learner 'kriging': expected one of"),
-        ("study.rolling", {"learners": ["svr"], "days": [30, 20]}, "rolling.days: expected the first day"),
-        (
-            "study.rolling",
-            {"learners": ["svr"], "days": [30, 90]},
-            "rolling.days: expected ascending days up to duration_days, 50, got 30 and 90",
-        ),
-        ("study.components", ["past"], "components: expected one of svr_training_1station"),
-        ("study.seeds.split", [], "seeds.split: expected a list of seeds, got []"),
-        ("study.reproduction.fixed", "nothing", "reproduction.fixed: expected one of svr, svrmedian"),
-        (
-            "study.reproduction.fixed",
-            "svr",
-            "learners.svr.kernel_scale: expected a number, as it stands",
-        ),
-        (
-            "study.reproduction.readings.cv_scale.learner",
-            "forest",
-            "readings.cv_scale.learner: learner 'forest': expected one of",
-        ),
-        ("learners.svr.without", ["speed"], "learners.svr.without.0: expected one of duration,"),
-        ("learners.none", {}, "learners.none.kind: expected a value, got none"),
-        ("learners.none", "none", "learners.none: expected a mapping, got 'none'"),
-        ("learners.none.kind", "oracle", "learners.none.kind: expected one of svr, none"),
-        ("learners.none.c", 1.0, "learners.none.c: unknown key; expected one of kind"),
-        ("learners.none", {"kind": "durationmean"}, "learners.none.bin_hours: expected a value, got none"),
-        ("learners.stacked.first.terms", [], "learners.stacked.first.terms: expected a list of products"),
-        ("learners.covariance.terms", ["v+cd"], "terms.0: expected a product of variables, such as v*cd"),
-        ("mechanism.resonances", [[1, 0]], "resonances.0.1: expected a whole number above 0, got 0"),
-        ("intervals.level", 1, "intervals.level: expected a number between 0 and 1, got 1"),
-        ("ephemeris.from", "last", "ephemeris.from: expected one of newest, each, got 'last'"),
-        ("ephemeris.step_s", 600, "ephemeris.step_s: expected seconds from 1 to 300, got 600"),
-        (
-            "study.pools.inclinations",
-            ["iss"],
-            "study.pools.inclinations: expected a list of at least two RSOs",
-        ),
-        (
-            "study.pools.inclinations",
-            ["iss", "mir"],
-            "study.pools.inclinations: RSO 'mir': expected one of iss,",
-        ),
-        ("study.beyond.learners", ["kriging"], "learner 'kriging': expected one of svr"),
-        ("study.beyond.intervals.splits", ["never"], "splits: expected one of random, grouped"),
-        (
-            "study.beyond.intervals.learners",
-            ["longarc", "kriging"],
-            "intervals.learners: learner 'kriging': expected one of svr",
-        ),
-        (
-            "study.beyond.budget.split",
-            ["random-80", "days-90-95"],
-            "split 'days-90-95': expected",
-        ),
-        ("sheets.rsos", "config/none.tsv", "config/none.tsv: no such file"),
-        ("orbits", {"mir": "mir.oem"}, "orbits.mir: RSO 'mir': expected one of iss,"),
-        ("orbits", {"iss": ""}, "orbits.iss: expected a file's path, a pattern of paths, or a list"),
-    ],
-)
+@pytest.mark.parametrize(("key", "value", "expected"), refusals("settings"))
 def test_wrong_setting_is_named(key, value, expected):
     assert expected in message(edited(key, value))
 
@@ -507,53 +301,7 @@ def test_what_else_is_wrong_with_the_default_study_of_a_short_run_is_told(tmp_pa
     assert "study.defaults.rso: RSO 'iss': expected one of sky01" in refusal
 
 
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        ("study: nowhere", "config/studies/nowhere.yaml: no such file"),
-        ("study: [7]", "mine.yaml: study: expected a study, or names of studies, got 7"),
-        ("study: {rsos: [mir]}", "mine.yaml: study.rsos: RSO 'mir': expected one of iss,"),
-        (
-            "study: {days: {train: [0, 8], test: [8, 60]}}",
-            "mine.yaml: study.days: expected ascending days up to",
-        ),
-        (
-            "study: {days: {train: [8, 0], test: [8, 9]}}",
-            "study.days.train: expected the first day before the last",
-        ),
-        ("study: {splits: {one: [random-80, all]}}", "study.splits.one.1: expected seen, rest, days-<first>"),
-        (
-            "study: {days: {train: [0, 3], test: [2, 5]}}",
-            "study.days.test: expected days that follow those to train on, from 3, got 2 to 5",
-        ),
-        (
-            "study: {days: {train: [4, 6], test: [0, 4]}}",
-            "study.days.test: expected days that follow those to train on, from 6, got 0 to 4",
-        ),
-        (
-            "study: {days: {train: [0, 3], test: [3, 5]}, splits: {one: [random-80, rest]}}",
-            "study.days: expected days, or splits by their names, got both",
-        ),
-        ("study: {rsos: [iss], days: {train: [0, 3], test: [3, 5]}, rsos: [lares]}", "key rsos given twice"),
-        ("study: {station_sets: [eglin, eglin]}", "study.station_sets: expected no item twice, got ["),
-        ("study: {learners: [forest]}", "study.learners: learner 'forest': expected one of svr"),
-        ("study: {rso: [iss]}", "study.rso: unknown key; did you mean rsos?"),
-        ("rsos: {iss: {}}", "mine.yaml: rsos.iss: expected a name that config/rsos.tsv has not"),
-        ("rsos: {mine: {a_km: 7000}}", "mine.yaml: rsos.mine: expected the keys a_km, e, i_deg,"),
-        ("stations: {here: {}}", "mine.yaml: stations.here: expected the keys latitude_deg"),
-        (
-            "rsos: {Mine: {}}",
-            "mine.yaml: rsos.Mine: expected a name of up to 60 lower-case letters and digits",
-        ),
-        pytest.param(
-            f"rsos: {{{'m' * 300}: {{}}}}",
-            f"mine.yaml: rsos.{'m' * 300}: expected a name of up to 60 lower-case letters and digits",
-            id="a name of 300 letters",
-        ),
-        ("orbits: {iss: none.oem}", "mine.yaml: orbits.iss: none.oem: no such file"),
-        ("- a list", "mine.yaml: expected a mapping of settings, got list"),
-    ],
-)
+@pytest.mark.parametrize(("text", "expected"), refusals("settings_of_ones_own"))
 def test_wrong_file_of_ones_own_is_named(tmp_path, text, expected):
     with pytest.raises(InputError) as raised:
         checked(given(tmp_path, text + "\n"))
@@ -612,7 +360,7 @@ def with_tracks(tmp_path, *more, text=TRACKS):
     """Settings with tracks of their own: Orekit's message, edited by pairs of texts, and further lines."""
     message = (EXCERPTS / "orekit.tdm").read_text()
     lines = [one for one in more if isinstance(one, str)]
-    for old, new in (pair for pair in more if isinstance(pair, tuple)):
+    for old, new in (pair for pair in more if not isinstance(pair, str)):
         assert old in message
         message = message.replace(old, new, 1)
     (tmp_path / "a.tdm").write_text(message)
@@ -634,30 +382,7 @@ def test_tracks_of_ones_own_need_the_body_only(tmp_path):
     assert settings.rsos["mine"].a != settings.rsos["mine"].a  # not known, and not asked for
 
 
-@pytest.mark.parametrize(
-    ("more", "said"),
-    [
-        (("PATH                      = 2,1", "PATH = 1,3"), "a.tdm: line 10: expected PATH = 2,1 or "),
-        (("KAENA", "MAUI"), "a.tdm: line 17: expected a station of eglin, clear, kaena, got MAUI"),
-        (("= UTC", "= GPS"), "expected time system GPS, as in "),
-        (
-            ("RANGE_UNITS               = km", "RANGE_UNITS = RU"),
-            "line 13: expected RANGE_UNITS = KM, got RU",
-        ),
-        (
-            ("2145.6550938364408", "2145655.09"),
-            "line 17: expected range of 0 to 6380 km, as kaena sees, got 2",
-        ),
-        (("2145.6550938364408", "300.5"), "line 17: expected a place higher than 120 km, got "),
-        (("DATA_STOP", "DATA_END"), "expected KEY = value, got DATA_END"),
-        ("starts: {iss: a.tdm}", "starts.iss: expected an RSO that has tracks"),
-        ("starts: {mine: a.tdm}", "starts.mine: "),
-        ("starts: {mine: none.tle}", "none.tle: no such file"),
-        ("manoeuvres: {mine: [noon]}", "manoeuvres.mine: epoch: expected UTC text like"),
-        ("orbits: {mine: a.tdm}", "orbits.mine: "),
-        ("duration_days: 1", "expected a time within the run, 2016-09-28T12:09:45 and 1 days, got one +1"),
-    ],
-)
+@pytest.mark.parametrize(("more", "said"), refusals("settings_of_tracks"))
 def test_tracks_that_do_not_fit_are_told_in_one_line(tmp_path, more, said):
     refusal = refused(with_tracks(tmp_path, more))
     assert said in refusal
