@@ -81,10 +81,12 @@ def edited(path, old, new):
 
 
 def refusal(read, *given, **options):
-    """What a reader says of a file that it refuses."""
+    """The one line in which a reader, or anything else, says what it refuses."""
     with pytest.raises(InputError) as error:
         read(*given, **options)
-    return str(error.value)
+    line = str(error.value)
+    assert "\n" not in line
+    return line
 
 
 def refusals(name):
