@@ -432,22 +432,9 @@ def test_fixes_stand_where_tracks_do_and_no_station_measured_them(tmp_path):
     assert (study.station_sets, study.label, study.truth_of("mine")) == (["fixes"], "later", "measured")
 
 
-@pytest.mark.parametrize(
-    ("lines", "content", "said"),
-    [
-        ([], GPS.replace("450.0", "east"), "fixes.mine: {folder}/gps.csv: line 3: expected a finite number"),
-        ([], GPS.replace("_km", "_m"), "km from the Earth's centre, got 6.70006 km: is the unit right?"),
-        (["tracks: {mine: gps.csv}"], GPS, "tracks.mine: "),
-        (["orbits: {mine: gps.csv}"], GPS, "orbits.mine: "),
-        (["fixing: {iss: {every_s: 10}}"], GPS, "fixing.iss: expected an RSO that has fixes"),
-        (["fixing: {mine: {sigma_m: [1, 2]}}"], GPS, "fixing.mine.sigma_m: expected three numbers above 0"),
-        (["fixing: {mine: {sigma_m: [1, 2, 0]}}"], GPS, "fixing.mine.sigma_m"),
-        (["starts: {iss: a.tle}"], GPS, "starts.iss: expected an RSO that has tracks, fixes, ranges or el"),
-    ],
-    ids=["text", "unit", "tracks", "orbits", "simulated", "two sigmas", "sigma 0", "start"],
-)
-def test_fixes_that_do_not_fit_are_told_in_one_line(tmp_path, lines, content, said):
-    line = refused(with_fixes(tmp_path, *lines, content=content))
+@pytest.mark.parametrize(("lines", "edit", "said"), refusals("settings_of_fixes"))
+def test_fixes_that_do_not_fit_are_told_in_one_line(tmp_path, lines, edit, said):
+    line = refused(with_fixes(tmp_path, *lines, content=GPS.replace(*edit or ("", ""))))
     assert said.format(folder=tmp_path) in line
 
 
@@ -502,61 +489,20 @@ def test_laser_ranges_stand_where_tracks_do_and_bring_stations_of_their_own(tmp_
     checked(with_ranges(tmp_path, text=RANGES.replace("area", elements), start=""))
 
 
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ({"edit": ("lageos.crd", "H8\n", "")}, "ranges.mine: {folder}/lageos.crd: line 9: expected "),
-        ({"edit": ("lageos.crd", "2016 9 28", "2017 9 28")}, "expected normal points within the run, of 50"),
-        (
-            {"edit": ("lageos.crd", "7090", "7119")},
-            "ranges.mine: station 7119: expected coordinates on 2016-09-28, got none",
-        ),
-        (
-            {"edit": ("lageos.crd", "5 13 3", "5 12 3")},
-            "ranges.mine: station 7090: expected an eccentricity of its system 0512 on 2016-09-28, got none",
-        ),
-        (
-            {"edit": ("coordinates.snx", "STAY", "STAX")},
-            "ranges.mine: {folder}/coordinates.snx: expected stations with",
-        ),
-        ({"edit": ("eccentricities.snx", "UNE", "XYZ")}, "eccentricities.snx: line 3: expected ecc"),
-        ({"ranging": None}, "mine.yaml: ranges.mine: expected mine under ranging, too, got none"),
-        ({"ranging": {"reflectors_m": 0.25}}, "ranging.mine.coordinates: expected a value, got none"),
-        ({"ranging": RANGING | {"without": [7090]}}, "lageos.crd: expected others within the run"),
-        ({"ranging": RANGING | {"without": ["x"]}}, "ranging.mine.without"),
-        ({"ranging": RANGING | {"sigma_m": 0}}, "ranging.mine.sigma_m: expected a number above 0"),
-        (
-            {"ranging": RANGING | {"coordinates": "{a}.snx"}},
-            "ranging.mine: expected a path without braces, got {folder}/{a}.snx",
-        ),
-        ({"ranging": RANGING | {"coordinates": "none.snx"}}, "ranges.mine: {folder}/none.snx: no such file"),
-        (
-            {"start": ""},
-            "rsos.mine: expected elements, or a file under starts, as ranges alone tell no first",
-        ),
-        ({"text": RANGES.replace("ranges: ", "fixes: ")}, "ranging.mine: expected an RSO that has ranges"),
-        (
-            {"text": RANGES.replace("ranges:", "elements: {{mine: mine.tle}}\nranges:")},
-            "ranges.mine: expected one of tracks, fixes, ranges or elements, got ranges and elements",
-        ),
-        (
-            {"text": RANGES.replace("study: {{}}", "study: {{rsos: [mine, iss]}}")},
-            "that has ranges for ranges",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("changes", "said"), refusals("settings_of_ranges"))
 def test_laser_ranges_that_do_not_fit_are_told_in_one_line(tmp_path, monkeypatch, changes, said):
     monkeypatch.setattr(kinds.FIXES.module, "check", lambda _: None)
-    line = refused(with_ranges(tmp_path, **changes))
+    text = RANGES.replace(*changes.pop("replaced", ("", "")))
+    line = refused(with_ranges(tmp_path, text=text, **changes))
     assert said.replace("{folder}", str(tmp_path)) in line
 
 
 ELEMENTS = TRACKS.replace('tracks: {{mine: "*.tdm"}}', "elements: {{mine: sets.tle}}")
 
 
-def sets_of(*numbers, days=(1, 2, 3, 4)):
-    """TLEs of objects at days since the epoch."""
-    return "".join(tle_text(history(days), number) for number in numbers or [25544])
+def sets_of(numbers=(25544,), days=(1, 2, 3, 4), edit=("", "")):
+    """TLEs of objects at days since the epoch, with one text in place of another."""
+    return "".join(tle_text(history(days), number) for number in numbers).replace(*edit)
 
 
 def with_elements(tmp_path, *lines, content=None):
@@ -579,38 +525,9 @@ def test_mean_elements_stand_where_tracks_do_with_windows_of_their_own(tmp_path)
     assert {"filter", "filtermean", "fit24"}.isdisjoint(models)
 
 
-@pytest.mark.parametrize(
-    ("lines", "content", "said"),
-    [
-        (
-            [],
-            sets_of().replace("51.6400", "51.6401"),
-            "elements.mine: {folder}/sets.tle: line 2: expected the",
-        ),
-        ([], sets_of(25544, 48445), "expected a number that tells which object, got objects 25544, 48445"),
-        (
-            ["histories: {mine: {number: 5}}"],
-            None,
-            "elements.mine: element sets: expected object 5, got 25544",
-        ),
-        (["histories: {iss: {number: 5}}"], None, "histories.iss: expected an RSO that has elements"),
-        (
-            ["histories: {mine: {number: 0}}"],
-            None,
-            "histories.mine.number: expected a catalogue number from 1",
-        ),
-        ([], sets_of(days=(1, 2)), "elements.mine: element sets: expected 3 sets or more within the run"),
-        (
-            ["estimation: {window_hours: 48}"],
-            None,
-            "sets or more in a window of fits, estimation.window_hours, got sets 24.0 h apart and 48",
-        ),
-        (["tracks: {mine: sets.tle}"], None, "tracks.mine: "),
-    ],
-    ids=["damaged", "two objects", "other", "simulated", "number 0", "two days", "window", "tracks"],
-)
-def test_mean_elements_that_do_not_fit_are_told_in_one_line(tmp_path, lines, content, said):
-    line = refused(with_elements(tmp_path, *lines, content=content))
+@pytest.mark.parametrize(("lines", "sets", "said"), refusals("settings_of_elements"))
+def test_mean_elements_that_do_not_fit_are_told_in_one_line(tmp_path, lines, sets, said):
+    line = refused(with_elements(tmp_path, *lines, content=sets_of(**sets)))
     assert said.format(folder=tmp_path) in line
 
 
@@ -653,31 +570,11 @@ def test_a_file_of_manoeuvres_that_is_none_is_told_in_one_line(tmp_path, path, c
 
 
 def test_damaged_sets_are_left_out_where_asked_for(tmp_path):
-    damaged = sets_of() + sets_of(days=(5,)).replace("51.6400", "51.6401")
+    damaged = sets_of() + sets_of(days=(5,), edit=("51.6400", "51.6401"))
     checked(with_elements(tmp_path, "histories: {mine: {leave_out_damaged: true}}", content=damaged))
 
 
-@pytest.mark.parametrize(
-    ("kind", "study", "said"),
-    [
-        (
-            "elements",
-            "{rsos: [mine, iss], station_sets: [fixes]}",
-            "expected an RSO that has fixes for fixes, got iss",
-        ),
-        ("elements", "{rsos: [mine], learners: [filter]}", "study.learners: expected fits over windows, as"),
-        (
-            "elements",
-            "{rsos: [mine], replayed: [filtermean]}",
-            "study.replayed: expected fits over windows, as",
-        ),
-        (
-            "fixes",
-            "{rsos: [mine], learners: [sgp4]}",
-            "study.learners: expected RSOs that have elements for sgp4",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("kind", "study", "said"), refusals("settings_of_learners"))
 def test_learners_suit_mean_elements(tmp_path, kind, study, said):
     texts = {"elements": ELEMENTS, "fixes": FIXES + "learners: {{sgp4: {{kind: sgp4}}}}\n"}
     (tmp_path / "sets.tle").write_text(sets_of())
@@ -732,28 +629,7 @@ BODY = "area_to_mass_m2pkg: 0.02, cd: 2.2, cr: 1.25"
 ROW = f"a_km: 6900, e: 0.001, i_deg: 97.5, argp_deg: 0, raan_deg: 120, mean_anomaly_deg: 0, {BODY}"
 
 
-@pytest.mark.parametrize(
-    ("first", "second", "expected"),
-    [
-        (f"rsos: {{mine: {{{ROW}}}}}", "rsos: {mine: {cd: -1}}", "b.yaml: rsos.mine.cd: expected a number"),
-        (
-            f"rsos: {{mine: {{{ROW.replace('2.2', '-1')}}}}}",
-            "rsos: {mine: {a_km: 7000}}",
-            "a.yaml: rsos.mine.cd: expected a number",
-        ),
-        (
-            "force_models: {truth: {order: 9}}",
-            "force_models: {truth: {degree: 8}}",
-            "a.yaml: force_models.truth.order: expected at most degree, got 9 and 8",
-        ),
-        (
-            "stations: {here: {}}",
-            "stations: {here: {altitude_m: 3}}",
-            "b.yaml: stations.here: expected the keys",
-        ),
-    ],
-    ids=["second", "first", "both", "keys"],
-)
+@pytest.mark.parametrize(("first", "second", "expected"), refusals("settings_in_two_files"))
 def test_the_file_in_which_a_wrong_value_stands_is_named(tmp_path, monkeypatch, first, second, expected):
     files = [REPOSITORY / "config" / "config.yaml", tmp_path / "a.yaml", tmp_path / "b.yaml"]
     files[1].write_text(first)

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 from laser_files import RANGING
 from snakemake.io import IOFile, flag
-from support import paper_values
+from support import paper_values, refusals
 
 from opml import tables
 from opml.base.errors import InputError
@@ -337,20 +337,7 @@ def test_a_split_has_a_seed():
     assert params().split(wildcards(train="random-80_split3")) == {"train": "random-80", "seed": 3}
 
 
-@pytest.mark.parametrize(
-    ("read", "name", "message"),
-    [
-        ("split", {"train": "days-0-60"}, "expected ascending days up to duration_days, 50"),
-        ("train_days", {"train": "random-80"}, "expected a window of days, such as days-0-20"),
-        ("experiment", {"test": "days-40-60"}, "expected ascending days up to duration_days, 50"),
-        (
-            "experiment",
-            {"test": "seen", "target": "lares"},
-            "split 'seen': expected the RSO that was trained on, iss, got lares",
-        ),
-        ("check_without_truth", {"learner": "knownmodel"}, "expected one that needs no truth to predict"),
-    ],
-)
+@pytest.mark.parametrize(("read", "name", "message"), refusals("names_in_rules"))
 def test_names_that_are_impossible_are_refused(read, name, message):
     with pytest.raises(InputError, match=message):
         getattr(params(), read)(experiment(**name))
