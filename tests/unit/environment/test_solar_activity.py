@@ -79,12 +79,6 @@ def paper_months(tmp_path):
     return path
 
 
-@pytest.mark.parametrize("days", [-60.0, 100.0])
-def test_dates_outside_the_months_are_refused_with_their_span(paper_months, days):
-    with pytest.raises(InputError, match=r"^own\.tsv: epoch: expected dates from 2016-08-01 to 2017-01-01"):
-        solar_activity.tabulate(paper_months, EPOCH, np.array([0.0, days * DAY]), 50)
-
-
 def test_the_papers_run_is_told_by_its_months_alone(paper_months):
     t = nodes(EPOCH, 50 * DAY)
     ours, cut = (solar_activity.tabulate(source, EPOCH, t, 50) for source in ("MSAFE", paper_months))
