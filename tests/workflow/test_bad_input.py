@@ -4,6 +4,7 @@ import shutil
 
 import pytest
 from project import Project
+from support import refusals
 
 CHATTER = ("Using workflow specific profile", "Config file config/config.yaml is extended")
 CONFIG = "config/config.yaml"
@@ -20,38 +21,7 @@ def refused(project, *arguments):
     return lines[0].removeprefix("opml: ")
 
 
-@pytest.mark.parametrize(
-    ("edit", "arguments", "line"),
-    [
-        (
-            (CONFIG, "duration_days", "duration_day"),
-            [],
-            f"{CONFIG}: duration_day: unknown key; did you mean duration_days?",
-        ),
-        (
-            ("config/rsos.tsv", "345.5909\t0.05", "345.5909\t-0.05"),
-            [],
-            "config/rsos.tsv: iss: area_to_mass_m2pkg: expected a number of at least 0, got '-0.05'",
-        ),
-        (
-            None,
-            ["--config", "tracking={stp_s: 10}"],
-            "--config: tracking.stp_s: unknown key; did you mean step_s?",
-        ),
-        (
-            None,
-            ["--config", "environment={ephemerides: none.bsp}"],
-            "none.bsp: expected an SPK ephemeris file, got [Errno 2] No such file or directory: 'none.bsp'",
-        ),
-        (None, ["--configfile", "none.yaml"], "none.yaml: no such file"),
-        (
-            None,
-            ["--configfile", "config/ci.yaml", "study"],
-            "study: expected a file of settings behind --configfile; targets stand before it, or behind --",
-        ),
-    ],
-    ids=["key", "cell", "command line", "data file", "settings", "target"],
-)
+@pytest.mark.parametrize(("edit", "arguments", "line"), refusals("command_line"))
 def test_what_is_wrong_is_told_in_one_line(project, edit, arguments, line):
     if edit:
         name, old, new = edit

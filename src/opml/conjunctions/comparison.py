@@ -9,7 +9,6 @@ An orbit is an OEM, SP3, CPF, CSV of points, or mean elements flown by SGP4.
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 import pandas as pd
@@ -43,28 +42,6 @@ MOST_ROWS = 14
 _SPACINGS = (0.1, 0.5, 1.0, 3.0, 6.0, 12.0, 24.0, 72.0, 240.0, 720.0, 2400.0)  # [h]
 _DEGREE = 7  # of the polynomials that give velocities to positions
 _SAME = 1e-5  # [s]
-
-
-class ComparedOrbit(Protocol):
-    """Where an object is, as files tell it."""
-
-    @property
-    def source(self) -> str:
-        """The file, the first of several."""
-
-    @property
-    def t(self) -> np.ndarray:
-        """Ascending times (n,) of the files' states or sets [s since EPOCH]."""
-
-    @property
-    def is_flown(self) -> bool:
-        """Whether states follow from mean elements at any time."""
-
-    def at(self, t: np.ndarray) -> np.ndarray:
-        """Return GCRF states (n, 6) [m, m/s] at times (n,), NaN where nothing is known."""
-
-    def covariances(self, t: np.ndarray) -> np.ndarray:
-        """Return covariances (n, 3, 3) of positions in RSW [m2] at times (n,), NaN where none is known."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +80,9 @@ class Stretch:
 class States:
     """An orbit of states, interpolated between those that are at most five minutes apart.
 
+    source: the file, the first of several
     stretches: in the order of time; where they overlap the later one counts
+    is_flown: whether states follow from mean elements at any time
     """
 
     source: str
@@ -117,7 +96,7 @@ class States:
         return times
 
     def at(self, t: np.ndarray) -> np.ndarray:
-        """Return states as `ComparedOrbit.at`."""
+        """Return GCRF states (n, 6) [m, m/s] at times (n,), NaN where nothing is known."""
         states = np.full((len(t), 6), np.nan)
         for one in self.stretches:
             held = one.holds(t)
@@ -125,7 +104,7 @@ class States:
         return states
 
     def covariances(self, t: np.ndarray) -> np.ndarray:
-        """Return covariances as `ComparedOrbit.covariances`."""
+        """Return covariances (n, 3, 3) of positions in RSW [m2] at times (n,), NaN where none is known."""
         found = np.full((len(t), 3, 3), np.nan)
         for one in self.stretches:
             held = one.holds(t)
@@ -147,7 +126,7 @@ class Sets:
         return np.asarray(self.sets["t"])
 
     def at(self, t: np.ndarray) -> np.ndarray:
-        """Return states as `ComparedOrbit.at`; a set flies 30 days at most."""
+        """Return states as `States.at`; a set flies 30 days at most."""
         states = np.full((len(t), 6), np.nan)
         nearest = np.searchsorted(0.5 * (self.t[1:] + self.t[:-1]), t)
         young = np.abs(t - self.t[nearest]) <= DAY * MOST_DAYS
@@ -157,8 +136,11 @@ class Sets:
         return states
 
     def covariances(self, t: np.ndarray) -> np.ndarray:
-        """Return covariances as `ComparedOrbit.covariances`: sets have none."""
+        """Return covariances as `States.covariances`: sets have none."""
         return np.full((len(t), 3, 3), np.nan)
+
+
+ComparedOrbit = States | Sets
 
 
 def read(paths: Sequence[FilePath], wanted: str | None = None) -> ComparedOrbit:

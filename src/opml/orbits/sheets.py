@@ -92,8 +92,8 @@ class _Field:
     above_low: bool = False
     too_high: str = ""
 
-    def parse(self, text: str) -> float:
-        """Return the value in SI units. Raises ValueError with what was expected."""
+    def parse(self, text: str, where: str) -> float:
+        """Return the value in SI units. Raises InputError with where it stands and what was expected."""
         try:
             value = float(text)
         except (TypeError, ValueError):
@@ -101,7 +101,7 @@ class _Field:
         inside = self.low < value if self.above_low else self.low <= value
         if not (inside and value <= self.high and math.isfinite(value)):
             hint = f": {self.too_high}" if value > self.high and self.too_high else ""
-            raise ValueError(f"expected {self._range()}, got {text!r}{hint}")
+            raise InputError(f"{where}: expected {self._range()}, got {text!r}{hint}")
         return self.to_si(value)
 
     def _range(self) -> str:
@@ -184,7 +184,7 @@ def parse_rso(text: str, sheet: Mapping[str, Rso]) -> Rso:
     base, inclination, offset = naming.rso_parts(text, sheet)
     rso = sheet[base]
     if inclination:
-        rso = replace(rso, i=_inclination(text, inclination))
+        rso = replace(rso, i=_RSO_FIELDS["i_deg"].parse(inclination, f"RSO '{text}': inclination"))
     if offset:
         rso = replace(rso, a=rso.a + _kilo(float(offset)))
         _check_perigee(rso, f"RSO '{text}'")
@@ -203,13 +203,6 @@ def name_at_offset(text: str, km: float, sheet: Mapping[str, Rso]) -> str:
     base, inclination, _ = naming.rso_parts(text, sheet)
     sign = "-" if km < 0 else "+"
     return naming.rso_name(base, inclination, f"{sign}{naming.number(abs(km))}" if km else "")
-
-
-def _inclination(text: str, degrees: str) -> float:
-    try:
-        return _RSO_FIELDS["i_deg"].parse(degrees)
-    except ValueError as error:
-        raise InputError(f"RSO '{text}': inclination: {error}") from None
 
 
 def _check_station(station: Station, where: str) -> None:
@@ -255,7 +248,7 @@ def _rows(
         _check_name(f"{path}: line {number}: name", name, numbers)
         numbers[name] = number
         rows[name] = {
-            field.attribute: _cell(path, name, row, key, field)
+            field.attribute: field.parse(row[key], f"{path}: {name}: {key}")
             for key, field in {**fields, **optional}.items()
             if key in row and not (key in optional and row[key] == _NOTHING)
         }
@@ -303,13 +296,6 @@ def _cells(where: str, line: str) -> list[str]:
         raise InputError(f"{where}: expected cells between tabs ({error})") from None
 
 
-def _cell(path: str | Path, name: str, row: Mapping[str, str], key: str, field: _Field) -> float:
-    try:
-        return field.parse(row[key])
-    except ValueError as error:
-        raise InputError(f"{path}: {name}: {key}: {error}") from None
-
-
 def stations_from_rows(rows: Mapping[str, Mapping[str, object]]) -> dict[str, Station]:
     """Return stations from mappings of the sheet's columns. Raises InputError, naming the column."""
     parsed = _parse_rows(rows, _STATION_FIELDS, _OPTIONAL_FIELDS)
@@ -353,12 +339,7 @@ def _parse_rows(
     for name, row in rows.items():
         if odd := _odd(row, fields, optional or {}):
             raise InputError(f"expected the keys {', '.join(fields)}; look at {', '.join(odd)}")
-        parsed[name] = {every[key].attribute: _value(row, key, every[key]) for key in every if key in row}
+        parsed[name] = {
+            field.attribute: field.parse(str(row[key]), key) for key, field in every.items() if key in row
+        }
     return parsed
-
-
-def _value(row: Mapping[str, object], key: str, field: _Field) -> float:
-    try:
-        return field.parse(str(row[key]))
-    except ValueError as error:
-        raise InputError(f"{key}: {error}") from None

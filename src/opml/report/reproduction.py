@@ -6,6 +6,7 @@ number, and every other number of the column is a prediction.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from importlib.resources import files
 from typing import Any
 
 import pandas as pd
@@ -14,7 +15,6 @@ from opml.base.constants import DAY
 from opml.naming import Experiment
 from opml.report.claims import Claim, judge_claim
 from opml.report.document import Block, Heading, Paragraph, Table
-from opml.report.doubts import DOUBTS
 from opml.report.results import NO_VALUE, Results, extent_cell, percent
 
 EXPLAINED = 0.5
@@ -97,8 +97,14 @@ def document(
             list(datasets.columns), [[str(cell) for cell in row] for row in datasets.itertuples(index=False)]
         ),
         Heading("Slips and doubts of the paper"),
-        Table(["the paper", "here"], DOUBTS),
+        Table(["the paper", "here"], doubts()),
     ]
+
+
+def doubts() -> list[list[str]]:
+    """Return slips and doubts in the paper, each with how it is read here."""
+    lines = (files("opml") / "data" / "doubts.tsv").read_text(encoding="utf-8").splitlines()
+    return [line.split("\t") for line in lines[2:]]
 
 
 def compare(headline: Headline, results: Results) -> Comparison:

@@ -23,7 +23,6 @@ from opml.tables.columns import (
     Column,
     Schema,
     count,
-    flag,
     real,
     symmetric_matrices,
     text,
@@ -51,7 +50,6 @@ from opml.tables.export import (
 )
 from opml.tables.learning_tables import (
     ELLIPSOID,
-    LEARNING_COLUMNS,
     LEARNING_VARIABLES,
     LEVELS,
     PLANE,

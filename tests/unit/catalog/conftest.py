@@ -2,14 +2,12 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
+from fits import fitted
 
 from opml.base.constants import DAY
-from opml.catalog.fit import estimation, sightings, start_states
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
-from opml.tables import STATE
 
 
 @pytest.fixture(scope="session")
@@ -46,11 +44,7 @@ def known_rows(known_orbit, earth_orientation, three_stations):
 def fits_to(known_flight, known_orbit, earth_orientation, three_stations):
     """The table of estimates of rows, with settings, and how far they are `off` [m]."""
 
-    def fitted(rows, settings):
-        starts = start_states.perturbed(known_orbit, rows, rso="iss", settings=settings, seed=42)
-        measured = sightings.Measured(rows, earth_orientation, three_stations)
-        found = estimation.estimate_all(known_flight, starts, measured, settings=settings)
-        true = known_orbit.set_index("t").loc[found["t"], STATE[:3]].to_numpy()
-        return found.assign(off=np.linalg.norm(found[STATE[:3]].to_numpy() - true, axis=1))
+    def fit(rows, settings):
+        return fitted(known_flight, known_orbit, rows, earth_orientation, three_stations, settings)
 
-    return fitted
+    return fit

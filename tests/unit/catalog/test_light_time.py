@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from fits import fitted
 from scipy.interpolate import CubicHermiteSpline
 from support import BOUNDED_ESTIMATION as SETTINGS
 
 from opml.base.constants import EARTH_RATE, HOUR, SPEED_OF_LIGHT
-from opml.catalog.fit import estimation, start_states
 from opml.catalog.fit.sightings import Measured
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking
@@ -61,9 +61,7 @@ def received(geometric, followed, sites):
 
 def estimates(model, orbit, rows, earth_orientation, stations, rso, **settings):
     settings = SETTINGS.evolve(convergence=1e-6, **settings)
-    starts = start_states.perturbed(orbit, rows, rso=rso.name, settings=settings, seed=42)
-    measured = Measured(rows, earth_orientation, stations)
-    found = estimation.estimate_all(Flight(model, rso), starts, measured, settings=settings)
+    found = fitted(Flight(model, rso), orbit, rows, earth_orientation, stations, settings)
     return found[found["tracks_used"] >= 3]
 
 

@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from fits import fitted
 from support import BOUNDED_ESTIMATION as SETTINGS
 from support import EPOCH, environment, kepler_orbit
 
 from opml.base.constants import DAY, HOUR, WGS84_A
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation, measured_tracks, sequential, sightings, start_states
+from opml.catalog.fit import measured_tracks, sequential, sightings
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking
@@ -19,6 +20,7 @@ from opml.dynamics.frames import gcrf_to_itrf
 from opml.interop import tdm
 from opml.tables import STATE
 
+PRECISE = SETTINGS.evolve(convergence=1e-4)
 SIGMAS = dict(zip(OBSERVABLES, [2e-4, 2e-4, 50.0, 0.1, 2e-5, 2e-5], strict=True))
 
 
@@ -51,15 +53,6 @@ def without_noise(rows):
     return rows.assign(**{name: rows[f"{name}_true"] for name in names})
 
 
-def fitted(model, orbit, rows, earth_orientation, stations, rso):
-    settings = SETTINGS.evolve(convergence=1e-4)
-    starts = start_states.perturbed(orbit, rows, rso=rso.name, settings=settings, seed=42)
-    measured = sightings.Measured(rows, earth_orientation, stations)
-    found = estimation.estimate_all(Flight(model, rso), starts, measured, settings=settings)
-    true = orbit.set_index("t").loc[found["t"], STATE[:3]].to_numpy()
-    return found.assign(off=np.linalg.norm(found[STATE[:3]].to_numpy() - true, axis=1))
-
-
 @pytest.mark.parametrize(
     "names",
     [
@@ -76,7 +69,9 @@ def test_fits_of_any_measurements_find_the_truth(
 ):
     stations = [measuring(station, *names) for station in three_stations]
     seen = tracking.simulate(orbit[orbit["t"] < 0.6 * DAY], earth_orientation, stations, rso="iss", seed=1)
-    found = fitted(assumed_model, orbit, without_noise(seen), earth_orientation, stations, smooth)
+    found = fitted(
+        Flight(assumed_model, smooth), orbit, without_noise(seen), earth_orientation, stations, PRECISE
+    )
     late = found[found["tracks_used"] >= 5]
     assert len(late) > 1
     assert late["converged"].all()
@@ -105,7 +100,7 @@ def test_a_radar_measures_the_same_beside_others(rows, orbit, earth_orientation,
 
 
 def test_residuals_weigh_what_was_measured(assumed_model, orbit, rows, earth_orientation, mixed, smooth):
-    found = fitted(assumed_model, orbit, rows, earth_orientation, mixed, smooth)
+    found = fitted(Flight(assumed_model, smooth), orbit, rows, earth_orientation, mixed, PRECISE)
     late = found[found["tracks_used"] >= 3]
     assert late["converged"].all()
     assert late["weighted_rms"].median() == pytest.approx(1.0, abs=0.1)

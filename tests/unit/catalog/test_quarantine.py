@@ -5,12 +5,13 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
+from fits import distances, fitted
 from support import BOUNDED_ESTIMATION as SETTINGS
 
 from opml.base.constants import DAY, HOUR
 from opml.catalog.associate import quarantine
 from opml.catalog.associate.innovations import ReferenceOrbit
-from opml.catalog.fit import sequential, sightings, start_states
+from opml.catalog.fit import sequential, sightings
 from opml.catalog.fit.least_squares import Method
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
@@ -62,11 +63,8 @@ def estimates(flight, earth_orientation, three_stations):
     """The table of estimates of rows, with settings, and how far they are off."""
 
     def made(orbit, rows, settings=WATCHING):
-        starts = start_states.perturbed(orbit, rows, rso="iss", settings=settings, seed=42)
-        measured = sightings.Measured(rows, earth_orientation, three_stations)
-        found = quarantine.estimate_all(flight, starts, measured, settings=settings)
-        true = orbit.set_index("t").loc[found["t"], STATE[:3]].to_numpy()
-        return found.assign(off=np.linalg.norm(found[STATE[:3]].to_numpy() - true, axis=1))
+        watched = {"estimate": quarantine.estimate_all}
+        return fitted(flight, orbit, rows, earth_orientation, three_stations, settings, **watched)
 
     return made
 
@@ -174,13 +172,9 @@ def test_filters_pass_over_what_is_held_back(
     table = estimates(orbit, rows).drop(columns="off")
     found = filtered(rows, table)
     assert found.loc[~found["converged"], "track"].tolist() == [track]
-    true = orbit.set_index("t").loc[found["t"], STATE[:3]].to_numpy()
-    off = np.linalg.norm(found[STATE[:3]].to_numpy() - true, axis=1)
-    assert off[track + 1 :].max() < 200.0
+    assert distances(found, orbit)[track + 1 :].max() < 200.0
     behind = filtered(seen(burnt), after_burn.drop(columns="off"))
-    true = burnt.set_index("t").loc[behind["t"], STATE[:3]].to_numpy()
-    off = np.linalg.norm(behind[STATE[:3]].to_numpy() - true, axis=1)
-    assert off[-4:].max() < 200.0
+    assert distances(behind, burnt)[-4:].max() < 200.0
 
 
 def test_what_nothing_explains_for_longer_than_a_window_counts_again(orbit, seen, estimates, monkeypatch):

@@ -155,24 +155,17 @@ def is_found_before_it_decays(folder, number):
     return any(abs(one.t - at) < 1.0 for one in screening.screen(pair, within=1e3, radius=20.0))
 
 
-FEW, MANY = range(25), range(25, 225)
+FEW_AND_MANY = pytest.mark.parametrize(
+    "numbers", [range(25), pytest.param(range(25, 125), marks=pytest.mark.slow)], ids=["few", "many"]
+)
 
 
+@FEW_AND_MANY
 @pytest.mark.parametrize("kind", KINDS)
-def test_no_pair_is_missed(kind):
-    assert [k for k in FEW if not is_found(kind, k)] == []
+def test_no_pair_is_missed(kind, numbers):
+    assert [k for k in numbers if not is_found(kind, k)] == []
 
 
-def test_no_object_is_missed_before_it_decays(tmp_path):
-    assert [k for k in FEW if not is_found_before_it_decays(tmp_path, k)] == []
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", KINDS)
-def test_none_of_many_pairs_is_missed(kind):
-    assert [k for k in MANY if not is_found(kind, k)] == []
-
-
-@pytest.mark.slow
-def test_none_of_many_objects_is_missed_before_it_decays(tmp_path):
-    assert [k for k in MANY if not is_found_before_it_decays(tmp_path, k)] == []
+@FEW_AND_MANY
+def test_no_object_is_missed_before_it_decays(tmp_path, numbers):
+    assert [k for k in numbers if not is_found_before_it_decays(tmp_path, k)] == []

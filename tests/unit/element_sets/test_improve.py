@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import sinking_histories
+from support import refusals
 
 from opml import cli
 from opml.base.errors import InputError
@@ -150,23 +151,7 @@ def test_the_command_writes_sets_and_table(
     assert len(pd.read_csv(f"{table}.csv")) == len(NUMBERS)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "expected"),
-    [
-        (["-o", "better.oem"], r"better\.oem: expected a suffix \.tle"),
-        (["-o", "better.tle", "--date", "yesterday"], "epoch: expected UTC text"),
-        (
-            ["-o", "better.tle", "--date", "2026-03-01T06:00:00"],
-            "measured up to 2026-03-01, got it up to 2026-01-",
-        ),
-        (
-            ["-o", "better.tle", "--date", "2025-11-19T06:00:00"],
-            "expected some that were public on 2025-11-19",
-        ),
-        (["-o", "better.tle", "--date", DATE, "--model", "no.parquet"], r"no\.parquet"),
-    ],
-    ids=["suffix", "date", "weather too old", "no set yet", "no model"],
-)
+@pytest.mark.parametrize(("arguments", "expected"), refusals("improve"))
 def test_what_cannot_be_is_told_in_one_line(
     arguments: list[str],
     expected: str,

@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 from jplephem.excerpter import write_excerpt
 from jplephem.spk import SPK
-from support import EXCERPTS
+from support import EXCERPTS, refusal
 
 from opml.base import epochs
 from opml.base.constants import BODIES, DAY
@@ -43,11 +43,6 @@ def test_positions_are_orekits_but_for_the_step_from_de430_to_de440():
         columns = [f"{body}_{axis}" for axis in "xyz"]
         distance = np.linalg.norm(reference[columns], axis=1)
         assert (np.linalg.norm(ours[columns] - reference[columns], axis=1) / distance).max() < limit, body
-
-
-def test_columns_are_time_and_three_coordinates_a_body():
-    columns = celestial_bodies.tabulate("DE440", EPOCH, np.array([0.0])).columns
-    assert list(columns) == ["t", *(f"{body}_{axis}" for body in BODIES for axis in "xyz")]
 
 
 def test_moon_needs_no_solar_system_barycentre():
@@ -105,20 +100,16 @@ def test_a_kernel_without_earth_is_refused(excerpt):
         celestial_bodies.tabulate(excerpt({*range(1, 11), 301}), EPOCH, np.array([0.0]))
 
 
-def test_a_missing_file_is_refused(tmp_path):
-    with pytest.raises(InputError, match=r"absent\.bsp: expected an SPK"):
-        celestial_bodies.tabulate(tmp_path / "absent.bsp", EPOCH, np.array([0.0]))
-
-
 @pytest.mark.parametrize(
-    "content", [b"", b"not an ephemeris\n", b"DAF/PCK " + 2000 * b" "], ids=["empty", "text", "PCK"]
+    "content",
+    [None, b"", b"not an ephemeris\n", b"DAF/PCK " + 2000 * b" "],
+    ids=["absent", "empty", "text", "PCK"],
 )
 def test_a_file_that_is_no_spk_is_refused(tmp_path, content):
     path = tmp_path / "other.bsp"
-    path.write_bytes(content)
-    with pytest.raises(InputError, match=r"other\.bsp: expected an SPK") as caught:
-        celestial_bodies.tabulate(path, EPOCH, np.array([0.0]))
-    assert "\n" not in str(caught.value)
+    if content is not None:
+        path.write_bytes(content)
+    assert "other.bsp: expected an SPK" in refusal(celestial_bodies.tabulate, path, EPOCH, np.array([0.0]))
 
 
 @pytest.mark.parametrize("kept", [3000, 20000, 60000])

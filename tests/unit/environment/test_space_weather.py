@@ -6,7 +6,7 @@ import hashlib
 import numpy as np
 import pandas as pd
 import pytest
-from support import shared
+from support import refusal, refusals, shared
 
 from opml.base import epochs
 from opml.base.constants import DAY, HOUR
@@ -208,43 +208,10 @@ def test_flux_is_of_the_day_before_on_a_day_with_a_leap_second_too(weather):
     assert activity(weather(), "2016-12-31T08:00:00")["f107"].tolist() == pytest.approx([85.0], abs=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ("2016-12-29,2,27", "2016-12-29,2,2x", "line 4: expected a date, eight Kp and two fluxes"),
-        ("2016-12-29,2,27", '2016-12-29,2,"27', "line 4: expected a date"),
-        ("2016-12-29", "\n2016-13-29", "line 5: expected a date"),
-        ("2016-12-29", "2016-13-29", "line 4: expected a date"),
-        ("90.0,1.0,OBS", "nan,1.0,OBS", "line 5: expected a date"),
-        ("2016-12-30,3,0,0", "2016-12-31,3,0,0", "line 5: expected the day 2016-12-30, got 2016-12-31"),
-        ("2016-12-29,2,27", "2016-12-29,2,", "line 4: expected eight Kp, as line 5 has, got none"),
-        ("2016-12-29,2,27,30", "2016-12-29,2,2.7,3", "line 4: expected ten times Kp in thirds from 0 to 90"),
-        (
-            "2016-12-29,2,27,30",
-            "2016-12-29,2,999,30",
-            "line 4: expected ten times Kp in thirds from 0 to 90, got 999 30",
-        ),
-        ("2016-12-29,2,27,30", "2016-12-29,2,-3,30", "line 4: expected ten times Kp in thirds from 0 to 90"),
-        (
-            "2016-12-31,4,10",
-            "2016-12-31,4,100",
-            "line 6: expected ten times Kp in thirds from 0 to 90, got 100",
-        ),
-        (
-            "80.0,1.0,OBS",
-            "-99.9,1.0,OBS",
-            "line 4: expected two fluxes of 40 to 1000 sfu, got -99.9 and 77.0",
-        ),
-        ("80.0,1.0,OBS", "0,1.0,OBS", "line 4: expected two fluxes of 40 to 1000 sfu, got 0 and 77.0"),
-        ("OBS,77.0", "OBS,9999.9", "line 4: expected two fluxes of 40 to 1000 sfu, got 80.0 and 9999.9"),
-        ("F10.7_OBS,", "FLUX,", "expected an MSAFE bulletin or CSSI space weather"),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "message"), refusals("space_weather"))
 def test_what_cannot_be_used_is_named_in_one_line(weather, old, new, message):
-    with pytest.raises(InputError) as caught:
-        activity(weather(CSV.replace(old, new)), "2016-12-30T12:00:00")
-    assert f"weather.txt: {message}" in str(caught.value)
-    assert "\n" not in str(caught.value)
+    path = weather(CSV.replace(old, new))
+    assert f"weather.txt: {message}" in refusal(activity, path, "2016-12-30T12:00:00")
 
 
 def test_a_predicted_day_between_measured_ones_is_told(weather):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from orbit_files import cpf as written
-from support import EPOCH, edited, refusal, shared
+from support import EPOCH, edited, refusal, refusals, shared
 
 from opml.base.errors import InputError
 from opml.interop import cpf
@@ -49,42 +49,7 @@ def test_another_satellite_is_refused(tmp_path):
         read(written(tmp_path / "orbit.cpf", T, STATES), "stella")
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        (
-            "CPF  1",
-            "CPF  3",
-            "line 1: expected H1 CPF of version 1 or 2, with the satellite's name, got H1 CPF 3",
-        ),
-        (" larets", "", "line 1: expected H1 CPF of version 1 or 2, with"),
-        ("H2 ", "H3 ", "line 2: expected H2 with ids, times and reference frame, got H3"),
-        ("180 1 1  0", "180 1 1  1", "line 2: expected reference frame 0, the ITRF, got 1"),
-        (
-            "180 1 1  0 0 0",
-            "180 1 1  0 0 1",
-            "line 2: expected 0 for the centre of mass, not the reflectors'",
-        ),
-        (
-            "180 1 1  0 0 0",
-            "180 1 1  0 1 0",
-            "line 2: expected rotation angles 0, of no body that turns, got 1",
-        ),
-        ("10 0 57659", "10 1 57659", "line 4: expected direction flag 0 and leap second flag 0, got 1 and 0"),
-        ("000 0 ", "000 1 ", "line 4: expected direction flag 0 and leap second flag 0, got 0 and 1"),
-        ("10 0 57659", "10 0 57659.5", "line 4: expected a modified Julian date and second of the day, got"),
-        ("10 0 57659", "10 0 nan", "line 4: expected a finite number, got nan"),
-        ("10 0 57659", "10 0 57669", "line 5: expected a later epoch than before"),
-        ("10 0 57659", "15 0 57659", "line 4: expected a record 10 or 20, or 99 at the end, got 15 0"),
-        ("\n99\n", "\n", "expected positions and a line 99 at the end, got neither"),
-        pytest.param(
-            "\n99\n",
-            "\n99\n99\n",
-            "line 8: expected a record 10 or 20, or 99 at the end, got 99",
-            id="two ends",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "message"), refusals("cpf"))
 def test_what_is_malformed_is_named_by_file_and_line(tmp_path, old, new, message):
     path = edited(written(tmp_path / "orbit.cpf", T, STATES), old, new)
     assert refusal(read, path).startswith(f"{path}: {message}")

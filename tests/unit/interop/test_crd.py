@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support import refusal
+from support import refusal, refusals
 
 from opml.base.errors import InputError
 from opml.interop import crd
@@ -91,46 +91,7 @@ def test_the_light_is_received_after_the_event(tmp_path, event, later):
     np.testing.assert_allclose(t, [85382.4 + 0.04 * later, 86482.2 + 0.05 * later], atol=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ("CRD  1", "CPF  1", "line 1: expected H1 CRD of version 1 or 2, got h1 CPF"),
-        ("h2 YARL       7090  5 13 3\n", "", "line 3: expected H2 of a station before H4, got nothing"),
-        ("5 13 3", "5 13 1", "line 2: expected UTC, time scale 3, 4 or 7, got"),
-        ("6 46  0 0 0", "6 46  0 1 0", "line 4: expected 0 for refraction, got 1"),
-        ("6 46  0 0 0", "6 46  0 0 1", "line 4: expected 0 for centre of mass, got 1"),
-        pytest.param("0 2 0\nc0", "0 1 0\nc0", "line 4: expected 2 for ways, got 1", id="one way"),
-        pytest.param(
-            "0 1 0 2 0\nc0",
-            "0 0 0 2 0\nc0",
-            "line 4: expected 1 for the station's delay, got 0",
-            id="without the station's delay",
-        ),
-        (" 983.70 ", " 98370.0 ", "line 8: expected a pressure [hPa] of 400 to 1100, got 98370.0"),
-        (" 301.40 ", " 28.40 ", "line 8: expected a temperature [K] of 200 to 340, got 28.40"),
-        (" 24. 0", " 240. 0", "line 8: expected a humidity [%] of 0 to 100, got 240."),
-        (" 532.000 std", " 0.532 std", "line 5: expected a wavelength of 300 to 2000 nm, got 0.532"),
-        ("2016  2 13 23", "2016  2 33 23", "line 4: expected a date, got 2016 2 33"),
-        ("c0 0", "c0 0 0", "line 9: expected a record C0 of std in the pass, got none"),
-        ("532.000 std", "green std", "line 5: expected a finite number, got green"),
-        ("11 82.2     0.05", "11 82.2     nan", "line 11: expected a finite number, got nan"),
-        (
-            "11 82.2     0.05",
-            "11 82.2     -0.05",
-            "line 11: expected a second of the day and a time",
-        ),
-        pytest.param(
-            "11 82.2     0.05",
-            "11 82.2     39.05",
-            "line 11: expected a second of the day and a time",
-            id="beyond the Moon",
-        ),
-        ("0.05 std 2", "0.05 std 4", "line 11: expected epoch event 0, 1 or 2, got 4"),
-        ("11 82.2     0.05 std 2", "11 82.2 #", "line 11: expected 5 words or more, got 11 82.2"),
-        ("50 std", "55 std", "line 12: expected a record of CRD, of a pass between H4 and H8, got 55"),
-        ("h8\n", "", "line 13: expected H8 at the end of a pass, got the end of the file"),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "message"), refusals("crd"))
 def test_what_is_malformed_is_named_by_file_and_line(tmp_path, old, new, message):
     assert old in PASS
     text = PASS.replace(old, new, 1)

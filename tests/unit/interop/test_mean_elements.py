@@ -205,65 +205,6 @@ def test_elements_of_another_month_are_refused(written, capsys, epoch):
     assert error.count("\n") == 1
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", "expected a TLE or an OMM, got none"),
-        (tle() * 2, "expected the mean elements of one RSO, got 2 sets"),
-        (tle().replace("34.2682", "34.2683"), "line 2: expected the checksum 8, got 7"),
-        (tle().replace("28098-4", "28o98-4"), "line 1: expected line 1 of a TLE"),
-        ("\n".join(reversed(LINES)), "line 1: expected line 1 of a TLE"),
-        (f"{LINES[0]}\n{LINES[1][:60]}", "line 2: expected line 2 of a TLE"),
-        (tle().replace("2 00005", "2 00014"), "line 2: expected catalogue number 00005, got 00014"),
-        (kvn(EPOCH="yesterday"), "line 10: EPOCH: expected a time from 1957 to 2099"),
-        (kvn(MEAN_MOTION="fast"), "line 11: MEAN_MOTION: expected a finite number, got fast"),
-        (kvn(MEAN_MOTION="inf"), "line 11: MEAN_MOTION: expected a finite number, got inf"),
-        (kvn(MEAN_ELEMENT_THEORY="DSST"), "line 9: MEAN_ELEMENT_THEORY: expected SGP4 or SGP/SGP4, got DSST"),
-        (kvn(REF_FRAME="GCRF"), "line 7: REF_FRAME: expected TEME, got GCRF"),
-        (
-            kvn(NORAD_CAT_ID="five"),
-            "line 19: NORAD_CAT_ID: expected a whole number of at most 9 digits, got five",
-        ),
-        (kvn(ECCENTRICITY="1.2"), "line 1: expected an eccentricity from 0 to below 1, got 1.2"),
-        (kvn().replace("BSTAR = ", "BSTAR "), "line 22: expected a key for each value, got BSTAR"),
-        (kvn() + "BSTAR = 0\n", "line 25: expected BSTAR once, got it twice"),
-        (kvn().replace("BSTAR", "B_STAR"), "line 1: BSTAR: expected a finite number, got nothing"),
-        ("[]", "expected a TLE or an OMM, got none"),
-        ("[1]", "line 1: expected a key for each value, got 1"),
-        ('{"EPOCH":\n}', "line 2: expected OMMs in JSON"),
-        (xml().replace("</ndm>", ""), "line 3: expected OMMs in XML"),
-        (xml().replace("omm>", "message>"), "expected a TLE or an OMM, got none"),
-    ],
-    ids=[
-        "empty",
-        "two sets",
-        "checksum",
-        "letter in a number",
-        "lines turned",
-        "cut",
-        "another object",
-        "time",
-        "text for a number",
-        "infinite",
-        "theory",
-        "frame",
-        "catalogue number",
-        "eccentricity",
-        "no =",
-        "BSTAR twice",
-        "no BSTAR",
-        "empty JSON",
-        "number in JSON",
-        "cut JSON",
-        "cut XML",
-        "other XML",
-    ],
-)
-def test_what_is_malformed_is_named(written, text, message):
-    path = written(text)
-    assert refusal(mean_elements.read, path).startswith(f"{path}: {message}")
-
-
 @pytest.mark.parametrize("name", ["1 KUNS-PF", "2 SAT", "N" * 45, "<script>", "[SAT]"])
 def test_a_name_may_look_like_anything(written, name):
     path = written("\n".join([name, *LINES, name, *LINES]))
@@ -292,14 +233,10 @@ def test_a_list_as_csv_is_read_and_several_are_told(tmp_path):
         for name in ("one.csv", "json.omm")
     ]
     np.testing.assert_array_equal(*states)
-    for rows, said in ((2, "of one RSO, got 2 sets"), (0, "expected a TLE or an OMM, got none")):
-        row = ",".join(OMM.values())
-        (tmp_path / "list.csv").write_text("\n".join([",".join(OMM), *[row] * rows]))
-        with pytest.raises(InputError, match=f"list.csv: .*{said}"):
-            mean_elements.read(tmp_path / "list.csv")
-    (tmp_path / "cut.csv").write_text(f"{','.join(OMM)}\nVANGUARD 1,1958")
-    with pytest.raises(InputError, match=r"cut\.csv: line 2: expected a value for CENTER_NAME, got none"):
-        mean_elements.read(tmp_path / "cut.csv")
+    path = tmp_path / "list.csv"
+    for rows, said in ((2, "the mean elements of one RSO, got 2 sets"), (0, "a TLE or an OMM, got none")):
+        path.write_text("\n".join([",".join(OMM), *[",".join(OMM.values())] * rows]))
+        assert refusal(mean_elements.read, path) == f"{path}: expected {said}"
 
 
 def test_a_catalogue_number_of_nine_digits_changes_nothing(tmp_path):
@@ -309,17 +246,3 @@ def test_a_catalogue_number_of_nine_digits_changes_nothing(tmp_path):
     np.testing.assert_array_equal(
         *(mean_elements.state(satellite, epoch=THREE_DAYS_ON) for satellite in (short, long))
     )
-
-
-def test_columns_of_csv_that_are_missing_or_there_twice_are_told(tmp_path):
-    path = tmp_path / "odd.csv"
-    for columns, said in (
-        (
-            {name: value for name, value in OMM.items() if name != "BSTAR"},
-            "line 1: expected a column BSTAR, got none",
-        ),
-        (OMM | {" BSTAR": "1"}, "line 1: expected one column BSTAR, got several"),
-    ):
-        path.write_text(f"{','.join(columns).replace(' BSTAR', 'BSTAR')}\n{','.join(columns.values())}\n")
-        with pytest.raises(InputError, match=f"odd.csv: {said}"):
-            mean_elements.read(path)

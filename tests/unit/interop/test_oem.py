@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from support import EPOCH, edited, refusal
+from support import EPOCH, edited, refusal, refusals
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
@@ -152,31 +152,7 @@ def test_days_of_the_year_zulus_and_accelerations_are_read(message, orbit):
     np.testing.assert_array_equal(back.t, orbit["t"])
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "line"),
-    [
-        ("CCSDS_OEM_VERS = 2.0", "CCSDS_OPM_VERS = 2.0", "line 1: expected CCSDS_OEM_VERS = 1.0 or 2.0, got"),
-        ("CCSDS_OEM_VERS = 2.0", "", "line 3: expected CCSDS_OEM_VERS"),
-        ("ORIGINATOR = ", "ORIGINATOR ", "line 4: expected KEY = value, got ORIGINATOR OPML"),
-        ("META_START", "META_BEGIN", "line 6: expected KEY = value, got META_BEGIN"),
-        ("CENTER_NAME = EARTH", "CENTER_NAME = MARS", "line 10: expected CENTER_NAME = EARTH, got MARS"),
-        (
-            "REF_FRAME = GCRF",
-            "REF_FRAME = TOD",
-            "line 11: expected REF_FRAME = GCRF or ICRF or EME2000, got T",
-        ),
-        ("REF_FRAME = GCRF\n", "", "line 14: expected the key REF_FRAME before this line, got none"),
-        ("REF_FRAME = GCRF", "OBJECT_ID = twice", "line 11: expected OBJECT_ID once, got it twice"),
-        ("TIME_SYSTEM = UTC", "TIME_SYSTEM = MET", "line 12: expected TIME_SYSTEM = UTC or TAI or TT or GPS"),
-        ("META_STOP\n", "", "line 15: expected KEY = value, got 2016"),
-        ("\n2016-09-28T12:10:05.000000 ", "\n2016-09-28 12:10:05 ", "line 17: expected a time, position"),
-        ("\n2016-09-28T12:10:05.000000 ", "\n2016-09-31T12:10:05 ", "line 17: expected a time that exists"),
-        ("\n2016-09-28T12:10:05.000000 ", "\n2016-09-28T12:10:60 ", "line 17: expected a time that exists"),
-        ("\n2016-09-28T12:10:05.000000 ", "\n2016-367T12:10:05 ", "line 17: expected a time that exists"),
-        ("\n2016-09-28T12:10:05.000000 ", "\nnoon ", "line 17: expected a time like 2016-09-28T12:09:45"),
-        ("\n2016-09-28T12:10:05.000000 ", "\n2016-09-28T12:10:05 nan ", "line 17: expected a time, position"),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "line"), refusals("oem"))
 def test_what_is_malformed_is_named_by_file_and_line(message, old, new, line):
     edited(message, old, new)
     assert refusal(oem.read, message, epoch=EPOCH).startswith(f"{message}: {line}")
@@ -300,30 +276,7 @@ def test_covariances_are_passed_over_by_arcs(tmp_path):
         oem.arcs(path, epoch=EPOCH)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "line"),
-    [
-        ("REF_FRAME = GCRF", "REF_FRAME = TOD", "REF_FRAME = GCRF or ICRF or EME2000 or ITRF, got TOD"),
-        (
-            "STOP_TIME = 2016-09-28T12:19",
-            "STOP_TIME = 2016-09-28T13:19",
-            "states up to STOP_TIME = 2016-09-28T13",
-        ),
-        ("12:10:05.000000 ", "12:09:05.000000 ", "a later epoch than before"),
-        pytest.param(
-            "META_STOP",
-            "USEABLE_STOP_TIME = 2016\nMETA_STOP",
-            "a time like 2016-09-28T12:09:45, got 2016",
-            id="useable to a year",
-        ),
-        pytest.param(
-            "META_STOP",
-            "USEABLE_STOP_TIME = 2015-01-01T00:00:00\nMETA_STOP",
-            "states within the useable times",
-            id="useable before it starts",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "line"), refusals("oem_arcs"))
 def test_arcs_that_are_cut_or_malformed_are_named(message, old, new, line):
     edited(message, old, new)
     with pytest.raises(InputError, match=f"iss.oem: .*expected {line}"):

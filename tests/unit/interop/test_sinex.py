@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
-from support import edited, refusal
+from support import edited, refusal, refusals
 
 from opml.base.errors import InputError
 from opml.catalog.fit.laser_ranges import Sites
@@ -61,26 +61,7 @@ def test_eccentricities_are_read_where_their_numbers_touch(tmp_path):
     assert table["end"].isna().tolist() == [False, True]
 
 
-@pytest.mark.parametrize(
-    ("read", "old", "new", "message"),
-    [
-        ("read_coordinates", "%=SNX", "SINEX", "line 1: expected %=SNX, got SINEX"),
-        ("read_coordinates", "-SOLUTION/EST", "-SOL/EST", "expected a block +SOLUTION/ESTIMATE to"),
-        ("read_coordinates", "m/y  2 0.51", "m/s  2 0.51", "line 14: expected VELZ in m/y, got m/s"),
-        ("read_coordinates", "10:001:00000 m", "10-001-00000 m", "line 9: expected a time YY:DDD:SSSSS"),
-        ("read_coordinates", "10:001:00000 m", "10:400:00000 m", "line 9: expected a day of the year and a"),
-        ("read_coordinates", "0.50433", "o.50433", "line 10: expected a finite number, got o.50433"),
-        ("read_coordinates", "3 STAZ", "3 STAW", "expected stations with all of station, point,"),
-        ("read_coordinates", " 99:007:13417", "", "line 4: expected 7 words or more in SOLUTION/EPOCHS"),
-        (
-            "read_eccentricities",
-            "14:079:86399 UNE",
-            "14:079:86399 XYZ",
-            "line 4: expected eccentricities U",
-        ),
-        ("read_eccentricities", "-516.4230", "-516.x230", "line 5: expected a finite number, got -516.x23"),
-    ],
-)
+@pytest.mark.parametrize(("read", "old", "new", "message"), refusals("sinex"))
 def test_what_is_malformed_is_named_by_file_and_line(tmp_path, read, old, new, message):
     text = COORDINATES if read == "read_coordinates" else ECCENTRICITIES
     path = edited(written(tmp_path, text), old, new)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from orbit_files import AHEAD_OF_UTC, flagged
 from orbit_files import sp3 as written
-from support import EPOCH, edited, refusal
+from support import EPOCH, edited, refusal, refusals
 
 from opml.base.errors import InputError
 from opml.interop import sp3
@@ -76,36 +76,7 @@ def test_realisations_of_the_itrf_are_taken_for_it(tmp_path, frame):
     assert (arc.frame, arc.realisation) == ("ITRF", frame)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ("#cV2016", "#aV2016", "line 1: expected the first line of SP3-c or SP3-d, got #aV2016"),
-        ("      4 ORBIT", "      x ORBIT", "line 1: expected the first line of SP3-c"),
-        ("      4 ORBIT", "      5 ORBIT", "expected 5 epochs, as its first line says, got 4"),
-        ("IGS14", "GCRF ", "line 1: expected a realisation of the ITRF, such as IGS14, got GCRF"),
-        (
-            "cc GPS",
-            "cc GLO",
-            "line 13: expected a line %c with time system GPS or UTC or TAI or GAL or QZS, got",
-        ),
-        ("+    1", "+    2", "expected the ids of 2 satellites, got 1"),
-        pytest.param(
-            "/* a test\n*", "x\n*", "line 22: expected an epoch, position or velocity, got x", id="no remark"
-        ),
-        (
-            "*  2016  9 28 12 11  2",
-            "*  2016  9 28 12 11  x",
-            "line 26: expected a finite number, got x.00000000",
-        ),
-        (
-            "*  2016  9 28 12 11  2",
-            "*  2016  9 31 12 11  2",
-            "line 26: expected a time that exists, got * 2016 9",
-        ),
-        ("*  2016  9 28 12 11  2", "*  2016  9 28 12 09  2", "line 26: expected a later epoch than before"),
-        ("EOF", "#cV2016", "line 35: expected an epoch, position or velocity, got #cV2016"),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "message"), refusals("sp3"))
 def test_what_is_malformed_is_named_by_file_and_line(tmp_path, old, new, message):
     path = edited(written(tmp_path / "orbit.sp3", T, STATES), old, new)
     assert refusal(read, path).startswith(f"{path}: {message}")

@@ -9,8 +9,8 @@ import numpy as np
 import orbit_files
 import pandas as pd
 import pytest
+from damage import DAMAGES, damaged
 from hypothesis import given, settings
-from hypothesis import strategies as st
 from support import EPOCH, force_model, shared
 
 from opml.base import epochs
@@ -389,34 +389,6 @@ def test_what_does_not_fit_is_told_before_alike(unfit, what):
     assert "\n" not in str(checked.value)
 
 
-CHANGES = st.one_of(
-    st.tuples(st.just("cut"), st.floats(0.0, 1.0), st.none()),
-    st.tuples(st.just("flip"), st.floats(0.0, 1.0), st.integers(0, 7)),
-    st.tuples(st.just("digit"), st.floats(0.0, 1.0), st.integers(0, 9)),
-    st.tuples(st.just("swap"), st.floats(0.0, 1.0), st.floats(0.0, 1.0)),
-    st.tuples(st.just("drop"), st.floats(0.0, 1.0), st.none()),
-)
-
-
-def damaged(content, how, where, what):
-    """A file cut short, with a bit or digit changed, two lines swapped or one dropped."""
-    at = int(where * (len(content) - 1))
-    if how == "cut":
-        return content[:at]
-    if how == "flip":
-        return content[:at] + bytes([content[at] ^ 1 << what]) + content[at + 1 :]
-    if how == "digit":
-        places = [k for k, letter in enumerate(content) if chr(letter).isdigit()]
-        at = places[int(where * (len(places) - 1))]
-        return content[:at] + str(what).encode() + content[at + 1 :]
-    lines = content.splitlines(keepends=True)
-    one, other = int(where * (len(lines) - 1)), int((what or 0.0) * (len(lines) - 1))
-    if how == "swap":
-        lines[one], lines[other] = lines[other], lines[one]
-        return b"".join(lines)
-    return b"".join(lines[:one] + lines[one + 1 :])
-
-
 @pytest.fixture(scope="module")
 def sound(tmp_path_factory, orbit, nodes):
     """A folder, and the bytes of a sound file of each format, two hours long."""
@@ -440,11 +412,11 @@ def refusal(path):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["sp3", "cpf", "oem"])
 @settings(max_examples=150)
-@given(change=CHANGES)
-def test_a_damaged_file_is_refused_in_one_line_or_gives_the_right_orbit(sound, deviations, kind, change):
+@given(damage=DAMAGES)
+def test_a_damaged_file_is_refused_in_one_line_or_gives_the_right_orbit(sound, deviations, kind, damage):
     folder, contents_of = sound
     path = folder / f"damaged.{kind}"
-    path.write_bytes(damaged(contents_of[kind], *change))
+    path.write_bytes(damaged(contents_of[kind], *damage))
     result = refusal(path)
     if isinstance(result, str):
         assert path.name in result

@@ -5,9 +5,8 @@ import math
 import numpy as np
 import pytest
 from element_histories import history
-from support import EPOCH
+from support import EPOCH, refusal, refusals
 
-from opml.base.errors import InputError
 from opml.orbits import manoeuvres
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import write_table
@@ -36,24 +35,18 @@ def test_a_file_of_manoeuvres_is_read_as_it_is(tmp_path, content):
 @pytest.mark.parametrize(
     ("content", "expected"),
     [
-        ("name: ISS\n", "expected a list of times, or one under manoeuvre_timestamps, got neither"),
-        ("noon\n", "expected a list of times, or one under manoeuvre_timestamps, got neither"),
-        ("manoeuvre_timestamps: 5\n", "expected a list of times, or one under manoeuvre_timestamps"),
+        *refusals("manoeuvres"),
         pytest.param(
             PUBLISHED.replace("14:09:45", ""),
             "entry 1: expected a time like 2016-09-28 12:09:45, got 2016-09",
             id="a day",
         ),
-        ("[noon]", "entry 1: expected a time like 2016-09-28 12:09:45, got noon"),
-        ("[a: 1]", "entry 1: expected a time like 2016-09-28 12:09:45, got {'a': 1}"),
     ],
 )
 def test_a_file_that_is_no_list_of_manoeuvres_is_told(tmp_path, content, expected):
     path = tmp_path / "burns.yaml"
     path.write_text(content)
-    with pytest.raises(InputError) as refusal:
-        manoeuvres.read_times(path)
-    assert str(refusal.value).startswith(f"{path}: {expected}")
+    assert refusal(manoeuvres.read_times, path).startswith(f"{path}: {expected}")
 
 
 def test_tables_keep_manoeuvres_and_since_when_they_are_known(tmp_path):

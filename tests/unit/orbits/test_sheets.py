@@ -4,7 +4,7 @@ import math
 import re
 
 import pytest
-from support import REPOSITORY
+from support import REPOSITORY, refusals
 
 from opml.base.errors import InputError
 from opml.orbits.sheets import read_rsos, read_stations, stations_from_rows
@@ -37,71 +37,7 @@ def test_papers_rsos_in_si():
     assert all((rso.area_to_mass, rso.cd, rso.cr) == (0.05, 2.2, 1.25) for rso in RSOS.values())
 
 
-@pytest.mark.parametrize(
-    ("sheet", "old", "new", "message"),
-    [
-        (
-            "stations.tsv",
-            "4910\t1\t90",
-            "4910\t90\t1",
-            "clear: min_elevation_deg: expected less than max_elevation_deg",
-        ),
-        (
-            "stations.tsv",
-            "30.57",
-            "95",
-            r"eglin: latitude_deg: expected a number of at least -90 and at most 90, got '95'",
-        ),
-        ("stations.tsv", "32.1", "0", "eglin: sigma_range_m: expected a number above 0, got '0'"),
-        ("stations.tsv", "32.1", "nan", "eglin: sigma_range_m: expected a number above 0, got 'nan'"),
-        ("stations.tsv", "32.1", "", "eglin: sigma_range_m: expected a number above 0, got ''"),
-        (
-            "stations.tsv",
-            "clear\t",
-            "eglin\t",
-            "line 4: name: expected no name twice, got 'eglin', which stands in line 3 too",
-        ),
-        (
-            "stations.tsv",
-            "clear\t",
-            "Clear-AK\t",
-            "line 4: name: expected up to 60 lower-case letters and digits, a letter first, got 'Clear-AK'",
-        ),
-        (
-            "stations.tsv",
-            "altitude_m",
-            "height_m",
-            "header: expected the columns .* look at altitude_m, height_m",
-        ),
-        ("stations.tsv", "\t0.0147", "", "eglin: expected 10 cells, got 9"),
-        (
-            "stations.tsv",
-            "32.1\t0.0154\t0.0147",
-            "-\t-\t-",
-            "eglin: expected one of sigma_range_m, sigma_azimuth_deg, .* at least, got none",
-        ),
-        ("stations.tsv", "34.7", "-", "eglin: altitude_m: expected a number of at least -500"),
-        (
-            "rsos.tsv",
-            "345.5909\t0.05",
-            "345.5909\t-0.05",
-            "iss: area_to_mass_m2pkg: expected a number of at least 0",
-        ),
-        (
-            "rsos.tsv",
-            "0.006793",
-            "1.2",
-            "iss: e: expected a number of at least 0 and at most 0.99, got '1.2'",
-        ),
-        ("rsos.tsv", "6783.34", "6500", "iss: a_km: expected a perigee at least 120 km high"),
-        (
-            "rsos.tsv",
-            "6783.34",
-            "6783340",
-            "iss: a_km: expected a number of at least 6378.14 and at most 300000, got '6783340'",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("sheet", "old", "new", "message"), refusals("sheets"))
 def test_wrong_cell_is_named(tmp_path, sheet, old, new, message):
     path = edited(tmp_path, sheet, old, new)
     with pytest.raises(InputError, match=re.escape(str(path)) + ": " + message):

@@ -12,7 +12,6 @@ from opml.environment.settings import EnvironmentSettings
 from opml.naming import Experiment
 from opml.report import claims, document, reproduction, settings_tables
 from opml.report.document import Heading, Items, Paragraph, Table
-from opml.report.doubts import DOUBTS
 from opml.report.results import Results
 from opml.study.paper import Paper
 from opml.tables import HOW_TO_CSV
@@ -266,7 +265,7 @@ def test_whole_document(paper):
     ) in text
     assert "metrics/iss/eglin-clear-kaena/days-0-30/svr/e_y/iss_i50/days-30-40.parquet" in text
     assert "| iss, eglin | 3 |" in text
-    assert text.endswith(document.markdown([Table(["the paper", "here"], DOUBTS)]))
+    assert text.endswith(document.markdown([Table(["the paper", "here"], reproduction.doubts())]))
 
 
 def test_path_is_the_workflows():

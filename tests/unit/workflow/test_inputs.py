@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 from laser_files import RANGING
 from snakemake.io import IOFile, flag
-from support import paper_values
+from support import paper_values, refusals
 
 from opml import tables
 from opml.base.errors import InputError
@@ -194,17 +194,25 @@ def test_the_forecast_is_the_named_one_or_persistence():
 @pytest.mark.parametrize(
     ("wildcard", "right", "wrong"),
     [
-        ("rso", ["iss", "iss_i50_a+50"], ["mir", "iss_i050", "inclinations-without-iss"]),
-        ("stations", ["eglin", "kaena-eglin", "eglin_noise43"], ["atlantis", "eglin_noise42"]),
-        ("window", ["", "_w24", "_w24_tol1_cd0.5_light", "_true"], ["_w12", "_b12", "_light_cd1"]),
+        ("rso", ["iss", "iss_i50_a+50"], ["mir", "iss_i050", "inclinations-without-iss", "*", "../../evil"]),
+        (
+            "stations",
+            ["eglin", "kaena-eglin", "eglin_noise43"],
+            ["oz", "eglin_noise42", "eglin_noise1.5"],
+        ),
+        ("window", ["", "_w24", "_w24_tol1_cd0.5_light", "_true"], ["_w12", "_w0", "_b12", "_light_cd1"]),
         ("window", ["_filter"], ["_w24_filter", "_filter_light"]),
         ("arc", ["_l48", "_lfilter"], ["", "_l48_m30", "_l48filter"]),
         ("memory", ["_m30"], ["", "_l48"]),
         ("reading", ["", "_track"], ["_kept"]),
         ("label", ["", "_later", "_smoothed"], ["_early"]),
-        ("train", ["random-80", "days-0-30_split43"], ["random-80_split42", "rest"]),
-        ("test", ["rest", "days-30-40-unseen", "rest-together"], ["random-80"]),
-        ("learner", ["svr", "svr_s2"], ["svr_s2.0", "mechanism_s2"]),
+        (
+            "train",
+            ["random-80", "days-0-30_split43"],
+            ["random-80_split42", "rest", "random--5"],
+        ),
+        ("test", ["rest", "days-30-40-unseen", "rest-together"], ["random-80", "all"]),
+        ("learner", ["svr", "svr_s2"], ["svr_s2.0", "svr_s0", "mechanism_s2"]),
         ("component", ["e_y", "e_vz"], ["e_w"]),
         ("evaluation", ["svr_testing_1station"], ["mine"]),
         ("ratio", ["40"], ["040", "100"]),
@@ -337,20 +345,7 @@ def test_a_split_has_a_seed():
     assert params().split(wildcards(train="random-80_split3")) == {"train": "random-80", "seed": 3}
 
 
-@pytest.mark.parametrize(
-    ("read", "name", "message"),
-    [
-        ("split", {"train": "days-0-60"}, "expected ascending days up to duration_days, 50"),
-        ("train_days", {"train": "random-80"}, "expected a window of days, such as days-0-20"),
-        ("experiment", {"test": "days-40-60"}, "expected ascending days up to duration_days, 50"),
-        (
-            "experiment",
-            {"test": "seen", "target": "lares"},
-            "split 'seen': expected the RSO that was trained on, iss, got lares",
-        ),
-        ("check_without_truth", {"learner": "knownmodel"}, "expected one that needs no truth to predict"),
-    ],
-)
+@pytest.mark.parametrize(("read", "name", "message"), refusals("names_in_rules"))
 def test_names_that_are_impossible_are_refused(read, name, message):
     with pytest.raises(InputError, match=message):
         getattr(params(), read)(experiment(**name))
