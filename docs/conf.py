@@ -25,7 +25,7 @@ INCLUDED = {
     "CONTRIBUTING.md": "contributing.md",
     "CHANGELOG.md": "changes.md",
     "config/README.md": "settings.md",
-    "config/keys.md": "keys.md",
+    "config/keys.md": "settings.md",
     "src/opml/data/README.md": "sources.md",
 }
 PLOTLY = Path(find_spec("plotly").origin).with_name("package_data") / "plotly.min.js"
@@ -47,6 +47,8 @@ add_module_names = False
 autodoc_preserve_defaults = True
 autodoc_typehints_format = "short"
 maximum_signature_line_length = 80
+
+exclude_patterns = ["tables"]  # what programs write, for pages to include
 
 html_theme = "furo"
 html_title = "opml"
