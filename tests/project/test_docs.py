@@ -159,8 +159,9 @@ def test_the_floors_are_those_of_the_import_contract():
     ] == floors
 
 
-def test_what_the_architecture_names_is_there():
-    page = (REPOSITORY / "docs" / "architecture.md").read_text(encoding="utf-8")
+@pytest.mark.parametrize("path", ["docs/architecture.md", "CONTRIBUTING.md"])
+def test_what_describes_the_package_names_what_is_there(path):
+    page = (REPOSITORY / path).read_text(encoding="utf-8")
     for name in sorted(set(re.findall(r"`(opml\.[\w.]+)`", page))):
         module, _, last = name.rpartition(".")
         try:
@@ -182,5 +183,6 @@ def words(*pages):
 
 def test_the_pages_are_short_enough():
     pages = [page for page in (REPOSITORY / "docs").glob("*.md") if page.name not in NOT_BY_HAND]
-    assert words(*pages, REPOSITORY / "config" / "README.md", REPOSITORY / "CONTRIBUTING.md") <= 28_000
+    assert words(*pages, REPOSITORY / "config" / "README.md") <= 26_000
+    assert words(REPOSITORY / "CONTRIBUTING.md") <= 2_000
     assert words(REPOSITORY / "README.md") <= 520
