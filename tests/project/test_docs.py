@@ -176,6 +176,13 @@ def test_lines_have_one_width(page):
     assert [line for line in lines if len(line) > 110 and not line.startswith("|")] == []
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(REPOSITORY).as_posix())
+def test_equations_are_written_as_the_site_reads_them(page):
+    """Two digits are one numerator, and an index behind an accent stands below it."""
+    text = page.read_text(encoding="utf-8")
+    assert re.findall(r"\\t?frac\d.*|\\(?:hat|bar)(?: \w|\{\w\})_", text) == []
+
+
 def words(*pages):
     """Return how many words pages have, as `wc -w` counts them."""
     return sum(len(page.read_text(encoding="utf-8").split()) for page in pages)

@@ -48,7 +48,7 @@ def test_the_learning_variables_are_those_of_the_settings():
         f"{kernel_scale.QUANTILES['sigest']} quantile of the distances",
         f"in {kernel_scale.DISTANCE_ROWS} rows (`sigest`)",
         f"dual differ by {SETTINGS['learners']['svr']['tol']}.",
-        f"({innovations.CD_SPREAD}\\,\\bar c)^2",
+        f"({innovations.CD_SPREAD}\\,\\bar{{c}})^2",
         f"({apriori.APRIORI_SIGMA}\\,C_0)^2",
         f"$\\Delta$ = {sequential.STEP:.0f} s",
         f"All {len(sequential.BANK)} combinations",
