@@ -65,6 +65,13 @@ def test_every_page_is_in_the_site(site):
 
 
 @pytest.mark.slow
+def test_the_menu_leads_home_and_has_the_version(site):
+    text = (site / "theory.html").read_text(encoding="utf-8")
+    assert re.search(r'<a class="reference internal" href="index.html">\s*Home\s*</a>', text)
+    assert f'<span class="sidebar-brand-text">opml {opml.__version__}</span>' in text
+
+
+@pytest.mark.slow
 def test_what_the_readme_links_to_is_a_page(site):
     first = (site / "index.html").read_text(encoding="utf-8")
     assert 'href="install.html"' in first
