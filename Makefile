@@ -7,7 +7,7 @@
 # make pictures   the paper's figures in the documentation, from a full run (half an hour): docs/images/paper
 # make wheel  the package as others install it, in build/wheel
 # make crate [CONFIGFILE=mine.yaml]   a finished run as one archive that tells its making (RO-Crate)
-# make validate OREKIT_DATA=<folder>   the dynamics beside Orekit's (half an hour): docs/validation.md
+# make validate OREKIT_DATA=<folder>   the dynamics against Orekit's (half an hour): docs/tables/orekit.md
 # make weather   the skill of forecasts of the space weather (some minutes): the table in docs/weather.md
 # make bench [OREKIT_DATA=<folder>]    opml's speed beside its peers' (25 minutes): benchmarks/results.md
 # All first build .venv from requirements.lock, unless it stands already.

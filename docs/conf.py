@@ -8,6 +8,7 @@ between files of the project becomes one between pages.
 import posixpath
 import re
 import sys
+from importlib.metadata import metadata
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -25,11 +26,12 @@ INCLUDED = {
     "CONTRIBUTING.md": "contributing.md",
     "CHANGELOG.md": "changes.md",
     "config/README.md": "settings.md",
-    "config/keys.md": "keys.md",
+    "config/keys.md": "settings.md",
     "src/opml/data/README.md": "sources.md",
 }
 PLOTLY = Path(find_spec("plotly").origin).with_name("package_data") / "plotly.min.js"
 FONTS = Path(find_spec("ziamath").origin).with_name("fonts")  # a wheel with STIX Two Math
+LINKS = [line.split(", ") for line in metadata("opml-orbits").get_all("Project-URL") or ()]
 LINK = re.compile(r"\]\((?!\w+:|#)([^)\s#]+)")
 IMAGE = re.compile(r'<img [^>]*src="([^"]+)"[^>]*>')
 
@@ -48,8 +50,11 @@ autodoc_preserve_defaults = True
 autodoc_typehints_format = "short"
 maximum_signature_line_length = 80
 
+exclude_patterns = ["tables"]  # what programs write, for pages to include
+
 html_theme = "furo"
-html_title = "opml"
+html_title = f"opml {version}"
+html_theme_options = {"footer_icons": [{"name": name, "url": url, "html": name} for name, url in LINKS]}
 html_static_path = ["static", str(FONTS), str(PLOTLY)]
 html_css_files = ["opml.css"]
 html_math_renderer = "mathml"

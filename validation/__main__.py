@@ -1,4 +1,4 @@
-"""Runs opml and Orekit side by side; writes docs/validation.md and the tables that tests read."""
+"""Runs opml and Orekit side by side; writes docs/tables/orekit.md and the tables that tests read."""
 
 import argparse
 import sys

@@ -15,7 +15,7 @@ from opml.learning.data.cleaning import Cleaning
 from opml.orbits.sheets import Rso, Station, read_rsos, read_stations
 
 ROOT = Path(__file__).parents[1]
-REPORT = ROOT / "docs" / "validation.md"
+REPORT = ROOT / "docs" / "tables" / "orekit.md"
 TABLES = ROOT / "tests" / "reference"
 
 PRECISE = "precise"

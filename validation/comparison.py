@@ -25,7 +25,7 @@ _PENUMBRAS = 2
 
 
 def run(case: Case, data: Data, *, progress: Callable[[str], None]) -> None:
-    """Compare, then write docs/validation.md and tests/reference/validation_*.csv."""
+    """Compare, then write docs/tables/orekit.md and tests/reference/validation_*.csv."""
     progress("Same environment for both sides")
     orekit = Orekit(case.epoch)
     t = nodes(case.epoch, case.duration)

@@ -1,4 +1,4 @@
-"""docs/validation.md: the words of report.md with the numbers of a run."""
+"""docs/tables/orekit.md: the words of report.md with the numbers of a run."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

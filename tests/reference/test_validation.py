@@ -1,4 +1,4 @@
-"""opml's side of docs/validation.md, against the numbers that Orekit left in validation_*.csv."""
+"""opml's side of docs/tables/orekit.md, against the numbers that Orekit left in validation_*.csv."""
 
 import numpy as np
 import pandas as pd

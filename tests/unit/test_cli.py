@@ -108,7 +108,7 @@ def test_every_page_of_the_documentation_is_listed_and_printed(capsys):
     assert cli.main(["docs"]) == 0
     listed = dict(re.findall(r"^  (\w+) +(.+)$", capsys.readouterr().out, re.MULTILINE))
     assert set(listed) == {page.stem for page in (REPOSITORY / "docs").glob("*.md")} - {"index"}
-    assert (listed["operations"], listed["settings"]) == ("Operations", "Settings")
+    assert (listed["glossary"], listed["settings"]) == ("Glossary", "Settings")
     for page, title in listed.items():
         assert cli.main(["docs", page]) == 0
         text = capsys.readouterr().out
@@ -131,8 +131,7 @@ def test_a_page_that_is_not_there_is_told_in_one_line(capsys):
     assert cli.main(["docs", "operation"]) == 1
     error = capsys.readouterr().err
     assert (
-        error
-        == "opml: docs: expected a page such as operations or validation or uncertainty, got operation\n"
+        error == "opml: docs: expected a page such as operations or comparison or validation, got operation\n"
     )
 
 

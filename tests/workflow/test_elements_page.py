@@ -40,7 +40,7 @@ def made(tmp_path_factory):
     (reader.folder / "trimmed.yaml").write_text(TRIMMED)
     (command,) = (text for kind, text in blocks(PAGE) if kind == "sh")
     (message,) = re.findall(r"results/\S+/days-0-91/held96\.oem", command)
-    assert "`held96.tle` and\n`.omm`" in PAGE
+    assert "`held96.tle` and `.omm`" in " ".join(PAGE.split())
     every = " ".join(message.replace(".oem", f".{kind}") for kind in ("oem", "ocm", "omm", "tle"))
     command = command.replace(message, every).replace("days-0-91", LAST)
     reader.run(f".venv/bin/{command}".replace("mine.yaml", "mine.yaml trimmed.yaml"))

@@ -1,4 +1,4 @@
-"""docs/lasers.md, labels.md and wildcards.md, followed: commands run, on few days; products are planned."""
+"""docs/tracks.md, labels.md and wildcards.md, followed: commands run, on few days; products are planned."""
 
 import re
 import shutil
@@ -73,7 +73,7 @@ def products():
 
 
 @pytest.mark.dag
-def test_lasers(reader):
+def test_laser_ranges(reader):
     for kind in (
         "lageos2_2016-02-14.crd.gz",
         "SLRF2014.snx.gz",
@@ -81,9 +81,9 @@ def test_lasers(reader):
         "lageos2_cpf_160213_5441.sgf",
     ):
         shutil.copy(shared(f"real/crd/{kind}"), reader.folder)
-    (settings,) = files(blocks(page("lasers"))).values()
+    settings = files(blocks(page("tracks")))["lageos.yaml"]
     reader.save(settings)
-    (command,) = commands("lasers")
+    (command,) = commands("tracks")
     reader.run(command)
     dataset = read_table(reader.folder / command.split()[-1], "dataset")
     assert np.abs(dataset["e_x"]).median() < 5.0

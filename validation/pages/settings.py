@@ -37,29 +37,29 @@ _PARTS = (
     _Part("The paper", "The paper's figures and tables.", "study", PaperStudy),
     _Part(
         "Entries",
-        "An entry of `evaluations`, `grids`, `curves` and the like is a model on a test, and has these keys\n"
-        "beside its own, as far as they make sense for it.",
+        "An entry of `evaluations`, `grids`, `curves` and the like is a model on a test. Besides its own\n"
+        "keys it has these, as far as they make sense for it.",
         "<entry>",
         Entry,
     ),
     _Part(
         "Claims",
-        "An item of `claims` holds a sentence of the paper against our numbers of an entry.",
+        "An item of `claims` compares a sentence of the paper with our numbers of an entry.",
         "claims",
         ClaimSettings,
     ),
 )
 
-_TOP = """# Settings, key by key
+_TOP = """## Every key
 
-Written by `python -m validation.pages` from the models that check them. How files of settings are laid over
-each other: [settings](README.md).
+Written by `python -m validation.pages` from the models that check them. How files of settings are combined:
+[settings](README.md).
 """
 
 
 def keys_page() -> str:
     """Return the page with a table of the keys of each part of the settings."""
-    parts = (f"\n## {part.heading}\n\n{part.sentence}\n\n{_table(part)}" for part in _PARTS)
+    parts = (f"\n### {part.heading}\n\n{part.sentence}\n\n{_table(part)}" for part in _PARTS)
     return _TOP + "".join(parts)
 
 

@@ -28,7 +28,7 @@ def contents() -> str:
     """Return the folder of the pages, and their names and titles in the order of the site."""
     lines = [f"`opml docs PAGE` prints a page of {MANUAL.resolve()}"]
     for caption, name in _CAPTION_OR_PAGE.findall(_index()):
-        lines += ["", caption] if caption else [f"  {name:14}{_title(page(name))}"]
+        lines += ["", caption] if caption else [f"  {name:16}{_title(page(name))}"]
     return "\n".join(lines)
 
 

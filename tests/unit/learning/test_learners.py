@@ -383,8 +383,8 @@ def test_a_model_without_its_description_is_refused(tmp_path, models, kind):
 
 @pytest.fixture
 def quantile(tmp_path, monkeypatch):
-    """The module that docs/howto.md writes for a new kind, named in the registry as it says."""
-    page = (REPOSITORY / "docs" / "howto.md").read_text(encoding="utf-8")
+    """The module that CONTRIBUTING.md writes for a new kind, named in the registry as it says."""
+    page = (REPOSITORY / "CONTRIBUTING.md").read_text(encoding="utf-8")
     (source,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     path = tmp_path / "quantile.py"
     path.write_text(source, encoding="utf-8")

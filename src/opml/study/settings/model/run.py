@@ -318,11 +318,11 @@ class RunAlone(Section):
     )
     ranges: dict[RsoName, PathList] = setting(
         "laser ranges that were measured, normal points, in the place of `tracks` (CRD)",
-        see="lasers.md",
+        see="tracks.md#laser-ranges",
         default={},
     )
     ranging: dict[RsoName, RangeSettings] = setting(
-        "where their stations are, and how they are weighed", see="lasers.md", default={}
+        "where their stations are, and how they are weighed", see="tracks.md#laser-ranges", default={}
     )
     elements: dict[RsoName, PathList] = setting(
         "histories of mean elements, in the place of `tracks` (TLE, OMM)", see="elements.md", default={}

@@ -1,0 +1,92 @@
+"""Pages that gather facts of others: messages are in the code, errors in tables; words of all pages."""
+
+import re
+
+import pytest
+from support import REPOSITORY
+
+DOCS = REPOSITORY / "docs"
+CODE = "\n".join(path.read_text(encoding="utf-8") for path in (REPOSITORY / "src" / "opml").rglob("*.py"))
+
+
+def page(name):
+    return (DOCS / f"{name}.md").read_text(encoding="utf-8")
+
+
+def messages():
+    table = page("troubleshooting").split("## Messages")[1].split("## Symptoms")[0]
+    return re.findall(r"^\| `([^`]+)` \|", table, re.MULTILINE)
+
+
+@pytest.mark.parametrize("message", messages())
+def test_each_message_is_one_of_the_code(message):
+    known = {"config/config.yaml: no such file": "_PROJECT}: no such file"}
+    assert known.get(message, message) in CODE
+
+
+def row(name, start):
+    """Cells of the row of a page that starts with a text."""
+    (line,) = re.findall(rf"^\| {re.escape(start)}.*$", page(name), re.MULTILINE)
+    return [cell.strip() for cell in line.strip("|").split("|")]
+
+
+@pytest.mark.parametrize(
+    ("start", "source"),
+    [
+        ("months of element sets | Sentinel-3A", "Sentinel-3A, public"),
+        ("months of element sets | SARAL", "SARAL, public"),
+        ("radar tracks (TDM) | Swarm A", "Swarm A, three"),
+        ("radar tracks (TDM) | Larets", "Larets, three"),
+    ],
+    ids=["Sentinel-3A", "SARAL", "Swarm A", "Larets"],
+)
+def test_errors_by_data_are_those_of_real_satellites(start, source):
+    told = row("inputs", start)[2:5]
+    assert told == [cell.split("/")[0] for cell in row("reality", source)[1:4]]
+
+
+def test_errors_of_element_sets_are_those_of_the_catalogue():
+    told = row("inputs", "one element set")[2:5]
+    kilometres = row("learning", "summer of 2026")[2:]
+    medians = [float(cell.split("/")[0]) for cell in kilometres]
+    assert [float(number) for number in told] == [1000 * medians[k] for k in (0, 1, 3)]
+    improved = [float(number) for number in row("inputs", "the same, improved")[2:5]]
+    shares = re.findall(r"\*\*improved\*\* \|(.*)\|$", page("learning"), re.MULTILINE)[0].split("|")
+    left = [float(re.search(r"\*\*(\d+)/", cell)[1]) for cell in shares]
+    for k, number in zip((0, 1, 3), improved, strict=True):
+        assert number == pytest.approx(10 * medians[k] * left[k], rel=0.02)
+
+
+def test_coverage_in_the_first_sentence_is_that_of_the_table():
+    text = " ".join(page("uncertainty").split())
+    shares = {
+        case: [int(share) for share in re.findall(r"(\d+) %", line)]
+        for case, line in re.findall(r"^\| ([\w ,]+) \| selected each day \|(.*)$", page("uncertainty"), re.M)
+    }
+    storm = shares.pop("storm of March 2015")
+    others = [share for numbers in shares.values() for share in numbers]
+    assert f"contain {min(others)} to {max(others)} % of the position errors" in text
+    assert f"in the storm of March 2015 {min(storm)} to {max(storm)} %" in text
+
+
+WORDS = re.compile(
+    r"\b(?:tells?|told|leaves|flown|flew|flies|stands|stood|anew|beside|spoilt|nobody|nowhere|whom)\b"
+    r"|\bof it\b|\bthe past (?:chose|chooses|left)\b|\bworth\b|\breadings?\b",
+    re.IGNORECASE,
+)
+"""Words that have a better one in the trade: issued, propagated, remains, selected each day, ..."""
+
+LEAST = 25
+
+
+def prose(text):
+    return re.sub(r"(?s)```.*?```|^ {4}.*?$|`[^`]*`|\]\([^)]*\)", " ", text)
+
+
+def test_pages_have_the_words_of_the_trade():
+    found = {
+        path.name: WORDS.findall(prose(path.read_text(encoding="utf-8")))
+        for path in DOCS.glob("*.md")
+        if path.name != "data.md"
+    }
+    assert sum(map(len, found.values())) <= LEAST, {name: words for name, words in found.items() if words}

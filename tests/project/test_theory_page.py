@@ -1,0 +1,110 @@
+"""docs/theory.md: modules and functions that it names are there, and its numbers are those of the code."""
+
+import importlib
+import re
+
+import numpy as np
+import pytest
+from support import REPOSITORY
+
+from opml.base.constants import DAY
+from opml.base.yaml_files import read_yaml
+from opml.catalog.associate import innovations
+from opml.catalog.fit import apriori, sequential
+from opml.conjunctions import probability
+from opml.element_sets import corrector, features, ways
+from opml.learning.data import cleaning
+from opml.learning.judge import error_sizes, metrics, model_choice
+from opml.learning.models import kernel_scale, svr
+
+TEXT = (REPOSITORY / "docs" / "theory.md").read_text(encoding="utf-8")
+PLAIN = " ".join(TEXT.split())
+NAMES = sorted(set(re.findall(r"`(opml\.[\w.]+)`", TEXT)))
+SETTINGS = read_yaml(REPOSITORY / "config" / "config.yaml")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_module_that_is_named_is_there(name):
+    importlib.import_module(name)
+
+
+def test_the_learning_variables_are_those_of_the_settings():
+    table = TEXT.split("## Learning variables")[1].split("**Cleaning**")[0]
+    named = set(re.findall(r"`(\w+)`", table))
+    variables = SETTINGS["learning"]["variables"]
+    assert f"The paper's {len(variables)} variables" in PLAIN
+    ranges = {"d_e", "d_i", "d_argp", "d_raan", "eps_y", "eps_z", "eps_vx", "eps_vy"}
+    assert set(variables) - ranges <= named
+
+
+@pytest.mark.parametrize(
+    "phrase",
+    [
+        f"${cleaning.PAPER_BOUNDS[0]} \\le C_d \\le {cleaning.PAPER_BOUNDS[1]}$",
+        f"fences on $e_y$ with $k = {cleaning.PAPER_FENCE:g}$",
+        f"(q_3 - q_1) / {svr.NORMAL_IQR}",
+        f"$C = {SETTINGS['learners']['svr']['c']:g}$ and "
+        f"$\\varepsilon = {SETTINGS['learners']['svr']['epsilon']}$",
+        f"{kernel_scale.QUANTILES['sigest']} quantile of the distances",
+        f"in {kernel_scale.DISTANCE_ROWS} rows (`sigest`)",
+        f"dual differ by {SETTINGS['learners']['svr']['tol']}.",
+        f"({innovations.CD_SPREAD}\\,\\bar{{c}})^2",
+        f"({apriori.APRIORI_SIGMA}\\,C_0)^2",
+        f"$\\Delta$ = {sequential.STEP:.0f} s",
+        f"All {len(sequential.BANK)} combinations",
+        f"e^{{-(t - t_j) / {error_sizes.MEMORY_DAYS:g}\\,\\mathrm d}}",
+        f"{error_sizes.OVERLAP}\\,T / (1 + D)",
+        f"({metrics.DRAWS} draws, {metrics.PERCENTILES[0]:g} to {metrics.PERCENTILES[1]:g} %",
+        f"at $q = {error_sizes.LEVEL}$",
+        f"{probability.SHORT}\\,P",
+        f"{features.FLOOR:g}\\,\\mathrm{{m/d}}",
+        f"$j > {corrector.JUMP:g}$",
+        f"\\frac{{S}}{{{corrector.NORMAL:.3f}}}",
+    ],
+)
+def test_its_numbers_are_those_of_the_code(phrase):
+    assert phrase in PLAIN
+
+
+def test_the_noises_of_the_filters_are_those_of_the_bank():
+    rows = re.findall(r"^\| (?:walk|gust|kick) .*\| ([\d., ]+) (?:%|mm/s) \|$", TEXT, re.MULTILINE)
+    told = [[float(number) for number in row.split(", ")] for row in rows]
+    scales = {"walk": 100.0, "gust": 100.0, "kick": 1000.0}
+    for (name, scale), numbers in zip(scales.items(), told, strict=True):
+        np.testing.assert_allclose(
+            numbers, sorted({scale * getattr(noise, name) for noise in sequential.BANK})
+        )
+
+
+def test_a_learned_model_has_to_be_better_with_the_confidence_that_is_told():
+    assert f"where the {100 * model_choice.CONFIDENCE:.0f} % quantile" in PLAIN
+    assert "block of three days" in PLAIN
+    assert model_choice.BLOCK_DAYS == 3.0
+    assert "at least four blocks" in PLAIN
+    assert model_choice.LEAST_BLOCKS == 4
+
+
+def test_the_running_mean_has_the_memory_of_the_settings():
+    assert f"$T$ is {SETTINGS['learners']['running']['memory_days']} days" in PLAIN
+    assert f"({SETTINGS['learners']['running24m3']['memory_days']} in `running24m3`)" in PLAIN
+
+
+def test_the_ways_of_an_object_are_those_of_the_code():
+    assert f"({ways.UNCHANGED}, {ways.DENSITY}, {ways.LEARNED})" in PLAIN
+
+
+def test_the_terms_of_the_mechanism_are_counted():
+    assert len(SETTINGS["learners"]["mechanism"]["terms"]) == 13
+    assert "of thirteen coefficients" in PLAIN
+    for k, m in SETTINGS["mechanism"]["resonances"]:
+        assert f"({k}, {m})" in PLAIN
+
+
+def test_intervals_widen_by_the_formula_of_the_page():
+    from scipy.stats import norm, t
+
+    days, duration = 10.0, 3.0 * DAY
+    freedom = max(2.0, 1.5 * days / (1.0 + 3.0))
+    assert error_sizes.widening(np.array([duration]), days)[0] == pytest.approx(
+        t.ppf(0.95, freedom) / norm.ppf(0.95)
+    )
