@@ -30,9 +30,10 @@ MOST = 30_000
 
 LEVEL = 0.9
 SEED = 42
+CLIPPED = 3.0  # sigmas that count in a pair
 LARGEST = 5.0  # sigmas that count in a log score: some errors are burns
 _REACH = 7.6
-_COLUMNS = ["number", "tau", "band", "drag", *AXES]
+_COLUMNS = ["number", "day", "tau", "band", "drag", *AXES]
 _STARTS = ((4.0, 3.0, -2.0), (5.0, 4.0, -4.0))
 _HEAD = """# How far SGP4 from one public element set is off: variance = constant^2 + (rate t)^2 + (drag d)^2,
 # t days from the epoch, d the set's drag displacement [m]; python -m validation.set_errors"""
@@ -63,7 +64,7 @@ def _errors_of_set(sets: catalogue.ElementCatalogue, k: int, number: np.ndarray,
     band = int(np.searchsorted(HEIGHTS, sets.table["height"].iat[k], side="right")) - 1
     drag = usual_errors.drag_displacement(satellite, days)
     return [
-        [number[k], *row]
+        [number[k], int(t[k]), *row]
         for row in np.column_stack([days, np.full(len(days), band), drag, bent_rsw(flown[:, :3], truth)])
     ]
 
@@ -115,6 +116,32 @@ def judge(table: pd.DataFrame, seen: pd.DataFrame, numbers: np.ndarray) -> None:
             print(shares.round().to_string(), file=sys.stderr)
 
 
+def common_share(table: pd.DataFrame, numbers: np.ndarray) -> pd.Series:
+    """Return the share of the variance by drag that objects have in common along the track, by days ahead.
+
+    By least squares on all pairs of objects of a band and a day; errors count in the law's sigmas.
+    """
+    along = numbers[table["band"], 1]
+    size = np.sqrt(
+        np.sum(
+            (along * np.column_stack([np.ones(len(table)), *table[["tau", "drag"]].T.values])) ** 2, axis=1
+        )
+    )
+    part = along[:, 2] * table["drag"] / size
+    error = np.clip(table["s"] / size, -CLIPPED, CLIPPED) * part
+    days = table.assign(ahead=table["tau"].round().clip(1, 7), error=error, part=part**2)
+    days = days.drop_duplicates(["season", "number", "day", "ahead"])
+    groups = days.assign(own=days["error"] ** 2, square=days["part"] ** 2).groupby(
+        ["season", "day", "band", "ahead"]
+    )
+    summed = groups[["error", "part", "own", "square"]].sum()
+    pairs = pd.DataFrame(
+        {"errors": summed["error"] ** 2 - summed["own"], "parts": summed["part"] ** 2 - summed["square"]}
+    )
+    by_lead = pairs.groupby("ahead").sum()
+    return by_lead["errors"] / by_lead["parts"]
+
+
 def _log_score(error: np.ndarray, size: np.ndarray) -> float:
     return float(np.mean(np.log(size) + 0.5 * np.minimum((error / size) ** 2, LARGEST**2)))
 
@@ -130,6 +157,7 @@ def main(arguments: Sequence[str]) -> None:
     table.to_csv(sys.stdout, index=False)
     numbers = table[["constant_m", "rate_m_per_d", "drag"]].to_numpy().reshape(-1, len(AXES), 3)
     judge(unseen, seen, numbers)
+    print(common_share(unseen, numbers).round(2).to_string(), file=sys.stderr)
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ from opml.interop import ccsds
 
 _COLUMNS = [
     *("tca", "first", "second", "miss_m", "r_m", "s_m", "w_m"),
-    *("speed_mps", "probability", "method", "largest", "remark"),
+    *("speed_mps", "probability", "correlated", "method", "largest", "remark"),
 ]
 NONE = "no conjunction"
 _MORE = 1.5  # times the probability of an encounter that its revolution has to hold to be told
@@ -20,13 +20,15 @@ def table(conjunctions: Sequence[Conjunction], *, epoch: str) -> pd.DataFrame:
     """Return a row per conjunction.
 
     Columns: tca, UTC text; first, second: names; miss_m; r_m, s_m, w_m of the second in RSW of the first;
-    speed_mps; probability, the method that suffices for it, and the largest under any multiple of the
-    covariance, NaN where unknown and, the largest, for a long encounter; remark
+    speed_mps; probability of a collision, correlated: the same with the error of density that both share, the
+    method that suffices for it, and the largest under any multiple of the covariance, NaN where unknown and,
+    the largest, for a long encounter; remark
     """
     times = ccsds.utc_texts(epoch, np.array([one.t for one in conjunctions])) if conjunctions else []
     rows = []
     for time, one in zip(times, conjunctions, strict=True):
         relative, chance = one.relative, one.chance
+        together = one.correlated.chance if one.correlated else None
         rows.append(
             {
                 "tca": time,
@@ -36,6 +38,7 @@ def table(conjunctions: Sequence[Conjunction], *, epoch: str) -> pd.DataFrame:
                 **dict(zip(("r_m", "s_m", "w_m"), relative[:3].tolist(), strict=True)),
                 "speed_mps": float(np.linalg.norm(relative[3:])),
                 "probability": chance.probability if chance else np.nan,
+                "correlated": together.probability if together else np.nan,
                 "method": one.method,
                 "largest": chance.most if chance else np.nan,
                 "remark": _remark(one),
@@ -48,7 +51,7 @@ def text(table: pd.DataFrame) -> str:
     """Return the rows of `table` as aligned text, or NONE."""
     if table.empty:
         return NONE
-    formats = {"probability": "{:.3e}", "largest": "{:.3e}", "speed_mps": "{:.1f}"}
+    formats = {"probability": "{:.3e}", "correlated": "{:.3e}", "largest": "{:.3e}", "speed_mps": "{:.1f}"}
     formats |= dict.fromkeys(("miss_m", "r_m", "s_m", "w_m"), "{:.0f}")
     formatters = {name: form.format for name, form in formats.items()}
     return str(table.to_string(index=False, na_rep="-", formatters=formatters))

@@ -15,10 +15,16 @@ import numpy as np
 from opml import __version__
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.conjunctions.conjunction import LARGEST_RADIUS, Conjunction, Participant, check_radius
+from opml.conjunctions.conjunction import (
+    LARGEST_RADIUS,
+    Conjunction,
+    Participant,
+    check_radius,
+)
 from opml.interop import ccsds
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import contents
+from opml.orbits.density_error import DensityError
 
 _log = logging.getLogger(__name__)
 
@@ -31,6 +37,16 @@ _LOWER = [(row, column) for row in range(6) for column in range(row + 1)]
 _ROUGH_MISS = 0.01  # of a miss that the states of a message may be off, as they are rounded
 _UNIT = re.compile(r"\s*\[([^\]]*)\]$")
 _RADIUS = re.compile(r"^\s*COMMENT\s+HBR\s*=\s*(\S+?)\s*(?:\[(\w+)\])?\s*$", re.MULTILINE)
+_SENSITIVITY = "DCP Sensitivity Vector RTN"
+_UNCERTAINTY = "DCP Density Forecast Uncertainty"
+_DENSITY_KEYS = {
+    _UNCERTAINTY: "DENSITY_FORECAST_UNCERTAINTY",
+    f"{_SENSITIVITY} Pos": "DCP_SENSITIVITY_VECTOR_POSITION",
+    f"{_SENSITIVITY} Vel": "DCP_SENSITIVITY_VECTOR_VELOCITY",
+}
+"""Keys of CDM 2.0 for the dynamic consider parameter, by the names that comments of CDM 1.0 have."""
+
+_ROUNDED = 1.01  # what digits that were cut off may make of a part that is all of a standard deviation
 _LONGEST = 60  # letters of a name in that of a file
 _METRES = {"": 1.0, "m": 1.0, "km": 1e3}
 
@@ -103,6 +119,8 @@ def _lines(conjunction: Conjunction, epoch: str) -> Iterator[str]:
         if conjunction.method == "2D-Pc":
             yield "COLLISION_PROBABILITY_METHOD = FOSTER-1992"
         yield f"COMMENT PROBABILITY METHOD = {conjunction.method}"
+    if (correlated := conjunction.correlated) and correlated.chance:
+        yield f"COMMENT PROBABILITY WITH A COMMON DENSITY ERROR = {correlated.chance.probability!r}"
     yield f"COMMENT HBR = {conjunction.radius!r}"
     for number, participant in enumerate((first, second), start=1):
         yield from _participant_lines(participant, number)
@@ -121,11 +139,22 @@ def _participant_lines(participant: Participant, number: int) -> Iterator[str]:
     yield "COVARIANCE_METHOD = CALCULATED"
     yield "MANEUVERABLE = N/A"
     yield "REF_FRAME = GCRF"
+    if participant.density is not None:
+        yield from _density_lines(participant.density)
     for key, value in zip(_STATE, participant.state, strict=True):
         yield f"{key} = {ccsds.number_text(value, -_KILO)} [{_UNITS_OF[key]}]"
     for row, column in _LOWER:
         key = _covariance_key(row, column)
         yield f"{key} = {float(participant.covariance[row, column])!r} [{_UNITS_OF[key]}]"
+
+
+def _density_lines(density: DensityError) -> Iterator[str]:
+    """Yield the comments of the dynamic consider parameter."""
+    yield f"COMMENT {_UNCERTAINTY} = {density.uncertainty!r}"
+    for kind, part, unit in zip(
+        ("Pos", "Vel"), np.split(density.sensitivity, 2), ("m", "m/sec"), strict=True
+    ):
+        yield f"COMMENT {_SENSITIVITY} {kind} = {' '.join(map(repr, part.tolist()))} [{unit}]"
 
 
 def read(path: FilePath, *, epoch: str, radius: float | None = None) -> Conjunction:
@@ -137,7 +166,7 @@ def read(path: FilePath, *, epoch: str, radius: float | None = None) -> Conjunct
     States are turned from the frames of `ccsds.FRAMES` to GCRF. Raises InputError, naming file and line, for
     a malformed message, another frame, a radius that neither tells, and one that is none.
     """
-    message = ccsds.Message(path, version_key=_KEY, versions=("1.0",))
+    message = ccsds.Message(path, version_key=_KEY, versions=("1.0",), in_comments=_DENSITY_KEYS)
     head, *parts = _blocks(message)
     if (objects := [part.text("OBJECT") for part in parts]) != ["OBJECT1", "OBJECT2"]:
         raise InputError(f"{path}: expected OBJECT1 and OBJECT2, got {' and '.join(objects) or 'none'}")
@@ -192,7 +221,23 @@ def _participant(message: ccsds.Message, block: ccsds.KeyValues) -> Participant:
     message.check_correlations(covariance, block.line(_covariance_key(0, 0)))
     keys = ("OBJECT_DESIGNATOR", "INTERNATIONAL_DESIGNATOR")
     identity = ObjectId.of(block.text("OBJECT_NAME"), *(block.text(key, "") for key in keys))
-    return Participant(identity, np.kron(np.eye(2), turn) @ state, covariance)
+    state = np.kron(np.eye(2), turn) @ state
+    return Participant(identity, state, covariance, density=_density(message, block, covariance))
+
+
+def _density(message: ccsds.Message, block: ccsds.KeyValues, covariance: np.ndarray) -> DensityError | None:
+    """Return what the forecast density's error does to an object, None where that is not told."""
+    uncertainty, *vectors = _DENSITY_KEYS.values()
+    if not all(block.has(key) for key in _DENSITY_KEYS.values()):
+        return None
+    line = block.line(vectors[0])
+    numbers = [message.scale(text, 0, block.line(key)) for key in vectors for text in block.text(key).split()]
+    if len(numbers) != len(covariance):
+        raise message.error("three numbers in each vector of sensitivity", f"{len(numbers)} in both", line)
+    density = DensityError(message.scale(block.text(uncertainty), 0, line), np.array(numbers))
+    if (np.abs(density.effect) > _ROUNDED * np.sqrt(np.diag(covariance))).any():
+        raise message.error("an error by density that the covariance holds", block.text(vectors[0]), line)
+    return density
 
 
 def _radius(path: FilePath) -> float:

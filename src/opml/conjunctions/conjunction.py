@@ -1,7 +1,7 @@
 """Two objects at their closest approach: what is known of each, and how likely a collision is."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -12,6 +12,7 @@ from opml.conjunctions import long_encounter
 from opml.conjunctions.likeliest import UncertainPairs
 from opml.conjunctions.probability import SHORT, Chance, Encounter, chance
 from opml.interop.object_ids import ObjectId
+from opml.orbits.density_error import DensityError
 from opml.orbits.elements import in_rsw, rsw_rotation
 
 LARGEST_RADIUS = 1e4
@@ -27,20 +28,34 @@ class Participant:
     state: (6,) GCRF [m, m/s]
     covariance: (6, 6) in RSW axes of the state, velocities inertial [m, m/s]; None where unknown
     remarks: what to know of either
+    density: the part of the covariance that others share; None where unknown
     """
 
     identity: ObjectId
     state: np.ndarray
     covariance: np.ndarray | None = None
     remarks: tuple[str, ...] = ()
+    density: DensityError | None = None
+
+    @property
+    def _axes(self) -> np.ndarray:
+        """Axes (6, 6) of the covariance, for states in GCRF."""
+        return np.asarray(np.kron(np.eye(2), rsw_rotation(self.state[None])[0]))
 
     @property
     def inertial_covariance(self) -> np.ndarray:
         """Covariance (6, 6) in GCRF [m, m/s], zero where it is unknown: known exactly, then."""
         if self.covariance is None:
             return np.zeros((6, 6))
-        axes = np.kron(np.eye(2), rsw_rotation(self.state[None])[0])
-        turned: np.ndarray = axes.T @ self.covariance @ axes
+        turned: np.ndarray = self._axes.T @ self.covariance @ self._axes
+        return turned
+
+    @property
+    def inertial_density(self) -> np.ndarray:
+        """What one standard deviation of the density does to the state (6,) in GCRF [m, m/s], 0: unknown."""
+        if self.density is None:
+            return np.zeros(6)
+        turned: np.ndarray = self._axes.T @ self.density.effect
         return turned
 
     def is_again(self, other: "Participant") -> bool:
@@ -69,6 +84,8 @@ class Conjunction:
     radius: sum of the radii of both [m]
     is_end: whether nothing is known beyond, where they may come nearer
     known: when the newest was known of either [s since that epoch]; None: at the approach
+    common: (2, 6) what one standard deviation of an error that both share does to their states in GCRF
+        [m, m/s]; None: their errors are independent
     """
 
     t: float
@@ -77,6 +94,15 @@ class Conjunction:
     radius: float
     is_end: bool = False
     known: float | None = None
+    common: np.ndarray | None = None
+
+    @property
+    def correlated(self) -> "Conjunction | None":
+        """The same with the error of density that both share, None where it is unknown of either."""
+        pair = (self.first, self.second)
+        if any(one.density is None for one in pair):
+            return None
+        return replace(self, common=np.array([one.inertial_density for one in pair]))
 
     @property
     def relative(self) -> np.ndarray:
@@ -96,6 +122,9 @@ class Conjunction:
             return None
         relative = self.second.state - self.first.state
         covariance = self.first.inertial_covariance + self.second.inertial_covariance
+        if self.common is not None:
+            shared = np.outer(*self.common)
+            covariance = covariance - shared - shared.T
         return Encounter(relative[:3], relative[3:], covariance[:3, :3], self.radius)
 
     @cached_property
@@ -156,7 +185,7 @@ class Conjunction:
         pair = (self.first, self.second)
         states = np.array([one.state for one in pair])
         covariances = np.array([one.inertial_covariance for one in pair])
-        return UncertainPairs(states, covariances, np.array(self.radius))
+        return UncertainPairs(states, covariances, np.array(self.radius), self.common)
 
 
 def check_length(name: str, length: float) -> None:

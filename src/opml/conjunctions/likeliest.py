@@ -5,11 +5,15 @@ positions. So the elements are looked for with which both objects collide, and w
 others that do. About these their motion is linear in the elements, and the relative state is normal, as far
 as a collision is concerned: that is Hall's 2D-Nc, for the time that is likeliest, and 3D-Nc, for each time.
 
+An error of the air's density carries both objects along their tracks at once. Their covariances hold it, and
+with what both share of it the errors of both are normal together (Casali et al. 2018).
+
 Each object's elements are those in the RSW axes of its own state, where the inclination is none. That there
 are spheres around the objects widens what they meet in.
 
-Source: Hall 2021, Expected collision rates for tracked satellites, J. Spacecr. Rockets 58; Hall, Baars &
-Casali 2023, A multistep probability of collision computational algorithm (AAS 23-398).
+Sources: Hall 2021, Expected collision rates for tracked satellites, J. Spacecr. Rockets 58; Hall, Baars &
+Casali 2023, A multistep probability of collision computational algorithm (AAS 23-398); Casali et al. 2018,
+Effect of cross-correlation of orbital error on probability of collision determination (AAS 18-272).
 """
 
 from dataclasses import dataclass
@@ -62,16 +66,19 @@ class Collision:
 
 @dataclass(frozen=True, eq=False)
 class UncertainPairs:
-    """UncertainPairs of objects on ellipses, at one time.
+    """Pairs of objects on ellipses, at one time.
 
     states: (..., 2, 6) in GCRF [m, m/s]
     covariances: (..., 2, 6, 6) of them
     radius: (...) sum of the radii [m]
+    common: (..., 2, 6) what one standard deviation of an error that both share does to the states [m, m/s];
+        the covariances hold it
     """
 
     states: np.ndarray
     covariances: np.ndarray
     radius: np.ndarray
+    common: np.ndarray | None = None
 
     def clouds(self, t: np.ndarray) -> tuple[Cloud, np.ndarray]:
         """Return the relative states at times (...) [s] about where both collide then, and how far that is.
@@ -130,12 +137,24 @@ class UncertainPairs:
         return equinoctial_from_cartesian(turned, EARTH_GM)
 
     @cached_property
+    def _inverse(self) -> np.ndarray:
+        """How the elements change (..., 2, 6, 6) with states in the axes of the elements."""
+        _, slope = self._flown(self._elements, np.zeros(self.states.shape[:-2]))
+        return np.linalg.inv(self._axes @ slope)
+
+    @cached_property
     def _spread(self) -> np.ndarray:
         """Covariances (..., 2, 6, 6) of the elements."""
-        _, slope = self._flown(self._elements, np.zeros(self.states.shape[:-2]))
-        inverse = np.linalg.inv(self._axes @ slope)
         turned = self._axes @ self.covariances @ np.swapaxes(self._axes, -1, -2)
-        return np.asarray(inverse @ _without_negative(turned) @ np.swapaxes(inverse, -1, -2))
+        return np.asarray(self._inverse @ _without_negative(turned) @ np.swapaxes(self._inverse, -1, -2))
+
+    @cached_property
+    def _shared(self) -> np.ndarray:
+        """Covariances (..., 2, 6, 6) of each object's elements with those of the other."""
+        if self.common is None:
+            return np.zeros_like(self._spread)
+        common = self._inverse @ (self._axes @ self.common[..., None])
+        return np.asarray(common @ np.swapaxes(common[..., ::-1, :, :], -1, -2))
 
     def _flown(self, elements: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the states (..., 2, 6) of elements at times (...) [s], and their slopes (..., 2, 6, 6)."""
@@ -149,7 +168,9 @@ class UncertainPairs:
         """Return the relative state, linear about elements, and how it varies with these (..., 2, 6, 6)."""
         states, slope = self._flown(elements, t)
         expected = states + (slope @ (self._elements - elements)[..., None])[..., 0]
-        mixed = self._spread @ np.swapaxes(slope, -1, -2)
+        turned = np.swapaxes(slope, -1, -2)
+        # What both share goes to and fro with both, and leaves their distance.
+        mixed = self._spread @ turned - self._shared @ turned[..., ::-1, :, :]
         return Cloud(_SIGN @ expected, np.sum(slope @ mixed, axis=-3)), mixed
 
     def _pulled(self, mixed: np.ndarray, force: np.ndarray) -> np.ndarray:

@@ -25,6 +25,7 @@ from opml.interop.element_sets import histories, usual_errors
 from opml.interop.element_sets.mean_elements import MOST_DAYS, WARN_DAYS
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import contents
+from opml.orbits.density_error import DensityErrors
 from opml.orbits.elements import rsw_rotation
 
 EPOCH = "2000-01-01T12:00:00"
@@ -75,12 +76,14 @@ class Trajectory:
     covariance_t: (m,) ascending [s]
     covariances: (m, 6, 6) in RSW [m, m/s]
     remark: what to know of these
+    density: the part of these that other objects share; None where unknown
     """
 
     path: Path
     covariance_t: np.ndarray = field(default_factory=lambda: np.empty(0))
     covariances: np.ndarray = field(default_factory=lambda: np.empty((0, 6, 6)))
     remark: str = ""
+    density: DensityErrors | None = None
 
     @property
     def span(self) -> Span:
@@ -121,7 +124,9 @@ class ScreenedObject:
             remarks.append(f"{name} known to {widest / 1e3:.0f} km")
         if self.elements_t is not None and abs(days := (t - self.elements_t) / DAY) > WARN_DAYS:
             remarks.append(f"elements of {name} {abs(days):.0f} d {'old' if days > 0 else 'ahead'}")
-        return Participant(self.identity, trajectory.path.at(np.array([t]))[0], covariance, tuple(remarks))
+        density = trajectory.density.at(t) if trajectory.density and covariance is not None else None
+        state = trajectory.path.at(np.array([t]))[0]
+        return Participant(self.identity, state, covariance, tuple(remarks), density)
 
     def unknown(self, wanted: Sequence[Span]) -> list[Span]:
         """Return those parts of spans, longer than a minute, that no trajectory covers."""
@@ -283,7 +288,7 @@ def _of_segment(segment: oem.Segment) -> Trajectory:
     if segment.covariance_frame == "GCRF" and len(covariances):
         turns = np.kron(np.eye(2), rsw_rotation(path.at(segment.covariance_t)))
         covariances = turns @ covariances @ turns.transpose(0, 2, 1)
-    return Trajectory(path, segment.covariance_t, covariances)
+    return Trajectory(path, segment.covariance_t, covariances, density=segment.density)
 
 
 def _of_elements(paths: Sequence[FilePath], span: Span) -> list[ScreenedObject]:
@@ -317,15 +322,17 @@ def _flown(name: str, row: pd.Series, span: Span) -> list[Trajectory]:
     if wanted.sum() < approaches.FEWEST:
         return []
     path = Path(name, t[wanted], states[wanted])
-    return [Trajectory(path, *_usual_covariances(row, path), remark=USUAL)]
+    return [_with_usual_errors(row, path)]
 
 
-def _usual_covariances(row: pd.Series, path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Return times (m,) and covariances (m, 6, 6) in RSW that sets of such orbits usually have, or none."""
+def _with_usual_errors(row: pd.Series, path: Path) -> Trajectory:
+    """Return the trajectory with the covariances that sets of such orbits usually have, or none."""
     satellite = histories.satellite(row, epoch=EPOCH)
     days = (path.t - row["t"]) / DAY
     told = np.flatnonzero(np.abs(days) <= usual_errors.LONGEST)[::_SPARSE]
-    if not usual_errors.are_known(satellite):
-        told = told[:0]
-    sigmas = usual_errors.expected(satellite, np.abs(days[told]))
-    return path.t[told], usual_errors.covariances(sigmas, path.states[told])
+    if not (len(told) and usual_errors.are_known(satellite)):
+        return Trajectory(path)
+    t, states, days = path.t[told], path.states[told], np.abs(days[told])
+    sigmas = usual_errors.expected(satellite, days)
+    density = usual_errors.density_errors(satellite, t, states, days, sigmas)
+    return Trajectory(path, t, usual_errors.covariances(sigmas, states), USUAL, density)

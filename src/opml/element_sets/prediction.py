@@ -36,6 +36,7 @@ from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import contents
 from opml.interop.orbit_from_files import is_orbit
 from opml.interop.predicted_orbit import LEADS, PredictedOrbit
+from opml.orbits.density_error import DensityErrors
 from opml.orbits.elements import bent_rsw
 
 MORNINGS = 12
@@ -102,6 +103,13 @@ class Prediction(PredictedOrbit):
     def covariances(self, t: np.ndarray, states: np.ndarray) -> np.ndarray:
         """Return covariances (n, 6, 6) in RSW [m, m/s] at times (n,) [s since the date]."""
         return usual_errors.covariances(self.sigmas(t), states)
+
+    def density(self, t: np.ndarray, states: np.ndarray) -> DensityErrors | None:
+        """Return the part of the covariances at times (n,) that other objects share, None where unknown."""
+        if not usual_errors.are_known(self.published):
+            return None
+        days = (t - seconds_since(self.date, [self.published])) / DAY
+        return usual_errors.density_errors(self.published, t, states, days, self.sigmas(t))
 
     def expected(self) -> pd.DataFrame:
         """Return the table `expected_errors`: of the prediction in RSW, and of SGP4 along the track [m]."""

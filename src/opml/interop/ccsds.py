@@ -11,6 +11,7 @@ import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from datetime import UTC, date, datetime, timedelta
 from decimal import Context, Decimal
+from types import MappingProxyType
 
 import erfa
 import numpy as np
@@ -42,11 +43,19 @@ FRAMES = {"GCRF": np.eye(3), "ICRF": np.eye(3), "EME2000": np.asarray(erfa.bp06(
 class Message:
     """A message, read line by line without empty lines and comments."""
 
-    def __init__(self, path: FilePath, *, version_key: str, versions: Collection[str]) -> None:
+    def __init__(
+        self,
+        path: FilePath,
+        *,
+        version_key: str,
+        versions: Collection[str],
+        in_comments: Mapping[str, str] = MappingProxyType({}),
+    ) -> None:
         """Open a message and pass its first line.
 
         version_key: key of the first line
         versions: values that the first line may have
+        in_comments: keys whose values comments have, by the names that they have there
 
         Raises InputError where the file is missing, no text, or of another kind or version.
         """
@@ -55,7 +64,10 @@ class Message:
             text = orbit_arcs.contents(path).decode("utf-8-sig")
         except UnicodeDecodeError as reason:
             raise InputError(f"{path}: expected a message in UTF-8 text ({reason})") from None
-        lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), start=1)]
+        lines = [
+            (number, _of_comment(line.strip(), in_comments))
+            for number, line in enumerate(text.splitlines(), start=1)
+        ]
         self._lines = [(n, line) for n, line in lines if line and not re.match(r"COMMENT\b", line)]
         self._next = 0
         expected = f"{version_key} = {' or '.join(versions)}"
@@ -179,6 +191,12 @@ class Message:
             raise self.error("a time that exists", texts[time.index], numbers[time.index]) from None
 
 
+def _of_comment(line: str, keys: Mapping[str, str]) -> str:
+    """Return the pair that a comment makes of one of `keys`, any other line as it is."""
+    name, _, value = line.removeprefix("COMMENT").partition("=")
+    return f"{keys[name.strip()]} = {value.strip()}" if name.strip() in keys and value.strip() else line
+
+
 class KeyValues:
     """The values of a header or of metadata by their keys, with their lines."""
 
@@ -191,6 +209,10 @@ class KeyValues:
         if value.upper() not in allowed:
             raise self._message.error(f"{key} = {' or '.join(allowed)}", value, number)
         return value.upper()
+
+    def has(self, key: str) -> bool:
+        """Return whether there is a value of a key."""
+        return key in self._values
 
     def line(self, key: str) -> int:
         """Return the line of a key; for an absent key, the last line of the block."""

@@ -19,6 +19,7 @@ from opml.base.files import FilePath, replacing_folder
 from opml.interop import ccsds
 from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.interop.orbit_arcs import MOST_APART, Arc, check_ascending, choose_satellite
+from opml.orbits.density_error import DensityErrors
 from opml.tables import STATE
 from opml.tables.convergence import none_converged
 
@@ -29,6 +30,13 @@ _LOWER = np.tril_indices(6)
 _COVARIANCES = [f"cov_{STATE[a]}_{STATE[b]}" for a, b in zip(*_LOWER, strict=True)]
 
 _RSW = "RSW"
+_UNCERTAINTY, _SENSITIVITY = "DENSITY_FORECAST_UNCERTAINTY", "DCP_SENSITIVITY_VECTOR"
+_DENSITY_KEYS = {
+    "DCP Density Forecast Uncertainty": _UNCERTAINTY,
+    "DCP Sensitivity Vector RTN [m, m/s]": _SENSITIVITY,
+}
+"""What comments before the covariances have: the uncertainty, and a time with its vector in each line."""
+
 _AXES_ONLY = "covariances in RSW: axes of the states only, velocities are inertial, not in a turning frame"
 _COVARIANCE_STEP = 600.0
 """Time between covariances of an ephemeris [s]: they change over hours, and are twice as long as a state."""
@@ -52,6 +60,7 @@ class Segment:
     degree: of the Hermite interpolation of the states; 0 leaves it open
     identity: what else than the name tells the object
     known: when the newest was known that it is made from [s since the epoch]; None: its first state
+    density: the part of the covariances that other objects share; None where unknown
     """
 
     name: str
@@ -64,6 +73,7 @@ class Segment:
     degree: int = 0
     identity: ObjectId = UNKNOWN
     known: float | None = None
+    density: DensityErrors | None = None
 
     @property
     def newest(self) -> float:
@@ -278,6 +288,8 @@ def _covariance_lines(segment: Segment, epoch: str) -> Iterator[str]:
     yield "COVARIANCE_START"
     if segment.covariance_frame == _RSW:
         yield f"COMMENT {_AXES_ONLY}"
+    if segment.density is not None:
+        yield from _density_lines(segment.density, epoch)
     times = ccsds.utc_texts(epoch, segment.covariance_t)
     texts = iter(ccsds.number_texts(segment.covariances[:, *_LOWER].ravel(), -2 * _KILO))
     for time in times:
@@ -287,8 +299,15 @@ def _covariance_lines(segment: Segment, epoch: str) -> Iterator[str]:
     yield "COVARIANCE_STOP"
 
 
+def _density_lines(density: DensityErrors, epoch: str) -> Iterator[str]:
+    uncertainty, sensitivity = _DENSITY_KEYS
+    yield f"COMMENT {uncertainty} = {density.uncertainty!r}"
+    for time, numbers in zip(ccsds.utc_texts(epoch, density.t), density.sensitivities.tolist(), strict=True):
+        yield f"COMMENT {sensitivity} = {time} {' '.join(map(repr, numbers))}"
+
+
 def _open(path: FilePath) -> ccsds.Message:
-    return ccsds.Message(path, version_key=_KEY, versions=_VERSIONS)
+    return ccsds.Message(path, version_key=_KEY, versions=_VERSIONS, in_comments=_DENSITY_KEYS)
 
 
 def _segment(message: ccsds.Message, epoch: str) -> Segment:
@@ -298,7 +317,7 @@ def _segment(message: ccsds.Message, epoch: str) -> Segment:
     frame = metadata.choice("REF_FRAME", tuple(ccsds.FRAMES))
     scale = metadata.choice("TIME_SYSTEM", ccsds.SCALES)
     lines, times, texts = _state_texts(message)
-    covariance_t, covariances, covariance_frame = _covariances(message, frame, scale, epoch)
+    density, covariance_t, covariances, covariance_frame = _covariances(message, frame, scale, epoch)
     t = message.times(times, lines, epoch=epoch, scale=scale)
     check_ascending(message.path, t, np.array(lines))
     useable = _useable(metadata, t, epoch, scale)
@@ -312,6 +331,7 @@ def _segment(message: ccsds.Message, epoch: str) -> Segment:
         covariances=covariances,
         covariance_frame=covariance_frame,
         identity=_identity(metadata),
+        density=density,
     )
 
 
@@ -386,11 +406,13 @@ def _numbers(message: ccsds.Message, lines: Sequence[int], texts: Sequence[Seque
 
 def _covariances(
     message: ccsds.Message, frame: str, scale: str, epoch: str
-) -> tuple[np.ndarray, np.ndarray, str]:
-    """Return times (m,) [s], covariances (m, 6, 6) and their frame from the block after the states."""
+) -> tuple[DensityErrors | None, np.ndarray, np.ndarray, str]:
+    """Return density, times (m,) [s], covariances (m, 6, 6) and their frame of the block after the states."""
     numbers, times, covariances, frames = [], [], [], set()
+    density = None
     if message.peek() == "COVARIANCE_START":
         message.take()
+        density = _density(message, scale, epoch)
         while message.peek() != "COVARIANCE_STOP":
             number, key, value = message.pair()
             if key != "EPOCH":
@@ -407,7 +429,29 @@ def _covariances(
     shape = (len(covariances), 6, 6)
     t = message.times(times, numbers, epoch=epoch, scale=scale)
     check_ascending(message.path, t, np.array(numbers))
-    return t, np.reshape(covariances, shape), frames.pop() if frames else "GCRF"
+    return density, t, np.reshape(covariances, shape), frames.pop() if frames else "GCRF"
+
+
+def _density(message: ccsds.Message, scale: str, epoch: str) -> DensityErrors | None:
+    """Return what comments before the covariances tell of the density, None where they tell nothing."""
+    if not message.peek().startswith(_UNCERTAINTY):
+        return None
+    number, _, value = message.pair()
+    uncertainty = message.scale(value, 0, number)
+    numbers, times, sensitivities = [], [], []
+    while message.peek().startswith(_SENSITIVITY):
+        number, _, value = message.pair()
+        time, *texts = value.split()
+        if len(texts) != len(STATE):
+            raise message.error("a time and six numbers of sensitivity", value, number)
+        numbers.append(number)
+        times.append(time)
+        sensitivities.append([message.scale(text, 0, number) for text in texts])
+    if not times:
+        raise message.error(f"{_SENSITIVITY} after the uncertainty of the density", message.peek())
+    t = message.times(times, numbers, epoch=epoch, scale=scale)
+    check_ascending(message.path, t, np.array(numbers))
+    return DensityErrors(uncertainty, t, np.array(sensitivities))
 
 
 def _covariance_frame(message: ccsds.Message, frame: str) -> str:

@@ -14,6 +14,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import ccsds, oem
 from opml.interop.object_ids import ObjectId
+from opml.orbits.density_error import DensityErrors
 from opml.tables import STATE
 
 LEADS = (0, 1, 3, 5, 7)
@@ -26,6 +27,7 @@ STEP = 60.0
 """Time between the states of an ephemeris [s]."""
 
 _COVARIANCE_EVERY = 10  # states
+_DENSITY_EVERY = 180  # states: what density does grows slowly
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +81,10 @@ class PredictedOrbit(ABC):
     def covariances(self, t: np.ndarray, states: np.ndarray) -> np.ndarray:
         """Return covariances (n, 6, 6) in RSW [m, m/s] at times (n,) [s since the date]."""
 
+    def density(self, t: np.ndarray, states: np.ndarray) -> DensityErrors | None:
+        """Return the part of the covariances at times (n,) that other objects share, None where unknown."""
+        return None
+
     def state(self, time: str | datetime) -> np.ndarray:
         """Return the GCRF state (6,) [m, m/s] at a time (UTC). Raises InputError as `states` does."""
         state: np.ndarray = self.states(self._seconds(time))[0]
@@ -105,7 +111,7 @@ class PredictedOrbit(ABC):
     def segment(self) -> oem.Segment:
         """Return the ephemeris with covariances, times since the date."""
         states, last = self.states(self.t), len(self.t) - 1
-        sparse = np.unique(np.r_[0 : last + 1 : _COVARIANCE_EVERY, last])
+        sparse, rare = (np.unique(np.r_[0:last:every, last]) for every in (_COVARIANCE_EVERY, _DENSITY_EVERY))
         return oem.Segment(
             self.identity.name,
             self.t,
@@ -117,6 +123,7 @@ class PredictedOrbit(ABC):
             degree=7,
             identity=self.identity,
             known=0.0,
+            density=self.density(self.t[rare], states[rare]),
         )
 
     def to_oem(self, path: FilePath) -> None:

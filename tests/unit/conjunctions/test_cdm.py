@@ -13,6 +13,7 @@ from opml.conjunctions import as_text, cdm
 from opml.conjunctions.conjunction import Conjunction, Participant
 from opml.conjunctions.probability import chance
 from opml.interop.object_ids import ObjectId
+from opml.orbits.density_error import DensityError
 
 EPOCH = "2000-01-01T00:00:00"
 PUBLISHED = {1: 0.146749549, 3: 0.100351176, 4: 0.049323406, 6: 0.004335455, 7: 0.000158147, 9: 0.290146291}
@@ -25,6 +26,12 @@ def participant(name, sign=1.0, sigma=(30.0, 400.0, 20.0, 0.4, 0.03, 0.02)):
     turn = np.linalg.qr(rng.normal(size=(6, 6)))[0]
     mixed = np.diag(sigma) @ (np.eye(6) + 0.1 * turn)
     return Participant(ObjectId(name), state, mixed @ mixed.T)
+
+
+def shifted(name, metres, sign=1.0):
+    """A participant that a tenth more of density shifts along its track."""
+    density = DensityError(0.1, np.array([0.0, 10.0 * metres, 0.0, -0.01 * metres, 0.0, 0.0]))
+    return replace(participant(name, sign), density=density)
 
 
 CONJUNCTION = Conjunction(12345.678901, participant("ours"), participant("other", -1.0), 20.0)
@@ -50,6 +57,51 @@ def test_what_is_written_comes_back(tmp_path):
     text = path.read_text()
     assert f"COLLISION_PROBABILITY = {CONJUNCTION.chance.probability!r}" in text
     assert f"RELATIVE_POSITION_R = {float(CONJUNCTION.relative[0])!r} [m]" in text
+
+
+def test_the_common_error_of_density_comes_back_and_makes_another_probability(tmp_path):
+    together = replace(CONJUNCTION, first=shifted("ours", 300.0), second=shifted("other", -350.0, -1.0))
+    assert together.chance.probability == CONJUNCTION.chance.probability
+    path = tmp_path / "one.cdm"
+    cdm.write(path, together, epoch=EPOCH)
+    found = cdm.read(path, epoch=EPOCH)
+    assert found.first.density.uncertainty == 0.1
+    np.testing.assert_array_equal(found.second.density.sensitivity, together.second.density.sensitivity)
+    (row,) = as_text.table([found], epoch=EPOCH).to_dict("records")
+    assert row["correlated"] == found.correlated.chance.probability
+    assert abs(row["correlated"] / row["probability"] - 1.0) > 0.1
+    assert f"DENSITY ERROR = {together.correlated.chance.probability!r}" in path.read_text()
+    alone = replace(together, second=CONJUNCTION.second)
+    assert np.isnan(as_text.table([alone], epoch=EPOCH)["correlated"].iat[0])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        pytest.param("Pos = 0.0 ", "Pos = ", "three numbers in each .*, got 5 in both", id="two numbers"),
+        pytest.param("Pos = 0.0 3", "Pos = 0.0 93", "by density that the covariance holds", id="too large"),
+        pytest.param("Uncertainty = 0.1", "Uncertainty = much", "a finite number, got much", id="a word"),
+    ],
+)
+def test_a_damaged_error_of_density_is_told(tmp_path, old, new, expected):
+    path = tmp_path / "one.cdm"
+    together = replace(CONJUNCTION, first=shifted("ours", 300.0), second=shifted("other", -350.0, -1.0))
+    cdm.write(path, together, epoch=EPOCH)
+    path.write_text(path.read_text().replace(old, new, 1))
+    with pytest.raises(InputError, match=rf"one\.cdm: line \d+: expected .*{expected}"):
+        cdm.read(path, epoch=EPOCH)
+
+
+def test_keys_of_the_next_version_tell_the_same(tmp_path):
+    """CDM 2.0 has keys for what comments of 1.0 have."""
+    together = replace(CONJUNCTION, first=shifted("ours", 300.0))
+    cdm.write(tmp_path / "one.cdm", together, epoch=EPOCH)
+    text = (tmp_path / "one.cdm").read_text()
+    for name, key in cdm._DENSITY_KEYS.items():
+        text = text.replace(f"COMMENT {name}", key)
+    (tmp_path / "two.cdm").write_text(text)
+    found = cdm.read(tmp_path / "two.cdm", epoch=EPOCH)
+    np.testing.assert_array_equal(found.first.density.effect, together.first.density.effect)
 
 
 def test_messages_are_named_by_objects_and_time_and_need_both_covariances(tmp_path):

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import block_diag
 from support import shared
 
 from opml.base.constants import EARTH_GM
@@ -30,6 +31,18 @@ def circling(turn, ahead, along, radial):
     return state, axes.T @ mixed @ mixed.T @ axes
 
 
+def along_track(state):
+    """A shift along the track by a metre, with the velocity that turns by it."""
+    position, velocity = np.split(state, 2)
+    ahead, rate = velocity / np.linalg.norm(velocity), np.linalg.norm(velocity) / A
+    return np.concatenate([ahead, -rate * position / A])
+
+
+def root(covariance):
+    variances, axes = np.linalg.eigh(covariance)
+    return axes * np.sqrt(np.maximum(variances, 0.0))
+
+
 def pairs(ahead=2e5, along=1e5, radial=1e3, radius=2e3):
     both = [circling(0.0, 0.0, along, radial), circling(1.0, ahead, along, radial)]
     states, covariances = (np.array(one) for one in zip(*both, strict=True))
@@ -53,29 +66,32 @@ def bent(pair):
 
 
 class Errors:
-    """Relative states of a pair by standard normal numbers, six for each object's elements."""
+    """Relative states of a pair by twelve standard normal numbers."""
 
     def __init__(self, pair):
         self.elements = equinoctial_from_cartesian(pair.states, EARTH_GM)
-        self.mixed = []
-        step = 1e-6 * np.eye(6)
-        for elements, covariance in zip(self.elements, pair.covariances, strict=True):
+        step, inverse = 1e-6 * np.eye(6), []
+        for elements in self.elements:
             ahead, behind = (
                 cartesian_from_equinoctial(elements + sign * step, np.zeros(6), EARTH_GM)
                 for sign in (1.0, -1.0)
             )
-            inverse = np.linalg.inv((ahead - behind).T / 2e-6)
-            spread = inverse @ covariance @ inverse.T
-            sigma = np.sqrt(np.diag(spread))
-            variances, axes = np.linalg.eigh(spread / np.outer(sigma, sigma))
-            self.mixed.append(sigma[:, None] * axes * np.sqrt(np.maximum(variances, 0.0)))
+            inverse.append(np.linalg.inv((ahead - behind).T / 2e-6))
+        states = block_diag(*pair.covariances)
+        if pair.common is not None:
+            states[:6, 6:] = np.outer(*pair.common)
+            states[6:, :6] = states[:6, 6:].T
+        spread = block_diag(*inverse) @ states @ block_diag(*inverse).T
+        sigma = np.sqrt(np.diag(spread))
+        variances, axes = np.linalg.eigh(spread / np.outer(sigma, sigma))
+        self.mixed = sigma[:, None] * axes * np.sqrt(np.maximum(variances, 0.0))
 
     def at(self, numbers, t):
         """Relative positions and velocities (..., 3) of numbers (..., 12) at times (...)."""
         first, second = (
-            cartesian_from_equinoctial(elements + part @ mixed.T, t, EARTH_GM)
-            for elements, part, mixed in zip(
-                self.elements, np.split(numbers, 2, axis=-1), self.mixed, strict=True
+            cartesian_from_equinoctial(elements + part, t, EARTH_GM)
+            for elements, part in zip(
+                self.elements, np.split(numbers @ self.mixed.T, 2, axis=-1), strict=True
             )
         )
         return np.split(second - first, 2, axis=-1)
@@ -141,12 +157,40 @@ def test_a_collision_far_along_the_orbits_is_that_of_drawn_ones():
 )
 def test_real_conjunctions_are_those_of_importance_sampling(name):
     conjunction = cdm.read(shared(f"real/cara/{name}.cdm.gz"), epoch="2000-01-01T00:00:00")
-    pair = (conjunction.first, conjunction.second)
-    states = np.array([one.state for one in pair])
-    covariances = np.array([one.inertial_covariance for one in pair])
-    found, error = sampled(UncertainPairs(states, covariances, np.array(conjunction.radius)), 4000)
-    assert error < 0.015 * found
-    assert conjunction.chance.probability == pytest.approx(found, abs=3.0 * error)
+    together = conjunction.correlated
+    for one in (conjunction, together):
+        pair = (one.first, one.second)
+        states = np.array([each.state for each in pair])
+        covariances = np.array([each.inertial_covariance for each in pair])
+        drawn = UncertainPairs(states, covariances, np.array(one.radius), one.common)
+        found, error = sampled(drawn, 4000)
+        assert error < 0.015 * found
+        assert one.chance.probability == pytest.approx(found, abs=3.0 * error)
+    assert abs(together.chance.probability / conjunction.chance.probability - 1.0) > 0.1
+
+
+@pytest.mark.parametrize("turn", [0.3, 1.0, 1.6, 2.3, 3.0], ids="turned by {} rad".format)
+@pytest.mark.parametrize("share", [0.5, 0.99])
+def test_errors_that_both_share_are_those_of_drawn_ones(turn, share):
+    """What the air does to both is drawn once."""
+    both = [circling(0.0, 0.0, 3e3, 30.0), circling(turn, 1e3, 2e3, 30.0)]
+    states, covariances = (np.array(one) for one in zip(*both, strict=True))
+    common = np.array(
+        [share * along * along_track(state) for state, along in zip(states, (3e3, 2e3), strict=True)]
+    )
+    pair, draws = UncertainPairs(states, covariances, np.array(100.0), common), 200_000
+    numbers = np.random.default_rng(1).standard_normal((draws, 13))
+    own = [
+        numbers[:, 6 * k : 6 * k + 6] @ root(covariances[k] - np.outer(common[k], common[k])).T
+        for k in range(2)
+    ]
+    first, second = (states[k] + own[k] + numbers[:, 12:] * common[k] for k in range(2))
+    position, velocity = np.split(second - first, 2, axis=1)
+    along = np.sum(position * velocity, axis=1) / np.sum(velocity**2, axis=1)
+    expected = float((np.linalg.norm(position - along[:, None] * velocity, axis=1) < 100.0).mean())
+    assert bent(pair) == pytest.approx(expected, abs=3.0 * math.sqrt(expected / draws))
+    alone = UncertainPairs(states, covariances, np.array(100.0))
+    assert abs(bent(alone) / expected - 1.0) > 0.1
 
 
 def test_two_dimensions_about_the_expected_states_suffice_where_paths_are_straight():

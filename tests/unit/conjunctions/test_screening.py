@@ -103,6 +103,31 @@ def test_mean_elements_have_the_covariance_that_is_usual_for_round_orbits(eccent
         assert (one.second.covariance is not None) == (one.second.remarks == remark) == (eccentricity < 0.02)
 
 
+def test_sets_share_what_the_density_is_off_by(files, tmp_path):
+    """Two sets of one height and epoch, days ahead: a common error carries both."""
+    tilt, apart, motion = 1.2, 2.0, 0.0646
+    crossing = 0.5 * (apart + np.pi)  # longitude from the first node, of where circles of one tilt cross
+    first = np.arctan2(np.sin(crossing) / np.cos(tilt), np.cos(crossing))
+    for number, node, place in ((77, 0.0, 0.0), (78, apart, np.pi - 2.0 * first)):
+        satellite = element_set.satellite(RUN, [motion, 1e-5, tilt, node, 0.0, place % (2.0 * np.pi), 5e-4])
+        tle.write(tmp_path / f"{number}.tle", satellite, ObjectId("SAT", number=number))
+    span = written(tmp_path / "span.oem", "span", OURS, edges=(4.0 * 86400.0, 4.1 * 86400.0), step=60.0)
+    read = screening.read([tmp_path / "77.tle", tmp_path / "78.tle", span])
+    found = screening.screen(read, within=1e5, radius=20.0)
+    table = as_text.table(found, epoch=EPOCH)
+    own = table["second"].str.contains("78")
+    assert (table.loc[own, "correlated"] > 0.0).any()
+    assert not np.allclose(table.loc[own, "correlated"], table.loc[own, "probability"], rtol=0.05)
+    assert table.loc[~own, "correlated"].isna().all()
+    for one in found:
+        for member in (one.first, one.second):
+            if member.density is not None:
+                effect = member.density.effect
+                held = member.covariance - np.outer(effect, effect)
+                sigma = np.sqrt(np.diag(member.covariance))
+                assert np.linalg.eigvalsh(held / np.outer(sigma, sigma)).min() > -1e-9
+
+
 def test_without_a_covariance_it_is_said(files, tmp_path):
     sets = flown_set(tmp_path / "sets.tle", eccentricity=0.05)
     found = screening.screen(screening.read([files[0][0], sets]), within=1.5e7, radius=20.0)

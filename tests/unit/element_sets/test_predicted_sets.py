@@ -18,7 +18,7 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.element_sets import catalogue, corrector, passes, prediction, ways
 from opml.interop import oem
-from opml.interop.element_sets import mean_elements
+from opml.interop.element_sets import mean_elements, usual_errors
 from opml.workflow import predicted
 
 DATE = "2026-01-08T06:00:00"
@@ -67,6 +67,15 @@ def test_times_are_text_or_clocks_and_lie_within(made):
     np.testing.assert_array_equal(made.state("2026-01-10T06:00:00Z"), made.state(clock))
     with pytest.raises(InputError, match=r"expected a time from 2026-01-08T06.* to 2026-01-15T06"):
         made.state("2026-01-15T06:00:01")
+
+
+def test_an_ephemeris_tells_what_other_objects_share(made, tmp_path):
+    made.to_oem(tmp_path / "made.oem")
+    (found,) = oem.read(tmp_path / "made.oem", epoch=DATE)
+    shifts = [found.density.at(DAY * day).effect[1] for day in (1.0, 7.0)]
+    held = np.sqrt(usual_errors.COMMON) * made.sizes.loc[[1, 7], "s"]
+    assert 0.0 < shifts[0] < shifts[1]
+    assert (np.array(shifts) <= held + 1e-6).all()
 
 
 def test_covariances_have_the_sizes_and_grow(made):

@@ -15,6 +15,7 @@ from opml.base.errors import InputError
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import truth
 from opml.interop import ccsds, oem
+from opml.orbits.density_error import DensityErrors
 from opml.tables import PARAMETERS, SCHEMAS, STATE
 
 DOUBLES = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e290, max_value=1e290)
@@ -156,6 +157,43 @@ def test_days_of_the_year_zulus_and_accelerations_are_read(message, orbit):
 def test_what_is_malformed_is_named_by_file_and_line(message, old, new, line):
     edited(message, old, new)
     assert refusal(oem.read, message, epoch=EPOCH).startswith(f"{message}: {line}")
+
+
+@pytest.fixture
+def shared_density(tmp_path):
+    """A message whose covariances hold an error of density that others share."""
+    t = np.array([0.0, 60.0, 120.0])
+    states = np.tile([7e6, 0.0, 0.0, 0.0, 7.5e3, 0.0], (3, 1))
+    density = DensityErrors(0.1, t[[0, 2]], np.arange(12.0).reshape(2, 6))
+    covariances = np.repeat(1e6 * np.eye(6)[None], 3, axis=0)
+    segment = oem.Segment("iss", t, states, t, covariances, covariance_frame="RSW", density=density)
+    path = tmp_path / "shared.oem"
+    oem.write(path, [segment], epoch=EPOCH)
+    return path, density
+
+
+def test_an_error_of_density_comes_back(shared_density):
+    path, density = shared_density
+    (found,) = oem.read(path, epoch=EPOCH)
+    assert found.density.uncertainty == density.uncertainty
+    np.testing.assert_array_equal(found.density.sensitivities, density.sensitivities)
+    assert found.density.at(60.0).effect == pytest.approx(0.1 * np.arange(3.0, 9.0))
+    assert len(found.covariances) == 3
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        pytest.param(" 5.0\n", "\n", "a time and six numbers of sensitivity", id="five numbers"),
+        pytest.param("COMMENT DCP Sensitivity", "COMMENT Or", "DCP_SENSITIVITY_VECTOR after", id="no vector"),
+        pytest.param("Uncertainty = 0.1", "Uncertainty = low", "a finite number, got low", id="a word"),
+    ],
+)
+def test_a_damaged_error_of_density_is_told_by_line(shared_density, old, new, expected):
+    path, _ = shared_density
+    path.write_text(path.read_text().replace(old, new))
+    with pytest.raises(InputError, match=rf"shared\.oem: line \d+: expected {expected}"):
+        oem.read(path, epoch=EPOCH)
 
 
 @pytest.mark.parametrize("text", ["nan", "inf", "1e999", "1_000", "0x1p3", "7,5", "\u0661"])

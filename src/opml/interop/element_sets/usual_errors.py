@@ -3,7 +3,8 @@
 Along each axis of RSW the variance is a^2 + (b t)^2 + (c d)^2: t is the time from the epoch, d how far the
 set's own drag has carried the object by then. By quantile regression on sets of half of some 2 300 objects,
 a, b and c are such that nine tenths of the errors at later sets lie inside 1.645 sigma, height by height
-(`python -m validation.set_errors`).
+(`python -m validation.set_errors`). The error by drag is the density's for the most part, and so it is common
+to all objects, whatever their planes.
 """
 
 from functools import cache
@@ -14,6 +15,7 @@ import pandas as pd
 from sgp4.api import Satrec
 
 from opml.interop.element_sets.element_set import fly, kick, mean_height
+from opml.orbits.density_error import DensityErrors, drag_sensitivities
 from opml.orbits.elements import bent_rsw
 from opml.orbits.rsw_covariance import rates, rsw_covariances
 
@@ -27,6 +29,9 @@ LONGEST = 10.0
 
 UNSEEN = np.array([100.0, 500.0, 160.0])
 """What sets err alike [m] in RSW, so that none shows it in another: by orbits of Sentinel-3A and Jason-3."""
+
+COMMON = 0.75
+"""Share of the variance by drag that objects have in common, by pairs of objects on the same days."""
 
 _MOST_ECCENTRICITY = 0.02
 _MINUTES = 1440.0  # in a day
@@ -47,10 +52,8 @@ def usual(satellite: Satrec, days: np.ndarray) -> np.ndarray:
 
     Orbits lower or higher than any that was learned from err as the nearest.
     """
-    band = np.searchsorted(HEIGHTS, mean_height(satellite.no_kozai), side="right") - 1
-    numbers = _law()[min(max(int(band), 0), len(HEIGHTS) - 2)]
     grown = np.stack([np.ones_like(days), days, drag_displacement(satellite, days)])
-    return np.asarray(np.sqrt(numbers**2 @ grown**2).T)
+    return np.asarray(np.sqrt(_numbers(satellite) ** 2 @ grown**2).T)
 
 
 def expected(satellite: Satrec, days: np.ndarray) -> np.ndarray:
@@ -74,9 +77,29 @@ def covariances(sigmas: np.ndarray, states: np.ndarray) -> np.ndarray:
     return rsw_covariances(np.hstack([sigmas, velocity]), rate)
 
 
+def density_errors(
+    satellite: Satrec, t: np.ndarray, states: np.ndarray, days: np.ndarray, sigmas: np.ndarray
+) -> DensityErrors:
+    """Return the part of such errors that objects have in common, because it is that of the density.
+
+    t: (n,) times [s]; states: (n, 6) then [m, m/s]; days: (n,) from the epoch of the set to them
+    sigmas: (n, 3) standard deviations of the object's errors in RSW [m], which hold that part
+    """
+    uncertainty = float(np.sqrt(COMMON) * _numbers(satellite)[1, 2])
+    most = np.sqrt(COMMON) * sigmas[:, 1] / uncertainty
+    displacements = np.clip(drag_displacement(satellite, days), -most, most)
+    return DensityErrors(uncertainty, t, drag_sensitivities(displacements, rates(states)))
+
+
 def sgp4_states(satellite: Satrec, days: np.ndarray) -> np.ndarray:
     """Return SGP4's states (n, 6) in TEME [m, m/s] after times (n,), positions NaN where it fails."""
     return np.asarray(1e3 * np.hstack(fly(satellite, _MINUTES * days)))
+
+
+def _numbers(satellite: Satrec) -> np.ndarray:
+    """Return a [m], b [m/d] and c (3 axes, 3) of the height nearest to a set's."""
+    band = int(np.searchsorted(HEIGHTS, mean_height(satellite.no_kozai), side="right")) - 1
+    return np.asarray(_law()[min(max(band, 0), len(HEIGHTS) - 2)])
 
 
 @cache

@@ -1,0 +1,56 @@
+"""What an error of the density that is forecast, which all objects have in common, does to each of them.
+
+The 18th Space Defense Squadron calls it the dynamic consider parameter, and tells it in its messages.
+Source: Casali et al. 2018, Effect of cross-correlation of orbital error on probability of collision
+determination (AAS 18-272).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class DensityError:
+    """An error of density at one time.
+
+    uncertainty: standard deviation, as a share of the density
+    sensitivity: (6,) change of the state by a density twice as high, in RSW axes of the state [m, m/s]
+    """
+
+    uncertainty: float
+    sensitivity: np.ndarray
+
+    @property
+    def effect(self) -> np.ndarray:
+        """Change of the state (6,) by one standard deviation, in RSW axes of the state [m, m/s]."""
+        return self.uncertainty * self.sensitivity
+
+
+@dataclass(frozen=True, eq=False)
+class DensityErrors:
+    """An error of density over a time.
+
+    uncertainty: as of DensityError
+    t: (n,) ascending [s]
+    sensitivities: (n, 6), each as of DensityError
+    """
+
+    uncertainty: float
+    t: np.ndarray
+    sensitivities: np.ndarray
+
+    def at(self, t: float) -> DensityError:
+        """Return the error at a time [s], linear between those that are known."""
+        known = (np.interp(t, self.t, column) for column in self.sensitivities.T)
+        return DensityError(self.uncertainty, np.array(list(known)))
+
+
+def drag_sensitivities(displacements: np.ndarray, rate: np.ndarray) -> np.ndarray:
+    """Return the changes of states (n, 6) in RSW [m, m/s] by what drag has done to them.
+
+    displacements: (n,) along the track [m]
+    rate: (n,) angular rate of the orbit [rad/s], by which the velocity turns with the place
+    """
+    none = np.zeros_like(displacements)
+    return np.column_stack([none, displacements, none, -rate * displacements, none, none])
