@@ -131,7 +131,8 @@ def compare(data: Data, settings: dict) -> str:
 
 
 def _fit(data: Data, y: np.ndarray, settings: dict) -> svr.SvrModel:
-    return svr.fit(Training(data.x, y, data.variables, seed=0), settings)
+    checked = svr.SvrSettings.model_validate({"kind": "svr", **settings})
+    return svr.fit(Training(data.x, y, data.variables, seed=0), checked)
 
 
 def _beside(reference, found):

@@ -172,7 +172,7 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
         one.issue(one.fly())
     except InputError as reason:
         one.verdict = one.verdict.or_not_for(str(reason))
-    return one.left
+    return one.outcome
 
 
 @dataclass
@@ -243,7 +243,7 @@ class _Morning:
         self.flown = flown
 
     @property
-    def left(self) -> Left:
+    def outcome(self) -> Left:
         """What the morning leaves."""
         row = issued.row(self.now, self.starts, self.flown, self.verdict.word, burn=self.burn)
         basis = corrected.basis(self.flown.replay, self.now) if self.flown else ""
