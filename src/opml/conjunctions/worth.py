@@ -5,8 +5,9 @@ raised per collision are the area of those expected misses whose probability rea
 of the area in which objects collide; they depend on the covariance alone. Of the approaches that are
 collisions the share is flagged whose expected miss, the true one and both errors, raises an alarm.
 
-Errors are those that predictions really had. The second object errs as some other prediction did, its orbit
-crosses that of the first at an angle that is drawn, and its true miss is drawn within the sum of the radii.
+Errors are those that predictions really had. The second object errs as some other prediction did, of the
+same morning where that is told, its orbit crosses that of the first at an angle that is drawn, and its true
+miss is drawn within the sum of the radii.
 """
 
 import math
@@ -32,6 +33,7 @@ FORMAL, LEARNED = "the fit's own", "of past errors"
 _DRAWS, _AREAS = 1024, 256  # collisions, and areas of alarms; powers of two balance Sobol's points
 _HALF_DAY = 0.5 * DAY
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
+_ALONG = np.array([0.0, 1.0, 0.0])
 _FARTHEST = 60.0  # standard deviations beyond which no alarm is raised
 
 
@@ -99,8 +101,10 @@ def worth(replay: pd.DataFrame, screening: Screening, *, days: Sequence[float], 
     days: durations, each with the predictions of half a day about it
     seed: of the draws
 
-    Columns: day; flagged: share of the collisions that raise an alarm; alarms: those raised per collision;
-    predictions: how many there are. A duration without predictions that state a size has no row.
+    Rows may have a `morning`, on which both objects err, and `common`: what one standard deviation of the
+    density does along the track [m]. Columns: day; flagged: share of the collisions that raise an alarm;
+    alarms: those raised per collision; predictions: how many there are. A duration without predictions that
+    state a size has no row.
     """
     rows = []
     for day in days:
@@ -115,15 +119,19 @@ def worth(replay: pd.DataFrame, screening: Screening, *, days: Sequence[float], 
 def _drawn(known: pd.DataFrame, screening: Screening, rng: np.random.Generator) -> tuple[float, float]:
     """Return the share of collisions that is flagged, and the alarms per collision, over draws."""
     # Points of Sobol's are spread evenly over predictions in the order of their sizes.
-    known = known.sort_values(["sigma_y", "sigma_x", "sigma_z"], kind="stable")
+    known = known.sort_values(["sigma_y", "sigma_x", "sigma_z"], kind="stable").reset_index(drop=True)
     errors = known[[f"e_{axis}" for axis in AXES]].to_numpy()
     variances = known[[f"sigma_{axis}" for axis in AXES]].to_numpy() ** 2
+    common = known["common"].to_numpy() if "common" in known else np.zeros(len(known))
+    beside = _beside(known)
     points = qmc.Sobol(5, seed=rng).random(_DRAWS)
     flagged, alarms = np.empty(_DRAWS, bool), []
     for k, point in enumerate(points.tolist()):
-        one, other = (int(share * len(known)) for share in point[:2])
+        one = int(point[0] * len(known))
+        other = beside[one][int(point[1] * len(beside[one]))]
         plane, turn = _crossing(2.0 * math.pi * point[2])
-        covariance = np.diag(variances[one]) + turn @ np.diag(variances[other]) @ turn.T
+        shared = np.outer(common[one] * _ALONG, common[other] * (turn @ _ALONG))
+        covariance = np.diag(variances[one]) + turn @ np.diag(variances[other]) @ turn.T - shared - shared.T
         off = plane @ (turn @ errors[other] - errors[one])
         away, angle = screening.radius * math.sqrt(point[3]), 2.0 * math.pi * point[4]
         miss = away * np.array([math.cos(angle), math.sin(angle)])
@@ -132,6 +140,14 @@ def _drawn(known: pd.DataFrame, screening: Screening, rng: np.random.Generator) 
         if k < _AREAS:
             alarms.append(_alarm_area(sigmas, screening) / (math.pi * screening.radius**2))
     return float(flagged.mean()), float(np.mean(alarms))
+
+
+def _beside(known: pd.DataFrame) -> Sequence[np.ndarray]:
+    """Return the rows that the second object may have erred as, of each row that the first did."""
+    if "morning" not in known:
+        return [np.arange(len(known))] * len(known)
+    own = known.groupby("morning").indices
+    return [own[morning] for morning in known["morning"]]
 
 
 def _crossing(angle: float) -> tuple[np.ndarray, np.ndarray]:

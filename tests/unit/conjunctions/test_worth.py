@@ -50,6 +50,20 @@ def test_a_covariance_that_dilutes_the_probability_misses_all():
     assert alarms_and_flagged([3000, 90000, 3000], [3000, 90000, 3000]) == (0.0, 0.0)
 
 
+def test_what_both_share_leaves_their_distance_as_it_was(few_draws):
+    """Both are late by the same on each morning: who knows it raises fewer alarms."""
+    late = 20_000.0 * np.random.default_rng(3).normal(size=50).repeat(6)
+    own = replay([10, 50, 10], [10, 50, 10])
+    known = own.assign(
+        morning=np.arange(50).repeat(6), e_y=own["e_y"] + late, sigma_y=np.hypot(50.0, 20_000.0)
+    )
+    told = [known, known.assign(common=20_000.0), known.assign(common=20_000.0).drop(columns="morning")]
+    alone, shared, apart = (worth(one, SCREENING, days=[1.0], seed=1).iloc[0] for one in told)
+    assert shared["flagged"] > 0.9
+    assert shared["alarms"] < 0.5 * alone["alarms"]
+    assert apart["flagged"] < 0.2
+
+
 @pytest.mark.parametrize("sigmas", [(400.0, 3000.0), (500.0, 500.0)])
 def test_the_area_of_alarms_is_that_of_an_ellipse_where_the_radius_is_small(sigmas):
     most = SCREENING.radius**2 / (2.0 * sigmas[0] * sigmas[1])

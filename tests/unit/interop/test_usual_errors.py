@@ -20,7 +20,7 @@ def flown(height_km, *, bstar=1e-4, eccentricity=0.001):
 
 def test_a_size_is_that_of_its_band_by_hand():
     satellite = flown(520.0)
-    numbers = usual_errors._law()[3]  # 500 to 550 km
+    numbers = usual_errors.law()[3]  # 500 to 550 km
     drag = usual_errors.drag_displacement(satellite, DAYS)
     for axis, (constant, rate, share) in enumerate(numbers):
         by_hand = [
@@ -52,7 +52,7 @@ def test_only_orbits_like_those_learned_from_are_known(satellite, expected):
 
 def test_lower_and_higher_orbits_err_as_the_nearest():
     for beyond, nearest in ((250.0, 0), (1200.0, -1)):
-        constant = usual_errors._law()[nearest][:, 0]
+        constant = usual_errors.law()[nearest][:, 0]
         assert usual_errors.usual(flown(beyond), DAYS[:1])[0] == pytest.approx(constant, abs=1e-3)
 
 

@@ -99,11 +99,11 @@ def sgp4_states(satellite: Satrec, days: np.ndarray) -> np.ndarray:
 def _numbers(satellite: Satrec) -> np.ndarray:
     """Return a [m], b [m/d] and c (3 axes, 3) of the height nearest to a set's."""
     band = int(np.searchsorted(HEIGHTS, mean_height(satellite.no_kozai), side="right")) - 1
-    return np.asarray(_law()[min(max(band, 0), len(HEIGHTS) - 2)])
+    return np.asarray(law()[min(max(band, 0), len(HEIGHTS) - 2)])
 
 
 @cache
-def _law() -> np.ndarray:
+def law() -> np.ndarray:
     """Return a [m], b [m/d] and c (bands, 3 axes, 3)."""
     with resources.files("opml.data").joinpath("set_errors.csv").open(encoding="ascii") as file:
         table = pd.read_csv(file, comment="#")
