@@ -138,8 +138,8 @@ def residuals(
     is_own = ~table["number"].isin(teach["number"].unique()) & _within(table, seasons.asked)
     asked = table[is_own].reset_index(drop=True).assign(is_fit=True)
     tried = ways.candidates(asked, {learner: corrected})
-    found, way = tried[f"{ways.LEARNED}: {learner}"], ways.choices(asked, tried)
-    chosen = ways.of_way(asked, tried, way)
+    found, weights = tried[f"{ways.LEARNED}: {learner}"], ways.weights_of_rows(asked, tried)
+    chosen = ways.mixed(asked, tried, weights)
     sets = asked.groupby(["number", "morning"]).ngroup()
     taken_off = ways.displacement(chosen, sets, asked["bstar"].groupby(sets).first())
     scaled = asked["error"] - asked["density"]
@@ -149,7 +149,7 @@ def residuals(
         sigma=found["sigma"],
         improved=asked["error"] - taken_off,
         improved_sigma=chosen["sigma"],
-        applied=way.str.partition(":")[0],
+        applied=ways.heaviest(weights).str.partition(":")[0],
     )
     return made[_within(made, seasons.test) & np.isfinite(made["error"])]
 

@@ -77,7 +77,8 @@ def test_sets_flown_by_plain_sgp4_carry_the_correction(
     way: str, folder: Path, model: models.CatalogueModel, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Two numbers come as near to what four leads ask for as least squares does, and the epoch stays."""
-    monkeypatch.setattr(ways, "choice", lambda rows, tried: pd.Series(way, index=[*NUMBERS]))
+    weights = ways.whole(pd.Series(way, index=[*NUMBERS]))
+    monkeypatch.setattr(ways, "weights", lambda rows, tried: weights)
     known = improve.read([folder], date=DATE, weather="OBSERVED")
     improve.improve(known, model).write(tmp_path / "better.tle")
     old = {one.number: one.satellite for one in mean_elements.read_sets(folder / "known.tle")}
