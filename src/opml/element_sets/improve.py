@@ -160,8 +160,8 @@ def _table(
     rows: those of the date, with jumps and corrections, of the objects that have a set that is new enough
     """
     way = ways.heaviest(weights)
-    chosen = rows.dropna(subset="correction")
-    improved = numbers(newest, chosen)
+    corrected = rows.dropna(subset="correction")
+    improved = numbers(newest, corrected)
     table = pd.DataFrame(
         {
             "number": newest["number"],
@@ -180,7 +180,7 @@ def _table(
         }
     )
     for lead in pairs.LEADS:
-        one = chosen[chosen["lead"] == lead].set_index("number").reindex(newest.index)
+        one = corrected[corrected["lead"] == lead].set_index("number").reindex(newest.index)
         table[f"sgp4_{lead}d"] = np.hypot(one["sigma"], one["correction"])
         table[f"sigma_{lead}d"] = one["sigma"]
     return table.assign(file=newest["file"], line=newest["line"]).reset_index(drop=True)
@@ -194,7 +194,7 @@ def newest_sets(catalogue: ElementCatalogue) -> pd.DataFrame:
 def reasons(
     catalogue: ElementCatalogue, newest: pd.DataFrame, rows: pd.DataFrame, *, date: float
 ) -> pd.Series:
-    """Return by the number of the object why its past does not choose, '' where it does.
+    """Return by the number of the object why its past does not weigh the ways, '' where it does.
 
     newest: of `newest_sets`
     rows: those of the date, a modified Julian day

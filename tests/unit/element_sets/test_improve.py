@@ -103,6 +103,7 @@ def test_each_object_says_what_was_done_and_why(
 ) -> None:
     assert set(better.table["why"]) == {""}
     assert better.table["number"].tolist() == list(NUMBERS)
+    assert better.table["weight"].between(0.25, 1.0).all()  # the heaviest of four ways
     for lead in pairs.LEADS:
         expected, left = better.table[f"sgp4_{lead}d"], better.table[f"sigma_{lead}d"]
         assert (left > 0.0).all()
