@@ -82,23 +82,23 @@ def _scaled(morning: Morning) -> pd.DataFrame:
 
 def _chosen(morning: Morning) -> pd.DataFrame:
     """Correct as `opml improve` does: by what left least of an object's own predictions."""
-    return _by_choice(morning, ways.candidates(morning.rows, morning.model.correctors))
+    return _by_weight(morning, ways.candidates(morning.rows, morning.model.correctors))
 
 
 def _taught(morning: Morning) -> pd.DataFrame:
-    """Correct by the model alone, by the population that left least of an object's own predictions."""
+    """Correct by the model alone, by the populations that left least of an object's own predictions."""
     tried = ways.candidates(morning.rows, morning.model.correctors)
-    return _by_choice(morning, {name: one for name, one in tried.items() if name not in _UNLEARNED})
+    return _by_weight(morning, {name: one for name, one in tried.items() if name not in _UNLEARNED})
 
 
-def _by_choice(morning: Morning, tried: Ways) -> pd.DataFrame:
-    """Correct by the ways that objects' pasts choose, where nothing speaks against it."""
+def _by_weight(morning: Morning, tried: Ways) -> pd.DataFrame:
+    """Correct by the ways as objects' pasts weigh them, where nothing speaks against it."""
     rows, catalogue = morning.rows, morning.known.catalogue
     newest = improve.newest_sets(catalogue)
     today = modified_julian_day(morning.known.date)
     why = improve.reasons(catalogue, newest, rows[morning.is_now], date=today)
-    chosen = improve.where_usable(ways.choice(rows, tried), why)
-    found = ways.of_way(rows, tried, rows["number"].map(chosen))
+    weights = improve.where_usable(ways.weights(rows, tried), why)
+    found = ways.mixed(rows, tried, ways.of_objects(weights, rows))
     return found[["correction", "sigma"]].reindex(rows.index)
 
 

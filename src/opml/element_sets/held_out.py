@@ -57,7 +57,7 @@ class Seasons:
 
     @property
     def asked(self) -> tuple[float, float]:
-        """First and last day whose predictions judge, or choose the way of one that does."""
+        """First and last day whose predictions judge, or weigh the ways of one that does."""
         return self.test[0] - PAST, self.test[1]
 
 
@@ -138,18 +138,18 @@ def residuals(
     is_own = ~table["number"].isin(teach["number"].unique()) & _within(table, seasons.asked)
     asked = table[is_own].reset_index(drop=True).assign(is_fit=True)
     tried = ways.candidates(asked, {learner: corrected})
-    found, way = tried[f"{ways.LEARNED}: {learner}"], ways.choices(asked, tried)
-    chosen = ways.of_way(asked, tried, way)
+    found, weights = tried[f"{ways.LEARNED}: {learner}"], ways.weights_of_rows(asked, tried)
+    mixed = ways.mixed(asked, tried, weights)
     sets = asked.groupby(["number", "morning"]).ngroup()
-    taken_off = ways.displacement(chosen, sets, asked["bstar"].groupby(sets).first())
+    taken_off = ways.displacement(mixed, sets, asked["bstar"].groupby(sets).first())
     scaled = asked["error"] - asked["density"]
     made = asked[["number", "morning", "lead", "band", "error"]].assign(
         scaled=scaled,
         learned=(asked["error"] - found["correction"]).fillna(scaled),
         sigma=found["sigma"],
         improved=asked["error"] - taken_off,
-        improved_sigma=chosen["sigma"],
-        applied=way.str.partition(":")[0],
+        improved_sigma=mixed["sigma"],
+        applied=ways.heaviest(weights).str.partition(":")[0],
     )
     return made[_within(made, seasons.test) & np.isfinite(made["error"])]
 

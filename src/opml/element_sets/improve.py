@@ -26,7 +26,7 @@ from opml.element_sets import corrector, density, features, pairs, ways
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.model import CatalogueModel
 from opml.element_sets.pairs import OLDEST
-from opml.element_sets.ways import DENSITY, PAST, UNCHANGED, Ways
+from opml.element_sets.ways import DENSITY, PAST, UNCHANGED
 from opml.environment import knowledge
 from opml.environment.weather import Weather
 from opml.interop.element_sets import rewriting
@@ -41,6 +41,7 @@ OLDEST_WEATHER = 3.0
 """Days before the date that the weather may end: the forecast begins there."""
 
 _FEWEST_SETS = 3
+_PAST_COLUMNS = ["number", "morning", "lead", "error", "left", "sigma"]
 _DEEP = 2.0 * np.pi / 225.0  # mean motion [rad/min] below which SGP4 adds Sun and Moon
 _MINUTES = 1440.0
 
@@ -70,7 +71,7 @@ class Improved:
     sets: those of the table, as they are written
     date: UTC text
     past: judged predictions of the mornings before: number, morning (modified Julian day), lead [d], error
-        (of SGP4), left (of it, by the way that the object's set is improved now), sigma [m]
+        (of SGP4), left (of it, as the object's set is improved now), sigma [m]
     """
 
     table: pd.DataFrame
@@ -129,25 +130,17 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
     progress(f"{len(rows)} predictions of {PAST + 1} mornings")
     tried = ways.candidates(rows, model.correctors)
     is_today = rows["morning"] == today
-    table = _table(
-        known,
-        rows[is_today].assign(jump=corrector.jumps(rows)),
-        {name: one[is_today] for name, one in tried.items()},
-        ways.choice(rows, tried),
-    )
+    now = rows[is_today].assign(jump=corrector.jumps(rows))
+    newest = newest_sets(known.catalogue)
+    why = reasons(known.catalogue, newest, now, date=today)
+    weights = where_usable(ways.weights(rows, tried), why)
+    mixed = ways.mixed(rows, tried, ways.of_objects(weights, rows))
+    table = _table(newest, today - newest["t"], why, weights, now.join(mixed[["correction", "sigma"]]))
     sets = [Better(one.file, one.line, one.motion, one.bstar) for one in table.itertuples(index=False)]
     progress(", ".join(f"{name} {count}" for name, count in table["applied"].value_counts().items()))
-    way = table["applied"] + (": " + table["population"]).where(table["population"].ne(""), "")
-    past = _past(rows, tried, rows["number"].map(way.set_axis(table["number"])))
+    judged = rows.loc[np.isfinite(rows["error"]), ["morning", "error"]].join(mixed, how="inner")
+    past = judged.assign(left=judged["error"] - judged["correction"])[_PAST_COLUMNS].reset_index(drop=True)
     return Improved(table.drop(columns=["file", "line"]), sets, known.date, past)
-
-
-def _past(rows: pd.DataFrame, tried: Ways, way: pd.Series) -> pd.DataFrame:
-    """Return the judged rows with what their way leaves of the error."""
-    judged = rows[np.isfinite(rows["error"])]
-    past = judged[["morning", "error"]].join(ways.of_way(judged, tried, way[judged.index]), how="inner")
-    past["left"] = past["error"] - past["correction"]
-    return past[["number", "morning", "lead", "error", "left", "sigma"]].reset_index(drop=True)
 
 
 def replayed(known: PublicData, model: CatalogueModel, mornings: np.ndarray) -> pd.DataFrame:
@@ -158,25 +151,26 @@ def replayed(known: PublicData, model: CatalogueModel, mornings: np.ndarray) -> 
     return features.build(known.catalogue, pairs.build(known.catalogue, mornings), air)
 
 
-def _table(known: PublicData, rows: pd.DataFrame, tried: Ways, chosen_ways: pd.Series) -> pd.DataFrame:
+def _table(
+    newest: pd.DataFrame, age: pd.Series, why: pd.Series, weights: pd.DataFrame, rows: pd.DataFrame
+) -> pd.DataFrame:
     """Return the table `improved_sets` with file and line of each set.
 
-    rows: those of the date, with jumps, of the objects that have a set that is new enough
+    age: of the newest sets [d]
+    rows: those of the date, with jumps and corrections, of the objects that have a set that is new enough
     """
-    today = modified_julian_day(known.date)
-    newest = newest_sets(known.catalogue)
-    why = reasons(known.catalogue, newest, rows, date=today)
-    way = where_usable(chosen_ways, why)
-    chosen = ways.of_way(rows, tried, rows["number"].map(way))
-    improved = numbers(newest, chosen)
+    way = ways.heaviest(weights)
+    corrected = rows.dropna(subset="correction")
+    improved = numbers(newest, corrected)
     table = pd.DataFrame(
         {
             "number": newest["number"],
             "t": newest["t"],
-            "age": today - newest["t"],
+            "age": age,
             "height": newest["height"],
             "applied": way.str.partition(":")[0],
             "population": way.str.partition(": ")[2],
+            "weight": weights.max(axis=1),
             "why": why,
             "motion": improved["motion"],
             "bstar": improved["bstar"],
@@ -186,7 +180,7 @@ def _table(known: PublicData, rows: pd.DataFrame, tried: Ways, chosen_ways: pd.S
         }
     )
     for lead in pairs.LEADS:
-        one = chosen[chosen["lead"] == lead].set_index("number").reindex(newest.index)
+        one = corrected[corrected["lead"] == lead].set_index("number").reindex(newest.index)
         table[f"sgp4_{lead}d"] = np.hypot(one["sigma"], one["correction"])
         table[f"sigma_{lead}d"] = one["sigma"]
     return table.assign(file=newest["file"], line=newest["line"]).reset_index(drop=True)
@@ -200,7 +194,7 @@ def newest_sets(catalogue: ElementCatalogue) -> pd.DataFrame:
 def reasons(
     catalogue: ElementCatalogue, newest: pd.DataFrame, rows: pd.DataFrame, *, date: float
 ) -> pd.Series:
-    """Return by the number of the object why its past does not choose, '' where it does.
+    """Return by the number of the object why its past does not weigh the ways, '' where it does.
 
     newest: of `newest_sets`
     rows: those of the date, a modified Julian day
@@ -223,9 +217,13 @@ def reasons(
     return why
 
 
-def where_usable(way: pd.Series, why: pd.Series) -> pd.Series:
-    """Return the way of each object: the density of one with few sets, none of others with a reason."""
-    return way.reindex(why.index).where(why.isin(["", FEW]), UNCHANGED).mask(why.eq(FEW), DENSITY)
+def where_usable(weights: pd.DataFrame, why: pd.Series) -> pd.DataFrame:
+    """Return the weights of each object: the density alone with few sets, none else with another reason.
+
+    weights: of `ways.weights`
+    """
+    others = ways.whole(why.eq(FEW).map({True: DENSITY, False: UNCHANGED}))
+    return ways.instead(weights.reindex(why.index), others, why.ne(""))
 
 
 def numbers(newest: pd.DataFrame, rows: pd.DataFrame) -> pd.DataFrame:

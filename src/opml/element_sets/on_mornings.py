@@ -88,15 +88,14 @@ class ImprovedHistory:
         now, corrections = rows[today], {name: one[today] for name, one in tried.items()}
         newest = improve.newest_sets(known)
         why = improve.reasons(known, newest, now, date=morning)
-        choices = {
-            DENSITY: pd.Series(DENSITY, newest.index),
-            LEARNED: ways.choice(rows, taught),
+        weights = {
+            DENSITY: ways.whole(pd.Series(DENSITY, newest.index)),
+            LEARNED: ways.weights(rows, taught),
         }
+        usable = {name: improve.where_usable(one, why) for name, one in weights.items()}
         return {
-            name: improve.numbers(
-                newest, ways.of_way(now, corrections, now["number"].map(improve.where_usable(one, why)))
-            )
-            for name, one in choices.items()
+            name: improve.numbers(newest, ways.mixed(now, corrections, ways.of_objects(one, now)))
+            for name, one in usable.items()
         }
 
     @cached_property

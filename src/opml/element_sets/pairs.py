@@ -23,7 +23,7 @@ BACK = 5
 OLDEST = 3.0
 """Age of the newest set [d] beyond which an object has no prediction on a morning."""
 
-_REACH = 0.5
+REACH = 0.5
 """Largest distance of the set that judges from morning plus lead [d]."""
 
 _STEP = 0.05
@@ -119,7 +119,7 @@ def find(catalogue: ElementCatalogue, mornings: np.ndarray) -> tuple[pd.DataFram
     lead = np.tile(LEADS, len(objects) // len(LEADS))
     target = morning + lead
     judge = _nearest(_ordered(place, t), _ordered(objects, target), first[objects], ends[objects])
-    judge = np.where((judge > newest) & (np.abs(t[judge] - target) <= _REACH), judge, -1)
+    judge = np.where((judge > newest) & (np.abs(t[judge] - target) <= REACH), judge, -1)
     until = np.where(judge >= 0, t[judge], target)
     return pd.DataFrame(
         {

@@ -138,8 +138,8 @@ class Prediction(PredictedOrbit):
     @property
     def reason(self) -> str:
         """Why that was used, in words."""
-        chosen = "of all ways it left least of the object's own predictions of 20 mornings"
-        return "; ".join([str(self.how["why"]) or chosen, *self._cautions()])
+        weight = f"it counts {self.how['weight']:.0%} by what ways left of the object's last 20 mornings"
+        return "; ".join([str(self.how["why"]) or weight, *self._cautions()])
 
     def _cautions(self) -> Iterator[str]:
         """Yield why sigmas are wide, where they are."""

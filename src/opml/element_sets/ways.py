@@ -1,4 +1,4 @@
-"""Ways to improve an object's newest set: what each takes off, and which one its own past shows to be best.
+"""Ways to improve an object's newest set: what each takes off, and how much each counts by its own past.
 
 An improved set has two new numbers, a mean motion and a B*. Its prediction is off SGP4's by what these do.
 """
@@ -10,9 +10,10 @@ import pandas as pd
 
 from opml.element_sets import corrector
 from opml.element_sets.corrector import Corrector
+from opml.element_sets.pairs import LEADS
 
 PAST = 20
-"""Mornings before the date whose predictions tell which way an object gets."""
+"""Mornings before the date whose predictions tell how much each way counts."""
 
 BURN = 25.0
 """Scales by which a set misses those before it where the object has burned."""
@@ -23,7 +24,7 @@ _BORROWED = 30.0
 """Rows of its band that count in an object's own past, so that a short one decides little."""
 
 _GROSS = 4.0
-"""Largest part of a scale that a miss counts in the choice."""
+"""Scales that a miss counts at most in the weights."""
 
 _MOST_DRAG = 0.9
 """Largest part of its B* that is taken off a set."""
@@ -53,10 +54,14 @@ def candidates(rows: pd.DataFrame, correctors: Mapping[str, Corrector]) -> dict[
     return {name: corrector.widen_jumps(one, jump) for name, one in (plain | learned).items()}
 
 
-def choice(rows: pd.DataFrame, ways: Ways) -> pd.Series:
-    """Return the way by the number of the object: the one that left least of the predictions that are judged.
+def weights(rows: pd.DataFrame, ways: Ways) -> pd.DataFrame:
+    """Return the weight of each way, a column, by the number of the object: how likely its past makes it.
 
-    Rows of the whole band stand in where an object has few of its own.
+    rows: of mornings up to the date; those that are judged have an error
+
+    What a way leaves, in scales, counts as Laplace's errors do, as wide as what the best one leaves, and the
+    predictions of a morning as one. Rows of the whole band stand in where an object has few of its own;
+    without any the density counts alone.
     """
     judged = rows["is_fit"] & np.isfinite(rows["error"])
     own = rows[judged]
@@ -66,44 +71,76 @@ def choice(rows: pd.DataFrame, ways: Ways) -> pd.Series:
     band = rows.groupby("number")["band"].last()
     usual = of_band.reindex(band).set_axis(band.index)
     sums = losses.groupby(own["number"]).sum().reindex(band.index, fill_value=0.0)
-    counts = own.groupby("number").size().reindex(band.index, fill_value=0)
-    scores = (sums + _BORROWED * usual).div(counts + _BORROWED, axis=0)
-    chosen = scores.fillna(np.inf).idxmin(axis=1)
-    return chosen.where(np.isfinite(scores.min(axis=1)), DENSITY)
+    counts = own.groupby("number").size().reindex(band.index, fill_value=0) + _BORROWED
+    means = (sums + _BORROWED * usual).div(counts, axis=0)
+    best = means.min(axis=1)
+    more = means.sub(best, axis=0).div(best, axis=0).fillna(0.0)
+    likely = np.exp(-more.mul(counts / len(LEADS), axis=0))
+    found = likely.div(likely.sum(axis=1), axis=0)
+    return instead(found, whole(pd.Series(DENSITY, band.index)), ~np.isfinite(means).all(axis=1))
 
 
-def choices(rows: pd.DataFrame, ways: Ways) -> pd.Series:
-    """Return the way of each row, as `choice` makes it on the row's morning of what was judged by then.
+def whole(way: pd.Series) -> pd.DataFrame:
+    """Return weights, a column a way, where one way counts alone."""
+    return pd.get_dummies(way, dtype=float)
+
+
+def instead(weights: pd.DataFrame, others: pd.DataFrame, where: pd.Series) -> pd.DataFrame:
+    """Return weights, but others where a condition holds."""
+    kept = weights.fillna(0.0).mul(~where, axis=0)
+    return kept.add(others.mul(where, axis=0), fill_value=0.0)
+
+
+def of_objects(weights: pd.DataFrame, rows: pd.DataFrame) -> pd.DataFrame:
+    """Return for each row the weights of its object."""
+    return weights.reindex(rows["number"]).set_axis(rows.index)
+
+
+def heaviest(weights: pd.DataFrame) -> pd.Series:
+    """Return the way that counts most."""
+    return weights.idxmax(axis=1)
+
+
+def weights_of_rows(rows: pd.DataFrame, ways: Ways) -> pd.DataFrame:
+    """Return the weights of each row, as `weights` has them on the row's morning of what was judged by then.
 
     rows: of objects that can be corrected, on mornings a day apart
     """
-    of_row = pd.Series(UNCHANGED, index=rows.index)
+    parts = []
     for morning in np.unique(rows["morning"]):
         past = rows[rows["morning"].between(morning - PAST, morning)]
         known = past.assign(error=past["error"].where(past["judged"] <= morning))
-        chosen = choice(known, {name: one.loc[past.index] for name, one in ways.items()})
-        today = past.loc[past["morning"] == morning, "number"]
-        of_row[today.index] = today.map(chosen)
-    missed = rows.groupby(["number", "morning"])["missed"].transform("max")
-    return of_row.mask(missed > BURN, UNCHANGED)
+        found = weights(known, {name: one.loc[past.index] for name, one in ways.items()})
+        parts.append(of_objects(found, past[past["morning"] == morning]))
+    burned = rows.groupby(["number", "morning"])["missed"].transform("max") > BURN
+    of_row = pd.concat(parts).reindex(rows.index)
+    return instead(of_row, whole(pd.Series(UNCHANGED, rows.index)), burned)
 
 
-def of_way(rows: pd.DataFrame, ways: Ways, way: pd.Series) -> pd.DataFrame:
-    """Return rows that can be corrected with correction and sigma of their way.
+def mixed(rows: pd.DataFrame, ways: Ways, weights: pd.DataFrame) -> pd.DataFrame:
+    """Return rows that can be corrected with the means of correction and sigma of their ways.
 
-    way: of each row
+    weights: of each row; a way that cannot correct a row has none there
+
+    The deviation of a mean is at most the mean of the deviations.
     """
-    parts = [
-        rows[["number", "lead", "tau", "response"]].join(one)[rows["is_fit"] & way.eq(name)]
-        for name, one in ways.items()
-    ]
-    return pd.concat(parts).sort_index()
+    fit = rows.loc[rows["is_fit"], ["number", "lead", "tau", "response"]]
+    corrections, sigmas = (
+        np.column_stack([one.loc[fit.index, name] for one in ways.values()])
+        for name in ("correction", "sigma")
+    )
+    weight = weights.reindex(index=fit.index, columns=[*ways]).to_numpy()
+    weight = np.where(np.isfinite(corrections), np.nan_to_num(weight), 0.0)
+    with np.errstate(invalid="ignore"):  # of rows that no way corrects
+        weight /= weight.sum(axis=1, keepdims=True)
+    means = [np.where(weight == 0.0, 0.0, weight * part).sum(axis=1) for part in (corrections, sigmas)]
+    return fit.assign(correction=means[0], sigma=means[1])
 
 
 def changes(rows: pd.DataFrame, set_of_row: pd.Series, bstar: pd.Series) -> pd.DataFrame:
     """Return speed [m/d] and B*, by set, whose displacement along the track is nearest to the corrections.
 
-    rows: of `of_way`
+    rows: of `mixed`
     set_of_row: what tells the sets apart
     bstar: B* of each set
 

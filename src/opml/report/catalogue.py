@@ -37,9 +37,9 @@ def document(
         Paragraph(
             "What is left is told in % of SGP4's: median / 95th percentile. **scaled**: SGP4 with the"
             " density of the days ahead, as it was forecast; **learned**: with the corrector on top;"
-            " **improved**: the set that `opml improve` writes, by the way that the object's own last"
-            " mornings chose; of these, **unchanged** as published. In brackets, 95 % intervals of medians"
-            " over weeks and objects; a value above 100 is worse than SGP4's. **inside**: share of the errors"
+            " **improved**: the set that `opml improve` writes, where each counts by what it left of the"
+            " object's last mornings; **unchanged**, where that counts most. In brackets, 95 % intervals of"
+            " medians over weeks and objects; above 100 is worse than SGP4's. **inside**: share of the errors"
             f" in intervals of {LEVEL:g} %; without one, rows were too few to learn from, and the scaled"
             " prediction stands. **log score**: of the improved set, the less the better."
         ),

@@ -54,9 +54,10 @@ ELEMENT_SCHEMAS = (
             real("t", "d", "epoch of the set, modified Julian day (UTC)"),
             real("age", "d", "age of the set on the date"),
             real("height", "m", "mean height above the equatorial radius"),
-            text("applied", "what improved the set: learned, density or unchanged"),
-            text("population", "population whose corrector was applied, '' without one"),
-            text("why", "why the object's own past did not choose, '' where it did"),
+            text("applied", "what counted most in it: learned, density or unchanged"),
+            text("population", "population whose corrector that was, '' without one"),
+            real("weight", "1", "part that it counted by the object's own past"),
+            text("why", "why the object's own past did not tell, '' where it did"),
             real("motion", "rad/min", "mean motion of the improved set"),
             real("bstar", "1/(6378.135 km)", "B* of the improved set"),
             real("motion_before", "rad/min", "mean motion of the set as published"),
@@ -111,9 +112,7 @@ ELEMENT_SCHEMAS = (
             real("sigma", "m", "standard deviation of `learned`, NaN where nothing was learned", _ALONG),
             real("improved", "m", "what the improved set leaves of it", _ALONG),
             real("improved_sigma", "m", "standard deviation of `improved`", _ALONG),
-            text(
-                "applied", "what the object's own past chose to improve the set: learned, density, unchanged"
-            ),
+            text("applied", "what counted most in the improved set: learned, density, unchanged"),
         ),
     ),
     Schema(

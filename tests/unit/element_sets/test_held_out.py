@@ -103,15 +103,23 @@ def test_half_teaches_in_time_and_the_other_half_judges(recorder):
     assert found.loc[last, "sigma"].isna().all()
 
 
-def test_a_set_is_improved_by_what_left_least_of_its_own_past(recorder):
+def test_a_set_is_improved_by_each_way_as_likely_as_its_own_past_makes_it(recorder):
     rows = predicted(np.arange(1, 41), np.arange(57399.25, 57424.0))
     found = held_out.residuals(rows, rows, Seasons.of_dates(*DATES), "trees", seed=42)
     assert set(found["applied"]) == {"density"}  # 3 m are left by it, 4 m by what was learned
+    known, objects = found["number"] != found["number"].max(), found["number"].nunique()
+    own, borrowed, gross = 28, 30, 4.0  # predictions; one object has none that learned, which is a gross miss
+    learned = (own * 0.4 + borrowed * (gross + 0.4 * (objects - 1)) / objects) / (own + borrowed)
+    losses = np.array([0.5, 0.3, learned])
+    likely = np.exp(-(own + borrowed) / 4 * (losses - 0.3) / 0.3)
+    weights = likely / likely.sum()
     # Two numbers meet two corrections, of a row of five days and one of seven.
-    assert found["improved"].to_numpy() == pytest.approx(3.0)
-    known = found["number"] != found["number"].max()
-    learned = 4.0 / corrector.NORMAL  # sigmas were 2 m, and too small
-    assert found.loc[known, "improved_sigma"].to_numpy() == pytest.approx(np.hypot(learned, 1.0))
+    assert found.loc[known, "improved"].to_numpy() == pytest.approx(weights @ [5.0, 3.0, 4.0])
+    sigma = 4.0 / corrector.NORMAL  # sigmas were 2 m, and too small
+    sigmas = np.hypot(sigma, [1.0, 1.0, 0.0])  # ways a metre apart from the learned one
+    assert found.loc[known, "improved_sigma"].to_numpy() == pytest.approx(weights @ sigmas)
+    without = likely[:2] / likely[:2].sum() @ [5.0, 3.0]
+    assert found.loc[~known, "improved"].to_numpy() == pytest.approx(without, abs=0.01)
 
 
 def test_a_set_that_shows_a_burn_stays(recorder):

@@ -77,7 +77,8 @@ def test_sets_flown_by_plain_sgp4_carry_the_correction(
     way: str, folder: Path, model: models.CatalogueModel, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Two numbers come as near to what four leads ask for as least squares does, and the epoch stays."""
-    monkeypatch.setattr(ways, "choice", lambda rows, tried: pd.Series(way, index=[*NUMBERS]))
+    weights = ways.whole(pd.Series(way, index=[*NUMBERS]))
+    monkeypatch.setattr(ways, "weights", lambda rows, tried: weights)
     known = improve.read([folder], date=DATE, weather="OBSERVED")
     improve.improve(known, model).write(tmp_path / "better.tle")
     old = {one.number: one.satellite for one in mean_elements.read_sets(folder / "known.tle")}
@@ -102,6 +103,7 @@ def test_each_object_says_what_was_done_and_why(
 ) -> None:
     assert set(better.table["why"]) == {""}
     assert better.table["number"].tolist() == list(NUMBERS)
+    assert better.table["weight"].between(0.25, 1.0).all()  # the heaviest of four ways
     for lead in pairs.LEADS:
         expected, left = better.table[f"sgp4_{lead}d"], better.table[f"sigma_{lead}d"]
         assert (left > 0.0).all()

@@ -38,8 +38,8 @@ def numbers(improved: ImprovedHistory, name: str) -> list[tuple[float, float]]:
 def test_sets_are_those_that_the_command_writes(history: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     found = numbers(ImprovedHistory.read([history], "OBSERVED"), DENSITY)
     known = improve.read([history], date=DATE, weather="OBSERVED", latency=0.0)
-    whole = ways.choice
-    monkeypatch.setattr(ways, "choice", lambda rows, tried: whole(rows, {DENSITY: tried[DENSITY]}))
+    weights = ways.weights
+    monkeypatch.setattr(ways, "weights", lambda rows, tried: weights(rows, {DENSITY: tried[DENSITY]}))
     table = improve.improve(known, model.read()).table
     assert (table["applied"] == DENSITY).all()
     np.testing.assert_allclose(found, table[["motion", "bstar"]], rtol=1e-13)

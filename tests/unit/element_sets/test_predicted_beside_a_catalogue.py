@@ -26,7 +26,8 @@ def learned():
     """Every object gets what the package's model of payloads learned."""
     with pytest.MonkeyPatch.context() as patch:
         numbers = range(NUMBER, NUMBER + 12)
-        patch.setattr(ways, "choice", lambda rows, tried: pd.Series("learned: payloads", index=numbers))
+        weights = ways.whole(pd.Series("learned: payloads", index=numbers))
+        patch.setattr(ways, "weights", lambda rows, tried: weights)
         yield
 
 

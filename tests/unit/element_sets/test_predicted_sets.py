@@ -38,7 +38,8 @@ def made(file):
 
 
 def test_it_is_the_better_set_flown_by_sgp4(file, tmp_path, monkeypatch):
-    monkeypatch.setattr(ways, "choice", lambda rows, tried: pd.Series(ways.DENSITY, index=[NUMBER]))
+    weights = ways.whole(pd.Series(ways.DENSITY, index=[NUMBER]))
+    monkeypatch.setattr(ways, "weights", lambda rows, tried: weights)
     made = prediction.predict(file, date=DATE)
     assert made.way == "set improved by the density ahead"
     predicted.write(tmp_path / "better.tle", made, [])
