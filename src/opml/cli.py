@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from opml import __version__
 from opml.base.errors import InputError
+from opml.base.files import check_apart
 from opml.base.progress import clear, on_stderr
 
 if TYPE_CHECKING:
@@ -133,8 +134,9 @@ def _add_screen(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("others", nargs="*", help="ephemerides (OEM) and mean elements of other objects")
     parser.add_argument("--within", type=float, help="largest distance [km] (5); not of a CDM")
     parser.add_argument("--radius", type=float, help="sum of the radii of two objects [m] (20, or a CDM's)")
-    parser.add_argument("--csv", action="store_true", help="as comma-separated values")
-    parser.add_argument("--json", action="store_true", help="as a list of objects, null where unknown")
+    printed = parser.add_mutually_exclusive_group()
+    printed.add_argument("--csv", action="store_true", help="as comma-separated values")
+    printed.add_argument("--json", action="store_true", help="as a list of objects, null where unknown")
     parser.add_argument("--messages", metavar="FOLDER", help="where to write a CDM of each with covariances")
 
 
@@ -176,6 +178,7 @@ def _compare(options: argparse.Namespace) -> None:
 
     if options.output:
         tables.check_suffix(options.output)
+        check_apart([options.output], [options.ours, *options.other])
     ours = comparison.read([options.ours], options.object)
     table = comparison.compare(ours, comparison.read(options.other, options.other_object))
     if options.output:
@@ -201,6 +204,9 @@ def _improve(options: argparse.Namespace) -> None:
     rewriting.check_suffix(options.output)
     date = options.date or datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%S")
     latency = (6.0 if options.date else 0.0) if options.latency is None else options.latency
+    if not latency >= 0.0:
+        raise InputError(f"--latency: expected 0 hours or more, got {latency:g}")
+    check_apart([options.output, *([options.table] if options.table else [])], options.sets)
     known = improve.read(options.sets, date=date, weather=options.weather, latency=latency / 24.0)
     with on_stderr() as progress:
         better = improve.improve(known, model.read(options.model), progress=progress)
@@ -223,7 +229,7 @@ def _add_predict(parser: argparse.ArgumentParser) -> None:
     sets.add_argument("--catalogue", nargs="+", default=[], help="sets of other objects, to compare with")
     sets.add_argument("--model", help="a model of `opml train` (that of the package)")
     measured = parser.add_argument_group("of points and tracks")
-    measured.add_argument("--area-to-mass", type=float, default=0.01, help="area over mass [m2/kg] (0.01)")
+    measured.add_argument("--area-to-mass", type=float, help="area over mass [m2/kg] (0.01)")
     measured.add_argument("--radars", default="config/stations.tsv", help="sheet of the stations of tracks")
 
 
@@ -239,6 +245,7 @@ def _predict(options: argparse.Namespace) -> None:
     from opml.workflow import predicted
 
     predicted.check(options.output)
+    check_apart(options.output, [*options.files, *options.catalogue])
     places = [passes.place(text) for text in options.station]
     with on_stderr() as progress:
         made = (_fit if is_measured(options.files[0]) else _fly_sets)(options, progress)
@@ -255,6 +262,8 @@ def _predict(options: argparse.Namespace) -> None:
 def _fly_sets(options: argparse.Namespace, progress: "Progress") -> "Prediction":
     from opml.element_sets import prediction
 
+    if options.area_to_mass is not None:
+        raise InputError("--area-to-mass: expected points or tracks to fit, got element sets")
     return prediction.predict(
         options.files,
         days=options.days,
@@ -275,6 +284,8 @@ def _fit(options: argparse.Namespace, progress: "Progress") -> "PredictedOrbit":
     from opml.workflow import predicted
 
     predicted.check_fitted(options.output)
+    if options.catalogue or options.model:
+        raise InputError("--catalogue, --model: expected element sets, got points or tracks")
     request = Request(
         options.files,
         options.days,
@@ -282,7 +293,7 @@ def _fit(options: argparse.Namespace, progress: "Progress") -> "PredictedOrbit":
         options.date,
         options.weather,
         list(read_stations(project_file(options.radars)).values()),
-        options.area_to_mass,
+        0.01 if options.area_to_mass is None else options.area_to_mass,
     )
     return prediction.of_measurements(request, progress=progress)
 
@@ -300,6 +311,7 @@ def _train(options: argparse.Namespace) -> None:
     for one in options.sets:
         name, is_named, path = one.rpartition("=")
         populations.setdefault(name if is_named else "all", []).append(path)
+    check_apart([options.output], [path for paths in populations.values() for path in paths])
     with on_stderr() as progress:
         trained = training.train(populations, weather=options.weather, progress=progress)
     model.write(options.output, trained)

@@ -24,7 +24,7 @@ from opml.tables.parquet import read_schema, read_table
 HERE = Path(__file__).parent
 SEEDS = (42, 43, 44)
 MOMENTS = 200
-FAULTS_IN_A_RUN = 8
+FAULTS_IN_A_RUN = 10
 
 STEM = "mine/eglin-clear-kaena"
 RUNS = {
@@ -251,7 +251,7 @@ def test_faults_at_random_moments_change_no_byte(undisturbed, orbit, tmp_path, s
         run = Run(kinds[number % len(kinds)], tmp_path / f"{number:02d}", orbit)
         faults = [*rng.choice(KILLS, FAULTS_IN_A_RUN - 1), rng.choice(DAMAGES)]
         for fault in faults:
-            strike(run, fault, rng.uniform(0.05, 0.2) * duration, rng)
+            strike(run, fault, rng.uniform(0.05, 0.18) * duration, rng)
         whole, products = heal(run, expected), run.finals()
         names = [fault.__name__ for fault in faults]
         assert whole.keys() <= products.keys() <= expected.keys(), names

@@ -3,7 +3,7 @@
 import errno
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -29,6 +29,15 @@ def project_file(path: FilePath) -> Path:
     """Return the path of a project's file; where the project has none, that of the package's own file."""
     packaged = PROJECT / path
     return packaged if packaged.is_file() and not Path(path).exists() else Path(path)
+
+
+def check_apart(written: Iterable[FilePath], read: Iterable[FilePath]) -> None:
+    """Raise InputError where one file would be written twice, or over one that is read."""
+    taken = {Path(path).resolve() for path in read}
+    for path in written:
+        if (whole := Path(path).resolve()) in taken:
+            raise InputError(f"{path}: expected another file for what is written, got one that is in use")
+        taken.add(whole)
 
 
 @contextmanager

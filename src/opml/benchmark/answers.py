@@ -163,7 +163,7 @@ def _read_csv(path: Path, asked: _Asked) -> None:
     lines = [line for line, _ in rows]
     t, time = (np.array([_seconds(path, line, row[name]) for line, row in rows]) for name in ("t", "time"))
     turns = _turns([row["frame"] for _, row in rows], time, path, lines)
-    has_covariance = bool(rows) and set(COVARIANCE) <= rows[0][1].keys()
+    has_covariance = bool(rows) and COVARIANCE[0] in rows[0][1]
     for k, (line, row) in enumerate(rows):
         number = _whole(path, line, row["object"])
         place = asked.at(number, t[k], time[k], f"line {line}: object {number}, {row['time']}")
@@ -178,10 +178,11 @@ def _read_csv(path: Path, asked: _Asked) -> None:
 
 
 def _rows(path: Path) -> Iterator[tuple[int, dict[str, str]]]:
-    with path.open(encoding="utf-8", newline="") as file:
+    with path.open(encoding="utf-8-sig", newline="") as file:
         reader = csv.DictReader(file)
         names = reader.fieldnames or []
-        if missing := [name for name in REQUIRED if name not in names]:
+        wanted = (*REQUIRED, *(COVARIANCE if {*COVARIANCE} & {*names} else ()))
+        if missing := [name for name in wanted if name not in names]:
             raise InputError(f"{path}: expected the columns {', '.join(missing)}, got {', '.join(names)}")
         for row in reader:
             if None in row or None in row.values():
@@ -224,7 +225,7 @@ def _covariance(
     """Return a row's covariance (3, 3) in RSW of its GCRF state."""
     covariance = np.empty((3, 3))
     covariance[_UPPER] = covariance.T[_UPPER] = [_number(path, line, row[name]) for name in COVARIANCE]
-    if not np.linalg.eigvalsh(covariance)[0] > 0.0:
+    if not (np.isfinite(covariance).all() and np.linalg.eigvalsh(covariance)[0] > 0.0):
         raise InputError(f"{path}: line {line}: expected a covariance that is positive definite")
     axes = rsw_rotation(state) @ turn
     return np.asarray(axes @ covariance @ axes.T)

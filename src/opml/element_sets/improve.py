@@ -112,7 +112,13 @@ def read(
 
 
 def check_newest(found: Weather, source: FilePath, *, date: str, oldest: float) -> None:
-    """Raise InputError for weather of a source that ends more than so many days before a date (UTC text)."""
+    """Raise InputError for weather that ends more than so many days before a date (UTC text), or begins then.
+
+    source: of the weather
+    """
+    if modified_julian_day(date) <= found.first + 1.0:
+        expected = f"space weather measured before {date[:10]}, got it from {epochs.calendar(found.first)} on"
+        raise InputError(f"{source}: expected {expected}")
     end = density.end_of(found)
     if modified_julian_day(date) - end > oldest:
         expected = f"space weather measured up to {date[:10]}, got it up to {epochs.calendar(end)}"

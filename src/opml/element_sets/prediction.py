@@ -226,7 +226,10 @@ def _history(paths: Sequence[FilePath], wanted: str | None) -> list[ElementSet]:
     files = catalogues.find_files(paths)
     for path in files:
         _check_sets(path)
-    sets = [one for path in files for one in mean_elements.read_sets(path, damaged=[]) if one.number]
+    damaged: list[InputError] = []
+    sets = [one for path in files for one in mean_elements.read_sets(path, damaged) if one.number]
+    if damaged and not sets:
+        raise damaged[0]
     sets.sort(key=lambda one: (elements_epoch(one.satellite), one.created))
     newest = {one.number: one for one in sets}
     named = {
@@ -280,7 +283,8 @@ def errors_of_sets(catalogue: ElementCatalogue, date: str) -> pd.DataFrame:
                 rows.append(
                     (morning, lead, *_apart(catalogue.satellites[newest], catalogue.satellites[later]))
                 )
-    return pd.DataFrame(rows, columns=["morning", "lead", *"rsw"]).dropna()
+    found = pd.DataFrame(rows, columns=["morning", "lead", *"rsw"]).dropna()
+    return found.astype({"lead": int, **dict.fromkeys("rsw", float)})
 
 
 def _apart(flown: Satrec, judge: Satrec) -> tuple[float, float, float]:

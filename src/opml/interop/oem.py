@@ -320,6 +320,8 @@ def _segment(message: ccsds.Message, epoch: str) -> Segment:
     density, covariance_t, covariances, covariance_frame = _covariances(message, frame, scale, epoch)
     t = message.times(times, lines, epoch=epoch, scale=scale)
     check_ascending(message.path, t, np.array(lines))
+    if not _reach_end(metadata, t, epoch, scale):
+        raise _cut(message, metadata, times, lines)
     useable = _useable(metadata, t, epoch, scale)
     if not useable.any():
         raise message.error("states within the useable times", "none", lines[0])
@@ -347,8 +349,8 @@ def _named_arc(message: ccsds.Message, epoch: str) -> tuple[tuple[str, str], Arc
     message.skip("COVARIANCE_START", "COVARIANCE_STOP")
     t = message.times(times, lines, epoch=epoch, scale=scale)
     check_ascending(message.path, t, np.array(lines))
-    if t[-1] < metadata.time("STOP_TIME", t[-1], epoch=epoch, scale=scale) - MOST_APART:
-        raise message.error(f"states up to STOP_TIME = {metadata.text('STOP_TIME')}", times[-1], lines[-1])
+    if not _reach_end(metadata, t, epoch, scale):
+        raise _cut(message, metadata, times, lines)
     useable = _useable(metadata, t, epoch, scale)
     states = _numbers(message, lines, texts)[useable]
     name = metadata.text("OBJECT_NAME")
@@ -369,6 +371,17 @@ def _named_arc(message: ccsds.Message, epoch: str) -> tuple[tuple[str, str], Arc
 
 def _identity(metadata: ccsds.KeyValues) -> ObjectId:
     return ObjectId.of(metadata.text("OBJECT_NAME"), metadata.text("OBJECT_ID", ""))
+
+
+def _reach_end(metadata: ccsds.KeyValues, t: np.ndarray, epoch: str, scale: str) -> bool:
+    """Return whether the times (n,) [s] of a segment's states reach its end, as in no file that is cut."""
+    return bool(t[-1] >= metadata.time("STOP_TIME", t[-1], epoch=epoch, scale=scale) - MOST_APART)
+
+
+def _cut(
+    message: ccsds.Message, metadata: ccsds.KeyValues, times: Sequence[str], lines: Sequence[int]
+) -> InputError:
+    return message.error(f"states up to STOP_TIME = {metadata.text('STOP_TIME')}", times[-1], lines[-1])
 
 
 def _useable(metadata: ccsds.KeyValues, t: np.ndarray, epoch: str, scale: str) -> np.ndarray:

@@ -171,6 +171,13 @@ def test_without_covariances_there_are_errors_alone(sgp4, tmp_path):
     assert without[["along_track_crps", "along_track_log_score", "along_track_inside"]].isna().all(axis=None)
 
 
+def test_answers_of_a_spreadsheet_are_read(sgp4, tmp_path):
+    saved = tmp_path / sgp4.name
+    saved.write_bytes(b"\xef\xbb\xbf" + sgp4.read_bytes().replace(b"\r\n", b"\n").replace(b"\n", b"\r\n"))
+    scores = [benchmark.score(tasks.SAMPLE, path).scores for path in (sgp4, saved)]
+    pd.testing.assert_frame_equal(*scores)
+
+
 # What is wrong with answers
 
 
@@ -283,6 +290,7 @@ def of_states(states, task, folder):
         ({"x": "far"}, "line 2: expected a number, got 'far'"),
         ({"object": "ISS"}, "line 2: object: expected a catalogue number, got 'ISS'"),
         ({"cov_x_x": "-1"}, "line 2: expected a covariance that is positive definite"),
+        ({"cov_y_z": "nan"}, "line 2: expected a covariance that is positive definite"),
         ({"time": "noon"}, "line 2: "),
     ],
     ids=lambda value: next(iter(value)) if isinstance(value, dict) else "",
@@ -298,10 +306,15 @@ def test_malformed_answers_are_refused(edit, told, sgp4, tmp_path):
     [
         ("mine.csv", b"\xff\xfe\x00", "mine.csv: expected comma-separated values in UTF-8"),
         ("mine.csv", b"object,t\n", "mine.csv: expected the columns time, frame"),
+        (
+            "mine.csv",
+            ",".join([*answers.REQUIRED, "cov_z_z"]).encode(),
+            "expected the columns cov_x_x, cov_x_y",
+        ),
         ("about.json", b"[1, 2", "about.json: expected a JSON object"),
         ("mine.txt", b"", "expected answers as .csv or .oem, got none"),
     ],
-    ids=["bytes", "columns", "about", "suffix"],
+    ids=["bytes", "columns", "a part of a covariance", "about", "suffix"],
 )
 def test_files_that_hold_no_answers_are_refused(name, content, told, sgp4, task, tmp_path):
     if name == "about.json":

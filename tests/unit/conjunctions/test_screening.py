@@ -71,6 +71,9 @@ def test_the_command_prints_a_line_of_each_and_writes_messages(files, tmp_path, 
     assert cli.main(["screen", str(messages[0]), "--json"]) == 0
     (row,) = json.loads(capsys.readouterr().out)
     assert row["miss_m"] == pytest.approx(table["miss_m"][0])
+    with pytest.raises(SystemExit):
+        cli.main(["screen", *arguments, "--csv", "--json"])
+    assert "argument --json: not allowed with argument --csv" in capsys.readouterr().err
     assert cli.main(["screen", *arguments[:2], "--within", "0.000001"]) == 0
     assert capsys.readouterr().out == "no conjunction\n"
     assert cli.main(["screen", *map(str, paths), "--within", "0.001", "--csv"]) == 0
@@ -334,6 +337,7 @@ DAMAGES = {
     "metres": (lambda lines: in_metres(lines, range(1, 7)), "short: expected positions 6000 to 1e\\+06 km"),
     "metres per second": (lambda lines: in_metres(lines, range(4, 7)), "velocities that lead from position"),
     "three states": (lambda lines: [*lines[: FIRST + 3], *lines[FIRST + 21 :]], "at least 4 states, got 3"),
+    "cut": (lambda lines: lines[: FIRST + 12], "line 26: expected states up to STOP_TIME = 2023-05-01T00:20"),
     "a gap": (lambda lines: [*lines[:20], *lines[30:]], "short: expected states at most 300 s apart"),
 }
 
@@ -342,7 +346,10 @@ DAMAGES = {
 def test_damaged_ephemerides_are_told_in_one_line(short, damage):
     harm, expected = DAMAGES[damage]
     screening.read([short])
-    short.write_text("\n".join(harm(short.read_text().splitlines())) + "\n")
+    lines = short.read_text().splitlines()
+    if damage != "cut":
+        lines = ["STOP_TIME = 2023-05-01T00:02:00" if line.startswith("STOP") else line for line in lines]
+    short.write_text("\n".join(harm(lines)) + "\n")
     with pytest.raises(InputError, match=expected) as raised:
         screening.read([short])
     assert str(raised.value).startswith(str(short))

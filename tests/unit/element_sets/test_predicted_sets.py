@@ -218,6 +218,10 @@ def test_a_phone_shows_all_of_the_page(made, tmp_path):
 REFUSED = {
     "another suffix": (["-o", "mine.xlsx"], r"mine\.xlsx: expected a suffix \.oem"),
     "too many days": (["--days", "8"], "expected more than 0 and at most 7 days, got 8"),
+    "an input as output": (["-o", "{file}"], r"sets\.tle: expected another file for what is written"),
+    "an output twice": (["-o", "mine.oem"], r"mine\.oem: expected another file for what is written"),
+    "a body of points": (["--area-to-mass", "0.02"], "--area-to-mass: expected points or tracks to fit"),
+    "weather of later": (["--date", "1957-04-30T06:00:00"], "measured before 1957-04-30, got it from 19"),
     "another object": (["--object", "102"], "expected one object 102, got 101"),
     "old weather": (
         ["--date", "2026-03-01T00:00:00"],
@@ -230,10 +234,26 @@ REFUSED = {
 def test_what_cannot_be_is_refused_in_a_line(case, file, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     arguments, message = REFUSED[case]
-    assert cli.main(["predict", str(file), "-o", "mine.oem", *arguments]) == 1
+    given, before = [one.format(file=file) for one in arguments], file.read_bytes()
+    assert cli.main(["predict", str(file), "-o", "mine.oem", *given]) == 1
+    assert file.read_bytes() == before
     (line,) = [line for line in capsys.readouterr().err.splitlines() if "expected" in line]
     assert re.search(message, line)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_one_set_has_the_usual_errors(file, tmp_path):
+    (tmp_path / "one.tle").write_text("".join(file.read_text().splitlines(keepends=True)[-2:]))
+    made = prediction.predict(tmp_path / "one.tle", days=1.0)
+    assert made.reason == "first sets"
+    assert np.isfinite(made.sizes.to_numpy(float)).all()
+
+
+def test_of_sets_that_cannot_be_read_the_first_tells_why(file, tmp_path):
+    lines = file.read_text().splitlines(keepends=True)
+    (tmp_path / "cut.tle").write_text("".join(line[:40] + "\n" for line in lines))
+    with pytest.raises(InputError, match=r"cut\.tle: line 1: expected "):
+        prediction.predict(tmp_path / "cut.tle")
 
 
 def test_of_several_objects_one_is_named(tmp_path):
