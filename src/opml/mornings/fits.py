@@ -1,9 +1,11 @@
 """The estimates of a morning: of the tracks that are over, that no earlier morning estimated.
 
 The tracks have numbers that stay theirs. Estimates ascend in time: a track that comes after later ones were
-estimated gets none of its own; fits of the tracks to come take its measurements. Burns that nobody named are looked for where the newest estimates
-are far off what was flown. A storm or a track of another object puts estimates off, too. Whether a burn does,
-the tracks themselves tell (`opml.catalog.associate.quarantine`), all of the last days in turn.
+estimated gets none of its own; fits of the tracks to come take its measurements.
+
+Burns that nobody named are looked for where the newest estimates are far off what was flown. A storm or a
+track of another object puts estimates off, too. Whether a burn does, the tracks themselves tell
+(`opml.catalog.associate.quarantine`), all of the last days in turn.
 """
 
 from collections.abc import Mapping
