@@ -212,7 +212,7 @@ if PLAN.settings.measured:
             FIRST_ORBIT.benchmark
         wildcard_constraints:
             rso=naming.alternatives(PLAN.settings.measured),
-            stations=f"(?:{naming.stations_pattern(PLAN.settings.stations)}|{naming.alternatives(naming.WITHOUT_STATIONS)})",
+            stations=f"(?:{naming.stations_pattern(PLAN.settings.stations)}|{naming.alternatives(kinds.in_place_of_stations())})",
         conda:
             "../envs/opml.yaml"
         resources:

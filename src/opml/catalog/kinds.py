@@ -11,7 +11,6 @@ from typing import Any
 
 import pandas as pd
 
-from opml import naming
 from opml.base.errors import InputError
 from opml.orbits.sheets import Station
 from opml.tables import SCHEMAS
@@ -69,11 +68,11 @@ class Asked:
 
 
 TRACKS = Kind("tracks", "tracking")
-FIXES = Kind("fixes", "fixes", stations=naming.FIXES, taking="fixing")
+FIXES = Kind("fixes", "fixes", stations="fixes", taking="fixing")
 RANGES = Kind(
     "ranges",
     "laser_ranges",
-    stations=naming.RANGES,
+    stations="ranges",
     taking="ranging",
     needs_taking=True,
     beneath="config/ranges.yaml",
@@ -83,13 +82,18 @@ RANGES = Kind(
 ELEMENTS = Kind(
     "elements",
     "fixes",
-    stations=naming.FIXES,
+    stations="fixes",
     taking="histories",
     beneath="config/elements.yaml",
     beneath_alone="config/elements_alone.yaml",
 )
 
 KINDS = [TRACKS, FIXES, RANGES, ELEMENTS]
+
+
+def in_place_of_stations() -> list[str]:
+    """Return the names in the place of a station set, where none of the sheet measured."""
+    return list(dict.fromkeys(kind.stations for kind in KINDS if kind.stations))
 
 
 def names() -> str:

@@ -131,27 +131,36 @@ def residuals(
     band, the density-scaled prediction stands. Raises InputError where there is too little to learn from.
     """
     teach = teachers[half_of(teachers["number"].to_numpy(), seed=seed) == 0]
-    is_apart = (teach["judged"] <= seasons.test[0]) | (teach["morning"] > seasons.test[1])
-    corrected = corrector.fit(
-        teach[_within(teach, seasons.train) & is_apart].assign(is_fit=True), learner, seed=seed
-    )
+    trained = _train(teach, seasons, learner, seed=seed)
     is_own = ~table["number"].isin(teach["number"].unique()) & _within(table, seasons.asked)
     asked = table[is_own].reset_index(drop=True).assign(is_fit=True)
-    tried = ways.candidates(asked, {learner: corrected})
-    found, weights = tried[f"{ways.LEARNED}: {learner}"], ways.weights_of_rows(asked, tried)
+    made = _residuals(asked, ways.candidates(asked, {learner: trained}), learner)
+    return made[_within(made, seasons.test) & np.isfinite(made["error"])]
+
+
+def _train(teach: pd.DataFrame, seasons: Seasons, learner: str, *, seed: int) -> corrector.Corrector:
+    """Return what is learned from rows that were public before the season of the test, or predicted after."""
+    is_apart = (teach["judged"] <= seasons.test[0]) | (teach["morning"] > seasons.test[1])
+    taught = teach[_within(teach, seasons.train) & is_apart]
+    return corrector.fit(taught.assign(is_fit=True), learner, seed=seed)
+
+
+def _residuals(asked: pd.DataFrame, tried: ways.Ways, learner: str) -> pd.DataFrame:
+    """Return what each way leaves of the errors, and the improved set by all ways, weighed by the past."""
+    learned, weights = tried[f"{ways.LEARNED}: {learner}"], ways.weights_of_rows(asked, tried)
     mixed = ways.mixed(asked, tried, weights)
+    # A set takes two numbers alone, speed and B*, so that it follows the corrections of all leads in part.
     sets = asked.groupby(["number", "morning"]).ngroup()
-    taken_off = ways.displacement(mixed, sets, asked["bstar"].groupby(sets).first())
+    displacement = ways.displacement(mixed, sets, asked["bstar"].groupby(sets).first())
     scaled = asked["error"] - asked["density"]
-    made = asked[["number", "morning", "lead", "band", "error"]].assign(
+    return asked[["number", "morning", "lead", "band", "error"]].assign(
         scaled=scaled,
-        learned=(asked["error"] - found["correction"]).fillna(scaled),
-        sigma=found["sigma"],
-        improved=asked["error"] - taken_off,
+        learned=(asked["error"] - learned["correction"]).fillna(scaled),
+        sigma=learned["sigma"],
+        improved=asked["error"] - displacement,
         improved_sigma=mixed["sigma"],
         applied=ways.heaviest(weights).str.partition(":")[0],
     )
-    return made[_within(made, seasons.test) & np.isfinite(made["error"])]
 
 
 def half_of(numbers: np.ndarray, *, seed: int) -> np.ndarray:

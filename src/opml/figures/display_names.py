@@ -3,6 +3,7 @@
 import re
 
 from opml import naming
+from opml.catalog import kinds
 
 RSOS = {
     "iss": "ISS-based RSO",
@@ -40,7 +41,7 @@ def display_rso(name: str) -> str:
 
 def display_stations(name: str) -> str:
     """Return a station set in words: `eglin-clear` is `two radars (Eglin, Clear)`."""
-    if name in naming.WITHOUT_STATIONS:
+    if name in kinds.in_place_of_stations():
         return name
     stations = naming.strip_seed(name, naming.NOISE).split("-")
     count = _COUNTS.get(len(stations), f"{len(stations)} radars")

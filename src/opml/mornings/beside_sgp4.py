@@ -14,8 +14,8 @@ from opml.element_sets.ways import DENSITY, LEARNED
 from opml.interop.element_sets import histories, mean_elements
 from opml.interop.element_sets.element_set import mean_height
 from opml.mornings.candidates import Expected
+from opml.mornings.judged import PAST, Verdict
 from opml.mornings.outcomes import GOOD, WIDE
-from opml.mornings.verdict import PAST, Verdict
 from opml.orbits.elements import in_rsw
 from opml.tables import STATE
 

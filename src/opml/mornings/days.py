@@ -19,9 +19,9 @@ from opml.interop import ccsds, oem
 from opml.learning.judge.error_sizes import INSIDE, along_track
 from opml.mornings import beside_sgp4
 from opml.mornings.calendar import HORIZON, Calendar
+from opml.mornings.judged import OLDEST
 from opml.mornings.morning import Left, MorningPlan, Watched, morning
 from opml.mornings.records import DONE, Records
-from opml.mornings.verdict import OLDEST
 from opml.tables import read_metadata
 
 STRIP = 30

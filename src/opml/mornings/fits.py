@@ -1,4 +1,12 @@
-"""The estimates of a morning: of the tracks that no earlier morning estimated."""
+"""The estimates of a morning: of the tracks that are over, that no earlier morning estimated.
+
+The tracks have numbers that stay theirs. Estimates ascend in time: a track that comes after later ones were
+estimated gets none of its own; fits of the tracks to come take its measurements.
+
+Burns that nobody named are looked for where the newest estimates are far off what was flown. A storm or a
+track of another object puts estimates off, too. Whether a burn does, the tracks themselves tell
+(`opml.catalog.associate.quarantine`), all of the last days in turn.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -7,14 +15,73 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
+from opml.catalog.associate import quarantine
 from opml.catalog.fit.estimation import estimate_further, estimate_over_windows
 from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.fit.first.first_orbit import TimedState
 from opml.catalog.fit.measurements import Measurements
 from opml.catalog.flight import Flight
-from opml.mornings.tracks import NO_NUMBER, Recent
+from opml.learning.judge.error_sizes import along_track
+from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SCHEMAS, STATE
+
+NO_NUMBER = -1
+"""The number of a track that gets no estimate."""
+
+
+@dataclass(frozen=True)
+class Recent:
+    """The tracks of the last days that are over.
+
+    tracking: their measurements, of tracks numbered from 0
+    numbers: (tracks,) the number of each in the records of an object, or NO_NUMBER
+    ends: (tracks,) when each is over, or was made [s]
+    """
+
+    tracking: pd.DataFrame
+    numbers: np.ndarray
+    at: np.ndarray
+    ends: np.ndarray
+
+    @property
+    def tracks(self) -> int:
+        """Number of the tracks."""
+        return len(self.numbers)
+
+    @property
+    def late(self) -> int:
+        """Number of those that came after later ones had been estimated."""
+        return int(np.sum(self.numbers == NO_NUMBER))
+
+    def places(self, numbers: pd.Series) -> np.ndarray:
+        """Return which of the tracks have some of these numbers."""
+        return np.asarray(pd.Index(self.numbers).get_indexer(numbers))
+
+
+def recent_tracks(tracking: pd.DataFrame, kept: pd.DataFrame, *, now: float, reach: float) -> Recent:
+    """Return the tracks that are over by `now` [s] and whose estimates are at most `reach` [s] old.
+
+    tracking: that table, or another in its place
+    kept: track and t of the estimates of earlier mornings
+    """
+    by_track = tracking.groupby("track", sort=True)
+    at = by_track["t_estimate" if "t_estimate" in tracking else "t"].min()
+    ends = by_track["t_known" if "t_known" in tracking else "t"].max()
+    is_kept = at.isin(kept["t"])
+    is_recent = (ends <= now) & (at > now - reach)
+    rows = tracking[tracking["track"].isin(at.index[is_recent])]
+    known = dict(zip(kept["t"], kept["track"], strict=True))
+    following = int(kept["track"].max()) + 1 if len(kept) else 0
+    is_new = is_recent & ~is_kept & ~(at <= kept["t"].max())
+    numbers = np.where(is_new, following + is_new.cumsum() - 1, at.map(known).fillna(NO_NUMBER)).astype(int)
+    return Recent(
+        rows.assign(track=np.searchsorted(at.index[is_recent], rows["track"])),
+        numbers[is_recent],
+        at[is_recent].to_numpy(),
+        ends[is_recent].to_numpy(),
+    )
+
 
 LOST = 2.0 * DAY
 """After so long without an estimate that converged, an orbit is determined anew [s]."""
@@ -92,3 +159,48 @@ class Fitting:
         """Return those of the kept estimates whose tracks are recent, numbered as these."""
         rows = kept[kept["track"].isin(self.recent.numbers)]
         return rows.assign(track=self.recent.places(rows["track"]))
+
+
+FAR = 6.0
+"""Standard deviations off from which on estimates may be of another orbit."""
+
+_NEWEST = 3
+"""Estimates that are off in the median."""
+
+_FRESH = 2.0 * DAY
+"""Ephemerides that are held against them are no older [s]."""
+
+_APART = 0.25 * DAY
+"""Time between two burns that are told apart [s]: the same one may be found a little later."""
+
+
+def are_far(judged: pd.DataFrame) -> bool:
+    """Return whether the newest estimates are far off the newest ephemerides before them.
+
+    judged: rows of that table of one morning
+    """
+    flown = judged[np.isfinite(judged["sigma_y"]) & (judged["duration"] < _FRESH)]
+    nearest = flown.loc[flown.groupby("j")["duration"].idxmin()].nlargest(_NEWEST, "t_j")
+    return len(nearest) == _NEWEST and bool(np.median(sigmas_off(nearest)) > FAR)
+
+
+def sigmas_off(rows: pd.DataFrame) -> np.ndarray:
+    """Return how far off (n,) along the track ephemerides were, in the standard deviations of that."""
+    off: np.ndarray = rows["e_y"].abs().to_numpy(float) / along_track(rows)
+    return off
+
+
+def newest_burn(fitting: Fitting, kept: pd.DataFrame, *, since: float) -> Manoeuvre | None:
+    """Return the newest burn that the tracks of the last days show, which windows of fits begin anew behind.
+
+    kept: estimates of earlier mornings, whose states the fits may start from
+    since: when the last burn was that is known [s]
+    """
+    found = quarantine.estimate_all(
+        fitting.flight,
+        fitting.starts(kept),
+        fitting.measured,
+        settings=fitting.settings.evolve(suspect_sigma=FAR),
+    )
+    times = found.loc[found["burn_t"] > since + _APART, "burn_t"]
+    return Manoeuvre(float(times.iloc[-1]), anew=True) if len(times) else None

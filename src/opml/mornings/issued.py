@@ -1,4 +1,8 @@
-"""What a morning issues: the model that left the least so far, the sizes of its errors; table `issued`."""
+"""What a morning issues: the model that left the least so far, its ephemeris with the sizes of its errors.
+
+The row of the model that is flown is of the table `issued`. The ephemeris is the path of that model, with
+covariances, on a message's epochs.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -6,13 +10,18 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from scipy.interpolate import make_interp_spline
 
 from opml.base.errors import InputError
+from opml.ephemerides.along_track_shift import check_smooth, corrected, through
+from opml.ephemerides.corrected import interpolate_spread
+from opml.ephemerides.task import ephemeris_table
 from opml.learning.data.splits import are_over
 from opml.learning.judge.error_sizes import LEAST_ROWS, Sizes
 from opml.learning.judge.model_choice import choose
 from opml.orbits.manoeuvres import Manoeuvre
-from opml.tables import SIGMA_STATE, SIZES
+from opml.orbits.rsw_covariance import rates, rsw_covariances
+from opml.tables import SIGMA_STATE, SIZES, STATE
 
 _GROUPS = {"constant": "xyz", "rate": "xyz", "drag": "xyz", "velocity": "xyz", "inflation": "01234"}
 _TIMES = ("days", "reach", "flat")
@@ -96,3 +105,28 @@ def _sizes(flight: Mapping[str, Any]) -> Sizes:
         group: np.array([flight[f"{group}_{part}"] for part in parts]) for group, parts in _GROUPS.items()
     }
     return Sizes(**values, **{name: flight[name] for name in _TIMES})
+
+
+_DEGREE = 5  # of the correction between the epochs of a path
+
+
+def ephemeris(paths: pd.DataFrame, flown: Flown, *, step: float) -> pd.DataFrame:
+    """Return the `corrected` table of the model that is flown.
+
+    paths: the table of a morning
+    step: between the epochs [s]
+
+    Between the epochs of a path stand splines: of degree 7 through its states, millimetres off. Raises
+    InputError as `check_smooth` does.
+    """
+    t, along = paths["t_j"].to_numpy(), paths[f"e_y_{flown.model}"].to_numpy()
+    check_smooth(t, along)
+    at = np.arange(np.ceil(t[0] / step), np.floor(t[-1] / step) + 1.0) * step
+    predicted = through(t, np.ascontiguousarray(paths[STATE]))(at)
+    states = corrected(at, predicted, make_interp_spline(t, along, _DEGREE)(at))
+    rows = pd.DataFrame(dict(zip(STATE, predicted.T, strict=True))).assign(
+        i=paths["i"].iloc[0], t_i=paths["t_i"].iloc[0], t_j=at
+    )
+    rate = rates(states)
+    caused = interpolate_spread(rows, paths).assign(rate=rate, duration=at - rows["t_i"])
+    return ephemeris_table(rows, states, rsw_covariances(flown.sizes.sigmas(caused), rate))

@@ -1,17 +1,20 @@
-"""How far ephemerides of earlier mornings were off the estimates of this one."""
+"""How ephemerides of earlier mornings fared, by the estimates of this one, and whether to trust the next."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
+from opml.base.constants import DAY, HOUR
 from opml.catalog.fit import fixes
 from opml.catalog.predict import labels
 from opml.ephemerides.corrected import interpolate_spread
 from opml.ephemerides.replays import missed
-from opml.mornings.paths import Paths
-from opml.mornings.records import Records
-from opml.mornings.tracks import Recent
+from opml.learning.judge.error_sizes import INSIDE, LEVEL
+from opml.mornings.fits import FAR, Recent, sigmas_off
+from opml.mornings.outcomes import DO_NOT_USE, GOOD, UNPROVEN, WIDE
+from opml.mornings.records import Paths, Records
 from opml.orbits.manoeuvres import Manoeuvre, contain_any
 from opml.tables import DOUBT, SIGMA_STATE, SIGMAS, STATE
 
@@ -63,3 +66,91 @@ def _ahead(
     # A fit to tracks from both sides of a manoeuvre tells no orbit.
     across = contain_any(np.full(len(t_j), t_i), t_j, manoeuvres, window=window)
     return interpolate_spread(later[reached & ~across].assign(i=rows["i"].iloc[0]), rows)
+
+
+OLDEST = 1.5 * DAY
+"""Oldest estimate that an ephemeris should start from [s]."""
+
+FEWEST = 7
+"""Mornings whose ephemerides were judged, below which intervals are hardly known."""
+
+PAST = 14.0 * DAY
+"""How far back intervals are looked at [s]."""
+
+LEAST_INSIDE = 0.85
+"""Share of these that intervals of 90 % have to hold, on each day ahead."""
+
+RARE = 3.0
+"""Standard deviations that one of the newest errors hardly reaches by chance: drag rises, say."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A verdict and its reason."""
+
+    word: str
+    reason: str
+
+    def or_not_for(self, reason: str) -> "Verdict":
+        """Return the verdict on what could not be flown for a reason: this one where it says as much."""
+        return self if self.word == DO_NOT_USE else Verdict(DO_NOT_USE, reason)
+
+
+def verdict(
+    judged: pd.DataFrame,
+    start: pd.DataFrame,
+    *,
+    now: float,
+    burns: Sequence[Manoeuvre] = (),
+    window: float = 0.0,
+) -> Verdict:
+    """Return the verdict on an ephemeris from an estimate, by what was judged by `now` [s].
+
+    judged: rows of that table of all mornings
+    burns: all that anybody knows of
+    window: of the fits [s], which is cut short behind one
+    """
+    begin = float(start["t"].iloc[0])
+    age, burned = now - begin, max((one.t for one in burns if one.counts_from <= now), default=-np.inf)
+    flown = judged[np.isfinite(judged["sigma_y"].to_numpy(float))]
+    off = sigmas_off(flown)
+    # On a day without tracks the last ones still have their say.
+    last = (flown["t_known"] > flown["t_known"].max() - DAY).to_numpy(bool)
+    newest = last & (flown["duration"] < 2.0 * DAY).to_numpy(bool)
+    recent = (flown["t_known"] > now - PAST).to_numpy(bool)
+    mornings = judged["morning"].nunique()
+    if age > OLDEST:
+        return Verdict(DO_NOT_USE, f"the newest estimate is {age / DAY:.1f} days old")
+    if begin - burned < window:
+        return Verdict(DO_NOT_USE, f"a burn {(now - burned) / HOUR:.0f} hours ago, which fits begin behind")
+    if newest.any() and np.median(off[newest]) > FAR:
+        return Verdict(
+            DO_NOT_USE,
+            f"the newest estimates are {np.median(off[newest]):.0f} sigma off the ephemeris before: "
+            "a storm, another object, or a burn that the tracks do not show",
+        )
+    if mornings < FEWEST:
+        return Verdict(UNPROVEN, f"{mornings} mornings were judged, fewer than {FEWEST}")
+    if not recent.any():
+        return Verdict(UNPROVEN, f"nothing was judged in the last {PAST / DAY:.0f} days")
+    share, day = _least_inside(off[recent], flown["duration"].to_numpy(float)[recent])
+    most = off[newest].max(initial=0.0)
+    if share >= LEAST_INSIDE and most > RARE:
+        return Verdict(WIDE, f"one of the newest estimates is {most:.1f} sigma off the ephemeris before")
+    return Verdict(
+        GOOD if share >= LEAST_INSIDE else WIDE,
+        f"its {100 * LEVEL:g} % intervals held {100 * share:.0f} % of the last errors on day {day:.0f} ahead",
+    )
+
+
+def _least_inside(off: np.ndarray, duration: np.ndarray) -> tuple[float, float]:
+    """Return the least share inside intervals of a day ahead, and its number.
+
+    off: (n,) in standard deviations
+    duration: (n,) [s]
+
+    Days of few errors count only where no day has many.
+    """
+    shares = pd.Series(off < INSIDE).groupby(np.ceil(duration / DAY)).agg(["mean", "size"])
+    known = shares[shares["size"] >= min(FEWEST, shares["size"].max())]["mean"]
+    return float(known.min()), float(known.idxmin())

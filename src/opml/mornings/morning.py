@@ -28,14 +28,13 @@ from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models import learners
 from opml.learning.models.contract import ResolvedSettings
-from opml.mornings import beside_sgp4, burns_in_tracks, candidates, fits, issued, judged, product, tracks
+from opml.mornings import beside_sgp4, candidates, fits, issued, judged
 from opml.mornings.beside_sgp4 import Sgp4
+from opml.mornings.fits import Recent
 from opml.mornings.issued import Flown
+from opml.mornings.judged import Verdict, verdict
 from opml.mornings.outcomes import DO_NOT_USE, UNPROVEN
-from opml.mornings.paths import Paths
-from opml.mornings.records import Records
-from opml.mornings.tracks import Recent
-from opml.mornings.verdict import Verdict, verdict
+from opml.mornings.records import Paths, Records
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.orbits.sheets import Station
 from opml.tables import SCHEMAS, STATE
@@ -165,7 +164,9 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
     """
     watched = watched.on(now)
     plan = watched.plan
-    recent = tracks.over(watched.tracking, records.estimates_over(plan.base), now=now, reach=plan.reach)
+    recent = fits.recent_tracks(
+        watched.tracking, records.estimates_over(plan.base), now=now, reach=plan.reach
+    )
     one = _Morning(_aware_of(watched, records.burns), records, recent, now)
     try:
         one.fit()
@@ -208,9 +209,9 @@ class _Morning:
         self.fitting = _fitting(self.watched, self.recent)
         estimates = self.fitting.further(kept)
         self.judged = _judged(self.watched, estimates, self.recent, self.earlier)
-        if "station" in self.watched.tracking and burns_in_tracks.are_far(self.judged):
+        if "station" in self.watched.tracking and fits.are_far(self.judged):
             last = max((one.t for one in self.earlier.burns), default=-np.inf)
-            self.burn = burns_in_tracks.newest(self.fitting, kept, since=last)
+            self.burn = fits.newest_burn(self.fitting, kept, since=last)
         if self.burn:
             self.watched = _aware_of(self.watched, [self.burn])
             self.fitting = _fitting(self.watched, self.recent)
@@ -239,7 +240,7 @@ class _Morning:
         judgement = verdict(past, self.starts, now=self.now, burns=burns, window=plan.base * HOUR)
         self.verdict = beside_sgp4.beside(judgement, past, now=self.now)
         flown = issued.choose_model(past, paths.models, now=self.now)
-        self.ephemeris = product.ephemeris(paths.table, flown, step=plan.step)
+        self.ephemeris = issued.ephemeris(paths.table, flown, step=plan.step)
         self.flown = flown
 
     @property

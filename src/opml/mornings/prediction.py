@@ -41,13 +41,13 @@ from opml.interop.predicted_orbit import STEP, PredictedOrbit
 from opml.learning.judge.error_sizes import Sizes
 from opml.learning.models.contract import ResolvedSettings
 from opml.learning.models.learners import JobLearner, arc_of
-from opml.mornings import issued, measured, product
+from opml.mornings import issued, measured
 from opml.mornings.issued import Flown
+from opml.mornings.judged import OLDEST, Verdict
 from opml.mornings.measured import MeasurementSource, Span
 from opml.mornings.morning import FlightModel, Left, MorningPlan, Watched, morning
 from opml.mornings.outcomes import UNPROVEN
 from opml.mornings.records import Records
-from opml.mornings.verdict import OLDEST, Verdict
 from opml.orbits.sheets import Rso, Station
 from opml.tables import STATE, STATE_COVARIANCES, symmetric_matrices
 
@@ -344,10 +344,10 @@ def _flown(watched: Watched, left: Left, records: Records, *, now: float) -> _Fl
     for model in watched.plan.models:
         with suppress(InputError):
             flown = issued.choose_model(records.judged, [model], now=now)
-            table = product.ephemeris(paths, flown, step=STEP)
+            table = issued.ephemeris(paths, flown, step=STEP)
             return _Flown(table, model, unproven, _basis(records.judged, model))
     flown = Flown(next(iter(watched.plan.models)), records.judged, USUAL)
-    table, formal = product.ephemeris(paths, flown, step=STEP), _formal(watched, records, paths)
+    table, formal = issued.ephemeris(paths, flown, step=STEP), _formal(watched, records, paths)
     at = {name: np.interp(table["t"], formal["t_j"], formal[name]) for name in STATE_COVARIANCES}
     whole = table.assign(**{name: table[name] + at[name] for name in at})
     return _Flown(whole, flown.model, unproven, _BASIS)

@@ -8,8 +8,9 @@ morning.json             what became of the object; written last
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
@@ -19,9 +20,36 @@ import pandas as pd
 from opml.base.constants import HOUR
 from opml.base.errors import InputError
 from opml.base.files import replacing
-from opml.mornings.paths import Paths
+from opml.ephemerides.replays import arrivals
 from opml.orbits.manoeuvres import Manoeuvre, are_unaware
 from opml.tables import SCHEMAS, paths_schema, read_metadata, read_table, write_table
+
+_ALONG = "e_y_"
+"""How the columns of corrections begin; the name of the model follows."""
+
+
+@dataclass(frozen=True)
+class Paths:
+    """The ephemerides of a morning; table: `paths`."""
+
+    table: pd.DataFrame
+
+    @property
+    def made_at(self) -> float:
+        """When they were made [s]."""
+        return float(self.table["morning"].iloc[0])
+
+    @property
+    def models(self) -> list[str]:
+        """The names of their models."""
+        return [name.removeprefix(_ALONG) for name in self.table if name.startswith(_ALONG)]
+
+    @cached_property
+    def arrivals(self) -> Callable[[np.ndarray], np.ndarray]:
+        """Where the prediction is at times [s], and each model's, as `replays.arrivals`; made once."""
+        corrections = self.table[[f"{_ALONG}{model}" for model in self.models]].to_numpy().T
+        return arrivals(self.table, corrections)
+
 
 DONE = "morning.json"
 """The file of a morning that is written last."""

@@ -46,10 +46,7 @@ from opml.naming.experiment import (
     Experiment,
 )
 from opml.naming.objects import (
-    FIXES,
-    RANGES,
     WITHOUT,
-    WITHOUT_STATIONS,
     learner_pattern,
     leave_out,
     parse_learner,

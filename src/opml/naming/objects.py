@@ -54,16 +54,6 @@ def station_names(text: str, known: Iterable[str]) -> list[str]:
     return names
 
 
-FIXES = "fixes"
-"""Name in the place of a station set where positions were measured, and by no station."""
-
-RANGES = "ranges"
-"""Name in that place where laser stations measured ranges, which are in no sheet."""
-
-WITHOUT_STATIONS = (FIXES, RANGES)
-"""Names in the place of a station set."""
-
-
 def stations_pattern(sheet: Iterable[str]) -> str:
     """Return the regular expression of stations in any order; `station_names` checks the order."""
     name = alternatives(sheet)

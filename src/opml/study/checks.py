@@ -309,7 +309,7 @@ def _check_stations(source: Source, study: Study) -> None:
     for rso in study.rsos:
         for stations in study.station_sets:
             known_by = study.in_place_of_stations(rso)
-            if known_by != (stations if stations in naming.WITHOUT_STATIONS else ""):
+            if known_by != (stations if stations in kinds.in_place_of_stations() else ""):
                 expected = f"RSOs that all have {known_by}" if known_by else f"an RSO that has {stations}"
                 key = ("study", "rsos") if "rsos" in study else ("study", "station_sets")
                 raise source.wrong(key, f"expected {expected} for {stations}, got {rso} among them")
@@ -419,7 +419,7 @@ class _Checks:
             self._rso(name(rso, value, self._settings.rsos))
 
     def _stations(self, text: str) -> None:
-        if text not in naming.WITHOUT_STATIONS:
+        if text not in kinds.in_place_of_stations():
             sheets.parse_stations(text, self._settings.stations)
 
     def _learner(self, text: str) -> None:

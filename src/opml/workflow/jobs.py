@@ -32,7 +32,7 @@ class _Common(JobSettings):
     """What every table tells of its job's settings; the seed of those that draw."""
 
     epoch: str
-    seed: int | None = None
+    seed: int | dict[str, int] | None = None  # one, or those by what they draw
 
 
 class _LogFile(logging.FileHandler):

@@ -90,7 +90,7 @@ class Params:
 
     def stations(self, wildcards: Wildcards) -> list[dict[str, Any]]:
         """Return the stations of the wildcard `stations`; none where it stands for none of the sheet."""
-        if wildcards.stations in naming.WITHOUT_STATIONS:
+        if wildcards.stations in kinds.in_place_of_stations():
             return []
         names = naming.strip_seed(wildcards.stations, naming.NOISE)
         return [station.row for station in sheets.parse_stations(names, self.plan.settings.stations)]

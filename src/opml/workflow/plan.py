@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from opml import naming, tables
+from opml.catalog import kinds
 from opml.environment.solar_activity import OBSERVED
 from opml.report.settings_tables import weather
 from opml.study import shared_truths
@@ -138,7 +139,7 @@ class Plan:
         rso = naming.rso_pattern(self.settings.rsos)
         noise = naming.seed_pattern(naming.NOISE, default=self.seeds.noise)
         split = naming.seed_pattern(naming.SPLIT, default=self.seeds.split)
-        in_place = naming.alternatives(naming.WITHOUT_STATIONS)
+        in_place = naming.alternatives(kinds.in_place_of_stations())
         return {
             "rso": rso,
             "target": rso,

@@ -7,7 +7,6 @@ import pandas as pd
 import pytest
 from support import BOUNDED_ESTIMATION, REPOSITORY
 
-from opml import naming
 from opml.base.constants import HOUR
 from opml.base.errors import InputError
 from opml.base.provenance import closure
@@ -17,6 +16,7 @@ from opml.catalog.fit import estimation, fixes
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import truth
+from opml.figures.display_names import display_stations
 from opml.study.experiments import Study
 from opml.study.settings.merging import with_sheets
 from opml.tables import FIX_SIGMAS, PARAMETERS, SCHEMAS, STATE
@@ -67,8 +67,9 @@ def test_settings_and_studies_ask_a_kind_that_is_declared(toy):
     assert (study.in_place_of_stations("iss"), study.truth_of("iss")) == ("toys", "measured")
 
 
-def test_names_in_the_place_of_stations_are_those_of_kinds():
-    assert {kind.stations for kind in kinds.KINDS} == {"", *naming.WITHOUT_STATIONS}
+def test_the_name_of_a_kind_stands_in_the_place_of_stations(toy):
+    assert kinds.in_place_of_stations() == ["fixes", "ranges", "toys"]
+    assert display_stations("toys") == "toys"
 
 
 def test_the_code_of_fits_is_that_of_all_kinds():

@@ -24,7 +24,7 @@ from opml.ephemerides.known import Known
 from opml.interop import oem
 from opml.interop.object_ids import ObjectId
 from opml.learning.models import learners
-from opml.mornings import days, judged, morning, tracks
+from opml.mornings import days, fits, judged, morning
 from opml.mornings.beside_sgp4 import Sgp4
 from opml.mornings.calendar import Calendar
 from opml.mornings.days import Folder
@@ -372,11 +372,11 @@ def test_a_late_track_is_in_the_fits_of_later_ones_and_told(watched, whole, tmp_
 def test_a_track_keeps_its_number_and_one_that_comes_late_gets_none():
     measured = pd.concat([track(0, 0.0), track(1, 4 * HOUR), track(2, 8 * HOUR), track(3, 30 * HOUR)])
     kept = pd.DataFrame({"track": [7, 8], "t": [0.0, 8 * HOUR]})
-    recent = tracks.over(measured, kept, now=31 * HOUR, reach=2 * DAY)
+    recent = fits.recent_tracks(measured, kept, now=31 * HOUR, reach=2 * DAY)
     assert recent.late == 1
-    np.testing.assert_array_equal(recent.numbers, [7, tracks.NO_NUMBER, 8, 9])
+    np.testing.assert_array_equal(recent.numbers, [7, fits.NO_NUMBER, 8, 9])
     np.testing.assert_array_equal(recent.tracking["track"].unique(), [0, 1, 2, 3])
-    recent = tracks.over(measured, kept, now=30 * HOUR + 100.0, reach=DAY)
+    recent = fits.recent_tracks(measured, kept, now=30 * HOUR + 100.0, reach=DAY)
     np.testing.assert_array_equal(recent.numbers, [8])  # one is too old, one is not over
 
 
@@ -388,7 +388,7 @@ def test_messages_tell_the_object_by_what_its_files_tell(watched, whole):
 def test_fits_to_mean_elements_are_marked_as_what_errs_alike(watched, whole):
     (folder,) = (whole / LAST.isoformat()).glob("iss")
     made = read_table(folder / "kept_estimates.parquet", "kept_estimates").query("window_hours == 12.0")
-    recent = tracks.over(watched.tracking, made, now=CALENDAR.time(LAST), reach=2 * DAY)
+    recent = fits.recent_tracks(watched.tracking, made, now=CALENDAR.time(LAST), reach=2 * DAY)
     assert "alike" not in judged.later_states(made, recent)
     before = recent.tracking.assign(t_estimate=recent.tracking["t"] + HOUR)
     assert judged.later_states(made, replace(recent, tracking=before))["alike"].all()

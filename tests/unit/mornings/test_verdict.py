@@ -15,9 +15,9 @@ from opml.interop.element_sets.element_set import changed
 from opml.learning.judge.error_sizes import Sizes
 from opml.mornings import days, issued
 from opml.mornings.beside_sgp4 import Sgp4, beside, medians
+from opml.mornings.judged import Verdict, verdict
 from opml.mornings.outcomes import DO_NOT_USE, GOOD, UNPROVEN, WIDE
 from opml.mornings.records import Records
-from opml.mornings.verdict import Verdict, verdict
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SIGMA_STATE, STATE
 

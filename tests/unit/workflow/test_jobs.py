@@ -33,14 +33,16 @@ def log(snakemake):
         return file.read()
 
 
-def test_metadata_tells_how_a_table_was_made(snakemake):
+@pytest.mark.parametrize("seed", [42, {"noise": 42, "split": 7}], ids=["one", "by what they draw"])
+def test_metadata_tells_how_a_table_was_made(snakemake, seed):
+    snakemake.params.settings = settings = SETTINGS | {"seed": seed}
     with job(snakemake) as metadata:
         pass
     assert metadata == {
         "epoch": "2016-09-28T12:09:45",
         "time_scale": "SI seconds since epoch",
-        "settings": settings_digest(SETTINGS),
-        "seed": 42,
+        "settings": settings_digest(settings),
+        "seed": seed,
         "version": __version__,
     }
 

@@ -11,7 +11,7 @@ from typing import Any
 from opml import naming
 from opml.base.errors import InputError
 from opml.base.files import FilePath, project_file
-from opml.catalog.kinds import KINDS, Kind
+from opml.catalog.kinds import KINDS, Kind, in_place_of_stations
 from opml.orbits.manoeuvres import read_times
 from opml.orbits.sheets import (
     Rso,
@@ -94,7 +94,7 @@ class Settings:
     def are_radars(self, stations: str) -> bool:
         """Return whether all of a station set are radars; what stands in their place is none."""
         names = naming.strip_seed(stations, naming.NOISE)
-        return names not in naming.WITHOUT_STATIONS and all(
+        return names not in in_place_of_stations() and all(
             one.is_radar for one in parse_stations(names, self.stations)
         )
 
