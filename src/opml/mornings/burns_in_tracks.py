@@ -38,8 +38,7 @@ def are_far(judged: pd.DataFrame) -> bool:
 
 def sigmas_off(rows: pd.DataFrame) -> np.ndarray:
     """Return how far off (n,) along the track ephemerides were, in the standard deviations of that."""
-    off: np.ndarray = rows["e_y"].abs().to_numpy(float) / along_track(rows)
-    return off
+    return rows["e_y"].abs().to_numpy(float) / along_track(rows)
 
 
 def newest(fitting: Fitting, kept: pd.DataFrame, *, since: float) -> Manoeuvre | None:
