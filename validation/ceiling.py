@@ -68,8 +68,7 @@ class Mornings:
     def along(self, weather: str, states: np.ndarray, cd: np.ndarray) -> np.ndarray:
         """Return e_y of each pair [m] of arcs from states (estimates, 6) with Cd (estimates,)."""
         flown, _ = self.flights[weather].fly_pairs(self.pairs, states, cd=cd)
-        along: np.ndarray = in_rsw(flown - self.true, self.true)[:, 1]
-        return along
+        return in_rsw(flown - self.true, self.true)[:, 1]
 
     def with_best_cd(self, errors: np.ndarray, answer: np.ndarray, group: np.ndarray) -> np.ndarray:
         """Return errors with the one change of Cd in each group that leaves least of their ratio to time.
@@ -78,8 +77,7 @@ class Mornings:
         """
         weight = np.maximum(self.days, 0.5) ** -2.0
         shared, own = (np.bincount(group, weight * answer * one) for one in (errors, answer))
-        left: np.ndarray = errors - (shared / own)[group] * answer
-        return left
+        return errors - (shared / own)[group] * answer
 
     def cases(self, name: str) -> Iterator[tuple[str, np.ndarray]]:
         """Yield what is known, and the errors that are left; name: of the fits."""

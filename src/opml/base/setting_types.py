@@ -60,8 +60,7 @@ class _Given:
     """Mark of a type that stands for None where its key is left out, and takes no None from a file."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Handler) -> TypeSchema:
-        inner: TypeSchema = handler(source)["schema"]
-        return inner
+        return handler(source)["schema"]
 
 
 T = TypeVar("T")

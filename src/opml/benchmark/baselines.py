@@ -114,7 +114,7 @@ def _trees(x: np.ndarray, y: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
     from sklearn.ensemble import HistGradientBoostingRegressor  # imported only to train: it takes a second
 
     machine = HistGradientBoostingRegressor(max_iter=100, early_stopping=False, random_state=_SEED)
-    return machine.fit(x, y).predict  # type: ignore[no-any-return]
+    return machine.fit(x, y).predict
 
 
 def _learned(learner: Regression) -> Correction:

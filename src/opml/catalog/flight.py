@@ -43,8 +43,7 @@ def beside(path: np.ndarray, near: np.ndarray, neighbour: np.ndarray) -> np.ndar
     The distance turns with the orbit, as the two paths are kilometres apart. At 430 km, over a week, arcs
     that drag or energy parts are off by up to 0.0003 of their distance, others on one orbit by up to 0.004.
     """
-    moved: np.ndarray = path + from_rsw(in_rsw(neighbour - near, near), path)
-    return moved
+    return path + from_rsw(in_rsw(neighbour - near, near), path)
 
 
 class FlightSettings(JobSettings):

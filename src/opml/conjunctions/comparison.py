@@ -92,8 +92,7 @@ class States:
     @cached_property
     def t(self) -> np.ndarray:
         """Return the times (n,) of all states [s since EPOCH]."""
-        times: np.ndarray = np.unique(np.concatenate([one.t for one in self.stretches]))
-        return times
+        return np.unique(np.concatenate([one.t for one in self.stretches]))
 
     def at(self, t: np.ndarray) -> np.ndarray:
         """Return GCRF states (n, 6) [m, m/s] at times (n,), NaN where nothing is known."""

@@ -47,16 +47,14 @@ class Participant:
         """Covariance (6, 6) in GCRF [m, m/s], zero where it is unknown: known exactly, then."""
         if self.covariance is None:
             return np.zeros((6, 6))
-        turned: np.ndarray = self._axes.T @ self.covariance @ self._axes
-        return turned
+        return self._axes.T @ self.covariance @ self._axes
 
     @property
     def inertial_density(self) -> np.ndarray:
         """What one standard deviation of the density does to the state (6,) in GCRF [m, m/s], 0: unknown."""
         if self.density is None:
             return np.zeros(6)
-        turned: np.ndarray = self._axes.T @ self.density.effect
-        return turned
+        return self._axes.T @ self.density.effect
 
     def is_again(self, other: "Participant") -> bool:
         """Return whether another one has the same orbit and covariance, but for rounding."""

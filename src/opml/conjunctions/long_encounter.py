@@ -124,14 +124,12 @@ def _density(cloud: Cloud, points: np.ndarray) -> np.ndarray:
     lower = np.linalg.cholesky(cloud.covariance[:, :3, :3])
     scaled = np.linalg.inv(lower) @ (points - cloud.mean[:, :3, None])
     volume = (2.0 * math.pi) ** 1.5 * np.prod(np.diagonal(lower, axis1=1, axis2=2), axis=1)
-    density: np.ndarray = np.exp(-0.5 * np.sum(scaled**2, axis=1)) / volume[:, None]
-    return density
+    return np.exp(-0.5 * np.sum(scaled**2, axis=1)) / volume[:, None]
 
 
 def _flow(cloud: Cloud, radius: float) -> np.ndarray:
     """Return the probability (n,) that flows into the sphere in a second."""
-    flow: np.ndarray = radius**2 * (_density(cloud, radius * _POINTS) * _inward(cloud, radius)) @ _AREAS
-    return flow
+    return radius**2 * (_density(cloud, radius * _POINTS) * _inward(cloud, radius)) @ _AREAS
 
 
 def _inward(cloud: Cloud, radius: float) -> np.ndarray:
@@ -143,8 +141,7 @@ def _inward(cloud: Cloud, radius: float) -> np.ndarray:
     speed = -np.sum(_POINTS * velocity, axis=1)
     sigma = np.sqrt(np.maximum(np.sum(_POINTS * (free @ _POINTS), axis=1), 1e-20))
     ratio = speed / sigma
-    mean: np.ndarray = sigma * np.exp(-0.5 * ratio**2) / math.sqrt(2.0 * math.pi) + speed * ndtr(ratio)
-    return mean
+    return sigma * np.exp(-0.5 * ratio**2) / math.sqrt(2.0 * math.pi) + speed * ndtr(ratio)
 
 
 def _inside(cloud: Cloud, radius: float) -> float:

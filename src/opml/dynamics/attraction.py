@@ -35,8 +35,7 @@ class Attraction:
         rotation: (n, 3, 3) GCRF to ITRF
         """
         pull = self._in_itrf(np.einsum("nij,nj->in", rotation, positions))
-        turned: np.ndarray = np.einsum("nji,jn->ni", rotation, pull)
-        return turned
+        return np.einsum("nji,jn->ni", rotation, pull)
 
     def _in_itrf(self, positions: np.ndarray) -> np.ndarray:
         """Return accelerations (3, n) at positions (3, n) in the frame of the field."""
@@ -47,8 +46,7 @@ class Attraction:
         places = np.ascontiguousarray(filled).reshape(3, blocks, WIDTH)
         pulls = np.empty((3, blocks, WIDTH))
         _pull(places, pulls, self._weights, self._degree + 2, self._degree + 1, self._gm, self._radius)
-        accelerations: np.ndarray = pulls.reshape(3, -1)[:, :count]
-        return accelerations
+        return pulls.reshape(3, -1)[:, :count]
 
 
 @entry

@@ -17,8 +17,7 @@ def gcrf_to_itrf(earth_orientation: pd.DataFrame, t: np.ndarray) -> np.ndarray:
     """Return rotation matrices (n, 3, 3) at times t (n,) [s], from the Earth orientation table."""
     nodes = earth_orientation["t"].to_numpy()
     orientation = np.ascontiguousarray(earth_orientation[ORIENTATION].to_numpy(float))
-    rotations: np.ndarray = _rotations(np.asarray(t, float), nodes[0], nodes[1] - nodes[0], orientation)
-    return rotations
+    return _rotations(np.asarray(t, float), nodes[0], nodes[1] - nodes[0], orientation)
 
 
 def spin(earth_orientation: pd.DataFrame) -> np.ndarray:
@@ -31,8 +30,7 @@ def spin(earth_orientation: pd.DataFrame) -> np.ndarray:
     t, x, y = (earth_orientation[name].to_numpy() for name in ("t", "x_cip", "y_cip"))
     pole = np.stack([x, y, np.sqrt(1.0 - x * x - y * y)], axis=-1)
     rate = EARTH_RATE + np.gradient(earth_orientation["era_offset"].to_numpy(), t)
-    turning: np.ndarray = rate[:, None] * pole + np.cross(pole, np.gradient(pole, t, axis=0))
-    return turning
+    return rate[:, None] * pole + np.cross(pole, np.gradient(pole, t, axis=0))
 
 
 @_entry

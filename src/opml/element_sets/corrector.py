@@ -141,8 +141,7 @@ def jumps(rows: pd.DataFrame) -> pd.Series:
     """
     of_object = rows.groupby(["number", "lead"], sort=False)["missed"]
     usual = of_object.rolling(**_USUAL, closed="left").quantile(LEVEL).droplevel([0, 1])
-    jump: pd.Series = rows["missed"] / usual.reindex(rows.index)
-    return jump
+    return rows["missed"] / usual.reindex(rows.index)
 
 
 def widen_jumps(found: pd.DataFrame, jump: pd.Series) -> pd.DataFrame:

@@ -382,8 +382,7 @@ def _measured(errors: pd.DataFrame, usual: pd.DataFrame) -> pd.DataFrame:
     squares = (errors[list(usual)] ** 2).groupby(errors["lead"])
     total = squares.sum().reindex(usual.index, fill_value=0.0)
     count = squares.size().reindex(usual.index, fill_value=0)
-    found: pd.DataFrame = np.sqrt((total + USUAL_SIZES * usual**2).div(count + USUAL_SIZES, axis=0))
-    return found
+    return np.sqrt((total + USUAL_SIZES * usual**2).div(count + USUAL_SIZES, axis=0))
 
 
 def _factor(past: pd.DataFrame) -> float:
@@ -394,5 +393,4 @@ def _factor(past: pd.DataFrame) -> float:
 
 def _counts(errors: pd.DataFrame) -> pd.Series:
     """Return what each error counts: those of seven days hardly change from one morning to the next."""
-    counts: pd.Series = 1.0 / errors["lead"].clip(lower=1)
-    return counts
+    return 1.0 / errors["lead"].clip(lower=1)

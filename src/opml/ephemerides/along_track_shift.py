@@ -64,8 +64,7 @@ def corrected_by_each(t: np.ndarray, states: np.ndarray, along_track: np.ndarray
 
 def through(t: np.ndarray, states: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
     """Return the path through states (n, ...) at t (n,): a function of times that returns states."""
-    path: Callable[[np.ndarray], np.ndarray] = make_interp_spline(t, states, _PATH)
-    return path
+    return make_interp_spline(t, states, _PATH)
 
 
 def radial_part(t: np.ndarray, late: np.ndarray, radius: np.ndarray) -> np.ndarray:
@@ -78,14 +77,12 @@ def radial_part(t: np.ndarray, late: np.ndarray, radius: np.ndarray) -> np.ndarr
     knots = np.concatenate([np.repeat(t[0], _SLOW), inner, np.repeat(t[-1], _SLOW)])
     drift = make_lsq_spline(t, np.moveaxis(late, -1, 0), knots, _SLOW).derivative()(t)
     drift = np.moveaxis(drift, 0, -1)
-    radial: np.ndarray = -radius * (2.0 / 3.0 * drift + 0.5 * (_derivative(t, late) - drift))
-    return radial
+    return -radius * (2.0 / 3.0 * drift + 0.5 * (_derivative(t, late) - drift))
 
 
 def _derivative(t: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Return the derivative (..., n) of values (..., n) at t (n,)."""
-    slope: np.ndarray = make_interp_spline(t, values, _FAST, axis=-1).derivative()(t)
-    return slope
+    return make_interp_spline(t, values, _FAST, axis=-1).derivative()(t)
 
 
 def check_smooth(t: np.ndarray, along_track: np.ndarray) -> None:

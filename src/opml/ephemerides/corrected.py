@@ -90,8 +90,7 @@ def basis(replay: pd.DataFrame, now: float) -> str:
 def _is_sparse(columns: pd.DataFrame, grid: Grid) -> pd.Series:
     """Return which rows arcs fly to for the spread: of each estimate every so many, from the first."""
     every = max(1, round(SPREAD_STEP / grid.step))
-    is_sparse: pd.Series = columns.groupby("i").cumcount() % every == 0
-    return is_sparse
+    return columns.groupby("i").cumcount() % every == 0
 
 
 def interpolate_spread(rows: pd.DataFrame, causes: pd.DataFrame) -> pd.DataFrame:

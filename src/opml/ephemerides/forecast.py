@@ -60,5 +60,4 @@ def distances(ensemble: pd.DataFrame, count: int) -> np.ndarray:
     along a bent path the futures lie on a curve, and an ellipsoid about it is too thin for the truth.
     """
     shifts = ensemble[SHIFTS].to_numpy().reshape(-1, count, 3)
-    sizes: np.ndarray = np.sqrt(np.mean(shifts**2, axis=0))
-    return sizes
+    return np.sqrt(np.mean(shifts**2, axis=0))

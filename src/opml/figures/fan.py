@@ -44,5 +44,4 @@ def chart(fans: pd.DataFrame, ensemble: pd.DataFrame, *, track: int, level: floa
 
 def _start_at_zero(errors: pd.Series) -> np.ndarray:
     """Return errors (n,) [m] in km behind the start of the prediction, where they are zero, (n + 1,)."""
-    kilometres: np.ndarray = np.append(0.0, _KM * errors.to_numpy())
-    return kilometres
+    return np.append(0.0, _KM * errors.to_numpy())

@@ -50,8 +50,7 @@ class ObservedOrbit:
     def itrf(self, states: pd.DataFrame) -> np.ndarray:
         """Return the positions (n, 3) of rows of the truth in ITRF [m]."""
         turn = gcrf_to_itrf(self.earth_orientation, states["t"].to_numpy())
-        positions: np.ndarray = np.einsum("nij,nj->ni", turn, states[["x", "y", "z"]].to_numpy())
-        return positions
+        return np.einsum("nij,nj->ni", turn, states[["x", "y", "z"]].to_numpy())
 
 
 def world(

@@ -47,5 +47,4 @@ def push_apart(values: Sequence[float], least: float) -> np.ndarray:
     wanted = np.log10(np.asarray(values, float))
     steps = least * np.arange(len(wanted))
     apart = np.maximum.accumulate(wanted - steps) + steps
-    places: np.ndarray = 10.0 ** (apart - np.mean(apart - wanted) if len(wanted) else apart)
-    return places
+    return 10.0 ** (apart - np.mean(apart - wanted) if len(wanted) else apart)

@@ -267,8 +267,7 @@ def _is_visible(positions: np.ndarray) -> np.ndarray:
     )
     ahead = positions @ viewer
     aside = np.linalg.norm(positions - ahead[:, None] * viewer, axis=-1)
-    visible: np.ndarray = (ahead > 0.0) | (aside > WGS84_A / 1e6)
-    return visible
+    return (ahead > 0.0) | (aside > WGS84_A / 1e6)
 
 
 def _draw_earth(axes: Axes3D) -> None:

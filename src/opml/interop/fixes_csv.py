@@ -145,8 +145,7 @@ class _Columns:
         if group[0] not in self._places:
             return np.full((len(table), len(group)), np.nan)
         places, factors = zip(*(self._places[axis] for axis in group), strict=True)
-        values: np.ndarray = numbers(self.path, table[:, list(places)], lines) * np.array(factors)
-        return values
+        return numbers(self.path, table[:, list(places)], lines) * np.array(factors)
 
     def _wrong(self, expected: str, got: str) -> InputError:
         return line_error(self.path, self.number, expected, got)

@@ -87,14 +87,12 @@ class PredictedOrbit(ABC):
 
     def state(self, time: str | datetime) -> np.ndarray:
         """Return the GCRF state (6,) [m, m/s] at a time (UTC). Raises InputError as `states` does."""
-        state: np.ndarray = self.states(self._seconds(time))[0]
-        return state
+        return self.states(self._seconds(time))[0]
 
     def covariance(self, time: str | datetime) -> np.ndarray:
         """Return the covariance (6, 6) in RSW [m, m/s] at a time (UTC); raises as `states` does."""
         t = self._seconds(time)
-        covariance: np.ndarray = self.covariances(t, self.states(t))[0]
-        return covariance
+        return self.covariances(t, self.states(t))[0]
 
     @cached_property
     def t(self) -> np.ndarray:

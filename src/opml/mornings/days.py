@@ -269,5 +269,4 @@ def failed(rso: str, day: date, verdict: str, reason: str) -> dict[str, Any]:
 
 def read_outcome(path: Path) -> dict[str, Any]:
     """Return what became of an object on a morning."""
-    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    return found
+    return json.loads(path.read_text(encoding="utf-8"))

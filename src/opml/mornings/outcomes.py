@@ -21,5 +21,4 @@ def write(path: FilePath, outcomes: Any) -> None:
 
 def read(path: FilePath) -> list[dict[str, Any]]:
     """Return what became of objects."""
-    found: list[dict[str, Any]] = json.loads(Path(path).read_text(encoding="utf-8"))
-    return found
+    return json.loads(Path(path).read_text(encoding="utf-8"))

@@ -126,8 +126,7 @@ class FittedOrbit(PredictedOrbit):
     burns: int
 
     def _flown(self, t: np.ndarray) -> np.ndarray:
-        states: np.ndarray = self._path(t)
-        return states
+        return self._path(t)
 
     def sigmas(self, t: np.ndarray) -> np.ndarray:
         """Return standard deviations (n, 3) in RSW [m] at times (n,) [s since the date]."""

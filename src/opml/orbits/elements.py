@@ -116,8 +116,7 @@ def bent_rsw(positions: np.ndarray, reference: np.ndarray) -> np.ndarray:
     in_axes = np.einsum("nij,nj->ni", rsw_rotation(reference), positions)
     radius = np.linalg.norm(reference[:, :3], axis=1)
     x, y, z = in_axes.T
-    bent: np.ndarray = np.stack([np.hypot(x, y) - radius, radius * np.arctan2(y, x), z], axis=1)
-    return bent
+    return np.stack([np.hypot(x, y) - radius, radius * np.arctan2(y, x), z], axis=1)
 
 
 def from_rsw(differences: np.ndarray, states: np.ndarray) -> np.ndarray:

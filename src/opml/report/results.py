@@ -21,8 +21,7 @@ class Results:
 
     def row(self, experiment: Experiment) -> Mapping[str, Any]:
         """Return the row of an experiment; KeyError where it did not run."""
-        row: Mapping[str, Any] = self._rows[tuple(experiment.columns().values())]
-        return row
+        return self._rows[tuple(experiment.columns().values())]
 
     def p_ml(self, experiment: Experiment) -> float:
         """Return P_ML [%] of an experiment."""

@@ -26,8 +26,7 @@ class Beyond:
     @property
     def entry(self) -> Mapping[str, Any]:
         """The study's settings of these experiments."""
-        entry: Mapping[str, Any] = self.study.entry("beyond")
-        return entry
+        return self.study.entry("beyond")
 
     @cached_property
     def splits(self) -> dict[tuple[str, str, str], Experiment]:

@@ -6,7 +6,8 @@ outputs of other rules.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from functools import wraps
+from typing import Concatenate, ParamSpec, Protocol
 
 from opml import naming
 from opml.base.errors import InputError
@@ -19,6 +20,7 @@ from opml.workflow.plan import Plan, end_plan
 
 _Paths = str | list[str]
 InputFunction = Callable[[Wildcards], _Paths]
+Arguments = ParamSpec("Arguments")
 
 
 class _Pattern(Protocol):
@@ -97,6 +99,18 @@ def _tables_asked(settings: ResolvedSettings) -> list[tuple[str, str]]:
     return [(kind, suffixes.get(kind, "")) for kind in learners.tables_asked(settings.variables)]
 
 
+def _input_function(
+    find: Callable[Concatenate["Inputs", Wildcards, Arguments], _Paths],
+) -> Callable[Concatenate["Inputs", Arguments], InputFunction]:
+    """Return the method of patterns alone that returns the input function of a method of wildcards, too."""
+
+    @wraps(find)
+    def of_patterns(self: "Inputs", /, *args: Arguments.args, **kwargs: Arguments.kwargs) -> InputFunction:
+        return lambda wildcards: find(self, wildcards, *args, **kwargs)
+
+    return of_patterns
+
+
 @dataclass(frozen=True)
 class Inputs:
     """Input functions that depend on the settings of a run."""
@@ -112,89 +126,67 @@ class Inputs:
         )
         return tables["solar_activity"]
 
-    def truth(self, truth: _Pattern) -> InputFunction:
+    @_input_function
+    def truth(self, wildcards: Wildcards, truth: _Pattern) -> _Paths:
         """Find the truth of an RSO; none where it was measured and no orbit judges."""
+        has_truth = (
+            wildcards.rso not in self.plan.settings.measured or wildcards.rso in self.plan.settings.orbits
+        )
+        return path_of(truth, rso=wildcards.rso) if has_truth else []
 
-        def find(wildcards: Wildcards) -> _Paths:
-            has_truth = (
-                wildcards.rso not in self.plan.settings.measured or wildcards.rso in self.plan.settings.orbits
-            )
-            return path_of(truth, rso=wildcards.rso) if has_truth else []
-
-        return find
-
-    def truth_or(self, truth: _Pattern, measured: _Pattern) -> InputFunction:
+    @_input_function
+    def truth_or(self, wildcards: Wildcards, truth: _Pattern, measured: _Pattern) -> _Paths:
         """Find the truth of an RSO, or a table in its place where it was measured.
 
         measured: the table in its place, of an RSO and stations
         """
+        if wildcards.rso in self.plan.settings.measured:
+            return path_of(measured, rso=wildcards.rso, stations=wildcards.stations)
+        return path_of(truth, rso=wildcards.rso)
 
-        def find(wildcards: Wildcards) -> _Paths:
-            if wildcards.rso in self.plan.settings.measured:
-                return path_of(measured, rso=wildcards.rso, stations=wildcards.stations)
-            return path_of(truth, rso=wildcards.rso)
-
-        return find
-
-    def user_manoeuvres(self, truth: _Pattern, tracking: _Pattern) -> InputFunction:
+    @_input_function
+    def user_manoeuvres(self, wildcards: Wildcards, truth: _Pattern, tracking: _Pattern) -> _Paths:
         """Find the table whose metadata hold the manoeuvres of an RSO; no table where it is simulated.
 
         truth: holds those of an orbit from files
         tracking: holds those of what was measured
         """
-        find_any = self.truth_or(truth, tracking)
+        base, *_ = naming.rso_parts(wildcards.rso, self.plan.settings.rsos)
+        is_read = base in {*self.plan.settings.orbits, *self.plan.settings.measured}
+        return self.truth_or(truth, tracking)(wildcards) if is_read else []
 
-        def find(wildcards: Wildcards) -> _Paths:
-            base, *_ = naming.rso_parts(wildcards.rso, self.plan.settings.rsos)
-            return (
-                find_any(wildcards)
-                if base in {*self.plan.settings.orbits, *self.plan.settings.measured}
-                else []
-            )
-
-        return find
-
-    def later_estimates(self, estimates: _Pattern) -> InputFunction:
+    @_input_function
+    def later_estimates(self, wildcards: Wildcards, estimates: _Pattern) -> _Paths:
         """Find the later estimates that labels are made of; none where the truth is known."""
+        if not wildcards.label:
+            return []
+        return self._estimates(estimates, wildcards, self.params.label_window(wildcards))
 
-        def find(wildcards: Wildcards) -> _Paths:
-            if not wildcards.label:
-                return []
-            return self._estimates(estimates, wildcards, self.params.label_window(wildcards))
-
-        return find
-
-    def true_errors(self, dataset: _Pattern) -> InputFunction:
+    @_input_function
+    def true_errors(self, wildcards: Wildcards, dataset: _Pattern) -> _Paths:
         """Find the dataset with the true errors behind labels; none without labels or without a truth.
 
         It is of the RSO under test, where the name has one.
         """
+        parts = dict(wildcards.items())
+        rso = parts.get("target", wildcards.rso)
+        if not wildcards.label or not self.plan.study.has_truth(rso):
+            return []
+        return path_of(dataset, **parts | {"rso": rso})
 
-        def find(wildcards: Wildcards) -> _Paths:
-            parts = dict(wildcards.items())
-            rso = parts.get("target", wildcards.rso)
-            if not wildcards.label or not self.plan.study.has_truth(rso):
-                return []
-            return path_of(dataset, **parts | {"rso": rso})
-
-        return find
-
-    def learner_tables(self, part: str) -> InputFunction:
+    @_input_function
+    def learner_tables(self, wildcards: Wildcards, part: str) -> _Paths:
         """Find the tables beside the dataset that have the variables of learners, learner after learner.
 
         part: wildcard of the RSO, `rso` or `target`
         """
-
-        def find(wildcards: Wildcards) -> _Paths:
-            rso = dict(wildcards.items())[part]
-            name = f"{rso}/{wildcards.stations}{wildcards.window}"
-            return [
-                self.plan.product(f"{kind}/{name}{suffix}").table
-                for settings in self.params.learners(wildcards).values()
-                for kind, suffix in _tables_asked(settings)
-            ]
-
-        return find
+        rso = dict(wildcards.items())[part]
+        name = f"{rso}/{wildcards.stations}{wildcards.window}"
+        return [
+            self.plan.product(f"{kind}/{name}{suffix}").table
+            for settings in self.params.learners(wildcards).values()
+            for kind, suffix in _tables_asked(settings)
+        ]
 
     def element_sets(self, wildcards: Wildcards) -> _Paths:
         """Find the history of an RSO's mean elements; none where no learner asks for SGP4."""
@@ -227,59 +219,44 @@ class Inputs:
     def _element_sets(self, wildcards: Wildcards) -> str:
         return self.plan.product(f"element_sets/{wildcards.rso}").table
 
-    def long_estimates(self, estimates: _Pattern) -> InputFunction:
+    @_input_function
+    def long_estimates(self, wildcards: Wildcards, estimates: _Pattern) -> _Paths:
         """Find the estimates over the long window; none where no learner reads the mechanism."""
+        if not self._is_asked("mechanism", wildcards):
+            return []
+        hours = self.plan.settings.run.mechanism.long_window_hours
+        return self._estimates(estimates, wildcards, self.plan.window(hours))
 
-        def find(wildcards: Wildcards) -> _Paths:
-            if not self._is_asked("mechanism", wildcards):
-                return []
-            hours = self.plan.settings.run.mechanism.long_window_hours
-            return self._estimates(estimates, wildcards, self.plan.window(hours))
-
-        return find
-
-    def arc_estimates(self, estimates: _Pattern) -> InputFunction:
+    @_input_function
+    def arc_estimates(self, wildcards: Wildcards, estimates: _Pattern) -> _Paths:
         """Find the estimates over the windows of the learners' arcs, as `learners.arc_windows` has them."""
+        windows = learners.arc_windows(self.params.learners(wildcards).values())
+        return [self._estimates(estimates, wildcards, self.plan.window(hours)) for hours in windows]
 
-        def find(wildcards: Wildcards) -> _Paths:
-            windows = learners.arc_windows(self.params.learners(wildcards).values())
-            return [self._estimates(estimates, wildcards, self.plan.window(hours)) for hours in windows]
-
-        return find
-
-    def at_arc(self, pattern: _Pattern) -> InputFunction:
+    @_input_function
+    def at_arc(self, wildcards: Wildcards, pattern: _Pattern) -> _Paths:
         """Find a file of estimates over the window of the wildcard `arc`."""
-
-        def find(wildcards: Wildcards) -> _Paths:
-            hours = naming.parse_arc(wildcards.arc)
-            return self._estimates(pattern, wildcards, self.plan.window(hours))
-
-        return find
+        hours = naming.parse_arc(wildcards.arc)
+        return self._estimates(pattern, wildcards, self.plan.window(hours))
 
     def _estimates(self, pattern: _Pattern, wildcards: Wildcards, window: str) -> str:
         """Return the path of a file of estimates of the wildcards' RSO and stations."""
         return path_of(pattern, rso=wildcards.rso, stations=wildcards.stations, window=window)
 
-    def model(self, alone: _Pattern, together: _Pattern) -> InputFunction:
+    @_input_function
+    def model(self, wildcards: Wildcards, alone: _Pattern, together: _Pattern) -> _Paths:
         """Find the model of a test.
 
         alone: trained on its own rows
         together: trained for one test, whose rows standardise its variables too
         """
+        is_together = wildcards.test.endswith(naming.STANDARDISATIONS["together"])
+        return path_of(together if is_together else alone, **dict(wildcards.items()))
 
-        def find(wildcards: Wildcards) -> _Paths:
-            is_together = wildcards.test.endswith(naming.STANDARDISATIONS["together"])
-            return path_of(together if is_together else alone, **dict(wildcards.items()))
-
-        return find
-
-    def futures(self, futures: _Pattern) -> InputFunction:
+    @_input_function
+    def futures(self, _: Wildcards, futures: _Pattern) -> _Paths:
         """Find the courses that the weather may take; none where predictions fly under no forecast."""
-
-        def find(_: Wildcards) -> _Paths:
-            if not self.plan.environment.is_forecast:
-                return []
-            members = self.plan.settings.run.uncertainty.futures
-            return path_of(futures, members=str(members))
-
-        return find
+        if not self.plan.environment.is_forecast:
+            return []
+        members = self.plan.settings.run.uncertainty.futures
+        return path_of(futures, members=str(members))

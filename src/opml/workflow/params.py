@@ -161,8 +161,7 @@ class Params:
 
     def taking(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return how what was measured of the wildcard `rso` is taken."""
-        taking: dict[str, Any] = self._measured(wildcards.rso)["taking"]
-        return taking
+        return self._measured(wildcards.rso)["taking"]
 
     def _measured(self, rso: str) -> dict[str, Any]:
         """Return how an RSO was measured, in which files, and how they are taken."""

@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 import pytest
-from support import REPOSITORY
+from support import REPOSITORY, refusal
 
 from opml import cli
 from opml.base.errors import InputError
@@ -197,8 +197,7 @@ def test_a_line_that_is_cut_is_refused(sgp4, tmp_path):
     text = sgp4.read_text().splitlines()
     cut = tmp_path / "cut.csv"
     cut.write_text("\n".join([*text[:5], text[5][:60]]) + "\n")
-    with pytest.raises(InputError, match=r"cut.csv: line 6: expected 16 cells: cut short"):
-        benchmark.score(tasks.SAMPLE, cut)
+    assert "cut.csv: line 6: expected 16 cells: cut short" in refusal(benchmark.score, tasks.SAMPLE, cut)
 
 
 @pytest.mark.parametrize(("shift", "where"), [(37.0, "ahead of"), (-18.0, "behind")])
@@ -326,8 +325,7 @@ def test_files_that_hold_no_answers_are_refused(name, content, told, sgp4, task,
 
 def test_a_question_is_answered_once(sgp4, tmp_path):
     twice = edited_rows(sgp4, tmp_path, lambda rows: [*rows, rows[0]])
-    with pytest.raises(InputError, match="line 50: expected one answer to a question"):
-        benchmark.score(tasks.SAMPLE, twice)
+    assert "line 50: expected one answer to a question" in refusal(benchmark.score, tasks.SAMPLE, twice)
 
 
 # Answers in messages
@@ -436,11 +434,9 @@ def test_a_task_that_was_changed_is_refused(name, told, tmp_path):
 
 
 def test_another_truth_is_refused(task, tmp_path):
-    with pytest.raises(InputError, match=r"truth.csv: expected the truth of sample, got none"):
-        tasks.read_truth(task, tmp_path)
+    assert "truth.csv: expected the truth of sample, got none" in refusal(tasks.read_truth, task, tmp_path)
     (tmp_path / "truth.csv").write_text("x,y,z,vx,vy,vz\n")
-    with pytest.raises(InputError, match="that sample was frozen with"):
-        tasks.read_truth(task, tmp_path)
+    assert "that sample was frozen with" in refusal(tasks.read_truth, task, tmp_path)
 
 
 @pytest.fixture(scope="module")

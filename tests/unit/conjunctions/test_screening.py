@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 import pytest
+from support import refusal
 from test_approaches import T, built, kepler
 
 from opml import cli
@@ -421,10 +422,8 @@ def test_what_cannot_be_screened_is_told_in_one_line(files, tmp_path):
         screening.screen(screening.read([paths[0], paths[0]]), within=1e3, radius=20.0)
     sets = tmp_path / "nothing.tle"
     sets.write_text("nothing\n")
-    with pytest.raises(InputError, match=r"nothing\.tle"):
-        screening.read([paths[0], sets])
-    with pytest.raises(InputError, match="expected an OEM among the files"):
-        screening.read([sets])
+    assert "nothing.tle" in refusal(screening.read, [paths[0], sets])
+    assert "expected an OEM among the files" in refusal(screening.read, [sets])
 
 
 def test_states_outside_the_useable_times_do_not_count(short):
@@ -434,8 +433,7 @@ def test_states_outside_the_useable_times_do_not_count(short):
     begin, end = one.trajectories[0].span
     assert end - begin == 600.0
     short.write_text(text.replace("META_STOP", "USEABLE_STOP_TIME = 2022-05-01T00:10:00\nMETA_STOP", 1))
-    with pytest.raises(InputError, match="line 16: expected states within the useable times, got none"):
-        screening.read([short])
+    assert "line 16: expected states within the useable times, got none" in refusal(screening.read, [short])
 
 
 def test_a_covariance_without_a_frame_is_in_that_of_the_states(short):

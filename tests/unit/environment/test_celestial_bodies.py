@@ -117,5 +117,4 @@ def test_a_truncated_kernel_is_refused(excerpt, kept):
     path = excerpt({*range(1, 11), 301, 399})
     assert kept < path.stat().st_size
     path.write_bytes(path.read_bytes()[:kept])
-    with pytest.raises(InputError, match=r"excerpt\.bsp"):
-        celestial_bodies.tabulate(path, EPOCH, np.array([0.0]))
+    assert "excerpt.bsp" in refusal(celestial_bodies.tabulate, path, EPOCH, np.array([0.0]))

@@ -1,9 +1,8 @@
 """The figure and the report's section on conjunctions."""
 
 import pandas as pd
-import pytest
+from support import refusal
 
-from opml.base.errors import InputError
 from opml.figures import alarms
 from opml.report import conjunctions as section
 from opml.report.document import Paragraph, Table
@@ -54,8 +53,7 @@ def test_other_weather_stands_beside_in_the_same_colours():
 
 
 def test_nothing_to_draw_is_told():
-    with pytest.raises(InputError, match="conjunctions: expected predictions"):
-        alarms.by_duration(TABLE.iloc[:0])
+    assert "conjunctions: expected predictions" in refusal(alarms.by_duration, TABLE.iloc[:0])
 
 
 def test_the_section_states_alarms_and_collisions():

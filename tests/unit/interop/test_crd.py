@@ -80,8 +80,7 @@ def test_points_of_two_satellites_do_not_mix(tmp_path):
         for number, text in enumerate(texts):
             paths.append(tmp_path / f"{number}.crd")
             paths[-1].write_text(text + "h9\n")
-        with pytest.raises(InputError, match="expected satellite lageos2, got lageos1"):
-            crd.read(paths, epoch=EPOCH)
+        assert "expected satellite lageos2, got lageos1" in refusal(crd.read, paths, epoch=EPOCH)
 
 
 @pytest.mark.parametrize(("event", "later"), [("0", 0.0), ("1", 0.5), ("2", 1.0)])
@@ -115,5 +114,4 @@ def test_a_cut_file_is_noticed(tmp_path):
     path = tmp_path / "cut.crd"
     for size in range(0, len(PASS) - 5, 41):
         path.write_text(PASS[:size])
-        with pytest.raises(InputError, match="expected"):
-            crd.read([path], epoch=EPOCH)
+        assert "expected" in refusal(crd.read, [path], epoch=EPOCH)

@@ -201,8 +201,7 @@ def test_numbers_have_to_be_finite_and_plain(message, text):
     lines = message.read_text().splitlines()
     lines[16] = " ".join([*lines[16].split()[:-1], text])
     message.write_text("\n".join(lines))
-    with pytest.raises(InputError, match=r"line 17: expected a finite number, got"):
-        oem.read(message, epoch=EPOCH)
+    assert "line 17: expected a finite number, got" in refusal(oem.read, message, epoch=EPOCH)
 
 
 @pytest.mark.parametrize(
@@ -249,16 +248,13 @@ def test_a_cut_file_is_noticed(message):
     text = message.read_text()
     for size in (0, 10, 200, 330):
         message.write_text(text[:size])
-        with pytest.raises(InputError, match="expected"):
-            oem.read(message, epoch=EPOCH)
+        assert "expected" in refusal(oem.read, message, epoch=EPOCH)
 
 
 def test_no_file_and_no_text_are_input_errors(tmp_path):
-    with pytest.raises(InputError, match="no such file"):
-        oem.read(tmp_path / "none.oem", epoch=EPOCH)
+    assert "no such file" in refusal(oem.read, tmp_path / "none.oem", epoch=EPOCH)
     (tmp_path / "bytes.oem").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(InputError, match="expected a message in UTF-8 text"):
-        oem.read(tmp_path / "bytes.oem", epoch=EPOCH)
+    assert "expected a message in UTF-8 text" in refusal(oem.read, tmp_path / "bytes.oem", epoch=EPOCH)
 
 
 def as_nasa(message, frame="EME2000"):
@@ -310,8 +306,7 @@ def test_covariances_are_passed_over_by_arcs(tmp_path):
     edited(path, "COV_REF_FRAME = GCRF", "COV_REF_FRAME = RTN")
     assert oem.arcs(path, epoch=EPOCH)[0].t.tolist() == [0.0, 200.0]
     edited(path, "COVARIANCE_STOP", "")
-    with pytest.raises(InputError, match="expected more lines, got the end of the file"):
-        oem.arcs(path, epoch=EPOCH)
+    assert "expected more lines, got the end of the file" in refusal(oem.arcs, path, epoch=EPOCH)
 
 
 @pytest.mark.parametrize(("old", "new", "line"), refusals("oem_arcs"))

@@ -63,8 +63,7 @@ def test_a_cut_file_is_noticed(message):
     text = message.read_text()
     for size in (0, 30, 300, 500, len(text) - 5):
         message.write_text(text[:size])
-        with pytest.raises(InputError, match="expected"):
-            read(message)
+        assert "expected" in refusal(read, message)
 
 
 def changed(path, *pairs):
@@ -125,8 +124,7 @@ def test_one_angle_to_the_stars_is_none(message):
     lines = [line for line in message.read_text().splitlines() if not line.startswith("ANGLE_2 ")]
     message.write_text("\n".join(lines))
     changed(message, ("ANGLE_TYPE = AZEL", "ANGLE_TYPE = RADEC\nREFERENCE_FRAME = ICRF"))
-    with pytest.raises(InputError, match="line 18: expected ANGLE_1 and ANGLE_2, got one of them"):
-        read(message)
+    assert "line 18: expected ANGLE_1 and ANGLE_2, got one of them" in refusal(read, message)
 
 
 def test_degraded_segments_are_left_out_and_told(message, caplog):
@@ -177,8 +175,7 @@ def test_corrections_that_were_not_applied_are_added(table, message):
     changed(message, ("CORRECTIONS_APPLIED = NO", "CORRECTIONS_APPLIED = YES"))
     assert read(message).sort_values(by)["range"].tolist() == given["range"].tolist()
     changed(message, ("CORRECTIONS_APPLIED = YES\n", ""))
-    with pytest.raises(InputError, match="expected the key CORRECTIONS_APPLIED before this line, got none"):
-        read(message)
+    assert "expected the key CORRECTIONS_APPLIED before this line, got none" in refusal(read, message)
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 import pytest
+from support import refusal
 
 from opml.base.errors import InputError
 from opml.learning.data import splits
@@ -134,18 +135,15 @@ def test_bad_test_names(table, name):
 
 @pytest.mark.parametrize("name", ["random-0", "random-101"])
 def test_percentages_out_of_range(table, name):
-    with pytest.raises(InputError, match="percentage"):
-        train(table, name)
+    assert "percentage" in refusal(train, table, name)
 
 
 def test_window_backwards(table):
-    with pytest.raises(InputError, match="first day before the last, got 40 and 30"):
-        train(table, "days-40-30")
+    assert "first day before the last, got 40 and 30" in refusal(train, table, "days-40-30")
 
 
 def test_splits_without_rows(table):
-    with pytest.raises(InputError, match="'days-60-70': expected at least one kept row"):
-        train(table, "days-60-70")
+    assert "'days-60-70': expected at least one kept row" in refusal(train, table, "days-60-70")
     with pytest.raises(InputError, match="'rest': expected at least one kept row"):
         splits.test_rows(table, "rest", span_days=SPAN, trained=train(table, "days-0-30"))
     with pytest.raises(InputError, match="'random-80': expected at least one kept row"):

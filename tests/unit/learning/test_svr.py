@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.distance import pdist
 from sklearn.svm import SVR
+from support import refusal
 
 from opml.base.errors import InputError
 from opml.learning.models import gaussian_kernel, kernel_scale, learners, svr
@@ -213,8 +214,7 @@ def test_cv_does_not_reward_remembering_an_estimate():
 @pytest.mark.parametrize("groups", [None, np.zeros(100, dtype=int)])
 def test_cv_wants_estimates_to_hold_out(groups):
     x, y, _ = sample(100)
-    with pytest.raises(InputError, match="kernel_scale: cv: expected at least 5 estimates"):
-        fit(x, y, groups, kernel_scale="cv")
+    assert "kernel_scale: cv: expected at least 5 estimates" in refusal(fit, x, y, groups, kernel_scale="cv")
 
 
 @pytest.mark.parametrize("rule", ["auto", 0.0, -1.0, float("nan"), float("inf"), True, None])
@@ -227,20 +227,15 @@ def test_bad_kernel_scale(rule):
 
 def test_bad_rows(model):
     x, y, _ = sample(50)
-    with pytest.raises(InputError, match="at least 2, got 1"):
-        fit(x[:1], y[:1])
+    assert "at least 2, got 1" in refusal(fit, x[:1], y[:1])
     broken = x.copy()
     broken[7, 2] = np.nan
-    with pytest.raises(InputError, match="learning variable cd_b: expected finite"):
-        fit(broken, y)
-    with pytest.raises(InputError, match="learning variable cd_b: expected finite"):
-        model.predict(broken)
+    assert "learning variable cd_b: expected finite" in refusal(fit, broken, y)
+    assert "learning variable cd_b: expected finite" in refusal(model.predict, broken)
     with pytest.raises(InputError, match="target: expected 50 finite values, got 49"):
         fit(x, np.where(np.arange(50) == 3, np.inf, y))
-    with pytest.raises(InputError, match="expected 4 columns"):
-        model.predict(x[:, :3])
-    with pytest.raises(InputError, match="coincident rows"):
-        fit(np.ones((10, 4)), y[:10])
+    assert "expected 4 columns" in refusal(model.predict, x[:, :3])
+    assert "coincident rows" in refusal(fit, np.ones((10, 4)), y[:10])
 
 
 def test_learners_dispatch_by_kind():

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support import refusal
 
-from opml.base.errors import InputError
 from opml.orbits.elements import (
     cartesian_from_coe,
     coe_from_cartesian,
@@ -149,8 +149,7 @@ def test_mean_anomaly_undoes_the_true_one(mean, e):
 @pytest.mark.parametrize("e", [-0.1, 1.0, np.nan])
 @pytest.mark.parametrize("convert", [true_from_mean_anomaly, mean_from_true_anomaly])
 def test_anomalies_want_an_ellipse(convert, e):
-    with pytest.raises(InputError, match="eccentricity"):
-        convert(1.0, e)
+    assert "eccentricity" in refusal(convert, 1.0, e)
 
 
 def test_wraps():

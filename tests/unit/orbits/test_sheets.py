@@ -4,7 +4,7 @@ import math
 import re
 
 import pytest
-from support import REPOSITORY, refusals
+from support import REPOSITORY, refusal, refusals
 
 from opml.base.errors import InputError
 from opml.orbits.sheets import read_rsos, read_stations, stations_from_rows
@@ -68,10 +68,8 @@ def test_a_station_of_the_settings_may_be_a_telescope():
     stars = {"sigma_right_ascension_deg": 1e-4, "sigma_declination_deg": 1e-4}
     one = stations_from_rows({"tenerife": row | stars})["tenerife"]
     assert list(one.row)[-2:] == ["sigma_right_ascension", "sigma_declination"]
-    with pytest.raises(InputError, match="expected one of sigma_range_m"):
-        stations_from_rows({"tenerife": row})
-    with pytest.raises(InputError, match="look at sigma_x"):
-        stations_from_rows({"tenerife": row | stars | {"sigma_x": 1}})
+    assert "expected one of sigma_range_m" in refusal(stations_from_rows, {"tenerife": row})
+    assert "look at sigma_x" in refusal(stations_from_rows, {"tenerife": row | stars | {"sigma_x": 1}})
 
 
 def test_a_cell_of_many_letters_is_named(tmp_path):
@@ -98,12 +96,10 @@ def test_cells_in_quotes_are_read(tmp_path):
 def test_no_sheet_is_named(tmp_path, content):
     path = tmp_path / "rsos.tsv"
     path.write_bytes(content)
-    with pytest.raises(InputError, match=r"rsos\.tsv: "):
-        read_rsos(path)
+    assert "rsos.tsv: " in refusal(read_rsos, path)
 
 
 def test_header_without_rows_is_named(tmp_path):
     path = tmp_path / "rsos.tsv"
     path.write_text((CONFIG / "rsos.tsv").read_text().split("iss\t")[0])
-    with pytest.raises(InputError, match="at least one row"):
-        read_rsos(path)
+    assert "at least one row" in refusal(read_rsos, path)

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
 import pytest
+from support import refusal
 
 from opml import tables
 from opml.base.errors import InputError
@@ -96,8 +97,7 @@ def test_runs_are_whole_wherever_a_batch_ends(rows_at_once, tmp_path, monkeypatc
 
 def test_runs_of_a_damaged_table_are_refused(truth):
     truth.write_bytes(truth.read_bytes()[:-20])
-    with pytest.raises(InputError, match=r"truth\.parquet: damaged"):
-        list(read_runs(truth, "truth", "t"))
+    assert "truth.parquet: damaged" in refusal(list, read_runs(truth, "truth", "t"))
 
 
 def test_a_wrong_table_is_refused_and_leaves_nothing(tmp_path):
@@ -123,35 +123,30 @@ def test_a_failed_write_keeps_the_old_table(truth, monkeypatch):
 
 
 def test_missing_file_is_named(tmp_path):
-    with pytest.raises(InputError, match=r"nothing\.parquet: no such file"):
-        read_table(tmp_path / "nothing.parquet", "truth")
+    assert "nothing.parquet: no such file" in refusal(read_table, tmp_path / "nothing.parquet", "truth")
 
 
 def test_missing_column_is_named(truth):
     pq.write_table(pq.read_table(truth).drop_columns(["vy"]), truth)
-    with pytest.raises(InputError, match=r"truth\.parquet: vy: column of table truth is missing"):
-        read_table(truth, "truth")
+    assert "truth.parquet: vy: column of table truth is missing" in refusal(read_table, truth, "truth")
 
 
 def test_column_of_another_type_is_named(truth):
     frame = pq.read_table(truth).to_pandas().astype({"vy": "float32"})
     frame.to_parquet(truth)
-    with pytest.raises(InputError, match=r"truth\.parquet: vy: expected float64, got float"):
-        read_table(truth, "truth")
+    assert "truth.parquet: vy: expected float64, got float" in refusal(read_table, truth, "truth")
 
 
 def test_another_tools_table_is_not_taken_for_ours(truth):
     example("truth").to_parquet(truth)
-    with pytest.raises(InputError, match="not written by opml"):
-        read_table(truth, "truth")
+    assert "not written by opml" in refusal(read_table, truth, "truth")
 
 
 @pytest.mark.parametrize("kept", [0, 3, 200, 0.5, -1])
 def test_truncated_file_is_noticed(truth, kept):
     content = truth.read_bytes()
     truth.write_bytes(content[: int(kept * len(content)) if isinstance(kept, float) else kept])
-    with pytest.raises(InputError, match=r"truth\.parquet: damaged"):
-        read_table(truth, "truth")
+    assert "truth.parquet: damaged" in refusal(read_table, truth, "truth")
 
 
 def test_a_flipped_bit_is_noticed_and_told_in_one_line(tmp_path):

@@ -182,8 +182,7 @@ class Run:
     def path(self, estimate: Estimate) -> np.ndarray:
         """Return the states (epochs, 6) of an estimate's best at the epochs of its window."""
         [states] = self._best_paths([estimate])
-        nominal: np.ndarray = states[0]
-        return nominal
+        return states[0]
 
     def _best_paths(self, estimates: Sequence[Estimate]) -> list[np.ndarray]:
         """Return the states (8, epochs, 6) of the best of each estimate and its neighbours."""

@@ -61,8 +61,7 @@ class Fixes(Measurements):
 
     def places(self, rows: Rows) -> np.ndarray:
         """Return positions (n, 3) in GCRF [m] of rows of points."""
-        positions: np.ndarray = self.values[rows][:, :3]
-        return positions
+        return self.values[rows][:, :3]
 
     def evaluation(self, window: Window, states: np.ndarray, *, light_time: bool = False) -> Evaluation:
         """Return residuals and partial derivatives, as `Measurements.evaluation`; no light has to travel."""
@@ -80,14 +79,12 @@ class Fixes(Measurements):
 def _in_axes(axes: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     """Return vectors (..., n, 3) or pairs of them (..., n, 6) in axes (n, 3, 3)."""
     parts = vectors.reshape(*vectors.shape[:-1], -1, 3)
-    turned: np.ndarray = np.einsum("nij,...nkj->...nki", axes, parts).reshape(vectors.shape)
-    return turned
+    return np.einsum("nij,...nkj->...nki", axes, parts).reshape(vectors.shape)
 
 
 def _bend(shifts: np.ndarray, radius: np.ndarray) -> np.ndarray:
     """Return how far circles (n,) fall behind their tangents at shifts (..., n, 3 or 6) in RSW."""
-    fall: np.ndarray = np.sum(shifts[..., 1:3] ** 2, axis=-1) / (2.0 * radius)
-    return fall
+    return np.sum(shifts[..., 1:3] ** 2, axis=-1) / (2.0 * radius)
 
 
 MEASUREMENTS: dict[str, Callable[[pd.DataFrame, pd.DataFrame, Sequence[Station]], Measurements]] = {

@@ -55,8 +55,7 @@ class Sites:
         seconds = (date - mark["reference"]).total_seconds()
         there = mark[["x", "y", "z"]].to_numpy(float) + seconds * mark[["vx", "vy", "vz"]].to_numpy(float)
         lon, lat, _ = erfa.gc2gd(_WGS84, there)
-        turned: np.ndarray = there + away[["east", "north", "up"]].to_numpy(float) @ horizon(lon, lat)
-        return turned
+        return there + away[["east", "north", "up"]].to_numpy(float) @ horizon(lon, lat)
 
 
 def _valid(rows: pd.DataFrame, date: pd.Timestamp) -> pd.Series | None:

@@ -159,8 +159,7 @@ def _by_air(rows: pd.DataFrame, station: Station) -> dict[str, np.ndarray]:
 
 def _keys(names: pd.Series) -> pd.Series:
     """Return names as a sheet may have them: DSS-14 is dss14 there."""
-    keys: pd.Series = names.map(lambda name: re.sub(r"[^a-z0-9]", "", name.lower()))
-    return keys
+    return names.map(lambda name: re.sub(r"[^a-z0-9]", "", name.lower()))
 
 
 def _check_once(table: pd.DataFrame) -> None:

@@ -144,13 +144,11 @@ class Measurements(ABC):
     def deviations(self, rows: Rows) -> np.ndarray:
         """Return the standard deviation of each number (numbers,) that rows hold [rad, m, m/s]."""
         row, observable = self.layout(rows)
-        deviations: np.ndarray = self.sigmas[rows][row, observable]
-        return deviations
+        return self.sigmas[rows][row, observable]
 
     def times(self, rows: Rows) -> np.ndarray:
         """Return the epochs (n,) of rows [s]."""
-        epochs: np.ndarray = self.epochs[self.epoch_of_row[rows]]
-        return epochs
+        return self.epochs[self.epoch_of_row[rows]]
 
     def lines(self, rows: Rows) -> tuple[np.ndarray, np.ndarray]:
         """Return where in GCRF (n, 3) [m] lines of sight of rows begin, and unit vectors (n, 3) along them.

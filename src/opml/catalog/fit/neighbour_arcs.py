@@ -67,8 +67,7 @@ class Around:
     def moved(self, near: np.ndarray) -> np.ndarray:
         """Return the states (8, epochs, 6) of another trial near by; near: as that of this one."""
         path = self.states[0]
-        moved: np.ndarray = self.states + (beside(path, self.near, near) - path)
-        return moved
+        return self.states + (beside(path, self.near, near) - path)
 
 
 def fly_around(

@@ -130,8 +130,7 @@ def _divided(later: np.ndarray, earlier: np.ndarray) -> np.ndarray:
     """Return partial derivatives (n, 6, 6) by an earlier state, of two sets by one that is earlier still."""
     unit = SCALES[:_CD] / SCALES[:_CD, None]
     turned = np.linalg.solve((earlier * unit).transpose(0, 2, 1), (later * unit).transpose(0, 2, 1))
-    divided: np.ndarray = turned.transpose(0, 2, 1) / unit
-    return divided
+    return turned.transpose(0, 2, 1) / unit
 
 
 @dataclass(frozen=True)
@@ -292,8 +291,7 @@ def _triangles(roots: np.ndarray) -> np.ndarray:
 
 def _covariance(estimate: pd.Series) -> np.ndarray:
     """Return the covariance (7, 7) of an estimate."""
-    full: np.ndarray = symmetric_matrices(estimate.to_frame().T, PARAMETER_COVARIANCES)[0]
-    return full
+    return symmetric_matrices(estimate.to_frame().T, PARAMETER_COVARIANCES)[0]
 
 
 def filter_all(

@@ -62,8 +62,7 @@ class Measured(Measurements):
         """Return the instrument of each number (numbers,) that rows hold: station and observable."""
         row, observable = self.layout(rows)
         station_of_row, _ = self._measuring
-        instruments: np.ndarray = len(self.names) * station_of_row[rows][row] + observable
-        return instruments
+        return len(self.names) * station_of_row[rows][row] + observable
 
     def instrument_names(self) -> list[str]:
         """Return the names of all instruments."""
@@ -96,8 +95,7 @@ class Measured(Measurements):
 
         positions, velocities: (n, 3) of the orbit, as for `predicted`
         """
-        held: np.ndarray = self.values[rows]
-        return held
+        return self.values[rows]
 
     def evaluation(self, window: Window, states: np.ndarray, *, light_time: bool = False) -> Evaluation:
         """Return residuals and partial derivatives of a window, as `Measurements.evaluation`."""
@@ -146,5 +144,4 @@ class Measured(Measurements):
 
     def _turned(self, rows: Rows, vectors: np.ndarray) -> np.ndarray:
         """Return vectors (n, 3) on the axes of ITRF on those of GCRF."""
-        turned: np.ndarray = np.einsum("nij,ni->nj", self.stands.from_gcrf[rows], vectors)
-        return turned
+        return np.einsum("nij,ni->nj", self.stands.from_gcrf[rows], vectors)

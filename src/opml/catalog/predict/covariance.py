@@ -44,5 +44,4 @@ def propagated(flight: Flight, estimates: pd.DataFrame, predictions: pd.DataFram
         change[:, :, k] = in_rsw(flown - predicted, predicted) / NUDGES[k]
     fitted = symmetric_matrices(started, PARAMETER_COVARIANCES)[arc]
     formal: np.ndarray = change @ fitted @ change.transpose(0, 2, 1)
-    even: np.ndarray = 0.5 * (formal + formal.transpose(0, 2, 1))
-    return even
+    return 0.5 * (formal + formal.transpose(0, 2, 1))

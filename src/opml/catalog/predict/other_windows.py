@@ -163,8 +163,7 @@ def _flown(predictions: pd.DataFrame, states: np.ndarray) -> pd.DataFrame:
 def _at_pairs(states: pd.DataFrame, predictions: pd.DataFrame) -> np.ndarray:
     """Return the states (n, 6) of a table at the pairs of predictions, NaN where it has none."""
     pairs = pd.MultiIndex.from_frame(predictions[["i", "j"]])
-    found: np.ndarray = states.set_index(["i", "j"])[STATE].reindex(pairs).to_numpy()
-    return found
+    return states.set_index(["i", "j"])[STATE].reindex(pairs).to_numpy()
 
 
 def _by_pair(estimates: pd.DataFrame, predictions: pd.DataFrame) -> pd.DataFrame:
@@ -175,8 +174,7 @@ def _by_pair(estimates: pd.DataFrame, predictions: pd.DataFrame) -> pd.DataFrame
 def _usable(estimates: pd.DataFrame, differences: Mapping[str, np.ndarray]) -> np.ndarray:
     """Return which pairs (n,) tell something: the estimate converged, the differences are numbers."""
     reached = np.isfinite(np.concatenate(list(differences.values()), axis=1)).all(axis=1)
-    usable: np.ndarray = estimates["converged"].to_numpy() & reached
-    return usable
+    return estimates["converged"].to_numpy() & reached
 
 
 def _turned(
@@ -231,5 +229,4 @@ def held_cd(estimates: pd.DataFrame, past: pd.DataFrame) -> np.ndarray:
     """
     cd, formal = estimates["cd"].to_numpy(), estimates["cov_cd_cd"].to_numpy()
     prior, variance = past["prior"].to_numpy(), past["variance"].to_numpy()
-    held: np.ndarray = (cd * variance + prior * formal) / (variance + formal)
-    return held
+    return (cd * variance + prior * formal) / (variance + formal)

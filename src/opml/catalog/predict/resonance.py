@@ -79,8 +79,7 @@ class _Course:
 
     def polynomials(self, coefficients: np.ndarray) -> np.ndarray:
         """Return the values (n, grid) of polynomials with coefficients (n, 3) of 1, s and s^2."""
-        values: np.ndarray = coefficients @ np.stack([np.ones(len(self._s)), self._s, self._s**2])
-        return values
+        return coefficients @ np.stack([np.ones(len(self._s)), self._s, self._s**2])
 
     def twice_integrated(self, f: np.ndarray) -> np.ndarray:
         """Return the double integral in time of f (n, grid), zero with its slope at s = 0."""
@@ -95,16 +94,14 @@ class _Course:
 
     def without_line(self, moved: np.ndarray) -> np.ndarray:
         """Return values (n, grid) less the straight line through those in the window."""
-        left: np.ndarray = moved - moved[:, self._in_window] @ self._line.T
-        return left
+        return moved - moved[:, self._in_window] @ self._line.T
 
     def interpolated(self, values: np.ndarray, row: np.ndarray, s: np.ndarray) -> np.ndarray:
         """Return values (n, grid) in rows `row` (m,) at times s (m,) [s], linear between the grid's."""
         place = s / PHASE_STEP + self._origin
         low = np.minimum(place.astype(int), len(self._s) - 2)
         part = place - low
-        between: np.ndarray = (1.0 - part) * values[row, low] + part * values[row, low + 1]
-        return between
+        return (1.0 - part) * values[row, low] + part * values[row, low + 1]
 
 
 def _phases(

@@ -67,8 +67,7 @@ def running_mean(estimates: pd.DataFrame, bounds: tuple[float, float] | None) ->
     else:
         weight = use.astype(float)
     count, total = np.cumsum(weight), np.cumsum(np.where(use, weight * cd, 0.0))
-    mean: np.ndarray = np.divide(total, count, out=cd.copy(), where=count > 0.0)
-    return mean
+    return np.divide(total, count, out=cd.copy(), where=count > 0.0)
 
 
 def usable(estimates: pd.DataFrame, bounds: tuple[float, float] | None) -> np.ndarray:
@@ -85,5 +84,4 @@ def shift_with_cd(estimates: pd.DataFrame) -> np.ndarray:
     """
     shared = estimates[[f"cov_cd_{name}" for name in STATE]].to_numpy()
     variance = estimates["cov_cd_cd"].to_numpy()[:, None]
-    shift: np.ndarray = np.divide(shared, variance, out=np.zeros_like(shared), where=variance > 0.0)
-    return shift
+    return np.divide(shared, variance, out=np.zeros_like(shared), where=variance > 0.0)

@@ -68,8 +68,7 @@ def square_root(covariance: np.ndarray) -> np.ndarray:
     correlation = np.divide(covariance, both, out=np.zeros_like(both), where=both > 0.0)
     values, vectors = np.linalg.eigh(correlation)
     stretched = vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]
-    root: np.ndarray = sigma[:, :, None] * (stretched @ vectors.transpose(0, 2, 1))
-    return root
+    return sigma[:, :, None] * (stretched @ vectors.transpose(0, 2, 1))
 
 
 def fan(ensemble: pd.DataFrame, predictions: pd.DataFrame, *, level: float) -> pd.DataFrame:
@@ -103,8 +102,7 @@ def band(members: np.ndarray, level: float) -> np.ndarray:
     The truth is one more draw: of m members, the k-th lies above it with the probability k / (m + 1).
     """
     shares = [0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level]
-    ends: np.ndarray = np.quantile(members, shares, axis=0, method="weibull")
-    return ends
+    return np.quantile(members, shares, axis=0, method="weibull")
 
 
 def scores(fans: pd.DataFrame) -> pd.DataFrame:
@@ -122,8 +120,7 @@ def scores(fans: pd.DataFrame) -> pd.DataFrame:
         "error": finite["e_y"].abs(),
     }
     days = pd.DataFrame(columns).groupby("day")
-    table: pd.DataFrame = days.mean().assign(rows=days.size()).reset_index()
-    return table
+    return days.mean().assign(rows=days.size()).reset_index()
 
 
 def crps(members: np.ndarray, true: np.ndarray) -> np.ndarray:
@@ -136,5 +133,4 @@ def crps(members: np.ndarray, true: np.ndarray) -> np.ndarray:
     count = len(members)
     rank = 2.0 * np.arange(1, count + 1) - count - 1.0
     spread = rank @ np.sort(members, axis=0) / count**2
-    score: np.ndarray = np.abs(members - true).mean(axis=0) - spread
-    return score
+    return np.abs(members - true).mean(axis=0) - spread

@@ -223,8 +223,7 @@ def _rate(
 ) -> np.ndarray:
     """Return the rate (...) [m/s] at which an RSO moves away from a station, along the line between them."""
     away = positions - position
-    rate: np.ndarray = np.sum(away * (velocities - velocity), axis=-1) / np.linalg.norm(away, axis=-1)
-    return rate
+    return np.sum(away * (velocities - velocity), axis=-1) / np.linalg.norm(away, axis=-1)
 
 
 def place(measured: np.ndarray, position: np.ndarray, to_horizon: np.ndarray) -> np.ndarray:
@@ -232,5 +231,4 @@ def place(measured: np.ndarray, position: np.ndarray, to_horizon: np.ndarray) ->
     azimuth, elevation, distance = np.moveaxis(measured, -1, 0)
     level = distance * np.cos(elevation)
     local = [level * np.sin(azimuth), level * np.cos(azimuth), distance * np.sin(elevation)]
-    positions: np.ndarray = position + np.einsum("...ij,...i->...j", to_horizon, np.stack(local, axis=-1))
-    return positions
+    return position + np.einsum("...ij,...i->...j", to_horizon, np.stack(local, axis=-1))

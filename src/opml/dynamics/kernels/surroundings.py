@@ -215,7 +215,7 @@ def _weights(u: float) -> _SixWeights:
 
 @compiled
 def _between(nodes: np.ndarray, node: int, column: int, w: _SixWeights) -> float:
-    value: float = (
+    return (
         w[0] * nodes[node - 2, column]
         + w[1] * nodes[node - 1, column]
         + w[2] * nodes[node, column]
@@ -223,13 +223,11 @@ def _between(nodes: np.ndarray, node: int, column: int, w: _SixWeights) -> float
         + w[4] * nodes[node + 2, column]
         + w[5] * nodes[node + 3, column]
     )
-    return value
 
 
 @compiled
 def _linear(nodes: np.ndarray, node: int, column: int, u: float) -> float:
-    value: float = nodes[node, column] + u * (nodes[node + 1, column] - nodes[node, column])
-    return value
+    return nodes[node, column] + u * (nodes[node + 1, column] - nodes[node, column])
 
 
 @compiled

@@ -89,8 +89,7 @@ class _Past:
         sigma = np.quantile(recent, 0.75, axis=0) / _SIGMAS
         grown = (gap + _ALWAYS) / (float(np.median(gaps)) + _ALWAYS)
         growth = max(1.0, grown) * (2.0 if self.since < _SETTLING else 1.0)
-        most: np.ndarray = OFF * growth * sigma
-        return most
+        return OFF * growth * sigma
 
 
 def manoeuvres_of(

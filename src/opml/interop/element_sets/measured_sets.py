@@ -58,8 +58,7 @@ class Taking:
             return epochs
         number = np.arange(len(epochs))
         multiples = np.maximum.accumulate(np.ceil(epochs / self.raster) - number) + number
-        ends: np.ndarray = self.raster * multiples
-        return ends
+        return self.raster * multiples
 
 
 @dataclass(frozen=True)

@@ -22,8 +22,7 @@ class SetSampling:
 
     def times(self, end: float) -> np.ndarray:
         """Return the times (n,) of the points of a set up to its last one, `end` [s]."""
-        times: np.ndarray = end - self.step * np.arange(round(self.reach / self.step), -1, -1)
-        return times
+        return end - self.step * np.arange(round(self.reach / self.step), -1, -1)
 
 
 def before(row: pd.Series, end: float, *, epoch: str, sampling: SetSampling) -> pd.DataFrame:

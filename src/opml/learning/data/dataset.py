@@ -202,8 +202,7 @@ def may_depart(
     whole = known["converged"] & known["cd_inside"] & known["eps_y"].notna()
     begin = np.fmin(known["t_b"].to_numpy(), t)
     crosses = contain_any(begin, t, manoeuvres, window=window) | _crosses_burn(estimates, begin, t, t)
-    usable: np.ndarray = whole.to_numpy() & ~crosses
-    return usable
+    return whole.to_numpy() & ~crosses
 
 
 def _crosses_burn(estimates: pd.DataFrame, begin: np.ndarray, t_i: np.ndarray, end: np.ndarray) -> np.ndarray:
@@ -213,8 +212,7 @@ def _crosses_burn(estimates: pd.DataFrame, begin: np.ndarray, t_i: np.ndarray, e
     """
     shown = estimates[estimates["burn_t"].notna()] if "burn_t" in estimates else estimates.iloc[:0]
     burns = [Manoeuvre(row["burn_t"], row["t"]) for _, row in shown.iterrows()]
-    crosses: np.ndarray = contain_any(begin, t_i, burns) | contain_any(t_i, end, burns)
-    return crosses
+    return contain_any(begin, t_i, burns) | contain_any(t_i, end, burns)
 
 
 def _previous(tracks: np.ndarray, usable: np.ndarray, setting: str) -> np.ndarray:
@@ -235,8 +233,7 @@ def _previous(tracks: np.ndarray, usable: np.ndarray, setting: str) -> np.ndarra
 def _predicted_states(predictions: pd.DataFrame, pairs: pd.MultiIndex) -> np.ndarray:
     """Return predicted states (n, 6) at t_i from t_b of the pairs (b, i), NaN without such a prediction."""
     made = predictions[predictions["reason"] == ""]
-    states: np.ndarray = made.set_index(["i", "j"])[STATE].reindex(pairs).to_numpy(dtype=float)
-    return states
+    return made.set_index(["i", "j"])[STATE].reindex(pairs).to_numpy(dtype=float)
 
 
 def _highest_measurements(tracking: pd.DataFrame, tracks: pd.Index) -> pd.DataFrame:
@@ -274,5 +271,4 @@ def _outside_fences(rows: pd.DataFrame, kept: np.ndarray, cleaning: Cleaning) ->
     days, e_y = cleaning.fence_days, rows["e_y"].to_numpy()
     within = kept if days is None else kept & in_days(known_at(rows), days)
     lower, upper = tukey_fences(e_y[within], fence=cleaning.fence)
-    outside: np.ndarray = kept & ((e_y < lower) | (e_y > upper))
-    return outside
+    return kept & ((e_y < lower) | (e_y > upper))

@@ -43,8 +43,7 @@ def in_days(t: np.ndarray, span_days: Sequence[float]) -> np.ndarray:
 
 def known_at(dataset: pd.DataFrame) -> np.ndarray:
     """Return when the error of each row (n,) is known [s]: a true error at t_j, a label later."""
-    known: np.ndarray = dataset.get("t_known", dataset["t_j"]).to_numpy()
-    return known
+    return dataset.get("t_known", dataset["t_j"]).to_numpy()
 
 
 def are_over(rows: pd.DataFrame, now: float) -> np.ndarray:
@@ -119,8 +118,7 @@ def _grouped_share(candidates: np.ndarray, group: np.ndarray, *, percent: float,
 
 def _within_own_fences(e_y: np.ndarray, rows: np.ndarray, *, fence: float) -> np.ndarray:
     lower, upper = tukey_fences(e_y[rows], fence=fence)
-    inside: np.ndarray = (e_y >= lower) & (e_y <= upper)
-    return inside
+    return (e_y >= lower) & (e_y <= upper)
 
 
 def _check_not_empty(rows: np.ndarray, what: str) -> np.ndarray:

@@ -113,26 +113,22 @@ class Sizes:
 
         rows: duration [s], rate [rad/s], drag_* and weather_* [m]
         """
-        sigmas: np.ndarray = self._factors(rows)[:, None] * self._shown(rows)
-        return sigmas
+        return self._factors(rows)[:, None] * self._shown(rows)
 
     def unseen(self, rows: pd.DataFrame) -> np.ndarray:
         """Return the part (n, 3) of these sizes that errors against later estimates do not show [m]."""
-        unseen: np.ndarray = self._factors(rows)[:, None] * self._unseen(rows["duration"].to_numpy())
-        return unseen
+        return self._factors(rows)[:, None] * self._unseen(rows["duration"].to_numpy())
 
     def _factors(self, rows: pd.DataFrame) -> np.ndarray:
         """Return by what (n,) sizes are larger than the past showed them: widening and inflation."""
         wide = widening(rows["duration"].to_numpy(), self.days)
         factor = np.interp(np.log(np.maximum(rows["duration"], HOUR)), np.log(_FACTORS_AT), self.inflation)
-        factors: np.ndarray = wide * np.sqrt(factor)
-        return factors
+        return wide * np.sqrt(factor)
 
     def _unseen(self, duration: np.ndarray) -> np.ndarray:
         """Return that part as the past showed it."""
         missing = np.sqrt(np.maximum(self.flat**2 - duration**2, 0.0))
-        unseen: np.ndarray = np.where(_TURNING, missing[:, None] * self.rate, 0.0)
-        return unseen
+        return np.where(_TURNING, missing[:, None] * self.rate, 0.0)
 
     def _shown(self, rows: pd.DataFrame) -> np.ndarray:
         """Return standard deviations (n, 6) as the past showed them, without widening and inflation."""
@@ -203,8 +199,7 @@ def doubts(rows: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
 
 def _are_alike(rows: pd.DataFrame) -> np.ndarray:
     """Return whether the states err alike (n,) that errors are against and that predictions start from."""
-    alike: np.ndarray = rows["alike"].eq(True).to_numpy() if "alike" in rows else np.zeros(len(rows), bool)
-    return alike
+    return rows["alike"].eq(True).to_numpy() if "alike" in rows else np.zeros(len(rows), bool)
 
 
 def _error_sizes(rows: pd.DataFrame, parts: np.ndarray) -> np.ndarray:
@@ -239,8 +234,7 @@ def of_differences(rows: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
 def along_track(rows: pd.DataFrame) -> np.ndarray:
     """Return the standard deviations (n,) of e_y in such rows [m]."""
     sigma, shown = of_differences(rows)
-    deviations: np.ndarray = np.hypot(sigma[:, 1], shown[:, 1])
-    return deviations
+    return np.hypot(sigma[:, 1], shown[:, 1])
 
 
 def widening(duration: np.ndarray, days: float) -> np.ndarray:
@@ -248,8 +242,7 @@ def widening(duration: np.ndarray, days: float) -> np.ndarray:
     from scipy.stats import t  # takes half a second to import, too long for a plan
 
     freedom = np.maximum(OVERLAP * days / (1.0 + duration / DAY), LEAST_FREEDOM)
-    factor: np.ndarray = t.ppf(0.5 + 0.5 * LEVEL, freedom) / INSIDE
-    return factor
+    return t.ppf(0.5 + 0.5 * LEVEL, freedom) / INSIDE
 
 
 def _inflation(distance: np.ndarray, duration: np.ndarray, weight: np.ndarray) -> np.ndarray:
@@ -257,8 +250,7 @@ def _inflation(distance: np.ndarray, duration: np.ndarray, weight: np.ndarray) -
     apart = np.log(np.maximum(duration, HOUR)[None] / _FACTORS_AT[:, None]) / _NEARBY
     bells = weight * np.exp(-0.5 * apart**2)
     holding = np.array([weighted_quantile(distance, bell, LEVEL) for bell in bells])
-    factors: np.ndarray = holding / _within()
-    return factors
+    return holding / _within()
 
 
 def _within() -> float:

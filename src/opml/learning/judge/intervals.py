@@ -49,8 +49,7 @@ class Widths:
 
         It is linear between the bins and constant past the ends.
         """
-        half: np.ndarray = self.factor * np.interp(duration, self.duration, self.scale)
-        return half
+        return self.factor * np.interp(duration, self.duration, self.scale)
 
 
 def apply(

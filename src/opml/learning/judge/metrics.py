@@ -36,8 +36,7 @@ def individual_p_ml(true: np.ndarray, predicted: np.ndarray) -> np.ndarray:
     """
     residual, error = np.abs(true - predicted), np.abs(true)
     ratio = np.divide(residual, error, out=np.where(residual > 0.0, np.inf, 0.0), where=error > 0.0)
-    p_ml: np.ndarray = 100.0 * ratio
-    return p_ml
+    return 100.0 * ratio
 
 
 def fraction_reduced(true: np.ndarray, predicted: np.ndarray) -> float:

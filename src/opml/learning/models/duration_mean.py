@@ -33,8 +33,7 @@ class DurationMean:
         It is linear between the bins and constant past the ends.
         """
         durations = check_rows(x, self.variables)[:, 0]
-        predicted: np.ndarray = np.interp(durations, self.duration, self.mean)
-        return predicted
+        return np.interp(durations, self.duration, self.mean)
 
     def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
         """Return a table with one row per bin, and the model's metadata."""

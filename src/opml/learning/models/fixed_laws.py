@@ -29,8 +29,7 @@ class FixedLaw:
         if len(self.variables) == 1:
             return x[:, 0].copy()
         difference, answer, cd, past = x.T
-        predicted: np.ndarray = difference + answer * (cd - past)
-        return predicted
+        return difference + answer * (cd - past)
 
     def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
         """Return an empty table, and the law's metadata."""

@@ -84,8 +84,7 @@ def columns_of(rows: pd.DataFrame, variables: Sequence[str]) -> np.ndarray:
             raise InputError(
                 f"learning variable {name}: expected a dataset with it, or a table beside it, got none"
             )
-    columns: np.ndarray = rows[list(variables)].to_numpy()
-    return columns
+    return rows[list(variables)].to_numpy()
 
 
 def pick_columns(x: np.ndarray, variables: Sequence[str], names: Sequence[str]) -> np.ndarray:
@@ -129,8 +128,7 @@ def inverse_variances(sigma: np.ndarray) -> np.ndarray:
     """
     variance = sigma**2
     typical = float(np.median(variance))
-    weights: np.ndarray = 2.0 * typical / (typical + variance) if typical > 0.0 else np.ones(len(sigma))
-    return weights
+    return 2.0 * typical / (typical + variance) if typical > 0.0 else np.ones(len(sigma))
 
 
 def standardisation(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

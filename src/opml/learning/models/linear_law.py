@@ -48,8 +48,7 @@ class LinearLaw:
         """Return the predicted target (n,) in its own unit; raise InputError as `check_rows` does."""
         x = check_rows(x, self.variables)
         terms = products(x, self.variables, self.terms)
-        predicted: np.ndarray = np.einsum("nk,k->n", terms, self.coefficient)
-        return predicted
+        return np.einsum("nk,k->n", terms, self.coefficient)
 
     def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
         """Return a table with one row per term, and the law's metadata."""
@@ -125,8 +124,7 @@ def least_absolute_deviations(x: np.ndarray, y: np.ndarray) -> np.ndarray:
             for _ in range(_STEPS):
                 weighted = z / np.maximum(np.abs(y - z @ b), least)[:, None]
                 b = np.linalg.pinv(weighted.T @ z, hermitian=True) @ (weighted.T @ y)
-    coefficient: np.ndarray = b / np.where(scale > 0.0, scale, 1.0)
-    return coefficient
+    return b / np.where(scale > 0.0, scale, 1.0)
 
 
 LEARNER = Learner(

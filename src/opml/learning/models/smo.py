@@ -187,8 +187,7 @@ class _Descent:
 
     def _free(self) -> np.ndarray:
         """Return which variables (n,) are neither 0 nor at a limit."""
-        free: np.ndarray = (self.beta != 0.0) & (np.abs(self.beta) < self.limits)
-        return free
+        return (self.beta != 0.0) & (np.abs(self.beta) < self.limits)
 
     def _offset(self) -> float:
         """Return minus the slope of the free variables, which agree; without any, the middle of its range."""

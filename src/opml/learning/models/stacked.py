@@ -31,8 +31,7 @@ class StackedModel:
             part.predict(pick_columns(x, self.variables, part.variables))
             for part in (self.first, self.second)
         )
-        predicted: np.ndarray = first + second
-        return predicted
+        return first + second
 
     def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
         """Return the table of the second, and metadata with all of the first, which is a small model."""

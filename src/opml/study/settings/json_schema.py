@@ -61,8 +61,7 @@ def dereferenced(schema: TypeSchema, node: TypeSchema, value: Any = None) -> Typ
     kind = value.get("kind") if isinstance(value, dict) else None
     for choice in node.get("allOf", []):
         if choice["if"]["properties"]["kind"]["const"] == kind:
-            then: TypeSchema = choice["then"]
-            return then
+            return choice["then"]
     return node
 
 
@@ -82,8 +81,7 @@ def choices(node: TypeSchema) -> list[Any]:
 
 
 def _generated(model: type[Section]) -> TypeSchema:
-    schema: TypeSchema = _with_references(model.model_json_schema(schema_generator=_Generator))
-    return schema
+    return _with_references(model.model_json_schema(schema_generator=_Generator))
 
 
 def _of_any_kind(kinds: OfItsKind) -> TypeSchema:

@@ -42,8 +42,7 @@ def _at_radii(standing: np.ndarray, sight: np.ndarray) -> np.ndarray:
     """
     along = standing @ sight
     far = np.sqrt(along**2 - standing @ standing + _RADII**2) - along
-    points: np.ndarray = standing + far[:, None] * sight
-    return points
+    return standing + far[:, None] * sight
 
 
 def eccentricity(state: np.ndarray, gm: float) -> tuple[np.ndarray, np.ndarray]:

@@ -26,8 +26,7 @@ def gibbs(positions: np.ndarray, gm: float) -> np.ndarray:
     d = np.cross(r1, r2) + np.cross(r2, r3) + np.cross(r3, r1)
     s = (d2 - d3) * r1 + (d3 - d1) * r2 + (d1 - d2) * r3
     scale = np.sqrt(gm / (np.linalg.norm(n) * np.linalg.norm(d)))
-    velocity: np.ndarray = scale * (np.cross(d, r2) / d2 + s)
-    return velocity
+    return scale * (np.cross(d, r2) / d2 + s)
 
 
 def herrick_gibbs(positions: np.ndarray, t: np.ndarray, gm: float) -> np.ndarray:
@@ -35,12 +34,11 @@ def herrick_gibbs(positions: np.ndarray, t: np.ndarray, gm: float) -> np.ndarray
     r1, r2, r3 = positions
     c1, c2, c3 = gm / (12.0 * np.linalg.norm(positions, axis=1) ** 3)
     t31, t32, t21 = t[2] - t[0], t[2] - t[1], t[1] - t[0]
-    velocity: np.ndarray = (
+    return (
         -t32 * (1.0 / (t21 * t31) + c1) * r1
         + (t32 - t21) * (1.0 / (t21 * t32) + c2) * r2
         + t21 * (1.0 / (t32 * t31) + c3) * r3
     )
-    return velocity
 
 
 def velocity(positions: np.ndarray, t: np.ndarray, gm: float) -> np.ndarray:

@@ -60,8 +60,7 @@ def axis_line(fit: Fit, gm: float) -> np.ndarray:
     Along this line the measurements of a fit are left as well as they can. The orbit has to be closed.
     """
     along = fit.covariance[:, :6] @ _axis_gradient(fit.best, gm)
-    line: np.ndarray = along / axis_sigma(fit, gm)
-    return line
+    return along / axis_sigma(fit, gm)
 
 
 def _axis_gradient(parameters: np.ndarray, gm: float) -> np.ndarray:
@@ -71,8 +70,7 @@ def _axis_gradient(parameters: np.ndarray, gm: float) -> np.ndarray:
     energy = 2.0 / radius - speed2 / gm
     if not energy > 0.0:
         return np.zeros(6)
-    gradient: np.ndarray = 2.0 / energy**2 * np.concatenate([position / radius**3, velocity / gm])
-    return gradient
+    return 2.0 / energy**2 * np.concatenate([position / radius**3, velocity / gm])
 
 
 def everywhere(flight: Flight, times: np.ndarray, t: float, parameters: np.ndarray) -> np.ndarray:

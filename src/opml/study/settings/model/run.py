@@ -348,7 +348,4 @@ class RunAlone(Section):
 
 def taking_section(name: str) -> type[TakingSettings]:
     """Return what an RSO's entry is in a setting of how files are taken; an empty mapping for ''."""
-    section: type[TakingSettings] = (
-        get_args(RunAlone.model_fields[name].annotation)[1] if name else TakingSettings
-    )
-    return section
+    return get_args(RunAlone.model_fields[name].annotation)[1] if name else TakingSettings
