@@ -21,6 +21,7 @@ from opml.mornings import beside_sgp4
 from opml.mornings.calendar import HORIZON, Calendar
 from opml.mornings.judged import OLDEST
 from opml.mornings.morning import Left, MorningPlan, Watched, morning
+from opml.mornings.outcomes import NOTHING
 from opml.mornings.records import DONE, Records
 from opml.tables import read_metadata
 
@@ -243,28 +244,8 @@ def _rounded(length: float) -> float:
 
 def failed(rso: str, day: date, verdict: str, reason: str) -> dict[str, Any]:
     """Return what became of an object whose morning could not be run, as `outcome` does."""
-    nothing = {
-        "model": None,
-        "message": None,
-        "newest_estimate": None,
-        "age_hours": None,
-        "burn": None,
-        "tracks": 0,
-        "converged": 0,
-        "late": 0,
-    }
-    return {
-        "object": rso,
-        "date": day.isoformat(),
-        "verdict": verdict,
-        "reason": reason,
-        **nothing,
-        "expected": [],
-        "scores": [],
-        "past": {},
-        "mornings": [],
-        "beside_sgp4": [],
-    }
+    told = {"object": rso, "date": day.isoformat(), "verdict": verdict, "reason": reason}
+    return told | NOTHING
 
 
 def read_outcome(path: Path) -> dict[str, Any]:

@@ -12,6 +12,23 @@ GOOD, UNPROVEN, WIDE, DO_NOT_USE = "good", "unproven", "wide", "do not use"
 FAILED = "failed"
 """The verdict where a morning could not be run."""
 
+NOTHING: dict[str, Any] = {
+    "model": None,
+    "message": None,
+    "newest_estimate": None,
+    "age_hours": None,
+    "burn": None,
+    "tracks": 0,
+    "converged": 0,
+    "late": 0,
+    "expected": [],
+    "scores": [],
+    "past": {},
+    "mornings": [],
+    "beside_sgp4": [],
+}
+"""What is told of a morning that could not be run, and where an older release told nothing."""
+
 
 def write(path: FilePath, outcomes: Any) -> None:
     """Write what became of objects as JSON."""
@@ -20,5 +37,6 @@ def write(path: FilePath, outcomes: Any) -> None:
 
 
 def read(path: FilePath) -> list[dict[str, Any]]:
-    """Return what became of objects."""
-    return json.loads(Path(path).read_text(encoding="utf-8"))
+    """Return what became of objects, of mornings by an older release, too."""
+    found: list[dict[str, Any]] = json.loads(Path(path).read_text(encoding="utf-8"))
+    return [NOTHING | outcome for outcome in found]

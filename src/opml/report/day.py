@@ -132,7 +132,8 @@ def _newest(outcome: Outcome) -> str:
     """Return when the newest estimate is, and how old, in words."""
     if outcome["newest_estimate"] is None:
         return "none"
-    return f"{_minute(outcome['newest_estimate'])}, {outcome['age_hours']:.0f} h old"
+    age = "" if outcome["age_hours"] is None else f", {outcome['age_hours']:.0f} h old"
+    return f"{_minute(outcome['newest_estimate'])}{age}"
 
 
 def _yesterday(outcome: Outcome) -> str:
