@@ -64,7 +64,7 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"opml {__version__}")
-    subparsers = parser.add_subparsers(required=True, metavar="COMMAND", help="one of those below")
+    subparsers = parser.add_subparsers(required=True, metavar="COMMAND", help="one of the commands below")
     for command in COMMANDS:
         subparser = subparsers.add_parser(command.name, description=command.help)
         command.add_arguments(subparser)
@@ -83,7 +83,7 @@ def _listed() -> Iterator[str]:
 
 
 def _add_init(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("folder", help="the project's folder; made where there is none")
+    parser.add_argument("folder", help="the project's folder; created if missing")
     parser.add_argument("--elements", metavar="FILE", help="element sets of an object, for its study")
 
 
@@ -221,7 +221,7 @@ def _add_predict(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("files", nargs="+", help="element sets (TLE, OMM), points (CSV, OEM, SP3) or TDMs")
     parser.add_argument("-o", "--output", action="append", default=[], help=_PREDICTED)
     parser.add_argument("--object", help="name, designator or number, where the files have several objects")
-    parser.add_argument("--days", type=float, default=7.0, help="how long (7)")
+    parser.add_argument("--days", type=float, default=7.0, help="length of the prediction (7)")
     parser.add_argument("--date", help="UTC, as 2026-07-15T06:00:00 (when the newest was known)")
     parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
     parser.add_argument("--station", action="append", default=[], help="latitude,longitude,altitude [deg, m]")
@@ -345,7 +345,7 @@ def _where(options: argparse.Namespace) -> list[str]:
 
 def _add_table(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", help="a table of a run, in Parquet")
-    parser.add_argument("--csv", action="store_true", help="all of it, as comma-separated values")
+    parser.add_argument("--csv", action="store_true", help="print the whole table as comma-separated values")
 
 
 def _table(options: argparse.Namespace) -> None:
@@ -362,7 +362,9 @@ def _add_task(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("sets", nargs="+", help="files and folders of TLEs")
     parser.add_argument("-o", "--output", required=True, help="the task's folder; the truth gets -truth")
     parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
-    parser.add_argument("--forecasts", metavar="FILE", help="forecasts of it as issued: CSV, a column issued")
+    parser.add_argument(
+        "--forecasts", metavar="FILE", help="weather forecasts as issued: CSV with a column issued"
+    )
 
 
 def _task(options: argparse.Namespace) -> None:
@@ -401,7 +403,7 @@ def _answer(options: argparse.Namespace) -> None:
 def _add_score(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("task", help="a task's folder, or SAMPLE")
     parser.add_argument("answers", help="a CSV or OEM, or a folder of them")
-    parser.add_argument("--truth", help="folder of the truth (that beside the task, with -truth)")
+    parser.add_argument("--truth", help="folder of the truth (the task's name with -truth)")
     parser.add_argument(
         "-o", "--output", action="append", default=[], help="page, JSON, line: .html .json .tsv"
     )
@@ -419,7 +421,7 @@ def _score(options: argparse.Namespace) -> None:
 
 
 def _add_docs(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("page", nargs="?", help="name of a page; left out, all pages are listed")
+    parser.add_argument("page", nargs="?", help="name of a page; without it, all pages are listed")
 
 
 def _docs(options: argparse.Namespace) -> None:
@@ -449,7 +451,7 @@ def _completion(options: argparse.Namespace) -> None:
 def _add_pack(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--configfile", nargs="*", default=[], help="files of settings that the run had")
     parser.add_argument(
-        "--config", nargs="*", default=[], metavar="KEY=VALUE", help="settings that the run had beside them"
+        "--config", nargs="*", default=[], metavar="KEY=VALUE", help="further settings of the run"
     )
 
 
@@ -464,27 +466,29 @@ def _pack(options: argparse.Namespace) -> None:
 GROUPS = {
     "orbits": (
         Command("predict", "predict an object from element sets, points or tracks", _add_predict, _predict),
-        Command("improve", "make element sets better by what a catalogue teaches", _add_improve, _improve),
-        Command("compare", "tell how far two orbits are apart", _add_compare, _compare),
+        Command(
+            "improve", "improve element sets with a model trained on a catalogue", _add_improve, _improve
+        ),
+        Command("compare", "compare two orbits over time", _add_compare, _compare),
         Command("screen", "find close approaches of ephemerides", _add_screen, _screen),
     ),
     "a benchmark": (
-        Command("score", "tell what answers to a task of the benchmark are worth", _add_score, _score),
-        Command("answer", "answer a task as a baseline does", _add_answer, _answer),
+        Command("score", "score answers to a task of the benchmark", _add_score, _score),
+        Command("answer", "answer a task with a baseline", _add_answer, _answer),
         Command("task", "make a task and its truth from element sets", _add_task, _task),
     ),
     "a project": (
-        Command("init", "write a project that can be run, with a study to begin with", _add_init, _init),
-        Command("day", "run a morning of all objects that are measured", _add_day, _day),
-        Command("rso", "print the line of the sheet of RSOs for a file of mean elements", _add_rso, _rso),
-        Command("sheet", "print a sheet of RSOs drawn at random", _add_sheet, _sheet),
-        Command("train", "learn from element sets what makes them better", _add_train, _train),
-        Command("table", "print what a table holds, or all of it as CSV", _add_table, _table),
-        Command("pack", "pack a finished run into one archive that tells its making", _add_pack, _pack),
+        Command("init", "create a project with a first study", _add_init, _init),
+        Command("day", "process a day: fit, score and issue ephemerides of all objects", _add_day, _day),
+        Command("rso", "print the line of the RSO sheet for an element set", _add_rso, _rso),
+        Command("sheet", "print a random sheet of RSOs", _add_sheet, _sheet),
+        Command("train", "train a model that improves element sets", _add_train, _train),
+        Command("table", "describe a table, or print it as CSV", _add_table, _table),
+        Command("pack", "pack a finished run into one archive (RO-Crate)", _add_pack, _pack),
     ),
     "help": (
         Command("docs", "list the pages of the documentation, or print one", _add_docs, _docs),
-        Command("completion", "print what completes commands in a shell", _add_completion, _completion),
+        Command("completion", "print the completion script of a shell", _add_completion, _completion),
     ),
 }
 """The subcommands, in the order of the help, by what they are for."""

@@ -190,6 +190,14 @@ def test_equations_are_written_as_the_site_reads_them(page):
     assert re.findall(r"\\t?frac\d.*|\\(?:hat|bar)(?: \w|\{\w\})_", text) == []
 
 
+@pytest.mark.parametrize("note", sorted((REPOSITORY / "notes").glob("*.md")), ids=lambda note: note.stem)
+def test_each_note_begins_with_what_it_is(note):
+    title, blank, lead, *_ = note.read_text(encoding="utf-8").splitlines()
+    assert (title[:2], blank) == ("# ", "")
+    assert len(lead.split()) > 2
+    assert lead[0].isupper()
+
+
 def words(*pages):
     """Return how many words pages have, as `wc -w` counts them."""
     return sum(len(page.read_text(encoding="utf-8").split()) for page in pages)

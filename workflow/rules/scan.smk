@@ -21,7 +21,7 @@ if "scan" in STUDY:
         message:
             "Scan: combinations of readings against the paper's numbers and sentences"
 
-    use rule errors as scan_curves with:
+    use rule errors as scan_dots with:
         input:
             rules.scan_report.input,
         output:
@@ -31,6 +31,6 @@ if "scan" in STUDY:
         benchmark:
             SCAN_CURVES.benchmark
         params:
-            **drawing("scan_curves", config),
+            **drawing("scan_dots", config),
         message:
             "Figure: the paper's numbers and combinations of readings"

@@ -18,7 +18,8 @@ from opml.figures.axis_labels import clauses
 from opml.figures.style import (
     ESTIMATE,
     HIGHLIGHT,
-    OBSERVED_COLOR,
+    LEAST_ALPHA,
+    MUTED,
     PUBLISHED,
     TRACK_COLOR,
     TRUE_COLOR,
@@ -158,9 +159,10 @@ def orbit_3d(truth: pd.DataFrame, tracking: pd.DataFrame, *, note: str = "") -> 
     axes.add_collection3d(arcs)
     axes.scatter(
         *observed.T,
-        s=1.0,
-        color=OBSERVED_COLOR,
-        linewidths=0.0,
+        s=3.0,
+        color="white",
+        edgecolors="black",
+        linewidths=0.3,
         depthshade=False,
         zorder=3,
         rasterized=True,
@@ -174,7 +176,7 @@ def orbit_3d(truth: pd.DataFrame, tracking: pd.DataFrame, *, note: str = "") -> 
     bar.set_label("time [d]")
     bar.outline.set_linewidth(0.5)
     add_note(figure, clauses(note, f"{len(drawn)} of {whole} revolutions, GCRF"))
-    figure.legend(loc="upper right", markerscale=4.0, bbox_to_anchor=(1.0, 0.92))
+    figure.legend(loc="upper right", markerscale=3.0, bbox_to_anchor=(1.0, 0.92))
     return figure
 
 
@@ -186,7 +188,7 @@ def orbital_elements(
     elements: Sequence[str] = ("a", "e", "i", "raan"),
     note: str = "",
 ) -> Figure:
-    """Draw osculating elements against time [d]: the whole orbit on the left, some days enlarged beside it.
+    """Draw osculating elements against time [d]: range and mean of each revolution, and some days enlarged.
 
     After the paper's figure 'Instantaneous classical orbital elements'. Raises InputError where the enlarged
     days hold no epoch.
@@ -197,7 +199,7 @@ def orbital_elements(
     elements: any of a, e, i, argp, raan, nu
     note: whose elements they are
     """
-    days = truth["t"].to_numpy() / DAY
+    days, turns = truth["t"].to_numpy() / DAY, np.floor(_revolutions(truth[["x", "y", "z"]].to_numpy()))
     coe = dict(zip(_COE, coe_from_cartesian(truth[STATE].to_numpy(), gm).T, strict=True))
     first, last = zoom_days
     zoomed = (days >= first) & (days <= last)
@@ -208,8 +210,12 @@ def orbital_elements(
     panels = figure.subplots(len(elements), 2, sharex="col", squeeze=False, width_ratios=(3, 2))
     for (left, right), name in zip(panels, elements, strict=True):
         label, factor = _ELEMENTS[name]
-        values = _break_turns(coe[name]) * factor if name in _TURNING else coe[name] * factor
-        left.plot(days, values, color=TRUE_COLOR, lw=0.4, rasterized=True)
+        values = coe[name] * factor
+        if name in _TURNING:
+            values = _break_turns(coe[name]) * factor
+            left.plot(days, values, color=TRUE_COLOR, lw=1.0, rasterized=True)
+        else:
+            _draw_revolutions(left, days, values, turns)
         left.axvspan(first, last, color=HIGHLIGHT, alpha=0.6, lw=0.0, zorder=3)
         right.plot(days[zoomed], values[zoomed], color=TRUE_COLOR, lw=1.0)
         left.set_ylabel(label)
@@ -223,6 +229,15 @@ def orbital_elements(
     right.set_xlabel("time [d]")
     figure.align_ylabels()
     return figure
+
+
+def _draw_revolutions(axes: Axes, days: np.ndarray, values: np.ndarray, turns: np.ndarray) -> None:
+    """Draw the mean and the range of values (n,) over each whole revolution; turns: its number (n,)."""
+    whole = turns < max(turns[-1], 1.0)
+    of_turn = pd.DataFrame({"day": days, "value": values})[whole].groupby(turns[whole])
+    middle, value = of_turn["day"].mean(), of_turn["value"]
+    axes.fill_between(middle, value.min(), value.max(), color=MUTED, alpha=LEAST_ALPHA, lw=0.0)
+    axes.plot(middle, value.mean(), color=TRUE_COLOR, lw=1.0)
 
 
 def _span(axes: Axes3D, reach: float) -> None:

@@ -169,6 +169,12 @@ def add_note(figure: Figure, note: str) -> None:
         figure.suptitle(_wrap(figure, note), x=0.01, ha="left", fontsize=NOTE_SIZE, color=PUBLISHED)
 
 
+def add_headline(axes: Axes, headline: str, note: str) -> None:
+    """Put a sentence that says what a figure shows above its only axes, and a note in small type."""
+    axes.figure.suptitle(headline, x=0.01, ha="left", fontsize=9.0, fontweight="bold")
+    axes.set_title(note, loc="left", fontsize=NOTE_SIZE, color=PUBLISHED)
+
+
 def _wrap(figure: Figure, note: str) -> str:
     """Return the note in lines that fit the figure's width; its own line breaks stay."""
     room = int(0.94 * figure.get_figwidth() * POINTS_PER_INCH / (NOTE_ADVANCE * NOTE_SIZE))

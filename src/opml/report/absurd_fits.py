@@ -9,7 +9,7 @@ from opml.report.document import Block, Heading, Paragraph
 from opml.report.mornings import Dataset
 from opml.report.results import length
 
-TITLE = "These fits are absurd"
+TITLE = "Unrealistic fits"
 
 CD_BOUNDS = (0.0, 10.0)
 """Drag coefficients that a body may have."""
@@ -42,9 +42,9 @@ def section(absurd: Mapping[Dataset, str], window_hours: float) -> Iterator[Bloc
     for (rso, stations), words in absurd.items():
         yield Paragraph(f"**{rso}, {stations}.** {words}")
     yield Paragraph(
-        f"The tracks within {window_hours:g} h do not tell Cd, and nobody would fly such fits: what a model "
-        "leaves of their errors (P_ML) means little, only metres and skill count. Fit over a longer window, "
-        f"`estimation: {{window_hours: {max(LONGER_HOURS, 2.0 * window_hours):g}}}`, or hold Cd near the "
+        f"The tracks within {window_hours:g} h do not determine Cd, and such fits are not usable: P_ML means "
+        "little, only metres and skill count. Fit over a longer window, "
+        f"`estimation: {{window_hours: {max(LONGER_HOURS, 2.0 * window_hours):g}}}`, or constrain Cd to the "
         "RSO's own value, `estimation: {cd_sigma: 0.1}`, and run the study again."
     )
 

@@ -18,7 +18,7 @@ from opml.report.on_the_sky import days_within
 from opml.report.skill import skill
 from opml.tables import ELLIPSOID
 
-TITLE = "What to fly"
+TITLE = "Which model to use"
 
 ALL_MODELS = "all models"
 """What the figure shows that an answer holds."""
@@ -76,11 +76,11 @@ def section(
         found = replays.get((rso, stations))
         items = [f"**Why:** {', '.join(map(link_to, proof))}."]
         if found is None:
-            verdict = "No morning was replayed, so nothing tells which model to fly."
+            verdict = "No morning was replayed, so no model can be recommended."
         else:
             chosen = found.last_choice
             verdict = (
-                f"Fly `{chosen}`: {_left(found, marks)} {_held(found, durations)} {_others(found, laws)}"
+                f"Use `{chosen}`: {_left(found, marks)} {_held(found, durations)} {_others(found, laws)}"
             )
             items += [_file(source, chosen), _training(found, laws)]
         items += _to_watch(found, source, durations, (rso, stations) in absurd)
@@ -88,7 +88,7 @@ def section(
         yield Paragraph(f"**{rso}, {stations}.** {verdict}")
         yield Items([*items, f"**Figures:** {figures}."])
         if (rso, stations) in pictures:
-            shows = f"Errors of {rso} by {stations}: before correction, as flown, and of each model"
+            shows = f"Errors of {rso} by {stations}: before correction, as issued, and of each model"
             yield Picture(pictures[rso, stations], source.figures[ALL_MODELS], shows)
 
 
@@ -99,9 +99,9 @@ def _left(found: Mornings, marks: Sequence[float]) -> str:
     sizes = at_days(own.assign(true=own["before"], residual=own["e_y"]), marks)
     told = sizes[sizes["rows"] >= FEWEST] if len(sizes) else sizes
     names = [choice.chosen for choice in found.choices.values()]
-    on = f"on {len(names)} mornings, on {names.count(chosen)} of which the past chose it"
+    on = f"on {len(names)} mornings, selected on {names.count(chosen)} of them"
     if told.empty:
-        return f"no duration has {FEWEST} predictions to tell its errors by, {on}."
+        return f"no lead time has {FEWEST} predictions to state errors, {on}."
     words = [
         f"{_distance(row['after_50'])} after {_span(row['day'])} ({row['rows']} predictions)"
         for row in told.iloc[[0, -1]].drop_duplicates("day").to_dict("records")
@@ -125,7 +125,7 @@ def _held(found: Mornings, durations: Sequence[float]) -> str:
     if not shares:
         return uncertainty.TOO_SHORT
     low, high = (f"{100.0 * share:.0f}" for share in (min(shares.values()), max(shares.values())))
-    return f"Its 90 % ellipsoid holds {low if low == high else f'{low} to {high}'} % of the errors."
+    return f"Its 90 % ellipsoid contains {low if low == high else f'{low} to {high}'} % of the errors."
 
 
 def _ellipsoids(found: Mornings, durations: Sequence[float]) -> dict[float, float]:
@@ -143,11 +143,11 @@ def _others(found: Mornings, laws: Collection[str]) -> str:
     """Return in words what the best model without learning would have left, and the best that learned."""
     flown, words = summed(found.flown), []
     plain, learned = [[name for name in found.tables if (name in laws) is kind] for kind in (False, True)]
-    for names, what in ((plain, "the best without learning"), (learned, "the best that learned")):
+    for names, what in ((plain, "the best without learning"), (learned, "the best with learning")):
         if names:
             best = found.best(names)
-            words.append(f"`{best}`, {what}, would have left {_more(summed(found.tables[best]), flown)}")
-    few = " So few mornings choose poorly, four weeks choose well." if len(found.choices) < MORNINGS else ""
+            words.append(f"`{best}`, {what}, would have had {_more(summed(found.tables[best]), flown)}")
+    few = " So few mornings select poorly, four weeks select well." if len(found.choices) < MORNINGS else ""
     return f"In hindsight, {' and '.join(words)}.{few} {_learned(found, laws)}"
 
 
@@ -155,14 +155,14 @@ def _learned(found: Mornings, laws: Collection[str]) -> str:
     """Return in words whether anything learned was flown."""
     learned = [choice.chosen in laws for choice in found.choices.values()]
     if any(learned):
-        return f"A model that learned was flown on {sum(learned)} of {len(learned)} mornings."
-    return "Nothing learned was applied: on no morning had the past shown that it would leave less."
+        return f"A learned model was used on {sum(learned)} of {len(learned)} mornings."
+    return "No learned model was used: on no morning did past results show that it would be better."
 
 
 def _more(left: float, flown: float) -> str:
     """Return in words how much a model leaves beside what was flown."""
     percent = -round(skill(left, flown)) if flown > 0.0 else 0
-    return f"{abs(percent)} % {'more' if percent > 0 else 'less'}" if percent else "as much"
+    return f"{abs(percent)} % {'more' if percent > 0 else 'less'} error" if percent else "the same error"
 
 
 def _file(source: Sources, chosen: str) -> str:
@@ -178,12 +178,12 @@ def _training(found: Mornings, laws: Collection[str]) -> str:
     names = [choice.chosen for choice in found.choices.values()]
     changes = sum(new != old for old, new in pairwise(names))
     again = (
-        "**Train again** each morning, as was done here, by the new last day in the file's name."
+        "**Train again** each morning, as was done here, with the new last day in the file's name."
         if names[-1] in laws
-        else f"**Train again:** never, as `{names[-1]}` learns nothing. New tracks make a new file and its "
-        "covariances each morning, by the new last day in its name."
+        else f"**Train again:** never, as `{names[-1]}` learns nothing. New tracks give a new file and "
+        "covariances each morning, under the new last day in its name."
     )
-    return f"{again} On {changes} of {len(names)} mornings the past changed its choice."
+    return f"{again} On {changes} of {len(names)} mornings the selected model changed."
 
 
 def _to_watch(
@@ -201,10 +201,10 @@ def _to_watch(
             if not low <= share <= high
         ]
         if misses:
-            held = f"the 90 % ellipsoid holds {', '.join(misses)}"
+            held = f"the 90 % ellipsoid contains {', '.join(misses)}"
             yield f"**Watch the covariance:** {held}. {link_to(uncertainty.TITLE)}"
     if source.manoeuvres:
         yield (
-            f"**Watch for burns:** {source.manoeuvres}. Any other shows as later estimates that leave the "
-            "90 % band for good."
+            f"**Watch for burns:** {source.manoeuvres}. An unreported one shows up as later estimates "
+            "that stay outside the 90 % band."
         )

@@ -11,7 +11,7 @@ from opml.report.mornings import Dataset
 from opml.report.results import NO_VALUE
 from opml.report.skill import NO_CORRECTION
 
-TITLE = "What is it worth in conjunctions?"
+TITLE = "Benefit in conjunctions"
 
 
 def section(tables: Mapping[Dataset, pd.DataFrame], screening: Mapping[str, float]) -> Iterator[Block]:

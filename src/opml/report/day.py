@@ -35,7 +35,7 @@ SHAPES = {FAILED: "!", DO_NOT_USE: "\u2715", WIDE: "\u25d0", UNPROVEN: "\u25cb",
 _LEGEND = (
     "The last mornings, newest on the right: "
     + ", ".join(f"{SHAPES[word]} {word}" for word in SHAPES)
-    + ". `opml docs day` tells what they mean."
+    + ". `opml docs day` explains them."
 )
 
 LEADS = (1, 3, 7)
@@ -113,7 +113,7 @@ def _expected(outcome: Outcome) -> str:
     """Return the errors that the ephemeris of today states, in words."""
     sigmas = {one["day"]: one["along_track_sigma_m"] for one in outcome["expected"]}
     parts = [f"{_with_unit(sigmas[day])} after {day} d" for day in LEADS if day in sigmas]
-    return ", ".join(parts) or "nothing, as none was flown"
+    return ", ".join(parts) or "none, as none was issued"
 
 
 def _beside_sgp4(outcome: Outcome) -> Iterator[str]:
@@ -183,19 +183,18 @@ def _miss(outcome: Outcome) -> float:
 
 def _explained() -> Iterator[Block]:
     yield Paragraph(
-        "Errors are medians along the track of what was flown on earlier mornings, against the estimates of "
-        "this one. `inside` is the share of them in the 90 % intervals that were stated. `tracks` are new, "
-        "with how many of their fits converged; `late` ones came after later ones had been estimated, and "
-        "count nowhere. Messages (OEM) are in the folders of the objects beside this page."
+        "Errors are median along-track errors of ephemerides issued on earlier mornings, relative to today's "
+        "estimates. `inside` is their share inside the stated 90 % intervals. `tracks` are new, with the "
+        "number of converged fits; `late` ones arrived after later tracks had been processed, and are "
+        "ignored. Ephemerides (OEM) are in the folders of the objects next to this page."
     )
 
 
 def _past(outcomes: Sequence[Outcome]) -> Iterator[Block]:
-    yield Heading("What was flown, and what came of it")
+    yield Heading("Past performance")
     yield Paragraph(
-        f"The last {HORIZON} mornings at most: errors along the track of what was flown, median / 95th "
-        "percentile [m], and the share in the 90 % intervals, after days of prediction; by the verdict that "
-        "it left with."
+        f"Up to {HORIZON} mornings: along-track errors of the issued ephemerides, median / 95th percentile "
+        "[m], and the share inside the 90 % intervals, by lead time and by the verdict at issue."
     )
     header = ["object", "verdict", *(f"{day} d" for day in LEADS)]
     rows = [

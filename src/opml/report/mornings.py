@@ -32,12 +32,12 @@ def section(
         return
     yield Heading(TITLE)
     yield Paragraph(
-        "Each morning a model is trained anew on the errors known by then, and the day's estimates are "
-        "predicted and corrected: no row rests on anything from after its t_i. Size of e_y [m] near some "
-        "prediction durations, median / 95th percentile, and skill [%] against the best model without "
-        "learning, which is known in hindsight only. Which model to fly is chosen each morning, too: of "
-        "those that learn nothing the one that left least, and one that learned only where the past shows "
-        f"with {100.0 * CONFIDENCE:g} % confidence, over blocks of days, that it leaves less."
+        "Each morning every model is retrained on the errors known by then, and the day's estimates are "
+        "predicted and corrected without information from after t_i. |e_y| [m] at some lead times, median "
+        "/ 95th percentile, and skill [%] relative to the best model without learning, known in hindsight "
+        "only. The model is also selected each morning: the one without learning with the smallest past "
+        f"error, or a learned one if it is better at {100.0 * CONFIDENCE:g} % confidence, over blocks of "
+        "days."
     )
     for (rso, stations), mornings in replays.items():
         yield Paragraph(f"**{rso}, {stations}.** {_verdict(mornings, laws)}")
@@ -54,10 +54,11 @@ def _verdict(mornings: Mornings, laws: Sequence[str]) -> str:
     sure = sum(name in laws for name in names)
     begin, end = (time / DAY for time in (min(mornings.choices), max(mornings.choices)))
     return (
-        f"What the past chose has a skill of {skill} % against `{best}`, the best without learning. Flown on "
-        f"{len(mornings.choices)} mornings, days {begin:g} to {end:g}: {flown}; on {sure} the past was sure "
-        f"that learning helps. {len(mornings.flown)} predictions; {mornings.earlier} more began before all "
-        f"models could be flown, and count nowhere.{_of_burns(mornings.flown)}"
+        f"The models selected each day have a skill of {skill} % relative to `{best}`, the best without "
+        f"learning. On {len(mornings.choices)} mornings, days {begin:g} to {end:g}: {flown}; on "
+        f"{sure} past results showed that learning helps. {len(mornings.flown)} predictions; "
+        f"{mornings.earlier} more began before all models were available, and are not counted."
+        f"{_of_burns(mornings.flown)}"
     )
 
 
@@ -67,8 +68,8 @@ def _of_burns(flown: pd.DataFrame) -> str:
     if not spoilt:
         return ""
     return (
-        f" {spoilt} predictions went across a burn, or began with a fit across it, before it was known: they "
-        "count here, but from then on they train no law, choose no model and no size of errors."
+        f" {spoilt} predictions crossed a burn, or began with a fit across it, before it was known: they "
+        "count here, but later they train no law and do not influence the choice of models and error sizes."
     )
 
 

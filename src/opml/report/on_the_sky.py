@@ -35,9 +35,9 @@ def section(flown: pd.DataFrame, marks: Sequence[float]) -> list[Block]:
             rows.append([f"{day:g} d", length(size), f"{size / speed:.2g}", f"{angle:.2g}"])
     return [
         Paragraph(
-            "As a station sees what was flown: nine tenths of the errors along-track stay within so many "
-            f"metres, seconds at {speed / 1000.0:.2f} km/s, and degrees from right below, "
-            f"{height / 1000.0:.0f} km away, where they look largest. {days_within(flown)}"
+            "As a station sees the issued ephemerides: 90 % of the along-track errors are below these "
+            f"metres, seconds at {speed / 1000.0:.2f} km/s, and degrees seen from directly below, "
+            f"{height / 1000.0:.0f} km away. {days_within(flown)}"
         ),
         Table(["after", "[m]", "[s]", "[deg]"], rows),
     ]
@@ -49,5 +49,5 @@ def days_within(flown: pd.DataFrame) -> str:
     number = np.round(flown["duration"] / DAY / step)
     passed = flown["e_y"].abs().groupby(number).quantile(SHARE) > BOUND
     if not passed.any():
-        return "Nine tenths stay within 1 km as long as any prediction lasts."
-    return f"Nine tenths stay within 1 km for {max(float(passed.idxmax()) - 1.0, 0.0) * step:g} days."
+        return "90 % stay within 1 km for the whole prediction."
+    return f"90 % stay within 1 km for {max(float(passed.idxmax()) - 1.0, 0.0) * step:g} days."

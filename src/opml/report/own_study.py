@@ -144,7 +144,7 @@ def _forces(report: OwnStudyReport) -> Iterator[Block]:
         return
     yield Heading("Assumed model")
     if "files" in report.truths:
-        yield Paragraph("The true orbit is the one of the files; no force model flew it.")
+        yield Paragraph("The true orbit is that of the files, without a force model.")
     yield assumed_model(report.settings.environment, report.settings.force_models)
 
 
@@ -164,8 +164,8 @@ def _splits(
     (low, high), hours = PAPER_BOUNDS, report.settings.estimation.window_hours
     yield Heading("The paper's measure: models against splits")
     yield Paragraph(
-        f"P_ML [%] is the paper's measure: what is left of the errors of the {hours:g}-hour fit, in their "
-        "summed size. 0 is perfect, 100 no correction. In brackets its 5th and 95th percentile over "
+        f"P_ML [%] is the paper's measure: the summed error after correction, relative to that of the "
+        f"{hours:g}-hour fit. 0 is perfect, 100 no correction. In brackets its 5th and 95th percentile over "
         "resampled estimates, as the rows of one estimate are no independent evidence. The last column has "
         f"the rows of `{report.shown}` that the paper's cleaning would keep: Cd from {low:g} to {high:g}, "
         f"e_y inside Tukey's fences of {PAPER_FENCE:g} interquartile ranges. `opml docs beyond` explains "
@@ -189,7 +189,7 @@ def _label_table(report: OwnStudyReport, results: Results, header: Sequence[str]
     ]
     yield Paragraph(
         f"The models learned from labels: each prediction less {LATER[report.label]}, once that was known. "
-        "P_ML above is against the truth, where there is one; here the same rows are held against such "
+        "P_ML above is against the truth, if there is one; here the same rows are compared with such "
         "estimates, which is all that a catalogue has."
     )
     yield Table(["RSO", "stations", "model", *header], rows)
@@ -225,13 +225,13 @@ def _errors(report: OwnStudyReport, tables: OwnStudyTables) -> Iterator[Block]:
     )
     yield Paragraph(
         f"Size of `{report.component}` [{unit}] near some prediction durations, median / 95th percentile. "
-        f"Trained once, on {train}, and tested on {test}: {_touched(report)} Skill [%] is what a model takes "
-        "off the summed size of the errors that the best model without learning leaves: 100 is perfect, 0 no "
-        "better, below 0 worse."
+        f"Trained once, on {train}, and tested on {test}: {_touched(report)} Skill [%] is the reduction of "
+        "the summed error relative to the best model without learning: 100 is perfect, 0 no better, below 0 "
+        "worse."
     )
     if set(report.truths) == {"measured"}:
         yield Paragraph(
-            f"No truth is known of these tracks. Errors, here and below, are each prediction less "
+            f"These tracks have no true orbit. Errors, here and below, are each prediction minus "
             f"{LATER[report.label]}."
         )
     elif tables.truths:
@@ -302,14 +302,14 @@ def _rolling(report: OwnStudyReport, tables: Mapping[ModelKey, pd.DataFrame]) ->
         worst = [percent(days[name].max()) for name in ("anew", "once")]
         rows.append([rso, stations, f"`{learner}`", _p_ml_cell(table), _p_ml_cell(once), *worst])
     (first, last), every, memory = (report.trained_anew[key] for key in ("days", "every_days", "last_days"))
-    yield Heading("Trained anew")
+    yield Heading("Retrained")
     yield Paragraph(
         f"As an operator would run it: trained every {every:g} days on what is known of the last {memory:g} "
-        "days, and applied to the predictions that start until it is trained again, from day "
-        f"{first:g} to {last:g}. Beside it the model of the first day, kept. P_ML [%] of all rows, and of "
+        "days, and applied to the predictions that start before the next training, from day "
+        f"{first:g} to {last:g}; for comparison, the model of the first day. P_ML [%] of all rows, and of "
         "the worst day."
     )
-    header = ["anew", "once", "worst day, anew", "worst day, once"]
+    header = ["retrained", "once", "worst day, retrained", "worst day, once"]
     yield Table(["RSO", "stations", "model", *header], rows)
 
 

@@ -14,7 +14,7 @@ from opml.report.mornings import Dataset
 from opml.report.results import NO_VALUE, length
 from opml.tables import ELLIPSOID, PLANE, WHOLE
 
-TITLE = "Is the uncertainty true?"
+TITLE = "Are the covariances realistic?"
 
 _QUANTITIES = ("e_x", "e_y", "e_z", PLANE, ELLIPSOID, WHOLE)
 
@@ -38,12 +38,12 @@ def section(
     yield Paragraph(
         "Shares [%] of the errors inside 90 %: radial, along-track and cross-track intervals, the plane of "
         "the first two, the ellipsoid of the position, and that of all six components. The covariances are "
-        "those that a message of that morning would have had, from errors that were over by then; `fit` is "
-        "the fits' own, carried to the prediction as it is. sigma: median standard deviation along-track, "
-        "futures: what those of the space weather alone make of it, the least that is stated. p: "
+        "those that an ephemeris of that morning would have had, from errors known by then; `fit` is the "
+        "fits' own, propagated to the prediction. sigma: median standard deviation along-track, "
+        "futures: the part of the space weather alone, a lower bound. p: "
         "goodness of fit of the squared Mahalanobis distances to chi-square(3), one a morning (Cramer and "
-        f"von Mises); below {calibration.PASSES:g} the covariance is not true. score: mean of -ln of the "
-        "stated density at the error of the position; less is better. `opml docs uncertainty` explains."
+        f"von Mises); below {calibration.PASSES:g} the covariance is not realistic. score: mean of -ln of "
+        "the stated density at the position error; less is better. `opml docs uncertainty` explains."
     )
     header = [
         "model",
@@ -85,8 +85,8 @@ def _verdict(flown: pd.DataFrame, shares: pd.DataFrame, days: Sequence[float]) -
     passed = int((tested["p"] >= calibration.PASSES).sum())
     words = ", ".join(f"{100.0 * share:.0f} % at {day:g} d" for day, share in held.items())
     return (
-        f"Of what was flown the 90 % ellipsoid holds {words}: between 85 and 95 % at {len(good)} of "
-        f"{len(held)} durations. Goodness of fit passes at {passed} of {len(tested)} that have "
+        f"The 90 % ellipsoid of the issued ephemerides contains {words}: between 85 and 95 % at {len(good)} "
+        f"of {len(held)} durations. Goodness of fit passes at {passed} of {len(tested)} that have "
         f"{calibration.LEAST} mornings."
     )
 

@@ -155,7 +155,7 @@ LEARNING_SCHEMAS = (
         "conjunctions",
         "a model, a covariance and a prediction duration",
         (
-            text("model", "that predicts: none, the best without learning, or the one chosen by the past"),
+            text("model", "that predicts: none, the best without learning, or the one selected each day"),
             text("covariance", "that it goes with: the fit's own, or of past errors"),
             text("weather", "that the predictions knew: forecast, observed, monthly or as it stands"),
             real("day", "d", "prediction duration"),

@@ -118,6 +118,6 @@ def test_models_are_compared_with_both_covariances_of_the_fits():
         ["none", "the fit's own"],
         ["none", "of past errors"],
         ["running", "of past errors"],
-        ["chosen by the past", "of past errors"],
+        ["selected each day", "of past errors"],
     ]
     assert table["flagged"].iloc[0] < 0.3 < table["flagged"].iloc[3]

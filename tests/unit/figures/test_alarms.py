@@ -10,7 +10,7 @@ from opml.report.results import NO_VALUE
 
 TABLE = pd.DataFrame(
     {
-        "model": ["none", "none", "none", "chosen by the past"],
+        "model": ["none", "none", "none", "selected each day"],
         "covariance": ["the fit's own", "of past errors", "of past errors", "of past errors"],
         "weather": "forecast",
         "day": [1.0, 1.0, 3.0, 1.0],
@@ -27,7 +27,7 @@ def test_each_model_and_covariance_has_a_line_in_both_panels():
     assert [line.get_label() for line in raised.get_lines()] == [
         "no correction, covariance the fit's own",
         "no correction, covariance of past errors",
-        "chosen by the past, covariance of past errors",
+        "selected each day, covariance of past errors",
     ]
     assert flagged.get_lines()[1].get_ydata().tolist() == [90.0, 80.0]
     assert raised.get_yscale() == "log"
@@ -48,7 +48,7 @@ def test_other_weather_stands_beside_in_the_same_colours():
     assert stated.rows[3:] == [
         ["no correction", "the fit's own", "observed", "7 / 50", NO_VALUE],
         ["no correction", "of past errors", "observed", "7 / 90", "7 / 80"],
-        ["chosen by the past", "of past errors", "observed", "7 / 100", NO_VALUE],
+        ["selected each day", "of past errors", "observed", "7 / 100", NO_VALUE],
     ]
 
 
@@ -61,6 +61,6 @@ def test_the_section_states_alarms_and_collisions():
     (table,) = (block for block in blocks if isinstance(block, Table))
     assert table.header == ["model", "covariance", "weather", "1 d", "3 d"]
     assert table.rows[1] == ["no correction", "of past errors", "forecast", "400 / 90", "3000 / 80"]
-    assert table.rows[2] == ["chosen by the past", "of past errors", "forecast", "32 / 100", NO_VALUE]
+    assert table.rows[2] == ["selected each day", "of past errors", "forecast", "32 / 100", NO_VALUE]
     assert any("a sum of radii of 20 m" in block.text for block in blocks if isinstance(block, Paragraph))
     assert list(section.section({}, {})) == []

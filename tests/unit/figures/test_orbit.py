@@ -135,6 +135,8 @@ def test_elements_and_their_zoom(truth):
     assert drawn[1] == pytest.approx(1.0)
     assert drawn[2] == pytest.approx(90.0)
     assert drawn[3] == pytest.approx(40.0, abs=1e-6)
+    assert len(drawn[0]) == 16  # a mean for each whole revolution
+    assert [len(axes.collections) for axes in left] == [1, 1, 1, 0, 0, 0]  # ranges, but of angles that turn
     zoomed = right[0].get_lines()[0].get_xdata()
     assert (zoomed[0], zoomed[-1], len(zoomed)) == (0.25, 0.5, 1081)
     assert left[-1].get_xlabel() == right[-1].get_xlabel() == "time [d]"

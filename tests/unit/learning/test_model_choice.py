@@ -143,12 +143,12 @@ def test_the_report_leads_with_what_was_flown(replayed):
     assert best == "running"
     gained = round(skill(replayed.flown["e_y"].abs().sum(), least))
     assert 0 < gained < 40
-    assert f"What the past chose has a skill of {gained} % against `running`" in text
-    assert "| chosen by the past |" in text
+    assert f"have a skill of {gained} % relative to `running`" in text
+    assert "| selected each day |" in text
     assert "| no correction |" in text
     assert f"{replayed.earlier} more began before all models" in text
-    assert "## Is the uncertainty true?" in text
-    assert "the 90 % ellipsoid holds" in text
+    assert "## Are the covariances realistic?" in text
+    assert "90 % ellipsoid of the issued ephemerides contains" in text
     assert "nan" not in text
     unstated = Mornings.from_replays(
         {"running": replayed.tables["running"].assign(sigma_x=np.nan)}, [], seed=1
@@ -169,7 +169,7 @@ def test_rows_that_a_burn_spoilt_choose_nothing_once_it_is_known(errors):
     rows = int(np.isfinite(found.flown["spoilt"]).sum())
     assert rows > 0
     text = document.markdown(mornings.section({("lares", "eglin"): found}, [1, 7], ["law"]))
-    assert f"{rows} predictions went across a burn" in text
+    assert f"{rows} predictions crossed a burn" in text
 
 
 def test_a_study_without_replays_has_neither_section():

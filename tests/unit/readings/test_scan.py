@@ -90,19 +90,35 @@ def test_the_nearest_comes_first(asked):
     assert "| `svr_s5.6` | 1.0 | 8 |" in text
 
 
-def test_the_figure_has_a_line_for_each_and_the_papers_marks(asked):
+@pytest.fixture(scope="module")
+def drawn(asked):
     published = {"one": 20.0, "other": 40.0}
     experiments = {
         "one": asked.numbers["svr_training_1station"][0],
         "other": asked.numbers["inclination_50"][0],
     }
-    found = {"near": {"one": 21.0, "other": 44.0}, "svr": {"one": 50.0, "other": 90.0}, "far": published}
-    axes = figures.scan_curves(found, published, experiments, default="svr").axes[0]
-    assert [line.get_ydata()[0] for line in axes.lines] == [21.0, 50.0, 20.0, 20.0]
-    labels = axes.get_legend_handles_labels()[1]
-    assert labels == ["near, the nearest", "the paper's SVR, the default", "Peng & Bai"]
-    ticks = [tick.get_text() for tick in axes.get_xticklabels()]
+    found = {
+        "near": {"one": 21.0, "other": 44.0},
+        "svr": {"one": 50.0, "other": 90.0},
+        "far": {"one": 25.0, "other": 300.0},
+    }
+    return figures.scan_dots(found, published, experiments, default="svr").axes[0]
+
+
+def test_the_figure_has_dots_for_each_that_no_line_joins_and_the_papers_marks(drawn):
+    heights = [line.get_ydata()[0] for line in drawn.lines if line.get_label() != "_beyond"]
+    assert heights == [21.0, 50.0, 25.0, 20.0]
+    assert {line.get_linestyle() for line in drawn.lines} == {"None"}
+    labels = drawn.get_legend_handles_labels()[1]
+    assert labels == ["nearest in the mean: near", "default: the paper's SVR", "Peng & Bai"]
+    ticks = [tick.get_text() for tick in drawn.get_xticklabels()]
     assert ticks == ["one radar\n80 %,\nthe same rows", "i = 50 deg\ndays 0 to 30,\ndays 30 to 40"]
+
+
+def test_what_is_beyond_the_axis_is_marked_at_its_end(drawn):
+    beyond = [line for line in drawn.lines if line.get_label() == "_beyond" and len(line.get_xdata())]
+    assert [(line.get_marker(), list(line.get_ydata())) for line in beyond] == [("^", [130.0])]
+    assert round(beyond[0].get_xdata()[0]) == 1
 
 
 def test_the_scan_that_comes_with_the_settings_is_one():

@@ -57,11 +57,11 @@ def test_the_answer_is_the_model_its_errors_and_what_the_others_would_have_left(
     text = answered(found)
     own = found.tables["running"]
     near = own[(own["duration"] / DAY - 1.0).abs() < 0.25]["e_y"].abs()
-    begin = f"Fly `running`: {near.median():.2g} m after a day ({len(near)} predictions), "
-    assert text.startswith(f"## What to fly\n\n**lares, eglin.** {begin}")
-    assert " predictions), median along-track error on 24 mornings, on 24 of which the past chose it." in text
-    assert "`running`, the best without learning, would have left as much" in text
-    assert "`law`, the best that learned, would have left 50 % more" in text
+    begin = f"Use `running`: {near.median():.2g} m after a day ({len(near)} predictions), "
+    assert text.startswith(f"## Which model to use\n\n**lares, eglin.** {begin}")
+    assert " predictions), median along-track error on 24 mornings, selected on 24 of them." in text
+    assert "`running`, the best without learning, would have had the same error" in text
+    assert "`law`, the best with learning, would have had 50 % more error" in text
     assert "[Every morning](#every-morning)" in text
     assert "nan" not in text
 
@@ -86,9 +86,7 @@ def test_durations_with_fewer_than_ten_predictions_are_not_told():
     assert "after a week" not in text
     assert "after 4 days (" in text
     short = dataclasses.replace(found, tables={"running": own.head(5)})
-    assert "Fly `running`: no duration has 10 predictions to tell its errors by, on 24 mornings" in answered(
-        short
-    )
+    assert "Use `running`: no lead time has 10 predictions to state errors, on 24 mornings" in answered(short)
 
 
 def test_the_file_of_the_chosen_model_stands_with_its_command():
@@ -102,14 +100,14 @@ def test_a_model_that_learns_is_trained_each_morning_any_other_never():
         mornings_of(running=1.0, law=1.5)
     )
     learned = answered(mornings_of(running=1.0, law=0.1))
-    assert "Fly `law`" in learned
+    assert "Use `law`" in learned
     assert "**Train again** each morning" in learned
 
 
 def test_what_is_to_watch_is_what_was_found():
     text = answered(mornings_of(running=1.0, law=1.5), absurd=[KEY])
-    assert "[These fits are absurd](#these-fits-are-absurd)" in text
-    assert "the 90 % ellipsoid holds" in text
+    assert "[Unrealistic fits](#unrealistic-fits)" in text
+    assert "the 90 % ellipsoid contains" in text
     assert "named in `manoeuvres`: 2" in text
     calm = answered(mornings_of(running=1.0, law=1.5))
     assert "absurd" not in calm
@@ -117,7 +115,7 @@ def test_what_is_to_watch_is_what_was_found():
 
 def test_without_replayed_mornings_no_model_is_named():
     text = answered(None)
-    assert "No morning was replayed, so nothing tells which model to fly." in text
+    assert "No morning was replayed, so no model can be recommended." in text
     assert "snakemake" not in text
 
 
@@ -150,8 +148,8 @@ def test_errors_are_seconds_and_degrees_to_a_station_below():
 def test_days_within_a_kilometre_are_those_before_nine_tenths_pass_it():
     duration = np.repeat(np.arange(1, 15) * 0.5, 10) * DAY
     rows = pd.DataFrame({"duration": duration, "e_y": 300.0 * duration / DAY})
-    assert on_the_sky.days_within(rows) == "Nine tenths stay within 1 km for 3 days."
-    assert "as long as any prediction lasts" in on_the_sky.days_within(rows[rows["e_y"] < 900.0])
+    assert on_the_sky.days_within(rows) == "90 % stay within 1 km for 3 days."
+    assert "for the whole prediction" in on_the_sky.days_within(rows[rows["e_y"] < 900.0])
 
 
 def own_of(**changed):
@@ -187,8 +185,8 @@ def test_without_a_past_for_covariances_none_is_judged():
 @pytest.mark.parametrize(
     ("law", "told"),
     [
-        (1.5, "Nothing learned was applied: on no morning had the past shown that it would leave less."),
-        (0.1, r"A model that learned was flown on \d+ of 24 mornings."),
+        (1.5, "No learned model was used: on no morning did past results show that it would be better."),
+        (0.1, r"A learned model was used on \d+ of 24 mornings."),
     ],
     ids=["helped not", "helped"],
 )
@@ -198,4 +196,4 @@ def test_it_says_whether_anything_learned_was_flown(law, told):
 
 @pytest.mark.parametrize(("days", "is_told"), [(10, True), (25, False)], ids=["a week", "three weeks"])
 def test_it_says_that_few_mornings_choose_poorly(days, is_told):
-    assert ("So few mornings choose poorly" in answered(mornings_of(days=days, running=1.0))) is is_told
+    assert ("So few mornings select poorly" in answered(mornings_of(days=days, running=1.0))) is is_told

@@ -69,7 +69,7 @@ def test_those_to_look_at_come_first(page):
 
 
 def test_what_was_flown_is_told_by_verdict(page):
-    past = page[page.index("What was flown") :]
+    past = page[page.index("Past performance") :]
     assert "| first | good | 40 / 90, 80 % | - | - |" in past
     assert "fourth" not in past
 

@@ -166,9 +166,9 @@ def test_without_days_to_train_on_no_morning_is_replayed():
 @pytest.mark.parametrize(
     ("given", "told", "untold"),
     [
-        ({}, "## Truth and assumed model", "No truth is known"),
-        ({"orbits": {"lares": ["a.sp3"]}}, "The true orbit is the one of the files", "truth model"),
-        ({"tracks": {"lares": ["a.tdm"]}}, "No truth is known of these tracks.", "truth model"),
+        ({}, "## Truth and assumed model", "These tracks have no true orbit"),
+        ({"orbits": {"lares": ["a.sp3"]}}, "The true orbit is that of the files", "truth model"),
+        ({"tracks": {"lares": ["a.tdm"]}}, "These tracks have no true orbit.", "truth model"),
     ],
 )
 def test_the_report_says_what_flew(given, told, untold):
@@ -326,7 +326,7 @@ def test_labels_and_learners_trained_anew_have_tables_of_their_own():
 
 def test_a_study_of_measured_tracks_tells_of_no_truth():
     text = labelled_report(own_of(tracks=["lares"], learners=["svr"]))
-    assert "No truth is known of these tracks." in text
+    assert "These tracks have no true orbit." in text
     assert "are against the true orbit" not in text
     assert "## Assumed model\n" in text
     assert "| gravity field | EGM2008 20x20 |" in text
@@ -345,12 +345,15 @@ def test_the_share_left_is_stated_for_the_papers_rows_too(told):
     assert left["`none`"][-1] == "100.0"
     assert left["`running`"][-1] == "10.0"
     assert left["`svr`"][-1] == "10.0"
-    assert "is the paper's measure: what is left of the errors of the 12-hour fit" in told
+    assert (
+        "is the paper's measure: the summed error after correction, relative to that of the 12-hour fit"
+        in told
+    )
 
 
 def test_the_study_leads_with_metres_and_skill_against_the_best_without_learning(told):
     titles = re.findall("^## (.*)$", told, re.MULTILINE)
-    assert titles[:2] == ["What to fly", "Errors and skill: unseen"]
+    assert titles[:2] == ["Which model to use", "Errors and skill: unseen"]
     assert told.startswith("# The study of lares\n")
     assert titles.index("The paper's measure: models against splits") > 0
     assert "no training day touches these predictions" in told
@@ -408,7 +411,7 @@ def test_absurd_fits_are_what_a_study_says_first(changed, symptom):
             12,
         )
     )
-    assert text.startswith("## These fits are absurd\n")
+    assert text.startswith("## Unrealistic fits\n")
     assert symptom in text
     assert "`estimation: {window_hours: 48}`" in text
     assert "`estimation: {cd_sigma: 0.1}`" in text

@@ -81,5 +81,5 @@ def test_conjunctions_of_a_study_are_told_and_drawn(tmp_path, monkeypatch):
     table = read_table(told, "conjunctions")
     assert set(table["weather"]) == {"forecast"}
     models = table["model"]
-    assert models.tolist() == ["none", "none", "running", "chosen by the past"]
+    assert models.tolist() == ["none", "none", "running", "selected each day"]
     assert all(path.stat().st_size > 0 for path in (*drawn.pdf, *drawn.png))

@@ -124,7 +124,7 @@ class _Past:
         return max(ratios, key=lambda ratio: ratio[1])
 
 
-CHOSEN = "chosen by the past"
+CHOSEN = "selected each day"
 """What the models that were flown are called beside the others."""
 
 

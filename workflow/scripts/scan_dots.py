@@ -11,7 +11,7 @@ from opml.workflow.jobs import job
 with job(snakemake):
     scanned = scan.scan(Paper(read_study(snakemake.params.settings)))
     nearest_first = outcomes(scanned, read_tables(snakemake.input, "metrics"))
-    figure = scan_figure.scan_curves(
+    figure = scan_figure.scan_dots(
         {str(outcome.combination): outcome.numbers for outcome in nearest_first},
         scanned.published,
         {name: experiment for name, (experiment, _) in scanned.numbers.items()},
