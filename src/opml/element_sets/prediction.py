@@ -64,6 +64,9 @@ STORM_DAYS = 3
 BURNED = 20.0
 """Days before the date whose burns count: those of the mornings that tell sizes of errors."""
 
+LOW = 600e3
+"""Height below which drag outweighs what else changes the size of an orbit: B* below 0 is thrust [m]."""
+
 _TOLD = 10
 _GROSS = 4.0  # sigmas that a past error counts at most: some are burns
 _MINUTE, _DAY = 60.0, len("2016-09-28")
@@ -79,7 +82,7 @@ class Prediction(PredictedOrbit):
     improved, published: the newest set with better numbers, and as it was; how: row of the table
     `improved_sets`; sizes: by lead [d] r, s, w, standard deviations of the prediction, and sgp4, that of the
     published set along the track [m]; better: the set as it is written; burns: when its sets show that it
-    burned in the last BURNED days, UTC.
+    burned in the last BURNED days, UTC; thrusts: how many of these sets show that it thrusts.
     """
 
     improved: Satrec
@@ -88,6 +91,7 @@ class Prediction(PredictedOrbit):
     sizes: pd.DataFrame
     better: rewriting.Better
     burns: Sequence[str]
+    thrusts: int
 
     def _flown(self, t: np.ndarray) -> np.ndarray:
         states = mean_elements.states(self.improved, epoch=self.date, t=t)
@@ -146,6 +150,8 @@ class Prediction(PredictedOrbit):
         if self.burns:
             count, last = len(self.burns), self.burns[-1]
             yield f"wide: its sets show burns, the last of {count} in {BURNED:g} days on {last[:_DAY]}"
+        if self.thrusts:
+            yield f"wide: {self.thrusts} of its sets of {BURNED:g} days have a B* below 0, as it thrusts"
         if self.how["jump"] > corrector.JUMP:
             yield f"wide: the newest set misses those before it {self.how['jump']:.0f} times as far as usual"
 
@@ -182,7 +188,8 @@ def predict(
     latency = 0.0 if date is None else catalogues.LATENCY
     date = date or _known(newest)
     known = improve.read([*paths, *catalogue], date=date, weather=str(weather), latency=latency)
-    burns = burns_before(history, date, latency)
+    public = public_sets(history, date, latency)
+    burns = burns_before(public, date)
     better = improve.improve(known, model.read(trained), progress=progress)
     (place,) = np.flatnonzero(better.table["number"] == newest.number)
     how = better.table.iloc[place]
@@ -196,6 +203,7 @@ def predict(
     published = own.satellites[-1]
     _check_past(identity, how, errors)
     measured = _measured(errors, _usual(published, how["age"]))
+    thrusts = thrusting(public) if how["height"] < LOW else 0
     sizes = _sizes(how, past, measured, _after_storm(known.weather.kp, how["height"]))
     return Prediction(
         identity,
@@ -206,9 +214,10 @@ def predict(
         changed(published, how["motion"], how["bstar"]),
         published,
         how,
-        across_burns(sizes, past) if burns else sizes,
+        across_burns(sizes, past) if burns or thrusts else sizes,
         better.sets[place],
         burns,
+        thrusts,
     )
 
 
@@ -307,8 +316,8 @@ def _after_storm(kp: np.ndarray, height: float) -> float:
     return math.hypot(1.0, ap.max() / STORM)
 
 
-def burns_before(history: Sequence[ElementSet], date: str, latency: float) -> list[str]:
-    """Return when sets of one object that were known on a date show burns of the BURNED days before, UTC.
+def public_sets(history: Sequence[ElementSet], date: str, latency: float) -> list[KnownSet]:
+    """Return the sets of one object that were known on a date, in the order of their epochs.
 
     latency: days from epoch to publication of sets that do not tell when they were made
     """
@@ -322,8 +331,18 @@ def burns_before(history: Sequence[ElementSet], date: str, latency: float) -> li
         for epoch, at, one in zip(t, made, history, strict=True)
         if at <= 0.0
     }
-    found = [one.t for one in burns_among(known.values(), epoch=date) if one.t >= -DAY * BURNED]
+    return list(known.values())
+
+
+def burns_before(public: Sequence[KnownSet], date: str) -> list[str]:
+    """Return when sets of one object, known on a date, show burns of the BURNED days before, UTC."""
+    found = [one.t for one in burns_among(public, epoch=date) if one.t >= -DAY * BURNED]
     return ccsds.utc_texts(date, np.array(found))
+
+
+def thrusting(public: Sequence[KnownSet]) -> int:
+    """Return how many sets of the last BURNED days have a B* below 0, as no drag makes it."""
+    return sum(one.t >= -DAY * BURNED and one.satellite.bstar < 0.0 for one in public)
 
 
 def across_burns(sizes: pd.DataFrame, past: pd.DataFrame) -> pd.DataFrame:

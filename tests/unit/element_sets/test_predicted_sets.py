@@ -313,9 +313,25 @@ def test_a_burn_that_is_not_yet_known_or_long_ago_does_not_count(tmp_path):
     path = burned_sets(tmp_path / "sets.tle", 25, 1000.0)
     day = np.datetime64(EPOCH) + np.timedelta64(25, "D")
     sets = prediction._history([path], None)
-    assert prediction.burns_before(sets, str(day + np.timedelta64(1, "D")), 0.25) == []
-    assert len(prediction.burns_before(sets, str(day + np.timedelta64(3, "D")), 0.25)) == 1
-    assert prediction.burns_before(sets, str(day + np.timedelta64(22, "D")), 0.25) == []
+    counts = []
+    for later in (1, 3, 22):
+        date = str(day + np.timedelta64(later, "D"))
+        counts.append(len(prediction.burns_before(prediction.public_sets(sets, date, 0.25), date)))
+    assert counts == [0, 1, 0]
+
+
+def test_an_object_that_thrusts_is_wide_and_says_so(tmp_path):
+    """Low down a B* below 0 is no drag; higher up other forces make it, too."""
+    days = np.arange(40.0)
+    low = history(days, noise=20.0, bstar=np.where(days % 7 == 0, -1e-4, 1e-4))
+    made = []
+    for name, sets in (("low", low), ("high", low.assign(mean_motion=0.9 * low["mean_motion"]))):
+        (tmp_path / f"{name}.tle").write_text(tle_text(sets))
+        made.append(prediction.predict(tmp_path / f"{name}.tle"))
+    assert "wide: 3 of its sets of 20 days have a B* below 0, as it thrusts" in made[0].reason
+    missed = made[0].past["left"].abs().groupby(made[0].past["lead"]).quantile(0.9) / 1.6449
+    assert (made[0].sizes.loc[missed.index, "s"] >= 0.999 * missed).all()
+    assert "thrusts" not in made[1].reason
 
 
 def test_the_newest_set_that_misses_those_before_it_widens_and_says_so(made, file, monkeypatch):
