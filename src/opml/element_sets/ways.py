@@ -66,12 +66,14 @@ def weights(rows: pd.DataFrame, ways: Ways) -> pd.DataFrame:
     judged = rows["is_fit"] & np.isfinite(rows["error"])
     own = rows[judged]
     left = {name: np.abs(own["error"] - one.loc[judged, "correction"]) for name, one in ways.items()}
+    # A way that corrects nothing of a row loses as much there as the grossest miss: it is not spared by gaps.
     losses = pd.DataFrame(left).div(own["scale"], axis=0).clip(upper=_GROSS).fillna(_GROSS)
     of_band = losses.groupby(own["band"]).mean()
     band = rows.groupby("number")["band"].last()
     usual = of_band.reindex(band).set_axis(band.index)
     sums = losses.groupby(own["number"]).sum().reindex(band.index, fill_value=0.0)
     counts = own.groupby("number").size().reindex(band.index, fill_value=0) + _BORROWED
+    # The mean loss, as if each object had some rows of its band beside its own.
     means = (sums + _BORROWED * usual).div(counts, axis=0)
     best = means.min(axis=1)
     more = means.sub(best, axis=0).div(best, axis=0).fillna(0.0)
@@ -148,6 +150,8 @@ def changes(rows: pd.DataFrame, set_of_row: pd.Series, bstar: pd.Series) -> pd.D
     change of the mean motion goes with tau, one of B* with the response. Some of the drag stays: without it
     an orbit would rise.
     """
+    # correction = speed tau + B* response, divided by tau: a line whose two normal equations, by set, are
+    # solved by their determinant. Weights 1 / tau of these quotients are tau^-3 of the distances' squares.
     tau = rows["tau"]
     rate, sought = rows["response"] / tau, rows["correction"] / tau
     sums = pd.DataFrame({"n": 1.0, "r": rate, "rr": rate**2, "s": sought, "rs": rate * sought}).div(
@@ -155,6 +159,7 @@ def changes(rows: pd.DataFrame, set_of_row: pd.Series, bstar: pd.Series) -> pd.D
     )
     n, r, rr, s, rs = (sums.groupby(set_of_row).sum()[name] for name in ("n", "r", "rr", "s", "rs"))
     drag = (n * rs - r * s) / (n * rr - r * r)
+    # The speed is fitted again to the drag that is allowed.
     drag = np.minimum(drag, _MOST_DRAG * bstar.reindex(drag.index))
     return pd.DataFrame({"speed": (s - drag * r) / n, "bstar": drag})
 

@@ -174,6 +174,8 @@ class Watch:
         rows, observables = measured.layout(window.rows)
         tracks = np.searchsorted(measured.first_row, window.index[rows], side="right")
         together = pd.Series(self._run.residuals([estimate])[0]).groupby([tracks, observables])
+        # A foreign track has residuals on one side. Of n normal ones the median scatters by 1.2533 / sqrt(n),
+        # so pulls of the object's own tracks are about 1; a few outliers move no median.
         pulls = together.median().abs() * np.sqrt(together.size()) / _MEDIAN
         return bool(pulls.max() <= _WORST * max(1.0, float(np.median(self._sizes[-_LATELY:]))))
 

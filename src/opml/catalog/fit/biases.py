@@ -35,6 +35,8 @@ def whiten(evaluation: Evaluation, instruments: np.ndarray, sigma: float) -> Eva
     columns = np.column_stack([evaluation.residuals, evaluation.jacobian])
     count = np.bincount(instruments)
     sums = np.stack([np.bincount(instruments, column) for column in columns.T], axis=-1)
+    # The covariance of n residuals of an instrument is I + sigma^2 11^T. Its inverse root takes from each of
+    # them the same part of their sum: along 1 it scales by 1 / sqrt(1 + n sigma^2), across it by 1.
     part = (1.0 - 1.0 / np.sqrt(1.0 + count * sigma**2)) / np.maximum(count, 1)
     columns -= (part[:, None] * sums)[instruments]
     return Evaluation(columns[:, 0], columns[:, 1:])

@@ -54,6 +54,7 @@ class Iterations:
             near = self._near({k: trial for k, trial in trials.items() if k in known}, known)
             for k, evaluation in near.items():
                 fits[k].take(evaluation)
+            # What was tried alone, and came out far from what is known, flies again under all of the field.
             far = {k: trial for k, trial in trials.items() if k not in near}
             for k, around, lost in self._flown(far):
                 if lost:

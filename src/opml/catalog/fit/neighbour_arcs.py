@@ -66,6 +66,7 @@ class Around:
 
     def moved(self, near: np.ndarray) -> np.ndarray:
         """Return the states (8, epochs, 6) of another trial near by; near: as that of this one."""
+        # All eight shift by what parts the two trials: their differences, the partial derivatives, stay.
         path = self.states[0]
         return self.states + (beside(path, self.near, near) - path)
 
@@ -110,6 +111,7 @@ def _fly_windows(
     first, at, last = (
         np.array([getattr(window, name) for window in windows]) for name in ("first", "at", "last")
     )
+    # An estimate is within its window: arcs go from it to both ends, backwards along epochs in reverse.
     newest = len(epochs) - 1
     forward = fly_parameters(flight, epochs, parameters, at, last)
     backward = fly_parameters(flight, epochs[::-1], parameters, newest - at, newest - first)

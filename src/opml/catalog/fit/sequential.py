@@ -128,6 +128,7 @@ class Leg:
 
 def _divided(later: np.ndarray, earlier: np.ndarray) -> np.ndarray:
     """Return partial derivatives (n, 6, 6) by an earlier state, of two sets by one that is earlier still."""
+    # later = divided earlier, solved transposed, in units in which positions and velocities are alike.
     unit = SCALES[:_CD] / SCALES[:_CD, None]
     turned = np.linalg.solve((earlier * unit).transpose(0, 2, 1), (later * unit).transpose(0, 2, 1))
     return turned.transpose(0, 2, 1) / unit
@@ -154,6 +155,8 @@ def meet(evaluate: Callable[[np.ndarray], Evaluation], mean: np.ndarray, root: n
 
     evaluate: residuals and partial derivatives at parameters (7,); called again where they bend
     """
+    # Steps are taken in u, where parameters are mean + root u: what was known is a unit normal there, and no
+    # eigenvalue of N is below 1, however near singular the covariance is. Each pass linearises anew.
     u, passes, step = np.zeros(7), 0, np.inf
     while step > _CONVERGED and passes < _PASSES:
         evaluation = evaluate(mean + root @ u)
@@ -164,6 +167,7 @@ def meet(evaluate: Callable[[np.ndarray], Evaluation], mean: np.ndarray, root: n
         step, passes = float(np.abs(u - before).max()), passes + 1
     low = np.linalg.cholesky(normal)
     chi2 = float(np.sum((pulled - partials @ u) ** 2) + u @ u)
+    # ln det of the innovations' covariance, I + (J root)(J root)^T, is that of N: the sum of 2 ln diag(low).
     evidence = -0.5 * chi2 - float(np.sum(np.log(np.diag(low))))
     return Meeting(mean + root @ u, np.linalg.solve(low, root.T).T, chi2, evidence, passes)
 

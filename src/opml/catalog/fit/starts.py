@@ -113,6 +113,7 @@ class Starts:
             return None
         covariance, best = solution.covariance, solution.best
         missing = self.flight.rso.cd - best[CD]
+        # A measurement of Cd alone would move the other parameters as they correlate with it.
         if covariance[CD, CD] > 0.0:
             moved: np.ndarray = best + missing * covariance[:, CD] / covariance[CD, CD]
         else:

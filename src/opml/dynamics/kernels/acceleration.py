@@ -52,6 +52,7 @@ def acceleration(x, y, z, vx, vy, vz, ballistic, reflection, kind, model, values
     lit = illumination(px, py, pz, r2, values[SUN_ITRF : SUN_ITRF + 3], scratch)
     sun = values[BODIES : BODIES + 3]
     sx, sy, sz = radiation_pressure(x, y, z, sun, lit, reflection)
+    # The small ones first: next to the central acceleration each would lose its last digits.
     ax, ay, az = ax + (bx + (dx + sx)), ay + (by + (dy + sy)), az + (bz + (dz + sz))
 
     if model.switched[0]:
