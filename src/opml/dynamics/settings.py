@@ -36,7 +36,7 @@ class ForceModelSettings(Section):
 
     degree: Degree = setting("highest degree of the gravity field")
     order: Degree = setting("highest order of the gravity field")
-    third_bodies: Bodies = setting("bodies that pull beside Earth", unit="names")
+    third_bodies: Bodies = setting("attracting bodies besides the Earth", unit="names")
     solid_tides: bool = setting(
         "whether Moon and Sun deform the Earth", see="physics.md#tides-of-the-solid-earth", default=False
     )
@@ -53,7 +53,7 @@ class TrueForceModel(ForceModelSettings):
     """The force model of the truth."""
 
     atmosphere: Literal["DTM2000", "NRLMSIS"] = setting(
-        "what the truth flies through; `NRLMSIS` is tabulated under measured weather",
+        "density model of the truth; `NRLMSIS` is tabulated with measured weather",
         see="physics.md#drag",
         default="DTM2000",
     )

@@ -19,12 +19,12 @@ class EnvironmentSettings(Section):
         "`MSAFE`, `OBSERVED` or a file of either kind", unit="name or path", see="#solar-activity"
     )
     true_solar_activity: Absent[Text] = setting(
-        "what the truth flies under, where it is not `solar_activity`", unit="name or path", default=None
+        "activity of the truth, if it is not `solar_activity`", unit="name or path", default=None
     )
     percentile: Literal[95, 50, 5] = setting("column of an MSAFE bulletin")
     knowledge: Absent[Literal["monthly", "hindcast", "forecast"]] = setting(
         "what the assumed model knows of the weather: `monthly` figures, the weather up to t_j (`hindcast`),"
-        " or up to t_i and a `forecast`; left out, it flies under `solar_activity` as it stands",
+        " or up to t_i and a `forecast`; by default `solar_activity` as given",
         see="weather.md",
         default=None,
     )

@@ -96,7 +96,7 @@ def residuals(mornings: Mornings, *, laws: Collection[str], note: str = "") -> F
     axes = figure.add_subplot()
     before, after = (sizes(mornings.flown, column) for column in ("before", "e_y"))
     _draw_bands(axes, before, TRUE_COLOR, "o", "no correction")
-    _draw_bands(axes, after, RESIDUAL, "^", "corrected by what the past chose")
+    _draw_bands(axes, after, RESIDUAL, "^", "corrected by the model selected each day")
     medians = {name: sizes(table, "e_y")["50"] for name, table in mornings.tables.items() if name != "none"}
     named = _to_name(mornings, laws)
     for name, median in medians.items():
@@ -317,7 +317,7 @@ def rolling(days: Mapping[str, pd.DataFrame], *, every_days: float, epoch: str, 
     for axes, (name, table) in zip(panels, days.items(), strict=True):
         middle = table["day"] + 0.5 * every_days
         axes.plot(middle, table["once"], "o--", color=MUTED, ms=3.0, label="trained once")
-        axes.plot(middle, table["anew"], "^-", color=RESIDUAL, ms=3.0, label="trained anew")
+        axes.plot(middle, table["anew"], "^-", color=RESIDUAL, ms=3.0, label="retrained")
         axes.set_ylim(bottom=0.0)
         axes.set_title(display_learner(name), fontsize=8.0, loc="left")
     mark_dates(panels[-1], epoch, what="start of the prediction")

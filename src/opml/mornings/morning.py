@@ -46,7 +46,7 @@ _MARGIN = DAY
 """Tracks so long before the longest window are read [s]: an estimate of a morning is up to a day old."""
 
 
-_NOT_FLOWN = Verdict(UNPROVEN, "nothing was flown yet")
+_NOT_FLOWN = Verdict(UNPROVEN, "nothing was issued yet")
 
 
 @dataclass(frozen=True)

@@ -107,10 +107,10 @@ ELEMENT_SCHEMAS = (
         (
             *_PREDICTION,
             real("error", "m", "SGP4 less the later set that judges", _ALONG),
-            real("scaled", "m", "what the density-scaled prediction leaves of it", _ALONG),
-            real("learned", "m", "what the learned prediction leaves of it", _ALONG),
+            real("scaled", "m", "its residual error after the density-scaled prediction", _ALONG),
+            real("learned", "m", "its residual error after the learned prediction", _ALONG),
             real("sigma", "m", "standard deviation of `learned`, NaN where nothing was learned", _ALONG),
-            real("improved", "m", "what the improved set leaves of it", _ALONG),
+            real("improved", "m", "its residual error with the improved set", _ALONG),
             real("improved_sigma", "m", "standard deviation of `improved`", _ALONG),
             text("applied", "what counted most in the improved set: learned, density, unchanged"),
         ),

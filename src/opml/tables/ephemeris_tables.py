@@ -43,7 +43,7 @@ REPLAY_COLUMNS = (
     *SPREAD_COLUMNS,
     *state_columns(
         "RSW of the ephemeris",
-        "standard deviation stated that morning, of velocities beside positions; NaN without a past",
+        "standard deviation stated that morning; NaN without a past",
         prefix="sigma_",
     ),
 )

@@ -480,7 +480,7 @@ def test_figure_of_residuals_has_bands_of_what_was_flown_and_lines_of_the_models
     assert axes.get_ylabel() == "along-track error $|e_{y}|$"
     assert {text.get_text() for text in axes.texts} == {"running", "fit96"}
     looks = {line.get_label(): line for line in axes.lines}
-    before, after = looks["no correction"], looks["corrected by what the past chose"]
+    before, after = looks["no correction"], looks["corrected by the model selected each day"]
     assert np.median(after.get_ydata()) == pytest.approx(0.02 * np.median(before.get_ydata()))
     assert looks["learned"].get_linestyle() == "--"
     assert looks["nothing learned"].get_linestyle() == "-"

@@ -22,13 +22,13 @@ class Cleaning(Section):
     """Rows that are dropped; none by default."""
 
     cd_min: Absent[float] = setting(
-        "least drag coefficient of an estimate that is used; any where it is left out", default=None
+        "least drag coefficient of an estimate that is used; any by default", default=None
     )
     cd_max: Absent[float] = setting(
-        "largest drag coefficient of an estimate that is used; any where it is left out", default=None
+        "largest drag coefficient of an estimate that is used; any by default", default=None
     )
     fence: Absent[Positive] = setting(
-        "Tukey's fences on e_y, from the quartiles; none where it is left out", unit="IQR", default=None
+        "Tukey's fences on e_y, from the quartiles; none by default", unit="IQR", default=None
     )
     fence_days: Absent[Days] = setting("window of t_j whose rows set the fences", default=None)
     previous: Previous = setting(

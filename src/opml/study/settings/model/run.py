@@ -66,7 +66,7 @@ class FixSettings(TakingSettings):
     """How the fixes of an RSO are taken."""
 
     sigma_m: Sigmas = setting(
-        "standard deviations of positions whose file tells none: radial, along and across the track",
+        "standard deviations of positions if the file has none: radial, along-track, cross-track",
         unit="m",
         default=(10.0, 10.0, 10.0),
     )
@@ -98,7 +98,7 @@ class RangeSettings(TakingSettings):
     """How the laser ranges of an RSO are taken."""
 
     coordinates: Text = setting("SINEX of the stations' coordinates and velocities", unit="path")
-    eccentricities: Text = setting("SINEX of how far instruments stand off from the marks", unit="path")
+    eccentricities: Text = setting("SINEX of the instruments' offsets from the marks", unit="path")
     reflectors_m: NotNegative = setting(
         "how far the reflectors are before the centre of mass, seen from a station", unit="m"
     )
@@ -108,7 +108,7 @@ class RangeSettings(TakingSettings):
         default=0.02,
     )
     without: Annotated[list[Annotated[int, Ge(1)]], Unique(), Expected("numbers of stations")] = setting(
-        "stations whose ranges are left out", unit="numbers", default=[]
+        "stations whose ranges are skipped", unit="numbers", default=[]
     )
 
     @property
@@ -146,11 +146,11 @@ class HistorySettings(TakingSettings):
         default=None,
     )
     leave_out_damaged: bool = setting(
-        "whether damaged sets are left out and logged however many there are, not one in twenty at most",
+        "whether any number of damaged sets is skipped and logged, not one in twenty at most",
         default=False,
     )
     find_manoeuvres: bool = setting(
-        "whether burns are found where sets do not follow from those before them, beside `manoeuvres`",
+        "whether burns are also detected from sets that do not follow from those before them",
         see="elements.md#burns",
         default=False,
     )
@@ -175,7 +175,7 @@ class Learning(Section):
 class Mechanism(Section):
     """Columns that laws learn from."""
 
-    long_window_hours: Positive = setting("window of the long arc beside each estimate", unit="h")
+    long_window_hours: Positive = setting("window of the long arc of each estimate", unit="h")
     resonances: ResonanceList = setting(
         "resonances that may be learned from: nodal days and revolutions", unit="pairs (k, m)"
     )
@@ -273,13 +273,13 @@ class RunAlone(Section):
     catalogue: Absent[CatalogueSettings] = setting("a study of a catalogue", default=None)
     sheets: Sheets = setting("the sheets")
     stations: dict[Name, dict[str, float]] = setting(
-        "a station beside those of the sheet: the columns of a sheet's row as keys",
+        "a station in addition to the sheet: the columns of a sheet's row as keys",
         unit="mapping",
         see="#sheets",
         default={},
     )
     rsos: dict[Name, dict[str, float]] = setting(
-        "an RSO beside those of the sheet: the columns of a sheet's row as keys",
+        "an RSO in addition to the sheet: the columns of a sheet's row as keys",
         unit="mapping",
         see="#sheets",
         default={},

@@ -41,7 +41,7 @@ class ClaimSettings(Item):
     limit: Absent[float] = setting("number that they are held against", unit="% or km", default=None)
     start: Absent[Positive] = setting("mean error before the correction", unit="km", default=None)
     share: Absent[Share] = setting("how far a number may be off, or what is left of it", default=None)
-    beside: Absent[Names] = setting("evaluations whose numbers stand beside the entry's own", default=None)
+    beside: Absent[Names] = setting("evaluations whose numbers are shown with the entry's own", default=None)
     beyond: Absent[float] = setting("value of a curve from which on the numbers count", default=None)
 
 
@@ -117,7 +117,7 @@ class ConjunctionSettings(Section):
     radius_m: Positive = setting("sum of the radii of two objects", unit="m")
     threshold: Share = setting("probability from which on an alarm is raised")
     beside: Absent[Text] = setting(
-        "results of the same study under other weather, to show beside", unit="folder", default=None
+        "results of the same study with other weather, for comparison", unit="folder", default=None
     )
 
 
@@ -271,7 +271,7 @@ class StudySeeds(Section):
 class ReadingSettings(Section):
     """A reading of what the paper leaves open."""
 
-    text: Text = setting("the reading in words", unit="text")
+    text: Text = setting("the interpretation in words", unit="text")
     previous: Absent[Previous] = setting("where t_b is taken from", default=None)
     learner: Absent[str] = setting("learner in place of the entries' own", unit="name", default=None)
     windows: Absent[Literal["unseen"]] = setting("windows to test on count by t_i, too", default=None)
@@ -288,11 +288,11 @@ class ReadingSettings(Section):
 
 
 class ReproductionSettings(Section):
-    """The table of the paper's numbers beside ours."""
+    """The table of the paper's numbers and ours."""
 
     fixed: str = setting("learner with one fixed kernel scale", unit="name")
     calibrated: str = setting("evaluation that this scale was chosen to meet", unit="name")
-    readings: dict[EntryName, ReadingSettings] = setting("a reading of what the paper leaves open")
+    readings: dict[EntryName, ReadingSettings] = setting("an interpretation of an open point of the paper")
 
 
 class OtherFit(Item):
@@ -344,7 +344,7 @@ class OwnStudySettings(Section):
         see="labels.md",
         default=None,
     )
-    rolling: Absent[RollingSettings] = setting("learners that are trained anew day by day", default=None)
+    rolling: Absent[RollingSettings] = setting("learners that are retrained day by day", default=None)
     replayed: Absent[Names] = setting(
         "models whose mornings are run again, and among which each morning chooses; by default those of the"
         " study that are trained in seconds",
@@ -353,7 +353,7 @@ class OwnStudySettings(Section):
     )
     cleaning: Absent[Cleaning] = setting("rows that are dropped; none by default", default=None)
     conjunctions: Absent[ConjunctionSettings] = setting(
-        "what predictions are worth in conjunctions", see="conjunctions.md", default=None
+        "the benefit of predictions in conjunctions", see="conjunctions.md", default=None
     )
     span_days: Absent[Days] = setting(
         "window of t_j that random splits draw from; by default the days to train on, or the run",
@@ -379,9 +379,9 @@ class PaperStudy(Section):
         "evaluations whose six components are trained and tabulated", default=None
     )
     seeds: Absent[StudySeeds] = setting("seeds of the curves and spreads", default=None)
-    reproduction: Absent[ReproductionSettings] = setting("the paper's numbers beside ours", default=None)
+    reproduction: Absent[ReproductionSettings] = setting("the paper's numbers and ours", default=None)
     scan: Absent[Annotated[dict[EntryName, Axes], MinLen(1)]] = setting(
-        "combinations of readings for `snakemake scan`", default=None
+        "combinations of interpretations for `snakemake scan`", default=None
     )
 
 
@@ -389,7 +389,7 @@ class BeyondStudy(Section):
     """What goes beyond the paper."""
 
     pools: Absent[Annotated[dict[Name, Pool], MinLen(1)]] = setting(
-        "RSOs to learn from together, all but the one left out", default=None
+        "RSOs to learn from together, except the excluded one", default=None
     )
     beyond: Absent[BeyondSettings] = setting("what goes beyond the paper", default=None)
 
