@@ -128,13 +128,13 @@ def document(score: Score) -> list[Block]:
     return [
         Heading(f"{score.task}: {as_it_is(score.tool)}", level=1),
         Paragraph(as_it_is(score.title)),
-        Heading("What shows"),
+        Heading("Findings"),
         found if score.suspicions else nothing,
         Heading("Scores"),
         Paragraph(
             "Errors in metres, by days from t: median and 95th percentile of their size, with intervals of"
             " 95 % over weeks and objects in brackets. CRPS [m] and log score are those of the normal"
-            f" distribution that the covariance tells; smaller is better. **inside**: errors [%] in its"
+            f" distribution with the given covariance; smaller is better. **inside**: errors [%] in its"
             f" intervals of {100 * LEVEL:g} %."
         ),
         *(_axis_table(score.scores, name) for name in AXES.values()),

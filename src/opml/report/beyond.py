@@ -48,8 +48,8 @@ def document(
     return [
         Heading("Does it generalise?", 1),
         Paragraph(
-            "P_ML [%] is what a correction leaves of the summed absolute error: 0 is perfect, 100 no "
-            "correction. In brackets its 5th and 95th percentile over resampled estimates, as the rows of "
+            "P_ML [%] is the summed absolute error after correction, in % of that before: 0 is perfect, 100 "
+            "no correction. In brackets its 5th and 95th percentile over resampled estimates, as the rows of "
             "one estimate are no independent evidence. `opml docs beyond` explains models and splits."
         ),
         *_splits(report, results),
@@ -113,12 +113,11 @@ def _left_out(experiments: Mapping[_Key, Experiment], results: Results) -> Itera
         [pool, f"`{rso}`", *(results.p_ml_cell(experiments[pool, learner, rso]) for learner in names)]
         for pool, rso in dict.fromkeys((pool, rso) for pool, _, rso in experiments)
     ]
-    yield Heading("One RSO left out")
+    yield Heading("One RSO excluded")
     yield Paragraph(
-        f"Trained on {first.train} of all other RSOs of a pool, tested on {first.test} of the one that "
-        "was left out."
+        f"Trained on {first.train} of all other RSOs of a pool, tested on {first.test} of the excluded one."
     )
-    yield Table(["pool", "left out", *(f"`{learner}`" for learner in names)], rows)
+    yield Table(["pool", "excluded", *(f"`{learner}`" for learner in names)], rows)
 
 
 def _intervals(coverage: pd.DataFrame, names: Mapping[Pair, str], level: float) -> Iterator[Block]:

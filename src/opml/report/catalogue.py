@@ -35,13 +35,13 @@ def document(
         ),
         Items([_season(name, dates, teachers[name]) for name, dates in seasons.items()]),
         Paragraph(
-            "What is left is told in % of SGP4's: median / 95th percentile. **scaled**: SGP4 with the"
-            " density of the days ahead, as it was forecast; **learned**: with the corrector on top;"
-            " **improved**: the set that `opml improve` writes, where each counts by what it left of the"
-            " object's last mornings; **unchanged**, where that counts most. In brackets, 95 % intervals of"
-            " medians over weeks and objects; above 100 is worse than SGP4's. **inside**: share of the errors"
+            "Residual errors in % of SGP4's: median / 95th percentile. **scaled**: SGP4 with the density"
+            " forecast; **learned**: with the corrector on top; **improved**: the set that `opml improve`"
+            " writes, which weights these by their errors on the object's last mornings; **unchanged**, where"
+            " the published set has most weight. In brackets, 95 % intervals of medians over weeks and objects;"
+            " above 100 is worse than SGP4's. **inside**: share of the errors"
             f" in intervals of {LEVEL:g} %; without one, rows were too few to learn from, and the scaled"
-            " prediction stands. **log score**: of the improved set, the less the better."
+            " prediction is used. **log score**: of the improved set, smaller is better."
         ),
         Table(_HEADER, [_cells(row) for row in _ordered(scores).to_dict("records")]),
     ]

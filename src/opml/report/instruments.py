@@ -12,7 +12,7 @@ from opml.report.mornings import Dataset
 from opml.report.results import NO_VALUE
 from opml.tables import BURN
 
-TITLE = "What the measurements tell"
+TITLE = "Measurement residuals"
 
 _MOST = 12
 """Tracks that are named at most."""

@@ -36,7 +36,7 @@ def _how(prediction: PredictedOrbit) -> Iterator[Block]:
         return
     how = prediction.how
     yield Paragraph(
-        f"Used: **{prediction.way}**, flown by SGP4. Why: {prediction.reason}. The newest set was "
+        f"Used: **{prediction.way}**, propagated by SGP4. Why: {prediction.reason}. The newest set was "
         f"{how['age']:.1f} days old, the mean height is {how['height'] / 1e3:.0f} km."
     )
     yield Paragraph(
@@ -68,7 +68,7 @@ def _passes(where: Place, rows: pd.DataFrame) -> Iterator[Block]:
     if rows.empty:
         yield Paragraph("None above 5 degrees.")
         return
-    yield Paragraph(f"Above 5 degrees. {100.0 * LEVEL:.0f} % are no earlier or later than told.")
+    yield Paragraph(f"Above 5 degrees. {100.0 * LEVEL:.0f} % are within these seconds.")
     header = ["rise", "highest", "set", "up to [deg]", "early or late [s]"]
     yield Table(
         header,

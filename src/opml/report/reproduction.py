@@ -165,11 +165,11 @@ def _summary(comparisons: Sequence[Comparison], results: Results) -> list[Block]
     ]
     return [
         Paragraph(
-            "P_ML [%] is what the correction leaves of the summed absolute error: 0 is perfect, 100 no "
-            "correction. The cause is the one reading of what the paper leaves open that comes nearest."
+            "P_ML [%] is the summed absolute error after correction, in % of that before: 0 is perfect, 100 "
+            "no correction. The cause is the interpretation of one open point that comes nearest."
         ),
         Table(["number", "paper", "ours", "cause of the difference"], rows),
-        Heading("Beside our seeds"),
+        Heading("Compared with our seeds"),
     ]
 
 
@@ -224,8 +224,8 @@ def _causes(comparisons: Sequence[Comparison], results: Results) -> list[Block]:
     return [
         Heading("Where we differ by more than the seeds do"),
         Paragraph(
-            "For each number the run that comes nearest to the paper's, of all that change one reading of "
-            "what the paper leaves open. It is named as the likeliest cause where it removes at least "
+            "For each number the run that comes nearest to the paper's, of all that change the "
+            "interpretation of one open point. It is named as the likeliest cause where it removes at least "
             f"{EXPLAINED:.0%} of the difference. What comes nearest need not be what the paper did."
         ),
         Table(["number", "ours - paper", "likeliest cause", "P_ML then", "run"], rows or [[NO_VALUE] * 5]),
@@ -234,7 +234,7 @@ def _causes(comparisons: Sequence[Comparison], results: Results) -> list[Block]:
 
 def _cause_row(comparison: Comparison, results: Results) -> list[str]:
     text, run, explains = likeliest_cause(comparison, results)
-    verdict = "" if explains else "not explained by any reading run here; the nearest: "
+    verdict = "" if explains else "not explained by any interpretation run here; the nearest: "
     cells = [verdict + text, percent(results.p_ml(run)), f"`{run.path('metrics')}`"]
     return [f"`{comparison.headline.name}`", f"{comparison.difference:+.1f}", *cells]
 
@@ -251,8 +251,8 @@ def _readings(reproduction: Reproduction, results: Results) -> list[Block]:
 
     rows = [row(text, experiments) for text, experiments in reproduction.readings.items()]
     return [
-        Heading("What the paper leaves open"),
-        Paragraph("P_ML [%] with one reading changed at a time."),
+        Heading("Open points of the paper"),
+        Paragraph("P_ML [%] with one interpretation changed at a time."),
         Table(
             ["reading", *(f"`{name}`" for name in names)],
             [row("as the settings are", reproduction.evaluations), *rows],

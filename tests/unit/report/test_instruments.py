@@ -30,7 +30,7 @@ def test_residuals_stand_in_the_units_of_their_instruments():
     names = ["7090 range", "eglin range", "eglin azimuth", "eglin range_rate", "radial rate"]
     sigmas = np.array([0.02, 50.0, np.radians(0.02), 0.5, 0.01])
     text = told(summary(np.array(names), np.array([-2.0, 1.0, 0.5, 3.0, 0.1]), sigmas), watched()[["t"]])
-    assert text.startswith("## What the measurements tell\n")
+    assert text.startswith("## Measurement residuals\n")
     for row in (
         "| mine | ranges | 7090 range | 1 | 2 cm | 4 cm | -4 cm | 2.00 |",
         "| mine | ranges | eglin range | 1 | 50 m | 50 m | 50 m | 1.00 |",
