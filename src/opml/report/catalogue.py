@@ -38,8 +38,8 @@ def document(
             "Residual errors in % of SGP4's: median / 95th percentile. **scaled**: SGP4 with the density"
             " forecast; **learned**: with the corrector on top; **improved**: the set that `opml improve`"
             " writes, which weights these by their errors on the object's last mornings; **unchanged**, where"
-            " the published set has most weight. In brackets, 95 % intervals of medians over weeks and objects;"
-            " above 100 is worse than SGP4's. **inside**: share of the errors"
+            " the published set has most weight. In brackets, 95 % intervals of medians over weeks and"
+            " objects; above 100 is worse than SGP4's. **inside**: share of the errors"
             f" in intervals of {LEVEL:g} %; without one, rows were too few to learn from, and the scaled"
             " prediction is used. **log score**: of the improved set, smaller is better."
         ),
