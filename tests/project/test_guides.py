@@ -94,6 +94,32 @@ def test_coverage_in_the_first_sentence_is_that_of_the_table():
     assert f"in the storm of March 2015 {min(storm)} to {max(storm)} %" in text
 
 
+def cells(heading):
+    """Rows of the first table under a heading of the page that `make validate` writes."""
+    text = page("tables/orekit").split(f"## {heading}\n")[1].split("\n## ")[0]
+    rows = re.search(r"(?:^\|.*\n)+", text, re.MULTILINE)[0].splitlines()[2:]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in rows]
+
+
+def test_what_the_validation_says_is_what_its_tables_have():
+    text = " ".join(page("validation").split())
+    forces = [row for row in cells("Term by term") if " " not in row[1]]
+    assert max(float(row[1]) for row in forces) <= 1e-7
+    assert "Every force term agrees to 1e-7 or better" in text
+    (position,) = [row[1] for row in cells("Least squares") if row[0] == "position"]
+    assert float(position.split()[0]) <= 0.2
+    assert "fits of the same tracks to 0.2 m" in text
+    steps = [row for row in cells("The integrator's own uncertainty") if row[0] != "lageos1"]
+    week = [[float(cell) for cell in row[1:7]] for row in steps]
+    assert max(max(row[::2]) for row in week) < 0.02
+    assert "integration error is below 2 cm after seven days" in text
+    assert 2.0 < min(min(row[1::2]) for row in week) < max(max(row[1::2]) for row in week) < 150.0
+    assert "Orekit's 2 to 150 m in low orbits" in text
+    apart = [float(cell) for row in cells("Orbits") if row[0] not in ("bound", "met") for cell in row[1:4]]
+    assert max(apart) < 1.0
+    assert "agree to a metre after seven days" in text
+
+
 WORDS = re.compile(
     r"\b(?:tells?|told|leaves|flown|flew|flies|stands|stood|anew|beside|spoilt|nobody|nowhere|whom)\b"
     r"|\bof it\b|\bthe past (?:chose|chooses|left)\b|\bworth\b|\breadings?\b",
