@@ -29,8 +29,9 @@ def refused(job) -> str:
     if (model := declared(SCRIPTS / f"{name}.py")) is None:
         return ""
     try:
+        json.dumps(settings)  # of which tables hold a digest
         model(**settings, **({"rso": settings["rsos"][0]} if name == "truths" else {}))
-    except ValueError as error:
+    except (TypeError, ValueError) as error:
         return str(error)
     return ""
 

@@ -231,7 +231,7 @@ if OWN.is_asked:
                     "station_sets": OWN.panels,
                     "learners": OWN.learners,
                     "splits": OWN.splits,
-                    "models": OWN.report.learners,
+                    "models": {name: one.of_job() for name, one in OWN.report.learners.items()},
                     "weather": PLAN.weather,
                 },
             ),

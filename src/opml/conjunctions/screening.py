@@ -37,7 +37,8 @@ RADIUS = 20.0
 WITHIN = 5.0
 """Distance that is near where nobody tells [km]."""
 
-_WIDE = 1e5  # standard deviation of a position [m] that is told: metres may have been taken for kilometres
+# Standard deviations of a position [m] beyond which it is told: one may be in another unit, or made up.
+_WIDE, _EXACT = 1e5, 0.1
 
 COVARIANCE_HELD = 600.0
 """Time for which a covariance holds before the first and beyond the last that is known [s]."""
@@ -120,8 +121,11 @@ class ScreenedObject:
             remarks.append(f"covariances of {name} are of other times")
         if covariance is not None and trajectory.remark:
             remarks.append(f"covariance of {name} {trajectory.remark}")
-        if covariance is not None and (widest := float(np.sqrt(np.diag(covariance)[:3].max()))) > _WIDE:
+        widest = np.nan if covariance is None else float(np.sqrt(np.diag(covariance)[:3].max()))
+        if widest > _WIDE:
             remarks.append(f"{name} known to {widest / 1e3:.0f} km")
+        if widest < _EXACT:
+            remarks.append(f"{name} known to {1e3 * widest:.0f} mm")
         if self.elements_t is not None and abs(days := (t - self.elements_t) / DAY) > WARN_DAYS:
             remarks.append(f"elements of {name} {abs(days):.0f} d {'old' if days > 0 else 'ahead'}")
         density = trajectory.density.at(t) if trajectory.density and covariance is not None else None

@@ -66,6 +66,8 @@ def find_files(paths: Iterable[FilePath]) -> list[Path]:
 
 
 def _files_of(path: Path) -> list[Path]:
+    if not path.exists():
+        raise InputError(f"{path}: no such file")
     if not path.is_dir():
         return [path]
     files = sorted(

@@ -44,12 +44,12 @@ def train(
 
     Raises InputError for unreadable files, and where there is too little to learn from.
     """
+    found = {name: catalogues.find_files(paths) for name, paths in populations.items()}
     known = density.clean(knowledge.read(weather))
     progress("densities of the thermosphere since 2002")
     air = density.learned_air(known, first=FIRST_DAY, end=density.end_of(known))
     correctors, cards = {}, {}
-    for name, paths in with_time_left(list(populations.items()), "population", progress):
-        files = catalogues.find_files(paths)
+    for name, files in with_time_left(list(found.items()), "population", progress):
         progress(f"{name}: predictions")
         rows = mornings_of(catalogues.read(files).daily(), air)
         progress(f"{name}: {len(rows)} predictions to learn from")

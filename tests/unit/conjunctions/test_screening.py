@@ -268,15 +268,23 @@ def test_covariances_do_not_reach_beyond_their_times(tmp_path):
     assert rows["probability"].isna().tolist() == [False] + [True] * 6
 
 
-def test_a_covariance_as_wide_as_a_country_is_told(files, tmp_path):
-    """Square metres where square kilometres stand: sigmas a thousand times too large."""
+@pytest.mark.parametrize(
+    ("times", "known"),
+    [
+        (1e6, "other known to [0-9]{3} km"),
+        (0.0, "other known to 0 mm"),
+        (1e-8, "other known to [1-9][0-9]* mm"),
+    ],
+    ids=["metres for kilometres", "none", "centimetres"],
+)
+def test_a_covariance_that_no_orbit_has_is_told(times, known, files, tmp_path):
     paths, *_ = files
     (one,) = oem.read(paths[1], epoch=RUN)
-    wide = replace(one, covariances=1e6 * one.covariances)
-    oem.write(tmp_path / "wide.oem", [wide], epoch=RUN)
-    found = screening.screen(screening.read([paths[0], tmp_path / "wide.oem"]), within=5000.0, radius=20.0)
+    odd = replace(one, covariances=times * one.covariances)
+    oem.write(tmp_path / "odd.oem", [odd], epoch=RUN)
+    found = screening.screen(screening.read([paths[0], tmp_path / "odd.oem"]), within=5000.0, radius=20.0)
     told = as_text.table(found, epoch=EPOCH)["remark"]
-    assert told.str.contains("other known to [0-9]{3} km").all()
+    assert told.str.contains(known).all()
     usual = as_text.table(screening.screen(screening.read(paths), within=5000.0, radius=20.0), epoch=EPOCH)
     assert not usual["remark"].str.contains("known to").any()
 

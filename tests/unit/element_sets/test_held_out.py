@@ -7,7 +7,7 @@ import pytest
 from support import refusal
 
 from opml.base.errors import InputError
-from opml.element_sets import corrector, held_out
+from opml.element_sets import corrector, held_out, training
 from opml.element_sets.held_out import Seasons
 
 DATES = (["2016-01-15", "2016-01-25"], ["2016-02-01", "2016-02-05"])
@@ -165,3 +165,11 @@ def test_the_half_of_an_object_does_not_depend_on_the_others():
     assert [int(held_out.half_of(np.array([one]), seed=42)[0]) for one in numbers] == half.tolist()
     many = held_out.half_of(np.arange(1000), seed=42)
     assert 450 < many.sum() < 550
+
+
+def test_a_path_that_is_missing_is_told_before_minutes_of_densities(tmp_path):
+    told = []
+    missing = tmp_path / "nothing.tle"
+    said = refusal(training.train, {"all": [missing]}, weather="OBSERVED", progress=told.append)
+    assert said == f"{missing}: no such file"
+    assert told == []
