@@ -1,12 +1,11 @@
 """Take positions that were really measured for the tracks of an RSO."""
 
-from typing import Any
-
 from opml.base.constants import DAY, HOUR
 from opml.base.section import JobSettings
 from opml.catalog.fit import fixes
 from opml.interop import object_ids, points_from_files
 from opml.interop.orbit_from_files import OrbitFiles
+from opml.interop.points_from_files import FixTaking
 from opml.orbits import manoeuvres
 from opml.tables import read_table, write_table
 from opml.workflow.jobs import job
@@ -15,7 +14,7 @@ from opml.workflow.jobs import job
 class Settings(JobSettings):
     epoch: str
     duration_days: float
-    taking: dict[str, Any]
+    taking: FixTaking
     manoeuvres: list[str]
 
 
@@ -27,9 +26,9 @@ with job(snakemake) as metadata:
     points = points_from_files.read(
         files,
         read_table(orientation, "earth_orientation"),
-        points_from_files.Sampling(settings.taking["sigmas"], settings.taking["every_s"]),
+        settings.taking.sampling,
     )
-    table = fixes.stretches(points, length=HOUR * settings.taking["stretch_hours"])
+    table = fixes.stretches(points, length=HOUR * settings.taking.stretch_hours)
     identity, burns = points_from_files.beside(files)
     named = manoeuvres.at_times(settings.manoeuvres, epoch=settings.epoch)
     metadata |= manoeuvres.facts(named + burns) | object_ids.facts(identity)

@@ -44,9 +44,10 @@ class Section(BaseModel):
             raise InputError(f"{name}: {key}: expected a value, got none")
         what = first["msg"].replace("Input should be", "expected")
         # A type of several, such as a word or a number, is called by one name, and not by pydantic's of each.
-        for mark in cls.model_fields[str(first["loc"][0])].metadata:
+        top = str(first["loc"][0])
+        for mark in cls.model_fields[top].metadata if top in cls.model_fields else ():
             if isinstance(mark, Expected):
-                key, what = str(first["loc"][0]), f"expected {mark.words}"
+                key, what = top, f"expected {mark.words}"
         raise InputError(f"{name}: {key}: {what}, got {first['input']!r}")
 
 

@@ -156,6 +156,7 @@ def _raster(requests: Sequence[_Request]) -> np.ndarray:
 def _own(arcs: Arcs, begin: int, request: _Request) -> Arcs:
     """Return a request's own arcs, from the one at `begin` on, at the request's own epochs."""
     first, last = (np.asarray(ends) for ends in (request.departures.first, request.departures.last))
+    # Arcs flew at all epochs of the raster; a request has its own, so many multiples after its start.
     count = last - first
     start = np.concatenate([[0], np.cumsum(count)])
     arc = np.repeat(np.arange(len(first)), count)

@@ -130,6 +130,7 @@ def widen(rows: pd.DataFrame, found: pd.DataFrame) -> pd.DataFrame:
             ends = np.array([float(morning) - _RECENT, float(morning)])
             last = judged["off"].iloc[slice(*judged["judged"].searchsorted(ends, side="right"))]
             if len(last) >= _FEWEST_RECENT:
+                # Nine in ten are inside where this quantile of errors, in ninety-percent intervals, is 1.
                 factor[members] = max(1.0, float(last.quantile(LEVEL)))
     return found.assign(sigma=found["sigma"] * factor)
 
@@ -180,6 +181,7 @@ def _fit_part(
     """Learn the miss from rows of a part, and from rows held out how far to believe it and what it leaves."""
     held_out = _held_out(rows, fit, seed)
     shares = _shares(rows, held_out)
+    # Sizes are of what would have been left of rows held out: of rows that were learned from less is left.
     left = (rows["error"] - rows["density"]) / rows["scale"] - _share_of(rows, shares) * held_out
     size = np.log(np.maximum(np.abs(left.to_numpy()), _SMALLEST))
     sizes = _boosted(rows, size, seed, loss="quantile", leaves=_SIZE_LEAVES)

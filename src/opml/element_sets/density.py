@@ -136,6 +136,7 @@ def fit(densities: Densities, weather: Weather, *, end: float) -> Outlook:
 def _fit_day(densities: Densities, weather: Weather, issues: np.ndarray, day: int) -> np.ndarray:
     """Return the coefficients (predictors, heights) of one day ahead."""
     x = _predictors(densities, weather, issues, day)
+    # Of the change since yesterday: what the model's level is off by drops out.
     y = _mean(densities.log, issues, QUARTERS * day, QUARTERS * (day + 1)) - _mean(
         densities.log, issues, -QUARTERS, 0
     )
@@ -152,6 +153,7 @@ def _least_deviations(x: np.ndarray, y: np.ndarray) -> np.ndarray:
         before, found = found, np.linalg.solve(x.T @ weighted + _RIDGE * np.eye(len(found)), weighted.T @ y)
         if np.abs(found - before).max() < _TOLERANCE:
             break
+        # A square divided by the size of its residual counts as that size; none so small that it dominates.
         weights = 1.0 / np.maximum(np.abs(y - x @ found), _LEAST)
     return found
 
@@ -219,10 +221,12 @@ class MorningDensity:
         recent = densities.before(morning)
         log = np.concatenate([recent.log, np.repeat(ahead, QUARTERS, axis=0)])
         self._begin = float(recent.first)
+        # About one at all heights, so that the least displacement that counts means the same at each.
         self._level = log.mean(axis=0)
         self._rho = np.exp(log - self._level)
         step, start = 1.0 / QUARTERS, np.zeros((1, len(HEIGHTS)))
         self._once = np.concatenate([start, np.cumsum(step * self._rho, axis=0)])
+        # The density is constant within a quarter of a day: linear when integrated once, quadratic twice.
         twice = step * self._once[:-1] + 0.5 * step**2 * self._rho
         self._twice = np.concatenate([start, np.cumsum(twice, axis=0)])
 

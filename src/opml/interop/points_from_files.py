@@ -12,6 +12,7 @@ import pandas as pd
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
+from opml.base.section import JobSettings
 from opml.interop import ccsds, fixes_csv
 from opml.interop.curves.orbit_curve import rotate_to_gcrf
 from opml.interop.object_ids import UNKNOWN, ObjectId
@@ -43,6 +44,20 @@ class Sampling:
 
     sigmas: Sequence[float]
     every: float = 0.0
+
+
+class FixTaking(JobSettings):
+    """How a job takes the fixes of an object; satellite: which one, where files have several."""
+
+    sigmas: tuple[float, ...]
+    every_s: float
+    stretch_hours: float
+    satellite: str | None = None
+
+    @property
+    def sampling(self) -> Sampling:
+        """How points are taken."""
+        return Sampling(self.sigmas, self.every_s)
 
 
 def check(files: OrbitFiles, sampling: Sampling) -> None:

@@ -13,8 +13,10 @@ from opml.catalog.fit.first.first_orbit import TimedState
 from opml.dynamics import shared_blocks
 from opml.interop import first_state, points_from_files, tdm
 from opml.interop.element_sets import burns_in_sets, histories, measured_sets
+from opml.interop.element_sets.measured_sets import HistoryTaking
 from opml.interop.object_ids import UNKNOWN, ObjectId, first_told
 from opml.interop.orbit_from_files import OrbitFiles
+from opml.interop.points_from_files import FixTaking
 from opml.mornings.beside_sgp4 import Sgp4
 from opml.orbits import manoeuvres
 from opml.orbits.manoeuvres import Manoeuvre
@@ -83,10 +85,10 @@ def read(
         started = [first_state.identity(source.start)] if source.start else []
         return Found(tracking, known, first_told([*started, tdm.identity(found)]))
     if source.kind == "fixes":
-        files = OrbitFiles(source.files, span.epoch, span.duration, source.taking.get("satellite"))
-        sampling = points_from_files.Sampling(source.taking["sigmas"], source.taking["every_s"])
-        points = points_from_files.read(files, orientation, sampling)
-        tracking = fixes.stretches(points, length=HOUR * source.taking["stretch_hours"])
+        taking = FixTaking.model_validate(source.taking)
+        files = OrbitFiles(source.files, span.epoch, span.duration, taking.satellite)
+        points = points_from_files.read(files, orientation, taking.sampling)
+        tracking = fixes.stretches(points, length=HOUR * taking.stretch_hours)
         identity, burns = points_from_files.beside(files)
         return Found(tracking, known + burns, identity)
     return _of_elements(source, span, known)
@@ -94,16 +96,15 @@ def read(
 
 def _of_elements(source: MeasurementSource, span: Span, known: list[Manoeuvre]) -> Found:
     """Return what mean elements measured; the manoeuvres are with those that they show, if asked for."""
-    history = histories.read(
-        source.files, epoch=span.epoch, leave_out_damaged=source.taking["leave_out_damaged"]
-    )
-    ours = histories.of_object(history.sets, source.taking["number"])
+    taking = HistoryTaking.model_validate(source.taking)
+    history = histories.read(source.files, epoch=span.epoch, leave_out_damaged=taking.leave_out_damaged)
+    ours = histories.of_object(history.sets, taking.number)
     sets, identity = measured_sets.of_run(ours, span.duration), history.objects[int(ours["number"].iloc[0])]
-    known = burns_in_sets.manoeuvres_of(sets, known, epoch=span.epoch, find=source.taking["find_manoeuvres"])
+    known = burns_in_sets.manoeuvres_of(sets, known, epoch=span.epoch, find=taking.find_manoeuvres)
     found = measured_sets.measured(
         sets,
         # On the raster arcs of several objects share blocks.
-        replace(measured_sets.Taking.from_settings(source.taking), raster=shared_blocks.STEP),
+        replace(taking.of_sets, raster=shared_blocks.STEP),
         epoch=span.epoch,
         duration=span.duration,
         manoeuvres=known,

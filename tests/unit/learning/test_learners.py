@@ -306,6 +306,21 @@ def test_an_unknown_kind_is_named():
         learners.description("oracle")
 
 
+@pytest.mark.parametrize(
+    ("settings", "line"),
+    [
+        ({}, "learners: kind: expected svr, none, "),
+        ({"kind": "durationmean"}, "learner: bin_hours: expected a value, got none"),
+        ({"kind": "durationmean", "bin_hours": 0}, "learner: bin_hours: expected a number above 0, got 0"),
+        ({"kind": "none", "c": 1.0}, "learner: settings: expected kind, got c"),
+    ],
+    ids=["no kind", "a key that lacks", "a wrong value", "a key of no meaning"],
+)
+def test_settings_that_no_kind_takes_are_told_in_a_line(settings, line):
+    with pytest.raises(InputError, match=f"^{line}"):
+        learners.settings_of(settings)
+
+
 def test_every_kind_is_tested_and_described():
     assert set(SETTINGS) == {*(learner.kind for learner in learners.LEARNERS), "stacked"}
     assert len({learners.description(kind) for kind in SETTINGS}) == len(SETTINGS)

@@ -93,6 +93,7 @@ def gravity(x, y, z, inverse_r, weights, columns, degree, gm, radius):
     sine = splat(0.0)
     ax, ay, az = splat(0.0), splat(0.0), splat(0.0)
     k = 0
+    # All harmonics of an order m have the factor (xs + i ys)^m: sums over degrees get it once, at their end.
     for m in range(columns):
         previous, current = splat(0.0), splat(1.0)
         xc, xs_, yc, ys_ = splat(0.0), splat(0.0), splat(0.0), splat(0.0)

@@ -1,15 +1,15 @@
 """Sets of mean elements as measurements: the points that stand for each, and how much they count."""
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Self
 
 import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
+from opml.base.section import JobSettings
 from opml.interop.element_sets import agreement, sgp4_points, spans
 from opml.interop.element_sets.sgp4_points import SetSampling
 from opml.orbits.manoeuvres import Manoeuvre
@@ -46,12 +46,6 @@ class Taking:
     sigmas: Sequence[float] | None = None
     raster: float | None = None
 
-    @classmethod
-    def from_settings(cls, history: Mapping[str, Any]) -> Self:
-        """Return how the settings `histories` of an object take its sets."""
-        hours = history["reach_hours"]
-        return cls(history["every_s"], HOUR * hours if hours else None, history["sigma_m"])
-
     def ends(self, epochs: np.ndarray) -> np.ndarray:
         """Return when points of sets end [s]: each at a multiple of its own, whatever sets follow."""
         if self.raster is None:
@@ -59,6 +53,22 @@ class Taking:
         number = np.arange(len(epochs))
         multiples = np.maximum.accumulate(np.ceil(epochs / self.raster) - number) + number
         return self.raster * multiples
+
+
+class HistoryTaking(JobSettings):
+    """How a job takes the history of an object's mean elements: the settings `histories`."""
+
+    number: int | None = None
+    leave_out_damaged: bool = False
+    find_manoeuvres: bool = False
+    every_s: float
+    reach_hours: float | None = None
+    sigma_m: tuple[float, float, float] | None = None
+
+    @property
+    def of_sets(self) -> Taking:
+        """How its sets are taken."""
+        return Taking(self.every_s, HOUR * self.reach_hours if self.reach_hours else None, self.sigma_m)
 
 
 @dataclass(frozen=True)
