@@ -338,6 +338,8 @@ def _day(options: argparse.Namespace) -> None:
 
 def _where(options: argparse.Namespace) -> list[str]:
     """Return the options of Snakemake that tell where jobs run; the number of cores may be a profile's."""
+    if options.cores is not None and options.cores < 1:
+        raise InputError(f"--cores: expected 1 or more, got {options.cores}")
     if options.profile:
         return ["--profile", options.profile, *([f"-j{options.cores}"] if options.cores else [])]
     return [f"-j{options.cores or 2}"]

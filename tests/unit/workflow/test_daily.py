@@ -67,3 +67,9 @@ def test_a_folder_without_a_project_is_told_how_to_make_one(tmp_path, monkeypatc
     assert capsys.readouterr().err == (
         f"opml: config/config.yaml: no such file in {tmp_path}; `opml init FOLDER` makes a project\n"
     )
+
+
+@pytest.mark.parametrize("cores", ["0", "-1"])
+def test_numbers_of_cores_that_are_none_are_refused(cores, capsys):
+    assert cli.main(["day", "-j", cores]) == 1
+    assert capsys.readouterr().err == f"opml: --cores: expected 1 or more, got {cores}\n"
