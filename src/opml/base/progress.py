@@ -33,6 +33,11 @@ def on_stderr() -> Iterator[Progress]:
         print(begin, end="", file=sys.stderr, flush=True)
 
 
+def counted(number: int, noun: str) -> str:
+    """Return how many there are, as 1 object, 2 objects."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
 def clear() -> str:
     """Return what takes a line that is told away from a terminal, '' where stderr is none."""
     return _CLEAR if sys.stderr.isatty() else ""

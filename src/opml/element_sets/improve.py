@@ -20,7 +20,7 @@ import pandas as pd
 from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.base.progress import Progress
+from opml.base.progress import Progress, counted
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import corrector, density, features, pairs, ways
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
@@ -130,10 +130,11 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
 
     progress: takes a line for each stage
     """
-    progress(f"{known.catalogue.table['number'].nunique()} objects, {len(known.catalogue.table)} sets")
+    sets = known.catalogue.table
+    progress(f"{counted(sets['number'].nunique(), 'object')}, {counted(len(sets), 'set')}")
     today = modified_julian_day(known.date)
     rows = replayed(known, model, np.arange(-PAST, 1) + today)
-    progress(f"{len(rows)} predictions of {PAST + 1} mornings")
+    progress(f"{counted(len(rows), 'prediction')} of {PAST + 1} mornings")
     tried = ways.candidates(rows, model.correctors)
     is_today = rows["morning"] == today
     now = rows[is_today].assign(jump=corrector.jumps(rows))

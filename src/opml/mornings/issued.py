@@ -13,6 +13,7 @@ import pandas as pd
 from scipy.interpolate import make_interp_spline
 
 from opml.base.errors import InputError
+from opml.base.progress import counted
 from opml.ephemerides.along_track_shift import check_smooth, corrected, through
 from opml.ephemerides.corrected import interpolate_spread
 from opml.ephemerides.task import ephemeris_table
@@ -49,9 +50,8 @@ def choose_model(judged: pd.DataFrame, models: Sequence[str], *, now: float) -> 
         raise InputError("no ephemeris of an earlier morning was judged yet")
     over = past["model"].value_counts()
     if (most := over.max()) < LEAST_ROWS:
-        raise InputError(
-            f"{most} predictions were judged, fewer than the {LEAST_ROWS} that tell how large errors are"
-        )
+        judged_so_far = f"judged so far: {counted(most, 'prediction')}"
+        raise InputError(f"{judged_so_far}, fewer than the {LEAST_ROWS} that tell how large errors are")
     # A model that is new in the menu waits for a past of its own.
     replays = {
         name: judged[judged["model"] == name].drop(columns="model")

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY, HOUR
+from opml.base.progress import counted
 from opml.catalog.fit import fixes
 from opml.catalog.predict import labels
 from opml.ephemerides.corrected import interpolate_spread
@@ -130,7 +131,7 @@ def verdict(
             "a storm, another object, or a burn that the tracks do not show",
         )
     if mornings < FEWEST:
-        return Verdict(UNPROVEN, f"{mornings} mornings were judged, fewer than {FEWEST}")
+        return Verdict(UNPROVEN, f"judged so far: {counted(mornings, 'morning')}, fewer than {FEWEST}")
     if not recent.any():
         return Verdict(UNPROVEN, f"nothing was judged in the last {PAST / DAY:.0f} days")
     share, day = _least_inside(off[recent], flown["duration"].to_numpy(float)[recent])

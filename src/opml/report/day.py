@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from datetime import date, timedelta
 from typing import Any
 
+from opml.base.progress import counted
 from opml.mornings.calendar import HORIZON
 from opml.mornings.outcomes import DO_NOT_USE, FAILED, GOOD, UNPROVEN, WIDE
 from opml.report.document import Block, Card, Cards, Heading, Paragraph, Table, as_it_is
@@ -60,7 +61,7 @@ def summary(outcomes: Sequence[Outcome]) -> str:
     """Return how many objects have which verdict, in words."""
     counts = Counter(outcome["verdict"] for outcome in outcomes)
     parts = [f"{counts[verdict]} {verdict}" for verdict in WORST_FIRST if counts[verdict]]
-    return f"{len(outcomes)} object{'s' * (len(outcomes) != 1)}: {', '.join(parts)}"
+    return f"{counted(len(outcomes), 'object')}: {', '.join(parts)}"
 
 
 def as_json(outcomes: Sequence[Outcome], weather: Weather, *, date: str) -> dict[str, Any]:

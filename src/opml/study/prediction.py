@@ -14,6 +14,12 @@ from opml.study.settings import packaged
 MODELS = ("fit48", "running24", "running24m3")
 """Models that the past chooses from: those of every morning whose fits are short."""
 
+FIELD = {"degree": 48, "order": 48}
+"""Of gravity: under 70x70, which takes shorter steps and twice the time, Swarm A is predicted no better."""
+
+STEP = 120.0
+"""Longest step [s]: this field is followed as closely as the finer one in 75 s."""
+
 
 def of_measurements(request: Request, *, progress: Progress) -> FittedOrbit:
     """Predict an object from points or tracks as mornings do; raises as `mornings.prediction.predict`."""
@@ -29,8 +35,8 @@ def settings() -> OrbitSettings:
     )
     return OrbitSettings(
         estimation=run["estimation"],
-        force_model=real["force_models"]["assumed"],
-        integrator=run["integrator"] | real["integrator"],
+        force_model=real["force_models"]["assumed"] | FIELD,
+        integrator=run["integrator"] | {"max_step_s": STEP},
         environment=run["environment"],
         forecast=run["forecasts"][run["environment"]["forecast"]],
         futures=run["uncertainty"]["futures"],

@@ -10,6 +10,7 @@ from datetime import UTC, date, datetime, timedelta
 from pathlib import Path
 
 from opml.base.errors import InputError
+from opml.base.progress import counted
 from opml.mornings import outcomes
 from opml.mornings.days import Folder
 from opml.mornings.outcomes import DO_NOT_USE
@@ -22,8 +23,8 @@ ALL_RUN, WORKFLOW_FAILED, OBJECTS_FAILED = 0, 1, 2
 
 _PROJECT = "config/config.yaml"
 
-_SECONDS, _MEGABYTES = 12.0, 3.2
-"""What a morning of one object takes: mean of 35 of NUTSAT, by its public sets, with three fits each."""
+_SECONDS, _MEGABYTES = 4.0, 1.3
+"""What a morning of one object takes: mean of 20 of NUTSAT, by its public sets."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +92,8 @@ def beforehand(number: int, settings: Settings) -> str:
     """Return in words what so many mornings of objects take."""
     minutes = math.ceil(number * _SECONDS / 60.0)
     return (
-        f"{len(settings.measured)} objects, at most {number} mornings: about {minutes} min of one core, "
+        f"{counted(len(settings.measured), 'object')}, at most {counted(number, 'morning')}: "
+        f"about {minutes} min of one core, "
         f"{math.ceil(number * _MEGABYTES)} MB in {settings.values['results']}"
     )
 

@@ -50,7 +50,7 @@ def test_what_is_ahead_is_told(tmp_path):
     (done / DONE).write_text("{}")
     assert mornings_ahead(TODAY, settings) == 6 + 1
     assert beforehand(7, settings) == (
-        f"2 objects, at most 7 mornings: about 2 min of one core, 23 MB in {tmp_path}"
+        f"2 objects, at most 7 mornings: about 1 min of one core, 10 MB in {tmp_path}"
     )
 
 
