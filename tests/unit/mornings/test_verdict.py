@@ -131,7 +131,7 @@ def test_without_a_past_no_model_is_chosen():
     with pytest.raises(InputError, match="no ephemeris of an earlier morning was judged yet"):
         issued.choose_model(Records.empty().judged, ["fit96"], now=NOW)
     few = judged(sigma=100.0).head(19)
-    expected = "^19 predictions were judged, fewer than the 20 that tell how large errors are$"
+    expected = "^judged so far: 19 predictions, fewer than the 20 that tell how large errors are$"
     with pytest.raises(InputError, match=expected):
         issued.choose_model(few, ["fit96"], now=NOW)
 
