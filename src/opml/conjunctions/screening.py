@@ -145,15 +145,15 @@ class ScreenedObject:
 def read(paths: Sequence[FilePath]) -> list[ScreenedObject]:
     """Read the ephemerides in files, ours first: OEM, and mean elements over the span of ours.
 
-    The first file is of our object. Where it has mean elements, all of them fly over the span of the OEM. Of
-    an object with several sets the newest before the middle of the span flies, by SGP4, to 30 days from its
-    epoch at most. Raises InputError, naming the file, for what cannot be read, a first file of several
-    objects, and where no file is an OEM.
+    A file that is named twice counts once. The first file is of our object. Where it has mean elements, all of
+    them fly over the span of the OEM. Of an object with several sets the newest before the middle of the span
+    flies, by SGP4, to 30 days from its epoch at most. Raises InputError, naming the file, for what cannot be
+    read, a first file of several objects, and where no file is an OEM.
     """
     for path in paths:
         if cdm.matches(contents(path)):
             raise InputError(f"{path}: expected an ephemeris or mean elements, got a CDM: it is read alone")
-    first, *rest = paths
+    first, *rest = {File(path).resolve(): path for path in paths}.values()
     ours = _of_message(first) if _is_message(first) else []
     messages = [path for path in rest if _is_message(path)]
     others = [ephemeris for path in messages for ephemeris in _of_message(path)]

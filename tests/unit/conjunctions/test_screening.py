@@ -81,6 +81,14 @@ def test_the_command_prints_a_line_of_each_and_writes_messages(files, tmp_path, 
     assert capsys.readouterr().out == ",".join(as_text.table([], epoch=EPOCH).columns) + "\n"
 
 
+def test_a_file_that_is_named_twice_counts_once(files, tmp_path):
+    (ours, other), *_ = files
+    again = tmp_path / "sub" / ".." / other.name
+    (tmp_path / "sub").mkdir()
+    once, twice = (screening.read([ours, *others]) for others in ([other], [other, again, ours]))
+    assert [one.identity for one in twice] == [one.identity for one in once]
+
+
 def test_a_message_of_a_long_name_has_a_file(files, tmp_path):
     paths, *_ = files
     (segment,) = oem.read(paths[1], epoch=EPOCH)
