@@ -145,10 +145,10 @@ class ScreenedObject:
 def read(paths: Sequence[FilePath]) -> list[ScreenedObject]:
     """Read the ephemerides in files, ours first: OEM, and mean elements over the span of ours.
 
-    A file that is named twice counts once. The first file is of our object. Where it has mean elements, all
-    of them fly over the span of the OEM. Of an object with several sets the newest before the middle of the
-    span flies, by SGP4, to 30 days from its epoch at most. Raises InputError, naming the file, for what cannot
-    be read, a first file of several objects, and where no file is an OEM.
+    A file that is named twice counts once. The first file is of our object. Where it has mean elements,
+    all of them fly over the span of the OEM. Of an object with several sets the newest before the middle
+    of the span flies, by SGP4, to 30 days from its epoch at most. Raises InputError, naming the file, for
+    what cannot be read, a first file of several objects, and where no file is an OEM.
     """
     for path in paths:
         if cdm.matches(contents(path)):
