@@ -365,7 +365,7 @@ def _add_task(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", required=True, help="the task's folder; the truth gets -truth")
     parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
     parser.add_argument(
-        "--forecasts", metavar="FILE", help="weather forecasts as issued: CSV with a column issued"
+        "--forecasts", metavar="FILE", help="weather as it was forecast: CSV, a column issued"
     )
 
 
@@ -468,9 +468,7 @@ def _pack(options: argparse.Namespace) -> None:
 GROUPS = {
     "orbits": (
         Command("predict", "predict an object from element sets, points or tracks", _add_predict, _predict),
-        Command(
-            "improve", "improve element sets with a model trained on a catalogue", _add_improve, _improve
-        ),
+        Command("improve", "improve element sets, as a catalogue taught", _add_improve, _improve),
         Command("compare", "compare two orbits over time", _add_compare, _compare),
         Command("screen", "find close approaches of ephemerides", _add_screen, _screen),
     ),
