@@ -15,7 +15,7 @@ MODELS = ("fit48", "running24", "running24m3")
 """Models that the past chooses from: those of every morning whose fits are short."""
 
 FIELD = {"degree": 48, "order": 48}
-"""Of gravity: under 70x70, which takes shorter steps and twice the time, Swarm A is predicted about as well."""
+"""Of gravity: 70x70 takes shorter steps and twice the time, and predicts Swarm A about as well."""
 
 STEP = 120.0
 """Longest step [s]: this field is followed as closely as the finer one in 75 s."""
