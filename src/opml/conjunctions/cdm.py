@@ -15,12 +15,7 @@ import numpy as np
 from opml import __version__
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.conjunctions.conjunction import (
-    LARGEST_RADIUS,
-    Conjunction,
-    Participant,
-    check_radius,
-)
+from opml.conjunctions.conjunction import LARGEST_RADIUS, Conjunction, Participant, check_radius
 from opml.interop import ccsds
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import contents

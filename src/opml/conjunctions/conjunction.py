@@ -94,7 +94,7 @@ class Conjunction:
     known: float | None = None
     common: np.ndarray | None = None
 
-    @property
+    @cached_property
     def correlated(self) -> "Conjunction | None":
         """The same with the error of density that both share, None where it is unknown of either."""
         pair = (self.first, self.second)

@@ -149,10 +149,10 @@ class UncertainPairs:
         return np.asarray(self._inverse @ _without_negative(turned) @ np.swapaxes(self._inverse, -1, -2))
 
     @cached_property
-    def _shared(self) -> np.ndarray:
-        """Covariances (..., 2, 6, 6) of each object's elements with those of the other."""
+    def _shared(self) -> np.ndarray | None:
+        """Covariances (..., 2, 6, 6) of each object's elements with those of the other, None without any."""
         if self.common is None:
-            return np.zeros_like(self._spread)
+            return None
         common = self._inverse @ (self._axes @ self.common[..., None])
         return np.asarray(common @ np.swapaxes(common[..., ::-1, :, :], -1, -2))
 
@@ -169,8 +169,10 @@ class UncertainPairs:
         states, slope = self._flown(elements, t)
         expected = states + (slope @ (self._elements - elements)[..., None])[..., 0]
         turned = np.swapaxes(slope, -1, -2)
-        # What both share goes to and fro with both, and leaves their distance.
-        mixed = self._spread @ turned - self._shared @ turned[..., ::-1, :, :]
+        mixed = self._spread @ turned
+        if self._shared is not None:
+            # What both share goes to and fro with both, and leaves their distance.
+            mixed = mixed - self._shared @ turned[..., ::-1, :, :]
         return Cloud(_SIGN @ expected, np.sum(slope @ mixed, axis=-3)), mixed
 
     def _pulled(self, mixed: np.ndarray, force: np.ndarray) -> np.ndarray:
