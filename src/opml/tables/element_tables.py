@@ -57,7 +57,7 @@ ELEMENT_SCHEMAS = (
             text("applied", "what counted most in it: learned, density or unchanged"),
             text("population", "population whose corrector that was, '' without one"),
             real("weight", "1", "part that it counted by the object's own past"),
-            text("why", "why the object's own past did not tell, '' where it did"),
+            text("why", "why the object's past does not decide, '' where it does"),
             real("motion", "rad/min", "mean motion of the improved set"),
             real("bstar", "1/(6378.135 km)", "B* of the improved set"),
             real("motion_before", "rad/min", "mean motion of the set as published"),
