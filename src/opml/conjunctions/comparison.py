@@ -6,6 +6,7 @@
 An orbit is an OEM, SP3, CPF, CSV of points, or mean elements flown by SGP4.
 """
 
+import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -42,6 +43,9 @@ MOST_ROWS = 14
 _SPACINGS = (0.1, 0.5, 1.0, 3.0, 6.0, 12.0, 24.0, 72.0, 240.0, 720.0, 2400.0)  # [h]
 _DEGREE = 7  # of the polynomials that give velocities to positions
 _SAME = 1e-5  # [s]
+_OTHER_UNIT = 0.5  # of most ways between positions that velocities miss by more
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -243,8 +247,19 @@ def _of_orbit(paths: Sequence[FilePath], wanted: str | None, *, is_message: bool
 
 def _of_arcs(arcs: Sequence[Arc]) -> States:
     ordered = sorted(arcs, key=lambda arc: float(arc.t[0]))
-    stretches = [one for arc in ordered for one in _stretches(str(arc.path), *_in_gcrf(arc))]
+    stretches = [one for arc in ordered for one in _stretches(str(arc.path), *_in_gcrf(_in_one_unit(arc)))]
     return States(str(arcs[0].path), stretches)
+
+
+def _in_one_unit(arc: Arc) -> Arc:
+    """Return an arc, without its velocities where their unit is another, as in SP3 files of CNES."""
+    moved = np.diff(arc.positions, axis=0)
+    by_velocity = 0.5 * np.diff(arc.t)[:, None] * (arc.velocities[1:] + arc.velocities[:-1])
+    ways, misses = (np.linalg.norm(one, axis=1) for one in (moved, moved - by_velocity))
+    if np.count_nonzero(misses > _OTHER_UNIT * ways) <= len(ways) / 2:
+        return arc
+    _log.warning("%s: velocities of another unit passed over", arc.path)
+    return replace(arc, velocities=np.full_like(arc.velocities, np.nan))
 
 
 def stretches_of(segment: oem.Segment) -> list[Stretch]:

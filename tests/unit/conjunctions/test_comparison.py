@@ -102,6 +102,14 @@ def test_every_format_is_the_same_orbit(truth, tmp_path, kind):
         assert table["distance"].max() < 0.02
 
 
+def test_velocities_of_another_unit_are_passed_over(truth, tmp_path, caplog):
+    fixed = orbit_files.in_itrf(truth, T, environment()["earth_orientation"])
+    fixed[:, 3:] *= 10.0
+    orbit = comparison.read([orbit_files.sp3(tmp_path / "orbit.sp3", T, fixed)])
+    assert np.linalg.norm(orbit.at(orbit.t) - kepler(STATE, 0.0, T), axis=1).max() < 0.1
+    assert "orbit.sp3: velocities of another unit passed over" in caplog.text
+
+
 def test_between_states_without_velocities_the_orbit_goes_on(truth, tmp_path):
     paths = in_formats(truth, tmp_path)
     orbit = comparison.read([paths["SP3"]])
