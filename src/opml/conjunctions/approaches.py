@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 
 from opml.base.constants import EARTH_GM
 from opml.base.errors import InputError
@@ -31,7 +32,14 @@ _VELOCITY_MISS = 1e3  # of a way by the mean velocity of its ends [m]
 _NEAREST, _FARTHEST = 6e6, 1e9  # from the Earth's centre [m]
 _CLOCK = 1e-5  # to which times are known [s]
 _ROUGH = 0.1  # of a way that the mean velocity of its ends may be off
+_DEGREE = 7  # of the polynomials that give velocities to positions
 _HALVINGS = 36  # of a look's step, to a nanosecond
+
+
+def velocities_of(t: np.ndarray, positions: np.ndarray) -> np.ndarray:
+    """Return velocities (n, 3) [m/s] that lead from position to position (n, 3) [m] at times (n,) [s]."""
+    curve = make_interp_spline(t - t[0], positions, k=min(_DEGREE, len(t) - 1 - len(t) % 2))
+    return np.asarray(curve.derivative()(t - t[0]))
 
 
 @dataclass(frozen=True, eq=False)

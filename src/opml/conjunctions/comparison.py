@@ -13,13 +13,12 @@ from functools import cached_property
 
 import numpy as np
 import pandas as pd
-from scipy.interpolate import make_interp_spline
 from scipy.stats import chi2
 
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.conjunctions.approaches import FEWEST, LONGEST_STEP, STEP, Path
+from opml.conjunctions.approaches import FEWEST, LONGEST_STEP, STEP, Path, velocities_of
 from opml.conjunctions.screening import EPOCH, covariances_at
 from opml.environment import earth_orientation, nodes
 from opml.interop import ccsds, fixes_csv, oem
@@ -41,7 +40,6 @@ MOST_ROWS = 14
 """Largest number of rows of a summary."""
 
 _SPACINGS = (0.1, 0.5, 1.0, 3.0, 6.0, 12.0, 24.0, 72.0, 240.0, 720.0, 2400.0)  # [h]
-_DEGREE = 7  # of the polynomials that give velocities to positions
 _SAME = 1e-5  # [s]
 _OTHER_UNIT = 0.5  # of most ways between positions that velocities miss by more
 
@@ -291,8 +289,7 @@ def _stretches(name: str, t: np.ndarray, states: np.ndarray) -> list[Stretch]:
 def _with_velocities(t: np.ndarray, states: np.ndarray) -> np.ndarray:
     if np.isfinite(states).all() or len(t) < FEWEST:
         return states
-    curve = make_interp_spline(t - t[0], states[:, :3], k=min(_DEGREE, len(t) - 1 - len(t) % 2))
-    return np.hstack([states[:, :3], curve.derivative()(t - t[0])])
+    return np.hstack([states[:, :3], velocities_of(t, states[:, :3])])
 
 
 def _of_sets(paths: Sequence[FilePath], wanted: str | None) -> Sets:

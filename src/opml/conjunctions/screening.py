@@ -14,7 +14,7 @@ from pathlib import Path as File
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import DAY
+from opml.base.constants import DAY, WGS84_A
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions import approaches, cdm
@@ -39,6 +39,9 @@ WITHIN = 5.0
 
 # Standard deviations of a position [m] beyond which it is told: one may be in another unit, or made up.
 _WIDE, _EXACT = 1e5, 0.1
+
+# Distances from the Earth's centre below which nothing orbits, and below which sets may descend steeply [m].
+_LOWEST, _STEEP = WGS84_A + 80e3, WGS84_A + 200e3
 
 COVARIANCE_HELD = 600.0
 """Time for which a covariance holds before the first and beyond the last that is known [s]."""
@@ -310,23 +313,30 @@ def _of_elements(paths: Sequence[FilePath], span: Span) -> list[ScreenedObject]:
 
 
 def _flown(name: str, row: pd.Series, span: Span) -> list[Trajectory]:
-    """Return the trajectory of mean elements in a span, none where they are too old or SGP4 fails before.
+    """Return the trajectory of mean elements in a span, none where they are too old or decay before.
 
-    Beyond a failure SGP4 may go on, for an object that has decayed.
+    SGP4 may go on after a failure or below the ground, for an object that has decayed.
     """
     most = DAY * MOST_DAYS
     begin, end = max(span[0], row["t"] - most), min(span[1] + approaches.STEP, row["t"] + most)
     t = np.arange(min(begin, row["t"]), max(end, row["t"]), approaches.STEP)
     states = histories.states_of(row, epoch=EPOCH, t=t)
-    fails, epoch = ~np.isfinite(states).all(axis=1), np.searchsorted(t, row["t"])
-    first, last = np.flatnonzero(fails[:epoch]), epoch + np.flatnonzero(fails[epoch:])
+    decayed, epoch = ~(np.linalg.norm(states[:, :3], axis=1) > _LOWEST), np.searchsorted(t, row["t"])
+    first, last = np.flatnonzero(decayed[:epoch]), epoch + np.flatnonzero(decayed[epoch:])
     flown = slice(first[-1] + 1 if len(first) else 0, last[0] if len(last) else len(t))
     t, states = t[flown], states[flown]
     wanted = (t >= begin) & (t < end)
     if wanted.sum() < approaches.FEWEST:
         return []
-    path = Path(name, t[wanted], states[wanted])
+    path = Path(name, t[wanted], _led(t[wanted], states[wanted]))
     return [_with_usual_errors(row, path)]
+
+
+def _led(t: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """Return states whose velocities lead from one to the next: in a steep descent those of SGP4 do not."""
+    if np.linalg.norm(states[:, :3], axis=1).min() > _STEEP:
+        return states
+    return np.hstack([states[:, :3], approaches.velocities_of(t, states[:, :3])])
 
 
 def _with_usual_errors(row: pd.Series, path: Path) -> Trajectory:
