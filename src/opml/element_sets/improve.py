@@ -102,6 +102,7 @@ def read(
 
     Raises InputError for an unreadable file, for weather that ends too early, and where no set was public.
     """
+    check_date(date)
     today = modified_julian_day(date)
     found = knowledge.read(weather).keep_known(today)
     check_newest(found, weather, date=date, oldest=OLDEST_WEATHER)
@@ -109,6 +110,14 @@ def read(
     if sets.table.empty:
         raise InputError(f"element sets: expected some that were public on {date}, got none")
     return PublicData(sets, density.clean(found), date)
+
+
+def check_date(date: str) -> None:
+    """Raise InputError for a date that is no UTC text, and one that does not exist."""
+    try:
+        epochs.parse(date)
+    except InputError as reason:
+        raise InputError(str(reason).replace("epoch", "date", 1)) from None
 
 
 def check_newest(found: Weather, source: FilePath, *, date: str, oldest: float) -> None:

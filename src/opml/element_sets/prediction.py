@@ -19,7 +19,7 @@ import pandas as pd
 from sgp4.api import Satrec
 
 from opml.base import epochs
-from opml.base.constants import DAY
+from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.progress import Progress
@@ -96,8 +96,11 @@ class Prediction(PredictedOrbit):
     def _flown(self, t: np.ndarray) -> np.ndarray:
         states = mean_elements.states(self.improved, epoch=self.date, t=t)
         if not np.isfinite(states).all():
-            (when,) = self._texts(t[~np.isfinite(states).all(axis=1)][:1])
-            raise InputError(f"predict: {self.identity} decays by SGP4 before {when}: give less --days")
+            end = t[~np.isfinite(states).all(axis=1)].min()
+            most = f"at most --days {np.floor(100.0 * end / DAY) / 100.0:g}" if end > HOUR else "a newer set"
+            raise InputError(
+                f"predict: {self.identity} decays by SGP4 before {self._texts(end[None])[0]}: give {most}"
+            )
         return states
 
     def sigmas(self, t: np.ndarray) -> np.ndarray:

@@ -45,13 +45,14 @@ def train(
     Raises InputError for unreadable files, and where there is too little to learn from.
     """
     found = {name: catalogues.find_files(paths) for name, paths in populations.items()}
+    sets = {name: catalogues.read(files).daily() for name, files in found.items()}
     known = density.clean(knowledge.read(weather))
     progress("densities of the thermosphere since 2002")
     air = density.learned_air(known, first=FIRST_DAY, end=density.end_of(known))
     correctors, cards = {}, {}
     for name, files in with_time_left(list(found.items()), "population", progress):
         progress(f"{name}: predictions")
-        rows = mornings_of(catalogues.read(files).daily(), air)
+        rows = mornings_of(sets[name], air)
         progress(f"{name}: {len(rows)} predictions to learn from")
         correctors[name] = corrector.fit(rows, "trees", seed=seed)
         cards[name] = card(rows, files)

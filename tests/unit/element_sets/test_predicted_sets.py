@@ -18,7 +18,7 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.element_sets import catalogue, corrector, passes, prediction, ways
 from opml.interop import oem
-from opml.interop.element_sets import mean_elements, usual_errors
+from opml.interop.element_sets import element_set, mean_elements, tle, usual_errors
 from opml.workflow import predicted
 
 DATE = "2026-01-08T06:00:00"
@@ -221,6 +221,10 @@ REFUSED = {
     "an input as output": (["-o", "{file}"], r"sets\.tle: expected another file for what is written"),
     "an output twice": (["-o", "mine.oem"], r"mine\.oem: expected another file for what is written"),
     "a body of points": (["--area-to-mass", "0.02"], "--area-to-mass: expected points or tracks to fit"),
+    "a date that is none": (
+        ["--date", "yesterday"],
+        "^opml: date: expected UTC text like .*, got 'yesterday'",
+    ),
     "weather of later": (["--date", "1957-04-30T06:00:00"], "measured before 1957-04-30, got it from 19"),
     "another object": (["--object", "102"], "expected one object 102, got 101"),
     "old weather": (
@@ -247,6 +251,19 @@ def test_one_set_has_the_usual_errors(file, tmp_path):
     made = prediction.predict(tmp_path / "one.tle", days=1.0)
     assert made.reason == "first sets"
     assert np.isfinite(made.sizes.to_numpy(float)).all()
+
+
+def test_of_an_object_that_decays_the_days_that_it_has_are_told(file, tmp_path):
+    low = [16.2 / element_set.PER_DAY, 1e-3, 1.0, 1.0, 1.0, 1.0, 0.02]
+    lines = tle.lines(element_set.satellite("2026-01-08T02:00:00", low), NUMBER)
+    (tmp_path / "low.tle").write_text(file.read_text() + "\n".join(lines) + "\n")
+    made = prediction.predict(tmp_path / "low.tle")
+    with pytest.raises(InputError, match=r"decays by SGP4 before .*: give at most --days") as refused:
+        made.to_oem(tmp_path / "low.oem")
+    days = float(str(refused.value).rsplit(" ", 1)[1])
+    prediction.predict(tmp_path / "low.tle", days=days).to_oem(tmp_path / "low.oem")
+    with pytest.raises(InputError, match="decays by SGP4"):
+        prediction.predict(tmp_path / "low.tle", days=days + 0.02).to_oem(tmp_path / "lower.oem")
 
 
 def test_of_sets_that_cannot_be_read_the_first_tells_why(file, tmp_path):
