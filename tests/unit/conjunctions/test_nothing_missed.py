@@ -22,7 +22,7 @@ ROUGH = 20.0
 """By how much polynomials through states five minutes apart err at a low perigee [m]."""
 
 KINK = 100.0
-"""By how much they err where SGP4 jumps, as it does where the eccentricity of a sinking object gets to 0 [m]."""
+"""By how much they err where SGP4 jumps: where the eccentricity of a sinking object gets to 0 [m]."""
 
 STEPS = (20.0, 60.0, 97.3, 180.0, 300.0)
 OURS, OTHER = ObjectId("ours", "2000-001A"), ObjectId("other", "2001-001A")
