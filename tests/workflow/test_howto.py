@@ -16,8 +16,8 @@ FILES = files(BLOCKS)
 
 
 def write_orbit(path):
-    """The message that the page's run of 12 days would export, but of a circle."""
-    t = np.arange(0.0, 12 * 86400.0 + 1.0, 300.0)
+    """The message that the page's run of 18 days would export, but of a circle."""
+    t = np.arange(0.0, 18 * 86400.0 + 1.0, 300.0)
     a, speed = 6.9e6, 7600.0
     turn, still = t * speed / a, 0.0 * t
     place = [a * np.cos(turn), a * np.sin(turn), still]

@@ -10,13 +10,13 @@ from opml.base.files import PROJECT, FilePath, replacing
 from opml.study.settings import editor_schema
 
 STUDY = "mine.yaml"
-"""The file of the study that a new project begins with: one satellite, two radars, twelve days."""
+"""The file of the study that a new project begins with: one satellite, two radars, eighteen days."""
 
 SIMULATED = """\
 # mine.yaml
 # yaml-language-server: $schema=workflow/schemas/config.schema.json
 results: results/mine
-duration_days: 12
+duration_days: 18
 estimation: {window_hours: 24}
 rsos:
   mine: {a_km: 6900, e: 0.001, i_deg: 97.5, argp_deg: 0, raan_deg: 120, mean_anomaly_deg: 0,
@@ -24,7 +24,7 @@ rsos:
 study:
   rsos: [mine]
   station_sets: [eglin-kaena]
-  days: {train: [0, 8], test: [8, 12]}
+  days: {train: [0, 10], test: [10, 18]}
 """
 
 
