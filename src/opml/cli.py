@@ -252,7 +252,7 @@ def _predict(options: argparse.Namespace) -> None:
     for path in options.output:
         predicted.write(path, made, places)
     print(f"{made.identity} from {made.date} UTC: {made.way} ({made.reason})")
-    expected = made.expected().dropna(axis="columns", how="all")
+    expected = made.expected().dropna(axis="columns", how="all").replace({"utc": r"\.0+$"}, "", regex=True)
     print(expected.to_string(index=False, float_format="{:.0f}".format))
     print(f"one sigma [m]; {UNKNOWABLE}")
     for path in options.output:

@@ -136,8 +136,8 @@ class Prediction(PredictedOrbit):
         """What was used, in words."""
         of = f" from {self.how['population']}" if self.how["population"] else ""
         names = {
-            ways.LEARNED: f"set improved by density and what was learned{of}",
-            ways.DENSITY: "set improved by the density ahead",
+            ways.LEARNED: f"set improved by forecast density and a correction learned{of}",
+            ways.DENSITY: "set improved by forecast density",
             ways.UNCHANGED: "set as published",
         }
         return names[self.how["applied"]]
@@ -145,7 +145,7 @@ class Prediction(PredictedOrbit):
     @property
     def reason(self) -> str:
         """Why that was used, in words."""
-        weight = f"it counts {self.how['weight']:.0%} by what ways left of the object's last 20 mornings"
+        weight = f"weight {self.how['weight']:.0%}, from the errors of its last 20 mornings"
         return "; ".join([str(self.how["why"]) or weight, *self._cautions()])
 
     def _cautions(self) -> Iterator[str]:

@@ -43,7 +43,7 @@ def test_the_set_is_that_of_the_whole_catalogue(folder, beside):
     table = improve.improve(known, model.read(None)).table.set_index("number")
     assert len(table) == 12
     assert beside.identity.number == NUMBER
-    assert beside.way == "set improved by density and what was learned from payloads"
+    assert beside.way == "set improved by forecast density and a correction learned from payloads"
     assert (beside.how["motion"], beside.how["bstar"]) == tuple(table.loc[NUMBER, ["motion", "bstar"]])
     assert (beside.past["number"] == NUMBER).all()
 

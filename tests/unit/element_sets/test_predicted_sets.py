@@ -41,7 +41,7 @@ def test_it_is_the_better_set_flown_by_sgp4(file, tmp_path, monkeypatch):
     weights = ways.whole(pd.Series(ways.DENSITY, index=[NUMBER]))
     monkeypatch.setattr(ways, "weights", lambda rows, tried: weights)
     made = prediction.predict(file, date=DATE)
-    assert made.way == "set improved by the density ahead"
+    assert made.way == "set improved by forecast density"
     predicted.write(tmp_path / "better.tle", made, [])
     t = DAY * np.array([0.0, 3.0, 7.0])
     flown = mean_elements.states(mean_elements.read(tmp_path / "better.tle"), epoch=DATE, t=t)
@@ -199,7 +199,8 @@ def test_the_lines_of_the_readme_run(file, made, tmp_path, monkeypatch, capsys):
     readme = (REPOSITORY / "README.md").read_text(encoding="utf-8")
     lines = re.search("```python\n(.*?)```", readme, re.DOTALL)[1]
     monkeypatch.chdir(tmp_path)
-    for told, asked in (("sets.tle", str(file)), ("SW-All.csv", "OBSERVED"), ("2023-02-10", "2026-01-10")):
+    days = (("2023-02-09", "2026-01-09"), ("2023-02-10", "2026-01-10"))
+    for told, asked in (("sets.tle", str(file)), ("SW-All.csv", "OBSERVED"), *days):
         assert told in lines
         lines = lines.replace(told, asked)
     exec(lines, {"opml": opml})
