@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from opml import __version__
 from opml.base.errors import InputError
 from opml.base.files import check_apart
-from opml.base.progress import clear, on_stderr
+from opml.base.progress import clear, counted, on_stderr
 
 if TYPE_CHECKING:
     from opml.base.progress import Progress
@@ -199,14 +199,12 @@ def _add_improve(parser: argparse.ArgumentParser) -> None:
 
 def _improve(options: argparse.Namespace) -> None:
     from opml.element_sets import improve, model
-    from opml.interop.element_sets import rewriting
 
-    rewriting.check_suffix(options.output)
+    improve.check_written(options.output, options.table, options.sets)
     date = options.date or datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%S")
     latency = (6.0 if options.date else 0.0) if options.latency is None else options.latency
     if not latency >= 0.0:
         raise InputError(f"--latency: expected 0 hours or more, got {latency:g}")
-    check_apart([options.output, *([options.table] if options.table else [])], options.sets)
     known = improve.read(options.sets, date=date, weather=options.weather, latency=latency / 24.0)
     with on_stderr() as progress:
         better = improve.improve(known, model.read(options.model), progress=progress)
@@ -214,7 +212,7 @@ def _improve(options: argparse.Namespace) -> None:
     if options.table:
         better.write_table(options.table)
     beyond = f", {missing} without a number that a TLE has" if missing else ""
-    print(f"{options.output}: {len(better.sets) - missing} sets{beyond}")
+    print(f"{options.output}: {counted(len(better.sets) - missing, 'set')}{beyond}")
 
 
 def _add_predict(parser: argparse.ArgumentParser) -> None:

@@ -32,9 +32,11 @@ def project_file(path: FilePath) -> Path:
 
 
 def check_apart(written: Iterable[FilePath], read: Iterable[FilePath]) -> None:
-    """Raise InputError where one file would be written twice, or over one that is read."""
+    """Raise InputError where one file would be written twice, over one that is read, or over a folder."""
     taken = {Path(path).resolve() for path in read}
     for path in written:
+        if Path(path).is_dir():
+            raise InputError(f"{path}: expected a file to write, got a folder")
         if (whole := Path(path).resolve()) in taken:
             raise InputError(f"{path}: expected another file for what is written, got one that is in use")
         taken.add(whole)

@@ -19,7 +19,7 @@ import pandas as pd
 
 from opml.base import epochs
 from opml.base.errors import InputError
-from opml.base.files import FilePath
+from opml.base.files import FilePath, check_apart
 from opml.base.progress import Progress, counted
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import corrector, density, features, pairs, ways
@@ -32,7 +32,7 @@ from opml.environment.weather import Weather
 from opml.interop.element_sets import rewriting
 from opml.interop.element_sets.element_set import semi_major_axis
 from opml.interop.element_sets.rewriting import Better
-from opml.tables import write_as
+from opml.tables import check_suffix, write_as
 
 NEWER_WEATHER = "https://celestrak.org/SpaceData/SW-All.csv"
 """Where newer space weather is."""
@@ -110,6 +110,20 @@ def read(
     if sets.table.empty:
         raise InputError(f"element sets: expected some that were public on {date}, got none")
     return PublicData(sets, density.clean(found), date)
+
+
+def check_written(better: FilePath, table: FilePath | None, paths: Iterable[FilePath]) -> None:
+    """Raise InputError for files to write whose suffix has no format, or that are among those to read.
+
+    better: of sets; table: None for none; paths: files and folders of element sets
+    """
+    rewriting.check_suffix(better)
+    if table:
+        check_suffix(table)
+    check_apart([better, *([table] if table else [])], paths)
+    for folder in map(Path, paths):
+        if folder.is_dir() and folder.resolve() in Path(better).resolve().parents:
+            raise InputError(f"{better}: expected a file outside {folder}, as all sets in there are read")
 
 
 def check_date(date: str) -> None:

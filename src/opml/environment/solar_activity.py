@@ -127,7 +127,8 @@ def read_text(path: str | Path) -> str:
         plain = gzip.decompress(content) if content.startswith(_GZIP) else content
         return plain.decode("utf-8-sig")
     except (OSError, EOFError, zlib.error, UnicodeDecodeError) as reason:
-        raise InputError(f"{path}: expected a table of solar activity, got {reason}") from None
+        got = getattr(reason, "strerror", None) or reason
+        raise InputError(f"{path}: expected a table of solar activity, got {got}") from None
 
 
 def _reader(path: str | Path, text: str) -> Callable[[str | Path, list[str]], pd.DataFrame]:

@@ -175,6 +175,20 @@ def test_a_folder_without_sets_is_refused(tmp_path: Path) -> None:
     assert "expected files of element sets" in refusal(catalogue.read, [tmp_path])
 
 
+def test_better_sets_are_not_written_among_those_that_are_read(tmp_path: Path) -> None:
+    (tmp_path / "sets").mkdir()
+    (tmp_path / "folder.tle").mkdir()
+    for better, expected in (
+        ("sets/more/b.tle", "a file outside"),
+        ("folder.tle", "a file to write, got a f"),
+    ):
+        paths = [tmp_path / "sets"]
+        assert f"{better}: expected {expected}" in refusal(
+            improve.check_written, tmp_path / better, None, paths
+        )
+    improve.check_written(tmp_path / "b.tle", None, paths)
+
+
 def test_density_of_a_constant_thermosphere_makes_a_parabola() -> None:
     log = np.full((4 * 120, len(density.HEIGHTS)), -28.0)
     air = density.MorningDensity(

@@ -221,6 +221,7 @@ REFUSED = {
     "too many days": (["--days", "8"], "expected more than 0 and at most 7 days, got 8"),
     "an input as output": (["-o", "{file}"], r"sets\.tle: expected another file for what is written"),
     "an output twice": (["-o", "mine.oem"], r"mine\.oem: expected another file for what is written"),
+    "a folder as output": (["-o", ".."], r"\.\.: expected a suffix"),
     "a body of points": (["--area-to-mass", "0.02"], "--area-to-mass: expected points or tracks to fit"),
     "a date that is none": (
         ["--date", "yesterday"],
