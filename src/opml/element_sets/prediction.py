@@ -227,9 +227,9 @@ def predict(
 def _basis(past: pd.DataFrame) -> str:
     """Return what the sizes of errors rest on, in words."""
     return (
-        f"by {len(past)} predictions of the object's own {past['morning'].nunique()} mornings, held against "
-        f"later sets; radial and cross-track by {MORNINGS} mornings at most. What objects of that height "
-        "usually show counts as eight predictions, and what all sets err alike is added"
+        f"from {len(past)} predictions of this object on {past['morning'].nunique()} past mornings, compared "
+        f"with later sets (radial and cross-track: {MORNINGS} mornings at most). The usual errors at its height "
+        "count as eight predictions more; the errors that all its sets share are added"
     )
 
 

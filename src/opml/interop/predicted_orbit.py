@@ -20,7 +20,7 @@ from opml.tables import STATE
 LEADS = (0, 1, 3, 5, 7)
 """Days from the date at which expected errors are told."""
 
-UNKNOWABLE = "no burn after the date is reckoned with"
+UNKNOWABLE = "no manoeuvre after the date is assumed"
 """What no covariance knows."""
 
 STEP = 60.0
