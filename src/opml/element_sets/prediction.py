@@ -228,7 +228,7 @@ def _basis(past: pd.DataFrame) -> str:
     """Return what the sizes of errors rest on, in words."""
     return (
         f"from {len(past)} predictions of this object on {past['morning'].nunique()} past mornings, compared "
-        f"with later sets (radial and cross-track: {MORNINGS} mornings at most). The usual errors at its height "
+        f"with later sets (radial and cross-track: {MORNINGS} mornings at most). Usual errors at its height "
         "count as eight predictions more; the errors that all its sets share are added"
     )
 
