@@ -1,6 +1,7 @@
 """The documentation: links lead somewhere, what it lists is what there is, and its site builds."""
 
 import importlib.util
+import json
 import re
 import subprocess
 import sys
@@ -69,6 +70,19 @@ def test_the_menu_leads_home_and_has_the_version(site):
     text = (site / "theory.html").read_text(encoding="utf-8")
     assert re.search(r'<a class="reference internal" href="index.html">\s*Home\s*</a>', text)
     assert f'<span class="sidebar-brand-text">opml {opml.__version__}</span>' in text
+
+
+@pytest.mark.slow
+def test_the_search_shows_where_the_words_stand_from_a_folder_too(site):
+    assert '<script src="_static/pages.js"></script>' in (site / "search.html").read_text(encoding="utf-8")
+    script = (site / "_static" / "pages.js").read_text(encoding="utf-8")
+    texts = json.loads(re.search(r"PAGES = ({.*});\n", script)[1])
+    assert set(texts) >= {f"{page.stem}.html" for page in (REPOSITORY / "docs").glob("*.md")}
+    section = re.search(r'<section id="which-model-is-selected">(.*?)</section>', texts["uncertainty.html"])[
+        1
+    ]
+    assert section.startswith(" Which model is selected? Each morning the default is")
+    assert set(re.findall(r"</?(\w+)", "".join(texts.values()))) == {"section"}
 
 
 @pytest.mark.slow
