@@ -5,7 +5,8 @@ import re
 import pytest
 from support import REPOSITORY
 
-SEASONS = ("summer of 2026", "2025-07-01", "2022-11-01", "2018 to 2020", "fragments")
+from validation.pictures import where_learning_helps
+from validation.pictures.page_tables import catalogue, rows
 
 
 def page(name):
@@ -16,42 +17,26 @@ def sentences(name):
     return " ".join(page(name).split())
 
 
-def rows(name, heading=""):
-    """Cells of the rows of tables under a heading of a page, or of all."""
-    text = page(name).partition(f"\n{heading}\n")[2].partition("\n## ")[0] if heading else page(name)
-    lines = re.findall(r"^\| .* \|$", text, re.MULTILINE)
-    return [[cell.strip() for cell in line[1:-1].split(" | ")] for line in lines]
+@pytest.fixture(scope="module")
+def improved():
+    """Cells of improved sets by the first word of the season."""
+    return {season.split()[0]: cells for (season, way), cells in catalogue().items() if way == "improved"}
 
 
-def seasons():
-    """Numbers of the table of learning.md by season and way: median, 95th percentile, interval of the median."""
-    table, season = {}, ""
-    for first, way, *cells in rows("docs/learning", "## Results"):
-        season = next((name for name in SEASONS if first.startswith(name)), season)
-        table[season, way.strip("*")] = [[int(n) for n in re.findall(r"\d+", cell)] for cell in cells]
-    return table
-
-
-def test_the_share_of_sgp4_s_error_is_that_of_the_catalogue():
-    week = [seasons()[season, "improved"][-1][0] for season in SEASONS]
+def test_the_share_of_sgp4_s_error_is_that_of_the_catalogue(improved):
+    week = [cells[-1][0] for cells in improved.values()]
     assert f"after a week to {min(week[:3])} to {max(week[:3])} %" in sentences("docs/reality")
     assert f"at solar minimum they do not ({week[3]} %)" in sentences("docs/reality")
 
 
-def test_each_median_of_improved_sets_is_inside_its_interval():
-    for season in SEASONS:
-        for median, _, low, high in seasons()[season, "improved"]:
-            assert low <= median <= high
+def test_each_median_of_improved_sets_is_inside_its_interval(improved):
+    assert len(improved) == 5
+    for median, _, low, high in (cell for cells in improved.values() for cell in cells):
+        assert low <= median <= high
 
 
 def test_trees_relative_to_density_are_those_of_the_rows():
-    summer = "summer of 2026"
-    ratios = [
-        100.0 * trees[0] / density[0]
-        for trees, density in zip(
-            seasons()[summer, "trees"], seasons()[summer, "density-scaled"], strict=True
-        )
-    ]
+    ratios = next(iter(where_learning_helps.from_catalogue().values()))
     said = re.search(r"trees have ((?:\d+ \(\d+ to \d+\)(?:, | and )?){4}) %", sentences("docs/learning"))[1]
     stated = [tuple(map(int, numbers)) for numbers in re.findall(r"(\d+) \((\d+) to (\d+)\)", said)]
     for ratio, (middle, low, high) in zip(ratios, stated, strict=True):
@@ -63,9 +48,9 @@ def test_what_learning_costs_a_satellite_is_the_skill_of_its_table():
     table = {first: cells for first, *cells in rows("docs/reality", "## Swarm A")}
     skill = int(table["`mechanism`, the best that learned"][-1])
     assert f"retrained each morning it is {-skill} % worse than the best" in sentences("docs/reality")
-    larets = rows("docs/reality", "## Larets")[-1]
-    assert "the best that learned" in larets[0]
-    assert max(skill, int(larets[-1])) < 0
+    errors = where_learning_helps.from_own_past()
+    assert errors["Swarm A"] == 100.0 - skill
+    assert min(errors.values()) > 100.0
     assert "No model that learned from one satellite's own past did better" in sentences("docs/reality")
 
 
@@ -124,3 +109,13 @@ def test_every_conjunction_of_cara_is_counted_once():
         all_of_them
     )
     assert f"the probabilities of {all_of_them} real conjunctions" in sentences("docs/conjunctions")
+
+
+def test_the_picture_of_learning_has_every_season_and_satellite():
+    seasons, satellites = where_learning_helps.from_catalogue(), where_learning_helps.from_own_past()
+    figure = where_learning_helps.gains(seasons, satellites)
+    labels = [label.get_text() for label in figure.axes[0].get_yticklabels()]
+    assert len(labels) == len(seasons) + len(satellites) == 9
+    assert labels[0] == "catalogue, summer of 2026, 05-31 to 07-31: 459 objects"
+    drawn = [list(line.get_xdata()) for line in figure.axes[0].lines[:4]]
+    assert drawn == [[values[k] for values in seasons.values()] for k in range(4)]
