@@ -1,4 +1,4 @@
-"""Two orbits held against each other: distances in RSW, what a covariance holds, and all formats."""
+"""Two orbits compared with each other: distances in RSW, what a covariance holds, and all formats."""
 
 import json
 
