@@ -153,7 +153,7 @@ class EvaluationSettings(Entry):
     """One model on one test."""
 
     target: Absent[str] = setting("RSO to test on, where it is another one", unit="name", default=None)
-    label: Absent[Label] = setting("what errors are compared with, in place of `study.label`", default=None)
+    label: Absent[Label] = setting("reference of the errors, in place of `study.label`", default=None)
     published: Absent[Positive] = setting("the paper's P_ML", unit="%", default=None)
 
 
@@ -339,7 +339,7 @@ class OwnStudySettings(Section):
         default=None,
     )
     label: Absent[Label] = setting(
-        "what errors are compared with to learn from: `truth`, or estimates, `later` or `smoothed`; default"
+        "reference of the errors to learn from: `truth`, or estimates, `later` or `smoothed`; by default"
         " `truth`, or `later` where an RSO of the study was measured",
         see="labels.md",
         default=None,
